@@ -16,4 +16,5 @@
 
 pub mod cortex;
 pub mod division;
+pub mod lineage;
 pub mod numerics;

@@ -103,6 +103,13 @@ pub struct Numerics {
 
 impl Default for Numerics {
     fn default() -> Self {
-        Numerics { stages: 4, intervals: 48, time_tolerance: 1e-4, step_factor: 1.0, t_max: 2000.0, chi_symmetric: 5e-3 }
+        Numerics {
+            stages: 4,
+            intervals: 48,
+            time_tolerance: 1e-4,
+            step_factor: 1.0,
+            t_max: 2000.0,
+            chi_symmetric: 5e-3,
+        }
     }
 }

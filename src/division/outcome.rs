@@ -69,7 +69,9 @@ pub enum DivisionError {
         reason: String,
     },
     /// The time step fell below its minimum.
-    #[error("time stepping of the cell with R0 = {r0} stalled at t = {t} with step {dt} ({reason}); try more mesh intervals or a smaller time tolerance")]
+    #[error(
+        "time stepping of the cell with R0 = {r0} stalled at t = {t} with step {dt} ({reason}); try more mesh intervals or a smaller time tolerance"
+    )]
     Stalled {
         /// Radius R0.
         r0: f64,
