@@ -502,3 +502,6 @@ fn steepest_slope(mut samples: Vec<Sample>) -> f64 {
         .map(|pair| ((pair[1].chi - pair[0].chi) / (pair[1].r0 / pair[0].r0).ln()).abs())
         .fold(0.0, f64::max)
 }
+
+#[cfg(test)]
+mod tests;
