@@ -1,0 +1,351 @@
+//! Static condensation: the stages of one interval expressed by its left node and the scalar unknowns.
+//!
+//! With E the integrable components and N the others, linearising [stages] gives on every interval
+//!
+//! * δY_E,j = δy_E + Σ_k a_jk (h F_EN,k δY_N,k + h F_Ep,k δp − R_E,k),
+//! * Σ_j [D_ij I − δ_ij h F_NN,i − h² a_ij F_NE,i F_EN,j] δY_N,j
+//!   = s_i δy_N + h F_NE,i δy_E + (h F_Np,i + h² F_NE,i Σ_k a_ik F_Ep,k) δp − R_N,i − h F_NE,i Σ_k a_ik R_E,k,
+//!
+//! with s_i = Σ_j D_ij and R the stage residual. Eliminating leaves δy₁ = G δy₀ + B δp + c. The matrix is factorised once;
+//! new residuals R only need triangular solves.
+
+use super::dense::{self, Determinant, LANE, Lane, PivotFailure};
+use super::gauss::Gauss;
+use super::problem::Dimensions;
+
+/// Shapes of the condensed storage, fixed per problem and stage count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    /// Sizes of the problem.
+    pub dims: Dimensions,
+    /// Stages m.
+    pub m: usize,
+    /// Non-integrable components.
+    pub nn: usize,
+    /// Stage unknowns left after integrating: m · nn.
+    pub s: usize,
+    /// Lane at which the right-hand sides start.
+    pub rhs_lane: usize,
+    /// Lanes of one row of the stage matrix.
+    pub lanes: usize,
+    /// Columns of the condensed map: n + scalars.
+    pub columns: usize,
+    /// Lanes of one row of the condensed map.
+    pub map_lanes: usize,
+}
+
+impl Layout {
+    /// Layout for a problem and a stage count.
+    pub fn new(dims: Dimensions, m: usize) -> Layout {
+        let nn = dims.components - dims.integrable;
+        let s = m * nn;
+        let columns = dims.components + dims.scalars;
+        let rhs_lane = dense::lanes_for(s);
+        let map_lanes = dense::lanes_for(columns);
+        Layout { dims, m, nn, s, rhs_lane, lanes: rhs_lane + map_lanes, columns, map_lanes }
+    }
+}
+
+/// Derivatives at the stages of all intervals, and the factorised stage matrices.
+#[derive(Clone, Debug)]
+pub struct Condensed {
+    /// Shapes.
+    pub layout: Layout,
+    /// Interval widths h.
+    pub h: Vec<f64>,
+    /// ∂f/∂y at the stages; (interval · m + stage) × n × n.
+    pub fy: Vec<f64>,
+    /// ∂f/∂p at the stages; × n × scalars.
+    pub fp: Vec<f64>,
+    /// ∂g/∂y at the stages; × integrals × n.
+    pub gy: Vec<f64>,
+    /// ∂g/∂p at the stages; × integrals × scalars.
+    pub gp: Vec<f64>,
+    /// Factorised stage matrix beside its solved right-hand sides; per interval s × lanes.
+    matrix: Vec<Lane>,
+    permutation: Vec<u8>,
+    /// δY as a linear map of (δy₀, δp); per interval (m · n) × map_lanes.
+    map: Vec<Lane>,
+    /// [G B] per interval; n × map_lanes.
+    transition: Vec<Lane>,
+    /// Linear form of the integrals per interval: integrals × map_lanes.
+    integral: Vec<Lane>,
+}
+
+#[inline(always)]
+fn add_scaled(target: &mut [Lane], factor: f64, source: &[Lane]) {
+    for (x, y) in target.iter_mut().zip(source) {
+        for t in 0..LANE {
+            x[t] += factor * y[t];
+        }
+    }
+}
+
+impl Condensed {
+    /// Empty storage.
+    pub fn new(dims: Dimensions, m: usize) -> Condensed {
+        Condensed {
+            layout: Layout::new(dims, m),
+            h: Vec::new(),
+            fy: Vec::new(),
+            fp: Vec::new(),
+            gy: Vec::new(),
+            gp: Vec::new(),
+            matrix: Vec::new(),
+            permutation: Vec::new(),
+            map: Vec::new(),
+            transition: Vec::new(),
+            integral: Vec::new(),
+        }
+    }
+
+    /// Number of intervals.
+    pub fn intervals(&self) -> usize {
+        self.h.len()
+    }
+
+    /// Sizes the storage for a mesh and zeroes the derivatives.
+    pub fn reset(&mut self, mesh: &[f64]) {
+        let l = self.layout;
+        let intervals = mesh.len() - 1;
+        let (n, points) = (l.dims.components, intervals * l.m);
+        self.h.clear();
+        self.h.extend(mesh.windows(2).map(|w| w[1] - w[0]));
+        for (v, size) in [
+            (&mut self.fy, points * n * n),
+            (&mut self.fp, points * n * l.dims.scalars),
+            (&mut self.gy, points * l.dims.integrals * n),
+            (&mut self.gp, points * l.dims.integrals * l.dims.scalars),
+        ] {
+            v.clear();
+            v.resize(size, 0.0);
+        }
+        self.permutation.resize(intervals * l.s, 0);
+        self.matrix.resize(intervals * l.s * l.lanes, [0.0; LANE]);
+        self.map.resize(points * n * l.map_lanes, [0.0; LANE]);
+        self.transition.resize(intervals * n * l.map_lanes, [0.0; LANE]);
+        self.integral.resize(intervals * l.dims.integrals * l.map_lanes, [0.0; LANE]);
+    }
+
+    /// [G B] of interval i; n rows of `map_lanes` lanes.
+    pub fn transition(&self, i: usize) -> &[Lane] {
+        let size = self.layout.dims.components * self.layout.map_lanes;
+        &self.transition[i * size..(i + 1) * size]
+    }
+
+    /// Coefficients of (δy₀, δp) in the integrals over interval i.
+    pub fn integral(&self, i: usize) -> &[Lane] {
+        let size = self.layout.dims.integrals * self.layout.map_lanes;
+        &self.integral[i * size..(i + 1) * size]
+    }
+
+    /// Factorises interval i from the derivatives stored for it.
+    pub fn factor(&mut self, gauss: &Gauss, i: usize) -> Result<(), PivotFailure> {
+        let l = self.layout;
+        let (n, e, nn, m, np) = (l.dims.components, l.dims.integrable, l.nn, l.m, l.dims.scalars);
+        let h = self.h[i];
+        let fy = &self.fy[i * m * n * n..(i + 1) * m * n * n];
+        let fp = &self.fp[i * m * n * np..(i + 1) * m * n * np];
+        let matrix = &mut self.matrix[i * l.s * l.lanes..(i + 1) * l.s * l.lanes];
+        matrix.fill([0.0; LANE]);
+        for stage in 0..m {
+            let f = &fy[stage * n * n..(stage + 1) * n * n];
+            let row_sum: f64 = gauss.d_matrix[stage * m..(stage + 1) * m].iter().sum();
+            for alpha in 0..nn {
+                let row_index = stage * nn + alpha;
+                let row = matrix[row_index * l.lanes..(row_index + 1) * l.lanes].as_flattened_mut();
+                let f_row = &f[(e + alpha) * n..(e + alpha + 1) * n];
+                for j in 0..m {
+                    let block = &mut row[j * nn..(j + 1) * nn];
+                    let scale = h * h * gauss.a[stage * m + j];
+                    for k in 0..e {
+                        let weight = -scale * f_row[k];
+                        if weight != 0.0 {
+                            let f_en = &fy[j * n * n + k * n + e..j * n * n + (k + 1) * n];
+                            for (x, v) in block.iter_mut().zip(f_en) {
+                                *x += weight * v;
+                            }
+                        }
+                    }
+                    block[alpha] += gauss.d_matrix[stage * m + j];
+                }
+                for (x, v) in row[stage * nn..(stage + 1) * nn].iter_mut().zip(&f_row[e..]) {
+                    *x -= h * v;
+                }
+                let rhs = &mut row[l.rhs_lane * LANE..];
+                for k in 0..e {
+                    rhs[k] = h * f_row[k];
+                }
+                rhs[e + alpha] = row_sum;
+                for q in 0..np {
+                    let mut value = h * fp[(stage * n + e + alpha) * np + q];
+                    for k in 0..e {
+                        let inner: f64 = (0..m).map(|j| gauss.a[stage * m + j] * fp[(j * n + k) * np + q]).sum();
+                        value += h * h * f_row[k] * inner;
+                    }
+                    rhs[n + q] = value;
+                }
+            }
+        }
+        let permutation = &mut self.permutation[i * l.s..(i + 1) * l.s];
+        dense::eliminate(matrix, l.lanes, l.s, l.s, permutation)?;
+        dense::back_substitute(matrix, l.lanes, l.s, l.rhs_lane);
+        self.assemble_map(gauss, i);
+        Ok(())
+    }
+
+    /// Fills the map δY(δy₀, δp), the transition [G B] and the integral rows of a factorised interval.
+    fn assemble_map(&mut self, gauss: &Gauss, i: usize) {
+        let l = self.layout;
+        let (n, e, nn, m, np) = (l.dims.components, l.dims.integrable, l.nn, l.m, l.dims.scalars);
+        let h = self.h[i];
+        let ml = l.map_lanes;
+        let matrix = &self.matrix[i * l.s * l.lanes..(i + 1) * l.s * l.lanes];
+        let map = &mut self.map[i * m * n * ml..(i + 1) * m * n * ml];
+        for stage in 0..m {
+            for beta in 0..nn {
+                let from = (stage * nn + beta) * l.lanes + l.rhs_lane;
+                let to = (stage * n + e + beta) * ml;
+                map[to..to + ml].copy_from_slice(&matrix[from..from + ml]);
+            }
+            for k in 0..e {
+                let row = &mut map[(stage * n + k) * ml..(stage * n + k + 1) * ml];
+                row.fill([0.0; LANE]);
+                row.as_flattened_mut()[k] = 1.0;
+            }
+        }
+        let transition = &mut self.transition[i * n * ml..(i + 1) * n * ml];
+        transition.fill([0.0; LANE]);
+        // Slopes Q_k = h F_EN δY_N + h F_Ep δp of the integrable components, spread over stages and the right node.
+        let mut slope = [[0.0; LANE]; 4];
+        debug_assert!(ml <= slope.len());
+        for stage in 0..m {
+            let f = &self.fy[(i * m + stage) * n * n..(i * m + stage + 1) * n * n];
+            let fp = &self.fp[(i * m + stage) * n * np..(i * m + stage + 1) * n * np];
+            for k in 0..e {
+                let slope = &mut slope[..ml];
+                slope.fill([0.0; LANE]);
+                for beta in 0..nn {
+                    let weight = h * f[k * n + e + beta];
+                    if weight != 0.0 {
+                        let from = (stage * n + e + beta) * ml;
+                        add_scaled(slope, weight, &map[from..from + ml]);
+                    }
+                }
+                for q in 0..np {
+                    slope.as_flattened_mut()[n + q] += h * fp[k * np + q];
+                }
+                for j in 0..m {
+                    let to = (j * n + k) * ml;
+                    add_scaled(&mut map[to..to + ml], gauss.a[j * m + stage], slope);
+                }
+                add_scaled(&mut transition[k * ml..(k + 1) * ml], gauss.b[stage], slope);
+            }
+        }
+        let rest = 1.0 - gauss.d.iter().sum::<f64>();
+        for k in 0..e {
+            transition[k * ml..(k + 1) * ml].as_flattened_mut()[k] += 1.0;
+        }
+        for beta in 0..nn {
+            let row = &mut transition[(e + beta) * ml..(e + beta + 1) * ml];
+            row.as_flattened_mut()[e + beta] += rest;
+            for stage in 0..m {
+                let from = (stage * n + e + beta) * ml;
+                add_scaled(row, gauss.d[stage], &map[from..from + ml]);
+            }
+        }
+        let ni = l.dims.integrals;
+        let integral = &mut self.integral[i * ni * ml..(i + 1) * ni * ml];
+        integral.fill([0.0; LANE]);
+        for stage in 0..m {
+            let point = i * m + stage;
+            for k in 0..ni {
+                let row = &mut integral[k * ml..(k + 1) * ml];
+                for c in 0..n {
+                    let weight = h * gauss.b[stage] * self.gy[(point * ni + k) * n + c];
+                    if weight != 0.0 {
+                        let from = (stage * n + c) * ml;
+                        add_scaled(row, weight, &map[from..from + ml]);
+                    }
+                }
+                for q in 0..np {
+                    row.as_flattened_mut()[n + q] += h * gauss.b[stage] * self.gp[(point * ni + k) * np + q];
+                }
+            }
+        }
+    }
+
+    /// Particular stage values of interval i for stage residuals `r` (m × n), with δy₀ = δp = 0, into `y` (m × n).
+    /// Returns nothing else: [`particular_node`](Self::particular_node) gives c and the integrals follow from `y`.
+    pub fn particular_stages(&self, gauss: &Gauss, i: usize, r: &[f64], y: &mut [f64]) {
+        let l = self.layout;
+        let (n, e, nn, m) = (l.dims.components, l.dims.integrable, l.nn, l.m);
+        let h = self.h[i];
+        let fy = &self.fy[i * m * n * n..(i + 1) * m * n * n];
+        let mut x = [0.0; 64];
+        for stage in 0..m {
+            for k in 0..e {
+                let sum: f64 = (0..m).map(|j| gauss.a[stage * m + j] * r[j * n + k]).sum();
+                y[stage * n + k] = -sum;
+            }
+            for alpha in 0..nn {
+                let f_row = &fy[(stage * n + e + alpha) * n..(stage * n + e + alpha + 1) * n];
+                let mut value = -r[stage * n + e + alpha];
+                for k in 0..e {
+                    value += h * f_row[k] * y[stage * n + k];
+                }
+                x[stage * nn + alpha] = value;
+            }
+        }
+        let matrix = &self.matrix[i * l.s * l.lanes..(i + 1) * l.s * l.lanes];
+        dense::solve_vector(matrix, l.lanes, l.s, &self.permutation[i * l.s..(i + 1) * l.s], &mut x[..l.s]);
+        for stage in 0..m {
+            y[stage * n + e..(stage + 1) * n].copy_from_slice(&x[stage * nn..(stage + 1) * nn]);
+        }
+        for stage in 0..m {
+            for k in 0..e {
+                let f_row = &fy[(stage * n + k) * n..(stage * n + k + 1) * n];
+                let slope: f64 = h * (0..nn).map(|b| f_row[e + b] * y[stage * n + e + b]).sum::<f64>();
+                for j in 0..m {
+                    y[j * n + k] += gauss.a[j * m + stage] * slope;
+                }
+            }
+        }
+    }
+
+    /// The constant c = δy₁ for δy₀ = δp = 0 from the particular stage values and the node residual ρ, into `c`.
+    pub fn particular_node(&self, gauss: &Gauss, y: &[f64], rho: &[f64], c: &mut [f64]) {
+        let n = self.layout.dims.components;
+        for k in 0..n {
+            c[k] = rho[k] + (0..self.layout.m).map(|j| gauss.d[j] * y[j * n + k]).sum::<f64>();
+        }
+    }
+
+    /// Adds the map of interval i times (δy₀, δp) to the particular stage values in `y`.
+    pub fn complete_stages(&self, i: usize, dy0: &[f64], dp: &[f64], y: &mut [f64]) {
+        let l = self.layout;
+        let n = l.dims.components;
+        let mut x = [0.0; 4 * LANE];
+        x[..n].copy_from_slice(dy0);
+        x[n..n + dp.len()].copy_from_slice(dp);
+        let map = &self.map[i * l.m * n * l.map_lanes..(i + 1) * l.m * n * l.map_lanes];
+        for (value, row) in y.iter_mut().zip(map.chunks_exact(l.map_lanes)) {
+            let mut sum = [0.0; LANE];
+            for (lane, part) in row.iter().enumerate() {
+                for t in 0..LANE {
+                    sum[t] += part[t] * x[lane * LANE + t];
+                }
+            }
+            *value += sum.iter().sum::<f64>();
+        }
+    }
+
+    /// Multiplies the determinants of all stage matrices into `det`.
+    pub fn accumulate_determinant(&self, det: &mut Determinant) {
+        let l = self.layout;
+        for i in 0..self.intervals() {
+            let matrix = &self.matrix[i * l.s * l.lanes..(i + 1) * l.s * l.lanes];
+            dense::accumulate_determinant(matrix, l.lanes, l.s, &self.permutation[i * l.s..(i + 1) * l.s], det);
+        }
+    }
+}

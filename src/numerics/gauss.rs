@@ -1,0 +1,211 @@
+//! Gauss–Legendre collocation on one interval.
+//!
+//! On an interval of length h the collocation polynomial takes the node value y₀ at θ = 0 and the stage values Y_j at
+//! the Gauss points θ = c_j. With A the Runge–Kutta matrix and D = A⁻¹ it satisfies
+//!
+//! * [stages] Σ_k D_jk (Y_k − y₀) = h f(Y_j),
+//! * [node]   y₁ = y₀ + Σ_j d_j (Y_j − y₀), d = bᵀD.
+//!
+//! Writing the unknowns as stage *values* keeps f on the diagonal of the first equation.
+//!
+//! # References
+//! Ascher, Mattheij & Russell, *Numerical Solution of Boundary Value Problems for Ordinary Differential Equations*,
+//! SIAM 1995, ch. 5. Hairer & Wanner, *Solving Ordinary Differential Equations II*, Springer 1996, ch. IV.
+
+/// Largest number of stages offered.
+pub const MAX_STAGES: usize = 5;
+
+/// Coefficients of m-stage Gauss collocation (order 2m at the nodes).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gauss {
+    /// Number of stages m.
+    pub m: usize,
+    /// Gauss points in (0, 1), ascending; length m.
+    pub c: Vec<f64>,
+    /// Quadrature weights; length m.
+    pub b: Vec<f64>,
+    /// Runge–Kutta matrix, m × m row-major: a_jk = ∫₀^{c_j} ℓ_k.
+    pub a: Vec<f64>,
+    /// D = A⁻¹, m × m row-major.
+    pub d_matrix: Vec<f64>,
+    /// d = bᵀD; length m.
+    pub d: Vec<f64>,
+    /// Barycentric weights of the points {0, c_1 … c_m}; length m + 1.
+    barycentric: Vec<f64>,
+}
+
+/// Value and derivative of the Legendre polynomial P_m at x.
+fn legendre(m: usize, x: f64) -> (f64, f64) {
+    let (mut p0, mut p1) = (1.0, x);
+    for k in 2..=m {
+        let kf = k as f64;
+        (p0, p1) = (p1, ((2.0 * kf - 1.0) * x * p1 - (kf - 1.0) * p0) / kf);
+    }
+    let mf = m as f64;
+    (p1, mf * (x * p1 - p0) / (x * x - 1.0))
+}
+
+/// Nodes and weights of the m-point Gauss–Legendre rule on [0, 1].
+pub fn gauss_rule(m: usize) -> (Vec<f64>, Vec<f64>) {
+    let mut c = vec![0.5; m];
+    let mut b = vec![1.0; m];
+    if m == 1 {
+        return (c, b);
+    }
+    for j in 0..m.div_ceil(2) {
+        let mut x = -(std::f64::consts::PI * (j as f64 + 0.75) / (m as f64 + 0.5)).cos();
+        for _ in 0..100 {
+            let (p, dp) = legendre(m, x);
+            let step = p / dp;
+            x -= step;
+            if step.abs() < 1e-16 {
+                break;
+            }
+        }
+        if 2 * j + 1 == m {
+            x = 0.0;
+        }
+        let (_, dp) = legendre(m, x);
+        let weight = 1.0 / ((1.0 - x * x) * dp * dp);
+        c[j] = 0.5 * (1.0 + x);
+        c[m - 1 - j] = 0.5 * (1.0 - x);
+        b[j] = weight;
+        b[m - 1 - j] = weight;
+    }
+    (c, b)
+}
+
+impl Gauss {
+    /// The m-stage method, 1 ≤ m ≤ [`MAX_STAGES`].
+    ///
+    /// # Panics
+    /// If m is out of range; callers validate user input before.
+    pub fn new(m: usize) -> Gauss {
+        assert!((1..=MAX_STAGES).contains(&m), "Gauss collocation is offered with 1 to {MAX_STAGES} stages, not {m}");
+        let (c, b) = gauss_rule(m);
+        // a_jk by integrating the Lagrange polynomial ℓ_k (degree m − 1) exactly with the same rule on [0, c_j].
+        let lagrange = |k: usize, x: f64| -> f64 {
+            (0..m).filter(|&i| i != k).map(|i| (x - c[i]) / (c[k] - c[i])).product::<f64>()
+        };
+        let mut a = vec![0.0; m * m];
+        for j in 0..m {
+            for k in 0..m {
+                a[j * m + k] = (0..m).map(|i| c[j] * b[i] * lagrange(k, c[j] * c[i])).sum();
+            }
+        }
+        let d_matrix = inverse(m, &a);
+        let d = (0..m).map(|k| (0..m).map(|j| b[j] * d_matrix[j * m + k]).sum()).collect();
+        let points: Vec<f64> = std::iter::once(0.0).chain(c.iter().copied()).collect();
+        let barycentric = (0..=m)
+            .map(|i| 1.0 / (0..=m).filter(|&k| k != i).map(|k| points[i] - points[k]).product::<f64>())
+            .collect();
+        Gauss { m, c, b, a, d_matrix, d, barycentric }
+    }
+
+    /// Values at θ of the Lagrange basis on {0, c_1 … c_m}; the first entry multiplies the node value. `out` has length
+    /// m + 1.
+    pub fn basis(&self, theta: f64, out: &mut [f64]) {
+        let point = |i: usize| if i == 0 { 0.0 } else { self.c[i - 1] };
+        for i in 0..=self.m {
+            if theta == point(i) {
+                out.fill(0.0);
+                out[i] = 1.0;
+                return;
+            }
+        }
+        let mut sum = 0.0;
+        for (i, o) in out.iter_mut().enumerate().take(self.m + 1) {
+            *o = self.barycentric[i] / (theta - point(i));
+            sum += *o;
+        }
+        out.iter_mut().take(self.m + 1).for_each(|o| *o /= sum);
+    }
+
+    /// Derivatives with respect to θ of the same basis. `out` has length m + 1.
+    pub fn basis_derivative(&self, theta: f64, out: &mut [f64]) {
+        let m = self.m;
+        let point = |i: usize| if i == 0 { 0.0 } else { self.c[i - 1] };
+        for (i, o) in out.iter_mut().enumerate().take(m + 1) {
+            let mut sum = 0.0;
+            for k in (0..=m).filter(|&k| k != i) {
+                sum += (0..=m).filter(|&l| l != i && l != k).map(|l| theta - point(l)).product::<f64>();
+            }
+            *o = sum * self.barycentric[i];
+        }
+    }
+}
+
+/// Inverse of a small well-conditioned matrix (n ≤ 5) by Gauss–Jordan elimination with row pivoting.
+fn inverse(n: usize, a: &[f64]) -> Vec<f64> {
+    let mut left = a.to_vec();
+    let mut right: Vec<f64> = (0..n * n).map(|i| if i / n == i % n { 1.0 } else { 0.0 }).collect();
+    for k in 0..n {
+        let pivot = (k..n).max_by(|&i, &j| left[i * n + k].abs().total_cmp(&left[j * n + k].abs())).unwrap_or(k);
+        for j in 0..n {
+            left.swap(k * n + j, pivot * n + j);
+            right.swap(k * n + j, pivot * n + j);
+        }
+        let scale = 1.0 / left[k * n + k];
+        for j in 0..n {
+            left[k * n + j] *= scale;
+            right[k * n + j] *= scale;
+        }
+        for i in (0..n).filter(|&i| i != k) {
+            let f = left[i * n + k];
+            for j in 0..n {
+                left[i * n + j] -= f * left[k * n + j];
+                right[i * n + j] -= f * right[k * n + j];
+            }
+        }
+    }
+    right
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integrates_polynomials_to_degree_2m_minus_1() {
+        for m in 1..=MAX_STAGES {
+            let g = Gauss::new(m);
+            for degree in 0..2 * m {
+                let q: f64 = g.c.iter().zip(&g.b).map(|(c, b)| b * c.powi(degree as i32)).sum();
+                assert!((q - 1.0 / (degree as f64 + 1.0)).abs() < 1e-15, "m={m} degree={degree}: {q}");
+            }
+        }
+    }
+
+    #[test]
+    fn stage_matrix_integrates_the_powers() {
+        for m in 1..=MAX_STAGES {
+            let g = Gauss::new(m);
+            for degree in 0..m {
+                for j in 0..m {
+                    let q: f64 = (0..m).map(|k| g.a[j * m + k] * g.c[k].powi(degree as i32)).sum();
+                    let exact = g.c[j].powi(degree as i32 + 1) / (degree as f64 + 1.0);
+                    assert!((q - exact).abs() < 1e-15);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn basis_reproduces_polynomials_and_their_slopes() {
+        for m in 1..=MAX_STAGES {
+            let g = Gauss::new(m);
+            let (mut v, mut dv) = (vec![0.0; m + 1], vec![0.0; m + 1]);
+            for theta in [0.0, 0.1, 0.37, 0.5, 0.99, 1.0, g.c[0]] {
+                g.basis(theta, &mut v);
+                g.basis_derivative(theta, &mut dv);
+                for degree in 0..=m as i32 {
+                    let at = |x: f64| x.powi(degree);
+                    let value = v[0] * at(0.0) + (0..m).map(|j| v[j + 1] * at(g.c[j])).sum::<f64>();
+                    let slope = dv[0] * at(0.0) + (0..m).map(|j| dv[j + 1] * at(g.c[j])).sum::<f64>();
+                    let exact = if degree == 0 { 0.0 } else { degree as f64 * theta.powi(degree - 1) };
+                    assert!((value - at(theta)).abs() < 1e-13 && (slope - exact).abs() < 1e-12);
+                }
+            }
+        }
+    }
+}

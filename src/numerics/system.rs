@@ -1,0 +1,367 @@
+//! The linearised collocation system of a problem about a solution: residuals, factors, solves.
+
+use super::block::{BlockFactor, EndRows, LinearForm};
+use super::condense::Condensed;
+use super::dense::{Determinant, PivotFailure};
+use super::gauss::Gauss;
+use super::problem::{BoundaryJacobian, BoundaryValueProblem, Dimensions, PointJacobian, Site};
+use super::solution::Solution;
+
+/// A linear condition Σ w_i·y_i + w_p·p = value on all nodes and scalars, e.g. the pseudo-arclength condition.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LinearCondition {
+    /// Weights of the node values; (N + 1) × n.
+    pub nodes: Vec<f64>,
+    /// Weights of the scalar unknowns.
+    pub scalars: Vec<f64>,
+    /// Right-hand side.
+    pub value: f64,
+}
+
+/// Residuals of all equations; also serves as a general right-hand side (the system solved is J δ = −residual).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Residual {
+    /// Σ_k D_jk (Y_k − y₀) − h f(Y_j); N × m × n.
+    pub stages: Vec<f64>,
+    /// y₀ + Σ d_j (Y_j − y₀) − y₁; N × n.
+    pub nodes: Vec<f64>,
+    /// Left conditions.
+    pub left: Vec<f64>,
+    /// Right conditions.
+    pub right: Vec<f64>,
+    /// Integral conditions, then linear conditions.
+    pub border: Vec<f64>,
+}
+
+/// An update δ of a solution.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Update {
+    /// Node values; (N + 1) × n.
+    pub nodes: Vec<f64>,
+    /// Stage values; N × m × n.
+    pub stages: Vec<f64>,
+    /// Scalar unknowns.
+    pub scalars: Vec<f64>,
+}
+
+impl Update {
+    /// Largest entry of |δ| / (1 + |value|).
+    pub fn norm(&self, about: &Solution) -> f64 {
+        let part = |d: &[f64], v: &[f64]| {
+            // A NaN must not be lost in the maximum.
+            d.iter().zip(v).fold(0.0, |acc: f64, (d, v)| {
+                let e = d.abs() / (1.0 + v.abs());
+                if e > acc || e.is_nan() { e } else { acc }
+            })
+        };
+        let norms =
+            [part(&self.nodes, &about.nodes), part(&self.stages, &about.stages), part(&self.scalars, &about.scalars)];
+        if norms.iter().any(|n| n.is_nan()) { f64::NAN } else { norms.into_iter().fold(0.0, f64::max) }
+    }
+
+    /// Adds λδ to a solution.
+    pub fn apply(&self, lambda: f64, to: &mut Solution) {
+        for (d, v) in [(&self.nodes, &mut to.nodes), (&self.stages, &mut to.stages), (&self.scalars, &mut to.scalars)] {
+            for (v, d) in v.iter_mut().zip(d) {
+                *v += lambda * d;
+            }
+        }
+    }
+}
+
+/// Workspace for one problem shape: derivatives, condensed intervals, block factors. Reused from call to call; nothing
+/// is allocated once it has seen the largest mesh.
+#[derive(Clone, Debug)]
+pub struct System {
+    /// Collocation coefficients.
+    pub gauss: Gauss,
+    /// Condensed intervals of the last factorisation.
+    pub condensed: Condensed,
+    /// Residual of the last evaluation.
+    pub residual: Residual,
+    block: BlockFactor,
+    ends: Ends,
+    constants: Vec<f64>,
+    borders: Vec<f64>,
+    point: Vec<f64>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Ends {
+    ly: Vec<f64>,
+    lp: Vec<f64>,
+    ry: Vec<f64>,
+    rp: Vec<f64>,
+    hp: Vec<f64>,
+}
+
+fn zeroed(v: &mut Vec<f64>, len: usize) {
+    v.clear();
+    v.resize(len, 0.0);
+}
+
+impl System {
+    /// Workspace for problems of the given sizes with m stages.
+    ///
+    /// # Panics
+    /// If the stage unknowns (m × non-integrable components) exceed 64 or components + scalars exceed 32.
+    pub fn new(dims: Dimensions, m: usize) -> System {
+        let condensed = Condensed::new(dims, m);
+        assert!(condensed.layout.s <= 64 && condensed.layout.columns <= 32, "system too large for one block");
+        System {
+            gauss: Gauss::new(m),
+            condensed,
+            residual: Residual::default(),
+            block: BlockFactor::default(),
+            ends: Ends::default(),
+            constants: Vec::new(),
+            borders: Vec::new(),
+            point: Vec::new(),
+        }
+    }
+
+    /// Sizes of the problem this workspace is for.
+    pub fn dimensions(&self) -> Dimensions {
+        self.condensed.layout.dims
+    }
+
+    /// Evaluates the residual of `problem` at `y`, and with `derivatives` also all derivatives.
+    pub fn evaluate<P: BoundaryValueProblem>(
+        &mut self,
+        problem: &mut P,
+        y: &Solution,
+        conditions: &[LinearCondition],
+        derivatives: bool,
+    ) {
+        let dims = self.dimensions();
+        let (n, m, np, ni) = (dims.components, self.gauss.m, dims.scalars, dims.integrals);
+        let intervals = y.intervals();
+        problem.prepare(&y.scalars);
+        if derivatives {
+            self.condensed.reset(&y.mesh);
+        }
+        let r = &mut self.residual;
+        r.stages.resize(intervals * m * n, 0.0);
+        r.nodes.resize(intervals * n, 0.0);
+        zeroed(&mut r.border, ni + conditions.len());
+        zeroed(&mut self.ends.hp, ni * np);
+        for k in 0..ni {
+            r.border[k] = problem.integral_offset(k, &y.scalars, &mut self.ends.hp[k * np..(k + 1) * np]);
+        }
+        zeroed(&mut self.point, n + ni);
+        let (f, g) = self.point.split_at_mut(n);
+        for i in 0..intervals {
+            let h = y.mesh[i + 1] - y.mesh[i];
+            let y0 = y.node(i);
+            for j in 0..m {
+                let index = i * m + j;
+                let site = Site { x: y.mesh[i] + h * self.gauss.c[j], index };
+                let value = y.stage(i, j);
+                f.fill(0.0);
+                g.fill(0.0);
+                if derivatives {
+                    let c = &mut self.condensed;
+                    let mut out = PointJacobian {
+                        f,
+                        fy: &mut c.fy[index * n * n..(index + 1) * n * n],
+                        fp: &mut c.fp[index * n * np..(index + 1) * n * np],
+                        g,
+                        gy: &mut c.gy[index * ni * n..(index + 1) * ni * n],
+                        gp: &mut c.gp[index * ni * np..(index + 1) * ni * np],
+                    };
+                    problem.rhs_jacobian(site, value, &y.scalars, &mut out);
+                } else {
+                    problem.rhs(site, value, &y.scalars, f, g);
+                }
+                for k in 0..ni {
+                    r.border[k] += h * self.gauss.b[j] * g[k];
+                }
+                let rows = &mut r.stages[index * n..(index + 1) * n];
+                for (k, row) in rows.iter_mut().enumerate() {
+                    *row = -h * f[k];
+                }
+                for l in 0..m {
+                    let weight = self.gauss.d_matrix[j * m + l];
+                    let other = y.stage(i, l);
+                    for k in 0..n {
+                        rows[k] += weight * (other[k] - y0[k]);
+                    }
+                }
+            }
+            let y1 = y.node(i + 1);
+            let rows = &mut r.nodes[i * n..(i + 1) * n];
+            for k in 0..n {
+                rows[k] = y0[k] - y1[k];
+            }
+            for j in 0..m {
+                let value = y.stage(i, j);
+                for k in 0..n {
+                    rows[k] += self.gauss.d[j] * (value[k] - y0[k]);
+                }
+            }
+        }
+        let e = &mut self.ends;
+        zeroed(&mut r.left, dims.left);
+        zeroed(&mut r.right, dims.right);
+        zeroed(&mut e.ly, dims.left * n);
+        zeroed(&mut e.lp, dims.left * np);
+        zeroed(&mut e.ry, dims.right * n);
+        zeroed(&mut e.rp, dims.right * np);
+        problem.left(y.node(0), &y.scalars, &mut BoundaryJacobian { r: &mut r.left, ry: &mut e.ly, rp: &mut e.lp });
+        problem.right(
+            y.node(intervals),
+            &y.scalars,
+            &mut BoundaryJacobian { r: &mut r.right, ry: &mut e.ry, rp: &mut e.rp },
+        );
+        for (k, c) in conditions.iter().enumerate() {
+            let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
+            r.border[ni + k] = dot(&c.nodes, &y.nodes) + dot(&c.scalars, &y.scalars) - c.value;
+        }
+    }
+
+    /// Condenses all intervals from the derivatives of the last evaluation.
+    pub fn condense(&mut self) -> Result<(), PivotFailure> {
+        for i in 0..self.condensed.intervals() {
+            self.condensed.factor(&self.gauss, i)?;
+        }
+        Ok(())
+    }
+
+    /// Factorises the block system of the problem itself, after [`condense`](Self::condense).
+    pub fn factor_blocks(&mut self, conditions: &[LinearCondition]) -> Result<(), PivotFailure> {
+        let dims = self.dimensions();
+        let e = &self.ends;
+        // At most a handful of linear conditions: the small vector of views lives on the stack.
+        let mut forms = [LinearForm { nodes: &[], scalars: &[] }; 8];
+        for (form, c) in forms.iter_mut().zip(conditions) {
+            *form = LinearForm { nodes: &c.nodes, scalars: &c.scalars };
+        }
+        self.block.factor(
+            &self.condensed,
+            dims.scalars,
+            EndRows { ry: &e.ly, rp: &e.lp, rows: dims.left },
+            EndRows { ry: &e.ry, rp: &e.rp, rows: dims.right },
+            true,
+            &e.hp,
+            &forms[..conditions.len()],
+        )
+    }
+
+    /// Solves J δ = −residual with the factors at hand.
+    pub fn solve(&mut self, residual: &Residual, out: &mut Update) {
+        self.particular(residual, out, true);
+        let System { block, residual: own, borders, .. } = self;
+        // End rows with their signs turned, in the scratch behind the border entries.
+        let ni = borders.len();
+        borders.extend(residual.left.iter().map(|v| -v));
+        borders.extend(residual.right.iter().map(|v| -v));
+        let (border, ends) = borders.split_at(ni);
+        let (left, right) = ends.split_at(residual.left.len());
+        let _ = own;
+        block.solve(&mut out.nodes, left, right, border, &mut out.scalars);
+        self.complete(out);
+    }
+
+    /// Solves with the residual of the last evaluation.
+    pub fn solve_own(&mut self, out: &mut Update) {
+        let residual = std::mem::take(&mut self.residual);
+        self.solve(&residual, out);
+        self.residual = residual;
+    }
+
+    /// Particular stage values and node constants for a residual; border right-hand sides into the scratch.
+    fn particular(&mut self, residual: &Residual, out: &mut Update, with_border: bool) {
+        let dims = self.dimensions();
+        let (n, m, ni) = (dims.components, self.gauss.m, dims.integrals);
+        let intervals = self.condensed.intervals();
+        out.nodes.resize((intervals + 1) * n, 0.0);
+        out.stages.resize(intervals * m * n, 0.0);
+        zeroed(&mut out.scalars, dims.scalars);
+        self.borders.clear();
+        if with_border {
+            self.borders.extend(residual.border.iter().map(|v| -v));
+        }
+        zeroed(&mut self.constants, n);
+        for i in 0..intervals {
+            let range = i * m * n..(i + 1) * m * n;
+            let y = &mut out.stages[range.clone()];
+            self.condensed.particular_stages(&self.gauss, i, &residual.stages[range], y);
+            self.condensed.particular_node(&self.gauss, y, &residual.nodes[i * n..(i + 1) * n], &mut self.constants);
+            out.nodes[i * n..(i + 1) * n].copy_from_slice(&self.constants);
+            if with_border {
+                for j in 0..m {
+                    let weight = self.condensed.h[i] * self.gauss.b[j];
+                    let point = i * m + j;
+                    for k in 0..ni {
+                        let gy = &self.condensed.gy[(point * ni + k) * n..(point * ni + k + 1) * n];
+                        let dot: f64 = gy.iter().zip(&y[j * n..(j + 1) * n]).map(|(a, b)| a * b).sum();
+                        self.borders[k] -= weight * dot;
+                    }
+                }
+            }
+        }
+    }
+
+    fn complete(&mut self, out: &mut Update) {
+        let (n, m) = (self.dimensions().components, self.gauss.m);
+        for i in 0..self.condensed.intervals() {
+            self.condensed.complete_stages(
+                i,
+                &out.nodes[i * n..(i + 1) * n],
+                &out.scalars,
+                &mut out.stages[i * m * n..(i + 1) * m * n],
+            );
+        }
+    }
+
+    /// Factorises the condensed intervals with other homogeneous end rows and without scalar unknowns or integral
+    /// conditions, e.g. the antisymmetric problem on a mirror-symmetric half. The determinant includes the stages.
+    pub fn factor_variant(
+        &self,
+        left: EndRows<'_>,
+        right: EndRows<'_>,
+        block: &mut BlockFactor,
+    ) -> Result<Determinant, PivotFailure> {
+        let result = block.factor(&self.condensed, 0, left, right, false, &[], &[]);
+        let mut det = Determinant::default();
+        self.condensed.accumulate_determinant(&mut det);
+        block.accumulate_determinant(&mut det);
+        match result {
+            Ok(()) => Ok(det),
+            // Exactly singular in the last block: the zero itself.
+            Err(failure) if !failure.non_finite => Ok(Determinant { sign: 0.0, log_abs: f64::NEG_INFINITY }),
+            Err(failure) => Err(failure),
+        }
+    }
+
+    /// Solves a variant factorised by [`factor_variant`](Self::factor_variant) for stage and node residuals and
+    /// right-hand sides of its end rows.
+    pub fn solve_variant(&mut self, block: &mut BlockFactor, residual: &Residual, out: &mut Update) {
+        self.particular(residual, out, false);
+        let left: Vec<f64> = residual.left.iter().map(|v| -v).collect();
+        let right: Vec<f64> = residual.right.iter().map(|v| -v).collect();
+        block.solve(&mut out.nodes, &left, &right, &[], &mut []);
+        out.scalars.fill(0.0);
+        self.complete(out);
+    }
+
+    /// Determinant of the full factorised system.
+    pub fn determinant(&self) -> Determinant {
+        let mut det = Determinant::default();
+        self.condensed.accumulate_determinant(&mut det);
+        self.block.accumulate_determinant(&mut det);
+        det
+    }
+
+    /// A zero residual of the right shape for the mesh of the last evaluation, to be filled as a right-hand side.
+    pub fn zero_residual(&self) -> Residual {
+        let zeros = |v: &Vec<f64>| vec![0.0; v.len()];
+        Residual {
+            stages: zeros(&self.residual.stages),
+            nodes: zeros(&self.residual.nodes),
+            left: zeros(&self.residual.left),
+            right: zeros(&self.residual.right),
+            border: zeros(&self.residual.border),
+        }
+    }
+}
