@@ -6,7 +6,7 @@
 import argparse
 import json
 
-from model import GAUSS_A, PSI, STEP, R, Z, Cell, Solver, adapted_mesh, derivatives, passive_shape, stage_points
+from model import GAUSS_A, PSI, STEP, R, Z, Cell, NewtonFailure, Solver, adapted_mesh, derivatives, passive_shape, stage_points
 
 import numpy as np
 
@@ -68,7 +68,10 @@ def main():
     parser.add_argument("--xi", type=float, default=25.0)
     a = parser.parse_args()
     cell = Cell(a.r0, a.epsilon, a.xi)
-    state = rest_shape(cell)
+    try:
+        state = rest_shape(cell)
+    except NewtonFailure as failure:
+        raise SystemExit(f"no weakly elongated rest shape found at R0={a.r0}, xi_s={a.xi} (beyond the fold?): {failure}")
     found = []
     for shift in (3.0, 1.0, 0.3, 0.1):
         sigma, (dr, _) = growth_rate(cell, state, shift)
