@@ -1,8 +1,10 @@
-//! Fingerprints the sources that decide what a division gives, so that a stored result never outlives them.
+//! Fingerprints the sources that decide what a division gives, so that a stored result never outlives them, and records
+//! the git commit a release binary is built from.
 
 use std::{
     env, fs, io,
     path::{Path, PathBuf},
+    process::Command,
 };
 
 /// The floors a division is computed by. A change to any file below them gives a new fingerprint.
@@ -30,7 +32,36 @@ fn main() -> io::Result<()> {
     }
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rustc-env=FURROW_SOLVER_FINGERPRINT={hash}");
+    record_commit(&root);
     Ok(())
+}
+
+/// Sets `FURROW_COMMIT` where the crate is a git checkout of its own; a copy without git builds without it.
+fn record_commit(root: &Path) {
+    // Debug builds skip it: they would be rebuilt after every commit.
+    if env::var("PROFILE").as_deref() != Ok("release") {
+        return;
+    }
+    // A crate unpacked inside some other repository must not take that repository's commit for its own.
+    let top = git(&["rev-parse", "--show-toplevel"]).and_then(|top| Path::new(&top).canonicalize().ok());
+    if top.is_none() || top != root.canonicalize().ok() {
+        return;
+    }
+    println!("cargo::rerun-if-changed=src");
+    for name in ["HEAD", "logs/HEAD"] {
+        if let Some(path) = git(&["rev-parse", "--git-path", name]).filter(|path| Path::new(path).exists()) {
+            println!("cargo::rerun-if-changed={path}");
+        }
+    }
+    if let Some(commit) = git(&["rev-parse", "HEAD"]) {
+        let modified = git(&["status", "--porcelain", "--untracked-files=no"]).is_some_and(|list| !list.is_empty());
+        println!("cargo::rustc-env=FURROW_COMMIT={commit}{}", if modified { "-modified" } else { "" });
+    }
+}
+
+fn git(arguments: &[&str]) -> Option<String> {
+    let output = Command::new("git").args(arguments).output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {

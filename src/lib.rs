@@ -16,5 +16,7 @@
 
 pub mod cortex;
 pub mod division;
+pub mod input;
+pub mod io;
 pub mod lineage;
 pub mod numerics;

@@ -1,0 +1,13 @@
+//! Files: configuration in, trees and run records out.
+
+pub mod config;
+pub mod files;
+pub mod newick;
+pub mod provenance;
+pub mod tree_json;
+
+pub use config::{Settings, parse_cue};
+pub use files::write_atomically;
+pub use newick::newick;
+pub use provenance::Provenance;
+pub use tree_json::{FounderRow, TreeFileError, founder_rows};
