@@ -1,0 +1,37 @@
+//! A stand-in for the division solver, so that growth is tested apart from mechanics.
+
+use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
+
+/// Symmetric above R0 = 2.25, asymmetric with χ = 0.88 down to 1.7, failed below; with a cue χ = 0.2 above 1.7.
+#[allow(dead_code)]
+pub fn fake(input: &DivisionInput) -> Result<Division, DivisionError> {
+    let cued = input.cue != furrow::cortex::Cue::None;
+    Ok(match input.r0 {
+        r0 if r0 < 1.7 => division(r0, Outcome::Failed, 0.0),
+        r0 if cued => division(r0, Outcome::Asymmetric, 0.2),
+        r0 if r0 < 2.25 => division(r0, Outcome::Asymmetric, -0.88),
+        r0 => division(r0, Outcome::Symmetric, 0.0),
+    })
+}
+
+/// A division with the given signed χ.
+#[allow(dead_code)]
+pub fn division(r0: f64, outcome: Outcome, chi_signed: f64) -> Division {
+    let divided = outcome != Outcome::Failed;
+    let radius = |share: f64| r0 * share.cbrt();
+    Division {
+        outcome,
+        chi: divided.then_some(chi_signed.abs()),
+        chi_signed: divided.then_some(chi_signed),
+        u_furrow: divided.then_some(0.5 - 0.2 * chi_signed),
+        t_end: 1.0 + 1.0 / r0,
+        daughters: divided.then(|| [radius(0.5 * (1.0 - chi_signed)), radius(0.5 * (1.0 + chi_signed))]),
+        growth_rate: (!divided).then_some(-0.25),
+        volume_drift: 0.0,
+        steps: 1,
+        rejected: 0,
+        newton_iterations: 1,
+        factorisations: 1,
+        remeshings: 0,
+    }
+}

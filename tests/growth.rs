@@ -1,0 +1,210 @@
+//! Growth, rounds and files of a tree, with a stand-in for the division solver.
+
+mod common;
+
+use common::{division, fake};
+use furrow::cortex::{Cue, Numerics, Physics};
+use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
+use furrow::io::{founder_rows, newick};
+use furrow::lineage::{
+    EndReason, GrowError, Grower, Lineage, Memo, Quantisation, SchedulerOptions, Tree, TreeSettings,
+};
+use std::time::Instant;
+
+fn grow_with(
+    lineage: &Lineage,
+    threads: usize,
+    ends: &dyn Fn(f64, &Cue) -> Option<EndReason>,
+    solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
+) -> Result<(Tree, furrow::lineage::Summary), GrowError> {
+    let memo = Memo::new(Quantisation::DEFAULT);
+    let settings = TreeSettings {
+        physics: Physics::default(),
+        numerics: Numerics::default(),
+        seed: 0,
+        r0_step: Quantisation::DEFAULT.relative_step(),
+    };
+    let options = SchedulerOptions { threads, ..SchedulerOptions::default() };
+    Grower { lineage, settings, ends, memo: &memo, options }.grow(solve)
+}
+
+fn grow(lineage: &Lineage) -> Tree {
+    grow_with(lineage, 1, &|_, _| None, fake).unwrap().0
+}
+
+fn limited(max_depth: u32, max_cells: usize) -> Lineage {
+    let text = format!(
+        "Lineage(name: \"x\", limits: (max_depth: {max_depth}, max_cells: {max_cells}), founders: [(name: \"Q\")])"
+    );
+    Lineage::parse(&text, "x.ron").unwrap()
+}
+
+#[test]
+fn founders_take_their_places() {
+    let tree = grow(&Lineage::c_elegans().unwrap());
+    for node in tree.nodes() {
+        let Some([a, p]) = tree.daughters(node) else { continue };
+        let (mother, a, p) = (tree.cell(node), tree.cell(a), tree.cell(p));
+        // Volumes are handed down to rounding, equal halves to the last bit.
+        assert!(
+            (a.volume_fraction + p.volume_fraction - mother.volume_fraction).abs() <= 1e-15 * mother.volume_fraction
+        );
+        if mother.fate.outcome == Some(Outcome::Symmetric) {
+            assert_eq!(a.r0.to_bits(), p.r0.to_bits());
+        }
+        // With the stand-in the germline's anterior daughter is the smaller.
+        match mother.name.as_str() {
+            "P0" => assert_eq!((a.name.as_str(), p.name.as_str()), ("P1", "AB")),
+            "EMS" => assert_eq!((a.name.as_str(), p.name.as_str()), ("MS", "E")),
+            "AB" => assert_eq!((a.name.as_str(), p.name.as_str()), ("ABa", "ABp")),
+            "ABa" => assert_eq!((a.name.as_str(), p.name.as_str()), ("ABal", "ABar")),
+            _ => {}
+        }
+        assert_eq!(a.generation, mother.generation + 1);
+    }
+    let carries: Vec<&str> =
+        tree.nodes().map(|n| tree.cell(n)).filter(|c| c.cue != Cue::None).map(|c| c.name.as_str()).collect();
+    assert_eq!(carries, ["P0", "P1", "P2", "P3"]);
+}
+
+#[test]
+fn rounds_of_a_known_tree() {
+    // Radii 4, 3.17, 2.52: symmetric; 2.0: χ = 0.88, its daughters 0.78 and 1.96; the larger divides once more.
+    let text = "Lineage(name: \"x\", founders: [(name: \"Q\", r0: 4.0)])";
+    let tree = grow(&Lineage::parse(text, "x.ron").unwrap());
+    let rows = founder_rows(&tree);
+    let rounds = rows[0].rounds.unwrap();
+    assert_eq!((rounds.symmetric, rounds.full_doublings, rounds.min), (3, 4, 4));
+    // 8 cells of R0 = 2 each leave a chain: small daughters at 4, 5, ..., until the large one has R0 < 1.7.
+    let chain = ((1.7f64 / 2.0).powi(3).ln() / 0.94f64.ln()).ceil() as u32;
+    assert_eq!(rounds.max, 3 + chain);
+    assert_eq!(rounds.terminal, 8 * (chain + 1));
+    let sum: u32 = (1..=chain).sum::<u32>() + chain;
+    assert!((rounds.mean - (3.0 + f64::from(sum) / f64::from(chain + 1))).abs() < 1e-12);
+    assert!(tree.nodes().all(|n| tree.daughters(n).is_some()
+        || tree.cell(n).fate.ended == Some(EndReason::AtRest { growth_rate: Some(-0.25) })));
+}
+
+#[test]
+fn same_tree_at_any_thread_count() {
+    let lineage = Lineage::c_elegans().unwrap();
+    let one = grow_with(&lineage, 1, &|_, _| None, fake).unwrap();
+    for threads in [2, 8] {
+        let many = grow_with(&lineage, threads, &|_, _| None, fake).unwrap();
+        assert_eq!(one.0.to_json().unwrap(), many.0.to_json().unwrap());
+        assert_eq!(one.1.divisions_solved, many.1.divisions_solved);
+    }
+    // Equal cells are solved once: the symmetric rounds of AB cost one division each.
+    assert!(one.1.divisions_solved < one.0.len() / 3, "{} of {}", one.1.divisions_solved, one.0.len());
+    assert_eq!(one.1.divisions_solved + one.1.memo_hits, one.0.len());
+}
+
+#[test]
+fn json_round_trip_is_exact() {
+    let tree = grow(&Lineage::c_elegans().unwrap());
+    let text = tree.to_json().unwrap();
+    let back = Tree::from_json(&text).unwrap();
+    assert_eq!(back.to_json().unwrap(), text);
+    assert_eq!(back.settings, tree.settings);
+}
+
+#[test]
+fn tree_file_complaints() {
+    let text = grow(&Lineage::c_elegans().unwrap()).to_json().unwrap();
+    let complaint = |text: &str| Tree::from_json(text).unwrap_err().to_string();
+    assert_eq!(
+        complaint(&text.replacen("\"schema_version\": 1", "\"schema_version\": 7", 1)),
+        "schema = \"furrow.tree\", version 7: must be \"furrow.tree\", version 1"
+    );
+    assert_eq!(
+        complaint(&text.replacen("\"name\":\"AB\",\"mother\":\"P0\"", "\"name\":\"AB\",\"mother\":\"P7\"", 1)),
+        "cells[2] \"AB\": mother \"P7\" is not among the cells before it"
+    );
+    assert!(complaint(&text[..text.len() / 2]).contains("EOF while parsing"));
+}
+
+#[test]
+fn newick_names_lengths_and_order() {
+    let text = "Lineage(name: \"x\", founders: [(name: \"Q_1\", r0: 2.0)], limits: (max_depth: 1))";
+    let tree = grow(&Lineage::parse(text, "x.ron").unwrap());
+    // Asymmetric with χ = -0.88; the daughters meet the limit, so that they have no division time.
+    assert_eq!(newick(&tree), "('Q_1a','Q_1p')'Q_1':1.5;\n");
+}
+
+#[test]
+fn limits_end_a_tree_that_does_not() {
+    let forever = |input: &DivisionInput| Ok(division(input.r0, Outcome::Symmetric, 0.0));
+    let grown = |lineage: &Lineage, threads| grow_with(lineage, threads, &|_, _| None, forever).unwrap().0;
+    let tree = grown(&limited(5, 1_000_000), 2);
+    assert_eq!(tree.len(), 63);
+    let leaf = tree.nodes().next_back().unwrap();
+    assert_eq!(tree.cell(leaf).fate.ended, Some(EndReason::MaxDepth { max_depth: 5 }));
+    assert_eq!(tree.cell(leaf).fate.outcome, None);
+    let one = grown(&limited(60, 101), 1);
+    assert_eq!(one.len(), 101);
+    assert_eq!(one.to_json().unwrap(), grown(&limited(60, 101), 4).to_json().unwrap());
+    assert!(one.nodes().any(|n| one.cell(n).fate.ended == Some(EndReason::MaxCells { max_cells: 101 })));
+}
+
+#[test]
+fn boundary_ends_branches_without_solving() {
+    let ends = |r0: f64, cue: &Cue| (*cue == Cue::None && r0 < 1.7).then_some(EndReason::BelowPitchfork { r0_c: 1.7 });
+    let lineage = Lineage::parse("Lineage(name: \"x\", founders: [(name: \"Q\", r0: 4.0)])", "x.ron").unwrap();
+    let solve = |input: &DivisionInput| {
+        assert!(input.r0 >= 1.7);
+        fake(input)
+    };
+    let (tree, _) = grow_with(&lineage, 2, &ends, solve).unwrap();
+    for node in tree.nodes().filter(|n| tree.daughters(*n).is_none()) {
+        assert_eq!(tree.cell(node).fate.ended, Some(EndReason::BelowPitchfork { r0_c: 1.7 }));
+        assert_eq!(tree.cell(node).fate.outcome, Some(Outcome::Failed));
+    }
+}
+
+#[test]
+fn failed_computation_names_the_cell() {
+    let solve = |input: &DivisionInput| match input.r0 < 4.0 {
+        true => Err(DivisionError::Undecided { r0: input.r0, t_max: 2000.0 }),
+        false => fake(input),
+    };
+    let text = "Lineage(name: \"x\", founders: [(name: \"Q\", r0: 6.0)])";
+    let error = grow_with(&Lineage::parse(text, "x.ron").unwrap(), 1, &|_, _| None, solve).unwrap_err();
+    let text = error.to_string();
+    assert!(
+        text.starts_with("cell Qaa (R0 = 3.779") || text.starts_with("cell Q") && text.contains("R0 = 3.779"),
+        "{text}"
+    );
+    assert!(text.contains("neither divided nor came to rest within t = 2000; raise t_max"), "{text}");
+}
+
+/// 100,000 cells, all but a few answered from the memo, are grown, written and read back in linear time.
+#[test]
+fn hundred_thousand_cells() {
+    let forever = |input: &DivisionInput| Ok(division(input.r0, Outcome::Symmetric, 0.0));
+    let start = Instant::now();
+    let (tree, summary) = grow_with(&limited(60, 100_001), 2, &|_, _| None, forever).unwrap();
+    assert_eq!(tree.len(), 100_001);
+    assert!(summary.divisions_solved <= 18);
+    let text = tree.to_json().unwrap();
+    assert_eq!(newick(&tree).matches("Q").count(), 100_001);
+    assert_eq!(Tree::from_json(&text).unwrap().len(), 100_001);
+    let elapsed = start.elapsed().as_secs_f64();
+    println!("100,001 cells: {elapsed:.2} s, {} MB of JSON", text.len() / 1_000_000);
+    assert!(elapsed < 20.0, "{elapsed} s");
+}
+
+/// Nothing recurses over generations.
+#[test]
+fn deep_chain() {
+    let shrinking = |input: &DivisionInput| {
+        Ok(match input.r0 < 5.0 {
+            true => division(input.r0, Outcome::Failed, 0.0),
+            false => division(input.r0, Outcome::Asymmetric, 0.9999),
+        })
+    };
+    let lineage = limited(3000, 1_000_000);
+    let (tree, _) = grow_with(&lineage, 1, &|_, _| None, shrinking).unwrap();
+    assert!(tree.len() > 2000, "{}", tree.len());
+    assert_eq!(Tree::from_json(&tree.to_json().unwrap()).unwrap().len(), tree.len());
+    assert!(newick(&tree).len() > tree.len());
+}

@@ -1,0 +1,154 @@
+//! The lineage file: the built-in one against the published counts, and the text of every complaint.
+
+use furrow::lineage::{C_ELEGANS, Lineage};
+use std::path::Path;
+
+fn complaint(text: &str) -> String {
+    Lineage::parse(text, "my.ron").unwrap_err().to_string()
+}
+
+/// A lineage of the given founders.
+fn with(founders: &str) -> String {
+    format!(
+        "Lineage(name: \"x\", cues: {{\"polar\": kappa(u0: 0.4, omega: 0.1, amplitude: 0.2)}}, founders: [\n{founders}\n])"
+    )
+}
+
+#[test]
+fn built_in_founders() {
+    let lineage = Lineage::c_elegans().unwrap();
+    let names: Vec<&str> = lineage.founders.iter().map(|f| f.name.as_str()).collect();
+    assert_eq!(names, ["P0", "AB", "P1", "EMS", "MS", "E", "P2", "C", "P3", "D", "P4"]);
+    let cued: Vec<&str> = lineage.founders.iter().filter(|f| f.cue.is_some()).map(|f| f.name.as_str()).collect();
+    assert_eq!(cued, ["P0", "P1", "P2", "P3"]);
+}
+
+/// Every count of the built-in file is the one in the table derived from Sulston et al. 1983.
+#[test]
+fn sulston_counts_match_the_table() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/founder_table.csv");
+    let Ok(table) = std::fs::read_to_string(&path) else {
+        println!("skipped: ../shared/data/founder_table.csv is not here");
+        return;
+    };
+    let lineage = Lineage::c_elegans().unwrap();
+    let mut lines = table.lines();
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let column = |name: &str| header.iter().position(|h| *h == name).unwrap();
+    let mut seen = 0;
+    for line in lines {
+        let row: Vec<&str> = line.split(',').collect();
+        let founder = lineage.founders.iter().find(|f| f.name == row[0]).unwrap();
+        let s = founder.sulston.unwrap();
+        let number = |name: &str| row[column(name)].parse::<f64>().unwrap();
+        assert_eq!(f64::from(s.min), number("min_rounds"), "{}", row[0]);
+        assert_eq!(s.mean, number("mean_rounds"), "{}", row[0]);
+        assert_eq!(f64::from(s.max), number("max_rounds"), "{}", row[0]);
+        assert_eq!(f64::from(s.full_doublings), number("last_full_doubling_round"), "{}", row[0]);
+        assert_eq!(f64::from(s.terminal), number("terminal"), "{}", row[0]);
+        assert_eq!(f64::from(s.deaths), number("deaths"), "{}", row[0]);
+        seen += 1;
+    }
+    assert_eq!(seen, lineage.founders.len());
+}
+
+#[test]
+fn malformed_ron_names_line_and_column() {
+    assert_eq!(complaint("Lineage(\n  name: \"x\",\n  founders: [(name \"P0\")],\n)"), "my.ron:3:19: Expected colon");
+    assert_eq!(
+        complaint("Lineage(name: \"x\", founders: [(name: \"P0\", radius: 3)])"),
+        "my.ron:1:46: Unexpected field named `radius` in `Founder`, expected one of `name`, `mother`, `daughter`, `cue`, `r0`, `letters`, or `sulston` instead"
+    );
+}
+
+#[test]
+fn unknown_mother() {
+    assert_eq!(
+        complaint(&with("(name: \"P0\"),\n(name: \"AB\", mother: \"P9\", daughter: larger)")),
+        "my.ron:3: founder \"AB\": mother = \"P9\": must be a founder of this file: P0, AB"
+    );
+}
+
+#[test]
+fn unknown_cue() {
+    assert_eq!(
+        complaint(&with("(name: \"P0\", cue: \"bipolar\")")),
+        "my.ron:2: founder \"P0\": cue = \"bipolar\": must be one of none, polar"
+    );
+}
+
+#[test]
+fn cycle() {
+    assert_eq!(
+        complaint(&with(
+            "(name: \"Z\"),\n(name: \"A\", mother: \"B\", daughter: larger),\n(name: \"B\", mother: \"A\", daughter: larger)"
+        )),
+        "my.ron:3: the founders' mothers form a cycle: A <- B <- A; one founder must have no mother, and all others descend from it"
+    );
+    assert_eq!(
+        complaint(&with("(name: \"A\", mother: \"A\", daughter: larger)")),
+        "my.ron:2: the founders' mothers form a cycle: A <- A; one founder must have no mother, and all others descend from it"
+    );
+}
+
+#[test]
+fn two_first_cells() {
+    assert_eq!(
+        complaint(&with("(name: \"A\"),\n(name: \"B\")")),
+        "my.ron:3: founders A, B have no mother; exactly one founder may have none"
+    );
+}
+
+#[test]
+fn duplicate_founder_and_daughter() {
+    assert_eq!(
+        complaint(&with("(name: \"A\"),\n(name: \"A\")")),
+        "my.ron:2: founder \"A\": name = \"A\": must be unique in the file"
+    );
+    assert_eq!(
+        complaint(&with(
+            "(name: \"A\"),\n(name: \"B\", mother: \"A\", daughter: larger),\n(name: \"C\", mother: \"A\", daughter: larger)"
+        )),
+        "my.ron:4: founder \"C\": daughter = larger: must be the other one: \"B\" is already the larger daughter"
+    );
+    assert_eq!(
+        complaint(&with("(name: \"A\"),\n(name: \"B\", mother: \"A\", daughter: larger)")),
+        "my.ron:3: founder \"B\" is a daughter of \"A\", whose smaller daughter is not in the list; list both or neither"
+    );
+}
+
+#[test]
+fn numbers_out_of_range() {
+    assert_eq!(
+        complaint(&with("(name: \"A\", r0: -1.5)")),
+        "my.ron:2: founder \"A\": r0 = -1.5: must be a finite number above 0"
+    );
+    assert_eq!(
+        complaint(&with("(name: \"A\", r0: NaN)")),
+        "my.ron:2: founder \"A\": r0 = NaN: must be a finite number above 0"
+    );
+    let text =
+        "Lineage(name: \"x\", cues: {\"c\": kappa(u0: 1.4, omega: 0.1, amplitude: 0.1)}, founders: [(name: \"A\")])";
+    assert_eq!(complaint(text), "my.ron: cues[\"c\"].u0 = 1.4: must be above 0 and below 1");
+    let text = "Lineage(name: \"x\", limits: (max_depth: 0), founders: [(name: \"A\")])";
+    assert_eq!(complaint(text), "my.ron: limits.max_depth = 0: must be from 1 to 100000");
+}
+
+/// Two cells of one name would make the tree's files ambiguous.
+#[test]
+fn founder_named_like_a_descendant() {
+    assert_eq!(
+        complaint(&with(
+            "(name: \"A\"),\n(name: \"B\", mother: \"A\", daughter: larger),\n(name: \"Bap\", mother: \"A\", daughter: smaller)"
+        )),
+        "my.ron:4: founder \"Bap\": name = \"Bap\": must be a name that no descendant of \"B\" may be given by the naming rule"
+    );
+}
+
+/// What is written into tree.json is the lineage that was read.
+#[test]
+fn lineage_survives_json() {
+    let lineage = Lineage::parse(C_ELEGANS, "c_elegans.ron").unwrap();
+    let json = serde_json::to_string(&lineage).unwrap();
+    assert_eq!(serde_json::from_str::<Lineage>(&json).unwrap(), lineage);
+}
