@@ -57,7 +57,7 @@ fn malformed_ron_names_line_and_column() {
     assert_eq!(complaint("Lineage(\n  name: \"x\",\n  founders: [(name \"P0\")],\n)"), "my.ron:3:19: Expected colon");
     assert_eq!(
         complaint("Lineage(name: \"x\", founders: [(name: \"P0\", radius: 3)])"),
-        "my.ron:1:46: Unexpected field named `radius` in `Founder`, expected one of `name`, `mother`, `daughter`, `cue`, `r0`, `letters`, or `sulston` instead"
+        "my.ron:1:44: Unexpected field named `radius` in `Founder`, expected one of `name`, `mother`, `daughter`, `cue`, `r0`, `letters`, or `sulston` instead"
     );
 }
 

@@ -87,7 +87,7 @@ fields! {
     }
     numerics NumericsOverrides {
         stages: usize, "a whole number from 1 to 5", |v| (1..=5).contains(&v);
-        intervals: usize, "an even whole number from 8 to 4096", |v| v % 2 == 0 && (8..=4096).contains(&v);
+        intervals: usize, "an even whole number from 8 to 4096", |v| v.is_multiple_of(2) && (8..=4096).contains(&v);
         time_tolerance: f64, "above 0 and below 1", |v| v > 0.0 && v < 1.0;
         step_factor: f64, "above 0 and at most 1", |v| v > 0.0 && v <= 1.0;
         t_max: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
