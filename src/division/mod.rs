@@ -1,8 +1,12 @@
 //! One division in time: implicit stepping of the cortex from the passive shape to pinch-off or rest.
 
+pub mod noise;
 pub mod outcome;
+pub mod run;
+pub mod stepper;
 
 pub use outcome::{Division, DivisionError, Outcome};
+pub use run::{Frame, divide, divide_observed};
 
 use crate::cortex::{Cue, Numerics, Physics};
 

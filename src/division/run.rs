@@ -1,0 +1,265 @@
+//! One division from the passive shape to pinch-off or rest.
+
+use super::noise;
+use super::outcome::{Division, DivisionError, Outcome};
+use super::stepper::{MAX_ORDER, Stepper, parity_norm};
+use super::DivisionInput;
+use crate::cortex::equations::{COMPONENTS, PSI, R, Z, noise_factor};
+use crate::cortex::{Cortex, Cue, Domain, shape};
+use crate::numerics::Solution;
+
+/// Length of the first two steps, in τ; the noise lasts for the first.
+pub const FIRST_STEP: f64 = 1e-3;
+/// A cell has divided when its neck is narrower than this, relative to R0.
+pub const PINCH_OFF: f64 = 1e-3;
+/// Largest relative narrowing of the neck per step.
+const NECK_STEP: f64 = 0.4;
+/// Local error of the odd part relative to its size, in units of the time tolerance.
+const ODD_TOLERANCE: f64 = 30.0;
+
+/// What an observer of a division sees after every accepted step.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// Time, in τ.
+    pub t: f64,
+    /// The shape on the full contour.
+    pub shape: &'a Solution,
+    /// Its neck, if it has a waist.
+    pub neck: Option<shape::Neck>,
+}
+
+/// Computes one division.
+///
+/// # Errors
+/// [`DivisionError`], naming the cell and what was tried.
+pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
+    divide_observed(input, |_| {})
+}
+
+/// [`divide`] with an observer called with the start shape and after every accepted step.
+///
+/// # Errors
+/// See [`divide`].
+pub fn divide_observed(
+    input: &DivisionInput,
+    mut observe: impl FnMut(Frame<'_>),
+) -> Result<Division, DivisionError> {
+    let DivisionInput { physics, numerics, r0, cue, seed } = *input;
+    if !(r0.is_finite() && r0 > 0.0) {
+        return Err(DivisionError::BadInput { field: "r0", value: r0, allowed: "a positive radius in units of L_h" });
+    }
+    if !(physics.epsilon > 0.0 && physics.epsilon < 1.0) {
+        return Err(DivisionError::BadInput {
+            field: "epsilon",
+            value: physics.epsilon,
+            allowed: "a volume fraction between 0 and 1, both excluded",
+        });
+    }
+    let (half, start_report) = shape::passive(&physics, &numerics, r0).map_err(|e| DivisionError::NoPassiveShape {
+        r0,
+        epsilon: physics.epsilon,
+        reason: e.to_string(),
+    })?;
+    let cortex = Cortex::new(&physics, r0, &cue, Domain::Full, &[]);
+    let gauss = crate::numerics::Gauss::new(numerics.stages);
+    let mut stepper = Stepper::new(cortex, numerics.stages, shape::unfold(&gauss, &half));
+    stepper.work = start_report;
+    observe(Frame { t: 0.0, shape: &stepper.levels[0].y, neck: None });
+
+    let mut run = Run {
+        tolerance: numerics.time_tolerance,
+        factor: numerics.step_factor,
+        parity: cue == Cue::None,
+        odd_floor: 0.0,
+        dt: FIRST_STEP * numerics.step_factor.min(1.0),
+        steps: 0,
+        rejected: 0,
+        drift: 0.0,
+        neck: None,
+        neck_rate: 0.0,
+        next_rest_check: 0.0,
+    };
+    // The noise belongs to a first step of fixed length, whatever the step factor.
+    let coefficients = noise::coefficients(seed);
+    let y = &stepper.levels[0].y;
+    stepper.cortex.noise = (0..y.intervals() * y.m)
+        .map(|i| noise_factor(&coefficients, y.stage_x(&gauss, i / y.m, i % y.m)))
+        .collect();
+    let first = stepper.attempt(FIRST_STEP, 1).map_err(|e| DivisionError::Stalled {
+        r0,
+        t: 0.0,
+        dt: FIRST_STEP,
+        reason: e.to_string(),
+    })?;
+    run.odd_floor = 0.05 * first.odd_size;
+    stepper.accept();
+    stepper.cortex.noise.clear();
+    stepper.restart();
+    run.steps = 1;
+
+    loop {
+        run.advance(&mut stepper, r0)?;
+        let newest = &stepper.levels[0];
+        observe(Frame { t: newest.t, shape: &newest.y, neck: run.neck });
+        if let Some(neck) = run.neck
+            && neck.radius < PINCH_OFF * r0
+        {
+            return Ok(run.divided(&stepper, neck, numerics.chi_symmetric, r0));
+        }
+        if let Some(growth_rate) = run.at_rest(&mut stepper) {
+            return Ok(run.failed(&stepper, growth_rate));
+        }
+        if stepper.levels[0].t > numerics.t_max {
+            return Err(DivisionError::Undecided { r0, t_max: numerics.t_max });
+        }
+        run.prepare_mesh(&mut stepper);
+    }
+}
+
+/// Controls of one run.
+struct Run {
+    tolerance: f64,
+    factor: f64,
+    /// The shape is nearly mirror-symmetric and its odd part is resolved in its own right.
+    parity: bool,
+    odd_floor: f64,
+    dt: f64,
+    steps: u32,
+    rejected: u32,
+    drift: f64,
+    neck: Option<shape::Neck>,
+    neck_rate: f64,
+    next_rest_check: f64,
+}
+
+impl Run {
+    /// One accepted step.
+    fn advance(&mut self, stepper: &mut Stepper, r0: f64) -> Result<(), DivisionError> {
+        let mut failures = 0;
+        loop {
+            let order = MAX_ORDER.min(stepper.levels.len());
+            let dt = self.dt * self.factor;
+            let t = stepper.levels[0].t;
+            let attempt = stepper.attempt(dt, order);
+            let shrink = match &attempt {
+                Ok(a) => {
+                    let error = self.error_ratio(a.error.even, a.error.odd, a.odd_size, r0);
+                    if error <= 1.0 || stepper.levels.len() == 1 {
+                        let power = 1.0 / (order as f64 + 1.0);
+                        let most = if stepper.levels.len() <= MAX_ORDER { 2.0 } else { 1.6 };
+                        self.accept(stepper, (0.85 * error.max(1e-8).powf(-power)).clamp(0.3, most));
+                        return Ok(());
+                    }
+                    (0.85 * error.powf(-1.0 / (order as f64 + 1.0))).clamp(0.2, 0.8)
+                }
+                Err(_) => 0.4,
+            };
+            self.rejected += 1;
+            failures += 1;
+            self.dt *= shrink;
+            if failures > 3 {
+                stepper.restart();
+            }
+            if self.dt < 1e-12 {
+                let reason = match attempt {
+                    Ok(_) => "the local error stays above its tolerance".to_string(),
+                    Err(e) => e.to_string(),
+                };
+                return Err(DivisionError::Stalled { r0, t, dt: self.dt, reason });
+            }
+        }
+    }
+
+    fn error_ratio(&self, even: f64, odd: f64, odd_size: f64, r0: f64) -> f64 {
+        let absolute = even.hypot(odd) / (self.tolerance * r0);
+        if self.parity {
+            absolute.max(odd / (ODD_TOLERANCE * self.tolerance * odd_size.max(self.odd_floor)))
+        } else {
+            absolute
+        }
+    }
+
+    fn accept(&mut self, stepper: &mut Stepper, growth: f64) {
+        let dt = self.dt * self.factor;
+        stepper.accept();
+        self.steps += 1;
+        self.dt *= growth;
+        let y = &stepper.levels[0].y;
+        let gauss = &stepper.system.gauss;
+        let volume: f64 = (0..y.intervals() * y.m)
+            .map(|i| {
+                let s = &y.stages[i * COMPONENTS..(i + 1) * COMPONENTS];
+                let h = y.mesh[i / y.m + 1] - y.mesh[i / y.m];
+                h * gauss.b[i % y.m] * std::f64::consts::PI * y.scalars[0] * s[R] * s[R] * s[PSI].sin()
+            })
+            .sum();
+        self.drift = self.drift.max((volume / stepper.cortex.constants().volume - 1.0).abs());
+        let neck = shape::neck(gauss, y);
+        if let (Some(new), Some(old)) = (neck, self.neck) {
+            self.neck_rate = (old.radius - new.radius) / dt;
+            if self.neck_rate > 0.0 {
+                self.dt = self.dt.min(NECK_STEP * new.radius / self.neck_rate / self.factor.max(1.0));
+            }
+        }
+        self.neck = neck;
+        if self.parity {
+            let size =
+                parity_norm(gauss, &y.mesh, |i| [y.stages[i * COMPONENTS + R], y.stages[i * COMPONENTS + Z]]);
+            self.parity = size.odd < 0.05 * size.even;
+        }
+    }
+
+    fn prepare_mesh(&self, stepper: &mut Stepper) {
+        stepper.adapt(self.parity, 1.7);
+    }
+
+    /// Whether the shape has come to rest in a stable stationary state; its growth rate if so.
+    fn at_rest(&mut self, stepper: &mut Stepper) -> Option<f64> {
+        let _ = (stepper, &mut self.next_rest_check);
+        None
+    }
+
+    fn division(&self, stepper: &Stepper, outcome: Outcome) -> Division {
+        Division {
+            outcome,
+            chi: None,
+            chi_signed: None,
+            u_furrow: None,
+            t_end: stepper.levels[0].t,
+            daughters: None,
+            growth_rate: None,
+            volume_drift: self.drift,
+            steps: self.steps,
+            rejected: self.rejected,
+            newton_iterations: stepper.work.iterations as u32,
+            factorisations: stepper.work.factorisations as u32,
+            remeshings: stepper.remeshings,
+        }
+    }
+
+    fn failed(&self, stepper: &Stepper, growth_rate: f64) -> Division {
+        Division { growth_rate: Some(growth_rate), ..self.division(stepper, Outcome::Failed) }
+    }
+
+    fn divided(&self, stepper: &Stepper, neck: shape::Neck, symmetric_below: f64, r0: f64) -> Division {
+        let y = &stepper.levels[0].y;
+        let gauss = &stepper.system.gauss;
+        let total = shape::volume_until(gauss, y, 1.0);
+        let anterior = shape::volume_until(gauss, y, neck.u);
+        let chi_signed = 1.0 - 2.0 * anterior / total;
+        let chi = chi_signed.abs();
+        let outcome = if chi < symmetric_below { Outcome::Symmetric } else { Outcome::Asymmetric };
+        let share = if outcome == Outcome::Symmetric { 0.5 } else { 0.5 * (1.0 - chi_signed) };
+        // The neck passed the threshold within the last step.
+        let past = (PINCH_OFF * r0 - neck.radius) / self.neck_rate;
+        let dt = stepper.levels[0].t - stepper.levels[1].t;
+        Division {
+            chi: Some(chi),
+            chi_signed: Some(chi_signed),
+            u_furrow: Some(neck.u),
+            t_end: stepper.levels[0].t - past.clamp(0.0, dt),
+            daughters: Some([r0 * share.cbrt(), r0 * (1.0 - share).cbrt()]),
+            ..self.division(stepper, outcome)
+        }
+    }
+}

@@ -1,0 +1,287 @@
+//! Implicit time stepping of the cortex: variable-step backward differentiation formulas on a moving mesh.
+//!
+//! One step solves the boundary-value problem with ∂_t x = α₀ (x − x_past): α₀ and x_past follow from differentiating
+//! the polynomial through the new and the last k shapes at fixed u. The difference to the extrapolated shape estimates
+//! the local error. Backward differentiation damps what it does not resolve, so an unresolved *growing* mode would be
+//! damped too; while the shape is nearly mirror-symmetric its odd part is therefore held to a tolerance relative to its
+//! own size.
+//!
+//! # References
+//! Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, Springer 1993, ch. III.5 (variable steps).
+
+use crate::cortex::equations::{COMPONENTS, R, Z};
+use crate::cortex::{Cortex, shape};
+use crate::numerics::newton::{Newton, NewtonError, NewtonReport, NewtonScratch};
+use crate::numerics::{Gauss, Solution, System, mesh};
+
+/// Highest order of the formulas.
+pub const MAX_ORDER: usize = 3;
+
+/// A shape at a time.
+#[derive(Clone, Debug)]
+pub struct Level {
+    /// Time, in τ.
+    pub t: f64,
+    /// The full state.
+    pub y: Solution,
+}
+
+/// Weights of the values at `times` in the derivative at `times[0]` of the interpolating polynomial.
+pub fn derivative_weights(times: &[f64], out: &mut [f64]) {
+    let t0 = times[0];
+    out[0] = times[1..].iter().map(|t| 1.0 / (t0 - t)).sum();
+    for i in 1..times.len() {
+        let mut weight = 1.0 / (times[i] - t0);
+        for j in (1..times.len()).filter(|&j| j != i) {
+            weight *= (t0 - times[j]) / (times[i] - times[j]);
+        }
+        out[i] = weight;
+    }
+}
+
+/// Weights of the values at `times` in the polynomial through them, evaluated at t.
+pub fn extrapolation_weights(times: &[f64], t: f64, out: &mut [f64]) {
+    for i in 0..times.len() {
+        out[i] = (0..times.len()).filter(|&j| j != i).map(|j| (t - times[j]) / (times[i] - times[j])).product();
+    }
+}
+
+/// Sizes of displacements or shapes, split by parity under u → 1 − u; L² over u of (r, z).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ParityNorm {
+    /// Mirror-symmetric part.
+    pub even: f64,
+    /// Antisymmetric part.
+    pub odd: f64,
+}
+
+/// Parity norms of (r, z) combinations at the stages of a mirror-symmetric mesh; `value(i)` gives (r, z) at stage i.
+pub fn parity_norm(gauss: &Gauss, mesh: &[f64], value: impl Fn(usize) -> [f64; 2]) -> ParityNorm {
+    let m = gauss.m;
+    let points = (mesh.len() - 1) * m;
+    let (mut even, mut odd) = (0.0, 0.0);
+    for i in 0..points {
+        let weight = (mesh[i / m + 1] - mesh[i / m]) * gauss.b[i % m];
+        let ([r, z], [rm, zm]) = (value(i), value(points - 1 - i));
+        even += weight * 0.25 * ((r + rm).powi(2) + (z - zm).powi(2));
+        odd += weight * 0.25 * ((r - rm).powi(2) + (z + zm).powi(2));
+    }
+    ParityNorm { even: even.sqrt(), odd: odd.sqrt() }
+}
+
+/// The result of one attempted step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attempt {
+    /// Estimated local error.
+    pub error: ParityNorm,
+    /// Odd part of the new shape.
+    pub odd_size: f64,
+    /// Newton's work.
+    pub report: NewtonReport,
+}
+
+/// Time stepper of one cell. `levels[0]` is the newest accepted shape.
+pub struct Stepper {
+    /// The problem, with the rate and past of the step last attempted.
+    pub cortex: Cortex,
+    /// Linear algebra.
+    pub system: System,
+    /// Accepted shapes, newest first, all on the same mesh.
+    pub levels: Vec<Level>,
+    /// Total work.
+    pub work: NewtonReport,
+    /// Times the mesh was moved.
+    pub remeshings: u32,
+    spare: Vec<Level>,
+    trial: Level,
+    scratch: NewtonScratch,
+    newton: Newton,
+    weight: Vec<f64>,
+    grid: Vec<f64>,
+    factored_rate: Option<f64>,
+}
+
+impl Stepper {
+    /// Starts from a shape at t = 0.
+    pub fn new(cortex: Cortex, stages: usize, start: Solution) -> Stepper {
+        let system = System::new(Cortex::dimensions_for(cortex.domain, 0), stages);
+        Stepper {
+            cortex,
+            system,
+            trial: Level { t: 0.0, y: start.clone() },
+            levels: vec![Level { t: 0.0, y: start }],
+            work: NewtonReport::default(),
+            remeshings: 0,
+            spare: Vec::new(),
+            scratch: NewtonScratch::default(),
+            newton: Newton { tolerance: 1e-9, max_factorisations: 6, max_iterations: 24, ..Newton::default() },
+            weight: Vec::new(),
+            grid: Vec::new(),
+            factored_rate: None,
+        }
+    }
+
+    /// Forgets all but the newest shape: the next step is of first order.
+    pub fn restart(&mut self) {
+        self.spare.extend(self.levels.drain(1..));
+        self.factored_rate = None;
+    }
+
+    /// Attempts a step of size dt with order at most `order`; [`accept`](Self::accept) makes it count.
+    pub fn attempt(&mut self, dt: f64, order: usize) -> Result<Attempt, NewtonError> {
+        let order = order.min(self.levels.len()).min(MAX_ORDER);
+        let t = self.levels[0].t + dt;
+        let mut times = [0.0; MAX_ORDER + 2];
+        times[0] = t;
+        let known = (order + 1).min(self.levels.len());
+        for (time, level) in times[1..].iter_mut().zip(&self.levels) {
+            *time = level.t;
+        }
+        let mut alpha = [0.0; MAX_ORDER + 2];
+        derivative_weights(&times[..=order], &mut alpha);
+        let mut predict = [0.0; MAX_ORDER + 2];
+        extrapolation_weights(&times[1..=known], t, &mut predict);
+        let points = self.levels[0].y.stages.len() / COMPONENTS;
+        self.cortex.past.clear();
+        self.cortex.past.extend((0..points).map(|i| {
+            let mut past = [0.0; 2];
+            for (level, weight) in self.levels.iter().zip(&alpha[1..=order]) {
+                let s = &level.y.stages[i * COMPONENTS..(i + 1) * COMPONENTS];
+                past[0] -= weight * s[R];
+                past[1] -= weight * s[Z];
+            }
+            [past[0] / alpha[0], past[1] / alpha[0]]
+        }));
+        self.cortex.rate = alpha[0];
+        self.trial.t = t;
+        extrapolate(&self.levels[..known], &predict[..known], &mut self.trial.y);
+        let reuse = self.factored_rate.is_some_and(|rate| (alpha[0] / rate - 1.0).abs() < 0.25);
+        let solved = self.newton.solve(
+            &mut self.system,
+            &mut self.scratch,
+            &mut self.cortex,
+            &mut self.trial.y,
+            &[],
+            reuse,
+        );
+        let report = match solved {
+            Ok(report) => report,
+            Err(error) => {
+                self.factored_rate = None;
+                self.work.iterations += self.newton.max_factorisations;
+                return Err(error);
+            }
+        };
+        if report.factorisations > 0 {
+            self.factored_rate = Some(alpha[0]);
+        }
+        self.work.iterations += report.iterations;
+        self.work.factorisations += report.factorisations;
+        let share = dt / (t - times[known]);
+        let gauss = &self.system.gauss;
+        let new = &self.trial.y.stages;
+        let error = parity_norm(gauss, &self.trial.y.mesh, |i| {
+            let mut d = [new[i * COMPONENTS + R], new[i * COMPONENTS + Z]];
+            for (level, weight) in self.levels.iter().zip(&predict[..known]) {
+                d[0] -= weight * level.y.stages[i * COMPONENTS + R];
+                d[1] -= weight * level.y.stages[i * COMPONENTS + Z];
+            }
+            [d[0] * share, d[1] * share]
+        });
+        let odd_size =
+            parity_norm(gauss, &self.trial.y.mesh, |i| [new[i * COMPONENTS + R], new[i * COMPONENTS + Z]]).odd;
+        Ok(Attempt { error, odd_size, report })
+    }
+
+    /// Makes the attempted step the newest level.
+    pub fn accept(&mut self) {
+        let mut level = match self.spare.pop() {
+            Some(level) => level,
+            None if self.levels.len() > MAX_ORDER => self.levels.remove(self.levels.len() - 1),
+            None => self.trial.clone(),
+        };
+        std::mem::swap(&mut level, &mut self.trial);
+        self.levels.insert(0, level);
+        while self.levels.len() > MAX_ORDER + 1 {
+            self.spare.extend(self.levels.pop());
+        }
+    }
+
+    /// L² speed of the shape at fixed u over the last step, relative to R0; infinite before two levels are known.
+    pub fn speed(&self) -> f64 {
+        let [new, old, ..] = &self.levels[..] else { return f64::INFINITY };
+        let norm = parity_norm(&self.system.gauss, &new.y.mesh, |i| {
+            [
+                new.y.stages[i * COMPONENTS + R] - old.y.stages[i * COMPONENTS + R],
+                new.y.stages[i * COMPONENTS + Z] - old.y.stages[i * COMPONENTS + Z],
+            ]
+        });
+        norm.even.hypot(norm.odd) / ((new.t - old.t) * self.cortex.r0)
+    }
+
+    /// Moves the mesh if the monitor is out of balance by more than `tolerance`; all levels follow by their own
+    /// collocation polynomials. `symmetric` keeps the mesh mirror-symmetric.
+    pub fn adapt(&mut self, symmetric: bool, tolerance: f64) {
+        let y = &self.levels[0].y;
+        shape::monitor(&self.cortex, y, symmetric, &mut self.weight);
+        if mesh::imbalance(&y.mesh, &self.weight) < tolerance {
+            return;
+        }
+        mesh::equidistribute(&y.mesh, &self.weight, y.intervals(), &mut self.grid);
+        if symmetric {
+            let n = self.grid.len() - 1;
+            for i in 0..=n / 2 {
+                let half = 0.5 * (self.grid[i] + 1.0 - self.grid[n - i]);
+                self.grid[i] = half;
+                self.grid[n - i] = 1.0 - half;
+            }
+        }
+        let gauss = &self.system.gauss;
+        for level in &mut self.levels {
+            level.y.transfer_into(gauss, &self.grid, &mut self.trial.y);
+            std::mem::swap(&mut level.y, &mut self.trial.y);
+        }
+        self.remeshings += 1;
+        self.factored_rate = None;
+    }
+}
+
+/// Σ w_j y_j over levels into `out`, taking mesh and shape from the first.
+fn extrapolate(levels: &[Level], weights: &[f64], out: &mut Solution) {
+    out.clone_from(&levels[0].y);
+    let mut part = |get: fn(&Solution) -> &Vec<f64>, put: fn(&mut Solution) -> &mut Vec<f64>| {
+        let target = put(out);
+        for v in target.iter_mut() {
+            *v *= weights[0];
+        }
+        for (level, weight) in levels.iter().zip(weights).skip(1) {
+            for (v, w) in target.iter_mut().zip(get(&level.y)) {
+                *v += weight * w;
+            }
+        }
+    };
+    part(|y| &y.nodes, |y| &mut y.nodes);
+    part(|y| &y.stages, |y| &mut y.stages);
+    part(|y| &y.scalars, |y| &mut y.scalars);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_are_exact_for_polynomials() {
+        let times = [1.7, 1.2, 1.1, 0.4];
+        let (mut d, mut e) = ([0.0; 4], [0.0; 4]);
+        derivative_weights(&times, &mut d);
+        extrapolation_weights(&times, 2.5, &mut e);
+        for degree in 0..4 {
+            let value = |t: f64| t.powi(degree);
+            let slope: f64 = times.iter().zip(d).map(|(t, w)| w * value(*t)).sum();
+            let exact = if degree == 0 { 0.0 } else { degree as f64 * 1.7f64.powi(degree - 1) };
+            assert!((slope - exact).abs() < 1e-12);
+            let ahead: f64 = times.iter().zip(e).map(|(t, w)| w * value(*t)).sum();
+            assert!((ahead - value(2.5)).abs() < 1e-11);
+        }
+    }
+}
