@@ -163,6 +163,11 @@ pub fn mirror(y: &[f64], out: &mut [f64]) {
     out[PSI] = PI - y[PSI];
 }
 
+/// Part of its mean that the mesh monitor never falls below.
+const FLOOR: f64 = 0.2;
+/// Growth of the interval width per interval that the monitor allows.
+const GRADING: f64 = 1.0;
+
 /// Mesh monitor per interval: turning of the contour |c1| + |c2| and the band of a cue, over a floor that keeps half of
 /// the intervals spread evenly. `symmetric` averages it with its mirror image on a mirror-symmetric mesh.
 pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<f64>) {
@@ -170,16 +175,16 @@ pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<
     let end = y.mesh[y.intervals()] - y.mesh[0];
     weight.clear();
     for i in 0..y.intervals() {
-        let mut sum = 0.0;
+        let mut largest: f64 = 0.0;
         for j in 0..y.m {
             let s = y.stage(i, j);
             let x = y.mesh[i] + (y.mesh[i + 1] - y.mesh[i]) * (j as f64 + 0.5) / y.m as f64;
             let (kappa, kappa_u) = cortex.constants().rigidity(x);
             let c2 = s[PSI].sin() / s[R];
             let c1 = s[M] / kappa - c2;
-            sum += length * (c1.abs() + c2.abs()) + 10.0 * kappa_u.abs() / kappa;
+            largest = largest.max(length * (c1.abs() + c2.abs()) + 10.0 * kappa_u.abs() / kappa);
         }
-        weight.push(sum / y.m as f64);
+        weight.push(largest);
     }
     let n = weight.len();
     if symmetric {
@@ -190,16 +195,19 @@ pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<
         }
     }
     let mean = y.mesh.windows(2).zip(weight.iter()).map(|(x, w)| (x[1] - x[0]) * w).sum::<f64>() / end;
-    // Neighbours share their weight so that interval widths vary gently.
     for w in weight.iter_mut() {
-        *w += 0.5 * mean;
+        *w += FLOOR * mean;
     }
-    let ratio = 0.5;
+    // Interval widths are to vary gently: the wanted width 1/w may grow by at most GRADING per unit of u.
+    let total: f64 = y.mesh.windows(2).zip(weight.iter()).map(|(x, w)| (x[1] - x[0]) * w).sum();
+    let slope = GRADING * n as f64 / total;
     for i in 1..n {
-        weight[i] = weight[i].max(ratio * weight[i - 1]);
+        let distance = 0.5 * (y.mesh[i + 1] - y.mesh[i - 1]);
+        weight[i] = weight[i].max(1.0 / (1.0 / weight[i - 1] + slope * distance));
     }
     for i in (0..n - 1).rev() {
-        weight[i] = weight[i].max(ratio * weight[i + 1]);
+        let distance = 0.5 * (y.mesh[i + 2] - y.mesh[i]);
+        weight[i] = weight[i].max(1.0 / (1.0 / weight[i + 1] + slope * distance));
     }
 }
 

@@ -1,9 +1,9 @@
 //! One division from the passive shape to pinch-off or rest.
 
+use super::DivisionInput;
 use super::noise;
 use super::outcome::{Division, DivisionError, Outcome};
 use super::stepper::{MAX_ORDER, Stepper, parity_norm};
-use super::DivisionInput;
 use crate::cortex::equations::{COMPONENTS, PSI, R, Z, noise_factor};
 use crate::cortex::{Cortex, Cue, Domain, shape};
 use crate::numerics::Solution;
@@ -14,6 +14,8 @@ pub const FIRST_STEP: f64 = 1e-3;
 pub const PINCH_OFF: f64 = 1e-3;
 /// Largest relative narrowing of the neck per step.
 const NECK_STEP: f64 = 0.4;
+/// Below this neck radius, relative to R0, the neck closes faster than anything else happens.
+const CLOSING: f64 = 0.5;
 /// Local error of the odd part relative to its size, in units of the time tolerance.
 const ODD_TOLERANCE: f64 = 30.0;
 
@@ -40,10 +42,7 @@ pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
 ///
 /// # Errors
 /// See [`divide`].
-pub fn divide_observed(
-    input: &DivisionInput,
-    mut observe: impl FnMut(Frame<'_>),
-) -> Result<Division, DivisionError> {
+pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)) -> Result<Division, DivisionError> {
     let DivisionInput { physics, numerics, r0, cue, seed } = *input;
     if !(r0.is_finite() && r0 > 0.0) {
         return Err(DivisionError::BadInput { field: "r0", value: r0, allowed: "a positive radius in units of L_h" });
@@ -82,9 +81,8 @@ pub fn divide_observed(
     // The noise belongs to a first step of fixed length, whatever the step factor.
     let coefficients = noise::coefficients(seed);
     let y = &stepper.levels[0].y;
-    stepper.cortex.noise = (0..y.intervals() * y.m)
-        .map(|i| noise_factor(&coefficients, y.stage_x(&gauss, i / y.m, i % y.m)))
-        .collect();
+    stepper.cortex.noise =
+        (0..y.intervals() * y.m).map(|i| noise_factor(&coefficients, y.stage_x(&gauss, i / y.m, i % y.m))).collect();
     let first = stepper.attempt(FIRST_STEP, 1).map_err(|e| DivisionError::Stalled {
         r0,
         t: 0.0,
@@ -172,7 +170,9 @@ impl Run {
 
     fn error_ratio(&self, even: f64, odd: f64, odd_size: f64, r0: f64) -> f64 {
         let absolute = even.hypot(odd) / (self.tolerance * r0);
-        if self.parity {
+        // Once the neck closes the outcome is decided and no odd mode has time to grow.
+        let closing = self.neck.is_some_and(|n| n.radius < CLOSING * r0);
+        if self.parity && !closing {
             absolute.max(odd / (ODD_TOLERANCE * self.tolerance * odd_size.max(self.odd_floor)))
         } else {
             absolute
@@ -203,14 +203,13 @@ impl Run {
         }
         self.neck = neck;
         if self.parity {
-            let size =
-                parity_norm(gauss, &y.mesh, |i| [y.stages[i * COMPONENTS + R], y.stages[i * COMPONENTS + Z]]);
+            let size = parity_norm(gauss, &y.mesh, |i| [y.stages[i * COMPONENTS + R], y.stages[i * COMPONENTS + Z]]);
             self.parity = size.odd < 0.05 * size.even;
         }
     }
 
     fn prepare_mesh(&self, stepper: &mut Stepper) {
-        stepper.adapt(self.parity, 1.7);
+        stepper.adapt(self.parity, 1.5);
     }
 
     /// Whether the shape has come to rest in a stable stationary state; its growth rate if so.

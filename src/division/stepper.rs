@@ -114,7 +114,7 @@ impl Stepper {
             remeshings: 0,
             spare: Vec::new(),
             scratch: NewtonScratch::default(),
-            newton: Newton { tolerance: 1e-9, max_factorisations: 6, max_iterations: 24, ..Newton::default() },
+            newton: Newton { tolerance: 3e-8, max_factorisations: 6, max_iterations: 24, ..Newton::default() },
             weight: Vec::new(),
             grid: Vec::new(),
             factored_rate: None,
@@ -156,14 +156,8 @@ impl Stepper {
         self.trial.t = t;
         extrapolate(&self.levels[..known], &predict[..known], &mut self.trial.y);
         let reuse = self.factored_rate.is_some_and(|rate| (alpha[0] / rate - 1.0).abs() < 0.25);
-        let solved = self.newton.solve(
-            &mut self.system,
-            &mut self.scratch,
-            &mut self.cortex,
-            &mut self.trial.y,
-            &[],
-            reuse,
-        );
+        let solved =
+            self.newton.solve(&mut self.system, &mut self.scratch, &mut self.cortex, &mut self.trial.y, &[], reuse);
         let report = match solved {
             Ok(report) => report,
             Err(error) => {
@@ -222,20 +216,31 @@ impl Stepper {
     /// Moves the mesh if the monitor is out of balance by more than `tolerance`; all levels follow by their own
     /// collocation polynomials. `symmetric` keeps the mesh mirror-symmetric.
     pub fn adapt(&mut self, symmetric: bool, tolerance: f64) {
-        let y = &self.levels[0].y;
-        shape::monitor(&self.cortex, y, symmetric, &mut self.weight);
-        if mesh::imbalance(&y.mesh, &self.weight) < tolerance {
+        shape::monitor(&self.cortex, &self.levels[0].y, symmetric, &mut self.weight);
+        if mesh::imbalance(&self.levels[0].y.mesh, &self.weight) < tolerance {
             return;
         }
-        mesh::equidistribute(&y.mesh, &self.weight, y.intervals(), &mut self.grid);
-        if symmetric {
-            let n = self.grid.len() - 1;
-            for i in 0..=n / 2 {
-                let half = 0.5 * (self.grid[i] + 1.0 - self.grid[n - i]);
-                self.grid[i] = half;
-                self.grid[n - i] = 1.0 - half;
+        // The monitor is only known at the old points, so a sharp neck takes a second look on the new ones.
+        let mut source = self.spare.pop().unwrap_or_else(|| self.levels[0].clone());
+        source.y.clone_from(&self.levels[0].y);
+        for _ in 0..3 {
+            let y = &source.y;
+            mesh::equidistribute(&y.mesh, &self.weight, y.intervals(), &mut self.grid);
+            if symmetric {
+                let n = self.grid.len() - 1;
+                for i in 0..=n / 2 {
+                    let half = 0.5 * (self.grid[i] + 1.0 - self.grid[n - i]);
+                    self.grid[i] = half;
+                    self.grid[n - i] = 1.0 - half;
+                }
+            }
+            self.levels[0].y.transfer_into(&self.system.gauss, &self.grid, &mut source.y);
+            shape::monitor(&self.cortex, &source.y, symmetric, &mut self.weight);
+            if mesh::imbalance(&self.grid, &self.weight) < 1.2 {
+                break;
             }
         }
+        self.spare.push(source);
         let gauss = &self.system.gauss;
         for level in &mut self.levels {
             level.y.transfer_into(gauss, &self.grid, &mut self.trial.y);
