@@ -11,7 +11,10 @@ use std::{
 
 use dashmap::{DashMap, Entry};
 
-use super::key::{Key, Quantisation, SolverVersion};
+use super::{
+    key::{Key, Quantisation, SolverVersion},
+    store::{Claim, Claimed, Store},
+};
 use crate::division::{Division, DivisionError, DivisionInput};
 
 /// Divisions solved so far or being solved, shared by any number of trees and threads.
@@ -19,8 +22,12 @@ use crate::division::{Division, DivisionError, DivisionInput};
 pub struct Memo {
     quantisation: Quantisation,
     solver: SolverVersion,
-    table: DashMap<Key, Slot, BuildHasherDefault<PrefixHasher>>,
+    table: DashMap<Key, Slot, PrefixMap>,
+    store: Option<Store>,
 }
+
+/// Builds the hasher of maps keyed by [`Key`].
+pub type PrefixMap = BuildHasherDefault<PrefixHasher>;
 
 #[derive(Debug)]
 enum Slot {
@@ -43,6 +50,8 @@ pub struct Notice {
 pub enum News {
     /// Solved, just now.
     Solved(Arc<Division>),
+    /// Another process solved it meanwhile.
+    Stored(Arc<Division>),
     /// Could not be solved.
     Failed(Failure),
     /// Whoever was to solve it gave up; ask again.
@@ -65,6 +74,8 @@ pub enum Failure {
 pub enum Request<'m> {
     /// Known.
     Known(Arc<Division>),
+    /// Known to the store, and now to the memo.
+    Stored(Arc<Division>),
     /// Being solved by another; a [`Notice`] will come.
     Pending,
     /// Nobody has it: the asker is to solve it. A [`Notice`] comes to the asker as well.
@@ -72,9 +83,19 @@ pub enum Request<'m> {
 }
 
 impl Memo {
-    /// An empty memo of this build's solver.
+    /// An empty memo of this build's solver, in memory only.
     pub fn new(quantisation: Quantisation) -> Memo {
-        Memo { quantisation, solver: SolverVersion::current(), table: DashMap::default() }
+        Memo { quantisation, solver: SolverVersion::current(), table: DashMap::default(), store: None }
+    }
+
+    /// The same, on a store: what it holds is known, and what is solved is committed to it.
+    pub fn with_store(self, store: Store) -> Memo {
+        Memo { store: Some(store), ..self }
+    }
+
+    /// The store, if there is one.
+    pub fn store(&self) -> Option<&Store> {
+        self.store.as_ref()
     }
 
     /// How R0 is rounded.
@@ -105,11 +126,12 @@ impl Memo {
     /// Asks for a division. Unless it is known, `waiter` is told once when it is solved, failed or given up.
     pub fn request(&self, key: Key, waiter: &Sender<Notice>) -> Request<'_> {
         // A shared guard suffices for what is known, the usual case.
-        if let Some(slot) = self.table.get(&key)
-            && let Slot::Solved(division) = slot.value()
-        {
-            return Request::Known(Arc::clone(division));
-        }
+        let absent = match self.table.get(&key).as_deref() {
+            Some(Slot::Solved(division)) => return Request::Known(Arc::clone(division)),
+            Some(Slot::InFlight(_)) => false,
+            None => true,
+        };
+        let stored = if absent { self.store.as_ref().and_then(|store| store.get(&key)) } else { None };
         match self.table.entry(key) {
             Entry::Occupied(mut occupied) => match occupied.get_mut() {
                 Slot::Solved(division) => Request::Known(Arc::clone(division)),
@@ -118,10 +140,16 @@ impl Memo {
                     Request::Pending
                 }
             },
-            Entry::Vacant(vacant) => {
-                vacant.insert(Slot::InFlight(vec![waiter.clone()]));
-                Request::Yours(Ticket { memo: self, key, open: true })
-            }
+            Entry::Vacant(vacant) => match stored {
+                Some(division) => {
+                    vacant.insert(Slot::Solved(Arc::clone(&division)));
+                    Request::Stored(division)
+                }
+                None => {
+                    vacant.insert(Slot::InFlight(vec![waiter.clone()]));
+                    Request::Yours(Ticket { memo: self, key, open: true })
+                }
+            },
         }
     }
 
@@ -146,15 +174,44 @@ pub struct Ticket<'m> {
     open: bool,
 }
 
-impl Ticket<'_> {
+/// What became of a ticket when other processes were asked.
+#[derive(Debug)]
+pub enum Turn<'m> {
+    /// To be solved here. The claim is to be kept until it is.
+    Solve(Ticket<'m>, Option<Claim>),
+    /// Another process is at it; claim again later.
+    Busy(Ticket<'m>),
+    /// Another process has solved it; the waiters have been told.
+    Stored,
+}
+
+impl<'m> Ticket<'m> {
     /// The key to solve.
     pub fn key(&self) -> Key {
         self.key
     }
 
-    /// Hands in the division just solved.
-    pub fn solved(self, division: Arc<Division>) {
+    /// Hands in the division just solved, and commits it to the store before anybody is told.
+    pub fn solved(self, division: Division) {
+        let division = Arc::new(division);
+        if let Some(store) = &self.memo.store {
+            store.commit(&self.key, &division);
+        }
         self.close(Some(Arc::clone(&division)), News::Solved(division));
+    }
+
+    /// Asks to solve the division as far as other processes are concerned. `insist` solves it even if one is at it.
+    pub fn claim(self, insist: bool) -> Turn<'m> {
+        match self.memo.store.as_ref().map(|store| store.claim(&self.key)) {
+            None => Turn::Solve(self, None),
+            Some(Claimed::Yours(claim)) => Turn::Solve(self, claim),
+            Some(Claimed::Busy) if insist => Turn::Solve(self, None),
+            Some(Claimed::Busy) => Turn::Busy(self),
+            Some(Claimed::Stored(division)) => {
+                self.close(Some(Arc::clone(&division)), News::Stored(division));
+                Turn::Stored
+            }
+        }
     }
 
     /// Says that the division cannot be solved. Failures are not remembered.

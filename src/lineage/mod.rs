@@ -7,6 +7,7 @@ pub mod key;
 pub mod memo;
 pub mod rounds;
 pub mod scheduler;
+pub mod store;
 pub mod tree;
 
 pub use definition::{C_ELEGANS, Daughter, Founder, Limits, Lineage, ListedDaughters, ObservedRounds, check_cue};
@@ -15,4 +16,5 @@ pub use key::{Key, Quantisation, SolverVersion};
 pub use memo::Memo;
 pub use rounds::{FounderRounds, Rounds, founder_rounds};
 pub use scheduler::{Job, Progress, SchedulerError, SchedulerOptions, Summary};
+pub use store::Store;
 pub use tree::{Cell, EndReason, Fate, Side, Tree, TreeSettings};

@@ -7,19 +7,18 @@
 use std::{
     cmp::Ordering,
     collections::{BinaryHeap, HashMap, VecDeque, hash_map},
-    hash::BuildHasherDefault,
     panic::{AssertUnwindSafe, catch_unwind},
     sync::{
-        Arc,
         atomic::{AtomicBool, Ordering as Memory},
         mpsc::{Receiver, RecvTimeoutError, Sender, channel},
     },
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use super::{
     key::Key,
-    memo::{Failure, Memo, News, Notice, PrefixHasher, Request, Ticket},
+    memo::{Failure, Memo, News, Notice, PrefixMap, Request, Ticket, Turn},
+    store::{Claim, Store},
 };
 use crate::division::{Division, DivisionError, DivisionInput};
 
@@ -85,6 +84,8 @@ pub struct Summary {
     pub memo_hits: usize,
     /// Distinct divisions of this run that came from the store.
     pub store_hits: usize,
+    /// Damaged entries of the store, whose divisions were solved again if they were needed.
+    pub corrupt: usize,
     /// Whether the run was stopped before its tree was complete.
     pub interrupted: bool,
     /// Largest relative shift of a cell's R0 by quantisation.
@@ -196,16 +197,20 @@ where
 struct Task<'m> {
     input: DivisionInput,
     ticket: Ticket<'m>,
+    /// Keeps other processes from solving the same.
+    claim: Option<Claim>,
 }
 
 impl Task<'_> {
     fn solve(self, solve: &impl Fn(&DivisionInput) -> Result<Division, DivisionError>) {
         // A panic must not take the pool, and with it the process, down: it would lose what the others solve.
         match catch_unwind(AssertUnwindSafe(|| solve(&self.input))) {
-            Ok(Ok(division)) => self.ticket.solved(Arc::new(division)),
+            Ok(Ok(division)) => self.ticket.solved(division),
             Ok(Err(error)) => self.ticket.failed(Failure::Division(error)),
             Err(payload) => self.ticket.failed(Failure::Panicked(panic_text(payload.as_ref()))),
         }
+        // Only now: whoever gets the claim next finds the division in the store.
+        drop(self.claim);
     }
 }
 
@@ -217,18 +222,21 @@ fn panic_text(payload: &(dyn std::any::Any + Send)) -> String {
         .unwrap_or_else(|| "no message".to_owned())
 }
 
-/// A task in the queue, ordered by expected work, then by radius and age.
+/// A division in the queue, ordered by expected work, then by radius and age.
 struct Queued<'m> {
     work: f64,
     age: usize,
-    task: Task<'m>,
+    input: DivisionInput,
+    ticket: Ticket<'m>,
+    /// When another process was first found at it.
+    busy_since: Option<Instant>,
 }
 
 impl Ord for Queued<'_> {
     fn cmp(&self, other: &Self) -> Ordering {
         self.work
             .total_cmp(&other.work)
-            .then_with(|| self.task.input.r0.total_cmp(&other.task.input.r0))
+            .then_with(|| self.input.r0.total_cmp(&other.input.r0))
             .then_with(|| other.age.cmp(&self.age))
     }
 }
@@ -247,7 +255,7 @@ impl PartialEq for Queued<'_> {
 
 impl Eq for Queued<'_> {}
 
-type KeyMap<V> = HashMap<Key, V, BuildHasherDefault<PrefixHasher>>;
+type KeyMap<V> = HashMap<Key, V, PrefixMap>;
 
 /// The cells that wait for one key.
 #[derive(Default)]
@@ -281,6 +289,8 @@ struct Run<'a, 'm> {
     arrived: VecDeque<Job>,
     /// Divisions that wait for a worker.
     ready: BinaryHeap<Queued<'m>>,
+    /// Divisions that another process is at; looked at again after the next pause.
+    busy: Vec<Queued<'m>>,
     waiting: KeyMap<Awaited>,
     /// Failures of this run: a second cell with the same division is not tried again.
     failed: KeyMap<Failure>,
@@ -300,6 +310,7 @@ impl<'a, 'm> Run<'a, 'm> {
             sender,
             arrived: roots.into(),
             ready: BinaryHeap::new(),
+            busy: Vec::new(),
             waiting: KeyMap::default(),
             failed: KeyMap::default(),
             samples: KeyMap::default(),
@@ -317,7 +328,7 @@ impl<'a, 'm> Run<'a, 'm> {
 
     /// Whether cells are left that no worker of this run is at.
     fn is_incomplete(&self) -> bool {
-        !self.arrived.is_empty() || !self.ready.is_empty() || self.waiting.values().any(|awaited| !awaited.running)
+        !self.arrived.is_empty() || self.waiting.values().any(|awaited| !awaited.running)
     }
 
     /// Until nothing is left: looks up, starts tasks with `spawn`, and takes in what comes back.
@@ -327,6 +338,8 @@ impl<'a, 'm> Run<'a, 'm> {
     {
         /// How late an interrupt may be noticed.
         const TICK: Duration = Duration::from_millis(20);
+        /// How often another process is asked whether it is done.
+        const BUSY_TICK: Duration = Duration::from_millis(5);
         loop {
             self.settle_known(expand);
             if self.interrupted() {
@@ -334,20 +347,25 @@ impl<'a, 'm> Run<'a, 'm> {
                 self.arrived.clear();
                 // The dropped tickets let other trees on the same memo take these divisions over.
                 self.ready.clear();
+                self.busy.clear();
                 self.waiting.retain(|_, awaited| awaited.running);
             }
             while self.running < threads
-                && let Some(Queued { task, .. }) = self.ready.pop()
+                && let Some(queued) = self.ready.pop()
             {
-                self.running += 1;
-                self.waiting.entry(task.ticket.key()).or_default().running = true;
-                self.report();
-                spawn(task);
+                if let Some(task) = self.claim(queued) {
+                    self.running += 1;
+                    self.waiting.entry(task.ticket.key()).or_default().running = true;
+                    self.report();
+                    spawn(task);
+                }
             }
             if self.waiting.is_empty() {
                 return;
             }
-            match notices.recv_timeout(TICK) {
+            let tick = if self.busy.is_empty() { TICK } else { BUSY_TICK };
+            self.ready.extend(self.busy.drain(..));
+            match notices.recv_timeout(tick) {
                 Ok(notice) => self.take_in(notice, expand),
                 Err(RecvTimeoutError::Timeout) => {}
                 // Cannot be, as `self` holds a sender.
@@ -355,6 +373,22 @@ impl<'a, 'm> Run<'a, 'm> {
             }
             while let Ok(notice) = notices.try_recv() {
                 self.take_in(notice, expand);
+            }
+        }
+    }
+
+    /// Makes a queued division a task, unless another process has solved it or is at it.
+    fn claim(&mut self, queued: Queued<'m>) -> Option<Task<'m>> {
+        let Queued { work, age, input, ticket, busy_since } = queued;
+        let patience = self.memo.store().map_or(Duration::ZERO, Store::patience);
+        let insist = busy_since.is_some_and(|since| since.elapsed() > patience);
+        match ticket.claim(insist) {
+            Turn::Solve(ticket, claim) => Some(Task { input, ticket, claim }),
+            Turn::Stored => None,
+            Turn::Busy(ticket) => {
+                let busy_since = busy_since.or_else(|| Some(Instant::now()));
+                self.busy.push(Queued { work, age, input, ticket, busy_since });
+                None
             }
         }
     }
@@ -387,6 +421,11 @@ impl<'a, 'm> Run<'a, 'm> {
                     self.summary.memo_hits += 1;
                     self.deliver(key, waiting, &canonical, &division, expand);
                 }
+                Request::Stored(division) => {
+                    self.summary.memo_hits += 1;
+                    self.summary.store_hits += 1;
+                    self.deliver(key, waiting, &canonical, &division, expand);
+                }
                 Request::Pending => {
                     self.waiting.entry(key).or_default().cells.push(waiting);
                 }
@@ -394,7 +433,8 @@ impl<'a, 'm> Run<'a, 'm> {
                     self.waiting.entry(key).or_default().cells.push(waiting);
                     self.queued_ever += 1;
                     let work = (self.options.expected_work)(&canonical);
-                    self.ready.push(Queued { work, age: self.queued_ever, task: Task { input: canonical, ticket } });
+                    let age = self.queued_ever;
+                    self.ready.push(Queued { work, age, input: canonical, ticket, busy_since: None });
                 }
             }
         }
@@ -412,16 +452,14 @@ impl<'a, 'm> Run<'a, 'm> {
         }
         match news {
             News::Solved(division) => {
-                let mut hits = cells.len();
-                if running {
-                    self.summary.divisions_solved += 1;
-                    hits -= 1;
-                }
-                self.summary.memo_hits += hits;
-                for waiting in cells {
-                    let canonical = self.memo.canonical(&waiting.input);
-                    self.deliver(key, waiting, &canonical, &division, expand);
-                }
+                self.summary.divisions_solved += usize::from(running);
+                self.summary.memo_hits += cells.len() - usize::from(running);
+                self.deliver_all(key, cells, &division, expand);
+            }
+            News::Stored(division) => {
+                self.summary.store_hits += 1;
+                self.summary.memo_hits += cells.len();
+                self.deliver_all(key, cells, &division, expand);
             }
             News::Failed(failure) => {
                 for &waiting in &cells {
@@ -434,6 +472,16 @@ impl<'a, 'm> Run<'a, 'm> {
             }
         }
         self.report();
+    }
+
+    fn deliver_all<X>(&mut self, key: Key, cells: Vec<Waiting>, division: &Division, expand: &mut X)
+    where
+        X: FnMut(usize, &Division) -> Vec<Job>,
+    {
+        for waiting in cells {
+            let canonical = self.memo.canonical(&waiting.input);
+            self.deliver(key, waiting, &canonical, division, expand);
+        }
     }
 
     fn deliver<X>(&mut self, key: Key, waiting: Waiting, canonical: &DivisionInput, division: &Division, expand: &mut X)
@@ -485,6 +533,10 @@ impl<'a, 'm> Run<'a, 'm> {
     fn finish(mut self) -> Result<Summary, SchedulerError> {
         self.summary.interrupted |= self.is_incomplete();
         self.report();
+        if let Some(store) = self.memo.store() {
+            self.summary.corrupt = store.damaged();
+            self.summary.warnings = store.take_warnings();
+        }
         if let Some((input, cell, failure)) = self.worst {
             return Err(SchedulerError::Division { cell, r0: input.r0, failure, failed_cells: self.failed_cells });
         }

@@ -1,0 +1,306 @@
+//! The store: solved divisions kept in the cache folder, for the next run and for other processes now.
+//!
+//! # Why a log of its own
+//! The store holds some hundreds to some hundred thousand small records of equal size, is read whole at the start, and
+//! must be written by several processes at once. Embedded databases such as redb, sled or fjall let one process in and
+//! lock out the rest; SQLite and LMDB share, at the price of a C library. What is needed here is less than either: one
+//! append-only file for each version of the solver, `divisions/<solver>.v1.log`, of 256-byte slots that each carry a
+//! checksum, under advisory locks of the standard library. What it withstands:
+//!
+//! - *Several processes.* An append takes the exclusive lock, reads what others have appended, and drops the record if
+//!   its key is among them. Claims (`divisions/claims/`) keep two processes from solving the same division.
+//! - *A kill at any moment.* Locks and claims vanish with their process. A record is in the page cache when it counts as
+//!   committed; a torn one is a partial slot at the end, overwritten by the next. (A power cut may cost the last seconds.)
+//! - *A full disk.* The first failed write is reported, and the run goes on without storing.
+//! - *Damage.* A slot whose checksum fails is skipped and counted; its division is solved again. Slots stand at
+//!   multiples of their size, so damage never spreads to the next.
+//! - *Other versions.* Each solver and each layout has a file of its own; foreign files are left alone.
+
+mod claims;
+mod log;
+mod record;
+pub mod upkeep;
+
+use std::{
+    collections::BTreeSet,
+    fs, io,
+    path::{Path, PathBuf},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    time::Duration,
+};
+
+use dashmap::DashMap;
+
+pub use claims::Claim;
+pub use upkeep::{CacheReport, DamagedEntry};
+
+use self::log::{Log, Slots};
+use super::{
+    key::{Key, SolverVersion},
+    memo::PrefixMap,
+};
+use crate::division::Division;
+
+/// Solved divisions in a cache folder.
+#[derive(Debug)]
+pub struct Store {
+    /// The folder of the logs, inside the cache folder.
+    folder: PathBuf,
+    path: PathBuf,
+    entries: DashMap<Key, Arc<Division>, PrefixMap>,
+    inner: Mutex<Inner>,
+    patience: Duration,
+}
+
+#[derive(Debug, Default)]
+struct Inner {
+    /// Open once the file exists.
+    log: Option<Log>,
+    damaged: BTreeSet<u64>,
+    /// Set by the first failure to write; nothing is written after it.
+    broken: bool,
+    committed: usize,
+    duplicates: usize,
+    warnings: Vec<String>,
+}
+
+/// Why a store cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreError {
+    /// The cache folder is something else.
+    #[error("the cache {folder} is not a folder")]
+    NotAFolder {
+        /// The path given.
+        folder: PathBuf,
+    },
+    /// The user has no cache folder, and there is no `cache` here.
+    #[error("no cache folder is known for this user: {reason}; name one with --cache, or use --no-cache")]
+    NoDefault {
+        /// What the system said.
+        reason: String,
+    },
+    /// Reading, locking or clearing failed.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+}
+
+/// Whether this process is to solve a division.
+#[derive(Debug)]
+pub enum Claimed {
+    /// It is. (Without a claim where claims cannot be made; the worst that follows is double work.)
+    Yours(Option<Claim>),
+    /// Another process has solved it meanwhile.
+    Stored(Arc<Division>),
+    /// Another process is at it; ask again soon.
+    Busy,
+}
+
+impl Store {
+    /// Opens the store of a solver in a cache folder and reads it. A folder that does not exist is created with the
+    /// first write.
+    ///
+    /// # Errors
+    /// [`StoreError`] if the path is not a folder or what is there cannot be read. Damaged entries are no error.
+    pub fn open(cache: &Path, solver: SolverVersion) -> Result<Store, StoreError> {
+        if cache.exists() && !cache.is_dir() {
+            return Err(StoreError::NotAFolder { folder: cache.to_owned() });
+        }
+        let folder = cache.join(upkeep::FOLDER);
+        let path = folder.join(upkeep::file_name(solver));
+        let io_error = |source| StoreError::Io { path: path.clone(), source };
+        let log = Log::open(&path).map_err(io_error)?;
+        let store = Store {
+            folder,
+            path: path.clone(),
+            entries: DashMap::default(),
+            inner: Mutex::new(Inner { log, ..Inner::default() }),
+            patience: Duration::from_secs(30),
+        };
+        {
+            let mut inner = store.lock();
+            store.refresh(&mut inner).map_err(io_error)?;
+            let damaged = inner.damaged.len();
+            if damaged > 0 {
+                inner.warnings.push(format!(
+                    "{damaged} damaged {} in {} ignored; what they held is solved again",
+                    if damaged == 1 { "entry" } else { "entries" },
+                    path.display()
+                ));
+            }
+        }
+        Ok(store)
+    }
+
+    /// Changes how long a busy claim is respected. The default, 30 s, is far longer than a division takes: it is for a
+    /// process that was stopped while solving.
+    pub fn with_patience(mut self, patience: Duration) -> Store {
+        self.patience = patience;
+        self
+    }
+
+    /// How long a busy claim is respected.
+    pub fn patience(&self) -> Duration {
+        self.patience
+    }
+
+    /// A division read or committed so far. Touches no file.
+    pub fn get(&self, key: &Key) -> Option<Arc<Division>> {
+        self.entries.get(key).map(|entry| Arc::clone(entry.value()))
+    }
+
+    /// Divisions read or committed so far.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Whether no division is known.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// Damaged entries met so far.
+    pub fn damaged(&self) -> usize {
+        self.lock().damaged.len()
+    }
+
+    /// Entries this store has appended.
+    pub fn committed(&self) -> usize {
+        self.lock().committed
+    }
+
+    /// Divisions that were not appended because another process had appended them first: work done twice.
+    pub fn duplicates(&self) -> usize {
+        self.lock().duplicates
+    }
+
+    /// What the user should know, once.
+    pub fn take_warnings(&self) -> Vec<String> {
+        std::mem::take(&mut self.lock().warnings)
+    }
+
+    /// Asks to solve a division, after a look at what other processes have committed.
+    pub fn claim(&self, key: &Key) -> Claimed {
+        if let Some(division) = self.get(key) {
+            return Claimed::Stored(division);
+        }
+        // First the claim, then the look: what was committed before the claim was free is seen.
+        let claim = if self.lock().broken { Ok(Some(None)) } else { self.try_claim(key).map(|claim| claim.map(Some)) };
+        let mut inner = self.lock();
+        if let Err(error) = self.refresh(&mut inner) {
+            self.give_up(&mut inner, "read", &error);
+        }
+        drop(inner);
+        if let Some(division) = self.get(key) {
+            return Claimed::Stored(division);
+        }
+        match claim {
+            Ok(Some(claim)) => Claimed::Yours(claim),
+            Ok(None) => Claimed::Busy,
+            Err(error) => {
+                self.give_up(&mut self.lock(), "write", &error);
+                Claimed::Yours(None)
+            }
+        }
+    }
+
+    fn try_claim(&self, key: &Key) -> io::Result<Option<Claim>> {
+        let folder = self.folder.join(upkeep::CLAIMS);
+        match claims::claim(&folder, key) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                fs::create_dir_all(&folder)?;
+                claims::claim(&folder, key)
+            }
+            result => result,
+        }
+    }
+
+    /// Appends a division. When this returns, no kill of any process can lose it, unless a warning says that the store
+    /// could not be written.
+    pub fn commit(&self, key: &Key, division: &Arc<Division>) {
+        let mut inner = self.lock();
+        if !inner.broken
+            && let Err(error) = self.append(&mut inner, key, division)
+        {
+            self.give_up(&mut inner, "write", &error);
+        }
+        self.entries.entry(*key).or_insert_with(|| Arc::clone(division));
+    }
+
+    fn append(&self, inner: &mut Inner, key: &Key, division: &Division) -> io::Result<()> {
+        let log = match &mut inner.log {
+            Some(log) => log,
+            None => {
+                fs::create_dir_all(&self.folder)?;
+                inner.log.insert(Log::create(&self.path)?)
+            }
+        };
+        let mut known = false;
+        let slots = log.append(key, division, |slots| {
+            known = self.entries.contains_key(key) || slots.records.iter().any(|(other, _)| other == key);
+            known
+        })?;
+        if known {
+            inner.duplicates += 1;
+        } else {
+            inner.committed += 1;
+        }
+        self.take_in(inner, slots);
+        Ok(())
+    }
+
+    fn refresh(&self, inner: &mut Inner) -> io::Result<()> {
+        if inner.log.is_none() {
+            inner.log = Log::open(&self.path)?;
+        }
+        if let Some(log) = &mut inner.log {
+            let slots = log.refresh()?;
+            self.take_in(inner, slots);
+        }
+        Ok(())
+    }
+
+    fn take_in(&self, inner: &mut Inner, slots: Slots) {
+        inner.damaged.extend(slots.damaged);
+        for (key, division) in slots.records {
+            self.entries.entry(key).or_insert_with(|| Arc::new(division));
+        }
+    }
+
+    fn give_up(&self, inner: &mut Inner, verb: &str, error: &io::Error) {
+        if !inner.broken {
+            inner.broken = true;
+            inner.warnings.push(format!(
+                "cannot {verb} the store in {} ({error}); going on without storing",
+                self.folder.display()
+            ));
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Inner> {
+        // Nothing inside panics; were it to, the entries would still be whole ones.
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The cache folder where none is named: `cache` in the working folder if there is one, else the user's.
+///
+/// # Errors
+/// [`StoreError::NoDefault`] if the user has none.
+pub fn default_folder() -> Result<PathBuf, StoreError> {
+    use etcetera::BaseStrategy;
+    let here = Path::new("cache");
+    if here.is_dir() {
+        return Ok(here.to_owned());
+    }
+    etcetera::choose_base_strategy()
+        .map(|strategy| strategy.cache_dir().join("furrow"))
+        .map_err(|error| StoreError::NoDefault { reason: error.to_string() })
+}
+
+#[cfg(test)]
+mod tests;

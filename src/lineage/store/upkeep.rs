@@ -1,0 +1,127 @@
+//! Looking after a cache folder: what is in it, whether it is whole, and emptying it.
+
+use std::{
+    collections::HashSet,
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use serde::Serialize;
+
+use super::{
+    StoreError, claims,
+    log::Log,
+    record::{LAYOUT, SLOT},
+};
+use crate::lineage::key::SolverVersion;
+
+/// Folder of the logs inside the cache folder.
+pub(super) const FOLDER: &str = "divisions";
+
+/// Folder of the claims inside that of the logs.
+pub(super) const CLAIMS: &str = "claims";
+
+/// File of a solver's divisions.
+pub(super) fn file_name(solver: SolverVersion) -> String {
+    format!("{:016x}.{}", solver.number(), suffix())
+}
+
+fn suffix() -> String {
+    format!("v{LAYOUT}.log")
+}
+
+/// What a cache folder holds.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct CacheReport {
+    /// The cache folder.
+    pub folder: PathBuf,
+    /// Whole entries that this version of furrow uses.
+    pub entries: usize,
+    /// Whole entries of other versions; kept, not used.
+    pub other_versions: usize,
+    /// Size of all divisions stored, in bytes.
+    pub bytes: u64,
+    /// Damaged entries, of any version.
+    pub corrupt: usize,
+    /// Where they are.
+    pub damaged: Vec<DamagedEntry>,
+    /// Entries that say again what an earlier one says.
+    pub duplicates: usize,
+}
+
+/// A damaged entry.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct DamagedEntry {
+    /// Its file.
+    pub file: PathBuf,
+    /// Where in the file it starts, in bytes.
+    pub offset: u64,
+}
+
+/// Reads and checks every entry in a cache folder. A folder that does not exist holds none.
+///
+/// # Errors
+/// [`StoreError`] if the folder or a file in it cannot be read.
+pub fn verify(cache: &Path, solver: SolverVersion) -> Result<CacheReport, StoreError> {
+    let mut report = CacheReport { folder: cache.to_owned(), ..CacheReport::default() };
+    for path in logs(cache)? {
+        let io_error = |source| StoreError::Io { path: path.clone(), source };
+        let Some(mut log) = Log::open(&path).map_err(io_error)? else { continue };
+        let slots = log.refresh().map_err(io_error)?;
+        report.bytes += log.bytes().map_err(io_error)?;
+        let distinct = slots.records.iter().map(|(key, _)| key).collect::<HashSet<_>>().len();
+        report.duplicates += slots.records.len() - distinct;
+        if path.file_name().is_some_and(|name| *name == *file_name(solver)) {
+            report.entries += distinct;
+        } else {
+            report.other_versions += distinct;
+        }
+        let places = slots.damaged.into_iter();
+        report.damaged.extend(places.map(|place| DamagedEntry { file: path.clone(), offset: place * SLOT as u64 }));
+    }
+    report.corrupt = report.damaged.len();
+    Ok(report)
+}
+
+/// Empties a cache folder of all divisions, of every version, and says what was in it. Other files are not touched, and
+/// processes at work on the folder go on.
+///
+/// # Errors
+/// [`StoreError`] if a file cannot be read or emptied.
+pub fn clear(cache: &Path, solver: SolverVersion) -> Result<CacheReport, StoreError> {
+    let report = verify(cache, solver)?;
+    for path in logs(cache)? {
+        let io_error = |source| StoreError::Io { path: path.clone(), source };
+        // Emptied, not removed: a process that has it open would go on writing to a file that nobody else sees.
+        if let Some(mut log) = Log::open(&path).map_err(io_error)? {
+            log.clear().map_err(io_error)?;
+        }
+    }
+    let folder = cache.join(FOLDER).join(CLAIMS);
+    claims::sweep(&folder).map_err(|source| StoreError::Io { path: folder, source })?;
+    Ok(report)
+}
+
+/// The logs of this layout in a cache folder, of all solvers, in the order of their names.
+fn logs(cache: &Path) -> Result<Vec<PathBuf>, StoreError> {
+    if cache.exists() && !cache.is_dir() {
+        return Err(StoreError::NotAFolder { folder: cache.to_owned() });
+    }
+    let folder = cache.join(FOLDER);
+    let list = || -> io::Result<Vec<PathBuf>> {
+        let mut paths = Vec::new();
+        for entry in fs::read_dir(&folder)? {
+            let path = entry?.path();
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            if name.ends_with(&format!(".{}", suffix())) {
+                paths.push(path);
+            }
+        }
+        paths.sort();
+        Ok(paths)
+    };
+    match list() {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
+        result => result.map_err(|source| StoreError::Io { path: folder.clone(), source }),
+    }
+}
