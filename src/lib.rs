@@ -20,3 +20,4 @@ pub mod input;
 pub mod io;
 pub mod lineage;
 pub mod numerics;
+pub mod report;

@@ -208,3 +208,23 @@ fn deep_chain() {
     assert_eq!(Tree::from_json(&tree.to_json().unwrap()).unwrap().len(), tree.len());
     assert!(newick(&tree).len() > tree.len());
 }
+
+/// Writes the drawing where asked, to be looked at.
+#[test]
+fn drawing_and_report() {
+    let tree = grow(&Lineage::c_elegans().unwrap());
+    let drawing = furrow::report::svg(&tree);
+    let report = furrow::report::html(&tree, &founder_rows(&tree));
+    println!("{}", furrow::report::founders_table(&tree, &founder_rows(&tree)));
+    // One disc a cell, besides the legend's.
+    assert_eq!(drawing.matches("<title>").count(), tree.len());
+    assert!(report.contains("Caenorhabditis elegans") && report.contains("</svg>"));
+    assert!(
+        !report.contains("http://")
+            || report.matches("http://").count() == report.matches("http://www.w3.org/2000/svg").count()
+    );
+    if let Ok(folder) = std::env::var("FURROW_DRAWINGS") {
+        std::fs::write(format!("{folder}/tree.svg"), drawing).unwrap();
+        std::fs::write(format!("{folder}/report.html"), report).unwrap();
+    }
+}

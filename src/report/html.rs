@@ -1,0 +1,122 @@
+//! The report: one self-contained page.
+
+use super::escape;
+use super::summary::TreeSummary;
+use super::svg::{colours, svg};
+use super::table::{decimals, outcome_name};
+use crate::io::{FounderRow, Provenance};
+use crate::lineage::Tree;
+use std::fmt::Write;
+
+const STYLE: &str = "body{font:15px/1.5 Helvetica,Arial,sans-serif;color:#222;margin:2rem auto;max-width:1240px;padding:0 1rem}\
+h1{font-size:1.5rem;margin-bottom:0}h2{font-size:1.15rem;margin-top:2rem}p.sub{color:#666;margin-top:.2rem}\
+table{border-collapse:collapse;font-variant-numeric:tabular-nums}th,td{padding:.2rem .6rem;text-align:right;border-bottom:1px solid #e6e8eb}\
+th{font-weight:600;color:#444}td:first-child,th:first-child,td.l,th.l{text-align:left}td.s,th.s{border-left:2px solid #bbb}\
+.dot{display:inline-block;width:.7em;height:.7em;border-radius:50%;margin-right:.45em}.tree{overflow-x:auto;border:1px solid #e6e8eb}\
+code,pre{font:13px/1.45 Menlo,Consolas,monospace}pre{background:#f6f7f9;padding:.8rem;overflow-x:auto}.wrap{overflow-x:auto}";
+
+/// The founders' table, the drawing, the generations and the parameters of a tree as HTML.
+pub fn html(tree: &Tree, rows: &[FounderRow]) -> String {
+    let summary = TreeSummary::of(tree);
+    let physics = &tree.settings.physics;
+    let name = escape(&tree.lineage.name);
+    let mut out = String::new();
+    let _ = write!(
+        out,
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>{name} grown from mechanics</title><style>{STYLE}</style></head><body>\n<h1>{name}, grown from mechanics</h1>\n<p class=\"sub\">{} cells from one of R0 = {} at ε = {}, ξ<sub>s</sub> = {}. Branches end: {}.</p>\n",
+        tree.len(),
+        tree.cell(tree.first()).r0,
+        physics.epsilon,
+        physics.xi_s,
+        summary.ended_text()
+    );
+    if summary.limited() {
+        out.push_str(
+            "<p><strong>Some branches were stopped by a limit of the lineage file, not by mechanics.</strong></p>\n",
+        );
+    }
+    founders(&mut out, tree, rows);
+    let _ = write!(out, "<h2>Lineage</h2>\n<div class=\"tree\">{}</div>\n", svg(tree));
+    generations(&mut out, &summary);
+    parameters(&mut out, tree);
+    out.push_str("</body></html>\n");
+    out
+}
+
+fn founders(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
+    out.push_str(
+        "<h2>Rounds of division per founder</h2>\n<div class=\"wrap\"><table><thead><tr><th colspan=\"5\"></th><th colspan=\"6\" class=\"s l\">model</th><th colspan=\"5\" class=\"s l\">observed</th></tr>\
+         <tr><th>founder</th><th>R0</th><th class=\"l\">cue</th><th class=\"l\">its division</th><th>χ</th><th class=\"s\">min</th><th>mean</th><th>max</th><th>full doublings</th><th>symmetric</th><th>terminal cells</th>\
+         <th class=\"s\">min</th><th>mean</th><th>max</th><th>full doublings</th><th>terminal cells</th></tr></thead><tbody>\n",
+    );
+    for (row, colour) in rows.iter().zip(colours(&tree.lineage)) {
+        let _ = write!(
+            out,
+            "<tr><td><span class=\"dot\" style=\"background:{colour}\"></span>{}</td><td>{}</td><td class=\"l\">{}</td><td class=\"l\">{}</td><td>{}</td>",
+            escape(&row.name),
+            decimals(row.r0, 3),
+            escape(&row.cue),
+            outcome_name(row.outcome),
+            decimals(row.chi, 3)
+        );
+        match row.rounds {
+            Some(r) => {
+                let _ = write!(
+                    out,
+                    "<td class=\"s\">{}</td><td>{:.2}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>",
+                    r.min, r.mean, r.max, r.full_doublings, r.symmetric, r.terminal
+                );
+            }
+            None => out.push_str("<td class=\"s l\" colspan=\"6\">not born</td>"),
+        }
+        match row.sulston {
+            Some(s) => {
+                let _ = write!(
+                    out,
+                    "<td class=\"s\">{}</td><td>{:.2}</td><td>{}</td><td>{}</td><td>{}</td>",
+                    s.min, s.mean, s.max, s.full_doublings, s.terminal
+                );
+            }
+            None => out.push_str("<td class=\"s\" colspan=\"5\"></td>"),
+        }
+        out.push_str("</tr>\n");
+    }
+    out.push_str("</tbody></table></div>\n<p>Rounds are divisions from the founder to a terminal cell: fewest, mean and most over her terminal cells. Full doublings are the generations, counted from the founder, in which every cell divided; symmetric, those in which every cell divided into equal halves. Size asymmetry χ = |V₁ − V₂|/V.");
+    if let Some(citation) = &tree.lineage.citation {
+        let _ = write!(out, " Observed, deaths included: {}.", escape(citation.trim_end_matches('.')));
+    }
+    out.push_str("</p>\n");
+}
+
+fn generations(out: &mut String, summary: &TreeSummary) {
+    out.push_str("<h2>Generations</h2>\n<div class=\"wrap\"><table><thead><tr><th>generation</th><th>cells</th><th>divide symmetrically</th><th>asymmetrically</th><th>do not divide</th><th>smallest R0</th><th>largest R0</th></tr></thead><tbody>\n");
+    for (g, row) in summary.generations.iter().enumerate() {
+        let _ = writeln!(
+            out,
+            "<tr><td>{g}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.3}</td><td>{:.3}</td></tr>",
+            row.cells, row.symmetric, row.asymmetric, row.ended, row.r0[0], row.r0[1]
+        );
+    }
+    out.push_str("</tbody></table></div>\n");
+}
+
+fn parameters(out: &mut String, tree: &Tree) {
+    let settings = &tree.settings;
+    let cues: Vec<String> = tree.lineage.cues.iter().map(|(name, cue)| format!("{name}: {cue:?}")).collect();
+    let provenance = Provenance::current();
+    let text = format!(
+        "{:#?}\n{:#?}\nseed: {}\nR0 rounded to a relative step of {:e}\ncues: {}\nfurrow {}{}",
+        settings.physics,
+        settings.numerics,
+        settings.seed,
+        settings.r0_step,
+        cues.join("; "),
+        provenance.furrow,
+        provenance.git_commit.map_or(String::new(), |commit| format!(", commit {commit}"))
+    );
+    let _ = write!(
+        out,
+        "<h2>Parameters</h2>\n<p>Units: energy κ₀, length L<sub>h</sub> = √(η<sub>b</sub>/Γ), time τ = η<sub>b</sub>L<sub>h</sub>²/κ₀. The shell constants (aspect, p0, w) and the gain of the preset are not printed in the paper; they were recovered by fitting its four printed thresholds.</p>\n<pre>{}</pre>\n",
+        escape(&text)
+    );
+}

@@ -1,0 +1,16 @@
+//! Pictures and tables of what was computed.
+
+pub mod html;
+pub mod summary;
+pub mod svg;
+pub mod table;
+
+pub use html::html;
+pub use summary::{Generation, TreeSummary};
+pub use svg::svg;
+pub use table::founders_table;
+
+/// Text with the characters that XML and HTML reserve replaced.
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
