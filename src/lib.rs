@@ -14,6 +14,7 @@
 //! Gao, Guan, Tang & Ma, "Cell size and confinement drive asymmetric cell division through a cortical instability",
 //! called *the paper* throughout.
 
+pub mod cli;
 pub mod cortex;
 pub mod division;
 pub mod input;

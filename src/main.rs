@@ -1,2 +1,5 @@
 //! The `furrow` command.
-fn main() {}
+
+fn main() -> std::process::ExitCode {
+    furrow::cli::main()
+}

@@ -204,6 +204,18 @@ impl Settings {
         self.check(SOURCE)
     }
 
+    /// Sets one number by the name of its field and checks it; errors say it came from `source_name`.
+    pub fn set_number(&mut self, source_name: &str, name: &str, value: f64) -> Result<(), InputError> {
+        if let Some(field) = FIELDS.iter().find(|field| field.name == name) {
+            let refuse = |allowed| InputError::not_allowed(source_name, name, value, allowed);
+            (field.set)(self, &value.to_string()).map_err(refuse)?;
+            if let Some((_, allowed)) = (field.valid)(self) {
+                return Err(refuse(allowed));
+            }
+        }
+        Ok(())
+    }
+
     /// Checks every field; errors say the values came from `source_name`.
     pub fn check(&self, source_name: &str) -> Result<(), InputError> {
         for field in FIELDS {

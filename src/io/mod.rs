@@ -2,6 +2,7 @@
 
 pub mod config;
 pub mod files;
+pub mod frames;
 pub mod newick;
 pub mod provenance;
 pub mod tree_json;

@@ -1,0 +1,59 @@
+//! `furrow cache`: the store of solved divisions.
+
+use super::Globals;
+use super::context::{answer, cache_folder, start_logs};
+use super::error::CliError;
+use crate::lineage::SolverVersion;
+use crate::lineage::store::upkeep;
+use clap::{Args, Subcommand};
+use std::fmt::Write;
+
+/// Looks after the store of solved divisions
+#[derive(Debug, Args)]
+pub struct CacheArgs {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Clone, Copy, Debug, Subcommand)]
+enum Action {
+    /// Counts what is stored
+    Stat,
+    /// Checks every entry and lists the damaged ones (exit code 1 if there are any)
+    Verify,
+    /// Removes all stored divisions, of every version
+    Clear,
+}
+
+pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
+    start_logs(globals);
+    let folder = cache_folder(globals)?;
+    let solver = SolverVersion::current();
+    let report = match args.action {
+        Action::Stat | Action::Verify => upkeep::verify(&folder, solver)?,
+        Action::Clear => upkeep::clear(&folder, solver)?,
+    };
+    if globals.json {
+        answer(&format!("{}\n", serde_json::to_string_pretty(&report)?))?;
+    } else {
+        let mut text = format!(
+            "{}{}: {} entries, {} of other versions, {} bytes, {} corrupt\n",
+            if matches!(args.action, Action::Clear) { "cleared " } else { "" },
+            report.folder.display(),
+            report.entries,
+            report.other_versions,
+            report.bytes,
+            report.corrupt
+        );
+        if matches!(args.action, Action::Verify) {
+            for damaged in &report.damaged {
+                let _ = writeln!(text, "corrupt: {} at byte {}", damaged.file.display(), damaged.offset);
+            }
+        }
+        answer(&text)?;
+    }
+    match args.action {
+        Action::Verify if report.corrupt > 0 => Err(CliError::CorruptCache { corrupt: report.corrupt }),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,121 @@
+//! What commands share: parameters, memo, interruption, the way to answer.
+
+use super::Globals;
+use super::error::CliError;
+use crate::input::InputError;
+use crate::io::Settings;
+use crate::lineage::store::{Store, default_folder};
+use crate::lineage::{Memo, Quantisation, SolverVersion};
+use std::io::{IsTerminal, Write};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Set by Ctrl-C: divisions under way are finished and kept, none is begun.
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Parameters and services of a command.
+pub struct Context {
+    /// Checked parameters.
+    pub settings: Settings,
+    /// How R0 is rounded.
+    pub quantisation: Quantisation,
+    /// Threads; 0 is one for each core.
+    pub threads: usize,
+    /// Whether the answer is JSON.
+    pub json: bool,
+    /// Whether progress may be shown.
+    pub progress: bool,
+    cache: Option<PathBuf>,
+    no_cache: bool,
+}
+
+impl Context {
+    /// Reads and checks the global options.
+    pub fn new(globals: &Globals) -> Result<Context, CliError> {
+        start_logs(globals);
+        let settings = Settings::load(globals.config.as_deref(), &globals.set)?;
+        let quantisation = match globals.r0_step {
+            None => Quantisation::DEFAULT,
+            Some(step) => Quantisation::with_relative_step(step)
+                .map_err(|step| InputError::not_allowed("--r0-step", "r0_step", step, "from 0 to 0.5"))?,
+        };
+        Ok(Context {
+            settings,
+            quantisation,
+            threads: globals.threads.map_or(0, usize::from),
+            json: globals.json,
+            progress: !globals.quiet && std::io::stderr().is_terminal(),
+            cache: globals.cache.clone(),
+            no_cache: globals.no_cache,
+        })
+    }
+
+    /// The memo, over the cache folder unless that is refused or, by default, not to be had.
+    pub fn memo(&self) -> Result<Memo, CliError> {
+        let memo = Memo::new(self.quantisation);
+        if self.no_cache {
+            return Ok(memo);
+        }
+        let store = match &self.cache {
+            // A folder the user named must work.
+            Some(folder) => Store::open(folder, SolverVersion::current())?,
+            None => match default_folder().and_then(|folder| Store::open(&folder, SolverVersion::current())) {
+                Ok(store) => store,
+                Err(error) => {
+                    tracing::warn!("solved divisions are not kept: {error}");
+                    return Ok(memo);
+                }
+            },
+        };
+        Ok(memo.with_store(store))
+    }
+
+    /// A flag that Ctrl-C sets; a second Ctrl-C ends the process at once.
+    pub fn interruptible(&self) -> &'static AtomicBool {
+        let handler = || {
+            if INTERRUPTED.swap(true, Ordering::SeqCst) {
+                std::process::exit(130);
+            }
+            eprintln!("furrow: finishing the divisions under way; interrupt again to stop at once");
+        };
+        if let Err(error) = ctrlc::set_handler(handler) {
+            tracing::debug!("Ctrl-C will stop at once: {error}");
+        }
+        &INTERRUPTED
+    }
+}
+
+/// Writes the answer to stdout.
+pub fn answer(text: &str) -> Result<(), CliError> {
+    let mut stdout = std::io::stdout().lock();
+    stdout.write_all(text.as_bytes())?;
+    stdout.flush()?;
+    Ok(())
+}
+
+/// The cache folder in force.
+pub fn cache_folder(globals: &Globals) -> Result<PathBuf, CliError> {
+    match &globals.cache {
+        Some(folder) => Ok(folder.clone()),
+        None => Ok(default_folder()?),
+    }
+}
+
+/// Sends logs to stderr, warnings and worse unless told otherwise.
+pub fn start_logs(globals: &Globals) {
+    use tracing::level_filters::LevelFilter;
+    let level = match (globals.quiet, globals.verbose) {
+        (true, _) => LevelFilter::ERROR,
+        (_, 0) => LevelFilter::WARN,
+        (_, 1) => LevelFilter::INFO,
+        _ => LevelFilter::DEBUG,
+    };
+    let subscriber = tracing_subscriber::fmt()
+        .with_max_level(level)
+        .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
+        .without_time()
+        .with_target(false);
+    // Set before by whoever uses the library in-process: theirs stays.
+    let _ = subscriber.try_init();
+}

@@ -1,0 +1,64 @@
+//! What ends a command, and its exit code.
+
+use crate::division::DivisionError;
+use crate::input::InputError;
+use crate::io::files::WriteError;
+use crate::io::frames::FramesError;
+use crate::lineage::store::StoreError;
+use crate::lineage::{GrowError, SchedulerError, memo::Failure};
+
+/// What ends a command.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// Bad input.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// A tree could not be grown.
+    #[error(transparent)]
+    Grow(#[from] GrowError),
+    /// A division could not be computed.
+    #[error(transparent)]
+    Division(#[from] DivisionError),
+    /// Several divisions could not be computed.
+    #[error(transparent)]
+    Scheduler(#[from] SchedulerError),
+    /// The run was interrupted.
+    #[error("interrupted; divisions solved so far are kept in the cache (unless --no-cache)")]
+    Interrupted,
+    /// The cache folder cannot be used.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The cache holds damaged entries.
+    #[error("{corrupt} damaged entries; they are never used, and what they held is solved again when needed")]
+    CorruptCache {
+        /// How many.
+        corrupt: usize,
+    },
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The answer could not be written to stdout.
+    #[error("stdout: {0}")]
+    Answer(#[from] std::io::Error),
+    /// Frames could not be written.
+    #[error(transparent)]
+    Frames(#[from] FramesError),
+    /// The answer could not be put into JSON.
+    #[error("the answer has no JSON form: {0}")]
+    Json(#[from] serde_json::Error),
+}
+
+impl CliError {
+    /// 2 for bad input, else 1.
+    pub fn exit_code(&self) -> u8 {
+        let bad_division = |e: &DivisionError| matches!(e, DivisionError::BadInput { .. });
+        let bad = match self {
+            CliError::Input(_) | CliError::Store(StoreError::NotAFolder { .. }) => true,
+            CliError::Division(e) => bad_division(e),
+            CliError::Grow(GrowError::Division { failure: Failure::Division(e), .. })
+            | CliError::Scheduler(SchedulerError::Division { failure: Failure::Division(e), .. }) => bad_division(e),
+            _ => false,
+        };
+        if bad { 2 } else { 1 }
+    }
+}

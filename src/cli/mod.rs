@@ -1,0 +1,93 @@
+//! The command line: arguments in, answers to stdout, all else to stderr. One file a command.
+
+mod cache;
+mod context;
+mod divide;
+mod error;
+mod progress;
+mod shell;
+mod tree;
+
+use clap::{Args, CommandFactory, Parser, Subcommand};
+use context::Context;
+pub use error::CliError;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Predicts from mechanics how an embryo's cells divide: how unequally, how many rounds, and when a lineage stops.
+///
+/// Lengths are in L_h, times in τ, activities in κ0/L_h; ξ_s is the published one.
+#[derive(Debug, Parser)]
+#[command(name = "furrow", version, arg_required_else_help = true, propagate_version = true)]
+struct Cli {
+    #[command(flatten)]
+    globals: Globals,
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// Options of all commands.
+#[derive(Clone, Debug, Args)]
+struct Globals {
+    /// Parameters in RON, as in `Config(physics: (epsilon: 0.8), numerics: (stages: 4))`; what it does not name keeps
+    /// the value of the preset gao2026
+    #[arg(long, global = true, value_name = "FILE.ron")]
+    config: Option<PathBuf>,
+    /// Sets one parameter, after the file; repeatable
+    #[arg(long, global = true, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Threads that solve; default one for each core
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Folder that keeps solved divisions; default `cache` here if there is one, else the user's cache folder
+    #[arg(long, global = true, value_name = "DIR", conflicts_with = "no_cache")]
+    cache: Option<PathBuf>,
+    /// Neither reads nor keeps solved divisions
+    #[arg(long, global = true)]
+    no_cache: bool,
+    /// Relative step to which R0 is rounded before a division is looked up or solved; 0 for none
+    #[arg(long, global = true, value_name = "STEP", allow_negative_numbers = true)]
+    r0_step: Option<f64>,
+    /// Prints one JSON document
+    #[arg(long, global = true)]
+    json: bool,
+    /// No progress and no warnings
+    #[arg(long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Says more on stderr; twice says most
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    verbose: u8,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Tree(tree::TreeArgs),
+    Divide(divide::DivideArgs),
+    Cache(cache::CacheArgs),
+    Completions(shell::CompletionsArgs),
+    Man(shell::ManArgs),
+}
+
+/// Runs the command line of this process. Exit code 0: done; 1: the computation failed; 2: bad input.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match run(cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        // Whoever reads the answer has enough of it.
+        Err(CliError::Answer(e)) if e.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("furrow: error: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn run(cli: Cli) -> Result<(), CliError> {
+    match cli.command {
+        Command::Tree(args) => tree::run(&args, &Context::new(&cli.globals)?),
+        Command::Divide(args) => divide::run(&args, Context::new(&cli.globals)?),
+        Command::Cache(args) => cache::run(&args, &cli.globals),
+        Command::Completions(args) => shell::completions(&args, &mut Cli::command()),
+        Command::Man(args) => shell::man(&args, Cli::command()),
+    }
+}

@@ -1,0 +1,41 @@
+//! The progress line on stderr.
+
+use crate::lineage::Progress;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::time::Duration;
+
+/// A line that shows divisions solved, running and waiting, and memo hits; only where `shown`.
+pub struct ProgressLine {
+    bar: ProgressBar,
+}
+
+impl ProgressLine {
+    /// Starts the line.
+    pub fn new(shown: bool) -> ProgressLine {
+        let target = if shown { ProgressDrawTarget::stderr_with_hz(10) } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(None, target);
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
+            bar.set_style(style);
+        }
+        if shown {
+            bar.enable_steady_tick(Duration::from_millis(100));
+        }
+        ProgressLine { bar }
+    }
+
+    /// Shows where the run stands.
+    pub fn show(&self, progress: Progress) {
+        if !self.bar.is_hidden() {
+            let Progress { solved, running, queued, memo_hits } = progress;
+            self.bar.set_message(format!(
+                "{solved} divisions solved, {running} running, {queued} waiting, {memo_hits} memo hits"
+            ));
+        }
+    }
+}
+
+impl Drop for ProgressLine {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,47 @@
+//! `furrow completions` and `furrow man`.
+
+use super::context::answer;
+use super::error::CliError;
+use crate::io::write_atomically;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Prints a completion script for a shell
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell
+    #[arg(value_name = "SHELL")]
+    shell: clap_complete::Shell,
+}
+
+/// Prints the manual page, or writes those of all commands into a folder
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// Folder for one page a command
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+pub fn completions(args: &CompletionsArgs, command: &mut clap::Command) -> Result<(), CliError> {
+    let mut script = vec![];
+    clap_complete::generate(args.shell, command, "furrow", &mut script);
+    answer(&String::from_utf8_lossy(&script))
+}
+
+pub fn man(args: &ManArgs, mut command: clap::Command) -> Result<(), CliError> {
+    let page = |command: clap::Command| -> Result<Vec<u8>, CliError> {
+        let mut page = vec![];
+        clap_mangen::Man::new(command).render(&mut page)?;
+        Ok(page)
+    };
+    command.build();
+    let Some(folder) = &args.out else {
+        return answer(&String::from_utf8_lossy(&page(command)?));
+    };
+    for sub in command.get_subcommands().filter(|sub| sub.get_name() != "help") {
+        let name = format!("furrow-{}", sub.get_name());
+        write_atomically(&folder.join(format!("{name}.1")), &page(sub.clone().display_name(name))?)?;
+    }
+    write_atomically(&folder.join("furrow.1"), &page(command)?)?;
+    Ok(())
+}

@@ -1,0 +1,182 @@
+//! `furrow tree`: the main job.
+
+use super::context::{Context, answer};
+use super::error::CliError;
+use super::progress::ProgressLine;
+use crate::cortex::Cue;
+use crate::division::divide;
+use crate::io::{FounderRow, Provenance, founder_rows, newick, parse_cue, write_atomically};
+use crate::lineage::{Grower, Lineage, SchedulerOptions, Summary, Tree, TreeSettings};
+use crate::report;
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Grows a lineage from one cell: every division is solved, its daughters divide next, until none can
+///
+/// Prints the rounds of division per founder beside the observed ones and writes tree.nwk, tree.json, tree.svg,
+/// report.html and run.json.
+#[derive(Debug, Args)]
+pub struct TreeArgs {
+    /// Founders, cues and limits; default the built-in C. elegans founders
+    #[arg(value_name = "LINEAGE.ron")]
+    lineage: Option<PathBuf>,
+    /// Folder for the files
+    #[arg(long, value_name = "DIR", default_value = "furrow-out")]
+    out: PathBuf,
+    /// Seed of the noise in the first step of every division
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    seed: u64,
+    /// Replaces the cue of every founder that carries one: none, a name in the lineage file, or
+    /// kappa:u0=..,omega=..,amplitude=..
+    #[arg(long, value_name = "CUE")]
+    cue: Option<String>,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Answer<'a> {
+    founders: &'a [FounderRow],
+    cells: usize,
+    generations: usize,
+    ended: &'a std::collections::BTreeMap<&'static str, usize>,
+    divisions_solved: usize,
+    memo_hits: usize,
+    elapsed_s: f64,
+    out: String,
+}
+
+/// `run.json`: what this run did, which need not be the same another time.
+#[derive(Serialize)]
+struct RunRecord<'a> {
+    schema: &'static str,
+    schema_version: u32,
+    provenance: Provenance,
+    elapsed_s: f64,
+    threads: usize,
+    cells: usize,
+    divisions_solved: usize,
+    memo_hits: usize,
+    store_hits: usize,
+    corrupt_entries: usize,
+    quantisation: QuantisationRecord,
+    warnings: &'a [String],
+}
+
+#[derive(Serialize)]
+struct QuantisationRecord {
+    /// Relative step of R0.
+    r0_step: f64,
+    /// Largest relative shift of a cell's R0.
+    max_r0_shift: f64,
+    /// Estimated largest effect of it on χ.
+    chi_effect: f64,
+}
+
+pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
+    let start = Instant::now();
+    let mut lineage = match &args.lineage {
+        Some(path) => Lineage::read(path)?,
+        None => Lineage::c_elegans()?,
+    };
+    if let Some(text) = &args.cue {
+        let cue = parse_cue(text, &lineage)?;
+        replace_cues(&mut lineage, cue);
+    }
+    let memo = context.memo()?;
+    let line = ProgressLine::new(context.progress);
+    let show = |progress| line.show(progress);
+    let settings = TreeSettings {
+        physics: context.settings.physics,
+        numerics: context.settings.numerics,
+        seed: args.seed,
+        r0_step: context.quantisation.relative_step(),
+    };
+    let options = SchedulerOptions {
+        threads: context.threads,
+        interrupt: Some(context.interruptible()),
+        progress: Some(&show),
+        ..SchedulerOptions::default()
+    };
+    let grown = Grower { lineage: &lineage, settings, ends: &|_, _| None, memo: &memo, options }.grow(divide);
+    drop(line);
+    let (tree, summary) = grown?;
+    summary.warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+    let rows = founder_rows(&tree);
+    write_files(args, context, &tree, &rows, &summary, start)?;
+    let elapsed_s = start.elapsed().as_secs_f64();
+    let counts = report::TreeSummary::of(&tree);
+    if context.json {
+        let document = Answer {
+            founders: &rows,
+            cells: tree.len(),
+            generations: counts.generations.len(),
+            ended: &counts.ended,
+            divisions_solved: summary.divisions_solved,
+            memo_hits: summary.memo_hits,
+            elapsed_s,
+            out: args.out.display().to_string(),
+        };
+        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+    }
+    answer(&format!(
+        "{}{} divisions solved, {} memo hits, {elapsed_s:.2} s; files in {}\n",
+        report::founders_table(&tree, &rows),
+        summary.divisions_solved,
+        summary.memo_hits,
+        args.out.display()
+    ))
+}
+
+/// Gives `cue` to every founder that carries one.
+fn replace_cues(lineage: &mut Lineage, cue: Cue) {
+    const NAME: &str = "given";
+    lineage.cues.insert(NAME.to_owned(), cue);
+    for founder in &mut lineage.founders {
+        if founder.cue.as_deref().is_some_and(|name| name != "none") {
+            founder.cue = Some(if cue == Cue::None { "none" } else { NAME }.to_owned());
+        }
+    }
+    if cue == Cue::None {
+        lineage.cues.remove(NAME);
+    }
+}
+
+fn write_files(
+    args: &TreeArgs,
+    context: &Context,
+    tree: &Tree,
+    rows: &[FounderRow],
+    summary: &Summary,
+    start: Instant,
+) -> Result<(), CliError> {
+    let write = |name: &str, content: &str| write_atomically(&args.out.join(name), content.as_bytes());
+    write("tree.nwk", &newick(tree))?;
+    write("tree.json", &tree.to_json()?)?;
+    write("tree.svg", &report::svg(tree))?;
+    write("report.html", &report::html(tree, rows))?;
+    let record = RunRecord {
+        schema: "furrow.run",
+        schema_version: 1,
+        provenance: Provenance::current(),
+        elapsed_s: start.elapsed().as_secs_f64(),
+        threads: match context.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            threads => threads,
+        },
+        cells: tree.len(),
+        divisions_solved: summary.divisions_solved,
+        memo_hits: summary.memo_hits,
+        store_hits: summary.store_hits,
+        corrupt_entries: summary.corrupt,
+        quantisation: QuantisationRecord {
+            r0_step: tree.settings.r0_step,
+            max_r0_shift: summary.max_r0_shift,
+            chi_effect: summary.chi_effect,
+        },
+        warnings: &summary.warnings,
+    };
+    write("run.json", &format!("{}\n", serde_json::to_string_pretty(&record)?))?;
+    Ok(())
+}
