@@ -22,3 +22,4 @@ pub mod io;
 pub mod lineage;
 pub mod numerics;
 pub mod report;
+pub mod steady;

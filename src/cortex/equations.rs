@@ -305,6 +305,22 @@ impl Cortex {
         Motion { rate: self.rate, r_past, z_past }
     }
 
+    /// ∂f/∂v_n at one point of state `y` and contour length `length`: what a normal velocity of the cortex adds to the
+    /// right-hand sides of q′, v′ and T′. The equations are linear in v_n.
+    pub fn response_to_normal_velocity(&self, u: f64, y: &[f64], length: f64) -> [f64; COMPONENTS] {
+        let c = &self.constants;
+        let (sin, cos) = y[PSI].sin_cos();
+        let c2 = sin / y[R];
+        let c1 = y[M] / c.rigidity(u).0 - c2;
+        let d_s_u = -c.eta_difference * c2 / c.eta_sum;
+        let d_t_phi = c.eta_difference * d_s_u + c.eta_sum * c2;
+        let mut out = [0.0; COMPONENTS];
+        out[Q] = length * c2 * d_t_phi;
+        out[V] = length * (d_s_u - c1);
+        out[T] = length * cos / y[R] * d_t_phi;
+        out
+    }
+
     fn noise_at(&self, site: Site) -> f64 {
         self.noise.get(site.index).copied().unwrap_or(1.0)
     }
@@ -515,6 +531,15 @@ mod tests {
                 close(f[k], f2[k]);
             }
             close(g[0], g2[0]);
+            // Stepping back by −n/rate is a unit normal velocity.
+            let response = cortex.response_to_normal_velocity(site.x, &y, p[0]);
+            let (sin, cos) = y[PSI].sin_cos();
+            let [r_past, z_past] = cortex.past[0];
+            let moved = Motion { rate: 3.0, r_past: r_past - sin / 3.0, z_past: z_past - cos / 3.0 };
+            let (f3, _) = equations(&cortex.constants, site.x, moved, 1.03, &y, p[0], p[1]);
+            for k in 0..n {
+                close(f3[k] - f[k], response[k]);
+            }
             let constants = Constants::<Dual64>::new(&cortex.physics, cortex.r0, &cue, |_, v| v.into());
             for k in 0..n + 2 {
                 let unit = |i: usize, v: f64| Dual64::new(v, if i == k { 1.0 } else { 0.0 });

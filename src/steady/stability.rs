@@ -1,0 +1,590 @@
+//! Growth rates of small disturbances of a stationary shape.
+//!
+//! Linearising the dynamics about a stationary state gives the pencil J x = σ M x, where M multiplies ∂_t(r, z). It acts
+//! only through the normal velocity v_n = sinψ ∂_t r + cosψ ∂_t z, so a disturbance is described by its normal
+//! displacement w at the collocation points; everything else follows instantly. One implicit step of rate s maps
+//! w ↦ P_s w = s (sM − J)⁻¹ M w, with eigenvalues
+//!
+//! * \[shift\] μ = s/(s − σ), σ = s (1 − 1/μ),
+//!
+//! so that the rightmost σ belong to the extreme μ, which an Arnoldi iteration finds first. A shift s > 0 misses nothing
+//! that grows: σ > s has μ < 0, outside the disc |μ − ½| ≤ ½ that holds all decaying modes. The step is the implicit time
+//! step of the division itself, with the same factors.
+//!
+//! Mirror-symmetric states are given on the half domain; even modes solve the half problem, odd modes the same intervals
+//! with δr = δm = δT = 0 at u = ½ and no scalar unknowns.
+//!
+//! # References
+//! Saad, *Numerical Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 6 and 8. Physics of the pencil: the paper's
+//! criterion dis(t) = ‖r − r₀‖ + ‖z − z₀‖ decides the same by evolving a disturbance.
+
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::evd::{ComputeEigenvectors, evd_real, evd_scratch};
+use faer::{Mat, Par};
+
+use crate::cortex::equations::{COMPONENTS, M, PSI, Q, R, T, V, Z};
+use crate::cortex::shape::positions;
+use crate::cortex::{Cortex, Domain};
+use crate::numerics::block::{BlockFactor, EndRows};
+use crate::numerics::dense::PivotFailure;
+use crate::numerics::system::{Residual, Update};
+use crate::numerics::{BoundaryValueProblem, Solution, System};
+
+/// Symmetry of a mode under reflection at the equator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parity {
+    /// r even, z odd: the mode keeps the mirror symmetry.
+    Even,
+    /// r odd, z even: the mode breaks it.
+    Odd,
+    /// The state itself was given on the full domain; nothing is known.
+    Mixed,
+}
+
+/// One growth rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GrowthRate {
+    /// Re σ, in 1/τ; positive grows.
+    pub re: f64,
+    /// Im σ, in 1/τ.
+    pub im: f64,
+    /// Symmetry of the mode.
+    pub parity: Parity,
+    /// Estimated error of σ, from the residual of its Ritz pair.
+    pub error: f64,
+}
+
+/// The rightmost growth rates of a stationary state.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Spectrum {
+    /// Sorted by falling real part; complex pairs appear with both signs.
+    pub values: Vec<GrowthRate>,
+    /// Linear solves spent.
+    pub solves: usize,
+}
+
+impl Spectrum {
+    /// Rightmost growth rate of all, or of one parity.
+    pub fn rightmost(&self, parity: Option<Parity>) -> Option<&GrowthRate> {
+        self.values.iter().find(|v| parity.is_none_or(|p| v.parity == p))
+    }
+
+    /// Largest real part.
+    pub fn growth_rate(&self) -> f64 {
+        self.values.first().map_or(f64::NAN, |v| v.re)
+    }
+
+    /// Whether every disturbance decays.
+    pub fn is_stable(&self) -> bool {
+        self.growth_rate() < 0.0
+    }
+}
+
+/// Why no spectrum could be computed.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum StabilityError {
+    /// The shifted system could not be factorised.
+    #[error("the system shifted by {shift} is singular or not finite (pivot {column})")]
+    Factorisation {
+        /// Shift s in 1/τ.
+        shift: f64,
+        /// Column of the failing pivot in its block.
+        column: usize,
+    },
+    /// The eigenvalues of the projected matrix could not be computed.
+    #[error("the projected matrix of dimension {dimension} has no computable eigenvalues")]
+    Projected {
+        /// Krylov dimension.
+        dimension: usize,
+    },
+    /// The rightmost growth rate did not settle.
+    #[error("the rightmost growth rate {value} is still uncertain by {error:.1e} after {dimension} Arnoldi steps")]
+    NotConverged {
+        /// Best value of Re σ.
+        value: f64,
+        /// Its estimated error.
+        error: f64,
+        /// Krylov dimension.
+        dimension: usize,
+    },
+}
+
+/// Settings of the Arnoldi iteration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arnoldi {
+    /// Rightmost growth rates wanted per parity.
+    pub wanted: usize,
+    /// Largest Krylov dimension.
+    pub max_dimension: usize,
+    /// Error allowed in σ, relative to |σ| + the shift.
+    pub tolerance: f64,
+}
+
+impl Default for Arnoldi {
+    fn default() -> Self {
+        Arnoldi { wanted: 3, max_dimension: 48, tolerance: 1e-9 }
+    }
+}
+
+/// Growth rates further than this many shifts from the shift are left to other shifts.
+const REACH: f64 = 50.0;
+
+/// Workspace for growth rates; nothing large is allocated once it has seen the largest mesh.
+#[derive(Clone, Debug)]
+pub struct Stability {
+    /// Settings.
+    pub arnoldi: Arnoldi,
+    system: System,
+    variant: BlockFactor,
+    right_hand_side: Residual,
+    update: Update,
+    /// h s ∂f/∂v_n at every collocation point.
+    response: Vec<[f64; COMPONENTS]>,
+    /// (sinψ, cosψ).
+    normal: Vec<[f64; 2]>,
+    /// Quadrature weights of the inner product ∫ w² du.
+    weights: Vec<f64>,
+    basis: Vec<Vec<f64>>,
+    hessenberg: Vec<f64>,
+}
+
+/// A Ritz pair of the projected matrix, in terms of σ.
+#[derive(Clone, Copy, Debug)]
+struct Ritz {
+    re: f64,
+    im: f64,
+    error: f64,
+}
+
+impl Stability {
+    /// Workspace for solutions with m stages per interval.
+    pub fn new(stages: usize) -> Stability {
+        Stability {
+            arnoldi: Arnoldi::default(),
+            system: System::new(Cortex::dimensions_for(Domain::Full, 0), stages),
+            variant: BlockFactor::default(),
+            right_hand_side: Residual::default(),
+            update: Update::default(),
+            response: Vec::new(),
+            normal: Vec::new(),
+            weights: Vec::new(),
+            basis: Vec::new(),
+            hessenberg: Vec::new(),
+        }
+    }
+
+    /// The rightmost growth rates of the stationary state `y` of `cortex`, from two shifts. Half-domain states give even
+    /// and odd modes. Continuation parameters are taken from `y`; `rate`, `past` and `noise` of `cortex` are ignored.
+    ///
+    /// # Errors
+    /// A failed factorisation, or a rightmost growth rate that does not converge.
+    pub fn leading(&mut self, cortex: &Cortex, y: &Solution) -> Result<Spectrum, StabilityError> {
+        let (mut fixed, state) = freeze(cortex, y);
+        let near = shift_scale(&fixed);
+        let mut spectrum = self.at_shift(&mut fixed, &state, near, self.arnoldi.wanted)?;
+        let far = self.at_shift(&mut fixed, &state, 8.0 * near, self.arnoldi.wanted)?;
+        spectrum.solves += far.solves;
+        for value in far.values {
+            // Rates found from both shifts agree; only what the nearer one could not see is added.
+            let slack = 1e-5 * (value.re.abs() + near) + 10.0 * value.error;
+            let known = spectrum.values.iter().any(|v| {
+                v.parity == value.parity && (v.re - value.re).hypot(v.im - value.im) <= slack + 10.0 * v.error
+            });
+            if !known {
+                spectrum.values.push(value);
+            }
+        }
+        sort(&mut spectrum.values);
+        Ok(spectrum)
+    }
+
+    /// The largest growth rate only, from one shift.
+    ///
+    /// # Errors
+    /// As [`leading`](Self::leading).
+    pub fn growth_rate(&mut self, cortex: &Cortex, y: &Solution) -> Result<f64, StabilityError> {
+        let (mut fixed, state) = freeze(cortex, y);
+        let shift = shift_scale(&fixed);
+        Ok(self.at_shift(&mut fixed, &state, shift, 1)?.growth_rate())
+    }
+
+    /// Whether every disturbance of the stationary state decays.
+    ///
+    /// # Errors
+    /// As [`leading`](Self::leading).
+    pub fn is_stable(&mut self, cortex: &Cortex, y: &Solution) -> Result<bool, StabilityError> {
+        Ok(self.growth_rate(cortex, y)? < 0.0)
+    }
+
+    fn at_shift(
+        &mut self,
+        cortex: &mut Cortex,
+        y: &Solution,
+        shift: f64,
+        wanted: usize,
+    ) -> Result<Spectrum, StabilityError> {
+        let failed = |f: PivotFailure| StabilityError::Factorisation { shift, column: f.column };
+        self.linearise(cortex, y, shift).map_err(failed)?;
+        let mut out = Spectrum::default();
+        let parities: &[Parity] = match cortex.domain {
+            Domain::Full => &[Parity::Mixed],
+            Domain::Half => &[Parity::Even, Parity::Odd],
+        };
+        for &parity in parities {
+            match parity {
+                Parity::Odd => {
+                    let (left, right) = (unit_rows([R, PSI, Q, V]), unit_rows([R, M, T]));
+                    let det = self
+                        .system
+                        .factor_variant(
+                            EndRows { ry: &left, rp: &[], rows: 4 },
+                            EndRows { ry: &right, rp: &[], rows: 3 },
+                            &mut self.variant,
+                        )
+                        .map_err(failed)?;
+                    if det.sign == 0.0 {
+                        return Err(StabilityError::Factorisation { shift, column: 0 });
+                    }
+                }
+                _ => self.system.factor_blocks(&[]).map_err(failed)?,
+            }
+            self.right_hand_side = self.system.zero_residual();
+            if parity == Parity::Odd {
+                self.right_hand_side.right.truncate(3);
+            }
+            let ritz = self.arnoldi(parity, shift, wanted, &mut out.solves)?;
+            out.values.extend(ritz.into_iter().map(|r| GrowthRate { re: r.re, im: r.im, parity, error: r.error }));
+        }
+        sort(&mut out.values);
+        Ok(out)
+    }
+
+    /// Factors of the stages at rate `shift` with the state as its own past, and how the stages respond to w.
+    fn linearise(&mut self, cortex: &mut Cortex, y: &Solution, shift: f64) -> Result<(), PivotFailure> {
+        cortex.rate = shift;
+        positions(y, &mut cortex.past);
+        self.system.evaluate(cortex, y, &[], true);
+        self.system.condense()?;
+        let gauss = &self.system.gauss;
+        self.response.clear();
+        self.normal.clear();
+        self.weights.clear();
+        for i in 0..y.intervals() {
+            let h = y.mesh[i + 1] - y.mesh[i];
+            for j in 0..y.m {
+                let state = y.stage(i, j);
+                let mut row = cortex.response_to_normal_velocity(y.stage_x(gauss, i, j), state, y.scalars[0]);
+                row.iter_mut().for_each(|v| *v *= h * shift);
+                self.response.push(row);
+                let (sin, cos) = state[PSI].sin_cos();
+                self.normal.push([sin, cos]);
+                self.weights.push(h * gauss.b[j]);
+            }
+        }
+        Ok(())
+    }
+
+    /// w ↦ P_s w into the basis vector `to`.
+    fn apply(&mut self, parity: Parity, from: usize, to: usize) {
+        let rhs = &mut self.right_hand_side;
+        for ((row, w), response) in rhs.stages.chunks_exact_mut(COMPONENTS).zip(&self.basis[from]).zip(&self.response) {
+            // The stage residual is … − h f with ∂f/∂(past w) = −s ∂f/∂v_n.
+            for (r, f) in row.iter_mut().zip(response) {
+                *r = f * w;
+            }
+        }
+        match parity {
+            Parity::Odd => self.system.solve_variant(&mut self.variant, rhs, &mut self.update),
+            _ => self.system.solve(rhs, &mut self.update),
+        }
+        for ((w, y), n) in self.basis[to].iter_mut().zip(self.update.stages.chunks_exact(COMPONENTS)).zip(&self.normal)
+        {
+            *w = n[0] * y[R] + n[1] * y[Z];
+        }
+    }
+
+    /// The `wanted` rightmost Ritz values of one parity that the shift can see.
+    fn arnoldi(
+        &mut self,
+        parity: Parity,
+        shift: f64,
+        wanted: usize,
+        solves: &mut usize,
+    ) -> Result<Vec<Ritz>, StabilityError> {
+        let points = self.weights.len();
+        let limit = self.arnoldi.max_dimension.min(points - 1);
+        let stride = limit + 1;
+        self.basis.resize(self.basis.len().max(stride), Vec::new());
+        self.basis.iter_mut().for_each(|v| v.resize(points, 0.0));
+        self.hessenberg.clear();
+        self.hessenberg.resize(stride * stride, 0.0);
+        // Any vector with a part in every smooth mode starts the iteration; this one is the same on every run.
+        let mut seed = 0x9e37_79b9_7f4a_7c15u64;
+        for w in self.basis[0].iter_mut() {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            *w = (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
+        }
+        let norm = weighted_dot(&self.weights, &self.basis[0], &self.basis[0]).sqrt();
+        self.basis[0].iter_mut().for_each(|w| *w /= norm);
+        for k in 0..limit {
+            self.apply(parity, k, k + 1);
+            *solves += 1;
+            let (known, new) = self.basis.split_at_mut(k + 1);
+            let new = &mut new[0];
+            let before = weighted_dot(&self.weights, new, new).sqrt();
+            // Twice is enough (Kahan).
+            for _ in 0..2 {
+                for (j, v) in known.iter().enumerate() {
+                    let dot = weighted_dot(&self.weights, v, new);
+                    self.hessenberg[j * stride + k] += dot;
+                    new.iter_mut().zip(v).for_each(|(a, b)| *a -= dot * b);
+                }
+            }
+            let rest = weighted_dot(&self.weights, new, new).sqrt();
+            self.hessenberg[(k + 1) * stride + k] = rest;
+            // An invariant subspace: all its Ritz values are exact.
+            let exhausted = rest <= 1e-14 * before;
+            if !exhausted {
+                new.iter_mut().for_each(|w| *w /= rest);
+            }
+            let dimension = k + 1;
+            let last = exhausted || dimension == limit;
+            if last || (dimension >= 10 && dimension % 4 == 2) {
+                let residual = if exhausted { 0.0 } else { rest };
+                let mut ritz = self.ritz(dimension, stride, residual, shift)?;
+                ritz.truncate(wanted.max(1));
+                let allowed = |r: &Ritz| self.arnoldi.tolerance * (r.re.hypot(r.im) + shift);
+                match ritz.iter().find(|r| r.error > allowed(r)) {
+                    None if !ritz.is_empty() => return Ok(ritz),
+                    Some(r) if last && ritz[0].error > allowed(&ritz[0]) => {
+                        return Err(StabilityError::NotConverged { value: r.re, error: r.error, dimension });
+                    }
+                    // Later values are given with their errors as they stand.
+                    _ if last => return Ok(ritz),
+                    _ => {}
+                }
+            }
+        }
+        Err(StabilityError::Projected { dimension: limit })
+    }
+
+    /// Ritz values within reach of the shift, sorted by falling real part.
+    fn ritz(&self, k: usize, stride: usize, residual: f64, shift: f64) -> Result<Vec<Ritz>, StabilityError> {
+        let failed = StabilityError::Projected { dimension: k };
+        let h = Mat::<f64>::from_fn(k, k, |i, j| self.hessenberg[i * stride + j]);
+        let (mut re, mut im, mut vectors) = (Diag::<f64>::zeros(k), Diag::<f64>::zeros(k), Mat::<f64>::zeros(k, k));
+        let (no, yes) = (ComputeEigenvectors::No, ComputeEigenvectors::Yes);
+        let mut memory = MemBuffer::new(evd_scratch::<f64>(k, no, yes, Par::Seq, Default::default()));
+        let stack = MemStack::new(&mut memory);
+        evd_real(
+            h.as_ref(),
+            re.as_mut(),
+            im.as_mut(),
+            None,
+            Some(vectors.as_mut()),
+            Par::Seq,
+            stack,
+            Default::default(),
+        )
+        .map_err(|_| failed)?;
+        let mut out = Vec::with_capacity(k);
+        let mut i = 0;
+        while i < k {
+            let (a, b) = (re[i], im[i]);
+            // A complex pair shares two columns, the real and the imaginary part.
+            let width = if b != 0.0 && i + 1 < k { 2 } else { 1 };
+            let (mut norm, mut tail) = (0.0f64, 0.0f64);
+            for c in i..i + width {
+                norm += (0..k).map(|r| vectors[(r, c)].powi(2)).sum::<f64>();
+                tail += vectors[(k - 1, c)].powi(2);
+            }
+            let size = a.hypot(b);
+            if !(size.is_finite() && norm.is_finite()) {
+                return Err(failed);
+            }
+            if size * REACH >= 1.0 {
+                // σ = s (1 − 1/μ), 1/μ = conj(μ)/|μ|².
+                let (real, imaginary) = (shift * (1.0 - a / (size * size)), shift * b / (size * size));
+                let error = shift / (size * size) * residual * (tail / norm).sqrt();
+                out.push(Ritz { re: real, im: imaginary, error });
+                if width == 2 {
+                    out.push(Ritz { re: real, im: -imaginary, error });
+                }
+            }
+            i += width;
+        }
+        out.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+        Ok(out)
+    }
+}
+
+/// [`Stability::leading`] with a workspace of its own.
+///
+/// # Errors
+/// As there.
+pub fn leading(cortex: &Cortex, y: &Solution) -> Result<Spectrum, StabilityError> {
+    Stability::new(y.m).leading(cortex, y)
+}
+
+/// The cell with its continuation parameters fixed at the values they have in `y`.
+fn freeze(cortex: &Cortex, y: &Solution) -> (Cortex, Solution) {
+    let mut fixed = Cortex::new(&cortex.physics, cortex.r0, &cortex.cue, cortex.domain, &cortex.controls);
+    fixed.prepare(&y.scalars);
+    let fixed = Cortex::new(&fixed.physics, fixed.r0, &fixed.cue, fixed.domain, &[]);
+    let mut state = y.clone();
+    state.scalars.truncate(2);
+    (fixed, state)
+}
+
+/// A positive rate of the order of the fastest slow mode: bending over the size of the cell against viscosity, plus what
+/// the activity can add.
+fn shift_scale(cortex: &Cortex) -> f64 {
+    let p = &cortex.physics;
+    let viscosity = p.eta_b + p.eta_s;
+    let activity = p.gain * p.xi_s;
+    p.kappa / (viscosity * cortex.r0 * cortex.r0) + activity * activity / (16.0 * p.kappa * viscosity)
+}
+
+fn unit_rows<const K: usize>(components: [usize; K]) -> Vec<f64> {
+    let mut rows = vec![0.0; K * COMPONENTS];
+    for (k, c) in components.into_iter().enumerate() {
+        rows[k * COMPONENTS + c] = 1.0;
+    }
+    rows
+}
+
+fn weighted_dot(weights: &[f64], a: &[f64], b: &[f64]) -> f64 {
+    weights.iter().zip(a).zip(b).map(|((w, a), b)| w * a * b).sum()
+}
+
+fn sort(values: &mut [GrowthRate]) {
+    values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cortex::{Control, Cue, Numerics, Physics, shape};
+    use crate::numerics::Newton;
+    use crate::numerics::newton::NewtonScratch;
+
+    /// The symmetric state at ξ_s by natural steps from the passive shape.
+    fn symmetric(r0: f64, epsilon: f64, targets: &[f64], numerics: &Numerics) -> Vec<(Cortex, Solution)> {
+        let physics = Physics { epsilon, ..Physics::GAO2026 };
+        let (mut y, _) = shape::passive(&physics, numerics, r0).unwrap();
+        let mut system = System::new(Cortex::dimensions_for(Domain::Half, 0), numerics.stages);
+        let mut scratch = NewtonScratch::default();
+        let mut cortex = Cortex::new(&physics, r0, &Cue::None, Domain::Half, &[]);
+        let (mut xi, mut out) = (0.0, Vec::new());
+        for &target in targets {
+            while xi < target {
+                xi = f64::min(xi + 0.5, target);
+                cortex.set(Control::Xi, xi);
+                Newton::default().solve(&mut system, &mut scratch, &mut cortex, &mut y, &[], false).unwrap();
+            }
+            out.push((cortex.clone(), y.clone()));
+        }
+        out
+    }
+
+    fn state(r0: f64, epsilon: f64, xi: f64, numerics: &Numerics) -> (Cortex, Solution) {
+        symmetric(r0, epsilon, &[xi], numerics).pop().unwrap()
+    }
+
+    /// All residuals as one vector.
+    fn flat(system: &System) -> Vec<f64> {
+        let r = &system.residual;
+        [&r.stages, &r.nodes, &r.left, &r.right, &r.border].into_iter().flatten().copied().collect()
+    }
+
+    /// Arnoldi against every finite eigenvalue of the pencil itself, assembled densely by differences of the residual.
+    #[test]
+    fn agrees_with_the_dense_pencil() {
+        let numerics = Numerics { stages: 3, intervals: 12, ..Numerics::default() };
+        let (mut cortex, y) = state(2.0, 0.87, 24.0, &numerics);
+        let mut system = System::new(cortex.dimensions(), 3);
+        let size = y.nodes.len() + y.stages.len() + y.scalars.len();
+        let mut derivative = |cortex: &mut Cortex| {
+            let mut column = |k: usize, step: f64, cortex: &mut Cortex| {
+                let mut moved = y.clone();
+                let nodes = moved.nodes.len();
+                let stages = moved.stages.len();
+                let value = match k {
+                    k if k < nodes => &mut moved.nodes[k],
+                    k if k < nodes + stages => &mut moved.stages[k - nodes],
+                    k => &mut moved.scalars[k - nodes - stages],
+                };
+                *value += step;
+                system.evaluate(cortex, &moved, &[], false);
+                flat(&system)
+            };
+            let mut out = Mat::<f64>::zeros(size, size);
+            for k in 0..size {
+                // Fourth-order differences.
+                let h = 2e-3;
+                let at = [-2.0, -1.0, 1.0, 2.0].map(|x| column(k, x * h, cortex));
+                for i in 0..size {
+                    out[(i, k)] = (at[0][i] - 8.0 * at[1][i] + 8.0 * at[2][i] - at[3][i]) / (12.0 * h);
+                }
+            }
+            out
+        };
+        let jacobian = derivative(&mut cortex);
+        cortex.rate = 1.0;
+        positions(&y, &mut cortex.past);
+        let mass = derivative(&mut cortex) - &jacobian;
+        cortex.rate = 0.0;
+        let minus = Mat::from_fn(size, size, |i, j| -jacobian[(i, j)]);
+        let dense = minus.generalized_eigen(&mass).unwrap();
+        let mut expected: Vec<f64> = (0..size)
+            .map(|i| (dense.S_a()[i], dense.S_b()[i]))
+            .filter(|(a, b)| b.norm() > 1e-8 * a.norm())
+            .map(|(a, b)| a / b)
+            .filter(|x| x.norm() < 1e3)
+            .map(|x| x.re)
+            .collect();
+        expected.sort_by(|a, b| b.total_cmp(a));
+        assert!(expected.len() > 3, "{expected:?}");
+        let spectrum = Stability::new(3).leading(&cortex, &y).unwrap();
+        let even: Vec<_> = spectrum.values.iter().filter(|v| v.parity == Parity::Even).collect();
+        for (v, e) in even.iter().zip(&expected).take(3) {
+            assert!((v.re - e).abs() < 1e-5 * (1.0 + e.abs()), "{v:?} {expected:?}");
+        }
+    }
+
+    /// R0 = 2.00, ε = 0.87: the odd mode starts to grow at the pitchfork, the even one at the fold.
+    #[test]
+    fn modes_cross_zero_at_the_bifurcations() {
+        let targets = [22.046_88, 22.056_88, 22.066_88, 27.0, 27.02];
+        let states = symmetric(2.0, 0.87, &targets, &Numerics::default());
+        let mut stability = Stability::new(4);
+        let spectra: Vec<Spectrum> = states.iter().map(|(c, y)| stability.leading(c, y).unwrap()).collect();
+        let rate = |k: usize, parity| spectra[k].rightmost(Some(parity)).unwrap().re;
+        assert!(rate(0, Parity::Odd) < -1e-3 && rate(2, Parity::Odd) > 1e-3);
+        assert!(rate(1, Parity::Odd).abs() < 3e-6, "{}", rate(1, Parity::Odd));
+        assert!(spectra[0].is_stable() && !spectra[2].is_stable());
+        // σ of the even mode closes like a square root: σ² is linear in ξ_s.
+        let [a, b] = [3, 4].map(|k| rate(k, Parity::Even).powi(2));
+        let fold = targets[4] + b * (targets[4] - targets[3]) / (a - b);
+        assert!((fold - 27.029_71).abs() < 1e-4, "{fold}");
+    }
+
+    /// The two parities of the half domain are the modes of the full domain.
+    #[test]
+    fn half_and_full_domain_agree() {
+        let mut stability = Stability::new(4);
+        for (r0, epsilon, xi) in [(2.0, 0.87, 25.0), (1.0, 0.6, 10.0), (5.0, 0.87, 8.0), (2.22, 0.64, 0.0)] {
+            let (cortex, y) = state(r0, epsilon, xi, &Numerics::default());
+            let half = stability.leading(&cortex, &y).unwrap();
+            let whole = Cortex::new(&cortex.physics, r0, &Cue::None, Domain::Full, &[]);
+            let unfolded = shape::unfold(&stability.system.gauss.clone(), &y);
+            let full = stability.leading(&whole, &unfolded).unwrap();
+            for (h, f) in half.values.iter().zip(&full.values).take(3) {
+                assert!((h.re - f.re).abs() < 1e-6 * (1.0 + h.re.abs()), "{h:?} {f:?}");
+            }
+            let fast = stability.growth_rate(&cortex, &y).unwrap();
+            assert!((fast - half.growth_rate()).abs() < 1e-8 * (1.0 + fast.abs()));
+        }
+    }
+}
