@@ -122,29 +122,35 @@ pub enum SchedulerError {
     },
 }
 
-/// Expected work of a cell and the longest chain of divisions below it, in units of an ordinary division.
+/// Expected work of a cell and the longest chain of divisions below it, in units of a symmetric division.
 ///
-/// A chain halves its cell at every step until the cell is too small to divide. Divisions between `1.5` and `2.4` take
-/// several times the steps of others, being near the critical radius or the upper edge of the asymmetric window.
+/// Large cells halve. Below the asymmetric window's upper edge a division costs two to three times as much and leaves a
+/// daughter hardly smaller than its mother, so that the chains through the window are the longest: what leads there is
+/// to be begun first. The radii are those of the preset `gao2026`; with other parameters the order of work may be less
+/// good, and the results are the same.
 pub fn expected_work(input: &DivisionInput) -> f64 {
-    const SMALLEST: f64 = 1.5;
-    const SLOW_BELOW: f64 = 2.4;
-    const SLOW: f64 = 4.0;
-    let mut work = 0.0;
+    /// Below this a cell comes to rest undivided.
+    const CRITICAL: f64 = 1.7;
+    const WINDOW_EDGE: f64 = 2.25;
+    /// Work of a division in the window.
+    const SLOW: f64 = 2.5;
+    /// Radius of half the volume, ½^{1/3}.
+    const HALF: f64 = 0.793_700_525_984_099_7;
+    /// Radius of the larger daughter at χ = 0.8, 0.9^{1/3}.
+    const LARGER: f64 = 0.965_489_384_605_629_7;
+    let mut work = 1.0;
     let mut r0 = input.r0;
-    // 64 halvings take any radius in use below the smallest.
+    // Far more divisions than any chain has; infinite radii end too.
     for _ in 0..64 {
-        work += if (SMALLEST..SLOW_BELOW).contains(&r0) { SLOW } else { 1.0 };
-        if r0.is_nan() || r0 < SMALLEST {
+        if r0.is_nan() || r0 < CRITICAL {
             break;
         }
-        r0 *= HALF_VOLUME;
+        let slow = r0 < WINDOW_EDGE;
+        work += if slow { SLOW } else { 1.0 };
+        r0 *= if slow { LARGER } else { HALF };
     }
     work
 }
-
-/// Radius of a sphere of half the volume, relative: ½^{1/3}.
-const HALF_VOLUME: f64 = 0.793_700_525_984_099_7;
 
 /// Grows the tree that starts with `roots`: solves every cell's division, each distinct one once, and lets `expand` say
 /// which cells follow from it.
