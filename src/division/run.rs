@@ -17,7 +17,7 @@ const NECK_STEP: f64 = 0.4;
 /// Below this neck radius, relative to R0, the neck closes faster than anything else happens.
 const CLOSING: f64 = 0.5;
 /// Local error of the odd part relative to its size, in units of the time tolerance.
-const ODD_TOLERANCE: f64 = 30.0;
+const ODD_TOLERANCE: f64 = 50.0;
 
 /// What an observer of a division sees after every accepted step.
 #[derive(Clone, Copy, Debug)]
@@ -89,7 +89,7 @@ pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)
         dt: FIRST_STEP,
         reason: e.to_string(),
     })?;
-    run.odd_floor = 0.05 * first.odd_size;
+    run.odd_floor = 0.3 * first.odd_size;
     stepper.accept();
     stepper.cortex.noise.clear();
     stepper.restart();

@@ -15,7 +15,7 @@ use crate::numerics::newton::{Newton, NewtonError, NewtonReport, NewtonScratch};
 use crate::numerics::{Gauss, Solution, System, mesh};
 
 /// Highest order of the formulas.
-pub const MAX_ORDER: usize = 3;
+pub const MAX_ORDER: usize = 4;
 
 /// A shape at a time.
 #[derive(Clone, Debug)]
