@@ -9,7 +9,7 @@
 //! Ascher, Mattheij & Russell 1995, ch. 7 (stability of block elimination with row pivoting for separated conditions).
 
 use super::condense::Condensed;
-use super::dense::{self, Determinant, LANE, Lane, PivotFailure};
+use super::dense::{self, Determinant, Factors, FactorsRef, LANE, Lane, PivotFailure};
 
 /// Rows at one end: `rows` conditions with derivatives by y (× n) and by p (× scalars), row-major.
 #[derive(Clone, Copy, Debug)]
@@ -39,20 +39,62 @@ pub struct BlockFactor {
     nl: usize,
     nr: usize,
     nb: usize,
-    lanes: usize,
-    final_lanes: usize,
-    panels: Vec<Lane>,
-    permutation: Vec<u8>,
-    final_block: Vec<Lane>,
-    final_permutation: Vec<u8>,
-    forward: Vec<f64>,
+    intervals: usize,
+    /// Rows of the interval at work: carried, transition, border.
+    panel: Vec<Lane>,
+    /// Factors of every interval, and of the last block.
+    panels: FactorStore,
+    last: FactorStore,
+    /// What elimination does to the right-hand sides of an interval, by columns: rows (solved δy_i, carried, border);
+    /// per interval rows × lanes_for(rows).
+    transform: Vec<Lane>,
+    /// −∂δy_i/∂(δy_{i+1}, δp) by columns, one lane run of n rows each; per interval.
+    backward: Vec<Lane>,
+    /// U⁻¹ times the forward-eliminated right-hand side of each interval.
+    forward: Vec<Lane>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct FactorStore {
+    columns: usize,
+    rows: usize,
+    lower: Vec<Lane>,
+    upper: Vec<Lane>,
+    reciprocal: Vec<f64>,
+    exchange: Vec<u8>,
+}
+
+impl FactorStore {
+    fn reset(&mut self, blocks: usize, columns: usize, rows: usize) {
+        (self.columns, self.rows) = (columns, rows);
+        self.lower.resize(blocks * columns * dense::lanes_for(rows), [0.0; LANE]);
+        self.upper.resize(blocks * columns * dense::lanes_for(columns), [0.0; LANE]);
+        self.reciprocal.resize(blocks * columns, 0.0);
+        self.exchange.resize(blocks * columns, 0);
+    }
+
+    fn write(&mut self, i: usize) -> Factors<'_> {
+        let (c, l, u) = (self.columns, dense::lanes_for(self.rows), dense::lanes_for(self.columns));
+        Factors {
+            lower: &mut self.lower[i * c * l..(i + 1) * c * l],
+            upper: &mut self.upper[i * c * u..(i + 1) * c * u],
+            reciprocal: &mut self.reciprocal[i * c..(i + 1) * c],
+            exchange: &mut self.exchange[i * c..(i + 1) * c],
+        }
+    }
+
+    fn read(&self, i: usize) -> FactorsRef<'_> {
+        let (c, l, u) = (self.columns, dense::lanes_for(self.rows), dense::lanes_for(self.columns));
+        FactorsRef {
+            lower: &self.lower[i * c * l..(i + 1) * c * l],
+            upper: &self.upper[i * c * u..(i + 1) * c * u],
+            reciprocal: &self.reciprocal[i * c..(i + 1) * c],
+            exchange: &self.exchange[i * c..(i + 1) * c],
+        }
+    }
 }
 
 impl BlockFactor {
-    fn rows(&self) -> usize {
-        self.nl + self.n + self.nb
-    }
-
     /// Factorises with the first `scalars` scalar unknowns (0 leaves them out), the given end rows, the integral rows of
     /// the condensed system if `integrals` and further linear rows.
     ///
@@ -74,29 +116,22 @@ impl BlockFactor {
         let np = scalars;
         let stride = dims.scalars;
         let nb = ni + forms.len();
-        let lanes = dense::lanes_for(2 * n + np);
         let nf = n + np;
-        *self = BlockFactor {
-            n,
-            np,
-            nl: left.rows,
-            nr: right.rows,
-            nb,
-            lanes,
-            final_lanes: dense::lanes_for(nf),
-            panels: std::mem::take(&mut self.panels),
-            permutation: std::mem::take(&mut self.permutation),
-            final_block: std::mem::take(&mut self.final_block),
-            final_permutation: std::mem::take(&mut self.final_permutation),
-            forward: std::mem::take(&mut self.forward),
-        };
+        let rows = left.rows + n + nb;
+        let identity = dense::lanes_for(2 * n + np);
+        let lanes = identity + dense::lanes_for(rows);
+        (self.n, self.np, self.nl, self.nr, self.nb) = (n, np, left.rows, right.rows, nb);
+        self.intervals = intervals;
         assert_eq!(left.rows + right.rows + nb, nf, "as many conditions as unknowns");
-        let rows = self.rows();
-        let size = rows * lanes;
-        self.panels.resize(intervals * size, [0.0; LANE]);
-        self.permutation.resize(intervals * n, 0);
-        self.forward.resize(intervals * n + nf, 0.0);
-        self.panels.fill([0.0; LANE]);
+        self.panel.clear();
+        self.panel.resize(rows * lanes, [0.0; LANE]);
+        self.panels.reset(intervals, n, rows);
+        let tall = dense::lanes_for(rows);
+        self.transform.resize(intervals * rows * tall, [0.0; LANE]);
+        self.last.reset(1, nf, nf);
+        let height = dense::lanes_for(n);
+        self.backward.resize(intervals * nf * height, [0.0; LANE]);
+        self.forward.resize(intervals * height, [0.0; LANE]);
         let put_ends = |row: &mut [f64], rows_at: &EndRows<'_>, k: usize, p_at: usize| {
             row[..n].copy_from_slice(&rows_at.ry[k * n..(k + 1) * n]);
             if np > 0 {
@@ -104,11 +139,11 @@ impl BlockFactor {
             }
         };
         for k in 0..left.rows {
-            put_ends(self.panels[k * lanes..(k + 1) * lanes].as_flattened_mut(), &left, k, 2 * n);
+            put_ends(self.panel[k * lanes..(k + 1) * lanes].as_flattened_mut(), &left, k, 2 * n);
         }
         for k in 0..nb {
             let at = (left.rows + n + k) * lanes;
-            let row = self.panels[at..at + lanes].as_flattened_mut();
+            let row = self.panel[at..at + lanes].as_flattened_mut();
             let p = &mut row[2 * n..2 * n + np];
             if k < ni {
                 p.copy_from_slice(&offsets[k * stride..k * stride + np]);
@@ -117,13 +152,13 @@ impl BlockFactor {
             }
         }
         for i in 0..intervals {
-            let (done, rest) = self.panels.split_at_mut((i + 1) * size);
-            let panel = &mut done[i * size..];
+            let panel = &mut self.panel[..];
             let ml = condensed.layout.map_lanes;
             let transition = condensed.transition(i);
             for k in 0..n {
                 let at = (left.rows + k) * lanes;
                 let row = panel[at..at + lanes].as_flattened_mut();
+                row.fill(0.0);
                 let source = transition[k * ml..(k + 1) * ml].as_flattened();
                 for c in 0..n {
                     row[c] = -source[c];
@@ -150,27 +185,48 @@ impl BlockFactor {
                     }
                 }
             }
-            dense::eliminate(panel, lanes, n, left.rows + n, &mut self.permutation[i * n..(i + 1) * n])?;
+            for k in 0..rows {
+                let unit = panel[k * lanes + identity..(k + 1) * lanes].as_flattened_mut();
+                unit.fill(0.0);
+                unit[k] = 1.0;
+            }
+            dense::eliminate(panel, lanes, n, left.rows + n, &mut self.panels.write(i))?;
+            let factors = self.panels.read(i);
+            dense::back_substitute(panel, lanes, n, factors.upper, factors.reciprocal);
+            let backward = &mut self.backward[i * nf * height..(i + 1) * nf * height];
+            for k in 0..n {
+                let row = panel[k * lanes..(k + 1) * lanes].as_flattened();
+                for c in 0..nf {
+                    backward[c * height + k / LANE][k % LANE] = row[n + c];
+                }
+            }
+            let transform = &mut self.transform[i * rows * tall..(i + 1) * rows * tall];
+            for k in 0..rows {
+                let row = panel[k * lanes + identity..(k + 1) * lanes].as_flattened();
+                for c in 0..rows {
+                    transform[c * tall + k / LANE][k % LANE] = row[c];
+                }
+            }
             if i + 1 < intervals {
-                // Rows n.. of this panel become rows 0..nl and nl+n.. of the next.
+                // What is left of the carried and border rows moves on: δy_{i+1} takes the place of δy_i. Carried rows
+                // now stand right behind the n pivot rows.
                 for k in 0..left.rows + nb {
-                    let source = panel[(n + k) * lanes..(n + k + 1) * lanes].as_flattened();
-                    let to = if k < left.rows { k } else { k + n };
-                    let target = rest[to * lanes..(to + 1) * lanes].as_flattened_mut();
-                    target[..n].copy_from_slice(&source[n..2 * n]);
-                    target[2 * n..2 * n + np].copy_from_slice(&source[2 * n..2 * n + np]);
+                    let from = (n + k) * lanes;
+                    let to = if k < left.rows { k } else { k + n } * lanes;
+                    panel.copy_within(from..from + lanes, to);
+                    let row = panel[to..to + lanes].as_flattened_mut();
+                    row.copy_within(n..2 * n, 0);
+                    row[n..2 * n].fill(0.0);
                 }
             }
         }
-        let fl = self.final_lanes;
-        self.final_block.clear();
-        self.final_block.resize(nf * fl, [0.0; LANE]);
-        self.final_permutation.resize(nf, 0);
-        let last = &self.panels[(intervals - 1) * size..];
+        let fl = dense::lanes_for(nf);
+        let mut last = [[0.0; LANE]; 32 * 4];
+        let last = &mut last[..nf * fl];
         for k in 0..left.rows + nb {
-            let source = last[(n + k) * lanes..(n + k + 1) * lanes].as_flattened();
+            let source = self.panel[(n + k) * lanes..(n + k + 1) * lanes].as_flattened();
             let to = if k < left.rows { k } else { k + right.rows };
-            let target = self.final_block[to * fl..(to + 1) * fl].as_flattened_mut();
+            let target = last[to * fl..(to + 1) * fl].as_flattened_mut();
             target[..nf].copy_from_slice(&source[n..n + nf]);
             if k >= left.rows + ni {
                 let form = &forms[k - left.rows - ni];
@@ -181,80 +237,74 @@ impl BlockFactor {
         }
         for k in 0..right.rows {
             let to = left.rows + k;
-            put_ends(self.final_block[to * fl..(to + 1) * fl].as_flattened_mut(), &right, k, n);
+            put_ends(last[to * fl..(to + 1) * fl].as_flattened_mut(), &right, k, n);
         }
-        dense::eliminate(&mut self.final_block, fl, nf, nf, &mut self.final_permutation)
+        dense::eliminate(last, fl, nf, nf, &mut self.last.write(0))
     }
 
     /// Solves for node updates (`nodes`, holding on entry c_i of interval i at index i·n, length (N + 1)·n) and scalar
     /// updates. `left`, `right` and `border` are right-hand sides of the condition rows (integrals first in `border`).
     pub fn solve(&mut self, nodes: &mut [f64], left: &[f64], right: &[f64], border: &[f64], scalars: &mut [f64]) {
         let (n, np, nl, nb) = (self.n, self.np, self.nl, self.nb);
-        let intervals = self.permutation.len() / n;
-        let size = self.rows() * self.lanes;
         let nf = n + np;
-        let mut x = [0.0; 64];
-        x[..nl].copy_from_slice(left);
-        x[nl + n..nl + n + nb].copy_from_slice(border);
-        for i in 0..intervals {
-            let panel = &self.panels[i * size..(i + 1) * size];
-            x[nl..nl + n].copy_from_slice(&nodes[i * n..(i + 1) * n]);
-            dense::forward_vector(
-                panel,
-                self.lanes,
-                n,
-                nl + n + nb,
-                &self.permutation[i * n..(i + 1) * n],
-                &mut x[..nl + n + nb],
-            );
-            self.forward[i * n..(i + 1) * n].copy_from_slice(&x[..n]);
-            // Carried rows move to the front; border rows stay behind the next n.
-            for k in 0..nl {
-                x[k] = x[n + k];
+        let rows = nl + n + nb;
+        let (height, tall) = (dense::lanes_for(n), dense::lanes_for(rows));
+        let mut lanes = [[0.0; LANE]; dense::MAX_LANES / 2];
+        lanes.as_flattened_mut()[..nl].copy_from_slice(left);
+        lanes.as_flattened_mut()[nl + n..rows].copy_from_slice(border);
+        for i in 0..self.intervals {
+            lanes.as_flattened_mut()[nl..nl + n].copy_from_slice(&nodes[i * n..(i + 1) * n]);
+            let transform = &self.transform[i * rows * tall..(i + 1) * rows * tall];
+            let mut out = [[0.0; LANE]; dense::MAX_LANES / 2];
+            let out = &mut out[..tall];
+            for (column, value) in transform.chunks_exact(tall).zip(&lanes.as_flattened()[..rows]) {
+                for (x, c) in out.iter_mut().zip(column) {
+                    for t in 0..LANE {
+                        x[t] += value * c[t];
+                    }
+                }
             }
+            self.forward[i * height..(i + 1) * height].copy_from_slice(&out[..height]);
+            // Carried rows move to the front; border rows stay behind the next n.
+            let out = out.as_flattened();
+            let flat = lanes.as_flattened_mut();
+            flat[..nl].copy_from_slice(&out[n..n + nl]);
+            flat[nl + n..rows].copy_from_slice(&out[nl + n..rows]);
         }
-        let mut y = [0.0; 64];
+        let x = lanes.as_flattened();
+        let mut end = [[0.0; LANE]; 4];
+        let y = end.as_flattened_mut();
         y[..nl].copy_from_slice(&x[..nl]);
         y[nl..nl + self.nr].copy_from_slice(right);
-        y[nl + self.nr..nf].copy_from_slice(&x[nl + n..nl + n + nb]);
-        dense::solve_vector(&self.final_block, self.final_lanes, nf, &self.final_permutation, &mut y[..nf]);
-        nodes[intervals * n..].copy_from_slice(&y[..n]);
+        y[nl + self.nr..nf].copy_from_slice(&x[nl + n..rows]);
+        dense::solve_vector(self.last.read(0), nf, &mut end);
+        let y = end.as_flattened();
+        nodes[self.intervals * n..].copy_from_slice(&y[..n]);
         scalars[..np].copy_from_slice(&y[n..nf]);
-        for i in (0..intervals).rev() {
-            let panel = &self.panels[i * size..(i + 1) * size];
-            let (before, after) = nodes.split_at_mut((i + 1) * n);
-            let (here, next) = (&mut before[i * n..], &after[..n]);
-            for k in (0..n).rev() {
-                let row = panel[k * self.lanes..(k + 1) * self.lanes].as_flattened();
-                let mut sum = self.forward[i * n + k];
-                for c in k + 1..n {
-                    sum -= row[c] * here[c];
+        for i in (0..self.intervals).rev() {
+            let here = &mut self.forward[i * height..(i + 1) * height];
+            let backward = &self.backward[i * nf * height..(i + 1) * nf * height];
+            for (column, value) in
+                backward.chunks_exact(height).zip(nodes[(i + 1) * n..(i + 2) * n].iter().chain(&scalars[..np]))
+            {
+                for (x, b) in here.iter_mut().zip(column) {
+                    for t in 0..LANE {
+                        x[t] -= value * b[t];
+                    }
                 }
-                for c in 0..n {
-                    sum -= row[n + c] * next[c];
-                }
-                for q in 0..np {
-                    sum -= row[2 * n + q] * scalars[q];
-                }
-                here[k] = sum / row[k];
             }
+            nodes[i * n..(i + 1) * n].copy_from_slice(&here.as_flattened()[..n]);
         }
     }
 
     /// Multiplies the determinant of the factorised matrix into `det`.
     pub fn accumulate_determinant(&self, det: &mut Determinant) {
-        let n = self.n;
-        let size = self.rows() * self.lanes;
-        for (i, panel) in self.panels.chunks_exact(size).enumerate() {
-            dense::accumulate_determinant(panel, self.lanes, n, &self.permutation[i * n..(i + 1) * n], det);
-        }
-        dense::accumulate_determinant(
-            &self.final_block,
-            self.final_lanes,
-            self.n + self.np,
-            &self.final_permutation,
-            det,
-        );
         // Moving the right rows ahead of the border rows is a fixed permutation; its sign is left out.
+        for store in [&self.panels, &self.last] {
+            let c = store.columns;
+            for (r, e) in store.reciprocal.chunks_exact(c).zip(store.exchange.chunks_exact(c)) {
+                dense::accumulate_determinant(r, e, det);
+            }
+        }
     }
 }

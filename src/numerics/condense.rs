@@ -9,7 +9,7 @@
 //! with s_i = Σ_j D_ij and R the stage residual. Eliminating leaves δy₁ = G δy₀ + B δp + c. The matrix is factorised once;
 //! new residuals R only need triangular solves.
 
-use super::dense::{self, Determinant, LANE, Lane, PivotFailure};
+use super::dense::{self, Determinant, Factors, LANE, Lane, PivotFailure};
 use super::gauss::Gauss;
 use super::problem::Dimensions;
 
@@ -26,7 +26,7 @@ pub struct Layout {
     pub s: usize,
     /// Lane at which the right-hand sides start.
     pub rhs_lane: usize,
-    /// Lanes of one row of the stage matrix.
+    /// Lanes of one row of the stage matrix: itself, its right-hand sides, and columns that become its inverse.
     pub lanes: usize,
     /// Columns of the condensed map: n + scalars.
     pub columns: usize,
@@ -42,7 +42,7 @@ impl Layout {
         let columns = dims.components + dims.scalars;
         let rhs_lane = dense::lanes_for(s);
         let map_lanes = dense::lanes_for(columns);
-        Layout { dims, m, nn, s, rhs_lane, lanes: rhs_lane + map_lanes, columns, map_lanes }
+        Layout { dims, m, nn, s, rhs_lane, lanes: 2 * rhs_lane + map_lanes, columns, map_lanes }
     }
 }
 
@@ -61,9 +61,17 @@ pub struct Condensed {
     pub gy: Vec<f64>,
     /// ∂g/∂p at the stages; × integrals × scalars.
     pub gp: Vec<f64>,
-    /// Factorised stage matrix beside its solved right-hand sides; per interval s × lanes.
+    /// Stage matrix of one interval beside its right-hand sides: s × lanes of scratch.
     matrix: Vec<Lane>,
-    permutation: Vec<u8>,
+    /// Factors of that interval.
+    lower: Vec<Lane>,
+    upper: Vec<Lane>,
+    /// Pivots of all intervals, for determinants.
+    reciprocal: Vec<f64>,
+    exchange: Vec<u8>,
+    /// Inverse stage matrices by columns; per interval s × lanes_for(s). Applying an inverse is a sum of scaled columns,
+    /// without the serial dependence of triangular solves; Newton corrects its rounding.
+    inverse: Vec<Lane>,
     /// δY as a linear map of (δy₀, δp); per interval (m · n) × map_lanes.
     map: Vec<Lane>,
     /// [G B] per interval; n × map_lanes.
@@ -92,7 +100,11 @@ impl Condensed {
             gy: Vec::new(),
             gp: Vec::new(),
             matrix: Vec::new(),
-            permutation: Vec::new(),
+            lower: Vec::new(),
+            upper: Vec::new(),
+            reciprocal: Vec::new(),
+            exchange: Vec::new(),
+            inverse: Vec::new(),
             map: Vec::new(),
             transition: Vec::new(),
             integral: Vec::new(),
@@ -120,8 +132,12 @@ impl Condensed {
             v.clear();
             v.resize(size, 0.0);
         }
-        self.permutation.resize(intervals * l.s, 0);
-        self.matrix.resize(intervals * l.s * l.lanes, [0.0; LANE]);
+        self.matrix.resize(l.s * l.lanes, [0.0; LANE]);
+        self.lower.resize(l.s * l.rhs_lane, [0.0; LANE]);
+        self.upper.resize(l.s * l.rhs_lane, [0.0; LANE]);
+        self.inverse.resize(intervals * l.s * l.rhs_lane, [0.0; LANE]);
+        self.reciprocal.resize(intervals * l.s, 0.0);
+        self.exchange.resize(intervals * l.s, 0);
         self.map.resize(points * n * l.map_lanes, [0.0; LANE]);
         self.transition.resize(intervals * n * l.map_lanes, [0.0; LANE]);
         self.integral.resize(intervals * l.dims.integrals * l.map_lanes, [0.0; LANE]);
@@ -141,12 +157,28 @@ impl Condensed {
 
     /// Factorises interval i from the derivatives stored for it.
     pub fn factor(&mut self, gauss: &Gauss, i: usize) -> Result<(), PivotFailure> {
+        self.specialised(|c, n, e, m| c.factor_sized(gauss, i, n, e, m))
+    }
+
+    /// Calls `f` with (n, e, m), as constants for the shapes that matter most so that their loops unroll.
+    #[inline(always)]
+    fn specialised<R>(&mut self, f: impl Fn(&mut Self, usize, usize, usize) -> R) -> R {
         let l = self.layout;
-        let (n, e, nn, m, np) = (l.dims.components, l.dims.integrable, l.nn, l.m, l.dims.scalars);
+        match (l.dims.components, l.dims.integrable, l.m) {
+            (7, 3, 4) => f(self, 7, 3, 4),
+            (7, 3, 3) => f(self, 7, 3, 3),
+            (n, e, m) => f(self, n, e, m),
+        }
+    }
+
+    #[inline(always)]
+    fn factor_sized(&mut self, gauss: &Gauss, i: usize, n: usize, e: usize, m: usize) -> Result<(), PivotFailure> {
+        let l = self.layout;
+        let (nn, np) = (n - e, l.dims.scalars);
         let h = self.h[i];
         let fy = &self.fy[i * m * n * n..(i + 1) * m * n * n];
         let fp = &self.fp[i * m * n * np..(i + 1) * m * n * np];
-        let matrix = &mut self.matrix[i * l.s * l.lanes..(i + 1) * l.s * l.lanes];
+        let matrix = &mut self.matrix[..];
         matrix.fill([0.0; LANE]);
         for stage in 0..m {
             let f = &fy[stage * n * n..(stage + 1) * n * n];
@@ -172,6 +204,7 @@ impl Condensed {
                 for (x, v) in row[stage * nn..(stage + 1) * nn].iter_mut().zip(&f_row[e..]) {
                     *x -= h * v;
                 }
+                row[(l.rhs_lane + l.map_lanes) * LANE + row_index] = 1.0;
                 let rhs = &mut row[l.rhs_lane * LANE..];
                 for k in 0..e {
                     rhs[k] = h * f_row[k];
@@ -187,20 +220,35 @@ impl Condensed {
                 }
             }
         }
-        let permutation = &mut self.permutation[i * l.s..(i + 1) * l.s];
-        dense::eliminate(matrix, l.lanes, l.s, l.s, permutation)?;
-        dense::back_substitute(matrix, l.lanes, l.s, l.rhs_lane);
-        self.assemble_map(gauss, i);
+        let stages = i * l.s..(i + 1) * l.s;
+        let mut factors = Factors {
+            lower: &mut self.lower,
+            upper: &mut self.upper,
+            reciprocal: &mut self.reciprocal[stages.clone()],
+            exchange: &mut self.exchange[stages.clone()],
+        };
+        dense::eliminate(matrix, l.lanes, l.s, l.s, &mut factors)?;
+        dense::back_substitute(matrix, l.lanes, l.s, &self.upper, &self.reciprocal[stages]);
+        let inverse = &mut self.inverse[i * l.s * l.rhs_lane..(i + 1) * l.s * l.rhs_lane];
+        let from = (l.rhs_lane + l.map_lanes) * LANE;
+        for k in 0..m * nn {
+            let row = &matrix[k * l.lanes..(k + 1) * l.lanes].as_flattened()[from..];
+            for c in 0..m * nn {
+                inverse[c * l.rhs_lane + k / LANE][k % LANE] = row[c];
+            }
+        }
+        self.assemble_map(gauss, i, n, e, m);
         Ok(())
     }
 
     /// Fills the map δY(δy₀, δp), the transition [G B] and the integral rows of a factorised interval.
-    fn assemble_map(&mut self, gauss: &Gauss, i: usize) {
+    #[inline(always)]
+    fn assemble_map(&mut self, gauss: &Gauss, i: usize, n: usize, e: usize, m: usize) {
         let l = self.layout;
-        let (n, e, nn, m, np) = (l.dims.components, l.dims.integrable, l.nn, l.m, l.dims.scalars);
+        let (nn, np) = (n - e, l.dims.scalars);
         let h = self.h[i];
         let ml = l.map_lanes;
-        let matrix = &self.matrix[i * l.s * l.lanes..(i + 1) * l.s * l.lanes];
+        let matrix = &self.matrix[..];
         let map = &mut self.map[i * m * n * ml..(i + 1) * m * n * ml];
         for stage in 0..m {
             for beta in 0..nn {
@@ -277,16 +325,28 @@ impl Condensed {
 
     /// Particular stage values of interval i for stage residuals `r` (m × n), with δy₀ = δp = 0, into `y` (m × n).
     /// Returns nothing else: [`particular_node`](Self::particular_node) gives c and the integrals follow from `y`.
-    pub fn particular_stages(&self, gauss: &Gauss, i: usize, r: &[f64], y: &mut [f64]) {
+    pub fn particular_stages(&mut self, gauss: &Gauss, i: usize, r: &[f64], y: &mut [f64]) {
+        let y = std::cell::RefCell::new(y);
+        self.specialised(|c, n, e, m| c.particular_sized(gauss, i, r, &mut y.borrow_mut(), n, e, m));
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    #[inline(always)]
+    fn particular_sized(&self, gauss: &Gauss, i: usize, r: &[f64], y: &mut [f64], n: usize, e: usize, m: usize) {
         let l = self.layout;
-        let (n, e, nn, m) = (l.dims.components, l.dims.integrable, l.nn, l.m);
+        let nn = n - e;
         let h = self.h[i];
         let fy = &self.fy[i * m * n * n..(i + 1) * m * n * n];
-        let mut x = [0.0; 64];
+        let (r, y) = (&r[..m * n], &mut y[..m * n]);
+        let mut lanes = [[0.0; LANE]; dense::MAX_LANES / 2];
+        let x = lanes.as_flattened_mut();
         for stage in 0..m {
             for k in 0..e {
-                let sum: f64 = (0..m).map(|j| gauss.a[stage * m + j] * r[j * n + k]).sum();
-                y[stage * n + k] = -sum;
+                let mut sum = 0.0;
+                for j in 0..m {
+                    sum -= gauss.a[stage * m + j] * r[j * n + k];
+                }
+                y[stage * n + k] = sum;
             }
             for alpha in 0..nn {
                 let f_row = &fy[(stage * n + e + alpha) * n..(stage * n + e + alpha + 1) * n];
@@ -297,17 +357,25 @@ impl Condensed {
                 x[stage * nn + alpha] = value;
             }
         }
-        let matrix = &self.matrix[i * l.s * l.lanes..(i + 1) * l.s * l.lanes];
-        dense::solve_vector(matrix, l.lanes, l.s, &self.permutation[i * l.s..(i + 1) * l.s], &mut x[..l.s]);
+        let mut solved = [[0.0; LANE]; dense::MAX_LANES / 2];
+        let solved = &mut solved[..dense::lanes_for(m * nn)];
+        let inverse = &self.inverse[i * l.s * l.rhs_lane..(i + 1) * l.s * l.rhs_lane];
+        for (column, value) in inverse.chunks_exact(dense::lanes_for(m * nn)).zip(&x[..m * nn]) {
+            add_scaled(solved, *value, column);
+        }
+        let x = solved.as_flattened();
         for stage in 0..m {
             y[stage * n + e..(stage + 1) * n].copy_from_slice(&x[stage * nn..(stage + 1) * nn]);
         }
         for stage in 0..m {
             for k in 0..e {
                 let f_row = &fy[(stage * n + k) * n..(stage * n + k + 1) * n];
-                let slope: f64 = h * (0..nn).map(|b| f_row[e + b] * y[stage * n + e + b]).sum::<f64>();
+                let mut slope = 0.0;
+                for b in 0..nn {
+                    slope += f_row[e + b] * y[stage * n + e + b];
+                }
                 for j in 0..m {
-                    y[j * n + k] += gauss.a[j * m + stage] * slope;
+                    y[j * n + k] += h * gauss.a[j * m + stage] * slope;
                 }
             }
         }
@@ -343,9 +411,9 @@ impl Condensed {
     /// Multiplies the determinants of all stage matrices into `det`.
     pub fn accumulate_determinant(&self, det: &mut Determinant) {
         let l = self.layout;
-        for i in 0..self.intervals() {
-            let matrix = &self.matrix[i * l.s * l.lanes..(i + 1) * l.s * l.lanes];
-            dense::accumulate_determinant(matrix, l.lanes, l.s, &self.permutation[i * l.s..(i + 1) * l.s], det);
+        let all = self.intervals() * l.s;
+        for i in (0..all).step_by(l.s) {
+            dense::accumulate_determinant(&self.reciprocal[i..i + l.s], &self.exchange[i..i + l.s], det);
         }
     }
 }

@@ -1,21 +1,24 @@
 //! Row operations on small dense matrices, eight columns at a time.
 //!
-//! Every block of the collocation system is eliminated by the one kernel here. Rows are slices of [`Lane`]s, so the
-//! inner loops have a fixed trip count and compile to vector code; the kernels are compiled for several instruction
-//! sets and chosen at run time. No fused multiply–add is used and nothing is reordered, so the choice never changes a
-//! bit of the result.
+//! Every block of the collocation system is eliminated by the one kernel here. Rows are arrays of [`Lane`]s of a width
+//! fixed at compile time, and factors are kept by columns, so that factorising and solving are both sums of scaled
+//! vectors without branches or reductions. The kernels are compiled for several instruction sets and chosen at run time.
+//! No fused multiply–add is used and nothing is reordered, so the choice never changes a bit of the result.
 
 use multiversion::multiversion;
 
-/// Eight neighbouring columns of one row.
+/// Eight neighbouring columns of one row, or rows of one column.
 pub type Lane = [f64; 8];
 
-/// Columns per lane.
+/// Entries per lane.
 pub const LANE: usize = 8;
 
-/// Number of lanes that hold `columns` columns.
-pub const fn lanes_for(columns: usize) -> usize {
-    columns.div_ceil(LANE)
+/// Most lanes in a row of a block.
+pub const MAX_LANES: usize = 16;
+
+/// Number of lanes that hold `entries` entries.
+pub const fn lanes_for(entries: usize) -> usize {
+    entries.div_ceil(LANE)
 }
 
 /// Sign and logarithm of a determinant, as a running product of pivots.
@@ -42,24 +45,55 @@ pub struct PivotFailure {
     pub non_finite: bool,
 }
 
-/// Gaussian elimination of the first `columns` columns of the row-major `matrix`, choosing pivots among the first
-/// `candidates` rows and eliminating from every row below the pivot (rows past `candidates` are never pivots: borders).
-/// Multipliers stay in place of the eliminated entries. `permutation[k]` is the row swapped with row k.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
-pub fn eliminate(
-    matrix: &mut [Lane],
-    lanes: usize,
+/// Where [`eliminate`] leaves the factors of one block, as slices of larger stores.
+pub struct Factors<'a> {
+    /// Multipliers by columns: `columns` × lanes_for(rows), zero at and above the pivot.
+    pub lower: &'a mut [Lane],
+    /// Entries above the diagonal by columns: `columns` × lanes_for(columns), zero at and below the pivot.
+    pub upper: &'a mut [Lane],
+    /// Reciprocal pivots; `columns`.
+    pub reciprocal: &'a mut [f64],
+    /// Row exchanged with row k; `columns`.
+    pub exchange: &'a mut [u8],
+}
+
+/// [`Factors`] for reading.
+#[derive(Clone, Copy)]
+pub struct FactorsRef<'a> {
+    /// See [`Factors::lower`].
+    pub lower: &'a [Lane],
+    /// See [`Factors::upper`].
+    pub upper: &'a [Lane],
+    /// See [`Factors::reciprocal`].
+    pub reciprocal: &'a [f64],
+    /// See [`Factors::exchange`].
+    pub exchange: &'a [u8],
+}
+
+#[inline(always)]
+fn subtract_scaled(target: &mut [Lane], factor: f64, source: &[Lane]) {
+    for (x, y) in target.iter_mut().zip(source) {
+        for t in 0..LANE {
+            x[t] -= factor * y[t];
+        }
+    }
+}
+
+#[inline(always)]
+fn eliminate_rows<const L: usize>(
+    rows: &mut [[Lane; L]],
     columns: usize,
     candidates: usize,
-    permutation: &mut [u8],
+    factors: &mut Factors<'_>,
 ) -> Result<(), PivotFailure> {
-    let rows = matrix.len() / lanes;
+    let height = lanes_for(rows.len());
+    let width = lanes_for(columns);
     for k in 0..columns {
         let (lane, offset) = (k / LANE, k % LANE);
         let mut best = k;
-        let mut size = matrix[k * lanes + lane][offset].abs();
-        for i in k + 1..candidates {
-            let candidate = matrix[i * lanes + lane][offset].abs();
+        let mut size = rows[k][lane][offset].abs();
+        for (i, row) in rows.iter().enumerate().take(candidates).skip(k + 1) {
+            let candidate = row[lane][offset].abs();
             if candidate > size {
                 size = candidate;
                 best = i;
@@ -68,108 +102,187 @@ pub fn eliminate(
         if !(size > 0.0 && size < f64::INFINITY) {
             return Err(PivotFailure { column: k, non_finite: size.is_nan() || size > 0.0 });
         }
-        permutation[k] = best as u8;
-        if best != k {
-            let (upper, lower) = matrix.split_at_mut(best * lanes);
-            upper[k * lanes..(k + 1) * lanes].swap_with_slice(&mut lower[..lanes]);
+        factors.exchange[k] = best as u8;
+        rows.swap(k, best);
+        let pivot = rows[k];
+        let reciprocal = 1.0 / pivot[lane][offset];
+        factors.reciprocal[k] = reciprocal;
+        let upper = &mut factors.upper[k * width..(k + 1) * width];
+        upper.fill([0.0; LANE]);
+        for (i, row) in rows.iter().enumerate().take(k) {
+            upper[i / LANE][i % LANE] = row[lane][offset];
         }
-        let (upper, lower) = matrix.split_at_mut((k + 1) * lanes);
-        let pivot_row = &upper[k * lanes..];
-        let reciprocal = 1.0 / pivot_row[lane][offset];
-        for row in lower.chunks_exact_mut(lanes).take(rows - k - 1) {
+        let lower = &mut factors.lower[k * height..(k + 1) * height];
+        lower.fill([0.0; LANE]);
+        for (i, row) in rows.iter_mut().enumerate().skip(k + 1) {
             let factor = row[lane][offset] * reciprocal;
-            if factor != 0.0 {
-                // Only the columns right of the pivot may change: the ones left of it hold multipliers.
-                for t in offset + 1..LANE {
-                    row[lane][t] -= factor * pivot_row[lane][t];
-                }
-                for (x, p) in row[lane + 1..].iter_mut().zip(&pivot_row[lane + 1..]) {
-                    for t in 0..LANE {
-                        x[t] -= factor * p[t];
-                    }
+            lower[i / LANE][i % LANE] = factor;
+            for l in 0..L {
+                for t in 0..LANE {
+                    row[l][t] -= factor * pivot[l][t];
                 }
             }
-            row[lane][offset] = factor;
         }
     }
     Ok(())
 }
 
-/// Back substitution on the columns at and right of `first_lane` for the upper triangle in the first `n` columns left by
-/// [`eliminate`]: afterwards those columns hold the solution.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
-pub fn back_substitute(matrix: &mut [Lane], lanes: usize, n: usize, first_lane: usize) {
+#[inline(always)]
+fn back_substitute_rows<const L: usize>(rows: &mut [[Lane; L]], n: usize, upper: &[Lane], reciprocal: &[f64]) {
+    let width = lanes_for(n);
     for k in (0..n).rev() {
-        let (upper, lower) = matrix.split_at_mut(k * lanes);
-        let row = &mut lower[..lanes];
-        let reciprocal = 1.0 / row[k / LANE][k % LANE];
-        for x in row[first_lane..].iter_mut() {
+        for l in 0..L {
             for t in 0..LANE {
-                x[t] *= reciprocal;
+                rows[k][l][t] *= reciprocal[k];
             }
         }
-        for above in upper.chunks_exact_mut(lanes) {
-            let factor = above[k / LANE][k % LANE];
-            if factor != 0.0 {
-                for (x, p) in above[first_lane..].iter_mut().zip(&row[first_lane..]) {
-                    for t in 0..LANE {
-                        x[t] -= factor * p[t];
-                    }
+        let solved = rows[k];
+        let column = upper[k * width..(k + 1) * width].as_flattened();
+        for (row, &factor) in rows.iter_mut().zip(&column[..k]) {
+            for l in 0..L {
+                for t in 0..LANE {
+                    row[l][t] -= factor * solved[l][t];
                 }
             }
         }
     }
 }
 
-/// Solves with the factors left by [`eliminate`] (square, n × n) for one right-hand side in place.
-pub fn solve_vector(matrix: &[Lane], lanes: usize, n: usize, permutation: &[u8], x: &mut [f64]) {
-    forward_vector(matrix, lanes, n, n, permutation, x);
-    for k in (0..n).rev() {
-        let row = matrix[k * lanes..(k + 1) * lanes].as_flattened();
-        let mut sum = x[k];
-        for j in k + 1..n {
-            sum -= row[j] * x[j];
+/// Calls `$body` with `$rows` as arrays of the given number of lanes, known at compile time.
+macro_rules! with_width {
+    ($matrix:expr, $lanes:expr, $rows:ident => $body:expr, [$($l:literal)*]) => {
+        match $lanes {
+            $($l => { let ($rows, _) = $matrix.as_chunks_mut::<$l>(); $body })*
+            other => panic!("blocks of {other} lanes are wider than the kernels are built for"),
         }
-        x[k] = sum / row[k];
+    };
+}
+
+/// Gaussian elimination of the first `columns` columns of the row-major `matrix` (`lanes` lanes a row), choosing pivots
+/// among the first `candidates` rows and eliminating from every row below the pivot (rows past `candidates` are never
+/// pivots: borders). Afterwards row k < columns holds the pivot row right of column k; everything else of interest is in
+/// `factors`.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+pub fn eliminate(
+    matrix: &mut [Lane],
+    lanes: usize,
+    columns: usize,
+    candidates: usize,
+    factors: &mut Factors<'_>,
+) -> Result<(), PivotFailure> {
+    with_width!(matrix, lanes, rows => eliminate_rows(rows, columns, candidates, factors),
+        [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])
+}
+
+/// Back substitution with the factors left by [`eliminate`] on the columns of the first n rows: afterwards they hold the
+/// solution for every column taken as a right-hand side.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+pub fn back_substitute(matrix: &mut [Lane], lanes: usize, n: usize, upper: &[Lane], reciprocal: &[f64]) {
+    with_width!(matrix, lanes, rows => back_substitute_rows(&mut rows[..n], n, upper, reciprocal),
+        [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])
+}
+
+/// Forward elimination of one right-hand side of `rows` entries (padded to whole lanes).
+#[inline(always)]
+pub fn forward_vector(factors: FactorsRef<'_>, columns: usize, rows: usize, x: &mut [Lane]) {
+    let height = lanes_for(rows);
+    for k in 0..columns {
+        let flat = x.as_flattened_mut();
+        flat.swap(k, factors.exchange[k] as usize);
+        let value = flat[k];
+        subtract_scaled(&mut x[..height], value, &factors.lower[k * height..(k + 1) * height]);
     }
 }
 
-/// Applies the row exchanges and multipliers of [`eliminate`] to one right-hand side of `rows` entries.
-pub fn forward_vector(matrix: &[Lane], lanes: usize, columns: usize, rows: usize, permutation: &[u8], x: &mut [f64]) {
-    // Row exchanges during elimination moved the multipliers along with their rows, so all exchanges come first.
-    for k in 0..columns {
-        x.swap(k, permutation[k] as usize);
+/// Back substitution of one right-hand side of n entries (padded to whole lanes).
+#[inline(always)]
+pub fn back_vector(factors: FactorsRef<'_>, n: usize, x: &mut [Lane]) {
+    let width = lanes_for(n);
+    for k in (0..n).rev() {
+        let value = x[k / LANE][k % LANE] * factors.reciprocal[k];
+        x[k / LANE][k % LANE] = value;
+        subtract_scaled(&mut x[..width], value, &factors.upper[k * width..(k + 1) * width]);
     }
-    for i in 1..rows {
-        let row = matrix[i * lanes..(i + 1) * lanes].as_flattened();
-        let mut sum = x[i];
-        for j in 0..columns.min(i) {
-            sum -= row[j] * x[j];
-        }
-        x[i] = sum;
-    }
+}
+
+/// Solves with the factors of a square n × n block for one right-hand side in place (padded to whole lanes).
+#[inline(always)]
+pub fn solve_vector(factors: FactorsRef<'_>, n: usize, x: &mut [Lane]) {
+    forward_vector(factors, n, n, x);
+    back_vector(factors, n, x);
 }
 
 /// Multiplies the pivots of a factorised block into a determinant.
-pub fn accumulate_determinant(
-    matrix: &[Lane],
-    lanes: usize,
-    columns: usize,
-    permutation: &[u8],
-    det: &mut Determinant,
-) {
-    for k in 0..columns {
-        let pivot = matrix[k * lanes + k / LANE][k % LANE];
-        det.log_abs += pivot.abs().ln();
-        if (pivot < 0.0) != (permutation[k] as usize != k) {
+pub fn accumulate_determinant(reciprocal: &[f64], exchange: &[u8], det: &mut Determinant) {
+    for (k, (r, e)) in reciprocal.iter().zip(exchange).enumerate() {
+        det.log_abs -= r.abs().ln();
+        if (*r < 0.0) != (*e as usize != k) {
             det.sign = -det.sign;
         }
     }
 }
 
+/// Largest |d| / (1 + |v|), NaN if any d is not a number.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+pub fn weighted_maximum(d: &[f64], v: &[f64]) -> f64 {
+    let (mut largest, mut poison) = ([0.0; LANE], [0.0; LANE]);
+    let (d_lanes, d_rest) = d.as_chunks::<LANE>();
+    let (v_lanes, v_rest) = v.as_chunks::<LANE>();
+    for (d, v) in d_lanes.iter().zip(v_lanes) {
+        for t in 0..LANE {
+            let e = d[t].abs() / (1.0 + v[t].abs());
+            largest[t] = if e > largest[t] { e } else { largest[t] };
+            poison[t] += e * 0.0;
+        }
+    }
+    for (d, v) in d_rest.iter().zip(v_rest) {
+        let e = d.abs() / (1.0 + v.abs());
+        largest[0] = if e > largest[0] { e } else { largest[0] };
+        poison[0] += e * 0.0;
+    }
+    if poison.iter().any(|p| p.is_nan()) { f64::NAN } else { largest.into_iter().fold(0.0, f64::max) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    struct Store {
+        lower: Vec<Lane>,
+        upper: Vec<Lane>,
+        reciprocal: Vec<f64>,
+        exchange: Vec<u8>,
+    }
+
+    impl Store {
+        fn new(n: usize) -> Store {
+            let size = n * lanes_for(n);
+            Store {
+                lower: vec![[0.0; LANE]; size],
+                upper: vec![[0.0; LANE]; size],
+                reciprocal: vec![0.0; n],
+                exchange: vec![0; n],
+            }
+        }
+
+        fn factors(&mut self) -> Factors<'_> {
+            Factors {
+                lower: &mut self.lower,
+                upper: &mut self.upper,
+                reciprocal: &mut self.reciprocal,
+                exchange: &mut self.exchange,
+            }
+        }
+
+        fn read(&self) -> FactorsRef<'_> {
+            FactorsRef {
+                lower: &self.lower,
+                upper: &self.upper,
+                reciprocal: &self.reciprocal,
+                exchange: &self.exchange,
+            }
+        }
+    }
 
     #[test]
     fn solves_a_system_and_knows_its_determinant() {
@@ -177,30 +290,43 @@ mod tests {
         let a = [[0.0, 2.0, 1.0], [1.0, 1.0, 0.0], [4.0, 0.0, 3.0]];
         let x = [1.5, -2.0, 0.25];
         let mut rows = vec![[0.0; 8]; 6];
+        let mut rhs = [[0.0; LANE]];
         for i in 0..3 {
             rows[2 * i][..3].copy_from_slice(&a[i]);
             rows[2 * i + 1][0] = (0..3).map(|j| a[i][j] * x[j]).sum();
+            rhs[0][i] = rows[2 * i + 1][0];
         }
-        let rhs: Vec<f64> = (0..3).map(|i| rows[2 * i + 1][0]).collect();
-        let mut permutation = [0; 3];
-        eliminate(&mut rows, 2, 3, 3, &mut permutation).unwrap();
+        let mut store = Store::new(3);
+        eliminate(&mut rows, 2, 3, 3, &mut store.factors()).unwrap();
         let mut det = Determinant::default();
-        accumulate_determinant(&rows, 2, 3, &permutation, &mut det);
+        accumulate_determinant(&store.reciprocal, &store.exchange, &mut det);
         assert!((det.sign * det.log_abs.exp() + 10.0).abs() < 1e-12);
-        let mut y = rhs;
-        solve_vector(&rows, 2, 3, &permutation, &mut y);
-        back_substitute(&mut rows, 2, 3, 1);
+        solve_vector(store.read(), 3, &mut rhs);
+        back_substitute(&mut rows, 2, 3, &store.upper, &store.reciprocal);
         for i in 0..3 {
             assert!((rows[2 * i + 1][0] - x[i]).abs() < 1e-14);
-            assert!((y[i] - x[i]).abs() < 1e-14);
+            assert!((rhs[0][i] - x[i]).abs() < 1e-14);
         }
     }
 
     #[test]
     fn reports_a_zero_and_a_nan_pivot() {
         let mut zero = vec![[0.0; 8]; 2];
-        assert_eq!(eliminate(&mut zero, 1, 2, 2, &mut [0; 2]), Err(PivotFailure { column: 0, non_finite: false }));
+        let failure = |m: &mut Vec<Lane>| eliminate(m, 1, 2, 2, &mut Store::new(2).factors()).unwrap_err();
+        assert_eq!(failure(&mut zero), PivotFailure { column: 0, non_finite: false });
         let mut nan = vec![[f64::NAN; 8]; 2];
-        assert_eq!(eliminate(&mut nan, 1, 2, 2, &mut [0; 2]), Err(PivotFailure { column: 0, non_finite: true }));
+        assert_eq!(failure(&mut nan), PivotFailure { column: 0, non_finite: true });
+    }
+
+    #[test]
+    fn a_nan_is_not_lost_in_the_maximum() {
+        let mut d = vec![0.5; 19];
+        let v = vec![1.0; 19];
+        assert_eq!(weighted_maximum(&d, &v), 0.25);
+        d[17] = f64::NAN;
+        assert!(weighted_maximum(&d, &v).is_nan());
+        d[17] = 0.0;
+        d[3] = f64::NAN;
+        assert!(weighted_maximum(&d, &v).is_nan());
     }
 }

@@ -47,13 +47,7 @@ pub struct Update {
 impl Update {
     /// Largest entry of |δ| / (1 + |value|).
     pub fn norm(&self, about: &Solution) -> f64 {
-        let part = |d: &[f64], v: &[f64]| {
-            // A NaN must not be lost in the maximum.
-            d.iter().zip(v).fold(0.0, |acc: f64, (d, v)| {
-                let e = d.abs() / (1.0 + v.abs());
-                if e > acc || e.is_nan() { e } else { acc }
-            })
-        };
+        let part = super::dense::weighted_maximum;
         let norms =
             [part(&self.nodes, &about.nodes), part(&self.stages, &about.stages), part(&self.scalars, &about.scalars)];
         if norms.iter().any(|n| n.is_nan()) { f64::NAN } else { norms.into_iter().fold(0.0, f64::max) }
