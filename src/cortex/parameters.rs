@@ -108,7 +108,7 @@ impl Default for Numerics {
             intervals: 48,
             time_tolerance: 1e-4,
             step_factor: 1.0,
-            t_max: 2000.0,
+            t_max: 10_000.0,
             chi_symmetric: 5e-3,
         }
     }

@@ -6,7 +6,9 @@ use super::outcome::{Division, DivisionError, Outcome};
 use super::stepper::{MAX_ORDER, Stepper, parity_norm};
 use crate::cortex::equations::{COMPONENTS, PSI, R, Z, noise_factor};
 use crate::cortex::{Cortex, Cue, Domain, shape};
-use crate::numerics::Solution;
+use crate::numerics::newton::{Newton, NewtonScratch};
+use crate::numerics::{Solution, System};
+use crate::steady::Stability;
 
 /// Length of the first two steps, in τ; the noise lasts for the first.
 pub const FIRST_STEP: f64 = 1e-3;
@@ -18,6 +20,13 @@ const NECK_STEP: f64 = 0.4;
 const CLOSING: f64 = 0.5;
 /// Local error of the odd part relative to its size, in units of the time tolerance.
 const ODD_TOLERANCE: f64 = 50.0;
+
+/// A shape slower than this, relative to R0 and in 1/τ, may be at rest.
+const REST_SPEED: f64 = 1e-2;
+/// Largest L² distance to a stationary state, relative to R0, at which its stability decides.
+const REST_DISTANCE: f64 = 2e-3;
+/// Time between two looks for a stationary state, in τ.
+const REST_INTERVAL: f64 = 0.5;
 
 /// What an observer of a division sees after every accepted step.
 #[derive(Clone, Copy, Debug)]
@@ -104,7 +113,7 @@ pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)
         {
             return Ok(run.divided(&stepper, neck, numerics.chi_symmetric, r0));
         }
-        if let Some(growth_rate) = run.at_rest(&mut stepper) {
+        if let Some(growth_rate) = run.at_rest(&stepper) {
             return Ok(run.failed(&stepper, growth_rate));
         }
         if stepper.levels[0].t > numerics.t_max {
@@ -213,9 +222,34 @@ impl Run {
     }
 
     /// Whether the shape has come to rest in a stable stationary state; its growth rate if so.
-    fn at_rest(&mut self, stepper: &mut Stepper) -> Option<f64> {
-        let _ = (stepper, &mut self.next_rest_check);
-        None
+    ///
+    /// A slow shape is only a hint: near a saddle it is slow too. The stationary state next to it is solved for and its
+    /// leading growth rate decides.
+    fn at_rest(&mut self, stepper: &Stepper) -> Option<f64> {
+        let (t, speed) = (stepper.levels[0].t, stepper.speed());
+        if speed > REST_SPEED || t < self.next_rest_check {
+            return None;
+        }
+        self.next_rest_check = t + REST_INTERVAL;
+        let here = &stepper.levels[0].y;
+        let mut cortex =
+            Cortex::new(&stepper.cortex.physics, stepper.cortex.r0, &stepper.cortex.cue, Domain::Full, &[]);
+        let mut y = here.clone();
+        let mut system = System::new(Cortex::dimensions_for(Domain::Full, 0), y.m);
+        Newton::default().solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false).ok()?;
+        let distance = parity_norm(&system.gauss, &y.mesh, |i| {
+            let at = |s: &Solution, c: usize| s.stages[i * COMPONENTS + c];
+            [at(&y, R) - at(here, R), at(&y, Z) - at(here, Z)]
+        });
+        if distance.even.hypot(distance.odd) > REST_DISTANCE * cortex.r0 {
+            return None;
+        }
+        let growth = Stability::new(y.m).leading(&cortex, &y).ok()?.growth_rate();
+        if growth > 0.0 {
+            // A saddle: what grows needs several times 1/σ to leave it.
+            self.next_rest_check = t + (5.0 / growth).max(REST_INTERVAL);
+        }
+        (growth < 0.0).then_some(growth)
     }
 
     fn division(&self, stepper: &Stepper, outcome: Outcome) -> Division {
