@@ -20,7 +20,11 @@ enum Action {
     /// Counts what is stored
     Stat,
     /// Checks every entry and lists the damaged ones (exit code 1 if there are any)
-    Verify,
+    Verify {
+        /// Gives up the damaged entries, so that they are not reported again (exit code 0 then)
+        #[arg(long)]
+        repair: bool,
+    },
     /// Removes all stored divisions, of every version
     Clear,
 }
@@ -30,7 +34,8 @@ pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
     let folder = cache_folder(globals)?;
     let solver = SolverVersion::current();
     let report = match args.action {
-        Action::Stat | Action::Verify => upkeep::verify(&folder, solver)?,
+        Action::Verify { repair: true } => upkeep::repair(&folder, solver)?,
+        Action::Stat | Action::Verify { repair: false } => upkeep::verify(&folder, solver)?,
         Action::Clear => upkeep::clear(&folder, solver)?,
     };
     if globals.json {
@@ -45,7 +50,7 @@ pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
             report.bytes,
             report.corrupt
         );
-        if matches!(args.action, Action::Verify) {
+        if matches!(args.action, Action::Verify { .. }) {
             for damaged in &report.damaged {
                 let _ = writeln!(text, "corrupt: {} at byte {}", damaged.file.display(), damaged.offset);
             }
@@ -53,7 +58,9 @@ pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
         answer(&text)?;
     }
     match args.action {
-        Action::Verify if report.corrupt > 0 => Err(CliError::CorruptCache { corrupt: report.corrupt }),
+        Action::Verify { repair: false } if report.corrupt > 0 => {
+            Err(CliError::CorruptCache { corrupt: report.corrupt })
+        }
         _ => Ok(()),
     }
 }

@@ -11,7 +11,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::record::{self, SLOT};
+use super::record::{self, Content, SLOT};
 use crate::{division::Division, lineage::key::Key};
 
 /// How long a lock that others hold is waited for. They hold it for microseconds unless they are stopped.
@@ -103,6 +103,25 @@ impl Log {
         })
     }
 
+    /// Gives up the damaged slots of the whole file: each becomes a void one, a partial one at the end is cut off. A kill
+    /// between leaves some for the next time. Returns how many there were.
+    pub fn repair(&mut self) -> io::Result<usize> {
+        self.locked(Mode::Exclusive, |log| {
+            log.read = 0;
+            let damaged = log.read_new()?.damaged;
+            for &place in &damaged {
+                let start = place * SLOT as u64;
+                if place < log.read {
+                    log.file.seek(SeekFrom::Start(start))?;
+                    log.file.write_all(&record::void())?;
+                } else {
+                    log.file.set_len(start)?;
+                }
+            }
+            Ok(damaged.len())
+        })
+    }
+
     fn slots_in_file(&self) -> io::Result<SlotCount> {
         let bytes = self.bytes()?;
         let whole = bytes / SLOT as u64;
@@ -122,9 +141,10 @@ impl Log {
         let mut slot = [0; SLOT];
         for place in self.read..whole {
             reader.read_exact(&mut slot)?;
-            match record::decode(&slot) {
-                Some(record) => slots.records.push(record),
-                None => slots.damaged.push(place),
+            match record::read(&slot) {
+                Content::Record(key, division) => slots.records.push((key, division)),
+                Content::Void => {}
+                Content::Damaged => slots.damaged.push(place),
             }
         }
         self.read = whole;

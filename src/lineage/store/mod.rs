@@ -126,9 +126,10 @@ impl Store {
             store.refresh(&mut inner).map_err(io_error)?;
             let damaged = inner.damaged.len();
             if damaged > 0 {
+                let (entries, they) = if damaged == 1 { ("entry", "it is") } else { ("entries", "they are") };
                 inner.warnings.push(format!(
-                    "{damaged} damaged {} in {} ignored; what they held is solved again",
-                    if damaged == 1 { "entry" } else { "entries" },
+                    "{damaged} damaged {entries} in {} ignored, and solved again when needed; {they} given up for good by \
+                     `furrow cache verify --repair`",
                     path.display()
                 ));
             }

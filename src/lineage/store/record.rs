@@ -19,6 +19,7 @@ pub const SLOT: usize = 256;
 pub const LAYOUT: u32 = 1;
 
 const MAGIC: [u8; 8] = *b"furrow\x00\x01";
+const VOID: [u8; 8] = *b"furrow\x00\x00";
 const KEY: usize = 8;
 const OUTCOME: usize = 40;
 const FLAGS: usize = 41;
@@ -75,8 +76,36 @@ pub fn encode(key: &Key, division: &Division) -> [u8; SLOT] {
     slot
 }
 
-/// Reads a slot; `None` if it is not a whole and unharmed record.
-pub fn decode(slot: &[u8; SLOT]) -> Option<(Key, Division)> {
+/// What takes the place of a damaged record once it has been given up.
+pub fn void() -> [u8; SLOT] {
+    let mut slot = [0; SLOT];
+    slot[..KEY].copy_from_slice(&VOID);
+    let checksum = checksum(&slot);
+    slot[CHECKSUM..].copy_from_slice(&checksum);
+    slot
+}
+
+/// What a slot turned out to hold.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Content {
+    /// A whole record.
+    Record(Key, Division),
+    /// Nothing, on purpose.
+    Void,
+    /// Anything else.
+    Damaged,
+}
+
+/// Reads a slot.
+pub fn read(slot: &[u8; SLOT]) -> Content {
+    if slot[..KEY] == VOID && *slot == void() {
+        return Content::Void;
+    }
+    decode(slot).map_or(Content::Damaged, |(key, division)| Content::Record(key, division))
+}
+
+/// Reads a record; `None` if it is not a whole and unharmed one.
+fn decode(slot: &[u8; SLOT]) -> Option<(Key, Division)> {
     if slot[CHECKSUM..] != checksum(slot) || slot[..KEY] != MAGIC {
         return None;
     }
@@ -187,5 +216,11 @@ mod tests {
     fn empty_slots_are_no_records() {
         assert!(decode(&[0; SLOT]).is_none());
         assert!(decode(&[0xff; SLOT]).is_none());
+        assert_eq!(read(&void()), Content::Void);
+        for bit in 0..8 * SLOT {
+            let mut slot = void();
+            slot[bit / 8] ^= 1 << (bit % 8);
+            assert_eq!(read(&slot), Content::Damaged);
+        }
     }
 }

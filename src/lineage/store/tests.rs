@@ -79,6 +79,12 @@ fn a_cut_file_loses_what_was_cut_off_and_is_written_on() {
 
         let report = upkeep::verify(cache.path(), SOLVER).unwrap();
         assert_eq!((report.entries, report.corrupt), (whole, torn), "cut by {cut}");
+        if cut == 100 {
+            upkeep::repair(cache.path(), SOLVER).unwrap();
+            let report = upkeep::verify(cache.path(), SOLVER).unwrap();
+            assert_eq!((report.entries, report.corrupt, report.bytes), (whole, 0, (whole * SLOT) as u64));
+            continue;
+        }
         let store = store(&cache);
         assert_eq!((store.len(), store.damaged()), (whole, torn));
         assert_eq!(store.take_warnings().len(), torn);
@@ -105,12 +111,21 @@ fn a_flipped_bit_costs_its_own_entry_and_no_other() {
         let store = store(&cache);
         assert_eq!(store.damaged(), 1);
         let warning = store.take_warnings().concat();
-        assert!(warning.starts_with("1 damaged entry in ") && warning.contains("solved again"), "{warning}");
+        assert!(
+            warning.starts_with("1 damaged entry in ") && warning.contains("solved again when needed"),
+            "{warning}"
+        );
         let lost = key(place as u8);
         assert_eq!(store.get(&lost), None);
         assert_holds(&store, (0..5).filter(|&number| usize::from(number) != place));
         assert!(matches!(store.claim(&lost), Claimed::Yours(Some(_))));
         store.commit(&lost, &division(place as u8));
+        assert_holds(&self::store(&cache), 0..5);
+
+        // Reported until repaired, and then no more.
+        assert_eq!(upkeep::repair(cache.path(), SOLVER).unwrap().corrupt, 1);
+        let report = upkeep::verify(cache.path(), SOLVER).unwrap();
+        assert_eq!((report.entries, report.corrupt, report.duplicates), (5, 0, 0));
         assert_holds(&self::store(&cache), 0..5);
     }
 }

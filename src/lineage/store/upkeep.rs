@@ -1,7 +1,7 @@
 //! Looking after a cache folder: what is in it, whether it is whole, and emptying it.
 
 use std::{
-    collections::HashSet,
+    collections::{BTreeSet, HashSet},
     fs, io,
     path::{Path, PathBuf},
 };
@@ -80,6 +80,23 @@ pub fn verify(cache: &Path, solver: SolverVersion) -> Result<CacheReport, StoreE
         report.damaged.extend(places.map(|place| DamagedEntry { file: path.clone(), offset: place * SLOT as u64 }));
     }
     report.corrupt = report.damaged.len();
+    Ok(report)
+}
+
+/// Gives up the damaged entries of a cache folder, so that they are not reported again, and says what was found. Whole
+/// entries are not touched.
+///
+/// # Errors
+/// [`StoreError`] if a file cannot be read or written.
+pub fn repair(cache: &Path, solver: SolverVersion) -> Result<CacheReport, StoreError> {
+    let report = verify(cache, solver)?;
+    let files: BTreeSet<&PathBuf> = report.damaged.iter().map(|entry| &entry.file).collect();
+    for path in files {
+        let io_error = |source| StoreError::Io { path: path.clone(), source };
+        if let Some(mut log) = Log::open(path).map_err(io_error)? {
+            log.repair().map_err(io_error)?;
+        }
+    }
     Ok(report)
 }
 
