@@ -73,7 +73,10 @@ fn configuration_file_complaints() {
     }
     let file = write(folder.path(), "c.ron", "Config(physics: (radius: 2))");
     let complaint = refusal(&["tree", "--config", &file]);
-    assert!(complaint.contains("c.ron:1:24: Unexpected field named `radius`"), "{complaint}");
+    assert!(
+        complaint.contains("c.ron:1:18: Unexpected field named `radius` in `Physics`, expected one of `kappa`"),
+        "{complaint}"
+    );
 }
 
 #[test]

@@ -30,12 +30,12 @@ struct Field {
 
 /// One table of all fields: the overrides that a RON file may hold, `--set`, and the checks come from it.
 macro_rules! fields {
-    ($($section:ident $overrides:ident {
+    ($($section:ident $overrides:ident $shown:literal {
         $($name:ident $([$($alias:literal),*])? : $kind:ty, $allowed:literal, |$v:ident| $ok:expr;)*
     })*) => {
         $(
             #[derive(Deserialize, Default)]
-            #[serde(default, deny_unknown_fields)]
+            #[serde(default, deny_unknown_fields, rename = $shown)]
             struct $overrides {
                 $($(#[serde($(alias = $alias),*)])? $name: Option<$kind>,)*
                 #[serde(skip)]
@@ -69,7 +69,7 @@ macro_rules! fields {
 }
 
 fields! {
-    physics PhysicsOverrides {
+    physics PhysicsOverrides "Physics" {
         kappa: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
         eta_b: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
         eta_s: f64, "a finite number, 0 or above", |v| v.is_finite() && v >= 0.0;
@@ -85,7 +85,7 @@ fields! {
         epsilon ["eps"]: f64, "above 0 and below 1", |v| v > 0.0 && v < 1.0;
         rigidity_gradient: RigidityGradient, "full or dropped", |_v| true;
     }
-    numerics NumericsOverrides {
+    numerics NumericsOverrides "Numerics" {
         stages: usize, "a whole number from 1 to 5", |v| (1..=5).contains(&v);
         intervals: usize, "an even whole number from 8 to 4096", |v| v.is_multiple_of(2) && (8..=4096).contains(&v);
         time_tolerance: f64, "above 0 and below 1", |v| v > 0.0 && v < 1.0;
