@@ -5,7 +5,7 @@ use super::gauss::{Gauss, MAX_STAGES};
 /// A piecewise polynomial of degree m on a mesh, with the scalar unknowns that belong to it.
 ///
 /// On interval i the polynomial takes the values `node(i)` at the left node and `stage(i, j)` at the Gauss points.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Solution {
     /// Components n.
     pub components: usize,

@@ -33,8 +33,8 @@ pub struct Residual {
     pub border: Vec<f64>,
 }
 
-/// An update δ of a solution.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// An update δ of a solution, or a direction along a curve of solutions.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Update {
     /// Node values; (N + 1) × n.
     pub nodes: Vec<f64>,
@@ -51,6 +51,24 @@ impl Update {
         let norms =
             [part(&self.nodes, &about.nodes), part(&self.stages, &about.stages), part(&self.scalars, &about.scalars)];
         if norms.iter().any(|n| n.is_nan()) { f64::NAN } else { norms.into_iter().fold(0.0, f64::max) }
+    }
+
+    /// Multiplies by a factor.
+    pub fn scale(&mut self, factor: f64) {
+        for v in self.nodes.iter_mut().chain(&mut self.stages).chain(&mut self.scalars) {
+            *v *= factor;
+        }
+    }
+
+    /// Adds λ times another update of the same shape.
+    pub fn add(&mut self, lambda: f64, other: &Update) {
+        for (v, d) in
+            [(&mut self.nodes, &other.nodes), (&mut self.stages, &other.stages), (&mut self.scalars, &other.scalars)]
+        {
+            for (v, d) in v.iter_mut().zip(d) {
+                *v += lambda * d;
+            }
+        }
     }
 
     /// Adds λδ to a solution.

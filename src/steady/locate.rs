@@ -1,0 +1,72 @@
+//! From a bracket on a branch to the singular point inside it.
+
+use super::continuation::Continuation;
+use super::directional::Directional;
+use super::path;
+use super::singular::{Extended, ExtendedReport, SingularError, Singularity};
+use crate::numerics::{LinearCondition, Solution};
+
+/// A singular point found, with the factors at it.
+#[derive(Clone, Debug)]
+pub struct Located<P, S> {
+    /// Factors and directions at the point.
+    pub extended: Extended<P, S>,
+    /// The point.
+    pub solution: Solution,
+    /// Its arclength along the branch, interpolated.
+    pub arclength: f64,
+    /// How Newton converged.
+    pub report: ExtendedReport,
+}
+
+/// Finds the zero of `singularity` between the last two points of a branch, where its sign changes from `signs[0]` to
+/// `signs[1]`. Newton starts from points of the branch inside the bracket, which is halved until Newton stays inside.
+/// As the sign at the point before may come from the factors of a prediction, a zero just before that point counts too.
+///
+/// # Errors
+/// What Newton said last, if it stays inside from none of them.
+pub fn between_last_points<P: Directional + Clone, S: Singularity<P>>(
+    branch: &mut Continuation<P>,
+    singularity: S,
+    signs: [f64; 2],
+) -> Result<Located<P, S>, SingularError> {
+    const HALVINGS: usize = 24;
+    let state = &branch.state;
+    let mut extended =
+        Extended::new(branch.problem.clone(), singularity, state.solution.m, branch.metric.clone(), &state.tangent);
+    let Some((before, earlier)) = state.history.before_newest() else {
+        return Err(SingularError::Stalled { iterations: 0, correction: f64::NAN });
+    };
+    // Position across the bracket: 0 at the point before, 1 at the newest.
+    let mut across = LinearCondition::default();
+    branch.metric.plane_through(earlier, &state.tangent, &mut across);
+    let span = path::evaluate(&across, &state.solution) - across.value;
+    let position = |y: &Solution| (path::evaluate(&across, y) - across.value) / span;
+    let (now, tangent) = (state.arclength, state.tangent.clone());
+    let (mut low, mut high) = (0.0, 1.0);
+    let mut last = SingularError::Stalled { iterations: 0, correction: f64::NAN };
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        let mut y = branch.state.solution.clone();
+        branch.state.history.extrapolate(before + middle * (now - before), &mut y);
+        branch.correct_across(&mut y, &tangent);
+        let start = y.clone();
+        match extended.solve(&mut y, None) {
+            Ok(report) if (if low == 0.0 { -0.5 } else { low - 0.05 }..=high + 0.05).contains(&position(&y)) => {
+                let arclength = before + position(&y) * (now - before);
+                return Ok(Located { extended, solution: y, arclength, report });
+            }
+            Ok(report) => {
+                last = SingularError::Stalled { iterations: report.iterations, correction: report.correction };
+            }
+            Err(error) => last = error,
+        }
+        extended.set_reference(&tangent);
+        if extended.sign_at(&start)? * signs[0] > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Err(last)
+}

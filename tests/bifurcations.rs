@@ -1,0 +1,268 @@
+//! Continuation, folds and pitchforks on textbook problems, which know nothing of cells.
+
+use std::f64::consts::PI;
+
+use furrow::numerics::{
+    BoundaryJacobian, BoundaryValueProblem, Dimensions, Gauss, PointJacobian, Site, Solution, mesh,
+};
+use furrow::steady::continuation::{Continuation, ContinuationSettings, Ended, State};
+use furrow::steady::directional::{Direction, Directional};
+use furrow::steady::normal_form::pitchfork_normal_form;
+use furrow::steady::path::Metric;
+use furrow::steady::singular::{Extended, Fold, MirrorSymmetric, SymmetryBreaking};
+
+/// u″ + λ w(u) = 0 with y = (u, u′): u(0) = 0 and at the right end either u = 0 or, on a mirror-symmetric half, u′ = 0.
+#[derive(Clone, Debug)]
+struct Oscillator {
+    /// w and its first three derivatives.
+    force: fn(f64) -> [f64; 4],
+    /// Component that vanishes at the right end.
+    right: usize,
+    vanishing: [usize; 1],
+    free: [usize; 1],
+}
+
+impl Oscillator {
+    fn new(force: fn(f64) -> [f64; 4], right: usize) -> Oscillator {
+        Oscillator { force, right, vanishing: [0], free: [1] }
+    }
+
+    fn zero(&self, end: f64, intervals: usize, stages: usize, lambda: f64) -> Solution {
+        Solution::from_fn(&Gauss::new(stages), &mesh::uniform(0.0, end, intervals), 2, &[lambda], |_, y| y.fill(0.0))
+    }
+}
+
+impl BoundaryValueProblem for Oscillator {
+    fn dimensions(&self) -> Dimensions {
+        Dimensions { components: 2, integrable: 0, scalars: 1, left: 1, right: 1, integrals: 0 }
+    }
+
+    fn rhs(&self, _: Site, y: &[f64], p: &[f64], f: &mut [f64], _: &mut [f64]) {
+        f[0] = y[1];
+        f[1] = -p[0] * (self.force)(y[0])[0];
+    }
+
+    fn rhs_jacobian(&self, _: Site, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
+        let w = (self.force)(y[0]);
+        out.f[0] = y[1];
+        out.f[1] = -p[0] * w[0];
+        out.fy[1] = 1.0;
+        out.fy[2] = -p[0] * w[1];
+        out.fp[1] = -w[0];
+    }
+
+    fn left(&self, y: &[f64], _: &[f64], out: &mut BoundaryJacobian<'_>) {
+        out.r[0] = y[0];
+        out.ry[0] = 1.0;
+    }
+
+    fn right(&self, y: &[f64], _: &[f64], out: &mut BoundaryJacobian<'_>) {
+        out.r[0] = y[self.right];
+        out.ry[self.right] = 1.0;
+    }
+}
+
+impl Directional for Oscillator {
+    type Second = ();
+    type Third = ();
+
+    fn prepare_second(&self, _: &[f64], _: &[f64], _: &[f64]) {}
+
+    fn second(
+        &self,
+        _: &(),
+        _: Site,
+        y: &[f64],
+        p: &[f64],
+        a: Direction<'_>,
+        b: Direction<'_>,
+        f: &mut [f64],
+        _: &mut [f64],
+    ) {
+        let w = (self.force)(y[0]);
+        f[1] = -p[0] * w[2] * a.y[0] * b.y[0] - w[1] * (a.p[0] * b.y[0] + b.p[0] * a.y[0]);
+    }
+
+    fn prepare_third(&self, _: &[f64], _: &[f64]) {}
+
+    fn third(
+        &self,
+        _: &(),
+        _: Site,
+        y: &[f64],
+        p: &[f64],
+        a: Direction<'_>,
+        f2: &mut [f64],
+        _: &mut [f64],
+        f3: &mut [f64],
+    ) {
+        let w = (self.force)(y[0]);
+        f2[1] = -p[0] * w[2] * a.y[0] * a.y[0];
+        f3[1] = -p[0] * w[3] * a.y[0] * a.y[0] * a.y[0];
+    }
+}
+
+impl MirrorSymmetric for Oscillator {
+    fn vanishing_at_mirror(&self) -> &[usize] {
+        &self.vanishing
+    }
+
+    fn free_at_mirror(&self) -> &[usize] {
+        &self.free
+    }
+}
+
+fn exponential(u: f64) -> [f64; 4] {
+    [u.exp(); 4]
+}
+
+fn linear(u: f64) -> [f64; 4] {
+    [u, 1.0, 0.0, 0.0]
+}
+
+/// u + 0.7u² − 0.3u³.
+fn cubic(u: f64) -> [f64; 4] {
+    [u + 0.7 * u * u - 0.3 * u * u * u, 1.0 + 1.4 * u - 0.9 * u * u, 1.4 - 1.8 * u, -1.8]
+}
+
+fn sine(u: f64) -> [f64; 4] {
+    [u.sin(), u.cos(), -u.sin(), -u.cos()]
+}
+
+/// Bratu's problem u″ + λeᵘ = 0, u(0) = u(1) = 0 folds at λ = 8(θ/cosh θ)² with θ tanh θ = 1.
+fn bratu_fold() -> f64 {
+    let mut theta: f64 = 1.2;
+    for _ in 0..50 {
+        let (t, c) = (theta.tanh(), theta.cosh());
+        theta -= (theta * t - 1.0) / (t + theta / (c * c));
+    }
+    8.0 * (theta / theta.cosh()).powi(2)
+}
+
+#[test]
+fn bratu_folds_where_it_must() {
+    let exact = bratu_fold();
+    assert!((exact - 3.513830719).abs() < 1e-9);
+    let problem = Oscillator::new(exponential, 0);
+    let guess = problem.zero(1.0, 24, 4, 0.0);
+    let metric = Metric::unit(2, 1);
+    let mut branch =
+        Continuation::start(problem.clone(), guess, metric.clone(), ContinuationSettings::default(), true).unwrap();
+    let mut folds = Vec::new();
+    let ended = branch
+        .follow([-1.0, 10.0], 200, |branch, advance| {
+            if advance.passed_fold {
+                let mut y = branch.state.solution.clone();
+                let mut point =
+                    Extended::new(problem.clone(), Fold::new(0), y.m, metric.clone(), &branch.state.tangent);
+                let report = point.solve(&mut y, None).unwrap();
+                assert!(report.iterations <= 8, "{report:?}");
+                folds.push(y.scalars[0]);
+            }
+            branch.state.parameter() > 1.0 || branch.state.parameter_slope() > 0.0
+        })
+        .unwrap();
+    assert_eq!(ended, Ended::Stopped);
+    assert_eq!(folds.len(), 1, "{folds:?}");
+    assert!((folds[0] - exact).abs() < 1e-10, "{} {exact}", folds[0]);
+}
+
+#[test]
+fn a_run_taken_up_from_its_stored_state_goes_on_bit_for_bit() {
+    let problem = Oscillator::new(exponential, 0);
+    let guess = problem.zero(1.0, 8, 3, 0.0);
+    let (metric, settings) = (Metric::unit(2, 1), ContinuationSettings::default());
+    let mut whole = Continuation::start(problem.clone(), guess, metric.clone(), settings.clone(), true).unwrap();
+    for _ in 0..4 {
+        whole.advance().unwrap();
+    }
+    let stored = serde_json::to_string(&whole.state).unwrap();
+    let state: State = serde_json::from_str(&stored).unwrap();
+    let mut resumed = Continuation::resume(problem, state, metric, settings);
+    for _ in 0..6 {
+        whole.advance().unwrap();
+        resumed.advance().unwrap();
+    }
+    assert_eq!(whole.state, resumed.state);
+}
+
+#[test]
+fn a_branch_is_followed_both_ways_and_ends_on_its_bound() {
+    let problem = Oscillator::new(exponential, 0);
+    for (upwards, bound) in [(true, 2.5), (false, -30.0)] {
+        let guess = problem.zero(1.0, 24, 4, 0.0);
+        let metric = Metric::unit(2, 1);
+        let mut branch =
+            Continuation::start(problem.clone(), guess, metric, ContinuationSettings::default(), upwards).unwrap();
+        let ended = branch.follow([-30.0, 2.5], 300, |_, _| true).unwrap();
+        assert_eq!(ended, Ended::ParameterBound(bound));
+        assert!((branch.state.parameter() - bound).abs() < 1e-9);
+        // u(½) = 2 ln(cosh θ) with λ = 8(θ/cosh θ)² on the lower branch; λ < 0 turns cosh into cos.
+        let u = {
+            let mut y = [0.0; 2];
+            branch.state.solution.eval(&branch.system.gauss, 0.5, &mut y);
+            y[0]
+        };
+        let c = if upwards { (0.5 * u).exp().acosh() } else { (0.5 * u).exp().acos() };
+        let lambda = 8.0 * (c * (-0.5 * u).exp()).powi(2) * if upwards { 1.0 } else { -1.0 };
+        assert!((lambda - bound).abs() < 1e-7, "{lambda} {bound}");
+    }
+}
+
+/// u″ + λu = 0 on [0, 1] with u = 0 at both ends: mirror-symmetric eigenfunctions at ((2k − 1)π)², antisymmetric ones at
+/// (2kπ)². The second are the pitchforks of the trivial solution, seen on the half [0, ½].
+#[test]
+fn antisymmetric_eigenvalues_are_all_found_and_no_other() {
+    let problem = Oscillator::new(linear, 1);
+    let guess = problem.zero(0.5, 12, 4, 1.0);
+    let settings = ContinuationSettings { max_step: 4.0, ..Default::default() };
+    let metric = Metric::unit(2, 1);
+    let mut branch = Continuation::start(problem.clone(), guess, metric.clone(), settings, true).unwrap();
+    let (mut before, mut found) = (None, Vec::new());
+    branch
+        .follow([0.0, 500.0], 1000, |branch, _| {
+            let y = &branch.state.solution;
+            let (sign, _) = SymmetryBreaking::default().test(&branch.system, &problem, y).unwrap();
+            if before.is_some_and(|b: f64| b * sign < 0.0) {
+                let mut y = y.clone();
+                let breaking = SymmetryBreaking::default();
+                let mut point = Extended::new(problem.clone(), breaking, y.m, metric.clone(), &branch.state.tangent);
+                point.solve(&mut y, None).unwrap();
+                found.push(y.scalars[0]);
+            }
+            before = Some(sign);
+            true
+        })
+        .unwrap();
+    let exact: Vec<f64> = (1..=3).map(|k| (2.0 * k as f64 * PI).powi(2)).collect();
+    assert_eq!(found.len(), exact.len(), "{found:?}");
+    for (k, (found, exact)) in found.iter().zip(&exact).enumerate() {
+        assert!((found / exact - 1.0).abs() < 1e-8 * 10f64.powi(k as i32), "{found} {exact}");
+    }
+}
+
+/// Pitchfork of u = 0 at λ₀ = 4π². With u = a sin 2πx + …, u″ + λ sin u = 0 has λ = λ₀ + (λ₀/8) a², and
+/// u″ + λ(u + αu² + βu³) = 0 has λ = λ₀ + λ₀(5α²/6 − 3β/4) a².
+#[test]
+fn pitchforks_have_their_known_normal_forms() {
+    let lambda = 4.0 * PI * PI;
+    for (force, expected) in
+        [(sine as fn(f64) -> [f64; 4], lambda / 8.0), (cubic, lambda * (5.0 * 0.7 * 0.7 / 6.0 + 3.0 * 0.3 / 4.0))]
+    {
+        let problem = Oscillator::new(force, 1);
+        let mut y = problem.zero(0.5, 10, 4, 38.0);
+        let metric = Metric::unit(2, 1);
+        let branch =
+            Continuation::start(problem.clone(), y.clone(), metric.clone(), ContinuationSettings::default(), true)
+                .unwrap();
+        let breaking = SymmetryBreaking::default();
+        let mut point = Extended::new(problem, breaking, y.m, metric, &branch.state.tangent);
+        let report = point.solve(&mut y, None).unwrap();
+        assert!(report.iterations <= 6, "{report:?}");
+        assert!((y.scalars[0] / lambda - 1.0).abs() < 1e-10);
+        let form = pitchfork_normal_form(&mut point, &y).unwrap();
+        // φ is normalised to φ′(½) = 1, the amplitude of u to 1: u′(½) = −2π.
+        let coefficient = form.parameters[0] * (2.0 * PI).powi(2);
+        assert!((coefficient / expected - 1.0).abs() < 1e-7, "{coefficient} {expected}");
+    }
+}
