@@ -79,6 +79,14 @@ fn subtract_scaled(target: &mut [Lane], factor: f64, source: &[Lane]) {
     }
 }
 
+/// Row operation; one flat loop, because nested ones of known length are unrolled before they can be vectorised.
+#[inline(always)]
+fn subtract_row<const L: usize>(row: &mut [Lane; L], factor: f64, pivot: &[Lane; L]) {
+    for (x, p) in row.as_flattened_mut().iter_mut().zip(pivot.as_flattened()) {
+        *x -= factor * p;
+    }
+}
+
 #[inline(always)]
 fn eliminate_rows<const L: usize>(
     rows: &mut [[Lane; L]],
@@ -117,11 +125,7 @@ fn eliminate_rows<const L: usize>(
         for (i, row) in rows.iter_mut().enumerate().skip(k + 1) {
             let factor = row[lane][offset] * reciprocal;
             lower[i / LANE][i % LANE] = factor;
-            for l in 0..L {
-                for t in 0..LANE {
-                    row[l][t] -= factor * pivot[l][t];
-                }
-            }
+            subtract_row(row, factor, &pivot);
         }
     }
     Ok(())
@@ -131,19 +135,11 @@ fn eliminate_rows<const L: usize>(
 fn back_substitute_rows<const L: usize>(rows: &mut [[Lane; L]], n: usize, upper: &[Lane], reciprocal: &[f64]) {
     let width = lanes_for(n);
     for k in (0..n).rev() {
-        for l in 0..L {
-            for t in 0..LANE {
-                rows[k][l][t] *= reciprocal[k];
-            }
-        }
+        rows[k].as_flattened_mut().iter_mut().for_each(|x| *x *= reciprocal[k]);
         let solved = rows[k];
         let column = upper[k * width..(k + 1) * width].as_flattened();
         for (row, &factor) in rows.iter_mut().zip(&column[..k]) {
-            for l in 0..L {
-                for t in 0..LANE {
-                    row[l][t] -= factor * solved[l][t];
-                }
-            }
+            subtract_row(row, factor, &solved);
         }
     }
 }
