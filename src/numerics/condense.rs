@@ -9,6 +9,8 @@
 //! with s_i = Σ_j D_ij and R the stage residual. Eliminating leaves δy₁ = G δy₀ + B δp + c. The matrix is factorised once;
 //! new residuals R only need triangular solves.
 
+use multiversion::multiversion;
+
 use super::dense::{self, Determinant, Factors, LANE, Lane, PivotFailure};
 use super::gauss::Gauss;
 use super::problem::Dimensions;
@@ -157,23 +159,17 @@ impl Condensed {
 
     /// Factorises interval i from the derivatives stored for it.
     pub fn factor(&mut self, gauss: &Gauss, i: usize) -> Result<(), PivotFailure> {
-        self.specialised(|c, n, e, m| c.factor_sized(gauss, i, n, e, m))
-    }
-
-    /// Calls `f` with (n, e, m), as constants for the shapes that matter most so that their loops unroll.
-    #[inline(always)]
-    fn specialised<R>(&mut self, f: impl Fn(&mut Self, usize, usize, usize) -> R) -> R {
-        let l = self.layout;
-        match (l.dims.components, l.dims.integrable, l.m) {
-            (7, 3, 4) => f(self, 7, 3, 4),
-            (7, 3, 3) => f(self, 7, 3, 3),
-            (n, e, m) => f(self, n, e, m),
-        }
+        factor(self, gauss, i)
     }
 
     #[inline(always)]
-    fn factor_sized(&mut self, gauss: &Gauss, i: usize, n: usize, e: usize, m: usize) -> Result<(), PivotFailure> {
+    fn factor_sized<const N: usize, const E: usize, const M: usize, const ML: usize>(
+        &mut self,
+        gauss: &Gauss,
+        i: usize,
+    ) -> Result<(), PivotFailure> {
         let l = self.layout;
+        let (n, e, m) = self.sizes::<N, E, M>();
         let (nn, np) = (n - e, l.dims.scalars);
         let h = self.h[i];
         let fy = &self.fy[i * m * n * n..(i + 1) * m * n * n];
@@ -183,6 +179,15 @@ impl Condensed {
         for stage in 0..m {
             let f = &fy[stage * n * n..(stage + 1) * n * n];
             let row_sum: f64 = gauss.d_matrix[stage * m..(stage + 1) * m].iter().sum();
+            // h² Σ_k a_ik F_Ep,k for every integrable component and scalar.
+            let mut spread = [0.0; 32 * LANE];
+            for k in 0..e {
+                for j in 0..m {
+                    for q in 0..np {
+                        spread[k * np + q] += h * h * gauss.a[stage * m + j] * fp[(j * n + k) * np + q];
+                    }
+                }
+            }
             for alpha in 0..nn {
                 let row_index = stage * nn + alpha;
                 let row = matrix[row_index * l.lanes..(row_index + 1) * l.lanes].as_flattened_mut();
@@ -192,11 +197,9 @@ impl Condensed {
                     let scale = h * h * gauss.a[stage * m + j];
                     for k in 0..e {
                         let weight = -scale * f_row[k];
-                        if weight != 0.0 {
-                            let f_en = &fy[j * n * n + k * n + e..j * n * n + (k + 1) * n];
-                            for (x, v) in block.iter_mut().zip(f_en) {
-                                *x += weight * v;
-                            }
+                        let f_en = &fy[j * n * n + k * n + e..j * n * n + (k + 1) * n];
+                        for (x, v) in block.iter_mut().zip(f_en) {
+                            *x += weight * v;
                         }
                     }
                     block[alpha] += gauss.d_matrix[stage * m + j];
@@ -213,8 +216,7 @@ impl Condensed {
                 for q in 0..np {
                     let mut value = h * fp[(stage * n + e + alpha) * np + q];
                     for k in 0..e {
-                        let inner: f64 = (0..m).map(|j| gauss.a[stage * m + j] * fp[(j * n + k) * np + q]).sum();
-                        value += h * h * f_row[k] * inner;
+                        value += f_row[k] * spread[k * np + q];
                     }
                     rhs[n + q] = value;
                 }
@@ -237,17 +239,22 @@ impl Condensed {
                 inverse[c * l.rhs_lane + k / LANE][k % LANE] = row[c];
             }
         }
-        self.assemble_map(gauss, i, n, e, m);
+        self.assemble_map::<N, E, M, ML>(gauss, i);
         Ok(())
     }
 
     /// Fills the map δY(δy₀, δp), the transition [G B] and the integral rows of a factorised interval.
     #[inline(always)]
-    fn assemble_map(&mut self, gauss: &Gauss, i: usize, n: usize, e: usize, m: usize) {
+    fn assemble_map<const N: usize, const E: usize, const M: usize, const ML: usize>(
+        &mut self,
+        gauss: &Gauss,
+        i: usize,
+    ) {
         let l = self.layout;
+        let (n, e, m) = self.sizes::<N, E, M>();
         let (nn, np) = (n - e, l.dims.scalars);
         let h = self.h[i];
-        let ml = l.map_lanes;
+        let ml = if ML > 0 { ML } else { l.map_lanes };
         let matrix = &self.matrix[..];
         let map = &mut self.map[i * m * n * ml..(i + 1) * m * n * ml];
         for stage in 0..m {
@@ -325,14 +332,26 @@ impl Condensed {
 
     /// Particular stage values of interval i for stage residuals `r` (m × n), with δy₀ = δp = 0, into `y` (m × n).
     /// Returns nothing else: [`particular_node`](Self::particular_node) gives c and the integrals follow from `y`.
-    pub fn particular_stages(&mut self, gauss: &Gauss, i: usize, r: &[f64], y: &mut [f64]) {
-        let y = std::cell::RefCell::new(y);
-        self.specialised(|c, n, e, m| c.particular_sized(gauss, i, r, &mut y.borrow_mut(), n, e, m));
+    pub fn particular_stages(&self, gauss: &Gauss, i: usize, r: &[f64], y: &mut [f64]) {
+        particular_stages(self, gauss, i, r, y);
     }
 
-    #[allow(clippy::too_many_arguments)]
+    /// (n, e, m), known at compile time where the generic parameters are not 0.
     #[inline(always)]
-    fn particular_sized(&self, gauss: &Gauss, i: usize, r: &[f64], y: &mut [f64], n: usize, e: usize, m: usize) {
+    fn sizes<const N: usize, const E: usize, const M: usize>(&self) -> (usize, usize, usize) {
+        let l = self.layout;
+        if N > 0 { (N, E, M) } else { (l.dims.components, l.dims.integrable, l.m) }
+    }
+
+    #[inline(always)]
+    fn particular_sized<const N: usize, const E: usize, const M: usize>(
+        &self,
+        gauss: &Gauss,
+        i: usize,
+        r: &[f64],
+        y: &mut [f64],
+    ) {
+        let (n, e, m) = self.sizes::<N, E, M>();
         let l = self.layout;
         let nn = n - e;
         let h = self.h[i];
@@ -396,16 +415,7 @@ impl Condensed {
         let mut x = [0.0; 4 * LANE];
         x[..n].copy_from_slice(dy0);
         x[n..n + dp.len()].copy_from_slice(dp);
-        let map = &self.map[i * l.m * n * l.map_lanes..(i + 1) * l.m * n * l.map_lanes];
-        for (value, row) in y.iter_mut().zip(map.chunks_exact(l.map_lanes)) {
-            let mut sum = [0.0; LANE];
-            for (lane, part) in row.iter().enumerate() {
-                for t in 0..LANE {
-                    sum[t] += part[t] * x[lane * LANE + t];
-                }
-            }
-            *value += sum.iter().sum::<f64>();
-        }
+        complete(&self.map[i * l.m * n * l.map_lanes..(i + 1) * l.m * n * l.map_lanes], l.map_lanes, &x, y);
     }
 
     /// Multiplies the determinants of all stage matrices into `det`.
@@ -415,5 +425,39 @@ impl Condensed {
         for i in (0..all).step_by(l.s) {
             dense::accumulate_determinant(&self.reciprocal[i..i + l.s], &self.exchange[i..i + l.s], det);
         }
+    }
+}
+
+/// [`Condensed::factor`] for several instruction sets, with the shapes that matter most unrolled.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+fn factor(c: &mut Condensed, gauss: &Gauss, i: usize) -> Result<(), PivotFailure> {
+    let l = c.layout;
+    match (l.dims.components, l.dims.integrable, l.m, l.map_lanes) {
+        (7, 3, 4, 2) => c.factor_sized::<7, 3, 4, 2>(gauss, i),
+        (7, 3, 3, 2) => c.factor_sized::<7, 3, 3, 2>(gauss, i),
+        _ => c.factor_sized::<0, 0, 0, 0>(gauss, i),
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+fn particular_stages(c: &Condensed, gauss: &Gauss, i: usize, r: &[f64], y: &mut [f64]) {
+    let l = c.layout;
+    match (l.dims.components, l.dims.integrable, l.m) {
+        (7, 3, 4) => c.particular_sized::<7, 3, 4>(gauss, i, r, y),
+        (7, 3, 3) => c.particular_sized::<7, 3, 3>(gauss, i, r, y),
+        _ => c.particular_sized::<0, 0, 0>(gauss, i, r, y),
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+fn complete(map: &[Lane], lanes: usize, x: &[f64], y: &mut [f64]) {
+    for (value, row) in y.iter_mut().zip(map.chunks_exact(lanes)) {
+        let mut sum = [0.0; LANE];
+        for (part, x) in row.iter().zip(x.as_chunks::<LANE>().0) {
+            for t in 0..LANE {
+                sum[t] += part[t] * x[t];
+            }
+        }
+        *value += ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
     }
 }

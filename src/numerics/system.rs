@@ -1,9 +1,11 @@
 //! The linearised collocation system of a problem about a solution: residuals, factors, solves.
 
+use multiversion::multiversion;
+
 use super::block::{BlockFactor, EndRows, LinearForm};
 use super::condense::Condensed;
-use super::dense::{Determinant, PivotFailure};
-use super::gauss::Gauss;
+use super::dense::{Determinant, LANE, PivotFailure};
+use super::gauss::{Gauss, MAX_STAGES};
 use super::problem::{BoundaryJacobian, BoundaryValueProblem, Dimensions, PointJacobian, Site};
 use super::solution::Solution;
 
@@ -169,9 +171,9 @@ impl System {
                 let index = i * m + j;
                 let site = Site { x: y.mesh[i] + h * self.gauss.c[j], index };
                 let value = y.stage(i, j);
-                f.fill(0.0);
-                g.fill(0.0);
                 if derivatives {
+                    f.fill(0.0);
+                    g.fill(0.0);
                     let c = &mut self.condensed;
                     let mut out = PointJacobian {
                         f,
@@ -192,25 +194,15 @@ impl System {
                 for (k, row) in rows.iter_mut().enumerate() {
                     *row = -h * f[k];
                 }
-                for l in 0..m {
-                    let weight = self.gauss.d_matrix[j * m + l];
-                    let other = y.stage(i, l);
-                    for k in 0..n {
-                        rows[k] += weight * (other[k] - y0[k]);
-                    }
-                }
             }
-            let y1 = y.node(i + 1);
-            let rows = &mut r.nodes[i * n..(i + 1) * n];
-            for k in 0..n {
-                rows[k] = y0[k] - y1[k];
-            }
-            for j in 0..m {
-                let value = y.stage(i, j);
-                for k in 0..n {
-                    rows[k] += self.gauss.d[j] * (value[k] - y0[k]);
-                }
-            }
+            stage_differences(
+                &self.gauss,
+                y0,
+                &y.stages[i * m * n..(i + 1) * m * n],
+                y.node(i + 1),
+                &mut r.stages[i * m * n..(i + 1) * m * n],
+                &mut r.nodes[i * n..(i + 1) * n],
+            );
         }
         let e = &mut self.ends;
         zeroed(&mut r.left, dims.left);
@@ -374,6 +366,59 @@ impl System {
             left: zeros(&self.residual.left),
             right: zeros(&self.residual.right),
             border: zeros(&self.residual.border),
+        }
+    }
+}
+
+/// Adds Σ_k D_jk (Y_k − y₀) to the stage residuals of one interval and writes its node residual y₀ + Σ d_j (Y_j − y₀) − y₁.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+fn stage_differences(gauss: &Gauss, y0: &[f64], stages: &[f64], y1: &[f64], residual: &mut [f64], node: &mut [f64]) {
+    match (gauss.m, y0.len()) {
+        (4, 7) => differences_sized::<4, 7>(gauss, y0, stages, y1, residual, node),
+        (3, 7) => differences_sized::<3, 7>(gauss, y0, stages, y1, residual, node),
+        _ => differences_sized::<0, 0>(gauss, y0, stages, y1, residual, node),
+    }
+}
+
+/// Sizes known at compile time unless 0. Components go through in padded lanes of eight.
+#[inline(always)]
+fn differences_sized<const M: usize, const N: usize>(
+    gauss: &Gauss,
+    y0: &[f64],
+    stages: &[f64],
+    y1: &[f64],
+    residual: &mut [f64],
+    node: &mut [f64],
+) {
+    let (m, n) = if M > 0 { (M, N) } else { (gauss.m, y0.len()) };
+    let (d_matrix, d) = (&gauss.d_matrix[..m * m], &gauss.d[..m]);
+    for from in (0..n).step_by(LANE) {
+        let width = (n - from).min(LANE);
+        let mut difference = [[0.0; LANE]; MAX_STAGES];
+        for j in 0..m {
+            let y = &stages[j * n + from..j * n + from + width];
+            for t in 0..width {
+                difference[j][t] = y[t] - y0[from + t];
+            }
+        }
+        let mut end = [0.0; LANE];
+        for j in 0..m {
+            let mut sum = [0.0; LANE];
+            for k in 0..m {
+                for t in 0..LANE {
+                    sum[t] += d_matrix[j * m + k] * difference[k][t];
+                }
+            }
+            let row = &mut residual[j * n + from..j * n + from + width];
+            for t in 0..width {
+                row[t] += sum[t];
+            }
+            for t in 0..LANE {
+                end[t] += d[j] * difference[j][t];
+            }
+        }
+        for t in 0..width {
+            node[from + t] = end[t] + (y0[from + t] - y1[from + t]);
         }
     }
 }
