@@ -6,6 +6,8 @@ use crate::io::files::WriteError;
 use crate::io::frames::FramesError;
 use crate::lineage::store::StoreError;
 use crate::lineage::{GrowError, SchedulerError, memo::Failure};
+use crate::steady::symmetric::SteadyError;
+use crate::steady::{CalibrateError, StabilityError, StationaryError};
 
 /// What ends a command.
 #[derive(Debug, thiserror::Error)]
@@ -22,6 +24,18 @@ pub enum CliError {
     /// Several divisions could not be computed.
     #[error(transparent)]
     Scheduler(#[from] SchedulerError),
+    /// A stationary shape could not be computed.
+    #[error(transparent)]
+    Stationary(#[from] StationaryError),
+    /// Its growth rates could not be computed.
+    #[error(transparent)]
+    Stability(#[from] StabilityError),
+    /// A branch of stationary shapes could not be computed.
+    #[error(transparent)]
+    Steady(#[from] SteadyError),
+    /// No parameters were found.
+    #[error(transparent)]
+    Calibrate(#[from] CalibrateError),
     /// The run was interrupted.
     #[error("interrupted; divisions solved so far are kept in the cache (unless --no-cache)")]
     Interrupted,

@@ -1,11 +1,15 @@
 //! The command line: arguments in, answers to stdout, all else to stderr. One file a command.
 
 mod cache;
+mod calibrate;
+mod cell;
 mod context;
 mod divide;
 mod error;
+mod phase;
 mod progress;
 mod shell;
+mod steady;
 mod tree;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
@@ -63,6 +67,9 @@ struct Globals {
 enum Command {
     Tree(tree::TreeArgs),
     Divide(divide::DivideArgs),
+    Steady(steady::SteadyArgs),
+    Phase(phase::PhaseArgs),
+    Calibrate(calibrate::CalibrateArgs),
     Cache(cache::CacheArgs),
     Completions(shell::CompletionsArgs),
     Man(shell::ManArgs),
@@ -86,6 +93,9 @@ fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
         Command::Tree(args) => tree::run(&args, &Context::new(&cli.globals)?),
         Command::Divide(args) => divide::run(&args, Context::new(&cli.globals)?),
+        Command::Steady(args) => steady::run(&args, Context::new(&cli.globals)?),
+        Command::Calibrate(args) => calibrate::run(&args, &Context::new(&cli.globals)?),
+        Command::Phase(args) => phase::run(&args, Context::new(&cli.globals)?),
         Command::Cache(args) => cache::run(&args, &cli.globals),
         Command::Completions(args) => shell::completions(&args, &mut Cli::command()),
         Command::Man(args) => shell::man(&args, Cli::command()),

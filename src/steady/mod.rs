@@ -1,12 +1,17 @@
 //! Stationary shapes: their branches, bifurcations and stability.
 
+pub mod calibrate;
 pub mod continuation;
 pub mod directional;
 pub mod locate;
 pub mod normal_form;
 pub mod path;
+pub mod phase;
 pub mod singular;
-pub mod symmetric;
 pub mod stability;
+pub mod stationary;
+pub mod symmetric;
 
+pub use calibrate::{CalibrateError, Calibration, calibrate};
 pub use stability::{Parity, Spectrum, Stability, StabilityError};
+pub use stationary::{Stationary, StationaryError, stationary};

@@ -1,0 +1,80 @@
+//! `furrow calibrate`: constants from thresholds.
+
+use super::context::{Context, answer};
+use super::error::CliError;
+use crate::cortex::Control;
+use crate::input::{parse_ron, read_text};
+use crate::steady::calibrate::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
+use clap::Args;
+use serde::Serialize;
+use serde_json::{Map, Value};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Finds material and shell constants from measured thresholds, and says what the thresholds leave open
+#[derive(Debug, Args)]
+pub struct CalibrateArgs {
+    /// Unknowns and thresholds in RON, as in lineages/thresholds.ron
+    #[arg(value_name = "TARGETS.ron")]
+    targets: PathBuf,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Answer {
+    parameters: Map<String, Value>,
+    residuals: Vec<ThresholdResidual>,
+    rms: f64,
+    /// In the order of `parameters`.
+    combinations: Vec<Combination>,
+    iterations: usize,
+}
+
+pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
+    let file = args.targets.display().to_string();
+    let targets: Targets = parse_ron(&read_text(&args.targets)?, &file)?;
+    targets.check(&file)?;
+    let found = calibrate(&targets, &context.settings.physics, &context.settings.numerics)?;
+    if context.json {
+        let parameters = found.parameters.iter().map(|(control, value)| (name(*control), Value::from(*value)));
+        let document = Answer {
+            parameters: parameters.collect(),
+            residuals: found.residuals,
+            rms: found.rms,
+            combinations: found.combinations,
+            iterations: found.iterations,
+        };
+        answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
+    } else {
+        answer(&text(&found))
+    }
+}
+
+/// The parameter's name in files.
+fn name(control: Control) -> String {
+    match serde_json::to_value(control) {
+        Ok(Value::String(name)) => name,
+        _ => format!("{control:?}"),
+    }
+}
+
+fn text(found: &Calibration) -> String {
+    let mut out = String::new();
+    for (control, value) in &found.parameters {
+        let _ = writeln!(out, "{:<10} {value:.9}", name(*control));
+    }
+    let _ = writeln!(out, "\n{:>8} {:>8} {:>12} {:>12} {:>10}", "R0", "ε", "ξ_s* given", "computed", "deviation");
+    for r in &found.residuals {
+        let percent = 100.0 * r.relative;
+        let _ = writeln!(out, "{:>8} {:>8} {:>12} {:>12.6} {percent:>8.4} %", r.r0, r.epsilon, r.xi_s, r.computed);
+    }
+    let _ = writeln!(out, "rms deviation {:.3e}, {} steps", found.rms, found.iterations);
+    let _ = writeln!(out, "\nchange of the thresholds per change of the constants, both relative, by combination:");
+    for c in &found.combinations {
+        let parts: Vec<String> =
+            c.components.iter().zip(&found.parameters).map(|(x, (p, _))| format!("{x:+.3} {}", name(*p))).collect();
+        let verdict = if c.determined { "" } else { "  (left open)" };
+        let _ = writeln!(out, "{:>10.2e}  {}{verdict}", c.singular_value, parts.join(" "));
+    }
+    out
+}

@@ -1,0 +1,196 @@
+//! One stationary shape: the first one at a given activity on the branch that starts at the passive shape.
+
+use super::continuation::{Continuation, ContinuationError, ContinuationSettings, Ended};
+use super::stability::{Spectrum, Stability, StabilityError};
+use super::symmetric::{self, SteadyError};
+use crate::cortex::{Control, Cortex, Cue, Domain, Numerics, Physics, shape};
+use crate::numerics::newton::{Newton, NewtonError, NewtonScratch};
+use crate::numerics::{Gauss, Solution, System};
+
+/// A stationary shape of one cell.
+#[derive(Clone, Debug)]
+pub struct Stationary {
+    /// The cell; its domain says which part of the contour `solution` is.
+    pub cortex: Cortex,
+    /// The shape with (L, p): the mirror-symmetric half without a cue, the whole contour with one.
+    pub solution: Solution,
+    /// ξ_s where the branch turned back on the way here.
+    pub folds: Vec<f64>,
+}
+
+/// Why there is no such shape.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StationaryError {
+    /// The branch could not be followed.
+    #[error(transparent)]
+    Branch(#[from] SteadyError),
+    /// With its cue, the passive cell has no shape.
+    #[error("no passive shape with the cue for R0 = {r0}, epsilon = {epsilon} ({source}); try more mesh intervals")]
+    Cue {
+        /// Radius R0.
+        r0: f64,
+        /// Confinement ε.
+        epsilon: f64,
+        /// What the solver said.
+        source: NewtonError,
+    },
+    /// The branch never reaches the activity asked for.
+    #[error(
+        "R0 = {r0}, epsilon = {epsilon}: no stationary shape at xi_s = {xi_s} on the branch of the passive shape, which turns back at xi_s = {turn}"
+    )]
+    OutOfReach {
+        /// Radius R0.
+        r0: f64,
+        /// Confinement ε.
+        epsilon: f64,
+        /// ξ_s asked for.
+        xi_s: f64,
+        /// ξ_s furthest reached.
+        turn: f64,
+    },
+    /// The branch ends before it reaches the activity asked for.
+    #[error(
+        "R0 = {r0}, epsilon = {epsilon}: the branch of the passive shape could not be followed to xi_s = {xi_s}: {reason}"
+    )]
+    Unfinished {
+        /// Radius R0.
+        r0: f64,
+        /// Confinement ε.
+        epsilon: f64,
+        /// ξ_s asked for.
+        xi_s: f64,
+        /// What ended it.
+        reason: String,
+    },
+}
+
+/// Most points of a branch followed for one shape.
+const MOST_POINTS: usize = 400;
+
+/// The first stationary shape at ξ_s = `physics.xi_s` along the branch of the passive shape. Without a cue that is the
+/// mirror-symmetric branch.
+///
+/// # Errors
+/// [`StationaryError`]; `OutOfReach` when the cell has no such shape, as one that must divide.
+pub fn stationary(physics: &Physics, numerics: &Numerics, r0: f64, cue: &Cue) -> Result<Stationary, StationaryError> {
+    let (epsilon, xi_s) = (physics.epsilon, physics.xi_s);
+    let settings = ContinuationSettings { first_step: 0.3, max_step: 3.0, ..Default::default() };
+    let mut branch = match cue {
+        Cue::None => symmetric::start(physics, numerics, r0, &settings)?,
+        Cue::Kappa { .. } => start_cued(physics, numerics, r0, cue, settings)?,
+    };
+    let mut folds = Vec::new();
+    if xi_s != 0.0 {
+        if xi_s < 0.0 {
+            branch.state.tangent.scale(-1.0);
+        }
+        let range = if xi_s > 0.0 { [f64::MIN_POSITIVE, xi_s] } else { [xi_s, -f64::MIN_POSITIVE] };
+        let mut furthest = 0.0f64;
+        let ended = branch.follow(range, MOST_POINTS, |branch, advance| {
+            if branch.state.parameter().abs() > furthest.abs() {
+                furthest = branch.state.parameter();
+            }
+            if advance.passed_fold
+                && let Ok(fold) = symmetric::fold_near(branch)
+            {
+                folds.push(fold.point.xi_s);
+            }
+            true
+        });
+        let turn = folds.iter().copied().fold(furthest, |a, b| if b.abs() > a.abs() { b } else { a });
+        match ended {
+            Ok(Ended::ParameterBound(bound)) if bound == xi_s => {}
+            _ if !folds.is_empty() => return Err(StationaryError::OutOfReach { r0, epsilon, xi_s, turn }),
+            Err(ContinuationError::Lost { reason, parameter, .. }) => {
+                let reason = format!("lost at xi_s = {parameter}: {reason}");
+                return Err(StationaryError::Unfinished { r0, epsilon, xi_s, reason });
+            }
+            other => {
+                let reason = format!("{other:?}");
+                return Err(StationaryError::Unfinished { r0, epsilon, xi_s, reason });
+            }
+        }
+    }
+    let mut cortex = Cortex::new(physics, r0, cue, branch.problem.domain, &[]);
+    let mut solution = branch.state.solution;
+    solution.scalars.truncate(2);
+    let mut system = System::new(Cortex::dimensions_for(cortex.domain, 0), numerics.stages);
+    // To rounding; at a fold itself the branch's own accuracy has to do.
+    let newton = Newton { tolerance: 1e-12, max_factorisations: 4, ..Newton::default() };
+    let mut polished = solution.clone();
+    if newton.solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut polished, &[], false).is_ok() {
+        solution = polished;
+    }
+    Ok(Stationary { cortex, solution, folds })
+}
+
+/// The branch of the whole contour with a cue at ξ_s = 0, reached from the passive shape without one.
+fn start_cued(
+    physics: &Physics,
+    numerics: &Numerics,
+    r0: f64,
+    cue: &Cue,
+    settings: ContinuationSettings,
+) -> Result<Continuation<Cortex>, StationaryError> {
+    let epsilon = physics.epsilon;
+    let (half, _) =
+        shape::passive(physics, numerics, r0).map_err(|source| SteadyError::Passive { r0, epsilon, source })?;
+    let passive = Physics { xi_s: 0.0, ..*physics };
+    let mut cortex = Cortex::new(&passive, r0, cue, Domain::Full, &[]);
+    let target = cortex.get(Control::CueAmplitude);
+    let mut system = System::new(Cortex::dimensions_for(Domain::Full, 0), numerics.stages);
+    let mut scratch = NewtonScratch::default();
+    let mut y = shape::unfold(&system.gauss, &half);
+    let (mut share, mut step) = (0.0, 1.0);
+    while share < 1.0 {
+        let next = f64::min(share + step, 1.0);
+        cortex.set(Control::CueAmplitude, next * target);
+        let mut trial = y.clone();
+        match Newton::default().solve(&mut system, &mut scratch, &mut cortex, &mut trial, &[], false) {
+            Ok(_) => (share, y) = (next, trial),
+            Err(source) => {
+                step *= 0.5;
+                if step < 1e-3 {
+                    return Err(StationaryError::Cue { r0, epsilon, source });
+                }
+            }
+        }
+    }
+    y.scalars.push(0.0);
+    let controls = [Control::Xi];
+    let cortex = Cortex::new(&passive, r0, cue, Domain::Full, &controls);
+    let mut branch = Continuation::start(cortex, y, symmetric::metric(r0, Domain::Full, &controls), settings, true)
+        .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
+    branch.monitor = Some(symmetric::mesh_monitor);
+    Ok(branch)
+}
+
+impl Stationary {
+    /// Contour length L.
+    pub fn length(&self) -> f64 {
+        self.solution.scalars[0]
+    }
+
+    /// Pressure p.
+    pub fn pressure(&self) -> f64 {
+        self.solution.scalars[1]
+    }
+
+    /// Elongation H = (z(0) − z(1))/R0.
+    pub fn elongation(&self) -> f64 {
+        shape::elongation(&self.solution, self.cortex.domain, self.cortex.r0)
+    }
+
+    /// Radius at u = ½, in L_h.
+    pub fn equator_radius(&self) -> f64 {
+        shape::equator_radius(&Gauss::new(self.solution.m), &self.solution)
+    }
+
+    /// The rightmost growth rates.
+    ///
+    /// # Errors
+    /// As [`Stability::leading`].
+    pub fn spectrum(&self) -> Result<Spectrum, StabilityError> {
+        Stability::new(self.solution.m).leading(&self.cortex, &self.solution)
+    }
+}
