@@ -64,3 +64,13 @@ fn cued_shapes() {
     assert!((cued.length() - plain.length()).abs() > 1e-4);
     assert!(cued.spectrum().unwrap().is_stable());
 }
+
+/// The cue brings the failure boundary down: its branch has a fold where the pitchfork would have been, and more below.
+#[test]
+fn a_cued_cell_that_must_divide_has_no_shape() {
+    let error = stationary(&Physics::GAO2026, &Numerics::default(), 2.0, &CUE).unwrap_err();
+    assert!(matches!(error, StationaryError::OutOfReach { .. }), "{error}");
+    let physics = Physics { xi_s: 20.0, ..Physics::GAO2026 };
+    let below = stationary(&physics, &Numerics::default(), 2.0, &CUE).unwrap();
+    assert!(below.spectrum().unwrap().is_stable());
+}

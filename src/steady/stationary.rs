@@ -3,6 +3,7 @@
 use super::continuation::{Continuation, ContinuationError, ContinuationSettings, Ended};
 use super::stability::{Spectrum, Stability, StabilityError};
 use super::symmetric::{self, SteadyError};
+use crate::cortex::equations::{COMPONENTS, R};
 use crate::cortex::{Control, Cortex, Cue, Domain, Numerics, Physics, shape};
 use crate::numerics::newton::{Newton, NewtonError, NewtonScratch};
 use crate::numerics::{Gauss, Solution, System};
@@ -66,6 +67,17 @@ pub enum StationaryError {
 
 /// Most points of a branch followed for one shape.
 const MOST_POINTS: usize = 400;
+/// Beyond a fold, a branch whose waist falls below this fraction of R0 leads to pinched shapes and is left there.
+const PINCHING: f64 = 0.25;
+
+/// The narrowest waist, or the largest radius of a contour without one.
+fn waist(gauss: &Gauss, y: &Solution, domain: Domain) -> f64 {
+    let widest = || y.stages.chunks_exact(COMPONENTS).map(|s| s[R]).fold(0.0, f64::max);
+    match domain {
+        Domain::Half => y.node(y.intervals())[R],
+        Domain::Full => shape::neck(gauss, y).map_or_else(widest, |neck| neck.radius),
+    }
+}
 
 /// The first stationary shape at ξ_s = `physics.xi_s` along the branch of the passive shape. Without a cue that is the
 /// mirror-symmetric branch.
@@ -79,6 +91,7 @@ pub fn stationary(physics: &Physics, numerics: &Numerics, r0: f64, cue: &Cue) ->
         Cue::None => symmetric::start(physics, numerics, r0, &settings)?,
         Cue::Kappa { .. } => start_cued(physics, numerics, r0, cue, settings)?,
     };
+    let domain = branch.problem.domain;
     let mut folds = Vec::new();
     if xi_s != 0.0 {
         if xi_s < 0.0 {
@@ -95,7 +108,7 @@ pub fn stationary(physics: &Physics, numerics: &Numerics, r0: f64, cue: &Cue) ->
             {
                 folds.push(fold.point.xi_s);
             }
-            true
+            folds.is_empty() || waist(&branch.system.gauss, &branch.state.solution, domain) > PINCHING * r0
         });
         let turn = folds.iter().copied().fold(furthest, |a, b| if b.abs() > a.abs() { b } else { a });
         match ended {
