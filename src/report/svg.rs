@@ -217,19 +217,18 @@ fn label(out: &mut String, tree: &Tree, node: NodeIndex, layout: &Layout, colour
     let left = mother.is_some_and(|m| x < m);
     let away = disc_radius(tree, cell.r0) + 5.0;
     let (x, anchor) = if left { (x - away, "end") } else { (x + away, "start") };
-    let y = y_of(tree, node) - 6.0;
-    let chi = cell.fate.chi.filter(|_| cell.fate.outcome == Some(Outcome::Asymmetric));
-    let chi =
-        chi.map_or(String::new(), |c| format!("<tspan font-weight=\"normal\" font-size=\"11\"> χ {c:.2}</tspan>"));
-    let name = escape(&cell.name);
-    // A white copy underneath keeps the text clear of lines.
-    for paint in
-        ["fill=\"#fff\" stroke=\"#fff\" stroke-width=\"4\" stroke-linejoin=\"round\"", &format!("fill=\"{colour}\"")]
-    {
-        let _ = writeln!(
-            out,
-            "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"13\" font-weight=\"bold\" text-anchor=\"{anchor}\" {paint}>{name}{chi}</text>"
-        );
+    let y = y_of(tree, node) - 5.0;
+    let mut line = |y: f64, font: &str, text: &str| {
+        // A white copy underneath keeps the text clear of lines.
+        let halo = "fill=\"#fff\" stroke=\"#fff\" stroke-width=\"4\" stroke-linejoin=\"round\"";
+        for paint in [halo, &format!("fill=\"{colour}\"")] {
+            let _ =
+                writeln!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\" {font} text-anchor=\"{anchor}\" {paint}>{text}</text>");
+        }
+    };
+    line(y, "font-size=\"13\" font-weight=\"bold\"", &escape(&cell.name));
+    if let Some(chi) = cell.fate.chi.filter(|_| cell.fate.outcome == Some(Outcome::Asymmetric)) {
+        line(y + 13.0, "font-size=\"11\"", &format!("χ {chi:.2}"));
     }
 }
 
