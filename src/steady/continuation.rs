@@ -79,6 +79,8 @@ pub struct State {
     pub step: f64,
     /// Points accepted, the first included.
     pub points: usize,
+    /// Sign of dλ/ds as last confirmed with exact factors; 0 if not known.
+    pub direction: f64,
     /// The last points, for the predictor.
     pub history: History,
 }
@@ -191,7 +193,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let mut history = History::default();
         history.push(0.0, &solution);
         let step = settings.first_step;
-        let state = State { solution, tangent, arclength: 0.0, step, points: 1, history };
+        let direction = if upwards { 1.0 } else { -1.0 };
+        let state = State { solution, tangent, arclength: 0.0, step, points: 1, direction, history };
         Ok(Continuation::resume(problem, state, metric, settings))
     }
 
@@ -228,7 +231,6 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         loop {
             let reason = match self.attempt(step) {
                 Ok((report, cosine)) => {
-                    let before = self.state.parameter_slope();
                     std::mem::swap(&mut self.state.tangent, &mut self.tangent);
                     std::mem::swap(&mut self.state.solution, &mut self.trial);
                     self.state.arclength += step;
@@ -239,7 +241,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                     self.work.rejected += rejected;
                     self.work.iterations += report.iterations;
                     self.work.factorisations += report.factorisations;
-                    let passed_fold = before * self.state.parameter_slope() < 0.0;
+                    let passed_fold = self.confirm_direction();
                     return Ok(Advance { passed_fold, report, rejected });
                 }
                 Err(reason) => reason,
@@ -254,6 +256,32 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                 });
             }
         }
+    }
+
+    /// The tangent at the newest point with the factors of the point itself.
+    fn exact_tangent(&mut self) -> Result<(), String> {
+        let Continuation { problem, system, metric, state, conditions, tangent, .. } = self;
+        metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]);
+        system.evaluate(problem, &state.solution, conditions, true);
+        system
+            .condense()
+            .and_then(|()| system.factor_blocks(conditions))
+            .map_err(|failure| format!("the Jacobian is singular (pivot {})", failure.column))?;
+        path::null_direction(system, 0, tangent);
+        metric.normalise(&state.solution.mesh, tangent);
+        std::mem::swap(&mut state.tangent, tangent);
+        Ok(())
+    }
+
+    /// Whether dλ/ds has changed sign. The corrector's factors belong to a prediction, so a change is confirmed with
+    /// those of the point itself.
+    fn confirm_direction(&mut self) -> bool {
+        if self.state.direction * self.state.parameter_slope() > 0.0 || self.exact_tangent().is_err() {
+            return false;
+        }
+        let (before, now) = (self.state.direction, self.state.parameter_slope().signum());
+        self.state.direction = now;
+        before * now < 0.0
     }
 
     /// A corrected point at distance `step` in `trial`, its tangent in `tangent`; the cosine of the angle turned.
@@ -344,26 +372,12 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// [`ContinuationError::Lost`] if the corrector fails there.
     pub fn land_on(&mut self, value: f64) -> Result<(), ContinuationError> {
         let y = self.at(value)?;
-        let last = y.scalars.len() - 1;
-        let lost = |state: &State, reason: String| ContinuationError::Lost {
-            parameter: value,
-            arclength: state.arclength,
-            reason,
-        };
-        path::scalar_condition(&y, last, value, &mut self.conditions[0]);
         self.state.solution = y;
-        // Tangent with exact factors at the point itself.
-        self.system.evaluate(&mut self.problem, &self.state.solution, &self.conditions, true);
-        self.system
-            .condense()
-            .and_then(|()| self.system.factor_blocks(&self.conditions))
-            .map_err(|_| lost(&self.state, "the Jacobian is singular".into()))?;
-        path::null_direction(&mut self.system, 0, &mut self.tangent);
-        self.metric.normalise(&self.state.solution.mesh, &mut self.tangent);
-        if self.metric.dot(&self.state.solution.mesh, &self.tangent, &self.state.tangent) < 0.0 {
-            self.tangent.scale(-1.0);
-        }
-        std::mem::swap(&mut self.state.tangent, &mut self.tangent);
+        self.exact_tangent().map_err(|reason| ContinuationError::Lost {
+            parameter: value,
+            arclength: self.state.arclength,
+            reason,
+        })?;
         self.state.history.clear();
         self.state.history.push(self.state.arclength, &self.state.solution);
         Ok(())

@@ -1,9 +1,11 @@
 //! Stationary shapes: their branches, bifurcations and stability.
 
+pub mod asymmetric;
 pub mod calibrate;
 pub mod continuation;
 pub mod directional;
 pub mod locate;
+pub mod locus;
 pub mod normal_form;
 pub mod path;
 pub mod phase;

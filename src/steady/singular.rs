@@ -280,6 +280,8 @@ pub struct Extended<P, S> {
 pub struct ExtendedReport {
     /// Newton iterations.
     pub iterations: usize,
+    /// The first correction: the error of the start.
+    pub first_correction: f64,
     /// The last correction.
     pub correction: f64,
     /// |g| before the last correction, relative to its slope along the branch: the distance still to go.
@@ -325,6 +327,9 @@ impl<P: Directional, S: Singularity<P>> Extended<P, S> {
     /// Carries the normalising direction over to another mesh.
     pub fn move_to(&mut self, from: &[f64], to: &[f64]) {
         path::transfer_direction(&self.system.gauss, from, to, &mut self.reference);
+        for direction in &mut self.basis {
+            path::transfer_direction(&self.system.gauss, from, to, direction);
+        }
     }
 
     /// Factors, null directions and δ₀ at `y`; returns g.
@@ -394,6 +399,9 @@ impl<P: Directional, S: Singularity<P>> Extended<P, S> {
                 step.add(*s, direction);
             }
             report.correction = step.norm(y);
+            if report.iterations == 1 {
+                report.first_correction = report.correction;
+            }
             if !report.correction.is_finite() {
                 return Err(SingularError::Singular { iterations: report.iterations });
             }

@@ -1,0 +1,158 @@
+//! The branch that leaves the mirror-symmetric one at a pitchfork, on the full contour.
+
+use super::continuation::{Advance, Continuation, ContinuationSettings, State};
+use super::path::History;
+use super::symmetric::{
+    Branch, BranchEvent, BranchOptions, Pitchfork, ShapePoint, SteadyError, fold_near, mesh_monitor, metric,
+};
+use crate::cortex::equations::{COMPONENTS, M, R, T};
+use crate::cortex::{Control, Cortex, Cue, Domain, Physics, shape};
+use crate::numerics::Gauss;
+use crate::numerics::system::Update;
+
+/// An antisymmetric direction of the half contour on the full one: what is even about the equator (r, m, T) changes
+/// sign, what is odd (z, q, v, and ψ − π/2) does not.
+pub fn unfold_antisymmetric(half: &Update, scalars: usize) -> Update {
+    let mirrored = |value: &[f64]| {
+        let mut out = [0.0; COMPONENTS];
+        out.copy_from_slice(value);
+        for c in [R, M, T] {
+            out[c] = -out[c];
+        }
+        out
+    };
+    let mut full = Update { nodes: half.nodes.clone(), stages: half.stages.clone(), scalars: vec![0.0; scalars] };
+    let nodes = half.nodes.len() / COMPONENTS;
+    for i in (0..nodes - 1).rev() {
+        full.nodes.extend(mirrored(&half.nodes[i * COMPONENTS..(i + 1) * COMPONENTS]));
+    }
+    for stage in half.stages.rchunks_exact(COMPONENTS) {
+        full.stages.extend(mirrored(stage));
+    }
+    full
+}
+
+/// Switches onto the asymmetric branch at a pitchfork, towards u_f < ½ (its mirror image is the other half of the
+/// branch). The tangent there is the null vector, and the first step is the distance along it that moves the furrow by
+/// `first_shift` in u.
+pub fn switch(
+    pitchfork: &Pitchfork,
+    physics: &Physics,
+    r0: f64,
+    first_shift: f64,
+    settings: &ContinuationSettings,
+) -> Continuation<Cortex> {
+    let gauss = Gauss::new(pitchfork.shape.m);
+    let solution = shape::unfold(&gauss, &pitchfork.shape);
+    let controls = [Control::Xi];
+    let metric = metric(r0, Domain::Full, &controls);
+    let mut tangent = unfold_antisymmetric(&pitchfork.null, solution.scalars.len());
+    let scale = metric.dot(&solution.mesh, &tangent, &tangent).sqrt();
+    tangent.scale(-pitchfork.furrow_shift.signum() / scale);
+    let step = first_shift / pitchfork.furrow_shift.abs() * scale;
+    let state =
+        State { solution, tangent, arclength: 0.0, step, points: 1, direction: 0.0, history: History::default() };
+    let cortex = Cortex::new(physics, r0, &Cue::None, Domain::Full, &controls);
+    let settings = ContinuationSettings { min_step: settings.min_step.min(1e-3 * step), ..settings.clone() };
+    let mut branch = Continuation::resume(cortex, state, metric, settings);
+    branch.monitor = Some(mesh_monitor);
+    branch
+}
+
+/// Fit of |u_f − ½| = A |ξ_s − ξ_s*|^β near a pitchfork.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scaling {
+    /// Exponent β; ½ at a pitchfork.
+    pub exponent: f64,
+    /// Prefactor A.
+    pub prefactor: f64,
+    /// (ξ_s − ξ_s*)/(u_f − ½)² extrapolated to the pitchfork: the coefficient of the normal form, from the branch itself.
+    pub coefficient: f64,
+    /// Points used.
+    pub points: usize,
+}
+
+/// The asymmetric branch and how it opens.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AsymmetricBranch {
+    /// Points (with Δu) and folds.
+    pub branch: Branch,
+    /// Square-root scaling of Δu near the pitchfork.
+    pub scaling: Option<Scaling>,
+}
+
+/// Furrow shifts Δu used for the scaling.
+const SCALING_RANGE: [f64; 2] = [5e-4, 8e-3];
+
+/// A branch is followed until its neck is this narrow, in R0: it goes on to pinch-off at finite ξ_s without end.
+const NARROWEST: f64 = 0.03;
+
+/// Follows the asymmetric branch from a pitchfork until ξ_s leaves its range or the neck is pinched.
+///
+/// # Errors
+/// [`SteadyError::Branch`], [`SteadyError::Point`].
+pub fn follow(
+    pitchfork: &Pitchfork,
+    physics: &Physics,
+    r0: f64,
+    options: &BranchOptions,
+) -> Result<AsymmetricBranch, SteadyError> {
+    let epsilon = physics.epsilon;
+    let mut branch = switch(pitchfork, physics, r0, SCALING_RANGE[0], &options.settings);
+    let mut points = vec![pitchfork.point];
+    let (mut events, mut failure, mut samples) = (Vec::new(), None, Vec::new());
+    let mut passed = 0;
+    let gauss = branch.system.gauss.clone();
+    let ended = branch
+        .follow(options.xi, options.points, |branch: &mut Continuation<Cortex>, advance: Advance| {
+            if advance.passed_fold {
+                match fold_near(branch) {
+                    Ok(mut fold) => {
+                        fold.point.delta_u = furrow(&gauss, &branch.problem, &fold.shape);
+                        passed += 1;
+                        events.push(BranchEvent::Fold(Box::new(fold)));
+                    }
+                    Err(source) => {
+                        let xi_s = branch.state.parameter();
+                        failure = Some(SteadyError::Point { r0, epsilon, kind: "fold", xi_s, source });
+                    }
+                }
+            }
+            let mut point = ShapePoint::of(&branch.state.solution, &branch.problem, &gauss);
+            point.delta_u = furrow(&gauss, &branch.problem, &branch.state.solution);
+            (point.arclength, point.passed) = (branch.state.arclength, passed);
+            if events.is_empty() && (SCALING_RANGE[0]..SCALING_RANGE[1]).contains(&point.delta_u.abs()) {
+                samples.push([point.delta_u.abs(), point.xi_s - pitchfork.point.xi_s]);
+            }
+            points.push(point);
+            let pinched = shape::neck(&gauss, &branch.state.solution).is_some_and(|neck| neck.radius < NARROWEST * r0);
+            failure.is_none() && !pinched
+        })
+        .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
+    match failure {
+        Some(failure) => Err(failure),
+        None => Ok(AsymmetricBranch {
+            branch: Branch { points, events, ended, work: branch.work },
+            scaling: scaling(&samples),
+        }),
+    }
+}
+
+fn furrow(gauss: &Gauss, cortex: &Cortex, y: &crate::numerics::Solution) -> f64 {
+    shape::furrow_position(gauss, cortex, y).map_or(0.0, |u| u - 0.5)
+}
+
+/// Least squares of ln Δu over ln |ξ_s − ξ_s*|, and the limit of (ξ_s − ξ_s*)/Δu² by a line in Δu².
+fn scaling(samples: &[[f64; 2]]) -> Option<Scaling> {
+    let (exponent, intercept) = line(samples.iter().map(|[du, dxi]| [dxi.abs().ln(), du.ln()]))?;
+    let (_, coefficient) = line(samples.iter().map(|[du, dxi]| [du * du, dxi / (du * du)]))?;
+    Some(Scaling { exponent, prefactor: intercept.exp(), coefficient, points: samples.len() })
+}
+
+/// Slope and intercept of the least-squares line through at least two points.
+fn line(points: impl Iterator<Item = [f64; 2]> + Clone) -> Option<(f64, f64)> {
+    let n = points.clone().count() as f64;
+    let (sx, sy) = points.clone().fold((0.0, 0.0), |(sx, sy), [x, y]| (sx + x / n, sy + y / n));
+    let (sxx, sxy) = points.fold((0.0, 0.0), |(a, b), [x, y]| (a + (x - sx) * (x - sx), b + (x - sx) * (y - sy)));
+    (n >= 2.0 && sxx > 0.0).then(|| (sxy / sxx, sy - sxy / sxx * sx))
+}

@@ -1,0 +1,286 @@
+//! Curves of singular points in two parameters.
+//!
+//! A [`Locus`] holds a problem whose last two scalar unknowns (λ, μ) are free and a singularity g. Its points are the
+//! roots of (F, g), one condition short; the closing condition is the plane of pseudo-arclength continuation, or a value
+//! for any one scalar unknown: that is how R0 with ξ_s*(R0) = ξ_s is solved for directly.
+
+use super::directional::Directional;
+use super::path::{self, History, Metric};
+use super::singular::{Extended, ExtendedReport, SingularError, Singularity};
+use crate::numerics::system::Update;
+use crate::numerics::{LinearCondition, Solution, mesh};
+
+use super::continuation::MeshMonitor;
+
+/// Settings of a curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocusSettings {
+    /// First step, in arclength.
+    pub first_step: f64,
+    /// Smallest step before giving up.
+    pub min_step: f64,
+    /// Largest step.
+    pub max_step: f64,
+    /// Smallest cosine between neighbouring tangents.
+    pub min_cosine: f64,
+    /// First Newton correction aimed at: small enough for two iterations.
+    pub target_correction: f64,
+    /// Move the mesh when the largest interval carries this many times its share of the monitor.
+    pub remesh_above: f64,
+}
+
+impl Default for LocusSettings {
+    fn default() -> Self {
+        LocusSettings {
+            first_step: 0.01,
+            min_step: 1e-7,
+            max_step: 0.2,
+            min_cosine: 0.8,
+            target_correction: 1e-4,
+            remesh_above: 1.8,
+        }
+    }
+}
+
+/// Why a curve cannot go on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LocusError {
+    /// No first point.
+    #[error("no first point: {0}")]
+    Start(SingularError),
+    /// The corrector fails for the smallest step.
+    #[error("the curve is lost at ({first}, {second}): {source}")]
+    Lost {
+        /// First free parameter.
+        first: f64,
+        /// Second free parameter.
+        second: f64,
+        /// What the solver said last.
+        source: SingularError,
+    },
+    /// A value of an unknown is not on the curve in the number of steps allowed.
+    #[error("not reached in {steps} steps, which lead to {reached}")]
+    NotReached {
+        /// Steps taken.
+        steps: usize,
+        /// Value reached.
+        reached: f64,
+    },
+}
+
+/// A curve of singular points being followed.
+#[derive(Clone, Debug)]
+pub struct Locus<P, S> {
+    /// Factors, directions and the singularity at the newest point.
+    pub extended: Extended<P, S>,
+    /// The newest point.
+    pub solution: Solution,
+    /// Unit tangent of the curve.
+    pub tangent: Update,
+    /// Arclength from the first point.
+    pub arclength: f64,
+    /// The step to try next.
+    pub step: f64,
+    /// Settings.
+    pub settings: LocusSettings,
+    /// What the mesh follows; by default it stays.
+    pub monitor: Option<MeshMonitor<P>>,
+    /// Newton iterations so far.
+    pub iterations: usize,
+    history: History,
+    closing: LinearCondition,
+    trial: Solution,
+    weight: Vec<f64>,
+}
+
+impl<P: Directional + Clone, S: Singularity<P> + Clone> Locus<P, S> {
+    /// Starts at the singular point near `guess` with the μ of `guess`, towards larger μ if `upwards`. `branch_tangent`
+    /// is the tangent of the branch the point is on.
+    ///
+    /// # Errors
+    /// [`LocusError::Start`].
+    pub fn start(
+        problem: P,
+        singularity: S,
+        guess: Solution,
+        metric: Metric,
+        branch_tangent: &Update,
+        settings: LocusSettings,
+        upwards: bool,
+    ) -> Result<Self, LocusError> {
+        let extended = Extended::new(problem, singularity, guess.m, metric, branch_tangent);
+        let mut locus = Locus {
+            extended,
+            trial: guess.clone(),
+            solution: guess,
+            tangent: Update::default(),
+            arclength: 0.0,
+            step: settings.first_step,
+            settings,
+            monitor: None,
+            iterations: 0,
+            history: History::default(),
+            closing: LinearCondition::default(),
+            weight: Vec::new(),
+        };
+        let last = locus.solution.scalars.len() - 1;
+        let value = locus.solution.scalars[last];
+        path::scalar_condition(&locus.solution, last, value, &mut locus.closing);
+        let report = locus.extended.solve(&mut locus.solution, Some(&locus.closing)).map_err(LocusError::Start)?;
+        locus.iterations += report.iterations;
+        locus.tangent = locus.extended.curve_direction(&locus.solution);
+        if (locus.tangent.scalars[last] > 0.0) != upwards {
+            locus.tangent.scale(-1.0);
+        }
+        locus.history.push(0.0, &locus.solution);
+        Ok(locus)
+    }
+
+    /// Values of the two free parameters (λ, μ).
+    pub fn parameters(&self) -> [f64; 2] {
+        let n = self.solution.scalars.len();
+        [self.solution.scalars[n - 2], self.solution.scalars[n - 1]]
+    }
+
+    /// Turns round.
+    pub fn reverse(&mut self) {
+        self.tangent.scale(-1.0);
+        self.history.clear();
+        self.history.push(self.arclength, &self.solution);
+        self.step = self.settings.first_step;
+    }
+
+    /// Goes one step on.
+    ///
+    /// # Errors
+    /// [`LocusError::Lost`]; the state is left at the last point.
+    pub fn advance(&mut self) -> Result<ExtendedReport, LocusError> {
+        self.remesh();
+        let mut step = self.step.min(self.settings.max_step);
+        loop {
+            if self.history.len() > 1 {
+                self.history.extrapolate(self.arclength + step, &mut self.trial);
+            } else {
+                self.trial.clone_from(&self.solution);
+                self.tangent.apply(step, &mut self.trial);
+            }
+            self.extended.metric.plane_through(&self.solution, &self.tangent, &mut self.closing);
+            self.closing.value += step;
+            let before = (self.extended.basis.clone(), self.extended.slopes);
+            let source = match self.extended.solve(&mut self.trial, Some(&self.closing)) {
+                Ok(report) => {
+                    self.iterations += report.iterations;
+                    let mut tangent = self.extended.curve_direction(&self.trial);
+                    let cosine = self.extended.metric.dot(&self.trial.mesh, &tangent, &self.tangent);
+                    if cosine < 0.0 {
+                        tangent.scale(-1.0);
+                    }
+                    if cosine.abs() >= self.settings.min_cosine {
+                        self.tangent = tangent;
+                        std::mem::swap(&mut self.solution, &mut self.trial);
+                        self.arclength += step;
+                        self.history.push(self.arclength, &self.solution);
+                        // Predictions are of fourth order once four points are known.
+                        let order = self.history.len().min(4) as f64;
+                        let ratio =
+                            (self.settings.target_correction / report.first_correction.max(1e-300)).powf(1.0 / order);
+                        self.step = step * ratio.clamp(0.3, 2.0);
+                        return Ok(report);
+                    }
+                    SingularError::Stalled { iterations: report.iterations, correction: report.correction }
+                }
+                Err(error) => error,
+            };
+            (self.extended.basis, self.extended.slopes) = before;
+            self.extended.set_reference(&self.extended.basis[0].clone());
+            step *= 0.4;
+            if step < self.settings.min_step {
+                let [first, second] = self.parameters();
+                return Err(LocusError::Lost { first, second, source });
+            }
+        }
+    }
+
+    /// Solves for the point near the newest where scalar unknown `index` has a value; the curve itself stays where it
+    /// is, but the factors in `extended` are those of the point found.
+    ///
+    /// # Errors
+    /// [`LocusError::Lost`].
+    pub fn at(&mut self, index: usize, value: f64) -> Result<(Solution, ExtendedReport), LocusError> {
+        let mut y = self.solution.clone();
+        let slope = self.tangent.scalars[index];
+        match self.history.before_newest() {
+            Some((before, earlier)) if (earlier.scalars[index] - value) * (y.scalars[index] - value) <= 0.0 => {
+                let share = (value - earlier.scalars[index]) / (y.scalars[index] - earlier.scalars[index]);
+                self.history.extrapolate(before + share * (self.arclength - before), &mut y);
+            }
+            _ if slope != 0.0 => self.tangent.apply((value - y.scalars[index]) / slope, &mut y),
+            _ => {}
+        }
+        path::scalar_condition(&y, index, value, &mut self.closing);
+        let report = self.extended.solve(&mut y, Some(&self.closing)).map_err(|source| {
+            let [first, second] = self.parameters();
+            LocusError::Lost { first, second, source }
+        })?;
+        self.iterations += report.iterations;
+        Ok((y, report))
+    }
+
+    /// Follows the curve until scalar unknown `index` passes `value`, showing every point to `visit` (which may end it
+    /// by returning false), and makes the point with exactly that value the newest.
+    ///
+    /// # Errors
+    /// [`LocusError`]; `NotReached` also if `visit` ended it.
+    pub fn follow_to(
+        &mut self,
+        index: usize,
+        value: f64,
+        limit: usize,
+        mut visit: impl FnMut(&mut Self, &ExtendedReport) -> bool,
+    ) -> Result<(), LocusError> {
+        for steps in 0..limit {
+            let before = self.solution.scalars[index] - value;
+            if before == 0.0 {
+                return Ok(());
+            }
+            let report = self.advance()?;
+            if before * (self.solution.scalars[index] - value) <= 0.0 {
+                let (y, report) = self.at(index, value)?;
+                let mut tangent = self.extended.curve_direction(&y);
+                if self.extended.metric.dot(&y.mesh, &tangent, &self.tangent) < 0.0 {
+                    tangent.scale(-1.0);
+                }
+                self.tangent = tangent;
+                self.solution = y;
+                self.history.clear();
+                self.history.push(self.arclength, &self.solution);
+                self.step = self.settings.first_step;
+                visit(self, &report);
+                return Ok(());
+            }
+            if !visit(self, &report) {
+                return Err(LocusError::NotReached { steps, reached: self.solution.scalars[index] });
+            }
+        }
+        Err(LocusError::NotReached { steps: limit, reached: self.solution.scalars[index] })
+    }
+
+    /// Moves the mesh if it no longer fits.
+    fn remesh(&mut self) {
+        let Some(monitor) = self.monitor else { return };
+        let y = &self.solution;
+        monitor(&self.extended.problem, y, &mut self.weight);
+        if mesh::imbalance(&y.mesh, &self.weight) <= self.settings.remesh_above {
+            return;
+        }
+        let mut grid = Vec::new();
+        mesh::equidistribute(&y.mesh, &self.weight, y.intervals(), &mut grid);
+        let gauss = self.extended.system.gauss.clone();
+        path::transfer_direction(&gauss, &y.mesh, &grid, &mut self.tangent);
+        self.extended.move_to(&y.mesh, &grid);
+        self.solution.transfer_into(&gauss, &grid, &mut self.trial);
+        std::mem::swap(&mut self.solution, &mut self.trial);
+        self.history.transfer(&gauss, &grid);
+        self.extended.metric.normalise(&grid, &mut self.tangent);
+    }
+}
