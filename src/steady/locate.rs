@@ -19,9 +19,10 @@ pub struct Located<P, S> {
     pub report: ExtendedReport,
 }
 
-/// Finds the zero of `singularity` between the last two points of a branch, where its sign changes from `signs[0]` to
-/// `signs[1]`. Newton starts from points of the branch inside the bracket, which is halved until Newton stays inside.
-/// As the sign at the point before may come from the factors of a prediction, a zero just before that point counts too.
+/// Finds the zero of `singularity` between the last points of a branch, where its sign changes from `signs[0]` to
+/// `signs[1]`. The bracket is the last pair of neighbouring points with these signs (a caller that judges by factors of a
+/// prediction may be a point late); Newton starts from points of the branch inside it, and it is halved until Newton
+/// stays inside.
 ///
 /// # Errors
 /// What Newton said last, if it stays inside from none of them.
@@ -32,27 +33,35 @@ pub fn between_last_points<P: Directional + Clone, S: Singularity<P>>(
 ) -> Result<Located<P, S>, SingularError> {
     const HALVINGS: usize = 24;
     let state = &branch.state;
+    let tangent = state.tangent.clone();
     let mut extended =
-        Extended::new(branch.problem.clone(), singularity, state.solution.m, branch.metric.clone(), &state.tangent);
-    let Some((before, earlier)) = state.history.before_newest() else {
-        return Err(SingularError::Stalled { iterations: 0, correction: f64::NAN });
-    };
-    // Position across the bracket: 0 at the point before, 1 at the newest.
-    let mut across = LinearCondition::default();
-    branch.metric.plane_through(earlier, &state.tangent, &mut across);
-    let span = path::evaluate(&across, &state.solution) - across.value;
-    let position = |y: &Solution| (path::evaluate(&across, y) - across.value) / span;
-    let (now, tangent) = (state.arclength, state.tangent.clone());
-    let (mut low, mut high) = (0.0, 1.0);
+        Extended::new(branch.problem.clone(), singularity, state.solution.m, branch.metric.clone(), &tangent);
     let mut last = SingularError::Stalled { iterations: 0, correction: f64::NAN };
+    let Some((mut now, mut later)) = state.history.back(0) else { return Err(last) };
+    let (mut before, mut earlier) = state.history.back(1).ok_or(last)?;
+    for k in 2.. {
+        extended.set_reference(&tangent);
+        if extended.sign_at(earlier)? * signs[0] > 0.0 {
+            break;
+        }
+        let Some((position, y)) = state.history.back(k) else { break };
+        (now, later, before, earlier) = (before, earlier, position, y);
+    }
+    // Position across the bracket: 0 at the earlier point, 1 at the later.
+    let mut across = LinearCondition::default();
+    branch.metric.plane_through(earlier, &tangent, &mut across);
+    let span = path::evaluate(&across, later) - across.value;
+    let position = |y: &Solution| (path::evaluate(&across, y) - across.value) / span;
+    let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
         let mut y = branch.state.solution.clone();
         branch.state.history.extrapolate(before + middle * (now - before), &mut y);
         branch.correct_across(&mut y, &tangent);
         let start = y.clone();
+        extended.set_reference(&tangent);
         match extended.solve(&mut y, None) {
-            Ok(report) if (if low == 0.0 { -0.5 } else { low - 0.05 }..=high + 0.05).contains(&position(&y)) => {
+            Ok(report) if (low - 0.05..=high + 0.05).contains(&position(&y)) => {
                 let arclength = before + position(&y) * (now - before);
                 return Ok(Located { extended, solution: y, arclength, report });
             }

@@ -201,6 +201,28 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Locus<P, S> {
         }
     }
 
+    /// The point between the last two at which the curve turns in scalar unknown `index`, and its arclength, by
+    /// bisection on the tangent; `None` if a corrector fails on the way. The curve itself stays where it is.
+    pub fn turning_point(&mut self, index: usize) -> Option<Solution> {
+        let (mut low, _) = self.history.before_newest()?;
+        let mut high = self.arclength;
+        let side = self.tangent.scalars[index].signum();
+        let mut y = self.solution.clone();
+        // Both parameters are quadratic about a cusp: half the digits of arclength give all digits of theirs.
+        while high - low > 1e-9 * (1.0 + high) {
+            let middle = 0.5 * (low + high);
+            self.history.extrapolate(middle, &mut y);
+            self.extended.metric.plane_through(&y, &self.tangent, &mut self.closing);
+            self.iterations += self.extended.solve(&mut y, Some(&self.closing)).ok()?.iterations;
+            let mut tangent = self.extended.curve_direction(&y);
+            if self.extended.metric.dot(&y.mesh, &tangent, &self.tangent) < 0.0 {
+                tangent.scale(-1.0);
+            }
+            if tangent.scalars[index] * side > 0.0 { high = middle } else { low = middle }
+        }
+        Some(y)
+    }
+
     /// Solves for the point near the newest where scalar unknown `index` has a value; the curve itself stays where it
     /// is, but the factors in `extended` are those of the point found.
     ///

@@ -3,6 +3,7 @@
 pub mod asymmetric;
 pub mod calibrate;
 pub mod continuation;
+pub mod curves;
 pub mod directional;
 pub mod locate;
 pub mod locus;

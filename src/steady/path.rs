@@ -117,7 +117,12 @@ impl History {
 
     /// The point before the newest.
     pub fn before_newest(&self) -> Option<(f64, &Solution)> {
-        self.points.len().checked_sub(2).map(|k| (self.points[k].0, &self.points[k].1))
+        self.back(1)
+    }
+
+    /// The point `k` before the newest.
+    pub fn back(&self, k: usize) -> Option<(f64, &Solution)> {
+        self.points.len().checked_sub(k + 1).map(|k| (self.points[k].0, &self.points[k].1))
     }
 
     /// Value at `position` of the polynomial through the newest points.

@@ -409,6 +409,7 @@ impl<P: Directional, S: Singularity<P>> Extended<P, S> {
             step.apply((0.5 / report.correction).min(1.0), y);
             // Quadratic convergence: what is left after a step of size δ is of order δ².
             if report.correction <= self.tolerance.max(1e-3 * self.tolerance.sqrt()) {
+                self.problem.prepare(&y.scalars);
                 return Ok(report);
             }
         }

@@ -1,0 +1,428 @@
+//! Curves of pitchforks and folds of cells in ξ_s and one further parameter, and the radii at which they bound division.
+
+use super::continuation::{Advance, Continuation, ContinuationSettings};
+use super::directional::Directional;
+use super::locus::{Locus, LocusError, LocusSettings};
+use super::normal_form::pitchfork_normal_form;
+use super::singular::{ExtendedReport, Fold, SingularError, Singularity, SymmetryBreaking};
+use super::symmetric::{
+    self, BranchEvent, BranchOptions, Criticality, FoldPoint, Pitchfork, ShapePoint, SteadyError, XI, fold_near,
+    furrow_shift, mesh_monitor, metric,
+};
+use crate::cortex::{Control, Cortex, Cue, Domain, Numerics, Physics, shape};
+use crate::numerics::Solution;
+use crate::numerics::system::Update;
+
+/// Index of the second free parameter among the scalar unknowns of a curve.
+pub const SECOND: usize = 3;
+
+/// A point of a curve.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct CurvePoint {
+    /// Cell radius R0.
+    pub r0: f64,
+    /// Confinement ε.
+    pub epsilon: f64,
+    /// Value of the parameter varied.
+    pub value: f64,
+    /// Activity ξ_s at the singular point.
+    pub xi_s: f64,
+    /// Slope dξ_s/d(value) along the curve.
+    pub slope: f64,
+    /// Elongation H there.
+    pub elongation: f64,
+    /// Of a pitchfork: c of ξ_s = ξ_s* + c (u_f − ½)².
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub coefficient: Option<f64>,
+}
+
+impl CurvePoint {
+    /// Sub- or supercritical, of a pitchfork.
+    pub fn criticality(&self) -> Option<Criticality> {
+        self.coefficient.map(|c| if c < 0.0 { Criticality::Subcritical } else { Criticality::Supercritical })
+    }
+}
+
+/// A curve followed over a range of its parameter.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Curve {
+    /// Its points, in the order followed.
+    pub points: Vec<CurvePoint>,
+    /// Points where criticality changes sign (pitchforks).
+    pub degenerate: Vec<CurvePoint>,
+    /// Where the curve turned back in its parameter: a cusp, at which two folds are born (folds).
+    pub cusp: Option<CurvePoint>,
+    /// Newton iterations of the whole curve.
+    pub iterations: usize,
+}
+
+/// A curve of pitchforks of cells.
+pub type PitchforkLocus = Locus<Cortex, SymmetryBreaking>;
+/// A curve of folds of cells.
+pub type FoldLocus = Locus<Cortex, Fold>;
+
+/// Largest number of steps of one curve.
+const MOST_STEPS: usize = 2000;
+
+/// Settings of curves of cells.
+pub fn settings() -> LocusSettings {
+    LocusSettings { first_step: 0.02, max_step: 0.25, ..LocusSettings::default() }
+}
+
+fn locus<S: Singularity<Cortex> + Clone>(
+    cell: &Cell<'_>,
+    control: Control,
+    singularity: S,
+    shape: &Solution,
+    tangent: &Update,
+    upwards: bool,
+) -> Result<Locus<Cortex, S>, LocusError> {
+    let controls = [Control::Xi, control];
+    let cortex = Cortex::new(&cell.physics, cell.r0, cell.cue, cell.domain, &controls);
+    let mut metric = metric(cell.r0, cell.domain, &controls);
+    let value = cortex.get(control);
+    // The parameter varied counts relative to its own size.
+    metric.scalars[SECOND] = 1.0 / (value * value).max(1e-2);
+    let mut y = shape.clone();
+    y.scalars.truncate(SECOND);
+    y.scalars.push(value);
+    let mut locus = Locus::start(cortex, singularity, y, metric, tangent, settings(), upwards)?;
+    locus.monitor = Some(mesh_monitor);
+    Ok(locus)
+}
+
+struct Cell<'a> {
+    physics: Physics,
+    r0: f64,
+    cue: &'a Cue,
+    domain: Domain,
+}
+
+/// The tangent that normalises at a singular point: any direction the branch is not orthogonal to.
+fn branch_direction(shape: &Solution) -> Update {
+    let mut direction =
+        Update { nodes: shape.nodes.clone(), stages: shape.stages.clone(), scalars: shape.scalars.clone() };
+    direction.nodes.fill(0.0);
+    direction.stages.fill(0.0);
+    direction.scalars.fill(0.0);
+    // The contour length grows along every branch near its singular points.
+    direction.scalars[0] = 1.0;
+    direction.scalars.truncate(SECOND);
+    direction
+}
+
+/// The curve of pitchforks through one of them, ready to be followed.
+///
+/// # Errors
+/// [`LocusError::Start`].
+pub fn pitchfork_locus(
+    physics: &Physics,
+    r0: f64,
+    pitchfork: &Pitchfork,
+    control: Control,
+    upwards: bool,
+) -> Result<PitchforkLocus, LocusError> {
+    let cell = Cell { physics: *physics, r0, cue: &Cue::None, domain: Domain::Half };
+    let shape = &pitchfork.shape;
+    locus(&cell, control, SymmetryBreaking::default(), shape, &branch_direction(shape), upwards)
+}
+
+/// The curve of folds through one of them, ready to be followed.
+///
+/// # Errors
+/// [`LocusError::Start`].
+pub fn fold_locus(
+    physics: &Physics,
+    r0: f64,
+    cue: &Cue,
+    fold: &FoldPoint,
+    control: Control,
+    upwards: bool,
+) -> Result<FoldLocus, LocusError> {
+    let domain = if *cue == Cue::None { Domain::Half } else { Domain::Full };
+    let cell = Cell { physics: *physics, r0, cue, domain };
+    locus(&cell, control, Fold::new(XI), &fold.shape, &branch_direction(&fold.shape), upwards)
+}
+
+/// The newest point of a curve.
+pub fn curve_point<S: Singularity<Cortex> + Clone>(locus: &Locus<Cortex, S>, coefficient: Option<f64>) -> CurvePoint {
+    let cortex = &locus.extended.problem;
+    let point = ShapePoint::of(&locus.solution, cortex, &locus.extended.system.gauss);
+    CurvePoint {
+        r0: cortex.r0,
+        epsilon: cortex.physics.epsilon,
+        value: locus.solution.scalars[SECOND],
+        xi_s: point.xi_s,
+        slope: locus.tangent.scalars[XI] / locus.tangent.scalars[SECOND],
+        elongation: point.elongation,
+        coefficient,
+    }
+}
+
+/// c of ξ_s = ξ_s* + c (u_f − ½)² at the point `y` on which the curve has just converged.
+///
+/// # Errors
+/// [`SingularError`].
+pub fn coefficient(locus: &mut PitchforkLocus, y: &Solution) -> Result<f64, SingularError> {
+    let form = pitchfork_normal_form(&mut locus.extended, y)?;
+    let shift = furrow_shift(&locus.extended.problem, y, &locus.extended.singularity.null);
+    Ok(form.parameters[0] / (shift * shift))
+}
+
+fn curve_error(kind: &'static str, what: &'static str, value: f64, error: impl std::fmt::Display) -> SteadyError {
+    SteadyError::Curve { kind, what, value, reason: error.to_string() }
+}
+
+/// Follows the curve of the first pitchfork from control value `from` (where it is looked for first) to `to`.
+///
+/// # Errors
+/// [`SteadyError`]; `Curve` if the curve ends before `to`.
+pub fn pitchfork_curve(
+    physics: &Physics,
+    numerics: &Numerics,
+    r0: f64,
+    control: Control,
+    [from, to]: [f64; 2],
+) -> Result<Curve, SteadyError> {
+    let (mut physics, mut r0) = (*physics, r0);
+    control.set(from, &mut physics, &mut r0, &mut Cue::None);
+    let first = symmetric::first_pitchfork(&physics, numerics, r0, &BranchOptions::default())?;
+    let failed = |error: &dyn std::fmt::Display| curve_error("pitchfork", "the parameter", to, error);
+    let mut locus = pitchfork_locus(&physics, r0, &first, control, to > from).map_err(|e| failed(&e))?;
+    let mut curve = Curve { points: vec![curve_point(&locus, Some(first.coefficient))], ..Curve::default() };
+    let mut failure = None;
+    locus
+        .follow_to(SECOND, to, MOST_STEPS, |locus, _| {
+            let y = locus.solution.clone();
+            match coefficient(locus, &y) {
+                Ok(c) => {
+                    let before = curve.points.last().and_then(|p| p.coefficient.map(|c| [p.value, c]));
+                    let point = curve_point(locus, Some(c));
+                    if let Some(before) = before.filter(|before| before[1] * c < 0.0)
+                        && let Some(point) = degenerate(locus, [before, [point.value, c]])
+                    {
+                        curve.degenerate.push(point);
+                    }
+                    curve.points.push(point);
+                }
+                Err(error) => failure = Some(error),
+            }
+            failure.is_none()
+        })
+        .map_err(|e| failure.map_or_else(|| failed(&e), |f| failed(&f)))?;
+    curve.iterations = locus.iterations;
+    Ok(curve)
+}
+
+/// The point between two values of the control where the coefficient vanishes, by the Illinois method.
+fn degenerate(locus: &mut PitchforkLocus, [mut low, mut high]: [[f64; 2]; 2]) -> Option<CurvePoint> {
+    let mut last_side = 0.0;
+    for _ in 0..40 {
+        let value = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1]);
+        let (y, _) = locus.at(SECOND, value).ok()?;
+        let c = coefficient(locus, &y).ok()?;
+        if c.abs() < 1e-8 || (high[0] - low[0]).abs() < 1e-10 * value.abs() {
+            let mut found = locus.clone();
+            found.tangent = found.extended.curve_direction(&y);
+            found.solution = y;
+            return Some(curve_point(&found, Some(c)));
+        }
+        if c * low[1] > 0.0 {
+            low = [value, c];
+            if last_side < 0.0 {
+                high[1] *= 0.5;
+            }
+            last_side = -1.0;
+        } else {
+            high = [value, c];
+            if last_side > 0.0 {
+                low[1] *= 0.5;
+            }
+            last_side = 1.0;
+        }
+    }
+    None
+}
+
+/// Follows one fold until the control reaches `to` or the curve turns back at a cusp.
+///
+/// # Errors
+/// [`LocusError`] other than the cusp.
+pub fn fold_curve(locus: &mut FoldLocus, to: f64) -> Result<Curve, LocusError> {
+    let mut curve = Curve { points: vec![curve_point(locus, None)], ..Curve::default() };
+    let direction = locus.tangent.scalars[SECOND].signum();
+    let mut cusp = false;
+    let followed = locus.follow_to(SECOND, to, MOST_STEPS, |locus, _| {
+        cusp = locus.tangent.scalars[SECOND] * direction < 0.0;
+        if !cusp {
+            curve.points.push(curve_point(locus, None));
+        }
+        !cusp
+    });
+    curve.iterations = locus.iterations;
+    match followed {
+        Err(LocusError::NotReached { .. }) if cusp => {
+            if let Some(y) = locus.turning_point(SECOND) {
+                locus.solution = y;
+            }
+            curve.cusp = Some(curve_point(locus, None));
+            Ok(curve)
+        }
+        Err(error) => Err(error),
+        Ok(()) => Ok(curve),
+    }
+}
+
+/// All folds of the symmetric branch at control value `from`, each followed towards `to`, and those at `to` that are
+/// born on the way at a cusp.
+///
+/// # Errors
+/// [`SteadyError`].
+pub fn fold_curves(
+    physics: &Physics,
+    numerics: &Numerics,
+    r0: f64,
+    control: Control,
+    [from, to]: [f64; 2],
+) -> Result<Vec<Curve>, SteadyError> {
+    let mut curves = Vec::new();
+    for [start, end] in [[from, to], [to, from]] {
+        let (mut physics, mut r0) = (*physics, r0);
+        control.set(start, &mut physics, &mut r0, &mut Cue::None);
+        let branch = symmetric::follow(&physics, numerics, r0, &BranchOptions::default(), |_| true)?;
+        for event in branch.events {
+            let BranchEvent::Fold(fold) = event else { continue };
+            let failed = |error: LocusError| curve_error("fold", "the parameter", end, error);
+            let mut locus = fold_locus(&physics, r0, &Cue::None, &fold, control, end > start).map_err(failed)?;
+            let curve = fold_curve(&mut locus, end).map_err(failed)?;
+            // From the far end only what did not come from the near one.
+            if start == from || curve.cusp.is_some() {
+                curves.push(curve);
+            }
+        }
+    }
+    Ok(curves)
+}
+
+/// The stationary branch of a cell with a cue, on the full contour, at ξ_s = 0.
+///
+/// # Errors
+/// [`SteadyError::Passive`], [`SteadyError::Branch`].
+pub fn cued_start(
+    physics: &Physics,
+    numerics: &Numerics,
+    r0: f64,
+    cue: &Cue,
+    settings: &ContinuationSettings,
+) -> Result<Continuation<Cortex>, SteadyError> {
+    let epsilon = physics.epsilon;
+    let (half, _) =
+        shape::passive(physics, numerics, r0).map_err(|source| SteadyError::Passive { r0, epsilon, source })?;
+    let mut y = shape::unfold(&crate::numerics::Gauss::new(half.m), &half);
+    y.scalars.push(0.0);
+    let controls = [Control::Xi];
+    let cortex = Cortex::new(physics, r0, cue, Domain::Full, &controls);
+    let metric = metric(r0, Domain::Full, &controls);
+    let mut branch = Continuation::start(cortex, y, metric, settings.clone(), true)
+        .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
+    branch.monitor = Some(mesh_monitor);
+    Ok(branch)
+}
+
+/// The first fold of the cued branch: where the weakly furrowed shape that grows out of the passive one ends.
+///
+/// # Errors
+/// [`SteadyError`]; `None` if ξ_s does not turn back in the range.
+pub fn first_cued_fold(
+    physics: &Physics,
+    numerics: &Numerics,
+    r0: f64,
+    cue: &Cue,
+    options: &BranchOptions,
+) -> Result<FoldPoint, SteadyError> {
+    let epsilon = physics.epsilon;
+    let mut branch = cued_start(physics, numerics, r0, cue, &options.settings)?;
+    let mut found = None;
+    branch
+        .follow(options.xi, options.points, |branch: &mut Continuation<Cortex>, advance: Advance| {
+            if advance.passed_fold {
+                found = Some(fold_near(branch));
+            }
+            found.is_none()
+        })
+        .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
+    match found {
+        Some(Ok(fold)) => Ok(fold),
+        Some(Err(source)) => {
+            Err(SteadyError::Point { r0, epsilon, kind: "fold", xi_s: branch.state.parameter(), source })
+        }
+        None => Err(SteadyError::None { r0, epsilon, kind: "fold", xi_max: options.xi[1] }),
+    }
+}
+
+/// Radii at which a curve is looked for first, in order.
+const STARTS: [f64; 7] = [2.0, 2.5, 3.0, 1.6, 4.0, 6.0, 1.0];
+
+/// Follows a curve in R0 from `start` to the point with ξ_s = `xi_s`, in whichever direction leads there.
+fn to_activity<S: Singularity<Cortex> + Clone>(
+    locus: &mut Locus<Cortex, S>,
+    xi_s: f64,
+) -> Result<ExtendedReport, LocusError>
+where
+    Cortex: Directional,
+{
+    let towards = (xi_s - locus.solution.scalars[XI]) * locus.tangent.scalars[XI];
+    if towards < 0.0 {
+        locus.reverse();
+    }
+    let mut last = ExtendedReport::default();
+    locus.follow_to(XI, xi_s, MOST_STEPS, |locus, report| {
+        last = *report;
+        (0.05..50.0).contains(&locus.solution.scalars[SECOND])
+    })?;
+    Ok(last)
+}
+
+/// The critical radius R0_c with ξ_s*(R0_c, ε) = ξ_s of `physics`, without a cue. Smaller cells do not divide.
+///
+/// # Errors
+/// [`SteadyError`] if the curve of pitchforks does not pass that activity.
+pub fn critical_pitchfork(physics: &Physics, numerics: &Numerics) -> Result<CurvePoint, SteadyError> {
+    let mut last = None;
+    for r0 in STARTS {
+        let found = symmetric::first_pitchfork(physics, numerics, r0, &BranchOptions::default()).and_then(|first| {
+            let failed = |e: LocusError| curve_error("pitchfork", "xi_s", physics.xi_s, e);
+            let mut locus = pitchfork_locus(physics, r0, &first, Control::R0, true).map_err(failed)?;
+            to_activity(&mut locus, physics.xi_s).map_err(failed)?;
+            let y = locus.solution.clone();
+            let c = coefficient(&mut locus, &y).map_err(|e| curve_error("pitchfork", "xi_s", physics.xi_s, e))?;
+            Ok(curve_point(&locus, Some(c)))
+        });
+        match found {
+            Ok(point) => return Ok(point),
+            Err(error) => last = Some(error),
+        }
+    }
+    Err(last.unwrap_or(SteadyError::None { r0: 0.0, epsilon: physics.epsilon, kind: "pitchfork", xi_max: 0.0 }))
+}
+
+/// The radius below which a cell with this cue does not divide: the fold of its stable branch lies at ξ_s of `physics`.
+///
+/// # Errors
+/// [`SteadyError`] if the curve of folds does not pass that activity.
+pub fn critical_cued_fold(physics: &Physics, numerics: &Numerics, cue: &Cue) -> Result<CurvePoint, SteadyError> {
+    let mut last = None;
+    for r0 in STARTS {
+        let found = first_cued_fold(physics, numerics, r0, cue, &BranchOptions::default()).and_then(|fold| {
+            let failed = |e: LocusError| curve_error("fold", "xi_s", physics.xi_s, e);
+            let mut locus = fold_locus(physics, r0, cue, &fold, Control::R0, true).map_err(failed)?;
+            to_activity(&mut locus, physics.xi_s).map_err(failed)?;
+            Ok(curve_point(&locus, None))
+        });
+        match found {
+            Ok(point) => return Ok(point),
+            Err(error) => last = Some(error),
+        }
+    }
+    Err(last.unwrap_or(SteadyError::None { r0: 0.0, epsilon: physics.epsilon, kind: "fold", xi_max: 0.0 }))
+}
