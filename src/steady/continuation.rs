@@ -220,6 +220,14 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         }
     }
 
+    /// Turns round.
+    pub fn reverse(&mut self) {
+        self.state.tangent.scale(-1.0);
+        self.state.direction = -self.state.direction;
+        self.state.history.clear();
+        self.state.history.push(self.state.arclength, &self.state.solution);
+    }
+
     /// Goes one step on.
     ///
     /// # Errors

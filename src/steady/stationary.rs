@@ -95,7 +95,7 @@ pub fn stationary(physics: &Physics, numerics: &Numerics, r0: f64, cue: &Cue) ->
     let mut folds = Vec::new();
     if xi_s != 0.0 {
         if xi_s < 0.0 {
-            branch.state.tangent.scale(-1.0);
+            branch.reverse();
         }
         let range = if xi_s > 0.0 { [f64::MIN_POSITIVE, xi_s] } else { [xi_s, -f64::MIN_POSITIVE] };
         let mut furthest = 0.0f64;
