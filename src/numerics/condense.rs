@@ -1,6 +1,6 @@
 //! Static condensation: the stages of one interval expressed by its left node and the scalar unknowns.
 //!
-//! With E the integrable components and N the others, linearising [stages] gives on every interval
+//! With E the integrable components and N the others, linearising \[stages\] gives on every interval
 //!
 //! * δY_E,j = δy_E + Σ_k a_jk (h F_EN,k δY_N,k + h F_Ep,k δp − R_E,k),
 //! * Σ_j [D_ij I − δ_ij h F_NN,i − h² a_ij F_NE,i F_EN,j] δY_N,j
