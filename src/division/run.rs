@@ -70,9 +70,10 @@ pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)
     })?;
     let cortex = Cortex::new(&physics, r0, &cue, Domain::Full, &[]);
     let gauss = crate::numerics::Gauss::new(numerics.stages);
-    let mut stepper = Stepper::new(cortex, numerics.stages, shape::unfold(&gauss, &half));
+    let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, shape::unfold(&gauss, &half));
     stepper.work = start_report;
     observe(Frame { t: 0.0, shape: &stepper.levels[0].y, neck: None });
+    stepper.adapt(cue == Cue::None, 1.2);
 
     let mut run = Run {
         tolerance: numerics.time_tolerance,

@@ -14,6 +14,14 @@ use crate::cortex::{Cortex, shape};
 use crate::numerics::newton::{Newton, NewtonError, NewtonReport, NewtonScratch};
 use crate::numerics::{Gauss, Solution, System, mesh};
 
+/// Share of the mesh monitor (about the turning of the contour, in radians) of one interval at the default resolution
+/// of 32.
+const SHARE: f64 = 0.85;
+/// Part of that share a new mesh uses, so that the shape can sharpen before the mesh must move again.
+const ROOM: f64 = 0.85;
+/// Most intervals a mesh may grow to.
+const MAX_INTERVALS: usize = 1024;
+
 /// Highest order of the formulas.
 pub const MAX_ORDER: usize = 4;
 
@@ -99,11 +107,13 @@ pub struct Stepper {
     weight: Vec<f64>,
     grid: Vec<f64>,
     factored_rate: Option<f64>,
+    share: f64,
 }
 
 impl Stepper {
-    /// Starts from a shape at t = 0.
-    pub fn new(cortex: Cortex, stages: usize, start: Solution) -> Stepper {
+    /// Starts from a shape at t = 0. `resolution` is the nominal number of intervals; the mesh follows the shape and
+    /// uses fewer while it is smooth, more where it is sharp.
+    pub fn new(cortex: Cortex, stages: usize, resolution: usize, start: Solution) -> Stepper {
         let system = System::new(Cortex::dimensions_for(cortex.domain, 0), stages);
         Stepper {
             cortex,
@@ -118,6 +128,7 @@ impl Stepper {
             weight: Vec::new(),
             grid: Vec::new(),
             factored_rate: None,
+            share: SHARE * 32.0 / resolution as f64,
         }
     }
 
@@ -213,19 +224,29 @@ impl Stepper {
         norm.even.hypot(norm.odd) / ((new.t - old.t) * self.cortex.r0)
     }
 
-    /// Moves the mesh if the monitor is out of balance by more than `tolerance`; all levels follow by their own
-    /// collocation polynomials. `symmetric` keeps the mesh mirror-symmetric.
+    /// Even number of intervals that keeps each one's share of the monitor below `room` of its limit.
+    fn wanted_intervals(&self, mesh: &[f64], room: f64) -> usize {
+        let total: f64 = mesh.windows(2).zip(&self.weight).map(|(x, w)| (x[1] - x[0]) * w).sum();
+        let wanted = (total / (room * self.share)).ceil() as usize;
+        (2 * wanted.div_ceil(2)).clamp(8, MAX_INTERVALS)
+    }
+
+    /// Moves the mesh if the monitor is out of balance by more than `tolerance` or the number of intervals no longer
+    /// fits the shape; all levels follow by their own collocation polynomials. `symmetric` keeps the mesh
+    /// mirror-symmetric.
     pub fn adapt(&mut self, symmetric: bool, tolerance: f64) {
-        shape::monitor(&self.cortex, &self.levels[0].y, symmetric, &mut self.weight);
-        if mesh::imbalance(&self.levels[0].y.mesh, &self.weight) < tolerance {
+        let y = &self.levels[0].y;
+        shape::monitor(&self.cortex, y, symmetric, &mut self.weight);
+        let (now, wanted) = (y.intervals(), self.wanted_intervals(&y.mesh, 1.0));
+        if mesh::imbalance(&y.mesh, &self.weight) < tolerance && wanted <= now && 3 * wanted >= 2 * now {
             return;
         }
         // The monitor is only known at the old points, so a sharp neck takes a second look on the new ones.
         let mut source = self.spare.pop().unwrap_or_else(|| self.levels[0].clone());
         source.y.clone_from(&self.levels[0].y);
         for _ in 0..3 {
-            let y = &source.y;
-            mesh::equidistribute(&y.mesh, &self.weight, y.intervals(), &mut self.grid);
+            let wanted = self.wanted_intervals(&source.y.mesh, ROOM);
+            mesh::equidistribute(&source.y.mesh, &self.weight, wanted, &mut self.grid);
             if symmetric {
                 let n = self.grid.len() - 1;
                 for i in 0..=n / 2 {
