@@ -80,7 +80,7 @@ pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)
         factor: numerics.step_factor,
         parity: cue == Cue::None,
         odd_floor: 0.0,
-        dt: FIRST_STEP * numerics.step_factor.min(1.0),
+        dt: FIRST_STEP,
         steps: 0,
         rejected: 0,
         drift: 0.0,
@@ -151,7 +151,9 @@ impl Run {
             let attempt = stepper.attempt(dt, order);
             let shrink = match &attempt {
                 Ok(a) => {
-                    let error = self.error_ratio(a.error.even, a.error.odd, a.odd_size, r0);
+                    // The step factor scales steps chosen for the tolerance: a smaller error does not win them back.
+                    let error = self.error_ratio(a.error.even, a.error.odd, a.odd_size, r0)
+                        / self.factor.powi(order as i32 + 1);
                     if error <= 1.0 || stepper.levels.len() == 1 {
                         let power = 1.0 / (order as f64 + 1.0);
                         let most = if stepper.levels.len() <= MAX_ORDER { 2.0 } else { 1.6 };
@@ -208,7 +210,7 @@ impl Run {
         if let (Some(new), Some(old)) = (neck, self.neck) {
             self.neck_rate = (old.radius - new.radius) / dt;
             if self.neck_rate > 0.0 {
-                self.dt = self.dt.min(NECK_STEP * new.radius / self.neck_rate / self.factor.max(1.0));
+                self.dt = self.dt.min(NECK_STEP * new.radius / self.neck_rate);
             }
         }
         self.neck = neck;
