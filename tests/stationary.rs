@@ -74,3 +74,28 @@ fn a_cued_cell_that_must_divide_has_no_shape() {
     let below = stationary(&physics, &Numerics::default(), 2.0, &CUE).unwrap();
     assert!(below.spectrum().unwrap().is_stable());
 }
+
+/// Growth rates exist for small and large, loose and tight cells, with and without a cue, down to no activity, where a
+/// small cell's slowest mode decays far faster than the scale of its size suggests.
+#[test]
+fn growth_rates_of_all_sorts_of_cells() {
+    let mut states = 0;
+    for cue in [Cue::None, CUE] {
+        for (r0, epsilon) in [(0.6, 0.93), (1.5, 0.5), (2.22, 0.64), (5.4, 0.87), (10.0, 0.93)] {
+            for xi_s in [0.0, 2.0, 10.0, 30.0] {
+                let physics = Physics { epsilon, xi_s, ..Physics::GAO2026 };
+                let shape = match stationary(&physics, &Numerics::default(), r0, &cue) {
+                    Ok(shape) => shape,
+                    Err(StationaryError::OutOfReach { .. }) => continue,
+                    Err(error) => panic!("{error}"),
+                };
+                let spectrum = shape.spectrum().unwrap_or_else(|e| panic!("R0 = {r0}, epsilon = {epsilon}: {e}"));
+                assert!(spectrum.growth_rate().is_finite());
+                // A passive shape, without or with the cue, is at rest in a minimum of its energy.
+                assert!(xi_s > 0.0 || spectrum.is_stable());
+                states += 1;
+            }
+        }
+    }
+    assert!(states > 20, "{states}");
+}

@@ -2,9 +2,8 @@
 
 use super::context::{Context, answer};
 use super::error::CliError;
-use crate::cortex::Control;
 use crate::input::{parse_ron, read_text};
-use crate::steady::calibrate::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
+use crate::steady::calibrate::{Calibration, Combination, Targets, ThresholdResidual, calibrate, name_of};
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -36,7 +35,7 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
     targets.check(&file)?;
     let found = calibrate(&targets, &context.settings.physics, &context.settings.numerics)?;
     if context.json {
-        let parameters = found.parameters.iter().map(|(control, value)| (name(*control), Value::from(*value)));
+        let parameters = found.parameters.iter().map(|(control, value)| (name_of(*control), Value::from(*value)));
         let document = Answer {
             parameters: parameters.collect(),
             residuals: found.residuals,
@@ -50,18 +49,10 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
     }
 }
 
-/// The parameter's name in files.
-fn name(control: Control) -> String {
-    match serde_json::to_value(control) {
-        Ok(Value::String(name)) => name,
-        _ => format!("{control:?}"),
-    }
-}
-
 fn text(found: &Calibration) -> String {
     let mut out = String::new();
     for (control, value) in &found.parameters {
-        let _ = writeln!(out, "{:<10} {value:.9}", name(*control));
+        let _ = writeln!(out, "{:<10} {value:.9}", name_of(*control));
     }
     let _ = writeln!(out, "\n{:>8} {:>8} {:>12} {:>12} {:>10}", "R0", "ε", "ξ_s* given", "computed", "deviation");
     for r in &found.residuals {
@@ -72,7 +63,7 @@ fn text(found: &Calibration) -> String {
     let _ = writeln!(out, "\nchange of the thresholds per change of the constants, both relative, by combination:");
     for c in &found.combinations {
         let parts: Vec<String> =
-            c.components.iter().zip(&found.parameters).map(|(x, (p, _))| format!("{x:+.3} {}", name(*p))).collect();
+            c.components.iter().zip(&found.parameters).map(|(x, (p, _))| format!("{x:+.3} {}", name_of(*p))).collect();
         let verdict = if c.determined { "" } else { "  (left open)" };
         let _ = writeln!(out, "{:>10.2e}  {}{verdict}", c.singular_value, parts.join(" "));
     }

@@ -120,7 +120,7 @@ pub enum CalibrateError {
         source: SteadyError,
     },
     /// The sensitivity of a threshold cannot be computed.
-    #[error("threshold {index}: no sensitivity to {parameter:?}: {source}")]
+    #[error("threshold {index}: no sensitivity to {}: {source}", name_of(*parameter))]
     Sensitivity {
         /// Its place in the list, from 0.
         index: usize,
@@ -166,7 +166,7 @@ impl Targets {
         }
         for (k, unknown) in self.unknowns.iter().enumerate() {
             let name = |field: &str| format!("unknowns[{k}].{field}");
-            let shown = || format!("{:?}", unknown.parameter);
+            let shown = || name_of(unknown.parameter);
             if scale_of(unknown.parameter).is_none() {
                 let allowed = "one of gain, xi_ratio, aspect, p0, w, kappa, eta_b, eta_s, friction, tension";
                 return refuse(name("parameter"), shown(), allowed);
@@ -222,6 +222,14 @@ fn scale_of(control: Control) -> Option<Scale> {
         Control::Xi | Control::R0 | Control::Epsilon | Control::CueU0 | Control::CueOmega | Control::CueAmplitude => {
             None
         }
+    }
+}
+
+/// The parameter's name in files.
+pub fn name_of(control: Control) -> String {
+    match serde_json::to_value(control) {
+        Ok(serde_json::Value::String(name)) => name,
+        _ => format!("{control:?}"),
     }
 }
 

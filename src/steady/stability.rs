@@ -181,8 +181,7 @@ impl Stability {
     /// A failed factorisation, or a rightmost growth rate that does not converge.
     pub fn leading(&mut self, cortex: &Cortex, y: &Solution) -> Result<Spectrum, StabilityError> {
         let (mut fixed, state) = freeze(cortex, y);
-        let near = shift_scale(&fixed);
-        let mut spectrum = self.at_shift(&mut fixed, &state, near, self.arnoldi.wanted)?;
+        let (near, mut spectrum) = self.within_reach(&mut fixed, &state, self.arnoldi.wanted)?;
         let far = self.at_shift(&mut fixed, &state, 8.0 * near, self.arnoldi.wanted)?;
         spectrum.solves += far.solves;
         for value in far.values {
@@ -205,8 +204,7 @@ impl Stability {
     /// As [`leading`](Self::leading).
     pub fn growth_rate(&mut self, cortex: &Cortex, y: &Solution) -> Result<f64, StabilityError> {
         let (mut fixed, state) = freeze(cortex, y);
-        let shift = shift_scale(&fixed);
-        Ok(self.at_shift(&mut fixed, &state, shift, 1)?.growth_rate())
+        Ok(self.within_reach(&mut fixed, &state, 1)?.1.growth_rate())
     }
 
     /// Whether every disturbance of the stationary state decays.
@@ -215,6 +213,28 @@ impl Stability {
     /// As [`leading`](Self::leading).
     pub fn is_stable(&mut self, cortex: &Cortex, y: &Solution) -> Result<bool, StabilityError> {
         Ok(self.growth_rate(cortex, y)? < 0.0)
+    }
+
+    /// The smallest shift, from the scale of the cell upwards, that sees any mode, and what it sees.
+    fn within_reach(
+        &mut self,
+        cortex: &mut Cortex,
+        y: &Solution,
+        wanted: usize,
+    ) -> Result<(f64, Spectrum), StabilityError> {
+        let mut shift = shift_scale(cortex);
+        let mut solves = 0;
+        loop {
+            let mut spectrum = self.at_shift(cortex, y, shift, wanted)?;
+            spectrum.solves += solves;
+            // Every mode decays faster than the shift can see: none is missed, but none is known.
+            if spectrum.values.is_empty() && shift < 1e12 {
+                solves = spectrum.solves;
+                shift *= 0.5 * REACH;
+                continue;
+            }
+            return Ok((shift, spectrum));
+        }
     }
 
     fn at_shift(

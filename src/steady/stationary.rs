@@ -85,8 +85,28 @@ fn waist(gauss: &Gauss, y: &Solution, domain: Domain) -> f64 {
 /// # Errors
 /// [`StationaryError`]; `OutOfReach` when the cell has no such shape, as one that must divide.
 pub fn stationary(physics: &Physics, numerics: &Numerics, r0: f64, cue: &Cue) -> Result<Stationary, StationaryError> {
+    let mut last = None;
+    // Landing on ξ_s extrapolates over a step of the branch: shorter steps where that fails.
+    for max_step in [3.0, 0.6, 0.1] {
+        match along_branch(physics, numerics, r0, cue, max_step) {
+            Err(error @ StationaryError::Unfinished { .. }) => last = Some(error),
+            other => return other,
+        }
+    }
     let (epsilon, xi_s) = (physics.epsilon, physics.xi_s);
-    let settings = ContinuationSettings { first_step: 0.3, max_step: 3.0, ..Default::default() };
+    let reason = "no step is short enough".to_owned();
+    Err(last.unwrap_or(StationaryError::Unfinished { r0, epsilon, xi_s, reason }))
+}
+
+fn along_branch(
+    physics: &Physics,
+    numerics: &Numerics,
+    r0: f64,
+    cue: &Cue,
+    max_step: f64,
+) -> Result<Stationary, StationaryError> {
+    let (epsilon, xi_s) = (physics.epsilon, physics.xi_s);
+    let settings = ContinuationSettings { first_step: 0.3f64.min(max_step), max_step, ..Default::default() };
     let mut branch = match cue {
         Cue::None => symmetric::start(physics, numerics, r0, &settings)?,
         Cue::Kappa { .. } => start_cued(physics, numerics, r0, cue, settings)?,
@@ -98,16 +118,17 @@ pub fn stationary(physics: &Physics, numerics: &Numerics, r0: f64, cue: &Cue) ->
             branch.reverse();
         }
         let range = if xi_s > 0.0 { [f64::MIN_POSITIVE, xi_s] } else { [xi_s, -f64::MIN_POSITIVE] };
-        let mut furthest = 0.0f64;
+        let (mut furthest, mut before) = (0.0f64, 0.0);
         let ended = branch.follow(range, MOST_POINTS, |branch, advance| {
-            if branch.state.parameter().abs() > furthest.abs() {
-                furthest = branch.state.parameter();
+            let here = branch.state.parameter();
+            if here.abs() > furthest.abs() {
+                furthest = here;
             }
-            if advance.passed_fold
-                && let Ok(fold) = symmetric::fold_near(branch)
-            {
-                folds.push(fold.point.xi_s);
+            if advance.passed_fold {
+                // The exact fold, or else the nearest point to it.
+                folds.push(symmetric::fold_near(branch).map_or(before, |fold| fold.point.xi_s));
             }
+            before = here;
             folds.is_empty() || waist(&branch.system.gauss, &branch.state.solution, domain) > PINCHING * r0
         });
         let turn = folds.iter().copied().fold(furthest, |a, b| if b.abs() > a.abs() { b } else { a });

@@ -1,0 +1,30 @@
+//! The exact edges of a phase diagram against divisions on both sides of them.
+
+use furrow::cortex::{Cue, Numerics, Physics};
+use furrow::division::{DivisionInput, Outcome, divide};
+use furrow::steady::phase::rest_shapes;
+
+/// Below the upper end of its stable symmetric shapes a cell stays at rest; above, it divides. Cells with a subcritical
+/// pitchfork first, with an S-shaped branch whose second rise ends in a pitchfork, and whose first rise ends in a fold.
+#[test]
+fn divisions_agree_with_the_edges() {
+    for (r0, epsilon, edge) in [(1.64, 0.87, 25.79676), (2.22, 0.64, 6.24541), (2.22, 0.56, 6.8535)] {
+        let physics = Physics { epsilon, ..Physics::GAO2026 };
+        let shapes = rest_shapes(&physics, &Numerics::default(), r0, 60.0).unwrap();
+        let top = shapes.intervals.iter().fold(0.0f64, |top, i| top.max(i[1]));
+        assert!((top - edge).abs() < 1e-3, "{top} {edge}");
+        for (factor, rests) in [(0.98, true), (1.02, false)] {
+            let xi_s = factor * top;
+            assert_eq!(shapes.contains(xi_s), rests);
+            let input = DivisionInput {
+                physics: Physics { xi_s, ..physics },
+                numerics: Numerics::default(),
+                r0,
+                cue: Cue::None,
+                seed: 0,
+            };
+            let division = divide(&input).unwrap();
+            assert_eq!(division.outcome == Outcome::Failed, rests, "R0 = {r0}, epsilon = {epsilon}, xi_s = {xi_s}");
+        }
+    }
+}
