@@ -120,6 +120,14 @@ fn tree_file_complaints() {
         complaint(&text.replacen("\"name\":\"AB\",\"mother\":\"P0\"", "\"name\":\"AB\",\"mother\":\"P7\"", 1)),
         "cells[2] \"AB\": mother \"P7\" is not among the cells before it"
     );
+    assert_eq!(
+        complaint(&text.replacen(
+            "\"mother\":\"P0\",\"daughter\":\"posterior\"",
+            "\"mother\":\"P0\",\"daughter\":\"anterior\"",
+            1
+        )),
+        "cells[0] \"P0\": its daughters are not one anterior and one posterior"
+    );
     assert!(complaint(&text[..text.len() / 2]).contains("EOF while parsing"));
 }
 

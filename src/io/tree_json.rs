@@ -268,5 +268,13 @@ fn build(lineage: Lineage, settings: TreeSettings, records: Vec<Record<'_>>) -> 
             return Err(wrong(index, &record.name, "its name appears twice".to_owned()));
         }
     }
-    tree.ok_or_else(|| wrong(0, "", "there are no cells".to_owned()))
+    let tree = tree.ok_or_else(|| wrong(0, "", "there are no cells".to_owned()))?;
+    for node in tree.nodes() {
+        let daughters = tree.graph().edges(node).count();
+        if daughters != 0 && (daughters != 2 || tree.daughters(node).is_none()) {
+            let message = "its daughters are not one anterior and one posterior".to_owned();
+            return Err(wrong(node.index(), &tree.cell(node).name, message));
+        }
+    }
+    Ok(tree)
 }
