@@ -59,3 +59,39 @@ impl CellArgs {
         Ok(Cell { r0: self.r0, cue: parse_cue(&self.cue, &lineage)? })
     }
 }
+
+/// One cell at any activity, without a cue.
+#[derive(Debug, Args)]
+pub struct SizeArgs {
+    /// Radius R0 of the sphere with the cell's volume, in L_h
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    r0: f64,
+    /// Volume of the cell over that of its shell, ε
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    epsilon: Option<f64>,
+}
+
+impl SizeArgs {
+    /// Checks the cell, puts its ε into the settings and gives its R0.
+    ///
+    /// # Errors
+    /// Names the option, its value and what is allowed.
+    pub fn read(&self, context: &mut Context) -> Result<f64, InputError> {
+        if let Some(epsilon) = self.epsilon {
+            context.settings.set_number("--epsilon", "epsilon", epsilon)?;
+        }
+        positive("--r0", "r0", self.r0)
+    }
+}
+
+/// A finite number above 0 from an option.
+///
+/// # Errors
+/// Names the option, its value and what is allowed.
+pub fn positive(option: &str, field: &str, value: f64) -> Result<f64, InputError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(InputError::not_allowed(option, field, value, "a finite number above 0"))
+    }
+}

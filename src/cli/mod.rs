@@ -1,5 +1,7 @@
 //! The command line: arguments in, answers to stdout, all else to stderr. One file a command.
 
+mod boundary;
+mod branch;
 mod cache;
 mod calibrate;
 mod cell;
@@ -7,6 +9,7 @@ mod context;
 mod divide;
 mod error;
 mod phase;
+mod pitchfork;
 mod progress;
 mod shell;
 mod steady;
@@ -68,6 +71,9 @@ enum Command {
     Tree(tree::TreeArgs),
     Divide(divide::DivideArgs),
     Steady(steady::SteadyArgs),
+    Branch(branch::BranchArgs),
+    Pitchfork(pitchfork::PitchforkArgs),
+    Boundary(boundary::BoundaryArgs),
     Phase(phase::PhaseArgs),
     Calibrate(calibrate::CalibrateArgs),
     Cache(cache::CacheArgs),
@@ -94,6 +100,9 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Tree(args) => tree::run(&args, &Context::new(&cli.globals)?),
         Command::Divide(args) => divide::run(&args, Context::new(&cli.globals)?),
         Command::Steady(args) => steady::run(&args, Context::new(&cli.globals)?),
+        Command::Branch(args) => branch::run(&args, Context::new(&cli.globals)?),
+        Command::Pitchfork(args) => pitchfork::run(&args, Context::new(&cli.globals)?),
+        Command::Boundary(args) => boundary::run(&args, Context::new(&cli.globals)?),
         Command::Calibrate(args) => calibrate::run(&args, &Context::new(&cli.globals)?),
         Command::Phase(args) => phase::run(&args, Context::new(&cli.globals)?),
         Command::Cache(args) => cache::run(&args, &cli.globals),

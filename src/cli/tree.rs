@@ -6,8 +6,9 @@ use super::progress::ProgressLine;
 use crate::cortex::Cue;
 use crate::division::divide;
 use crate::io::{FounderRow, Provenance, founder_rows, newick, parse_cue, write_atomically};
-use crate::lineage::{Grower, Lineage, SchedulerOptions, Summary, Tree, TreeSettings};
+use crate::lineage::{EndReason, Grower, Lineage, SchedulerOptions, Summary, Tree, TreeSettings};
 use crate::report;
+use crate::steady::boundary::{Boundary, BoundaryKind, End};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -99,7 +100,16 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         progress: Some(&show),
         ..SchedulerOptions::default()
     };
-    let grown = Grower { lineage: &lineage, settings, ends: &|_, _| None, memo: &memo, options }.grow(divide);
+    let boundary = Boundary::new(&settings.physics, &settings.numerics);
+    let ends = |r0: f64, cue: &Cue| match boundary.ends(r0, cue) {
+        Ok(end) => end.map(end_reason),
+        Err(error) => {
+            // Without a boundary the division itself tells.
+            tracing::info!("no boundary of division: {error}");
+            None
+        }
+    };
+    let grown = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options }.grow(divide);
     drop(line);
     let (tree, summary) = grown?;
     summary.warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
@@ -127,6 +137,14 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         summary.memo_hits,
         args.out.display()
     ))
+}
+
+/// A boundary of division as the reason a branch ends.
+fn end_reason(end: End) -> EndReason {
+    match end.kind {
+        BoundaryKind::Pitchfork => EndReason::BelowPitchfork { r0_c: end.critical_r0 },
+        BoundaryKind::CuedFold => EndReason::BelowCuedFold { r0: end.critical_r0 },
+    }
 }
 
 /// Gives `cue` to every founder that carries one.

@@ -2,6 +2,7 @@
 
 use super::continuation::{Advance, Continuation, ContinuationSettings, State};
 use super::path::History;
+use super::stability::Stability;
 use super::symmetric::{
     Branch, BranchEvent, BranchOptions, Pitchfork, ShapePoint, SteadyError, fold_near, mesh_monitor, metric,
 };
@@ -103,6 +104,7 @@ pub fn follow(
     let (mut events, mut failure, mut samples) = (Vec::new(), None, Vec::new());
     let mut passed = 0;
     let gauss = branch.system.gauss.clone();
+    let mut stability = options.growth_rates.then(|| Stability::new(gauss.m));
     let ended = branch
         .follow(options.xi, options.points, |branch: &mut Continuation<Cortex>, advance: Advance| {
             if advance.passed_fold {
@@ -121,6 +123,9 @@ pub fn follow(
             let mut point = ShapePoint::of(&branch.state.solution, &branch.problem, &gauss);
             point.delta_u = furrow(&gauss, &branch.problem, &branch.state.solution);
             (point.arclength, point.passed) = (branch.state.arclength, passed);
+            if let Some(stability) = &mut stability {
+                point.growth_rate = stability.growth_rate(&branch.problem, &branch.state.solution).ok();
+            }
             if events.is_empty() && (SCALING_RANGE[0]..SCALING_RANGE[1]).contains(&point.delta_u.abs()) {
                 samples.push([point.delta_u.abs(), point.xi_s - pitchfork.point.xi_s]);
             }

@@ -1,10 +1,9 @@
 //! Curves of pitchforks and folds of cells in ξ_s and one further parameter, and the radii at which they bound division.
 
 use super::continuation::{Advance, Continuation, ContinuationSettings};
-use super::directional::Directional;
 use super::locus::{Locus, LocusError, LocusSettings};
 use super::normal_form::pitchfork_normal_form;
-use super::singular::{ExtendedReport, Fold, SingularError, Singularity, SymmetryBreaking};
+use super::singular::{Fold, SingularError, Singularity, SymmetryBreaking};
 use super::symmetric::{
     self, BranchEvent, BranchOptions, Criticality, FoldPoint, Pitchfork, ShapePoint, SteadyError, XI, fold_near,
     furrow_shift, mesh_monitor, metric,
@@ -304,6 +303,54 @@ pub fn fold_curves(
     Ok(curves)
 }
 
+/// The control value between `from` and `to` at which the small-H fold and the large-H fold (both maxima of ξ_s) change
+/// their order, i.e. lie at the same ξ_s, by Newton with the slopes of both curves. `None` if the branch at `from` has no
+/// two maxima.
+///
+/// # Errors
+/// [`SteadyError`].
+pub fn fold_order_swap(
+    physics: &Physics,
+    numerics: &Numerics,
+    r0: f64,
+    control: Control,
+    [from, to]: [f64; 2],
+) -> Result<Option<[CurvePoint; 2]>, SteadyError> {
+    let (mut physics, mut r0) = (*physics, r0);
+    control.set(from, &mut physics, &mut r0, &mut Cue::None);
+    let branch = symmetric::follow(&physics, numerics, r0, &BranchOptions::default(), |_| true)?;
+    let maxima: Vec<_> = branch
+        .events
+        .iter()
+        .filter_map(|event| match event {
+            BranchEvent::Fold(fold) if fold.maximum => Some(fold),
+            _ => None,
+        })
+        .collect();
+    let [small, .., large] = maxima[..] else { return Ok(None) };
+    let failed = |error: LocusError| curve_error("fold", "the parameter", to, error);
+    let start = |fold| fold_locus(&physics, r0, &Cue::None, fold, control, to > from).map_err(failed);
+    let (mut small, mut large) = (start(small)?, start(large)?);
+    let (low, high) = (from.min(to), from.max(to));
+    for _ in 0..50 {
+        let points = [curve_point(&small, None), curve_point(&large, None)];
+        let step = -(points[0].xi_s - points[1].xi_s) / (points[0].slope - points[1].slope);
+        let value = points[0].value;
+        if step.abs() < 1e-11 * value.abs() {
+            return Ok(Some(points));
+        }
+        let next = (value + step).clamp(low, high);
+        if next == value {
+            return Ok(None);
+        }
+        for locus in [&mut small, &mut large] {
+            locus.head_for(SECOND, next);
+            locus.follow_to(SECOND, next, MOST_STEPS, |_, _| true).map_err(failed)?;
+        }
+    }
+    Ok(None)
+}
+
 /// The stationary branch of a cell with a cue, on the full contour, at ξ_s = 0.
 ///
 /// # Errors
@@ -361,68 +408,110 @@ pub fn first_cued_fold(
 }
 
 /// Radii at which a curve is looked for first, in order.
-const STARTS: [f64; 7] = [2.0, 2.5, 3.0, 1.6, 4.0, 6.0, 1.0];
+pub const STARTS: [f64; 7] = [2.0, 2.5, 3.0, 1.6, 4.0, 6.0, 1.0];
 
-/// Follows a curve in R0 from `start` to the point with ξ_s = `xi_s`, in whichever direction leads there.
+/// Values of a control that curves may run through.
+fn domain_of(control: Control) -> std::ops::Range<f64> {
+    match control {
+        Control::R0 => 0.05..50.0,
+        Control::Epsilon => 0.05..0.99,
+        _ => f64::NEG_INFINITY..f64::INFINITY,
+    }
+}
+
+/// Follows a curve to the point with ξ_s = `xi_s`, in whichever direction leads there.
 fn to_activity<S: Singularity<Cortex> + Clone>(
     locus: &mut Locus<Cortex, S>,
     xi_s: f64,
-) -> Result<ExtendedReport, LocusError>
-where
-    Cortex: Directional,
-{
-    let towards = (xi_s - locus.solution.scalars[XI]) * locus.tangent.scalars[XI];
-    if towards < 0.0 {
-        locus.reverse();
-    }
-    let mut last = ExtendedReport::default();
-    locus.follow_to(XI, xi_s, MOST_STEPS, |locus, report| {
-        last = *report;
-        (0.05..50.0).contains(&locus.solution.scalars[SECOND])
-    })?;
-    Ok(last)
+    control: Control,
+) -> Result<(), LocusError> {
+    locus.head_for(XI, xi_s);
+    locus.follow_to(XI, xi_s, MOST_STEPS, |locus, _| domain_of(control).contains(&locus.solution.scalars[SECOND]))
 }
 
-/// The critical radius R0_c with ξ_s*(R0_c, ε) = ξ_s of `physics`, without a cue. Smaller cells do not divide.
+/// The value of `control` at which the pitchfork (no cue) lies at the activity ξ_s of `physics`. The curve is looked for
+/// at each of `starts` in turn. Along R0 that is the critical radius R0_c; smaller cells do not divide.
 ///
 /// # Errors
 /// [`SteadyError`] if the curve of pitchforks does not pass that activity.
-pub fn critical_pitchfork(physics: &Physics, numerics: &Numerics) -> Result<CurvePoint, SteadyError> {
-    let mut last = None;
-    for r0 in STARTS {
-        let found = symmetric::first_pitchfork(physics, numerics, r0, &BranchOptions::default()).and_then(|first| {
-            let failed = |e: LocusError| curve_error("pitchfork", "xi_s", physics.xi_s, e);
-            let mut locus = pitchfork_locus(physics, r0, &first, Control::R0, true).map_err(failed)?;
-            to_activity(&mut locus, physics.xi_s).map_err(failed)?;
-            let y = locus.solution.clone();
-            let c = coefficient(&mut locus, &y).map_err(|e| curve_error("pitchfork", "xi_s", physics.xi_s, e))?;
-            Ok(curve_point(&locus, Some(c)))
-        });
-        match found {
-            Ok(point) => return Ok(point),
-            Err(error) => last = Some(error),
-        }
-    }
-    Err(last.unwrap_or(SteadyError::None { r0: 0.0, epsilon: physics.epsilon, kind: "pitchfork", xi_max: 0.0 }))
+pub fn critical_pitchfork(
+    physics: &Physics,
+    numerics: &Numerics,
+    r0: f64,
+    control: Control,
+    starts: &[f64],
+) -> Result<CurvePoint, SteadyError> {
+    let xi_s = physics.xi_s;
+    let failed = |e: &dyn std::fmt::Display| curve_error("pitchfork", "xi_s", xi_s, e);
+    first_success("pitchfork", xi_s, starts, |start| {
+        let (mut physics, mut r0) = (*physics, r0);
+        control.set(start, &mut physics, &mut r0, &mut Cue::None);
+        let first = symmetric::first_pitchfork(&physics, numerics, r0, &BranchOptions::default())?;
+        let mut locus = pitchfork_locus(&physics, r0, &first, control, true).map_err(|e| failed(&e))?;
+        to_activity(&mut locus, xi_s, control).map_err(|e| failed(&e))?;
+        let y = locus.solution.clone();
+        let c = coefficient(&mut locus, &y).map_err(|e| failed(&e))?;
+        Ok(curve_point(&locus, Some(c)))
+    })
 }
 
-/// The radius below which a cell with this cue does not divide: the fold of its stable branch lies at ξ_s of `physics`.
+/// The value of `control` at which the stable branch of a cell with this cue ends, in a fold, at the activity ξ_s of
+/// `physics`. Along R0: smaller cells do not divide.
 ///
 /// # Errors
 /// [`SteadyError`] if the curve of folds does not pass that activity.
-pub fn critical_cued_fold(physics: &Physics, numerics: &Numerics, cue: &Cue) -> Result<CurvePoint, SteadyError> {
-    let mut last = None;
-    for r0 in STARTS {
-        let found = first_cued_fold(physics, numerics, r0, cue, &BranchOptions::default()).and_then(|fold| {
-            let failed = |e: LocusError| curve_error("fold", "xi_s", physics.xi_s, e);
-            let mut locus = fold_locus(physics, r0, cue, &fold, Control::R0, true).map_err(failed)?;
-            to_activity(&mut locus, physics.xi_s).map_err(failed)?;
-            Ok(curve_point(&locus, None))
-        });
-        match found {
+pub fn critical_cued_fold(
+    physics: &Physics,
+    numerics: &Numerics,
+    r0: f64,
+    cue: &Cue,
+    control: Control,
+    starts: &[f64],
+) -> Result<CurvePoint, SteadyError> {
+    let xi_s = physics.xi_s;
+    let failed = |e: LocusError| curve_error("fold", "xi_s", xi_s, e);
+    first_success("fold", xi_s, starts, |start| {
+        let (mut physics, mut r0, mut cue) = (*physics, r0, *cue);
+        control.set(start, &mut physics, &mut r0, &mut cue);
+        let fold = first_cued_fold(&physics, numerics, r0, &cue, &BranchOptions::default())?;
+        let mut locus = fold_locus(&physics, r0, &cue, &fold, control, true).map_err(failed)?;
+        to_activity(&mut locus, xi_s, control).map_err(failed)?;
+        Ok(curve_point(&locus, None))
+    })
+}
+
+fn first_success(
+    kind: &'static str,
+    xi_s: f64,
+    starts: &[f64],
+    mut attempt: impl FnMut(f64) -> Result<CurvePoint, SteadyError>,
+) -> Result<CurvePoint, SteadyError> {
+    let mut last = curve_error(kind, "xi_s", xi_s, "no start given");
+    for start in starts {
+        match attempt(*start) {
             Ok(point) => return Ok(point),
-            Err(error) => last = Some(error),
+            Err(error) => last = error,
         }
     }
-    Err(last.unwrap_or(SteadyError::None { r0: 0.0, epsilon: physics.epsilon, kind: "fold", xi_max: 0.0 }))
+    Err(last)
+}
+
+/// The curve of the fold that ends the stable branch of a cell with a cue, over a range of a control.
+///
+/// # Errors
+/// [`SteadyError`].
+pub fn cued_fold_curve(
+    physics: &Physics,
+    numerics: &Numerics,
+    r0: f64,
+    cue: &Cue,
+    control: Control,
+    [from, to]: [f64; 2],
+) -> Result<Curve, SteadyError> {
+    let (mut physics, mut r0, mut cue) = (*physics, r0, *cue);
+    control.set(from, &mut physics, &mut r0, &mut cue);
+    let fold = first_cued_fold(&physics, numerics, r0, &cue, &BranchOptions::default())?;
+    let failed = |e: LocusError| curve_error("fold", "the parameter", to, e);
+    let mut locus = fold_locus(&physics, r0, &cue, &fold, control, to > from).map_err(failed)?;
+    fold_curve(&mut locus, to).map_err(failed)
 }

@@ -150,6 +150,13 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Locus<P, S> {
         self.step = self.settings.first_step;
     }
 
+    /// Turns to the side on which scalar unknown `index` comes nearer to `value`.
+    pub fn head_for(&mut self, index: usize, value: f64) {
+        if (value - self.solution.scalars[index]) * self.tangent.scalars[index] < 0.0 {
+            self.reverse();
+        }
+    }
+
     /// Goes one step on.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 //! Stationary shapes: their branches, bifurcations and stability.
 
 pub mod asymmetric;
+pub mod boundary;
 pub mod calibrate;
 pub mod continuation;
 pub mod curves;
@@ -15,6 +16,7 @@ pub mod stability;
 pub mod stationary;
 pub mod symmetric;
 
+pub use boundary::Boundary;
 pub use calibrate::{CalibrateError, Calibration, calibrate};
 pub use stability::{Parity, Spectrum, Stability, StabilityError};
 pub use stationary::{Stationary, StationaryError, stationary};

@@ -7,6 +7,7 @@ use super::locate;
 use super::normal_form::pitchfork_normal_form;
 use super::path::Metric;
 use super::singular::{Extended, ExtendedReport, Fold, MirrorSymmetric, SingularError, SymmetryBreaking};
+use super::stability::Stability;
 use crate::cortex::equations::{COMPONENTS, M, PSI, Q, R, T, V, Z};
 use crate::cortex::{Control, Cortex, Cue, Domain, Numerics, Physics, shape};
 use crate::numerics::newton::NewtonError;
@@ -99,6 +100,8 @@ pub struct BranchOptions {
     pub points: usize,
     /// Continuation settings.
     pub settings: ContinuationSettings,
+    /// Whether growth rates are computed at every point.
+    pub growth_rates: bool,
 }
 
 impl Default for BranchOptions {
@@ -107,6 +110,7 @@ impl Default for BranchOptions {
             xi: [0.0, 100.0],
             points: 400,
             settings: ContinuationSettings { first_step: 0.3, max_step: 3.0, ..Default::default() },
+            growth_rates: false,
         }
     }
 }
@@ -128,8 +132,10 @@ pub struct ShapePoint {
     pub delta_u: f64,
     /// Arclength along the branch.
     pub arclength: f64,
-    /// Folds and pitchforks passed since ξ_s = 0.
+    /// Folds and pitchforks passed since the start of the branch.
     pub passed: usize,
+    /// Largest growth rate of disturbances, in 1/τ, if asked for and found.
+    pub growth_rate: Option<f64>,
 }
 
 impl ShapePoint {
@@ -147,6 +153,7 @@ impl ShapePoint {
             delta_u: 0.0,
             arclength: 0.0,
             passed: 0,
+            growth_rate: None,
         }
     }
 }
@@ -295,7 +302,11 @@ pub fn follow(
     let epsilon = physics.epsilon;
     let mut branch = start(physics, numerics, r0, &options.settings)?;
     let mut watch = SymmetryBreaking::default();
-    let first = ShapePoint::of(&branch.state.solution, &branch.problem, &branch.system.gauss);
+    let mut stability = options.growth_rates.then(|| Stability::new(branch.state.solution.m));
+    let mut first = ShapePoint::of(&branch.state.solution, &branch.problem, &branch.system.gauss);
+    if let Some(stability) = &mut stability {
+        first.growth_rate = stability.growth_rate(&branch.problem, &branch.state.solution).ok();
+    }
     let (mut points, mut events) = (vec![first], Vec::new());
     let mut sign_before: Option<f64> = None;
     // Passive shapes have no antisymmetric null vector; their sign is the first one seen.
@@ -332,6 +343,9 @@ pub fn follow(
             passed += new.len();
             let mut point = ShapePoint::of(&branch.state.solution, &branch.problem, &branch.system.gauss);
             (point.arclength, point.passed) = (branch.state.arclength, passed);
+            if let Some(stability) = &mut stability {
+                point.growth_rate = stability.growth_rate(&branch.problem, &branch.state.solution).ok();
+            }
             points.push(point);
             let enough = new.iter().any(|event| !wanted(event));
             events.extend(new);

@@ -1,0 +1,179 @@
+//! `furrow branch`: stationary shapes of one cell over activity.
+
+use super::cell::{SizeArgs, positive};
+use super::context::{Context, answer};
+use super::error::CliError;
+use super::pitchfork::criticality_name;
+use crate::steady::asymmetric::{self, Scaling};
+use crate::steady::symmetric::{self, Branch, BranchEvent, BranchOptions, Criticality, ShapePoint};
+use clap::Args;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// Follows the mirror-symmetric and the asymmetric stationary shapes over ξ_s, with their folds and pitchforks
+#[derive(Debug, Args)]
+pub struct BranchArgs {
+    #[command(flatten)]
+    size: SizeArgs,
+    /// Largest ξ_s
+    #[arg(long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true)]
+    xi_max: f64,
+    /// Largest step along a branch, in its arclength
+    #[arg(long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true)]
+    max_step: f64,
+}
+
+#[derive(Serialize)]
+#[allow(non_snake_case)]
+struct PointAnswer {
+    branch: &'static str,
+    xi_s: f64,
+    H: f64,
+    L: f64,
+    p: f64,
+    r_eq: f64,
+    /// Absent if the growth rate could not be computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stable: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    growth_rate: Option<f64>,
+    delta_u: f64,
+}
+
+#[derive(Serialize)]
+#[allow(non_snake_case)]
+struct EventAnswer {
+    kind: &'static str,
+    branch: &'static str,
+    xi_s: f64,
+    H: f64,
+    L: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    criticality: Option<Criticality>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    coefficient: Option<f64>,
+    /// Of folds: whether ξ_s is largest here along the branch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    maximum: Option<bool>,
+}
+
+/// How Δu opens at the pitchfork: |Δu| = prefactor |ξ_s − ξ_s*|^exponent.
+#[derive(Serialize)]
+struct ScalingAnswer {
+    exponent: f64,
+    prefactor: f64,
+    coefficient: f64,
+    points: usize,
+}
+
+#[derive(Serialize)]
+struct Answer {
+    r0: f64,
+    epsilon: f64,
+    points: Vec<PointAnswer>,
+    events: Vec<EventAnswer>,
+    /// Of the asymmetric branch of the first pitchfork.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scaling: Option<ScalingAnswer>,
+    steps: usize,
+    newton_iterations: usize,
+}
+
+pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
+    let r0 = args.size.read(&mut context)?;
+    let mut options = BranchOptions { xi: [0.0, positive("--xi-max", "xi_max", args.xi_max)?], ..Default::default() };
+    options.settings.max_step = positive("--max-step", "max_step", args.max_step)?;
+    options.settings.first_step = options.settings.first_step.min(options.settings.max_step);
+    options.growth_rates = true;
+    let (physics, numerics) = (&context.settings.physics, &context.settings.numerics);
+    let branch = symmetric::follow(physics, numerics, r0, &options, |_| true)?;
+    let mut document = Answer {
+        r0,
+        epsilon: physics.epsilon,
+        points: Vec::new(),
+        events: Vec::new(),
+        scaling: None,
+        steps: 0,
+        newton_iterations: 0,
+    };
+    document.add("symmetric", &branch);
+    let first = branch.events.iter().find_map(|event| match event {
+        BranchEvent::Pitchfork(pitchfork) => Some(pitchfork),
+        BranchEvent::Fold(_) => None,
+    });
+    if let Some(pitchfork) = first {
+        let found = asymmetric::follow(pitchfork, physics, r0, &options)?;
+        document.add("asymmetric", &found.branch);
+        document.scaling = found.scaling.map(|Scaling { exponent, prefactor, coefficient, points }| ScalingAnswer {
+            exponent,
+            prefactor,
+            coefficient,
+            points,
+        });
+    }
+    if context.json {
+        answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
+    } else {
+        answer(&document.text())
+    }
+}
+
+impl Answer {
+    fn add(&mut self, name: &'static str, branch: &Branch) {
+        self.points.extend(branch.points.iter().map(|p: &ShapePoint| PointAnswer {
+            branch: name,
+            xi_s: p.xi_s,
+            H: p.elongation,
+            L: p.length,
+            p: p.pressure,
+            r_eq: p.equator_radius,
+            stable: p.growth_rate.map(|rate| rate < 0.0),
+            growth_rate: p.growth_rate,
+            delta_u: p.delta_u,
+        }));
+        self.events.extend(branch.events.iter().map(|event| {
+            let point = event.point();
+            let (kind, criticality, coefficient, maximum) = match event {
+                BranchEvent::Pitchfork(p) => ("pitchfork", Some(p.criticality()), Some(p.coefficient), None),
+                BranchEvent::Fold(fold) => ("fold", None, None, Some(fold.maximum)),
+            };
+            EventAnswer {
+                kind,
+                branch: name,
+                xi_s: point.xi_s,
+                H: point.elongation,
+                L: point.length,
+                criticality,
+                coefficient,
+                maximum,
+            }
+        }));
+        self.steps += branch.work.steps;
+        self.newton_iterations += branch.work.iterations;
+    }
+
+    fn text(&self) -> String {
+        let mut out = format!("R0 = {}, ε = {}\n", self.r0, self.epsilon);
+        out.push_str("branch          ξ_s         H         L   growth rate        Δu\n");
+        for p in &self.points {
+            let rate = p.growth_rate.map_or("-".to_owned(), |rate| format!("{rate:.4}"));
+            let _ = writeln!(
+                out,
+                "{:<10} {:>9.5} {:>9.6} {:>9.5} {rate:>13} {:>9.5}",
+                p.branch, p.xi_s, p.H, p.L, p.delta_u
+            );
+        }
+        for e in &self.events {
+            let of = match (e.criticality, e.maximum) {
+                (Some(criticality), _) => criticality_name(criticality),
+                (_, Some(true)) => "largest ξ_s",
+                _ => "smallest ξ_s",
+            };
+            let _ = writeln!(out, "{} of the {} branch at ξ_s = {:.6}, H = {:.6}: {of}", e.kind, e.branch, e.xi_s, e.H);
+        }
+        if let Some(s) = &self.scaling {
+            let _ = writeln!(out, "|Δu| = {:.4} |ξ_s − ξ_s*|^{:.4} from {} points", s.prefactor, s.exponent, s.points);
+        }
+        out
+    }
+}

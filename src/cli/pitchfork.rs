@@ -1,0 +1,77 @@
+//! `furrow pitchfork`: the threshold of asymmetry of one cell.
+
+use super::cell::SizeArgs;
+use super::context::{Context, answer};
+use super::error::CliError;
+use crate::steady::symmetric::{BranchOptions, Criticality, first_pitchfork};
+use clap::Args;
+use serde::Serialize;
+
+/// Locates the first pitchfork of the mirror-symmetric shapes and says on which side the asymmetric ones lie
+#[derive(Debug, Args)]
+pub struct PitchforkArgs {
+    #[command(flatten)]
+    size: SizeArgs,
+    /// Largest ξ_s searched
+    #[arg(long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true)]
+    xi_max: f64,
+}
+
+/// What `--json` prints; lengths in L_h, activities in κ0/L_h.
+#[derive(Serialize)]
+#[allow(non_snake_case)]
+struct Answer {
+    r0: f64,
+    epsilon: f64,
+    /// Threshold ξ_s*.
+    xi_s: f64,
+    criticality: Criticality,
+    /// c of ξ_s = ξ_s* + c (u_furrow − ½)² along the asymmetric branch; positive: supercritical.
+    coefficient: f64,
+    H: f64,
+    L: f64,
+    p: f64,
+    /// Size of the last Newton correction.
+    residual: f64,
+    iterations: usize,
+}
+
+pub fn run(args: &PitchforkArgs, mut context: Context) -> Result<(), CliError> {
+    let r0 = args.size.read(&mut context)?;
+    let xi_max = super::cell::positive("--xi-max", "xi_max", args.xi_max)?;
+    let (physics, numerics) = (&context.settings.physics, &context.settings.numerics);
+    let options = BranchOptions { xi: [0.0, xi_max], ..BranchOptions::default() };
+    let found = first_pitchfork(physics, numerics, r0, &options)?;
+    let document = Answer {
+        r0,
+        epsilon: physics.epsilon,
+        xi_s: found.point.xi_s,
+        criticality: found.criticality(),
+        coefficient: found.coefficient,
+        H: found.point.elongation,
+        L: found.point.length,
+        p: found.point.pressure,
+        residual: found.report.correction,
+        iterations: found.report.iterations,
+    };
+    if context.json {
+        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+    }
+    answer(&format!(
+        "R0 = {r0}, ε = {}: pitchfork at ξ_s* = {:.8} ({}), H = {:.6}\n\
+         ξ_s = ξ_s* + c (u_furrow − ½)² with c = {:.4} on the asymmetric branch\n",
+        document.epsilon,
+        document.xi_s,
+        criticality_name(document.criticality),
+        document.H,
+        document.coefficient
+    ))
+}
+
+/// The word for a criticality.
+pub fn criticality_name(criticality: Criticality) -> &'static str {
+    match criticality {
+        Criticality::Supercritical => "supercritical",
+        Criticality::Subcritical => "subcritical",
+    }
+}
