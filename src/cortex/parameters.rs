@@ -106,7 +106,7 @@ impl Default for Numerics {
         Numerics {
             stages: 4,
             intervals: 48,
-            time_tolerance: 1e-4,
+            time_tolerance: 5e-5,
             step_factor: 1.0,
             t_max: 10_000.0,
             chi_symmetric: 5e-3,
