@@ -2,7 +2,7 @@
 
 use furrow::cortex::{Cue, Numerics, Physics};
 use furrow::division::{DivisionInput, Outcome, divide};
-use furrow::steady::phase::rest_shapes;
+use furrow::steady::phase::{Edge, rest_shapes};
 
 /// Below the upper end of its stable symmetric shapes a cell stays at rest; above, it divides. Cells with a subcritical
 /// pitchfork first, with an S-shaped branch whose second rise ends in a pitchfork, and whose first rise ends in a fold.
@@ -26,5 +26,21 @@ fn divisions_agree_with_the_edges() {
             let division = divide(&input).unwrap();
             assert_eq!(division.outcome == Outcome::Failed, rests, "R0 = {r0}, epsilon = {epsilon}, xi_s = {xi_s}");
         }
+    }
+}
+
+/// A pitchfork between the last free point of a branch and the bound it is cut at was once an error: landing on the bound
+/// forgot the point before.
+#[test]
+fn edges_just_below_the_end_of_the_range() {
+    let mut cells = Vec::new();
+    cells.extend([22.06, 22.1, 22.5, 23.0, 24.0, 25.0, 26.0].map(|xi_max| (2.0, 0.87, xi_max, 22.05688)));
+    cells.extend([25.8, 26.0, 27.0, 28.0, 28.38, 29.0, 31.0].map(|xi_max| (2.22, 0.9, xi_max, 25.70943)));
+    for (r0, epsilon, xi_max, edge) in cells {
+        let physics = Physics { epsilon, ..Physics::GAO2026 };
+        let shapes = rest_shapes(&physics, &Numerics::default(), r0, xi_max).unwrap();
+        let [Edge::Pitchfork { xi_s, .. }] = shapes.edges[..] else { panic!("{xi_max}: {shapes:?}") };
+        assert!((xi_s - edge).abs() < 1e-5, "{xi_max}: {xi_s}");
+        assert_eq!(shapes.intervals, [[0.0, xi_s]]);
     }
 }

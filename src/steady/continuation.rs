@@ -380,14 +380,22 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// [`ContinuationError::Lost`] if the corrector fails there.
     pub fn land_on(&mut self, value: f64) -> Result<(), ContinuationError> {
         let y = self.at(value)?;
+        if let Some((position, earlier)) = self.state.history.before_newest() {
+            let last = y.scalars.len() - 1;
+            let span = self.state.parameter() - earlier.scalars[last];
+            if span != 0.0 {
+                let share = ((value - earlier.scalars[last]) / span).clamp(0.0, 1.0);
+                self.state.arclength = position + share * (self.state.arclength - position);
+            }
+        }
         self.state.solution = y;
         self.exact_tangent().map_err(|reason| ContinuationError::Lost {
             parameter: value,
             arclength: self.state.arclength,
             reason,
         })?;
-        self.state.history.clear();
-        self.state.history.push(self.state.arclength, &self.state.solution);
+        // The points before stay, so that what lies between them and the new one can still be located.
+        self.state.history.replace_newest(self.state.arclength, &self.state.solution);
         Ok(())
     }
 

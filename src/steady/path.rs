@@ -95,6 +95,13 @@ impl History {
         }
     }
 
+    /// Puts another point in the place of the newest, and of any others not before it.
+    pub fn replace_newest(&mut self, position: f64, y: &Solution) {
+        self.points.pop();
+        self.points.retain(|(earlier, _)| *earlier < position);
+        self.push(position, y);
+    }
+
     /// Points held.
     pub fn len(&self) -> usize {
         self.points.len()
