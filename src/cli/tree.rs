@@ -11,6 +11,7 @@ use crate::report;
 use crate::steady::boundary::{Boundary, BoundaryKind, End};
 use clap::Args;
 use serde::Serialize;
+use std::cell::RefCell;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -33,6 +34,9 @@ pub struct TreeArgs {
     /// kappa:u0=..,omega=..,amplitude=..
     #[arg(long, value_name = "CUE")]
     cue: Option<String>,
+    /// Computes the division of every cell, those below the critical radius of their cue included
+    #[arg(long)]
+    dynamics: bool,
 }
 
 /// What `--json` prints.
@@ -101,13 +105,17 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         ..SchedulerOptions::default()
     };
     let boundary = Boundary::new(&settings.physics, &settings.numerics);
-    let ends = |r0: f64, cue: &Cue| match boundary.ends(r0, cue) {
-        Ok(end) => end.map(end_reason),
-        Err(error) => {
-            // Without a boundary the division itself tells.
-            tracing::info!("no boundary of division: {error}");
-            None
+    // Cues without a boundary; of their cells the division itself tells.
+    let unbounded = RefCell::new(vec![]);
+    let ends = |r0: f64, cue: &Cue| {
+        if args.dynamics || unbounded.borrow().contains(cue) {
+            return None;
         }
+        boundary.ends(r0, cue).map(|end| end.map(end_reason)).unwrap_or_else(|error| {
+            tracing::info!("no boundary of division for {cue:?}: {error}");
+            unbounded.borrow_mut().push(*cue);
+            None
+        })
     };
     let grown = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options }.grow(divide);
     drop(line);

@@ -165,7 +165,8 @@ pub fn critical_radius(physics: &Physics, numerics: &Numerics, cue: &Cue) -> Res
 pub struct Boundary {
     physics: Physics,
     numerics: Numerics,
-    known: Mutex<Vec<(CriticalRadius, bool)>>,
+    /// Each with its value on the finer mesh once a cell came near it.
+    known: Mutex<Vec<(CriticalRadius, Option<CriticalRadius>)>>,
 }
 
 /// Cells nearer to their critical radius than this, relative, are judged by one computed on a mesh twice as fine.
@@ -181,7 +182,7 @@ impl Boundary {
 
     /// With given radii.
     pub fn with_radii(physics: &Physics, numerics: &Numerics, radii: Vec<CriticalRadius>) -> Boundary {
-        let known = Mutex::new(radii.into_iter().map(|radius| (radius, false)).collect());
+        let known = Mutex::new(radii.into_iter().map(|radius| (radius, None)).collect());
         Boundary { physics: *physics, numerics: *numerics, known }
     }
 
@@ -194,15 +195,22 @@ impl Boundary {
         let index = match known.iter().position(|(radius, _)| radius.cue == *cue) {
             Some(index) => index,
             None => {
-                known.push((critical_radius(&self.physics, &self.numerics, cue)?, false));
+                known.push((critical_radius(&self.physics, &self.numerics, cue)?, None));
                 known.len() - 1
             }
         };
-        let (radius, refined) = &mut known[index];
-        if (r0 / radius.r0 - 1.0).abs() < NEAR && !*refined {
-            let finer = Numerics { intervals: 2 * self.numerics.intervals, ..self.numerics };
-            *radius = critical_radius(&self.physics, &finer, cue)?;
-            *refined = true;
+        let (mut radius, refined) = known[index];
+        if (r0 / radius.r0 - 1.0).abs() < NEAR {
+            // Cells farther away keep the coarser radius: what is said of a cell must not depend on those asked about
+            // before, whose order is one of timing.
+            radius = match refined {
+                Some(radius) => radius,
+                None => {
+                    let finer = Numerics { intervals: 2 * self.numerics.intervals, ..self.numerics };
+                    critical_radius(&self.physics, &finer, cue)?
+                }
+            };
+            known[index].1 = Some(radius);
         }
         let margin = r0 / radius.r0 - 1.0;
         Ok((margin < 0.0).then_some(End { kind: radius.kind, critical_r0: radius.r0, margin }))

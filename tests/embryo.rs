@@ -1,0 +1,84 @@
+//! The built-in lineage grown from mechanics.
+
+use furrow::cortex::{Cue, Numerics, Physics};
+use furrow::division::{Outcome, divide};
+use furrow::io::founder_rows;
+use furrow::lineage::{EndReason, Grower, Lineage, Memo, Quantisation, SchedulerOptions, Summary, Tree, TreeSettings};
+use furrow::report::TreeSummary;
+use furrow::steady::boundary::{Boundary, BoundaryKind};
+
+fn grow(memo: &Memo, threads: usize, ends: &dyn Fn(f64, &Cue) -> Option<EndReason>) -> (Tree, Summary) {
+    let lineage = Lineage::c_elegans().unwrap();
+    let settings = TreeSettings {
+        physics: Physics::default(),
+        numerics: Numerics::default(),
+        seed: 0,
+        r0_step: memo.quantisation().relative_step(),
+    };
+    let options = SchedulerOptions { threads, ..SchedulerOptions::default() };
+    Grower { lineage: &lineage, settings, ends, memo, options }.grow(divide).unwrap()
+}
+
+fn by_boundary(memo: &Memo, threads: usize) -> Tree {
+    let boundary = Boundary::new(&Physics::default(), &Numerics::default());
+    let ends = |r0: f64, cue: &Cue| {
+        boundary.ends(r0, cue).unwrap().map(|end| match end.kind {
+            BoundaryKind::Pitchfork => EndReason::BelowPitchfork { r0_c: end.critical_r0 },
+            BoundaryKind::CuedFold => EndReason::BelowCuedFold { r0: end.critical_r0 },
+        })
+    };
+    grow(memo, threads, &ends).0
+}
+
+/// What the paper reports and the fit of the shell knew nothing of.
+#[test]
+fn the_embryo() {
+    let memo = Memo::new(Quantisation::DEFAULT);
+    let (tree, summary) = grow(&memo, 2, &|_, _| None);
+    assert!(!TreeSummary::of(&tree).limited(), "the tree must end by itself");
+    let rows = founder_rows(&tree);
+    let row = |name: &str| rows.iter().find(|row| row.name == name).unwrap();
+    // AB: four symmetric rounds, then asymmetric ones.
+    let ab = row("AB").rounds.unwrap();
+    assert_eq!((ab.symmetric, ab.full_doublings), (4, 5));
+    // The germline: flat, then steep, then none.
+    let chi = |name: &str| row(name).chi.unwrap();
+    assert!((chi("P0") - 0.2091).abs() < 0.01, "{}", chi("P0"));
+    assert!(chi("P1") < 0.2 && chi("P2") < 0.2 && chi("P3") > 0.5);
+    assert_eq!(row("P4").outcome, Some(Outcome::Failed));
+    // Volumes are handed down to rounding.
+    for node in tree.nodes() {
+        if let Some([a, p]) = tree.daughters(node) {
+            let volume = tree.cell(node).volume_fraction;
+            let sum = tree.cell(a).volume_fraction + tree.cell(p).volume_fraction;
+            assert!((sum - volume).abs() <= f64::EPSILON * volume);
+        }
+    }
+
+    // What the boundary says of a cell, her dynamics say too: the trees have the same cells.
+    let ended = by_boundary(&memo, 1);
+    assert_eq!(ended.len(), tree.len());
+    for node in ended.nodes() {
+        let (short, long) = (ended.cell(node), tree.cell(node));
+        assert_eq!((&short.name, short.r0, short.fate.outcome), (&long.name, long.r0, long.fate.outcome));
+        match short.fate.ended {
+            None => assert_eq!(short.fate, long.fate),
+            Some(reason) => {
+                assert!(matches!(reason, EndReason::BelowPitchfork { .. }), "{}: {reason:?}", short.name);
+                assert!(matches!(long.fate.ended, Some(EndReason::AtRest { .. })), "{}", long.name);
+            }
+        }
+    }
+    println!("{} cells, {} divisions", tree.len(), summary.divisions_solved);
+}
+
+/// Regression: a critical radius refined on the way was reported by the cells judged after it alone, in an order that
+/// depends on timing.
+#[test]
+fn the_same_file_at_any_thread_count_and_from_any_memo() {
+    let one = by_boundary(&Memo::new(Quantisation::DEFAULT), 1).to_json().unwrap();
+    let memo = Memo::new(Quantisation::DEFAULT);
+    for threads in [2, 8, 1] {
+        assert_eq!(by_boundary(&memo, threads).to_json().unwrap(), one, "{threads} threads");
+    }
+}
