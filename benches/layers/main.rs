@@ -1,0 +1,20 @@
+//! Benchmarks, one module per layer of the crate. `cargo bench --bench layers` runs all of them,
+//! `cargo bench --bench layers -- division` those of one layer.
+//!
+//! The work that each takes (Newton iterations, factorisations) is printed first: unlike times, it does not depend on the
+//! machine and its load.
+
+mod cortex;
+mod division;
+mod lineage;
+mod numerics;
+mod steady;
+
+fn main() {
+    let listing = std::env::args().any(|argument| argument == "--list" || argument == "--test");
+    if !listing {
+        division::print_work();
+        steady::print_work();
+    }
+    divan::main();
+}

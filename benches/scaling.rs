@@ -1,0 +1,99 @@
+//! How the cost of a tree grows with its distinct divisions, on one thread and on two.
+//!
+//! ```text
+//! cargo bench --bench scaling
+//! ```
+//!
+//! The built-in tree is grown cold to increasing depth; the limit stops the rest. CPU time counts what the divisions took on
+//! their threads, so that it holds on a busy machine too, where wall time does not. The longest chain of divisions, each
+//! waiting for its mother's, bounds what threads can bring: on two of them the ratio is at most
+//! total / max(total / 2, chain).
+
+use std::collections::HashMap;
+use std::sync::Mutex;
+use std::time::Instant;
+
+use furrow::cortex::{Numerics, Physics};
+use furrow::division::{DivisionInput, divide};
+use furrow::lineage::{Grower, Key, Lineage, Memo, Quantisation, SchedulerOptions, Tree, TreeSettings};
+
+/// CPU time of this thread in seconds; wall time where the system does not tell.
+fn thread_seconds(since: Instant) -> f64 {
+    let busy = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = busy.and_then(|text| text.split_whitespace().next()?.parse::<f64>().ok());
+    nanoseconds.map_or_else(|| since.elapsed().as_secs_f64(), |n| n * 1e-9)
+}
+
+struct Run {
+    tree: Tree,
+    wall: f64,
+    /// CPU seconds of each division solved.
+    cost: HashMap<Key, f64>,
+    memo: Memo,
+}
+
+impl Run {
+    fn grow(depth: u32, threads: usize) -> Run {
+        let mut lineage = Lineage::c_elegans().unwrap();
+        lineage.limits.max_depth = depth;
+        let memo = Memo::new(Quantisation::DEFAULT);
+        let settings = TreeSettings {
+            physics: Physics::GAO2026,
+            numerics: Numerics::default(),
+            seed: 0,
+            r0_step: Quantisation::DEFAULT.relative_step(),
+        };
+        let options = SchedulerOptions { threads, ..SchedulerOptions::default() };
+        let cost = Mutex::new(HashMap::new());
+        let began = Instant::now();
+        let timed = |input: &DivisionInput| {
+            let start = thread_seconds(began);
+            let division = divide(input);
+            let seconds = thread_seconds(began) - start;
+            cost.lock().unwrap().insert(memo.key(input), seconds);
+            division
+        };
+        let grower = Grower { lineage: &lineage, settings, ends: &|_, _| None, memo: &memo, options };
+        let (tree, _) = grower.grow(timed).unwrap();
+        let wall = began.elapsed().as_secs_f64();
+        let cost = cost.into_inner().unwrap();
+        Run { tree, wall, cost, memo }
+    }
+
+    fn total(&self) -> f64 {
+        self.cost.values().sum()
+    }
+
+    /// CPU seconds of the costliest line of descent.
+    fn chain(&self) -> f64 {
+        let TreeSettings { physics, numerics, seed, .. } = self.tree.settings;
+        let mut below = vec![0.0f64; self.tree.len()];
+        for node in self.tree.nodes().rev() {
+            let cell = self.tree.cell(node);
+            let input = DivisionInput { physics, numerics, r0: cell.r0, cue: cell.cue, seed };
+            let own = self.cost.get(&self.memo.key(&self.memo.canonical(&input))).copied().unwrap_or(0.0);
+            let longest = self.tree.daughters(node).into_iter().flatten().map(|d| below[d.index()]).fold(0.0, f64::max);
+            below[node.index()] = own + longest;
+        }
+        below[0]
+    }
+}
+
+fn main() {
+    println!("depth cells divisions    cpu s cpu ms/division chain s  wall s 1 thread 2 threads  ratio  bound");
+    for depth in [2, 4, 5, 6, 8, 10, 200] {
+        let [one, two] = [1, 2].map(|threads| Run::grow(depth, threads));
+        assert_eq!(one.tree.to_json().unwrap(), two.tree.to_json().unwrap());
+        let (total, chain) = (one.total(), one.chain());
+        println!(
+            "{depth:5} {:5} {:9} {total:8.3} {:15.1} {chain:7.3} {:16.3} {:9.3} {:6.2} {:6.2}",
+            one.tree.len(),
+            one.cost.len(),
+            1e3 * total / one.cost.len() as f64,
+            one.wall,
+            two.wall,
+            one.wall / two.wall,
+            total / (0.5 * total).max(chain),
+        );
+    }
+}
