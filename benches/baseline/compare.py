@@ -2,14 +2,15 @@
 
     python compare.py [--furrow PATH] [--repeats 5] [--only CASE]
 
-furrow: wall time of the whole process, one thread, no cache; baseline: time inside
-the process, imports not counted (this favours the baseline). Medians; the two sides
-take turns, so that a busy machine slows both.
+furrow: the whole process, one thread, no cache; baseline: inside the process, imports
+not counted (this favours the baseline). Medians of wall time and of CPU time (user and
+system); the ratio of CPU times holds on a busy machine too. The two sides take turns.
 """
 
 import argparse
 import json
 import os
+import resource
 import statistics
 import subprocess
 import sys
@@ -53,15 +54,21 @@ def build():
     return os.path.join(target, "release", "furrow")
 
 
+def children_cpu():
+    """CPU seconds, user and system, of all finished children."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def run(command):
-    """(seconds, parsed JSON) or an error message."""
+    """((wall, CPU) seconds, parsed JSON), or None and an error message."""
     environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-    began = time.perf_counter()
+    began, cpu_began = time.perf_counter(), children_cpu()
     try:
         done = subprocess.run(command, capture_output=True, text=True, env=environment)
     except OSError as error:
         return None, str(error)
-    seconds = time.perf_counter() - began
+    seconds = time.perf_counter() - began, children_cpu() - cpu_began
     if done.returncode != 0:
         tail = (done.stderr.strip().splitlines() or ["no message"])[-1]
         return None, f"exit {done.returncode}: {tail}"
@@ -79,6 +86,11 @@ def value(answer):
     return answer.get("outcome", "-")
 
 
+def medians(times):
+    """Medians of the wall and of the CPU times."""
+    return [statistics.median(column) for column in zip(*times)]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--furrow", help="binary to time (default: built here, in release)")
@@ -86,8 +98,8 @@ def main():
     parser.add_argument("--only", default="", help="cases whose name contains this")
     a = parser.parse_args()
     furrow = a.furrow or build()
-    print("| case | baseline | result | baseline s | furrow result | furrow s | ratio |")
-    print("|---|---|---|---|---|---|---|", flush=True)
+    print("| case | baseline | result | wall s | CPU s | furrow result | wall s | CPU s | wall ratio | CPU ratio |")
+    print("|---|---|---|---|---|---|---|---|---|---|", flush=True)
     missing = 0
     for name, arguments, baselines in CASES:
         if a.only not in name:
@@ -99,20 +111,21 @@ def main():
                 seconds, got = run([sys.executable, os.path.join(HERE, script), *options])
                 if seconds is None:
                     raise SystemExit(f"{script} {' '.join(options)}: {got}")
-                theirs[i].append(got["seconds"])
+                theirs[i].append((got["seconds"], got["cpu_seconds"]))
                 results[i] = got
             seconds, answer = run([furrow, *arguments, "--threads", "1", "--no-cache", "--json"])
             if seconds is not None:
                 mine.append(seconds)
         missing += not mine
         for i, (label, _, _) in enumerate(baselines):
-            base = statistics.median(theirs[i])
+            base = medians(theirs[i])
             if mine:
-                own = statistics.median(mine)
-                cells = f"{value(answer)} | {own:.4f} | {base / own:.1f}"
+                own = medians(mine)
+                ratios = [f"{b / o:.0f}" if o > 0 else "-" for b, o in zip(base, own)]
+                cells = f"{value(answer)} | {own[0]:.4f} | {own[1]:.4f} | {ratios[0]} | {ratios[1]}"
             else:
-                cells = f"not available ({answer}) | | "
-            print(f"| {name} | {label} | {value(results[i])} | {base:.3f} | {cells} |", flush=True)
+                cells = f"not available ({answer}) | | | | "
+            print(f"| {name} | {label} | {value(results[i])} | {base[0]:.3f} | {base[1]:.3f} | {cells} |", flush=True)
     if missing:
         raise SystemExit(f"furrow gave no answer in {missing} of the cases")
 
