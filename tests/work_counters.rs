@@ -1,0 +1,58 @@
+//! The work each kind of division takes, held in snapshots: a change that costs steps or factorisations shows here,
+//! whatever the machine and its load.
+//!
+//! After a change that is meant to alter the work, `INSTA_UPDATE=always cargo test --test work_counters` writes the new
+//! numbers to `tests/snapshots/`, where the difference is to be read before it is committed.
+
+use std::fmt::Write;
+
+use furrow::cortex::{Cue, Numerics, Physics};
+use furrow::division::{Division, DivisionInput, divide};
+
+const CUE: Cue = Cue::Kappa { u0: 0.465, omega: 0.0577, amplitude: 0.1 };
+
+fn division(r0: f64, cue: Cue) -> Division {
+    divide(&DivisionInput { physics: Physics::GAO2026, numerics: Numerics::default(), r0, cue, seed: 0 }).unwrap()
+}
+
+/// Changing R0 by one to a hundred thousand units in the last place leaves every count below as it is, but moves single
+/// Newton iterations; other implementations of sin and exp may do the same. Those are therefore given to the nearest
+/// multiple of 50, a tenth or so of a division's.
+#[test]
+fn work_of_each_kind_of_division() {
+    let mut table =
+        String::from("division                 outcome      steps rejected factorisations remeshings newton~\n");
+    for (kind, r0, cue) in [
+        ("symmetric, R0 = 2.5", 2.5, Cue::None),
+        ("asymmetric, R0 = 2.0", 2.0, Cue::None),
+        ("failed, R0 = 1.6", 1.6, Cue::None),
+        ("cued, R0 = 5.4", 5.4, CUE),
+        ("two furrows, R0 = 5.4", 5.4, Cue::None),
+    ] {
+        let d = division(r0, cue);
+        let outcome = format!("{:?}", d.outcome);
+        let newton = (d.newton_iterations + 25) / 50 * 50;
+        writeln!(
+            table,
+            "{kind:24} {outcome:11} {:6} {:8} {:14} {:10} {newton:7}",
+            d.steps, d.rejected, d.factorisations, d.remeshings
+        )
+        .unwrap();
+    }
+    insta::assert_snapshot!(table);
+}
+
+/// An exactly equal input takes exactly equal work and gives the same bits.
+#[test]
+fn equal_inputs_take_equal_work() {
+    let first = division(2.0, Cue::None);
+    assert_eq!(first, division(2.0, Cue::None));
+    let other = divide(&DivisionInput {
+        physics: Physics::GAO2026,
+        numerics: Numerics::default(),
+        r0: 2.0,
+        cue: Cue::None,
+        seed: 1,
+    });
+    assert_ne!(first, other.unwrap(), "the seed is part of the input");
+}
