@@ -9,7 +9,6 @@ use furrow::io::{founder_rows, newick};
 use furrow::lineage::{
     EndReason, GrowError, Grower, Lineage, Memo, Quantisation, SchedulerOptions, Tree, TreeSettings,
 };
-use std::time::Instant;
 
 fn grow_with(
     lineage: &Lineage,
@@ -183,22 +182,6 @@ fn failed_computation_names_the_cell() {
         "{text}"
     );
     assert!(text.contains("neither divided nor came to rest within t = 2000; raise t_max"), "{text}");
-}
-
-/// 100,000 cells, all but a few answered from the memo, are grown, written and read back in linear time.
-#[test]
-fn hundred_thousand_cells() {
-    let forever = |input: &DivisionInput| Ok(division(input.r0, Outcome::Symmetric, 0.0));
-    let start = Instant::now();
-    let (tree, summary) = grow_with(&limited(60, 100_001), 2, &|_, _| None, forever).unwrap();
-    assert_eq!(tree.len(), 100_001);
-    assert!(summary.divisions_solved <= 18);
-    let text = tree.to_json().unwrap();
-    assert_eq!(newick(&tree).matches("Q").count(), 100_001);
-    assert_eq!(Tree::from_json(&text).unwrap().len(), 100_001);
-    let elapsed = start.elapsed().as_secs_f64();
-    println!("100,001 cells: {elapsed:.2} s, {} MB of JSON", text.len() / 1_000_000);
-    assert!(elapsed < 20.0, "{elapsed} s");
 }
 
 /// Nothing recurses over generations.
