@@ -30,7 +30,8 @@ pub struct CurvePoint {
     pub slope: f64,
     /// Elongation H there.
     pub elongation: f64,
-    /// Of a pitchfork: c of ξ_s = ξ_s* + c (u_f − ½)².
+    /// Of a pitchfork: c of ξ_s = ξ_s* + c (u_f − ½)², good to about three digits on the way along a curve (its sign is
+    /// what is wanted there); as accurate as ξ_s at points asked for by value.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub coefficient: Option<f64>,
 }
@@ -65,7 +66,7 @@ const MOST_STEPS: usize = 2000;
 
 /// Settings of curves of cells.
 pub fn settings() -> LocusSettings {
-    LocusSettings { first_step: 0.02, max_step: 0.25, ..LocusSettings::default() }
+    LocusSettings { first_step: 0.02, max_step: 0.12, ..LocusSettings::default() }
 }
 
 fn locus<S: Singularity<Cortex> + Clone>(

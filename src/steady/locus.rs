@@ -23,8 +23,10 @@ pub struct LocusSettings {
     pub max_step: f64,
     /// Smallest cosine between neighbouring tangents.
     pub min_cosine: f64,
-    /// First Newton correction aimed at: small enough for two iterations.
+    /// First Newton correction aimed at: small enough for a single iteration.
     pub target_correction: f64,
+    /// Accuracy of the points on the way; a point asked for by value is found to rounding.
+    pub tolerance: f64,
     /// Move the mesh when the largest interval carries this many times its share of the monitor.
     pub remesh_above: f64,
 }
@@ -36,11 +38,15 @@ impl Default for LocusSettings {
             min_step: 1e-7,
             max_step: 0.2,
             min_cosine: 0.8,
-            target_correction: 1e-4,
+            target_correction: 5e-7,
+            tolerance: 1e-10,
             remesh_above: 1.8,
         }
     }
 }
+
+/// Tolerance of points asked for by value.
+const ROUNDING: f64 = 1e-12;
 
 /// Why a curve cannot go on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -174,7 +180,10 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Locus<P, S> {
             self.extended.metric.plane_through(&self.solution, &self.tangent, &mut self.closing);
             self.closing.value += step;
             let before = (self.extended.basis.clone(), self.extended.slopes);
-            let source = match self.extended.solve(&mut self.trial, Some(&self.closing)) {
+            self.extended.tolerance = self.settings.tolerance;
+            let solved = self.extended.solve(&mut self.trial, Some(&self.closing));
+            self.extended.tolerance = ROUNDING;
+            let source = match solved {
                 Ok(report) => {
                     self.iterations += report.iterations;
                     let mut tangent = self.extended.curve_direction(&self.trial);

@@ -268,8 +268,10 @@ pub struct Extended<P, S> {
     pub basis: [Update; 2],
     /// g′\[b_k\] at the last iterate.
     pub slopes: [f64; 2],
-    /// Iterations stop when a correction is below this.
+    /// Iterations stop when a correction, or what the one before lets expect of it, is below this.
     pub tolerance: f64,
+    /// Largest ratio seen of a correction to the square of the one before; 0 if none was seen.
+    contraction: f64,
     conditions: Vec<LinearCondition>,
     reference: Update,
     step: Update,
@@ -288,6 +290,10 @@ pub struct ExtendedReport {
     pub distance: f64,
 }
 
+/// Only after corrections below this may the last one be taken on trust: directions and slopes, and the normal form that
+/// follows from them, are those of the iterate before it.
+const SMALL: f64 = 1e-6;
+
 impl<P: Directional, S: Singularity<P>> Extended<P, S> {
     /// For a problem near a point whose branch has the given tangent.
     pub fn new(problem: P, singularity: S, stages: usize, metric: Metric, tangent: &Update) -> Self {
@@ -303,6 +309,7 @@ impl<P: Directional, S: Singularity<P>> Extended<P, S> {
             basis: Default::default(),
             slopes: [0.0; 2],
             tolerance: 1e-11,
+            contraction: 0.0,
             conditions: vec![LinearCondition::default(); dims.missing_conditions().max(0) as usize],
             reference,
             step: Update::default(),
@@ -372,6 +379,7 @@ impl<P: Directional, S: Singularity<P>> Extended<P, S> {
     ) -> Result<ExtendedReport, SingularError> {
         const MOST: usize = 15;
         let mut report = ExtendedReport { correction: f64::INFINITY, ..Default::default() };
+        let mut before = f64::INFINITY;
         while report.iterations < MOST {
             let singular = |_| SingularError::Singular { iterations: report.iterations };
             let g = self.linearise(y).map_err(singular)?;
@@ -407,8 +415,15 @@ impl<P: Directional, S: Singularity<P>> Extended<P, S> {
             }
             // Far out, only a part of the step can be trusted.
             step.apply((0.5 / report.correction).min(1.0), y);
+            let size = report.correction;
+            // Below 1e-8 rounding spoils the ratio, above 1e-3 the next order does.
+            if (1e-8..1e-3).contains(&before) {
+                self.contraction = self.contraction.max(size / (before * before));
+            }
+            before = size;
             // Quadratic convergence: what is left after a step of size δ is of order δ².
-            if report.correction <= self.tolerance.max(1e-3 * self.tolerance.sqrt()) {
+            let expected = if self.contraction > 0.0 { 4.0 * self.contraction * size * size } else { f64::INFINITY };
+            if size <= self.tolerance.max(1e-3 * self.tolerance.sqrt()) || size < SMALL && expected <= self.tolerance {
                 self.problem.prepare(&y.scalars);
                 return Ok(report);
             }

@@ -1,0 +1,103 @@
+//! Cost of stationary branches and of the boundary of division, in processor time of one core.
+//!
+//! `cargo bench --bench steady`. The first line is the setting in which AUTO-07p follows this branch at 1.4 ms a point:
+//! half domain, 40 intervals of 3 Gauss points, tolerance 1e-8, R0 = 2.00, from ξ_s = 0 past the fold.
+
+use furrow::cortex::{Control, Cue, Numerics, Physics};
+use furrow::division::{DivisionInput, Outcome, divide};
+use furrow::steady::curves::{self, STARTS};
+use furrow::steady::singular::SymmetryBreaking;
+use furrow::steady::symmetric::{self, BranchOptions};
+
+/// Processor time of this thread in ms; wall time where the system does not tell.
+fn now() -> f64 {
+    static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
+    let start = START.get_or_init(std::time::Instant::now);
+    std::fs::read_to_string("/proc/thread-self/schedstat")
+        .ok()
+        .and_then(|text| text.split(' ').next()?.parse::<f64>().ok())
+        .map_or_else(|| start.elapsed().as_secs_f64() * 1e3, |ns| ns * 1e-6)
+}
+
+/// Least time of several runs, and the last result.
+fn best<T>(runs: usize, mut work: impl FnMut() -> T) -> (f64, T) {
+    let mut least = f64::INFINITY;
+    let mut result = None;
+    for _ in 0..runs {
+        let start = now();
+        result = Some(work());
+        least = least.min(now() - start);
+    }
+    (least, result.expect("at least one run"))
+}
+
+/// Follows the branch past its fold with the pitchfork test at every point; points and Newton iterations.
+fn branch(max_step: f64) -> (usize, usize) {
+    let numerics = Numerics { intervals: 80, stages: 3, ..Numerics::default() };
+    let mut settings = BranchOptions::default().settings;
+    settings.newton.tolerance = 1e-8;
+    settings.max_step = max_step;
+    let mut watch = SymmetryBreaking::default();
+    let mut branch = symmetric::start(&Physics::GAO2026, &numerics, 2.0, &settings).expect("a passive shape");
+    branch
+        .follow([0.0, 40.0], 600, |branch, _| {
+            watch.test(&branch.system, &branch.problem, &branch.state.solution).expect("a determinant");
+            branch.state.parameter_slope() > 0.0
+        })
+        .expect("the branch passes its fold");
+    (branch.state.points, branch.work.iterations)
+}
+
+fn main() {
+    for max_step in [3.0, 0.19] {
+        let (ms, (points, iterations)) = best(7, || branch(max_step));
+        println!(
+            "symmetric branch past its fold, 40 x 3: {points} points, {iterations} Newton iterations, {ms:.1} ms, \
+             {:.3} ms a point",
+            ms / (points - 1) as f64
+        );
+    }
+    let (physics, numerics) = (Physics::GAO2026, Numerics::default());
+    let (ms, _) = best(5, || symmetric::first_pitchfork(&physics, &numerics, 2.0, &BranchOptions::default()));
+    println!("first pitchfork from the passive shape, with normal form: {ms:.1} ms");
+    let (boundary, curve) = best(5, || {
+        curves::pitchfork_curve(&physics, &numerics, 2.0, Control::R0, [1.5, 5.4]).expect("the curve of pitchforks")
+    });
+    let points = curve.points.len();
+    println!(
+        "boundary R0 1.5 to 5.4: {points} points with criticality, {boundary:.1} ms, {:.3} ms a point; 100 points {:.0} ms",
+        boundary / points as f64,
+        100.0 * boundary / points as f64
+    );
+    let cue = Cue::Kappa { u0: 0.465, omega: 0.0577, amplitude: 0.1 };
+    let (ms, point) = best(3, || curves::critical_pitchfork(&physics, &numerics, 1.0, Control::R0, &STARTS));
+    println!("critical radius without cue: {ms:.1} ms ({:.8})", point.expect("a critical radius").value);
+    let (ms, point) = best(3, || curves::critical_cued_fold(&physics, &numerics, 1.0, &cue, Control::R0, &STARTS));
+    println!("critical radius with the cue: {ms:.1} ms ({:.8})", point.expect("a critical radius").value);
+    let mut sum = 0.0;
+    for r0 in [2.0, 2.5, 5.4] {
+        let (ms, division) =
+            best(3, || divide(&DivisionInput { physics, numerics, r0, cue: Cue::None, seed: 0 }).expect("a division"));
+        println!("one division at R0 = {r0}: {ms:.1} ms ({:?})", division.outcome);
+        sum += ms;
+    }
+    println!("boundary of 100 points over these three divisions: {:.2}", 100.0 * boundary / points as f64 / sum);
+    // One point of the boundary by bisection on the outcome of divisions, to 1e-3 in ξ_s.
+    let (ms, runs) = best(1, || {
+        let (mut low, mut high, mut runs) = (20.0, 26.0, 0);
+        while high - low > 1e-3 {
+            let xi_s = 0.5 * (low + high);
+            let physics = Physics { xi_s, ..physics };
+            let division =
+                divide(&DivisionInput { physics, numerics, r0: 2.0, cue: Cue::None, seed: 0 }).expect("a division");
+            if division.outcome == Outcome::Failed {
+                low = xi_s
+            } else {
+                high = xi_s
+            }
+            runs += 1;
+        }
+        runs
+    });
+    println!("one boundary point by bisection on {runs} divisions: {ms:.0} ms, to three digits only");
+}
