@@ -1,0 +1,126 @@
+//! `furrow branch`, `pitchfork` and `boundary` as users meet them.
+
+use serde_json::Value;
+use std::process::{Command, Output};
+
+fn furrow(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_furrow")).args(arguments).output().unwrap()
+}
+
+fn json(arguments: &[&str]) -> Value {
+    let output = furrow(arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn complaint(arguments: &[&str], code: i32) -> String {
+    let output = furrow(arguments);
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{stderr}");
+    assert!(output.stdout.is_empty());
+    stderr
+}
+
+#[test]
+fn pitchfork_has_its_keys() {
+    let found = json(&["pitchfork", "--r0", "1.64", "--json"]);
+    assert!((found["xi_s"].as_f64().unwrap() - 25.79676).abs() < 1e-5);
+    assert_eq!(found["criticality"], "subcritical");
+    assert!(found["coefficient"].as_f64().unwrap() < 0.0);
+    assert!((found["H"].as_f64().unwrap() - 2.752701).abs() < 1e-6);
+    assert!(found["residual"].as_f64().unwrap() < 1e-7);
+    let elsewhere = json(&["pitchfork", "--r0", "2.22", "--epsilon", "0.64", "--json"]);
+    assert!((elsewhere["xi_s"].as_f64().unwrap() - 6.24541).abs() < 1e-5);
+}
+
+#[test]
+fn branch_has_its_keys_and_loses_stability_at_the_pitchfork() {
+    let found = json(&["branch", "--r0", "2", "--xi-max", "30", "--json"]);
+    let points = found["points"].as_array().unwrap();
+    for key in ["branch", "xi_s", "H", "L", "stable", "delta_u"] {
+        assert!(points[1].get(key).is_some(), "{key}");
+    }
+    let events = found["events"].as_array().unwrap();
+    assert_eq!(events[0]["kind"], "pitchfork");
+    assert_eq!(events[0]["criticality"], "supercritical");
+    assert_eq!(events[1]["kind"], "fold");
+    assert!((events[1]["xi_s"].as_f64().unwrap() - 27.02971).abs() < 1e-5);
+    let (threshold, fold) = (events[0]["xi_s"].as_f64().unwrap(), events[1]["xi_s"].as_f64().unwrap());
+    let symmetric: Vec<&Value> = points.iter().filter(|p| p["branch"] == "symmetric").collect();
+    let mut passed = false;
+    for point in &symmetric {
+        let xi_s = point["xi_s"].as_f64().unwrap();
+        passed |= xi_s > threshold;
+        assert_eq!(point["stable"], !passed, "{point}");
+        assert!(xi_s <= fold);
+        assert_eq!(point["delta_u"], 0.0);
+    }
+    assert!(points.iter().any(|p| p["branch"] == "asymmetric" && p["delta_u"].as_f64().unwrap() < -0.1));
+}
+
+#[test]
+fn boundary_has_its_keys() {
+    let found = json(&["boundary", "--vary", "r0", "--from", "1.6", "--to", "2.2", "--critical", "--json"]);
+    let pitchfork = found["pitchfork"].as_array().unwrap();
+    for key in ["r0", "epsilon", "xi_s", "criticality"] {
+        assert!(pitchfork[0].get(key).is_some(), "{key}");
+    }
+    assert_eq!(pitchfork[0]["r0"], 1.6);
+    assert_eq!(pitchfork.last().unwrap()["r0"], 2.2);
+    assert_eq!(
+        (&pitchfork[0]["criticality"], &pitchfork.last().unwrap()["criticality"]),
+        (&"subcritical".into(), &"supercritical".into())
+    );
+    assert!(found["folds"].as_array().unwrap().len() > 2);
+    assert!((found["critical"].as_f64().unwrap() - 1.7063248).abs() < 1e-6);
+    let cued = json(&[
+        "boundary",
+        "--vary",
+        "r0",
+        "--from",
+        "1.8",
+        "--to",
+        "2",
+        "--critical",
+        "--json",
+        "--cue",
+        "kappa:u0=0.465,omega=0.0577,amplitude=0.1",
+    ]);
+    assert!((cued["critical"].as_f64().unwrap() - 1.9051312).abs() < 1e-6);
+}
+
+#[test]
+fn a_stored_boundary_is_written_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("boundary.json");
+    let path = path.to_str().unwrap();
+    json(&["boundary", "--vary", "r0", "--from", "1.5", "--to", "5.4", "--no-folds", "--json", "--write", path]);
+    let written = std::fs::read_to_string(path).unwrap();
+    let kept = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/cache/gao2026.boundary.json")).unwrap();
+    let (written, kept): (Value, Value) =
+        (serde_json::from_str(&written).unwrap(), serde_json::from_str(&kept).unwrap());
+    assert_eq!(written["parameters"], kept["parameters"]);
+    assert_eq!(written["radii"].as_array().unwrap().len(), kept["radii"].as_array().unwrap().len());
+}
+
+#[test]
+fn bad_input_is_named() {
+    for (arguments, expected) in [
+        (&["pitchfork", "--r0", "0"][..], "--r0: r0 = 0: must be a finite number above 0"),
+        (&["branch", "--r0", "2", "--xi-max", "-1"], "--xi-max: xi_max = -1: must be a finite number above 0"),
+        (&["branch", "--r0", "2", "--epsilon", "1"], "--epsilon: epsilon = 1: must be above 0 and below 1"),
+        (
+            &["boundary", "--vary", "epsilon", "--from", "0.6", "--to", "0.8"],
+            "--r0: r0 = absent: must be given where ε varies",
+        ),
+        (
+            &["boundary", "--vary", "r0", "--from", "-1", "--to", "2"],
+            "--from: r0 = -1: must be a finite number above 0",
+        ),
+        (&["boundary", "--vary", "r0", "--from", "2", "--to", "2"], "--to: to = 2: must be different from --from"),
+    ] {
+        assert_eq!(complaint(arguments, 2), format!("furrow: error: {expected}\n"));
+    }
+    let none = complaint(&["pitchfork", "--r0", "2", "--xi-max", "5"], 1);
+    assert!(none.contains("no pitchfork for xi_s up to 5; raise --xi-max"), "{none}");
+}
