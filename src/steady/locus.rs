@@ -180,9 +180,9 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Locus<P, S> {
             self.extended.metric.plane_through(&self.solution, &self.tangent, &mut self.closing);
             self.closing.value += step;
             let before = (self.extended.basis.clone(), self.extended.slopes);
-            self.extended.tolerance = self.settings.tolerance;
+            (self.extended.tolerance, self.extended.trusting) = (self.settings.tolerance, true);
             let solved = self.extended.solve(&mut self.trial, Some(&self.closing));
-            self.extended.tolerance = ROUNDING;
+            (self.extended.tolerance, self.extended.trusting) = (ROUNDING, false);
             let source = match solved {
                 Ok(report) => {
                     self.iterations += report.iterations;

@@ -268,8 +268,11 @@ pub struct Extended<P, S> {
     pub basis: [Update; 2],
     /// g′\[b_k\] at the last iterate.
     pub slopes: [f64; 2],
-    /// Iterations stop when a correction, or what the one before lets expect of it, is below this.
+    /// Iterations stop when a correction is below this.
     pub tolerance: f64,
+    /// Iterations also stop when, from the convergence seen so far, the next correction would be below the tolerance:
+    /// one iteration less, with directions and slopes that are less exact than the point.
+    pub trusting: bool,
     /// Largest ratio seen of a correction to the square of the one before; 0 if none was seen.
     contraction: f64,
     conditions: Vec<LinearCondition>,
@@ -309,6 +312,7 @@ impl<P: Directional, S: Singularity<P>> Extended<P, S> {
             basis: Default::default(),
             slopes: [0.0; 2],
             tolerance: 1e-11,
+            trusting: false,
             contraction: 0.0,
             conditions: vec![LinearCondition::default(); dims.missing_conditions().max(0) as usize],
             reference,
@@ -422,7 +426,11 @@ impl<P: Directional, S: Singularity<P>> Extended<P, S> {
             }
             before = size;
             // Quadratic convergence: what is left after a step of size δ is of order δ².
-            let expected = if self.contraction > 0.0 { 4.0 * self.contraction * size * size } else { f64::INFINITY };
+            let expected = if self.trusting && self.contraction > 0.0 {
+                4.0 * self.contraction * size * size
+            } else {
+                f64::INFINITY
+            };
             if size <= self.tolerance.max(1e-3 * self.tolerance.sqrt()) || size < SMALL && expected <= self.tolerance {
                 self.problem.prepare(&y.scalars);
                 return Ok(report);
