@@ -30,8 +30,7 @@ pub struct CurvePoint {
     pub slope: f64,
     /// Elongation H there.
     pub elongation: f64,
-    /// Of a pitchfork: c of ξ_s = ξ_s* + c (u_f − ½)², good to about three digits on the way along a curve (its sign is
-    /// what is wanted there); as accurate as ξ_s at points asked for by value.
+    /// Of a pitchfork: c of ξ_s = ξ_s* + c (u_f − ½)².
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub coefficient: Option<f64>,
 }
@@ -164,6 +163,7 @@ pub fn curve_point<S: Singularity<Cortex> + Clone>(locus: &Locus<Cortex, S>, coe
 /// # Errors
 /// [`SingularError`].
 pub fn coefficient(locus: &mut PitchforkLocus, y: &Solution) -> Result<f64, SingularError> {
+    locus.extended.refresh(y)?;
     let form = pitchfork_normal_form(&mut locus.extended, y)?;
     let shift = furrow_shift(&locus.extended.problem, y, &locus.extended.singularity.null);
     Ok(form.parameters[0] / (shift * shift))

@@ -439,6 +439,16 @@ impl<P: Directional, S: Singularity<P>> Extended<P, S> {
         Err(SingularError::Stalled { iterations: report.iterations, correction: report.correction })
     }
 
+    /// Recomputes factors, null directions and g′ along the branch at a point that a trusting iteration converged to.
+    ///
+    /// # Errors
+    /// [`SingularError`] if a pivot vanishes.
+    pub fn refresh(&mut self, y: &Solution) -> Result<(), SingularError> {
+        self.linearise(y)?;
+        self.slopes[0] = self.slope(y, Along::Basis(0));
+        Ok(())
+    }
+
     /// Direction of the curve of singular points in the two free parameters, of unit length.
     pub fn curve_direction(&self, y: &Solution) -> Update {
         let mut direction = self.basis[0].clone();
