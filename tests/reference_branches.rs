@@ -110,3 +110,13 @@ fn the_branch_passes_the_reference_points() {
         .unwrap();
     assert_eq!(next, rows.len());
 }
+
+/// At R0 = 3, ε = 0.5 the branch runs on to strongly constricted shapes whose singular points Newton cannot tell apart;
+/// what was located before must not be lost.
+#[test]
+fn an_unlocated_point_ends_the_branch_and_keeps_what_came_before() {
+    let branch = symmetric::follow(&at(0.5), &Numerics::default(), 3.0, &BranchOptions::default(), |_| true).unwrap();
+    assert!(branch.events.len() >= 3, "{:?}", branch.stopped_by);
+    let BranchEvent::Fold(first) = &branch.events[0] else { panic!("the weakly elongated segment ends in a fold") };
+    assert!(first.maximum && (first.point.xi_s - 5.889102).abs() < 1e-5, "{}", first.point.xi_s);
+}

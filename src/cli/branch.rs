@@ -77,6 +77,9 @@ struct Answer {
     scaling: Option<ScalingAnswer>,
     steps: usize,
     newton_iterations: usize,
+    /// Why a branch was followed no further, if not for its bounds.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    stopped_by: Vec<String>,
 }
 
 pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
@@ -95,6 +98,7 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
         scaling: None,
         steps: 0,
         newton_iterations: 0,
+        stopped_by: Vec::new(),
     };
     document.add("symmetric", &branch);
     let first = branch.events.iter().find_map(|event| match event {
@@ -120,6 +124,10 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
 
 impl Answer {
     fn add(&mut self, name: &'static str, branch: &Branch) {
+        if let Some(reason) = &branch.stopped_by {
+            tracing::warn!("the {name} branch is followed no further: {reason}");
+            self.stopped_by.push(reason.to_string());
+        }
         self.points.extend(branch.points.iter().map(|p: &ShapePoint| PointAnswer {
             branch: name,
             xi_s: p.xi_s,

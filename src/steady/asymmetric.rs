@@ -134,13 +134,10 @@ pub fn follow(
             failure.is_none() && !pinched
         })
         .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
-    match failure {
-        Some(failure) => Err(failure),
-        None => Ok(AsymmetricBranch {
-            branch: Branch { points, events, ended, work: branch.work },
-            scaling: scaling(&samples),
-        }),
-    }
+    Ok(AsymmetricBranch {
+        branch: Branch { points, events, ended, stopped_by: failure, work: branch.work },
+        scaling: scaling(&samples),
+    })
 }
 
 fn furrow(gauss: &Gauss, cortex: &Cortex, y: &crate::numerics::Solution) -> f64 {

@@ -238,6 +238,8 @@ pub struct Branch {
     pub events: Vec<BranchEvent>,
     /// Where it ended.
     pub ended: Ended,
+    /// The singular point that could not be located, if one ended the branch; the events before it are complete.
+    pub stopped_by: Option<SteadyError>,
     /// Work of the continuation.
     pub work: Work,
 }
@@ -288,7 +290,8 @@ pub fn start(
 }
 
 /// Follows the symmetric branch from the passive shape and locates every fold and pitchfork on the way. `wanted` may
-/// end it early, being shown every event.
+/// end it early, being shown every event. A singular point that cannot be located, as happens on strongly constricted
+/// shapes far out, ends the branch and is kept in [`Branch::stopped_by`].
 ///
 /// # Errors
 /// Any [`SteadyError`] but `None` and `Curve`.
@@ -352,10 +355,7 @@ pub fn follow(
             failure.is_none() && !enough
         })
         .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
-    match failure {
-        Some(failure) => Err(failure),
-        None => Ok(Branch { points, events, ended, work: branch.work }),
-    }
+    Ok(Branch { points, events, ended, stopped_by: failure, work: branch.work })
 }
 
 /// The first pitchfork of the symmetric branch.
@@ -369,14 +369,15 @@ pub fn first_pitchfork(
     options: &BranchOptions,
 ) -> Result<Pitchfork, SteadyError> {
     let branch = follow(physics, numerics, r0, options, |event| matches!(event, BranchEvent::Fold(_)))?;
-    branch
-        .events
+    let Branch { events, stopped_by, .. } = branch;
+    let none = SteadyError::None { r0, epsilon: physics.epsilon, kind: "pitchfork", xi_max: options.xi[1] };
+    events
         .into_iter()
         .find_map(|event| match event {
             BranchEvent::Pitchfork(pitchfork) => Some(*pitchfork),
             BranchEvent::Fold(_) => None,
         })
-        .ok_or(SteadyError::None { r0, epsilon: physics.epsilon, kind: "pitchfork", xi_max: options.xi[1] })
+        .ok_or(stopped_by.unwrap_or(none))
 }
 
 /// Sign of the antisymmetric determinant at the newest point.
