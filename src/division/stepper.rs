@@ -15,7 +15,7 @@ use crate::numerics::newton::{Newton, NewtonError, NewtonReport, NewtonScratch};
 use crate::numerics::{Gauss, Solution, System, mesh};
 
 /// Share of the mesh monitor (about the turning of the contour, in radians) of one interval at the default resolution
-/// of 32.
+/// of 48.
 const SHARE: f64 = 0.85;
 /// Part of that share a new mesh uses, so that the shape can sharpen before the mesh must move again.
 const ROOM: f64 = 0.85;
@@ -128,7 +128,7 @@ impl Stepper {
             weight: Vec::new(),
             grid: Vec::new(),
             factored_rate: None,
-            share: SHARE * 32.0 / resolution as f64,
+            share: SHARE * 48.0 / resolution as f64,
         }
     }
 
