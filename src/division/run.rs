@@ -7,7 +7,7 @@ use super::stepper::{MAX_ORDER, Stepper, parity_norm};
 use crate::cortex::equations::{COMPONENTS, PSI, R, Z, noise_factor};
 use crate::cortex::{Cortex, Cue, Domain, shape};
 use crate::numerics::newton::{Newton, NewtonScratch};
-use crate::numerics::{Solution, System};
+use crate::numerics::{Solution, System, mesh};
 use crate::steady::Stability;
 
 /// Length of the first two steps, in τ; the noise lasts for the first.
@@ -25,6 +25,8 @@ const ODD_TOLERANCE: f64 = 50.0;
 const REST_SPEED: f64 = 1e-2;
 /// Largest L² distance to a stationary state, relative to R0, at which its stability decides.
 const REST_DISTANCE: f64 = 2e-3;
+/// A saddle that grows more slowly than this, in 1/τ, is left on a finer mesh: its growth rate must be right.
+const NEAR_CRITICAL: f64 = 0.1;
 /// Time between two looks for a stationary state, in τ.
 const REST_INTERVAL: f64 = 0.5;
 
@@ -114,7 +116,7 @@ pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)
         {
             return Ok(run.divided(&stepper, neck, numerics.chi_symmetric, r0));
         }
-        if let Some(growth_rate) = run.at_rest(&stepper) {
+        if let Some(growth_rate) = run.at_rest(&mut stepper) {
             return Ok(run.failed(&stepper, growth_rate));
         }
         if stepper.levels[0].t > numerics.t_max {
@@ -228,7 +230,7 @@ impl Run {
     ///
     /// A slow shape is only a hint: near a saddle it is slow too. The stationary state next to it is solved for and its
     /// leading growth rate decides.
-    fn at_rest(&mut self, stepper: &Stepper) -> Option<f64> {
+    fn at_rest(&mut self, stepper: &mut Stepper) -> Option<f64> {
         let (t, speed) = (stepper.levels[0].t, stepper.speed());
         if speed > REST_SPEED || t < self.next_rest_check {
             return None;
@@ -237,12 +239,14 @@ impl Run {
         let here = &stepper.levels[0].y;
         let mut cortex =
             Cortex::new(&stepper.cortex.physics, stepper.cortex.r0, &stepper.cortex.cue, Domain::Full, &[]);
-        let mut y = here.clone();
+        // The mesh of the division is coarse; near the critical radius its growth rate may have the wrong sign.
+        let start = here.on_mesh(&stepper.system.gauss, &mesh::halved(&here.mesh));
+        let mut y = start.clone();
         let mut system = System::new(Cortex::dimensions_for(Domain::Full, 0), y.m);
         Newton::default().solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false).ok()?;
         let distance = parity_norm(&system.gauss, &y.mesh, |i| {
             let at = |s: &Solution, c: usize| s.stages[i * COMPONENTS + c];
-            [at(&y, R) - at(here, R), at(&y, Z) - at(here, Z)]
+            [at(&y, R) - at(&start, R), at(&y, Z) - at(&start, Z)]
         });
         if distance.even.hypot(distance.odd) > REST_DISTANCE * cortex.r0 {
             return None;
@@ -251,6 +255,9 @@ impl Run {
         if growth > 0.0 {
             // A saddle: what grows needs several times 1/σ to leave it.
             self.next_rest_check = t + (5.0 / growth).max(REST_INTERVAL);
+            if growth < NEAR_CRITICAL {
+                stepper.refine();
+            }
         }
         (growth < 0.0).then_some(growth)
     }

@@ -108,6 +108,7 @@ pub struct Stepper {
     grid: Vec<f64>,
     factored_rate: Option<f64>,
     share: f64,
+    refined: bool,
 }
 
 impl Stepper {
@@ -129,6 +130,7 @@ impl Stepper {
             grid: Vec::new(),
             factored_rate: None,
             share: SHARE * 48.0 / resolution as f64,
+            refined: false,
         }
     }
 
@@ -222,6 +224,14 @@ impl Stepper {
             ]
         });
         norm.even.hypot(norm.odd) / ((new.t - old.t) * self.cortex.r0)
+    }
+
+    /// Halves the share of an interval from the next [`adapt`](Self::adapt) on; at most once.
+    pub fn refine(&mut self) {
+        if !self.refined {
+            self.refined = true;
+            self.share *= 0.5;
+        }
     }
 
     /// Even number of intervals that keeps each one's share of the monitor below `room` of its limit.

@@ -9,6 +9,16 @@ pub fn uniform(from: f64, to: f64, n: usize) -> Vec<f64> {
     (0..=n).map(|i| if i == n { to } else { from + (to - from) * i as f64 / n as f64 }).collect()
 }
 
+/// The mesh with every interval cut in two.
+pub fn halved(mesh: &[f64]) -> Vec<f64> {
+    let mut out = Vec::with_capacity(2 * mesh.len() - 1);
+    for pair in mesh.windows(2) {
+        out.extend([pair[0], 0.5 * (pair[0] + pair[1])]);
+    }
+    out.extend(mesh.last());
+    out
+}
+
 /// A mesh of `n` intervals on which the piecewise constant monitor `weight` (one positive value per interval of `mesh`)
 /// has equal integrals.
 pub fn equidistribute(mesh: &[f64], weight: &[f64], n: usize, out: &mut Vec<f64>) {
