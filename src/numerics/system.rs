@@ -254,14 +254,13 @@ impl System {
     /// Solves J δ = −residual with the factors at hand.
     pub fn solve(&mut self, residual: &Residual, out: &mut Update) {
         self.particular(residual, out, true);
-        let System { block, residual: own, borders, .. } = self;
+        let System { block, borders, .. } = self;
         // End rows with their signs turned, in the scratch behind the border entries.
         let ni = borders.len();
         borders.extend(residual.left.iter().map(|v| -v));
         borders.extend(residual.right.iter().map(|v| -v));
         let (border, ends) = borders.split_at(ni);
         let (left, right) = ends.split_at(residual.left.len());
-        let _ = own;
         block.solve(&mut out.nodes, left, right, border, &mut out.scalars);
         self.complete(out);
     }
