@@ -129,6 +129,11 @@ fn sine(u: f64) -> [f64; 4] {
     [u.sin(), u.cos(), -u.sin(), -u.cos()]
 }
 
+/// sin u + 10⁻⁴: the elastica with a small imperfection.
+fn bent_sine(u: f64) -> [f64; 4] {
+    [u.sin() + 1e-4, u.cos(), -u.sin(), -u.cos()]
+}
+
 /// Bratu's problem u″ + λeᵘ = 0, u(0) = u(1) = 0 folds at λ = 8(θ/cosh θ)² with θ tanh θ = 1.
 fn bratu_fold() -> f64 {
     let mut theta: f64 = 1.2;
@@ -206,6 +211,22 @@ fn a_branch_is_followed_both_ways_and_ends_on_its_bound() {
         let c = if upwards { (0.5 * u).exp().acosh() } else { (0.5 * u).exp().acos() };
         let lambda = 8.0 * (c * (-0.5 * u).exp()).powi(2) * if upwards { 1.0 } else { -1.0 };
         assert!((lambda - bound).abs() < 1e-7, "{lambda} {bound}");
+    }
+}
+
+/// At λ = π² the imperfect elastica bends away upwards; the nearly straight one beyond belongs to another branch, and the
+/// gap between them turns by no angle.
+#[test]
+fn a_step_does_not_cross_the_gap_to_another_branch() {
+    let problem = Oscillator::new(bent_sine, 0);
+    for max_step in [0.3, 2.0, 8.0] {
+        let guess = problem.zero(1.0, 16, 4, 0.0);
+        let settings = ContinuationSettings { first_step: max_step, max_step, ..ContinuationSettings::default() };
+        let mut branch = Continuation::start(problem.clone(), guess, Metric::unit(2, 1), settings, true).unwrap();
+        let ended = branch.follow([0.0, 14.0], 400, |_, _| true).unwrap();
+        assert_eq!(ended, Ended::ParameterBound(14.0));
+        let slope = branch.state.solution.nodes[1];
+        assert!(slope > 4.0, "steps up to {max_step}: u'(0) = {slope}");
     }
 }
 

@@ -111,6 +111,25 @@ fn the_branch_passes_the_reference_points() {
     assert_eq!(next, rows.len());
 }
 
+/// In a wide shell a cell is nearly a sphere, whose own branch goes straight on where that of the furrowed shapes folds.
+#[test]
+fn the_branch_of_a_cell_in_a_wide_shell_folds_whatever_the_step() {
+    let first = |epsilon: f64, max_step: f64| {
+        let mut options = BranchOptions::default();
+        options.settings.max_step = max_step;
+        options.settings.first_step = options.settings.first_step.min(max_step);
+        let branch = symmetric::follow(&at(epsilon), &Numerics::default(), 2.22, &options, |_| false).unwrap();
+        let BranchEvent::Fold(fold) = &branch.events[0] else { panic!("no fold at epsilon = {epsilon}") };
+        fold.point
+    };
+    for (epsilon, threshold) in [(0.5, 7.26896), (0.45, 7.42530), (0.4, 7.47480)] {
+        let (long, short) = (first(epsilon, 3.0), first(epsilon, 0.1));
+        assert!((long.xi_s - threshold).abs() < 1e-4, "{}", long.xi_s);
+        assert!((long.xi_s - short.xi_s).abs() < 1e-6, "{} {}", long.xi_s, short.xi_s);
+        assert!((long.elongation - short.elongation).abs() < 1e-4);
+    }
+}
+
 /// At R0 = 3, ε = 0.5 the branch runs on to strongly constricted shapes whose singular points Newton cannot tell apart;
 /// what was located before must not be lost.
 #[test]

@@ -51,8 +51,16 @@ pub fn switch(
     let scale = metric.dot(&solution.mesh, &tangent, &tangent).sqrt();
     tangent.scale(-pitchfork.furrow_shift.signum() / scale);
     let step = first_shift / pitchfork.furrow_shift.abs() * scale;
-    let state =
-        State { solution, tangent, arclength: 0.0, step, points: 1, direction: 0.0, history: History::default() };
+    let state = State {
+        solution,
+        tangent,
+        arclength: 0.0,
+        step,
+        points: 1,
+        direction: 0.0,
+        orientation: 0.0,
+        history: History::default(),
+    };
     let cortex = Cortex::new(physics, r0, &Cue::None, Domain::Full, &controls);
     let settings = ContinuationSettings { min_step: settings.min_step.min(1e-3 * step), ..settings.clone() };
     let mut branch = Continuation::resume(cortex, state, metric, settings);

@@ -66,6 +66,10 @@ pub enum ContinuationError {
     },
 }
 
+/// Branches nearer to each other than a step of this length do meet, as far as rounding can tell: the branch goes
+/// straight on.
+const CLOSED_GAP: f64 = 1e-6;
+
 /// A run as it stands; enough to take it up again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
@@ -81,6 +85,9 @@ pub struct State {
     pub points: usize,
     /// Sign of dλ/ds as last confirmed with exact factors; 0 if not known.
     pub direction: f64,
+    /// Sign of the determinant bordered by the tangent: the same all along a branch; 0 if not known.
+    #[serde(default)]
+    pub orientation: f64,
     /// The last points, for the predictor.
     pub history: History,
 }
@@ -194,7 +201,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         history.push(0.0, &solution);
         let step = settings.first_step;
         let direction = if upwards { 1.0 } else { -1.0 };
-        let state = State { solution, tangent, arclength: 0.0, step, points: 1, direction, history };
+        let state = State { solution, tangent, arclength: 0.0, step, points: 1, direction, orientation: 0.0, history };
         Ok(Continuation::resume(problem, state, metric, settings))
     }
 
@@ -238,7 +245,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let mut rejected = 0;
         loop {
             let reason = match self.attempt(step) {
-                Ok((report, cosine)) => {
+                Ok((report, cosine, orientation)) => {
+                    self.state.orientation = orientation;
                     std::mem::swap(&mut self.state.tangent, &mut self.tangent);
                     std::mem::swap(&mut self.state.solution, &mut self.trial);
                     self.state.arclength += step;
@@ -292,8 +300,13 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         before * now < 0.0
     }
 
-    /// A corrected point at distance `step` in `trial`, its tangent in `tangent`; the cosine of the angle turned.
-    fn attempt(&mut self, step: f64) -> Result<(NewtonReport, f64), String> {
+    /// A corrected point at distance `step` in `trial`, its tangent in `tangent`; the cosine of the angle turned, and the
+    /// sign of the bordered determinant.
+    ///
+    /// Where two branches nearly meet, as that of a nearly spherical cell in a wide shell and those of its furrows, a step
+    /// across the gap turns by no angle at all. But it turns the sign of the bordered determinant, as passing a branch
+    /// point does, and nothing else does.
+    fn attempt(&mut self, step: f64) -> Result<(NewtonReport, f64, f64), String> {
         let Continuation { problem, system, settings, metric, state, scratch, conditions, trial, tangent, .. } = self;
         if state.history.len() > 1 {
             state.history.extrapolate(state.arclength + step, trial);
@@ -311,11 +324,21 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         path::null_direction(system, 0, tangent);
         metric.normalise(&trial.mesh, tangent);
         let cosine = metric.dot(&trial.mesh, tangent, &state.tangent);
-        if cosine >= settings.min_cosine {
-            Ok((report, cosine))
-        } else {
-            Err(format!("the branch turns too sharply (cosine {cosine:.3})"))
+        if cosine < settings.min_cosine {
+            return Err(format!("the branch turns too sharply (cosine {cosine:.3})"));
         }
+        let mut orientation = system.determinant().sign;
+        if orientation * state.orientation < 0.0 {
+            // The corrector's factors belong to a prediction: what counts is the point itself.
+            system.evaluate(problem, trial, conditions, true);
+            if system.condense().and_then(|()| system.factor_blocks(conditions)).is_ok() {
+                orientation = system.determinant().sign;
+            }
+        }
+        if orientation * state.orientation < 0.0 && step > CLOSED_GAP {
+            return Err("the step leads to another branch".into());
+        }
+        Ok((report, cosine, orientation))
     }
 
     /// Moves the mesh if it no longer fits.
