@@ -50,7 +50,7 @@ fn branch(max_step: f64) -> (usize, [usize; 2]) {
     let mut branch = symmetric::start(&Physics::GAO2026, &numerics, 2.0, &settings).expect("a passive shape");
     branch
         .follow([0.0, 40.0], 600, |branch, _| {
-            watch.test(&branch.system, &branch.problem, &branch.state.solution).expect("a determinant");
+            watch.test(&branch.system, &branch.problem).expect("a determinant");
             branch.state.parameter_slope() > 0.0
         })
         .expect("the branch passes its fold");

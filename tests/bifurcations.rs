@@ -243,7 +243,7 @@ fn antisymmetric_eigenvalues_are_all_found_and_no_other() {
     branch
         .follow([0.0, 500.0], 1000, |branch, _| {
             let y = &branch.state.solution;
-            let (sign, _) = SymmetryBreaking::default().test(&branch.system, &problem, y).unwrap();
+            let (sign, _) = SymmetryBreaking::default().test(&branch.system, &problem).unwrap();
             if before.is_some_and(|b: f64| b * sign < 0.0) {
                 let mut y = y.clone();
                 let breaking = SymmetryBreaking::default();

@@ -54,6 +54,12 @@ pub struct BlockFactor {
     forward: Vec<Lane>,
 }
 
+/// The last block of a variant of a factorised matrix, see [`BlockFactor::factor_variant`].
+#[derive(Clone, Debug, Default)]
+pub struct VariantEnd {
+    last: FactorStore,
+}
+
 #[derive(Clone, Debug, Default)]
 struct FactorStore {
     columns: usize,
@@ -80,6 +86,13 @@ impl FactorStore {
             upper: &mut self.upper[i * c * u..(i + 1) * c * u],
             reciprocal: &mut self.reciprocal[i * c..(i + 1) * c],
             exchange: &mut self.exchange[i * c..(i + 1) * c],
+        }
+    }
+
+    fn accumulate_determinant(&self, det: &mut Determinant) {
+        let c = self.columns;
+        for (r, e) in self.reciprocal.chunks_exact(c).zip(self.exchange.chunks_exact(c)) {
+            dense::accumulate_determinant(r, e, det);
         }
     }
 
@@ -245,12 +258,31 @@ impl BlockFactor {
     /// Solves for node updates (`nodes`, holding on entry c_i of interval i at index i·n, length (N + 1)·n) and scalar
     /// updates. `left`, `right` and `border` are right-hand sides of the condition rows (integrals first in `border`).
     pub fn solve(&mut self, nodes: &mut [f64], left: &[f64], right: &[f64], border: &[f64], scalars: &mut [f64]) {
-        let (n, np, nl, nb) = (self.n, self.np, self.nl, self.nb);
-        let nf = n + np;
+        let mut carried = [0.0; 32];
+        let mut rest = [0.0; 32];
+        let (carried, rest) = (&mut carried[..self.nl], &mut rest[..self.nb]);
+        carried.copy_from_slice(left);
+        rest.copy_from_slice(border);
+        self.forward(nodes, carried, rest);
+        self.solve_end(carried, right, rest, nodes, scalars);
+        self.backward(nodes, scalars);
+    }
+
+    /// [`solve`](Self::solve) for right-hand sides that are zero but for the last conditions.
+    pub fn solve_last(&mut self, nodes: &mut [f64], right: &[f64], border: &[f64], scalars: &mut [f64]) {
+        self.forward.fill([0.0; LANE]);
+        self.solve_end(&[0.0; 32][..self.nl], right, border, nodes, scalars);
+        self.backward(nodes, scalars);
+    }
+
+    /// Eliminates the right-hand sides of all intervals: `carried` and `border` go in as those of the left and border
+    /// conditions and come out as those of the last block.
+    fn forward(&mut self, nodes: &[f64], carried: &mut [f64], border: &mut [f64]) {
+        let (n, nl, nb) = (self.n, self.nl, self.nb);
         let rows = nl + n + nb;
         let (height, tall) = (dense::lanes_for(n), dense::lanes_for(rows));
         let mut lanes = [[0.0; LANE]; dense::MAX_LANES / 2];
-        lanes.as_flattened_mut()[..nl].copy_from_slice(left);
+        lanes.as_flattened_mut()[..nl].copy_from_slice(carried);
         lanes.as_flattened_mut()[nl + n..rows].copy_from_slice(border);
         for i in 0..self.intervals {
             lanes.as_flattened_mut()[nl..nl + n].copy_from_slice(&nodes[i * n..(i + 1) * n]);
@@ -272,20 +304,34 @@ impl BlockFactor {
             flat[nl + n..rows].copy_from_slice(&out[nl + n..rows]);
         }
         let x = lanes.as_flattened();
+        carried.copy_from_slice(&x[..nl]);
+        border.copy_from_slice(&x[nl + n..rows]);
+    }
+
+    /// The last node and the scalar unknowns.
+    fn solve_end(&self, carried: &[f64], right: &[f64], border: &[f64], nodes: &mut [f64], scalars: &mut [f64]) {
+        let nf = self.n + self.np;
         let mut end = [[0.0; LANE]; 4];
         let y = end.as_flattened_mut();
-        y[..nl].copy_from_slice(&x[..nl]);
-        y[nl..nl + self.nr].copy_from_slice(right);
-        y[nl + self.nr..nf].copy_from_slice(&x[nl + n..rows]);
+        y[..self.nl].copy_from_slice(carried);
+        y[self.nl..self.nl + self.nr].copy_from_slice(right);
+        y[self.nl + self.nr..nf].copy_from_slice(border);
         dense::solve_vector(self.last.read(0), nf, &mut end);
         let y = end.as_flattened();
-        nodes[self.intervals * n..].copy_from_slice(&y[..n]);
-        scalars[..np].copy_from_slice(&y[n..nf]);
+        nodes[self.intervals * self.n..].copy_from_slice(&y[..self.n]);
+        scalars[..self.np].copy_from_slice(&y[self.n..nf]);
+    }
+
+    /// Substitution from the last node to the left.
+    fn backward(&mut self, nodes: &mut [f64], scalars: &[f64]) {
+        let n = self.n;
+        let (nf, height) = (n + scalars.len(), dense::lanes_for(n));
+        let stride = (n + self.np) * height;
         for i in (0..self.intervals).rev() {
             let here = &mut self.forward[i * height..(i + 1) * height];
-            let backward = &self.backward[i * nf * height..(i + 1) * nf * height];
+            let backward = &self.backward[i * stride..i * stride + nf * height];
             for (column, value) in
-                backward.chunks_exact(height).zip(nodes[(i + 1) * n..(i + 2) * n].iter().chain(&scalars[..np]))
+                backward.chunks_exact(height).zip(nodes[(i + 1) * n..(i + 2) * n].iter().chain(scalars))
             {
                 for (x, b) in here.iter_mut().zip(column) {
                     for t in 0..LANE {
@@ -297,14 +343,78 @@ impl BlockFactor {
         }
     }
 
+    /// Factorises the variant with other right end rows and without scalar unknowns, integral and linear conditions, e.g.
+    /// the antisymmetric problem on a mirror-symmetric half. Borders are never pivots, so that up to its last block the
+    /// elimination is the one at hand.
+    ///
+    /// # Errors
+    /// A vanishing pivot in the last block.
+    pub fn factor_variant(&self, right: EndRows<'_>, variant: &mut VariantEnd) -> Result<(), PivotFailure> {
+        let n = self.n;
+        assert_eq!(self.nl + right.rows, n, "as many conditions as unknowns");
+        let (fl, lanes) = (dense::lanes_for(n), self.panel.len() / (self.nl + n + self.nb));
+        let mut last = [[0.0; LANE]; 32 * 4];
+        let last = &mut last[..n * fl];
+        for k in 0..self.nl {
+            let source = self.panel[(n + k) * lanes..(n + k + 1) * lanes].as_flattened();
+            last[k * fl..(k + 1) * fl].as_flattened_mut()[..n].copy_from_slice(&source[n..2 * n]);
+        }
+        for k in 0..right.rows {
+            let row = last[(self.nl + k) * fl..(self.nl + k + 1) * fl].as_flattened_mut();
+            row[..n].copy_from_slice(&right.ry[k * n..(k + 1) * n]);
+        }
+        variant.last.reset(1, n, n);
+        dense::eliminate(last, fl, n, n, &mut variant.last.write(0))
+    }
+
+    /// [`solve`](Self::solve) for a variant; of the solution only its last node if not `everywhere`.
+    pub fn solve_variant(
+        &mut self,
+        variant: &VariantEnd,
+        nodes: &mut [f64],
+        left: &[f64],
+        right: &[f64],
+        everywhere: bool,
+    ) {
+        let (mut carried, mut border) = ([0.0; 32], [0.0; 32]);
+        let carried = &mut carried[..self.nl];
+        carried.copy_from_slice(left);
+        self.forward(nodes, carried, &mut border[..self.nb]);
+        self.solve_variant_end(variant, carried, right, nodes);
+        if everywhere {
+            self.backward(nodes, &[]);
+        }
+    }
+
+    /// [`solve_last`](Self::solve_last) for a variant.
+    pub fn solve_variant_last(&mut self, variant: &VariantEnd, nodes: &mut [f64], right: &[f64]) {
+        self.forward.fill([0.0; LANE]);
+        self.solve_variant_end(variant, &[0.0; 32][..self.nl], right, nodes);
+        self.backward(nodes, &[]);
+    }
+
+    fn solve_variant_end(&self, variant: &VariantEnd, carried: &[f64], right: &[f64], nodes: &mut [f64]) {
+        let n = self.n;
+        let mut end = [[0.0; LANE]; 4];
+        let y = end.as_flattened_mut();
+        y[..self.nl].copy_from_slice(carried);
+        y[self.nl..n].copy_from_slice(right);
+        dense::solve_vector(variant.last.read(0), n, &mut end);
+        nodes[self.intervals * n..].copy_from_slice(&end.as_flattened()[..n]);
+    }
+
+    /// Multiplies the determinant of a variant into `det`.
+    pub fn accumulate_variant(&self, variant: &VariantEnd, det: &mut Determinant) {
+        for store in [&self.panels, &variant.last] {
+            store.accumulate_determinant(det);
+        }
+    }
+
     /// Multiplies the determinant of the factorised matrix into `det`.
     pub fn accumulate_determinant(&self, det: &mut Determinant) {
         // Moving the right rows ahead of the border rows is a fixed permutation; its sign is left out.
         for store in [&self.panels, &self.last] {
-            let c = store.columns;
-            for (r, e) in store.reciprocal.chunks_exact(c).zip(store.exchange.chunks_exact(c)) {
-                dense::accumulate_determinant(r, e, det);
-            }
+            store.accumulate_determinant(det);
         }
     }
 }

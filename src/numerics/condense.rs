@@ -71,6 +71,8 @@ pub struct Condensed {
     /// Pivots of all intervals, for determinants.
     reciprocal: Vec<f64>,
     exchange: Vec<u8>,
+    /// Derivatives of the integrable components by the scalars, gathered for one stage: e × scalars of scratch.
+    spread: Vec<f64>,
     /// Inverse stage matrices by columns; per interval s × lanes_for(s). Applying an inverse is a sum of scaled columns,
     /// without the serial dependence of triangular solves; Newton corrects its rounding.
     inverse: Vec<Lane>,
@@ -106,6 +108,7 @@ impl Condensed {
             upper: Vec::new(),
             reciprocal: Vec::new(),
             exchange: Vec::new(),
+            spread: Vec::new(),
             inverse: Vec::new(),
             map: Vec::new(),
             transition: Vec::new(),
@@ -140,6 +143,7 @@ impl Condensed {
         self.inverse.resize(intervals * l.s * l.rhs_lane, [0.0; LANE]);
         self.reciprocal.resize(intervals * l.s, 0.0);
         self.exchange.resize(intervals * l.s, 0);
+        self.spread.resize(l.dims.integrable * l.dims.scalars, 0.0);
         self.map.resize(points * n * l.map_lanes, [0.0; LANE]);
         self.transition.resize(intervals * n * l.map_lanes, [0.0; LANE]);
         self.integral.resize(intervals * l.dims.integrals * l.map_lanes, [0.0; LANE]);
@@ -180,7 +184,8 @@ impl Condensed {
             let f = &fy[stage * n * n..(stage + 1) * n * n];
             let row_sum: f64 = gauss.d_matrix[stage * m..(stage + 1) * m].iter().sum();
             // h² Σ_k a_ik F_Ep,k for every integrable component and scalar.
-            let mut spread = [0.0; 32 * LANE];
+            let spread = &mut self.spread[..];
+            spread.fill(0.0);
             for k in 0..e {
                 for j in 0..m {
                     for q in 0..np {

@@ -79,10 +79,20 @@ fn subtract_scaled(target: &mut [Lane], factor: f64, source: &[Lane]) {
     }
 }
 
-/// Row operation; one flat loop, because nested ones of known length are unrolled before they can be vectorised.
+/// Row operation of the elimination, a whole lane at a time: one flat loop over short rows is unrolled before it can be
+/// vectorised.
 #[inline(always)]
 fn subtract_row<const L: usize>(row: &mut [Lane; L], factor: f64, pivot: &[Lane; L]) {
-    for (x, p) in row.as_flattened_mut().iter_mut().zip(pivot.as_flattened()) {
+    for (x, p) in row.iter_mut().zip(pivot) {
+        let before = *x;
+        *x = std::array::from_fn(|t| before[t] - factor * p[t]);
+    }
+}
+
+/// Row operation of the back substitution; here it is the flat loop that becomes vector code.
+#[inline(always)]
+fn subtract_solved<const L: usize>(row: &mut [Lane; L], factor: f64, solved: &[Lane; L]) {
+    for (x, p) in row.as_flattened_mut().iter_mut().zip(solved.as_flattened()) {
         *x -= factor * p;
     }
 }
@@ -139,7 +149,7 @@ fn back_substitute_rows<const L: usize>(rows: &mut [[Lane; L]], n: usize, upper:
         let solved = rows[k];
         let column = upper[k * width..(k + 1) * width].as_flattened();
         for (row, &factor) in rows.iter_mut().zip(&column[..k]) {
-            subtract_row(row, factor, &solved);
+            subtract_solved(row, factor, &solved);
         }
     }
 }

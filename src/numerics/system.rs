@@ -2,7 +2,7 @@
 
 use multiversion::multiversion;
 
-use super::block::{BlockFactor, EndRows, LinearForm};
+use super::block::{BlockFactor, EndRows, LinearForm, VariantEnd};
 use super::condense::Condensed;
 use super::dense::{Determinant, LANE, PivotFailure};
 use super::gauss::{Gauss, MAX_STAGES};
@@ -272,6 +272,20 @@ impl System {
         self.residual = residual;
     }
 
+    /// Solves J δ = e with e one in row `which` of the border (integral conditions first) and zero elsewhere.
+    pub fn solve_unit(&mut self, which: usize, out: &mut Update) {
+        let dims = self.dimensions();
+        let rows = dims.integrals + dims.missing_conditions().max(0) as usize;
+        zeroed(&mut self.borders, rows + dims.right);
+        self.borders[which] = 1.0;
+        let (border, right) = self.borders.split_at(rows);
+        zeroed(&mut out.nodes, (self.condensed.intervals() + 1) * dims.components);
+        zeroed(&mut out.stages, self.condensed.intervals() * self.gauss.m * dims.components);
+        zeroed(&mut out.scalars, dims.scalars);
+        self.block.solve_last(&mut out.nodes, right, border, &mut out.scalars);
+        self.complete(out);
+    }
+
     /// Particular stage values and node constants for a residual; border right-hand sides into the scratch.
     fn particular(&mut self, residual: &Residual, out: &mut Update, with_border: bool) {
         let dims = self.dimensions();
@@ -317,18 +331,17 @@ impl System {
         }
     }
 
-    /// Factorises the condensed intervals with other homogeneous end rows and without scalar unknowns or integral
-    /// conditions, e.g. the antisymmetric problem on a mirror-symmetric half. The determinant includes the stages.
-    pub fn factor_variant(
-        &self,
-        left: EndRows<'_>,
-        right: EndRows<'_>,
-        block: &mut BlockFactor,
-    ) -> Result<Determinant, PivotFailure> {
-        let result = block.factor(&self.condensed, 0, left, right, false, &[], &[]);
+    /// Factorises the variant of the factorised problem with other homogeneous right end rows and without scalar unknowns
+    /// and integral conditions, e.g. the antisymmetric problem on a mirror-symmetric half. The determinant includes the
+    /// stages.
+    ///
+    /// # Errors
+    /// A pivot that is not finite; one that is zero makes the determinant zero.
+    pub fn factor_variant(&self, right: EndRows<'_>, variant: &mut VariantEnd) -> Result<Determinant, PivotFailure> {
+        let result = self.block.factor_variant(right, variant);
         let mut det = Determinant::default();
         self.condensed.accumulate_determinant(&mut det);
-        block.accumulate_determinant(&mut det);
+        self.block.accumulate_variant(variant, &mut det);
         match result {
             Ok(()) => Ok(det),
             // Exactly singular in the last block: the zero itself.
@@ -339,12 +352,31 @@ impl System {
 
     /// Solves a variant factorised by [`factor_variant`](Self::factor_variant) for stage and node residuals and
     /// right-hand sides of its end rows.
-    pub fn solve_variant(&mut self, block: &mut BlockFactor, residual: &Residual, out: &mut Update) {
+    pub fn solve_variant(&mut self, variant: &VariantEnd, residual: &Residual, out: &mut Update) {
+        self.variant(variant, residual, out, true);
+        self.complete(out);
+    }
+
+    /// The last node alone of [`solve_variant`](Self::solve_variant), in its place in `out`.
+    pub fn solve_variant_last_node(&mut self, variant: &VariantEnd, residual: &Residual, out: &mut Update) {
+        self.variant(variant, residual, out, false);
+    }
+
+    fn variant(&mut self, variant: &VariantEnd, residual: &Residual, out: &mut Update, everywhere: bool) {
         self.particular(residual, out, false);
-        let left: Vec<f64> = residual.left.iter().map(|v| -v).collect();
-        let right: Vec<f64> = residual.right.iter().map(|v| -v).collect();
-        block.solve(&mut out.nodes, &left, &right, &[], &mut []);
-        out.scalars.fill(0.0);
+        let System { block, borders, .. } = self;
+        borders.extend(residual.left.iter().chain(&residual.right).map(|v| -v));
+        let (left, right) = borders.split_at(residual.left.len());
+        block.solve_variant(variant, &mut out.nodes, left, right, everywhere);
+    }
+
+    /// The solution of a variant for right-hand sides that are zero but for `right` of its right end rows.
+    pub fn solve_variant_unit(&mut self, variant: &VariantEnd, right: &[f64], out: &mut Update) {
+        let dims = self.dimensions();
+        zeroed(&mut out.nodes, (self.condensed.intervals() + 1) * dims.components);
+        zeroed(&mut out.stages, self.condensed.intervals() * self.gauss.m * dims.components);
+        zeroed(&mut out.scalars, dims.scalars);
+        self.block.solve_variant_last(variant, &mut out.nodes, right);
         self.complete(out);
     }
 

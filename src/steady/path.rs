@@ -182,9 +182,7 @@ pub fn transfer_direction(gauss: &Gauss, from: &[f64], to: &[f64], direction: &m
 
 /// Solves J d = 0 with condition `which` of the linear conditions raised by 1, for the factors in `system`.
 pub fn null_direction(system: &mut System, which: usize, out: &mut Update) {
-    let mut residual = system.zero_residual();
-    residual.border[system.dimensions().integrals + which] = -1.0;
-    system.solve(&residual, out);
+    system.solve_unit(system.dimensions().integrals + which, out);
 }
 
 #[cfg(test)]

@@ -15,10 +15,10 @@
 
 use super::directional::{Directional, second_residual};
 use super::path::{self, Metric};
-use crate::numerics::block::{BlockFactor, EndRows};
+use crate::numerics::block::{EndRows, VariantEnd};
 use crate::numerics::dense::PivotFailure;
 use crate::numerics::system::{Residual, Update};
-use crate::numerics::{BoundaryJacobian, BoundaryValueProblem, LinearCondition, Solution, System};
+use crate::numerics::{BoundaryValueProblem, LinearCondition, Solution, System};
 
 /// Why a singular point was not found.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -124,70 +124,43 @@ pub struct SymmetryBreaking {
     /// Sign of det J_a (up to a sign fixed per problem), and ln |det J_a|.
     pub determinant: (f64, f64),
     replaced: usize,
-    block: BlockFactor,
-    left: Vec<f64>,
+    end: VariantEnd,
     right: Vec<f64>,
     residual: Residual,
     change: Update,
 }
 
 impl SymmetryBreaking {
-    /// Sign and logarithm of det J_a alone, for watching a branch: the antisymmetric determinant on the condensed
+    /// Sign and logarithm of det J_a alone, for watching a branch: the antisymmetric determinant on the factorised
     /// intervals in `system`.
     ///
     /// # Errors
     /// If a pivot is not finite.
-    pub fn test<P: MirrorSymmetric>(
-        &mut self,
-        system: &System,
-        problem: &P,
-        y: &Solution,
-    ) -> Result<(f64, f64), PivotFailure> {
-        let rows = problem.vanishing_at_mirror();
-        self.set_rows(system, problem, y, rows.iter().copied());
-        let det = self.factor(system, rows.len())?;
+    pub fn test<P: MirrorSymmetric>(&mut self, system: &System, problem: &P) -> Result<(f64, f64), PivotFailure> {
+        let det = self.factor(system, problem.vanishing_at_mirror().iter().copied())?;
         Ok((det.sign, det.log_abs))
     }
 
-    fn set_rows<P: BoundaryValueProblem>(
+    /// Factors of the antisymmetric problem with the components in `vanishing` zero at the mirror.
+    fn factor(
         &mut self,
         system: &System,
-        problem: &P,
-        y: &Solution,
-        rows: impl Iterator<Item = usize>,
-    ) {
-        let dims = system.dimensions();
-        let n = dims.components;
-        let (mut r, mut rp) = ([0.0; 32], [0.0; 512]);
-        self.left.clear();
-        self.left.resize(dims.left * n, 0.0);
-        problem.left(
-            y.node(0),
-            &y.scalars,
-            &mut BoundaryJacobian {
-                r: &mut r[..dims.left],
-                ry: &mut self.left,
-                rp: &mut rp[..dims.left * dims.scalars],
-            },
-        );
+        vanishing: impl Iterator<Item = usize>,
+    ) -> Result<crate::numerics::dense::Determinant, PivotFailure> {
+        let n = system.dimensions().components;
         self.right.clear();
-        for component in rows {
+        let mut rows = 0;
+        for component in vanishing {
             self.right.extend((0..n).map(|c| if c == component { 1.0 } else { 0.0 }));
+            rows += 1;
         }
-    }
-
-    fn factor(&mut self, system: &System, rows: usize) -> Result<crate::numerics::dense::Determinant, PivotFailure> {
-        system.factor_variant(
-            EndRows { ry: &self.left, rp: &[], rows: system.dimensions().left },
-            EndRows { ry: &self.right, rp: &[], rows },
-            &mut self.block,
-        )
+        system.factor_variant(EndRows { ry: &self.right, rp: &[], rows }, &mut self.end)
     }
 
     /// Component of J_a⁻¹-like projection: what the solution for −`residual` leaves of the condition replaced. Zero for
     /// every residual in the range of J_a at g = 0.
     pub fn project(&mut self, system: &mut System, residual: &Residual) -> f64 {
-        system.solve_variant(&mut self.block, residual, &mut self.change);
+        system.solve_variant_last_node(&self.end, residual, &mut self.change);
         self.change.nodes[self.change.nodes.len() - system.dimensions().components + self.replaced]
     }
 }
@@ -200,7 +173,7 @@ impl<P: Directional + MirrorSymmetric> Singularity<P> for SymmetryBreaking {
         &mut self,
         system: &mut System,
         problem: &mut P,
-        y: &Solution,
+        _y: &Solution,
         _w: &Update,
     ) -> Result<f64, PivotFailure> {
         let n = system.dimensions().components;
@@ -212,8 +185,7 @@ impl<P: Directional + MirrorSymmetric> Singularity<P> for SymmetryBreaking {
             let rows = vanishing[..count - 1].iter().copied().chain([normaliser]);
             self.replaced = vanishing[count - 1];
             self.normaliser = normaliser;
-            self.set_rows(system, problem, y, rows);
-            let det = match self.factor(system, count) {
+            let det = match self.factor(system, rows) {
                 Ok(det) if det.sign != 0.0 => det,
                 Ok(_) => continue,
                 Err(error) => {
@@ -221,11 +193,9 @@ impl<P: Directional + MirrorSymmetric> Singularity<P> for SymmetryBreaking {
                     continue;
                 }
             };
-            self.residual = system.zero_residual();
-            self.residual.right.clear();
-            self.residual.right.resize(count, 0.0);
-            self.residual.right[count - 1] = -1.0;
-            system.solve_variant(&mut self.block, &self.residual, &mut self.null);
+            let mut right = [0.0; 32];
+            right[count - 1] = 1.0;
+            system.solve_variant_unit(&self.end, &right[..count], &mut self.null);
             let largest = self.null.nodes.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
             if largest < LARGE || attempt + 1 == problem.free_at_mirror().len() {
                 let g = self.null.nodes[self.null.nodes.len() - n + self.replaced];

@@ -23,10 +23,10 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, evd_real, evd_scratch};
 use faer::{Mat, Par};
 
-use crate::cortex::equations::{COMPONENTS, M, PSI, Q, R, T, V, Z};
+use crate::cortex::equations::{COMPONENTS, M, PSI, R, T, Z};
 use crate::cortex::shape::positions;
 use crate::cortex::{Cortex, Domain};
-use crate::numerics::block::{BlockFactor, EndRows};
+use crate::numerics::block::{EndRows, VariantEnd};
 use crate::numerics::dense::PivotFailure;
 use crate::numerics::system::{Residual, Update};
 use crate::numerics::{BoundaryValueProblem, Solution, System};
@@ -136,7 +136,7 @@ pub struct Stability {
     /// Settings.
     pub arnoldi: Arnoldi,
     system: System,
-    variant: BlockFactor,
+    variant: VariantEnd,
     right_hand_side: Residual,
     update: Update,
     /// h s ∂f/∂v_n at every collocation point.
@@ -163,7 +163,7 @@ impl Stability {
         Stability {
             arnoldi: Arnoldi::default(),
             system: System::new(Cortex::dimensions_for(Domain::Full, 0), stages),
-            variant: BlockFactor::default(),
+            variant: VariantEnd::default(),
             right_hand_side: Residual::default(),
             update: Update::default(),
             response: Vec::new(),
@@ -254,15 +254,10 @@ impl Stability {
         for &parity in parities {
             match parity {
                 Parity::Odd => {
-                    let (left, right) = (unit_rows([R, PSI, Q, V]), unit_rows([R, M, T]));
-                    let det = self
-                        .system
-                        .factor_variant(
-                            EndRows { ry: &left, rp: &[], rows: 4 },
-                            EndRows { ry: &right, rp: &[], rows: 3 },
-                            &mut self.variant,
-                        )
-                        .map_err(failed)?;
+                    // From the factors of the even problem, which comes first.
+                    let right = unit_rows([R, M, T]);
+                    let right = EndRows { ry: &right, rp: &[], rows: 3 };
+                    let det = self.system.factor_variant(right, &mut self.variant).map_err(failed)?;
                     if det.sign == 0.0 {
                         return Err(StabilityError::Factorisation { shift, column: 0 });
                     }
@@ -315,7 +310,7 @@ impl Stability {
             }
         }
         match parity {
-            Parity::Odd => self.system.solve_variant(&mut self.variant, rhs, &mut self.update),
+            Parity::Odd => self.system.solve_variant(&self.variant, rhs, &mut self.update),
             _ => self.system.solve(rhs, &mut self.update),
         }
         for ((w, y), n) in self.basis[to].iter_mut().zip(self.update.stages.chunks_exact(COMPONENTS)).zip(&self.normal)

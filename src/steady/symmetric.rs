@@ -322,7 +322,7 @@ pub fn follow(
             let mut new = Vec::new();
             // The corrector's factors belong to a prediction: a change of sign is confirmed at the point itself.
             // A non-finite pivot cannot come after a converged step.
-            if let Ok((mut sign, _)) = watch.test(&branch.system, &branch.problem, &branch.state.solution) {
+            if let Ok((mut sign, _)) = watch.test(&branch.system, &branch.problem) {
                 if sign_before.is_some_and(|before| before * sign <= 0.0)
                     && let Some(before) = sign_before
                 {
