@@ -62,6 +62,19 @@ fn both_folds_of_the_s_shape_end_at_one_cusp() {
     assert_eq!((folds(cusps[0].value - 1e-3), folds(cusps[0].value + 1e-3)), (3, 1));
 }
 
+/// A fold met from one end is not followed again from the other, and steps lengthen as a curve leads to small radii.
+#[test]
+fn a_fold_is_followed_once_from_whichever_end() {
+    let follow = |range| curves::fold_curves(&at(0.87), &Numerics::default(), 2.0, Control::R0, range).unwrap();
+    for range in [[1.5, 5.4], [5.4, 1.5]] {
+        let curves = follow(range);
+        let [curve] = &curves[..] else { panic!("{} curves", curves.len()) };
+        assert_eq!(curve.stopped_by, None);
+        assert_eq!(curve.points.last().unwrap().value, range[1]);
+        assert!(curve.points.len() < 300, "{} points", curve.points.len());
+    }
+}
+
 /// Points of a curve are the pitchforks found one at a time, and criticality changes where the coefficient vanishes.
 #[test]
 fn the_curve_of_pitchforks_agrees_with_single_ones() {

@@ -148,11 +148,19 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
         (true, Cue::None) => Some(curves::critical_pitchfork(physics, numerics, r0, control, &starts(control, range))?),
         (true, _) => Some(curves::critical_cued_fold(physics, numerics, r0, &cue, control, &starts(control, range))?),
     };
+    for error in folds.iter().filter_map(|fold| fold.stopped_by.as_ref()) {
+        tracing::warn!("a curve of folds is followed no further: {error}");
+    }
     let document = Answer {
         cue,
         pitchfork: pitchfork.points.iter().map(PointAnswer::new).collect(),
-        degenerate: pitchfork.degenerate.iter().map(PointAnswer::new).collect(),
-        cusps: folds.iter().filter_map(|fold| fold.cusp.as_ref().map(PointAnswer::new)).collect(),
+        // Neither sub- nor supercritical.
+        degenerate: pitchfork
+            .degenerate
+            .iter()
+            .map(|p| PointAnswer::new(&CurvePoint { coefficient: None, ..*p }))
+            .collect(),
+        cusps: cusps(&folds).iter().map(PointAnswer::new).collect(),
         folds: folds
             .iter()
             .enumerate()
@@ -168,6 +176,19 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     } else {
         answer(&document.text())
     }
+}
+
+/// The cusps of fold curves, each of which two curves lead to.
+fn cusps(folds: &[Curve]) -> Vec<CurvePoint> {
+    let mut cusps: Vec<CurvePoint> = Vec::new();
+    for cusp in folds.iter().filter_map(|fold| fold.cusp) {
+        let same =
+            |c: &CurvePoint| (c.value - cusp.value).abs() + (c.xi_s - cusp.xi_s).abs() < 1e-6 * (1.0 + cusp.xi_s.abs());
+        if !cusps.iter().any(same) {
+            cusps.push(cusp);
+        }
+    }
+    cusps
 }
 
 /// A curve from one end of the range, or else from the other.

@@ -51,6 +51,8 @@ pub struct Curve {
     pub degenerate: Vec<CurvePoint>,
     /// Where the curve turned back in its parameter: a cusp, at which two folds are born (folds).
     pub cusp: Option<CurvePoint>,
+    /// Why it ends before the value it was followed to, if it does (folds).
+    pub stopped_by: Option<SteadyError>,
     /// Newton iterations of the whole curve.
     pub iterations: usize,
 }
@@ -65,7 +67,7 @@ const MOST_STEPS: usize = 2000;
 
 /// Settings of curves of cells.
 pub fn settings() -> LocusSettings {
-    LocusSettings { first_step: 0.02, max_step: 0.12, ..LocusSettings::default() }
+    LocusSettings { first_step: 0.02, max_step: 1.0, ..LocusSettings::default() }
 }
 
 fn locus<S: Singularity<Cortex> + Clone>(
@@ -190,20 +192,22 @@ pub fn pitchfork_curve(
     let failed = |error: &dyn std::fmt::Display| curve_error("pitchfork", "the parameter", to, error);
     let mut locus = pitchfork_locus(&physics, r0, &first, control, to > from).map_err(|e| failed(&e))?;
     let mut curve = Curve { points: vec![curve_point(&locus, Some(first.coefficient))], ..Curve::default() };
+    let mut before = [curve.points[0].value, first.coefficient];
     let mut failure = None;
     locus
         .follow_to(SECOND, to, MOST_STEPS, |locus, _| {
             let y = locus.solution.clone();
             match coefficient(locus, &y) {
                 Ok(c) => {
-                    let before = curve.points.last().and_then(|p| p.coefficient.map(|c| [p.value, c]));
                     let point = curve_point(locus, Some(c));
-                    if let Some(before) = before.filter(|before| before[1] * c < 0.0)
-                        && let Some(point) = degenerate(locus, [before, [point.value, c]])
+                    let now = [point.value, c];
+                    if before[1] * c < 0.0
+                        && let Some(point) = degenerate(locus, [before, now])
                     {
                         curve.degenerate.push(point);
                     }
                     curve.points.push(point);
+                    before = now;
                 }
                 Err(error) => failure = Some(error),
             }
@@ -244,20 +248,19 @@ fn degenerate(locus: &mut PitchforkLocus, [mut low, mut high]: [[f64; 2]; 2]) ->
     None
 }
 
-/// Follows one fold until the control reaches `to` or the curve turns back at a cusp.
-///
-/// # Errors
-/// [`LocusError`] other than the cusp.
-pub fn fold_curve(locus: &mut FoldLocus, to: f64) -> Result<Curve, LocusError> {
+/// Follows one fold until the control reaches `to`, the curve turns back at a cusp or leaves ξ_s > 0, or it cannot be
+/// followed further.
+pub fn fold_curve(locus: &mut FoldLocus, to: f64) -> Curve {
     let mut curve = Curve { points: vec![curve_point(locus, None)], ..Curve::default() };
     let direction = locus.tangent.scalars[SECOND].signum();
-    let mut cusp = false;
+    let (mut cusp, mut passive) = (false, false);
     let followed = locus.follow_to(SECOND, to, MOST_STEPS, |locus, _| {
         cusp = locus.tangent.scalars[SECOND] * direction < 0.0;
-        if !cusp {
+        passive = locus.solution.scalars[XI] <= 0.0;
+        if !cusp && !passive {
             curve.points.push(curve_point(locus, None));
         }
-        !cusp
+        !cusp && !passive
     });
     curve.iterations = locus.iterations;
     match followed {
@@ -266,18 +269,22 @@ pub fn fold_curve(locus: &mut FoldLocus, to: f64) -> Result<Curve, LocusError> {
                 locus.solution = y;
             }
             curve.cusp = Some(curve_point(locus, None));
-            Ok(curve)
         }
-        Err(error) => Err(error),
-        Ok(()) => Ok(curve),
+        Err(LocusError::NotReached { .. }) if passive => {
+            curve.stopped_by = Some(curve_error("fold", "the parameter", to, "xi_s falls to 0 on the way"));
+        }
+        Err(error) => curve.stopped_by = Some(curve_error("fold", "the parameter", to, error)),
+        Ok(()) => {}
     }
+    curve
 }
 
-/// All folds of the symmetric branch at control value `from`, each followed towards `to`, and those at `to` that are
-/// born on the way at a cusp.
+/// All folds of the symmetric branch at control value `from`, each followed towards `to`, and those at `to` that no curve
+/// has led to, followed towards `from`. A curve that cannot be followed to its end keeps what there is of it, and why in
+/// [`Curve::stopped_by`].
 ///
 /// # Errors
-/// [`SteadyError`].
+/// [`SteadyError`] of the symmetric branches at both ends.
 pub fn fold_curves(
     physics: &Physics,
     numerics: &Numerics,
@@ -285,20 +292,23 @@ pub fn fold_curves(
     control: Control,
     [from, to]: [f64; 2],
 ) -> Result<Vec<Curve>, SteadyError> {
-    let mut curves = Vec::new();
+    let mut curves: Vec<Curve> = Vec::new();
     for [start, end] in [[from, to], [to, from]] {
         let (mut physics, mut r0) = (*physics, r0);
         control.set(start, &mut physics, &mut r0, &mut Cue::None);
         let branch = symmetric::follow(&physics, numerics, r0, &BranchOptions::default(), |_| true)?;
         for event in branch.events {
             let BranchEvent::Fold(fold) = event else { continue };
+            let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (1.0 + b.abs());
+            let known = curves.iter().filter_map(|curve| curve.points.last()).any(|p| {
+                same(p.value, start) && same(p.xi_s, fold.point.xi_s) && same(p.elongation, fold.point.elongation)
+            });
+            if known {
+                continue;
+            }
             let failed = |error: LocusError| curve_error("fold", "the parameter", end, error);
             let mut locus = fold_locus(&physics, r0, &Cue::None, &fold, control, end > start).map_err(failed)?;
-            let curve = fold_curve(&mut locus, end).map_err(failed)?;
-            // From the far end only what did not come from the near one.
-            if start == from || curve.cusp.is_some() {
-                curves.push(curve);
-            }
+            curves.push(fold_curve(&mut locus, end));
         }
     }
     Ok(curves)
@@ -514,5 +524,9 @@ pub fn cued_fold_curve(
     let fold = first_cued_fold(&physics, numerics, r0, &cue, &BranchOptions::default())?;
     let failed = |e: LocusError| curve_error("fold", "the parameter", to, e);
     let mut locus = fold_locus(&physics, r0, &cue, &fold, control, to > from).map_err(failed)?;
-    fold_curve(&mut locus, to).map_err(failed)
+    let curve = fold_curve(&mut locus, to);
+    match curve.stopped_by {
+        Some(error) => Err(error),
+        None => Ok(curve),
+    }
 }
