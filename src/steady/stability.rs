@@ -75,6 +75,21 @@ impl Spectrum {
         self.values.first().map_or(f64::NAN, |v| v.re)
     }
 
+    /// Adds what another shift saw and this spectrum does not hold yet: rates found from both agree.
+    fn add(&mut self, other: Spectrum, shift: f64) {
+        self.solves += other.solves;
+        for value in other.values {
+            let slack = 1e-5 * (value.re.abs() + shift) + 10.0 * value.error;
+            let known = self.values.iter().any(|v| {
+                v.parity == value.parity && (v.re - value.re).hypot(v.im - value.im) <= slack + 10.0 * v.error
+            });
+            if !known {
+                self.values.push(value);
+            }
+        }
+        sort(&mut self.values);
+    }
+
     /// Whether every disturbance decays.
     pub fn is_stable(&self) -> bool {
         self.growth_rate() < 0.0
@@ -183,28 +198,38 @@ impl Stability {
         let (mut fixed, state) = freeze(cortex, y);
         let (near, mut spectrum) = self.within_reach(&mut fixed, &state, self.arnoldi.wanted)?;
         let far = self.at_shift(&mut fixed, &state, 8.0 * near, self.arnoldi.wanted)?;
-        spectrum.solves += far.solves;
-        for value in far.values {
-            // Rates found from both shifts agree; only what the nearer one could not see is added.
-            let slack = 1e-5 * (value.re.abs() + near) + 10.0 * value.error;
-            let known = spectrum.values.iter().any(|v| {
-                v.parity == value.parity && (v.re - value.re).hypot(v.im - value.im) <= slack + 10.0 * v.error
-            });
-            if !known {
-                spectrum.values.push(value);
-            }
-        }
-        sort(&mut spectrum.values);
+        spectrum.add(far, near);
+        self.add_fast(&mut fixed, &state, 8.0 * near, self.arnoldi.wanted, &mut spectrum)?;
         Ok(spectrum)
     }
 
-    /// The largest growth rate only, from one shift.
+    /// The largest growth rate only, from one shift, and from more where the shape has a narrow neck.
     ///
     /// # Errors
     /// As [`leading`](Self::leading).
     pub fn growth_rate(&mut self, cortex: &Cortex, y: &Solution) -> Result<f64, StabilityError> {
         let (mut fixed, state) = freeze(cortex, y);
-        Ok(self.within_reach(&mut fixed, &state, 1)?.1.growth_rate())
+        let (near, mut spectrum) = self.within_reach(&mut fixed, &state, 1)?;
+        self.add_fast(&mut fixed, &state, near, 1, &mut spectrum)?;
+        Ok(spectrum.growth_rate())
+    }
+
+    /// Modes too fast for `shift` to see: a neck pinches at the rate its own curvature sets, whatever the cell's size.
+    fn add_fast(
+        &mut self,
+        cortex: &mut Cortex,
+        y: &Solution,
+        mut shift: f64,
+        wanted: usize,
+        spectrum: &mut Spectrum,
+    ) -> Result<(), StabilityError> {
+        let fastest = fastest(cortex, y);
+        while 0.5 * REACH * shift < fastest {
+            shift *= 0.5 * REACH;
+            let seen = self.at_shift(cortex, y, shift, wanted)?;
+            spectrum.add(seen, shift);
+        }
+        Ok(())
     }
 
     /// Whether every disturbance of the stationary state decays.
@@ -459,6 +484,16 @@ fn shift_scale(cortex: &Cortex) -> f64 {
     let viscosity = p.eta_b + p.eta_s;
     let activity = p.gain * p.xi_s;
     p.kappa / (viscosity * cortex.r0 * cortex.r0) + activity * activity / (16.0 * p.kappa * viscosity)
+}
+
+/// A bound of growth rates: bending and active stress at the largest curvature of the shape against viscosity.
+fn fastest(cortex: &Cortex, y: &Solution) -> f64 {
+    let p = &cortex.physics;
+    let curvature = y.stages.chunks_exact(COMPONENTS).fold(0.0f64, |most, s| {
+        let c2 = s[PSI].sin() / s[R];
+        most.max(c2.abs()).max((s[M] / p.kappa - c2).abs())
+    });
+    (p.kappa * curvature * curvature + p.gain * p.xi_s.abs() * curvature) / (p.eta_b + p.eta_s)
 }
 
 fn unit_rows<const K: usize>(components: [usize; K]) -> Vec<f64> {
