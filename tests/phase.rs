@@ -10,7 +10,7 @@ use furrow::steady::phase::{Edge, rest_shapes};
 fn divisions_agree_with_the_edges() {
     for (r0, epsilon, edge) in [(1.64, 0.87, 25.79676), (2.22, 0.64, 6.24541), (2.22, 0.56, 6.8535)] {
         let physics = Physics { epsilon, ..Physics::GAO2026 };
-        let shapes = rest_shapes(&physics, &Numerics::default(), r0, 60.0).unwrap();
+        let shapes = rest_shapes(&physics, &Numerics::default(), r0, &Cue::None, 60.0).unwrap();
         let top = shapes.intervals.iter().fold(0.0f64, |top, i| top.max(i[1]));
         assert!((top - edge).abs() < 1e-3, "{top} {edge}");
         for (factor, rests) in [(0.98, true), (1.02, false)] {
@@ -29,6 +29,21 @@ fn divisions_agree_with_the_edges() {
     }
 }
 
+/// With a cue there is no pitchfork: the leaning shape ends in a fold, below which a cell stays at rest.
+#[test]
+fn divisions_of_cued_cells_agree_with_their_fold() {
+    let cue = Cue::Kappa { u0: 0.465, omega: 0.0577, amplitude: 0.1 };
+    let (r0, physics, numerics) = (2.2, Physics::GAO2026, Numerics::default());
+    let shapes = rest_shapes(&physics, &numerics, r0, &cue, 40.0).unwrap();
+    let Edge::Fold { xi_s: fold, maximum: true } = shapes.edges[0] else { panic!("{shapes:?}") };
+    assert_eq!(shapes.intervals, [[0.0, fold]]);
+    for (factor, rests) in [(0.98, true), (1.02, false)] {
+        let input = DivisionInput { physics: Physics { xi_s: factor * fold, ..physics }, numerics, r0, cue, seed: 0 };
+        assert_eq!(shapes.contains(factor * fold), rests);
+        assert_eq!(divide(&input).unwrap().outcome == Outcome::Failed, rests, "xi_s = {}", factor * fold);
+    }
+}
+
 /// A pitchfork between the last free point of a branch and the bound it is cut at was once an error: landing on the bound
 /// forgot the point before.
 #[test]
@@ -38,7 +53,7 @@ fn edges_just_below_the_end_of_the_range() {
     cells.extend([25.8, 26.0, 27.0, 28.0, 28.38, 29.0, 31.0].map(|xi_max| (2.22, 0.9, xi_max, 25.70943)));
     for (r0, epsilon, xi_max, edge) in cells {
         let physics = Physics { epsilon, ..Physics::GAO2026 };
-        let shapes = rest_shapes(&physics, &Numerics::default(), r0, xi_max).unwrap();
+        let shapes = rest_shapes(&physics, &Numerics::default(), r0, &Cue::None, xi_max).unwrap();
         let [Edge::Pitchfork { xi_s, .. }] = shapes.edges[..] else { panic!("{xi_max}: {shapes:?}") };
         assert!((xi_s - edge).abs() < 1e-5, "{xi_max}: {xi_s}");
         assert_eq!(shapes.intervals, [[0.0, xi_s]]);

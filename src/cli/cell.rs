@@ -6,7 +6,7 @@ use crate::input::InputError;
 use crate::io::parse_cue;
 use crate::lineage::Lineage;
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// One cell at one activity.
 #[derive(Debug, Args)]
@@ -52,11 +52,7 @@ impl CellArgs {
         if let Some(xi) = self.xi {
             context.settings.set_number("--xi", "xi_s", xi)?;
         }
-        let lineage = match &self.lineage {
-            Some(path) => Lineage::read(path)?,
-            None => Lineage::c_elegans()?,
-        };
-        Ok(Cell { r0: self.r0, cue: parse_cue(&self.cue, &lineage)? })
+        Ok(Cell { r0: self.r0, cue: read_cue(&self.cue, self.lineage.as_deref())? })
     }
 }
 
@@ -82,6 +78,18 @@ impl SizeArgs {
         }
         positive("--r0", "r0", self.r0)
     }
+}
+
+/// A cue from its option, by the names of a lineage file or else of the built-in lineage.
+///
+/// # Errors
+/// Names the option, its value and what is allowed; or the file and what is wrong with it.
+pub fn read_cue(cue: &str, lineage: Option<&Path>) -> Result<Cue, InputError> {
+    let lineage = match lineage {
+        Some(path) => Lineage::read(path)?,
+        None => Lineage::c_elegans()?,
+    };
+    parse_cue(cue, &lineage)
 }
 
 /// A finite number above 0 from an option.

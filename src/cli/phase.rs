@@ -1,5 +1,6 @@
 //! `furrow phase`: outcomes over a plane of size or confinement and activity.
 
+use super::cell::read_cue;
 use super::context::{Context, answer};
 use super::error::CliError;
 use super::progress::ProgressLine;
@@ -13,6 +14,7 @@ use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt::Write;
+use std::path::PathBuf;
 
 /// Which parameter runs across the diagram.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -53,6 +55,12 @@ pub struct PhaseArgs {
     /// Volume fraction ε where R0 varies
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     epsilon: Option<f64>,
+    /// Polarity cue: none, a name in the lineage file, or kappa:u0=..,omega=..,amplitude=..
+    #[arg(long, value_name = "CUE", default_value = "none")]
+    cue: String,
+    /// Lineage file whose cues have names here; default the built-in one
+    #[arg(long, value_name = "LINEAGE.ron")]
+    lineage: Option<PathBuf>,
     /// Seed of the noise in the first step
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
@@ -65,7 +73,7 @@ struct CellAnswer {
     xi_s: f64,
     outcome: &'static str,
     chi: Option<f64>,
-    /// `curves`: a stable symmetric shape exists; `division`: solved in time.
+    /// `curves`: a stable shape exists; `division`: solved in time.
     by: &'static str,
 }
 
@@ -81,6 +89,7 @@ struct Column {
 #[derive(Serialize)]
 struct Answer {
     vary: Control,
+    cue: Cue,
     cells: Vec<CellAnswer>,
     columns: Vec<Column>,
 }
@@ -139,17 +148,18 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
         }
         context.settings.set_number("--epsilon", "epsilon", epsilon)?;
     }
+    let cue = read_cue(&args.cue, args.lineage.as_deref())?;
     let (physics, numerics) = (context.settings.physics, context.settings.numerics);
     let across = spaced(args.from, args.to, args.points);
     let up = spaced(args.xi_from, args.xi_to, args.xi_points);
-    let shapes = edges(args, &context, &across, &physics, &numerics)?;
+    let shapes = edges(args, &context, &across, &physics, &numerics, &cue)?;
     let mut jobs = Vec::new();
     let points: Vec<(usize, f64)> = (0..across.len()).flat_map(|k| up.iter().map(move |xi| (k, *xi))).collect();
     for (cell, &(k, xi_s)) in points.iter().enumerate() {
         if !shapes[k].contains(xi_s) {
             let (physics, r0) = args.cell(&physics, across[k]);
             let physics = Physics { xi_s, ..physics };
-            jobs.push(Job { cell, input: DivisionInput { physics, numerics, r0, cue: Cue::None, seed: args.seed } });
+            jobs.push(Job { cell, input: DivisionInput { physics, numerics, r0, cue, seed: args.seed } });
         }
     }
     let divided: Vec<bool> = {
@@ -173,6 +183,7 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
     });
     let document = Answer {
         vary: if args.vary == Across::R0 { Control::R0 } else { Control::Epsilon },
+        cue,
         cells: cells.collect(),
         columns: across
             .iter()
@@ -187,19 +198,20 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
     }
 }
 
-/// The stable symmetric shapes of every column.
+/// The stable shapes of every column.
 fn edges(
     args: &PhaseArgs,
     context: &Context,
     across: &[f64],
     physics: &Physics,
     numerics: &Numerics,
+    cue: &Cue,
 ) -> Result<Vec<RestShapes>, CliError> {
     // A little beyond the diagram, so that its upper rim is inside.
     let xi_max = 1.01 * args.xi_from.max(args.xi_to) + 0.1;
     let column = |x: &f64| {
         let (physics, r0) = args.cell(physics, *x);
-        rest_shapes(&physics, numerics, r0, xi_max)
+        rest_shapes(&physics, numerics, r0, cue, xi_max)
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(context.threads).build().map_err(std::io::Error::other)?;
     Ok(pool.install(|| across.par_iter().map(column).collect::<Result<Vec<_>, _>>())?)
@@ -259,7 +271,7 @@ fn text(document: &Answer, up: &[f64]) -> String {
         }
         let _ = writeln!(out);
     }
-    let _ = writeln!(out, "edges of the stable symmetric shapes (pitchfork P, fold F):");
+    let _ = writeln!(out, "edges of the stable shapes (pitchfork P, fold F):");
     for column in &document.columns {
         let edges: Vec<String> = column
             .edges

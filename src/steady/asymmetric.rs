@@ -148,7 +148,8 @@ pub fn follow(
     })
 }
 
-fn furrow(gauss: &Gauss, cortex: &Cortex, y: &crate::numerics::Solution) -> f64 {
+/// Furrow position u_f − ½; 0 of a shape without a furrow.
+pub fn furrow(gauss: &Gauss, cortex: &Cortex, y: &crate::numerics::Solution) -> f64 {
     shape::furrow_position(gauss, cortex, y).map_or(0.0, |u| u - 0.5)
 }
 

@@ -1,14 +1,14 @@
 //! Curves of pitchforks and folds of cells in ξ_s and one further parameter, and the radii at which they bound division.
 
-use super::continuation::{Advance, Continuation, ContinuationSettings};
+use super::cued;
 use super::locus::{Locus, LocusError, LocusSettings};
 use super::normal_form::pitchfork_normal_form;
 use super::singular::{Fold, SingularError, Singularity, SymmetryBreaking};
 use super::symmetric::{
-    self, BranchEvent, BranchOptions, Criticality, FoldPoint, Pitchfork, ShapePoint, SteadyError, XI, fold_near,
-    furrow_shift, mesh_monitor, metric,
+    self, BranchEvent, BranchOptions, Criticality, FoldPoint, Pitchfork, ShapePoint, SteadyError, XI, furrow_shift,
+    mesh_monitor, metric,
 };
-use crate::cortex::{Control, Cortex, Cue, Domain, Numerics, Physics, shape};
+use crate::cortex::{Control, Cortex, Cue, Domain, Numerics, Physics};
 use crate::numerics::Solution;
 use crate::numerics::system::Update;
 
@@ -362,62 +362,6 @@ pub fn fold_order_swap(
     Ok(None)
 }
 
-/// The stationary branch of a cell with a cue, on the full contour, at ξ_s = 0.
-///
-/// # Errors
-/// [`SteadyError::Passive`], [`SteadyError::Branch`].
-pub fn cued_start(
-    physics: &Physics,
-    numerics: &Numerics,
-    r0: f64,
-    cue: &Cue,
-    settings: &ContinuationSettings,
-) -> Result<Continuation<Cortex>, SteadyError> {
-    let epsilon = physics.epsilon;
-    let (half, _) =
-        shape::passive(physics, numerics, r0).map_err(|source| SteadyError::Passive { r0, epsilon, source })?;
-    let mut y = shape::unfold(&crate::numerics::Gauss::new(half.m), &half);
-    y.scalars.push(0.0);
-    let controls = [Control::Xi];
-    let cortex = Cortex::new(physics, r0, cue, Domain::Full, &controls);
-    let metric = metric(r0, Domain::Full, &controls);
-    let mut branch = Continuation::start(cortex, y, metric, settings.clone(), true)
-        .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
-    branch.monitor = Some(mesh_monitor);
-    Ok(branch)
-}
-
-/// The first fold of the cued branch: where the weakly furrowed shape that grows out of the passive one ends.
-///
-/// # Errors
-/// [`SteadyError`]; `None` if ξ_s does not turn back in the range.
-pub fn first_cued_fold(
-    physics: &Physics,
-    numerics: &Numerics,
-    r0: f64,
-    cue: &Cue,
-    options: &BranchOptions,
-) -> Result<FoldPoint, SteadyError> {
-    let epsilon = physics.epsilon;
-    let mut branch = cued_start(physics, numerics, r0, cue, &options.settings)?;
-    let mut found = None;
-    branch
-        .follow(options.xi, options.points, |branch: &mut Continuation<Cortex>, advance: Advance| {
-            if advance.passed_fold {
-                found = Some(fold_near(branch));
-            }
-            found.is_none()
-        })
-        .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
-    match found {
-        Some(Ok(fold)) => Ok(fold),
-        Some(Err(source)) => {
-            Err(SteadyError::Point { r0, epsilon, kind: "fold", xi_s: branch.state.parameter(), source })
-        }
-        None => Err(SteadyError::None { r0, epsilon, kind: "fold", xi_max: options.xi[1] }),
-    }
-}
-
 /// Radii at which a curve is looked for first, in order.
 pub const STARTS: [f64; 7] = [2.0, 2.5, 3.0, 1.6, 4.0, 6.0, 1.0];
 
@@ -484,7 +428,7 @@ pub fn critical_cued_fold(
     first_success("fold", xi_s, starts, |start| {
         let (mut physics, mut r0, mut cue) = (*physics, r0, *cue);
         control.set(start, &mut physics, &mut r0, &mut cue);
-        let fold = first_cued_fold(&physics, numerics, r0, &cue, &BranchOptions::default())?;
+        let fold = cued::first_fold(&physics, numerics, r0, &cue, &BranchOptions::default())?;
         let mut locus = fold_locus(&physics, r0, &cue, &fold, control, true).map_err(failed)?;
         to_activity(&mut locus, xi_s, control).map_err(failed)?;
         Ok(curve_point(&locus, None))
@@ -521,7 +465,7 @@ pub fn cued_fold_curve(
 ) -> Result<Curve, SteadyError> {
     let (mut physics, mut r0, mut cue) = (*physics, r0, *cue);
     control.set(from, &mut physics, &mut r0, &mut cue);
-    let fold = first_cued_fold(&physics, numerics, r0, &cue, &BranchOptions::default())?;
+    let fold = cued::first_fold(&physics, numerics, r0, &cue, &BranchOptions::default())?;
     let failed = |e: LocusError| curve_error("fold", "the parameter", to, e);
     let mut locus = fold_locus(&physics, r0, &cue, &fold, control, to > from).map_err(failed)?;
     let curve = fold_curve(&mut locus, to);

@@ -4,6 +4,7 @@ pub mod asymmetric;
 pub mod boundary;
 pub mod calibrate;
 pub mod continuation;
+pub mod cued;
 pub mod curves;
 pub mod directional;
 pub mod locate;

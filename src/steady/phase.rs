@@ -1,13 +1,13 @@
-//! Where a cell without cue comes to rest undivided: exact intervals of ξ_s from the folds and pitchforks of the
-//! mirror-symmetric branch.
+//! Where a cell comes to rest undivided: exact intervals of ξ_s between the folds and pitchforks of the branch that grows
+//! out of the passive shape.
 //!
-//! The branch starts stable at ξ_s = 0. Along it every maximum of ξ_s makes one even mode grow and every minimum lets one
-//! decay again; pitchforks do the same to odd modes. Wherever no mode grows, the cell has a stable shape to rest in.
+//! Stability can change at a fold or a pitchfork only, so that one growth rate decides about a whole segment between two.
 
 use serde::Serialize;
 
-use super::symmetric::{self, BranchEvent, BranchOptions, Criticality, SteadyError};
-use crate::cortex::{Numerics, Physics};
+use super::cued;
+use super::symmetric::{self, BranchEvent, BranchOptions, Criticality, ShapePoint, SteadyError};
+use crate::cortex::{Cue, Numerics, Physics};
 
 /// A fold or pitchfork in a phase diagram.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -29,68 +29,68 @@ pub enum Edge {
     },
 }
 
-/// The stable part of the symmetric branch of one cell.
+/// The stable part of the branch of one cell.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RestShapes {
-    /// Intervals of ξ_s with a stable symmetric shape, in order along the branch.
+    /// Intervals of ξ_s with a stable shape, in order along the branch.
     pub intervals: Vec<[f64; 2]>,
     /// Folds and pitchforks in order along the branch.
     pub edges: Vec<Edge>,
 }
 
 impl RestShapes {
-    /// Whether there is a stable symmetric shape at ξ_s.
+    /// Whether there is a stable shape at ξ_s.
     pub fn contains(&self, xi_s: f64) -> bool {
         self.intervals.iter().any(|[low, high]| (*low..=*high).contains(&xi_s))
     }
 }
 
-/// The stable symmetric shapes of a cell without cue for ξ_s from 0 to `xi_max`.
+/// The stable shapes of a cell for ξ_s from 0 to `xi_max`: mirror-symmetric ones without a cue.
 ///
 /// # Errors
 /// [`SteadyError`] if the branch cannot be followed.
-pub fn rest_shapes(physics: &Physics, numerics: &Numerics, r0: f64, xi_max: f64) -> Result<RestShapes, SteadyError> {
-    let options = BranchOptions { xi: [0.0, xi_max], ..BranchOptions::default() };
-    let branch = symmetric::follow(physics, numerics, r0, &options, |_| true)?;
-    let end = branch.points.last().map_or(0.0, |p| p.xi_s);
-    Ok(from_events(&branch.events, end))
-}
-
-fn from_events(events: &[BranchEvent], end: f64) -> RestShapes {
-    let edges: Vec<Edge> = events
+pub fn rest_shapes(
+    physics: &Physics,
+    numerics: &Numerics,
+    r0: f64,
+    cue: &Cue,
+    xi_max: f64,
+) -> Result<RestShapes, SteadyError> {
+    let options = BranchOptions { xi: [0.0, xi_max], growth_rates: true, ..BranchOptions::default() };
+    let branch = match cue {
+        Cue::None => symmetric::follow(physics, numerics, r0, &options, |_| true)?,
+        Cue::Kappa { .. } => cued::follow(physics, numerics, r0, cue, &options, |_| true)?,
+    };
+    let edges: Vec<Edge> = branch
+        .events
         .iter()
         .map(|event| match event {
             BranchEvent::Pitchfork(p) => Edge::Pitchfork { xi_s: p.point.xi_s, criticality: p.criticality() },
             BranchEvent::Fold(f) => Edge::Fold { xi_s: f.point.xi_s, maximum: f.maximum },
         })
         .collect();
-    let intervals = stable_intervals(&edges, end);
-    RestShapes { intervals, edges }
+    Ok(RestShapes { intervals: stable_intervals(&edges, &branch.points), edges })
 }
 
-fn stable_intervals(edges: &[Edge], end: f64) -> Vec<[f64; 2]> {
+/// The segments whose middle point is stable. One shorter than a step has no point and is left to divisions.
+fn stable_intervals(edges: &[Edge], points: &[ShapePoint]) -> Vec<[f64; 2]> {
+    let ends: Vec<f64> = edges
+        .iter()
+        .map(|edge| match edge {
+            Edge::Pitchfork { xi_s, .. } | Edge::Fold { xi_s, .. } => *xi_s,
+        })
+        .collect();
+    let [Some(first), Some(last)] = [points.first(), points.last()] else { return Vec::new() };
     let mut intervals = Vec::new();
-    let (mut even, mut odd, mut from) = (0i32, 0i32, 0.0);
-    let mut rising = true;
-    let mut close = |stable: bool, from: f64, to: f64| {
+    for segment in 0..=edges.len() {
+        let inside: Vec<&ShapePoint> = points.iter().filter(|point| point.passed == segment).collect();
+        let stable = inside.get(inside.len() / 2).and_then(|point| point.growth_rate).is_some_and(|rate| rate < 0.0);
         if stable {
-            intervals.push([f64::min(from, to), f64::max(from, to)]);
-        }
-    };
-    for edge in edges {
-        let (Edge::Pitchfork { xi_s, .. } | Edge::Fold { xi_s, .. }) = *edge;
-        close(even == 0 && odd == 0, from, xi_s);
-        from = xi_s;
-        match edge {
-            Edge::Fold { maximum, .. } => {
-                even += if *maximum { 1 } else { -1 };
-                rising = !maximum;
-            }
-            // An odd mode that grows beyond a pitchfork passed with rising ξ_s decays beyond one passed on the way back.
-            Edge::Pitchfork { .. } => odd += if rising || odd == 0 { 1 } else { -1 },
+            let from = if segment == 0 { first.xi_s } else { ends[segment - 1] };
+            let to = ends.get(segment).copied().unwrap_or(last.xi_s);
+            intervals.push([from.min(to), from.max(to)]);
         }
     }
-    close(even == 0 && odd == 0, from, end);
     intervals
 }
 
@@ -98,19 +98,39 @@ fn stable_intervals(edges: &[Edge], end: f64) -> Vec<[f64; 2]> {
 mod tests {
     use super::*;
 
-    fn fold(xi_s: f64, maximum: bool) -> Edge {
-        Edge::Fold { xi_s, maximum }
-    }
-
-    fn pitchfork(xi_s: f64) -> Edge {
-        Edge::Pitchfork { xi_s, criticality: Criticality::Subcritical }
+    fn point(passed: usize, xi_s: f64, growth_rate: f64) -> ShapePoint {
+        ShapePoint {
+            xi_s,
+            elongation: 2.0,
+            length: 1.0,
+            pressure: 0.0,
+            equator_radius: 1.0,
+            delta_u: 0.0,
+            arclength: 0.0,
+            passed,
+            growth_rate: Some(growth_rate),
+        }
     }
 
     #[test]
     fn intervals_of_an_s_shaped_branch() {
-        let edges = [fold(6.14, true), fold(3.9, false), pitchfork(6.24), fold(6.6, true)];
-        assert_eq!(stable_intervals(&edges, 0.0), [[0.0, 6.14], [3.9, 6.24]]);
-        assert_eq!(stable_intervals(&[], 5.0), [[0.0, 5.0]]);
-        assert_eq!(stable_intervals(&[fold(6.85, true)], 0.0), [[0.0, 6.85]]);
+        let fold = |xi_s, maximum| Edge::Fold { xi_s, maximum };
+        let pitchfork = Edge::Pitchfork { xi_s: 6.24, criticality: Criticality::Subcritical };
+        let edges = [fold(6.14, true), fold(3.9, false), pitchfork, fold(6.6, true)];
+        let points = [
+            point(0, 0.0, -3.0),
+            point(0, 3.0, -1.0),
+            point(0, 6.0, -0.2),
+            point(1, 5.0, 0.5),
+            // The first growth rate after an edge is next to nothing, and may have either sign.
+            point(2, 3.91, 1e-9),
+            point(2, 5.0, -0.3),
+            point(2, 6.2, -0.1),
+            point(3, 6.3, 0.2),
+            point(4, 2.0, 0.7),
+        ];
+        assert_eq!(stable_intervals(&edges, &points), [[0.0, 6.14], [3.9, 6.24]]);
+        assert_eq!(stable_intervals(&[], &points[..2]), [[0.0, 3.0]]);
+        assert_eq!(stable_intervals(&[fold(6.85, true)], &points[..3]), [[0.0, 6.85]]);
     }
 }
