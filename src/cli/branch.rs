@@ -5,7 +5,7 @@ use super::context::{Context, answer};
 use super::error::CliError;
 use super::pitchfork::criticality_name;
 use crate::steady::asymmetric::{self, Scaling};
-use crate::steady::symmetric::{self, Branch, BranchEvent, BranchOptions, Criticality, ShapePoint};
+use crate::steady::symmetric::{self, Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, ShapePoint};
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write;
@@ -57,6 +57,17 @@ struct EventAnswer {
     maximum: Option<bool>,
 }
 
+/// Why a branch is followed no further than its last point.
+#[derive(Serialize)]
+struct EndAnswer {
+    branch: &'static str,
+    xi_s: f64,
+    reason: &'static str,
+    /// Of `pinched`: the neck at which shapes count as pinched off, in R0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    neck: Option<f64>,
+}
+
 /// How Δu opens at the pitchfork: |Δu| = prefactor |ξ_s − ξ_s*|^exponent.
 #[derive(Serialize)]
 struct ScalingAnswer {
@@ -77,7 +88,8 @@ struct Answer {
     scaling: Option<ScalingAnswer>,
     steps: usize,
     newton_iterations: usize,
-    /// Why a branch was followed no further, if not for its bounds.
+    ends: Vec<EndAnswer>,
+    /// Singular points that could not be located and ended a branch.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     stopped_by: Vec<String>,
 }
@@ -98,6 +110,7 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
         scaling: None,
         steps: 0,
         newton_iterations: 0,
+        ends: Vec::new(),
         stopped_by: Vec::new(),
     };
     document.add("symmetric", &branch);
@@ -128,6 +141,14 @@ impl Answer {
             tracing::warn!("the {name} branch is followed no further: {reason}");
             self.stopped_by.push(reason.to_string());
         }
+        let (reason, neck) = match branch.ended {
+            BranchEnd::Bound(_) => ("bound", None),
+            BranchEnd::PointLimit(_) => ("point_limit", None),
+            BranchEnd::Pinched(neck) => ("pinched", Some(neck)),
+            BranchEnd::Stopped => ("not_located", None),
+        };
+        let xi_s = branch.points.last().map_or(f64::NAN, |point| point.xi_s);
+        self.ends.push(EndAnswer { branch: name, xi_s, reason, neck });
         self.points.extend(branch.points.iter().map(|p: &ShapePoint| PointAnswer {
             branch: name,
             xi_s: p.xi_s,
@@ -178,6 +199,15 @@ impl Answer {
                 _ => "smallest ξ_s",
             };
             let _ = writeln!(out, "{} of the {} branch at ξ_s = {:.6}, H = {:.6}: {of}", e.kind, e.branch, e.xi_s, e.H);
+        }
+        for end in &self.ends {
+            let why = match (end.reason, end.neck) {
+                ("pinched", Some(neck)) => format!("its neck is narrower than {neck} R0"),
+                ("bound", _) => "the bound of ξ_s".to_owned(),
+                ("point_limit", _) => "the largest number of points".to_owned(),
+                _ => "a singular point that cannot be located".to_owned(),
+            };
+            let _ = writeln!(out, "the {} branch is followed to ξ_s = {:.6}: {why}", end.branch, end.xi_s);
         }
         if let Some(s) = &self.scaling {
             let _ = writeln!(out, "|Δu| = {:.4} |ξ_s − ξ_s*|^{:.4} from {} points", s.prefactor, s.exponent, s.points);

@@ -227,6 +227,9 @@ pub fn equator_radius(gauss: &Gauss, y: &Solution) -> f64 {
     out[R]
 }
 
+/// A cell has divided when its neck is narrower than this, relative to R0; thinner ones are no shapes of one cell.
+pub const PINCH_OFF: f64 = 1e-3;
+
 /// The narrowest interior minimum of r.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Neck {

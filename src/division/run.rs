@@ -5,15 +5,14 @@ use super::noise;
 use super::outcome::{Division, DivisionError, Outcome};
 use super::stepper::{MAX_ORDER, Stepper, parity_norm};
 use crate::cortex::equations::{COMPONENTS, PSI, R, Z, noise_factor};
-use crate::cortex::{Cortex, Cue, Domain, shape};
+use crate::cortex::shape::{self, PINCH_OFF};
+use crate::cortex::{Cortex, Cue, Domain};
 use crate::numerics::newton::{Newton, NewtonScratch};
 use crate::numerics::{Solution, System, mesh};
 use crate::steady::Stability;
 
 /// Length of the first two steps, in τ; the noise lasts for the first.
 pub const FIRST_STEP: f64 = 1e-3;
-/// A cell has divided when its neck is narrower than this, relative to R0.
-pub const PINCH_OFF: f64 = 1e-3;
 /// Largest relative narrowing of the neck per step.
 const NECK_STEP: f64 = 0.4;
 /// Below this neck radius, relative to R0, the neck closes faster than anything else happens.

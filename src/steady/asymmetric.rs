@@ -4,7 +4,7 @@ use super::continuation::{Advance, Continuation, ContinuationSettings, State};
 use super::path::History;
 use super::stability::Stability;
 use super::symmetric::{
-    Branch, BranchEvent, BranchOptions, Pitchfork, ShapePoint, SteadyError, fold_near, mesh_monitor, metric,
+    Branch, BranchEnd, BranchEvent, BranchOptions, Pitchfork, ShapePoint, SteadyError, fold_near, mesh_monitor, metric,
 };
 use crate::cortex::equations::{COMPONENTS, M, R, T};
 use crate::cortex::{Control, Cortex, Cue, Domain, Physics, shape};
@@ -110,6 +110,7 @@ pub fn follow(
     let mut branch = switch(pitchfork, physics, r0, SCALING_RANGE[0], &options.settings);
     let mut points = vec![pitchfork.point];
     let (mut events, mut failure, mut samples) = (Vec::new(), None, Vec::new());
+    let mut pinched = None;
     let mut passed = 0;
     let gauss = branch.system.gauss.clone();
     let mut stability = options.growth_rates.then(|| Stability::new(gauss.m));
@@ -138,12 +139,15 @@ pub fn follow(
                 samples.push([point.delta_u.abs(), point.xi_s - pitchfork.point.xi_s]);
             }
             points.push(point);
-            let pinched = shape::neck(&gauss, &branch.state.solution).is_some_and(|neck| neck.radius < NARROWEST * r0);
-            failure.is_none() && !pinched
+            let neck = shape::neck(&gauss, &branch.state.solution);
+            if failure.is_none() && neck.is_some_and(|neck| neck.radius < NARROWEST * r0) {
+                pinched = Some(NARROWEST);
+            }
+            failure.is_none() && pinched.is_none()
         })
         .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
     Ok(AsymmetricBranch {
-        branch: Branch { points, events, ended, stopped_by: failure, work: branch.work },
+        branch: Branch { points, events, ended: BranchEnd::of(ended, pinched), stopped_by: failure, work: branch.work },
         scaling: scaling(&samples),
     })
 }

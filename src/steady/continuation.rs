@@ -10,6 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::path::{self, History, Metric};
+use crate::numerics::dense::PivotFailure;
 use crate::numerics::newton::{Newton, NewtonError, NewtonReport, NewtonScratch};
 use crate::numerics::{BoundaryValueProblem, LinearCondition, Solution, System, mesh, system::Update};
 
@@ -276,17 +277,25 @@ impl<P: BoundaryValueProblem> Continuation<P> {
 
     /// The tangent at the newest point with the factors of the point itself.
     fn exact_tangent(&mut self) -> Result<(), String> {
-        let Continuation { problem, system, metric, state, conditions, tangent, .. } = self;
-        metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]);
-        system.evaluate(problem, &state.solution, conditions, true);
-        system
-            .condense()
-            .and_then(|()| system.factor_blocks(conditions))
-            .map_err(|failure| format!("the Jacobian is singular (pivot {})", failure.column))?;
+        self.factorise_newest().map_err(|failure| format!("the Jacobian is singular (pivot {})", failure.column))?;
+        let Continuation { system, metric, state, tangent, .. } = self;
         path::null_direction(system, 0, tangent);
         metric.normalise(&state.solution.mesh, tangent);
         std::mem::swap(&mut state.tangent, tangent);
         Ok(())
+    }
+
+    /// Factorises the system at the newest point itself. The corrector leaves the factors of its prediction, close enough to
+    /// converge with but, where a step changes the solution by a large part of itself, not to judge by.
+    ///
+    /// # Errors
+    /// If a pivot vanishes.
+    pub fn factorise_newest(&mut self) -> Result<(), PivotFailure> {
+        let Continuation { problem, system, metric, state, conditions, .. } = self;
+        metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]);
+        system.evaluate(problem, &state.solution, conditions, true);
+        system.condense()?;
+        system.factor_blocks(conditions)
     }
 
     /// Whether dλ/ds has changed sign. The corrector's factors belong to a prediction, so a change is confirmed with

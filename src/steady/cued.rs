@@ -7,7 +7,7 @@ use super::asymmetric::furrow;
 use super::continuation::{Advance, Continuation, ContinuationSettings};
 use super::stability::Stability;
 use super::symmetric::{
-    Branch, BranchEvent, BranchOptions, FoldPoint, ShapePoint, SteadyError, fold_near, mesh_monitor, metric,
+    Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, ShapePoint, SteadyError, fold_near, mesh_monitor, metric,
 };
 use crate::cortex::{Control, Cortex, Cue, Domain, Numerics, Physics, shape};
 use crate::numerics::Gauss;
@@ -85,6 +85,7 @@ pub fn follow(
             failure.is_none() && !enough
         })
         .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
+    let ended = BranchEnd::of(ended, None);
     Ok(Branch { points, events, ended, stopped_by: failure, work: branch.work })
 }
 

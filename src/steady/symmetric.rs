@@ -9,10 +9,11 @@ use super::path::Metric;
 use super::singular::{Extended, ExtendedReport, Fold, MirrorSymmetric, SingularError, SymmetryBreaking};
 use super::stability::Stability;
 use crate::cortex::equations::{COMPONENTS, M, PSI, Q, R, T, V, Z};
-use crate::cortex::{Control, Cortex, Cue, Domain, Numerics, Physics, shape};
+use crate::cortex::shape::{self, PINCH_OFF};
+use crate::cortex::{Control, Cortex, Cue, Domain, Numerics, Physics};
 use crate::numerics::newton::NewtonError;
 use crate::numerics::system::Update;
-use crate::numerics::{BoundaryValueProblem, Site, Solution};
+use crate::numerics::{BoundaryValueProblem, Gauss, Site, Solution};
 
 impl MirrorSymmetric for Cortex {
     /// r, m and T are even about the equator, so antisymmetric changes of them vanish there.
@@ -140,7 +141,7 @@ pub struct ShapePoint {
 
 impl ShapePoint {
     /// Observables of a solution.
-    pub fn of(y: &Solution, cortex: &Cortex, gauss: &crate::numerics::Gauss) -> ShapePoint {
+    pub fn of(y: &Solution, cortex: &Cortex, gauss: &Gauss) -> ShapePoint {
         ShapePoint {
             xi_s: y.scalars.get(XI).copied().unwrap_or(cortex.physics.xi_s),
             elongation: shape::elongation(y, cortex.domain, cortex.r0),
@@ -229,6 +230,30 @@ impl BranchEvent {
     }
 }
 
+/// Where a branch ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BranchEnd {
+    /// ξ_s left its range; the last point lies on the bound.
+    Bound(f64),
+    /// The largest number of points is reached.
+    PointLimit(usize),
+    /// The neck is narrower than this, relative to R0: the shapes beyond are two cells on a thread.
+    Pinched(f64),
+    /// The caller had seen enough, or a singular point could not be located.
+    Stopped,
+}
+
+impl BranchEnd {
+    pub(super) fn of(ended: Ended, pinched: Option<f64>) -> BranchEnd {
+        match (ended, pinched) {
+            (Ended::ParameterBound(bound), _) => BranchEnd::Bound(bound),
+            (Ended::PointLimit(points), _) => BranchEnd::PointLimit(points),
+            (Ended::Stopped, Some(neck)) => BranchEnd::Pinched(neck),
+            (Ended::Stopped, None) => BranchEnd::Stopped,
+        }
+    }
+}
+
 /// A branch followed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Branch {
@@ -237,7 +262,7 @@ pub struct Branch {
     /// Folds and pitchforks in order.
     pub events: Vec<BranchEvent>,
     /// Where it ended.
-    pub ended: Ended,
+    pub ended: BranchEnd,
     /// The singular point that could not be located, if one ended the branch; the events before it are complete.
     pub stopped_by: Option<SteadyError>,
     /// Work of the continuation.
@@ -289,9 +314,9 @@ pub fn start(
     Ok(branch)
 }
 
-/// Follows the symmetric branch from the passive shape and locates every fold and pitchfork on the way. `wanted` may
-/// end it early, being shown every event. A singular point that cannot be located, as happens on strongly constricted
-/// shapes far out, ends the branch and is kept in [`Branch::stopped_by`].
+/// Follows the symmetric branch from the passive shape until ξ_s leaves its range or the neck is pinched off, and locates
+/// every fold and pitchfork on the way. `wanted` may end it early, being shown every event. A singular point that cannot
+/// be located ends the branch and is kept in [`Branch::stopped_by`].
 ///
 /// # Errors
 /// Any [`SteadyError`] but `None` and `Curve`.
@@ -311,27 +336,28 @@ pub fn follow(
         first.growth_rate = stability.growth_rate(&branch.problem, &branch.state.solution).ok();
     }
     let (mut points, mut events) = (vec![first], Vec::new());
-    let mut sign_before: Option<f64> = None;
+    let (mut failure, mut pinched) = (None, None);
     // Passive shapes have no antisymmetric null vector; their sign is the first one seen.
-    let mut failure = None;
+    let mut sign_before: Option<f64> = None;
     let mut passed = 0;
     let ended = branch
         .follow(options.xi, options.points, |branch, advance| {
             let xi_s = branch.state.parameter();
             let point_error = |kind, source| SteadyError::Point { r0, epsilon, kind, xi_s, source };
             let mut new = Vec::new();
-            // The corrector's factors belong to a prediction: a change of sign is confirmed at the point itself.
-            // A non-finite pivot cannot come after a converged step.
-            if let Ok((mut sign, _)) = watch.test(&branch.system, &branch.problem) {
-                if sign_before.is_some_and(|before| before * sign <= 0.0)
-                    && let Some(before) = sign_before
+            // Judged at the point itself: on constricted shapes the corrector's prediction, off by a good part of the
+            // neck's radius, can lie on the other side of a pitchfork for several points. A failed pivot has no sign;
+            // the next point has.
+            if branch.factorise_newest().is_ok()
+                && let Ok((sign, _)) = watch.test(&branch.system, &branch.problem)
+                && sign != 0.0
+            {
+                if let Some(before) = sign_before
+                    && before != sign
                 {
-                    sign = exact_sign(branch).unwrap_or(before);
-                    if before * sign < 0.0 {
-                        match pitchfork_near(branch, [before, sign]) {
-                            Ok(pitchfork) => new.push(BranchEvent::Pitchfork(Box::new(pitchfork))),
-                            Err(source) => failure = Some(point_error("pitchfork", source)),
-                        }
+                    match pitchfork_near(branch, [before, sign]) {
+                        Ok(pitchfork) => new.push(BranchEvent::Pitchfork(Box::new(pitchfork))),
+                        Err(source) => failure = Some(point_error("pitchfork", source)),
                     }
                 }
                 sign_before = Some(sign);
@@ -352,9 +378,13 @@ pub fn follow(
             points.push(point);
             let enough = new.iter().any(|event| !wanted(event));
             events.extend(new);
-            failure.is_none() && !enough
+            if failure.is_none() && narrowest(&branch.system.gauss, &branch.state.solution) < PINCH_OFF * r0 {
+                pinched = Some(PINCH_OFF);
+            }
+            failure.is_none() && pinched.is_none() && !enough
         })
         .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
+    let ended = BranchEnd::of(ended, pinched);
     Ok(Branch { points, events, ended, stopped_by: failure, work: branch.work })
 }
 
@@ -380,12 +410,10 @@ pub fn first_pitchfork(
         .ok_or(stopped_by.unwrap_or(none))
 }
 
-/// Sign of the antisymmetric determinant at the newest point.
-fn exact_sign(branch: &Continuation<Cortex>) -> Result<f64, SingularError> {
-    let state = &branch.state;
-    let breaking = SymmetryBreaking::default();
-    Extended::new(branch.problem.clone(), breaking, state.solution.m, branch.metric.clone(), &state.tangent)
-        .sign_at(&state.solution)
+/// The narrowest place of a half contour, its equator or a furrow beside it.
+fn narrowest(gauss: &Gauss, y: &Solution) -> f64 {
+    let equator = y.node(y.intervals())[R];
+    shape::neck(gauss, y).map_or(equator, |neck| neck.radius.min(equator))
 }
 
 /// The fold between the last two points of a continuation.
