@@ -71,6 +71,9 @@ pub enum ContinuationError {
 /// straight on.
 const CLOSED_GAP: f64 = 1e-6;
 
+/// After so many rejections the tangent they start from is in doubt.
+const DOUBTFUL: usize = 2;
+
 /// A run as it stands; enough to take it up again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
@@ -265,6 +268,11 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             };
             rejected += 1;
             step *= 0.4;
+            if rejected == DOUBTFUL {
+                // The tangent is of the corrector's factors, those of a prediction: if it is off by too much, no step is
+                // short enough. Without an exact one the next rejections go on as before.
+                let _ = self.exact_tangent();
+            }
             if step < self.settings.min_step {
                 return Err(ContinuationError::Lost {
                     parameter: self.state.parameter(),
