@@ -115,7 +115,7 @@ fn asymmetric_branches_open_as_their_normal_form_says() {
         let physics = at(epsilon);
         let pitchfork =
             symmetric::first_pitchfork(&physics, &Numerics::default(), r0, &BranchOptions::default()).unwrap();
-        let followed = asymmetric::follow(&pitchfork, &physics, r0, &BranchOptions::default()).unwrap();
+        let followed = asymmetric::follow(&pitchfork, &physics, r0, &BranchOptions::default());
         let scaling = followed.scaling.unwrap();
         println!("R0 = {r0}, epsilon = {epsilon}: c = {:.6}, {scaling:?}", pitchfork.coefficient);
         assert!(scaling.points >= 4);

@@ -5,7 +5,9 @@ use super::context::{Context, answer};
 use super::error::CliError;
 use super::pitchfork::criticality_name;
 use crate::steady::asymmetric::{self, Scaling};
-use crate::steady::symmetric::{self, Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, ShapePoint};
+use crate::steady::symmetric::{
+    self, Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, ShapePoint, SteadyError,
+};
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write;
@@ -89,7 +91,7 @@ struct Answer {
     steps: usize,
     newton_iterations: usize,
     ends: Vec<EndAnswer>,
-    /// Singular points that could not be located and ended a branch.
+    /// What went wrong where a branch ended.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     stopped_by: Vec<String>,
 }
@@ -119,7 +121,7 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
         BranchEvent::Fold(_) => None,
     });
     if let Some(pitchfork) = first {
-        let found = asymmetric::follow(pitchfork, physics, r0, &options)?;
+        let found = asymmetric::follow(pitchfork, physics, r0, &options);
         document.add("asymmetric", &found.branch);
         document.scaling = found.scaling.map(|Scaling { exponent, prefactor, coefficient, points }| ScalingAnswer {
             exponent,
@@ -145,7 +147,11 @@ impl Answer {
             BranchEnd::Bound(_) => ("bound", None),
             BranchEnd::PointLimit(_) => ("point_limit", None),
             BranchEnd::Pinched(neck) => ("pinched", Some(neck)),
-            BranchEnd::Stopped => ("not_located", None),
+            BranchEnd::Rejoined => ("rejoined", None),
+            BranchEnd::Stopped => match branch.stopped_by {
+                Some(SteadyError::Branch { .. }) => ("lost", None),
+                _ => ("not_located", None),
+            },
         };
         let xi_s = branch.points.last().map_or(f64::NAN, |point| point.xi_s);
         self.ends.push(EndAnswer { branch: name, xi_s, reason, neck });
@@ -205,6 +211,8 @@ impl Answer {
                 ("pinched", Some(neck)) => format!("its neck is narrower than {neck} R0"),
                 ("bound", _) => "the bound of ξ_s".to_owned(),
                 ("point_limit", _) => "the largest number of points".to_owned(),
+                ("rejoined", _) => "its shapes are mirror-symmetric again".to_owned(),
+                ("lost", _) => "lost".to_owned(),
                 _ => "a singular point that cannot be located".to_owned(),
             };
             let _ = writeln!(out, "the {} branch is followed to ξ_s = {:.6}: {why}", end.branch, end.xi_s);

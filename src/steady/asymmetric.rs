@@ -6,10 +6,10 @@ use super::stability::Stability;
 use super::symmetric::{
     Branch, BranchEnd, BranchEvent, BranchOptions, Pitchfork, ShapePoint, SteadyError, fold_near, mesh_monitor, metric,
 };
-use crate::cortex::equations::{COMPONENTS, M, R, T};
+use crate::cortex::equations::{COMPONENTS, M, R, T, Z};
 use crate::cortex::{Control, Cortex, Cue, Domain, Physics, shape};
-use crate::numerics::Gauss;
 use crate::numerics::system::Update;
+use crate::numerics::{Gauss, Solution};
 
 /// An antisymmetric direction of the half contour on the full one: what is even about the equator (r, m, T) changes
 /// sign, what is odd (z, q, v, and ψ − π/2) does not.
@@ -96,60 +96,87 @@ const SCALING_RANGE: [f64; 2] = [5e-4, 8e-3];
 /// A branch is followed until its neck is this narrow, in R0: it goes on to pinch-off at finite ξ_s without end.
 const NARROWEST: f64 = 0.03;
 
-/// Follows the asymmetric branch from a pitchfork until ξ_s leaves its range or the neck is pinched.
-///
-/// # Errors
-/// [`SteadyError::Branch`], [`SteadyError::Point`].
-pub fn follow(
-    pitchfork: &Pitchfork,
-    physics: &Physics,
-    r0: f64,
-    options: &BranchOptions,
-) -> Result<AsymmetricBranch, SteadyError> {
+/// A branch whose asymmetry has shrunk to this fraction of its largest has come back to mirror-symmetric shapes: at a
+/// pitchfork it can stop nowhere short of them.
+const SHRUNK: f64 = 1e-3;
+
+/// How far a full contour is from its mirror image, at places along it: r(u) − r(1 − u) and z(u) + z(1 − u).
+fn asymmetry(gauss: &Gauss, y: &Solution) -> Vec<[f64; 2]> {
+    const PLACES: usize = 32;
+    let (mut here, mut there) = ([0.0; COMPONENTS], [0.0; COMPONENTS]);
+    let at = |k: usize| {
+        let u = k as f64 / (2 * PLACES) as f64;
+        y.eval(gauss, u, &mut here);
+        y.eval(gauss, 1.0 - u, &mut there);
+        [here[R] - there[R], here[Z] + there[Z]]
+    };
+    (0..=PLACES).map(at).collect()
+}
+
+/// Whether the asymmetry has turned into its mirror image, as behind a pitchfork. Radii and places must both turn: a cell
+/// in a wide shell can slide past the middle alone.
+fn turned(before: &[[f64; 2]], now: &[[f64; 2]]) -> bool {
+    let product = |c: usize| before.iter().zip(now).map(|(a, b)| a[c] * b[c]).sum::<f64>();
+    product(0) < 0.0 && product(1) < 0.0
+}
+
+/// Follows the asymmetric branch from a pitchfork until ξ_s leaves its range, the neck is pinched or the shapes are
+/// mirror-symmetric again. A fold that cannot be located ends it, as does the loss of the branch: both are kept in
+/// [`Branch::stopped_by`].
+pub fn follow(pitchfork: &Pitchfork, physics: &Physics, r0: f64, options: &BranchOptions) -> AsymmetricBranch {
     let epsilon = physics.epsilon;
     let mut branch = switch(pitchfork, physics, r0, SCALING_RANGE[0], &options.settings);
     let mut points = vec![pitchfork.point];
     let (mut events, mut failure, mut samples) = (Vec::new(), None, Vec::new());
-    let mut pinched = None;
+    let (mut end, mut odd, mut largest) = (None, Vec::new(), 0.0);
     let mut passed = 0;
     let gauss = branch.system.gauss.clone();
     let mut stability = options.growth_rates.then(|| Stability::new(gauss.m));
-    let ended = branch
-        .follow(options.xi, options.points, |branch: &mut Continuation<Cortex>, advance: Advance| {
-            if advance.passed_fold {
-                match fold_near(branch) {
-                    Ok(mut fold) => {
-                        fold.point.delta_u = furrow(&gauss, &branch.problem, &fold.shape);
-                        passed += 1;
-                        events.push(BranchEvent::Fold(Box::new(fold)));
-                    }
-                    Err(source) => {
-                        let xi_s = branch.state.parameter();
-                        failure = Some(SteadyError::Point { r0, epsilon, kind: "fold", xi_s, source });
-                    }
+    let ended = branch.follow(options.xi, options.points, |branch: &mut Continuation<Cortex>, advance: Advance| {
+        let before = std::mem::replace(&mut odd, asymmetry(&gauss, &branch.state.solution));
+        let size = odd.iter().fold(0.0, |m: f64, v| m.max(v[0].abs()));
+        largest = size.max(largest);
+        if size < SHRUNK * largest || turned(&before, &odd) {
+            end = Some(BranchEnd::Rejoined);
+            return false;
+        }
+        if advance.passed_fold {
+            match fold_near(branch) {
+                Ok(mut fold) => {
+                    fold.point.delta_u = furrow(&gauss, &branch.problem, &fold.shape);
+                    passed += 1;
+                    events.push(BranchEvent::Fold(Box::new(fold)));
+                }
+                Err(source) => {
+                    let xi_s = branch.state.parameter();
+                    failure = Some(SteadyError::Point { r0, epsilon, kind: "fold", xi_s, source });
                 }
             }
-            let mut point = ShapePoint::of(&branch.state.solution, &branch.problem, &gauss);
-            point.delta_u = furrow(&gauss, &branch.problem, &branch.state.solution);
-            (point.arclength, point.passed) = (branch.state.arclength, passed);
-            if let Some(stability) = &mut stability {
-                point.growth_rate = stability.growth_rate(&branch.problem, &branch.state.solution).ok();
-            }
-            if events.is_empty() && (SCALING_RANGE[0]..SCALING_RANGE[1]).contains(&point.delta_u.abs()) {
-                samples.push([point.delta_u.abs(), point.xi_s - pitchfork.point.xi_s]);
-            }
-            points.push(point);
-            let neck = shape::neck(&gauss, &branch.state.solution);
-            if failure.is_none() && neck.is_some_and(|neck| neck.radius < NARROWEST * r0) {
-                pinched = Some(NARROWEST);
-            }
-            failure.is_none() && pinched.is_none()
-        })
-        .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
-    Ok(AsymmetricBranch {
-        branch: Branch { points, events, ended: BranchEnd::of(ended, pinched), stopped_by: failure, work: branch.work },
+        }
+        let mut point = ShapePoint::of(&branch.state.solution, &branch.problem, &gauss);
+        point.delta_u = furrow(&gauss, &branch.problem, &branch.state.solution);
+        (point.arclength, point.passed) = (branch.state.arclength, passed);
+        if let Some(stability) = &mut stability {
+            point.growth_rate = stability.growth_rate(&branch.problem, &branch.state.solution).ok();
+        }
+        if events.is_empty() && (SCALING_RANGE[0]..SCALING_RANGE[1]).contains(&point.delta_u.abs()) {
+            samples.push([point.delta_u.abs(), point.xi_s - pitchfork.point.xi_s]);
+        }
+        points.push(point);
+        let neck = shape::neck(&gauss, &branch.state.solution);
+        if failure.is_none() && neck.is_some_and(|neck| neck.radius < NARROWEST * r0) {
+            end = Some(BranchEnd::Pinched(NARROWEST));
+        }
+        failure.is_none() && end.is_none()
+    });
+    let ended = ended.map(|ended| BranchEnd::of(ended, end)).unwrap_or_else(|source| {
+        failure = Some(SteadyError::Branch { r0, epsilon, source });
+        BranchEnd::Stopped
+    });
+    AsymmetricBranch {
+        branch: Branch { points, events, ended, stopped_by: failure, work: branch.work },
         scaling: scaling(&samples),
-    })
+    }
 }
 
 /// Furrow position u_f − ½; 0 of a shape without a furrow.

@@ -239,17 +239,19 @@ pub enum BranchEnd {
     PointLimit(usize),
     /// The neck is narrower than this, relative to R0: the shapes beyond are two cells on a thread.
     Pinched(f64),
-    /// The caller had seen enough, or a singular point could not be located.
+    /// An asymmetric branch has come back to mirror-symmetric shapes, at a pitchfork of theirs.
+    Rejoined,
+    /// The caller had seen enough, or [`Branch::stopped_by`] says why.
     Stopped,
 }
 
 impl BranchEnd {
-    pub(super) fn of(ended: Ended, pinched: Option<f64>) -> BranchEnd {
-        match (ended, pinched) {
-            (Ended::ParameterBound(bound), _) => BranchEnd::Bound(bound),
-            (Ended::PointLimit(points), _) => BranchEnd::PointLimit(points),
-            (Ended::Stopped, Some(neck)) => BranchEnd::Pinched(neck),
-            (Ended::Stopped, None) => BranchEnd::Stopped,
+    /// From that of the continuation and, if it was stopped, the reason.
+    pub(super) fn of(ended: Ended, stopped: Option<BranchEnd>) -> BranchEnd {
+        match ended {
+            Ended::ParameterBound(bound) => BranchEnd::Bound(bound),
+            Ended::PointLimit(points) => BranchEnd::PointLimit(points),
+            Ended::Stopped => stopped.unwrap_or(BranchEnd::Stopped),
         }
     }
 }
@@ -263,7 +265,8 @@ pub struct Branch {
     pub events: Vec<BranchEvent>,
     /// Where it ended.
     pub ended: BranchEnd,
-    /// The singular point that could not be located, if one ended the branch; the events before it are complete.
+    /// The singular point that could not be located, or how an asymmetric branch was lost, if that ended it; the events
+    /// before are complete.
     pub stopped_by: Option<SteadyError>,
     /// Work of the continuation.
     pub work: Work,
@@ -379,7 +382,7 @@ pub fn follow(
             let enough = new.iter().any(|event| !wanted(event));
             events.extend(new);
             if failure.is_none() && narrowest(&branch.system.gauss, &branch.state.solution) < PINCH_OFF * r0 {
-                pinched = Some(PINCH_OFF);
+                pinched = Some(BranchEnd::Pinched(PINCH_OFF));
             }
             failure.is_none() && pinched.is_none() && !enough
         })

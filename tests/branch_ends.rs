@@ -1,0 +1,85 @@
+//! Branches far out, where necks are thin and other branches near, and how they end.
+
+use furrow::cortex::shape::PINCH_OFF;
+use furrow::cortex::{Control, Cortex, Cue, Domain, Numerics, Physics};
+use furrow::steady::asymmetric::{self, AsymmetricBranch};
+use furrow::steady::stability::{self, Parity};
+use furrow::steady::symmetric::{self, BranchEnd, BranchEvent, BranchOptions, Pitchfork, SteadyError};
+
+fn at(epsilon: f64) -> Physics {
+    Physics { epsilon, ..Physics::GAO2026 }
+}
+
+/// At R0 = 3, ε = 0.5 the branch runs on to strongly constricted shapes. The corrector's prediction there lies on the
+/// other side of a pitchfork for three points after it; judged by it, the pitchfork was seen too late to be located.
+#[test]
+fn a_pitchfork_behind_the_prediction_on_a_thin_neck_is_located() {
+    let (physics, default) = (at(0.5), Numerics::default());
+    let mut located = Vec::new();
+    for intervals in [default.intervals, 2 * default.intervals] {
+        let numerics = Numerics { intervals, ..default };
+        let branch = symmetric::follow(&physics, &numerics, 3.0, &BranchOptions::default(), |_| true).unwrap();
+        assert_eq!(branch.stopped_by, None);
+        assert_eq!(branch.ended, BranchEnd::Pinched(PINCH_OFF));
+        let kinds: String =
+            branch.events.iter().map(|e| if matches!(e, BranchEvent::Fold(_)) { 'f' } else { 'p' }).collect();
+        assert_eq!(kinds, "ffpffpf");
+        let BranchEvent::Fold(first) = &branch.events[0] else { panic!("the weakly elongated segment ends in a fold") };
+        assert!(first.maximum && (first.point.xi_s - 5.889102).abs() < 1e-5, "{}", first.point.xi_s);
+        let BranchEvent::Pitchfork(pitchfork) = &branch.events[5] else { unreachable!("checked above") };
+        assert!((pitchfork.point.equator_radius / 3.0 - 0.0202).abs() < 2e-4, "{}", pitchfork.point.equator_radius);
+        // Growth rates know nothing of the determinant that located it: the odd one is zero there.
+        let cortex = Cortex::new(&physics, 3.0, &Cue::None, Domain::Half, &[Control::Xi]);
+        let spectrum = stability::leading(&cortex, &pitchfork.shape).unwrap();
+        let odd = spectrum.rightmost(Some(Parity::Odd)).unwrap();
+        println!("{intervals} intervals: xi_s = {}, odd growth rate {:.1e}", pitchfork.point.xi_s, odd.re);
+        assert!(odd.re.abs() < 1e-7, "{odd:?}");
+        located.push(pitchfork.point.xi_s);
+    }
+    assert!((located[0] / located[1] - 1.0).abs() < 3e-5, "{located:?}");
+}
+
+fn pitchforks(events: Vec<BranchEvent>) -> Vec<Pitchfork> {
+    let of = |event| if let BranchEvent::Pitchfork(pitchfork) = event { Some(*pitchfork) } else { None };
+    events.into_iter().filter_map(of).collect()
+}
+
+/// The asymmetric branch of R0 = 4.5, ε = 0.45 leads from one pitchfork to the next, passed through it, and was reported
+/// on as its own mirror image or as the symmetric branch.
+#[test]
+fn an_asymmetric_branch_ends_at_the_pitchfork_it_comes_back_to() {
+    let physics = at(0.45);
+    let mut options = BranchOptions::default();
+    options.settings.max_step = 1.0;
+    let symmetric = symmetric::follow(&physics, &Numerics::default(), 4.5, &options, |_| true).unwrap();
+    let [first, second] = &pitchforks(symmetric.events)[..] else { panic!("two pitchforks") };
+    let AsymmetricBranch { branch, .. } = asymmetric::follow(first, &physics, 4.5, &options);
+    assert_eq!((branch.ended, branch.stopped_by), (BranchEnd::Rejoined, None));
+    let last = branch.points.last().unwrap();
+    assert!((last.xi_s - second.point.xi_s).abs() < 1e-2, "{} {}", last.xi_s, second.point.xi_s);
+    assert!((last.length / second.point.length - 1.0).abs() < 1e-2);
+}
+
+/// At R0 = 5.4, ε = 0.87 a tangent from the factors of a prediction was off by more than the angle a step may turn: no
+/// step was short enough, and the branch was lost at ξ_s = 15.83 with all its points.
+#[test]
+fn a_doubtful_tangent_does_not_lose_the_branch() {
+    let mut options = BranchOptions::default();
+    options.settings.max_step = 1.0;
+    let physics = at(0.87);
+    let pitchfork = symmetric::first_pitchfork(&physics, &Numerics::default(), 5.4, &options).unwrap();
+    let AsymmetricBranch { branch, .. } = asymmetric::follow(&pitchfork, &physics, 5.4, &options);
+    assert!(!matches!(branch.stopped_by, Some(SteadyError::Branch { .. })), "{:?}", branch.stopped_by);
+}
+
+#[test]
+fn a_branch_that_is_lost_keeps_its_points() {
+    let physics = at(0.87);
+    let pitchfork = symmetric::first_pitchfork(&physics, &Numerics::default(), 2.0, &BranchOptions::default()).unwrap();
+    let mut options = BranchOptions::default();
+    // No step turns by less than nothing.
+    options.settings.min_cosine = 1.0 + 1e-9;
+    let AsymmetricBranch { branch, .. } = asymmetric::follow(&pitchfork, &physics, 2.0, &options);
+    assert_eq!((branch.ended, branch.points.len()), (BranchEnd::Stopped, 1));
+    assert!(matches!(branch.stopped_by, Some(SteadyError::Branch { .. })), "{:?}", branch.stopped_by);
+}
