@@ -246,6 +246,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     pub fn advance(&mut self) -> Result<Advance, ContinuationError> {
         self.remesh();
         let mut step = self.state.step.min(self.settings.max_step);
+        let parameter = self.state.parameter();
         let mut rejected = 0;
         loop {
             let reason = match self.attempt(step) {
@@ -261,7 +262,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                     self.work.rejected += rejected;
                     self.work.iterations += report.iterations;
                     self.work.factorisations += report.factorisations;
-                    let passed_fold = self.confirm_direction();
+                    let moved = self.state.parameter() - parameter;
+                    let passed_fold = self.confirm_direction(moved);
                     return Ok(Advance { passed_fold, report, rejected });
                 }
                 Err(reason) => reason,
@@ -307,9 +309,11 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     }
 
     /// Whether dλ/ds has changed sign. The corrector's factors belong to a prediction, so a change is confirmed with
-    /// those of the point itself.
-    fn confirm_direction(&mut self) -> bool {
-        if self.state.direction * self.state.parameter_slope() > 0.0 || self.exact_tangent().is_err() {
+    /// those of the point itself; so is one that the last step shows, by the distance λ has `moved`.
+    fn confirm_direction(&mut self, moved: f64) -> bool {
+        let direction = self.state.direction;
+        let goes_on = direction * self.state.parameter_slope() > 0.0 && direction * moved > 0.0;
+        if goes_on || self.exact_tangent().is_err() {
             return false;
         }
         let (before, now) = (self.state.direction, self.state.parameter_slope().signum());
