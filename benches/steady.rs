@@ -43,13 +43,15 @@ fn branch_settings(max_step: f64) -> (Numerics, BranchOptions) {
     (numerics, options)
 }
 
-/// Follows the branch past its fold with the pitchfork test at every point; points, Newton iterations, factorisations.
+/// Follows the branch past its fold with the pitchfork test at every point, which takes a factorisation of its own; points,
+/// Newton iterations and their factorisations.
 fn branch(max_step: f64) -> (usize, [usize; 2]) {
     let (numerics, BranchOptions { settings, .. }) = branch_settings(max_step);
     let mut watch = SymmetryBreaking::default();
     let mut branch = symmetric::start(&Physics::GAO2026, &numerics, 2.0, &settings).expect("a passive shape");
     branch
         .follow([0.0, 40.0], 600, |branch, _| {
+            branch.factorise_newest().expect("a regular point");
             watch.test(&branch.system, &branch.problem).expect("a determinant");
             branch.state.parameter_slope() > 0.0
         })
