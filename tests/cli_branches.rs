@@ -58,6 +58,23 @@ fn branch_has_its_keys_and_loses_stability_at_the_pitchfork() {
     assert!(points.iter().any(|p| p["branch"] == "asymmetric" && p["delta_u"].as_f64().unwrap() < -0.1));
 }
 
+/// The cued branch is stable up to its fold, leans to one side from the start, and the boundary names the same fold.
+#[test]
+fn the_branch_of_a_cued_cell_is_stable_up_to_its_fold() {
+    let found = json(&["branch", "--r0", "2.2", "--cue", "germline", "--json"]);
+    let fold = &found["events"][0];
+    assert_eq!((fold["kind"].as_str(), fold["branch"].as_str()), (Some("fold"), Some("cued")));
+    let points = found["points"].as_array().unwrap();
+    let top = points.iter().position(|p| p["stable"] == false).unwrap();
+    assert!(top > 5 && points[..top].iter().all(|p| p["stable"] == true && p["delta_u"].as_f64().unwrap() <= 0.0));
+    assert!(points[top..].iter().all(|p| p["stable"] == false), "a narrow neck is never stable");
+    assert_eq!(found["ends"][0]["reason"], "pinched");
+    let range = ["--from", "2.2", "--to", "2.3"];
+    let boundary = json(&[&["boundary", "--vary", "r0", "--cue", "germline", "--json"], &range[..]].concat());
+    let [a, b] = [&fold["xi_s"], &boundary["folds"][0]["xi_s"]].map(|xi| xi.as_f64().unwrap());
+    assert!((a - b).abs() < 1e-6, "{a} {b}");
+}
+
 #[test]
 fn boundary_has_its_keys() {
     let found = json(&["boundary", "--vary", "r0", "--from", "1.6", "--to", "2.2", "--critical", "--json"]);

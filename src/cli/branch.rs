@@ -1,18 +1,22 @@
 //! `furrow branch`: stationary shapes of one cell over activity.
 
-use super::cell::{SizeArgs, positive};
+use super::cell::{SizeArgs, positive, read_cue};
 use super::context::{Context, answer};
 use super::error::CliError;
 use super::pitchfork::criticality_name;
+use crate::cortex::{Cue, Numerics, Physics};
 use crate::steady::asymmetric::{self, Scaling};
+use crate::steady::cued;
 use crate::steady::symmetric::{
     self, Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, ShapePoint, SteadyError,
 };
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write;
+use std::path::PathBuf;
 
-/// Follows the mirror-symmetric and the asymmetric stationary shapes over ξ_s, with their folds and pitchforks
+/// Follows the mirror-symmetric and the asymmetric stationary shapes over ξ_s, with their folds and pitchforks; with a cue,
+/// the shapes that grow out of the passive one
 #[derive(Debug, Args)]
 pub struct BranchArgs {
     #[command(flatten)]
@@ -23,6 +27,12 @@ pub struct BranchArgs {
     /// Largest step along a branch, in its arclength
     #[arg(long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true)]
     max_step: f64,
+    /// Polarity cue: none, a name in the lineage file, or kappa:u0=..,omega=..,amplitude=..
+    #[arg(long, value_name = "CUE", default_value = "none")]
+    cue: String,
+    /// Lineage file whose cues have names here; default the built-in one
+    #[arg(long, value_name = "LINEAGE.ron")]
+    lineage: Option<PathBuf>,
 }
 
 #[derive(Serialize)]
@@ -83,6 +93,7 @@ struct ScalingAnswer {
 struct Answer {
     r0: f64,
     epsilon: f64,
+    cue: Cue,
     points: Vec<PointAnswer>,
     events: Vec<EventAnswer>,
     /// Of the asymmetric branch of the first pitchfork.
@@ -103,10 +114,11 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     options.settings.first_step = options.settings.first_step.min(options.settings.max_step);
     options.growth_rates = true;
     let (physics, numerics) = (&context.settings.physics, &context.settings.numerics);
-    let branch = symmetric::follow(physics, numerics, r0, &options, |_| true)?;
+    let cue = read_cue(&args.cue, args.lineage.as_deref())?;
     let mut document = Answer {
         r0,
         epsilon: physics.epsilon,
+        cue,
         points: Vec::new(),
         events: Vec::new(),
         scaling: None,
@@ -115,20 +127,9 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
         ends: Vec::new(),
         stopped_by: Vec::new(),
     };
-    document.add("symmetric", &branch);
-    let first = branch.events.iter().find_map(|event| match event {
-        BranchEvent::Pitchfork(pitchfork) => Some(pitchfork),
-        BranchEvent::Fold(_) => None,
-    });
-    if let Some(pitchfork) = first {
-        let found = asymmetric::follow(pitchfork, physics, r0, &options);
-        document.add("asymmetric", &found.branch);
-        document.scaling = found.scaling.map(|Scaling { exponent, prefactor, coefficient, points }| ScalingAnswer {
-            exponent,
-            prefactor,
-            coefficient,
-            points,
-        });
+    match cue {
+        Cue::None => document.follow_without_cue(physics, numerics, &options)?,
+        Cue::Kappa { .. } => document.add("cued", &cued::follow(physics, numerics, r0, &cue, &options, |_| true)?),
     }
     if context.json {
         answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
@@ -138,6 +139,32 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
 }
 
 impl Answer {
+    /// The mirror-symmetric branch, and the asymmetric one of its first pitchfork.
+    fn follow_without_cue(
+        &mut self,
+        physics: &Physics,
+        numerics: &Numerics,
+        options: &BranchOptions,
+    ) -> Result<(), SteadyError> {
+        let branch = symmetric::follow(physics, numerics, self.r0, options, |_| true)?;
+        self.add("symmetric", &branch);
+        let first = branch.events.iter().find_map(|event| match event {
+            BranchEvent::Pitchfork(pitchfork) => Some(pitchfork),
+            BranchEvent::Fold(_) => None,
+        });
+        if let Some(pitchfork) = first {
+            let found = asymmetric::follow(pitchfork, physics, self.r0, options);
+            self.add("asymmetric", &found.branch);
+            self.scaling = found.scaling.map(|Scaling { exponent, prefactor, coefficient, points }| ScalingAnswer {
+                exponent,
+                prefactor,
+                coefficient,
+                points,
+            });
+        }
+        Ok(())
+    }
+
     fn add(&mut self, name: &'static str, branch: &Branch) {
         if let Some(reason) = &branch.stopped_by {
             tracing::warn!("the {name} branch is followed no further: {reason}");

@@ -94,7 +94,7 @@ pub struct AsymmetricBranch {
 const SCALING_RANGE: [f64; 2] = [5e-4, 8e-3];
 
 /// A branch is followed until its neck is this narrow, in R0: it goes on to pinch-off at finite ξ_s without end.
-const NARROWEST: f64 = 0.03;
+pub const NARROWEST: f64 = 0.03;
 
 /// A branch whose asymmetry has shrunk to this fraction of its largest has come back to mirror-symmetric shapes: at a
 /// pitchfork it can stop nowhere short of them.

@@ -3,7 +3,7 @@
 //! A cue breaks the mirror symmetry, and the pitchfork with it: the branch that grows out of the passive shape leans to one
 //! side and, where the cell begins to divide, ends its stable part in a fold.
 
-use super::asymmetric::furrow;
+use super::asymmetric::{NARROWEST, furrow};
 use super::continuation::{Advance, Continuation, ContinuationSettings};
 use super::stability::Stability;
 use super::symmetric::{
@@ -37,11 +37,12 @@ pub fn start(
     Ok(branch)
 }
 
-/// Follows the branch from ξ_s = 0 and locates its folds; `wanted` may end it early, being shown every fold. A fold that
-/// cannot be located ends the branch and is kept in [`Branch::stopped_by`].
+/// Follows the branch from ξ_s = 0 until ξ_s leaves its range or the neck is pinched, and locates its folds; `wanted` may
+/// end it early, being shown every fold. A fold that cannot be located, or a branch that is lost, ends it with what came
+/// before, and is kept in [`Branch::stopped_by`].
 ///
 /// # Errors
-/// [`SteadyError::Passive`], [`SteadyError::Branch`].
+/// [`SteadyError::Passive`], [`SteadyError::Branch`] at ξ_s = 0.
 pub fn follow(
     physics: &Physics,
     numerics: &Numerics,
@@ -65,27 +66,33 @@ pub fn follow(
         }
     };
     let (mut points, mut events, mut failure) = (vec![describe(&branch, 0)], Vec::new(), None);
-    let ended = branch
-        .follow(options.xi, options.points, |branch: &mut Continuation<Cortex>, advance: Advance| {
-            let mut enough = false;
-            if advance.passed_fold {
-                match fold_near(branch) {
-                    Ok(mut fold) => {
-                        fold.point.delta_u = furrow(&branch.system.gauss, &branch.problem, &fold.shape);
-                        enough = !wanted(&fold);
-                        events.push(BranchEvent::Fold(Box::new(fold)));
-                    }
-                    Err(source) => {
-                        let xi_s = branch.state.parameter();
-                        failure = Some(SteadyError::Point { r0, epsilon, kind: "fold", xi_s, source });
-                    }
+    let mut pinched = None;
+    let ended = branch.follow(options.xi, options.points, |branch: &mut Continuation<Cortex>, advance: Advance| {
+        let mut enough = false;
+        if advance.passed_fold {
+            match fold_near(branch) {
+                Ok(mut fold) => {
+                    fold.point.delta_u = furrow(&branch.system.gauss, &branch.problem, &fold.shape);
+                    enough = !wanted(&fold);
+                    events.push(BranchEvent::Fold(Box::new(fold)));
+                }
+                Err(source) => {
+                    let xi_s = branch.state.parameter();
+                    failure = Some(SteadyError::Point { r0, epsilon, kind: "fold", xi_s, source });
                 }
             }
-            points.push(describe(branch, events.len()));
-            failure.is_none() && !enough
-        })
-        .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
-    let ended = BranchEnd::of(ended, None);
+        }
+        points.push(describe(branch, events.len()));
+        let neck = shape::neck(&branch.system.gauss, &branch.state.solution);
+        if neck.is_some_and(|neck| neck.radius < NARROWEST * r0) {
+            pinched = Some(BranchEnd::Pinched(NARROWEST));
+        }
+        failure.is_none() && !enough && pinched.is_none()
+    });
+    let ended = ended.map(|ended| BranchEnd::of(ended, pinched)).unwrap_or_else(|source| {
+        failure = Some(SteadyError::Branch { r0, epsilon, source });
+        BranchEnd::Stopped
+    });
     Ok(Branch { points, events, ended, stopped_by: failure, work: branch.work })
 }
 

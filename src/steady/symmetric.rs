@@ -265,8 +265,8 @@ pub struct Branch {
     pub events: Vec<BranchEvent>,
     /// Where it ended.
     pub ended: BranchEnd,
-    /// The singular point that could not be located, or how an asymmetric branch was lost, if that ended it; the events
-    /// before are complete.
+    /// The singular point that could not be located, or how the branch was lost, if that ended it; the events before are
+    /// complete.
     pub stopped_by: Option<SteadyError>,
     /// Work of the continuation.
     pub work: Work,
@@ -319,10 +319,10 @@ pub fn start(
 
 /// Follows the symmetric branch from the passive shape until ξ_s leaves its range or the neck is pinched off, and locates
 /// every fold and pitchfork on the way. `wanted` may end it early, being shown every event. A singular point that cannot
-/// be located ends the branch and is kept in [`Branch::stopped_by`].
+/// be located, or a branch that is lost, ends it with what came before, and is kept in [`Branch::stopped_by`].
 ///
 /// # Errors
-/// Any [`SteadyError`] but `None` and `Curve`.
+/// [`SteadyError::Passive`], [`SteadyError::Branch`] at ξ_s = 0.
 pub fn follow(
     physics: &Physics,
     numerics: &Numerics,
@@ -343,51 +343,52 @@ pub fn follow(
     // Passive shapes have no antisymmetric null vector; their sign is the first one seen.
     let mut sign_before: Option<f64> = None;
     let mut passed = 0;
-    let ended = branch
-        .follow(options.xi, options.points, |branch, advance| {
-            let xi_s = branch.state.parameter();
-            let point_error = |kind, source| SteadyError::Point { r0, epsilon, kind, xi_s, source };
-            let mut new = Vec::new();
-            // Judged at the point itself: on constricted shapes the corrector's prediction, off by a good part of the
-            // neck's radius, can lie on the other side of a pitchfork for several points. A failed pivot has no sign;
-            // the next point has.
-            if branch.factorise_newest().is_ok()
-                && let Ok((sign, _)) = watch.test(&branch.system, &branch.problem)
-                && sign != 0.0
+    let ended = branch.follow(options.xi, options.points, |branch, advance| {
+        let xi_s = branch.state.parameter();
+        let point_error = |kind, source| SteadyError::Point { r0, epsilon, kind, xi_s, source };
+        let mut new = Vec::new();
+        // Judged at the point itself: on constricted shapes the corrector's prediction, off by a good part of the
+        // neck's radius, can lie on the other side of a pitchfork for several points. A failed pivot has no sign;
+        // the next point has.
+        if branch.factorise_newest().is_ok()
+            && let Ok((sign, _)) = watch.test(&branch.system, &branch.problem)
+            && sign != 0.0
+        {
+            if let Some(before) = sign_before
+                && before != sign
             {
-                if let Some(before) = sign_before
-                    && before != sign
-                {
-                    match pitchfork_near(branch, [before, sign]) {
-                        Ok(pitchfork) => new.push(BranchEvent::Pitchfork(Box::new(pitchfork))),
-                        Err(source) => failure = Some(point_error("pitchfork", source)),
-                    }
-                }
-                sign_before = Some(sign);
-            }
-            if advance.passed_fold {
-                match fold_near(branch) {
-                    Ok(fold) => new.push(BranchEvent::Fold(Box::new(fold))),
-                    Err(source) => failure = Some(point_error("fold", source)),
+                match pitchfork_near(branch, [before, sign]) {
+                    Ok(pitchfork) => new.push(BranchEvent::Pitchfork(Box::new(pitchfork))),
+                    Err(source) => failure = Some(point_error("pitchfork", source)),
                 }
             }
-            new.sort_by(|a, b| a.arclength().total_cmp(&b.arclength()));
-            passed += new.len();
-            let mut point = ShapePoint::of(&branch.state.solution, &branch.problem, &branch.system.gauss);
-            (point.arclength, point.passed) = (branch.state.arclength, passed);
-            if let Some(stability) = &mut stability {
-                point.growth_rate = stability.growth_rate(&branch.problem, &branch.state.solution).ok();
+            sign_before = Some(sign);
+        }
+        if advance.passed_fold {
+            match fold_near(branch) {
+                Ok(fold) => new.push(BranchEvent::Fold(Box::new(fold))),
+                Err(source) => failure = Some(point_error("fold", source)),
             }
-            points.push(point);
-            let enough = new.iter().any(|event| !wanted(event));
-            events.extend(new);
-            if failure.is_none() && narrowest(&branch.system.gauss, &branch.state.solution) < PINCH_OFF * r0 {
-                pinched = Some(BranchEnd::Pinched(PINCH_OFF));
-            }
-            failure.is_none() && pinched.is_none() && !enough
-        })
-        .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
-    let ended = BranchEnd::of(ended, pinched);
+        }
+        new.sort_by(|a, b| a.arclength().total_cmp(&b.arclength()));
+        passed += new.len();
+        let mut point = ShapePoint::of(&branch.state.solution, &branch.problem, &branch.system.gauss);
+        (point.arclength, point.passed) = (branch.state.arclength, passed);
+        if let Some(stability) = &mut stability {
+            point.growth_rate = stability.growth_rate(&branch.problem, &branch.state.solution).ok();
+        }
+        points.push(point);
+        let enough = new.iter().any(|event| !wanted(event));
+        events.extend(new);
+        if failure.is_none() && narrowest(&branch.system.gauss, &branch.state.solution) < PINCH_OFF * r0 {
+            pinched = Some(BranchEnd::Pinched(PINCH_OFF));
+        }
+        failure.is_none() && pinched.is_none() && !enough
+    });
+    let ended = ended.map(|ended| BranchEnd::of(ended, pinched)).unwrap_or_else(|source| {
+        failure = Some(SteadyError::Branch { r0, epsilon, source });
+        BranchEnd::Stopped
+    });
     Ok(Branch { points, events, ended, stopped_by: failure, work: branch.work })
 }
 
