@@ -43,7 +43,7 @@ pub enum CliError {
     #[error(transparent)]
     Store(#[from] StoreError),
     /// The cache holds damaged entries.
-    #[error("{corrupt} damaged entries; they are never used, and what they held is solved again when needed")]
+    #[error("damaged entries: {corrupt}; they are never used, and what they held is solved again when needed")]
     CorruptCache {
         /// How many.
         corrupt: usize,
