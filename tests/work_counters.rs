@@ -6,8 +6,10 @@
 
 use std::fmt::Write;
 
-use furrow::cortex::{Cue, Numerics, Physics};
+use furrow::cortex::{Control, Cue, Numerics, Physics};
 use furrow::division::{Division, DivisionInput, divide};
+use furrow::steady::curves;
+use furrow::steady::symmetric::{self, BranchOptions};
 
 const CUE: Cue = Cue::Kappa { u0: 0.465, omega: 0.0577, amplitude: 0.1 };
 
@@ -40,6 +42,30 @@ fn work_of_each_kind_of_division() {
         .unwrap();
     }
     insta::assert_snapshot!(table);
+}
+
+/// Branches in ξ_s, and curves of singular points, an iteration of which is a factorisation. Roundings move single steps,
+/// so that these counts are held below a tenth more than was seen (in brackets).
+#[test]
+fn work_of_branches_and_curves() {
+    let (physics, numerics) = (Physics::GAO2026, Numerics::default());
+    let within = |kind: &str, seen: [usize; 2], allowed: [usize; 2]| {
+        println!("{kind}: {} points, {} iterations", seen[0], seen[1]);
+        assert!(seen[0] <= allowed[0] && seen[1] <= allowed[1], "{kind}: {seen:?} above {allowed:?}");
+    };
+    // (35, 150), (61, 225)
+    for (r0, epsilon, allowed) in [(2.0, 0.87, [39, 165]), (2.22, 0.64, [67, 248])] {
+        let physics = Physics { epsilon, ..physics };
+        let branch = symmetric::follow(&physics, &numerics, r0, &BranchOptions::default(), |_| true).unwrap();
+        within("branch", [branch.points.len(), branch.work.iterations], allowed);
+    }
+    // (110, 126), (117, 121), (196, 208), (233, 236)
+    for (range, pitchforks, folds) in [([1.5, 5.4], [121, 139], [129, 133]), ([5.4, 1.5], [216, 229], [256, 260])] {
+        let curve = curves::pitchfork_curve(&physics, &numerics, 2.0, Control::R0, range).unwrap();
+        within("pitchforks", [curve.points.len(), curve.iterations], pitchforks);
+        let curve = curves::fold_curves(&physics, &numerics, 2.0, Control::R0, range).unwrap().remove(0);
+        within("folds", [curve.points.len(), curve.iterations], folds);
+    }
 }
 
 /// An exactly equal input takes exactly equal work and gives the same bits.

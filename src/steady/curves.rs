@@ -3,7 +3,7 @@
 use super::cued;
 use super::locus::{Locus, LocusError, LocusSettings};
 use super::normal_form::pitchfork_normal_form;
-use super::singular::{Fold, SingularError, Singularity, SymmetryBreaking};
+use super::singular::{ExtendedReport, Fold, SingularError, Singularity, SymmetryBreaking};
 use super::symmetric::{
     self, BranchEvent, BranchOptions, Criticality, FoldPoint, Pitchfork, ShapePoint, SteadyError, XI, furrow_shift,
     mesh_monitor, metric,
@@ -160,16 +160,22 @@ pub fn curve_point<S: Singularity<Cortex> + Clone>(locus: &Locus<Cortex, S>, coe
     }
 }
 
-/// c of ξ_s = ξ_s* + c (u_f − ½)² at the point `y` on which the curve has just converged.
+/// c of ξ_s = ξ_s* + c (u_f − ½)² at the point `y` on which the curve has just converged, as `report` says. Third derivatives
+/// magnify what the factors are off by: they are those of the last iteration if its correction was next to nothing.
 ///
 /// # Errors
 /// [`SingularError`].
-pub fn coefficient(locus: &mut PitchforkLocus, y: &Solution) -> Result<f64, SingularError> {
-    locus.extended.refresh(y)?;
+pub fn coefficient(locus: &mut PitchforkLocus, y: &Solution, report: &ExtendedReport) -> Result<f64, SingularError> {
+    if report.correction > NEGLIGIBLE {
+        locus.extended.refresh(y)?;
+    }
     let form = pitchfork_normal_form(&mut locus.extended, y)?;
     let shift = furrow_shift(&locus.extended.problem, y, &locus.extended.singularity.null);
     Ok(form.parameters[0] / (shift * shift))
 }
+
+/// Corrections below this change a coefficient by less than 10⁻⁵ of itself.
+const NEGLIGIBLE: f64 = 2e-9;
 
 fn curve_error(kind: &'static str, what: &'static str, value: f64, error: impl std::fmt::Display) -> SteadyError {
     SteadyError::Curve { kind, what, value, reason: error.to_string() }
@@ -195,9 +201,9 @@ pub fn pitchfork_curve(
     let mut before = [curve.points[0].value, first.coefficient];
     let mut failure = None;
     locus
-        .follow_to(SECOND, to, MOST_STEPS, |locus, _| {
+        .follow_to(SECOND, to, MOST_STEPS, |locus, report| {
             let y = locus.solution.clone();
-            match coefficient(locus, &y) {
+            match coefficient(locus, &y, report) {
                 Ok(c) => {
                     let point = curve_point(locus, Some(c));
                     let now = [point.value, c];
@@ -223,8 +229,8 @@ fn degenerate(locus: &mut PitchforkLocus, [mut low, mut high]: [[f64; 2]; 2]) ->
     let mut last_side = 0.0;
     for _ in 0..40 {
         let value = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1]);
-        let (y, _) = locus.at(SECOND, value).ok()?;
-        let c = coefficient(locus, &y).ok()?;
+        let (y, report) = locus.at(SECOND, value).ok()?;
+        let c = coefficient(locus, &y, &report).ok()?;
         if c.abs() < 1e-8 || (high[0] - low[0]).abs() < 1e-10 * value.abs() {
             let mut found = locus.clone();
             found.tangent = found.extended.curve_direction(&y);
@@ -374,14 +380,19 @@ fn domain_of(control: Control) -> std::ops::Range<f64> {
     }
 }
 
-/// Follows a curve to the point with ξ_s = `xi_s`, in whichever direction leads there.
+/// Follows a curve to the point with ξ_s = `xi_s`, in whichever direction leads there; how that converged.
 fn to_activity<S: Singularity<Cortex> + Clone>(
     locus: &mut Locus<Cortex, S>,
     xi_s: f64,
     control: Control,
-) -> Result<(), LocusError> {
+) -> Result<ExtendedReport, LocusError> {
     locus.head_for(XI, xi_s);
-    locus.follow_to(XI, xi_s, MOST_STEPS, |locus, _| domain_of(control).contains(&locus.solution.scalars[SECOND]))
+    let mut last = ExtendedReport::default();
+    locus.follow_to(XI, xi_s, MOST_STEPS, |locus, report| {
+        last = *report;
+        domain_of(control).contains(&locus.solution.scalars[SECOND])
+    })?;
+    Ok(last)
 }
 
 /// The value of `control` at which the pitchfork (no cue) lies at the activity ξ_s of `physics`. The curve is looked for
@@ -403,9 +414,9 @@ pub fn critical_pitchfork(
         control.set(start, &mut physics, &mut r0, &mut Cue::None);
         let first = symmetric::first_pitchfork(&physics, numerics, r0, &BranchOptions::default())?;
         let mut locus = pitchfork_locus(&physics, r0, &first, control, true).map_err(|e| failed(&e))?;
-        to_activity(&mut locus, xi_s, control).map_err(|e| failed(&e))?;
+        let report = to_activity(&mut locus, xi_s, control).map_err(|e| failed(&e))?;
         let y = locus.solution.clone();
-        let c = coefficient(&mut locus, &y).map_err(|e| failed(&e))?;
+        let c = coefficient(&mut locus, &y, &report).map_err(|e| failed(&e))?;
         Ok(curve_point(&locus, Some(c)))
     })
 }

@@ -23,7 +23,7 @@ pub struct LocusSettings {
     pub max_step: f64,
     /// Smallest cosine between neighbouring tangents.
     pub min_cosine: f64,
-    /// First Newton correction aimed at: small enough for a single iteration.
+    /// First Newton correction aimed at: small enough for a single iteration, and for its factors to serve the point itself.
     pub target_correction: f64,
     /// Accuracy of the points on the way; a point asked for by value is found to rounding.
     pub tolerance: f64,
@@ -38,12 +38,15 @@ impl Default for LocusSettings {
             min_step: 1e-7,
             max_step: 0.2,
             min_cosine: 0.8,
-            target_correction: 5e-7,
+            target_correction: 2e-10,
             tolerance: 1e-10,
             remesh_above: 1.8,
         }
     }
 }
+
+/// Points a prediction goes through: what a curve costs is its points, one factorisation each, and curves are smooth.
+const ORDER: usize = 7;
 
 /// Tolerance of points asked for by value.
 const ROUNDING: f64 = 1e-12;
@@ -125,7 +128,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Locus<P, S> {
             settings,
             monitor: None,
             iterations: 0,
-            history: History::default(),
+            history: History::of_order(ORDER),
             closing: LinearCondition::default(),
             weight: Vec::new(),
         };
@@ -171,14 +174,14 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Locus<P, S> {
         self.remesh();
         let mut step = self.step.min(self.settings.max_step);
         loop {
+            self.extended.metric.plane_through(&self.solution, &self.tangent, &mut self.closing);
+            self.closing.value += step;
             if self.history.len() > 1 {
-                self.history.extrapolate(self.arclength + step, &mut self.trial);
+                self.history.predict(&self.closing, &mut self.trial);
             } else {
                 self.trial.clone_from(&self.solution);
                 self.tangent.apply(step, &mut self.trial);
             }
-            self.extended.metric.plane_through(&self.solution, &self.tangent, &mut self.closing);
-            self.closing.value += step;
             let before = (self.extended.basis.clone(), self.extended.slopes);
             (self.extended.tolerance, self.extended.trusting) = (self.settings.tolerance, true);
             let solved = self.extended.solve(&mut self.trial, Some(&self.closing));
@@ -196,8 +199,8 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Locus<P, S> {
                         std::mem::swap(&mut self.solution, &mut self.trial);
                         self.arclength += step;
                         self.history.push(self.arclength, &self.solution);
-                        // Predictions are of fourth order once four points are known.
-                        let order = self.history.len().min(4) as f64;
+                        // As many points as are known make the order of the next prediction.
+                        let order = self.history.len() as f64;
                         let ratio =
                             (self.settings.target_correction / report.first_correction.max(1e-300)).powf(1.0 / order);
                         self.step = step * ratio.clamp(0.3, 2.0);

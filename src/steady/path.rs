@@ -74,22 +74,32 @@ pub fn scalar_condition(y: &Solution, index: usize, value: f64, out: &mut Linear
 }
 
 /// Solutions at known positions along a curve, all on one mesh, for predicting the next.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct History {
     points: Vec<(f64, Solution)>,
+    limit: usize,
+}
+
+impl Default for History {
+    /// Extrapolation by a cubic.
+    fn default() -> History {
+        History::of_order(4)
+    }
 }
 
 impl History {
-    /// Most points kept: extrapolation is by a cubic.
-    const LIMIT: usize = 4;
+    /// Keeps up to `order` points, by which extrapolation is of that order in the step.
+    pub fn of_order(order: usize) -> History {
+        History { points: Vec::new(), limit: order.max(1) }
+    }
 
     /// Adds a point; the oldest makes room.
     pub fn push(&mut self, position: f64, y: &Solution) {
-        if self.points.len() < Self::LIMIT {
+        if self.points.len() < self.limit {
             self.points.push((position, y.clone()));
         } else {
             self.points.rotate_left(1);
-            let slot = &mut self.points[Self::LIMIT - 1];
+            let slot = &mut self.points[self.limit - 1];
             slot.0 = position;
             slot.1.clone_from(y);
         }
@@ -134,23 +144,23 @@ impl History {
 
     /// Value at `position` of the polynomial through the newest points.
     pub fn extrapolate(&self, position: f64, out: &mut Solution) {
-        let Some((_, last)) = self.newest() else { return };
-        out.clone_from(last);
-        for values in [&mut out.nodes, &mut out.stages, &mut out.scalars] {
-            values.fill(0.0);
-        }
-        for (k, (s, y)) in self.points.iter().enumerate() {
-            let mut weight = 1.0;
-            for (_, (other, _)) in self.points.iter().enumerate().filter(|(j, _)| *j != k) {
-                weight *= (position - other) / (s - other);
+        let known: Vec<(f64, &Solution)> = self.points.iter().rev().map(|(s, y)| (*s, y)).collect();
+        extrapolate(&known, position, out);
+    }
+
+    /// Predicts the point in the plane ⟨t, x⟩ = value, by extrapolation in the position along t: unlike an arclength put
+    /// together from steps that is a smooth parameter of the curve, and exact of the point to be found. Points from where
+    /// the curve ran against t are left out.
+    pub fn predict(&self, plane: &LinearCondition, out: &mut Solution) {
+        let mut known: Vec<(f64, &Solution)> = Vec::with_capacity(self.points.len());
+        for (_, y) in self.points.iter().rev() {
+            let position = evaluate(plane, y);
+            if known.last().is_some_and(|(later, _)| position >= *later) {
+                break;
             }
-            for (to, from) in [(&mut out.nodes, &y.nodes), (&mut out.stages, &y.stages), (&mut out.scalars, &y.scalars)]
-            {
-                for (to, from) in to.iter_mut().zip(from) {
-                    *to += weight * from;
-                }
-            }
+            known.push((position, y));
         }
+        extrapolate(&known, plane.value, out);
     }
 
     /// Carries all points over to another mesh.
@@ -159,6 +169,26 @@ impl History {
             let mut moved = y.clone();
             y.transfer_into(gauss, mesh, &mut moved);
             *y = moved;
+        }
+    }
+}
+
+/// Value at `position` of the polynomial through points, the newest first.
+fn extrapolate(known: &[(f64, &Solution)], position: f64, out: &mut Solution) {
+    let Some((_, newest)) = known.first() else { return };
+    out.clone_from(newest);
+    for values in [&mut out.nodes, &mut out.stages, &mut out.scalars] {
+        values.fill(0.0);
+    }
+    for (k, (s, y)) in known.iter().enumerate() {
+        let mut weight = 1.0;
+        for (_, (other, _)) in known.iter().enumerate().filter(|(j, _)| *j != k) {
+            weight *= (position - other) / (s - other);
+        }
+        for (to, from) in [(&mut out.nodes, &y.nodes), (&mut out.stages, &y.stages), (&mut out.scalars, &y.scalars)] {
+            for (to, from) in to.iter_mut().zip(from) {
+                *to += weight * from;
+            }
         }
     }
 }
@@ -207,6 +237,24 @@ mod tests {
         let exact = at(1.4, &fine);
         for (a, b) in out.nodes.iter().chain(&out.scalars).zip(exact.nodes.iter().chain(&exact.scalars)) {
             assert!((a - b).abs() < 1e-12, "{a} {b}");
+        }
+    }
+
+    /// Points at uneven places of the curve (s, s², s³ − s), the last two behind a turn against t.
+    #[test]
+    fn predicts_in_a_plane_exactly_and_leaves_out_what_ran_against_it() {
+        let (gauss, grid) = (Gauss::new(2), mesh::uniform(0.0, 1.0, 2));
+        let at = |s: f64| Solution::from_fn(&gauss, &grid, 1, &[s, s * s, s * s * s - s], |_, y| y[0] = 0.0);
+        let (mut history, here) = (History::of_order(6), 0.9);
+        for s in [1.4, 1.1, 0.2, 0.3, 0.65, here] {
+            history.push(0.0, &at(s));
+        }
+        let mut plane = LinearCondition::default();
+        scalar_condition(&at(here), 0, here + 0.5, &mut plane);
+        let mut out = at(0.0);
+        history.predict(&plane, &mut out);
+        for (found, exact) in out.scalars.iter().zip(at(here + 0.5).scalars) {
+            assert!((found - exact).abs() < 1e-13, "{found} {exact}");
         }
     }
 }
