@@ -4,8 +4,10 @@
 //! A [`problem::BoundaryValueProblem`] states y′ = f(x, y, p) on [x₀, x_N] with scalar unknowns p, conditions at both
 //! ends and integral conditions. A [`solution::Solution`] holds node and stage values on a non-uniform mesh.
 //! [`system::System`] condenses the stages of every interval and eliminates the resulting almost block diagonal system
-//! in O(N), borders included. [`newton`] drives both; [`mesh`] moves and judges meshes.
+//! in O(N), borders included. [`newton`] drives both; [`mesh`] moves and judges meshes;
+//! [`arnoldi`] finds extreme eigenvalues.
 
+pub mod arnoldi;
 pub mod block;
 pub mod condense;
 pub mod dense;

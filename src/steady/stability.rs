@@ -18,14 +18,10 @@
 //! Saad, *Numerical Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 6 and 8. Physics of the pencil: the paper's
 //! criterion dis(t) = ‖r − r₀‖ + ‖z − z₀‖ decides the same by evolving a disturbance.
 
-use faer::diag::Diag;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::evd::{ComputeEigenvectors, evd_real, evd_scratch};
-use faer::{Mat, Par};
-
 use crate::cortex::equations::{COMPONENTS, M, PSI, R, T, Z};
 use crate::cortex::shape::positions;
 use crate::cortex::{Cortex, Domain};
+use crate::numerics::arnoldi::{Arnoldi, Krylov, NoEigenvalues, RitzValue};
 use crate::numerics::block::{EndRows, VariantEnd};
 use crate::numerics::dense::PivotFailure;
 use crate::numerics::system::{Residual, Update};
@@ -125,23 +121,6 @@ pub enum StabilityError {
     },
 }
 
-/// Settings of the Arnoldi iteration.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Arnoldi {
-    /// Rightmost growth rates wanted per parity.
-    pub wanted: usize,
-    /// Largest Krylov dimension.
-    pub max_dimension: usize,
-    /// Error allowed in σ, relative to |σ| + the shift.
-    pub tolerance: f64,
-}
-
-impl Default for Arnoldi {
-    fn default() -> Self {
-        Arnoldi { wanted: 3, max_dimension: 48, tolerance: 1e-9 }
-    }
-}
-
 /// Growth rates further than this many shifts from the shift are left to other shifts.
 const REACH: f64 = 50.0;
 
@@ -160,16 +139,7 @@ pub struct Stability {
     normal: Vec<[f64; 2]>,
     /// Quadrature weights of the inner product ∫ w² du.
     weights: Vec<f64>,
-    basis: Vec<Vec<f64>>,
-    hessenberg: Vec<f64>,
-}
-
-/// A Ritz pair of the projected matrix, in terms of σ.
-#[derive(Clone, Copy, Debug)]
-struct Ritz {
-    re: f64,
-    im: f64,
-    error: f64,
+    krylov: Krylov,
 }
 
 impl Stability {
@@ -184,8 +154,7 @@ impl Stability {
             response: Vec::new(),
             normal: Vec::new(),
             weights: Vec::new(),
-            basis: Vec::new(),
-            hessenberg: Vec::new(),
+            krylov: Krylov::default(),
         }
     }
 
@@ -293,8 +262,8 @@ impl Stability {
             if parity == Parity::Odd {
                 self.right_hand_side.right.truncate(3);
             }
-            let ritz = self.arnoldi(parity, shift, wanted, &mut out.solves)?;
-            out.values.extend(ritz.into_iter().map(|r| GrowthRate { re: r.re, im: r.im, parity, error: r.error }));
+            let rates = self.rightmost(parity, shift, wanted, &mut out.solves)?;
+            out.values.extend(rates);
         }
         sort(&mut out.values);
         Ok(out)
@@ -325,10 +294,10 @@ impl Stability {
         Ok(())
     }
 
-    /// w ↦ P_s w into the basis vector `to`.
-    fn apply(&mut self, parity: Parity, from: usize, to: usize) {
+    /// w ↦ P_s w.
+    fn apply(&mut self, parity: Parity, from: &[f64], to: &mut [f64]) {
         let rhs = &mut self.right_hand_side;
-        for ((row, w), response) in rhs.stages.chunks_exact_mut(COMPONENTS).zip(&self.basis[from]).zip(&self.response) {
+        for ((row, w), response) in rhs.stages.chunks_exact_mut(COMPONENTS).zip(from).zip(&self.response) {
             // The stage residual is … − h f with ∂f/∂(past w) = −s ∂f/∂v_n.
             for (r, f) in row.iter_mut().zip(response) {
                 *r = f * w;
@@ -338,125 +307,68 @@ impl Stability {
             Parity::Odd => self.system.solve_variant(&self.variant, rhs, &mut self.update),
             _ => self.system.solve(rhs, &mut self.update),
         }
-        for ((w, y), n) in self.basis[to].iter_mut().zip(self.update.stages.chunks_exact(COMPONENTS)).zip(&self.normal)
-        {
+        for ((w, y), n) in to.iter_mut().zip(self.update.stages.chunks_exact(COMPONENTS)).zip(&self.normal) {
             *w = n[0] * y[R] + n[1] * y[Z];
         }
     }
 
-    /// The `wanted` rightmost Ritz values of one parity that the shift can see.
-    fn arnoldi(
+    /// The `wanted` rightmost growth rates of one parity that the shift can see.
+    fn rightmost(
         &mut self,
         parity: Parity,
         shift: f64,
         wanted: usize,
         solves: &mut usize,
-    ) -> Result<Vec<Ritz>, StabilityError> {
-        let points = self.weights.len();
-        let limit = self.arnoldi.max_dimension.min(points - 1);
-        let stride = limit + 1;
-        self.basis.resize(self.basis.len().max(stride), Vec::new());
-        self.basis.iter_mut().for_each(|v| v.resize(points, 0.0));
-        self.hessenberg.clear();
-        self.hessenberg.resize(stride * stride, 0.0);
-        // Any vector with a part in every smooth mode starts the iteration; this one is the same on every run.
-        let mut seed = 0x9e37_79b9_7f4a_7c15u64;
-        for w in self.basis[0].iter_mut() {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            *w = (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
-        }
-        let norm = weighted_dot(&self.weights, &self.basis[0], &self.basis[0]).sqrt();
-        self.basis[0].iter_mut().for_each(|w| *w /= norm);
-        for k in 0..limit {
-            self.apply(parity, k, k + 1);
+    ) -> Result<Vec<GrowthRate>, StabilityError> {
+        let limit = self.arnoldi.max_dimension.min(self.weights.len() - 1);
+        let tolerance = self.arnoldi.tolerance;
+        let (mut krylov, weights) = (std::mem::take(&mut self.krylov), std::mem::take(&mut self.weights));
+        let apply = |from: &[f64], to: &mut [f64]| {
             *solves += 1;
-            let (known, new) = self.basis.split_at_mut(k + 1);
-            let new = &mut new[0];
-            let before = weighted_dot(&self.weights, new, new).sqrt();
-            // Twice is enough (Kahan).
-            for _ in 0..2 {
-                for (j, v) in known.iter().enumerate() {
-                    let dot = weighted_dot(&self.weights, v, new);
-                    self.hessenberg[j * stride + k] += dot;
-                    new.iter_mut().zip(v).for_each(|(a, b)| *a -= dot * b);
+            self.apply(parity, from, to);
+        };
+        let result = krylov.run(&weights, limit, apply, |values, dimension| {
+            let mut rates = growth_rates(values, shift, parity);
+            rates.truncate(wanted.max(1));
+            let allowed = |r: &GrowthRate| tolerance * (r.re.hypot(r.im) + shift);
+            match rates.iter().find(|r| r.error > allowed(r)) {
+                None if !rates.is_empty() => Some(Ok(rates)),
+                Some(r) if dimension == limit && rates[0].error > allowed(&rates[0]) => {
+                    Some(Err(StabilityError::NotConverged { value: r.re, error: r.error, dimension }))
                 }
+                // Later values are given with their errors as they stand.
+                _ if dimension == limit => Some(Ok(rates)),
+                _ => None,
             }
-            let rest = weighted_dot(&self.weights, new, new).sqrt();
-            self.hessenberg[(k + 1) * stride + k] = rest;
-            // An invariant subspace: all its Ritz values are exact.
-            let exhausted = rest <= 1e-14 * before;
-            if !exhausted {
-                new.iter_mut().for_each(|w| *w /= rest);
-            }
-            let dimension = k + 1;
-            let last = exhausted || dimension == limit;
-            if last || (dimension >= 10 && dimension % 4 == 2) {
-                let residual = if exhausted { 0.0 } else { rest };
-                let mut ritz = self.ritz(dimension, stride, residual, shift)?;
-                ritz.truncate(wanted.max(1));
-                let allowed = |r: &Ritz| self.arnoldi.tolerance * (r.re.hypot(r.im) + shift);
-                match ritz.iter().find(|r| r.error > allowed(r)) {
-                    None if !ritz.is_empty() => return Ok(ritz),
-                    Some(r) if last && ritz[0].error > allowed(&ritz[0]) => {
-                        return Err(StabilityError::NotConverged { value: r.re, error: r.error, dimension });
-                    }
-                    // Later values are given with their errors as they stand.
-                    _ if last => return Ok(ritz),
-                    _ => {}
-                }
-            }
+        });
+        (self.krylov, self.weights) = (krylov, weights);
+        match result {
+            Ok(Some(rates)) => rates,
+            Ok(None) => Ok(Vec::new()),
+            Err(NoEigenvalues { dimension }) => Err(StabilityError::Projected { dimension }),
         }
-        Err(StabilityError::Projected { dimension: limit })
     }
+}
 
-    /// Ritz values within reach of the shift, sorted by falling real part.
-    fn ritz(&self, k: usize, stride: usize, residual: f64, shift: f64) -> Result<Vec<Ritz>, StabilityError> {
-        let failed = StabilityError::Projected { dimension: k };
-        let h = Mat::<f64>::from_fn(k, k, |i, j| self.hessenberg[i * stride + j]);
-        let (mut re, mut im, mut vectors) = (Diag::<f64>::zeros(k), Diag::<f64>::zeros(k), Mat::<f64>::zeros(k, k));
-        let (no, yes) = (ComputeEigenvectors::No, ComputeEigenvectors::Yes);
-        let mut memory = MemBuffer::new(evd_scratch::<f64>(k, no, yes, Par::Seq, Default::default()));
-        let stack = MemStack::new(&mut memory);
-        evd_real(
-            h.as_ref(),
-            re.as_mut(),
-            im.as_mut(),
-            None,
-            Some(vectors.as_mut()),
-            Par::Seq,
-            stack,
-            Default::default(),
-        )
-        .map_err(|_| failed)?;
-        let mut out = Vec::with_capacity(k);
-        let mut i = 0;
-        while i < k {
-            let (a, b) = (re[i], im[i]);
-            // A complex pair shares two columns, the real and the imaginary part.
-            let width = if b != 0.0 && i + 1 < k { 2 } else { 1 };
-            let (mut norm, mut tail) = (0.0f64, 0.0f64);
-            for c in i..i + width {
-                norm += (0..k).map(|r| vectors[(r, c)].powi(2)).sum::<f64>();
-                tail += vectors[(k - 1, c)].powi(2);
+/// \[shift\] for the Ritz values within reach of the shift, sorted by falling real part.
+fn growth_rates(values: &[RitzValue], shift: f64, parity: Parity) -> Vec<GrowthRate> {
+    let mut out: Vec<GrowthRate> = values
+        .iter()
+        .filter(|mu| mu.re.hypot(mu.im) * REACH >= 1.0)
+        .map(|mu| {
+            // σ = s (1 − 1/μ), 1/μ = conj(μ)/|μ|².
+            let size = mu.re.hypot(mu.im);
+            let square = size * size;
+            GrowthRate {
+                re: shift * (1.0 - mu.re / square),
+                im: shift * mu.im / square,
+                parity,
+                error: shift / square * mu.residual,
             }
-            let size = a.hypot(b);
-            if !(size.is_finite() && norm.is_finite()) {
-                return Err(failed);
-            }
-            if size * REACH >= 1.0 {
-                // σ = s (1 − 1/μ), 1/μ = conj(μ)/|μ|².
-                let (real, imaginary) = (shift * (1.0 - a / (size * size)), shift * b / (size * size));
-                let error = shift / (size * size) * residual * (tail / norm).sqrt();
-                out.push(Ritz { re: real, im: imaginary, error });
-                if width == 2 {
-                    out.push(Ritz { re: real, im: -imaginary, error });
-                }
-            }
-            i += width;
-        }
-        out.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
-        Ok(out)
-    }
+        })
+        .collect();
+    sort(&mut out);
+    out
 }
 
 /// [`Stability::leading`] with a workspace of its own.
@@ -504,16 +416,14 @@ fn unit_rows<const K: usize>(components: [usize; K]) -> Vec<f64> {
     rows
 }
 
-fn weighted_dot(weights: &[f64], a: &[f64], b: &[f64]) -> f64 {
-    weights.iter().zip(a).zip(b).map(|((w, a), b)| w * a * b).sum()
-}
-
 fn sort(values: &mut [GrowthRate]) {
     values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
 }
 
 #[cfg(test)]
 mod tests {
+    use faer::Mat;
+
     use super::*;
     use crate::cortex::{Control, Cue, Numerics, Physics, shape};
     use crate::numerics::Newton;
