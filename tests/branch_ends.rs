@@ -68,11 +68,14 @@ fn an_asymmetric_branch_ends_at_the_pitchfork_it_comes_back_to() {
     options.settings.max_step = 1.0;
     let symmetric = symmetric::follow(&physics, &Numerics::default(), 4.5, &options, |_| true).unwrap();
     let [first, second] = &pitchforks(symmetric.events)[..] else { panic!("two pitchforks") };
-    let AsymmetricBranch { branch, .. } = asymmetric::follow(first, &physics, 4.5, &options);
+    let AsymmetricBranch { branch, scaling } = asymmetric::follow(first, &physics, 4.5, &options);
     assert_eq!((branch.ended, branch.stopped_by), (BranchEnd::Rejoined, None));
     let last = branch.points.last().unwrap();
     assert!((last.xi_s - second.point.xi_s).abs() < 1e-2, "{} {}", last.xi_s, second.point.xi_s);
     assert!((last.length / second.point.length - 1.0).abs() < 1e-2);
+    // The furrow is near the middle again there, but that is not how Δu opens.
+    let scaling = scaling.unwrap();
+    assert!((scaling.exponent - 0.5).abs() < 0.01, "{scaling:?}");
 }
 
 /// At R0 = 5.4, ε = 0.87 a tangent from the factors of a prediction was off by more than the angle a step may turn: no

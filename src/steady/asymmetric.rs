@@ -126,6 +126,7 @@ fn turned(before: &[[f64; 2]], now: &[[f64; 2]]) -> bool {
 pub fn follow(pitchfork: &Pitchfork, physics: &Physics, r0: f64, options: &BranchOptions) -> AsymmetricBranch {
     let epsilon = physics.epsilon;
     let mut branch = switch(pitchfork, physics, r0, SCALING_RANGE[0], &options.settings);
+    let mut opening = true;
     let mut points = vec![pitchfork.point];
     let (mut events, mut failure, mut samples) = (Vec::new(), None, Vec::new());
     let (mut end, mut odd, mut largest) = (None, Vec::new(), 0.0);
@@ -159,7 +160,9 @@ pub fn follow(pitchfork: &Pitchfork, physics: &Physics, r0: f64, options: &Branc
         if let Some(stability) = &mut stability {
             point.growth_rate = stability.growth_rate(&branch.problem, &branch.state.solution).ok();
         }
-        if events.is_empty() && (SCALING_RANGE[0]..SCALING_RANGE[1]).contains(&point.delta_u.abs()) {
+        // Only on the way out: the furrow may come back later.
+        opening &= point.delta_u.abs() < SCALING_RANGE[1];
+        if opening && events.is_empty() && point.delta_u.abs() >= SCALING_RANGE[0] {
             samples.push([point.delta_u.abs(), point.xi_s - pitchfork.point.xi_s]);
         }
         points.push(point);

@@ -65,8 +65,9 @@ pub fn between_last_points<P: Directional + Clone, S: Singularity<P>>(
                 let arclength = before + position(&y) * (now - before);
                 return Ok(Located { extended, solution: y, arclength, report });
             }
-            Ok(report) => {
-                last = SingularError::Stalled { iterations: report.iterations, correction: report.correction };
+            Ok(_) => {
+                let position = position(&y);
+                last = SingularError::Elsewhere { distance: (position - high).max(low - position) };
             }
             Err(error) => last = error,
         }

@@ -39,6 +39,12 @@ pub enum SingularError {
         /// Last correction.
         correction: f64,
     },
+    /// The iteration converges, but to another singular point than the one looked for.
+    #[error("the iteration leads to another one, {distance:.1e} times the distance of the points around it away")]
+    Elsewhere {
+        /// How far outside the bracket, in its lengths.
+        distance: f64,
+    },
 }
 
 impl From<PivotFailure> for SingularError {
