@@ -40,7 +40,7 @@ fn passive_shapes_match_the_reference() {
 fn an_active_symmetric_shape_matches_the_reference() {
     let numerics = Numerics::default();
     let (mut y, _) = shape::passive(&Physics::GAO2026, &numerics, 2.0).unwrap();
-    let mut system = System::new(Cortex::dimensions_for(Domain::Half, 0), numerics.stages);
+    let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
     let mut scratch = NewtonScratch::default();
     for xi_s in [5.0, 10.0, 15.0, 18.0, 20.7468] {
         let physics = Physics { xi_s, ..Physics::GAO2026 };

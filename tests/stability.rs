@@ -14,7 +14,7 @@ fn stationary(xi: f64) -> (Cortex, Solution) {
     let physics = Physics::GAO2026;
     let (mut y, _) = shape::passive(&physics, &numerics, R0).unwrap();
     let mut half = Cortex::new(&physics, R0, &Cue::None, Domain::Half, &[]);
-    let mut system = System::new(Cortex::dimensions_for(Domain::Half, 0), numerics.stages);
+    let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
     let newton = Newton { tolerance: 1e-11, ..Newton::default() };
     for step in 1..=40 {
         half.set(Control::Xi, xi * f64::from(step) / 40.0);
@@ -26,7 +26,7 @@ fn stationary(xi: f64) -> (Cortex, Solution) {
 /// dis(t) every τ after a disturbance of the activity in the first step, with second-order backward differences.
 fn distances(cortex: &Cortex, rest: &Solution) -> Vec<f64> {
     let mut cortex = cortex.clone();
-    let mut system = System::new(Cortex::dimensions_for(Domain::Full, 0), rest.m);
+    let mut system = System::new(Cortex::dimensions_for(0), rest.m);
     let mut scratch = NewtonScratch::default();
     let newton = Newton { tolerance: 1e-12, ..Newton::default() };
     let (dt, per_tau) = (0.05, 20);

@@ -21,7 +21,7 @@ fn step() -> Step {
     let mut cortex = Cortex::new(&physics, r0, &Cue::None, Domain::Full, &[]);
     shape::positions(&y, &mut cortex.past);
     cortex.rate = 100.0;
-    let mut system = System::new(Cortex::dimensions_for(Domain::Full, 0), numerics.stages);
+    let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
     system.evaluate(&mut cortex, &y, &[], true);
     system.condense().unwrap();
     system.factor_blocks(&[]).unwrap();

@@ -251,18 +251,9 @@ impl Cortex {
         cortex
     }
 
-    /// Sizes for a domain and a number of continuation parameters.
-    pub fn dimensions_for(domain: Domain, controls: usize) -> Dimensions {
-        Dimensions {
-            components: COMPONENTS,
-            integrable: 3,
-            scalars: 2 + controls,
-            left: 4,
-            right: match domain {
-                Domain::Full | Domain::Half => 4,
-            },
-            integrals: 1,
-        }
+    /// Sizes for a number of continuation parameters, on either domain.
+    pub fn dimensions_for(controls: usize) -> Dimensions {
+        Dimensions { components: COMPONENTS, integrable: 3, scalars: 2 + controls, left: 4, right: 4, integrals: 1 }
     }
 
     /// Constants at the current parameters.
@@ -349,7 +340,7 @@ fn combine(terms: &[(f64, &Gradient)]) -> Gradient {
 
 impl BoundaryValueProblem for Cortex {
     fn dimensions(&self) -> Dimensions {
-        Cortex::dimensions_for(self.domain, self.controls.len())
+        Cortex::dimensions_for(self.controls.len())
     }
 
     fn prepare(&mut self, p: &[f64]) {

@@ -73,7 +73,7 @@ pub type Stationary = (Solution, NewtonReport);
 pub fn passive(physics: &Physics, numerics: &Numerics, r0: f64) -> Result<Stationary, NewtonError> {
     let passive = Physics { xi_s: 0.0, ..*physics };
     let mut cortex = Cortex::new(&passive, r0, &Cue::None, Domain::Half, &[]);
-    let mut system = System::new(Cortex::dimensions_for(Domain::Half, 0), numerics.stages);
+    let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
     let mut scratch = NewtonScratch::default();
     let newton = Newton { tolerance: 1e-11, ..Newton::default() };
     let gauss = system.gauss.clone();

@@ -241,7 +241,7 @@ impl Run {
         // The mesh of the division is coarse; near the critical radius its growth rate may have the wrong sign.
         let start = here.on_mesh(&stepper.system.gauss, &mesh::halved(&here.mesh));
         let mut y = start.clone();
-        let mut system = System::new(Cortex::dimensions_for(Domain::Full, 0), y.m);
+        let mut system = System::new(Cortex::dimensions_for(0), y.m);
         Newton::default().solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false).ok()?;
         let distance = parity_norm(&system.gauss, &y.mesh, |i| {
             let at = |s: &Solution, c: usize| s.stages[i * COMPONENTS + c];

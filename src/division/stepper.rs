@@ -115,7 +115,7 @@ impl Stepper {
     /// Starts from a shape at t = 0. `resolution` is the nominal number of intervals; the mesh follows the shape and
     /// uses fewer while it is smooth, more where it is sharp.
     pub fn new(cortex: Cortex, stages: usize, resolution: usize, start: Solution) -> Stepper {
-        let system = System::new(Cortex::dimensions_for(cortex.domain, 0), stages);
+        let system = System::new(Cortex::dimensions_for(0), stages);
         Stepper {
             cortex,
             system,

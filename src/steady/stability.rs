@@ -147,7 +147,7 @@ impl Stability {
     pub fn new(stages: usize) -> Stability {
         Stability {
             arnoldi: Arnoldi::default(),
-            system: System::new(Cortex::dimensions_for(Domain::Full, 0), stages),
+            system: System::new(Cortex::dimensions_for(0), stages),
             variant: VariantEnd::default(),
             right_hand_side: Residual::default(),
             update: Update::default(),
@@ -433,7 +433,7 @@ mod tests {
     fn symmetric(r0: f64, epsilon: f64, targets: &[f64], numerics: &Numerics) -> Vec<(Cortex, Solution)> {
         let physics = Physics { epsilon, ..Physics::GAO2026 };
         let (mut y, _) = shape::passive(&physics, numerics, r0).unwrap();
-        let mut system = System::new(Cortex::dimensions_for(Domain::Half, 0), numerics.stages);
+        let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
         let mut scratch = NewtonScratch::default();
         let mut cortex = Cortex::new(&physics, r0, &Cue::None, Domain::Half, &[]);
         let (mut xi, mut out) = (0.0, Vec::new());

@@ -148,7 +148,7 @@ fn along_branch(
     let mut cortex = Cortex::new(physics, r0, cue, branch.problem.domain, &[]);
     let mut solution = branch.state.solution;
     solution.scalars.truncate(2);
-    let mut system = System::new(Cortex::dimensions_for(cortex.domain, 0), numerics.stages);
+    let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
     // To rounding; at a fold itself the branch's own accuracy has to do.
     let newton = Newton { tolerance: 1e-12, max_factorisations: 4, ..Newton::default() };
     let mut polished = solution.clone();
@@ -172,7 +172,7 @@ fn start_cued(
     let passive = Physics { xi_s: 0.0, ..*physics };
     let mut cortex = Cortex::new(&passive, r0, cue, Domain::Full, &[]);
     let target = cortex.get(Control::CueAmplitude);
-    let mut system = System::new(Cortex::dimensions_for(Domain::Full, 0), numerics.stages);
+    let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
     let mut scratch = NewtonScratch::default();
     let mut y = shape::unfold(&system.gauss, &half);
     let (mut share, mut step) = (0.0, 1.0);
