@@ -62,6 +62,24 @@ fn both_folds_of_the_s_shape_end_at_one_cusp() {
     assert_eq!((folds(cusps[0].value - 1e-3), folds(cusps[0].value + 1e-3)), (3, 1));
 }
 
+/// In a wide shell the cued branch folds more than once, and its passive shape lies far from that without the cue. The
+/// radius found is where divisions begin to fail, from wherever the curve is looked for.
+#[test]
+fn cued_cells_of_wide_shells_have_their_critical_radius() {
+    let numerics = Numerics::default();
+    for epsilon in [0.6, 0.8] {
+        let physics = at(epsilon);
+        let [a, b] = [2.0, 4.0].map(|start| {
+            curves::critical_cued_fold(&physics, &numerics, 1.0, &CUE, Control::R0, &[start]).unwrap().value
+        });
+        assert!((a / b - 1.0).abs() < 1e-8, "{a} {b}");
+        for (factor, fails) in [(0.985, true), (1.015, false)] {
+            let division = divide(&DivisionInput { physics, numerics, r0: factor * a, cue: CUE, seed: 0 }).unwrap();
+            assert_eq!(division.outcome == Outcome::Failed, fails, "epsilon = {epsilon}, {factor} of {a}");
+        }
+    }
+}
+
 /// A fold met from one end is not followed again from the other, and steps lengthen as a curve leads to small radii.
 #[test]
 fn a_fold_is_followed_once_from_whichever_end() {

@@ -10,12 +10,14 @@ use super::symmetric::{
     Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, ShapePoint, SteadyError, fold_near, mesh_monitor, metric,
 };
 use crate::cortex::{Control, Cortex, Cue, Domain, Numerics, Physics, shape};
-use crate::numerics::Gauss;
+use crate::numerics::System;
+use crate::numerics::newton::{Newton, NewtonScratch};
 
-/// The branch at ξ_s = 0, ready to be followed upwards.
+/// The branch at ξ_s = 0, ready to be followed upwards. In a wide shell a weak cue moves the passive cell far: it is reached
+/// from the passive shape without a cue, by parts of the cue where need be.
 ///
 /// # Errors
-/// [`SteadyError::Passive`], [`SteadyError::Branch`].
+/// [`SteadyError::Passive`], [`SteadyError::Cue`], [`SteadyError::Branch`].
 pub fn start(
     physics: &Physics,
     numerics: &Numerics,
@@ -26,10 +28,30 @@ pub fn start(
     let epsilon = physics.epsilon;
     let (half, _) =
         shape::passive(physics, numerics, r0).map_err(|source| SteadyError::Passive { r0, epsilon, source })?;
-    let mut y = shape::unfold(&Gauss::new(half.m), &half);
+    let passive = Physics { xi_s: 0.0, ..*physics };
+    let mut cortex = Cortex::new(&passive, r0, cue, Domain::Full, &[]);
+    let target = cortex.get(Control::CueAmplitude);
+    let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
+    let mut scratch = NewtonScratch::default();
+    let mut y = shape::unfold(&system.gauss, &half);
+    let (mut share, mut step) = (0.0, 1.0);
+    while share < 1.0 {
+        let next = f64::min(share + step, 1.0);
+        cortex.set(Control::CueAmplitude, next * target);
+        let mut trial = y.clone();
+        match Newton::default().solve(&mut system, &mut scratch, &mut cortex, &mut trial, &[], false) {
+            Ok(_) => (share, y) = (next, trial),
+            Err(source) => {
+                step *= 0.5;
+                if step < 1e-3 {
+                    return Err(SteadyError::Cue { r0, epsilon, source });
+                }
+            }
+        }
+    }
     y.scalars.push(0.0);
     let controls = [Control::Xi];
-    let cortex = Cortex::new(physics, r0, cue, Domain::Full, &controls);
+    let cortex = Cortex::new(&passive, r0, cue, Domain::Full, &controls);
     let metric = metric(r0, Domain::Full, &controls);
     let mut branch = Continuation::start(cortex, y, metric, settings.clone(), true)
         .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
@@ -96,21 +118,36 @@ pub fn follow(
     Ok(Branch { points, events, ended, stopped_by: failure, work: branch.work })
 }
 
-/// The first fold of the branch: where the weakly furrowed shape that grows out of the passive one ends.
+/// Growth rates at a fold that ends a stable shape are none above this, in 1/τ: the mode of the fold itself neither grows
+/// nor decays.
+const MARGINAL: f64 = 1e-3;
+
+/// The fold at which the last stable shape of the branch ends; above its ξ_s the cell divides. In a wide shell that is not
+/// the first one, but that of the second rise of an S.
 ///
 /// # Errors
-/// [`SteadyError`]; `None` if ξ_s does not turn back in the range.
-pub fn first_fold(
+/// [`SteadyError`]; `None` if no stable shape ends in a fold in the range.
+pub fn failure_fold(
     physics: &Physics,
     numerics: &Numerics,
     r0: f64,
     cue: &Cue,
     options: &BranchOptions,
 ) -> Result<FoldPoint, SteadyError> {
-    let Branch { mut events, stopped_by, .. } = follow(physics, numerics, r0, cue, options, |_| false)?;
-    match (events.pop(), stopped_by) {
-        (Some(BranchEvent::Fold(fold)), _) => Ok(*fold),
-        (_, Some(error)) => Err(error),
-        _ => Err(SteadyError::None { r0, epsilon: physics.epsilon, kind: "fold", xi_max: options.xi[1] }),
-    }
+    let Branch { events, stopped_by, .. } = follow(physics, numerics, r0, cue, options, |_| true)?;
+    let cortex = Cortex::new(physics, r0, cue, Domain::Full, &[Control::Xi]);
+    let mut stability = Stability::new(numerics.stages);
+    let mut ends_stable = |fold: &FoldPoint| {
+        fold.maximum && stability.growth_rate(&cortex, &fold.shape).is_ok_and(|rate| rate < MARGINAL)
+    };
+    let none = SteadyError::None { r0, epsilon: physics.epsilon, kind: "fold", xi_max: options.xi[1] };
+    events
+        .into_iter()
+        .filter_map(|event| match event {
+            BranchEvent::Fold(fold) => Some(*fold),
+            BranchEvent::Pitchfork(_) => None,
+        })
+        .filter(|fold| ends_stable(fold))
+        .max_by(|a, b| a.point.xi_s.total_cmp(&b.point.xi_s))
+        .ok_or(stopped_by.unwrap_or(none))
 }

@@ -380,17 +380,25 @@ fn domain_of(control: Control) -> std::ops::Range<f64> {
     }
 }
 
-/// Follows a curve to the point with ξ_s = `xi_s`, in whichever direction leads there; how that converged.
+/// Follows a curve to the point with ξ_s = `xi_s`, in whichever direction leads there; how that converged. Where a curve of
+/// folds turns back in the control there is a cusp, beyond which it is another fold; a curve that leads well away from ξ_s
+/// again is given up.
 fn to_activity<S: Singularity<Cortex> + Clone>(
     locus: &mut Locus<Cortex, S>,
     xi_s: f64,
     control: Control,
+    through_cusps: bool,
 ) -> Result<ExtendedReport, LocusError> {
     locus.head_for(XI, xi_s);
     let mut last = ExtendedReport::default();
+    let direction = locus.tangent.scalars[SECOND];
+    let mut nearest = f64::INFINITY;
     locus.follow_to(XI, xi_s, MOST_STEPS, |locus, report| {
         last = *report;
-        domain_of(control).contains(&locus.solution.scalars[SECOND])
+        let distance = (locus.solution.scalars[XI] - xi_s).abs();
+        nearest = nearest.min(distance);
+        let goes_on = through_cusps || locus.tangent.scalars[SECOND] * direction > 0.0;
+        goes_on && distance < 2.0 * nearest + 1.0 && domain_of(control).contains(&locus.solution.scalars[SECOND])
     })?;
     Ok(last)
 }
@@ -414,7 +422,7 @@ pub fn critical_pitchfork(
         control.set(start, &mut physics, &mut r0, &mut Cue::None);
         let first = symmetric::first_pitchfork(&physics, numerics, r0, &BranchOptions::default())?;
         let mut locus = pitchfork_locus(&physics, r0, &first, control, true).map_err(|e| failed(&e))?;
-        let report = to_activity(&mut locus, xi_s, control).map_err(|e| failed(&e))?;
+        let report = to_activity(&mut locus, xi_s, control, true).map_err(|e| failed(&e))?;
         let y = locus.solution.clone();
         let c = coefficient(&mut locus, &y, &report).map_err(|e| failed(&e))?;
         Ok(curve_point(&locus, Some(c)))
@@ -439,9 +447,9 @@ pub fn critical_cued_fold(
     first_success("fold", xi_s, starts, |start| {
         let (mut physics, mut r0, mut cue) = (*physics, r0, *cue);
         control.set(start, &mut physics, &mut r0, &mut cue);
-        let fold = cued::first_fold(&physics, numerics, r0, &cue, &BranchOptions::default())?;
+        let fold = cued::failure_fold(&physics, numerics, r0, &cue, &BranchOptions::default())?;
         let mut locus = fold_locus(&physics, r0, &cue, &fold, control, true).map_err(failed)?;
-        to_activity(&mut locus, xi_s, control).map_err(failed)?;
+        to_activity(&mut locus, xi_s, control, false).map_err(failed)?;
         Ok(curve_point(&locus, None))
     })
 }
@@ -476,7 +484,7 @@ pub fn cued_fold_curve(
 ) -> Result<Curve, SteadyError> {
     let (mut physics, mut r0, mut cue) = (*physics, r0, *cue);
     control.set(from, &mut physics, &mut r0, &mut cue);
-    let fold = cued::first_fold(&physics, numerics, r0, &cue, &BranchOptions::default())?;
+    let fold = cued::failure_fold(&physics, numerics, r0, &cue, &BranchOptions::default())?;
     let failed = |e: LocusError| curve_error("fold", "the parameter", to, e);
     let mut locus = fold_locus(&physics, r0, &cue, &fold, control, to > from).map_err(failed)?;
     let curve = fold_curve(&mut locus, to);

@@ -199,11 +199,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Locus<P, S> {
                         std::mem::swap(&mut self.solution, &mut self.trial);
                         self.arclength += step;
                         self.history.push(self.arclength, &self.solution);
-                        // As many points as are known make the order of the next prediction.
-                        let order = self.history.len() as f64;
-                        let ratio =
-                            (self.settings.target_correction / report.first_correction.max(1e-300)).powf(1.0 / order);
-                        self.step = step * ratio.clamp(0.3, 2.0);
+                        self.step = self.step_after(step, report.first_correction);
                         return Ok(report);
                     }
                     SingularError::Stalled { iterations: report.iterations, correction: report.correction }
@@ -218,6 +214,17 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Locus<P, S> {
                 return Err(LocusError::Lost { first, second, source });
             }
         }
+    }
+
+    /// The step after one with a first correction of size `correction`, whose order is that of the prediction: as many
+    /// points as are known. Accuracy shortens no step below a quarter of the first: what is left of a correction there is
+    /// roundings, which do not shrink with the step, and only longer ones leave them behind.
+    fn step_after(&self, step: f64, correction: f64) -> f64 {
+        let target = self.settings.target_correction;
+        let shortest = 0.25 * self.settings.first_step;
+        let ratio = (target / correction.max(1e-300)).powf(1.0 / self.history.len() as f64).clamp(0.3, 2.0);
+        let next = step * if correction < 10.0 * target { ratio.max(1.0) } else { ratio };
+        if next < shortest { shortest.min(2.0 * step) } else { next }
     }
 
     /// The point between the last two at which the curve turns in scalar unknown `index`, and its arclength, by

@@ -1,11 +1,12 @@
 //! One stationary shape: the first one at a given activity on the branch that starts at the passive shape.
 
-use super::continuation::{Continuation, ContinuationError, ContinuationSettings, Ended};
+use super::continuation::{ContinuationError, ContinuationSettings, Ended};
+use super::cued;
 use super::stability::{Spectrum, Stability, StabilityError};
 use super::symmetric::{self, SteadyError};
 use crate::cortex::equations::{COMPONENTS, R};
-use crate::cortex::{Control, Cortex, Cue, Domain, Numerics, Physics, shape};
-use crate::numerics::newton::{Newton, NewtonError, NewtonScratch};
+use crate::cortex::{Cortex, Cue, Domain, Numerics, Physics, shape};
+use crate::numerics::newton::{Newton, NewtonScratch};
 use crate::numerics::{Gauss, Solution, System};
 
 /// A stationary shape of one cell.
@@ -25,16 +26,6 @@ pub enum StationaryError {
     /// The branch could not be followed.
     #[error(transparent)]
     Branch(#[from] SteadyError),
-    /// With its cue, the passive cell has no shape.
-    #[error("no passive shape with the cue for R0 = {r0}, epsilon = {epsilon} ({source}); try more mesh intervals")]
-    Cue {
-        /// Radius R0.
-        r0: f64,
-        /// Confinement ε.
-        epsilon: f64,
-        /// What the solver said.
-        source: NewtonError,
-    },
     /// The branch never reaches the activity asked for.
     #[error(
         "R0 = {r0}, epsilon = {epsilon}: no stationary shape at xi_s = {xi_s} on the branch of the passive shape, which turns back at xi_s = {turn}"
@@ -109,7 +100,7 @@ fn along_branch(
     let settings = ContinuationSettings { first_step: 0.3f64.min(max_step), max_step, ..Default::default() };
     let mut branch = match cue {
         Cue::None => symmetric::start(physics, numerics, r0, &settings)?,
-        Cue::Kappa { .. } => start_cued(physics, numerics, r0, cue, settings)?,
+        Cue::Kappa { .. } => cued::start(physics, numerics, r0, cue, &settings)?,
     };
     let domain = branch.problem.domain;
     let mut folds = Vec::new();
@@ -156,47 +147,6 @@ fn along_branch(
         solution = polished;
     }
     Ok(Stationary { cortex, solution, folds })
-}
-
-/// The branch of the whole contour with a cue at ξ_s = 0, reached from the passive shape without one.
-fn start_cued(
-    physics: &Physics,
-    numerics: &Numerics,
-    r0: f64,
-    cue: &Cue,
-    settings: ContinuationSettings,
-) -> Result<Continuation<Cortex>, StationaryError> {
-    let epsilon = physics.epsilon;
-    let (half, _) =
-        shape::passive(physics, numerics, r0).map_err(|source| SteadyError::Passive { r0, epsilon, source })?;
-    let passive = Physics { xi_s: 0.0, ..*physics };
-    let mut cortex = Cortex::new(&passive, r0, cue, Domain::Full, &[]);
-    let target = cortex.get(Control::CueAmplitude);
-    let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
-    let mut scratch = NewtonScratch::default();
-    let mut y = shape::unfold(&system.gauss, &half);
-    let (mut share, mut step) = (0.0, 1.0);
-    while share < 1.0 {
-        let next = f64::min(share + step, 1.0);
-        cortex.set(Control::CueAmplitude, next * target);
-        let mut trial = y.clone();
-        match Newton::default().solve(&mut system, &mut scratch, &mut cortex, &mut trial, &[], false) {
-            Ok(_) => (share, y) = (next, trial),
-            Err(source) => {
-                step *= 0.5;
-                if step < 1e-3 {
-                    return Err(StationaryError::Cue { r0, epsilon, source });
-                }
-            }
-        }
-    }
-    y.scalars.push(0.0);
-    let controls = [Control::Xi];
-    let cortex = Cortex::new(&passive, r0, cue, Domain::Full, &controls);
-    let mut branch = Continuation::start(cortex, y, symmetric::metric(r0, Domain::Full, &controls), settings, true)
-        .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
-    branch.monitor = Some(symmetric::mesh_monitor);
-    Ok(branch)
 }
 
 impl Stationary {

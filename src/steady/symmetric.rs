@@ -42,6 +42,16 @@ pub enum SteadyError {
         /// What the solver said.
         source: NewtonError,
     },
+    /// With its cue, the passive cell has no shape.
+    #[error("no passive shape with the cue for R0 = {r0}, epsilon = {epsilon} ({source}); try more mesh intervals")]
+    Cue {
+        /// Radius R0.
+        r0: f64,
+        /// Confinement ε.
+        epsilon: f64,
+        /// What the solver said.
+        source: NewtonError,
+    },
     /// The branch cannot be followed.
     #[error("R0 = {r0}, epsilon = {epsilon}: {source}; try more mesh intervals")]
     Branch {
