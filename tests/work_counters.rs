@@ -59,8 +59,8 @@ fn work_of_branches_and_curves() {
         let branch = symmetric::follow(&physics, &numerics, r0, &BranchOptions::default(), |_| true).unwrap();
         within("branch", [branch.points.len(), branch.work.iterations], allowed);
     }
-    // (110, 126), (117, 121), (196, 208), (233, 236)
-    for (range, pitchforks, folds) in [([1.5, 5.4], [121, 139], [129, 133]), ([5.4, 1.5], [216, 229], [256, 260])] {
+    // (100, 112), (115, 119), (210, 222), (244, 247)
+    for (range, pitchforks, folds) in [([1.5, 5.4], [110, 123], [127, 131]), ([5.4, 1.5], [231, 244], [268, 272])] {
         let curve = curves::pitchfork_curve(&physics, &numerics, 2.0, Control::R0, range).unwrap();
         within("pitchforks", [curve.points.len(), curve.iterations], pitchforks);
         let curve = curves::fold_curves(&physics, &numerics, 2.0, Control::R0, range).unwrap().remove(0);

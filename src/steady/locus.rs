@@ -38,7 +38,7 @@ impl Default for LocusSettings {
             min_step: 1e-7,
             max_step: 0.2,
             min_cosine: 0.8,
-            target_correction: 2e-10,
+            target_correction: 1e-10,
             tolerance: 1e-10,
             remesh_above: 1.8,
         }
