@@ -13,7 +13,6 @@ use std::collections::HashMap;
 use std::sync::Mutex;
 use std::time::Instant;
 
-use furrow::cortex::{Numerics, Physics};
 use furrow::division::{DivisionInput, divide};
 use furrow::lineage::{Grower, Key, Lineage, Memo, Quantisation, SchedulerOptions, Tree, TreeSettings};
 
@@ -39,12 +38,7 @@ impl Run {
         let mut lineage = Lineage::c_elegans().unwrap();
         lineage.limits.max_depth = depth;
         let memo = Memo::new(Quantisation::DEFAULT);
-        let settings = TreeSettings {
-            physics: Physics::GAO2026,
-            numerics: Numerics::default(),
-            seed: 0,
-            r0_step: Quantisation::DEFAULT.relative_step(),
-        };
+        let settings = TreeSettings::default();
         let options = SchedulerOptions { threads, ..SchedulerOptions::default() };
         let cost = Mutex::new(HashMap::new());
         let began = Instant::now();

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{division, fake};
-use furrow::cortex::{Cue, Numerics, Physics};
+use furrow::cortex::Cue;
 use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
 use furrow::io::{founder_rows, newick};
 use furrow::lineage::{
@@ -17,12 +17,7 @@ fn grow_with(
     solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
 ) -> Result<(Tree, furrow::lineage::Summary), GrowError> {
     let memo = Memo::new(Quantisation::DEFAULT);
-    let settings = TreeSettings {
-        physics: Physics::default(),
-        numerics: Numerics::default(),
-        seed: 0,
-        r0_step: Quantisation::DEFAULT.relative_step(),
-    };
+    let settings = TreeSettings::default();
     let options = SchedulerOptions { threads, ..SchedulerOptions::default() };
     Grower { lineage, settings, ends, memo: &memo, options }.grow(solve)
 }

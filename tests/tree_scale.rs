@@ -6,7 +6,6 @@ mod common;
 use std::time::Instant;
 
 use common::division;
-use furrow::cortex::{Numerics, Physics};
 use furrow::division::{DivisionInput, Outcome};
 use furrow::io::{newick, write_atomically};
 use furrow::lineage::{Grower, Lineage, Memo, Quantisation, SchedulerOptions, Tree, TreeSettings};
@@ -30,12 +29,7 @@ fn hundred_thousand_cells_from_the_memo() {
     let text = format!("Lineage(name: \"x\", limits: (max_depth: {DEPTH}), founders: [(name: \"Q\")])");
     let lineage = Lineage::parse(&text, "x.ron").unwrap();
     let memo = Memo::new(Quantisation::DEFAULT);
-    let settings = TreeSettings {
-        physics: Physics::default(),
-        numerics: Numerics::default(),
-        seed: 0,
-        r0_step: Quantisation::DEFAULT.relative_step(),
-    };
+    let settings = TreeSettings::default();
     let options = SchedulerOptions { threads: 2, ..SchedulerOptions::default() };
     let grower = Grower { lineage: &lineage, settings, ends: &|_, _| None, memo: &memo, options };
     // Unequal to the last: g + 1 sizes in generation g.

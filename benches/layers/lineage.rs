@@ -102,12 +102,7 @@ fn grow(
     threads: usize,
     solve: fn(&DivisionInput) -> Result<Division, DivisionError>,
 ) -> Tree {
-    let settings = TreeSettings {
-        physics: Physics::GAO2026,
-        numerics: Numerics::default(),
-        seed: 0,
-        r0_step: Quantisation::DEFAULT.relative_step(),
-    };
+    let settings = TreeSettings::default();
     let options = SchedulerOptions { threads, ..SchedulerOptions::default() };
     Grower { lineage, settings, ends: &|_, _| None, memo, options }.grow(solve).unwrap().0
 }

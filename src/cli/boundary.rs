@@ -119,10 +119,7 @@ struct Answer {
 
 pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     let (control, range) = args.check(&mut context)?;
-    let lineage = match &args.lineage {
-        Some(path) => Lineage::read(path)?,
-        None => Lineage::c_elegans()?,
-    };
+    let lineage = Lineage::load(args.lineage.as_deref())?;
     let cue = parse_cue(&args.cue, &lineage)?;
     let (physics, numerics) = (&context.settings.physics, &context.settings.numerics);
     let r0 = args.r0.unwrap_or(range[0]);

@@ -85,11 +85,7 @@ impl SizeArgs {
 /// # Errors
 /// Names the option, its value and what is allowed; or the file and what is wrong with it.
 pub fn read_cue(cue: &str, lineage: Option<&Path>) -> Result<Cue, InputError> {
-    let lineage = match lineage {
-        Some(path) => Lineage::read(path)?,
-        None => Lineage::c_elegans()?,
-    };
-    parse_cue(cue, &lineage)
+    parse_cue(cue, &Lineage::load(lineage)?)
 }
 
 /// A finite number above 0 from an option.

@@ -117,10 +117,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     if let Some(xi) = args.xi {
         context.settings.set_number("--xi", "xi_s", xi)?;
     }
-    let lineage = match &args.lineage {
-        Some(path) => Lineage::read(path)?,
-        None => Lineage::c_elegans()?,
-    };
+    let lineage = Lineage::load(args.lineage.as_deref())?;
     let cue = parse_cue(&args.cue, &lineage)?;
     let input = |seed| DivisionInput {
         physics: context.settings.physics,

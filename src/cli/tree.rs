@@ -81,10 +81,7 @@ struct QuantisationRecord {
 
 pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
-    let mut lineage = match &args.lineage {
-        Some(path) => Lineage::read(path)?,
-        None => Lineage::c_elegans()?,
-    };
+    let mut lineage = Lineage::load(args.lineage.as_deref())?;
     if let Some(text) = &args.cue {
         let cue = parse_cue(text, &lineage)?;
         replace_cues(&mut lineage, cue);

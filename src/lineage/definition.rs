@@ -118,6 +118,11 @@ impl Lineage {
         Lineage::parse(&read_text(path)?, &path.display().to_string())
     }
 
+    /// The lineage of a file if one is given, else the built-in one.
+    pub fn load(path: Option<&Path>) -> Result<Lineage, InputError> {
+        path.map_or_else(Lineage::c_elegans, Lineage::read)
+    }
+
     /// Reads and checks a lineage from RON text; `file` is what errors call it.
     pub fn parse(text: &str, file: &str) -> Result<Lineage, InputError> {
         let lineage: Lineage = parse_ron(text, file)?;

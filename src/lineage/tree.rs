@@ -1,6 +1,7 @@
 //! The lineage tree.
 
 use super::definition::Lineage;
+use super::key::Quantisation;
 use crate::cortex::{Cue, Numerics, Physics};
 use crate::division::{Division, Outcome};
 use petgraph::Direction;
@@ -161,6 +162,18 @@ pub struct TreeSettings {
     pub seed: u64,
     /// Relative step to which R0 is rounded before a division is solved; 0 if it is not.
     pub r0_step: f64,
+}
+
+impl Default for TreeSettings {
+    /// The preset, seed 0 and the default rounding of R0.
+    fn default() -> TreeSettings {
+        TreeSettings {
+            physics: Physics::default(),
+            numerics: Numerics::default(),
+            seed: 0,
+            r0_step: Quantisation::DEFAULT.relative_step(),
+        }
+    }
 }
 
 /// A grown lineage. Cells are held in breadth-first order, the anterior daughter before the posterior, whatever the order

@@ -4,7 +4,7 @@ use super::continuation::{Advance, Continuation, ContinuationSettings, State};
 use super::path::History;
 use super::stability::Stability;
 use super::symmetric::{
-    Branch, BranchEnd, BranchEvent, BranchOptions, Pitchfork, ShapePoint, SteadyError, fold_near, mesh_monitor, metric,
+    Branch, BranchEnd, BranchEvent, BranchOptions, Pitchfork, ShapePoint, fold_near, mesh_monitor, metric, not_located,
 };
 use crate::cortex::equations::{COMPONENTS, M, R, T, Z};
 use crate::cortex::{Control, Cortex, Cue, Domain, Physics, shape};
@@ -46,7 +46,7 @@ pub fn switch(
     let gauss = Gauss::new(pitchfork.shape.m);
     let solution = shape::unfold(&gauss, &pitchfork.shape);
     let controls = [Control::Xi];
-    let metric = metric(r0, Domain::Full, &controls);
+    let metric = metric(r0, &controls);
     let mut tangent = unfold_antisymmetric(&pitchfork.null, solution.scalars.len());
     let scale = metric.dot(&solution.mesh, &tangent, &tangent).sqrt();
     tangent.scale(-pitchfork.furrow_shift.signum() / scale);
@@ -124,13 +124,11 @@ fn turned(before: &[[f64; 2]], now: &[[f64; 2]]) -> bool {
 /// mirror-symmetric again. A fold that cannot be located ends it, as does the loss of the branch: both are kept in
 /// [`Branch::stopped_by`].
 pub fn follow(pitchfork: &Pitchfork, physics: &Physics, r0: f64, options: &BranchOptions) -> AsymmetricBranch {
-    let epsilon = physics.epsilon;
     let mut branch = switch(pitchfork, physics, r0, SCALING_RANGE[0], &options.settings);
     let mut opening = true;
     let mut points = vec![pitchfork.point];
     let (mut events, mut failure, mut samples) = (Vec::new(), None, Vec::new());
     let (mut end, mut odd, mut largest) = (None, Vec::new(), 0.0);
-    let mut passed = 0;
     let gauss = branch.system.gauss.clone();
     let mut stability = options.growth_rates.then(|| Stability::new(gauss.m));
     let ended = branch.follow(options.xi, options.points, |branch: &mut Continuation<Cortex>, advance: Advance| {
@@ -143,23 +141,11 @@ pub fn follow(pitchfork: &Pitchfork, physics: &Physics, r0: f64, options: &Branc
         }
         if advance.passed_fold {
             match fold_near(branch) {
-                Ok(mut fold) => {
-                    fold.point.delta_u = furrow(&gauss, &branch.problem, &fold.shape);
-                    passed += 1;
-                    events.push(BranchEvent::Fold(Box::new(fold)));
-                }
-                Err(source) => {
-                    let xi_s = branch.state.parameter();
-                    failure = Some(SteadyError::Point { r0, epsilon, kind: "fold", xi_s, source });
-                }
+                Ok(fold) => events.push(BranchEvent::Fold(Box::new(fold))),
+                Err(source) => failure = Some(not_located(branch, "fold", source)),
             }
         }
-        let mut point = ShapePoint::of(&branch.state.solution, &branch.problem, &gauss);
-        point.delta_u = furrow(&gauss, &branch.problem, &branch.state.solution);
-        (point.arclength, point.passed) = (branch.state.arclength, passed);
-        if let Some(stability) = &mut stability {
-            point.growth_rate = stability.growth_rate(&branch.problem, &branch.state.solution).ok();
-        }
+        let point = ShapePoint::newest(branch, events.len(), &mut stability);
         // Only on the way out: the furrow may come back later.
         opening &= point.delta_u.abs() < SCALING_RANGE[1];
         if opening && events.is_empty() && point.delta_u.abs() >= SCALING_RANGE[0] {
@@ -172,19 +158,10 @@ pub fn follow(pitchfork: &Pitchfork, physics: &Physics, r0: f64, options: &Branc
         }
         failure.is_none() && end.is_none()
     });
-    let ended = ended.map(|ended| BranchEnd::of(ended, end)).unwrap_or_else(|source| {
-        failure = Some(SteadyError::Branch { r0, epsilon, source });
-        BranchEnd::Stopped
-    });
     AsymmetricBranch {
-        branch: Branch { points, events, ended, stopped_by: failure, work: branch.work },
+        branch: Branch::complete(&branch, points, events, ended, end, failure),
         scaling: scaling(&samples),
     }
-}
-
-/// Furrow position u_f − ½; 0 of a shape without a furrow.
-pub fn furrow(gauss: &Gauss, cortex: &Cortex, y: &crate::numerics::Solution) -> f64 {
-    shape::furrow_position(gauss, cortex, y).map_or(0.0, |u| u - 0.5)
 }
 
 /// Least squares of ln Δu over ln |ξ_s − ξ_s*|, and the limit of (ξ_s − ξ_s*)/Δu² by a line in Δu².

@@ -268,7 +268,7 @@ fn threshold(
     if let Some(near) = near {
         let controls = [Control::Xi];
         let cortex = Cortex::new(physics, r0, &Cue::None, Domain::Half, &controls);
-        let metric = symmetric::metric(r0, Domain::Half, &controls);
+        let metric = symmetric::metric(r0, &controls);
         let mut y = near.clone();
         let tangent = along_scalar(&y, XI);
         let mut extended = Extended::new(cortex, SymmetryBreaking::default(), y.m, metric, &tangent);
@@ -298,7 +298,7 @@ fn along_scalar(y: &Solution, index: usize) -> Update {
 pub fn sensitivity(physics: &Physics, r0: f64, y: &Solution, parameter: Control) -> Result<f64, SingularError> {
     let controls = [Control::Xi, parameter];
     let cortex = Cortex::new(physics, r0, &Cue::None, Domain::Half, &controls);
-    let metric = symmetric::metric(r0, Domain::Half, &controls);
+    let metric = symmetric::metric(r0, &controls);
     let mut y = y.clone();
     let value = cortex.get(parameter);
     y.scalars.push(value);

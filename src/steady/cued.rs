@@ -3,11 +3,11 @@
 //! A cue breaks the mirror symmetry, and the pitchfork with it: the branch that grows out of the passive shape leans to one
 //! side and, where the cell begins to divide, ends its stable part in a fold.
 
-use super::asymmetric::{NARROWEST, furrow};
+use super::asymmetric::NARROWEST;
 use super::continuation::{Advance, Continuation, ContinuationSettings};
 use super::stability::Stability;
 use super::symmetric::{
-    Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, ShapePoint, SteadyError, fold_near, mesh_monitor, metric,
+    self, Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, ShapePoint, SteadyError, fold_near, not_located,
 };
 use crate::cortex::{Control, Cortex, Cue, Domain, Numerics, Physics, shape};
 use crate::numerics::System;
@@ -49,14 +49,7 @@ pub fn start(
             }
         }
     }
-    y.scalars.push(0.0);
-    let controls = [Control::Xi];
-    let cortex = Cortex::new(&passive, r0, cue, Domain::Full, &controls);
-    let metric = metric(r0, Domain::Full, &controls);
-    let mut branch = Continuation::start(cortex, y, metric, settings.clone(), true)
-        .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
-    branch.monitor = Some(mesh_monitor);
-    Ok(branch)
+    symmetric::begin(y, &passive, r0, cue, Domain::Full, settings)
 }
 
 /// Follows the branch from ξ_s = 0 until ξ_s leaves its range or the neck is pinched, and locates its folds; `wanted` may
@@ -73,49 +66,29 @@ pub fn follow(
     options: &BranchOptions,
     mut wanted: impl FnMut(&FoldPoint) -> bool,
 ) -> Result<Branch, SteadyError> {
-    let epsilon = physics.epsilon;
     let mut branch = start(physics, numerics, r0, cue, &options.settings)?;
-    let gauss = branch.system.gauss.clone();
-    let mut stability = options.growth_rates.then(|| Stability::new(gauss.m));
-    let mut describe = |branch: &Continuation<Cortex>, passed: usize| {
-        let (y, cortex) = (&branch.state.solution, &branch.problem);
-        ShapePoint {
-            delta_u: furrow(&gauss, cortex, y),
-            arclength: branch.state.arclength,
-            passed,
-            growth_rate: stability.as_mut().and_then(|stability| stability.growth_rate(cortex, y).ok()),
-            ..ShapePoint::of(y, cortex, &gauss)
-        }
-    };
-    let (mut points, mut events, mut failure) = (vec![describe(&branch, 0)], Vec::new(), None);
-    let mut pinched = None;
+    let mut stability = options.growth_rates.then(|| Stability::new(branch.state.solution.m));
+    let (mut points, mut events) = (vec![ShapePoint::newest(&branch, 0, &mut stability)], Vec::new());
+    let (mut failure, mut pinched) = (None, None);
     let ended = branch.follow(options.xi, options.points, |branch: &mut Continuation<Cortex>, advance: Advance| {
         let mut enough = false;
         if advance.passed_fold {
             match fold_near(branch) {
-                Ok(mut fold) => {
-                    fold.point.delta_u = furrow(&branch.system.gauss, &branch.problem, &fold.shape);
+                Ok(fold) => {
                     enough = !wanted(&fold);
                     events.push(BranchEvent::Fold(Box::new(fold)));
                 }
-                Err(source) => {
-                    let xi_s = branch.state.parameter();
-                    failure = Some(SteadyError::Point { r0, epsilon, kind: "fold", xi_s, source });
-                }
+                Err(source) => failure = Some(not_located(branch, "fold", source)),
             }
         }
-        points.push(describe(branch, events.len()));
+        points.push(ShapePoint::newest(branch, events.len(), &mut stability));
         let neck = shape::neck(&branch.system.gauss, &branch.state.solution);
         if neck.is_some_and(|neck| neck.radius < NARROWEST * r0) {
             pinched = Some(BranchEnd::Pinched(NARROWEST));
         }
         failure.is_none() && !enough && pinched.is_none()
     });
-    let ended = ended.map(|ended| BranchEnd::of(ended, pinched)).unwrap_or_else(|source| {
-        failure = Some(SteadyError::Branch { r0, epsilon, source });
-        BranchEnd::Stopped
-    });
-    Ok(Branch { points, events, ended, stopped_by: failure, work: branch.work })
+    Ok(Branch::complete(&branch, points, events, ended, pinched, failure))
 }
 
 /// Growth rates at a fold that ends a stable shape are none above this, in 1/τ: the mode of the fold itself neither grows

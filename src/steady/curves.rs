@@ -80,7 +80,7 @@ fn locus<S: Singularity<Cortex> + Clone>(
 ) -> Result<Locus<Cortex, S>, LocusError> {
     let controls = [Control::Xi, control];
     let cortex = Cortex::new(&cell.physics, cell.r0, cell.cue, cell.domain, &controls);
-    let mut metric = metric(cell.r0, cell.domain, &controls);
+    let mut metric = metric(cell.r0, &controls);
     let value = cortex.get(control);
     // The parameter varied counts relative to its own size.
     metric.scalars[SECOND] = 1.0 / (value * value).max(1e-2);

@@ -55,13 +55,12 @@ impl From<PivotFailure> for SingularError {
 
 /// A scalar g(x) that vanishes at a kind of singular point.
 pub trait Singularity<P> {
-    /// g at `y`, whose factors `system` holds; `w` is the null direction of F with all but the first free parameter
+    /// g at the point whose factors `system` holds; `w` is the null direction of F with all but the first free parameter
     /// fixed, normalised by the first linear condition of `system`.
     ///
     /// # Errors
     /// If g cannot be computed for a vanishing pivot.
-    fn evaluate(&mut self, system: &mut System, problem: &mut P, y: &Solution, w: &Update)
-    -> Result<f64, PivotFailure>;
+    fn evaluate(&mut self, system: &mut System, problem: &P, w: &Update) -> Result<f64, PivotFailure>;
 
     /// Sign that changes at the singularity and nowhere else, for the value of g just computed.
     fn sign(&self, g: f64) -> f64 {
@@ -89,7 +88,7 @@ impl Fold {
 }
 
 impl<P: Directional> Singularity<P> for Fold {
-    fn evaluate(&mut self, _: &mut System, _: &mut P, _: &Solution, w: &Update) -> Result<f64, PivotFailure> {
+    fn evaluate(&mut self, _: &mut System, _: &P, w: &Update) -> Result<f64, PivotFailure> {
         Ok(w.scalars[self.parameter])
     }
 
@@ -175,13 +174,7 @@ impl SymmetryBreaking {
 const LARGE: f64 = 1e4;
 
 impl<P: Directional + MirrorSymmetric> Singularity<P> for SymmetryBreaking {
-    fn evaluate(
-        &mut self,
-        system: &mut System,
-        problem: &mut P,
-        _y: &Solution,
-        _w: &Update,
-    ) -> Result<f64, PivotFailure> {
+    fn evaluate(&mut self, system: &mut System, problem: &P, _w: &Update) -> Result<f64, PivotFailure> {
         let n = system.dimensions().components;
         let mut failure = PivotFailure { column: 0, non_finite: false };
         for attempt in 0..problem.free_at_mirror().len() {
@@ -336,7 +329,7 @@ impl<P: Directional, S: Singularity<P>> Extended<P, S> {
         }
         reference.clone_from(&basis[0]);
         metric.normalise(&y.mesh, reference);
-        Ok(singularity.evaluate(system, problem, y, &basis[0])?)
+        Ok(singularity.evaluate(system, problem, &basis[0])?)
     }
 
     fn slope(&mut self, y: &Solution, along: Along) -> f64 {

@@ -161,10 +161,28 @@ impl ShapePoint {
                 Domain::Half => y.node(y.intervals())[R],
                 Domain::Full => shape::equator_radius(gauss, y),
             },
-            delta_u: 0.0,
+            delta_u: match cortex.domain {
+                Domain::Half => 0.0,
+                Domain::Full => shape::furrow_position(gauss, cortex, y).map_or(0.0, |u| u - 0.5),
+            },
             arclength: 0.0,
             passed: 0,
             growth_rate: None,
+        }
+    }
+
+    /// The newest point of a branch, after so many folds and pitchforks; with its growth rate if there is a workspace for it.
+    pub(super) fn newest(
+        branch: &Continuation<Cortex>,
+        passed: usize,
+        stability: &mut Option<Stability>,
+    ) -> ShapePoint {
+        let (y, cortex) = (&branch.state.solution, &branch.problem);
+        ShapePoint {
+            arclength: branch.state.arclength,
+            passed,
+            growth_rate: stability.as_mut().and_then(|stability| stability.growth_rate(cortex, y).ok()),
+            ..ShapePoint::of(y, cortex, &branch.system.gauss)
         }
     }
 }
@@ -255,17 +273,6 @@ pub enum BranchEnd {
     Stopped,
 }
 
-impl BranchEnd {
-    /// From that of the continuation and, if it was stopped, the reason.
-    pub(super) fn of(ended: Ended, stopped: Option<BranchEnd>) -> BranchEnd {
-        match ended {
-            Ended::ParameterBound(bound) => BranchEnd::Bound(bound),
-            Ended::PointLimit(points) => BranchEnd::PointLimit(points),
-            Ended::Stopped => stopped.unwrap_or(BranchEnd::Stopped),
-        }
-    }
-}
-
 /// A branch followed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Branch {
@@ -282,8 +289,29 @@ pub struct Branch {
     pub work: Work,
 }
 
+impl Branch {
+    /// What a run along `branch` has found, with how the continuation `ended` and, if it was stopped, why.
+    pub(super) fn complete(
+        branch: &Continuation<Cortex>,
+        points: Vec<ShapePoint>,
+        events: Vec<BranchEvent>,
+        ended: Result<Ended, ContinuationError>,
+        stopped: Option<BranchEnd>,
+        stopped_by: Option<SteadyError>,
+    ) -> Branch {
+        let (r0, epsilon) = (branch.problem.r0, branch.problem.physics.epsilon);
+        let (ended, stopped_by) = match ended {
+            Ok(Ended::ParameterBound(bound)) => (BranchEnd::Bound(bound), stopped_by),
+            Ok(Ended::PointLimit(points)) => (BranchEnd::PointLimit(points), stopped_by),
+            Ok(Ended::Stopped) => (stopped.unwrap_or(BranchEnd::Stopped), stopped_by),
+            Err(source) => (BranchEnd::Stopped, Some(SteadyError::Branch { r0, epsilon, source })),
+        };
+        Branch { points, events, ended, stopped_by, work: branch.work }
+    }
+}
+
 /// Norm of branches of cells of radius R0: lengths in R0, stresses in κ/R0², and ξ_s with weight 1 on its own scale.
-pub fn metric(r0: f64, domain: Domain, controls: &[Control]) -> Metric {
+pub fn metric(r0: f64, controls: &[Control]) -> Metric {
     let mut components = vec![1.0; COMPONENTS];
     for c in [R, Z] {
         components[c] = 1.0 / (r0 * r0);
@@ -295,7 +323,6 @@ pub fn metric(r0: f64, domain: Domain, controls: &[Control]) -> Metric {
     components[V] = 0.1;
     let mut scalars = vec![1.0 / (r0 * r0), 0.01 * r0.powi(6)];
     scalars.extend(controls.iter().map(|c| if *c == Control::Xi { 0.04 * r0 * r0 } else { 1.0 }));
-    debug_assert!(domain == Domain::Half || domain == Domain::Full);
     Metric { components, scalars }
 }
 
@@ -315,14 +342,28 @@ pub fn start(
     settings: &ContinuationSettings,
 ) -> Result<Continuation<Cortex>, SteadyError> {
     let epsilon = physics.epsilon;
-    let (mut y, _) =
+    let (y, _) =
         shape::passive(physics, numerics, r0).map_err(|source| SteadyError::Passive { r0, epsilon, source })?;
+    begin(y, physics, r0, &Cue::None, Domain::Half, settings)
+}
+
+/// The branch upwards in ξ_s from the passive shape `y` at ξ_s = 0.
+///
+/// # Errors
+/// [`SteadyError::Branch`].
+pub(super) fn begin(
+    mut y: Solution,
+    physics: &Physics,
+    r0: f64,
+    cue: &Cue,
+    domain: Domain,
+    settings: &ContinuationSettings,
+) -> Result<Continuation<Cortex>, SteadyError> {
     y.scalars.push(0.0);
     let controls = [Control::Xi];
-    let cortex = Cortex::new(physics, r0, &Cue::None, Domain::Half, &controls);
-    let metric = metric(r0, Domain::Half, &controls);
-    let mut branch = Continuation::start(cortex, y, metric, settings.clone(), true)
-        .map_err(|source| SteadyError::Branch { r0, epsilon, source })?;
+    let cortex = Cortex::new(physics, r0, cue, domain, &controls);
+    let mut branch = Continuation::start(cortex, y, metric(r0, &controls), settings.clone(), true)
+        .map_err(|source| SteadyError::Branch { r0, epsilon: physics.epsilon, source })?;
     branch.monitor = Some(mesh_monitor);
     Ok(branch)
 }
@@ -340,22 +381,15 @@ pub fn follow(
     options: &BranchOptions,
     mut wanted: impl FnMut(&BranchEvent) -> bool,
 ) -> Result<Branch, SteadyError> {
-    let epsilon = physics.epsilon;
     let mut branch = start(physics, numerics, r0, &options.settings)?;
     let mut watch = SymmetryBreaking::default();
     let mut stability = options.growth_rates.then(|| Stability::new(branch.state.solution.m));
-    let mut first = ShapePoint::of(&branch.state.solution, &branch.problem, &branch.system.gauss);
-    if let Some(stability) = &mut stability {
-        first.growth_rate = stability.growth_rate(&branch.problem, &branch.state.solution).ok();
-    }
-    let (mut points, mut events) = (vec![first], Vec::new());
+    let (mut points, mut events) = (vec![ShapePoint::newest(&branch, 0, &mut stability)], Vec::new());
     let (mut failure, mut pinched) = (None, None);
     // Passive shapes have no antisymmetric null vector; their sign is the first one seen.
     let mut sign_before: Option<f64> = None;
     let mut passed = 0;
     let ended = branch.follow(options.xi, options.points, |branch, advance| {
-        let xi_s = branch.state.parameter();
-        let point_error = |kind, source| SteadyError::Point { r0, epsilon, kind, xi_s, source };
         let mut new = Vec::new();
         // Judged at the point itself: on constricted shapes the corrector's prediction, off by a good part of the
         // neck's radius, can lie on the other side of a pitchfork for several points. A failed pivot has no sign;
@@ -369,7 +403,7 @@ pub fn follow(
             {
                 match pitchfork_near(branch, [before, sign]) {
                     Ok(pitchfork) => new.push(BranchEvent::Pitchfork(Box::new(pitchfork))),
-                    Err(source) => failure = Some(point_error("pitchfork", source)),
+                    Err(source) => failure = Some(not_located(branch, "pitchfork", source)),
                 }
             }
             sign_before = Some(sign);
@@ -377,17 +411,12 @@ pub fn follow(
         if advance.passed_fold {
             match fold_near(branch) {
                 Ok(fold) => new.push(BranchEvent::Fold(Box::new(fold))),
-                Err(source) => failure = Some(point_error("fold", source)),
+                Err(source) => failure = Some(not_located(branch, "fold", source)),
             }
         }
         new.sort_by(|a, b| a.arclength().total_cmp(&b.arclength()));
         passed += new.len();
-        let mut point = ShapePoint::of(&branch.state.solution, &branch.problem, &branch.system.gauss);
-        (point.arclength, point.passed) = (branch.state.arclength, passed);
-        if let Some(stability) = &mut stability {
-            point.growth_rate = stability.growth_rate(&branch.problem, &branch.state.solution).ok();
-        }
-        points.push(point);
+        points.push(ShapePoint::newest(branch, passed, &mut stability));
         let enough = new.iter().any(|event| !wanted(event));
         events.extend(new);
         if failure.is_none() && narrowest(&branch.system.gauss, &branch.state.solution) < PINCH_OFF * r0 {
@@ -395,11 +424,7 @@ pub fn follow(
         }
         failure.is_none() && pinched.is_none() && !enough
     });
-    let ended = ended.map(|ended| BranchEnd::of(ended, pinched)).unwrap_or_else(|source| {
-        failure = Some(SteadyError::Branch { r0, epsilon, source });
-        BranchEnd::Stopped
-    });
-    Ok(Branch { points, events, ended, stopped_by: failure, work: branch.work })
+    Ok(Branch::complete(&branch, points, events, ended, pinched, failure))
 }
 
 /// The first pitchfork of the symmetric branch.
@@ -428,6 +453,12 @@ pub fn first_pitchfork(
 fn narrowest(gauss: &Gauss, y: &Solution) -> f64 {
     let equator = y.node(y.intervals())[R];
     shape::neck(gauss, y).map_or(equator, |neck| neck.radius.min(equator))
+}
+
+/// A singular point near the newest point of a branch that cannot be located.
+pub(super) fn not_located(branch: &Continuation<Cortex>, kind: &'static str, source: SingularError) -> SteadyError {
+    let (r0, epsilon, xi_s) = (branch.problem.r0, branch.problem.physics.epsilon, branch.state.parameter());
+    SteadyError::Point { r0, epsilon, kind, xi_s, source }
 }
 
 /// The fold between the last two points of a continuation.
