@@ -4,11 +4,11 @@
 //! branch on the half domain, 40 intervals of 3 Gauss points, tolerance 1e-8, R0 = 2.00, from ξ_s = 0 past the fold: with
 //! steps as long as they may be, and with those of `benches/baseline/auto/compare.py`, which runs AUTO-07p beside it.
 
-use furrow::cortex::{Control, Cue, Numerics, Physics};
+use furrow::cortex::{Parameter, Cue, Numerics, Physics};
 use furrow::division::{DivisionInput, Outcome, divide};
-use furrow::steady::curves::{self, STARTS};
-use furrow::steady::singular::SymmetryBreaking;
-use furrow::steady::symmetric::{self, BranchEvent, BranchOptions};
+use furrow::shapes::curves::{self, STARTS};
+use bvp::SymmetryBreaking;
+use furrow::shapes::symmetric::{self, BranchEvent, BranchOptions};
 
 /// Processor time of this thread in ms; wall time where the system does not tell.
 fn now() -> f64 {
@@ -88,7 +88,7 @@ fn main() {
     let (ms, _) = best(5, || symmetric::first_pitchfork(&physics, &numerics, 2.0, &BranchOptions::default()));
     println!("first pitchfork from the passive shape, with normal form: {ms:.1} ms");
     let (boundary, curve) = best(5, || {
-        curves::pitchfork_curve(&physics, &numerics, 2.0, Control::R0, [1.5, 5.4]).expect("the curve of pitchforks")
+        curves::pitchfork_curve(&physics, &numerics, 2.0, Parameter::R0, [1.5, 5.4]).expect("the curve of pitchforks")
     });
     let points = curve.points.len();
     println!(
@@ -97,9 +97,9 @@ fn main() {
         100.0 * boundary / points as f64
     );
     let cue = Cue::Kappa { u0: 0.465, omega: 0.0577, amplitude: 0.1 };
-    let (ms, point) = best(3, || curves::critical_pitchfork(&physics, &numerics, 1.0, Control::R0, &STARTS));
+    let (ms, point) = best(3, || curves::critical_pitchfork(&physics, &numerics, 1.0, Parameter::R0, &STARTS));
     println!("critical radius without cue: {ms:.1} ms ({:.8})", point.expect("a critical radius").value);
-    let (ms, point) = best(3, || curves::critical_cued_fold(&physics, &numerics, 1.0, &cue, Control::R0, &STARTS));
+    let (ms, point) = best(3, || curves::critical_cued_fold(&physics, &numerics, 1.0, &cue, Parameter::R0, &STARTS));
     println!("critical radius with the cue: {ms:.1} ms ({:.8})", point.expect("a critical radius").value);
     let mut sum = 0.0;
     for r0 in [2.0, 2.5, 5.4] {

@@ -82,3 +82,15 @@ pub fn parse_ron<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, Input
         },
     )
 }
+
+/// "; did you mean …?" where one of `known` is near to what was written, else nothing.
+pub fn did_you_mean<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    let written = written.to_lowercase();
+    known
+        .into_iter()
+        .map(|name| (strsim::damerau_levenshtein(&written, &name.to_lowercase()), name))
+        // A slip or two, fewer in short words.
+        .filter(|(distance, name)| *distance <= 2 && 2 * *distance < name.chars().count().max(2))
+        .min_by_key(|(distance, _)| *distance)
+        .map_or(String::new(), |(_, name)| format!("; did you mean {name}?"))
+}

@@ -2,14 +2,14 @@
 
 use std::f64::consts::PI;
 
-use furrow::numerics::{
-    BoundaryJacobian, BoundaryValueProblem, Dimensions, Gauss, PointJacobian, Site, Solution, mesh,
+use bvp::{
+    BoundaryJacobian, BoundaryValueProblem, Dimensions, Gauss, PointJacobian, CollocationPoint, Solution, mesh,
 };
-use furrow::steady::continuation::{Continuation, ContinuationSettings, Ended, State};
-use furrow::steady::directional::{Direction, Directional};
-use furrow::steady::normal_form::pitchfork_normal_form;
-use furrow::steady::path::Metric;
-use furrow::steady::singular::{Extended, Fold, MirrorSymmetric, SymmetryBreaking};
+use bvp::continuation::{Continuation, ContinuationSettings, Ended, State};
+use bvp::derivatives::{Directional, PointDirection};
+use bvp::normal_form::pitchfork_normal_form;
+use bvp::metric::Metric;
+use bvp::{MinimallyAugmented, Fold, MirrorSymmetric, SymmetryBreaking};
 
 /// u″ + λ w(u) = 0 with y = (u, u′): u(0) = 0 and at the right end either u = 0 or, on a mirror-symmetric half, u′ = 0.
 #[derive(Clone, Debug)]
@@ -37,12 +37,12 @@ impl BoundaryValueProblem for Oscillator {
         Dimensions { components: 2, integrable: 0, scalars: 1, left: 1, right: 1, integrals: 0 }
     }
 
-    fn rhs(&self, _: Site, y: &[f64], p: &[f64], f: &mut [f64], _: &mut [f64]) {
+    fn rhs(&self, _: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], _: &mut [f64]) {
         f[0] = y[1];
         f[1] = -p[0] * (self.force)(y[0])[0];
     }
 
-    fn rhs_jacobian(&self, _: Site, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
+    fn rhs_jacobian(&self, _: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
         let w = (self.force)(y[0]);
         out.f[0] = y[1];
         out.f[1] = -p[0] * w[0];
@@ -71,7 +71,7 @@ impl Directional for Oscillator {
     fn second(
         &self,
         _: &(),
-        _: Site,
+        _: CollocationPoint,
         y: &[f64],
         p: &[f64],
         a: Direction<'_>,
@@ -88,7 +88,7 @@ impl Directional for Oscillator {
     fn third(
         &self,
         _: &(),
-        _: Site,
+        _: CollocationPoint,
         y: &[f64],
         p: &[f64],
         a: Direction<'_>,
@@ -159,7 +159,7 @@ fn bratu_folds_where_it_must() {
             if advance.passed_fold {
                 let mut y = branch.state.solution.clone();
                 let mut point =
-                    Extended::new(problem.clone(), Fold::new(0), y.m, metric.clone(), &branch.state.tangent);
+                    MinimallyAugmented::new(problem.clone(), Fold::new(0), y.m, metric.clone(), &branch.state.tangent);
                 let report = point.solve(&mut y, None).unwrap();
                 assert!(report.iterations <= 8, "{report:?}");
                 folds.push(y.scalars[0]);
@@ -247,7 +247,7 @@ fn antisymmetric_eigenvalues_are_all_found_and_no_other() {
             if before.is_some_and(|b: f64| b * sign < 0.0) {
                 let mut y = y.clone();
                 let breaking = SymmetryBreaking::default();
-                let mut point = Extended::new(problem.clone(), breaking, y.m, metric.clone(), &branch.state.tangent);
+                let mut point = MinimallyAugmented::new(problem.clone(), breaking, y.m, metric.clone(), &branch.state.tangent);
                 point.solve(&mut y, None).unwrap();
                 found.push(y.scalars[0]);
             }
@@ -277,7 +277,7 @@ fn pitchforks_have_their_known_normal_forms() {
             Continuation::start(problem.clone(), y.clone(), metric.clone(), ContinuationSettings::default(), true)
                 .unwrap();
         let breaking = SymmetryBreaking::default();
-        let mut point = Extended::new(problem, breaking, y.m, metric, &branch.state.tangent);
+        let mut point = MinimallyAugmented::new(problem, breaking, y.m, metric, &branch.state.tangent);
         let report = point.solve(&mut y, None).unwrap();
         assert!(report.iterations <= 6, "{report:?}");
         assert!((y.scalars[0] / lambda - 1.0).abs() < 1e-10);

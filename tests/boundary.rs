@@ -1,11 +1,11 @@
 //! Curves in two parameters, and the boundary of division against division itself.
 
-use furrow::cortex::{Control, Cue, Numerics, Physics};
+use furrow::cortex::{Parameter, Cue, Numerics, Physics};
 use furrow::division::{DivisionInput, Outcome, divide};
-use furrow::steady::asymmetric;
-use furrow::steady::boundary::{Boundary, BoundaryKind};
-use furrow::steady::curves::{self, STARTS};
-use furrow::steady::symmetric::{self, BranchEvent, BranchOptions, Criticality};
+use furrow::shapes::asymmetric;
+use furrow::shapes::critical::{Boundary, BoundaryKind};
+use furrow::shapes::curves::{self, STARTS};
+use furrow::shapes::symmetric::{self, BranchEvent, BranchOptions, Criticality};
 
 const CUE: Cue = Cue::Kappa { u0: 0.465, omega: 0.0577, amplitude: 0.1 };
 
@@ -36,7 +36,7 @@ fn folds_change_their_order_between_the_two_confinements() {
     let [small, large] = maxima(0.56);
     assert!((small - 6.85).abs() < 0.005 && (large - 4.63).abs() < 0.005, "{small} {large}");
     let [small, large] =
-        curves::fold_order_swap(&at(0.6), &Numerics::default(), 2.22, Control::Epsilon, [0.64, 0.56]).unwrap().unwrap();
+        curves::fold_order_swap(&at(0.6), &Numerics::default(), 2.22, Parameter::Epsilon, [0.64, 0.56]).unwrap().unwrap();
     println!("the folds change places at epsilon = {:.8}, xi_s = {:.8}", small.value, small.xi_s);
     assert!(0.56 < small.value && small.value < 0.64);
     assert!((small.xi_s - large.xi_s).abs() < 1e-8);
@@ -48,7 +48,7 @@ fn folds_change_their_order_between_the_two_confinements() {
 /// The S-shape itself ends where its two lower folds meet, whichever of them is followed there.
 #[test]
 fn both_folds_of_the_s_shape_end_at_one_cusp() {
-    let curves = curves::fold_curves(&at(0.64), &Numerics::default(), 2.22, Control::Epsilon, [0.64, 0.9]).unwrap();
+    let curves = curves::fold_curves(&at(0.64), &Numerics::default(), 2.22, Parameter::Epsilon, [0.64, 0.9]).unwrap();
     let cusps: Vec<_> = curves.iter().filter_map(|curve| curve.cusp).collect();
     assert_eq!((curves.len(), cusps.len()), (3, 2));
     println!("cusp at epsilon = {:.8}, xi_s = {:.8}", cusps[0].value, cusps[0].xi_s);
@@ -70,7 +70,7 @@ fn cued_cells_of_wide_shells_have_their_critical_radius() {
     for epsilon in [0.6, 0.8] {
         let physics = at(epsilon);
         let [a, b] = [2.0, 4.0].map(|start| {
-            curves::critical_cued_fold(&physics, &numerics, 1.0, &CUE, Control::R0, &[start]).unwrap().value
+            curves::critical_cued_fold(&physics, &numerics, 1.0, &CUE, Parameter::R0, &[start]).unwrap().value
         });
         assert!((a / b - 1.0).abs() < 1e-8, "{a} {b}");
         for (factor, fails) in [(0.985, true), (1.015, false)] {
@@ -83,7 +83,7 @@ fn cued_cells_of_wide_shells_have_their_critical_radius() {
 /// A fold met from one end is not followed again from the other, and steps lengthen as a curve leads to small radii.
 #[test]
 fn a_fold_is_followed_once_from_whichever_end() {
-    let follow = |range| curves::fold_curves(&at(0.87), &Numerics::default(), 2.0, Control::R0, range).unwrap();
+    let follow = |range| curves::fold_curves(&at(0.87), &Numerics::default(), 2.0, Parameter::R0, range).unwrap();
     for range in [[1.5, 5.4], [5.4, 1.5]] {
         let curves = follow(range);
         let [curve] = &curves[..] else { panic!("{} curves", curves.len()) };
@@ -97,7 +97,7 @@ fn a_fold_is_followed_once_from_whichever_end() {
 #[test]
 fn the_curve_of_pitchforks_agrees_with_single_ones() {
     let numerics = Numerics::default();
-    let curve = curves::pitchfork_curve(&at(0.87), &numerics, 2.0, Control::R0, [1.5, 5.4]).unwrap();
+    let curve = curves::pitchfork_curve(&at(0.87), &numerics, 2.0, Parameter::R0, [1.5, 5.4]).unwrap();
     println!("{} points, {} iterations", curve.points.len(), curve.iterations);
     for point in curve.points.iter().step_by(9) {
         let single = symmetric::first_pitchfork(&at(0.87), &numerics, point.r0, &BranchOptions::default()).unwrap();
@@ -118,7 +118,7 @@ fn the_curve_of_pitchforks_agrees_with_single_ones() {
 /// ε_c at R0 = 2.22, ξ_s = 25 is printed as 0.895, and 0.896 for this preset.
 #[test]
 fn critical_confinement() {
-    let point = curves::critical_pitchfork(&at(0.87), &Numerics::default(), 2.22, Control::Epsilon, &[0.88]).unwrap();
+    let point = curves::critical_pitchfork(&at(0.87), &Numerics::default(), 2.22, Parameter::Epsilon, &[0.88]).unwrap();
     println!("epsilon_c = {:.8}", point.value);
     assert!((point.value - 0.895).abs() < 0.003);
     let again =
@@ -166,7 +166,7 @@ fn division_agrees_with_the_boundary_on_both_sides() {
 /// The critical radius by continuation from elsewhere is where the pitchfork lies at the cell's own activity.
 #[test]
 fn critical_radius_is_a_pitchfork_at_the_cells_activity() {
-    let point = curves::critical_pitchfork(&at(0.87), &Numerics::default(), 1.0, Control::R0, &STARTS).unwrap();
+    let point = curves::critical_pitchfork(&at(0.87), &Numerics::default(), 1.0, Parameter::R0, &STARTS).unwrap();
     assert!((point.value - 1.70632).abs() < 1e-4, "{point:?}");
     let single =
         symmetric::first_pitchfork(&at(0.87), &Numerics::default(), point.value, &BranchOptions::default()).unwrap();

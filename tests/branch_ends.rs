@@ -1,10 +1,10 @@
 //! Branches far out, where necks are thin and other branches near, and how they end.
 
 use furrow::cortex::shape::PINCH_OFF;
-use furrow::cortex::{Control, Cortex, Cue, Domain, Numerics, Physics};
-use furrow::steady::asymmetric::{self, AsymmetricBranch};
-use furrow::steady::stability::{self, Parity};
-use furrow::steady::symmetric::{self, BranchEnd, BranchEvent, BranchOptions, Pitchfork, SteadyError};
+use furrow::cortex::{Parameter, Cortex, Cue, Domain, Numerics, Physics};
+use furrow::shapes::asymmetric::{self, AsymmetricBranch};
+use furrow::stability::{self, Parity};
+use furrow::shapes::symmetric::{self, BranchEnd, BranchEvent, BranchOptions, Pitchfork, SteadyError};
 
 fn at(epsilon: f64) -> Physics {
     Physics { epsilon, ..Physics::GAO2026 }
@@ -27,7 +27,7 @@ fn a_pitchfork_behind_the_prediction_on_a_thin_neck_is_located() {
         let BranchEvent::Pitchfork(pitchfork) = &branch.events[5] else { unreachable!("checked above") };
         assert!((pitchfork.point.equator_radius / 3.0 - 0.0202).abs() < 2e-4, "{}", pitchfork.point.equator_radius);
         // Growth rates know nothing of the determinant that located it: the odd one is zero there.
-        let cortex = Cortex::new(&physics, 3.0, &Cue::None, Domain::Half, &[Control::Xi]);
+        let cortex = Cortex::new(&physics, 3.0, &Cue::None, Domain::Half, &[Parameter::Xi]);
         let spectrum = stability::leading(&cortex, &pitchfork.shape).unwrap();
         let odd = spectrum.rightmost(Some(Parity::Odd)).unwrap();
         println!("{intervals} intervals: xi_s = {}, odd growth rate {:.1e}", pitchfork.point.xi_s, odd.re);

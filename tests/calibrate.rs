@@ -1,8 +1,8 @@
 //! Shell constants from thresholds.
 
-use furrow::cortex::{Control, Cue, Numerics, Physics};
-use furrow::steady::calibrate::{Targets, Threshold, Unknown, calibrate, sensitivity};
-use furrow::steady::symmetric::{BranchOptions, first_pitchfork};
+use furrow::cortex::{Parameter, Cue, Numerics, Physics};
+use furrow::calibration::{Targets, Threshold, Unknown, calibrate, sensitivity};
+use furrow::shapes::symmetric::{BranchOptions, first_pitchfork};
 
 fn numerics() -> Numerics {
     Numerics { intervals: 32, ..Numerics::default() }
@@ -14,7 +14,7 @@ fn threshold(physics: &Physics, r0: f64, epsilon: f64) -> Threshold {
     Threshold { r0, epsilon, xi_s: found.point.xi_s, weight: 1.0 }
 }
 
-fn unknown(parameter: Control, start: f64) -> Unknown {
+fn unknown(parameter: Parameter, start: f64) -> Unknown {
     Unknown { parameter, start: Some(start) }
 }
 
@@ -29,10 +29,10 @@ fn round_trip_to_the_preset() {
     for count in [4, 6] {
         let targets = Targets {
             unknowns: vec![
-                unknown(Control::Aspect, 1.3),
-                unknown(Control::P0, 0.1),
-                unknown(Control::W, 0.14),
-                unknown(Control::Gain, 0.5),
+                unknown(Parameter::Aspect, 1.3),
+                unknown(Parameter::P0, 0.1),
+                unknown(Parameter::W, 0.14),
+                unknown(Parameter::Gain, 0.5),
             ],
             thresholds: thresholds[..count].to_vec(),
         };
@@ -60,9 +60,9 @@ fn the_papers_thresholds() {
         (sum / list.len() as f64).sqrt()
     };
     let preset = rms(&thresholds);
-    let shell = vec![unknown(Control::Aspect, 1.3), unknown(Control::P0, 0.1), unknown(Control::W, 0.14)];
+    let shell = vec![unknown(Parameter::Aspect, 1.3), unknown(Parameter::P0, 0.1), unknown(Parameter::W, 0.14)];
     let mut all = shell.clone();
-    all.push(unknown(Control::Gain, 0.5));
+    all.push(unknown(Parameter::Gain, 0.5));
     for unknowns in [shell, all] {
         let targets = Targets { unknowns, thresholds: thresholds.clone() };
         let found = calibrate(&targets, &Physics::GAO2026, &numerics()).unwrap();
@@ -75,7 +75,7 @@ fn the_papers_thresholds() {
 fn sensitivities_are_exact() {
     let physics = Physics { epsilon: 0.8, ..Physics::GAO2026 };
     let at = first_pitchfork(&physics, &numerics(), 2.22, &BranchOptions::default()).unwrap();
-    for control in [Control::Aspect, Control::P0, Control::W, Control::Gain, Control::Kappa, Control::XiRatio] {
+    for control in [Parameter::Aspect, Parameter::P0, Parameter::W, Parameter::Gain, Parameter::Kappa, Parameter::XiRatio] {
         let slope = sensitivity(&physics, 2.22, &at.shape, control).unwrap();
         let value = control.get(&physics, 2.22, &Cue::None);
         let h = 1e-4 * value.abs();
@@ -86,7 +86,7 @@ fn sensitivities_are_exact() {
         };
         let difference = (shifted(h) - shifted(-h)) / (2.0 * h);
         assert!((slope - difference).abs() < 1e-5 * slope.abs(), "{control:?}: {slope} {difference}");
-        if control == Control::Gain {
+        if control == Parameter::Gain {
             assert!((slope + at.point.xi_s / value).abs() < 1e-7 * slope.abs());
         }
     }
@@ -96,7 +96,7 @@ fn sensitivities_are_exact() {
 #[test]
 fn what_the_thresholds_leave_open() {
     let targets = Targets {
-        unknowns: vec![unknown(Control::Kappa, 1.1), unknown(Control::P0, 0.12), unknown(Control::Gain, 0.5)],
+        unknowns: vec![unknown(Parameter::Kappa, 1.1), unknown(Parameter::P0, 0.12), unknown(Parameter::Gain, 0.5)],
         thresholds: CELLS[..4].iter().map(|&(r0, epsilon)| threshold(&Physics::GAO2026, r0, epsilon)).collect(),
     };
     let found = calibrate(&targets, &Physics::GAO2026, &numerics()).unwrap();

@@ -5,7 +5,7 @@ use furrow::division::{Outcome, divide};
 use furrow::io::founder_rows;
 use furrow::lineage::{EndReason, Grower, Lineage, Memo, Quantisation, SchedulerOptions, Summary, Tree, TreeSettings};
 use furrow::report::TreeSummary;
-use furrow::steady::boundary::{Boundary, BoundaryKind};
+use furrow::shapes::critical::{Boundary, BoundaryKind};
 
 fn grow(memo: &Memo, threads: usize, ends: &dyn Fn(f64, &Cue) -> Option<EndReason>) -> (Tree, Summary) {
     let lineage = Lineage::c_elegans().unwrap();

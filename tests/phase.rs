@@ -2,7 +2,7 @@
 
 use furrow::cortex::{Cue, Numerics, Physics};
 use furrow::division::{DivisionInput, Outcome, divide};
-use furrow::steady::phase::{Edge, rest_shapes};
+use furrow::shapes::at_rest::{Edge, rest_shapes};
 
 /// Below the upper end of its stable symmetric shapes a cell stays at rest; above, it divides. Cells with a subcritical
 /// pitchfork first, with an S-shaped branch whose second rise ends in a pitchfork, and whose first rise ends in a fold.

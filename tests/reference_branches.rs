@@ -3,8 +3,8 @@
 mod tables;
 
 use furrow::cortex::{Cortex, Cue, Domain, Numerics, Physics};
-use furrow::numerics::Gauss;
-use furrow::steady::symmetric::{self, BranchEvent, BranchOptions, Criticality, XI};
+use bvp::Gauss;
+use furrow::shapes::symmetric::{self, BranchEvent, BranchOptions, Criticality, XI};
 
 fn at(epsilon: f64) -> Physics {
     Physics { epsilon, ..Physics::GAO2026 }

@@ -1,10 +1,10 @@
 //! Growth rates against the dynamics they linearise: the paper's dis(t) = ‖r − r₀‖ + ‖z − z₀‖ over 40 τ.
 
 use furrow::cortex::equations::{R, Z};
-use furrow::cortex::{Control, Cortex, Cue, Domain, Numerics, Physics, shape};
-use furrow::numerics::newton::NewtonScratch;
-use furrow::numerics::{Newton, Solution, System};
-use furrow::steady::Stability;
+use furrow::cortex::{Parameter, Cortex, Cue, Domain, Numerics, Physics, shape};
+use bvp::newton::NewtonScratch;
+use bvp::{Newton, Solution, System};
+use furrow::shapes::Stability;
 
 const R0: f64 = 2.0;
 
@@ -17,7 +17,7 @@ fn stationary(xi: f64) -> (Cortex, Solution) {
     let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
     let newton = Newton { tolerance: 1e-11, ..Newton::default() };
     for step in 1..=40 {
-        half.set(Control::Xi, xi * f64::from(step) / 40.0);
+        half.set(Parameter::Xi, xi * f64::from(step) / 40.0);
         newton.solve(&mut system, &mut NewtonScratch::default(), &mut half, &mut y, &[], false).unwrap();
     }
     (Cortex::new(&half.physics, R0, &Cue::None, Domain::Full, &[]), shape::unfold(&system.gauss, &y))

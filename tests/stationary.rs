@@ -1,7 +1,7 @@
 //! Stationary shapes at a given activity, found from the passive shape.
 
 use furrow::cortex::{Cue, Numerics, Physics};
-use furrow::steady::{StationaryError, stationary};
+use furrow::shapes::{StationaryError, stationary};
 
 const CUE: Cue = Cue::Kappa { u0: 0.465, omega: 0.0577, amplitude: 0.1 };
 

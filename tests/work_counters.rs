@@ -6,10 +6,10 @@
 
 use std::fmt::Write;
 
-use furrow::cortex::{Control, Cue, Numerics, Physics};
+use furrow::cortex::{Parameter, Cue, Numerics, Physics};
 use furrow::division::{Division, DivisionInput, divide};
-use furrow::steady::curves;
-use furrow::steady::symmetric::{self, BranchOptions};
+use furrow::shapes::curves;
+use furrow::shapes::symmetric::{self, BranchOptions};
 
 const CUE: Cue = Cue::Kappa { u0: 0.465, omega: 0.0577, amplitude: 0.1 };
 
@@ -61,9 +61,9 @@ fn work_of_branches_and_curves() {
     }
     // (100, 112), (115, 119), (210, 222), (244, 247)
     for (range, pitchforks, folds) in [([1.5, 5.4], [110, 123], [127, 131]), ([5.4, 1.5], [231, 244], [268, 272])] {
-        let curve = curves::pitchfork_curve(&physics, &numerics, 2.0, Control::R0, range).unwrap();
+        let curve = curves::pitchfork_curve(&physics, &numerics, 2.0, Parameter::R0, range).unwrap();
         within("pitchforks", [curve.points.len(), curve.iterations], pitchforks);
-        let curve = curves::fold_curves(&physics, &numerics, 2.0, Control::R0, range).unwrap().remove(0);
+        let curve = curves::fold_curves(&physics, &numerics, 2.0, Parameter::R0, range).unwrap().remove(0);
         within("folds", [curve.points.len(), curve.iterations], folds);
     }
 }

@@ -2,7 +2,7 @@
 
 use divan::{Bencher, black_box};
 use furrow::cortex::{Cortex, Cue, Domain, Numerics, Physics, shape};
-use furrow::numerics::Gauss;
+use bvp::Gauss;
 
 #[divan::bench(args = [1.6, 2.5, 5.4])]
 fn passive_shape(r0: f64) {

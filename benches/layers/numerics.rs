@@ -2,15 +2,15 @@
 
 use divan::{Bencher, black_box};
 use furrow::cortex::{Cortex, Cue, Domain, Numerics, Physics, shape};
-use furrow::numerics::newton::{Newton, NewtonScratch};
-use furrow::numerics::system::Update;
-use furrow::numerics::{Gauss, Solution, System};
+use bvp::newton::{Newton, NewtonScratch};
+use bvp::Direction;
+use bvp::{Gauss, Solution, System};
 
 struct Step {
     system: System,
     cortex: Cortex,
     y: Solution,
-    update: Update,
+    update: Direction,
 }
 
 /// A time step on the full contour, with derivatives, factors and residual at its start.
@@ -25,7 +25,7 @@ fn step() -> Step {
     system.evaluate(&mut cortex, &y, &[], true);
     system.condense().unwrap();
     system.factor_blocks(&[]).unwrap();
-    let mut update = Update::default();
+    let mut update = Direction::default();
     system.solve_own(&mut update);
     Step { system, cortex, y, update }
 }

@@ -1,9 +1,9 @@
 //! Stationary shapes, their stability, and the boundaries of division.
 
 use divan::{Bencher, black_box};
-use furrow::cortex::{Control, Cue, Numerics, Physics};
-use furrow::steady::symmetric::{BranchOptions, first_pitchfork, follow};
-use furrow::steady::{curves, stationary};
+use furrow::cortex::{Parameter, Cue, Numerics, Physics};
+use furrow::shapes::symmetric::{BranchOptions, first_pitchfork, follow};
+use furrow::shapes::{curves, stationary};
 
 /// ξ_s of three rows of the reference branch at R0 = 2.
 const ACTIVITIES: [f64; 3] = [8.6322, 20.7468, 25.8689];
@@ -43,5 +43,5 @@ fn pitchfork(r0: f64) {
 #[divan::bench(sample_count = 20)]
 fn boundary() {
     let range = [2.0, 1.64];
-    black_box(curves::pitchfork_curve(&Physics::GAO2026, &Numerics::default(), 2.0, Control::R0, range).unwrap());
+    black_box(curves::pitchfork_curve(&Physics::GAO2026, &Numerics::default(), 2.0, Parameter::R0, range).unwrap());
 }

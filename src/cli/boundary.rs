@@ -4,13 +4,13 @@ use super::cell::positive;
 use super::context::{Context, answer};
 use super::error::CliError;
 use super::pitchfork::criticality_name;
-use crate::cortex::{Control, Cue};
+use crate::cortex::{Parameter, Cue};
 use crate::input::InputError;
 use crate::io::{parse_cue, write_atomically};
 use crate::lineage::Lineage;
-use crate::steady::boundary::Stored;
-use crate::steady::curves::{self, Curve, CurvePoint};
-use crate::steady::symmetric::Criticality;
+use crate::shapes::critical::Stored;
+use crate::shapes::curves::{self, Curve, CurvePoint};
+use crate::shapes::symmetric::Criticality;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::fmt::Write;
@@ -198,16 +198,16 @@ fn either_way<E>(range: [f64; 2], follow: impl Fn([f64; 2]) -> Result<Curve, E>)
 }
 
 /// Where a critical value is looked for first.
-fn starts(control: Control, [from, to]: [f64; 2]) -> Vec<f64> {
+fn starts(control: Parameter, [from, to]: [f64; 2]) -> Vec<f64> {
     let mut starts = vec![0.5 * (from + to), from, to];
-    if control == Control::R0 {
+    if control == Parameter::R0 {
         starts.extend(curves::STARTS);
     }
     starts
 }
 
 impl BoundaryArgs {
-    fn check(&self, context: &mut Context) -> Result<(Control, [f64; 2]), InputError> {
+    fn check(&self, context: &mut Context) -> Result<(Parameter, [f64; 2]), InputError> {
         if let Some(xi) = self.xi {
             context.settings.set_number("--xi", "xi_s", xi)?;
         }
@@ -224,7 +224,7 @@ impl BoundaryArgs {
                 }
                 positive("--from", "r0", self.from)?;
                 positive("--to", "r0", self.to)?;
-                Control::R0
+                Parameter::R0
             }
             Vary::Epsilon => {
                 if let Some(epsilon) = self.epsilon {
@@ -237,7 +237,7 @@ impl BoundaryArgs {
                 for (option, value) in [("--from", self.from), ("--to", self.to)] {
                     context.settings.set_number(option, "epsilon", value)?;
                 }
-                Control::Epsilon
+                Parameter::Epsilon
             }
         };
         if self.from == self.to {

@@ -5,9 +5,9 @@ use super::context::{Context, answer};
 use super::error::CliError;
 use super::pitchfork::criticality_name;
 use crate::cortex::{Cue, Numerics, Physics};
-use crate::steady::asymmetric::{self, Scaling};
-use crate::steady::cued;
-use crate::steady::symmetric::{
+use crate::shapes::asymmetric::{self, Scaling};
+use crate::shapes::cued;
+use crate::shapes::symmetric::{
     self, Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, ShapePoint, SteadyError,
 };
 use clap::Args;

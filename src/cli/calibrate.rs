@@ -3,7 +3,7 @@
 use super::context::{Context, answer};
 use super::error::CliError;
 use crate::input::{parse_ron, read_text};
-use crate::steady::calibrate::{Calibration, Combination, Targets, ThresholdResidual, calibrate, name_of};
+use crate::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate, name_of};
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Map, Value};

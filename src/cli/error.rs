@@ -6,8 +6,8 @@ use crate::io::files::WriteError;
 use crate::io::frames::FramesError;
 use crate::lineage::store::StoreError;
 use crate::lineage::{GrowError, SchedulerError, memo::Failure};
-use crate::steady::symmetric::SteadyError;
-use crate::steady::{CalibrateError, StabilityError, StationaryError};
+use crate::shapes::symmetric::SteadyError;
+use crate::calibration::{CalibrateError, StabilityError, StationaryError};
 
 /// What ends a command.
 #[derive(Debug, thiserror::Error)]

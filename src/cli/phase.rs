@@ -4,12 +4,12 @@ use super::cell::read_cue;
 use super::context::{Context, answer};
 use super::error::CliError;
 use super::progress::ProgressLine;
-use crate::cortex::{Control, Cue, Numerics, Physics};
+use crate::cortex::{Parameter, Cue, Numerics, Physics};
 use crate::division::{Division, DivisionInput, Outcome, divide};
 use crate::input::InputError;
 use crate::lineage::scheduler::{self, SchedulerError};
 use crate::lineage::{Job, SchedulerOptions};
-use crate::steady::phase::{Edge, RestShapes, rest_shapes};
+use crate::shapes::at_rest::{Edge, RestShapes, rest_shapes};
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -88,7 +88,7 @@ struct Column {
 /// What `--json` prints.
 #[derive(Serialize)]
 struct Answer {
-    vary: Control,
+    vary: Parameter,
     cue: Cue,
     cells: Vec<CellAnswer>,
     columns: Vec<Column>,
@@ -182,7 +182,7 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
         CellAnswer { x: across[k], xi_s, outcome, chi, by: if *by_division { "division" } else { "curves" } }
     });
     let document = Answer {
-        vary: if args.vary == Across::R0 { Control::R0 } else { Control::Epsilon },
+        vary: if args.vary == Across::R0 { Parameter::R0 } else { Parameter::Epsilon },
         cue,
         cells: cells.collect(),
         columns: across
@@ -250,7 +250,7 @@ fn solve(context: &Context, jobs: Vec<Job>, cells: usize) -> Result<Vec<Option<D
 
 fn text(document: &Answer, up: &[f64]) -> String {
     let mut out = String::new();
-    let name = if document.vary == Control::R0 { "R0" } else { "ε" };
+    let name = if document.vary == Parameter::R0 { "R0" } else { "ε" };
     let _ = writeln!(out, "χ where the cell divides (0: equal daughters), - where it stays at rest, ? undecided");
     let _ = write!(out, "{:>9}", "ξ_s");
     for column in &document.columns {

@@ -3,7 +3,7 @@
 use super::cell::SizeArgs;
 use super::context::{Context, answer};
 use super::error::CliError;
-use crate::steady::symmetric::{BranchOptions, Criticality, first_pitchfork};
+use crate::shapes::symmetric::{BranchOptions, Criticality, first_pitchfork};
 use clap::Args;
 use serde::Serialize;
 

@@ -4,7 +4,7 @@ use super::cell::CellArgs;
 use super::context::{Context, answer};
 use super::error::CliError;
 use crate::cortex::Cue;
-use crate::steady::{Parity, Spectrum, Stationary, stationary};
+use crate::shapes::{Parity, Spectrum, Stationary, stationary};
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write;

@@ -8,7 +8,7 @@ use crate::division::divide;
 use crate::io::{FounderRow, Provenance, founder_rows, newick, parse_cue, write_atomically};
 use crate::lineage::{EndReason, Grower, Lineage, SchedulerOptions, Summary, Tree, TreeSettings};
 use crate::report;
-use crate::steady::boundary::{Boundary, BoundaryKind, End};
+use crate::shapes::critical::{Boundary, BoundaryKind, End};
 use clap::Args;
 use serde::Serialize;
 use std::cell::RefCell;

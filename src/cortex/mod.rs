@@ -1,12 +1,22 @@
-//! The active viscous cortex inside its shell: parameters, cue, equations, observables.
+//! The active viscous cortex of one cell in its shell: equations, their derivatives, symmetry, observables.
+//!
+//! | file | what it says |
+//! |---|---|
+//! | [`equations`] | the force balance, once, for any number type |
+//! | `jacobian` | the same with hand-written derivatives, for speed |
+//! | [`problem`] | the boundary-value problem [`Cortex`] that is solved |
+//! | [`derivatives`] | second and third derivatives, for singular points |
+//! | [`symmetry`] | parity under the mirror u → 1 − u, halves unfolded |
+//! | [`observables`] | what is read off a shape: elongation, neck, furrow, volumes |
+//! | [`resolution`] | where a mesh has to be fine |
 
-pub mod control;
-pub mod cue;
+pub mod derivatives;
 pub mod equations;
-pub mod parameters;
-pub mod shape;
+mod jacobian;
+pub mod observables;
+pub mod problem;
+pub mod resolution;
+pub mod symmetry;
 
-pub use control::Control;
-pub use cue::Cue;
-pub use equations::{Cortex, Domain};
-pub use parameters::{Numerics, Physics, RigidityGradient};
+pub use equations::Domain;
+pub use problem::Cortex;

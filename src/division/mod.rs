@@ -1,26 +1,39 @@
 //! One division in time: implicit stepping of the cortex from the passive shape to pinch-off or rest.
+//!
+//! | file | what it says |
+//! |---|---|
+//! | [`run`] | one division: noise, steps, pinch-off or rest |
+//! | [`stepper`] | backward differentiation formulas on a moving mesh |
+//! | [`noise`] | the seeded noise of the first step |
+//! | [`outcome`] | how a division ended: [`Division`], the one record of it |
+//! | [`statistics`] | what several divisions say together |
 
 pub mod noise;
 pub mod outcome;
 pub mod run;
+pub mod statistics;
 pub mod stepper;
 
 pub use outcome::{Division, DivisionError, Outcome};
 pub use run::{Frame, divide, divide_observed};
+pub use statistics::Statistics;
 
-use crate::cortex::{Cue, Numerics, Physics};
+use crate::cell::{Cell, Numerics};
 
 /// What one division depends on, and all it depends on: equal inputs give bit-identical outcomes.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct DivisionInput {
-    /// Physical parameters; `physics.epsilon` is used, `physics.r0` (the first cell's radius) is not.
-    pub physics: Physics,
+    /// The cell.
+    pub cell: Cell,
     /// Discretisation.
     pub numerics: Numerics,
-    /// Radius R0 of the sphere with the cell's volume, in L_h.
-    pub r0: f64,
-    /// Polarity cue.
-    pub cue: Cue,
     /// Seed of the noise in the first step.
     pub seed: u64,
+}
+
+impl DivisionInput {
+    /// A cell's division with the default discretisation and seed 0.
+    pub fn new(cell: Cell) -> DivisionInput {
+        DivisionInput { cell, numerics: Numerics::default(), seed: 0 }
+    }
 }

@@ -1,6 +1,9 @@
 //! How a division ended.
 
+use bvp::{NewtonError, Work};
 use serde::{Deserialize, Serialize};
+
+use crate::shapes::error::CellName;
 
 /// How a division ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -14,39 +17,87 @@ pub enum Outcome {
     Failed,
 }
 
-/// The outcome of one division and the work it took.
+impl Outcome {
+    /// Its name in files and answers.
+    pub fn name(self) -> &'static str {
+        match self {
+            Outcome::Symmetric => "symmetric",
+            Outcome::Asymmetric => "asymmetric",
+            Outcome::Failed => "failed",
+        }
+    }
+}
+
+impl std::fmt::Display for Outcome {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// The outcome of one division and the work it took: the one record of it, in the memo, the store, the tree and answers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Division {
     /// How it ended.
     pub outcome: Outcome,
     /// Size asymmetry χ = |V1 − V2|/V; absent if failed.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
     pub chi: Option<f64>,
-    /// (V_posterior − V_anterior)/V: positive when the anterior side (u below the furrow) is the smaller.
+    /// (V_above − V_below)/V of the daughters from u above and below the furrow: positive when the daughter at the pole
+    /// u = 0 is the smaller.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
     pub chi_signed: Option<f64>,
-    /// Furrow position in arclength fraction from the anterior pole; absent if failed.
+    /// Furrow position in arclength fraction from the pole u = 0; absent if failed.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
     pub u_furrow: Option<f64>,
     /// Time of pinch-off, or the time at which the shape was found at rest, in τ.
     pub t_end: f64,
-    /// Radii R0 of the anterior and the posterior daughter; absent if failed.
+    /// Radii R0 of the daughters from u below and above the furrow, in L_h; absent if failed.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
     pub daughters: Option<[f64; 2]>,
     /// Leading growth rate of the final state where the outcome is `failed` (negative: stable), in 1/τ.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
     pub growth_rate: Option<f64>,
     /// Largest relative deviation of the cell volume over the whole division.
     pub volume_drift: f64,
-    /// Accepted time steps.
-    pub steps: u32,
-    /// Rejected time steps.
-    pub rejected: u32,
-    /// Newton iterations, counting every linear solve.
-    pub newton_iterations: u32,
-    /// Factorisations of the Jacobian.
-    pub factorisations: u32,
-    /// Times the mesh was moved.
-    pub remeshings: u32,
+    /// Work it took.
+    #[serde(flatten)]
+    pub work: Work,
+}
+
+impl Division {
+    /// Volumes of the daughters from u below and above the furrow, as parts of the mother's; none if it did not divide.
+    /// Equal to the last bit where the division is symmetric.
+    pub fn shares(&self) -> Option<[f64; 2]> {
+        let below = match self.outcome {
+            Outcome::Symmetric => 0.5,
+            Outcome::Asymmetric => 0.5 * (1.0 - self.chi_signed.or(self.chi)?),
+            Outcome::Failed => return None,
+        };
+        Some([below, 1.0 - below])
+    }
+
+    /// The same division with the daughters' radii of a mother of radius `r0`.
+    pub fn with_daughters_of(mut self, r0: f64) -> Division {
+        self.daughters = self.shares().map(|shares| shares.map(|share| r0 * share.cbrt()));
+        self
+    }
+}
+
+/// What stopped the time stepping.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepFailure {
+    /// The equations of a step could not be solved.
+    #[error(transparent)]
+    Newton(#[from] NewtonError),
+    /// Every step was solved, none accurately enough.
+    #[error("the local error stays above its tolerance")]
+    Inaccurate,
 }
 
 /// Why a division could not be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DivisionError {
     /// An input is outside its domain.
     #[error("{field} = {value}: {allowed}")]
@@ -59,18 +110,16 @@ pub enum DivisionError {
         allowed: &'static str,
     },
     /// The passive shape was not found.
-    #[error("no passive shape found for R0 = {r0}, epsilon = {epsilon} ({reason}); try more mesh intervals")]
+    #[error("no passive shape found for {cell} ({source}); try more mesh intervals")]
     NoPassiveShape {
-        /// Radius R0.
-        r0: f64,
-        /// Confinement ε.
-        epsilon: f64,
+        /// The cell.
+        cell: CellName,
         /// What the solver said.
-        reason: String,
+        source: NewtonError,
     },
     /// The time step fell below its minimum.
     #[error(
-        "time stepping of the cell with R0 = {r0} stalled at t = {t} with step {dt} ({reason}); try more mesh intervals or a smaller time tolerance"
+        "time stepping of the cell with R0 = {r0} stalled at t = {t} with step {dt} ({source}); try more mesh intervals or a smaller time tolerance"
     )]
     Stalled {
         /// Radius R0.
@@ -79,8 +128,8 @@ pub enum DivisionError {
         t: f64,
         /// Last step tried, in τ.
         dt: f64,
-        /// What the solver said.
-        reason: String,
+        /// What stopped it.
+        source: StepFailure,
     },
     /// The cell neither divided nor came to rest in the time allowed.
     #[error("the cell with R0 = {r0} neither divided nor came to rest within t = {t_max}; raise t_max")]

@@ -1,15 +1,20 @@
 //! One division from the passive shape to pinch-off or rest.
 
+use bvp::newton::NewtonScratch;
+use bvp::{Newton, Solution, System, Work, mesh};
+
 use super::DivisionInput;
 use super::noise;
-use super::outcome::{Division, DivisionError, Outcome};
+use super::outcome::{Division, DivisionError, Outcome, StepFailure};
 use super::stepper::{MAX_ORDER, Stepper, parity_norm};
-use crate::cortex::equations::{COMPONENTS, PSI, R, Z, noise_factor};
-use crate::cortex::shape::{self, PINCH_OFF};
-use crate::cortex::{Cortex, Cue, Domain};
-use crate::numerics::newton::{Newton, NewtonScratch};
-use crate::numerics::{Solution, System, mesh};
-use crate::steady::Stability;
+use crate::cell::{Cell, Numerics};
+use crate::cortex::equations::{COMPONENTS, LENGTH, PSI, R, Z, noise_factor};
+use crate::cortex::observables::{self, Neck, PINCH_OFF};
+use crate::cortex::symmetry::unfold;
+use crate::cortex::{Cortex, Domain};
+use crate::shapes::error::CellName;
+use crate::shapes::passive;
+use crate::stability::Stability;
 
 /// Length of the first two steps, in τ; the noise lasts for the first.
 pub const FIRST_STEP: f64 = 1e-3;
@@ -37,7 +42,7 @@ pub struct Frame<'a> {
     /// The shape on the full contour.
     pub shape: &'a Solution,
     /// Its neck, if it has a waist.
-    pub neck: Option<shape::Neck>,
+    pub neck: Option<Neck>,
 }
 
 /// Computes one division.
@@ -53,33 +58,16 @@ pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
 /// # Errors
 /// See [`divide`].
 pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)) -> Result<Division, DivisionError> {
-    let DivisionInput { physics, numerics, r0, cue, seed } = *input;
-    if !(r0.is_finite() && r0 > 0.0) {
-        return Err(DivisionError::BadInput { field: "r0", value: r0, allowed: "a positive radius in units of L_h" });
-    }
-    if !(physics.epsilon > 0.0 && physics.epsilon < 1.0) {
-        return Err(DivisionError::BadInput {
-            field: "epsilon",
-            value: physics.epsilon,
-            allowed: "a volume fraction between 0 and 1, both excluded",
-        });
-    }
-    let (half, start_report) = shape::passive(&physics, &numerics, r0).map_err(|e| DivisionError::NoPassiveShape {
-        r0,
-        epsilon: physics.epsilon,
-        reason: e.to_string(),
-    })?;
-    let cortex = Cortex::new(&physics, r0, &cue, Domain::Full, &[]);
-    let gauss = crate::numerics::Gauss::new(numerics.stages);
-    let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, shape::unfold(&gauss, &half));
-    stepper.work = start_report;
+    let DivisionInput { cell, numerics, seed } = input;
+    check(cell)?;
+    let mut stepper = start(cell, numerics)?;
     observe(Frame { t: 0.0, shape: &stepper.levels[0].y, neck: None });
-    stepper.adapt(cue == Cue::None, 1.2);
-
+    let parity = cell.is_mirror_symmetric();
+    stepper.adapt(parity, 1.2);
     let mut run = Run {
         tolerance: numerics.time_tolerance,
         factor: numerics.step_factor,
-        parity: cue == Cue::None,
+        parity,
         odd_floor: 0.0,
         dt: FIRST_STEP,
         steps: 0,
@@ -89,40 +77,46 @@ pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)
         neck_rate: 0.0,
         next_rest_check: 0.0,
     };
-    // The noise belongs to a first step of fixed length, whatever the step factor.
-    let coefficients = noise::coefficients(seed);
-    let y = &stepper.levels[0].y;
-    stepper.cortex.noise =
-        (0..y.intervals() * y.m).map(|i| noise_factor(&coefficients, y.stage_x(&gauss, i / y.m, i % y.m))).collect();
-    let first = stepper.attempt(FIRST_STEP, 1).map_err(|e| DivisionError::Stalled {
-        r0,
-        t: 0.0,
-        dt: FIRST_STEP,
-        reason: e.to_string(),
-    })?;
-    run.odd_floor = 0.3 * first.odd_size;
-    stepper.accept();
-    stepper.cortex.noise.clear();
-    stepper.restart();
-    run.steps = 1;
-
+    run.first_step(&mut stepper, *seed)?;
     loop {
-        run.advance(&mut stepper, r0)?;
+        run.advance(&mut stepper)?;
         let newest = &stepper.levels[0];
         observe(Frame { t: newest.t, shape: &newest.y, neck: run.neck });
         if let Some(neck) = run.neck
-            && neck.radius < PINCH_OFF * r0
+            && neck.radius < PINCH_OFF * cell.r0
         {
-            return Ok(run.divided(&stepper, neck, numerics.chi_symmetric, r0));
+            return Ok(run.divided(&stepper, neck, numerics.chi_symmetric));
         }
         if let Some(growth_rate) = run.at_rest(&mut stepper) {
             return Ok(run.failed(&stepper, growth_rate));
         }
         if stepper.levels[0].t > numerics.t_max {
-            return Err(DivisionError::Undecided { r0, t_max: numerics.t_max });
+            return Err(DivisionError::Undecided { r0: cell.r0, t_max: numerics.t_max });
         }
         run.prepare_mesh(&mut stepper);
     }
+}
+
+fn check(cell: &Cell) -> Result<(), DivisionError> {
+    let Cell { r0, epsilon, .. } = *cell;
+    if !(r0.is_finite() && r0 > 0.0) {
+        return Err(DivisionError::BadInput { field: "r0", value: r0, allowed: "a finite radius above 0" });
+    }
+    if !(epsilon > 0.0 && epsilon < 1.0) {
+        let allowed = "a volume fraction between 0 and 1, both excluded";
+        return Err(DivisionError::BadInput { field: "epsilon", value: epsilon, allowed });
+    }
+    Ok(())
+}
+
+/// The cell at t = 0: its passive shape without the cue, which is switched on together with the activity.
+fn start(cell: &Cell, numerics: &Numerics) -> Result<Stepper, DivisionError> {
+    let (half, report) = passive(cell, numerics)
+        .map_err(|source| DivisionError::NoPassiveShape { cell: CellName::of(cell), source })?;
+    let cortex = Cortex::new(cell, Domain::Full, &[]);
+    let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, unfold(&half));
+    stepper.count(report);
+    Ok(stepper)
 }
 
 /// Controls of one run.
@@ -133,17 +127,37 @@ struct Run {
     parity: bool,
     odd_floor: f64,
     dt: f64,
-    steps: u32,
-    rejected: u32,
+    steps: usize,
+    rejected: usize,
     drift: f64,
-    neck: Option<shape::Neck>,
+    neck: Option<Neck>,
     neck_rate: f64,
     next_rest_check: f64,
 }
 
 impl Run {
+    /// The first step, whose activity is noisy. The noise belongs to a step of fixed length, whatever the step factor.
+    fn first_step(&mut self, stepper: &mut Stepper, seed: u64) -> Result<(), DivisionError> {
+        let coefficients = noise::coefficients(seed);
+        let (y, gauss) = (&stepper.levels[0].y, &stepper.system.gauss);
+        let points = 0..y.intervals() * y.m;
+        stepper.cortex.noise =
+            points.map(|i| noise_factor(&coefficients, y.stage_x(gauss, i / y.m, i % y.m))).collect();
+        let first = stepper.attempt(FIRST_STEP, 1).map_err(|error| {
+            let (r0, dt) = (stepper.cortex.cell.r0, FIRST_STEP);
+            DivisionError::Stalled { r0, t: 0.0, dt, source: error.into() }
+        })?;
+        self.odd_floor = 0.3 * first.odd_size;
+        stepper.accept();
+        stepper.cortex.noise.clear();
+        stepper.restart();
+        self.steps = 1;
+        Ok(())
+    }
+
     /// One accepted step.
-    fn advance(&mut self, stepper: &mut Stepper, r0: f64) -> Result<(), DivisionError> {
+    fn advance(&mut self, stepper: &mut Stepper) -> Result<(), DivisionError> {
+        let r0 = stepper.cortex.cell.r0;
         let mut failures = 0;
         loop {
             let order = MAX_ORDER.min(stepper.levels.len());
@@ -172,11 +186,8 @@ impl Run {
                 stepper.restart();
             }
             if self.dt < 1e-12 {
-                let reason = match attempt {
-                    Ok(_) => "the local error stays above its tolerance".to_string(),
-                    Err(e) => e.to_string(),
-                };
-                return Err(DivisionError::Stalled { r0, t, dt: self.dt, reason });
+                let source = attempt.map_or_else(StepFailure::Newton, |_| StepFailure::Inaccurate);
+                return Err(DivisionError::Stalled { r0, t, dt: self.dt, source });
             }
         }
     }
@@ -203,11 +214,11 @@ impl Run {
             .map(|i| {
                 let s = &y.stages[i * COMPONENTS..(i + 1) * COMPONENTS];
                 let h = y.mesh[i / y.m + 1] - y.mesh[i / y.m];
-                h * gauss.b[i % y.m] * std::f64::consts::PI * y.scalars[0] * s[R] * s[R] * s[PSI].sin()
+                h * gauss.b[i % y.m] * std::f64::consts::PI * y.scalars[LENGTH] * s[R] * s[R] * s[PSI].sin()
             })
             .sum();
         self.drift = self.drift.max((volume / stepper.cortex.constants().volume - 1.0).abs());
-        let neck = shape::neck(gauss, y);
+        let neck = observables::neck(gauss, y);
         if let (Some(new), Some(old)) = (neck, self.neck) {
             self.neck_rate = (old.radius - new.radius) / dt;
             if self.neck_rate > 0.0 {
@@ -236,8 +247,7 @@ impl Run {
         }
         self.next_rest_check = t + REST_INTERVAL;
         let here = &stepper.levels[0].y;
-        let mut cortex =
-            Cortex::new(&stepper.cortex.physics, stepper.cortex.r0, &stepper.cortex.cue, Domain::Full, &[]);
+        let mut cortex = Cortex::new(&stepper.cortex.cell, Domain::Full, &[]);
         // The mesh of the division is coarse; near the critical radius its growth rate may have the wrong sign.
         let start = here.on_mesh(&stepper.system.gauss, &mesh::halved(&here.mesh));
         let mut y = start.clone();
@@ -247,7 +257,7 @@ impl Run {
             let at = |s: &Solution, c: usize| s.stages[i * COMPONENTS + c];
             [at(&y, R) - at(&start, R), at(&y, Z) - at(&start, Z)]
         });
-        if distance.even.hypot(distance.odd) > REST_DISTANCE * cortex.r0 {
+        if distance.even.hypot(distance.odd) > REST_DISTANCE * cortex.cell.r0 {
             return None;
         }
         let growth = Stability::new(y.m).leading(&cortex, &y).ok()?.growth_rate();
@@ -271,11 +281,7 @@ impl Run {
             daughters: None,
             growth_rate: None,
             volume_drift: self.drift,
-            steps: self.steps,
-            rejected: self.rejected,
-            newton_iterations: stepper.work.iterations as u32,
-            factorisations: stepper.work.factorisations as u32,
-            remeshings: stepper.remeshings,
+            work: Work { steps: self.steps, rejected: self.rejected, ..stepper.work },
         }
     }
 
@@ -283,25 +289,24 @@ impl Run {
         Division { growth_rate: Some(growth_rate), ..self.division(stepper, Outcome::Failed) }
     }
 
-    fn divided(&self, stepper: &Stepper, neck: shape::Neck, symmetric_below: f64, r0: f64) -> Division {
-        let y = &stepper.levels[0].y;
+    fn divided(&self, stepper: &Stepper, neck: Neck, symmetric_below: f64) -> Division {
+        let (y, r0) = (&stepper.levels[0].y, stepper.cortex.cell.r0);
         let gauss = &stepper.system.gauss;
-        let total = shape::volume_until(gauss, y, 1.0);
-        let anterior = shape::volume_until(gauss, y, neck.u);
-        let chi_signed = 1.0 - 2.0 * anterior / total;
+        let total = observables::volume_until(gauss, y, 1.0);
+        let below = observables::volume_until(gauss, y, neck.u);
+        let chi_signed = 1.0 - 2.0 * below / total;
         let chi = chi_signed.abs();
         let outcome = if chi < symmetric_below { Outcome::Symmetric } else { Outcome::Asymmetric };
-        let share = if outcome == Outcome::Symmetric { 0.5 } else { 0.5 * (1.0 - chi_signed) };
         // The neck passed the threshold within the last step.
         let past = (PINCH_OFF * r0 - neck.radius) / self.neck_rate;
         let dt = stepper.levels[0].t - stepper.levels[1].t;
-        Division {
+        let division = Division {
             chi: Some(chi),
             chi_signed: Some(chi_signed),
             u_furrow: Some(neck.u),
             t_end: stepper.levels[0].t - past.clamp(0.0, dt),
-            daughters: Some([r0 * share.cbrt(), r0 * (1.0 - share).cbrt()]),
             ..self.division(stepper, outcome)
-        }
+        };
+        division.with_daughters_of(r0)
     }
 }

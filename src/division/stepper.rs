@@ -9,10 +9,11 @@
 //! # References
 //! Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, Springer 1993, ch. III.5 (variable steps).
 
+use bvp::newton::NewtonScratch;
+use bvp::{Gauss, Newton, NewtonError, NewtonReport, Solution, System, Work, mesh};
+
 use crate::cortex::equations::{COMPONENTS, R, Z};
-use crate::cortex::{Cortex, shape};
-use crate::numerics::newton::{Newton, NewtonError, NewtonReport, NewtonScratch};
-use crate::numerics::{Gauss, Solution, System, mesh};
+use crate::cortex::{Cortex, resolution};
 
 /// Share of the mesh monitor (about the turning of the contour, in radians) of one interval at the default resolution
 /// of 48.
@@ -96,10 +97,8 @@ pub struct Stepper {
     pub system: System,
     /// Accepted shapes, newest first, all on the same mesh.
     pub levels: Vec<Level>,
-    /// Total work.
-    pub work: NewtonReport,
-    /// Times the mesh was moved.
-    pub remeshings: u32,
+    /// Work of all attempts; steps are counted by the caller.
+    pub work: Work,
     spare: Vec<Level>,
     trial: Level,
     scratch: NewtonScratch,
@@ -121,8 +120,7 @@ impl Stepper {
             system,
             trial: Level { t: 0.0, y: start.clone() },
             levels: vec![Level { t: 0.0, y: start }],
-            work: NewtonReport::default(),
-            remeshings: 0,
+            work: Work::default(),
             spare: Vec::new(),
             scratch: NewtonScratch::default(),
             newton: Newton { tolerance: 3e-8, max_factorisations: 6, max_iterations: 24, ..Newton::default() },
@@ -132,6 +130,12 @@ impl Stepper {
             share: SHARE * 48.0 / resolution as f64,
             refined: false,
         }
+    }
+
+    /// Counts the work of a Newton iteration.
+    pub fn count(&mut self, report: NewtonReport) {
+        self.work.iterations += report.iterations;
+        self.work.factorisations += report.factorisations;
     }
 
     /// Forgets all but the newest shape: the next step is of first order.
@@ -182,8 +186,7 @@ impl Stepper {
         if report.factorisations > 0 {
             self.factored_rate = Some(alpha[0]);
         }
-        self.work.iterations += report.iterations;
-        self.work.factorisations += report.factorisations;
+        self.count(report);
         let share = dt / (t - times[known]);
         let gauss = &self.system.gauss;
         let new = &self.trial.y.stages;
@@ -223,7 +226,7 @@ impl Stepper {
                 new.y.stages[i * COMPONENTS + Z] - old.y.stages[i * COMPONENTS + Z],
             ]
         });
-        norm.even.hypot(norm.odd) / ((new.t - old.t) * self.cortex.r0)
+        norm.even.hypot(norm.odd) / ((new.t - old.t) * self.cortex.cell.r0)
     }
 
     /// Halves the share of an interval from the next [`adapt`](Self::adapt) on; at most once.
@@ -246,7 +249,7 @@ impl Stepper {
     /// mirror-symmetric.
     pub fn adapt(&mut self, symmetric: bool, tolerance: f64) {
         let y = &self.levels[0].y;
-        shape::monitor(&self.cortex, y, symmetric, &mut self.weight);
+        resolution::monitor(&self.cortex, y, symmetric, &mut self.weight);
         let (now, wanted) = (y.intervals(), self.wanted_intervals(&y.mesh, 1.0));
         if mesh::imbalance(&y.mesh, &self.weight) < tolerance && wanted <= now && 3 * wanted >= 2 * now {
             return;
@@ -266,7 +269,7 @@ impl Stepper {
                 }
             }
             self.levels[0].y.transfer_into(&self.system.gauss, &self.grid, &mut source.y);
-            shape::monitor(&self.cortex, &source.y, symmetric, &mut self.weight);
+            resolution::monitor(&self.cortex, &source.y, symmetric, &mut self.weight);
             if mesh::imbalance(&self.grid, &self.weight) < 1.2 {
                 break;
             }
@@ -277,7 +280,7 @@ impl Stepper {
             level.y.transfer_into(gauss, &self.grid, &mut self.trial.y);
             std::mem::swap(&mut level.y, &mut self.trial.y);
         }
-        self.remeshings += 1;
+        self.work.remeshings += 1;
         self.factored_rate = None;
     }
 }

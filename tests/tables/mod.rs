@@ -4,11 +4,9 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
+use bvp::newton::NewtonScratch;
+use bvp::{Continuation, LinearCondition, Newton, Solution, metric};
 use furrow::cortex::Cortex;
-use furrow::numerics::newton::{Newton, NewtonScratch};
-use furrow::numerics::{LinearCondition, Solution};
-use furrow::steady::continuation::Continuation;
-use furrow::steady::path;
 
 /// One row of a table, by column name.
 #[derive(Clone, Debug)]
@@ -26,29 +24,23 @@ impl Row {
     }
 }
 
-/// Rows of `../shared/reference/<name>`; `None`, with a printed reason, if the folder is absent.
-pub fn reference(name: &str) -> Option<Vec<Row>> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/reference").join(name);
-    let Ok(text) = std::fs::read_to_string(&path) else {
-        println!("skipped: {} is not here", path.display());
-        return None;
-    };
+/// Rows of `tests/reference/<name>`.
+pub fn reference(name: &str) -> Vec<Row> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/reference").join(name);
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     let mut lines = text.lines().filter(|line| !line.starts_with('#') && !line.trim().is_empty());
-    let header: Vec<&str> = lines.next()?.split(',').collect();
-    Some(
-        lines
-            .map(|line| Row(header.iter().map(|h| h.to_string()).zip(line.split(',').map(str::to_string)).collect()))
-            .collect(),
-    )
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let row = |line: &str| Row(header.iter().map(|h| h.to_string()).zip(line.split(',').map(str::to_string)).collect());
+    lines.map(row).collect()
 }
 
 /// The point near the newest of a branch where scalar unknown `index` has a value.
 pub fn at_scalar(branch: &mut Continuation<Cortex>, index: usize, value: f64) -> Solution {
     let mut y = branch.state.solution.clone();
     let mut condition = LinearCondition::default();
-    path::scalar_condition(&y, index, value, &mut condition);
+    metric::scalar_condition(&y, index, value, &mut condition);
     let mut cortex = branch.problem.clone();
-    let mut system = furrow::numerics::System::new(furrow::numerics::BoundaryValueProblem::dimensions(&cortex), y.m);
+    let mut system = bvp::System::new(bvp::BoundaryValueProblem::dimensions(&cortex), y.m);
     let newton = Newton { tolerance: 1e-11, ..Newton::default() };
     newton.solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[condition], false).unwrap();
     y

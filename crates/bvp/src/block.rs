@@ -1,0 +1,423 @@
+//! The almost block diagonal system of the nodes, bordered by scalar unknowns and by rows that touch every node.
+//!
+//! Unknowns are δy_0 … δy_N (n each) and δp. Elimination walks from left to right: the rows that still involve only δy_i
+//! (first the left conditions) join the n rows −G_i δy_i + δy_{i+1} − B_i δp = c_i, partial pivoting removes δy_i, and
+//! what remains is carried to the next interval. Because [carried; −G_i] always has full column rank, a singular system
+//! (a fold, a pitchfork) shows only in the last small block, whose determinant is therefore a test function.
+//!
+//! # References
+//! Ascher, Mattheij & Russell 1995, ch. 7 (stability of block elimination with row pivoting for separated conditions).
+
+use crate::condense::Condensed;
+use crate::dense::{self, Determinant, Factors, FactorsRef, LANE, Lane, PivotFailure};
+
+/// Rows at one end: `rows` conditions with derivatives by y (× n) and by p (× scalars), row-major.
+#[derive(Clone, Copy, Debug)]
+pub struct EndRows<'a> {
+    /// ∂r/∂y.
+    pub ry: &'a [f64],
+    /// ∂r/∂p.
+    pub rp: &'a [f64],
+    /// Number of conditions.
+    pub rows: usize,
+}
+
+/// A dense linear form on all nodes and scalars: Σ w_i·y_i + w_p·p.
+#[derive(Clone, Copy, Debug)]
+pub struct LinearForm<'a> {
+    /// Weights of the node values; (N + 1) × n.
+    pub nodes: &'a [f64],
+    /// Weights of the scalar unknowns.
+    pub scalars: &'a [f64],
+}
+
+/// Factors of the bordered almost block diagonal matrix.
+#[derive(Clone, Debug, Default)]
+pub struct BlockFactor {
+    n: usize,
+    np: usize,
+    nl: usize,
+    nr: usize,
+    nb: usize,
+    intervals: usize,
+    /// Rows of the interval at work: carried, transition, border.
+    panel: Vec<Lane>,
+    /// Factors of every interval, and of the last block.
+    panels: FactorStore,
+    last: FactorStore,
+    /// What elimination does to the right-hand sides of an interval, by columns: rows (solved δy_i, carried, border);
+    /// per interval rows × lanes_for(rows).
+    transform: Vec<Lane>,
+    /// −∂δy_i/∂(δy_{i+1}, δp) by columns, one lane run of n rows each; per interval.
+    backward: Vec<Lane>,
+    /// U⁻¹ times the forward-eliminated right-hand side of each interval.
+    forward: Vec<Lane>,
+}
+
+/// Factors of the last block of the antisymmetric problem on a mirror-symmetric half, see
+/// [`System::factor_antisymmetric`](crate::System::factor_antisymmetric): up to there the elimination is that of the
+/// symmetric problem.
+#[derive(Clone, Debug, Default)]
+pub struct AntisymmetricEnd {
+    last: FactorStore,
+    /// Right end rows, kept for the next factorisation.
+    pub(crate) rows: Vec<f64>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct FactorStore {
+    columns: usize,
+    rows: usize,
+    lower: Vec<Lane>,
+    upper: Vec<Lane>,
+    reciprocal: Vec<f64>,
+    exchange: Vec<u8>,
+}
+
+impl FactorStore {
+    fn reset(&mut self, blocks: usize, columns: usize, rows: usize) {
+        (self.columns, self.rows) = (columns, rows);
+        self.lower.resize(blocks * columns * dense::lanes_for(rows), [0.0; LANE]);
+        self.upper.resize(blocks * columns * dense::lanes_for(columns), [0.0; LANE]);
+        self.reciprocal.resize(blocks * columns, 0.0);
+        self.exchange.resize(blocks * columns, 0);
+    }
+
+    fn write(&mut self, i: usize) -> Factors<'_> {
+        let (c, l, u) = (self.columns, dense::lanes_for(self.rows), dense::lanes_for(self.columns));
+        Factors {
+            lower: &mut self.lower[i * c * l..(i + 1) * c * l],
+            upper: &mut self.upper[i * c * u..(i + 1) * c * u],
+            reciprocal: &mut self.reciprocal[i * c..(i + 1) * c],
+            exchange: &mut self.exchange[i * c..(i + 1) * c],
+        }
+    }
+
+    fn accumulate_determinant(&self, det: &mut Determinant) {
+        let c = self.columns;
+        for (r, e) in self.reciprocal.chunks_exact(c).zip(self.exchange.chunks_exact(c)) {
+            dense::accumulate_determinant(r, e, det);
+        }
+    }
+
+    fn read(&self, i: usize) -> FactorsRef<'_> {
+        let (c, l, u) = (self.columns, dense::lanes_for(self.rows), dense::lanes_for(self.columns));
+        FactorsRef {
+            lower: &self.lower[i * c * l..(i + 1) * c * l],
+            upper: &self.upper[i * c * u..(i + 1) * c * u],
+            reciprocal: &self.reciprocal[i * c..(i + 1) * c],
+            exchange: &self.exchange[i * c..(i + 1) * c],
+        }
+    }
+}
+
+impl BlockFactor {
+    /// Factorises with the first `scalars` scalar unknowns (0 leaves them out), the given end rows, the integral rows of
+    /// the condensed system if `integrals` and further linear rows.
+    ///
+    /// `offsets` are the derivatives ∂h/∂p of the integral conditions (integrals × scalars).
+    pub fn factor(
+        &mut self,
+        condensed: &Condensed,
+        scalars: usize,
+        left: EndRows<'_>,
+        right: EndRows<'_>,
+        integrals: bool,
+        offsets: &[f64],
+        forms: &[LinearForm<'_>],
+    ) -> Result<(), PivotFailure> {
+        let dims = condensed.layout.dims;
+        let intervals = condensed.intervals();
+        let n = dims.components;
+        let ni = if integrals { dims.integrals } else { 0 };
+        let np = scalars;
+        let stride = dims.scalars;
+        let nb = ni + forms.len();
+        let nf = n + np;
+        let rows = left.rows + n + nb;
+        let identity = dense::lanes_for(2 * n + np);
+        let lanes = identity + dense::lanes_for(rows);
+        (self.n, self.np, self.nl, self.nr, self.nb) = (n, np, left.rows, right.rows, nb);
+        self.intervals = intervals;
+        assert_eq!(left.rows + right.rows + nb, nf, "as many conditions as unknowns");
+        self.panel.clear();
+        self.panel.resize(rows * lanes, [0.0; LANE]);
+        self.panels.reset(intervals, n, rows);
+        let tall = dense::lanes_for(rows);
+        self.transform.resize(intervals * rows * tall, [0.0; LANE]);
+        self.last.reset(1, nf, nf);
+        let height = dense::lanes_for(n);
+        self.backward.resize(intervals * nf * height, [0.0; LANE]);
+        self.forward.resize(intervals * height, [0.0; LANE]);
+        let put_ends = |row: &mut [f64], rows_at: &EndRows<'_>, k: usize, p_at: usize| {
+            row[..n].copy_from_slice(&rows_at.ry[k * n..(k + 1) * n]);
+            if np > 0 {
+                row[p_at..p_at + np].copy_from_slice(&rows_at.rp[k * stride..k * stride + np]);
+            }
+        };
+        for k in 0..left.rows {
+            put_ends(self.panel[k * lanes..(k + 1) * lanes].as_flattened_mut(), &left, k, 2 * n);
+        }
+        for k in 0..nb {
+            let at = (left.rows + n + k) * lanes;
+            let row = self.panel[at..at + lanes].as_flattened_mut();
+            let p = &mut row[2 * n..2 * n + np];
+            if k < ni {
+                p.copy_from_slice(&offsets[k * stride..k * stride + np]);
+            } else {
+                p.copy_from_slice(&forms[k - ni].scalars[..np]);
+            }
+        }
+        for i in 0..intervals {
+            let panel = &mut self.panel[..];
+            let ml = condensed.layout.map_lanes;
+            let transition = condensed.transition(i);
+            for k in 0..n {
+                let at = (left.rows + k) * lanes;
+                let row = panel[at..at + lanes].as_flattened_mut();
+                row.fill(0.0);
+                let source = transition[k * ml..(k + 1) * ml].as_flattened();
+                for c in 0..n {
+                    row[c] = -source[c];
+                }
+                row[n + k] = 1.0;
+                for q in 0..np {
+                    row[2 * n + q] = -source[n + q];
+                }
+            }
+            for k in 0..nb {
+                let at = (left.rows + n + k) * lanes;
+                let row = panel[at..at + lanes].as_flattened_mut();
+                if k < ni {
+                    let source = condensed.integral(i)[k * ml..(k + 1) * ml].as_flattened();
+                    for c in 0..n {
+                        row[c] += source[c];
+                    }
+                    for q in 0..np {
+                        row[2 * n + q] += source[n + q];
+                    }
+                } else {
+                    for c in 0..n {
+                        row[c] += forms[k - ni].nodes[i * n + c];
+                    }
+                }
+            }
+            for k in 0..rows {
+                let unit = panel[k * lanes + identity..(k + 1) * lanes].as_flattened_mut();
+                unit.fill(0.0);
+                unit[k] = 1.0;
+            }
+            dense::eliminate(panel, lanes, n, left.rows + n, &mut self.panels.write(i))?;
+            let factors = self.panels.read(i);
+            dense::back_substitute(panel, lanes, n, factors.upper, factors.reciprocal);
+            let backward = &mut self.backward[i * nf * height..(i + 1) * nf * height];
+            for k in 0..n {
+                let row = panel[k * lanes..(k + 1) * lanes].as_flattened();
+                for c in 0..nf {
+                    backward[c * height + k / LANE][k % LANE] = row[n + c];
+                }
+            }
+            let transform = &mut self.transform[i * rows * tall..(i + 1) * rows * tall];
+            for k in 0..rows {
+                let row = panel[k * lanes + identity..(k + 1) * lanes].as_flattened();
+                for c in 0..rows {
+                    transform[c * tall + k / LANE][k % LANE] = row[c];
+                }
+            }
+            if i + 1 < intervals {
+                // What is left of the carried and border rows moves on: δy_{i+1} takes the place of δy_i. Carried rows
+                // now stand right behind the n pivot rows.
+                for k in 0..left.rows + nb {
+                    let from = (n + k) * lanes;
+                    let to = if k < left.rows { k } else { k + n } * lanes;
+                    panel.copy_within(from..from + lanes, to);
+                    let row = panel[to..to + lanes].as_flattened_mut();
+                    row.copy_within(n..2 * n, 0);
+                    row[n..2 * n].fill(0.0);
+                }
+            }
+        }
+        let fl = dense::lanes_for(nf);
+        let mut last = [[0.0; LANE]; 32 * 4];
+        let last = &mut last[..nf * fl];
+        for k in 0..left.rows + nb {
+            let source = self.panel[(n + k) * lanes..(n + k + 1) * lanes].as_flattened();
+            let to = if k < left.rows { k } else { k + right.rows };
+            let target = last[to * fl..(to + 1) * fl].as_flattened_mut();
+            target[..nf].copy_from_slice(&source[n..n + nf]);
+            if k >= left.rows + ni {
+                let form = &forms[k - left.rows - ni];
+                for c in 0..n {
+                    target[c] += form.nodes[intervals * n + c];
+                }
+            }
+        }
+        for k in 0..right.rows {
+            let to = left.rows + k;
+            put_ends(last[to * fl..(to + 1) * fl].as_flattened_mut(), &right, k, n);
+        }
+        dense::eliminate(last, fl, nf, nf, &mut self.last.write(0))
+    }
+
+    /// Solves for node updates (`nodes`, holding on entry c_i of interval i at index i·n, length (N + 1)·n) and scalar
+    /// updates. `left`, `right` and `border` are right-hand sides of the condition rows (integrals first in `border`).
+    pub fn solve(&mut self, nodes: &mut [f64], left: &[f64], right: &[f64], border: &[f64], scalars: &mut [f64]) {
+        let mut carried = [0.0; 32];
+        let mut rest = [0.0; 32];
+        let (carried, rest) = (&mut carried[..self.nl], &mut rest[..self.nb]);
+        carried.copy_from_slice(left);
+        rest.copy_from_slice(border);
+        self.forward(nodes, carried, rest);
+        self.solve_end(carried, right, rest, nodes, scalars);
+        self.backward(nodes, scalars);
+    }
+
+    /// [`solve`](Self::solve) for right-hand sides that are zero but for the last conditions.
+    pub fn solve_last(&mut self, nodes: &mut [f64], right: &[f64], border: &[f64], scalars: &mut [f64]) {
+        self.forward.fill([0.0; LANE]);
+        self.solve_end(&[0.0; 32][..self.nl], right, border, nodes, scalars);
+        self.backward(nodes, scalars);
+    }
+
+    /// Eliminates the right-hand sides of all intervals: `carried` and `border` go in as those of the left and border
+    /// conditions and come out as those of the last block.
+    fn forward(&mut self, nodes: &[f64], carried: &mut [f64], border: &mut [f64]) {
+        let (n, nl, nb) = (self.n, self.nl, self.nb);
+        let rows = nl + n + nb;
+        let (height, tall) = (dense::lanes_for(n), dense::lanes_for(rows));
+        let mut lanes = [[0.0; LANE]; dense::MAX_LANES / 2];
+        lanes.as_flattened_mut()[..nl].copy_from_slice(carried);
+        lanes.as_flattened_mut()[nl + n..rows].copy_from_slice(border);
+        for i in 0..self.intervals {
+            lanes.as_flattened_mut()[nl..nl + n].copy_from_slice(&nodes[i * n..(i + 1) * n]);
+            let transform = &self.transform[i * rows * tall..(i + 1) * rows * tall];
+            let mut out = [[0.0; LANE]; dense::MAX_LANES / 2];
+            let out = &mut out[..tall];
+            for (column, value) in transform.chunks_exact(tall).zip(&lanes.as_flattened()[..rows]) {
+                for (x, c) in out.iter_mut().zip(column) {
+                    for t in 0..LANE {
+                        x[t] += value * c[t];
+                    }
+                }
+            }
+            self.forward[i * height..(i + 1) * height].copy_from_slice(&out[..height]);
+            // Carried rows move to the front; border rows stay behind the next n.
+            let out = out.as_flattened();
+            let flat = lanes.as_flattened_mut();
+            flat[..nl].copy_from_slice(&out[n..n + nl]);
+            flat[nl + n..rows].copy_from_slice(&out[nl + n..rows]);
+        }
+        let x = lanes.as_flattened();
+        carried.copy_from_slice(&x[..nl]);
+        border.copy_from_slice(&x[nl + n..rows]);
+    }
+
+    /// The last node and the scalar unknowns.
+    fn solve_end(&self, carried: &[f64], right: &[f64], border: &[f64], nodes: &mut [f64], scalars: &mut [f64]) {
+        let nf = self.n + self.np;
+        let mut end = [[0.0; LANE]; 4];
+        let y = end.as_flattened_mut();
+        y[..self.nl].copy_from_slice(carried);
+        y[self.nl..self.nl + self.nr].copy_from_slice(right);
+        y[self.nl + self.nr..nf].copy_from_slice(border);
+        dense::solve_vector(self.last.read(0), nf, &mut end);
+        let y = end.as_flattened();
+        nodes[self.intervals * self.n..].copy_from_slice(&y[..self.n]);
+        scalars[..self.np].copy_from_slice(&y[self.n..nf]);
+    }
+
+    /// Substitution from the last node to the left.
+    fn backward(&mut self, nodes: &mut [f64], scalars: &[f64]) {
+        let n = self.n;
+        let (nf, height) = (n + scalars.len(), dense::lanes_for(n));
+        let stride = (n + self.np) * height;
+        for i in (0..self.intervals).rev() {
+            let here = &mut self.forward[i * height..(i + 1) * height];
+            let backward = &self.backward[i * stride..i * stride + nf * height];
+            for (column, value) in
+                backward.chunks_exact(height).zip(nodes[(i + 1) * n..(i + 2) * n].iter().chain(scalars))
+            {
+                for (x, b) in here.iter_mut().zip(column) {
+                    for t in 0..LANE {
+                        x[t] -= value * b[t];
+                    }
+                }
+            }
+            nodes[i * n..(i + 1) * n].copy_from_slice(&here.as_flattened()[..n]);
+        }
+    }
+
+    /// Factorises the antisymmetric problem, with other right end rows and without scalar unknowns, integral and linear conditions. Borders are never pivots, so that up to its last block the
+    /// elimination is the one at hand.
+    ///
+    /// # Errors
+    /// A vanishing pivot in the last block.
+    pub fn factor_antisymmetric(&self, right: EndRows<'_>, end: &mut AntisymmetricEnd) -> Result<(), PivotFailure> {
+        let n = self.n;
+        assert_eq!(self.nl + right.rows, n, "as many conditions as unknowns");
+        let (fl, lanes) = (dense::lanes_for(n), self.panel.len() / (self.nl + n + self.nb));
+        let mut last = [[0.0; LANE]; 32 * 4];
+        let last = &mut last[..n * fl];
+        for k in 0..self.nl {
+            let source = self.panel[(n + k) * lanes..(n + k + 1) * lanes].as_flattened();
+            last[k * fl..(k + 1) * fl].as_flattened_mut()[..n].copy_from_slice(&source[n..2 * n]);
+        }
+        for k in 0..right.rows {
+            let row = last[(self.nl + k) * fl..(self.nl + k + 1) * fl].as_flattened_mut();
+            row[..n].copy_from_slice(&right.ry[k * n..(k + 1) * n]);
+        }
+        end.last.reset(1, n, n);
+        dense::eliminate(last, fl, n, n, &mut end.last.write(0))
+    }
+
+    /// [`solve`](Self::solve) for the antisymmetric problem; of the solution only its last node if not `everywhere`.
+    pub fn solve_antisymmetric(
+        &mut self,
+        end: &AntisymmetricEnd,
+        nodes: &mut [f64],
+        left: &[f64],
+        right: &[f64],
+        everywhere: bool,
+    ) {
+        let (mut carried, mut border) = ([0.0; 32], [0.0; 32]);
+        let carried = &mut carried[..self.nl];
+        carried.copy_from_slice(left);
+        self.forward(nodes, carried, &mut border[..self.nb]);
+        self.solve_antisymmetric_end(end, carried, right, nodes);
+        if everywhere {
+            self.backward(nodes, &[]);
+        }
+    }
+
+    /// [`solve_last`](Self::solve_last) for the antisymmetric problem.
+    pub fn solve_antisymmetric_last(&mut self, end: &AntisymmetricEnd, nodes: &mut [f64], right: &[f64]) {
+        self.forward.fill([0.0; LANE]);
+        self.solve_antisymmetric_end(end, &[0.0; 32][..self.nl], right, nodes);
+        self.backward(nodes, &[]);
+    }
+
+    fn solve_antisymmetric_end(&self, end: &AntisymmetricEnd, carried: &[f64], right: &[f64], nodes: &mut [f64]) {
+        let n = self.n;
+        let mut x = [[0.0; LANE]; 4];
+        let y = x.as_flattened_mut();
+        y[..self.nl].copy_from_slice(carried);
+        y[self.nl..n].copy_from_slice(right);
+        dense::solve_vector(end.last.read(0), n, &mut x);
+        nodes[self.intervals * n..].copy_from_slice(&x.as_flattened()[..n]);
+    }
+
+    /// Multiplies the determinant of the antisymmetric problem into `det`.
+    pub fn accumulate_antisymmetric(&self, end: &AntisymmetricEnd, det: &mut Determinant) {
+        for store in [&self.panels, &end.last] {
+            store.accumulate_determinant(det);
+        }
+    }
+
+    /// Multiplies the determinant of the factorised matrix into `det`.
+    pub fn accumulate_determinant(&self, det: &mut Determinant) {
+        // Moving the right rows ahead of the border rows is a fixed permutation; its sign is left out.
+        for store in [&self.panels, &self.last] {
+            store.accumulate_determinant(det);
+        }
+    }
+}

@@ -1,0 +1,498 @@
+//! Pseudo-arclength continuation of solutions of a boundary-value problem in its last scalar unknown λ.
+//!
+//! A point of the branch and its unit tangent t (in a [`Metric`]) give the next point as the solution of the problem
+//! together with ⟨t, x − x_last⟩ = Δs; Newton starts from the polynomial through the last points. Folds are ordinary points
+//! of the branch. The state of a run can be stored and taken up again.
+//!
+//! # References
+//! Keller, in *Applications of Bifurcation Theory*, Academic Press 1977, p. 359 (pseudo-arclength).
+
+use serde::{Deserialize, Serialize};
+
+use crate::dense::PivotFailure;
+use crate::metric::{self, Metric};
+use crate::newton::{Newton, NewtonError, NewtonReport, NewtonScratch};
+use crate::predictor::History;
+use crate::{BoundaryValueProblem, Direction, LinearCondition, Solution, System, mesh};
+
+/// Settings of a continuation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContinuationSettings {
+    /// The corrector. Few factorisations: a step that needs more is too long.
+    pub newton: Newton,
+    /// First step, in arclength.
+    pub first_step: f64,
+    /// Smallest step before giving up.
+    pub min_step: f64,
+    /// Largest step.
+    pub max_step: f64,
+    /// Smallest cosine between the tangents of neighbouring points.
+    pub min_cosine: f64,
+    /// Move the mesh when the largest interval carries this many times its share of the monitor.
+    pub remesh_above: f64,
+}
+
+impl Default for ContinuationSettings {
+    fn default() -> Self {
+        ContinuationSettings {
+            newton: Newton { max_factorisations: 3, max_iterations: 8, min_damping: 0.2, ..Newton::default() },
+            first_step: 0.05,
+            min_step: 1e-8,
+            max_step: 1.0,
+            min_cosine: 0.9,
+            remesh_above: 1.8,
+        }
+    }
+}
+
+/// Why a continuation cannot go on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ContinuationError {
+    /// No first point.
+    #[error("no first point at parameter {parameter}: {source}")]
+    Start {
+        /// Value of λ.
+        parameter: f64,
+        /// What the solver said.
+        source: NewtonError,
+    },
+    /// The corrector fails for the smallest step.
+    #[error("the branch is lost at parameter {parameter} after arclength {arclength}: {reason}")]
+    Lost {
+        /// Value of λ at the last point.
+        parameter: f64,
+        /// Arclength of the last point.
+        arclength: f64,
+        /// What the solver said last.
+        reason: String,
+    },
+}
+
+/// Branches nearer to each other than a step of this length do meet, as far as rounding can tell: the branch goes
+/// straight on.
+const CLOSED_GAP: f64 = 1e-6;
+
+/// After so many rejections the tangent they start from is in doubt.
+const DOUBTFUL: usize = 2;
+
+/// A run as it stands; enough to take it up again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// The newest point.
+    pub solution: Solution,
+    /// Its unit tangent.
+    pub tangent: Direction,
+    /// Arclength from the first point.
+    pub arclength: f64,
+    /// The step to try next.
+    pub step: f64,
+    /// Points accepted, the first included.
+    pub points: usize,
+    /// Sign of dλ/ds as last confirmed with exact factors; 0 if not known.
+    pub direction: f64,
+    /// Sign of the determinant bordered by the tangent: the same all along a branch; 0 if not known.
+    #[serde(default)]
+    pub orientation: f64,
+    /// The last points, for the predictor.
+    pub history: History,
+}
+
+impl State {
+    /// Value of λ.
+    pub fn parameter(&self) -> f64 {
+        self.solution.scalars[self.solution.scalars.len() - 1]
+    }
+
+    /// dλ/ds.
+    pub fn parameter_slope(&self) -> f64 {
+        self.tangent.scalars[self.tangent.scalars.len() - 1]
+    }
+}
+
+/// What one accepted step did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Advance {
+    /// dλ/ds changed sign: a fold lies between the last two points.
+    pub passed_fold: bool,
+    /// Work of the corrector.
+    pub report: NewtonReport,
+    /// Steps rejected before.
+    pub rejected: usize,
+}
+
+/// Work of a whole run, of a continuation or of steps in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Work {
+    /// Steps accepted.
+    pub steps: usize,
+    /// Steps rejected.
+    pub rejected: usize,
+    /// Newton iterations, counting every linear solve.
+    #[serde(rename = "newton_iterations")]
+    pub iterations: usize,
+    /// Factorisations of the Jacobian.
+    pub factorisations: usize,
+    /// Times the mesh was moved.
+    pub remeshings: usize,
+}
+
+/// Where a followed branch ended.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Ended {
+    /// λ left its range; the last point lies on the bound.
+    ParameterBound(f64),
+    /// The largest number of points is reached.
+    PointLimit(usize),
+    /// The caller had seen enough.
+    Stopped,
+}
+
+/// Weights of a mesh monitor, one per interval.
+pub type MeshMonitor<P> = fn(&P, &Solution, &mut Vec<f64>);
+
+/// Continuation of one branch.
+pub struct Continuation<P> {
+    /// The problem; its last scalar unknown is the parameter λ. One condition short of square.
+    pub problem: P,
+    /// Factors of the last corrector, i.e. of a point near the newest, with the plane condition.
+    pub system: System,
+    /// Settings.
+    pub settings: ContinuationSettings,
+    /// Norm of the branch.
+    pub metric: Metric,
+    /// What the mesh follows; by default the defect.
+    pub monitor: Option<MeshMonitor<P>>,
+    /// The run.
+    pub state: State,
+    /// Work so far.
+    pub work: Work,
+    scratch: NewtonScratch,
+    conditions: Vec<LinearCondition>,
+    trial: Solution,
+    tangent: Direction,
+    weight: Vec<f64>,
+}
+
+impl<P: BoundaryValueProblem> Continuation<P> {
+    /// Starts at the solution near `guess` with the λ of `guess`, towards larger λ if `upwards`.
+    ///
+    /// # Errors
+    /// [`ContinuationError::Start`] if there is no such solution.
+    pub fn start(
+        mut problem: P,
+        guess: Solution,
+        metric: Metric,
+        settings: ContinuationSettings,
+        upwards: bool,
+    ) -> Result<Self, ContinuationError> {
+        let dims = problem.dimensions();
+        let mut system = System::new(dims, guess.m);
+        let mut scratch = NewtonScratch::default();
+        let mut conditions = vec![LinearCondition::default()];
+        let mut solution = guess;
+        let last = dims.scalars - 1;
+        let parameter = solution.scalars[last];
+        metric::scalar_condition(&solution, last, parameter, &mut conditions[0]);
+        let newton = Newton { max_factorisations: 20, max_iterations: 60, ..settings.newton };
+        newton
+            .solve(&mut system, &mut scratch, &mut problem, &mut solution, &conditions, false)
+            .map_err(|source| ContinuationError::Start { parameter, source })?;
+        let mut tangent = Direction::default();
+        metric::null_direction(&mut system, 0, &mut tangent);
+        metric.normalise(&solution.mesh, &mut tangent);
+        if !upwards {
+            tangent.scale(-1.0);
+        }
+        let mut history = History::default();
+        history.push(0.0, &solution);
+        let step = settings.first_step;
+        let direction = if upwards { 1.0 } else { -1.0 };
+        let state = State { solution, tangent, arclength: 0.0, step, points: 1, direction, orientation: 0.0, history };
+        Ok(Continuation::resume(problem, state, metric, settings))
+    }
+
+    /// Takes up a run, or begins one from a point whose tangent is known (e.g. a branch switched to).
+    pub fn resume(problem: P, mut state: State, metric: Metric, settings: ContinuationSettings) -> Self {
+        if state.history.is_empty() {
+            state.history.push(state.arclength, &state.solution);
+        }
+        let system = System::new(problem.dimensions(), state.solution.m);
+        Continuation {
+            trial: state.solution.clone(),
+            tangent: Direction::default(),
+            problem,
+            system,
+            settings,
+            metric,
+            monitor: None,
+            state,
+            work: Work::default(),
+            scratch: NewtonScratch::default(),
+            conditions: vec![LinearCondition::default()],
+            weight: Vec::new(),
+        }
+    }
+
+    /// Turns round.
+    pub fn reverse(&mut self) {
+        self.state.tangent.scale(-1.0);
+        self.state.direction = -self.state.direction;
+        self.state.history.clear();
+        self.state.history.push(self.state.arclength, &self.state.solution);
+    }
+
+    /// Goes one step on.
+    ///
+    /// # Errors
+    /// [`ContinuationError::Lost`]; the state is left at the last point.
+    pub fn advance(&mut self) -> Result<Advance, ContinuationError> {
+        self.remesh();
+        let mut step = self.state.step.min(self.settings.max_step);
+        let parameter = self.state.parameter();
+        let mut rejected = 0;
+        loop {
+            let reason = match self.attempt(step) {
+                Ok((report, cosine, orientation)) => {
+                    self.state.orientation = orientation;
+                    std::mem::swap(&mut self.state.tangent, &mut self.tangent);
+                    std::mem::swap(&mut self.state.solution, &mut self.trial);
+                    self.state.arclength += step;
+                    self.state.points += 1;
+                    self.state.history.push(self.state.arclength, &self.state.solution);
+                    self.state.step = step * growth(report, cosine, self.settings.min_cosine);
+                    self.work.steps += 1;
+                    self.work.rejected += rejected;
+                    self.work.iterations += report.iterations;
+                    self.work.factorisations += report.factorisations;
+                    let moved = self.state.parameter() - parameter;
+                    let passed_fold = self.confirm_direction(moved);
+                    return Ok(Advance { passed_fold, report, rejected });
+                }
+                Err(reason) => reason,
+            };
+            rejected += 1;
+            step *= 0.4;
+            if rejected == DOUBTFUL {
+                // The tangent is of the corrector's factors, those of a prediction: if it is off by too much, no step is
+                // short enough. Without an exact one the next rejections go on as before.
+                let _ = self.exact_tangent();
+            }
+            if step < self.settings.min_step {
+                return Err(ContinuationError::Lost {
+                    parameter: self.state.parameter(),
+                    arclength: self.state.arclength,
+                    reason,
+                });
+            }
+        }
+    }
+
+    /// The tangent at the newest point with the factors of the point itself.
+    fn exact_tangent(&mut self) -> Result<(), String> {
+        self.factorise_newest().map_err(|failure| format!("the Jacobian is singular (pivot {})", failure.column))?;
+        let Continuation { system, metric, state, tangent, .. } = self;
+        metric::null_direction(system, 0, tangent);
+        metric.normalise(&state.solution.mesh, tangent);
+        std::mem::swap(&mut state.tangent, tangent);
+        Ok(())
+    }
+
+    /// Factorises the system at the newest point itself. The corrector leaves the factors of its prediction, close enough to
+    /// converge with but, where a step changes the solution by a large part of itself, not to judge by.
+    ///
+    /// # Errors
+    /// If a pivot vanishes.
+    pub fn factorise_newest(&mut self) -> Result<(), PivotFailure> {
+        let Continuation { problem, system, metric, state, conditions, .. } = self;
+        metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]);
+        system.evaluate(problem, &state.solution, conditions, true);
+        system.condense()?;
+        system.factor_blocks(conditions)
+    }
+
+    /// Whether dλ/ds has changed sign. The corrector's factors belong to a prediction, so a change is confirmed with
+    /// those of the point itself; so is one that the last step shows, by the distance λ has `moved`.
+    fn confirm_direction(&mut self, moved: f64) -> bool {
+        let direction = self.state.direction;
+        let goes_on = direction * self.state.parameter_slope() > 0.0 && direction * moved > 0.0;
+        if goes_on || self.exact_tangent().is_err() {
+            return false;
+        }
+        let (before, now) = (self.state.direction, self.state.parameter_slope().signum());
+        self.state.direction = now;
+        before * now < 0.0
+    }
+
+    /// A corrected point at distance `step` in `trial`, its tangent in `tangent`; the cosine of the angle turned, and the
+    /// sign of the bordered determinant.
+    ///
+    /// Where two branches nearly meet, as that of a nearly spherical cell in a wide shell and those of its furrows, a step
+    /// across the gap turns by no angle at all. But it turns the sign of the bordered determinant, as passing a branch
+    /// point does, and nothing else does.
+    fn attempt(&mut self, step: f64) -> Result<(NewtonReport, f64, f64), String> {
+        let Continuation { problem, system, settings, metric, state, scratch, conditions, trial, tangent, .. } = self;
+        if state.history.len() > 1 {
+            state.history.extrapolate(state.arclength + step, trial);
+        } else {
+            trial.clone_from(&state.solution);
+            state.tangent.apply(step, trial);
+        }
+        // The plane is set by the point and not by the prediction, or steps would drift with the extrapolation.
+        metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]);
+        conditions[0].value += step;
+        let report = settings
+            .newton
+            .solve(system, scratch, problem, trial, conditions, false)
+            .map_err(|error| error.to_string())?;
+        metric::null_direction(system, 0, tangent);
+        metric.normalise(&trial.mesh, tangent);
+        let cosine = metric.dot(&trial.mesh, tangent, &state.tangent);
+        if cosine < settings.min_cosine {
+            return Err(format!("the branch turns too sharply (cosine {cosine:.3})"));
+        }
+        let mut orientation = system.determinant().sign;
+        if orientation * state.orientation < 0.0 {
+            // The corrector's factors belong to a prediction: what counts is the point itself.
+            system.evaluate(problem, trial, conditions, true);
+            if system.condense().and_then(|()| system.factor_blocks(conditions)).is_ok() {
+                orientation = system.determinant().sign;
+            }
+        }
+        if orientation * state.orientation < 0.0 && step > CLOSED_GAP {
+            return Err("the step leads to another branch".into());
+        }
+        Ok((report, cosine, orientation))
+    }
+
+    /// Moves the mesh if it no longer fits.
+    fn remesh(&mut self) {
+        let y = &self.state.solution;
+        match self.monitor {
+            Some(monitor) => monitor(&self.problem, y, &mut self.weight),
+            None => {
+                let defect = mesh::defect(&self.system.gauss, &mut self.problem, y);
+                mesh::defect_monitor(&y.mesh, &defect, y.m, &mut self.weight);
+            }
+        }
+        if mesh::imbalance(&y.mesh, &self.weight) <= self.settings.remesh_above {
+            return;
+        }
+        let mut grid = Vec::new();
+        mesh::equidistribute(&y.mesh, &self.weight, y.intervals(), &mut grid);
+        self.move_to(&grid);
+    }
+
+    /// Carries the run over to another mesh.
+    pub fn move_to(&mut self, grid: &[f64]) {
+        let gauss = &self.system.gauss;
+        metric::transfer_direction(gauss, &self.state.solution.mesh, grid, &mut self.state.tangent);
+        self.metric.normalise(grid, &mut self.state.tangent);
+        self.state.solution.transfer_into(gauss, grid, &mut self.trial);
+        std::mem::swap(&mut self.state.solution, &mut self.trial);
+        self.state.history.transfer(gauss, grid);
+        self.work.remeshings += 1;
+    }
+
+    /// Follows the branch until λ leaves `range`, `limit` points are reached or `visit` returns false. `visit` sees
+    /// every accepted point with the factors it left in `system`. A last point on the bound of the range is solved for.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    pub fn follow(
+        &mut self,
+        range: [f64; 2],
+        limit: usize,
+        mut visit: impl FnMut(&mut Self, Advance) -> bool,
+    ) -> Result<Ended, ContinuationError> {
+        for _ in 0..limit {
+            let advance = self.advance()?;
+            let parameter = self.state.parameter();
+            if parameter < range[0] || parameter > range[1] {
+                let bound = parameter.clamp(range[0], range[1]);
+                self.land_on(bound)?;
+                visit(self, advance);
+                return Ok(Ended::ParameterBound(bound));
+            }
+            if !visit(self, advance) {
+                return Ok(Ended::Stopped);
+            }
+        }
+        Ok(Ended::PointLimit(limit))
+    }
+
+    /// Replaces the newest point by the one with λ = `value` between the last two.
+    ///
+    /// # Errors
+    /// [`ContinuationError::Lost`] if the corrector fails there.
+    pub fn land_on(&mut self, value: f64) -> Result<(), ContinuationError> {
+        let y = self.at(value)?;
+        if let Some((position, earlier)) = self.state.history.before_newest() {
+            let last = y.scalars.len() - 1;
+            let span = self.state.parameter() - earlier.scalars[last];
+            if span != 0.0 {
+                let share = ((value - earlier.scalars[last]) / span).clamp(0.0, 1.0);
+                self.state.arclength = position + share * (self.state.arclength - position);
+            }
+        }
+        self.state.solution = y;
+        self.exact_tangent().map_err(|reason| ContinuationError::Lost {
+            parameter: value,
+            arclength: self.state.arclength,
+            reason,
+        })?;
+        // The points before stay, so that what lies between them and the new one can still be located.
+        self.state.history.replace_newest(self.state.arclength, &self.state.solution);
+        Ok(())
+    }
+
+    /// Corrects `y` onto the branch in the plane through it across `direction`. Left as it is if that fails.
+    pub fn correct_across(&mut self, y: &mut Solution, direction: &Direction) {
+        self.metric.plane_through(y, direction, &mut self.conditions[0]);
+        self.trial.clone_from(y);
+        let Continuation { problem, system, settings, scratch, conditions, trial, .. } = self;
+        if settings.newton.solve(system, scratch, problem, trial, conditions, false).is_ok() {
+            std::mem::swap(y, trial);
+        }
+    }
+
+    /// The solution with λ = `value` near the last two points; the run itself is left alone.
+    ///
+    /// # Errors
+    /// [`ContinuationError::Lost`] if the corrector fails there.
+    pub fn at(&mut self, value: f64) -> Result<Solution, ContinuationError> {
+        let mut y = self.state.solution.clone();
+        if let Some((before, earlier)) = self.state.history.before_newest() {
+            let last = y.scalars.len() - 1;
+            let span = self.state.parameter() - earlier.scalars[last];
+            if span != 0.0 {
+                let share = (value - earlier.scalars[last]) / span;
+                self.state.history.extrapolate(before + share * (self.state.arclength - before), &mut y);
+            }
+        }
+        let last = y.scalars.len() - 1;
+        metric::scalar_condition(&y, last, value, &mut self.conditions[0]);
+        let newton = Newton { max_factorisations: 20, max_iterations: 60, ..self.settings.newton };
+        newton.solve(&mut self.system, &mut self.scratch, &mut self.problem, &mut y, &self.conditions, false).map_err(
+            |error| ContinuationError::Lost {
+                parameter: value,
+                arclength: self.state.arclength,
+                reason: error.to_string(),
+            },
+        )?;
+        Ok(y)
+    }
+}
+
+/// Factor on the next step from the corrector's work and from the angle turned.
+fn growth(report: NewtonReport, cosine: f64, min_cosine: f64) -> f64 {
+    let by_work: f64 = match (report.factorisations, report.iterations) {
+        (1, ..=3) => 1.5,
+        (1, _) => 1.15,
+        (2, _) => 0.8,
+        _ => 0.6,
+    };
+    // Turning angles grow in proportion to the step: aim at half the angle allowed.
+    let angle = (1.0 - cosine).max(0.0).sqrt();
+    let allowed = 0.6 * (1.0 - min_cosine).sqrt();
+    by_work.min((allowed / angle.max(1e-300)).max(0.3))
+}

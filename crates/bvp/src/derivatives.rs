@@ -1,0 +1,159 @@
+//! Second and third derivatives along given directions, for singular points and their normal forms.
+//!
+//! Only the right-hand side and the integrands are nonlinear here: boundary conditions must be linear.
+
+use crate::{BoundaryValueProblem, CollocationPoint, Direction, Gauss, Residual, Solution};
+
+/// A direction in the unknowns at one point: components of y and scalar unknowns.
+#[derive(Clone, Copy, Debug)]
+pub struct PointDirection<'a> {
+    /// Along y.
+    pub y: &'a [f64],
+    /// Along the scalar unknowns.
+    pub p: &'a [f64],
+}
+
+/// Problems whose right-hand side can be differentiated along directions. The scalar directions of a whole sweep are
+/// known before its first point, so that what depends on them alone is computed once.
+pub trait Directional: BoundaryValueProblem {
+    /// What a sweep of second derivatives prepares.
+    type Second;
+    /// What a sweep of third derivatives prepares.
+    type Third;
+
+    /// Prepares D²f\[a, b\] for scalar unknowns p and their directions.
+    fn prepare_second(&self, p: &[f64], a: &[f64], b: &[f64]) -> Self::Second;
+
+    /// D²f\[a, b\] into `f` and D²g\[a, b\] into `g`.
+    #[allow(clippy::too_many_arguments)]
+    fn second(
+        &self,
+        prepared: &Self::Second,
+        at: CollocationPoint,
+        y: &[f64],
+        p: &[f64],
+        a: PointDirection<'_>,
+        b: PointDirection<'_>,
+        f: &mut [f64],
+        g: &mut [f64],
+    );
+
+    /// The same of the part h(p) of an integral condition.
+    fn second_offset(&self, _prepared: &Self::Second, _k: usize) -> f64 {
+        0.0
+    }
+
+    /// Prepares the powers of one direction.
+    fn prepare_third(&self, p: &[f64], a: &[f64]) -> Self::Third;
+
+    /// D²f\[a, a\] into `f2`, D²g\[a, a\] into `g2` and D³f\[a, a, a\] into `f3`.
+    #[allow(clippy::too_many_arguments)]
+    fn third(
+        &self,
+        prepared: &Self::Third,
+        at: CollocationPoint,
+        y: &[f64],
+        p: &[f64],
+        a: PointDirection<'_>,
+        f2: &mut [f64],
+        g2: &mut [f64],
+        f3: &mut [f64],
+    );
+}
+
+/// Sizes `out` for the problem and mesh of `y` and clears it.
+fn clear(dims: crate::Dimensions, y: &Solution, border: usize, out: &mut Residual) {
+    for (v, len) in [
+        (&mut out.stages, y.stages.len()),
+        (&mut out.nodes, y.intervals() * y.components),
+        (&mut out.left, dims.left),
+        (&mut out.right, dims.right),
+        (&mut out.border, border),
+    ] {
+        v.clear();
+        v.resize(len, 0.0);
+    }
+}
+
+/// Runs `point` over all collocation points and collects −h f in the stage rows and Σ h b g in the integral rows.
+fn sweep<P: BoundaryValueProblem>(
+    gauss: &Gauss,
+    problem: &mut P,
+    y: &Solution,
+    border: usize,
+    out: &mut Residual,
+    mut point: impl FnMut(&P, CollocationPoint, &[f64], &mut [f64], &mut [f64]),
+) {
+    let dims = problem.dimensions();
+    let n = dims.components;
+    clear(dims, y, border, out);
+    let mut scratch = [0.0; 32];
+    let (f, rest) = scratch.split_at_mut(n);
+    let g = &mut rest[..dims.integrals];
+    for i in 0..y.intervals() {
+        let h = y.mesh[i + 1] - y.mesh[i];
+        for j in 0..y.m {
+            let index = i * y.m + j;
+            f.fill(0.0);
+            g.fill(0.0);
+            point(problem, CollocationPoint { x: y.mesh[i] + h * gauss.c[j], index }, y.stage(i, j), f, g);
+            for (row, f) in out.stages[index * n..(index + 1) * n].iter_mut().zip(f.iter()) {
+                *row = -h * f;
+            }
+            for (row, g) in out.border.iter_mut().zip(g.iter()) {
+                *row += h * gauss.b[j] * g;
+            }
+        }
+    }
+}
+
+/// D²F\[a, b\] of all collocation equations, with zeros in `conditions` linear conditions.
+pub fn second_residual<P: Directional>(
+    gauss: &Gauss,
+    problem: &mut P,
+    y: &Solution,
+    [a, b]: [&Direction; 2],
+    conditions: usize,
+    out: &mut Residual,
+) {
+    problem.prepare(&y.scalars);
+    let prepared = problem.prepare_second(&y.scalars, &a.scalars, &b.scalars);
+    let (n, integrals) = (y.components, problem.dimensions().integrals);
+    sweep(gauss, problem, y, integrals + conditions, out, |problem, at, value, f, g| {
+        let range = at.index * n..(at.index + 1) * n;
+        let (a, b) = (
+            PointDirection { y: &a.stages[range.clone()], p: &a.scalars },
+            PointDirection { y: &b.stages[range], p: &b.scalars },
+        );
+        problem.second(&prepared, at, value, &y.scalars, a, b, f, g);
+    });
+    for k in 0..integrals {
+        out.border[k] += problem.second_offset(&prepared, k);
+    }
+}
+
+/// D²F\[a, a\] of all collocation equations into `second`, and D³F\[a, a, a\] of the stage equations into `third`, for a
+/// direction that leaves the scalar unknowns alone; zeros in `conditions` linear conditions.
+pub fn power_residuals<P: Directional>(
+    gauss: &Gauss,
+    problem: &mut P,
+    y: &Solution,
+    a: &Direction,
+    conditions: usize,
+    [second, third]: [&mut Residual; 2],
+) {
+    problem.prepare(&y.scalars);
+    let prepared = problem.prepare_third(&y.scalars, &a.scalars);
+    let dims = problem.dimensions();
+    let n = dims.components;
+    clear(dims, y, dims.integrals + conditions, third);
+    sweep(gauss, problem, y, dims.integrals + conditions, second, |problem, at, value, f, g| {
+        let range = at.index * n..(at.index + 1) * n;
+        let a = PointDirection { y: &a.stages[range.clone()], p: &a.scalars };
+        let f3 = &mut third.stages[range];
+        problem.third(&prepared, at, value, &y.scalars, a, f, g, f3);
+        let interval = at.index / y.m;
+        let h = y.mesh[interval + 1] - y.mesh[interval];
+        f3.iter_mut().for_each(|f| *f *= -h);
+    });
+}

@@ -1,0 +1,65 @@
+//! Directions in the space of solutions, and linear conditions on solutions.
+
+use crate::Solution;
+use crate::dense::weighted_maximum;
+
+/// A linear condition Σ w_i·y_i + w_p·p = value on all nodes and scalars, e.g. the pseudo-arclength condition.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LinearCondition {
+    /// Weights of the node values; (N + 1) × n.
+    pub nodes: Vec<f64>,
+    /// Weights of the scalar unknowns.
+    pub scalars: Vec<f64>,
+    /// Right-hand side.
+    pub value: f64,
+}
+
+/// An update δ of a solution, or a direction along a curve of solutions.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Direction {
+    /// Node values; (N + 1) × n.
+    pub nodes: Vec<f64>,
+    /// Stage values; N × m × n.
+    pub stages: Vec<f64>,
+    /// Scalar unknowns.
+    pub scalars: Vec<f64>,
+}
+
+impl Direction {
+    /// Largest entry of |δ| / (1 + |value|).
+    pub fn norm(&self, about: &Solution) -> f64 {
+        let norms = [
+            weighted_maximum(&self.nodes, &about.nodes),
+            weighted_maximum(&self.stages, &about.stages),
+            weighted_maximum(&self.scalars, &about.scalars),
+        ];
+        if norms.iter().any(|n| n.is_nan()) { f64::NAN } else { norms.into_iter().fold(0.0, f64::max) }
+    }
+
+    /// Multiplies by a factor.
+    pub fn scale(&mut self, factor: f64) {
+        for v in self.nodes.iter_mut().chain(&mut self.stages).chain(&mut self.scalars) {
+            *v *= factor;
+        }
+    }
+
+    /// Adds λ times another update of the same shape.
+    pub fn add(&mut self, lambda: f64, other: &Direction) {
+        for (v, d) in
+            [(&mut self.nodes, &other.nodes), (&mut self.stages, &other.stages), (&mut self.scalars, &other.scalars)]
+        {
+            for (v, d) in v.iter_mut().zip(d) {
+                *v += lambda * d;
+            }
+        }
+    }
+
+    /// Adds λδ to a solution.
+    pub fn apply(&self, lambda: f64, to: &mut Solution) {
+        for (d, v) in [(&self.nodes, &mut to.nodes), (&self.stages, &mut to.stages), (&self.scalars, &mut to.scalars)] {
+            for (v, d) in v.iter_mut().zip(d) {
+                *v += lambda * d;
+            }
+        }
+    }
+}

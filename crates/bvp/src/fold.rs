@@ -1,0 +1,38 @@
+//! Turning points of a parameter along a branch.
+
+use crate::derivatives::{Directional, second_residual};
+use crate::{Direction, PivotFailure, Residual, Singularity, Solution, System};
+
+/// A turning point of scalar unknown `parameter`: g = its component in w.
+#[derive(Clone, Debug)]
+pub struct Fold {
+    /// Index of the parameter among the scalar unknowns.
+    pub parameter: usize,
+    residual: Residual,
+    change: Direction,
+}
+
+impl Fold {
+    /// For a parameter given by its index.
+    pub fn new(parameter: usize) -> Fold {
+        Fold { parameter, residual: Residual::default(), change: Direction::default() }
+    }
+}
+
+impl<P: Directional> Singularity<P> for Fold {
+    fn evaluate(&mut self, _: &mut System, _: &P, w: &Direction) -> Result<f64, PivotFailure> {
+        Ok(w.scalars[self.parameter])
+    }
+
+    /// J w = 0 along x + d: J w′ = −D²F\[d, w\].
+    fn derivative(&mut self, system: &mut System, problem: &mut P, y: &Solution, w: &Direction, d: &Direction) -> f64 {
+        let conditions = free_parameters(system);
+        second_residual(&system.gauss, problem, y, [d, w], conditions, &mut self.residual);
+        system.solve(&self.residual, &mut self.change);
+        self.change.scalars[self.parameter]
+    }
+}
+
+fn free_parameters(system: &System) -> usize {
+    system.dimensions().missing_conditions().max(0) as usize
+}

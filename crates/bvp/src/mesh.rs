@@ -1,0 +1,107 @@
+//! Meshes: equidistribution of a monitor, defect of a solution.
+
+use crate::gauss::{Gauss, MAX_STAGES};
+use crate::problem::{BoundaryValueProblem, CollocationPoint};
+use crate::solution::Solution;
+
+/// n equal intervals on [from, to].
+pub fn uniform(from: f64, to: f64, n: usize) -> Vec<f64> {
+    (0..=n).map(|i| if i == n { to } else { from + (to - from) * i as f64 / n as f64 }).collect()
+}
+
+/// The mesh with every interval cut in two.
+pub fn halved(mesh: &[f64]) -> Vec<f64> {
+    let mut out = Vec::with_capacity(2 * mesh.len() - 1);
+    for pair in mesh.windows(2) {
+        out.extend([pair[0], 0.5 * (pair[0] + pair[1])]);
+    }
+    out.extend(mesh.last());
+    out
+}
+
+/// A mesh of `n` intervals on which the piecewise constant monitor `weight` (one positive value per interval of `mesh`)
+/// has equal integrals.
+pub fn equidistribute(mesh: &[f64], weight: &[f64], n: usize, out: &mut Vec<f64>) {
+    let total: f64 = mesh.windows(2).zip(weight).map(|(x, w)| (x[1] - x[0]) * w).sum();
+    out.clear();
+    out.push(mesh[0]);
+    let (mut i, mut done) = (0, 0.0);
+    for k in 1..n {
+        let target = total * k as f64 / n as f64;
+        while i + 1 < weight.len() && done + (mesh[i + 1] - mesh[i]) * weight[i] < target {
+            done += (mesh[i + 1] - mesh[i]) * weight[i];
+            i += 1;
+        }
+        out.push(mesh[i] + ((target - done) / weight[i]).min(mesh[i + 1] - mesh[i]));
+    }
+    out.push(mesh[mesh.len() - 1]);
+}
+
+/// Largest over mean integral of the monitor over the intervals: 1 on an equidistributing mesh.
+pub fn imbalance(mesh: &[f64], weight: &[f64]) -> f64 {
+    let parts = mesh.windows(2).zip(weight).map(|(x, w)| (x[1] - x[0]) * w);
+    let (largest, total) = parts.fold((0.0, 0.0), |(l, t): (f64, f64), p| (l.max(p), t + p));
+    largest * weight.len() as f64 / total
+}
+
+/// Largest defect |u′ − f(u)| · h / (1 + |u|) of the collocation polynomial on every interval, sampled midway between
+/// neighbouring Gauss points and at the ends.
+pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solution) -> Vec<f64> {
+    let dims = problem.dimensions();
+    problem.prepare(&y.scalars);
+    let (n, m) = (y.components, y.m);
+    let (mut value, mut slope, mut f, mut g) = (vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![0.0; dims.integrals]);
+    (0..y.intervals())
+        .map(|i| {
+            let h = y.mesh[i + 1] - y.mesh[i];
+            let mut largest: f64 = 0.0;
+            for k in 1..m.min(MAX_STAGES) + 1 {
+                let theta = if k < m { 0.5 * (gauss.c[k - 1] + gauss.c[k]) } else { 0.5 * gauss.c[0] };
+                y.eval_in(gauss, i, theta, &mut value);
+                y.slope_in(gauss, i, theta, &mut slope);
+                f.fill(0.0);
+                problem.rhs(
+                    CollocationPoint { x: y.mesh[i] + theta * h, index: i * m },
+                    &value,
+                    &y.scalars,
+                    &mut f,
+                    &mut g,
+                );
+                for c in 0..n {
+                    largest = largest.max(h * (slope[c] - f[c]).abs() / (1.0 + value[c].abs()));
+                }
+            }
+            largest
+        })
+        .collect()
+}
+
+/// Monitor for [`equidistribute`] from the defect: proportional to defect^(1/(m+1)) per unit length, bounded below by a
+/// fraction of its mean so that no region is left empty.
+pub fn defect_monitor(mesh: &[f64], defect: &[f64], m: usize, weight: &mut Vec<f64>) {
+    weight.clear();
+    weight.extend(mesh.windows(2).zip(defect).map(|(x, d)| d.max(1e-300).powf(1.0 / (m as f64 + 1.0)) / (x[1] - x[0])));
+    let length = mesh[mesh.len() - 1] - mesh[0];
+    let mean = mesh.windows(2).zip(weight.iter()).map(|(x, w)| (x[1] - x[0]) * w).sum::<f64>() / length;
+    for w in weight.iter_mut() {
+        *w = 0.5 * (*w + mean);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equidistributes_a_step() {
+        let mesh = uniform(0.0, 1.0, 10);
+        let weight: Vec<f64> = (0..10).map(|i| if i < 5 { 3.0 } else { 1.0 }).collect();
+        let mut out = Vec::new();
+        equidistribute(&mesh, &weight, 8, &mut out);
+        assert_eq!(out.len(), 9);
+        for (i, x) in out.iter().enumerate() {
+            let expected = if i <= 6 { i as f64 / 12.0 } else { 0.5 + (i as f64 - 6.0) / 4.0 };
+            assert!((x - expected).abs() < 1e-14, "{i}: {x} {expected}");
+        }
+    }
+}

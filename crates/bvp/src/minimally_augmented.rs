@@ -1,0 +1,230 @@
+//! Singular points of a branch as roots: Newton on the extended system.
+//!
+//! A singularity is a scalar g on the solutions of F(x) = 0 that vanishes with it. With the problem's own Jacobian
+//! bordered by a normalising row, regular at folds and pitchforks alike, the null directions b_k of F and the Newton
+//! correction δ₀ follow from one factorisation, and
+//!
+//! * \[augmented\] g + g′\[δ₀\] + Σ_k s_k g′\[b_k\] = 0, x ← x + δ₀ + Σ_k s_k b_k
+//!
+//! is Newton's method on (F, g), with exact g′ from directional second derivatives: quadratic to machine precision. With
+//! one free parameter there is one null direction; with two there are two, and a further linear condition closes the
+//! system: the plane of a continuation, or a value for any one unknown.
+//!
+//! # References
+//! Govaerts, *Numerical Methods for Bifurcations of Dynamical Equilibria*, SIAM 2000, ch. 3–4 (bordered test scalars).
+
+use crate::derivatives::Directional;
+use crate::metric::{self, Metric};
+use crate::{Direction, LinearCondition, SingularError, Singularity, Solution, System};
+
+/// Newton on the extended system for a problem with one or two free parameters (its last scalar unknowns).
+#[derive(Clone, Debug)]
+pub struct MinimallyAugmented<P, S> {
+    /// The problem, one or two conditions short of square.
+    pub problem: P,
+    /// The singularity.
+    pub singularity: S,
+    /// Factors at the last iterate.
+    pub system: System,
+    /// Norm for the normalising row.
+    pub metric: Metric,
+    /// Null directions b_k at the last iterate: b_1 with the second parameter fixed.
+    pub basis: [Direction; 2],
+    /// g′\[b_k\] at the last iterate.
+    pub slopes: [f64; 2],
+    /// Iterations stop when a correction is below this.
+    pub tolerance: f64,
+    /// Iterations also stop when, from the convergence seen so far, the next correction would be below the tolerance:
+    /// one iteration less, with directions and slopes that are less exact than the point.
+    pub trusting: bool,
+    /// Largest ratio seen of a correction to the square of the one before; 0 if none was seen.
+    contraction: f64,
+    conditions: Vec<LinearCondition>,
+    reference: Direction,
+    step: Direction,
+}
+
+/// Work and quality of a singular point found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AugmentedReport {
+    /// Newton iterations.
+    pub iterations: usize,
+    /// The first correction: the error of the start.
+    pub first_correction: f64,
+    /// The last correction.
+    pub correction: f64,
+    /// |g| before the last correction, relative to its slope along the branch: the distance still to go.
+    pub distance: f64,
+}
+
+/// Only after corrections below this may the last one be taken on trust: directions and slopes, and the normal form that
+/// follows from them, are those of the iterate before it.
+const SMALL: f64 = 1e-6;
+
+impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
+    /// For a problem near a point whose branch has the given tangent.
+    pub fn new(problem: P, singularity: S, stages: usize, metric: Metric, tangent: &Direction) -> Self {
+        let dims = problem.dimensions();
+        let mut reference = tangent.clone();
+        // A tangent from a problem with fewer free parameters.
+        reference.scalars.resize(dims.scalars, 0.0);
+        MinimallyAugmented {
+            system: System::new(dims, stages),
+            problem,
+            singularity,
+            metric,
+            basis: Default::default(),
+            slopes: [0.0; 2],
+            tolerance: 1e-11,
+            trusting: false,
+            contraction: 0.0,
+            conditions: vec![LinearCondition::default(); dims.missing_conditions().max(0) as usize],
+            reference,
+            step: Direction::default(),
+        }
+    }
+
+    /// Normalises by a direction that the branch is known to follow.
+    pub fn set_reference(&mut self, tangent: &Direction) {
+        self.reference.clone_from(tangent);
+        self.reference.scalars.resize(self.system.dimensions().scalars, 0.0);
+    }
+
+    /// Sign of the singularity at a point of the branch.
+    ///
+    /// # Errors
+    /// If a pivot vanishes.
+    pub fn sign_at(&mut self, y: &Solution) -> Result<f64, SingularError> {
+        let g = self.linearise(y)?;
+        Ok(self.singularity.sign(g))
+    }
+
+    /// Carries the normalising direction over to another mesh.
+    pub fn move_to(&mut self, from: &[f64], to: &[f64]) {
+        metric::transfer_direction(&self.system.gauss, from, to, &mut self.reference);
+        for direction in &mut self.basis {
+            metric::transfer_direction(&self.system.gauss, from, to, direction);
+        }
+    }
+
+    /// Factors, null directions and δ₀ at `y`; returns g.
+    fn linearise(&mut self, y: &Solution) -> Result<f64, SingularError> {
+        let MinimallyAugmented { problem, singularity, system, metric, basis, conditions, reference, step, .. } = self;
+        metric.plane_through(y, reference, &mut conditions[0]);
+        if conditions.len() > 1 {
+            let last = y.scalars.len() - 1;
+            metric::scalar_condition(y, last, y.scalars[last], &mut conditions[1]);
+        }
+        system.evaluate(problem, y, conditions, true);
+        system.condense()?;
+        system.factor_blocks(conditions)?;
+        system.solve_own(step);
+        for (k, direction) in basis.iter_mut().enumerate().take(conditions.len()) {
+            metric::null_direction(system, k, direction);
+        }
+        reference.clone_from(&basis[0]);
+        metric.normalise(&y.mesh, reference);
+        Ok(singularity.evaluate(system, problem, &basis[0])?)
+    }
+
+    fn slope(&mut self, y: &Solution, along: Along) -> f64 {
+        let MinimallyAugmented { problem, singularity, system, basis, step, .. } = self;
+        let d = match along {
+            Along::Step => &*step,
+            Along::Basis(k) => &basis[k],
+        };
+        singularity.derivative(system, problem, y, &basis[0], d)
+    }
+
+    /// Moves `y` onto the singular point. With two free parameters `closing` is needed.
+    ///
+    /// # Errors
+    /// [`SingularError`]; `y` is then anywhere.
+    pub fn solve(
+        &mut self,
+        y: &mut Solution,
+        closing: Option<&LinearCondition>,
+    ) -> Result<AugmentedReport, SingularError> {
+        const MOST: usize = 15;
+        let mut report = AugmentedReport { correction: f64::INFINITY, ..Default::default() };
+        let mut before = f64::INFINITY;
+        while report.iterations < MOST {
+            let singular = |_| SingularError::Singular { iterations: report.iterations };
+            let g = self.linearise(y).map_err(singular)?;
+            report.iterations += 1;
+            let constant = g + self.slope(y, Along::Step);
+            self.slopes[0] = self.slope(y, Along::Basis(0));
+            report.distance = (g / self.slopes[0]).abs();
+            let s = match closing {
+                None => [-constant / self.slopes[0], 0.0],
+                Some(closing) => {
+                    self.slopes[1] = self.slope(y, Along::Basis(1));
+                    let form = |d: &Direction| {
+                        let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
+                        dot(&closing.nodes, &d.nodes) + dot(&closing.scalars, &d.scalars)
+                    };
+                    let rest = metric::evaluate(closing, y) + form(&self.step) - closing.value;
+                    let [a, b] = self.slopes;
+                    let (c, d) = (form(&self.basis[0]), form(&self.basis[1]));
+                    let determinant = a * d - b * c;
+                    [(b * rest - d * constant) / determinant, (c * constant - a * rest) / determinant]
+                }
+            };
+            let MinimallyAugmented { basis, step, .. } = self;
+            for (s, direction) in s.iter().zip(basis.iter()).take(self.conditions.len()) {
+                step.add(*s, direction);
+            }
+            report.correction = step.norm(y);
+            if report.iterations == 1 {
+                report.first_correction = report.correction;
+            }
+            if !report.correction.is_finite() {
+                return Err(SingularError::Singular { iterations: report.iterations });
+            }
+            // Far out, only a part of the step can be trusted.
+            step.apply((0.5 / report.correction).min(1.0), y);
+            let size = report.correction;
+            // Below 1e-8 rounding spoils the ratio, above 1e-3 the next order does.
+            if (1e-8..1e-3).contains(&before) {
+                self.contraction = self.contraction.max(size / (before * before));
+            }
+            before = size;
+            // Quadratic convergence: what is left after a step of size δ is of order δ².
+            let expected = if self.trusting && self.contraction > 0.0 {
+                4.0 * self.contraction * size * size
+            } else {
+                f64::INFINITY
+            };
+            if size <= self.tolerance.max(1e-3 * self.tolerance.sqrt()) || size < SMALL && expected <= self.tolerance {
+                self.problem.prepare(&y.scalars);
+                return Ok(report);
+            }
+        }
+        Err(SingularError::Stalled { iterations: report.iterations, correction: report.correction })
+    }
+
+    /// Recomputes factors, null directions and g′ along the branch at a point that a trusting iteration converged to.
+    ///
+    /// # Errors
+    /// [`SingularError`] if a pivot vanishes.
+    pub fn refresh(&mut self, y: &Solution) -> Result<(), SingularError> {
+        self.linearise(y)?;
+        self.slopes[0] = self.slope(y, Along::Basis(0));
+        Ok(())
+    }
+
+    /// Direction of the curve of singular points in the two free parameters, of unit length.
+    pub fn curve_direction(&self, y: &Solution) -> Direction {
+        let mut direction = self.basis[0].clone();
+        direction.scale(-self.slopes[1]);
+        direction.add(self.slopes[0], &self.basis[1]);
+        self.metric.normalise(&y.mesh, &mut direction);
+        direction
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Along {
+    Step,
+    Basis(usize),
+}

@@ -1,0 +1,54 @@
+//! What is looked for along a branch: scalars that vanish at a kind of singular point.
+
+use crate::{Direction, PivotFailure, Solution, System};
+
+/// Why a singular point was not found.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SingularError {
+    /// A pivot vanished where the extended system should be regular.
+    #[error(
+        "the extended system is singular after {iterations} iterations: two singularities coincide, or none is near"
+    )]
+    Singular {
+        /// Iterations done.
+        iterations: usize,
+    },
+    /// The iteration does not converge.
+    #[error("no convergence to the singular point in {iterations} iterations (last correction {correction:.3e})")]
+    Stalled {
+        /// Iterations done.
+        iterations: usize,
+        /// Last correction.
+        correction: f64,
+    },
+    /// The iteration converges, but to another singular point than the one looked for.
+    #[error("the iteration leads to another one, {distance:.1e} times the distance of the points around it away")]
+    Elsewhere {
+        /// How far outside the bracket, in its lengths.
+        distance: f64,
+    },
+}
+
+impl From<PivotFailure> for SingularError {
+    fn from(_: PivotFailure) -> Self {
+        SingularError::Singular { iterations: 0 }
+    }
+}
+
+/// A scalar g(x) that vanishes at a kind of singular point.
+pub trait Singularity<P> {
+    /// g at the point whose factors `system` holds; `w` is the null direction of F with all but the first free parameter
+    /// fixed, normalised by the first linear condition of `system`.
+    ///
+    /// # Errors
+    /// If g cannot be computed for a vanishing pivot.
+    fn evaluate(&mut self, system: &mut System, problem: &P, w: &Direction) -> Result<f64, PivotFailure>;
+
+    /// Sign that changes at the singularity and nowhere else, for the value of g just computed.
+    fn sign(&self, g: f64) -> f64 {
+        g.signum()
+    }
+
+    /// Derivative of g along `d`, after [`evaluate`](Self::evaluate) at the same place.
+    fn derivative(&mut self, system: &mut System, problem: &mut P, y: &Solution, w: &Direction, d: &Direction) -> f64;
+}

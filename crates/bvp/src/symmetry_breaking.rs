@@ -1,0 +1,108 @@
+//! Pitchforks of mirror-symmetric branches: an antisymmetric null vector appears.
+
+use crate::derivatives::{Directional, second_residual};
+use crate::{AntisymmetricEnd, BoundaryValueProblem, Direction, PivotFailure, Residual, Singularity, Solution, System};
+
+/// A problem on the half of a mirror-symmetric domain, whose right end is the mirror.
+pub trait MirrorSymmetric: BoundaryValueProblem {
+    /// Components that vanish at the mirror in antisymmetric perturbations: as many as make these, with the left
+    /// conditions, a square problem.
+    fn vanishing_at_mirror(&self) -> &[usize];
+
+    /// Components that are free at the mirror in antisymmetric perturbations, the preferred one for normalising first.
+    fn free_at_mirror(&self) -> &[usize];
+}
+
+/// A pitchfork: the antisymmetric problem J_a φ = 0 on the half domain has a solution.
+///
+/// With the last of the conditions at the mirror replaced by (component `normaliser` of φ) = 1, g is what φ leaves of the
+/// condition replaced. Then det J_a = g · det of the replaced problem, and the same factors project any right-hand side
+/// on the left null vector.
+#[derive(Clone, Debug, Default)]
+pub struct SymmetryBreaking {
+    /// The antisymmetric solution φ of the replaced problem; at g = 0 the null vector.
+    pub null: Direction,
+    /// The replaced problem is regular for this component at the mirror set to 1.
+    pub normaliser: usize,
+    /// Sign of det J_a (up to a sign fixed per problem), and ln |det J_a|.
+    pub determinant: (f64, f64),
+    replaced: usize,
+    end: AntisymmetricEnd,
+    /// Components that vanish at the mirror in the replaced problem.
+    rows: Vec<usize>,
+    residual: Residual,
+    change: Direction,
+}
+
+impl SymmetryBreaking {
+    /// Sign and logarithm of det J_a alone, for watching a branch: the antisymmetric determinant on the factorised
+    /// intervals in `system`.
+    ///
+    /// # Errors
+    /// If a pivot is not finite.
+    pub fn test<P: MirrorSymmetric>(&mut self, system: &System, problem: &P) -> Result<(f64, f64), PivotFailure> {
+        let det = system.factor_antisymmetric(problem.vanishing_at_mirror(), &mut self.end)?;
+        Ok((det.sign, det.log_abs))
+    }
+
+    /// Component of J_a⁻¹-like projection: what the solution for −`residual` leaves of the condition replaced. Zero for
+    /// every residual in the range of J_a at g = 0.
+    pub fn project(&mut self, system: &mut System, residual: &Residual) -> f64 {
+        system.solve_antisymmetric_last_node(&self.end, residual, &mut self.change);
+        self.change.nodes[self.change.nodes.len() - system.dimensions().components + self.replaced]
+    }
+}
+
+/// A null vector this much larger than its normalising component asks for another one.
+const LARGE: f64 = 1e4;
+
+impl<P: Directional + MirrorSymmetric> Singularity<P> for SymmetryBreaking {
+    fn evaluate(&mut self, system: &mut System, problem: &P, _w: &Direction) -> Result<f64, PivotFailure> {
+        let n = system.dimensions().components;
+        let mut failure = PivotFailure { column: 0, non_finite: false };
+        for attempt in 0..problem.free_at_mirror().len() {
+            let vanishing = problem.vanishing_at_mirror();
+            let count = vanishing.len();
+            let normaliser = problem.free_at_mirror()[attempt];
+            self.rows.clear();
+            self.rows.extend_from_slice(&vanishing[..count - 1]);
+            self.rows.push(normaliser);
+            self.replaced = vanishing[count - 1];
+            self.normaliser = normaliser;
+            let det = match system.factor_antisymmetric(&self.rows, &mut self.end) {
+                Ok(det) if det.sign != 0.0 => det,
+                Ok(_) => continue,
+                Err(error) => {
+                    failure = error;
+                    continue;
+                }
+            };
+            let mut right = [0.0; 32];
+            right[count - 1] = 1.0;
+            system.solve_antisymmetric_unit(&self.end, &right[..count], &mut self.null);
+            let largest = self.null.nodes.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            if largest < LARGE || attempt + 1 == problem.free_at_mirror().len() {
+                let g = self.null.nodes[self.null.nodes.len() - n + self.replaced];
+                self.determinant = (det.sign * g.signum(), det.log_abs + g.abs().ln());
+                return Ok(g);
+            }
+        }
+        Err(failure)
+    }
+
+    /// g changes sign at the poles of the replaced problem as well.
+    fn sign(&self, _: f64) -> f64 {
+        self.determinant.0
+    }
+
+    /// The replaced problem K φ = const along x + d: K φ′ = −D²F\[d, φ\].
+    fn derivative(&mut self, system: &mut System, problem: &mut P, y: &Solution, _w: &Direction, d: &Direction) -> f64 {
+        let mut residual = std::mem::take(&mut self.residual);
+        second_residual(&system.gauss, problem, y, [d, &self.null], 0, &mut residual);
+        residual.right.clear();
+        residual.right.resize(problem.vanishing_at_mirror().len(), 0.0);
+        let change = self.project(system, &residual);
+        self.residual = residual;
+        change
+    }
+}

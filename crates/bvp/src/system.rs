@@ -1,0 +1,413 @@
+//! The linearised collocation system of a problem about a solution: residuals, factors, solves.
+
+use multiversion::multiversion;
+
+use crate::block::{AntisymmetricEnd, BlockFactor, EndRows, LinearForm};
+use crate::condense::Condensed;
+use crate::dense::{Determinant, LANE, PivotFailure};
+use crate::gauss::{Gauss, MAX_STAGES};
+use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, PointJacobian};
+use crate::{Direction, LinearCondition, Solution};
+
+/// Residuals of all equations; also serves as a general right-hand side (the system solved is J δ = −residual).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Residual {
+    /// Σ_k D_jk (Y_k − y₀) − h f(Y_j); N × m × n.
+    pub stages: Vec<f64>,
+    /// y₀ + Σ d_j (Y_j − y₀) − y₁; N × n.
+    pub nodes: Vec<f64>,
+    /// Left conditions.
+    pub left: Vec<f64>,
+    /// Right conditions.
+    pub right: Vec<f64>,
+    /// Integral conditions, then linear conditions.
+    pub border: Vec<f64>,
+}
+
+/// Workspace for one problem shape: derivatives, condensed intervals, block factors. Reused from call to call; nothing
+/// is allocated once it has seen the largest mesh.
+#[derive(Clone, Debug)]
+pub struct System {
+    /// Collocation coefficients.
+    pub gauss: Gauss,
+    /// Condensed intervals of the last factorisation.
+    pub(crate) condensed: Condensed,
+    /// Residual of the last evaluation.
+    pub residual: Residual,
+    block: BlockFactor,
+    ends: Ends,
+    constants: Vec<f64>,
+    borders: Vec<f64>,
+    point: Vec<f64>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Ends {
+    ly: Vec<f64>,
+    lp: Vec<f64>,
+    ry: Vec<f64>,
+    rp: Vec<f64>,
+    hp: Vec<f64>,
+}
+
+fn zeroed(v: &mut Vec<f64>, len: usize) {
+    v.clear();
+    v.resize(len, 0.0);
+}
+
+impl System {
+    /// Workspace for problems of the given sizes with m stages.
+    ///
+    /// # Panics
+    /// If the stage unknowns (m × non-integrable components) exceed 64 or components + scalars exceed 32.
+    pub fn new(dims: Dimensions, m: usize) -> System {
+        let condensed = Condensed::new(dims, m);
+        assert!(condensed.layout.s <= 64 && condensed.layout.columns <= 32, "system too large for one block");
+        System {
+            gauss: Gauss::new(m),
+            condensed,
+            residual: Residual::default(),
+            block: BlockFactor::default(),
+            ends: Ends::default(),
+            constants: Vec::new(),
+            borders: Vec::new(),
+            point: Vec::new(),
+        }
+    }
+
+    /// Sizes of the problem this workspace is for.
+    pub fn dimensions(&self) -> Dimensions {
+        self.condensed.layout.dims
+    }
+
+    /// Evaluates the residual of `problem` at `y`, and with `derivatives` also all derivatives.
+    pub fn evaluate<P: BoundaryValueProblem>(
+        &mut self,
+        problem: &mut P,
+        y: &Solution,
+        conditions: &[LinearCondition],
+        derivatives: bool,
+    ) {
+        let dims = self.dimensions();
+        let (n, m, np, ni) = (dims.components, self.gauss.m, dims.scalars, dims.integrals);
+        let intervals = y.intervals();
+        problem.prepare(&y.scalars);
+        if derivatives {
+            self.condensed.reset(&y.mesh);
+        }
+        let r = &mut self.residual;
+        r.stages.resize(intervals * m * n, 0.0);
+        r.nodes.resize(intervals * n, 0.0);
+        zeroed(&mut r.border, ni + conditions.len());
+        zeroed(&mut self.ends.hp, ni * np);
+        for k in 0..ni {
+            r.border[k] = problem.integral_offset(k, &y.scalars, &mut self.ends.hp[k * np..(k + 1) * np]);
+        }
+        zeroed(&mut self.point, n + ni);
+        let (f, g) = self.point.split_at_mut(n);
+        for i in 0..intervals {
+            let h = y.mesh[i + 1] - y.mesh[i];
+            let y0 = y.node(i);
+            for j in 0..m {
+                let index = i * m + j;
+                let at = CollocationPoint { x: y.mesh[i] + h * self.gauss.c[j], index };
+                let value = y.stage(i, j);
+                if derivatives {
+                    f.fill(0.0);
+                    g.fill(0.0);
+                    let c = &mut self.condensed;
+                    let mut out = PointJacobian {
+                        f,
+                        fy: &mut c.fy[index * n * n..(index + 1) * n * n],
+                        fp: &mut c.fp[index * n * np..(index + 1) * n * np],
+                        g,
+                        gy: &mut c.gy[index * ni * n..(index + 1) * ni * n],
+                        gp: &mut c.gp[index * ni * np..(index + 1) * ni * np],
+                    };
+                    problem.rhs_jacobian(at, value, &y.scalars, &mut out);
+                } else {
+                    problem.rhs(at, value, &y.scalars, f, g);
+                }
+                for k in 0..ni {
+                    r.border[k] += h * self.gauss.b[j] * g[k];
+                }
+                let rows = &mut r.stages[index * n..(index + 1) * n];
+                for (k, row) in rows.iter_mut().enumerate() {
+                    *row = -h * f[k];
+                }
+            }
+            stage_differences(
+                &self.gauss,
+                y0,
+                &y.stages[i * m * n..(i + 1) * m * n],
+                y.node(i + 1),
+                &mut r.stages[i * m * n..(i + 1) * m * n],
+                &mut r.nodes[i * n..(i + 1) * n],
+            );
+        }
+        let e = &mut self.ends;
+        zeroed(&mut r.left, dims.left);
+        zeroed(&mut r.right, dims.right);
+        zeroed(&mut e.ly, dims.left * n);
+        zeroed(&mut e.lp, dims.left * np);
+        zeroed(&mut e.ry, dims.right * n);
+        zeroed(&mut e.rp, dims.right * np);
+        problem.left(y.node(0), &y.scalars, &mut BoundaryJacobian { r: &mut r.left, ry: &mut e.ly, rp: &mut e.lp });
+        problem.right(
+            y.node(intervals),
+            &y.scalars,
+            &mut BoundaryJacobian { r: &mut r.right, ry: &mut e.ry, rp: &mut e.rp },
+        );
+        for (k, c) in conditions.iter().enumerate() {
+            let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
+            r.border[ni + k] = dot(&c.nodes, &y.nodes) + dot(&c.scalars, &y.scalars) - c.value;
+        }
+    }
+
+    /// Condenses all intervals from the derivatives of the last evaluation.
+    pub fn condense(&mut self) -> Result<(), PivotFailure> {
+        for i in 0..self.condensed.intervals() {
+            self.condensed.factor(&self.gauss, i)?;
+        }
+        Ok(())
+    }
+
+    /// Factorises the block system of the problem itself, after [`condense`](Self::condense).
+    pub fn factor_blocks(&mut self, conditions: &[LinearCondition]) -> Result<(), PivotFailure> {
+        let dims = self.dimensions();
+        let e = &self.ends;
+        // At most a handful of linear conditions: the small vector of views lives on the stack.
+        let mut forms = [LinearForm { nodes: &[], scalars: &[] }; 8];
+        for (form, c) in forms.iter_mut().zip(conditions) {
+            *form = LinearForm { nodes: &c.nodes, scalars: &c.scalars };
+        }
+        self.block.factor(
+            &self.condensed,
+            dims.scalars,
+            EndRows { ry: &e.ly, rp: &e.lp, rows: dims.left },
+            EndRows { ry: &e.ry, rp: &e.rp, rows: dims.right },
+            true,
+            &e.hp,
+            &forms[..conditions.len()],
+        )
+    }
+
+    /// Solves J δ = −residual with the factors at hand.
+    pub fn solve(&mut self, residual: &Residual, out: &mut Direction) {
+        self.particular(residual, out, true);
+        let System { block, borders, .. } = self;
+        // End rows with their signs turned, in the scratch behind the border entries.
+        let ni = borders.len();
+        borders.extend(residual.left.iter().map(|v| -v));
+        borders.extend(residual.right.iter().map(|v| -v));
+        let (border, ends) = borders.split_at(ni);
+        let (left, right) = ends.split_at(residual.left.len());
+        block.solve(&mut out.nodes, left, right, border, &mut out.scalars);
+        self.complete(out);
+    }
+
+    /// Solves with the residual of the last evaluation.
+    pub fn solve_own(&mut self, out: &mut Direction) {
+        let residual = std::mem::take(&mut self.residual);
+        self.solve(&residual, out);
+        self.residual = residual;
+    }
+
+    /// Solves J δ = e with e one in row `which` of the border (integral conditions first) and zero elsewhere.
+    pub fn solve_unit(&mut self, which: usize, out: &mut Direction) {
+        let dims = self.dimensions();
+        let rows = dims.integrals + dims.missing_conditions().max(0) as usize;
+        zeroed(&mut self.borders, rows + dims.right);
+        self.borders[which] = 1.0;
+        let (border, right) = self.borders.split_at(rows);
+        zeroed(&mut out.nodes, (self.condensed.intervals() + 1) * dims.components);
+        zeroed(&mut out.stages, self.condensed.intervals() * self.gauss.m * dims.components);
+        zeroed(&mut out.scalars, dims.scalars);
+        self.block.solve_last(&mut out.nodes, right, border, &mut out.scalars);
+        self.complete(out);
+    }
+
+    /// Particular stage values and node constants for a residual; border right-hand sides into the scratch.
+    fn particular(&mut self, residual: &Residual, out: &mut Direction, with_border: bool) {
+        let dims = self.dimensions();
+        let (n, m, ni) = (dims.components, self.gauss.m, dims.integrals);
+        let intervals = self.condensed.intervals();
+        out.nodes.resize((intervals + 1) * n, 0.0);
+        out.stages.resize(intervals * m * n, 0.0);
+        zeroed(&mut out.scalars, dims.scalars);
+        self.borders.clear();
+        if with_border {
+            self.borders.extend(residual.border.iter().map(|v| -v));
+        }
+        zeroed(&mut self.constants, n);
+        for i in 0..intervals {
+            let range = i * m * n..(i + 1) * m * n;
+            let y = &mut out.stages[range.clone()];
+            self.condensed.particular_stages(&self.gauss, i, &residual.stages[range], y);
+            self.condensed.particular_node(&self.gauss, y, &residual.nodes[i * n..(i + 1) * n], &mut self.constants);
+            out.nodes[i * n..(i + 1) * n].copy_from_slice(&self.constants);
+            if with_border {
+                for j in 0..m {
+                    let weight = self.condensed.h[i] * self.gauss.b[j];
+                    let point = i * m + j;
+                    for k in 0..ni {
+                        let gy = &self.condensed.gy[(point * ni + k) * n..(point * ni + k + 1) * n];
+                        let dot: f64 = gy.iter().zip(&y[j * n..(j + 1) * n]).map(|(a, b)| a * b).sum();
+                        self.borders[k] -= weight * dot;
+                    }
+                }
+            }
+        }
+    }
+
+    fn complete(&mut self, out: &mut Direction) {
+        let (n, m) = (self.dimensions().components, self.gauss.m);
+        for i in 0..self.condensed.intervals() {
+            self.condensed.complete_stages(
+                i,
+                &out.nodes[i * n..(i + 1) * n],
+                &out.scalars,
+                &mut out.stages[i * m * n..(i + 1) * m * n],
+            );
+        }
+    }
+
+    /// Factorises the antisymmetric problem that belongs to the factorised one on a mirror-symmetric half: the same
+    /// intervals and left conditions, the components in `vanishing` zero at the mirror in place of the right conditions, and
+    /// neither scalar unknowns nor integral conditions. The determinant includes the stages.
+    ///
+    /// # Errors
+    /// A pivot that is not finite; one that is zero makes the determinant zero.
+    pub fn factor_antisymmetric(
+        &self,
+        vanishing: &[usize],
+        end: &mut AntisymmetricEnd,
+    ) -> Result<Determinant, PivotFailure> {
+        let n = self.dimensions().components;
+        let mut rows = std::mem::take(&mut end.rows);
+        zeroed(&mut rows, vanishing.len() * n);
+        for (k, &component) in vanishing.iter().enumerate() {
+            rows[k * n + component] = 1.0;
+        }
+        let result = self.block.factor_antisymmetric(EndRows { ry: &rows, rp: &[], rows: vanishing.len() }, end);
+        end.rows = rows;
+        let mut det = Determinant::default();
+        self.condensed.accumulate_determinant(&mut det);
+        self.block.accumulate_antisymmetric(end, &mut det);
+        match result {
+            Ok(()) => Ok(det),
+            // Exactly singular in the last block: the zero itself.
+            Err(failure) if !failure.non_finite => Ok(Determinant { sign: 0.0, log_abs: f64::NEG_INFINITY }),
+            Err(failure) => Err(failure),
+        }
+    }
+
+    /// Solves the antisymmetric problem factorised by [`factor_antisymmetric`](Self::factor_antisymmetric) for stage and
+    /// node residuals and right-hand sides of its end rows.
+    pub fn solve_antisymmetric(&mut self, end: &AntisymmetricEnd, residual: &Residual, out: &mut Direction) {
+        self.solve_antisymmetric_nodes(end, residual, out, true);
+        self.complete(out);
+    }
+
+    /// The last node alone of [`solve_antisymmetric`](Self::solve_antisymmetric), in its place in `out`.
+    pub fn solve_antisymmetric_last_node(&mut self, end: &AntisymmetricEnd, residual: &Residual, out: &mut Direction) {
+        self.solve_antisymmetric_nodes(end, residual, out, false);
+    }
+
+    fn solve_antisymmetric_nodes(
+        &mut self,
+        end: &AntisymmetricEnd,
+        residual: &Residual,
+        out: &mut Direction,
+        everywhere: bool,
+    ) {
+        self.particular(residual, out, false);
+        let System { block, borders, .. } = self;
+        borders.extend(residual.left.iter().chain(&residual.right).map(|v| -v));
+        let (left, right) = borders.split_at(residual.left.len());
+        block.solve_antisymmetric(end, &mut out.nodes, left, right, everywhere);
+    }
+
+    /// The solution of the antisymmetric problem for right-hand sides that are zero but for `right` of its right end rows.
+    pub fn solve_antisymmetric_unit(&mut self, end: &AntisymmetricEnd, right: &[f64], out: &mut Direction) {
+        let dims = self.dimensions();
+        zeroed(&mut out.nodes, (self.condensed.intervals() + 1) * dims.components);
+        zeroed(&mut out.stages, self.condensed.intervals() * self.gauss.m * dims.components);
+        zeroed(&mut out.scalars, dims.scalars);
+        self.block.solve_antisymmetric_last(end, &mut out.nodes, right);
+        self.complete(out);
+    }
+
+    /// Determinant of the full factorised system.
+    pub fn determinant(&self) -> Determinant {
+        let mut det = Determinant::default();
+        self.condensed.accumulate_determinant(&mut det);
+        self.block.accumulate_determinant(&mut det);
+        det
+    }
+
+    /// A zero residual of the right shape for the mesh of the last evaluation, to be filled as a right-hand side.
+    pub fn zero_residual(&self) -> Residual {
+        let zeros = |v: &Vec<f64>| vec![0.0; v.len()];
+        Residual {
+            stages: zeros(&self.residual.stages),
+            nodes: zeros(&self.residual.nodes),
+            left: zeros(&self.residual.left),
+            right: zeros(&self.residual.right),
+            border: zeros(&self.residual.border),
+        }
+    }
+}
+
+/// Adds Σ_k D_jk (Y_k − y₀) to the stage residuals of one interval and writes its node residual y₀ + Σ d_j (Y_j − y₀) − y₁.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+fn stage_differences(gauss: &Gauss, y0: &[f64], stages: &[f64], y1: &[f64], residual: &mut [f64], node: &mut [f64]) {
+    match (gauss.m, y0.len()) {
+        (4, 7) => differences_sized::<4, 7>(gauss, y0, stages, y1, residual, node),
+        (3, 7) => differences_sized::<3, 7>(gauss, y0, stages, y1, residual, node),
+        _ => differences_sized::<0, 0>(gauss, y0, stages, y1, residual, node),
+    }
+}
+
+/// Sizes known at compile time unless 0. Components go through in padded lanes of eight.
+#[inline(always)]
+fn differences_sized<const M: usize, const N: usize>(
+    gauss: &Gauss,
+    y0: &[f64],
+    stages: &[f64],
+    y1: &[f64],
+    residual: &mut [f64],
+    node: &mut [f64],
+) {
+    let (m, n) = if M > 0 { (M, N) } else { (gauss.m, y0.len()) };
+    let (d_matrix, d) = (&gauss.d_matrix[..m * m], &gauss.d[..m]);
+    for from in (0..n).step_by(LANE) {
+        let width = (n - from).min(LANE);
+        let mut difference = [[0.0; LANE]; MAX_STAGES];
+        for j in 0..m {
+            let y = &stages[j * n + from..j * n + from + width];
+            for t in 0..width {
+                difference[j][t] = y[t] - y0[from + t];
+            }
+        }
+        let mut end = [0.0; LANE];
+        for j in 0..m {
+            let mut sum = [0.0; LANE];
+            for k in 0..m {
+                for t in 0..LANE {
+                    sum[t] += d_matrix[j * m + k] * difference[k][t];
+                }
+            }
+            let row = &mut residual[j * n + from..j * n + from + width];
+            for t in 0..width {
+                row[t] += sum[t];
+            }
+            for t in 0..LANE {
+                end[t] += d[j] * difference[j][t];
+            }
+        }
+        for t in 0..width {
+            node[from + t] = end[t] + (y0[from + t] - y1[from + t]);
+        }
+    }
+}

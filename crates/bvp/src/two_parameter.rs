@@ -1,0 +1,335 @@
+//! Curves of singular points in two parameters.
+//!
+//! A [`TwoParameterCurve`] holds a problem whose last two scalar unknowns (λ, μ) are free and a singularity g. Its points are the
+//! roots of (F, g), one condition short; the closing condition is the plane of pseudo-arclength continuation, or a value
+//! for any one scalar unknown: that is how R0 with ξ_s*(R0) = ξ_s is solved for directly.
+
+use crate::Direction;
+use crate::derivatives::Directional;
+use crate::metric::{self, Metric};
+use crate::predictor::History;
+use crate::{AugmentedReport, MinimallyAugmented, SingularError, Singularity};
+use crate::{LinearCondition, Solution, mesh};
+
+use crate::continuation::MeshMonitor;
+
+/// Settings of a curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CurveSettings {
+    /// First step, in arclength.
+    pub first_step: f64,
+    /// Smallest step before giving up.
+    pub min_step: f64,
+    /// Largest step.
+    pub max_step: f64,
+    /// Smallest cosine between neighbouring tangents.
+    pub min_cosine: f64,
+    /// First Newton correction aimed at: small enough for a single iteration, and for its factors to serve the point itself.
+    pub target_correction: f64,
+    /// Accuracy of the points on the way; a point asked for by value is found to rounding.
+    pub tolerance: f64,
+    /// Move the mesh when the largest interval carries this many times its share of the monitor.
+    pub remesh_above: f64,
+}
+
+impl Default for CurveSettings {
+    fn default() -> Self {
+        CurveSettings {
+            first_step: 0.01,
+            min_step: 1e-7,
+            max_step: 0.2,
+            min_cosine: 0.8,
+            target_correction: 1e-10,
+            tolerance: 1e-10,
+            remesh_above: 1.8,
+        }
+    }
+}
+
+/// Points a prediction goes through: what a curve costs is its points, one factorisation each, and curves are smooth.
+const ORDER: usize = 7;
+
+/// Tolerance of points asked for by value.
+const ROUNDING: f64 = 1e-12;
+
+/// Why a curve cannot go on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CurveError {
+    /// No first point.
+    #[error("no first point: {0}")]
+    Start(SingularError),
+    /// The corrector fails for the smallest step.
+    #[error("the curve is lost at ({first}, {second}): {source}")]
+    Lost {
+        /// First free parameter.
+        first: f64,
+        /// Second free parameter.
+        second: f64,
+        /// What the solver said last.
+        source: SingularError,
+    },
+    /// A value of an unknown is not on the curve in the number of steps allowed.
+    #[error("not reached in {steps} steps, which lead to {reached}")]
+    NotReached {
+        /// Steps taken.
+        steps: usize,
+        /// Value reached.
+        reached: f64,
+    },
+}
+
+/// A curve of singular points being followed.
+#[derive(Clone, Debug)]
+pub struct TwoParameterCurve<P, S> {
+    /// Factors, directions and the singularity at the newest point.
+    pub augmented: MinimallyAugmented<P, S>,
+    /// The newest point.
+    pub solution: Solution,
+    /// Unit tangent of the curve.
+    pub tangent: Direction,
+    /// Arclength from the first point.
+    pub arclength: f64,
+    /// The step to try next.
+    pub step: f64,
+    /// Settings.
+    pub settings: CurveSettings,
+    /// What the mesh follows; by default it stays.
+    pub monitor: Option<MeshMonitor<P>>,
+    /// Newton iterations so far.
+    pub iterations: usize,
+    history: History,
+    closing: LinearCondition,
+    trial: Solution,
+    weight: Vec<f64>,
+}
+
+impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> {
+    /// Starts at the singular point near `guess` with the μ of `guess`, towards larger μ if `upwards`. `branch_tangent`
+    /// is the tangent of the branch the point is on.
+    ///
+    /// # Errors
+    /// [`CurveError::Start`].
+    pub fn start(
+        problem: P,
+        singularity: S,
+        guess: Solution,
+        metric: Metric,
+        branch_tangent: &Direction,
+        settings: CurveSettings,
+        upwards: bool,
+    ) -> Result<Self, CurveError> {
+        let augmented = MinimallyAugmented::new(problem, singularity, guess.m, metric, branch_tangent);
+        let mut curve = TwoParameterCurve {
+            augmented,
+            trial: guess.clone(),
+            solution: guess,
+            tangent: Direction::default(),
+            arclength: 0.0,
+            step: settings.first_step,
+            settings,
+            monitor: None,
+            iterations: 0,
+            history: History::of_order(ORDER),
+            closing: LinearCondition::default(),
+            weight: Vec::new(),
+        };
+        let last = curve.solution.scalars.len() - 1;
+        let value = curve.solution.scalars[last];
+        metric::scalar_condition(&curve.solution, last, value, &mut curve.closing);
+        let report = curve.augmented.solve(&mut curve.solution, Some(&curve.closing)).map_err(CurveError::Start)?;
+        curve.iterations += report.iterations;
+        curve.tangent = curve.augmented.curve_direction(&curve.solution);
+        if (curve.tangent.scalars[last] > 0.0) != upwards {
+            curve.tangent.scale(-1.0);
+        }
+        curve.history.push(0.0, &curve.solution);
+        Ok(curve)
+    }
+
+    /// Values of the two free parameters (λ, μ).
+    pub fn parameters(&self) -> [f64; 2] {
+        let n = self.solution.scalars.len();
+        [self.solution.scalars[n - 2], self.solution.scalars[n - 1]]
+    }
+
+    /// Turns round.
+    pub fn reverse(&mut self) {
+        self.tangent.scale(-1.0);
+        self.history.clear();
+        self.history.push(self.arclength, &self.solution);
+        self.step = self.settings.first_step;
+    }
+
+    /// Turns to the side on which scalar unknown `index` comes nearer to `value`.
+    pub fn head_for(&mut self, index: usize, value: f64) {
+        if (value - self.solution.scalars[index]) * self.tangent.scalars[index] < 0.0 {
+            self.reverse();
+        }
+    }
+
+    /// Goes one step on.
+    ///
+    /// # Errors
+    /// [`CurveError::Lost`]; the state is left at the last point.
+    pub fn advance(&mut self) -> Result<AugmentedReport, CurveError> {
+        self.remesh();
+        let mut step = self.step.min(self.settings.max_step);
+        loop {
+            self.augmented.metric.plane_through(&self.solution, &self.tangent, &mut self.closing);
+            self.closing.value += step;
+            if self.history.len() > 1 {
+                self.history.predict(&self.closing, &mut self.trial);
+            } else {
+                self.trial.clone_from(&self.solution);
+                self.tangent.apply(step, &mut self.trial);
+            }
+            let before = (self.augmented.basis.clone(), self.augmented.slopes);
+            (self.augmented.tolerance, self.augmented.trusting) = (self.settings.tolerance, true);
+            let solved = self.augmented.solve(&mut self.trial, Some(&self.closing));
+            (self.augmented.tolerance, self.augmented.trusting) = (ROUNDING, false);
+            let source = match solved {
+                Ok(report) => {
+                    self.iterations += report.iterations;
+                    let mut tangent = self.augmented.curve_direction(&self.trial);
+                    let cosine = self.augmented.metric.dot(&self.trial.mesh, &tangent, &self.tangent);
+                    if cosine < 0.0 {
+                        tangent.scale(-1.0);
+                    }
+                    if cosine.abs() >= self.settings.min_cosine {
+                        self.tangent = tangent;
+                        std::mem::swap(&mut self.solution, &mut self.trial);
+                        self.arclength += step;
+                        self.history.push(self.arclength, &self.solution);
+                        self.step = self.step_after(step, report.first_correction);
+                        return Ok(report);
+                    }
+                    SingularError::Stalled { iterations: report.iterations, correction: report.correction }
+                }
+                Err(error) => error,
+            };
+            (self.augmented.basis, self.augmented.slopes) = before;
+            self.augmented.set_reference(&self.augmented.basis[0].clone());
+            step *= 0.4;
+            if step < self.settings.min_step {
+                let [first, second] = self.parameters();
+                return Err(CurveError::Lost { first, second, source });
+            }
+        }
+    }
+
+    /// The step after one with a first correction of size `correction`, whose order is that of the prediction: as many
+    /// points as are known. Accuracy shortens no step below a quarter of the first: what is left of a correction there is
+    /// roundings, which do not shrink with the step, and only longer ones leave them behind.
+    fn step_after(&self, step: f64, correction: f64) -> f64 {
+        let target = self.settings.target_correction;
+        let shortest = 0.25 * self.settings.first_step;
+        let ratio = (target / correction.max(1e-300)).powf(1.0 / self.history.len() as f64).clamp(0.3, 2.0);
+        let next = step * if correction < 10.0 * target { ratio.max(1.0) } else { ratio };
+        if next < shortest { shortest.min(2.0 * step) } else { next }
+    }
+
+    /// The point between the last two at which the curve turns in scalar unknown `index`, and its arclength, by
+    /// bisection on the tangent; `None` if a corrector fails on the way. The curve itself stays where it is.
+    pub fn turning_point(&mut self, index: usize) -> Option<Solution> {
+        let (mut low, _) = self.history.before_newest()?;
+        let mut high = self.arclength;
+        let side = self.tangent.scalars[index].signum();
+        let mut y = self.solution.clone();
+        // Both parameters are quadratic about a cusp: half the digits of arclength give all digits of theirs.
+        while high - low > 1e-9 * (1.0 + high) {
+            let middle = 0.5 * (low + high);
+            self.history.extrapolate(middle, &mut y);
+            self.augmented.metric.plane_through(&y, &self.tangent, &mut self.closing);
+            self.iterations += self.augmented.solve(&mut y, Some(&self.closing)).ok()?.iterations;
+            let mut tangent = self.augmented.curve_direction(&y);
+            if self.augmented.metric.dot(&y.mesh, &tangent, &self.tangent) < 0.0 {
+                tangent.scale(-1.0);
+            }
+            if tangent.scalars[index] * side > 0.0 { high = middle } else { low = middle }
+        }
+        Some(y)
+    }
+
+    /// Solves for the point near the newest where scalar unknown `index` has a value; the curve itself stays where it
+    /// is, but the factors in `augmented` are those of the point found.
+    ///
+    /// # Errors
+    /// [`CurveError::Lost`].
+    pub fn at(&mut self, index: usize, value: f64) -> Result<(Solution, AugmentedReport), CurveError> {
+        let mut y = self.solution.clone();
+        let slope = self.tangent.scalars[index];
+        match self.history.before_newest() {
+            Some((before, earlier)) if (earlier.scalars[index] - value) * (y.scalars[index] - value) <= 0.0 => {
+                let share = (value - earlier.scalars[index]) / (y.scalars[index] - earlier.scalars[index]);
+                self.history.extrapolate(before + share * (self.arclength - before), &mut y);
+            }
+            _ if slope != 0.0 => self.tangent.apply((value - y.scalars[index]) / slope, &mut y),
+            _ => {}
+        }
+        metric::scalar_condition(&y, index, value, &mut self.closing);
+        let report = self.augmented.solve(&mut y, Some(&self.closing)).map_err(|source| {
+            let [first, second] = self.parameters();
+            CurveError::Lost { first, second, source }
+        })?;
+        self.iterations += report.iterations;
+        Ok((y, report))
+    }
+
+    /// Follows the curve until scalar unknown `index` passes `value`, showing every point to `visit` (which may end it
+    /// by returning false), and makes the point with exactly that value the newest.
+    ///
+    /// # Errors
+    /// [`CurveError`]; `NotReached` also if `visit` ended it.
+    pub fn follow_to(
+        &mut self,
+        index: usize,
+        value: f64,
+        limit: usize,
+        mut visit: impl FnMut(&mut Self, &AugmentedReport) -> bool,
+    ) -> Result<(), CurveError> {
+        for steps in 0..limit {
+            let before = self.solution.scalars[index] - value;
+            if before == 0.0 {
+                return Ok(());
+            }
+            let report = self.advance()?;
+            if before * (self.solution.scalars[index] - value) <= 0.0 {
+                let (y, report) = self.at(index, value)?;
+                let mut tangent = self.augmented.curve_direction(&y);
+                if self.augmented.metric.dot(&y.mesh, &tangent, &self.tangent) < 0.0 {
+                    tangent.scale(-1.0);
+                }
+                self.tangent = tangent;
+                self.solution = y;
+                self.history.clear();
+                self.history.push(self.arclength, &self.solution);
+                self.step = self.settings.first_step;
+                visit(self, &report);
+                return Ok(());
+            }
+            if !visit(self, &report) {
+                return Err(CurveError::NotReached { steps, reached: self.solution.scalars[index] });
+            }
+        }
+        Err(CurveError::NotReached { steps: limit, reached: self.solution.scalars[index] })
+    }
+
+    /// Moves the mesh if it no longer fits.
+    fn remesh(&mut self) {
+        let Some(monitor) = self.monitor else { return };
+        let y = &self.solution;
+        monitor(&self.augmented.problem, y, &mut self.weight);
+        if mesh::imbalance(&y.mesh, &self.weight) <= self.settings.remesh_above {
+            return;
+        }
+        let mut grid = Vec::new();
+        mesh::equidistribute(&y.mesh, &self.weight, y.intervals(), &mut grid);
+        let gauss = self.augmented.system.gauss.clone();
+        metric::transfer_direction(&gauss, &y.mesh, &grid, &mut self.tangent);
+        self.augmented.move_to(&y.mesh, &grid);
+        self.solution.transfer_into(&gauss, &grid, &mut self.trial);
+        std::mem::swap(&mut self.solution, &mut self.trial);
+        self.history.transfer(&gauss, &grid);
+        self.augmented.metric.normalise(&grid, &mut self.tangent);
+    }
+}

@@ -1,0 +1,478 @@
+//! Material and shell constants from measured thresholds.
+//!
+//! Given pitchfork thresholds ξ_s at some (R0, ε), the parameters θ minimise Σ_i ρ_i² with
+//!
+//! * \[residual\] ρ_i = weight_i (ξ_s*(R0_i, ε_i; θ) / ξ_s,i − 1),
+//!
+//! by Levenberg–Marquardt steps. The sensitivities ∂ξ_s*/∂θ are exact: directions of the curve of pitchforks in the plane
+//! (ξ_s, θ), from the extended system. Singular values of ∂ρ/∂ln θ tell which combinations of the parameters the
+//! thresholds determine, and which they leave open: stationary shapes depend on κ, P0, γ and the activity gξ only through
+//! their ratios, and not at all on a common factor of the viscosities and the friction.
+//!
+//! # References
+//! Nocedal & Wright, *Numerical Optimization*, Springer 2006, ch. 10.
+
+use bvp::metric::scalar_condition;
+use bvp::{Direction, LinearCondition, MinimallyAugmented, SingularError, Solution, SymmetryBreaking};
+use faer::Mat;
+use serde::{Deserialize, Serialize};
+
+use crate::cell::{Cell, Numerics, Parameter};
+use crate::cortex::observables::elongation;
+use crate::cortex::{Cortex, Domain};
+use crate::input::InputError;
+use crate::shapes::branch::{XI, metric};
+use crate::shapes::{BranchOptions, ShapeError, pitchfork};
+
+/// A measured pitchfork threshold.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Threshold {
+    /// Cell radius R0.
+    pub r0: f64,
+    /// Volume fraction ε.
+    pub epsilon: f64,
+    /// Threshold ξ_s*, as published.
+    pub xi_s: f64,
+    /// Weight of its relative deviation.
+    #[serde(default = "unit_weight")]
+    pub weight: f64,
+}
+
+impl Threshold {
+    /// The cell it was measured of, with the constants of another.
+    fn cell(&self, constants: &Cell) -> Cell {
+        Cell { r0: self.r0, epsilon: self.epsilon, ..constants.clone() }
+    }
+}
+
+fn unit_weight() -> f64 {
+    1.0
+}
+
+/// A parameter to be found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Unknown {
+    /// Which.
+    pub parameter: Parameter,
+    /// Where to start; default its present value.
+    #[serde(default)]
+    pub start: Option<f64>,
+}
+
+/// What is to be found, from what.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Targets {
+    /// Parameters to be found.
+    pub unknowns: Vec<Unknown>,
+    /// Measured thresholds.
+    pub thresholds: Vec<Threshold>,
+}
+
+/// A threshold beside the model's.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ThresholdResidual {
+    /// Cell radius R0.
+    pub r0: f64,
+    /// Volume fraction ε.
+    pub epsilon: f64,
+    /// Threshold ξ_s* given.
+    pub xi_s: f64,
+    /// Threshold ξ_s* of the model.
+    pub computed: f64,
+    /// computed / given − 1.
+    pub relative: f64,
+    /// Weight.
+    pub weight: f64,
+}
+
+/// A direction in the space of the parameters, and how firmly the thresholds hold it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Combination {
+    /// Relative change of the thresholds per relative change of the parameters along this direction.
+    pub singular_value: f64,
+    /// Whether the thresholds determine it at all.
+    pub determined: bool,
+    /// Its components, one a parameter: relative changes, with Σ² = 1.
+    pub components: Vec<f64>,
+}
+
+/// Parameters found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// Parameters with their values.
+    pub parameters: Vec<(Parameter, f64)>,
+    /// A cell with these parameters, and all others as they were.
+    pub cell: Cell,
+    /// Thresholds beside the model's.
+    pub residuals: Vec<ThresholdResidual>,
+    /// Root of the weighted mean square of the relative deviations.
+    pub rms: f64,
+    /// Directions in the order of falling singular value.
+    pub combinations: Vec<Combination>,
+    /// Steps accepted.
+    pub iterations: usize,
+}
+
+/// Why no parameters were found.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CalibrateError {
+    /// A threshold cannot be computed where the search starts.
+    #[error("threshold {index}: {source}; start from other values")]
+    Threshold {
+        /// Its place in the list, from 0.
+        index: usize,
+        /// What the search for it said.
+        source: ShapeError,
+    },
+    /// The sensitivity of a threshold cannot be computed.
+    #[error("threshold {index}: no sensitivity to {parameter}: {source}")]
+    Sensitivity {
+        /// Its place in the list, from 0.
+        index: usize,
+        /// The parameter.
+        parameter: Parameter,
+        /// What the solver said.
+        source: SingularError,
+    },
+    /// The sensitivities have no singular values.
+    #[error("the sensitivity matrix is not finite")]
+    NotFinite,
+    /// The search does not end.
+    #[error("the deviations are still {rms:.3e} (rms) and falling after {iterations} steps; start from other values")]
+    Stalled {
+        /// Steps done.
+        iterations: usize,
+        /// Root mean square of the relative deviations.
+        rms: f64,
+    },
+}
+
+/// Most steps.
+const MOST: usize = 100;
+/// Longest step in ln θ.
+const LONGEST: f64 = 0.25;
+/// Singular values below this fraction of the largest are nil.
+const NIL: f64 = 1e-7;
+
+impl Targets {
+    /// Checks every value; `source_name` is what errors call the file.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn check(&self, source_name: &str) -> Result<(), InputError> {
+        let refuse = |field: String, value: String, allowed: &str| {
+            Err(InputError::not_allowed(source_name, field, value, allowed))
+        };
+        if self.unknowns.is_empty() {
+            return refuse("unknowns".into(), "[]".into(), "at least one parameter");
+        }
+        if self.thresholds.is_empty() {
+            return refuse("thresholds".into(), "[]".into(), "at least one threshold");
+        }
+        for (k, unknown) in self.unknowns.iter().enumerate() {
+            let name = |field: &str| format!("unknowns[{k}].{field}");
+            let shown = || unknown.parameter.to_string();
+            if scale_of(unknown.parameter).is_none() {
+                let allowed = "one of gain, xi_ratio, aspect, p0, w, kappa, eta_b, eta_s, friction, tension";
+                return refuse(name("parameter"), shown(), allowed);
+            }
+            if self.unknowns[..k].iter().any(|other| other.parameter == unknown.parameter) {
+                return refuse(name("parameter"), shown(), "named only once");
+            }
+            match (unknown.start, scale_of(unknown.parameter)) {
+                (Some(v), Some(Scale::Logarithmic)) if !(v.is_finite() && v > 0.0) => {
+                    return refuse(name("start"), v.to_string(), "a finite number above 0");
+                }
+                (Some(v), _) if !v.is_finite() => return refuse(name("start"), v.to_string(), "a finite number"),
+                _ => {}
+            }
+        }
+        for (k, t) in self.thresholds.iter().enumerate() {
+            let fields = [
+                ("r0", t.r0, t.r0 > 0.0 && t.r0.is_finite(), "a finite number above 0"),
+                ("epsilon", t.epsilon, t.epsilon > 0.0 && t.epsilon < 1.0, "above 0 and below 1"),
+                ("xi_s", t.xi_s, t.xi_s > 0.0 && t.xi_s.is_finite(), "a finite number above 0"),
+                ("weight", t.weight, t.weight > 0.0 && t.weight.is_finite(), "a finite number above 0"),
+            ];
+            for (field, value, ok, allowed) in fields {
+                if !ok {
+                    return refuse(format!("thresholds[{k}].{field}"), value.to_string(), allowed);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How a parameter is varied.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Scale {
+    /// Positive, by its logarithm.
+    Logarithmic,
+    /// Of either sign, in units of 1 (or of its size, if larger).
+    Linear,
+}
+
+fn scale_of(parameter: Parameter) -> Option<Scale> {
+    match parameter {
+        Parameter::Gain
+        | Parameter::Aspect
+        | Parameter::P0
+        | Parameter::W
+        | Parameter::Kappa
+        | Parameter::EtaB
+        | Parameter::EtaS
+        | Parameter::Friction => Some(Scale::Logarithmic),
+        Parameter::XiRatio | Parameter::Tension => Some(Scale::Linear),
+        Parameter::XiS | Parameter::R0 | Parameter::Epsilon | Parameter::Cue { .. } => None,
+    }
+}
+
+fn with_values(cell: &Cell, parameters: &[(Parameter, f64)]) -> Cell {
+    let mut out = cell.clone();
+    for &(parameter, value) in parameters {
+        parameter.set(&mut out, value);
+    }
+    out
+}
+
+/// θ moved by δ in the search's own coordinates.
+fn moved(parameters: &[(Parameter, f64)], delta: &[f64]) -> Vec<(Parameter, f64)> {
+    let step = |(&(parameter, value), d): (&(Parameter, f64), &f64)| match scale_of(parameter) {
+        Some(Scale::Linear) => (parameter, value + d * value.abs().max(1.0)),
+        _ => (parameter, value * d.exp()),
+    };
+    parameters.iter().zip(delta).map(step).collect()
+}
+
+/// dθ/dx of the search's coordinates.
+fn unit(parameter: Parameter, value: f64) -> f64 {
+    match scale_of(parameter) {
+        Some(Scale::Linear) => value.abs().max(1.0),
+        _ => value,
+    }
+}
+
+/// The first pitchfork at given parameters: with a neighbouring one at hand by Newton from there, else along the branch.
+fn threshold(
+    cell: &Cell,
+    numerics: &Numerics,
+    near: Option<&Solution>,
+) -> Result<Solution, ShapeError> {
+    if let Some(near) = near {
+        let free = [Parameter::XiS];
+        let cortex = Cortex::new(cell, Domain::Half, &free);
+        let metric = metric(cell.r0, &free);
+        let mut y = near.clone();
+        let tangent = along_scalar(&y, XI);
+        let mut augmented = MinimallyAugmented::new(cortex, SymmetryBreaking::default(), y.m, metric, &tangent);
+        if let Ok(report) = augmented.solve(&mut y, None) {
+            let [before, after] = [near, &y].map(|y| elongation(y, Domain::Half, cell.r0));
+            // Another pitchfork than the one sought would lie further away.
+            if report.iterations <= 8 && (before - after).abs() < 0.1 && y.scalars[XI] > 0.0 {
+                return Ok(y);
+            }
+        }
+    }
+    let pitchfork = pitchfork::first(cell, numerics, &BranchOptions::default())?;
+    Ok(pitchfork.shape)
+}
+
+/// The direction in which only scalar unknown `index` changes.
+fn along_scalar(y: &Solution, index: usize) -> Direction {
+    let mut scalars = vec![0.0; y.scalars.len()];
+    scalars[index] = 1.0;
+    Direction { nodes: vec![0.0; y.nodes.len()], stages: vec![0.0; y.stages.len()], scalars }
+}
+
+/// ∂ξ_s*/∂θ of the pitchfork `y`.
+///
+/// # Errors
+/// [`SingularError`] where the curve of pitchforks has no such slope.
+pub fn sensitivity(cell: &Cell, y: &Solution, parameter: Parameter) -> Result<f64, SingularError> {
+    let free = [Parameter::XiS, parameter];
+    let cortex = Cortex::new(cell, Domain::Half, &free);
+    let metric = metric(cell.r0, &free);
+    let mut y = y.clone();
+    let value = cortex.get(parameter);
+    y.scalars.push(value);
+    let tangent = along_scalar(&y, XI);
+    let mut augmented = MinimallyAugmented::new(cortex, SymmetryBreaking::default(), y.m, metric, &tangent);
+    let mut closing = LinearCondition::default();
+    scalar_condition(&y, XI + 1, value, &mut closing);
+    augmented.solve(&mut y, Some(&closing))?;
+    let direction = augmented.curve_direction(&y);
+    Ok(direction.scalars[XI] / direction.scalars[XI + 1])
+}
+
+/// Everything at one set of parameters.
+struct Evaluation {
+    shapes: Vec<Solution>,
+    residuals: Vec<f64>,
+    cost: f64,
+}
+
+fn evaluate(
+    targets: &Targets,
+    cell: &Cell,
+    numerics: &Numerics,
+    near: Option<&[Solution]>,
+) -> Result<Evaluation, CalibrateError> {
+    let mut out = Evaluation { shapes: Vec::new(), residuals: Vec::new(), cost: 0.0 };
+    for (index, t) in targets.thresholds.iter().enumerate() {
+        let y = threshold(&t.cell(cell), numerics, near.map(|near| &near[index]))
+            .map_err(|source| CalibrateError::Threshold { index, source })?;
+        let residual = t.weight * (y.scalars[XI] / t.xi_s - 1.0);
+        out.cost += residual * residual;
+        out.residuals.push(residual);
+        out.shapes.push(y);
+    }
+    Ok(out)
+}
+
+/// ∂ρ/∂x in the search's coordinates.
+fn jacobian(
+    targets: &Targets,
+    cell: &Cell,
+    parameters: &[(Parameter, f64)],
+    shapes: &[Solution],
+) -> Result<Mat<f64>, CalibrateError> {
+    let mut out = Mat::<f64>::zeros(shapes.len(), parameters.len());
+    for (index, (t, y)) in targets.thresholds.iter().zip(shapes).enumerate() {
+        let cell = t.cell(cell);
+        for (k, &(parameter, value)) in parameters.iter().enumerate() {
+            let slope = sensitivity(&cell, y, parameter).map_err(|source| CalibrateError::Sensitivity {
+                index,
+                parameter,
+                source,
+            })?;
+            out[(index, k)] = t.weight / t.xi_s * slope * unit(parameter, value);
+        }
+    }
+    Ok(out)
+}
+
+/// Singular values and vectors of the sensitivities.
+struct Decomposition {
+    values: Vec<f64>,
+    /// Left vectors, one a value.
+    left: Vec<Vec<f64>>,
+    /// Right vectors, one a parameter; those beyond the values are not seen by any threshold.
+    right: Vec<Vec<f64>>,
+}
+
+fn decompose(matrix: &Mat<f64>) -> Result<Decomposition, CalibrateError> {
+    let (rows, columns) = (matrix.nrows(), matrix.ncols());
+    let svd = matrix.svd().map_err(|_| CalibrateError::NotFinite)?;
+    let count = rows.min(columns);
+    let (u, s, v) = (svd.U(), svd.S().column_vector(), svd.V());
+    let values: Vec<f64> = (0..count).map(|k| s[k]).collect();
+    if values.iter().any(|v| !v.is_finite()) {
+        return Err(CalibrateError::NotFinite);
+    }
+    Ok(Decomposition {
+        left: (0..count).map(|k| (0..rows).map(|i| u[(i, k)]).collect()).collect(),
+        right: (0..columns).map(|k| (0..columns).map(|i| v[(i, k)]).collect()).collect(),
+        values,
+    })
+}
+
+impl Decomposition {
+    /// The step −(JᵀJ + λ²)⁻¹ Jᵀ ρ, blind to directions without sensitivity.
+    fn step(&self, residuals: &[f64], lambda: f64) -> Vec<f64> {
+        let mut out = vec![0.0; self.right.len()];
+        for (k, &value) in self.values.iter().enumerate() {
+            if value <= NIL * self.values[0] {
+                continue;
+            }
+            let along: f64 = self.left[k].iter().zip(residuals).map(|(u, r)| u * r).sum();
+            let size = -value * along / (value * value + lambda * lambda);
+            out.iter_mut().zip(&self.right[k]).for_each(|(x, v)| *x += size * v);
+        }
+        let longest = out.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        if longest > LONGEST {
+            out.iter_mut().for_each(|x| *x *= LONGEST / longest);
+        }
+        out
+    }
+
+    fn combinations(&self) -> Vec<Combination> {
+        let one = |(k, right): (usize, &Vec<f64>)| {
+            let singular_value = self.values.get(k).copied().unwrap_or(0.0);
+            let determined = singular_value > NIL * self.values[0];
+            // The largest component is positive.
+            let largest = right.iter().fold(0.0f64, |m, v| if v.abs() > m.abs() { *v } else { m });
+            Combination { singular_value, determined, components: right.iter().map(|v| v * largest.signum()).collect() }
+        };
+        self.right.iter().enumerate().map(one).collect()
+    }
+}
+
+/// Finds the parameters that fit the thresholds best, starting from the constants of `cell` and the starts of the unknowns.
+///
+/// # Errors
+/// [`CalibrateError`].
+pub fn calibrate(targets: &Targets, cell: &Cell, numerics: &Numerics) -> Result<Calibration, CalibrateError> {
+    let present = |parameter: Parameter| parameter.get(cell);
+    let mut parameters: Vec<(Parameter, f64)> =
+        targets.unknowns.iter().map(|u| (u.parameter, u.start.unwrap_or(present(u.parameter)))).collect();
+    let mut now = evaluate(targets, &with_values(cell, &parameters), numerics, None)?;
+    let mut lambda: Option<f64> = None;
+    let mut iterations = 0;
+    let count = targets.thresholds.len() as f64;
+    let decomposition = loop {
+        let here = with_values(cell, &parameters);
+        let decomposition = decompose(&jacobian(targets, &here, &parameters, &now.shapes)?)?;
+        let mut damping = lambda.unwrap_or(1e-2 * decomposition.values[0]);
+        let settled = loop {
+            let step = decomposition.step(&now.residuals, damping);
+            let size = step.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            if size < 1e-11 {
+                break true;
+            }
+            let trial = moved(&parameters, &step);
+            match evaluate(targets, &with_values(cell, &trial), numerics, Some(&now.shapes)) {
+                // At rounding, cost no longer falls.
+                Ok(next) if next.cost < now.cost => {
+                    let settled = now.cost - next.cost < 1e-15 * now.cost && size < 1e-7;
+                    (parameters, now) = (trial, next);
+                    iterations += 1;
+                    damping *= 0.1;
+                    break settled;
+                }
+                _ if size < 1e-8 => break true,
+                _ => damping = (damping * 8.0).max(1e-6 * decomposition.values[0]),
+            }
+        };
+        lambda = Some(if damping < 1e-9 * decomposition.values[0] { 0.0 } else { damping });
+        if settled {
+            let here = with_values(cell, &parameters);
+            break decompose(&jacobian(targets, &here, &parameters, &now.shapes)?)?;
+        }
+        if iterations >= MOST {
+            return Err(CalibrateError::Stalled { iterations, rms: (now.cost / count).sqrt() });
+        }
+    };
+    // Newton from neighbours may have left the first pitchfork of the branch: look again from the passive shape.
+    let fitted = with_values(cell, &parameters);
+    let last = evaluate(targets, &fitted, numerics, None)?;
+    let row = |(t, y): (&Threshold, &Solution)| ThresholdResidual {
+        r0: t.r0,
+        epsilon: t.epsilon,
+        xi_s: t.xi_s,
+        computed: y.scalars[XI],
+        relative: y.scalars[XI] / t.xi_s - 1.0,
+        weight: t.weight,
+    };
+    Ok(Calibration {
+        cell: fitted,
+        residuals: targets.thresholds.iter().zip(&last.shapes).map(row).collect(),
+        rms: (last.cost / count).sqrt(),
+        combinations: decomposition.combinations(),
+        parameters,
+        iterations,
+    })
+}

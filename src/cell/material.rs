@@ -1,0 +1,69 @@
+//! Constants of the cortex and of the shell, with the published preset.
+
+use serde::{Deserialize, Serialize};
+
+/// How a varying bending rigidity κ(u) enters the tangential force balance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum RigidityGradient {
+    /// The full force balance: the term ½C²∂_sκ is kept.
+    Full,
+    /// The paper's reading: κ is attached to the mesh and the term is dropped.
+    Dropped,
+}
+
+/// Constants of the cortex, in κ0, L_h and τ. Published values (Table S3) except the gain, which was recovered with the
+/// shell.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    /// Bending rigidity κ, in κ0.
+    pub kappa: f64,
+    /// Bulk (area) viscosity η_b.
+    pub eta_b: f64,
+    /// Shear viscosity η_s.
+    pub eta_s: f64,
+    /// Friction Γ with the surroundings, tangential only.
+    pub friction: f64,
+    /// Passive tension γ, in κ0/L_h².
+    pub tension: f64,
+    /// Ratio ξ_b/ξ_s of isotropic to anisotropic activity, held fixed when ξ_s varies.
+    pub xi_ratio: f64,
+    /// Activity gain g: the published ξ enters the force balance as gξ.
+    pub gain: f64,
+    /// How a varying κ enters the tangential balance.
+    pub rigidity_gradient: RigidityGradient,
+}
+
+impl Material {
+    /// The preset `gao2026`: published values, and the recovered gain ½.
+    pub const GAO2026: Material = Material {
+        kappa: 1.0,
+        eta_b: 1.0,
+        eta_s: 1.0,
+        friction: 1.0,
+        tension: 0.0,
+        xi_ratio: -0.1,
+        gain: 0.5,
+        rigidity_gradient: RigidityGradient::Full,
+    };
+}
+
+/// Constants of the ellipsoidal shell. They are not printed in the paper; the preset's were recovered from its four
+/// printed thresholds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shell {
+    /// Aspect ratio a/b, a along the axis of division.
+    pub aspect: f64,
+    /// Strength P0 of its repulsion.
+    pub p0: f64,
+    /// Width w of its repulsion, relative to the shell.
+    pub w: f64,
+}
+
+impl Shell {
+    /// The preset `gao2026`: a/b = 1.5, P0 = 0.123, w = 0.1445.
+    pub const GAO2026: Shell = Shell { aspect: 1.5, p0: 0.123, w: 0.1445 };
+}

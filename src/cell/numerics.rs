@@ -1,0 +1,34 @@
+//! Settings of the discretisation.
+
+use serde::{Deserialize, Serialize};
+
+/// Settings of the discretisation. The defaults are what every published number of furrow is computed with.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Numerics {
+    /// Gauss points per mesh interval, 1 to 5.
+    pub stages: usize,
+    /// Mesh intervals of the full domain u ∈ [0, 1] (even; half of them on the mirror-symmetric half).
+    pub intervals: usize,
+    /// Local error allowed per time step.
+    pub time_tolerance: f64,
+    /// Factor on every time step after error control (0.5 halves all of them).
+    pub step_factor: f64,
+    /// Largest time, in τ, one division may take before it is reported as undecided.
+    pub t_max: f64,
+    /// A division with |χ| below this is symmetric and its daughters are equal.
+    pub chi_symmetric: f64,
+}
+
+impl Default for Numerics {
+    fn default() -> Self {
+        Numerics {
+            stages: 4,
+            intervals: 48,
+            time_tolerance: 5e-5,
+            step_factor: 1.0,
+            t_max: 10_000.0,
+            chi_symmetric: 5e-3,
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! The boundary-value problem of one cell: a stationary shape, or one implicit time step.
+
+use std::f64::consts::PI;
+
+use bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, PointJacobian};
+use num_dual::Dual64;
+
+use super::equations::{COMPONENTS, Constants, Domain, LENGTH, M, Motion, PRESSURE, PSI, Q, R, T, V, equations};
+use super::jacobian::jacobian;
+use super::symmetry::{CENTRE, ODD};
+use crate::cell::cue::{Profile, Width};
+use crate::cell::{Cell, Parameter};
+
+/// Number of scalar unknowns before the free parameters: L and p.
+pub const SHAPE_SCALARS: usize = 2;
+
+/// The boundary-value problem of one cell: stationary (`rate` = 0) or one implicit time step.
+#[derive(Clone, Debug)]
+pub struct Cortex {
+    /// The cell.
+    pub cell: Cell,
+    /// Part of the contour.
+    pub domain: Domain,
+    /// Parameters that are scalar unknowns, in the order they follow (L, p).
+    pub free: Vec<Parameter>,
+    /// 1/Δt of the implicit step; 0 for stationary shapes.
+    pub rate: f64,
+    /// Past (r, z) at every collocation point; may be empty if `rate` = 0.
+    pub past: Vec<[f64; 2]>,
+    /// Factor on the activity at every collocation point; empty for none.
+    pub noise: Vec<f64>,
+    constants: Constants<f64>,
+    /// The constants with their derivatives by each free parameter.
+    sensitivities: Vec<Constants<Dual64>>,
+    /// The constants as numbers that carry derivatives, where the contour's length enters by the cue's widths.
+    along_length: Option<Constants<Dual64>>,
+}
+
+impl Cortex {
+    /// The stationary problem.
+    pub fn new(cell: &Cell, domain: Domain, free: &[Parameter]) -> Cortex {
+        let mut cortex = Cortex {
+            cell: cell.clone(),
+            domain,
+            free: free.to_vec(),
+            rate: 0.0,
+            past: Vec::new(),
+            noise: Vec::new(),
+            constants: Constants::new(cell, |_, v| v),
+            sensitivities: Vec::new(),
+            along_length: None,
+        };
+        cortex.refresh();
+        cortex
+    }
+
+    /// Sizes for a number of free parameters, on either domain.
+    pub fn dimensions_for(free: usize) -> Dimensions {
+        Dimensions {
+            components: COMPONENTS,
+            integrable: 3,
+            scalars: SHAPE_SCALARS + free,
+            left: 4,
+            right: 4,
+            integrals: 1,
+        }
+    }
+
+    /// Constants at the current parameters.
+    pub fn constants(&self) -> &Constants<f64> {
+        &self.constants
+    }
+
+    /// Changes one parameter.
+    pub fn set(&mut self, parameter: Parameter, value: f64) {
+        parameter.set(&mut self.cell, value);
+        self.refresh();
+    }
+
+    /// Current value of a parameter.
+    pub fn get(&self, parameter: Parameter) -> f64 {
+        parameter.get(&self.cell)
+    }
+
+    /// Recomputes the constants after `cell` was changed directly.
+    pub fn refresh(&mut self) {
+        self.constants = Constants::new(&self.cell, |_, v| v);
+        let with_slope = |which: &Parameter| {
+            Constants::new(&self.cell, |p, v| Dual64::new(v, if p == *which { 1.0 } else { 0.0 }))
+        };
+        self.sensitivities = self.free.iter().map(with_slope).collect();
+        let by_length = self.cell.cue.terms().iter().any(|term| {
+            matches!(
+                term.profile,
+                Profile::Band { omega: Width::Length(_), .. } | Profile::Step { omega: Width::Length(_), .. }
+            )
+        });
+        self.along_length = by_length.then(|| Constants::new(&self.cell, |_, v| Dual64::from_re(v)));
+    }
+
+    /// The rates of change at a collocation point.
+    pub(super) fn motion(&self, at: CollocationPoint) -> Motion {
+        if self.rate == 0.0 {
+            return Motion::default();
+        }
+        let [r_past, z_past] = self.past[at.index];
+        Motion { rate: self.rate, r_past, z_past }
+    }
+
+    /// ∂f/∂v_n at one point of state `y` and contour length `length`: what a normal velocity of the cortex adds to the
+    /// right-hand sides of q′, v′ and T′. The equations are linear in v_n.
+    pub fn response_to_normal_velocity(&self, u: f64, y: &[f64], length: f64) -> [f64; COMPONENTS] {
+        let here = self.constants.at(u, length);
+        let (sin, cos) = y[PSI].sin_cos();
+        let c2 = sin / y[R];
+        let c1 = y[M] / here.kappa - c2;
+        let d_s_u = -here.eta_difference * c2 / here.eta_sum;
+        let d_t_phi = here.eta_difference * d_s_u + here.eta_sum * c2;
+        let mut out = [0.0; COMPONENTS];
+        out[Q] = length * c2 * d_t_phi;
+        out[V] = length * (d_s_u - c1);
+        out[T] = length * cos / y[R] * d_t_phi;
+        out
+    }
+
+    /// The factor on the activity at a collocation point.
+    pub(super) fn noise_at(&self, at: CollocationPoint) -> f64 {
+        self.noise.get(at.index).copied().unwrap_or(1.0)
+    }
+
+    /// Columns of ∂f/∂p for L, where the cue's widths bring it in by more than the factor L, and for the free parameters.
+    fn scalar_columns(&self, at: CollocationPoint, y: &[f64], p: &[f64], fp: &mut [f64]) {
+        let scalars = SHAPE_SCALARS + self.free.len();
+        let state: [Dual64; COMPONENTS] = std::array::from_fn(|i| Dual64::from_re(y[i]));
+        let [length, pressure] = [p[LENGTH], p[PRESSURE]].map(Dual64::from_re);
+        let (motion, noise) = (self.motion(at), self.noise_at(at));
+        let mut put = |column: usize, constants: &Constants<Dual64>, length: Dual64| {
+            let (f, _) = equations(constants, at.x, motion, noise, &state, length, pressure);
+            for i in 0..COMPONENTS {
+                fp[i * scalars + column] = f[i].eps;
+            }
+        };
+        if let Some(constants) = &self.along_length {
+            put(LENGTH, constants, Dual64::new(p[LENGTH], 1.0));
+        }
+        for (k, constants) in self.sensitivities.iter().enumerate() {
+            put(SHAPE_SCALARS + k, constants, length);
+        }
+    }
+}
+
+impl BoundaryValueProblem for Cortex {
+    fn dimensions(&self) -> Dimensions {
+        Cortex::dimensions_for(self.free.len())
+    }
+
+    fn prepare(&mut self, p: &[f64]) {
+        if self.free.is_empty() {
+            return;
+        }
+        for k in 0..self.free.len() {
+            self.free[k].set(&mut self.cell, p[SHAPE_SCALARS + k]);
+        }
+        self.refresh();
+    }
+
+    fn rhs(&self, at: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], g: &mut [f64]) {
+        let state: [f64; COMPONENTS] = std::array::from_fn(|k| y[k]);
+        let (value, volume) =
+            equations(&self.constants, at.x, self.motion(at), self.noise_at(at), &state, p[LENGTH], p[PRESSURE]);
+        f.copy_from_slice(&value);
+        g[0] = volume;
+    }
+
+    fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
+        jacobian(self, at, y, p, out);
+        if !self.sensitivities.is_empty() || self.along_length.is_some() {
+            self.scalar_columns(at, y, p, out.fp);
+        }
+    }
+
+    fn left(&self, y: &[f64], _p: &[f64], out: &mut BoundaryJacobian<'_>) {
+        for (k, component) in [R, PSI, Q, V].into_iter().enumerate() {
+            out.r[k] = y[component];
+            out.ry[k * COMPONENTS + component] = 1.0;
+        }
+    }
+
+    /// At the far pole r = 0, ψ = π, q = 0, v = 0; at the mirror everything odd is at its centre.
+    fn right(&self, y: &[f64], _p: &[f64], out: &mut BoundaryJacobian<'_>) {
+        let conditions = match self.domain {
+            Domain::Full => [(R, 0.0), (PSI, PI), (Q, 0.0), (V, 0.0)],
+            Domain::Half => ODD.map(|component| (component, CENTRE[component])),
+        };
+        for (k, (component, value)) in conditions.into_iter().enumerate() {
+            out.r[k] = y[component] - value;
+            out.ry[k * COMPONENTS + component] = 1.0;
+        }
+    }
+
+    fn integral_offset(&self, _k: usize, _p: &[f64], hp: &mut [f64]) -> f64 {
+        let share = self.domain.share();
+        for (k, constants) in self.sensitivities.iter().enumerate() {
+            hp[SHAPE_SCALARS + k] = -share * constants.volume.eps;
+        }
+        -share * self.constants.volume
+    }
+}
