@@ -1,9 +1,10 @@
 //! The built-in lineage grown from mechanics.
 
+use furrow::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use furrow::cortex::{Cue, Numerics, Physics};
 use furrow::division::{Outcome, divide};
 use furrow::io::founder_rows;
-use furrow::lineage::{EndReason, Grower, Lineage, Memo, Quantisation, SchedulerOptions, Summary, Tree, TreeSettings};
+use furrow::lineage::{EndReason, Grower, Lineage, Tree, TreeSettings};
 use furrow::report::TreeSummary;
 use furrow::steady::boundary::{Boundary, BoundaryKind};
 

@@ -3,19 +3,18 @@
 mod common;
 
 use common::{division, fake};
+use furrow::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use furrow::cortex::Cue;
 use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
 use furrow::io::{founder_rows, newick};
-use furrow::lineage::{
-    EndReason, GrowError, Grower, Lineage, Memo, Quantisation, SchedulerOptions, Tree, TreeSettings,
-};
+use furrow::lineage::{EndReason, GrowError, Grower, Lineage, Tree, TreeSettings};
 
 fn grow_with(
     lineage: &Lineage,
     threads: usize,
     ends: &dyn Fn(f64, &Cue) -> Option<EndReason>,
     solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
-) -> Result<(Tree, furrow::lineage::Summary), GrowError> {
+) -> Result<(Tree, Summary), GrowError> {
     let memo = Memo::new(Quantisation::DEFAULT);
     let settings = TreeSettings::default();
     let options = SchedulerOptions { threads, ..SchedulerOptions::default() };

@@ -13,12 +13,12 @@ use std::{
 };
 
 use furrow::{
-    cortex::{Cue, Numerics, Physics},
-    division::{Division, DivisionInput, Outcome},
-    lineage::{
-        Job, Key, Memo, Quantisation, SchedulerOptions, SolverVersion, scheduler,
+    batch::{
+        Job, Key, Memo, Quantisation, SchedulerOptions, SolverVersion, Summary, scheduler,
         store::{Claimed, Store, upkeep},
     },
+    cortex::{Cue, Numerics, Physics},
+    division::{Division, DivisionInput, Outcome},
 };
 
 const ROLE: &str = "FURROW_TEST_ROLE";
@@ -54,7 +54,7 @@ fn model(input: &DivisionInput) -> Division {
 }
 
 /// A whole tree as text, cells in the order of their names, and what growing it took.
-fn grow(memo: &Memo, pause: Duration) -> (String, scheduler::Summary) {
+fn grow(memo: &Memo, pause: Duration) -> (String, Summary) {
     let mut radii = BTreeMap::from([(1, 5.4)]);
     let mut tree = BTreeMap::new();
     let solve = |input: &DivisionInput| {

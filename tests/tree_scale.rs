@@ -6,9 +6,10 @@ mod common;
 use std::time::Instant;
 
 use common::division;
+use furrow::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow::division::{DivisionInput, Outcome};
 use furrow::io::{newick, write_atomically};
-use furrow::lineage::{Grower, Lineage, Memo, Quantisation, SchedulerOptions, Tree, TreeSettings};
+use furrow::lineage::{Grower, Lineage, Tree, TreeSettings};
 
 /// Generations below the first cell.
 const DEPTH: u32 = 16;

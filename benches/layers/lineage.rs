@@ -4,13 +4,12 @@ use std::sync::{Arc, mpsc::channel};
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
+use furrow::batch::memo::Request;
+use furrow::batch::{Key, Memo, Quantisation, SchedulerOptions, SolverVersion, Store};
 use furrow::cortex::{Cue, Numerics, Physics};
 use furrow::division::{Division, DivisionError, DivisionInput, Outcome, divide};
 use furrow::io::newick;
-use furrow::lineage::memo::Request;
-use furrow::lineage::{
-    Grower, Lineage, Memo, Quantisation, SchedulerOptions, SolverVersion, Store, Tree, TreeSettings,
-};
+use furrow::lineage::{Grower, Lineage, Tree, TreeSettings};
 
 /// Look-ups of one sample.
 const HITS: usize = 100_000;
@@ -88,7 +87,7 @@ fn store_open(bencher: Bencher) {
     let solver = SolverVersion::current();
     let store = Store::open(folder.path(), solver).unwrap();
     for number in 0..HITS {
-        let key = furrow::lineage::Key::new(&input(number), solver);
+        let key = Key::new(&input(number), solver);
         store.commit(&key, &Arc::new(free(&input(number))));
     }
     bencher.counter(ItemsCount::new(HITS)).bench_local(|| {

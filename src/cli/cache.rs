@@ -3,8 +3,8 @@
 use super::Globals;
 use super::context::{answer, cache_folder, start_logs};
 use super::error::CliError;
-use crate::lineage::SolverVersion;
-use crate::lineage::store::upkeep;
+use crate::batch::SolverVersion;
+use crate::batch::store::upkeep;
 use clap::{Args, Subcommand};
 use std::fmt::Write;
 

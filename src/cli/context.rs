@@ -2,10 +2,10 @@
 
 use super::Globals;
 use super::error::CliError;
+use crate::batch::store::{Store, default_folder};
+use crate::batch::{Memo, Quantisation, SolverVersion};
 use crate::input::InputError;
 use crate::io::Settings;
-use crate::lineage::store::{Store, default_folder};
-use crate::lineage::{Memo, Quantisation, SolverVersion};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};

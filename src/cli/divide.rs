@@ -3,11 +3,12 @@
 use super::context::{Context, answer};
 use super::error::CliError;
 use super::progress::ProgressLine;
+use crate::batch::{Failure, Job, SchedulerError, SchedulerOptions, scheduler};
 use crate::cortex::Cue;
 use crate::division::{Division, DivisionInput, Outcome, divide};
 use crate::input::InputError;
 use crate::io::{frames::write_frames, parse_cue};
-use crate::lineage::{Job, Lineage, SchedulerOptions, scheduler};
+use crate::lineage::Lineage;
 use crate::report::table::outcome_name;
 use clap::Args;
 use serde::Serialize;
@@ -179,9 +180,7 @@ fn solve(
     });
     drop(line);
     let summary = summary.map_err(|error| match error {
-        scheduler::SchedulerError::Division { failure: crate::lineage::memo::Failure::Division(error), .. } => {
-            CliError::Division(error)
-        }
+        SchedulerError::Division { failure: Failure::Division(error), .. } => CliError::Division(error),
         other => CliError::Scheduler(other),
     })?;
     summary.warnings.iter().for_each(|warning| tracing::warn!("{warning}"));

@@ -1,11 +1,12 @@
 //! What ends a command, and its exit code.
 
+use crate::batch::store::StoreError;
+use crate::batch::{Failure, SchedulerError};
 use crate::division::DivisionError;
 use crate::input::InputError;
 use crate::io::files::WriteError;
 use crate::io::frames::FramesError;
-use crate::lineage::store::StoreError;
-use crate::lineage::{GrowError, SchedulerError, memo::Failure};
+use crate::lineage::GrowError;
 use crate::steady::symmetric::SteadyError;
 use crate::steady::{CalibrateError, StabilityError, StationaryError};
 

@@ -3,10 +3,11 @@
 use super::context::{Context, answer};
 use super::error::CliError;
 use super::progress::ProgressLine;
+use crate::batch::{SchedulerOptions, Summary};
 use crate::cortex::Cue;
 use crate::division::divide;
 use crate::io::{FounderRow, Provenance, founder_rows, newick, parse_cue, write_atomically};
-use crate::lineage::{EndReason, Grower, Lineage, SchedulerOptions, Summary, Tree, TreeSettings};
+use crate::lineage::{EndReason, Grower, Lineage, Tree, TreeSettings};
 use crate::report;
 use crate::steady::boundary::{Boundary, BoundaryKind, End};
 use clap::Args;

@@ -1,9 +1,8 @@
 //! Growth of a tree: volumes are handed down, every cell's division is solved as soon as her mother's is.
 
 use super::definition::{Lineage, ListedDaughters};
-use super::memo::{Failure, Memo};
-use super::scheduler::{self, Job, SchedulerError, SchedulerOptions, Summary};
 use super::tree::{Cell, EndReason, Fate, Side, Tree, TreeSettings};
+use crate::batch::{Failure, Job, Memo, SchedulerError, SchedulerOptions, Summary, scheduler};
 use crate::cortex::Cue;
 use crate::division::{Division, DivisionError, DivisionInput};
 use petgraph::graph::NodeIndex;

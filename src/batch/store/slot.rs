@@ -8,8 +8,8 @@
 //! the first half of the blake3 hash of all that stands before it.
 
 use crate::{
+    batch::key::Key,
     division::{Division, Outcome},
-    lineage::key::Key,
 };
 
 /// Size of a slot in bytes. A power of two that divides the page size: a slot never straddles two pages.

@@ -11,9 +11,9 @@ use serde::Serialize;
 use super::{
     StoreError, claims,
     log::Log,
-    record::{LAYOUT, SLOT},
+    slot::{LAYOUT, SLOT},
 };
-use crate::lineage::key::SolverVersion;
+use crate::batch::key::SolverVersion;
 
 /// Folder of the logs inside the cache folder.
 pub(super) const FOLDER: &str = "divisions";

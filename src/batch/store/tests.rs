@@ -5,11 +5,11 @@ use std::sync::{
 
 use tempfile::TempDir;
 
-use super::{record::SLOT, *};
+use super::{slot::SLOT, *};
 use crate::{
+    batch::{Job, Memo, Quantisation, SchedulerOptions, scheduler},
     cortex::{Cue, Numerics, Physics},
     division::{DivisionInput, Outcome},
-    lineage::{Job, Memo, Quantisation, SchedulerOptions, scheduler},
 };
 
 const SOLVER: SolverVersion = SolverVersion::new(7);

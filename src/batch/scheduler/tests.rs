@@ -10,9 +10,9 @@ use std::{
 
 use super::*;
 use crate::{
+    batch::Quantisation,
     cortex::{Cue, Numerics, Physics},
     division::Outcome,
-    lineage::Quantisation,
 };
 
 /// Long enough that only a deadlock takes it.

@@ -18,7 +18,7 @@
 
 mod claims;
 mod log;
-mod record;
+mod slot;
 pub mod upkeep;
 
 use std::{

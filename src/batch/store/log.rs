@@ -11,8 +11,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::record::{self, Content, SLOT};
-use crate::{division::Division, lineage::key::Key};
+use super::slot::{self, Content, SLOT};
+use crate::{batch::key::Key, division::Division};
 
 /// How long a lock that others hold is waited for. They hold it for microseconds unless they are stopped.
 const LOCK_PATIENCE: Duration = Duration::from_secs(2);
@@ -78,7 +78,7 @@ impl Log {
     /// Appends a division unless `known` says, given what others have appended meanwhile, that it is there already.
     /// Returns what they have.
     pub fn append(&mut self, key: &Key, division: &Division, known: impl FnOnce(&Slots) -> bool) -> io::Result<Slots> {
-        let slot = record::encode(key, division);
+        let slot = slot::encode(key, division);
         self.locked(Mode::Exclusive, |log| {
             let slots = log.read_new()?;
             if !known(&slots) {
@@ -113,7 +113,7 @@ impl Log {
                 let start = place * SLOT as u64;
                 if place < log.read {
                     log.file.seek(SeekFrom::Start(start))?;
-                    log.file.write_all(&record::void())?;
+                    log.file.write_all(&slot::void())?;
                 } else {
                     log.file.set_len(start)?;
                 }
@@ -141,7 +141,7 @@ impl Log {
         let mut slot = [0; SLOT];
         for place in self.read..whole {
             reader.read_exact(&mut slot)?;
-            match record::read(&slot) {
+            match slot::read(&slot) {
                 Content::Record(key, division) => slots.records.push((key, division)),
                 Content::Void => {}
                 Content::Damaged => slots.damaged.push(place),
