@@ -31,7 +31,7 @@ struct Run {
     wall: f64,
     /// CPU seconds of each division solved.
     cost: HashMap<Key, f64>,
-    memo: Memo,
+    memo: Memo<DivisionInput>,
 }
 
 impl Run {

@@ -40,7 +40,7 @@ fn free(input: &DivisionInput) -> Division {
     }
 }
 
-fn filled(memo: Memo) -> Memo {
+fn filled(memo: Memo<DivisionInput>) -> Memo<DivisionInput> {
     let (sender, _receiver) = channel();
     for number in 0..DIVISIONS {
         let input = memo.canonical(&input(number));
@@ -72,7 +72,7 @@ fn store_hits(bencher: Bencher) {
     let solver = SolverVersion::current();
     let memo = filled(Memo::new(Quantisation::DEFAULT).with_store(Store::open(folder.path(), solver).unwrap()));
     let keys: Vec<_> = (0..DIVISIONS).map(|number| memo.key(&memo.canonical(&input(number)))).collect();
-    let store = Store::open(folder.path(), solver).unwrap();
+    let store: Store<Division> = Store::open(folder.path(), solver).unwrap();
     bencher.counter(ItemsCount::new(HITS)).bench_local(|| {
         for key in keys.iter().cycle().take(HITS) {
             black_box(store.get(key)).unwrap();
@@ -91,13 +91,13 @@ fn store_open(bencher: Bencher) {
         store.commit(&key, &Arc::new(free(&input(number))));
     }
     bencher.counter(ItemsCount::new(HITS)).bench_local(|| {
-        assert_eq!(Store::open(folder.path(), solver).unwrap().len(), HITS);
+        assert_eq!(Store::<Division>::open(folder.path(), solver).unwrap().len(), HITS);
     });
 }
 
 fn grow(
     lineage: &Lineage,
-    memo: &Memo,
+    memo: &Memo<DivisionInput>,
     threads: usize,
     solve: fn(&DivisionInput) -> Result<Division, DivisionError>,
 ) -> Tree {

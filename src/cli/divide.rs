@@ -1,6 +1,6 @@
 //! `furrow divide`: one division.
 
-use super::context::{Context, answer};
+use super::context::{Context, answer, warn_of_store};
 use super::error::CliError;
 use super::progress::ProgressLine;
 use crate::batch::{Failure, Job, SchedulerError, SchedulerOptions, scheduler};
@@ -170,20 +170,19 @@ fn solve(
         progress: Some(&show),
         ..SchedulerOptions::default()
     };
-    let jobs = (0..args.replicates as usize)
-        .map(|cell| Job { cell, input: input(args.seed.wrapping_add(cell as u64)) })
-        .collect();
+    let jobs =
+        (0..args.replicates as usize).map(|id| Job { id, task: input(args.seed.wrapping_add(id as u64)) }).collect();
     let mut divisions = vec![None; args.replicates as usize];
-    let summary = scheduler::run(jobs, &memo, &options, divide, |cell, division| {
-        divisions[cell] = Some(division.clone());
+    let summary = scheduler::run(jobs, &memo, &options, divide, |id, division| {
+        divisions[id] = Some(division.clone());
         vec![]
     });
     drop(line);
     let summary = summary.map_err(|error| match error {
-        SchedulerError::Division { failure: Failure::Division(error), .. } => CliError::Division(error),
+        SchedulerError::Unsolved { failure: Failure::Unsolved(error), .. } => CliError::Division(error),
         other => CliError::Scheduler(other),
     })?;
-    summary.warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+    warn_of_store(&summary.warnings);
     // Fewer than asked for only if the run was interrupted.
     divisions.into_iter().collect::<Option<Vec<Division>>>().ok_or(CliError::Interrupted)
 }
