@@ -11,10 +11,8 @@ use super::{
     store::PAYLOAD,
     task::{Record, Task},
 };
-use crate::{
-    cortex::{Cue, Numerics, Physics, RigidityGradient},
-    division::{Division, DivisionError, DivisionInput, Outcome},
-};
+use crate::cortex::{Cue, Numerics, Physics, RigidityGradient};
+use crate::division::{Division, DivisionError, DivisionInput, Outcome};
 
 impl Task for DivisionInput {
     type Record = Division;
