@@ -13,8 +13,9 @@ use std::collections::HashMap;
 use std::sync::Mutex;
 use std::time::Instant;
 
+use furrow::batch::{Key, Memo, Quantisation, SchedulerOptions};
 use furrow::division::{DivisionInput, divide};
-use furrow::lineage::{Grower, Key, Lineage, Memo, Quantisation, SchedulerOptions, Tree, TreeSettings};
+use furrow::lineage::{Grower, Lineage, Tree, TreeSettings};
 
 /// CPU time of this thread in seconds; wall time where the system does not tell.
 fn thread_seconds(since: Instant) -> f64 {
@@ -30,7 +31,7 @@ struct Run {
     wall: f64,
     /// CPU seconds of each division solved.
     cost: HashMap<Key, f64>,
-    memo: Memo,
+    memo: Memo<DivisionInput>,
 }
 
 impl Run {

@@ -1,13 +1,14 @@
 //! The built-in lineage grown from mechanics.
 
+use furrow::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use furrow::cortex::{Cue, Numerics, Physics};
-use furrow::division::{Outcome, divide};
+use furrow::division::{DivisionInput, Outcome, divide};
 use furrow::io::founder_rows;
-use furrow::lineage::{EndReason, Grower, Lineage, Memo, Quantisation, SchedulerOptions, Summary, Tree, TreeSettings};
+use furrow::lineage::{EndReason, Grower, Lineage, Tree, TreeSettings};
 use furrow::report::TreeSummary;
 use furrow::shapes::critical::{Boundary, BoundaryKind};
 
-fn grow(memo: &Memo, threads: usize, ends: &dyn Fn(f64, &Cue) -> Option<EndReason>) -> (Tree, Summary) {
+fn grow(memo: &Memo<DivisionInput>, threads: usize, ends: &dyn Fn(f64, &Cue) -> Option<EndReason>) -> (Tree, Summary) {
     let lineage = Lineage::c_elegans().unwrap();
     let settings = TreeSettings {
         physics: Physics::default(),
@@ -19,7 +20,7 @@ fn grow(memo: &Memo, threads: usize, ends: &dyn Fn(f64, &Cue) -> Option<EndReaso
     Grower { lineage: &lineage, settings, ends, memo, options }.grow(divide).unwrap()
 }
 
-fn by_boundary(memo: &Memo, threads: usize) -> Tree {
+fn by_boundary(memo: &Memo<DivisionInput>, threads: usize) -> Tree {
     let boundary = Boundary::new(&Physics::default(), &Numerics::default());
     let ends = |r0: f64, cue: &Cue| {
         boundary.ends(r0, cue).unwrap().map(|end| match end.kind {
@@ -69,7 +70,7 @@ fn the_embryo() {
             }
         }
     }
-    println!("{} cells, {} divisions", tree.len(), summary.divisions_solved);
+    println!("{} cells, {} divisions", tree.len(), summary.solved);
 }
 
 /// Regression: a critical radius refined on the way was reported by the cells judged after it alone, in an order that

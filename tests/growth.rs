@@ -3,19 +3,18 @@
 mod common;
 
 use common::{division, fake};
+use furrow::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use furrow::cortex::Cue;
 use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
 use furrow::io::{founder_rows, newick};
-use furrow::lineage::{
-    EndReason, GrowError, Grower, Lineage, Memo, Quantisation, SchedulerOptions, Tree, TreeSettings,
-};
+use furrow::lineage::{EndReason, GrowError, Grower, Lineage, Tree, TreeSettings};
 
 fn grow_with(
     lineage: &Lineage,
     threads: usize,
     ends: &dyn Fn(f64, &Cue) -> Option<EndReason>,
     solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
-) -> Result<(Tree, furrow::lineage::Summary), GrowError> {
+) -> Result<(Tree, Summary), GrowError> {
     let memo = Memo::new(Quantisation::DEFAULT);
     let settings = TreeSettings::default();
     let options = SchedulerOptions { threads, ..SchedulerOptions::default() };
@@ -86,11 +85,11 @@ fn same_tree_at_any_thread_count() {
     for threads in [2, 8] {
         let many = grow_with(&lineage, threads, &|_, _| None, fake).unwrap();
         assert_eq!(one.0.to_json().unwrap(), many.0.to_json().unwrap());
-        assert_eq!(one.1.divisions_solved, many.1.divisions_solved);
+        assert_eq!(one.1.solved, many.1.solved);
     }
     // Equal cells are solved once: the symmetric rounds of AB cost one division each.
-    assert!(one.1.divisions_solved < one.0.len() / 3, "{} of {}", one.1.divisions_solved, one.0.len());
-    assert_eq!(one.1.divisions_solved + one.1.memo_hits, one.0.len());
+    assert!(one.1.solved < one.0.len() / 3, "{} of {}", one.1.solved, one.0.len());
+    assert_eq!(one.1.solved + one.1.memo_hits, one.0.len());
 }
 
 #[test]

@@ -13,18 +13,18 @@ use std::{
 };
 
 use furrow::{
-    cortex::{Cue, Numerics, Physics},
-    division::{Division, DivisionInput, Outcome},
-    lineage::{
-        Job, Key, Memo, Quantisation, SchedulerOptions, SolverVersion, scheduler,
+    batch::{
+        Job, Key, Memo, Quantisation, SchedulerOptions, SolverVersion, Summary, scheduler,
         store::{Claimed, Store, upkeep},
     },
+    cortex::{Cue, Numerics, Physics},
+    division::{Division, DivisionInput, Outcome},
 };
 
 const ROLE: &str = "FURROW_TEST_ROLE";
 const CACHE: &str = "FURROW_TEST_CACHE";
 
-fn open(cache: &Path) -> Store {
+fn open(cache: &Path) -> Store<Division> {
     Store::open(cache, SolverVersion::current()).unwrap()
 }
 
@@ -54,7 +54,7 @@ fn model(input: &DivisionInput) -> Division {
 }
 
 /// A whole tree as text, cells in the order of their names, and what growing it took.
-fn grow(memo: &Memo, pause: Duration) -> (String, scheduler::Summary) {
+fn grow(memo: &Memo<DivisionInput>, pause: Duration) -> (String, Summary) {
     let mut radii = BTreeMap::from([(1, 5.4)]);
     let mut tree = BTreeMap::new();
     let solve = |input: &DivisionInput| {
@@ -66,10 +66,10 @@ fn grow(memo: &Memo, pause: Duration) -> (String, scheduler::Summary) {
         let daughters = division.daughters.into_iter().flatten().zip([2 * cell, 2 * cell + 1]);
         let named: Vec<(f64, usize)> = daughters.collect();
         radii.extend(named.iter().map(|&(r0, cell)| (cell, r0)));
-        named.into_iter().map(|(r0, cell)| Job { cell, input: input(r0) }).collect()
+        named.into_iter().map(|(r0, cell)| Job { id: cell, task: input(r0) }).collect()
     };
     let options = SchedulerOptions { threads: 2, ..Default::default() };
-    let roots = vec![Job { cell: 1, input: input(5.4) }];
+    let roots = vec![Job { id: 1, task: input(5.4) }];
     let summary = scheduler::run(roots, memo, &options, solve, expand).unwrap();
     (blake3::hash(format!("{tree:?}").as_bytes()).to_string(), summary)
 }
@@ -77,7 +77,7 @@ fn grow(memo: &Memo, pause: Duration) -> (String, scheduler::Summary) {
 /// The tree as it should be and its number of distinct divisions.
 fn reference() -> (String, usize) {
     let (tree, summary) = grow(&Memo::new(Quantisation::DEFAULT), Duration::ZERO);
-    (tree, summary.divisions_solved)
+    (tree, summary.solved)
 }
 
 fn numbered(number: u64) -> (Key, Arc<Division>) {
@@ -108,7 +108,7 @@ fn other_process() {
         }
         ("grow", _) => {
             let (tree, summary) = grow(&Memo::new(Quantisation::DEFAULT).with_store(store), Duration::from_millis(2));
-            say(format!("solved {} warnings {} tree {tree}\n", summary.divisions_solved, summary.warnings.len()));
+            say(format!("solved {} warnings {} tree {tree}\n", summary.solved, summary.warnings.len()));
         }
         (role, _) => panic!("no such role: {role}"),
     }
@@ -159,7 +159,7 @@ fn grown(child: Child) -> Grown {
 }
 
 fn verify(cache: &Path) -> upkeep::CacheReport {
-    upkeep::verify(cache, SolverVersion::current()).unwrap()
+    upkeep::verify::<Division>(cache, SolverVersion::current()).unwrap()
 }
 
 #[test]

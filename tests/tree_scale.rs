@@ -6,9 +6,10 @@ mod common;
 use std::time::Instant;
 
 use common::division;
+use furrow::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow::division::{DivisionInput, Outcome};
 use furrow::io::{newick, write_atomically};
-use furrow::lineage::{Grower, Lineage, Memo, Quantisation, SchedulerOptions, Tree, TreeSettings};
+use furrow::lineage::{Grower, Lineage, Tree, TreeSettings};
 
 /// Generations below the first cell.
 const DEPTH: u32 = 16;
@@ -35,7 +36,7 @@ fn hundred_thousand_cells_from_the_memo() {
     // Unequal to the last: g + 1 sizes in generation g.
     let unequal = |input: &DivisionInput| Ok(division(input.r0, Outcome::Asymmetric, 0.2));
     let (first, solved) = grower.grow(unequal).unwrap();
-    assert!((100..1000).contains(&solved.divisions_solved), "{}", solved.divisions_solved);
+    assert!((100..1000).contains(&solved.solved), "{}", solved.solved);
 
     let folder = tempfile::tempdir().unwrap();
     let (json_file, newick_file) = (folder.path().join("tree.json"), folder.path().join("tree.nwk"));
@@ -62,7 +63,7 @@ fn hundred_thousand_cells_from_the_memo() {
     );
 
     assert_eq!(tree.len(), CELLS);
-    assert_eq!(summary.divisions_solved, 0);
+    assert_eq!(summary.solved, 0);
     assert!(summary.memo_hits >= CELLS / 2);
     assert_eq!(back.to_json().unwrap(), text);
     assert_eq!(first.to_json().unwrap(), text);

@@ -4,13 +4,12 @@ use std::sync::{Arc, mpsc::channel};
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
+use furrow::batch::memo::Request;
+use furrow::batch::{Key, Memo, Quantisation, SchedulerOptions, SolverVersion, Store};
 use furrow::cortex::{Cue, Numerics, Physics};
 use furrow::division::{Division, DivisionError, DivisionInput, Outcome, divide};
 use furrow::io::newick;
-use furrow::lineage::memo::Request;
-use furrow::lineage::{
-    Grower, Lineage, Memo, Quantisation, SchedulerOptions, SolverVersion, Store, Tree, TreeSettings,
-};
+use furrow::lineage::{Grower, Lineage, Tree, TreeSettings};
 
 /// Look-ups of one sample.
 const HITS: usize = 100_000;
@@ -41,7 +40,7 @@ fn free(input: &DivisionInput) -> Division {
     }
 }
 
-fn filled(memo: Memo) -> Memo {
+fn filled(memo: Memo<DivisionInput>) -> Memo<DivisionInput> {
     let (sender, _receiver) = channel();
     for number in 0..DIVISIONS {
         let input = memo.canonical(&input(number));
@@ -73,7 +72,7 @@ fn store_hits(bencher: Bencher) {
     let solver = SolverVersion::current();
     let memo = filled(Memo::new(Quantisation::DEFAULT).with_store(Store::open(folder.path(), solver).unwrap()));
     let keys: Vec<_> = (0..DIVISIONS).map(|number| memo.key(&memo.canonical(&input(number)))).collect();
-    let store = Store::open(folder.path(), solver).unwrap();
+    let store: Store<Division> = Store::open(folder.path(), solver).unwrap();
     bencher.counter(ItemsCount::new(HITS)).bench_local(|| {
         for key in keys.iter().cycle().take(HITS) {
             black_box(store.get(key)).unwrap();
@@ -88,17 +87,17 @@ fn store_open(bencher: Bencher) {
     let solver = SolverVersion::current();
     let store = Store::open(folder.path(), solver).unwrap();
     for number in 0..HITS {
-        let key = furrow::lineage::Key::new(&input(number), solver);
+        let key = Key::new(&input(number), solver);
         store.commit(&key, &Arc::new(free(&input(number))));
     }
     bencher.counter(ItemsCount::new(HITS)).bench_local(|| {
-        assert_eq!(Store::open(folder.path(), solver).unwrap().len(), HITS);
+        assert_eq!(Store::<Division>::open(folder.path(), solver).unwrap().len(), HITS);
     });
 }
 
 fn grow(
     lineage: &Lineage,
-    memo: &Memo,
+    memo: &Memo<DivisionInput>,
     threads: usize,
     solve: fn(&DivisionInput) -> Result<Division, DivisionError>,
 ) -> Tree {

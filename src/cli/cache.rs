@@ -3,8 +3,9 @@
 use super::Globals;
 use super::context::{answer, cache_folder, start_logs};
 use super::error::CliError;
-use crate::lineage::SolverVersion;
-use crate::lineage::store::upkeep;
+use crate::batch::SolverVersion;
+use crate::batch::store::upkeep;
+use crate::division::Division;
 use clap::{Args, Subcommand};
 use std::fmt::Write;
 
@@ -34,9 +35,9 @@ pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
     let folder = cache_folder(globals)?;
     let solver = SolverVersion::current();
     let report = match args.action {
-        Action::Verify { repair: true } => upkeep::repair(&folder, solver)?,
-        Action::Stat | Action::Verify { repair: false } => upkeep::verify(&folder, solver)?,
-        Action::Clear => upkeep::clear(&folder, solver)?,
+        Action::Verify { repair: true } => upkeep::repair::<Division>(&folder, solver)?,
+        Action::Stat | Action::Verify { repair: false } => upkeep::verify::<Division>(&folder, solver)?,
+        Action::Clear => upkeep::clear::<Division>(&folder, solver)?,
     };
     if globals.json {
         answer(&format!("{}\n", serde_json::to_string_pretty(&report)?))?;

@@ -1,11 +1,12 @@
 //! What commands share: parameters, memo, interruption, the way to answer.
 
 use super::Globals;
-use super::error::CliError;
+use super::error::{CliError, store_text};
+use crate::batch::store::default_folder;
+use crate::batch::{Memo, Quantisation, SolverVersion, Store, StoreWarning};
+use crate::division::DivisionInput;
 use crate::input::InputError;
 use crate::io::Settings;
-use crate::lineage::store::{Store, default_folder};
-use crate::lineage::{Memo, Quantisation, SolverVersion};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -51,7 +52,7 @@ impl Context {
     }
 
     /// The memo, over the cache folder unless that is refused or, by default, not to be had.
-    pub fn memo(&self) -> Result<Memo, CliError> {
+    pub fn memo(&self) -> Result<Memo<DivisionInput>, CliError> {
         let memo = Memo::new(self.quantisation);
         if self.no_cache {
             return Ok(memo);
@@ -62,7 +63,7 @@ impl Context {
             None => match default_folder().and_then(|folder| Store::open(&folder, SolverVersion::current())) {
                 Ok(store) => store,
                 Err(error) => {
-                    tracing::warn!("solved divisions are not kept: {error}");
+                    tracing::warn!("solved divisions are not kept: {}", store_text(&error));
                     return Ok(memo);
                 }
             },
@@ -83,6 +84,22 @@ impl Context {
         }
         &INTERRUPTED
     }
+}
+
+/// A warning of the store, with the command that helps.
+pub fn warning_text(warning: &StoreWarning) -> String {
+    match warning {
+        StoreWarning::Damaged { entries, .. } => {
+            let they_are = if *entries == 1 { "it is" } else { "they are" };
+            format!("{warning}; {they_are} given up for good by `furrow cache verify --repair`")
+        }
+        _ => warning.to_string(),
+    }
+}
+
+/// Logs what the user should know about the store.
+pub fn warn_of_store(warnings: &[StoreWarning]) {
+    warnings.iter().for_each(|warning| tracing::warn!("{}", warning_text(warning)));
 }
 
 /// Writes the answer to stdout.

@@ -1,13 +1,14 @@
 //! `furrow divide`: one division.
 
-use super::context::{Context, answer};
+use super::context::{Context, answer, warn_of_store};
 use super::error::CliError;
 use super::progress::ProgressLine;
+use crate::batch::{Failure, Job, SchedulerError, SchedulerOptions, scheduler};
 use crate::cortex::Cue;
 use crate::division::{Division, DivisionInput, Outcome, divide};
 use crate::input::InputError;
 use crate::io::{frames::write_frames, parse_cue};
-use crate::lineage::{Job, Lineage, SchedulerOptions, scheduler};
+use crate::lineage::Lineage;
 use crate::report::table::outcome_name;
 use clap::Args;
 use serde::Serialize;
@@ -169,22 +170,19 @@ fn solve(
         progress: Some(&show),
         ..SchedulerOptions::default()
     };
-    let jobs = (0..args.replicates as usize)
-        .map(|cell| Job { cell, input: input(args.seed.wrapping_add(cell as u64)) })
-        .collect();
+    let jobs =
+        (0..args.replicates as usize).map(|id| Job { id, task: input(args.seed.wrapping_add(id as u64)) }).collect();
     let mut divisions = vec![None; args.replicates as usize];
-    let summary = scheduler::run(jobs, &memo, &options, divide, |cell, division| {
-        divisions[cell] = Some(division.clone());
+    let summary = scheduler::run(jobs, &memo, &options, divide, |id, division| {
+        divisions[id] = Some(division.clone());
         vec![]
     });
     drop(line);
     let summary = summary.map_err(|error| match error {
-        scheduler::SchedulerError::Division { failure: crate::lineage::memo::Failure::Division(error), .. } => {
-            CliError::Division(error)
-        }
+        SchedulerError::Unsolved { failure: Failure::Unsolved(error), .. } => CliError::Division(error),
         other => CliError::Scheduler(other),
     })?;
-    summary.warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+    warn_of_store(&summary.warnings);
     // Fewer than asked for only if the run was interrupted.
     divisions.into_iter().collect::<Option<Vec<Division>>>().ok_or(CliError::Interrupted)
 }

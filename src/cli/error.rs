@@ -1,13 +1,13 @@
 //! What ends a command, and its exit code.
 
+use crate::batch::{Failure, SchedulerError, StoreError};
 use crate::division::DivisionError;
 use crate::input::InputError;
 use crate::io::files::WriteError;
 use crate::io::frames::FramesError;
-use crate::lineage::store::StoreError;
-use crate::lineage::{GrowError, SchedulerError, memo::Failure};
-use crate::shapes::symmetric::SteadyError;
-use crate::calibration::{CalibrateError, StabilityError, StationaryError};
+use crate::lineage::GrowError;
+use crate::steady::symmetric::SteadyError;
+use crate::steady::{CalibrateError, StabilityError, StationaryError};
 
 /// What ends a command.
 #[derive(Debug, thiserror::Error)]
@@ -16,14 +16,14 @@ pub enum CliError {
     #[error(transparent)]
     Input(#[from] InputError),
     /// A tree could not be grown.
-    #[error(transparent)]
+    #[error("{}", grow_text(.0))]
     Grow(#[from] GrowError),
     /// A division could not be computed.
     #[error(transparent)]
     Division(#[from] DivisionError),
     /// Several divisions could not be computed.
     #[error(transparent)]
-    Scheduler(#[from] SchedulerError),
+    Scheduler(#[from] SchedulerError<DivisionError>),
     /// A stationary shape could not be computed.
     #[error(transparent)]
     Stationary(#[from] StationaryError),
@@ -40,7 +40,7 @@ pub enum CliError {
     #[error("interrupted; divisions solved so far are kept in the cache (unless --no-cache)")]
     Interrupted,
     /// The cache folder cannot be used.
-    #[error(transparent)]
+    #[error("{}", store_text(.0))]
     Store(#[from] StoreError),
     /// The cache holds damaged entries.
     #[error("damaged entries: {corrupt}; they are never used, and what they held is solved again when needed")]
@@ -62,6 +62,23 @@ pub enum CliError {
     Json(#[from] serde_json::Error),
 }
 
+fn grow_text(error: &GrowError) -> String {
+    match error {
+        GrowError::Interrupted { .. } => format!(
+            "{error}; what was solved is kept in the cache (unless --no-cache), and the same command goes on from there"
+        ),
+        _ => error.to_string(),
+    }
+}
+
+/// An error of the store, with the options that help.
+pub fn store_text(error: &StoreError) -> String {
+    match error {
+        StoreError::NoDefault { .. } => format!("{error}; name one with --cache, or use --no-cache"),
+        _ => error.to_string(),
+    }
+}
+
 impl CliError {
     /// 2 for bad input, else 1.
     pub fn exit_code(&self) -> u8 {
@@ -69,8 +86,8 @@ impl CliError {
         let bad = match self {
             CliError::Input(_) | CliError::Store(StoreError::NotAFolder { .. }) => true,
             CliError::Division(e) => bad_division(e),
-            CliError::Grow(GrowError::Division { failure: Failure::Division(e), .. })
-            | CliError::Scheduler(SchedulerError::Division { failure: Failure::Division(e), .. }) => bad_division(e),
+            CliError::Grow(GrowError::Division { failure: Failure::Unsolved(e), .. })
+            | CliError::Scheduler(SchedulerError::Unsolved { failure: Failure::Unsolved(e), .. }) => bad_division(e),
             _ => false,
         };
         if bad { 2 } else { 1 }

@@ -1,15 +1,14 @@
 //! `furrow phase`: outcomes over a plane of size or confinement and activity.
 
 use super::cell::read_cue;
-use super::context::{Context, answer};
+use super::context::{Context, answer, warn_of_store};
 use super::error::CliError;
 use super::progress::ProgressLine;
-use crate::cortex::{Parameter, Cue, Numerics, Physics};
+use crate::batch::{Job, SchedulerError, SchedulerOptions, scheduler};
+use crate::cortex::{Control, Cue, Numerics, Physics};
 use crate::division::{Division, DivisionInput, Outcome, divide};
 use crate::input::InputError;
-use crate::lineage::scheduler::{self, SchedulerError};
-use crate::lineage::{Job, SchedulerOptions};
-use crate::shapes::at_rest::{Edge, RestShapes, rest_shapes};
+use crate::steady::phase::{Edge, RestShapes, rest_shapes};
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -77,6 +76,23 @@ struct CellAnswer {
     by: &'static str,
 }
 
+impl CellAnswer {
+    /// The point of a cell whose division was asked for, with what came of it, or that has a stable shape.
+    fn new(x: f64, xi_s: f64, division: Option<Option<&Division>>) -> CellAnswer {
+        let outcome = match division {
+            None => "failed",
+            Some(None) => "undecided",
+            Some(Some(division)) => match division.outcome {
+                Outcome::Symmetric => "symmetric",
+                Outcome::Asymmetric => "asymmetric",
+                Outcome::Failed => "failed",
+            },
+        };
+        let by = if division.is_some() { "division" } else { "curves" };
+        CellAnswer { x, xi_s, outcome, chi: division.flatten().and_then(|division| division.chi), by }
+    }
+}
+
 /// The exact edges at one value across.
 #[derive(Serialize)]
 struct Column {
@@ -88,7 +104,7 @@ struct Column {
 /// What `--json` prints.
 #[derive(Serialize)]
 struct Answer {
-    vary: Parameter,
+    vary: Control,
     cue: Cue,
     cells: Vec<CellAnswer>,
     columns: Vec<Column>,
@@ -153,38 +169,28 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
     let across = spaced(args.from, args.to, args.points);
     let up = spaced(args.xi_from, args.xi_to, args.xi_points);
     let shapes = edges(args, &context, &across, &physics, &numerics, &cue)?;
-    let mut jobs = Vec::new();
     let points: Vec<(usize, f64)> = (0..across.len()).flat_map(|k| up.iter().map(move |xi| (k, *xi))).collect();
-    for (cell, &(k, xi_s)) in points.iter().enumerate() {
+    let mut jobs = Vec::new();
+    for (id, &(k, xi_s)) in points.iter().enumerate() {
         if !shapes[k].contains(xi_s) {
             let (physics, r0) = args.cell(&physics, across[k]);
             let physics = Physics { xi_s, ..physics };
-            jobs.push(Job { cell, input: DivisionInput { physics, numerics, r0, cue, seed: args.seed } });
+            jobs.push(Job { id, task: DivisionInput { physics, numerics, r0, cue, seed: args.seed } });
         }
     }
-    let divided: Vec<bool> = {
-        let mut flags = vec![false; points.len()];
-        jobs.iter().for_each(|job| flags[job.cell] = true);
-        flags
-    };
+    let mut by_division = vec![false; points.len()];
+    jobs.iter().for_each(|job| by_division[job.id] = true);
     let divisions = solve(&context, jobs, points.len())?;
-    let cells = points.iter().zip(divisions.iter().zip(&divided)).map(|(&(k, xi_s), (division, by_division))| {
-        let outcome = match (division, by_division) {
-            (_, false) => "failed",
-            (None, true) => "undecided",
-            (Some(d), true) => match d.outcome {
-                Outcome::Symmetric => "symmetric",
-                Outcome::Asymmetric => "asymmetric",
-                Outcome::Failed => "failed",
-            },
-        };
-        let chi = division.as_ref().and_then(|d| d.chi);
-        CellAnswer { x: across[k], xi_s, outcome, chi, by: if *by_division { "division" } else { "curves" } }
-    });
+    let cells = points.iter().zip(divisions.iter().zip(by_division));
     let document = Answer {
-        vary: if args.vary == Across::R0 { Parameter::R0 } else { Parameter::Epsilon },
+        vary: if args.vary == Across::R0 { Control::R0 } else { Control::Epsilon },
         cue,
-        cells: cells.collect(),
+        cells: cells
+            .map(|(&(k, xi_s), (division, by_division))| {
+                let division = by_division.then_some(division.as_ref());
+                CellAnswer::new(across[k], xi_s, division)
+            })
+            .collect(),
         columns: across
             .iter()
             .zip(shapes)
@@ -217,8 +223,9 @@ fn edges(
     Ok(pool.install(|| across.par_iter().map(column).collect::<Result<Vec<_>, _>>())?)
 }
 
-/// The divisions of all jobs by cell; a cell that neither divides nor comes to rest in time is left out, with a warning.
-fn solve(context: &Context, jobs: Vec<Job>, cells: usize) -> Result<Vec<Option<Division>>, CliError> {
+/// The divisions of all jobs by their numbers; a cell that neither divides nor comes to rest in time is left out, with a
+/// warning.
+fn solve(context: &Context, jobs: Vec<Job<DivisionInput>>, cells: usize) -> Result<Vec<Option<Division>>, CliError> {
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let show = |progress| line.show(progress);
@@ -230,19 +237,22 @@ fn solve(context: &Context, jobs: Vec<Job>, cells: usize) -> Result<Vec<Option<D
     };
     let wanted = jobs.len();
     let mut divisions = vec![None; cells];
-    let summary = scheduler::run(jobs, &memo, &options, divide, |cell, division| {
-        divisions[cell] = Some(division.clone());
+    let summary = scheduler::run(jobs, &memo, &options, divide, |id, division| {
+        divisions[id] = Some(division.clone());
         vec![]
     });
     drop(line);
     match summary {
         Ok(summary) => {
-            summary.warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+            warn_of_store(&summary.warnings);
             if divisions.iter().flatten().count() < wanted {
                 return Err(CliError::Interrupted);
             }
         }
-        Err(error @ SchedulerError::Division { .. }) => tracing::warn!("left undecided: {error}"),
+        Err(SchedulerError::Unsolved { failure, unsolved, .. }) => {
+            let others = if unsolved > 1 { format!(" (and {} more)", unsolved - 1) } else { String::new() };
+            tracing::warn!("left undecided: {failure}{others}");
+        }
         Err(error) => return Err(error.into()),
     }
     Ok(divisions)
@@ -250,7 +260,7 @@ fn solve(context: &Context, jobs: Vec<Job>, cells: usize) -> Result<Vec<Option<D
 
 fn text(document: &Answer, up: &[f64]) -> String {
     let mut out = String::new();
-    let name = if document.vary == Parameter::R0 { "R0" } else { "ε" };
+    let name = if document.vary == Control::R0 { "R0" } else { "ε" };
     let _ = writeln!(out, "χ where the cell divides (0: equal daughters), - where it stays at rest, ? undecided");
     let _ = write!(out, "{:>9}", "ξ_s");
     for column in &document.columns {

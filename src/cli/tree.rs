@@ -1,12 +1,13 @@
 //! `furrow tree`: the main job.
 
-use super::context::{Context, answer};
+use super::context::{Context, answer, warn_of_store, warning_text};
 use super::error::CliError;
 use super::progress::ProgressLine;
+use crate::batch::{SchedulerOptions, Summary};
 use crate::cortex::Cue;
 use crate::division::divide;
 use crate::io::{FounderRow, Provenance, founder_rows, newick, parse_cue, write_atomically};
-use crate::lineage::{EndReason, Grower, Lineage, SchedulerOptions, Summary, Tree, TreeSettings};
+use crate::lineage::{EndReason, Grower, Lineage, Tree, TreeSettings, expected_work};
 use crate::report;
 use crate::shapes::critical::{Boundary, BoundaryKind, End};
 use clap::Args;
@@ -54,7 +55,7 @@ struct Answer<'a> {
 
 /// `run.json`: what this run did, which need not be the same another time.
 #[derive(Serialize)]
-struct RunRecord<'a> {
+struct RunRecord {
     schema: &'static str,
     schema_version: u32,
     provenance: Provenance,
@@ -66,7 +67,7 @@ struct RunRecord<'a> {
     store_hits: usize,
     corrupt_entries: usize,
     quantisation: QuantisationRecord,
-    warnings: &'a [String],
+    warnings: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -95,40 +96,81 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         seed: args.seed,
         r0_step: context.quantisation.relative_step(),
     };
-    let options = SchedulerOptions {
+    let ends = Ends::new(&settings, args.dynamics);
+    let order = ends.critical_radius().map(expected_work);
+    let mut options = SchedulerOptions {
         threads: context.threads,
         interrupt: Some(context.interruptible()),
         progress: Some(&show),
         ..SchedulerOptions::default()
     };
-    let boundary = Boundary::new(&settings.physics, &settings.numerics);
-    // Cues without a boundary; of their cells the division itself tells.
-    let unbounded = RefCell::new(vec![]);
-    let ends = |r0: f64, cue: &Cue| {
-        if args.dynamics || unbounded.borrow().contains(cue) {
-            return None;
-        }
-        boundary.ends(r0, cue).map(|end| end.map(end_reason)).unwrap_or_else(|error| {
-            tracing::info!("no boundary of division for {cue:?}: {error}");
-            unbounded.borrow_mut().push(*cue);
-            None
-        })
-    };
+    if let Some(order) = &order {
+        options.expected_work = order;
+    }
+    let ends = |r0: f64, cue: &Cue| ends.of(r0, cue);
     let grown = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options }.grow(divide);
     drop(line);
     let (tree, summary) = grown?;
-    summary.warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+    warn_of_store(&summary.warnings);
     let rows = founder_rows(&tree);
     write_files(args, context, &tree, &rows, &summary, start)?;
-    let elapsed_s = start.elapsed().as_secs_f64();
-    let counts = report::TreeSummary::of(&tree);
+    respond(args, context, &tree, &rows, &summary, start.elapsed().as_secs_f64())
+}
+
+/// Which cells cannot divide, told ahead of their division.
+struct Ends {
+    /// None where every cell's end is left to its dynamics.
+    boundary: Option<Boundary>,
+    /// Cues without a boundary; of their cells the division itself tells.
+    unbounded: RefCell<Vec<Cue>>,
+}
+
+impl Ends {
+    fn new(settings: &TreeSettings, dynamics: bool) -> Ends {
+        let boundary = (!dynamics).then(|| Boundary::new(&settings.physics, &settings.numerics));
+        Ends { boundary, unbounded: RefCell::default() }
+    }
+
+    /// Why a cell cannot divide; `None` if it can, or if only its division tells.
+    fn of(&self, r0: f64, cue: &Cue) -> Option<EndReason> {
+        self.end(r0, cue).map(end_reason)
+    }
+
+    /// The radius below which cells without a cue do not divide, where it is known.
+    fn critical_radius(&self) -> Option<f64> {
+        // There is no cell so small that it divides, so that this one is told its boundary.
+        self.end(f64::MIN_POSITIVE, &Cue::None).map(|end| end.critical_r0)
+    }
+
+    fn end(&self, r0: f64, cue: &Cue) -> Option<End> {
+        let boundary = self.boundary.as_ref()?;
+        if self.unbounded.borrow().contains(cue) {
+            return None;
+        }
+        boundary.ends(r0, cue).unwrap_or_else(|error| {
+            tracing::info!("no boundary of division for {cue:?}: {error}");
+            self.unbounded.borrow_mut().push(*cue);
+            None
+        })
+    }
+}
+
+fn respond(
+    args: &TreeArgs,
+    context: &Context,
+    tree: &Tree,
+    rows: &[FounderRow],
+    summary: &Summary,
+    elapsed_s: f64,
+) -> Result<(), CliError> {
+    let counts = report::TreeSummary::of(tree);
     if context.json {
         let document = Answer {
-            founders: &rows,
+            founders: rows,
             cells: tree.len(),
             generations: counts.generations.len(),
             ended: &counts.ended,
-            divisions_solved: summary.divisions_solved,
+            divisions_solved: summary.solved,
             memo_hits: summary.memo_hits,
             elapsed_s,
             out: args.out.display().to_string(),
@@ -137,8 +179,8 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     }
     answer(&format!(
         "{}{} divisions solved, {} memo hits, {elapsed_s:.2} s; files in {}\n",
-        report::founders_table(&tree, &rows),
-        summary.divisions_solved,
+        report::founders_table(tree, rows),
+        summary.solved,
         summary.memo_hits,
         args.out.display()
     ))
@@ -189,16 +231,16 @@ fn write_files(
             threads => threads,
         },
         cells: tree.len(),
-        divisions_solved: summary.divisions_solved,
+        divisions_solved: summary.solved,
         memo_hits: summary.memo_hits,
         store_hits: summary.store_hits,
         corrupt_entries: summary.corrupt,
         quantisation: QuantisationRecord {
             r0_step: tree.settings.r0_step,
-            max_r0_shift: summary.max_r0_shift,
-            chi_effect: summary.chi_effect,
+            max_r0_shift: summary.max_size_shift,
+            chi_effect: summary.shift_effect,
         },
-        warnings: &summary.warnings,
+        warnings: summary.warnings.iter().map(warning_text).collect(),
     };
     write("run.json", &format!("{}\n", serde_json::to_string_pretty(&record)?))?;
     Ok(())

@@ -1,9 +1,8 @@
-//! Growth of a tree: volumes are handed down, every cell's division is solved as soon as her mother's is.
+//! Growth of a tree: volumes are handed down, every cell's division is solved as soon as its mother's is.
 
 use super::definition::{Lineage, ListedDaughters};
-use super::memo::{Failure, Memo};
-use super::scheduler::{self, Job, SchedulerError, SchedulerOptions, Summary};
 use super::tree::{Cell, EndReason, Fate, Side, Tree, TreeSettings};
+use crate::batch::{Failure, Job, Memo, SchedulerError, SchedulerOptions, Summary, scheduler};
 use crate::cortex::Cue;
 use crate::division::{Division, DivisionError, DivisionInput};
 use petgraph::graph::NodeIndex;
@@ -11,30 +10,33 @@ use std::collections::VecDeque;
 
 /// Why a tree could not be grown.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum GrowError {
     /// A division could not be computed.
-    #[error("cell {cell} (R0 = {r0}): {failure}{}", if *.others > 0 { format!(" ({others} further cells failed)") } else { String::new() })]
+    #[error("cell {cell} (R0 = {r0}): {failure}{}", further(*.others))]
     Division {
         /// The cell.
         cell: String,
         /// Its radius R0.
         r0: f64,
         /// What went wrong.
-        failure: Failure,
+        failure: Failure<DivisionError>,
         /// Further cells that have no result either.
         others: usize,
     },
     /// The workers could not be started.
     #[error(transparent)]
-    Workers(SchedulerError),
+    Workers(SchedulerError<DivisionError>),
     /// Growth was interrupted.
-    #[error(
-        "interrupted after {solved} divisions; what was solved is kept in the cache (unless --no-cache), and the same command goes on from there"
-    )]
+    #[error("interrupted after {solved} divisions")]
     Interrupted {
-        /// Divisions solved before.
+        /// Divisions solved before; the memo knows them.
         solved: usize,
     },
+}
+
+fn further(others: usize) -> String {
+    if others > 0 { format!(" ({others} further cells failed)") } else { String::new() }
 }
 
 /// What a tree is grown with.
@@ -46,9 +48,9 @@ pub struct Grower<'a> {
     /// Ends branches ahead of their division; `&|_, _| None` leaves it to the dynamics.
     pub ends: &'a dyn Fn(f64, &Cue) -> Option<EndReason>,
     /// Remembers divisions.
-    pub memo: &'a Memo,
-    /// Threads, interruption, progress.
-    pub options: SchedulerOptions<'a>,
+    pub memo: &'a Memo<DivisionInput>,
+    /// Threads, interruption, progress, order of work; for the last see [`expected_work`](super::expected_work).
+    pub options: SchedulerOptions<'a, DivisionInput>,
 }
 
 /// A cell in the order of growth, which depends on timing.
@@ -97,7 +99,7 @@ impl Grower<'_> {
         })
         .map_err(|e| nursery.error(e))?;
         if summary.interrupted {
-            return Err(GrowError::Interrupted { solved: summary.divisions_solved });
+            return Err(GrowError::Interrupted { solved: summary.solved });
         }
         let tree = nursery.lay_out(&solve)?;
         Ok((tree, summary))
@@ -122,8 +124,8 @@ impl Grower<'_> {
 }
 
 impl Nursery<'_> {
-    /// The division a cell needs; none if her fate is known without, and then it is noted.
-    fn job(&mut self, index: usize) -> Option<Job> {
+    /// The division a cell needs; none if its fate is known without, and then it is noted.
+    fn job(&mut self, index: usize) -> Option<Job<DivisionInput>> {
         let young = &mut self.cells[index];
         let limits = self.grower.lineage.limits;
         let ended = if young.generation >= limits.max_depth {
@@ -136,11 +138,11 @@ impl Nursery<'_> {
             return None;
         }
         let TreeSettings { physics, numerics, seed, .. } = self.grower.settings;
-        Some(Job { cell: index, input: DivisionInput { physics, numerics, r0: young.r0, cue: young.cue, seed } })
+        Some(Job { id: index, task: DivisionInput { physics, numerics, r0: young.r0, cue: young.cue, seed } })
     }
 
-    /// Notes a cell's fate, adds her daughters and returns the divisions they need.
-    fn divide(&mut self, index: usize, fate: Fate) -> Vec<Job> {
+    /// Notes a cell's fate, adds its daughters and returns the divisions they need.
+    fn divide(&mut self, index: usize, fate: Fate) -> Vec<Job<DivisionInput>> {
         self.cells[index].fate = Some(fate);
         let Some(pair) = self.offspring(index, &fate) else { return vec![] };
         let anterior = self.cells.len();
@@ -149,7 +151,7 @@ impl Nursery<'_> {
         [anterior, anterior + 1].into_iter().filter_map(|daughter| self.job(daughter)).collect()
     }
 
-    /// Anterior and posterior daughter of a cell, if she divides.
+    /// Anterior and posterior daughter of a cell, if it divides.
     fn offspring(&self, index: usize, fate: &Fate) -> Option<[Young; 2]> {
         let lineage = self.grower.lineage;
         let mother = &self.cells[index];
@@ -162,7 +164,7 @@ impl Nursery<'_> {
             round: mother.round + 1,
             generation: mother.generation + 1,
             fraction,
-            // V = 4πR0³/3, so R0 of the daughter follows from her share of the first cell's volume.
+            // V = 4πR0³/3, so R0 of the daughter follows from its share of the first cell's volume.
             r0: first_r0 * fraction.cbrt(),
             fate: None,
             daughters: None,
@@ -189,7 +191,7 @@ impl Nursery<'_> {
         Some(pair)
     }
 
-    /// A cell's name, given her mother's.
+    /// A cell's name, given its mother's.
     fn name(&self, young: &Young, mother: &str) -> String {
         let lineage = self.grower.lineage;
         if young.is_founder {
@@ -202,16 +204,16 @@ impl Nursery<'_> {
         name
     }
 
-    fn error(&self, error: SchedulerError) -> GrowError {
-        let SchedulerError::Division { cell, r0, failure, failed_cells } = error else {
+    fn error(&self, error: SchedulerError<DivisionError>) -> GrowError {
+        let SchedulerError::Unsolved { id, size, failure, unsolved } = error else {
             return GrowError::Workers(error);
         };
-        let mut line = vec![cell];
+        let mut line = vec![id];
         while let Some(mother) = self.cells[line[line.len() - 1]].mother {
             line.push(mother);
         }
         let name = line.iter().rev().fold(String::new(), |above, &index| self.name(&self.cells[index], &above));
-        GrowError::Division { cell: name, r0, failure, others: failed_cells.saturating_sub(1) }
+        GrowError::Division { cell: name, r0: size, failure, others: unsolved.saturating_sub(1) }
     }
 
     /// The tree in breadth-first order, cut at the limit of cells.
@@ -270,7 +272,7 @@ impl Nursery<'_> {
                 self.divide(index, fate);
                 Ok(())
             }
-            None => Err(GrowError::Interrupted { solved: summary.divisions_solved }),
+            None => Err(GrowError::Interrupted { solved: summary.solved }),
         }
     }
 

@@ -1,7 +1,7 @@
 //! The lineage tree.
 
 use super::definition::Lineage;
-use super::key::Quantisation;
+use crate::batch::Quantisation;
 use crate::cortex::{Cue, Numerics, Physics};
 use crate::division::{Division, Outcome};
 use petgraph::Direction;

@@ -11,8 +11,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::record::{self, Content, SLOT};
-use crate::{division::Division, lineage::key::Key};
+use super::slot::{self, Content, SLOT};
+use crate::batch::{Key, Record};
 
 /// How long a lock that others hold is waited for. They hold it for microseconds unless they are stopped.
 const LOCK_PATIENCE: Duration = Duration::from_secs(2);
@@ -27,10 +27,10 @@ pub struct Log {
 }
 
 /// What was read from a file.
-#[derive(Debug, Default)]
-pub struct Slots {
+#[derive(Debug)]
+pub struct Slots<R> {
     /// Whole records, in the order of the file.
-    pub records: Vec<(Key, Division)>,
+    pub records: Vec<(Key, R)>,
     /// Places of damaged slots and of a partial slot at the end.
     pub damaged: Vec<u64>,
 }
@@ -67,18 +67,23 @@ impl Log {
     }
 
     /// Reads what has been appended since the last time.
-    pub fn refresh(&mut self) -> io::Result<Slots> {
+    pub fn refresh<R: Record>(&mut self) -> io::Result<Slots<R>> {
         let slots = self.slots_in_file()?;
         if slots.whole == self.read && slots.partial.is_none() {
-            return Ok(Slots::default());
+            return Ok(Slots { records: Vec::new(), damaged: Vec::new() });
         }
         self.locked(Mode::Shared, Log::read_new)
     }
 
-    /// Appends a division unless `known` says, given what others have appended meanwhile, that it is there already.
+    /// Appends a record unless `known` says, given what others have appended meanwhile, that it is there already.
     /// Returns what they have.
-    pub fn append(&mut self, key: &Key, division: &Division, known: impl FnOnce(&Slots) -> bool) -> io::Result<Slots> {
-        let slot = record::encode(key, division);
+    pub fn append<R: Record>(
+        &mut self,
+        key: &Key,
+        record: &R,
+        known: impl FnOnce(&Slots<R>) -> bool,
+    ) -> io::Result<Slots<R>> {
+        let slot = slot::encode(key, record);
         self.locked(Mode::Exclusive, |log| {
             let slots = log.read_new()?;
             if !known(&slots) {
@@ -105,15 +110,15 @@ impl Log {
 
     /// Gives up the damaged slots of the whole file: each becomes a void one, a partial one at the end is cut off. A kill
     /// between leaves some for the next time. Returns how many there were.
-    pub fn repair(&mut self) -> io::Result<usize> {
+    pub fn repair<R: Record>(&mut self) -> io::Result<usize> {
         self.locked(Mode::Exclusive, |log| {
             log.read = 0;
-            let damaged = log.read_new()?.damaged;
+            let damaged = log.read_new::<R>()?.damaged;
             for &place in &damaged {
                 let start = place * SLOT as u64;
                 if place < log.read {
                     log.file.seek(SeekFrom::Start(start))?;
-                    log.file.write_all(&record::void())?;
+                    log.file.write_all(&slot::void())?;
                 } else {
                     log.file.set_len(start)?;
                 }
@@ -129,7 +134,7 @@ impl Log {
     }
 
     /// Reads on to the end; the lock must be held.
-    fn read_new(&mut self) -> io::Result<Slots> {
+    fn read_new<R: Record>(&mut self) -> io::Result<Slots<R>> {
         let SlotCount { whole, partial } = self.slots_in_file()?;
         if whole < self.read {
             // Somebody cleared or cut the file; what was read from it stays true.
@@ -141,8 +146,8 @@ impl Log {
         let mut slot = [0; SLOT];
         for place in self.read..whole {
             reader.read_exact(&mut slot)?;
-            match record::read(&slot) {
-                Content::Record(key, division) => slots.records.push((key, division)),
+            match slot::read(&slot) {
+                Content::Record(key, record) => slots.records.push((key, record)),
                 Content::Void => {}
                 Content::Damaged => slots.damaged.push(place),
             }

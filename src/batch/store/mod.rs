@@ -1,53 +1,52 @@
-//! The store: solved divisions kept in the cache folder, for the next run and for other processes now.
+//! The store: records kept in the cache folder, for the next run and for other processes now.
 //!
 //! # Why a log of its own
 //! The store holds some hundreds to some hundred thousand small records of equal size, is read whole at the start, and
 //! must be written by several processes at once. Embedded databases such as redb, sled or fjall let one process in and
 //! lock out the rest; SQLite and LMDB share, at the price of a C library. What is needed here is less than either: one
-//! append-only file for each version of the solver, `divisions/<solver>.v1.log`, of 256-byte slots that each carry a
+//! append-only file for each version of the solver, `<kind>/<solver>.v1.log`, of 256-byte slots that each carry a
 //! checksum, under advisory locks of the standard library. What it withstands:
 //!
 //! - *Several processes.* An append takes the exclusive lock, reads what others have appended, and drops the record if
-//!   its key is among them. Claims (`divisions/claims/`) keep two processes from solving the same division.
+//!   its key is among them. Claims (`<kind>/claims/`) keep two processes from solving the same task.
 //! - *A kill at any moment.* Locks and claims vanish with their process. A record is in the page cache when it counts as
 //!   committed; a torn one is a partial slot at the end, overwritten by the next. (A power cut may cost the last seconds.)
 //! - *A full disk.* The first failed write is reported, and the run goes on without storing.
-//! - *Damage.* A slot whose checksum fails is skipped and counted; its division is solved again. Slots stand at
+//! - *Damage.* A slot whose checksum fails is skipped and counted; its task is solved again. Slots stand at
 //!   multiples of their size, so damage never spreads to the next.
 //! - *Other versions.* Each solver and each layout has a file of its own; foreign files are left alone.
 
 mod claims;
 mod log;
-mod record;
+mod slot;
 pub mod upkeep;
 
 use std::{
     collections::BTreeSet,
     fs, io,
     path::{Path, PathBuf},
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard},
     time::Duration,
 };
 
-use dashmap::DashMap;
-
 pub use claims::Claim;
+pub use slot::PAYLOAD;
 pub use upkeep::{CacheReport, DamagedEntry};
 
 use self::log::{Log, Slots};
 use super::{
-    key::{Key, SolverVersion},
-    memo::PrefixMap,
+    key::{Key, KeyMap, SolverVersion},
+    task::Record,
 };
-use crate::division::Division;
 
-/// Solved divisions in a cache folder.
+/// Records in a cache folder.
 #[derive(Debug)]
-pub struct Store {
+pub struct Store<R> {
     /// The folder of the logs, inside the cache folder.
     folder: PathBuf,
     path: PathBuf,
-    entries: DashMap<Key, Arc<Division>, PrefixMap>,
+    /// Apart from the file, so that no look-up waits for a disk.
+    entries: RwLock<KeyMap<Arc<R>>>,
     inner: Mutex<Inner>,
     patience: Duration,
 }
@@ -61,11 +60,12 @@ struct Inner {
     broken: bool,
     committed: usize,
     duplicates: usize,
-    warnings: Vec<String>,
+    warnings: Vec<StoreWarning>,
 }
 
 /// Why a store cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum StoreError {
     /// The cache folder is something else.
     #[error("the cache {folder} is not a folder")]
@@ -74,7 +74,7 @@ pub enum StoreError {
         folder: PathBuf,
     },
     /// The user has no cache folder, and there is no `cache` here.
-    #[error("no cache folder is known for this user: {reason}; name one with --cache, or use --no-cache")]
+    #[error("no cache folder is known for this user: {reason}")]
     NoDefault {
         /// What the system said.
         reason: String,
@@ -89,35 +89,81 @@ pub enum StoreError {
     },
 }
 
-/// Whether this process is to solve a division.
+/// What the user of a store should know; nothing is lost by it but work.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StoreWarning {
+    /// Entries were passed over.
+    #[error("{} in {} ignored, and solved again when needed", damaged_entries(*.entries), .file.display())]
+    Damaged {
+        /// How many.
+        entries: usize,
+        /// The file they are in.
+        file: PathBuf,
+    },
+    /// The store could not be read or written.
+    #[error("cannot {} the store in {} ({reason}); going on without storing", .access.verb(), .folder.display())]
+    GivenUp {
+        /// What failed.
+        access: Access,
+        /// Folder of the store.
+        folder: PathBuf,
+        /// What the system said.
+        reason: String,
+    },
+}
+
+fn damaged_entries(number: usize) -> String {
+    format!("{number} damaged {}", if number == 1 { "entry" } else { "entries" })
+}
+
+/// What a store does with its files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// It reads them.
+    Read,
+    /// It appends to them, or claims a key.
+    Write,
+}
+
+impl Access {
+    fn verb(self) -> &'static str {
+        match self {
+            Access::Read => "read",
+            Access::Write => "write",
+        }
+    }
+}
+
+/// Whether this process is to solve a task.
 #[derive(Debug)]
-pub enum Claimed {
+pub enum Claimed<R> {
     /// It is. (Without a claim where claims cannot be made; the worst that follows is double work.)
     Yours(Option<Claim>),
     /// Another process has solved it meanwhile.
-    Stored(Arc<Division>),
+    Stored(Arc<R>),
     /// Another process is at it; ask again soon.
     Busy,
 }
 
-impl Store {
+impl<R: Record> Store<R> {
     /// Opens the store of a solver in a cache folder and reads it. A folder that does not exist is created with the
     /// first write.
     ///
     /// # Errors
     /// [`StoreError`] if the path is not a folder or what is there cannot be read. Damaged entries are no error.
-    pub fn open(cache: &Path, solver: SolverVersion) -> Result<Store, StoreError> {
+    pub fn open(cache: &Path, solver: SolverVersion) -> Result<Store<R>, StoreError> {
         if cache.exists() && !cache.is_dir() {
             return Err(StoreError::NotAFolder { folder: cache.to_owned() });
         }
-        let folder = cache.join(upkeep::FOLDER);
+        let folder = cache.join(R::FOLDER);
         let path = folder.join(upkeep::file_name(solver));
         let io_error = |source| StoreError::Io { path: path.clone(), source };
         let log = Log::open(&path).map_err(io_error)?;
         let store = Store {
             folder,
             path: path.clone(),
-            entries: DashMap::default(),
+            entries: RwLock::default(),
             inner: Mutex::new(Inner { log, ..Inner::default() }),
             patience: Duration::from_secs(30),
         };
@@ -126,20 +172,15 @@ impl Store {
             store.refresh(&mut inner).map_err(io_error)?;
             let damaged = inner.damaged.len();
             if damaged > 0 {
-                let (entries, they) = if damaged == 1 { ("entry", "it is") } else { ("entries", "they are") };
-                inner.warnings.push(format!(
-                    "{damaged} damaged {entries} in {} ignored, and solved again when needed; {they} given up for good by \
-                     `furrow cache verify --repair`",
-                    path.display()
-                ));
+                inner.warnings.push(StoreWarning::Damaged { entries: damaged, file: path.clone() });
             }
         }
         Ok(store)
     }
 
-    /// Changes how long a busy claim is respected. The default, 30 s, is far longer than a division takes: it is for a
+    /// Changes how long a busy claim is respected. The default, 30 s, is far longer than a task takes: it is for a
     /// process that was stopped while solving.
-    pub fn with_patience(mut self, patience: Duration) -> Store {
+    pub fn with_patience(mut self, patience: Duration) -> Store<R> {
         self.patience = patience;
         self
     }
@@ -149,19 +190,19 @@ impl Store {
         self.patience
     }
 
-    /// A division read or committed so far. Touches no file.
-    pub fn get(&self, key: &Key) -> Option<Arc<Division>> {
-        self.entries.get(key).map(|entry| Arc::clone(entry.value()))
+    /// A record read or committed so far. Touches no file.
+    pub fn get(&self, key: &Key) -> Option<Arc<R>> {
+        self.known().get(key).map(Arc::clone)
     }
 
-    /// Divisions read or committed so far.
+    /// Records read or committed so far.
     pub fn len(&self) -> usize {
-        self.entries.len()
+        self.known().len()
     }
 
-    /// Whether no division is known.
+    /// Whether no record is known.
     pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
+        self.known().is_empty()
     }
 
     /// Damaged entries met so far.
@@ -174,36 +215,36 @@ impl Store {
         self.lock().committed
     }
 
-    /// Divisions that were not appended because another process had appended them first: work done twice.
+    /// Records that were not appended because another process had appended them first: work done twice.
     pub fn duplicates(&self) -> usize {
         self.lock().duplicates
     }
 
     /// What the user should know, once.
-    pub fn take_warnings(&self) -> Vec<String> {
+    pub fn take_warnings(&self) -> Vec<StoreWarning> {
         std::mem::take(&mut self.lock().warnings)
     }
 
-    /// Asks to solve a division, after a look at what other processes have committed.
-    pub fn claim(&self, key: &Key) -> Claimed {
-        if let Some(division) = self.get(key) {
-            return Claimed::Stored(division);
+    /// Asks to solve a task, after a look at what other processes have committed.
+    pub fn claim(&self, key: &Key) -> Claimed<R> {
+        if let Some(record) = self.get(key) {
+            return Claimed::Stored(record);
         }
         // First the claim, then the look: what was committed before the claim was free is seen.
         let claim = if self.lock().broken { Ok(Some(None)) } else { self.try_claim(key).map(|claim| claim.map(Some)) };
         let mut inner = self.lock();
         if let Err(error) = self.refresh(&mut inner) {
-            self.give_up(&mut inner, "read", &error);
+            self.give_up(&mut inner, Access::Read, &error);
         }
         drop(inner);
-        if let Some(division) = self.get(key) {
-            return Claimed::Stored(division);
+        if let Some(record) = self.get(key) {
+            return Claimed::Stored(record);
         }
         match claim {
             Ok(Some(claim)) => Claimed::Yours(claim),
             Ok(None) => Claimed::Busy,
             Err(error) => {
-                self.give_up(&mut self.lock(), "write", &error);
+                self.give_up(&mut self.lock(), Access::Write, &error);
                 Claimed::Yours(None)
             }
         }
@@ -220,19 +261,19 @@ impl Store {
         }
     }
 
-    /// Appends a division. When this returns, no kill of any process can lose it, unless a warning says that the store
+    /// Appends a record. When this returns, no kill of any process can lose it, unless a warning says that the store
     /// could not be written.
-    pub fn commit(&self, key: &Key, division: &Arc<Division>) {
+    pub fn commit(&self, key: &Key, record: &Arc<R>) {
         let mut inner = self.lock();
         if !inner.broken
-            && let Err(error) = self.append(&mut inner, key, division)
+            && let Err(error) = self.append(&mut inner, key, record)
         {
-            self.give_up(&mut inner, "write", &error);
+            self.give_up(&mut inner, Access::Write, &error);
         }
-        self.entries.entry(*key).or_insert_with(|| Arc::clone(division));
+        self.add([(*key, Arc::clone(record))]);
     }
 
-    fn append(&self, inner: &mut Inner, key: &Key, division: &Division) -> io::Result<()> {
+    fn append(&self, inner: &mut Inner, key: &Key, record: &R) -> io::Result<()> {
         let log = match &mut inner.log {
             Some(log) => log,
             None => {
@@ -241,8 +282,8 @@ impl Store {
             }
         };
         let mut known = false;
-        let slots = log.append(key, division, |slots| {
-            known = self.entries.contains_key(key) || slots.records.iter().any(|(other, _)| other == key);
+        let slots = log.append(key, record, |slots| {
+            known = self.known().contains_key(key) || slots.records.iter().any(|(other, _)| other == key);
             known
         })?;
         if known {
@@ -265,20 +306,28 @@ impl Store {
         Ok(())
     }
 
-    fn take_in(&self, inner: &mut Inner, slots: Slots) {
+    fn take_in(&self, inner: &mut Inner, slots: Slots<R>) {
         inner.damaged.extend(slots.damaged);
-        for (key, division) in slots.records {
-            self.entries.entry(key).or_insert_with(|| Arc::new(division));
+        self.add(slots.records.into_iter().map(|(key, record)| (key, Arc::new(record))));
+    }
+
+    /// Adds what is not known yet; of two records of a key the first is kept.
+    fn add(&self, records: impl IntoIterator<Item = (Key, Arc<R>)>) {
+        let mut entries = self.entries.write().unwrap_or_else(PoisonError::into_inner);
+        for (key, record) in records {
+            entries.entry(key).or_insert(record);
         }
     }
 
-    fn give_up(&self, inner: &mut Inner, verb: &str, error: &io::Error) {
+    fn known(&self) -> RwLockReadGuard<'_, KeyMap<Arc<R>>> {
+        self.entries.read().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn give_up(&self, inner: &mut Inner, access: Access, error: &io::Error) {
         if !inner.broken {
             inner.broken = true;
-            inner.warnings.push(format!(
-                "cannot {verb} the store in {} ({error}); going on without storing",
-                self.folder.display()
-            ));
+            let (folder, reason) = (self.folder.clone(), error.to_string());
+            inner.warnings.push(StoreWarning::GivenUp { access, folder, reason });
         }
     }
 

@@ -1,69 +1,65 @@
-//! The memo: no division is solved twice.
+//! The memo: no task is solved twice.
 //!
-//! Every division is looked up by its [`Key`]. The first to ask for an unknown key gets a [`Ticket`], the duty to solve
-//! it; whoever asks before it is solved leaves the sending end of a channel and goes on with other work. Nobody ever
-//! blocks on a key, and no guard of the table is held while solving, sending or waiting.
+//! Every task is looked up by its [`Key`]. The first to ask for an unknown key gets a [`Ticket`], the duty to solve it;
+//! whoever asks before it is solved leaves the sending end of a channel and goes on with other work. Nobody ever blocks on
+//! a key, and no guard of the table is held while solving, sending or waiting.
 
-use std::{
-    hash::{BuildHasherDefault, Hasher},
-    sync::{Arc, mpsc::Sender},
-};
+use std::sync::{Arc, mpsc::Sender};
 
 use dashmap::{DashMap, Entry};
 
 use super::{
-    key::{Key, Quantisation, SolverVersion},
+    key::{Key, PrefixState, SolverVersion},
+    quantisation::Quantisation,
     store::{Claim, Claimed, Store},
+    task::Task,
 };
-use crate::division::{Division, DivisionError, DivisionInput};
 
-/// Divisions solved so far or being solved, shared by any number of trees and threads.
+/// Records solved so far or being solved, shared by any number of runs and threads.
 #[derive(Debug)]
-pub struct Memo {
+pub struct Memo<T: Task> {
     quantisation: Quantisation,
     solver: SolverVersion,
-    table: DashMap<Key, Slot, PrefixMap>,
-    store: Option<Store>,
+    table: DashMap<Key, Slot<T>, PrefixState>,
+    store: Option<Store<T::Record>>,
 }
 
-/// Builds the hasher of maps keyed by [`Key`].
-pub type PrefixMap = BuildHasherDefault<PrefixHasher>;
-
 #[derive(Debug)]
-enum Slot {
-    Solved(Arc<Division>),
+enum Slot<T: Task> {
+    Solved(Arc<T::Record>),
     /// Being solved; these are told when it is.
-    InFlight(Vec<Sender<Notice>>),
+    InFlight(Vec<Sender<Notice<T>>>),
 }
 
 /// Word to a waiter about a key.
 #[derive(Clone, Debug)]
-pub struct Notice {
+pub struct Notice<T: Task> {
     /// The key waited for.
     pub key: Key,
     /// What became of it.
-    pub news: News,
+    pub news: News<T>,
 }
 
 /// What became of a key that was in flight.
 #[derive(Clone, Debug)]
-pub enum News {
+pub enum News<T: Task> {
     /// Solved, just now.
-    Solved(Arc<Division>),
+    Solved(Arc<T::Record>),
     /// Another process solved it meanwhile.
-    Stored(Arc<Division>),
+    Stored(Arc<T::Record>),
     /// Could not be solved.
-    Failed(Failure),
+    Failed(Failure<T::Error>),
     /// Whoever was to solve it gave up; ask again.
     Abandoned,
 }
 
-/// Why a division has no result.
+/// Why a task has no record.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Failure {
+#[non_exhaustive]
+pub enum Failure<E> {
     /// The solver says why.
     #[error(transparent)]
-    Division(#[from] DivisionError),
+    Unsolved(E),
     /// The solver panicked: a defect of the program.
     #[error("the solver broke off: {0} (a defect of furrow, please report it)")]
     Panicked(String),
@@ -71,79 +67,79 @@ pub enum Failure {
 
 /// The answer to a request.
 #[derive(Debug)]
-pub enum Request<'m> {
+pub enum Request<'m, T: Task> {
     /// Known.
-    Known(Arc<Division>),
+    Known(Arc<T::Record>),
     /// Known to the store, and now to the memo.
-    Stored(Arc<Division>),
+    Stored(Arc<T::Record>),
     /// Being solved by another; a [`Notice`] will come.
     Pending,
     /// Nobody has it: the asker is to solve it. A [`Notice`] comes to the asker as well.
-    Yours(Ticket<'m>),
+    Yours(Ticket<'m, T>),
 }
 
-impl Memo {
+impl<T: Task> Memo<T> {
     /// An empty memo of this build's solver, in memory only.
-    pub fn new(quantisation: Quantisation) -> Memo {
+    pub fn new(quantisation: Quantisation) -> Memo<T> {
         Memo { quantisation, solver: SolverVersion::current(), table: DashMap::default(), store: None }
     }
 
     /// The same, on a store: what it holds is known, and what is solved is committed to it.
-    pub fn with_store(self, store: Store) -> Memo {
+    pub fn with_store(self, store: Store<T::Record>) -> Memo<T> {
         Memo { store: Some(store), ..self }
     }
 
     /// The store, if there is one.
-    pub fn store(&self) -> Option<&Store> {
+    pub fn store(&self) -> Option<&Store<T::Record>> {
         self.store.as_ref()
     }
 
-    /// How R0 is rounded.
+    /// How sizes are rounded.
     pub fn quantisation(&self) -> Quantisation {
         self.quantisation
     }
 
-    /// The input that is solved in place of `input`: R0 quantised.
-    pub fn canonical(&self, input: &DivisionInput) -> DivisionInput {
-        DivisionInput { r0: self.quantisation.apply(input.r0), ..*input }
+    /// The task that is solved in place of `task`: its size rounded.
+    pub fn canonical(&self, task: &T) -> T {
+        task.with_size(self.quantisation.apply(task.size()))
     }
 
-    /// The key of a canonical input.
-    pub fn key(&self, canonical: &DivisionInput) -> Key {
+    /// The key of a canonical task.
+    pub fn key(&self, canonical: &T) -> Key {
         Key::new(canonical, self.solver)
     }
 
-    /// Divisions known.
+    /// Records known.
     pub fn len(&self) -> usize {
         self.table.iter().filter(|entry| matches!(entry.value(), Slot::Solved(_))).count()
     }
 
-    /// Whether no division is known.
+    /// Whether no record is known.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Asks for a division. Unless it is known, `waiter` is told once when it is solved, failed or given up.
-    pub fn request(&self, key: Key, waiter: &Sender<Notice>) -> Request<'_> {
+    /// Asks for a record. Unless it is known, `waiter` is told once when it is solved, failed or given up.
+    pub fn request(&self, key: Key, waiter: &Sender<Notice<T>>) -> Request<'_, T> {
         // A shared guard suffices for what is known, the usual case.
         let absent = match self.table.get(&key).as_deref() {
-            Some(Slot::Solved(division)) => return Request::Known(Arc::clone(division)),
+            Some(Slot::Solved(record)) => return Request::Known(Arc::clone(record)),
             Some(Slot::InFlight(_)) => false,
             None => true,
         };
         let stored = if absent { self.store.as_ref().and_then(|store| store.get(&key)) } else { None };
         match self.table.entry(key) {
             Entry::Occupied(mut occupied) => match occupied.get_mut() {
-                Slot::Solved(division) => Request::Known(Arc::clone(division)),
+                Slot::Solved(record) => Request::Known(Arc::clone(record)),
                 Slot::InFlight(waiters) => {
                     waiters.push(waiter.clone());
                     Request::Pending
                 }
             },
             Entry::Vacant(vacant) => match stored {
-                Some(division) => {
-                    vacant.insert(Slot::Solved(Arc::clone(&division)));
-                    Request::Stored(division)
+                Some(record) => {
+                    vacant.insert(Slot::Solved(Arc::clone(&record)));
+                    Request::Stored(record)
                 }
                 None => {
                     vacant.insert(Slot::InFlight(vec![waiter.clone()]));
@@ -154,9 +150,9 @@ impl Memo {
     }
 
     /// Replaces an in-flight slot and returns who waited for it. The guard is gone when this returns.
-    fn settle(&self, key: Key, solved: Option<Arc<Division>>) -> Vec<Sender<Notice>> {
+    fn settle(&self, key: Key, solved: Option<Arc<T::Record>>) -> Vec<Sender<Notice<T>>> {
         let before = match solved {
-            Some(division) => self.table.insert(key, Slot::Solved(division)),
+            Some(record) => self.table.insert(key, Slot::Solved(record)),
             None => self.table.remove(&key).map(|(_, slot)| slot),
         };
         match before {
@@ -166,95 +162,76 @@ impl Memo {
     }
 }
 
-/// The duty to solve one division, held by exactly one at a time. Dropped unused, it lets the waiters ask again.
+/// The duty to solve one task, held by exactly one at a time. Dropped unused, it lets the waiters ask again.
 #[derive(Debug)]
-pub struct Ticket<'m> {
-    memo: &'m Memo,
+pub struct Ticket<'m, T: Task> {
+    memo: &'m Memo<T>,
     key: Key,
     open: bool,
 }
 
 /// What became of a ticket when other processes were asked.
 #[derive(Debug)]
-pub enum Turn<'m> {
+pub enum Turn<'m, T: Task> {
     /// To be solved here. The claim is to be kept until it is.
-    Solve(Ticket<'m>, Option<Claim>),
+    Solve(Ticket<'m, T>, Option<Claim>),
     /// Another process is at it; claim again later.
-    Busy(Ticket<'m>),
+    Busy(Ticket<'m, T>),
     /// Another process has solved it; the waiters have been told.
     Stored,
 }
 
-impl<'m> Ticket<'m> {
+impl<'m, T: Task> Ticket<'m, T> {
     /// The key to solve.
     pub fn key(&self) -> Key {
         self.key
     }
 
-    /// Hands in the division just solved, and commits it to the store before anybody is told.
-    pub fn solved(self, division: Division) {
-        let division = Arc::new(division);
+    /// Hands in the record just solved, and commits it to the store before anybody is told.
+    pub fn solved(self, record: T::Record) {
+        let record = Arc::new(record);
         if let Some(store) = &self.memo.store {
-            store.commit(&self.key, &division);
+            store.commit(&self.key, &record);
         }
-        self.close(Some(Arc::clone(&division)), News::Solved(division));
+        self.close(Some(Arc::clone(&record)), News::Solved(record));
     }
 
-    /// Asks to solve the division as far as other processes are concerned. `insist` solves it even if one is at it.
-    pub fn claim(self, insist: bool) -> Turn<'m> {
+    /// Asks to solve the task as far as other processes are concerned. `insist` solves it even if one is at it.
+    pub fn claim(self, insist: bool) -> Turn<'m, T> {
         match self.memo.store.as_ref().map(|store| store.claim(&self.key)) {
             None => Turn::Solve(self, None),
             Some(Claimed::Yours(claim)) => Turn::Solve(self, claim),
             Some(Claimed::Busy) if insist => Turn::Solve(self, None),
             Some(Claimed::Busy) => Turn::Busy(self),
-            Some(Claimed::Stored(division)) => {
-                self.close(Some(Arc::clone(&division)), News::Stored(division));
+            Some(Claimed::Stored(record)) => {
+                self.close(Some(Arc::clone(&record)), News::Stored(record));
                 Turn::Stored
             }
         }
     }
 
-    /// Says that the division cannot be solved. Failures are not remembered.
-    pub fn failed(self, failure: Failure) {
+    /// Says that the task cannot be solved. Failures are not remembered.
+    pub fn failed(self, failure: Failure<T::Error>) {
         self.close(None, News::Failed(failure));
     }
 
-    fn close(mut self, division: Option<Arc<Division>>, news: News) {
+    fn close(mut self, record: Option<Arc<T::Record>>, news: News<T>) {
         self.open = false;
-        self.tell(division, &news);
+        self.tell(record, &news);
     }
 
-    fn tell(&self, division: Option<Arc<Division>>, news: &News) {
-        for waiter in self.memo.settle(self.key, division) {
+    fn tell(&self, record: Option<Arc<T::Record>>, news: &News<T>) {
+        for waiter in self.memo.settle(self.key, record) {
             // A waiter that is gone no longer wants to know.
             let _ = waiter.send(Notice { key: self.key, news: news.clone() });
         }
     }
 }
 
-impl Drop for Ticket<'_> {
+impl<T: Task> Drop for Ticket<'_, T> {
     fn drop(&mut self) {
         if self.open {
             self.tell(None, &News::Abandoned);
         }
     }
-}
-
-/// Takes the hash from the key, which is one already.
-#[derive(Debug, Default)]
-pub struct PrefixHasher(u64);
-
-impl Hasher for PrefixHasher {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        // `[u8; 32]` writes its length first, then its bytes.
-        for chunk in bytes.chunks_exact(8).take(1) {
-            self.0 = chunk.iter().rev().fold(0, |word, &byte| (word << 8) | u64::from(byte));
-        }
-    }
-
-    fn write_usize(&mut self, _length: usize) {}
 }

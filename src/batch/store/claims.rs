@@ -10,7 +10,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::lineage::key::Key;
+use crate::batch::Key;
 
 /// A held claim; given up when dropped.
 #[derive(Debug)]

@@ -11,17 +11,14 @@ use serde::Serialize;
 use super::{
     StoreError, claims,
     log::Log,
-    record::{LAYOUT, SLOT},
+    slot::{LAYOUT, SLOT},
 };
-use crate::lineage::key::SolverVersion;
-
-/// Folder of the logs inside the cache folder.
-pub(super) const FOLDER: &str = "divisions";
+use crate::batch::{Record, SolverVersion};
 
 /// Folder of the claims inside that of the logs.
 pub(super) const CLAIMS: &str = "claims";
 
-/// File of a solver's divisions.
+/// File of a solver's records.
 pub(super) fn file_name(solver: SolverVersion) -> String {
     format!("{:016x}.{}", solver.number(), suffix())
 }
@@ -39,7 +36,7 @@ pub struct CacheReport {
     pub entries: usize,
     /// Whole entries of other versions; kept, not used.
     pub other_versions: usize,
-    /// Size of all divisions stored, in bytes.
+    /// Size of all entries stored, in bytes.
     pub bytes: u64,
     /// Damaged entries, of any version.
     pub corrupt: usize,
@@ -58,16 +55,16 @@ pub struct DamagedEntry {
     pub offset: u64,
 }
 
-/// Reads and checks every entry in a cache folder. A folder that does not exist holds none.
+/// Reads and checks every entry of a kind in a cache folder. A folder that does not exist holds none.
 ///
 /// # Errors
 /// [`StoreError`] if the folder or a file in it cannot be read.
-pub fn verify(cache: &Path, solver: SolverVersion) -> Result<CacheReport, StoreError> {
+pub fn verify<R: Record>(cache: &Path, solver: SolverVersion) -> Result<CacheReport, StoreError> {
     let mut report = CacheReport { folder: cache.to_owned(), ..CacheReport::default() };
-    for path in logs(cache)? {
+    for path in logs::<R>(cache)? {
         let io_error = |source| StoreError::Io { path: path.clone(), source };
         let Some(mut log) = Log::open(&path).map_err(io_error)? else { continue };
-        let slots = log.refresh().map_err(io_error)?;
+        let slots = log.refresh::<R>().map_err(io_error)?;
         report.bytes += log.bytes().map_err(io_error)?;
         let distinct = slots.records.iter().map(|(key, _)| key).collect::<HashSet<_>>().len();
         report.duplicates += slots.records.len() - distinct;
@@ -83,48 +80,48 @@ pub fn verify(cache: &Path, solver: SolverVersion) -> Result<CacheReport, StoreE
     Ok(report)
 }
 
-/// Gives up the damaged entries of a cache folder, so that they are not reported again, and says what was found. Whole
+/// Gives up the damaged entries of a kind in a cache folder, so that they are not reported again, and says what was found. Whole
 /// entries are not touched.
 ///
 /// # Errors
 /// [`StoreError`] if a file cannot be read or written.
-pub fn repair(cache: &Path, solver: SolverVersion) -> Result<CacheReport, StoreError> {
-    let report = verify(cache, solver)?;
+pub fn repair<R: Record>(cache: &Path, solver: SolverVersion) -> Result<CacheReport, StoreError> {
+    let report = verify::<R>(cache, solver)?;
     let files: BTreeSet<&PathBuf> = report.damaged.iter().map(|entry| &entry.file).collect();
     for path in files {
         let io_error = |source| StoreError::Io { path: path.clone(), source };
         if let Some(mut log) = Log::open(path).map_err(io_error)? {
-            log.repair().map_err(io_error)?;
+            log.repair::<R>().map_err(io_error)?;
         }
     }
     Ok(report)
 }
 
-/// Empties a cache folder of all divisions, of every version, and says what was in it. Other files are not touched, and
+/// Empties a cache folder of all entries of a kind, of every version, and says what was in it. Other files are not touched, and
 /// processes at work on the folder go on.
 ///
 /// # Errors
 /// [`StoreError`] if a file cannot be read or emptied.
-pub fn clear(cache: &Path, solver: SolverVersion) -> Result<CacheReport, StoreError> {
-    let report = verify(cache, solver)?;
-    for path in logs(cache)? {
+pub fn clear<R: Record>(cache: &Path, solver: SolverVersion) -> Result<CacheReport, StoreError> {
+    let report = verify::<R>(cache, solver)?;
+    for path in logs::<R>(cache)? {
         let io_error = |source| StoreError::Io { path: path.clone(), source };
         // Emptied, not removed: a process that has it open would go on writing to a file that nobody else sees.
         if let Some(mut log) = Log::open(&path).map_err(io_error)? {
             log.clear().map_err(io_error)?;
         }
     }
-    let folder = cache.join(FOLDER).join(CLAIMS);
+    let folder = cache.join(R::FOLDER).join(CLAIMS);
     claims::sweep(&folder).map_err(|source| StoreError::Io { path: folder, source })?;
     Ok(report)
 }
 
 /// The logs of this layout in a cache folder, of all solvers, in the order of their names.
-fn logs(cache: &Path) -> Result<Vec<PathBuf>, StoreError> {
+fn logs<R: Record>(cache: &Path) -> Result<Vec<PathBuf>, StoreError> {
     if cache.exists() && !cache.is_dir() {
         return Err(StoreError::NotAFolder { folder: cache.to_owned() });
     }
-    let folder = cache.join(FOLDER);
+    let folder = cache.join(R::FOLDER);
     let list = || -> io::Result<Vec<PathBuf>> {
         let mut paths = Vec::new();
         for entry in fs::read_dir(&folder)? {

@@ -1,0 +1,108 @@
+//! Rounding of sizes, so that those a rounding error apart are one.
+
+/// How sizes are rounded before a task is looked up or solved: to a number of binary digits.
+///
+/// Sizes that two tasks reach by different roundings then share one record. Rounding to binary digits is exact and
+/// idempotent, and uses no logarithm whose last digit could differ between machines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Quantisation {
+    /// Binary digits kept after the leading one, 0 to 52; 52 keeps a size as it is.
+    digits: u32,
+}
+
+impl Quantisation {
+    /// Sizes as they are.
+    pub const EXACT: Quantisation = Quantisation { digits: 52 };
+
+    /// The default relative step, 2⁻³⁰ ≈ 9.3·10⁻¹⁰: far above rounding errors, and far below what a record can tell
+    /// unless its relative slope over the size exceeds a million.
+    pub const DEFAULT: Quantisation = Quantisation { digits: 30 };
+
+    /// The coarsest quantisation whose relative step does not exceed `step`; 0 is exact.
+    ///
+    /// # Errors
+    /// A step that is negative, above ½ or not a number is refused and given back.
+    pub fn with_relative_step(step: f64) -> Result<Self, f64> {
+        if !(0.0..=0.5).contains(&step) {
+            return Err(step);
+        }
+        let digits = (0..52).find(|&digits| Quantisation { digits }.relative_step() <= step).unwrap_or(52);
+        Ok(Quantisation { digits })
+    }
+
+    /// Spacing of the rounded sizes relative to the size, at most; 0 if exact.
+    pub fn relative_step(self) -> f64 {
+        if self.digits >= 52 { 0.0 } else { f64::from_bits((1023 - u64::from(self.digits)) << 52) }
+    }
+
+    /// The rounded size: the nearest one on the grid, ties to even. Relative shift at most half the step.
+    pub fn apply(self, size: f64) -> f64 {
+        if self.digits >= 52 || !size.is_normal() {
+            return size;
+        }
+        let dropped = 52 - self.digits;
+        let bits = size.to_bits();
+        let odd = (bits >> dropped) & 1;
+        // Adding half a step less one, plus the oddness, rounds half to even; the carry may run into the exponent.
+        let rounded = (bits + (1 << (dropped - 1)) - 1 + odd) >> dropped << dropped;
+        let rounded = f64::from_bits(rounded);
+        if rounded.is_finite() { rounded } else { size }
+    }
+}
+
+impl Default for Quantisation {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn rounding_twice_is_rounding_once(size in 1e-3..1e3_f64, digits in 0..=52_u32) {
+            let quantisation = Quantisation { digits };
+            let once = quantisation.apply(size);
+            prop_assert_eq!(quantisation.apply(once).to_bits(), once.to_bits());
+            prop_assert!((once - size).abs() <= 0.5 * quantisation.relative_step() * size);
+        }
+
+        #[test]
+        fn rounding_keeps_the_order(a in 1e-3..1e3_f64, b in 1e-3..1e3_f64, digits in 0..=52_u32) {
+            let quantisation = Quantisation { digits };
+            prop_assert!(a > b || quantisation.apply(a) <= quantisation.apply(b));
+        }
+    }
+
+    #[test]
+    fn sizes_a_rounding_apart_become_one_and_distinct_sizes_do_not() {
+        let q = Quantisation::DEFAULT;
+        let size = 5.4 * 0.5_f64.cbrt();
+        assert_eq!(q.apply(size).to_bits(), q.apply(size.next_up()).to_bits());
+        assert_ne!(q.apply(size).to_bits(), q.apply(size * (1.0 + 2e-9)).to_bits());
+        assert_eq!(Quantisation::EXACT.apply(size).to_bits(), size.to_bits());
+    }
+
+    #[test]
+    fn a_step_is_rounded_down_to_a_power_of_two_and_nonsense_is_refused() {
+        let q = Quantisation::with_relative_step(1e-9).unwrap();
+        assert_eq!(q, Quantisation::DEFAULT);
+        assert!(q.relative_step() <= 1e-9);
+        assert_eq!(Quantisation::with_relative_step(0.0).unwrap(), Quantisation::EXACT);
+        assert_eq!(Quantisation::with_relative_step(0.25).unwrap().relative_step(), 0.25);
+        assert!(Quantisation::with_relative_step(-1e-9).is_err());
+        assert!(Quantisation::with_relative_step(0.6).is_err());
+        assert!(Quantisation::with_relative_step(f64::NAN).is_err());
+    }
+
+    #[test]
+    fn sizes_that_are_no_numbers_pass_through() {
+        for size in [f64::NAN, f64::INFINITY, 0.0, -0.0, f64::MAX] {
+            let got = Quantisation { digits: 3 }.apply(size);
+            assert!(got.to_bits() == size.to_bits());
+        }
+    }
+}
