@@ -1,8 +1,10 @@
 //! The lineage file: founders, cues, naming, limits, and the observed counts they are set beside.
 
-use crate::cortex::Cue;
-use crate::input::{InputError, parse_ron, read_text};
+use crate::cell::cue::split_terms;
+use crate::cell::{Cue, CueError};
+use crate::input::{InputError, did_you_mean, parse_ron, read_text};
 use serde::{Deserialize, Serialize};
+use super::check::Check;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
@@ -50,9 +52,17 @@ pub struct Founder {
     /// Which of the mother's daughters it is; given exactly when `mother` is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub daughter: Option<Daughter>,
-    /// Name of its cue, carried on by its descendants up to the next founder; `none` if not given.
+    /// Name of its cue, inherited by its descendants up to the next founder unless `inherit` says otherwise. Without it, and
+    /// without rules of its own, the file's `cue_rules` apply.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cue: Option<String>,
+    /// Whether its descendants inherit its cue.
+    #[serde(default = "yes", skip_serializing_if = "is_yes")]
+    pub inherit: bool,
+    /// In place of `cue`: which of it and its descendants carry which cue, the first rule that applies. Generations are
+    /// counted from the founder.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cue_rules: Vec<CueRule>,
     /// Radius R0 in place of the one its mother's division (or the physics, for the first cell) gives, in L_h.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub r0: Option<f64>,
@@ -62,6 +72,57 @@ pub struct Founder {
     /// Observed rounds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sulston: Option<ObservedRounds>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+fn is_yes(value: &bool) -> bool {
+    *value
+}
+
+/// Which cells carry a cue: those of some generations, those of some sizes, or all.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CueRule {
+    /// Name of the cue, or `none`.
+    pub cue: String,
+    /// First generation it applies to; 0 if not given.
+    #[serde(default)]
+    pub from_generation: u32,
+    /// Last generation it applies to; no last one if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to_generation: Option<u32>,
+    /// It applies to cells of a smaller radius R0 than this, in L_h.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub below_r0: Option<f64>,
+    /// It applies to cells of a larger radius R0 than this, in L_h.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub above_r0: Option<f64>,
+}
+
+impl CueRule {
+    /// Whether it applies to a cell of a generation and radius.
+    pub fn applies(&self, generation: u32, r0: f64) -> bool {
+        generation >= self.from_generation
+            && self.to_generation.is_none_or(|last| generation <= last)
+            && self.below_r0.is_none_or(|limit| r0 < limit)
+            && self.above_r0.is_none_or(|limit| r0 > limit)
+    }
+}
+
+/// A cell's place in its lineage, as far as its cue depends on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// The founder it is or descends from, the nearest one (an index into the lineage's founders).
+    pub founder: usize,
+    /// Divisions from that founder.
+    pub round: u32,
+    /// Divisions from the first cell.
+    pub generation: u32,
+    /// Radius R0, in L_h.
+    pub r0: f64,
 }
 
 /// Limits that stop a lineage that does not end by itself.
@@ -103,6 +164,10 @@ pub struct Lineage {
     /// Cues by name. `none` always exists.
     #[serde(default)]
     pub cues: BTreeMap<String, Cue>,
+    /// Cues of the cells whose founder says nothing of its own, the first rule that applies. Generations are counted from
+    /// the first cell.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cue_rules: Vec<CueRule>,
     /// Founders, in the order tables list them.
     pub founders: Vec<Founder>,
 }
@@ -138,14 +203,75 @@ impl Lineage {
     /// The cue called `name`; `none` is always defined.
     pub fn cue(&self, name: &str) -> Option<Cue> {
         match name {
-            "none" => Some(Cue::None),
-            _ => self.cues.get(name).copied(),
+            "none" => Some(Cue::none()),
+            _ => self.cues.get(name).cloned(),
         }
     }
 
-    /// The cue of a founder.
-    pub fn founder_cue(&self, founder: usize) -> Cue {
-        self.founders[founder].cue.as_deref().and_then(|name| self.cue(name)).unwrap_or(Cue::None)
+    /// Name of the cue that a cell at a place carries.
+    pub fn cue_name_at(&self, place: Place) -> &str {
+        let founder = &self.founders[place.founder];
+        let first = |rules: &'_ [CueRule], generation| {
+            rules.iter().position(|rule| rule.applies(generation, place.r0))
+        };
+        if !founder.cue_rules.is_empty() {
+            return first(&founder.cue_rules, place.round).map_or("none", |k| &founder.cue_rules[k].cue);
+        }
+        match &founder.cue {
+            Some(name) if place.round == 0 || founder.inherit => name,
+            Some(_) => "none",
+            None => first(&self.cue_rules, place.generation).map_or("none", |k| &self.cue_rules[k].cue),
+        }
+    }
+
+    /// The cue that a cell at a place carries.
+    pub fn cue_at(&self, place: Place) -> Cue {
+        self.cue(self.cue_name_at(place)).unwrap_or_default()
+    }
+
+    /// Whether a founder says that it or descendants of it carry a cue.
+    pub fn gives_cue(&self, founder: usize) -> bool {
+        let founder = &self.founders[founder];
+        let acts = |name: &String| self.cues.get(name).is_some_and(|cue| !cue.is_none());
+        founder.cue.iter().chain(founder.cue_rules.iter().map(|rule| &rule.cue)).any(acts)
+    }
+
+    /// The same lineage with another cue in the place of every cue that its founders or rules give.
+    ///
+    /// ```
+    /// use furrow::cell::Cue;
+    /// use furrow::lineage::Lineage;
+    ///
+    /// let lineage = Lineage::c_elegans()?.with_cues_replaced(&Cue::none());
+    /// assert!((0..lineage.founders.len()).all(|founder| !lineage.gives_cue(founder)));
+    /// # Ok::<(), furrow::input::InputError>(())
+    /// ```
+    pub fn with_cues_replaced(mut self, cue: &Cue) -> Lineage {
+        let name = if cue.is_none() { "none" } else { REPLACEMENT };
+        if !cue.is_none() {
+            self.cues.insert(REPLACEMENT.to_owned(), cue.clone());
+        }
+        let rules = self.founders.iter_mut().flat_map(|founder| founder.cue_rules.iter_mut().map(|rule| &mut rule.cue));
+        rules.chain(self.cue_rules.iter_mut().map(|rule| &mut rule.cue)).for_each(|given| replace(given, name));
+        self.founders.iter_mut().filter_map(|founder| founder.cue.as_mut()).for_each(|given| replace(given, name));
+        self
+    }
+
+    /// Reads a cue as users write it: `none`, a name of this lineage, or terms, joined by `+`.
+    ///
+    /// # Errors
+    /// [`CueError`] names the part, what it is and what it may be.
+    pub fn parse_cue(&self, text: &str) -> Result<Cue, CueError> {
+        for part in split_terms(text) {
+            if !part.contains(':') && part != "none" && self.cue(part).is_none() {
+                let names: Vec<&str> = self.cues.keys().map(String::as_str).collect();
+                let known: String = names.iter().map(|name| format!("{name}, ")).collect();
+                let nearest = did_you_mean(part, names);
+                let allowed = format!("none, {known}or terms FIELD:PROFILE,key=value,.. joined by +{nearest}");
+                return Err(CueError { field: "cue".to_owned(), value: format!("{part:?}"), allowed });
+            }
+        }
+        Cue::parse_with(text, |name| self.cues.get(name).cloned())
     }
 
     /// For each founder its listed daughters (larger, smaller), and whether the larger is listed first.
@@ -173,6 +299,16 @@ impl Lineage {
     }
 }
 
+/// Name of a cue given in place of others.
+const REPLACEMENT: &str = "given";
+
+fn replace(given: &mut String, name: &str) {
+    if given != "none" {
+        given.clear();
+        given.push_str(name);
+    }
+}
+
 /// The two founders a founder divides into (indices into [`Lineage::founders`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ListedDaughters {
@@ -191,238 +327,5 @@ impl ListedDaughters {
     /// The founder listed second.
     pub fn second(&self) -> usize {
         self.larger.max(self.smaller)
-    }
-}
-
-struct Check<'a> {
-    lineage: &'a Lineage,
-    text: &'a str,
-    file: &'a str,
-}
-
-impl Check<'_> {
-    /// `file:line` of a founder, where the line can be told.
-    fn place(&self, founder: &str) -> String {
-        let quoted = format!("\"{founder}\"");
-        let line = self.text.lines().position(|line| {
-            let code = line.split("//").next().unwrap_or("");
-            code.match_indices(&quoted).any(|(at, _)| code[..at].trim_end().ends_with("name:"))
-        });
-        match line {
-            Some(n) => format!("{}:{}", self.file, n + 1),
-            None => self.file.to_owned(),
-        }
-    }
-
-    fn founder_error(&self, f: &Founder, field: &str, value: impl ToString, allowed: impl Into<String>) -> InputError {
-        InputError::not_allowed(self.place(&f.name), format!("founder {:?}: {field}", f.name), value, allowed)
-    }
-
-    fn run(&self) -> Result<(), InputError> {
-        let lineage = self.lineage;
-        let limits = lineage.limits;
-        if !(1..=100_000).contains(&limits.max_depth) {
-            return Err(InputError::not_allowed(self.file, "limits.max_depth", limits.max_depth, "from 1 to 100000"));
-        }
-        if limits.max_cells < 1 {
-            return Err(InputError::not_allowed(self.file, "limits.max_cells", limits.max_cells, "at least 1"));
-        }
-        self.letters("naming", lineage.naming)?;
-        for (name, cue) in &lineage.cues {
-            if name == "none" {
-                let allowed = "another name: none is the absence of a cue";
-                return Err(InputError::not_allowed(self.file, "cues", "\"none\"", allowed));
-            }
-            check_cue(cue, self.file, &format!("cues[{name:?}]"))?;
-        }
-        if lineage.founders.is_empty() {
-            return Err(InputError::not_allowed(self.file, "founders", "[]", "a list of at least one founder"));
-        }
-        let mut index = HashMap::new();
-        for (i, f) in lineage.founders.iter().enumerate() {
-            self.founder(f)?;
-            if index.insert(f.name.as_str(), i).is_some() {
-                return Err(self.founder_error(f, "name", format!("{:?}", f.name), "unique in the file"));
-            }
-        }
-        let mother = self.mothers(&index)?;
-        self.one_tree(&mother)?;
-        self.pairs(&mother)?;
-        self.clashes(&mother)
-    }
-
-    fn letters(&self, field: &str, (a, p): (char, char)) -> Result<(), InputError> {
-        if a == p || !a.is_ascii_alphanumeric() || !p.is_ascii_alphanumeric() {
-            let allowed = "two different ASCII letters or digits, anterior first";
-            return Err(InputError::not_allowed(self.file, field, format!("({a:?}, {p:?})"), allowed));
-        }
-        Ok(())
-    }
-
-    fn founder(&self, f: &Founder) -> Result<(), InputError> {
-        if f.name.is_empty()
-            || f.name.chars().any(|c| c.is_control() || c.is_whitespace() || "()[]{}:;,'\"=".contains(c))
-        {
-            let allowed = "not empty and free of spaces, brackets, quotes and of : ; , = (tree files reserve them)";
-            return Err(self.founder_error(f, "name", format!("{:?}", f.name), allowed));
-        }
-        for &pair in &f.letters {
-            self.letters(&format!("founder {:?}: letters", f.name), pair)?;
-        }
-        if let Some(r0) = f.r0.filter(|r| !(r.is_finite() && *r > 0.0)) {
-            return Err(self.founder_error(f, "r0", r0, "a finite number above 0"));
-        }
-        if let Some(cue) = f.cue.as_deref().filter(|name| self.lineage.cue(name).is_none()) {
-            let mut known = vec!["none"];
-            known.extend(self.lineage.cues.keys().map(String::as_str));
-            return Err(self.founder_error(f, "cue", format!("{cue:?}"), format!("one of {}", known.join(", "))));
-        }
-        match (&f.mother, f.daughter) {
-            (Some(_), None) => {
-                return Err(self.founder_error(
-                    f,
-                    "daughter",
-                    "(not given)",
-                    "larger or smaller where a mother is given",
-                ));
-            }
-            (None, Some(_)) => {
-                return Err(self.founder_error(
-                    f,
-                    "mother",
-                    "(not given)",
-                    "the mother's name where a daughter is given",
-                ));
-            }
-            _ => {}
-        }
-        if let Some(s) = f.sulston.filter(|s| !(f64::from(s.min) <= s.mean && s.mean <= f64::from(s.max))) {
-            let allowed = format!("a number from min = {} to max = {}", s.min, s.max);
-            return Err(self.founder_error(f, "sulston.mean", s.mean, allowed));
-        }
-        Ok(())
-    }
-
-    fn mothers(&self, index: &HashMap<&str, usize>) -> Result<Vec<Option<usize>>, InputError> {
-        let mut mother = Vec::with_capacity(self.lineage.founders.len());
-        for f in &self.lineage.founders {
-            mother.push(match f.mother.as_deref() {
-                None => None,
-                Some(name) => Some(*index.get(name).ok_or_else(|| {
-                    let names: Vec<&str> = self.lineage.founders.iter().map(|f| f.name.as_str()).collect();
-                    let allowed = format!("a founder of this file: {}", names.join(", "));
-                    self.founder_error(f, "mother", format!("{name:?}"), allowed)
-                })?),
-            });
-        }
-        Ok(mother)
-    }
-
-    /// Exactly one first cell, and every founder descends from it.
-    fn one_tree(&self, mother: &[Option<usize>]) -> Result<(), InputError> {
-        let founders = &self.lineage.founders;
-        // Founders known to reach the first cell; each is walked through once.
-        let mut reaches = vec![false; founders.len()];
-        let mut walk = vec![usize::MAX; founders.len()];
-        for start in 0..founders.len() {
-            let mut path = vec![];
-            let mut at = Some(start);
-            while let Some(i) = at {
-                if reaches[i] {
-                    break;
-                }
-                if walk[i] == start {
-                    let from = path.iter().position(|&j| j == i).unwrap_or(0);
-                    let mut ring: Vec<&str> = path[from..].iter().map(|&j: &usize| founders[j].name.as_str()).collect();
-                    ring.push(ring[0]);
-                    let message = format!(
-                        "the founders' mothers form a cycle: {}; one founder must have no mother, and all others descend from it",
-                        ring.join(" <- ")
-                    );
-                    return Err(InputError::Founders { file: self.place(&founders[i].name), message });
-                }
-                walk[i] = start;
-                path.push(i);
-                at = mother[i];
-            }
-            path.into_iter().for_each(|i| reaches[i] = true);
-        }
-        let first: Vec<&str> = founders.iter().filter(|f| f.mother.is_none()).map(|f| f.name.as_str()).collect();
-        if first.len() > 1 {
-            let message = format!("founders {} have no mother; exactly one founder may have none", first.join(", "));
-            return Err(InputError::Founders { file: self.place(first[1]), message });
-        }
-        Ok(())
-    }
-
-    /// Below each founder: no founder, or a larger and a smaller one.
-    fn pairs(&self, mother: &[Option<usize>]) -> Result<(), InputError> {
-        let founders = &self.lineage.founders;
-        let mut taken: HashMap<(usize, bool), usize> = HashMap::new();
-        for (i, f) in founders.iter().enumerate() {
-            let (Some(m), Some(daughter)) = (mother[i], f.daughter) else { continue };
-            if let Some(other) = taken.insert((m, daughter == Daughter::Larger), i) {
-                let which = if daughter == Daughter::Larger { "larger" } else { "smaller" };
-                let allowed = format!("the other one: {:?} is already the {which} daughter", founders[other].name);
-                return Err(self.founder_error(f, "daughter", which, allowed));
-            }
-        }
-        for (i, f) in founders.iter().enumerate() {
-            let Some(m) = mother[i] else { continue };
-            let sister_larger = f.daughter == Some(Daughter::Smaller);
-            if !taken.contains_key(&(m, sister_larger)) {
-                let missing = if sister_larger { "larger" } else { "smaller" };
-                let message = format!(
-                    "founder {:?} is a daughter of {:?}, whose {missing} daughter is not in the list; list both or neither",
-                    f.name, founders[m].name
-                );
-                return Err(InputError::Founders { file: self.place(&f.name), message });
-            }
-        }
-        Ok(())
-    }
-
-    /// No founder is called what the naming rule may call another cell.
-    fn clashes(&self, mother: &[Option<usize>]) -> Result<(), InputError> {
-        let founders = &self.lineage.founders;
-        let mut has_listed = vec![false; founders.len()];
-        mother.iter().flatten().for_each(|&m| has_listed[m] = true);
-        for (i, above) in founders.iter().enumerate().filter(|(i, _)| !has_listed[*i]) {
-            for f in founders.iter().filter(|f| f.name != above.name) {
-                let Some(rest) = f.name.strip_prefix(above.name.as_str()) else { continue };
-                let generated = rest.chars().enumerate().all(|(k, c)| {
-                    let (a, p) = self.lineage.letters(i, k + 1);
-                    c == a || c == p
-                });
-                if generated {
-                    let allowed =
-                        format!("a name that no descendant of {:?} may be given by the naming rule", above.name);
-                    return Err(self.founder_error(f, "name", format!("{:?}", f.name), allowed));
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Checks a cue's numbers; errors call its fields `field.u0` and so on.
-pub fn check_cue(cue: &Cue, source_name: &str, field: &str) -> Result<(), InputError> {
-    match *cue {
-        Cue::None => Ok(()),
-        Cue::Kappa { u0, omega, amplitude } => {
-            let bad = |name: &str, value: f64, allowed: &str| {
-                Err(InputError::not_allowed(source_name, format!("{field}.{name}"), value, allowed))
-            };
-            if !(u0 > 0.0 && u0 < 1.0) {
-                return bad("u0", u0, "above 0 and below 1");
-            }
-            if !(omega.is_finite() && omega > 0.0) {
-                return bad("omega", omega, "a finite number above 0");
-            }
-            if !(amplitude.is_finite() && amplitude > -1.0) {
-                return bad("amplitude", amplitude, "a finite number above -1");
-            }
-            Ok(())
-        }
     }
 }

@@ -1,12 +1,12 @@
 //! Growth of a tree: volumes are handed down, every cell's division is solved as soon as its mother's is.
 
-use super::definition::{Lineage, ListedDaughters};
-use super::tree::{Cell, EndReason, Fate, Side, Tree, TreeSettings};
-use crate::batch::{Failure, Job, Memo, SchedulerError, SchedulerOptions, Summary, scheduler};
-use crate::cortex::Cue;
-use crate::division::{Division, DivisionError, DivisionInput};
-use petgraph::graph::NodeIndex;
 use std::collections::VecDeque;
+
+use super::definition::{Lineage, ListedDaughters, Place};
+use super::tree::{CellId, EndReason, Fate, Side, Tree, TreeCell, TreeSettings};
+use crate::batch::{Failure, Job, Memo, SchedulerError, SchedulerOptions, Summary, scheduler};
+use crate::cell::{Cell, Cue};
+use crate::division::{Division, DivisionError, DivisionInput};
 
 /// Why a tree could not be grown.
 #[derive(Debug, thiserror::Error)]
@@ -45,8 +45,8 @@ pub struct Grower<'a> {
     pub lineage: &'a Lineage,
     /// Parameters of all divisions.
     pub settings: TreeSettings,
-    /// Ends branches ahead of their division; `&|_, _| None` leaves it to the dynamics.
-    pub ends: &'a dyn Fn(f64, &Cue) -> Option<EndReason>,
+    /// Ends branches ahead of their division; `&|_| None` leaves it to the dynamics.
+    pub ends: &'a dyn Fn(&Cell) -> Option<EndReason>,
     /// Remembers divisions.
     pub memo: &'a Memo<DivisionInput>,
     /// Threads, interruption, progress, order of work; for the last see [`expected_work`](super::expected_work).
@@ -54,8 +54,8 @@ pub struct Grower<'a> {
 }
 
 /// A cell in the order of growth, which depends on timing.
-#[derive(Clone, Copy, Debug)]
-struct Young {
+#[derive(Clone, Debug)]
+struct GrowingCell {
     mother: Option<usize>,
     side: Side,
     founder: usize,
@@ -71,10 +71,10 @@ struct Young {
     daughters: Option<usize>,
 }
 
-struct Nursery<'a> {
+struct Growth<'a> {
     grower: &'a Grower<'a>,
     listed: Vec<Option<ListedDaughters>>,
-    cells: Vec<Young>,
+    cells: Vec<GrowingCell>,
 }
 
 impl Grower<'_> {
@@ -88,26 +88,27 @@ impl Grower<'_> {
     where
         S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
     {
-        let mut nursery = Nursery { grower: self, listed: self.lineage.daughters(), cells: vec![] };
+        let mut growth = Growth { grower: self, listed: self.lineage.daughters(), cells: vec![] };
         let first = self.first();
-        nursery.cells.push(first);
-        let roots = nursery.job(0).into_iter().collect();
+        growth.cells.push(first);
+        let roots = growth.job(0).into_iter().collect();
         let max_cells = self.lineage.limits.max_cells;
         let summary = scheduler::run(roots, self.memo, &self.options, &solve, |cell, division| {
             // What lies beyond the limit is settled in the layout, in an order that timing has no part in.
-            if nursery.cells.len() + 2 > max_cells { vec![] } else { nursery.divide(cell, Fate::of(division)) }
+            if growth.cells.len() + 2 > max_cells { vec![] } else { growth.divide(cell, Fate::of(division)) }
         })
-        .map_err(|e| nursery.error(e))?;
+        .map_err(|e| growth.error(e))?;
         if summary.interrupted {
             return Err(GrowError::Interrupted { solved: summary.solved });
         }
-        let tree = nursery.lay_out(&solve)?;
+        let tree = growth.lay_out(&solve)?;
         Ok((tree, summary))
     }
 
-    fn first(&self) -> Young {
+    fn first(&self) -> GrowingCell {
         let founder = self.lineage.first();
-        Young {
+        let r0 = self.lineage.founders[founder].r0.unwrap_or(self.settings.cell.r0);
+        GrowingCell {
             mother: None,
             side: Side::Anterior,
             founder,
@@ -115,36 +116,38 @@ impl Grower<'_> {
             round: 0,
             generation: 0,
             fraction: 1.0,
-            r0: self.lineage.founders[founder].r0.unwrap_or(self.settings.physics.r0),
-            cue: self.lineage.founder_cue(founder),
+            r0,
+            cue: self.lineage.cue_at(Place { founder, round: 0, generation: 0, r0 }),
             fate: None,
             daughters: None,
         }
     }
 }
 
-impl Nursery<'_> {
+impl Growth<'_> {
     /// The division a cell needs; none if its fate is known without, and then it is noted.
     fn job(&mut self, index: usize) -> Option<Job<DivisionInput>> {
-        let young = &mut self.cells[index];
+        let TreeSettings { cell: first, numerics, seed, .. } = &self.grower.settings;
+        let growing = &mut self.cells[index];
         let limits = self.grower.lineage.limits;
-        let ended = if young.generation >= limits.max_depth {
+        let cell = Cell { r0: growing.r0, cue: growing.cue.clone(), ..first.clone() };
+        let ended = if growing.generation >= limits.max_depth {
             Some(EndReason::MaxDepth { max_depth: limits.max_depth })
         } else {
-            (self.grower.ends)(young.r0, &young.cue)
+            (self.grower.ends)(&cell)
         };
         if let Some(reason) = ended {
-            young.fate = Some(Fate::ended(reason));
+            growing.fate = Some(Fate::ended(reason));
             return None;
         }
-        let TreeSettings { physics, numerics, seed, .. } = self.grower.settings;
-        Some(Job { id: index, task: DivisionInput { physics, numerics, r0: young.r0, cue: young.cue, seed } })
+        Some(Job { id: index, task: DivisionInput { cell, numerics: *numerics, seed: *seed } })
     }
 
     /// Notes a cell's fate, adds its daughters and returns the divisions they need.
     fn divide(&mut self, index: usize, fate: Fate) -> Vec<Job<DivisionInput>> {
+        let pair = self.offspring(index, &fate);
         self.cells[index].fate = Some(fate);
-        let Some(pair) = self.offspring(index, &fate) else { return vec![] };
+        let Some(pair) = pair else { return vec![] };
         let anterior = self.cells.len();
         self.cells[index].daughters = Some(anterior);
         self.cells.extend(pair);
@@ -152,55 +155,60 @@ impl Nursery<'_> {
     }
 
     /// Anterior and posterior daughter of a cell, if it divides.
-    fn offspring(&self, index: usize, fate: &Fate) -> Option<[Young; 2]> {
+    fn offspring(&self, index: usize, fate: &Fate) -> Option<[GrowingCell; 2]> {
         let lineage = self.grower.lineage;
         let mother = &self.cells[index];
-        let first_r0 = self.cells[0].r0;
         let volumes = fate.daughter_volumes(mother.fraction)?;
-        let young = |side: Side, fraction: f64| Young {
-            mother: Some(index),
-            side,
-            is_founder: false,
-            round: mother.round + 1,
-            generation: mother.generation + 1,
-            fraction,
-            // V = 4πR0³/3, so R0 of the daughter follows from its share of the first cell's volume.
-            r0: first_r0 * fraction.cbrt(),
-            fate: None,
-            daughters: None,
-            ..*mother
-        };
-        let mut pair = [young(Side::Anterior, volumes[0]), young(Side::Posterior, volumes[1])];
-        if let Some(listed) = self.listed[mother.founder].filter(|_| mother.is_founder) {
-            let founders = match volumes[0].total_cmp(&volumes[1]) {
+        let founders = self.listed[mother.founder].filter(|_| mother.is_founder).map(|listed| {
+            match volumes[0].total_cmp(&volumes[1]) {
                 std::cmp::Ordering::Equal => [listed.first(), listed.second()],
                 std::cmp::Ordering::Greater => [listed.larger, listed.smaller],
                 std::cmp::Ordering::Less => [listed.smaller, listed.larger],
-            };
-            for (cell, founder) in pair.iter_mut().zip(founders) {
-                cell.founder = founder;
-                cell.is_founder = true;
-                cell.round = 0;
-                cell.cue = lineage.founder_cue(founder);
-                if let Some(r0) = lineage.founders[founder].r0 {
-                    cell.r0 = r0;
-                    cell.fraction = (r0 / first_r0).powi(3);
-                }
             }
+        });
+        let daughter = |k: usize| {
+            let founder = founders.map(|founders| founders[k]);
+            self.daughter(index, [Side::Anterior, Side::Posterior][k], volumes[k], founder)
+        };
+        Some([daughter(0), daughter(1)])
+    }
+
+    /// A daughter of a volume given as a part of the first cell's; `founder` is the founder that it is, if it is one.
+    fn daughter(&self, mother_index: usize, side: Side, fraction: f64, founder: Option<usize>) -> GrowingCell {
+        let (lineage, mother) = (self.grower.lineage, &self.cells[mother_index]);
+        let first_r0 = self.cells[0].r0;
+        // V = 4πR0³/3, so R0 of the daughter follows from its share of the first cell's volume.
+        let (mut r0, mut fraction) = (first_r0 * fraction.cbrt(), fraction);
+        if let Some(given) = founder.and_then(|founder| lineage.founders[founder].r0) {
+            (r0, fraction) = (given, (given / first_r0).powi(3));
         }
-        Some(pair)
+        let round = if founder.is_some() { 0 } else { mother.round + 1 };
+        let (generation, of) = (mother.generation + 1, founder.unwrap_or(mother.founder));
+        GrowingCell {
+            mother: Some(mother_index),
+            side,
+            founder: of,
+            is_founder: founder.is_some(),
+            round,
+            generation,
+            fraction,
+            r0,
+            cue: lineage.cue_at(Place { founder: of, round, generation, r0 }),
+            fate: None,
+            daughters: None,
+        }
     }
 
     /// A cell's name, given its mother's.
-    fn name(&self, young: &Young, mother: &str) -> String {
+    fn name(&self, cell: &GrowingCell, mother: &str) -> String {
         let lineage = self.grower.lineage;
-        if young.is_founder {
-            return lineage.founders[young.founder].name.clone();
+        if cell.is_founder {
+            return lineage.founders[cell.founder].name.clone();
         }
-        let (anterior, posterior) = lineage.letters(young.founder, young.round as usize);
+        let (anterior, posterior) = lineage.letters(cell.founder, cell.round as usize);
         let mut name = String::with_capacity(mother.len() + 1);
         name.push_str(mother);
-        name.push(if young.side == Side::Anterior { anterior } else { posterior });
+        name.push(if cell.side == Side::Anterior { anterior } else { posterior });
         name
     }
 
@@ -222,11 +230,10 @@ impl Nursery<'_> {
         solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
     ) -> Result<Tree, GrowError> {
         let max_cells = self.grower.lineage.limits.max_cells;
-        let mut first = self.cell_of(0, "");
-        first.fate = self.cells[0].fate.unwrap_or(first.fate);
-        let mut tree = Tree::new(self.grower.lineage.clone(), self.grower.settings, first);
-        let mut queue: VecDeque<(NodeIndex, usize)> = VecDeque::from([(tree.first(), 0)]);
-        while let Some((node, index)) = queue.pop_front() {
+        let first = self.cell_of(0, "");
+        let mut tree = Tree::new(self.grower.lineage.clone(), self.grower.settings.clone(), first);
+        let mut queue: VecDeque<(CellId, usize)> = VecDeque::from([(tree.first(), 0)]);
+        while let Some((id, index)) = queue.pop_front() {
             if self.cells[index].fate.is_none() {
                 // Growth stopped short of this cell because of the limit.
                 let room = tree.len() + 2 <= max_cells;
@@ -236,19 +243,19 @@ impl Nursery<'_> {
                     self.cells[index].fate = Some(Fate::ended(EndReason::MaxCells { max_cells }))
                 }
             }
-            let Some(mut fate) = self.cells[index].fate else { continue };
+            let Some(mut fate) = self.cells[index].fate.take() else { continue };
             if let Some(anterior) = self.cells[index].daughters {
                 if tree.len() + 2 <= max_cells {
                     for (daughter, side) in [(anterior, Side::Anterior), (anterior + 1, Side::Posterior)] {
-                        let cell = self.cell_of(daughter, &tree.cell(node).name);
-                        let daughter_node = tree.add(node, side, cell, self.cells[daughter].is_founder);
-                        queue.push_back((daughter_node, daughter));
+                        let cell = self.cell_of(daughter, &tree.cell(id).name);
+                        let daughter_id = tree.add(id, side, cell, self.cells[daughter].is_founder);
+                        queue.push_back((daughter_id, daughter));
                     }
                 } else {
                     fate = Fate::ended(EndReason::MaxCells { max_cells });
                 }
             }
-            tree.cell_mut(node).fate = fate;
+            tree.cell_mut(id).fate = fate;
         }
         Ok(tree)
     }
@@ -276,17 +283,17 @@ impl Nursery<'_> {
         }
     }
 
-    fn cell_of(&self, index: usize, mother: &str) -> Cell {
-        let young = &self.cells[index];
-        Cell {
-            name: self.name(young, mother),
-            founder: young.founder,
-            generation: young.generation,
-            r0: young.r0,
-            volume_fraction: young.fraction,
-            cue: young.cue,
+    fn cell_of(&self, index: usize, mother: &str) -> TreeCell {
+        let cell = &self.cells[index];
+        TreeCell {
+            name: self.name(cell, mother),
+            founder: cell.founder,
+            generation: cell.generation,
+            r0: cell.r0,
+            volume_fraction: cell.fraction,
+            cue: cell.cue.clone(),
             // Noted when the layout reaches the cell.
-            fate: Fate { outcome: None, chi: None, chi_signed: None, u_furrow: None, t_end: None, ended: None },
+            fate: Fate::default(),
         }
     }
 }

@@ -7,7 +7,7 @@ use super::tree::Tree;
 use crate::division::Outcome;
 use serde::{Deserialize, Serialize};
 
-/// Rounds of division from a founder to her terminal descendants.
+/// Rounds of division from a founder to its terminal descendants.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rounds {
     /// Fewest.
@@ -54,11 +54,11 @@ fn add(counts: &mut Vec<u64>, generation: usize) {
 pub fn founder_rounds(tree: &Tree) -> Vec<FounderRounds> {
     let founders = tree.lineage.founders.len();
     let mut counts = vec![Count::default(); founders];
-    // Each founder's mother founder and generation, to count a cell for all founders she descends from.
+    // Each founder's mother founder and generation, to count a cell for all founders it descends from.
     let above: Vec<Option<usize>> =
         (0..founders).map(|k| Some(tree.cell(tree.mother(tree.founder_cell(k)?)?).founder)).collect();
     let birth: Vec<Option<u32>> = (0..founders).map(|k| Some(tree.cell(tree.founder_cell(k)?).generation)).collect();
-    for node in tree.nodes() {
+    for node in tree.cells() {
         let cell = tree.cell(node);
         let divides = tree.daughters(node).is_some();
         let mut founder = Some(cell.founder);
@@ -68,7 +68,7 @@ pub fn founder_rounds(tree: &Tree) -> Vec<FounderRounds> {
                 let count = &mut counts[k];
                 add(&mut count.cells, generation);
                 add(if divides { &mut count.dividing } else { &mut count.terminal }, generation);
-                if divides && cell.fate.outcome == Some(Outcome::Symmetric) {
+                if divides && cell.fate.outcome() == Some(Outcome::Symmetric) {
                     add(&mut count.symmetric, generation);
                 }
             }

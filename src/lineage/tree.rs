@@ -1,16 +1,19 @@
 //! The lineage tree.
 
-use super::definition::Lineage;
-use crate::batch::Quantisation;
-use crate::cortex::{Cue, Numerics, Physics};
-use crate::division::{Division, Outcome};
 use petgraph::Direction;
 use petgraph::graph::{DiGraph, NodeIndex};
 use petgraph::visit::EdgeRef;
 use serde::{Deserialize, Serialize};
 
+use super::definition::Lineage;
+use crate::batch::Quantisation;
+use crate::cell::{Cell, Cue, Numerics};
+use crate::division::{Division, Outcome};
+use crate::shapes::critical::{BoundaryKind, End};
+
 /// Why a cell has no daughters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 #[serde(tag = "reason", rename_all = "snake_case", deny_unknown_fields)]
 pub enum EndReason {
     /// Its division was computed and came to rest, undivided, in a stable shape.
@@ -71,19 +74,20 @@ impl std::fmt::Display for EndReason {
     }
 }
 
-/// What becomes of a cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
+impl From<End> for EndReason {
+    fn from(end: End) -> EndReason {
+        match end.kind {
+            BoundaryKind::CuedFold => EndReason::BelowCuedFold { r0: end.critical_r0 },
+            _ => EndReason::BelowPitchfork { r0_c: end.critical_r0 },
+        }
+    }
+}
+
+/// What becomes of a cell: its division, if one was computed, and why it has no daughters, if it has none.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fate {
-    /// How the division ended; none for a cell that a limit stopped.
-    pub outcome: Option<Outcome>,
-    /// Size asymmetry χ of a division.
-    pub chi: Option<f64>,
-    /// χ with the sign of (V_posterior − V_anterior).
-    pub chi_signed: Option<f64>,
-    /// Furrow position in arclength fraction from the anterior pole.
-    pub u_furrow: Option<f64>,
-    /// Time of pinch-off or of rest, in τ; none if the division was not computed.
-    pub t_end: Option<f64>,
+    /// Its division; none where it need not be computed, or a limit stopped the cell.
+    pub division: Option<Division>,
     /// Why there are no daughters; none if there are.
     pub ended: Option<EndReason>,
 }
@@ -92,33 +96,40 @@ impl Fate {
     /// The fate that a computed division gives.
     pub fn of(division: &Division) -> Fate {
         let failed = division.outcome == Outcome::Failed;
-        Fate {
-            outcome: Some(division.outcome),
-            chi: division.chi,
-            chi_signed: division.chi_signed,
-            u_furrow: division.u_furrow,
-            t_end: Some(division.t_end),
-            ended: failed.then_some(EndReason::AtRest { growth_rate: division.growth_rate }),
-        }
+        let ended = failed.then_some(EndReason::AtRest { growth_rate: division.growth_rate });
+        Fate { division: Some(division.clone()), ended }
     }
 
     /// The fate of a cell whose division need not be computed: it cannot divide (outcome failed), or a limit stops it.
     pub fn ended(reason: EndReason) -> Fate {
-        let outcome = (!reason.is_limit()).then_some(Outcome::Failed);
-        Fate { outcome, chi: None, chi_signed: None, u_furrow: None, t_end: None, ended: Some(reason) }
+        Fate { division: None, ended: Some(reason) }
     }
 
-    /// Volumes of the anterior and posterior daughter of a mother of volume `mother`; none if it does not divide. They
-    /// sum to `mother` to rounding, and are equal to the last bit where the division is symmetric.
-    pub fn daughter_volumes(&self, mother: f64) -> Option<[f64; 2]> {
-        match (self.outcome?, self.ended) {
-            (Outcome::Symmetric, None) => Some([0.5 * mother, 0.5 * mother]),
-            (Outcome::Asymmetric, None) => {
-                let anterior = 0.5 * (1.0 - self.chi_signed.or(self.chi)?) * mother;
-                Some([anterior, mother - anterior])
-            }
-            _ => None,
+    /// How its division ended; none for a cell that a limit stopped.
+    pub fn outcome(&self) -> Option<Outcome> {
+        match (&self.division, self.ended) {
+            (Some(division), _) => Some(division.outcome),
+            (None, Some(reason)) => (!reason.is_limit()).then_some(Outcome::Failed),
+            (None, None) => None,
         }
+    }
+
+    /// Size asymmetry χ of its division.
+    pub fn chi(&self) -> Option<f64> {
+        self.division.as_ref()?.chi
+    }
+
+    /// Time of pinch-off or of rest, in τ; none if no division was computed.
+    pub fn t_end(&self) -> Option<f64> {
+        self.division.as_ref().map(|division| division.t_end)
+    }
+
+    /// Volumes of the daughters from u below and above the furrow of a mother of volume `mother`; none if it does not
+    /// divide. They sum to `mother` to rounding, and are equal to the last bit where the division is symmetric.
+    pub fn daughter_volumes(&self, mother: f64) -> Option<[f64; 2]> {
+        let [below, _] = self.division.as_ref().filter(|_| self.ended.is_none())?.shares()?;
+        let below = below * mother;
+        Some([below, mother - below])
     }
 }
 
@@ -134,7 +145,7 @@ pub enum Side {
 
 /// One cell of the tree.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Cell {
+pub struct TreeCell {
     /// Name, unique in the tree.
     pub name: String,
     /// The founder it is or descends from, the nearest one (an index into the lineage's founders).
@@ -151,11 +162,26 @@ pub struct Cell {
     pub fate: Fate,
 }
 
+/// A cell's place in a tree, counted in breadth-first order from the first cell, 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CellId(usize);
+
+impl CellId {
+    /// As a number, for tables by cell.
+    pub fn index(self) -> usize {
+        self.0
+    }
+
+    fn node(self) -> NodeIndex {
+        NodeIndex::new(self.0)
+    }
+}
+
 /// What all divisions of a tree share.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TreeSettings {
-    /// Physical parameters; `physics.r0` is the first cell's radius.
-    pub physics: Physics,
+    /// The first cell: its radius, and the confinement, activity, material and shell of all. Cues are the lineage's.
+    pub cell: Cell,
     /// Discretisation.
     pub numerics: Numerics,
     /// Seed of the noise.
@@ -165,16 +191,19 @@ pub struct TreeSettings {
 }
 
 impl Default for TreeSettings {
-    /// The preset, seed 0 and the default rounding of R0.
+    /// The preset's C. elegans zygote, seed 0 and the default rounding of R0.
     fn default() -> TreeSettings {
         TreeSettings {
-            physics: Physics::default(),
+            cell: Cell::new(ZYGOTE),
             numerics: Numerics::default(),
             seed: 0,
             r0_step: Quantisation::DEFAULT.relative_step(),
         }
     }
 }
+
+/// Radius R0 of the C. elegans zygote P0, in L_h (Table S3).
+pub const ZYGOTE: f64 = 5.4;
 
 /// A grown lineage. Cells are held in breadth-first order, the anterior daughter before the posterior, whatever the order
 /// in which they were solved.
@@ -184,40 +213,37 @@ pub struct Tree {
     pub lineage: Lineage,
     /// Parameters of its divisions.
     pub settings: TreeSettings,
-    graph: DiGraph<Cell, Side>,
-    founder_cells: Vec<Option<NodeIndex>>,
+    /// Edges from mother to daughter.
+    graph: DiGraph<TreeCell, Side>,
+    founder_cells: Vec<Option<CellId>>,
 }
 
 impl Tree {
     /// A tree of the first cell alone.
-    pub fn new(lineage: Lineage, settings: TreeSettings, first: Cell) -> Tree {
+    pub fn new(lineage: Lineage, settings: TreeSettings, first: TreeCell) -> Tree {
         let mut founder_cells = vec![None; lineage.founders.len()];
         let mut graph = DiGraph::new();
         let founder = first.founder;
-        founder_cells[founder] = Some(graph.add_node(first));
+        founder_cells[founder] = Some(CellId(graph.add_node(first).index()));
         Tree { lineage, settings, graph, founder_cells }
     }
 
-    /// Adds a daughter, after all cells of earlier generations and after her anterior sister. `is_founder` tells that
-    /// she is the founder `cell.founder` herself.
-    pub fn add(&mut self, mother: NodeIndex, side: Side, cell: Cell, is_founder: bool) -> NodeIndex {
+    /// Adds a daughter, after all cells of earlier generations and after its anterior sister. `is_founder` tells that it
+    /// is the founder `cell.founder` itself.
+    pub fn add(&mut self, mother: CellId, side: Side, cell: TreeCell, is_founder: bool) -> CellId {
         let founder = cell.founder;
         let node = self.graph.add_node(cell);
-        self.graph.add_edge(mother, node, side);
+        self.graph.add_edge(mother.node(), node, side);
+        let id = CellId(node.index());
         if is_founder {
-            self.founder_cells[founder] = Some(node);
+            self.founder_cells[founder] = Some(id);
         }
-        node
-    }
-
-    /// The graph: edges from mother to daughter.
-    pub fn graph(&self) -> &DiGraph<Cell, Side> {
-        &self.graph
+        id
     }
 
     /// The first cell.
-    pub fn first(&self) -> NodeIndex {
-        NodeIndex::new(0)
+    pub fn first(&self) -> CellId {
+        CellId(0)
     }
 
     /// Number of cells, all generations together.
@@ -231,45 +257,51 @@ impl Tree {
     }
 
     /// All cells in breadth-first order.
-    pub fn nodes(&self) -> impl DoubleEndedIterator<Item = NodeIndex> + ExactSizeIterator + use<> {
-        (0..self.graph.node_count()).map(NodeIndex::new)
+    pub fn cells(&self) -> impl DoubleEndedIterator<Item = CellId> + ExactSizeIterator + use<> {
+        (0..self.graph.node_count()).map(CellId)
     }
 
     /// A cell.
-    pub fn cell(&self, node: NodeIndex) -> &Cell {
-        &self.graph[node]
+    pub fn cell(&self, id: CellId) -> &TreeCell {
+        &self.graph[id.node()]
     }
 
-    pub(super) fn cell_mut(&mut self, node: NodeIndex) -> &mut Cell {
-        &mut self.graph[node]
+    pub(super) fn cell_mut(&mut self, id: CellId) -> &mut TreeCell {
+        &mut self.graph[id.node()]
     }
 
     /// A cell's mother.
-    pub fn mother(&self, node: NodeIndex) -> Option<NodeIndex> {
-        self.graph.neighbors_directed(node, Direction::Incoming).next()
+    pub fn mother(&self, id: CellId) -> Option<CellId> {
+        let mut mothers = self.graph.neighbors_directed(id.node(), Direction::Incoming);
+        mothers.next().map(|node| CellId(node.index()))
     }
 
-    /// Which daughter of her mother a cell is.
-    pub fn side(&self, node: NodeIndex) -> Option<Side> {
-        self.graph.edges_directed(node, Direction::Incoming).next().map(|edge| *edge.weight())
+    /// Which daughter of its mother a cell is.
+    pub fn side(&self, id: CellId) -> Option<Side> {
+        self.graph.edges_directed(id.node(), Direction::Incoming).next().map(|edge| *edge.weight())
     }
 
     /// The anterior and posterior daughter.
-    pub fn daughters(&self, node: NodeIndex) -> Option<[NodeIndex; 2]> {
+    pub fn daughters(&self, id: CellId) -> Option<[CellId; 2]> {
         let mut daughters = [None, None];
-        for edge in self.graph.edges(node) {
-            daughters[(*edge.weight() == Side::Posterior) as usize] = Some(edge.target());
+        for edge in self.graph.edges(id.node()) {
+            daughters[(*edge.weight() == Side::Posterior) as usize] = Some(CellId(edge.target().index()));
         }
         Some([daughters[0]?, daughters[1]?])
     }
 
-    /// The cell of a founder (an index into the lineage's founders); none if she was never born.
-    pub fn founder_cell(&self, founder: usize) -> Option<NodeIndex> {
+    /// How many daughters a cell has been given; 0 or 2 in a whole tree.
+    pub fn daughter_count(&self, id: CellId) -> usize {
+        self.graph.edges(id.node()).count()
+    }
+
+    /// The cell of a founder (an index into the lineage's founders); none if it was never born.
+    pub fn founder_cell(&self, founder: usize) -> Option<CellId> {
         self.founder_cells[founder]
     }
 
     /// Name of the founder a cell is or descends from.
-    pub fn founder_name(&self, node: NodeIndex) -> &str {
-        &self.lineage.founders[self.graph[node].founder].name
+    pub fn founder_name(&self, id: CellId) -> &str {
+        &self.lineage.founders[self.cell(id).founder].name
     }
 }

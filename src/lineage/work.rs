@@ -23,7 +23,7 @@ const LONGEST_CHAIN: usize = 64;
 pub fn expected_work(critical: f64) -> impl Fn(&DivisionInput) -> f64 {
     move |input| {
         let mut work = 1.0;
-        let mut r0 = input.r0;
+        let mut r0 = input.cell.r0;
         for _ in 0..LONGEST_CHAIN {
             if r0.is_nan() || r0 < critical {
                 break;
@@ -39,11 +39,10 @@ pub fn expected_work(critical: f64) -> impl Fn(&DivisionInput) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lineage::TreeSettings;
+    use crate::cell::Cell;
 
     fn work(critical: f64, r0: f64) -> f64 {
-        let TreeSettings { physics, numerics, seed, .. } = TreeSettings::default();
-        expected_work(critical)(&DivisionInput { physics, numerics, r0, cue: crate::cortex::Cue::None, seed })
+        expected_work(critical)(&DivisionInput::new(Cell::new(r0)))
     }
 
     #[test]
