@@ -1,8 +1,51 @@
-//! furrow
+//! furrow predicts, from mechanics alone, how an embryo's cells divide: how unequally, how many rounds, and when a
+//! lineage stops.
+//!
+//! The cell cortex is an active viscous surface inside an ellipsoidal shell. Curvature-dependent active stress makes a
+//! furrow; small size or tight confinement breaks its symmetry.
+//!
+//! ```
+//! use furrow::cell::Cell;
+//! use furrow::division::{DivisionInput, divide};
+//!
+//! let zygote = Cell::new(5.4).with_cue("kappa:u0=0.465,omega=0.0577,amplitude=0.1".parse()?);
+//! let division = divide(&DivisionInput::new(zygote))?;
+//! assert!((division.chi.unwrap() - 0.209).abs() < 1e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The floors of the crate, each importing only from those above it in this list; the crate [`bvp`] below them all knows
+//! no cell:
+//!
+//! | module | role |
+//! |---|---|
+//! | [`input`] | what users write, and errors that name file, field, value and what is allowed |
+//! | [`cell`] | what a cell is: size, confinement, activity, cue, material, shell |
+//! | [`cortex`] | the equations of the surface, their derivatives, symmetry, observables |
+//! | [`stability`] | growth rates of small disturbances of a stationary shape |
+//! | [`shapes`] | branches of stationary shapes, folds and pitchforks, critical radii |
+//! | [`calibration`] | constants from thresholds |
+//! | [`division`] | one division in time |
+//! | [`batch`] | many divisions solved once each, on all cores, and kept; phase diagrams |
+//! | [`lineage`] | founders, the tree that grows from them, rounds beside the observed ones |
+//! | [`io`], [`report`] | files, tables and pictures |
+//! | `cli` | the command line (feature `cli`, on by default) |
+//!
+//! # References
+//! Gao, Guan, Tang & Ma, "Cell size and confinement drive asymmetric cell division through a cortical instability",
+//! called *the paper* throughout.
+
+pub mod batch;
 pub mod calibration;
 pub mod cell;
+
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod cortex;
 pub mod division;
 pub mod input;
+pub mod io;
+pub mod lineage;
+pub mod report;
 pub mod shapes;
 pub mod stability;

@@ -6,12 +6,15 @@
 //! ```
 //! Numbers are little-endian, reals by their bits, so that what is read is bit for bit what was solved.
 
+use bvp::Work;
+
 use super::{
     key::CanonicalBytes,
     store::PAYLOAD,
     task::{Record, Task},
 };
-use crate::cortex::{Cue, Numerics, Physics, RigidityGradient};
+use crate::cell::cue::{Field, Profile, Term, Width};
+use crate::cell::{Cell, Cue, Material, Numerics, RigidityGradient, Shell};
 use crate::division::{Division, DivisionError, DivisionInput, Outcome};
 
 impl Task for DivisionInput {
@@ -20,69 +23,76 @@ impl Task for DivisionInput {
 
     /// Every struct is taken apart without `..`: a new field does not compile until it is given its place here.
     fn write_canonical(&self, bytes: &mut CanonicalBytes) {
-        let DivisionInput { physics, numerics, r0, cue, seed } = self;
-        bytes.name("furrow division");
-        write_physics(physics, bytes);
+        let DivisionInput { cell, numerics, seed } = self;
+        // Short, so that all of a cell without a cue fits into three blocks of the hash: look-ups spend their time there.
+        bytes.name("division");
+        write_cell(cell, bytes);
         write_numerics(numerics, bytes);
-        bytes.real(*r0);
-        write_cue(cue, bytes);
         bytes.count(*seed);
     }
 
     fn size(&self) -> f64 {
-        self.r0
+        self.cell.r0
     }
 
     fn with_size(&self, size: f64) -> DivisionInput {
-        DivisionInput { r0: size, ..*self }
+        DivisionInput { cell: Cell { r0: size, ..self.cell.clone() }, ..*self }
     }
 }
 
-fn write_physics(physics: &Physics, bytes: &mut CanonicalBytes) {
-    let Physics {
-        kappa,
-        eta_b,
-        eta_s,
-        friction,
-        tension,
-        xi_s,
-        xi_ratio,
-        gain,
-        aspect,
-        p0,
-        w,
-        r0: _, // The first cell's radius; this cell's is that of the input.
-        epsilon,
-        rigidity_gradient,
-    } = *physics;
-    for value in [kappa, eta_b, eta_s, friction, tension, xi_s, xi_ratio, gain, aspect, p0, w, epsilon] {
+fn write_cell(cell: &Cell, bytes: &mut CanonicalBytes) {
+    let Cell { r0, epsilon, xi_s, cue, material, shell } = cell;
+    let Material { kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient } = *material;
+    let Shell { aspect, p0, w } = *shell;
+    for value in [*r0, *epsilon, *xi_s, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, aspect, p0, w] {
         bytes.real(value);
     }
     bytes.choice(match rigidity_gradient {
         RigidityGradient::Full => 0,
         RigidityGradient::Dropped => 1,
     });
+    write_cue(cue, bytes);
 }
 
 fn write_numerics(numerics: &Numerics, bytes: &mut CanonicalBytes) {
-    let Numerics { stages, intervals, time_tolerance, step_factor, t_max, chi_symmetric } = *numerics;
+    let Numerics { stages, intervals, time_tolerance, step_factor, t_max, noise, chi_symmetric } = *numerics;
     bytes.count(stages as u64);
     bytes.count(intervals as u64);
-    for value in [time_tolerance, step_factor, t_max, chi_symmetric] {
+    for value in [time_tolerance, step_factor, t_max, noise, chi_symmetric] {
         bytes.real(value);
     }
 }
 
+/// The terms that do something, in their order: in another order the last digit of their sum may be another. A cue that
+/// does nothing is none.
 fn write_cue(cue: &Cue, bytes: &mut CanonicalBytes) {
-    match *cue {
-        Cue::None => bytes.choice(0),
-        Cue::Kappa { u0, omega, amplitude } => {
-            bytes.choice(1);
-            for value in [u0, omega, amplitude] {
-                bytes.real(value);
-            }
+    let cue = cue.simplified();
+    // Every term says what it is, so that the number of them only has to part them from what follows.
+    bytes.choice(cue.terms().len().min(255) as u8);
+    for Term { field, profile, amplitude } in cue.terms() {
+        bytes.choice(code(*field));
+        match profile {
+            Profile::Band { u0, omega } => write_profile(0, *u0, omega, bytes),
+            Profile::Step { u0, omega } => write_profile(1, *u0, omega, bytes),
+            Profile::Gradient => bytes.choice(2),
         }
+        bytes.real(*amplitude);
     }
+}
+
+fn write_profile(kind: u8, u0: f64, omega: &Width, bytes: &mut CanonicalBytes) {
+    bytes.choice(kind);
+    bytes.real(u0);
+    bytes.choice(match omega {
+        Width::Fraction(_) => 0,
+        Width::Length(_) => 1,
+    });
+    bytes.real(omega.value());
+}
+
+/// The place of a field in the list of all of them.
+fn code(field: Field) -> u8 {
+    Field::ALL.iter().position(|other| *other == field).unwrap_or(Field::ALL.len()) as u8
 }
 
 /// Where the numbers begin in a payload.
@@ -102,11 +112,7 @@ impl Record for Division {
             daughters,
             growth_rate,
             volume_drift,
-            steps,
-            rejected,
-            newton_iterations,
-            factorisations,
-            remeshings,
+            work: Work { steps, rejected, iterations, factorisations, remeshings },
         } = self;
         let mut payload = [0; PAYLOAD];
         payload[0] = match outcome {
@@ -128,7 +134,7 @@ impl Record for Division {
             *t_end,
             *volume_drift,
         ];
-        let counts = [*steps, *rejected, *newton_iterations, *factorisations, *remeshings];
+        let counts = [*steps, *rejected, *iterations, *factorisations, *remeshings].map(|count| count as u32);
         let reals = reals.iter().flat_map(|real| real.to_bits().to_le_bytes());
         let bytes = reals.chain(counts.iter().flat_map(|count| count.to_le_bytes()));
         for (place, byte) in payload[NUMBERS..].iter_mut().zip(bytes) {
@@ -148,8 +154,8 @@ impl Record for Division {
         let mut numbers = Numbers(&payload[NUMBERS..]);
         let [chi, chi_signed, u_furrow, anterior, posterior, growth_rate, t_end, volume_drift] =
             std::array::from_fn(|_| f64::from_bits(u64::from_le_bytes(numbers.next())));
-        let [steps, rejected, newton_iterations, factorisations, remeshings] =
-            std::array::from_fn(|_| u32::from_le_bytes(numbers.next()));
+        let [steps, rejected, iterations, factorisations, remeshings] =
+            std::array::from_fn(|_| u32::from_le_bytes(numbers.next()) as usize);
         Some(Division {
             outcome,
             chi: (flags & 1 != 0).then_some(chi),
@@ -159,11 +165,7 @@ impl Record for Division {
             daughters: (flags & 8 != 0).then_some([anterior, posterior]),
             growth_rate: (flags & 16 != 0).then_some(growth_rate),
             volume_drift,
-            steps,
-            rejected,
-            newton_iterations,
-            factorisations,
-            remeshings,
+            work: Work { steps, rejected, iterations, factorisations, remeshings },
         })
     }
 
@@ -201,7 +203,7 @@ mod tests {
     use proptest::{collection::vec, option, prelude::*};
 
     fn input(r0: f64) -> DivisionInput {
-        DivisionInput { physics: Physics::GAO2026, numerics: Numerics::default(), r0, cue: Cue::None, seed: 1 }
+        DivisionInput { seed: 1, ..DivisionInput::new(Cell::new(r0)) }
     }
 
     fn key(input: &DivisionInput) -> Key {
@@ -211,26 +213,27 @@ mod tests {
     /// The places where an input can differ, each as a setter.
     fn setters() -> Vec<fn(&mut DivisionInput, f64)> {
         vec![
-            |i, x| i.physics.kappa = x,
-            |i, x| i.physics.eta_b = x,
-            |i, x| i.physics.eta_s = x,
-            |i, x| i.physics.friction = x,
-            |i, x| i.physics.tension = x,
-            |i, x| i.physics.xi_s = x,
-            |i, x| i.physics.xi_ratio = x,
-            |i, x| i.physics.gain = x,
-            |i, x| i.physics.aspect = x,
-            |i, x| i.physics.p0 = x,
-            |i, x| i.physics.w = x,
-            |i, x| i.physics.epsilon = x,
+            |i, x| i.cell.material.kappa = x,
+            |i, x| i.cell.material.eta_b = x,
+            |i, x| i.cell.material.eta_s = x,
+            |i, x| i.cell.material.friction = x,
+            |i, x| i.cell.material.tension = x,
+            |i, x| i.cell.xi_s = x,
+            |i, x| i.cell.material.xi_ratio = x,
+            |i, x| i.cell.material.gain = x,
+            |i, x| i.cell.shell.aspect = x,
+            |i, x| i.cell.shell.p0 = x,
+            |i, x| i.cell.shell.w = x,
+            |i, x| i.cell.epsilon = x,
             |i, x| i.numerics.time_tolerance = x,
             |i, x| i.numerics.step_factor = x,
             |i, x| i.numerics.t_max = x,
             |i, x| i.numerics.chi_symmetric = x,
-            |i, x| i.r0 = x,
-            |i, x| i.cue = Cue::Kappa { u0: x, omega: 0.1, amplitude: 0.1 },
-            |i, x| i.cue = Cue::Kappa { u0: 0.1, omega: x, amplitude: 0.1 },
-            |i, x| i.cue = Cue::Kappa { u0: 0.1, omega: 0.1, amplitude: x },
+            |i, x| i.numerics.noise = x,
+            |i, x| i.cell.r0 = x,
+            |i, x| i.cell.cue = Cue::kappa_band(x, 0.1, 0.1),
+            |i, x| i.cell.cue = Cue::kappa_band(0.1, x, 0.1),
+            |i, x| i.cell.cue = Cue::kappa_band(0.1, 0.1, x),
         ]
     }
 
@@ -243,7 +246,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn equal_keys_mean_equal_values(place in 0..20_usize, a in -10.0..10.0_f64, b in -10.0..10.0_f64) {
+        fn equal_keys_mean_equal_values(place in 0..21_usize, a in -10.0..10.0_f64, b in -10.0..10.0_f64) {
             let set = setters()[place];
             let (mut left, mut right) = (input(2.0), input(2.0));
             set(&mut left, a);
@@ -254,7 +257,7 @@ mod tests {
         }
 
         #[test]
-        fn a_value_in_two_places_gives_two_keys(p in 0..17_usize, q in 0..17_usize, x in 20.0..30.0_f64) {
+        fn a_value_in_two_places_gives_two_keys(p in 0..18_usize, q in 0..18_usize, x in 20.0..30.0_f64) {
             let (mut left, mut right) = (input(2.0), input(2.0));
             setters()[p](&mut left, x);
             setters()[q](&mut right, x);
@@ -266,7 +269,7 @@ mod tests {
             outcome in 0..3_usize,
             reals in vec(any::<u64>().prop_map(f64::from_bits), 4),
             maybe in vec(option::of(any::<u64>().prop_map(f64::from_bits)), 5),
-            counts in any::<[u32; 5]>(),
+            counts in any::<[u32; 5]>().prop_map(|counts| counts.map(|count| count as usize)),
         ) {
             let division = Division {
                 outcome: [Outcome::Symmetric, Outcome::Asymmetric, Outcome::Failed][outcome],
@@ -277,46 +280,51 @@ mod tests {
                 daughters: maybe[3].map(|_| [reals[1], reals[2]]),
                 growth_rate: maybe[4],
                 volume_drift: reals[3],
-                steps: counts[0],
-                rejected: counts[1],
-                newton_iterations: counts[2],
-                factorisations: counts[3],
-                remeshings: counts[4],
+                work: Work {
+                    steps: counts[0],
+                    rejected: counts[1],
+                    iterations: counts[2],
+                    factorisations: counts[3],
+                    remeshings: counts[4],
+                },
             };
             let read = Division::decode(&division.encode()).unwrap();
             prop_assert_eq!(bits(&read), bits(&division));
             prop_assert_eq!(read.outcome, division.outcome);
-            prop_assert_eq!(
-                [read.steps, read.rejected, read.newton_iterations, read.factorisations, read.remeshings],
-                counts
-            );
+            prop_assert_eq!(read.work, division.work);
         }
     }
 
     #[test]
-    fn minus_zero_is_zero_and_the_first_cells_radius_is_no_matter() {
+    fn minus_zero_is_zero() {
         let mut left = input(2.0);
         let mut right = input(2.0);
-        left.physics.tension = 0.0;
-        right.physics.tension = -0.0;
-        right.physics.r0 = 3.0;
+        left.cell.material.tension = 0.0;
+        right.cell.material.tension = -0.0;
         assert_eq!(key(&left), key(&right));
     }
 
     #[test]
     fn counts_choices_and_seed_are_in_the_key() {
         let base = input(2.0);
-        let mut variants = vec![base; 5];
+        let mut variants = vec![base.clone(); 7];
         variants[0].numerics.stages += 1;
         variants[1].numerics.intervals += 2;
         variants[2].seed += 1;
-        variants[3].physics.rigidity_gradient = RigidityGradient::Dropped;
-        variants[4].cue = Cue::Kappa { u0: 0.465, omega: 0.0577, amplitude: 0.0 };
+        variants[3].cell.material.rigidity_gradient = RigidityGradient::Dropped;
+        // One number as a width in u and in L_h, and for two fields.
+        for (k, cue) in [(4, "kappa:u0=0.4,omega=0.1,amplitude=0.2"), (5, "kappa:u0=0.4,omega=0.1Lh,amplitude=0.2")] {
+            variants[k].cell.cue = cue.parse().unwrap();
+        }
+        variants[6].cell.cue = "activity:u0=0.4,omega=0.1,amplitude=0.2".parse().unwrap();
         let mut keys: Vec<Key> = variants.iter().map(key).collect();
         keys.push(key(&base));
         keys.sort();
         keys.dedup();
-        assert_eq!(keys.len(), 6);
+        assert_eq!(keys.len(), 8);
+        // A cue that does nothing is none.
+        let idle = Cue::kappa_band(0.465, 0.0577, 0.0);
+        assert_eq!(key(&DivisionInput { cell: base.cell.clone().with_cue(idle), ..base.clone() }), key(&base));
     }
 
     #[test]

@@ -53,7 +53,7 @@ impl Key {
     /// The key of `task` as it stands (round its size first) for `solver`.
     pub fn new(task: &impl Task, solver: SolverVersion) -> Key {
         let mut bytes = CanonicalBytes(Vec::with_capacity(256));
-        bytes.count(KEY_LAYOUT.into());
+        bytes.0.extend_from_slice(&KEY_LAYOUT.to_le_bytes());
         bytes.count(solver.number());
         task.write_canonical(&mut bytes);
         Key(*blake3::hash(&bytes.0).as_bytes())
@@ -96,9 +96,9 @@ pub struct CanonicalBytes(Vec<u8>);
 impl CanonicalBytes {
     /// Adds a name.
     pub fn name(&mut self, name: &str) {
-        // With its length, so that no two sequences of values run into the same bytes.
-        self.count(name.len() as u64);
         self.0.extend_from_slice(name.as_bytes());
+        // Never part of a text, so that no two sequences of values run into the same bytes.
+        self.0.push(0xff);
     }
 
     /// Adds which of several alternatives is chosen.

@@ -2,13 +2,15 @@
 //! run and for other processes.
 //!
 //! What is computed is a [`Task`], what comes of it a [`Record`]; [`division`] says what these are for cells that divide,
-//! and is the only file here that knows of cells. [`scheduler::run`] asks the [`Memo`] for the record of every task; the
+//! [`replicates`] and [`phase`] solve many of them, and these three alone know of cells. [`scheduler::run`] asks the [`Memo`] for the record of every task; the
 //! memo asks the [`Store`], which shares a folder with other processes.
 
 pub mod division;
 pub mod key;
 pub mod memo;
+pub mod phase;
 pub mod quantisation;
+pub mod replicates;
 pub mod scheduler;
 pub mod store;
 pub mod task;
@@ -18,7 +20,9 @@ mod stick;
 
 pub use key::{Key, SolverVersion};
 pub use memo::{Failure, Memo};
+pub use phase::{PhaseDiagram, PhasePlane};
 pub use quantisation::Quantisation;
+pub use replicates::replicates;
 pub use scheduler::{Job, Progress, SchedulerError, SchedulerOptions, Summary};
 pub use store::{Store, StoreError, StoreWarning};
 pub use task::{Record, Task};

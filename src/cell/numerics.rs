@@ -16,6 +16,9 @@ pub struct Numerics {
     pub step_factor: f64,
     /// Largest time, in τ, one division may take before it is reported as undecided.
     pub t_max: f64,
+    /// Largest coefficient of the noise in the first step; 0 for none, and then the side of an asymmetric division without a
+    /// cue is left to rounding.
+    pub noise: f64,
     /// A division with |χ| below this is symmetric and its daughters are equal.
     pub chi_symmetric: f64,
 }
@@ -28,6 +31,7 @@ impl Default for Numerics {
             time_tolerance: 5e-5,
             step_factor: 1.0,
             t_max: 10_000.0,
+            noise: 0.01,
             chi_symmetric: 5e-3,
         }
     }

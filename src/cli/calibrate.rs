@@ -3,7 +3,7 @@
 use super::context::{Context, answer};
 use super::error::CliError;
 use crate::input::{parse_ron, read_text};
-use crate::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate, name_of};
+use crate::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// Finds material and shell constants from measured thresholds, and says what the thresholds leave open
 #[derive(Debug, Args)]
 pub struct CalibrateArgs {
-    /// Unknowns and thresholds in RON, as in lineages/thresholds.ron
+    /// Unknowns and thresholds in RON, as in data/thresholds.ron
     #[arg(value_name = "TARGETS.ron")]
     targets: PathBuf,
 }
@@ -33,9 +33,9 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
     let file = args.targets.display().to_string();
     let targets: Targets = parse_ron(&read_text(&args.targets)?, &file)?;
     targets.check(&file)?;
-    let found = calibrate(&targets, &context.settings.physics, &context.settings.numerics)?;
+    let found = calibrate(&targets, &context.settings.cell, &context.settings.numerics)?;
     if context.json {
-        let parameters = found.parameters.iter().map(|(control, value)| (name_of(*control), Value::from(*value)));
+        let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), Value::from(*value)));
         let document = Answer {
             parameters: parameters.collect(),
             residuals: found.residuals,
@@ -51,8 +51,8 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
 
 fn text(found: &Calibration) -> String {
     let mut out = String::new();
-    for (control, value) in &found.parameters {
-        let _ = writeln!(out, "{:<10} {value:.9}", name_of(*control));
+    for (parameter, value) in &found.parameters {
+        let _ = writeln!(out, "{:<10} {value:.9}", parameter.to_string());
     }
     let _ = writeln!(out, "\n{:>8} {:>8} {:>12} {:>12} {:>10}", "R0", "ε", "ξ_s* given", "computed", "deviation");
     for r in &found.residuals {
@@ -63,7 +63,7 @@ fn text(found: &Calibration) -> String {
     let _ = writeln!(out, "\nchange of the thresholds per change of the constants, both relative, by combination:");
     for c in &found.combinations {
         let parts: Vec<String> =
-            c.components.iter().zip(&found.parameters).map(|(x, (p, _))| format!("{x:+.3} {}", name_of(*p))).collect();
+            c.components.iter().zip(&found.parameters).map(|(x, (p, _))| format!("{x:+.3} {p}")).collect();
         let verdict = if c.determined { "" } else { "  (left open)" };
         let _ = writeln!(out, "{:>10.2e}  {}{verdict}", c.singular_value, parts.join(" "));
     }

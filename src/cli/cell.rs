@@ -1,26 +1,23 @@
 //! Options that name one cell.
 
+use std::path::PathBuf;
+
+use clap::Args;
+
 use super::context::Context;
-use crate::cortex::Cue;
+use crate::cell::{Cell, Cue};
 use crate::input::InputError;
 use crate::io::parse_cue;
 use crate::lineage::Lineage;
-use clap::Args;
-use std::path::{Path, PathBuf};
 
-/// One cell at one activity.
+/// A cue.
 #[derive(Debug, Args)]
-pub struct CellArgs {
-    /// Radius R0 of the sphere with the cell's volume, in L_h
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    pub r0: f64,
-    /// Volume of the cell over that of its shell, ε
-    #[arg(long, value_name = "E", allow_negative_numbers = true)]
-    pub epsilon: Option<f64>,
-    /// Activity ξ_s, as published
-    #[arg(long, value_name = "X", allow_negative_numbers = true)]
-    pub xi: Option<f64>,
-    /// Polarity cue: none, a name in the lineage file, or kappa:u0=..,omega=..,amplitude=..
+pub struct CueArgs {
+    /// Polarity cue: none, a name in the lineage file, or terms FIELD:PROFILE,key=value,.. joined by +
+    ///
+    /// Fields: kappa, activity, xi_s, xi_b, eta_b, eta_s, viscosity, friction, tension. Profiles: band (u0, omega,
+    /// amplitude; may be left out), step (the same), gradient (amplitude). A width omega is in u, or with Lh behind it in
+    /// L_h.
     #[arg(long, value_name = "CUE", default_value = "none")]
     pub cue: String,
     /// Lineage file whose cues have names here; default the built-in one
@@ -28,64 +25,72 @@ pub struct CellArgs {
     pub lineage: Option<PathBuf>,
 }
 
-/// A cell read from options; ε and ξ_s are in the settings.
-#[derive(Clone, Copy, Debug)]
-pub struct Cell {
-    /// Radius R0.
-    pub r0: f64,
-    /// Cue.
-    pub cue: Cue,
-}
-
-impl CellArgs {
-    /// Checks the cell and puts its ε and ξ_s into the settings.
+impl CueArgs {
+    /// The lineage whose cues have names.
     ///
     /// # Errors
-    /// Names the option, its value and what is allowed.
-    pub fn read(&self, context: &mut Context) -> Result<Cell, InputError> {
-        if !(self.r0.is_finite() && self.r0 > 0.0) {
-            return Err(InputError::not_allowed("--r0", "r0", self.r0, "a finite number above 0"));
-        }
-        if let Some(epsilon) = self.epsilon {
-            context.settings.set_number("--epsilon", "epsilon", epsilon)?;
-        }
-        if let Some(xi) = self.xi {
-            context.settings.set_number("--xi", "xi_s", xi)?;
-        }
-        Ok(Cell { r0: self.r0, cue: read_cue(&self.cue, self.lineage.as_deref())? })
+    /// Names the file and what is wrong with it.
+    pub fn lineage(&self) -> Result<Lineage, InputError> {
+        Lineage::load(self.lineage.as_deref())
+    }
+
+    /// The cue.
+    ///
+    /// # Errors
+    /// Names the option, its value and what is allowed; or the file and what is wrong with it.
+    pub fn read(&self) -> Result<Cue, InputError> {
+        parse_cue(&self.cue, &self.lineage()?)
     }
 }
 
-/// One cell at any activity, without a cue.
+/// One cell at any activity.
 #[derive(Debug, Args)]
-pub struct SizeArgs {
+pub struct CellArgs {
     /// Radius R0 of the sphere with the cell's volume, in L_h
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     r0: f64,
     /// Volume of the cell over that of its shell, ε
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     epsilon: Option<f64>,
+    #[command(flatten)]
+    cue: CueArgs,
 }
 
-impl SizeArgs {
-    /// Checks the cell, puts its ε into the settings and gives its R0.
+impl CellArgs {
+    /// The cell, with everything else from the settings.
     ///
     /// # Errors
     /// Names the option, its value and what is allowed.
-    pub fn read(&self, context: &mut Context) -> Result<f64, InputError> {
+    pub fn read(&self, context: &mut Context) -> Result<Cell, InputError> {
+        context.settings.set_number("--r0", "r0", self.r0)?;
         if let Some(epsilon) = self.epsilon {
             context.settings.set_number("--epsilon", "epsilon", epsilon)?;
         }
-        positive("--r0", "r0", self.r0)
+        Ok(context.settings.cell.clone().with_cue(self.cue.read()?))
     }
 }
 
-/// A cue from its option, by the names of a lineage file or else of the built-in lineage.
-///
-/// # Errors
-/// Names the option, its value and what is allowed; or the file and what is wrong with it.
-pub fn read_cue(cue: &str, lineage: Option<&Path>) -> Result<Cue, InputError> {
-    parse_cue(cue, &Lineage::load(lineage)?)
+/// One cell at one activity.
+#[derive(Debug, Args)]
+pub struct ActiveCellArgs {
+    #[command(flatten)]
+    cell: CellArgs,
+    /// Activity ξ_s, as published; default that of the settings, 25 in the preset
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    xi: Option<f64>,
+}
+
+impl ActiveCellArgs {
+    /// The cell, with everything else from the settings.
+    ///
+    /// # Errors
+    /// Names the option, its value and what is allowed.
+    pub fn read(&self, context: &mut Context) -> Result<Cell, InputError> {
+        if let Some(xi) = self.xi {
+            context.settings.set_number("--xi", "xi_s", xi)?;
+        }
+        self.cell.read(context)
+    }
 }
 
 /// A finite number above 0 from an option.

@@ -1,14 +1,13 @@
 //! What commands share: parameters, memo, interruption, the way to answer.
 
 use super::Globals;
-use super::error::{CliError, store_text};
-use crate::batch::store::default_folder;
-use crate::batch::{Memo, Quantisation, SolverVersion, Store, StoreWarning};
+use super::error::CliError;
+use crate::batch::{Memo, Progress, Quantisation, SchedulerOptions, SolverVersion, Store, StoreWarning};
 use crate::division::DivisionInput;
 use crate::input::InputError;
 use crate::io::Settings;
 use std::io::{IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Set by Ctrl-C: divisions under way are finished and kept, none is begun.
@@ -60,15 +59,29 @@ impl Context {
         let store = match &self.cache {
             // A folder the user named must work.
             Some(folder) => Store::open(folder, SolverVersion::current())?,
-            None => match default_folder().and_then(|folder| Store::open(&folder, SolverVersion::current())) {
-                Ok(store) => store,
-                Err(error) => {
-                    tracing::warn!("solved divisions are not kept: {}", store_text(&error));
-                    return Ok(memo);
+            None => {
+                let opened = default_folder()
+                    .and_then(|folder| Store::open(&folder, SolverVersion::current()).map_err(CliError::from));
+                match opened {
+                    Ok(store) => store,
+                    Err(error) => {
+                        tracing::warn!("solved divisions are not kept: {error}");
+                        return Ok(memo);
+                    }
                 }
-            },
+            }
         };
         Ok(memo.with_store(store))
+    }
+
+    /// How divisions are scheduled: on the threads asked for, until Ctrl-C.
+    pub fn scheduling<'a>(&self, progress: &'a dyn Fn(Progress)) -> SchedulerOptions<'a, DivisionInput> {
+        SchedulerOptions {
+            threads: self.threads,
+            interrupt: Some(self.interruptible()),
+            progress: Some(progress),
+            ..SchedulerOptions::default()
+        }
     }
 
     /// A flag that Ctrl-C sets; a second Ctrl-C ends the process at once.
@@ -110,11 +123,23 @@ pub fn answer(text: &str) -> Result<(), CliError> {
     Ok(())
 }
 
+/// The cache folder where none is named: `cache` in the working folder if there is one, else the user's.
+fn default_folder() -> Result<PathBuf, CliError> {
+    use etcetera::BaseStrategy;
+    let here = Path::new("cache");
+    if here.is_dir() {
+        return Ok(here.to_owned());
+    }
+    etcetera::choose_base_strategy()
+        .map(|strategy| strategy.cache_dir().join("furrow"))
+        .map_err(|error| CliError::NoCacheFolder { reason: error.to_string() })
+}
+
 /// The cache folder in force.
 pub fn cache_folder(globals: &Globals) -> Result<PathBuf, CliError> {
     match &globals.cache {
         Some(folder) => Ok(folder.clone()),
-        None => Ok(default_folder()?),
+        None => default_folder(),
     }
 }
 

@@ -1,38 +1,25 @@
 //! `furrow divide`: one division.
 
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::cell::ActiveCellArgs;
 use super::context::{Context, answer, warn_of_store};
 use super::error::CliError;
 use super::progress::ProgressLine;
-use crate::batch::{Failure, Job, SchedulerError, SchedulerOptions, scheduler};
-use crate::cortex::Cue;
-use crate::division::{Division, DivisionInput, Outcome, divide};
-use crate::input::InputError;
-use crate::io::{frames::write_frames, parse_cue};
-use crate::lineage::Lineage;
-use crate::report::table::outcome_name;
-use clap::Args;
-use serde::Serialize;
-use std::fmt::Write;
-use std::path::PathBuf;
+use crate::batch::{Failure, SchedulerError, replicates};
+use crate::cell::Cue;
+use crate::division::{Division, DivisionInput, Statistics};
+use crate::io::frames::write_frames;
 
 /// Computes one division, from the passive shape to pinch-off or rest
 #[derive(Debug, Args)]
 pub struct DivideArgs {
-    /// Radius R0 of the sphere with the cell's volume, in L_h
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    r0: f64,
-    /// Volume of the cell over that of its shell, ε
-    #[arg(long, value_name = "E", allow_negative_numbers = true)]
-    epsilon: Option<f64>,
-    /// Activity ξ_s, as published
-    #[arg(long, value_name = "X", allow_negative_numbers = true)]
-    xi: Option<f64>,
-    /// Polarity cue: none, a name in the lineage file, or kappa:u0=..,omega=..,amplitude=..
-    #[arg(long, value_name = "CUE", default_value = "none")]
-    cue: String,
-    /// Lineage file whose cues have names here; default the built-in one
-    #[arg(long, value_name = "LINEAGE.ron")]
-    lineage: Option<PathBuf>,
+    #[command(flatten)]
+    cell: ActiveCellArgs,
     /// Seed of the noise in the first step
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
@@ -46,107 +33,42 @@ pub struct DivideArgs {
 
 /// One replicate in the answer.
 #[derive(Serialize)]
-struct Replicate {
+struct Replicate<'a> {
     seed: u64,
-    outcome: Outcome,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    chi: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    chi_signed: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    u_furrow: Option<f64>,
-    t_end: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    daughters: Option<[f64; 2]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    growth_rate: Option<f64>,
-    volume_drift: f64,
-    steps: u32,
-    rejected: u32,
-    newton_iterations: u32,
-    factorisations: u32,
-    remeshings: u32,
-}
-
-impl Replicate {
-    fn new(seed: u64, d: &Division) -> Replicate {
-        Replicate {
-            seed,
-            outcome: d.outcome,
-            chi: d.chi,
-            chi_signed: d.chi_signed,
-            u_furrow: d.u_furrow,
-            t_end: d.t_end,
-            daughters: d.daughters,
-            growth_rate: d.growth_rate,
-            volume_drift: d.volume_drift,
-            steps: d.steps,
-            rejected: d.rejected,
-            newton_iterations: d.newton_iterations,
-            factorisations: d.factorisations,
-            remeshings: d.remeshings,
-        }
-    }
+    #[serde(flatten)]
+    division: &'a Division,
 }
 
 /// What `--json` prints: the first replicate at the top, then all of them and their statistics.
 #[derive(Serialize)]
-struct Answer {
+struct Answer<'a> {
     r0: f64,
     epsilon: f64,
     xi_s: f64,
-    cue: Cue,
+    cue: &'a Cue,
     #[serde(flatten)]
-    first: Replicate,
-    replicates: Vec<Replicate>,
-    /// Over the replicates that divided.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    chi_mean: Option<f64>,
-    /// Sample standard deviation; 0 for one replicate.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    chi_sd: Option<f64>,
-    failed: usize,
+    first: Replicate<'a>,
+    replicates: Vec<Replicate<'a>>,
+    #[serde(flatten)]
+    statistics: Statistics,
 }
 
 pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
-    if !(args.r0.is_finite() && args.r0 > 0.0) {
-        return Err(InputError::not_allowed("--r0", "r0", args.r0, "a finite number above 0").into());
-    }
-    if let Some(epsilon) = args.epsilon {
-        context.settings.set_number("--epsilon", "epsilon", epsilon)?;
-    }
-    if let Some(xi) = args.xi {
-        context.settings.set_number("--xi", "xi_s", xi)?;
-    }
-    let lineage = Lineage::load(args.lineage.as_deref())?;
-    let cue = parse_cue(&args.cue, &lineage)?;
-    let input = |seed| DivisionInput {
-        physics: context.settings.physics,
-        numerics: context.settings.numerics,
-        r0: args.r0,
-        cue,
-        seed,
-    };
+    let cell = args.cell.read(&mut context)?;
+    let input = DivisionInput { cell, numerics: context.settings.numerics, seed: args.seed };
     let divisions = solve(args, &context, &input)?;
     if let Some(folder) = &args.frames {
-        write_frames(folder, &input(args.seed))?;
+        write_frames(folder, &input)?;
     }
-    let replicates: Vec<Replicate> = divisions
-        .iter()
-        .enumerate()
-        .map(|(k, division)| Replicate::new(args.seed.wrapping_add(k as u64), division))
-        .collect();
-    let (chi_mean, chi_sd) = mean_and_sd(&divisions.iter().filter_map(|d| d.chi).collect::<Vec<f64>>());
+    let replicate = |k: usize| Replicate { seed: args.seed.wrapping_add(k as u64), division: &divisions[k] };
     let document = Answer {
-        r0: args.r0,
-        epsilon: context.settings.physics.epsilon,
-        xi_s: context.settings.physics.xi_s,
-        cue,
-        first: Replicate::new(args.seed, &divisions[0]),
-        chi_mean,
-        chi_sd,
-        failed: divisions.iter().filter(|d| d.outcome == Outcome::Failed).count(),
-        replicates,
+        r0: input.cell.r0,
+        epsilon: input.cell.epsilon,
+        xi_s: input.cell.xi_s,
+        cue: &input.cell.cue,
+        first: replicate(0),
+        replicates: (0..divisions.len()).map(replicate).collect(),
+        statistics: Statistics::of(&divisions),
     };
     if context.json {
         answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
@@ -156,63 +78,32 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
 }
 
 /// All replicates, each as soon as a worker is free.
-fn solve(
-    args: &DivideArgs,
-    context: &Context,
-    input: &dyn Fn(u64) -> DivisionInput,
-) -> Result<Vec<Division>, CliError> {
+fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Vec<Division>, CliError> {
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress && args.replicates > 1);
     let show = |progress| line.show(progress);
-    let options = SchedulerOptions {
-        threads: context.threads,
-        interrupt: Some(context.interruptible()),
-        progress: Some(&show),
-        ..SchedulerOptions::default()
-    };
-    let jobs =
-        (0..args.replicates as usize).map(|id| Job { id, task: input(args.seed.wrapping_add(id as u64)) }).collect();
-    let mut divisions = vec![None; args.replicates as usize];
-    let summary = scheduler::run(jobs, &memo, &options, divide, |id, division| {
-        divisions[id] = Some(division.clone());
-        vec![]
-    });
+    let count = args.replicates as usize;
+    let solved = replicates(input, count, &memo, &context.scheduling(&show));
     drop(line);
-    let summary = summary.map_err(|error| match error {
+    let (divisions, summary) = solved.map_err(|error| match error {
         SchedulerError::Unsolved { failure: Failure::Unsolved(error), .. } => CliError::Division(error),
         other => CliError::Scheduler(other),
     })?;
     warn_of_store(&summary.warnings);
-    // Fewer than asked for only if the run was interrupted.
-    divisions.into_iter().collect::<Option<Vec<Division>>>().ok_or(CliError::Interrupted)
+    if divisions.len() < count { Err(CliError::Interrupted) } else { Ok(divisions) }
 }
 
-/// Mean and sample standard deviation.
-fn mean_and_sd(values: &[f64]) -> (Option<f64>, Option<f64>) {
-    if values.is_empty() {
-        return (None, None);
+fn text(document: &Answer<'_>) -> String {
+    let d = document.first.division;
+    let mut out = format!("R0 = {}, ε = {}, ξ_s = {}", document.r0, document.epsilon, document.xi_s);
+    if !document.cue.is_none() {
+        let _ = write!(out, ", {}", document.cue);
     }
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    (Some(mean), Some(if values.len() > 1 { (squares / (n - 1.0)).sqrt() } else { 0.0 }))
-}
-
-fn text(document: &Answer) -> String {
-    let d = &document.first;
-    let mut out = String::new();
-    let _ = writeln!(
-        out,
-        "R0 = {}, ε = {}, ξ_s = {}: {}",
-        document.r0,
-        document.epsilon,
-        document.xi_s,
-        outcome_name(Some(d.outcome))
-    );
-    if let (Some(chi), Some(u), Some([anterior, posterior])) = (d.chi, d.u_furrow, d.daughters) {
+    let _ = writeln!(out, ": {}", d.outcome);
+    if let (Some(chi), Some(u), Some([below, above])) = (d.chi, d.u_furrow, d.daughters) {
         let _ = writeln!(
             out,
-            "χ = {chi:.4}, furrow at u = {u:.4}, daughters R0 = {anterior:.4} (anterior), {posterior:.4} (posterior)"
+            "χ = {chi:.4}, furrow at u = {u:.4}, daughters R0 = {below:.4} (at u = 0), {above:.4} (at u = 1)"
         );
         let _ = writeln!(out, "pinch-off at t = {:.4} τ", d.t_end);
     } else {
@@ -222,12 +113,12 @@ fn text(document: &Answer) -> String {
     let _ = writeln!(
         out,
         "{} steps ({} rejected), {} Newton iterations, volume drift {:.1e}",
-        d.steps, d.rejected, d.newton_iterations, d.volume_drift
+        d.work.steps, d.work.rejected, d.work.iterations, d.volume_drift
     );
     if document.replicates.len() > 1 {
-        let n = document.replicates.len();
-        let _ = write!(out, "{n} replicates: {} divided", n - document.failed);
-        if let (Some(mean), Some(sd)) = (document.chi_mean, document.chi_sd) {
+        let (n, statistics) = (document.replicates.len(), &document.statistics);
+        let _ = write!(out, "{n} replicates: {} divided", n - statistics.failed);
+        if let (Some(mean), Some(sd)) = (statistics.chi_mean, statistics.chi_sd) {
             let _ = write!(out, ", χ = {mean:.4} ± {sd:.4} (sd)");
         }
         out.push('\n');

@@ -6,8 +6,9 @@ use crate::input::InputError;
 use crate::io::files::WriteError;
 use crate::io::frames::FramesError;
 use crate::lineage::GrowError;
-use crate::steady::symmetric::SteadyError;
-use crate::steady::{CalibrateError, StabilityError, StationaryError};
+use crate::calibration::CalibrateError;
+use crate::shapes::{ShapeError, StationaryError};
+use crate::stability::StabilityError;
 
 /// What ends a command.
 #[derive(Debug, thiserror::Error)]
@@ -31,8 +32,8 @@ pub enum CliError {
     #[error(transparent)]
     Stability(#[from] StabilityError),
     /// A branch of stationary shapes could not be computed.
-    #[error(transparent)]
-    Steady(#[from] SteadyError),
+    #[error("{}", shape_text(.0))]
+    Shape(#[from] ShapeError),
     /// No parameters were found.
     #[error(transparent)]
     Calibrate(#[from] CalibrateError),
@@ -40,8 +41,14 @@ pub enum CliError {
     #[error("interrupted; divisions solved so far are kept in the cache (unless --no-cache)")]
     Interrupted,
     /// The cache folder cannot be used.
-    #[error("{}", store_text(.0))]
+    #[error(transparent)]
     Store(#[from] StoreError),
+    /// The user has no cache folder, and there is no `cache` here.
+    #[error("no cache folder is known for this user: {reason}; name one with --cache, or use --no-cache")]
+    NoCacheFolder {
+        /// What the system said.
+        reason: String,
+    },
     /// The cache holds damaged entries.
     #[error("damaged entries: {corrupt}; they are never used, and what they held is solved again when needed")]
     CorruptCache {
@@ -71,10 +78,10 @@ fn grow_text(error: &GrowError) -> String {
     }
 }
 
-/// An error of the store, with the options that help.
-pub fn store_text(error: &StoreError) -> String {
+/// A computation's error, with the option that helps.
+fn shape_text(error: &ShapeError) -> String {
     match error {
-        StoreError::NoDefault { .. } => format!("{error}; name one with --cache, or use --no-cache"),
+        ShapeError::NotFound { .. } => format!("{error}: raise --xi-max"),
         _ => error.to_string(),
     }
 }

@@ -14,6 +14,7 @@ mod progress;
 mod shell;
 mod steady;
 mod tree;
+mod vary;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use context::Context;

@@ -1,17 +1,19 @@
 //! `furrow pitchfork`: the threshold of asymmetry of one cell.
 
-use super::cell::SizeArgs;
-use super::context::{Context, answer};
-use super::error::CliError;
-use crate::shapes::symmetric::{BranchOptions, Criticality, first_pitchfork};
 use clap::Args;
 use serde::Serialize;
+
+use super::cell::{CellArgs, positive};
+use super::context::{Context, answer};
+use super::error::CliError;
+use crate::cell::Cue;
+use crate::shapes::{BranchOptions, Criticality, pitchfork};
 
 /// Locates the first pitchfork of the mirror-symmetric shapes and says on which side the asymmetric ones lie
 #[derive(Debug, Args)]
 pub struct PitchforkArgs {
     #[command(flatten)]
-    size: SizeArgs,
+    cell: CellArgs,
     /// Largest ξ_s searched
     #[arg(long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true)]
     xi_max: f64,
@@ -23,6 +25,7 @@ pub struct PitchforkArgs {
 struct Answer {
     r0: f64,
     epsilon: f64,
+    cue: Cue,
     /// Threshold ξ_s*.
     xi_s: f64,
     criticality: Criticality,
@@ -37,14 +40,14 @@ struct Answer {
 }
 
 pub fn run(args: &PitchforkArgs, mut context: Context) -> Result<(), CliError> {
-    let r0 = args.size.read(&mut context)?;
-    let xi_max = super::cell::positive("--xi-max", "xi_max", args.xi_max)?;
-    let (physics, numerics) = (&context.settings.physics, &context.settings.numerics);
+    let cell = args.cell.read(&mut context)?;
+    let xi_max = positive("--xi-max", "xi_max", args.xi_max)?;
     let options = BranchOptions { xi: [0.0, xi_max], ..BranchOptions::default() };
-    let found = first_pitchfork(physics, numerics, r0, &options)?;
+    let found = pitchfork::first(&cell, &context.settings.numerics, &options)?;
     let document = Answer {
-        r0,
-        epsilon: physics.epsilon,
+        r0: cell.r0,
+        epsilon: cell.epsilon,
+        cue: cell.cue,
         xi_s: found.point.xi_s,
         criticality: found.criticality(),
         coefficient: found.coefficient,
@@ -58,20 +61,8 @@ pub fn run(args: &PitchforkArgs, mut context: Context) -> Result<(), CliError> {
         return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
     }
     answer(&format!(
-        "R0 = {r0}, ε = {}: pitchfork at ξ_s* = {:.8} ({}), H = {:.6}\n\
+        "R0 = {}, ε = {}: pitchfork at ξ_s* = {:.8} ({}), H = {:.6}\n\
          ξ_s = ξ_s* + c (u_furrow − ½)² with c = {:.4} on the asymmetric branch\n",
-        document.epsilon,
-        document.xi_s,
-        criticality_name(document.criticality),
-        document.H,
-        document.coefficient
+        document.r0, document.epsilon, document.xi_s, document.criticality, document.H, document.coefficient
     ))
-}
-
-/// The word for a criticality.
-pub fn criticality_name(criticality: Criticality) -> &'static str {
-    match criticality {
-        Criticality::Supercritical => "supercritical",
-        Criticality::Subcritical => "subcritical",
-    }
 }

@@ -1,19 +1,22 @@
 //! `furrow steady`: one stationary shape and its stability.
 
-use super::cell::CellArgs;
-use super::context::{Context, answer};
-use super::error::CliError;
-use crate::cortex::Cue;
-use crate::shapes::{Parity, Spectrum, Stationary, stationary};
+use std::fmt::Write;
+
 use clap::Args;
 use serde::Serialize;
-use std::fmt::Write;
+
+use super::cell::ActiveCellArgs;
+use super::context::{Context, answer};
+use super::error::CliError;
+use crate::cell::Cue;
+use crate::shapes::{StationaryShape, stationary};
+use crate::stability::{Parity, Spectrum};
 
 /// Computes the stationary shape at one activity, on the branch of the passive shape, and its growth rates
 #[derive(Debug, Args)]
 pub struct SteadyArgs {
     #[command(flatten)]
-    cell: CellArgs,
+    cell: ActiveCellArgs,
 }
 
 /// A growth rate as printed.
@@ -45,8 +48,7 @@ struct Answer {
 
 pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
-    let (physics, numerics) = (&context.settings.physics, &context.settings.numerics);
-    let shape = stationary(physics, numerics, cell.r0, &cell.cue)?;
+    let shape = stationary(&cell, &context.settings.numerics)?;
     let spectrum = shape.spectrum()?;
     let document = describe(&shape, &spectrum);
     if context.json {
@@ -56,18 +58,18 @@ pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
     }
 }
 
-fn describe(shape: &Stationary, spectrum: &Spectrum) -> Answer {
-    let cortex = &shape.cortex;
+fn describe(shape: &StationaryShape, spectrum: &Spectrum) -> Answer {
+    let cell = &shape.cortex.cell;
     let name = |parity| match parity {
         Parity::Even => "even",
         Parity::Odd => "odd",
         Parity::Mixed => "mixed",
     };
     Answer {
-        r0: cortex.r0,
-        epsilon: cortex.physics.epsilon,
-        xi_s: cortex.physics.xi_s,
-        cue: cortex.cue,
+        r0: cell.r0,
+        epsilon: cell.epsilon,
+        xi_s: cell.xi_s,
+        cue: cell.cue.clone(),
         L: shape.length(),
         p: shape.pressure(),
         H: shape.elongation(),

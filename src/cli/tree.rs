@@ -3,16 +3,16 @@
 use super::context::{Context, answer, warn_of_store, warning_text};
 use super::error::CliError;
 use super::progress::ProgressLine;
-use crate::batch::{SchedulerOptions, Summary};
-use crate::cortex::Cue;
+use crate::batch::Summary;
+use crate::batch::scheduler::workers;
+use crate::cell::Cell;
 use crate::division::divide;
 use crate::io::{FounderRow, Provenance, founder_rows, newick, parse_cue, write_atomically};
-use crate::lineage::{EndReason, Grower, Lineage, Tree, TreeSettings, expected_work};
+use crate::lineage::{Ends, Grower, Lineage, Tree, TreeSettings, expected_work};
 use crate::report;
-use crate::shapes::critical::{Boundary, BoundaryKind, End};
+use crate::shapes::CriticalRadii;
 use clap::Args;
 use serde::Serialize;
-use std::cell::RefCell;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -31,8 +31,8 @@ pub struct TreeArgs {
     /// Seed of the noise in the first step of every division
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
-    /// Replaces the cue of every founder that carries one: none, a name in the lineage file, or
-    /// kappa:u0=..,omega=..,amplitude=..
+    /// Replaces every cue that the lineage gives: none, a name in the lineage file, or terms
+    /// FIELD:PROFILE,key=value,.. joined by +
     #[arg(long, value_name = "CUE")]
     cue: Option<String>,
     /// Computes the division of every cell, those below the critical radius of their cue included
@@ -85,74 +85,34 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let mut lineage = Lineage::load(args.lineage.as_deref())?;
     if let Some(text) = &args.cue {
         let cue = parse_cue(text, &lineage)?;
-        replace_cues(&mut lineage, cue);
+        lineage = lineage.with_cues_replaced(&cue);
     }
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let show = |progress| line.show(progress);
     let settings = TreeSettings {
-        physics: context.settings.physics,
+        cell: context.settings.cell.clone(),
         numerics: context.settings.numerics,
         seed: args.seed,
         r0_step: context.quantisation.relative_step(),
     };
-    let ends = Ends::new(&settings, args.dynamics);
-    let order = ends.critical_radius().map(expected_work);
-    let mut options = SchedulerOptions {
-        threads: context.threads,
-        interrupt: Some(context.interruptible()),
-        progress: Some(&show),
-        ..SchedulerOptions::default()
-    };
+    let rule = Ends::new(CriticalRadii::new(&settings.numerics));
+    let order = if args.dynamics { None } else { rule.critical_radius(&settings.cell).map(expected_work) };
+    let mut options = context.scheduling(&show);
     if let Some(order) = &order {
         options.expected_work = order;
     }
-    let ends = |r0: f64, cue: &Cue| ends.of(r0, cue);
+    let ends = |cell: &Cell| if args.dynamics { None } else { rule.of(cell) };
     let grown = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options }.grow(divide);
     drop(line);
     let (tree, summary) = grown?;
     warn_of_store(&summary.warnings);
+    for (cue, error) in rule.unknown() {
+        tracing::info!("no critical radius for cells with the cue {cue}, whose divisions tell instead: {error}");
+    }
     let rows = founder_rows(&tree);
     write_files(args, context, &tree, &rows, &summary, start)?;
     respond(args, context, &tree, &rows, &summary, start.elapsed().as_secs_f64())
-}
-
-/// Which cells cannot divide, told ahead of their division.
-struct Ends {
-    /// None where every cell's end is left to its dynamics.
-    boundary: Option<Boundary>,
-    /// Cues without a boundary; of their cells the division itself tells.
-    unbounded: RefCell<Vec<Cue>>,
-}
-
-impl Ends {
-    fn new(settings: &TreeSettings, dynamics: bool) -> Ends {
-        let boundary = (!dynamics).then(|| Boundary::new(&settings.physics, &settings.numerics));
-        Ends { boundary, unbounded: RefCell::default() }
-    }
-
-    /// Why a cell cannot divide; `None` if it can, or if only its division tells.
-    fn of(&self, r0: f64, cue: &Cue) -> Option<EndReason> {
-        self.end(r0, cue).map(end_reason)
-    }
-
-    /// The radius below which cells without a cue do not divide, where it is known.
-    fn critical_radius(&self) -> Option<f64> {
-        // There is no cell so small that it divides, so that this one is told its boundary.
-        self.end(f64::MIN_POSITIVE, &Cue::None).map(|end| end.critical_r0)
-    }
-
-    fn end(&self, r0: f64, cue: &Cue) -> Option<End> {
-        let boundary = self.boundary.as_ref()?;
-        if self.unbounded.borrow().contains(cue) {
-            return None;
-        }
-        boundary.ends(r0, cue).unwrap_or_else(|error| {
-            tracing::info!("no boundary of division for {cue:?}: {error}");
-            self.unbounded.borrow_mut().push(*cue);
-            None
-        })
-    }
 }
 
 fn respond(
@@ -186,28 +146,6 @@ fn respond(
     ))
 }
 
-/// A boundary of division as the reason a branch ends.
-fn end_reason(end: End) -> EndReason {
-    match end.kind {
-        BoundaryKind::Pitchfork => EndReason::BelowPitchfork { r0_c: end.critical_r0 },
-        BoundaryKind::CuedFold => EndReason::BelowCuedFold { r0: end.critical_r0 },
-    }
-}
-
-/// Gives `cue` to every founder that carries one.
-fn replace_cues(lineage: &mut Lineage, cue: Cue) {
-    const NAME: &str = "given";
-    lineage.cues.insert(NAME.to_owned(), cue);
-    for founder in &mut lineage.founders {
-        if founder.cue.as_deref().is_some_and(|name| name != "none") {
-            founder.cue = Some(if cue == Cue::None { "none" } else { NAME }.to_owned());
-        }
-    }
-    if cue == Cue::None {
-        lineage.cues.remove(NAME);
-    }
-}
-
 fn write_files(
     args: &TreeArgs,
     context: &Context,
@@ -226,10 +164,7 @@ fn write_files(
         schema_version: 1,
         provenance: Provenance::current(),
         elapsed_s: start.elapsed().as_secs_f64(),
-        threads: match context.threads {
-            0 => std::thread::available_parallelism().map_or(1, usize::from),
-            threads => threads,
-        },
+        threads: workers(context.threads),
         cells: tree.len(),
         divisions_solved: summary.solved,
         memo_hits: summary.memo_hits,

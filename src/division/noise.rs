@@ -2,17 +2,14 @@
 
 use rand_mt::Mt;
 
-/// Largest magnitude of a coefficient.
-pub const AMPLITUDE: f64 = 0.01;
-
-/// Coefficients r_1 … r_10 of the noise 1 + Σ r_n cos(nπu), uniform on [−0.01, 0.01]: the first ten doubles (53 bits) of
+/// Coefficients r_1 … r_10 of the noise 1 + Σ r_n cos(nπu), uniform on [−amplitude, amplitude]: the first ten doubles (53 bits) of
 /// MT19937 seeded with the low 32 bits of the seed.
-pub fn coefficients(seed: u64) -> [f64; 10] {
+pub fn coefficients(seed: u64, amplitude: f64) -> [f64; 10] {
     let mut generator = Mt::new(seed as u32);
     std::array::from_fn(|_| {
         let (high, low) = (generator.next_u32() >> 5, generator.next_u32() >> 6);
         let uniform = (f64::from(high) * 67_108_864.0 + f64::from(low)) / 9_007_199_254_740_992.0;
-        AMPLITUDE * (2.0 * uniform - 1.0)
+        amplitude * (2.0 * uniform - 1.0)
     })
 }
 
@@ -21,7 +18,7 @@ mod tests {
     /// MT19937 with seed 0 starts with 0.5488135…, 0.71518937… (any implementation of the 53-bit doubles).
     #[test]
     fn the_stream_is_the_standard_one() {
-        let c = super::coefficients(0);
+        let c = super::coefficients(0, 0.01);
         assert!((c[0] - 0.000976270).abs() < 1e-9 && (c[1] - 0.004303787).abs() < 1e-9);
     }
 }

@@ -77,7 +77,7 @@ pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)
         neck_rate: 0.0,
         next_rest_check: 0.0,
     };
-    run.first_step(&mut stepper, *seed)?;
+    run.first_step(&mut stepper, noise::coefficients(*seed, numerics.noise))?;
     loop {
         run.advance(&mut stepper)?;
         let newest = &stepper.levels[0];
@@ -137,8 +137,7 @@ struct Run {
 
 impl Run {
     /// The first step, whose activity is noisy. The noise belongs to a step of fixed length, whatever the step factor.
-    fn first_step(&mut self, stepper: &mut Stepper, seed: u64) -> Result<(), DivisionError> {
-        let coefficients = noise::coefficients(seed);
+    fn first_step(&mut self, stepper: &mut Stepper, coefficients: [f64; 10]) -> Result<(), DivisionError> {
         let (y, gauss) = (&stepper.levels[0].y, &stepper.system.gauss);
         let points = 0..y.intervals() * y.m;
         stepper.cortex.noise =

@@ -1,18 +1,28 @@
 //! Parameters as users give them: a RON file, then `--set key=value`, each field checked.
 
-use crate::cortex::{Cue, Numerics, Physics, RigidityGradient};
-use crate::input::{InputError, parse_ron, read_text};
-use crate::lineage::{Lineage, check_cue};
-use serde::Deserialize;
 use std::path::Path;
 
-/// Physical and numerical parameters of a run, checked.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+use serde::Deserialize;
+
+use crate::cell::{Cell, Cue, Numerics, RigidityGradient};
+use crate::input::{InputError, did_you_mean, parse_ron, read_text};
+use crate::lineage::Lineage;
+use crate::lineage::tree::ZYGOTE;
+
+/// Parameters of a run, checked.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// Physical parameters.
-    pub physics: Physics,
+    /// The cell, without a cue; of a tree the first one.
+    pub cell: Cell,
     /// Discretisation.
     pub numerics: Numerics,
+}
+
+impl Default for Settings {
+    /// The preset `gao2026` and its zygote.
+    fn default() -> Settings {
+        Settings { cell: Cell::new(ZYGOTE), numerics: Numerics::default() }
+    }
 }
 
 /// A setter takes the text of a value and says what is allowed if it cannot be read.
@@ -26,12 +36,13 @@ struct Field {
     aliases: &'static [&'static str],
     set: Set,
     valid: Valid,
+    show: fn(&Settings) -> String,
 }
 
 /// One table of all fields: the overrides that a RON file may hold, `--set`, and the checks come from it.
 macro_rules! fields {
     ($($section:ident $overrides:ident $shown:literal {
-        $($name:ident $([$($alias:literal),*])? : $kind:ty, $allowed:literal, |$v:ident| $ok:expr;)*
+        $($name:ident $([$($alias:literal),*])? at $($path:ident).+ : $kind:ty, $allowed:literal, |$v:ident| $ok:expr;)*
     })*) => {
         $(
             #[derive(Deserialize, Default)]
@@ -44,7 +55,7 @@ macro_rules! fields {
 
             impl $overrides {
                 fn apply(self, settings: &mut Settings) {
-                    $(if let Some(value) = self.$name { settings.$section.$name = value; })*
+                    $(if let Some(value) = self.$name { settings.$($path).+ = value; })*
                 }
             }
         )*
@@ -55,14 +66,15 @@ macro_rules! fields {
                 name: stringify!($name),
                 aliases: &[$($($alias),*)?],
                 set: |settings, text| {
-                    settings.$section.$name = <$kind as Value>::read(text).ok_or($allowed)?;
+                    settings.$($path).+ = <$kind as Value>::read(text).ok_or($allowed)?;
                     Ok(())
                 },
                 valid: |settings| {
-                    let $v: $kind = settings.$section.$name;
+                    let $v: $kind = settings.$($path).+;
                     let ok: bool = $ok;
                     (!ok).then(|| (Value::show(&$v), $allowed))
                 },
+                show: |settings| Value::show(&settings.$($path).+),
             },
         )*)*];
     };
@@ -70,28 +82,29 @@ macro_rules! fields {
 
 fields! {
     physics PhysicsOverrides "Physics" {
-        kappa: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        eta_b: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        eta_s: f64, "a finite number, 0 or above", |v| v.is_finite() && v >= 0.0;
-        friction ["Gamma"]: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        tension ["gamma"]: f64, "a finite number", |v| v.is_finite();
-        xi_s ["xi"]: f64, "a finite number", |v| v.is_finite();
-        xi_ratio: f64, "a finite number", |v| v.is_finite();
-        gain ["g"]: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        aspect ["a_over_b"]: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        p0 ["P0"]: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        w: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        r0 ["R0"]: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        epsilon ["eps"]: f64, "above 0 and below 1", |v| v > 0.0 && v < 1.0;
-        rigidity_gradient: RigidityGradient, "full or dropped", |_v| true;
+        kappa at cell.material.kappa: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        eta_b at cell.material.eta_b: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        eta_s at cell.material.eta_s: f64, "a finite number, 0 or above", |v| v.is_finite() && v >= 0.0;
+        friction ["Gamma"] at cell.material.friction: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        tension ["gamma"] at cell.material.tension: f64, "a finite number", |v| v.is_finite();
+        xi_s ["xi"] at cell.xi_s: f64, "a finite number", |v| v.is_finite();
+        xi_ratio at cell.material.xi_ratio: f64, "a finite number", |v| v.is_finite();
+        gain ["g"] at cell.material.gain: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        aspect ["a_over_b"] at cell.shell.aspect: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        p0 ["P0"] at cell.shell.p0: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        w at cell.shell.w: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        r0 ["R0"] at cell.r0: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        epsilon ["eps"] at cell.epsilon: f64, "above 0 and below 1", |v| v > 0.0 && v < 1.0;
+        rigidity_gradient at cell.material.rigidity_gradient: RigidityGradient, "full or dropped", |_v| true;
     }
     numerics NumericsOverrides "Numerics" {
-        stages: usize, "a whole number from 1 to 5", |v| (1..=5).contains(&v);
-        intervals: usize, "an even whole number from 8 to 4096", |v| v.is_multiple_of(2) && (8..=4096).contains(&v);
-        time_tolerance: f64, "above 0 and below 1", |v| v > 0.0 && v < 1.0;
-        step_factor: f64, "above 0 and at most 1", |v| v > 0.0 && v <= 1.0;
-        t_max: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        chi_symmetric: f64, "0 or above and below 1", |v| (0.0..1.0).contains(&v);
+        stages at numerics.stages: usize, "a whole number from 1 to 5", |v| (1..=5).contains(&v);
+        intervals at numerics.intervals: usize, "an even whole number from 8 to 4096", |v| v.is_multiple_of(2) && (8..=4096).contains(&v);
+        time_tolerance at numerics.time_tolerance: f64, "above 0 and below 1", |v| v > 0.0 && v < 1.0;
+        step_factor at numerics.step_factor: f64, "above 0 and at most 1", |v| v > 0.0 && v <= 1.0;
+        t_max at numerics.t_max: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        noise at numerics.noise: f64, "0 or above and below 1", |v| (0.0..1.0).contains(&v);
+        chi_symmetric at numerics.chi_symmetric: f64, "0 or above and below 1", |v| (0.0..1.0).contains(&v);
     }
 }
 
@@ -146,7 +159,7 @@ impl Settings {
     /// The preset with the parameters of a configuration file, if any, and then with `overrides` of the form
     /// `key=value`.
     ///
-    /// Keys are the fields of [`Physics`] and [`Numerics`] and the aliases `xi`, `g`, `eps`, `a_over_b`, `P0` (the
+    /// Keys are the numbers of a [`Cell`], its material and shell, those of [`Numerics`], and the aliases `xi`, `g`, `eps`, `a_over_b`, `P0` (the
     /// shell's strength), `R0`, `Gamma`, `gamma`. Besides these, `xi_b` sets `xi_ratio` = ξ_b/ξ_s from the ξ_s that all
     /// settings together give: it is the ratio that is kept wherever ξ_s is varied afterwards.
     ///
@@ -187,19 +200,19 @@ impl Settings {
                 continue;
             }
             let Some(field) = FIELDS.iter().find(|f| f.name == plain || f.aliases.contains(&plain)) else {
-                let names: Vec<&str> = FIELDS.iter().map(|f| f.name).collect();
-                let allowed = format!("one of {}, xi_b", names.join(", "));
+                let names: Vec<&str> = FIELDS.iter().map(|f| f.name).chain(["xi_b"]).collect();
+                let allowed = format!("one of {}{}", names.join(", "), did_you_mean(plain, names.iter().copied()));
                 return Err(InputError::not_allowed(SOURCE, "key", format!("{key:?}"), allowed));
             };
             (field.set)(self, value).map_err(|allowed| InputError::not_allowed(SOURCE, field.name, value, allowed))?;
         }
         if let Some(xi_b) = xi_b {
-            let ratio = xi_b / self.physics.xi_s;
+            let ratio = xi_b / self.cell.xi_s;
             if !ratio.is_finite() {
-                let allowed = format!("a multiple of xi_s, which is {}", self.physics.xi_s);
+                let allowed = format!("a multiple of xi_s, which is {}", self.cell.xi_s);
                 return Err(InputError::not_allowed(SOURCE, "xi_b", xi_b, allowed));
             }
-            self.physics.xi_ratio = ratio;
+            self.cell.material.xi_ratio = ratio;
         }
         self.check(SOURCE)
     }
@@ -228,40 +241,19 @@ impl Settings {
     }
 }
 
-/// Reads a cue: `none`, a name of the lineage file, or `kappa:u0=0.465,omega=0.0577,amplitude=0.1` (what is not given
-/// keeps the published value).
+/// Every parameter by its name and value, by section: for reports.
+pub fn listing(settings: &Settings) -> Vec<(&'static str, &'static str, String)> {
+    FIELDS.iter().map(|field| (field.section, field.name, (field.show)(settings))).collect()
+}
+
+/// Reads a cue from an option: `none`, names of the lineage file, or terms, joined by `+`.
 ///
 /// # Errors
-/// Names the field, its value and what is allowed.
+/// Names the part of the cue, its value and what is allowed.
 pub fn parse_cue(text: &str, lineage: &Lineage) -> Result<Cue, InputError> {
-    const SOURCE: &str = "--cue";
-    let Some(list) = text.strip_prefix("kappa:") else {
-        return lineage.cue(text).ok_or_else(|| {
-            let names: Vec<&str> = lineage.cues.keys().map(String::as_str).collect();
-            let allowed = format!("none, {}, or kappa:u0=..,omega=..,amplitude=..", names.join(", "));
-            InputError::not_allowed(SOURCE, "cue", format!("{text:?}"), allowed)
-        });
-    };
-    let (mut u0, mut omega, mut amplitude) = (0.465, 0.0577, 0.1);
-    for entry in list.split(',').map(str::trim).filter(|entry| !entry.is_empty()) {
-        let (key, value) = entry.split_once('=').unwrap_or((entry, ""));
-        let target = match key.trim() {
-            "u0" => &mut u0,
-            "omega" => &mut omega,
-            "amplitude" => &mut amplitude,
-            other => {
-                let allowed = "one of u0, omega, amplitude";
-                return Err(InputError::not_allowed(SOURCE, "kappa", format!("{other:?}"), allowed));
-            }
-        };
-        let value = value.trim();
-        *target = value.parse().map_err(|_| {
-            InputError::not_allowed(SOURCE, format!("kappa.{}", key.trim()), format!("{value:?}"), "a number")
-        })?;
-    }
-    let cue = Cue::Kappa { u0, omega, amplitude };
-    check_cue(&cue, SOURCE, "kappa")?;
-    Ok(cue)
+    lineage
+        .parse_cue(text)
+        .map_err(|error| InputError::not_allowed("--cue", error.field, error.value, error.allowed))
 }
 
 #[cfg(test)]
@@ -271,16 +263,19 @@ mod tests {
     /// A field added to the parameters must get its row in the table.
     #[test]
     fn table_covers_every_field() {
-        for (section, value) in [
-            ("physics", serde_json::to_value(Physics::default()).unwrap()),
-            ("numerics", serde_json::to_value(Numerics::default()).unwrap()),
+        let settings = Settings::default();
+        let mut numbers = vec!["r0".to_owned(), "epsilon".to_owned(), "xi_s".to_owned()];
+        for part in [
+            serde_json::to_value(settings.cell.material).unwrap(),
+            serde_json::to_value(settings.cell.shell).unwrap(),
+            serde_json::to_value(settings.numerics).unwrap(),
         ] {
-            let mut of_type: Vec<&str> = value.as_object().unwrap().keys().map(String::as_str).collect();
-            let mut of_table: Vec<&str> = FIELDS.iter().filter(|f| f.section == section).map(|f| f.name).collect();
-            of_type.sort();
-            of_table.sort();
-            assert_eq!(of_type, of_table);
+            numbers.extend(part.as_object().unwrap().keys().cloned());
         }
+        let mut of_table: Vec<&str> = FIELDS.iter().map(|f| f.name).collect();
+        numbers.sort();
+        of_table.sort();
+        assert_eq!(numbers, of_table);
     }
 
     #[test]

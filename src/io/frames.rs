@@ -1,6 +1,7 @@
 //! The contour of a dividing cell, step by step.
 
 use super::files::{WriteError, write_atomically};
+use crate::cortex::equations::{R, Z};
 use crate::division::{DivisionError, DivisionInput, run::divide_observed};
 use serde::Serialize;
 use std::fmt::Write;
@@ -39,7 +40,7 @@ pub fn write_frames(folder: &Path, input: &DivisionInput) -> Result<(), FramesEr
         let mut csv = String::from("u,r,z\n");
         for (i, u) in frame.shape.mesh.iter().enumerate() {
             let node = frame.shape.node(i);
-            let _ = writeln!(csv, "{u},{},{}", node[0], node[1]);
+            let _ = writeln!(csv, "{u},{},{}", node[R], node[Z]);
         }
         let file = format!("frame_{:04}.csv", entries.len());
         failed = write_atomically(&folder.join(&file), csv.as_bytes()).err();

@@ -1,17 +1,17 @@
 //! Newick: the tree as other programs read it.
 
-use crate::lineage::Tree;
-use petgraph::graph::NodeIndex;
 use std::fmt::Write;
 
-/// The tree in plain Newick: names on inner nodes, a cell's branch length is her division time `t_end` in τ (for a cell
-/// that came to rest, the time at which she was found at rest; absent where no division was computed). The anterior
+use crate::lineage::{CellId, Tree};
+
+/// The tree in plain Newick: names on inner nodes, a cell's branch length is its division time `t_end` in τ (for a cell
+/// that came to rest, the time at which it was found at rest; absent where no division was computed). The anterior
 /// daughter comes first.
 pub fn newick(tree: &Tree) -> String {
     enum Step {
-        Enter(NodeIndex),
+        Enter(CellId),
         Text(char),
-        Leave(NodeIndex),
+        Leave(CellId),
     }
     let mut out = String::with_capacity(40 * tree.len());
     // An own stack: a lineage may be deeper than the call stack.
@@ -37,7 +37,7 @@ pub fn newick(tree: &Tree) -> String {
     out
 }
 
-fn label(tree: &Tree, node: NodeIndex, out: &mut String) {
+fn label(tree: &Tree, node: CellId, out: &mut String) {
     let cell = tree.cell(node);
     // Readers turn underscores of unquoted names into blanks, and reserve punctuation. Quotes are doubled inside quotes.
     if cell.name.chars().all(|c| c.is_ascii_alphanumeric() || c == '.' || c == '-') {
@@ -47,7 +47,7 @@ fn label(tree: &Tree, node: NodeIndex, out: &mut String) {
         out.push_str(&cell.name.replace('\'', "''"));
         out.push('\'');
     }
-    if let Some(t_end) = cell.fate.t_end {
+    if let Some(t_end) = cell.fate.t_end() {
         let _ = write!(out, ":{t_end}");
     }
 }

@@ -1,20 +1,22 @@
 //! `tree.json`: the whole tree with what it was grown from, byte-identical for equal inputs.
 
-use super::provenance::Provenance;
-use crate::cortex::{Cue, Numerics, Physics};
-use crate::division::Outcome;
-use crate::lineage::{
-    Cell, EndReason, Fate, Lineage, ObservedRounds, Rounds, Side, Tree, TreeSettings, founder_rounds,
-};
-use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::HashMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::provenance::Provenance;
+use crate::cell::{Cell, Cue, Numerics};
+use crate::division::{Division, Outcome};
+use crate::lineage::{
+    CellId, EndReason, Fate, Lineage, ObservedRounds, Place, Rounds, Side, Tree, TreeCell, TreeSettings, founder_rounds,
+};
 
 /// Name of the format.
 pub const SCHEMA: &str = "furrow.tree";
 
 /// Version of the format; it is raised when a field changes its meaning or goes.
-pub const SCHEMA_VERSION: u32 = 1;
+pub const SCHEMA_VERSION: u32 = 2;
 
 /// Why a tree file cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -49,18 +51,20 @@ pub enum TreeFileError {
     },
 }
 
-/// A founder in the table that sets her rounds beside the observed ones.
+/// A founder in the table that sets its rounds beside the observed ones.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FounderRow {
     /// Name.
     pub name: String,
-    /// Radius R0; none if she was never born.
+    /// Radius R0; none if it was never born.
     pub r0: Option<f64>,
     /// Volume as a fraction of the first cell's.
     pub volume_fraction: Option<f64>,
-    /// Name of her cue.
+    /// Name of the cue that it carries.
     pub cue: String,
-    /// How her own division ended.
+    /// How many cells below it, up to the next founder, carry a cue.
+    pub cued_descendants: usize,
+    /// How its own division ended.
     pub outcome: Option<Outcome>,
     /// Its size asymmetry χ.
     pub chi: Option<f64>,
@@ -72,23 +76,28 @@ pub struct FounderRow {
 
 /// The founders' table, in the lineage file's order.
 pub fn founder_rows(tree: &Tree) -> Vec<FounderRow> {
-    founder_rounds(tree)
-        .into_iter()
-        .map(|row| {
-            let founder = &tree.lineage.founders[row.founder];
-            let cell = tree.founder_cell(row.founder).map(|node| tree.cell(node));
-            FounderRow {
-                name: founder.name.clone(),
-                r0: cell.map(|c| c.r0),
-                volume_fraction: cell.map(|c| c.volume_fraction),
-                cue: founder.cue.clone().unwrap_or_else(|| "none".to_owned()),
-                outcome: cell.and_then(|c| c.fate.outcome),
-                chi: cell.and_then(|c| c.fate.chi),
-                rounds: row.rounds,
-                sulston: founder.sulston,
-            }
-        })
-        .collect()
+    let mut cued = vec![0; tree.lineage.founders.len()];
+    for id in tree.cells().filter(|&id| !tree.cell(id).cue.is_none()) {
+        let founder = tree.cell(id).founder;
+        cued[founder] += usize::from(tree.founder_cell(founder) != Some(id));
+    }
+    let row = |founder: usize, rounds: Option<Rounds>| {
+        let definition = &tree.lineage.founders[founder];
+        let cell = tree.founder_cell(founder).map(|id| tree.cell(id));
+        let place = cell.map(|c| Place { founder, round: 0, generation: c.generation, r0: c.r0 });
+        FounderRow {
+            name: definition.name.clone(),
+            r0: cell.map(|c| c.r0),
+            volume_fraction: cell.map(|c| c.volume_fraction),
+            cue: place.map_or("none", |place| tree.lineage.cue_name_at(place)).to_owned(),
+            cued_descendants: cued[founder],
+            outcome: cell.and_then(|c| c.fate.outcome()),
+            chi: cell.and_then(|c| c.fate.chi()),
+            rounds,
+            sulston: definition.sulston,
+        }
+    };
+    founder_rounds(tree).into_iter().map(|found| row(found.founder, found.rounds)).collect()
 }
 
 #[derive(Serialize)]
@@ -98,7 +107,8 @@ struct Head<'a> {
     provenance: Provenance,
     seed: u64,
     r0_step: f64,
-    physics: &'a Physics,
+    /// The first cell; what all cells share is taken from it.
+    cell: &'a Cell,
     numerics: &'a Numerics,
     lineage: &'a Lineage,
     founders: Vec<FounderRow>,
@@ -110,7 +120,7 @@ struct Document<'a> {
     schema_version: u32,
     seed: u64,
     r0_step: f64,
-    physics: Physics,
+    cell: Cell,
     numerics: Numerics,
     lineage: Lineage,
     #[serde(borrow)]
@@ -129,13 +139,59 @@ struct Record<'a> {
     generation: u32,
     r0: f64,
     volume_fraction: f64,
-    cue: Cue,
+    cue: Cow<'a, Cue>,
     outcome: Option<Outcome>,
     chi: Option<f64>,
     chi_signed: Option<f64>,
     u_furrow: Option<f64>,
     t_end: Option<f64>,
     ended: Option<EndReason>,
+}
+
+impl<'a> Record<'a> {
+    fn of(tree: &'a Tree, id: CellId) -> Record<'a> {
+        let cell = tree.cell(id);
+        let division = cell.fate.division.as_ref();
+        Record {
+            name: Cow::Borrowed(&cell.name),
+            mother: tree.mother(id).map(|m| Cow::Borrowed(tree.cell(m).name.as_str())),
+            daughter: tree.side(id),
+            founder: Cow::Borrowed(tree.founder_name(id)),
+            generation: cell.generation,
+            r0: cell.r0,
+            volume_fraction: cell.volume_fraction,
+            cue: Cow::Borrowed(&cell.cue),
+            outcome: cell.fate.outcome(),
+            chi: division.and_then(|d| d.chi),
+            chi_signed: division.and_then(|d| d.chi_signed),
+            u_furrow: division.and_then(|d| d.u_furrow),
+            t_end: division.map(|d| d.t_end),
+            ended: cell.fate.ended,
+        }
+    }
+
+    /// The cell's fate; what a tree file does not keep of a division, the work it took, is zero.
+    fn fate(&self) -> Fate {
+        let growth_rate = match self.ended {
+            Some(EndReason::AtRest { growth_rate }) => growth_rate,
+            _ => None,
+        };
+        let division = self.outcome.zip(self.t_end).map(|(outcome, t_end)| {
+            let division = Division {
+                outcome,
+                chi: self.chi,
+                chi_signed: self.chi_signed,
+                u_furrow: self.u_furrow,
+                t_end,
+                daughters: None,
+                growth_rate,
+                volume_drift: 0.0,
+                work: bvp::Work::default(),
+            };
+            division.with_daughters_of(self.r0)
+        });
+        Fate { division, ended: self.ended }
+    }
 }
 
 impl Tree {
@@ -150,7 +206,7 @@ impl Tree {
             provenance: Provenance::current(),
             seed: self.settings.seed,
             r0_step: self.settings.r0_step,
-            physics: &self.settings.physics,
+            cell: &self.settings.cell,
             numerics: &self.settings.numerics,
             lineage: &self.lineage,
             founders: founder_rows(self),
@@ -159,29 +215,12 @@ impl Tree {
         out.reserve(360 * self.len());
         out.truncate(out.len().saturating_sub("\n}".len()));
         out.extend_from_slice(b",\n  \"cells\": [\n");
-        for node in self.nodes() {
-            let cell = self.cell(node);
-            let record = Record {
-                name: Cow::Borrowed(&cell.name),
-                mother: self.mother(node).map(|m| Cow::Borrowed(self.cell(m).name.as_str())),
-                daughter: self.side(node),
-                founder: Cow::Borrowed(self.founder_name(node)),
-                generation: cell.generation,
-                r0: cell.r0,
-                volume_fraction: cell.volume_fraction,
-                cue: cell.cue,
-                outcome: cell.fate.outcome,
-                chi: cell.fate.chi,
-                chi_signed: cell.fate.chi_signed,
-                u_furrow: cell.fate.u_furrow,
-                t_end: cell.fate.t_end,
-                ended: cell.fate.ended,
-            };
-            if node != self.first() {
+        for id in self.cells() {
+            if id != self.first() {
                 out.extend_from_slice(b",\n");
             }
             out.extend_from_slice(b"    ");
-            serde_json::to_writer(&mut out, &record)?;
+            serde_json::to_writer(&mut out, &Record::of(self, id))?;
         }
         out.extend_from_slice(b"\n  ]\n}\n");
         // JSON is UTF-8 by construction.
@@ -203,7 +242,7 @@ impl Tree {
             return Err(TreeFileError::Schema { schema, version: document.schema_version });
         }
         let settings = TreeSettings {
-            physics: document.physics,
+            cell: document.cell,
             numerics: document.numerics,
             seed: document.seed,
             r0_step: document.r0_step,
@@ -219,31 +258,25 @@ fn build(lineage: Lineage, settings: TreeSettings, records: Vec<Record<'_>>) -> 
         lineage.founders.iter().enumerate().map(|(i, f)| (f.name.clone(), i)).collect();
     let mut nodes = HashMap::with_capacity(records.len());
     let mut tree: Option<Tree> = None;
-    let mut lineage = Some(lineage);
+    // Given away to the tree with its first cell.
+    let mut lineage = Some((lineage, settings));
     for (index, record) in records.into_iter().enumerate() {
         let founder = *founders
             .get(record.founder.as_ref())
             .ok_or_else(|| wrong(index, &record.name, format!("founder {:?} is not in the lineage", record.founder)))?;
         let is_founder = record.name == record.founder;
-        let cell = Cell {
+        let cell = TreeCell {
             name: record.name.as_ref().to_owned(),
             founder,
             generation: record.generation,
             r0: record.r0,
             volume_fraction: record.volume_fraction,
-            cue: record.cue,
-            fate: Fate {
-                outcome: record.outcome,
-                chi: record.chi,
-                chi_signed: record.chi_signed,
-                u_furrow: record.u_furrow,
-                t_end: record.t_end,
-                ended: record.ended,
-            },
+            cue: record.cue.as_ref().clone(),
+            fate: record.fate(),
         };
         let node = match (&mut tree, &record.mother, record.daughter) {
             (None, None, None) => {
-                let Some(lineage) = lineage.take() else { break };
+                let Some((lineage, settings)) = lineage.take() else { break };
                 let new = Tree::new(lineage, settings, cell);
                 let node = new.first();
                 tree = Some(new);
@@ -269,11 +302,11 @@ fn build(lineage: Lineage, settings: TreeSettings, records: Vec<Record<'_>>) -> 
         }
     }
     let tree = tree.ok_or_else(|| wrong(0, "", "there are no cells".to_owned()))?;
-    for node in tree.nodes() {
-        let daughters = tree.graph().edges(node).count();
-        if daughters != 0 && (daughters != 2 || tree.daughters(node).is_none()) {
+    for id in tree.cells() {
+        let daughters = tree.daughter_count(id);
+        if daughters != 0 && (daughters != 2 || tree.daughters(id).is_none()) {
             let message = "its daughters are not one anterior and one posterior".to_owned();
-            return Err(wrong(node.index(), &tree.cell(node).name, message));
+            return Err(wrong(id.index(), &tree.cell(id).name, message));
         }
     }
     Ok(tree)

@@ -156,7 +156,6 @@ impl Growth<'_> {
 
     /// Anterior and posterior daughter of a cell, if it divides.
     fn offspring(&self, index: usize, fate: &Fate) -> Option<[GrowingCell; 2]> {
-        let lineage = self.grower.lineage;
         let mother = &self.cells[index];
         let volumes = fate.daughter_volumes(mother.fraction)?;
         let founders = self.listed[mother.founder].filter(|_| mother.is_founder).map(|listed| {

@@ -3,7 +3,8 @@
 use super::escape;
 use super::summary::TreeSummary;
 use super::svg::{colours, svg};
-use super::table::{decimals, outcome_name};
+use super::table::{cue_text, decimals, outcome_name};
+use crate::io::config::{Settings, listing};
 use crate::io::{FounderRow, Provenance};
 use crate::lineage::Tree;
 use std::fmt::Write;
@@ -18,7 +19,7 @@ code,pre{font:13px/1.45 Menlo,Consolas,monospace}pre{background:#f6f7f9;padding:
 /// The founders' table, the drawing, the generations and the parameters of a tree as HTML.
 pub fn html(tree: &Tree, rows: &[FounderRow]) -> String {
     let summary = TreeSummary::of(tree);
-    let physics = &tree.settings.physics;
+    let cell = &tree.settings.cell;
     let name = escape(&tree.lineage.name);
     let mut out = String::new();
     let _ = write!(
@@ -26,8 +27,8 @@ pub fn html(tree: &Tree, rows: &[FounderRow]) -> String {
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>{name} grown from mechanics</title><style>{STYLE}</style></head><body>\n<h1>{name}, grown from mechanics</h1>\n<p class=\"sub\">{} cells from one of R0 = {} at ε = {}, ξ<sub>s</sub> = {}. Branches end: {}.</p>\n",
         tree.len(),
         tree.cell(tree.first()).r0,
-        physics.epsilon,
-        physics.xi_s,
+        cell.epsilon,
+        cell.xi_s,
         summary.ended_text()
     );
     if summary.limited() {
@@ -55,7 +56,7 @@ fn founders(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
             "<tr><td><span class=\"dot\" style=\"background:{colour}\"></span>{}</td><td>{}</td><td class=\"l\">{}</td><td class=\"l\">{}</td><td>{}</td>",
             escape(&row.name),
             decimals(row.r0, 3),
-            escape(&row.cue),
+            escape(&cue_text(row)),
             outcome_name(row.outcome),
             decimals(row.chi, 3)
         );
@@ -81,7 +82,7 @@ fn founders(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
         }
         out.push_str("</tr>\n");
     }
-    out.push_str("</tbody></table></div>\n<p>Rounds are divisions from the founder to a terminal cell: fewest, mean and most over her terminal cells. Full doublings are the generations, counted from the founder, in which every cell divided; symmetric, those in which every cell divided into equal halves. Size asymmetry χ = |V₁ − V₂|/V.");
+    out.push_str("</tbody></table></div>\n<p>Rounds are divisions from the founder to a terminal cell: fewest, mean and most over its terminal cells. Full doublings are the generations, counted from the founder, in which every cell divided; symmetric, those in which every cell divided into equal halves. Size asymmetry χ = |V₁ − V₂|/V.");
     if let Some(citation) = &tree.lineage.citation {
         let _ = write!(out, " Observed, deaths included: {}.", escape(citation.trim_end_matches('.')));
     }
@@ -102,18 +103,18 @@ fn generations(out: &mut String, summary: &TreeSummary) {
 
 fn parameters(out: &mut String, tree: &Tree) {
     let settings = &tree.settings;
-    let cues: Vec<String> = tree.lineage.cues.iter().map(|(name, cue)| format!("{name}: {cue:?}")).collect();
+    let mut text = String::new();
+    let shown = Settings { cell: settings.cell.clone(), numerics: settings.numerics };
+    for (section, name, value) in listing(&shown) {
+        let _ = writeln!(text, "{section}.{name} = {value}");
+    }
+    let _ = writeln!(text, "seed = {}\nR0 rounded to a relative step of {:e}", settings.seed, settings.r0_step);
+    for (name, cue) in &tree.lineage.cues {
+        let _ = writeln!(text, "cue {name}: {cue}");
+    }
     let provenance = Provenance::current();
-    let text = format!(
-        "{:#?}\n{:#?}\nseed: {}\nR0 rounded to a relative step of {:e}\ncues: {}\nfurrow {}{}",
-        settings.physics,
-        settings.numerics,
-        settings.seed,
-        settings.r0_step,
-        cues.join("; "),
-        provenance.furrow,
-        provenance.git_commit.map_or(String::new(), |commit| format!(", commit {commit}"))
-    );
+    let commit = provenance.git_commit.map_or(String::new(), |commit| format!(", commit {commit}"));
+    let _ = write!(text, "furrow {}{commit}", provenance.furrow);
     let _ = write!(
         out,
         "<h2>Parameters</h2>\n<p>Units: energy κ₀, length L<sub>h</sub> = √(η<sub>b</sub>/Γ), time τ = η<sub>b</sub>L<sub>h</sub>²/κ₀. The shell constants (aspect, p0, w) and the gain of the preset are not printed in the paper; they were recovered by fitting its four printed thresholds.</p>\n<pre>{}</pre>\n",

@@ -33,8 +33,8 @@ impl TreeSummary {
     pub fn of(tree: &Tree) -> TreeSummary {
         let mut generations: Vec<Generation> = vec![];
         let mut ended = BTreeMap::new();
-        for node in tree.nodes() {
-            let cell = tree.cell(node);
+        for id in tree.cells() {
+            let cell = tree.cell(id);
             let g = cell.generation as usize;
             if generations.len() <= g {
                 generations.resize(g + 1, Generation { r0: [f64::INFINITY, 0.0], ..Generation::default() });
@@ -42,7 +42,7 @@ impl TreeSummary {
             let row = &mut generations[g];
             row.cells += 1;
             row.r0 = [row.r0[0].min(cell.r0), row.r0[1].max(cell.r0)];
-            match (cell.fate.ended, cell.fate.outcome) {
+            match (cell.fate.ended, cell.fate.outcome()) {
                 (Some(reason), _) => {
                     row.ended += 1;
                     *ended.entry(reason.name()).or_insert(0) += 1;

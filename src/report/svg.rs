@@ -3,10 +3,8 @@
 use super::escape;
 use super::summary::TreeSummary;
 use super::table::outcome_name;
-use crate::cortex::Cue;
 use crate::division::Outcome;
-use crate::lineage::{Lineage, Tree};
-use petgraph::graph::NodeIndex;
+use crate::lineage::{CellId, Lineage, Tree};
 use std::fmt::Write;
 
 /// Most branch ends drawn; of a larger tree the first generations are shown.
@@ -30,10 +28,8 @@ pub(super) fn colours(lineage: &Lineage) -> Vec<&'static str> {
     let (mut hue, mut grey) = (0, 0);
     (0..lineage.founders.len())
         .map(|k| {
-            let (palette, next): (&[&'static str], &mut usize) = match lineage.founder_cue(k) {
-                Cue::None => (&HUES, &mut hue),
-                _ => (&GREYS, &mut grey),
-            };
+            let (palette, next): (&[&'static str], &mut usize) =
+                if lineage.gives_cue(k) { (&GREYS, &mut grey) } else { (&HUES, &mut hue) };
             *next += 1;
             palette[(*next - 1) % palette.len()]
         })
@@ -48,13 +44,13 @@ struct Layout {
     /// The last generation drawn.
     last: u32,
     /// Cells before their daughters.
-    order: Vec<NodeIndex>,
+    order: Vec<CellId>,
 }
 
 /// The daughters from left to right: founders as listed, others anterior first.
-fn daughters(tree: &Tree, node: NodeIndex) -> Option<[NodeIndex; 2]> {
+fn daughters(tree: &Tree, node: CellId) -> Option<[CellId; 2]> {
     let pair = tree.daughters(node)?;
-    let founder = |n: NodeIndex| tree.cell(n).founder;
+    let founder = |n: CellId| tree.cell(n).founder;
     Some(if founder(pair[0]) > founder(pair[1]) { [pair[1], pair[0]] } else { pair })
 }
 
@@ -144,11 +140,11 @@ fn disc_radius(tree: &Tree, r0: f64) -> f64 {
     (17.0 * r0 / largest).max(1.5)
 }
 
-fn y_of(tree: &Tree, node: NodeIndex) -> f64 {
+fn y_of(tree: &Tree, node: CellId) -> f64 {
     TOP + ROW * f64::from(tree.cell(node).generation)
 }
 
-fn edges(out: &mut String, tree: &Tree, node: NodeIndex, layout: &Layout, colours: &[&str]) {
+fn edges(out: &mut String, tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) {
     let (Some(pair), Some(x)) = (daughters(tree, node), layout.x[node.index()]) else { return };
     let y = y_of(tree, node);
     for daughter in pair {
@@ -166,24 +162,24 @@ fn edges(out: &mut String, tree: &Tree, node: NodeIndex, layout: &Layout, colour
     }
 }
 
-fn disc(out: &mut String, tree: &Tree, node: NodeIndex, layout: &Layout, colours: &[&str]) {
+fn disc(out: &mut String, tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) {
     let Some(x) = layout.x[node.index()] else { return };
     let cell = tree.cell(node);
     let y = y_of(tree, node);
     let radius = disc_radius(tree, cell.r0);
     let colour = colours[cell.founder];
-    let mut title = format!("{}: R0 = {:.4}, {}", cell.name, cell.r0, outcome_name(cell.fate.outcome));
-    if let Some(chi) = cell.fate.chi {
+    let mut title = format!("{}: R0 = {:.4}, {}", cell.name, cell.r0, outcome_name(cell.fate.outcome()));
+    if let Some(chi) = cell.fate.chi() {
         let _ = write!(title, ", χ = {chi:.4}");
     }
-    if let Some(t) = cell.fate.t_end {
+    if let Some(t) = cell.fate.t_end() {
         let _ = write!(title, ", t = {t:.3} τ");
     }
     if let Some(reason) = cell.fate.ended {
         let _ = write!(title, "; {reason}");
     }
     let _ = write!(out, "<g><title>{}</title>", escape(&title));
-    match (cell.fate.ended, cell.fate.outcome) {
+    match (cell.fate.ended, cell.fate.outcome()) {
         (Some(_), _) => {
             let (left, right, foot) = (x - radius, x + radius, y + radius + 2.5);
             let _ = write!(
@@ -209,8 +205,8 @@ fn disc(out: &mut String, tree: &Tree, node: NodeIndex, layout: &Layout, colours
     }
 }
 
-/// A founder's name beside her disc, on the side away from her mother, with the asymmetry of her division.
-fn label(out: &mut String, tree: &Tree, node: NodeIndex, layout: &Layout, colour: &str) {
+/// A founder's name beside its disc, on the side away from its mother, with the asymmetry of its division.
+fn label(out: &mut String, tree: &Tree, node: CellId, layout: &Layout, colour: &str) {
     let cell = tree.cell(node);
     let Some(x) = layout.x[node.index()] else { return };
     let mother = tree.mother(node).and_then(|m| layout.x[m.index()]);
@@ -227,21 +223,21 @@ fn label(out: &mut String, tree: &Tree, node: NodeIndex, layout: &Layout, colour
         }
     };
     line(y, "font-size=\"13\" font-weight=\"bold\"", &escape(&cell.name));
-    if let Some(chi) = cell.fate.chi.filter(|_| cell.fate.outcome == Some(Outcome::Asymmetric)) {
+    if let Some(chi) = cell.fate.chi().filter(|_| cell.fate.outcome() == Some(Outcome::Asymmetric)) {
         line(y + 13.0, "font-size=\"11\"", &format!("χ {chi:.2}"));
     }
 }
 
 fn legend(out: &mut String, tree: &Tree, colours: &[&str], layout: &Layout) {
-    let physics = &tree.settings.physics;
+    let cell = &tree.settings.cell;
     let _ = writeln!(
         out,
         "<text x=\"16\" y=\"28\" font-size=\"18\" font-weight=\"bold\" fill=\"#222\">{}</text><text x=\"16\" y=\"47\" font-size=\"12\" fill=\"#555\">{} cells; R0 = {}, ε = {}, ξ_s = {}</text>",
         escape(&tree.lineage.name),
         tree.len(),
         tree.cell(tree.first()).r0,
-        physics.epsilon,
-        physics.xi_s
+        cell.epsilon,
+        cell.xi_s
     );
     let mut x = 16.0;
     for (founder, colour) in tree.lineage.founders.iter().zip(colours) {
@@ -278,7 +274,7 @@ fn legend(out: &mut String, tree: &Tree, colours: &[&str], layout: &Layout) {
         layout.width - 14.0,
         TOP - 20.0
     );
-    let total = tree.nodes().next_back().map_or(0, |n| tree.cell(n).generation);
+    let total = tree.cells().next_back().map_or(0, |n| tree.cell(n).generation);
     if total > layout.last {
         let _ = writeln!(
             out,

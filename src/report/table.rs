@@ -13,44 +13,58 @@ pub(super) fn decimals(value: Option<f64>, digits: usize) -> String {
 
 /// The name of an outcome.
 pub fn outcome_name(outcome: Option<Outcome>) -> &'static str {
-    match outcome {
-        Some(Outcome::Symmetric) => "symmetric",
-        Some(Outcome::Asymmetric) => "asymmetric",
-        Some(Outcome::Failed) => "failed",
-        None => "-",
+    outcome.map_or("-", Outcome::name)
+}
+
+/// The cue of a founder, with the number of its own descendants that carry one.
+pub(super) fn cue_text(row: &FounderRow) -> String {
+    match row.cued_descendants {
+        0 => row.cue.clone(),
+        n => format!("{} +{n}", row.cue),
     }
 }
 
 /// Rounds per founder beside the observed ones, the growth by generation, and why branches end.
 pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
-    let physics = &tree.settings.physics;
-    let mut out = String::new();
-    let _ = writeln!(
-        out,
-        "{}: {} cells, grown from R0 = {} at ε = {}, ξ_s = {}",
+    let cell = &tree.settings.cell;
+    let mut out = format!(
+        "{}: {} cells, grown from R0 = {} at ε = {}, ξ_s = {}\n\n",
         tree.lineage.name,
         tree.len(),
         tree.cell(tree.first()).r0,
-        physics.epsilon,
-        physics.xi_s
+        cell.epsilon,
+        cell.xi_s
     );
+    rounds(&mut out, rows);
+    cues(&mut out, tree, rows);
+    let summary = TreeSummary::of(tree);
+    generations(&mut out, &summary);
+    let _ = writeln!(out, "\nBranches end: {}.", summary.ended_text());
+    if summary.limited() {
+        let _ = writeln!(
+            out,
+            "Some were stopped by a limit of the lineage file, not by mechanics; raise it for the whole tree."
+        );
+    }
+    out
+}
+
+fn rounds(out: &mut String, rows: &[FounderRow]) {
     let name_width = rows.iter().map(|r| r.name.chars().count()).max().unwrap_or(0).max(7);
-    let _ = writeln!(out);
+    let cues: Vec<String> = rows.iter().map(cue_text).collect();
+    let cue_width = cues.iter().map(|cue| cue.chars().count()).max().unwrap_or(0).max(4);
+    let blank = name_width + cue_width + 30;
+    let _ = writeln!(out, "{:blank$}| rounds, model                | rounds, observed", "");
     let _ = writeln!(
         out,
-        "{:name_width$}                            | rounds, model                | rounds, observed",
-        ""
+        "{:name_width$}      R0  {:cue_width$}  division         χ | min   mean max full sym cells | min   mean max full cells",
+        "founder", "cue"
     );
-    let _ = writeln!(
-        out,
-        "{:name_width$}      R0  division         χ | min   mean max full sym cells | min   mean max full cells",
-        "founder"
-    );
-    let _ = writeln!(out, "{}-+-----------------------------+-------------------------", "-".repeat(name_width + 28));
-    for row in rows {
+    let _ = writeln!(out, "{}+-----------------------------+-------------------------", "-".repeat(blank));
+    for (row, cue) in rows.iter().zip(&cues) {
         let _ = write!(
             out,
-            "{:name_width$}  {:>6}  {:10}  {:>6} |",
+            "{:name_width$}  {:>6}  {cue:cue_width$}  {:10}  {:>6} |",
             row.name,
             decimals(row.r0, 3),
             outcome_name(row.outcome),
@@ -71,24 +85,30 @@ pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
             None => writeln!(out),
         };
     }
-    let summary = TreeSummary::of(tree);
+    out.push('\n');
+}
+
+/// What the cues are that the table names.
+fn cues(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
+    let used = |name: &String| rows.iter().any(|row| row.cue == *name || row.cued_descendants > 0);
+    let mut any = false;
+    for (name, cue) in tree.lineage.cues.iter().filter(|(name, _)| used(name)) {
+        let _ = writeln!(out, "cue {name}: {cue}");
+        any = true;
+    }
+    if any {
+        out.push('\n');
+    }
+}
+
+fn generations(out: &mut String, summary: &TreeSummary) {
     let counts = |count: fn(&super::Generation) -> usize| {
-        summary.generations.iter().map(|g| format!("{:>4}", count(g))).collect::<Vec<_>>().join("")
+        summary.generations.iter().map(|g| format!("{:>4}", count(g))).collect::<String>()
     };
-    let _ = writeln!(out);
-    let _ =
-        writeln!(out, "generation  {}", (0..summary.generations.len()).map(|g| format!("{g:>4}")).collect::<String>());
+    let numbers: String = (0..summary.generations.len()).map(|g| format!("{g:>4}")).collect();
+    let _ = writeln!(out, "generation  {numbers}");
     let _ = writeln!(out, "cells       {}", counts(|g| g.cells));
     let _ = writeln!(out, "symmetric   {}", counts(|g| g.symmetric));
     let _ = writeln!(out, "asymmetric  {}", counts(|g| g.asymmetric));
     let _ = writeln!(out, "ended       {}", counts(|g| g.ended));
-    let _ = writeln!(out);
-    let _ = writeln!(out, "Branches end: {}.", summary.ended_text());
-    if summary.limited() {
-        let _ = writeln!(
-            out,
-            "Some were stopped by a limit of the lineage file, not by mechanics; raise it for the whole tree."
-        );
-    }
-    out
 }

@@ -42,7 +42,7 @@ impl Edge {
 }
 
 /// The stable part of the branch of one cell.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RestShapes {
     /// Intervals of ξ_s with a stable shape, in order along the branch.
     pub intervals: Vec<[f64; 2]>,

@@ -148,21 +148,13 @@ where
     S: Fn(&T) -> Result<T::Record, T::Error> + Sync,
     X: FnMut(usize, &T::Record) -> Vec<Job<T>>,
 {
-    let threads = match options.threads {
-        0 => std::thread::available_parallelism().map_or(1, usize::from),
-        threads => threads,
-    };
+    let threads = workers(options.threads);
     let (sender, notices) = channel();
     let mut run = Run::new(jobs, memo, options, sender);
     // Where nothing needs solving no threads are needed either.
     run.settle_known(&mut expand);
     if run.is_incomplete() {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .thread_name(|index| format!("solver-{index}"))
-            .build()
-            .map_err(|error| SchedulerError::Pool { threads, reason: error.to_string() })?;
-        pool.in_place_scope(|scope| {
+        pool(threads)?.in_place_scope(|scope| {
             run.work(&notices, threads, &mut expand, |assignment| {
                 let solve = &solve;
                 scope.spawn(move |_| assignment.solve(solve));
@@ -170,6 +162,24 @@ where
         });
     }
     run.finish()
+}
+
+/// How many workers a number of threads asks for: 0 is one for each core.
+pub fn workers(threads: usize) -> usize {
+    match threads {
+        0 => std::thread::available_parallelism().map_or(1, usize::from),
+        threads => threads,
+    }
+}
+
+/// The workers of a run.
+pub(super) fn pool<E>(threads: usize) -> Result<rayon::ThreadPool, SchedulerError<E>> {
+    let threads = workers(threads);
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(|index| format!("solver-{index}"))
+        .build()
+        .map_err(|error| SchedulerError::Pool { threads, reason: error.to_string() })
 }
 
 #[cfg(test)]

@@ -73,12 +73,6 @@ pub enum StoreError {
         /// The path given.
         folder: PathBuf,
     },
-    /// The user has no cache folder, and there is no `cache` here.
-    #[error("no cache folder is known for this user: {reason}")]
-    NoDefault {
-        /// What the system said.
-        reason: String,
-    },
     /// Reading, locking or clearing failed.
     #[error("{path}: {source}")]
     Io {
@@ -335,21 +329,6 @@ impl<R: Record> Store<R> {
         // Nothing inside panics; were it to, the entries would still be whole ones.
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-/// The cache folder where none is named: `cache` in the working folder if there is one, else the user's.
-///
-/// # Errors
-/// [`StoreError::NoDefault`] if the user has none.
-pub fn default_folder() -> Result<PathBuf, StoreError> {
-    use etcetera::BaseStrategy;
-    let here = Path::new("cache");
-    if here.is_dir() {
-        return Ok(here.to_owned());
-    }
-    etcetera::choose_base_strategy()
-        .map(|strategy| strategy.cache_dir().join("furrow"))
-        .map_err(|error| StoreError::NoDefault { reason: error.to_string() })
 }
 
 #[cfg(test)]

@@ -114,6 +114,27 @@ impl<'de> Visitor<'de> for NumbersOf {
     }
 }
 
+/// The name of a variant: a bare word in RON, a string in JSON.
+struct Name(String);
+
+impl<'de> Deserialize<'de> for Name {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Name, D::Error> {
+        struct Word;
+        impl Visitor<'_> for Word {
+            type Value = Name;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("none, sum or the name of a field")
+            }
+
+            fn visit_str<E: Error>(self, name: &str) -> Result<Name, E> {
+                Ok(Name(name.to_owned()))
+            }
+        }
+        deserializer.deserialize_identifier(Word)
+    }
+}
+
 /// Reads one term or a whole cue.
 struct CueVisitor;
 
@@ -125,7 +146,7 @@ impl<'de> Visitor<'de> for CueVisitor {
     }
 
     fn visit_enum<A: EnumAccess<'de>>(self, data: A) -> Result<Vec<Term>, A::Error> {
-        let (name, variant) = data.variant::<String>()?;
+        let (Name(name), variant) = data.variant()?;
         match name.as_str() {
             "none" => {
                 variant.unit_variant()?;

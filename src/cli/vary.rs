@@ -1,0 +1,100 @@
+//! Options that let one parameter of a cell run over a range.
+
+use clap::Args;
+
+use super::cell::CueArgs;
+use super::context::Context;
+use crate::cell::{Cell, Parameter};
+use crate::input::{InputError, did_you_mean};
+
+/// A parameter, its range, and the cell it is varied of.
+#[derive(Debug, Args)]
+pub struct VaryArgs {
+    /// Parameter that varies: r0, epsilon, or any other name that --set knows for a cell; of a cue, cue.amplitude and the
+    /// like
+    #[arg(long, value_name = "NAME")]
+    vary: String,
+    /// Its first value
+    #[arg(long, value_name = "A", allow_negative_numbers = true)]
+    from: f64,
+    /// Its last value
+    #[arg(long, value_name = "B", allow_negative_numbers = true)]
+    to: f64,
+    /// Radius R0 where another parameter varies
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    r0: Option<f64>,
+    /// Volume fraction ε where another parameter varies
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    epsilon: Option<f64>,
+    #[command(flatten)]
+    pub cue: CueArgs,
+}
+
+/// What the options say.
+pub struct Varied {
+    /// The cell, at the first value.
+    pub cell: Cell,
+    /// The parameter.
+    pub parameter: Parameter,
+    /// First and last value.
+    pub range: [f64; 2],
+}
+
+impl VaryArgs {
+    /// The cell and its parameter.
+    ///
+    /// # Errors
+    /// Names the option, its value and what is allowed.
+    pub fn read(&self, context: &mut Context) -> Result<Varied, InputError> {
+        let parameter = self.parameter()?;
+        for (option, of, given) in
+            [("--r0", Parameter::R0, self.r0), ("--epsilon", Parameter::Epsilon, self.epsilon)]
+        {
+            match given {
+                Some(value) if parameter == of => {
+                    let allowed = format!("left out where {of} varies: see --from and --to");
+                    return Err(InputError::not_allowed(option, of.name(), value, allowed));
+                }
+                Some(value) => context.settings.set_number(option, of.name(), value)?,
+                None if of == Parameter::R0 && parameter != of => {
+                    let allowed = format!("given where {parameter} varies");
+                    return Err(InputError::not_allowed(option, of.name(), "absent", allowed));
+                }
+                None => {}
+            }
+        }
+        let mut cell = context.settings.cell.clone().with_cue(self.cue.read()?);
+        if !parameter.is_of(&cell) {
+            let allowed = format!("a number of the cue, which is {}", cell.cue);
+            return Err(InputError::not_allowed("--vary", "vary", parameter, allowed));
+        }
+        for (option, value) in [("--to", self.to), ("--from", self.from)] {
+            match parameter {
+                Parameter::Cue { .. } => {
+                    parameter.set(&mut cell, value);
+                    cell.cue.check().map_err(|e| InputError::not_allowed(option, e.field, e.value, e.allowed))?;
+                }
+                _ => {
+                    context.settings.set_number(option, parameter.name(), value)?;
+                    parameter.set(&mut cell, value);
+                }
+            }
+        }
+        Ok(Varied { cell, parameter, range: [self.from, self.to] })
+    }
+
+    fn parameter(&self) -> Result<Parameter, InputError> {
+        let parsed: Result<Parameter, _> = self.vary.parse();
+        match parsed {
+            Ok(parameter) if parameter != Parameter::XiS => Ok(parameter),
+            _ => {
+                let names: Vec<&str> =
+                    Parameter::ALL.into_iter().filter(|p| *p != Parameter::XiS).map(Parameter::name).collect();
+                let nearest = did_you_mean(&self.vary, names.iter().copied());
+                let allowed =
+                    format!("one of {}, cue.u0, cue.omega, cue.amplitude{nearest}", names.join(", "));
+                Err(InputError::not_allowed("--vary", "vary", format!("{:?}", self.vary), allowed))
+            }
+        }
+    }
+}
