@@ -4,10 +4,10 @@
 //! branch on the half domain, 40 intervals of 3 Gauss points, tolerance 1e-8, R0 = 2.00, from ξ_s = 0 past the fold: with
 //! steps as long as they may be, and with those of `benches/baseline/auto/compare.py`, which runs AUTO-07p beside it.
 
-use furrow::cortex::{Parameter, Cue, Numerics, Physics};
+use bvp::SymmetryBreaking;
+use furrow::cortex::{Cue, Numerics, Parameter, Physics};
 use furrow::division::{DivisionInput, Outcome, divide};
 use furrow::shapes::curves::{self, STARTS};
-use bvp::SymmetryBreaking;
 use furrow::shapes::symmetric::{self, BranchEvent, BranchOptions};
 
 /// Processor time of this thread in ms; wall time where the system does not tell.

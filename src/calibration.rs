@@ -257,11 +257,7 @@ fn unit(parameter: Parameter, value: f64) -> f64 {
 }
 
 /// The first pitchfork at given parameters: with a neighbouring one at hand by Newton from there, else along the branch.
-fn threshold(
-    cell: &Cell,
-    numerics: &Numerics,
-    near: Option<&Solution>,
-) -> Result<Solution, ShapeError> {
+fn threshold(cell: &Cell, numerics: &Numerics, near: Option<&Solution>) -> Result<Solution, ShapeError> {
     if let Some(near) = near {
         let free = [Parameter::XiS];
         let cortex = Cortex::new(cell, Domain::Half, &free);

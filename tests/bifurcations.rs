@@ -2,14 +2,12 @@
 
 use std::f64::consts::PI;
 
-use bvp::{
-    BoundaryJacobian, BoundaryValueProblem, Dimensions, Gauss, PointJacobian, CollocationPoint, Solution, mesh,
-};
 use bvp::continuation::{Continuation, ContinuationSettings, Ended, State};
 use bvp::derivatives::{Directional, PointDirection};
-use bvp::normal_form::pitchfork_normal_form;
 use bvp::metric::Metric;
-use bvp::{MinimallyAugmented, Fold, MirrorSymmetric, SymmetryBreaking};
+use bvp::normal_form::pitchfork_normal_form;
+use bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Gauss, PointJacobian, Solution, mesh};
+use bvp::{Fold, MinimallyAugmented, MirrorSymmetric, SymmetryBreaking};
 
 /// u″ + λ w(u) = 0 with y = (u, u′): u(0) = 0 and at the right end either u = 0 or, on a mirror-symmetric half, u′ = 0.
 #[derive(Clone, Debug)]
@@ -247,7 +245,8 @@ fn antisymmetric_eigenvalues_are_all_found_and_no_other() {
             if before.is_some_and(|b: f64| b * sign < 0.0) {
                 let mut y = y.clone();
                 let breaking = SymmetryBreaking::default();
-                let mut point = MinimallyAugmented::new(problem.clone(), breaking, y.m, metric.clone(), &branch.state.tangent);
+                let mut point =
+                    MinimallyAugmented::new(problem.clone(), breaking, y.m, metric.clone(), &branch.state.tangent);
                 point.solve(&mut y, None).unwrap();
                 found.push(y.scalars[0]);
             }

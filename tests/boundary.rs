@@ -1,6 +1,6 @@
 //! Curves in two parameters, and the boundary of division against division itself.
 
-use furrow::cortex::{Parameter, Cue, Numerics, Physics};
+use furrow::cortex::{Cue, Numerics, Parameter, Physics};
 use furrow::division::{DivisionInput, Outcome, divide};
 use furrow::shapes::asymmetric;
 use furrow::shapes::critical::{Boundary, BoundaryKind};
@@ -36,7 +36,9 @@ fn folds_change_their_order_between_the_two_confinements() {
     let [small, large] = maxima(0.56);
     assert!((small - 6.85).abs() < 0.005 && (large - 4.63).abs() < 0.005, "{small} {large}");
     let [small, large] =
-        curves::fold_order_swap(&at(0.6), &Numerics::default(), 2.22, Parameter::Epsilon, [0.64, 0.56]).unwrap().unwrap();
+        curves::fold_order_swap(&at(0.6), &Numerics::default(), 2.22, Parameter::Epsilon, [0.64, 0.56])
+            .unwrap()
+            .unwrap();
     println!("the folds change places at epsilon = {:.8}, xi_s = {:.8}", small.value, small.xi_s);
     assert!(0.56 < small.value && small.value < 0.64);
     assert!((small.xi_s - large.xi_s).abs() < 1e-8);

@@ -1,10 +1,10 @@
 //! Branches far out, where necks are thin and other branches near, and how they end.
 
 use furrow::cortex::shape::PINCH_OFF;
-use furrow::cortex::{Parameter, Cortex, Cue, Domain, Numerics, Physics};
+use furrow::cortex::{Cortex, Cue, Domain, Numerics, Parameter, Physics};
 use furrow::shapes::asymmetric::{self, AsymmetricBranch};
-use furrow::stability::{self, Parity};
 use furrow::shapes::symmetric::{self, BranchEnd, BranchEvent, BranchOptions, Pitchfork, SteadyError};
+use furrow::stability::{self, Parity};
 
 fn at(epsilon: f64) -> Physics {
     Physics { epsilon, ..Physics::GAO2026 }

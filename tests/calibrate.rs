@@ -1,7 +1,7 @@
 //! Shell constants from thresholds.
 
-use furrow::cortex::{Parameter, Cue, Numerics, Physics};
 use furrow::calibration::{Targets, Threshold, Unknown, calibrate, sensitivity};
+use furrow::cortex::{Cue, Numerics, Parameter, Physics};
 use furrow::shapes::symmetric::{BranchOptions, first_pitchfork};
 
 fn numerics() -> Numerics {
@@ -75,7 +75,9 @@ fn the_papers_thresholds() {
 fn sensitivities_are_exact() {
     let physics = Physics { epsilon: 0.8, ..Physics::GAO2026 };
     let at = first_pitchfork(&physics, &numerics(), 2.22, &BranchOptions::default()).unwrap();
-    for control in [Parameter::Aspect, Parameter::P0, Parameter::W, Parameter::Gain, Parameter::Kappa, Parameter::XiRatio] {
+    for control in
+        [Parameter::Aspect, Parameter::P0, Parameter::W, Parameter::Gain, Parameter::Kappa, Parameter::XiRatio]
+    {
         let slope = sensitivity(&physics, 2.22, &at.shape, control).unwrap();
         let value = control.get(&physics, 2.22, &Cue::None);
         let h = 1e-4 * value.abs();

@@ -2,8 +2,8 @@
 
 mod tables;
 
-use furrow::cortex::{Cortex, Cue, Domain, Numerics, Physics};
 use bvp::Gauss;
+use furrow::cortex::{Cortex, Cue, Domain, Numerics, Physics};
 use furrow::shapes::symmetric::{self, BranchEvent, BranchOptions, Criticality, XI};
 
 fn at(epsilon: f64) -> Physics {

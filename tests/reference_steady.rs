@@ -1,8 +1,8 @@
 //! Stationary shapes against independent reference values.
 
-use furrow::cortex::{Cortex, Cue, Domain, Numerics, Physics, shape};
 use bvp::newton::{Newton, NewtonScratch};
 use bvp::{Gauss, System};
+use furrow::cortex::{Cortex, Cue, Domain, Numerics, Physics, shape};
 
 #[test]
 fn passive_shapes_exist_for_every_confinement() {

@@ -1,9 +1,9 @@
 //! Growth rates against the dynamics they linearise: the paper's dis(t) = ‖r − r₀‖ + ‖z − z₀‖ over 40 τ.
 
-use furrow::cortex::equations::{R, Z};
-use furrow::cortex::{Parameter, Cortex, Cue, Domain, Numerics, Physics, shape};
 use bvp::newton::NewtonScratch;
 use bvp::{Newton, Solution, System};
+use furrow::cortex::equations::{R, Z};
+use furrow::cortex::{Cortex, Cue, Domain, Numerics, Parameter, Physics, shape};
 use furrow::shapes::Stability;
 
 const R0: f64 = 2.0;

@@ -6,7 +6,7 @@
 
 use std::fmt::Write;
 
-use furrow::cortex::{Parameter, Cue, Numerics, Physics};
+use furrow::cortex::{Cue, Numerics, Parameter, Physics};
 use furrow::division::{Division, DivisionInput, divide};
 use furrow::shapes::curves;
 use furrow::shapes::symmetric::{self, BranchOptions};

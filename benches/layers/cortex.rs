@@ -1,8 +1,8 @@
 //! Shapes without activity, and what is read off a shape.
 
+use bvp::Gauss;
 use divan::{Bencher, black_box};
 use furrow::cortex::{Cortex, Cue, Domain, Numerics, Physics, shape};
-use bvp::Gauss;
 
 #[divan::bench(args = [1.6, 2.5, 5.4])]
 fn passive_shape(r0: f64) {

@@ -1,10 +1,10 @@
 //! The block solver: one Newton step of the first time step of a cell of R0 = 2.5, and its parts.
 
+use bvp::Direction;
+use bvp::newton::{Newton, NewtonScratch};
+use bvp::{Gauss, Solution, System};
 use divan::{Bencher, black_box};
 use furrow::cortex::{Cortex, Cue, Domain, Numerics, Physics, shape};
-use bvp::newton::{Newton, NewtonScratch};
-use bvp::Direction;
-use bvp::{Gauss, Solution, System};
 
 struct Step {
     system: System,

@@ -1,7 +1,7 @@
 //! Stationary shapes, their stability, and the boundaries of division.
 
 use divan::{Bencher, black_box};
-use furrow::cortex::{Parameter, Cue, Numerics, Physics};
+use furrow::cortex::{Cue, Numerics, Parameter, Physics};
 use furrow::shapes::symmetric::{BranchOptions, first_pitchfork, follow};
 use furrow::shapes::{curves, stationary};
 

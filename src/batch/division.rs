@@ -13,7 +13,8 @@ use super::{
     store::PAYLOAD,
     task::{Record, Task},
 };
-use crate::cell::cue::{Field, Profile, Term, Width};
+use crate::cell::cue::profile::NAMES;
+use crate::cell::cue::{Field, Quantity, Term, Width};
 use crate::cell::{Cell, Cue, Material, Numerics, RigidityGradient, Shell};
 use crate::division::{Division, DivisionError, DivisionInput, Outcome};
 
@@ -71,23 +72,11 @@ fn write_cue(cue: &Cue, bytes: &mut CanonicalBytes) {
     bytes.choice(cue.terms().len().min(255) as u8);
     for Term { field, profile, amplitude } in cue.terms() {
         bytes.choice(code(*field));
-        match profile {
-            Profile::Band { u0, omega } => write_profile(0, *u0, omega, bytes),
-            Profile::Step { u0, omega } => write_profile(1, *u0, omega, bytes),
-            Profile::Gradient => bytes.choice(2),
-        }
-        bytes.real(*amplitude);
+        bytes.choice(NAMES.iter().position(|name| *name == profile.name()).unwrap_or(NAMES.len()) as u8);
+        let numbers = [profile.quantity(Quantity::U0), profile.quantity(Quantity::Omega), Some(*amplitude)];
+        numbers.into_iter().flatten().for_each(|value| bytes.real(value));
+        bytes.choice(u8::from(matches!(profile.width(), Some(Width::Length(_)))));
     }
-}
-
-fn write_profile(kind: u8, u0: f64, omega: &Width, bytes: &mut CanonicalBytes) {
-    bytes.choice(kind);
-    bytes.real(u0);
-    bytes.choice(match omega {
-        Width::Fraction(_) => 0,
-        Width::Length(_) => 1,
-    });
-    bytes.real(omega.value());
 }
 
 /// The place of a field in the list of all of them.

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::context::{Context, answer};
 use super::error::CliError;
-use super::vary::{VaryArgs, Varied};
+use super::vary::{Varied, VaryArgs};
 use crate::cell::{Cue, Parameter};
 use crate::input::InputError;
 use crate::io::write_atomically;

@@ -10,7 +10,9 @@ use super::context::{Context, answer};
 use super::error::CliError;
 use crate::cell::{Cell, Cue, Numerics};
 use crate::shapes::asymmetric::{self, Scaling};
-use crate::shapes::{Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, PointKind, ShapeError, ShapePoint, primary};
+use crate::shapes::{
+    Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, PointKind, ShapeError, ShapePoint, primary,
+};
 
 /// Follows the mirror-symmetric and the asymmetric stationary shapes over ξ_s, with their folds and pitchforks; with a cue that
 /// tells the poles apart, the shapes that grow out of the passive one

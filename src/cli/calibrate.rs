@@ -2,8 +2,8 @@
 
 use super::context::{Context, answer};
 use super::error::CliError;
-use crate::input::{parse_ron, read_text};
 use crate::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
+use crate::input::{parse_ron, read_text};
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Map, Value};

@@ -1,12 +1,12 @@
 //! What ends a command, and its exit code.
 
 use crate::batch::{Failure, SchedulerError, StoreError};
+use crate::calibration::CalibrateError;
 use crate::division::DivisionError;
 use crate::input::InputError;
 use crate::io::files::WriteError;
 use crate::io::frames::FramesError;
 use crate::lineage::GrowError;
-use crate::calibration::CalibrateError;
 use crate::shapes::{ShapeError, StationaryError};
 use crate::stability::StabilityError;
 

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::context::{Context, answer, warn_of_store};
 use super::error::CliError;
 use super::progress::ProgressLine;
-use super::vary::{VaryArgs, Varied};
+use super::vary::{Varied, VaryArgs};
 use crate::batch::phase::{Column, PhaseCell, PhaseOutcome, spaced};
 use crate::batch::{PhaseDiagram, PhasePlane};
 use crate::cell::{Cue, Parameter};
@@ -63,8 +63,12 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
     };
     let diagram = solve(&context, &plane)?;
     if context.json {
-        let document =
-            Answer { vary: parameter.to_string(), cue: &plane.cell.cue, cells: &diagram.cells, columns: &diagram.columns };
+        let document = Answer {
+            vary: parameter.to_string(),
+            cue: &plane.cell.cue,
+            cells: &diagram.cells,
+            columns: &diagram.columns,
+        };
         answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
     } else {
         answer(&text(&plane, &diagram))

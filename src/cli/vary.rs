@@ -47,9 +47,7 @@ impl VaryArgs {
     /// Names the option, its value and what is allowed.
     pub fn read(&self, context: &mut Context) -> Result<Varied, InputError> {
         let parameter = self.parameter()?;
-        for (option, of, given) in
-            [("--r0", Parameter::R0, self.r0), ("--epsilon", Parameter::Epsilon, self.epsilon)]
-        {
+        for (option, of, given) in [("--r0", Parameter::R0, self.r0), ("--epsilon", Parameter::Epsilon, self.epsilon)] {
             match given {
                 Some(value) if parameter == of => {
                     let allowed = format!("left out where {of} varies: see --from and --to");
@@ -91,8 +89,7 @@ impl VaryArgs {
                 let names: Vec<&str> =
                     Parameter::ALL.into_iter().filter(|p| *p != Parameter::XiS).map(Parameter::name).collect();
                 let nearest = did_you_mean(&self.vary, names.iter().copied());
-                let allowed =
-                    format!("one of {}, cue.u0, cue.omega, cue.amplitude{nearest}", names.join(", "));
+                let allowed = format!("one of {}, cue.u0, cue.omega, cue.amplitude{nearest}", names.join(", "));
                 Err(InputError::not_allowed("--vary", "vary", format!("{:?}", self.vary), allowed))
             }
         }

@@ -4,8 +4,8 @@ use bvp::CollocationPoint;
 use bvp::derivatives::{Directional, PointDirection};
 use num_dual::{Dual3_64, HyperDual64};
 
-use super::equations::{COMPONENTS, Constants, LENGTH, Motion, PRESSURE, equations};
 use super::Cortex;
+use super::equations::{COMPONENTS, Constants, LENGTH, Motion, PRESSURE, equations};
 use super::problem::SHAPE_SCALARS;
 use crate::cell::Number;
 
@@ -18,12 +18,11 @@ pub struct Lifted<D> {
 }
 
 fn lift<D: Number>(cortex: &Cortex, p: &[f64], number: impl Fn(usize, f64) -> D) -> Lifted<D> {
-    let constants = Constants::new(&cortex.cell, |parameter, value| {
-        match cortex.free.iter().position(|free| *free == parameter) {
+    let constants =
+        Constants::new(&cortex.cell, |parameter, value| match cortex.free.iter().position(|free| *free == parameter) {
             Some(k) => number(SHAPE_SCALARS + k, value),
             None => D::from(value),
-        }
-    });
+        });
     Lifted { constants, length: number(LENGTH, p[LENGTH]), pressure: number(PRESSURE, p[PRESSURE]) }
 }
 

@@ -24,6 +24,8 @@ struct Point<'a> {
     y: [f64; COMPONENTS],
     sin: f64,
     cos: f64,
+    /// 1/κ.
+    inverse_kappa: f64,
     /// C = m/κ.
     mean: f64,
     c1: Valued,
@@ -43,14 +45,14 @@ fn gradient(entries: [(usize, f64); 3]) -> Gradient {
 
 /// S_uu and T_φφ.
 fn stresses(point: &Point<'_>, noise: f64) -> [Valued; 2] {
-    let Point { here, mean, c2, cot, v_n, .. } = point;
+    let Point { here, inverse_kappa, mean, c2, cot, v_n, .. } = point;
     let (v, t) = (point.y[V], point.y[T]);
     let s_phi = cot.0 * v + c2.0 * v_n.0;
     let mut d_s_phi = cot.1 * v + c2.1 * v_n.0 + v_n.1 * c2.0;
     d_s_phi[V] += cot.0;
     let (xi_s, xi_b) = (here.xi_s * noise, here.xi_b * noise);
     let (along, around) = (0.5 * xi_s + xi_b, xi_b - 0.5 * xi_s);
-    let (inverse_sum, inverse_kappa) = (1.0 / here.eta_sum, 1.0 / here.kappa);
+    let inverse_sum = 1.0 / here.eta_sum;
     let s_u = (t - along * mean + xi_s * c2.0 - here.eta_difference * s_phi) * inverse_sum;
     let mut d_s_u = c2.1 * (xi_s * inverse_sum) + d_s_phi * (-here.eta_difference * inverse_sum);
     d_s_u[M] -= along * inverse_kappa * inverse_sum;
@@ -63,7 +65,7 @@ fn stresses(point: &Point<'_>, noise: f64) -> [Valued; 2] {
 
 /// q_s without the pressure: the normal force balance.
 fn normal(point: &Point<'_>, t_phi: &Valued) -> Valued {
-    let Point { constants: c, here, mean, c1, c2, cot, sin, cos, .. } = point;
+    let Point { constants: c, here, inverse_kappa, mean, c1, c2, cot, sin, cos, .. } = point;
     let [r, z, _, _, q, _, t] = point.y;
     let inside = ((z * z * c.inverse_a2 + r * r * c.inverse_b2 - 1.0) * c.inverse_w2).exp();
     let push = c.shell_force * inside;
@@ -73,7 +75,7 @@ fn normal(point: &Point<'_>, t_phi: &Valued) -> Valued {
     let shear = -here.kappa * difference * mean;
     let value = c1.0 * t + c2.0 * t_phi.0 + stretch * mean - cot.0 * q + push * slope;
     let mut d = c1.1 * (t + shear) + c2.1 * (t_phi.0 - shear) + t_phi.1 * c2.0 + cot.1 * -q;
-    d[M] += stretch / here.kappa;
+    d[M] += stretch * inverse_kappa;
     d[T] += c1.0;
     d[Q] -= cot.0;
     d[R] += push * (2.0 * r * c.inverse_b2 * c.inverse_w2 * slope + sin * c.inverse_b2);
@@ -104,6 +106,7 @@ pub fn jacobian(cortex: &Cortex, at: CollocationPoint, y: &[f64], p: &[f64], out
     let motion = cortex.motion(at);
     let (sin, cos) = psi.sin_cos();
     let inverse_r = 1.0 / r;
+    let inverse_kappa = 1.0 / here.kappa;
     let (c2, cot, mean) = (sin * inverse_r, cos * inverse_r, m / here.kappa);
     let (dr, dz) = (motion.rate * (r - motion.r_past), motion.rate * (z - motion.z_past));
     let point = Point {
@@ -112,8 +115,9 @@ pub fn jacobian(cortex: &Cortex, at: CollocationPoint, y: &[f64], p: &[f64], out
         y,
         sin,
         cos,
+        inverse_kappa,
         mean,
-        c1: (mean - c2, gradient([(R, c2 * inverse_r), (M, 1.0 / here.kappa), (PSI, -cot)])),
+        c1: (mean - c2, gradient([(R, c2 * inverse_r), (M, inverse_kappa), (PSI, -cot)])),
         c2: (c2, gradient([(R, -c2 * inverse_r), (PSI, cot), (V, 0.0)])),
         cot: (cot, gradient([(R, -cot * inverse_r), (PSI, -c2), (V, 0.0)])),
         v_n: (
@@ -144,7 +148,7 @@ pub fn jacobian(cortex: &Cortex, at: CollocationPoint, y: &[f64], p: &[f64], out
             out.fy[row * n + k] = length * d[k];
         }
     }
-    out.fy[T * n + M] -= 2.0 * band * mean / here.kappa;
+    out.fy[T * n + M] -= 2.0 * band * mean * inverse_kappa;
     out.g[0] = PI * length * r * r * sin;
     out.gy[R] = 2.0 * PI * length * r * sin;
     out.gy[PSI] = PI * length * r * r * cos;

@@ -8,7 +8,7 @@ use num_dual::Dual64;
 use super::equations::{COMPONENTS, Constants, Domain, LENGTH, M, Motion, PRESSURE, PSI, Q, R, T, V, equations};
 use super::jacobian::jacobian;
 use super::symmetry::{CENTRE, ODD};
-use crate::cell::cue::{Profile, Width};
+use crate::cell::cue::{Term, Width};
 use crate::cell::{Cell, Parameter};
 
 /// Number of scalar unknowns before the free parameters: L and p.
@@ -85,16 +85,11 @@ impl Cortex {
     /// Recomputes the constants after `cell` was changed directly.
     pub fn refresh(&mut self) {
         self.constants = Constants::new(&self.cell, |_, v| v);
-        let with_slope = |which: &Parameter| {
-            Constants::new(&self.cell, |p, v| Dual64::new(v, if p == *which { 1.0 } else { 0.0 }))
-        };
+        let with_slope =
+            |which: &Parameter| Constants::new(&self.cell, |p, v| Dual64::new(v, if p == *which { 1.0 } else { 0.0 }));
         self.sensitivities = self.free.iter().map(with_slope).collect();
-        let by_length = self.cell.cue.terms().iter().any(|term| {
-            matches!(
-                term.profile,
-                Profile::Band { omega: Width::Length(_), .. } | Profile::Step { omega: Width::Length(_), .. }
-            )
-        });
+        let by_length = |term: &Term| matches!(term.profile.width(), Some(Width::Length(_)));
+        let by_length = self.cell.cue.terms().iter().any(by_length);
         self.along_length = by_length.then(|| Constants::new(&self.cell, |_, v| Dual64::from_re(v)));
     }
 

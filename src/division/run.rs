@@ -111,8 +111,8 @@ fn check(cell: &Cell) -> Result<(), DivisionError> {
 
 /// The cell at t = 0: its passive shape without the cue, which is switched on together with the activity.
 fn start(cell: &Cell, numerics: &Numerics) -> Result<Stepper, DivisionError> {
-    let (half, report) = passive(cell, numerics)
-        .map_err(|source| DivisionError::NoPassiveShape { cell: CellName::of(cell), source })?;
+    let (half, report) =
+        passive(cell, numerics).map_err(|source| DivisionError::NoPassiveShape { cell: CellName::of(cell), source })?;
     let cortex = Cortex::new(cell, Domain::Full, &[]);
     let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, unfold(&half));
     stepper.count(report);

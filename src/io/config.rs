@@ -251,9 +251,7 @@ pub fn listing(settings: &Settings) -> Vec<(&'static str, &'static str, String)>
 /// # Errors
 /// Names the part of the cue, its value and what is allowed.
 pub fn parse_cue(text: &str, lineage: &Lineage) -> Result<Cue, InputError> {
-    lineage
-        .parse_cue(text)
-        .map_err(|error| InputError::not_allowed("--cue", error.field, error.value, error.allowed))
+    lineage.parse_cue(text).map_err(|error| InputError::not_allowed("--cue", error.field, error.value, error.allowed))
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! The lineage file: founders, cues, naming, limits, and the observed counts they are set beside.
 
+use super::check::Check;
 use crate::cell::cue::split_terms;
 use crate::cell::{Cue, CueError};
 use crate::input::{InputError, did_you_mean, parse_ron, read_text};
 use serde::{Deserialize, Serialize};
-use super::check::Check;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
@@ -211,9 +211,7 @@ impl Lineage {
     /// Name of the cue that a cell at a place carries.
     pub fn cue_name_at(&self, place: Place) -> &str {
         let founder = &self.founders[place.founder];
-        let first = |rules: &'_ [CueRule], generation| {
-            rules.iter().position(|rule| rule.applies(generation, place.r0))
-        };
+        let first = |rules: &'_ [CueRule], generation| rules.iter().position(|rule| rule.applies(generation, place.r0));
         if !founder.cue_rules.is_empty() {
             return first(&founder.cue_rules, place.round).map_or("none", |k| &founder.cue_rules[k].cue);
         }

@@ -23,14 +23,16 @@ impl Ends {
 
     /// Why a cell cannot divide; `None` if it can, or if only its division tells.
     pub fn of(&self, cell: &Cell) -> Option<EndReason> {
-        self.radii.ends(cell).unwrap_or_else(|error| {
-            let mut unknown = self.unknown.borrow_mut();
-            if !unknown.iter().any(|(cue, _)| *cue == cell.cue) {
-                unknown.push((cell.cue.clone(), error));
-            }
-            None
-        })
-        .map(EndReason::from)
+        self.radii
+            .ends(cell)
+            .unwrap_or_else(|error| {
+                let mut unknown = self.unknown.borrow_mut();
+                if !unknown.iter().any(|(cue, _)| *cue == cell.cue) {
+                    unknown.push((cell.cue.clone(), error));
+                }
+                None
+            })
+            .map(EndReason::from)
     }
 
     /// The radius below which cells like `cell`, but without a cue, do not divide, where it is known.

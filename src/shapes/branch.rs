@@ -240,7 +240,9 @@ impl Branch {
         stopped: Option<BranchEnd>,
     ) -> Branch {
         let ended = match (ended, stopped) {
-            (Err(source), _) => BranchEnd::Lost(ShapeError::Branch { cell: CellName::of(&branch.problem.cell), source }),
+            (Err(source), _) => {
+                BranchEnd::Lost(ShapeError::Branch { cell: CellName::of(&branch.problem.cell), source })
+            }
             (_, Some(end @ BranchEnd::NotLocated(_))) => end,
             (Ok(Ended::ParameterBound(bound)), _) => BranchEnd::Bound(bound),
             (Ok(Ended::PointLimit(points)), _) => BranchEnd::PointLimit(points),

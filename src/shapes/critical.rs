@@ -177,9 +177,7 @@ fn to_activity<S: Singularity<Cortex> + Clone>(
         let distance = (curve.solution.scalars[XI] - xi_s).abs();
         nearest = nearest.min(distance);
         let goes_on = through_cusps || curve.tangent.scalars[SECOND] * direction > 0.0;
-        goes_on
-            && distance < 2.0 * nearest + 1.0
-            && allowed_range(parameter).contains(&curve.solution.scalars[SECOND])
+        goes_on && distance < 2.0 * nearest + 1.0 && allowed_range(parameter).contains(&curve.solution.scalars[SECOND])
     })?;
     Ok(last)
 }
@@ -195,15 +193,21 @@ pub fn critical_pitchfork(
     parameter: Parameter,
     starts: &[f64],
 ) -> Result<CurvePoint, ShapeError> {
-    first_success(PointKind::Pitchfork, cell, starts, |cell| {
-        let lost = |source| curve_error(PointKind::Pitchfork, cell.xi_s, source);
-        let first = pitchfork::first(cell, numerics, &BranchOptions::default())?;
-        let mut curve = curves::through_pitchfork(cell, &first, parameter, true).map_err(lost)?;
-        let report = to_activity(&mut curve, cell.xi_s, parameter, true).map_err(lost)?;
-        let y = curve.solution.clone();
-        let c = coefficient(&mut curve, &y, &report).map_err(|error| lost(CurveError::Start(error)))?;
-        Ok(curve_point(&curve, Some(c)))
-    }, parameter)
+    first_success(
+        PointKind::Pitchfork,
+        cell,
+        starts,
+        |cell| {
+            let lost = |source| curve_error(PointKind::Pitchfork, cell.xi_s, source);
+            let first = pitchfork::first(cell, numerics, &BranchOptions::default())?;
+            let mut curve = curves::through_pitchfork(cell, &first, parameter, true).map_err(lost)?;
+            let report = to_activity(&mut curve, cell.xi_s, parameter, true).map_err(lost)?;
+            let y = curve.solution.clone();
+            let c = coefficient(&mut curve, &y, &report).map_err(|error| lost(CurveError::Start(error)))?;
+            Ok(curve_point(&curve, Some(c)))
+        },
+        parameter,
+    )
 }
 
 /// The value of `parameter` at which the stable branch of a cell whose cue breaks the symmetry ends, in a fold, at its
@@ -217,13 +221,19 @@ pub fn critical_fold(
     parameter: Parameter,
     starts: &[f64],
 ) -> Result<CurvePoint, ShapeError> {
-    first_success(PointKind::Fold, cell, starts, |cell| {
-        let lost = |source| curve_error(PointKind::Fold, cell.xi_s, source);
-        let fold = primary::failure_fold(cell, numerics, &BranchOptions::default())?;
-        let mut curve = curves::through_fold(cell, &fold, parameter, true).map_err(lost)?;
-        to_activity(&mut curve, cell.xi_s, parameter, false).map_err(lost)?;
-        Ok(curve_point(&curve, None))
-    }, parameter)
+    first_success(
+        PointKind::Fold,
+        cell,
+        starts,
+        |cell| {
+            let lost = |source| curve_error(PointKind::Fold, cell.xi_s, source);
+            let fold = primary::failure_fold(cell, numerics, &BranchOptions::default())?;
+            let mut curve = curves::through_fold(cell, &fold, parameter, true).map_err(lost)?;
+            to_activity(&mut curve, cell.xi_s, parameter, false).map_err(lost)?;
+            Ok(curve_point(&curve, None))
+        },
+        parameter,
+    )
 }
 
 fn curve_error(kind: PointKind, xi_s: f64, source: CurveError) -> ShapeError {
@@ -313,9 +323,7 @@ impl CriticalRadii {
 
     /// With given radii of cells like `cell`.
     pub fn with_radii(cell: &Cell, numerics: &Numerics, radii: Vec<CriticalRadius>) -> CriticalRadii {
-        let entry = |radius: CriticalRadius| {
-            (kin(cell).with_cue(radius.cue.clone()), Knowledge::Radius(radius, None))
-        };
+        let entry = |radius: CriticalRadius| (kin(cell).with_cue(radius.cue.clone()), Knowledge::Radius(radius, None));
         CriticalRadii { numerics: *numerics, known: Mutex::new(radii.into_iter().map(entry).collect()) }
     }
 

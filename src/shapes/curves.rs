@@ -2,8 +2,8 @@
 
 use bvp::normal_form::pitchfork_normal_form;
 use bvp::{
-    AugmentedReport, CurveError, CurveSettings, Direction, Fold, SingularError, Singularity, Solution, SymmetryBreaking,
-    TwoParameterCurve,
+    AugmentedReport, CurveError, CurveSettings, Direction, Fold, SingularError, Singularity, Solution,
+    SymmetryBreaking, TwoParameterCurve,
 };
 
 use super::branch::{BranchOptions, FoldPoint, ShapePoint, XI, mesh_monitor, metric};

@@ -97,7 +97,9 @@ pub enum ShapeError {
         xi_max: f64,
     },
     /// The cell's cue tells the poles apart: its branch has no pitchfork but folds.
-    #[error("{cell}: the cue {cue} breaks the mirror symmetry, and with it the pitchfork; what bounds its shapes is a fold")]
+    #[error(
+        "{cell}: the cue {cue} breaks the mirror symmetry, and with it the pitchfork; what bounds its shapes is a fold"
+    )]
     NoPitchfork {
         /// The cell.
         cell: CellName,

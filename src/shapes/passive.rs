@@ -166,4 +166,3 @@ fn is_convex_half(y: &Solution) -> bool {
             .chunks_exact(COMPONENTS)
             .all(|s| s[R] > 0.0 && s[Z] > -1e-6 && s[PSI] > -0.5 && s[PSI] < 0.5 * PI + 0.5)
 }
-

@@ -2,8 +2,8 @@
 
 use bvp::normal_form::pitchfork_normal_form;
 use bvp::{
-    AugmentedReport, BoundaryValueProblem, CollocationPoint, Continuation, Direction, MinimallyAugmented, SingularError,
-    Solution, SymmetryBreaking, locate,
+    AugmentedReport, BoundaryValueProblem, CollocationPoint, Continuation, Direction, MinimallyAugmented,
+    SingularError, Solution, SymmetryBreaking, locate,
 };
 
 use super::branch::{Branch, BranchEvent, BranchOptions, ShapePoint};

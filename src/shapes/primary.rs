@@ -8,9 +8,7 @@ use bvp::newton::NewtonScratch;
 use bvp::{Continuation, ContinuationSettings, Fold, Gauss, Newton, Solution, SymmetryBreaking, System, locate};
 
 use super::asymmetric::NARROWEST;
-use super::branch::{
-    Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, ShapePoint, XI, begin, not_located,
-};
+use super::branch::{Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, ShapePoint, XI, begin, not_located};
 use super::error::{CellName, PointKind, ShapeError};
 use super::passive::passive;
 use super::pitchfork::pitchfork_near;

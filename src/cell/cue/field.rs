@@ -44,7 +44,7 @@ impl Field {
     ];
 
     /// Its name on the command line and in files.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Field::Kappa => "kappa",
             Field::Activity => "activity",

@@ -75,15 +75,10 @@ impl Term {
             (Some(a), Some(b)) => close(a, b),
             (a, b) => a.is_none() && b.is_none(),
         };
-        let length = |term: &Term| {
-            matches!(
-                term.profile,
-                Profile::Band { omega: Width::Length(_), .. } | Profile::Step { omega: Width::Length(_), .. }
-            )
-        };
+        let in_length = |term: &Term| matches!(term.profile.width(), Some(Width::Length(_)));
         self.field == other.field
             && self.profile.name() == other.profile.name()
-            && length(self) == length(other)
+            && in_length(self) == in_length(other)
             && Quantity::ALL.into_iter().all(same)
     }
 }
@@ -234,14 +229,8 @@ impl Cue {
         {
             return refuse(Quantity::U0, u0, "above 0 and below 1");
         }
-        match term.profile {
-            Profile::Band { omega, .. } if !(omega.value().is_finite() && omega.value() > 0.0) => {
-                return refuse(Quantity::Omega, omega.value(), "a finite number above 0");
-            }
-            Profile::Step { omega, .. } if !(omega.value().is_finite() && omega.value() != 0.0) => {
-                return refuse(Quantity::Omega, omega.value(), "a finite number other than 0");
-            }
-            _ => {}
+        if let (Some(allowed), Some(omega)) = (term.profile.refused_width(), term.quantity(Quantity::Omega)) {
+            return refuse(Quantity::Omega, omega, allowed);
         }
         if !term.amplitude.is_finite() {
             return refuse(Quantity::Amplitude, term.amplitude, "a finite number");
@@ -251,8 +240,7 @@ impl Cue {
 
     /// Whether 1 + Σ A f stays above 0 for a coefficient that must.
     fn check_positive(&self, field: Field) -> Result<(), CueError> {
-        let touching: Vec<usize> =
-            (0..self.0.len()).filter(|&k| self.0[k].field.positive().contains(&field)).collect();
+        let touching: Vec<usize> = (0..self.0.len()).filter(|&k| self.0[k].field.positive().contains(&field)).collect();
         let Some(&last) = touching.last() else { return Ok(()) };
         // Profiles keep within their range, whatever their width: a lower bound that needs no contour. Where that is not
         // enough, terms that lie apart are looked at along a contour of length 1.
@@ -268,8 +256,8 @@ impl Cue {
         if touching.len() > 1 && lowest > 0.0 {
             return Ok(());
         }
-        let allowed = match (touching.len(), self.0[last].profile) {
-            (1, Profile::Gradient) => "above -1 and below 1".to_owned(),
+        let allowed = match (touching.len(), self.0[last].profile.range()) {
+            (1, [-1.0, _]) => "above -1 and below 1".to_owned(),
             (1, _) => "a finite number above -1".to_owned(),
             _ => format!("such that {} stays above 0 everywhere; with all terms it falls to {lowest:.3}", field.name()),
         };
@@ -307,9 +295,12 @@ mod tests {
 
     #[test]
     fn a_mirror_image_is_the_profile_from_the_other_pole() {
-        for text in ["kappa:u0=0.4,omega=0.1,amplitude=0.1", "kappa:step,u0=0.3,omega=0.1,amplitude=0.1",
-            "tension:gradient,amplitude=0.4", "xi_s:step,u0=0.3,omega=-0.2Lh,amplitude=2"]
-        {
+        for text in [
+            "kappa:u0=0.4,omega=0.1,amplitude=0.1",
+            "kappa:step,u0=0.3,omega=0.1,amplitude=0.1",
+            "tension:gradient,amplitude=0.4",
+            "xi_s:step,u0=0.3,omega=-0.2Lh,amplitude=2",
+        ] {
             let cue = cue(text);
             let image = cue.mirrored();
             for u in [0.0, 0.2, 0.45, 0.5, 0.8, 1.0] {

@@ -81,8 +81,19 @@ impl Quantity {
     }
 }
 
-/// Names of the profiles.
+/// Names of the profiles; the first is meant where none is named.
 pub const NAMES: [&str; 3] = ["band", "step", "gradient"];
+
+/// Why numbers make no profile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BuildError {
+    /// There is no profile of this name.
+    Unknown,
+    /// A number is missing.
+    Missing(Quantity),
+    /// A number is given that the profile does not have.
+    Spare(Quantity),
+}
 
 impl<D> Profile<D> {
     /// Its name on the command line and in files.
@@ -141,6 +152,48 @@ impl<D: Number> Profile<D> {
 }
 
 impl Profile {
+    /// The profile of a name with its numbers.
+    ///
+    /// # Errors
+    /// [`BuildError`] if there is no such profile, or if the numbers are not those it has.
+    pub fn build(name: &str, u0: Option<f64>, omega: Option<Width>) -> Result<Profile, BuildError> {
+        let placed = || {
+            let u0 = u0.ok_or(BuildError::Missing(Quantity::U0))?;
+            Ok((u0, omega.ok_or(BuildError::Missing(Quantity::Omega))?))
+        };
+        match (name, u0, omega) {
+            ("band", ..) => placed().map(|(u0, omega)| Profile::Band { u0, omega }),
+            ("step", ..) => placed().map(|(u0, omega)| Profile::Step { u0, omega }),
+            ("gradient", None, None) => Ok(Profile::Gradient),
+            ("gradient", Some(_), _) => Err(BuildError::Spare(Quantity::U0)),
+            ("gradient", ..) => Err(BuildError::Spare(Quantity::Omega)),
+            _ => Err(BuildError::Unknown),
+        }
+    }
+
+    /// Its width, if it has one.
+    pub fn width(&self) -> Option<Width> {
+        match self {
+            Profile::Band { omega, .. } | Profile::Step { omega, .. } => Some(*omega),
+            Profile::Gradient => None,
+        }
+    }
+
+    /// What its width would have to be, if it is not allowed as it is.
+    pub fn refused_width(&self) -> Option<&'static str> {
+        match self {
+            Profile::Band { omega, .. } => {
+                let omega = omega.value();
+                (!(omega.is_finite() && omega > 0.0)).then_some("a finite number above 0")
+            }
+            Profile::Step { omega, .. } => {
+                let omega = omega.value();
+                (!(omega.is_finite() && omega != 0.0)).then_some("a finite number other than 0")
+            }
+            Profile::Gradient => None,
+        }
+    }
+
     /// A number of it; none for a number that it does not have.
     pub fn quantity(&self, quantity: Quantity) -> Option<f64> {
         match (self, quantity) {

@@ -10,30 +10,51 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::profile::NAMES;
 use super::text::{Numbers, field};
-use super::{Cue, Field, Profile, Term, Width};
+use super::{Cue, Field, Profile, Quantity, Term, Width};
 
 const KEYS: [&str; 5] = ["profile", "u0", "omega", "omega_length", "amplitude"];
-const VARIANTS: [&str; 11] = [
-    "none", "kappa", "activity", "xi_s", "xi_b", "eta_b", "eta_s", "viscosity", "friction", "tension", "sum",
-];
 
-/// The name of a profile as it stands in a file: a bare word in RON, a string in JSON.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum ProfileName {
-    #[default]
-    Band,
-    Step,
-    Gradient,
+/// `none`, the fields, and `sum`.
+const VARIANTS: [&str; Field::ALL.len() + 2] = {
+    let mut names = ["none"; Field::ALL.len() + 2];
+    let mut k = 0;
+    while k < Field::ALL.len() {
+        names[k + 1] = Field::ALL[k].name();
+        k += 1;
+    }
+    names[Field::ALL.len() + 1] = "sum";
+    names
+};
+
+/// A name as it stands in a file: a bare word in RON, a string in JSON.
+struct Name(String);
+
+impl<'de> Deserialize<'de> for Name {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Name, D::Error> {
+        struct Word;
+        impl Visitor<'_> for Word {
+            type Value = Name;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a name")
+            }
+
+            fn visit_str<E: Error>(self, name: &str) -> Result<Name, E> {
+                Ok(Name(name.to_owned()))
+            }
+        }
+        deserializer.deserialize_identifier(Word)
+    }
 }
 
-impl ProfileName {
-    fn of(profile: &Profile) -> ProfileName {
-        match profile {
-            Profile::Band { .. } => ProfileName::Band,
-            Profile::Step { .. } => ProfileName::Step,
-            Profile::Gradient => ProfileName::Gradient,
-        }
+/// The name of a profile.
+struct ProfileName<'a>(&'a Profile);
+
+impl Serialize for ProfileName<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let name = self.0.name();
+        let index = NAMES.iter().position(|other| *other == name).unwrap_or(0) as u32;
+        serializer.serialize_unit_variant("profile", index, name)
     }
 }
 
@@ -41,7 +62,7 @@ impl ProfileName {
 #[serde(deny_unknown_fields, rename = "term")]
 struct Record {
     #[serde(default)]
-    profile: ProfileName,
+    profile: Option<Name>,
     #[serde(default)]
     u0: Option<f64>,
     #[serde(default)]
@@ -60,7 +81,7 @@ impl Record {
             }
             (omega, length) => omega.map(Width::Fraction).or(length.map(Width::Length)),
         };
-        let name = NAMES[self.profile as usize];
+        let name = self.profile.as_ref().map_or(NAMES[0], |name| &name.0);
         Numbers { u0: self.u0, omega, amplitude: self.amplitude }.term(field, name).map_err(|e| e.to_string())
     }
 }
@@ -73,13 +94,14 @@ impl Serialize for TermRecord {
         let Term { field, profile, amplitude } = &self.0;
         let index = VARIANTS.iter().position(|name| *name == field.name()).unwrap_or(0) as u32;
         let mut out = serializer.serialize_struct_variant("cue", index, field.name(), 4)?;
-        out.serialize_field("profile", &ProfileName::of(profile))?;
-        if let Profile::Band { u0, omega } | Profile::Step { u0, omega } = profile {
-            out.serialize_field("u0", u0)?;
-            match omega {
-                Width::Fraction(omega) => out.serialize_field("omega", omega)?,
-                Width::Length(omega) => out.serialize_field("omega_length", omega)?,
-            }
+        out.serialize_field("profile", &ProfileName(profile))?;
+        if let Some(u0) = profile.quantity(Quantity::U0) {
+            out.serialize_field("u0", &u0)?;
+        }
+        match profile.width() {
+            Some(Width::Fraction(omega)) => out.serialize_field("omega", &omega)?,
+            Some(Width::Length(omega)) => out.serialize_field("omega_length", &omega)?,
+            None => {}
         }
         out.serialize_field("amplitude", amplitude)?;
         out.end()
@@ -93,7 +115,7 @@ impl Serialize for Cue {
             [term] => TermRecord(*term).serialize(serializer),
             terms => {
                 let list: Vec<TermRecord> = terms.iter().copied().map(TermRecord).collect();
-                serializer.serialize_newtype_variant("cue", 10, "sum", &list)
+                serializer.serialize_newtype_variant("cue", VARIANTS.len() as u32 - 1, "sum", &list)
             }
         }
     }
@@ -111,27 +133,6 @@ impl<'de> Visitor<'de> for NumbersOf {
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Term, A::Error> {
         Record::deserialize(MapAccessDeserializer::new(map))?.term(self.0).map_err(A::Error::custom)
-    }
-}
-
-/// The name of a variant: a bare word in RON, a string in JSON.
-struct Name(String);
-
-impl<'de> Deserialize<'de> for Name {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Name, D::Error> {
-        struct Word;
-        impl Visitor<'_> for Word {
-            type Value = Name;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("none, sum or the name of a field")
-            }
-
-            fn visit_str<E: Error>(self, name: &str) -> Result<Name, E> {
-                Ok(Name(name.to_owned()))
-            }
-        }
-        deserializer.deserialize_identifier(Word)
     }
 }
 
@@ -188,7 +189,8 @@ mod tests {
     fn ron_reads_terms_sums_and_the_short_form_of_a_band() {
         let band = "kappa:u0=0.465,omega=0.0577,amplitude=0.1";
         assert_eq!(read("kappa(u0: 0.465, omega: 0.0577, amplitude: 0.1)").unwrap(), band.parse().unwrap());
-        let sum = "sum([kappa(u0: 0.465, omega_length: 0.3, amplitude: 0.1), tension(profile: gradient, amplitude: 0.5)])";
+        let sum =
+            "sum([kappa(u0: 0.465, omega_length: 0.3, amplitude: 0.1), tension(profile: gradient, amplitude: 0.5)])";
         let expected = "kappa:band,u0=0.465,omega=0.3Lh,amplitude=0.1+tension:gradient,amplitude=0.5";
         assert_eq!(read(sum).unwrap(), expected.parse().unwrap());
         assert_eq!(read("none").unwrap(), Cue::none());

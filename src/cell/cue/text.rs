@@ -6,7 +6,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::profile::NAMES;
+use super::profile::{BuildError, NAMES};
 use super::{Cue, CueError, Field, Profile, Quantity, Term, Width};
 use crate::input::did_you_mean;
 
@@ -22,12 +22,11 @@ impl Width {
 impl fmt::Display for Term {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}", self.field.name(), self.profile.name())?;
-        match &self.profile {
-            Profile::Band { u0, omega } | Profile::Step { u0, omega } => {
-                write!(f, ",u0={u0}")?;
-                omega.write(f)?;
-            }
-            Profile::Gradient => {}
+        if let Some(u0) = self.quantity(Quantity::U0) {
+            write!(f, ",u0={u0}")?;
+        }
+        if let Some(width) = self.profile.width() {
+            width.write(f)?;
         }
         write!(f, ",amplitude={}", self.amplitude)
     }
@@ -80,35 +79,25 @@ impl Numbers {
     /// The term, if every number its profile needs is given, and no other.
     pub fn term(self, field: Field, profile: &str) -> Result<Term, CueError> {
         let name = field.name();
-        let missing = |key: &str| {
-            let wanted = if profile == NAMES[2] { "amplitude" } else { "u0, omega and amplitude" };
-            CueError::new(format!("{name}.{key}"), "(not given)", format!("given: a {profile} takes {wanted}"))
+        let missing = |quantity: Quantity| {
+            let field = format!("{name}.{}", quantity.name());
+            CueError::new(field, "(not given)", format!("given: a {profile} has no default for it"))
         };
-        let amplitude = self.amplitude.ok_or_else(|| missing("amplitude"));
-        let profile = match profile {
-            "band" => Profile::Band {
-                u0: self.u0.ok_or_else(|| missing("u0"))?,
-                omega: self.omega.ok_or_else(|| missing("omega"))?,
-            },
-            "step" => Profile::Step {
-                u0: self.u0.ok_or_else(|| missing("u0"))?,
-                omega: self.omega.ok_or_else(|| missing("omega"))?,
-            },
-            "gradient" => {
-                let spare = self.u0.map(|_| "u0").or(self.omega.map(|_| "omega"));
-                if let Some(key) = spare {
-                    return Err(CueError::new(format!("{name}:gradient"), format!("{key:?}"), "amplitude alone"));
-                }
-                Profile::Gradient
+        let profile = Profile::build(profile, self.u0, self.omega).map_err(|error| match error {
+            BuildError::Unknown => unknown_profile(field, profile),
+            BuildError::Missing(quantity) => missing(quantity),
+            BuildError::Spare(quantity) => {
+                let allowed = "left out: this profile does not have it";
+                CueError::new(format!("{name}:{profile}"), format!("{:?}", quantity.name()), allowed)
             }
-            other => return Err(unknown_profile(field, other)),
-        };
-        Ok(Term { field, profile, amplitude: amplitude? })
+        })?;
+        let amplitude = self.amplitude.ok_or_else(|| missing(Quantity::Amplitude))?;
+        Ok(Term { field, profile, amplitude })
     }
 }
 
 /// The error for a profile that there is not.
-pub(super) fn unknown_profile(field: Field, profile: &str) -> CueError {
+fn unknown_profile(field: Field, profile: &str) -> CueError {
     let allowed = format!("one of {}{}", NAMES.join(", "), did_you_mean(profile, NAMES));
     CueError::new(field.name(), format!("{profile:?}"), allowed)
 }
@@ -129,7 +118,7 @@ fn parse_term(text: &str) -> Result<Term, CueError> {
     };
     let field = field(name.trim())?;
     let mut entries = list.split(',').map(str::trim).peekable();
-    let mut profile = "band";
+    let mut profile = NAMES[0];
     if let Some(first) = entries.peek()
         && !first.contains('=')
         && !first.is_empty()
@@ -217,25 +206,42 @@ mod tests {
     #[test]
     fn complaints_name_the_part_and_what_is_allowed() {
         for (text, expected) in [
-            ("kappa:u0=0.4,omega=0.1", "kappa.amplitude = (not given): must be given: a band takes u0, omega and amplitude"),
-            ("kappa:u0=0.4,u0=0.4,omega=0.1,amplitude=0.1", "kappa.u0 = \"0.4\": must be given once: it is given twice"),
+            ("kappa:u0=0.4,omega=0.1", "kappa.amplitude = (not given): must be given: a band has no default for it"),
+            (
+                "kappa:u0=0.4,u0=0.4,omega=0.1,amplitude=0.1",
+                "kappa.u0 = \"0.4\": must be given once: it is given twice",
+            ),
             ("kappa:omga=0.1", "kappa:band = \"omga\": must be one of u0, omega, amplitude; did you mean omega?"),
             ("kappa:stp,u0=0.4", "kappa = \"stp\": must be one of band, step, gradient; did you mean step?"),
-            ("kapa:u0=0.4", "cue = \"kapa\": must be a field: one of kappa, activity, xi_s, xi_b, eta_b, eta_s, viscosity, friction, tension; did you mean kappa?"),
+            (
+                "kapa:u0=0.4",
+                "cue = \"kapa\": must be a field: one of kappa, activity, xi_s, xi_b, eta_b, eta_s, viscosity, friction, tension; did you mean kappa?",
+            ),
             ("polar", "cue = \"polar\": must be none, or terms FIELD:PROFILE,key=value,.. joined by +"),
-            ("tension:gradient,u0=0.4,amplitude=1", "tension:gradient = \"u0\": must be amplitude alone"),
+            (
+                "tension:gradient,u0=0.4,amplitude=1",
+                "tension:gradient = \"u0\": must be left out: this profile does not have it",
+            ),
             ("kappa:u0=1.5,omega=0.1,amplitude=0.1", "kappa.u0 = 1.5: must be above 0 and below 1"),
             ("kappa:u0=0.5,omega=-0.1,amplitude=0.1", "kappa.omega = -0.1: must be a finite number above 0"),
             ("kappa:u0=0.5,omega=0.1,amplitude=-1", "kappa.amplitude = -1: must be a finite number above -1"),
             ("friction:gradient,amplitude=1", "friction.amplitude = 1: must be above -1 and below 1"),
             ("kappa:step,u0=0.5,omega=0,amplitude=1", "kappa.omega = 0: must be a finite number other than 0"),
-            ("kappa:u0=0.5,omega=thin,amplitude=1", "kappa.omega = \"thin\": must be a number, in u, or with Lh behind it in L_h"),
+            (
+                "kappa:u0=0.5,omega=thin,amplitude=1",
+                "kappa.omega = \"thin\": must be a number, in u, or with Lh behind it in L_h",
+            ),
             ("kappa:u0=0.5,omega=0.1,amplitude=nan", "kappa.amplitude = NaN: must be a finite number"),
         ] {
             assert_eq!(complaint(text), expected);
         }
-        let sum = complaint("kappa:u0=0.4,omega=0.1,amplitude=-0.6+viscosity:gradient,amplitude=0.1+kappa:u0=0.4,omega=0.2,amplitude=-0.6");
-        assert!(sum.starts_with("cue[2].kappa.amplitude = -0.6: must be such that kappa stays above 0 everywhere"), "{sum}");
+        let sum = complaint(
+            "kappa:u0=0.4,omega=0.1,amplitude=-0.6+viscosity:gradient,amplitude=0.1+kappa:u0=0.4,omega=0.2,amplitude=-0.6",
+        );
+        assert!(
+            sum.starts_with("cue[2].kappa.amplitude = -0.6: must be such that kappa stays above 0 everywhere"),
+            "{sum}"
+        );
         let apart = "kappa:u0=0.2,omega=0.05,amplitude=-0.9+kappa:u0=0.8,omega=0.05,amplitude=-0.9";
         assert_eq!(apart.parse::<Cue>().unwrap().to_string().matches("kappa:band").count(), 2);
     }

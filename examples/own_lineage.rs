@@ -1,0 +1,38 @@
+//! A lineage of one's own: two founders, one of them with a cue that only large cells of the first generations carry,
+//! grown until mechanics ends every branch.
+//!
+//! `cargo run --release --example own_lineage`
+
+use furrow::batch::{Memo, Quantisation, SchedulerOptions};
+use furrow::cell::Cell;
+use furrow::division::divide;
+use furrow::io::{founder_rows, newick};
+use furrow::lineage::{Ends, Grower, Lineage, TreeSettings};
+use furrow::report::founders_table;
+use furrow::shapes::CriticalRadii;
+
+const LINEAGE: &str = r#"Lineage(
+    name: "two founders",
+    cues: { "pulled": tension(profile: gradient, amplitude: 0.3) },
+    founders: [
+        (name: "Z", cue: "pulled", inherit: false),
+        (name: "X", mother: "Z", daughter: larger, cue_rules: [
+            (cue: "pulled", to_generation: 1, above_r0: 2.5),
+        ]),
+        (name: "Y", mother: "Z", daughter: smaller),
+    ],
+)"#;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let lineage = Lineage::parse(LINEAGE, "two founders")?;
+    let settings = TreeSettings { cell: Cell::new(4.0), ..TreeSettings::default() };
+    let rule = Ends::new(CriticalRadii::new(&settings.numerics));
+    let memo = Memo::new(Quantisation::DEFAULT);
+    let ends = |cell: &Cell| rule.of(cell);
+    let grower = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options: SchedulerOptions::default() };
+    let (tree, summary) = grower.grow(divide)?;
+    print!("{}", founders_table(&tree, &founder_rows(&tree)));
+    println!("{} divisions solved for {} cells", summary.solved, tree.len());
+    println!("{} characters of Newick", newick(&tree).len());
+    Ok(())
+}
