@@ -5,10 +5,10 @@
 //! furrow; small size or tight confinement breaks its symmetry.
 //!
 //! ```
-//! use furrow::cell::Cell;
+//! use furrow::cell::{Cell, Cue};
 //! use furrow::division::{DivisionInput, divide};
 //!
-//! let zygote = Cell::new(5.4).with_cue("kappa:u0=0.465,omega=0.0577,amplitude=0.1".parse()?);
+//! let zygote = Cell::new(5.4).with_cue(Cue::published());
 //! let division = divide(&DivisionInput::new(zygote))?;
 //! assert!((division.chi.unwrap() - 0.209).abs() < 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -35,7 +35,7 @@ impl<D: DualNum<Primitive = f64> + Copy> Number for D {}
 /// ```
 /// use furrow::cell::Cell;
 ///
-/// let zygote = Cell::new(5.4).with_cue("kappa:band,u0=0.465,omega=0.0577,amplitude=0.1".parse()?);
+/// let zygote = Cell::new(5.4).with_cue("activity:step,u0=0.4,omega=0.1,amplitude=0.2".parse()?);
 /// assert_eq!((zygote.epsilon, zygote.xi_s), (0.87, 25.0));
 /// assert!(!zygote.is_mirror_symmetric());
 /// assert!(Cell { xi_s: 20.0, ..Cell::new(2.0) }.is_mirror_symmetric());

@@ -4,8 +4,8 @@
 //! |---|---|
 //! | `field` | which coefficients of the equations a cue can modulate |
 //! | `profile` | how a term is spread along the contour |
-//! | `text` | the grammar of the command line: `kappa:band,u0=0.465,omega=0.0577,amplitude=0.1` |
-//! | `record` | the form in RON and JSON: `kappa(profile: band, u0: 0.465, omega: 0.0577, amplitude: 0.1)` |
+//! | `text` | the grammar of the command line: `kappa:band,u0=0.4,omega=0.1,amplitude=0.2` |
+//! | `record` | the form in RON and JSON: `kappa(profile: band, u0: 0.4, omega: 0.1, amplitude: 0.2)` |
 
 pub mod field;
 pub mod profile;
@@ -89,9 +89,9 @@ impl Term {
 /// ```
 /// use furrow::cell::Cue;
 ///
-/// let cue: Cue = "kappa:u0=0.465,omega=0.0577,amplitude=0.1 + tension:gradient,amplitude=0.2".parse()?;
+/// let cue: Cue = "kappa:u0=0.4,omega=0.1,amplitude=0.1 + tension:gradient,amplitude=0.2".parse()?;
 /// assert_eq!(cue.terms().len(), 2);
-/// assert_eq!(cue.to_string(), "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1+tension:gradient,amplitude=0.2");
+/// assert_eq!(cue.to_string(), "kappa:band,u0=0.4,omega=0.1,amplitude=0.1+tension:gradient,amplitude=0.2");
 /// assert!("activity:band,u0=0.5,omega=0.1,amplitude=0.2".parse::<Cue>()?.is_mirror_symmetric());
 /// # Ok::<(), furrow::cell::CueError>(())
 /// ```
