@@ -17,6 +17,8 @@ pub mod newton;
 pub mod problem;
 pub mod solution;
 pub mod system;
+#[cfg(test)]
+mod tests;
 
 pub use gauss::Gauss;
 pub use newton::{Newton, NewtonError, NewtonReport};
