@@ -38,6 +38,9 @@ pub mod symmetry_breaking;
 pub mod system;
 pub mod two_parameter;
 
+#[cfg(test)]
+mod tests;
+
 pub use block::AntisymmetricEnd;
 pub use continuation::{Continuation, ContinuationError, ContinuationSettings, Ended, Work};
 pub use dense::{Determinant, PivotFailure};

@@ -289,8 +289,18 @@ impl System {
         for (k, &component) in vanishing.iter().enumerate() {
             rows[k * n + component] = 1.0;
         }
-        let result = self.block.factor_antisymmetric(EndRows { ry: &rows, rp: &[], rows: vanishing.len() }, end);
+        let result = self.factor_antisymmetric_rows(EndRows { ry: &rows, rp: &[], rows: vanishing.len() }, end);
         end.rows = rows;
+        result
+    }
+
+    /// The same for any right end rows.
+    pub(crate) fn factor_antisymmetric_rows(
+        &self,
+        right: EndRows<'_>,
+        end: &mut AntisymmetricEnd,
+    ) -> Result<Determinant, PivotFailure> {
+        let result = self.block.factor_antisymmetric(right, end);
         let mut det = Determinant::default();
         self.condensed.accumulate_determinant(&mut det);
         self.block.accumulate_antisymmetric(end, &mut det);
