@@ -1,15 +1,15 @@
-//! Continuation, folds and pitchforks on textbook problems, which know nothing of cells.
+//! Continuation, folds and pitchforks on textbook problems.
 
 use std::f64::consts::PI;
 
-use bvp::{
-    BoundaryJacobian, BoundaryValueProblem, Dimensions, Gauss, PointJacobian, CollocationPoint, Solution, mesh,
-};
-use bvp::continuation::{Continuation, ContinuationSettings, Ended, State};
-use bvp::derivatives::{Directional, PointDirection};
+use bvp::continuation::State;
+use bvp::derivatives::PointDirection;
 use bvp::normal_form::pitchfork_normal_form;
-use bvp::metric::Metric;
-use bvp::{MinimallyAugmented, Fold, MirrorSymmetric, SymmetryBreaking};
+use bvp::{
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Continuation, ContinuationSettings, Dimensions,
+    Directional, Ended, Fold, Gauss, Metric, MinimallyAugmented, MirrorSymmetric, PointJacobian, Solution,
+    SymmetryBreaking, mesh,
+};
 
 /// u″ + λ w(u) = 0 with y = (u, u′): u(0) = 0 and at the right end either u = 0 or, on a mirror-symmetric half, u′ = 0.
 #[derive(Clone, Debug)]
@@ -74,8 +74,8 @@ impl Directional for Oscillator {
         _: CollocationPoint,
         y: &[f64],
         p: &[f64],
-        a: Direction<'_>,
-        b: Direction<'_>,
+        a: PointDirection<'_>,
+        b: PointDirection<'_>,
         f: &mut [f64],
         _: &mut [f64],
     ) {
@@ -91,7 +91,7 @@ impl Directional for Oscillator {
         _: CollocationPoint,
         y: &[f64],
         p: &[f64],
-        a: Direction<'_>,
+        a: PointDirection<'_>,
         f2: &mut [f64],
         _: &mut [f64],
         f3: &mut [f64],
@@ -247,7 +247,8 @@ fn antisymmetric_eigenvalues_are_all_found_and_no_other() {
             if before.is_some_and(|b: f64| b * sign < 0.0) {
                 let mut y = y.clone();
                 let breaking = SymmetryBreaking::default();
-                let mut point = MinimallyAugmented::new(problem.clone(), breaking, y.m, metric.clone(), &branch.state.tangent);
+                let mut point =
+                    MinimallyAugmented::new(problem.clone(), breaking, y.m, metric.clone(), &branch.state.tangent);
                 point.solve(&mut y, None).unwrap();
                 found.push(y.scalars[0]);
             }
