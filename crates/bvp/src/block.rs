@@ -10,6 +10,7 @@
 
 use crate::condense::Condensed;
 use crate::dense::{self, Determinant, Factors, FactorsRef, LANE, Lane, PivotFailure};
+use crate::problem::{MAX_ROWS, MAX_UNKNOWN_LANES, MAX_UNKNOWNS};
 
 /// Rows at one end: `rows` conditions with derivatives by y (× n) and by p (× scalars), row-major.
 #[derive(Clone, Copy, Debug)]
@@ -238,7 +239,7 @@ impl BlockFactor {
             }
         }
         let fl = dense::lanes_for(nf);
-        let mut last = [[0.0; LANE]; 32 * 4];
+        let mut last = [[0.0; LANE]; MAX_UNKNOWNS * MAX_UNKNOWN_LANES];
         let last = &mut last[..nf * fl];
         for k in 0..left.rows + nb {
             let source = self.panel[(n + k) * lanes..(n + k + 1) * lanes].as_flattened();
@@ -262,8 +263,8 @@ impl BlockFactor {
     /// Solves for node updates (`nodes`, holding on entry c_i of interval i at index i·n, length (N + 1)·n) and scalar
     /// updates. `left`, `right` and `border` are right-hand sides of the condition rows (integrals first in `border`).
     pub fn solve(&mut self, nodes: &mut [f64], left: &[f64], right: &[f64], border: &[f64], scalars: &mut [f64]) {
-        let mut carried = [0.0; 32];
-        let mut rest = [0.0; 32];
+        let mut carried = [0.0; MAX_UNKNOWNS];
+        let mut rest = [0.0; MAX_UNKNOWNS];
         let (carried, rest) = (&mut carried[..self.nl], &mut rest[..self.nb]);
         carried.copy_from_slice(left);
         rest.copy_from_slice(border);
@@ -275,7 +276,7 @@ impl BlockFactor {
     /// [`solve`](Self::solve) for right-hand sides that are zero but for the last conditions.
     pub fn solve_last(&mut self, nodes: &mut [f64], right: &[f64], border: &[f64], scalars: &mut [f64]) {
         self.forward.fill([0.0; LANE]);
-        self.solve_end(&[0.0; 32][..self.nl], right, border, nodes, scalars);
+        self.solve_end(&[0.0; MAX_UNKNOWNS][..self.nl], right, border, nodes, scalars);
         self.backward(nodes, scalars);
     }
 
@@ -285,13 +286,13 @@ impl BlockFactor {
         let (n, nl, nb) = (self.n, self.nl, self.nb);
         let rows = nl + n + nb;
         let (height, tall) = (dense::lanes_for(n), dense::lanes_for(rows));
-        let mut lanes = [[0.0; LANE]; dense::MAX_LANES / 2];
+        let mut lanes = [[0.0; LANE]; dense::lanes_for(MAX_ROWS)];
         lanes.as_flattened_mut()[..nl].copy_from_slice(carried);
         lanes.as_flattened_mut()[nl + n..rows].copy_from_slice(border);
         for i in 0..self.intervals {
             lanes.as_flattened_mut()[nl..nl + n].copy_from_slice(&nodes[i * n..(i + 1) * n]);
             let transform = &self.transform[i * rows * tall..(i + 1) * rows * tall];
-            let mut out = [[0.0; LANE]; dense::MAX_LANES / 2];
+            let mut out = [[0.0; LANE]; dense::lanes_for(MAX_ROWS)];
             let out = &mut out[..tall];
             for (column, value) in transform.chunks_exact(tall).zip(&lanes.as_flattened()[..rows]) {
                 for (x, c) in out.iter_mut().zip(column) {
@@ -315,7 +316,7 @@ impl BlockFactor {
     /// The last node and the scalar unknowns.
     fn solve_end(&self, carried: &[f64], right: &[f64], border: &[f64], nodes: &mut [f64], scalars: &mut [f64]) {
         let nf = self.n + self.np;
-        let mut end = [[0.0; LANE]; 4];
+        let mut end = [[0.0; LANE]; MAX_UNKNOWN_LANES];
         let y = end.as_flattened_mut();
         y[..self.nl].copy_from_slice(carried);
         y[self.nl..self.nl + self.nr].copy_from_slice(right);
@@ -356,7 +357,7 @@ impl BlockFactor {
         let n = self.n;
         assert_eq!(self.nl + right.rows, n, "as many conditions as unknowns");
         let (fl, lanes) = (dense::lanes_for(n), self.panel.len() / (self.nl + n + self.nb));
-        let mut last = [[0.0; LANE]; 32 * 4];
+        let mut last = [[0.0; LANE]; MAX_UNKNOWNS * MAX_UNKNOWN_LANES];
         let last = &mut last[..n * fl];
         for k in 0..self.nl {
             let source = self.panel[(n + k) * lanes..(n + k + 1) * lanes].as_flattened();
@@ -379,7 +380,7 @@ impl BlockFactor {
         right: &[f64],
         everywhere: bool,
     ) {
-        let (mut carried, mut border) = ([0.0; 32], [0.0; 32]);
+        let (mut carried, mut border) = ([0.0; MAX_UNKNOWNS], [0.0; MAX_UNKNOWNS]);
         let carried = &mut carried[..self.nl];
         carried.copy_from_slice(left);
         self.forward(nodes, carried, &mut border[..self.nb]);
@@ -392,13 +393,13 @@ impl BlockFactor {
     /// [`solve_last`](Self::solve_last) for the antisymmetric problem.
     pub fn solve_antisymmetric_last(&mut self, end: &AntisymmetricEnd, nodes: &mut [f64], right: &[f64]) {
         self.forward.fill([0.0; LANE]);
-        self.solve_antisymmetric_end(end, &[0.0; 32][..self.nl], right, nodes);
+        self.solve_antisymmetric_end(end, &[0.0; MAX_UNKNOWNS][..self.nl], right, nodes);
         self.backward(nodes, &[]);
     }
 
     fn solve_antisymmetric_end(&self, end: &AntisymmetricEnd, carried: &[f64], right: &[f64], nodes: &mut [f64]) {
         let n = self.n;
-        let mut x = [[0.0; LANE]; 4];
+        let mut x = [[0.0; LANE]; MAX_UNKNOWN_LANES];
         let y = x.as_flattened_mut();
         y[..self.nl].copy_from_slice(carried);
         y[self.nl..n].copy_from_slice(right);

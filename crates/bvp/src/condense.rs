@@ -13,7 +13,10 @@ use multiversion::multiversion;
 
 use crate::dense::{self, Determinant, Factors, LANE, Lane, PivotFailure};
 use crate::gauss::Gauss;
-use crate::problem::Dimensions;
+use crate::problem::{Dimensions, MAX_UNKNOWN_LANES};
+
+/// Lanes that hold the stage unknowns of one interval: the widest block holds a matrix and its inverse.
+const MAX_STAGE_LANES: usize = dense::MAX_LANES / 2;
 
 /// Shapes of the condensed storage, fixed per problem and stage count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -277,8 +280,7 @@ impl Condensed {
         let transition = &mut self.transition[i * n * ml..(i + 1) * n * ml];
         transition.fill([0.0; LANE]);
         // Slopes Q_k = h F_EN δY_N + h F_Ep δp of the integrable components, spread over stages and the right node.
-        let mut slope = [[0.0; LANE]; 4];
-        debug_assert!(ml <= slope.len());
+        let mut slope = [[0.0; LANE]; MAX_UNKNOWN_LANES];
         for stage in 0..m {
             let f = &self.fy[(i * m + stage) * n * n..(i * m + stage + 1) * n * n];
             let fp = &self.fp[(i * m + stage) * n * np..(i * m + stage + 1) * n * np];
@@ -362,7 +364,7 @@ impl Condensed {
         let h = self.h[i];
         let fy = &self.fy[i * m * n * n..(i + 1) * m * n * n];
         let (r, y) = (&r[..m * n], &mut y[..m * n]);
-        let mut lanes = [[0.0; LANE]; dense::MAX_LANES / 2];
+        let mut lanes = [[0.0; LANE]; MAX_STAGE_LANES];
         let x = lanes.as_flattened_mut();
         for stage in 0..m {
             for k in 0..e {
@@ -381,10 +383,11 @@ impl Condensed {
                 x[stage * nn + alpha] = value;
             }
         }
-        let mut solved = [[0.0; LANE]; dense::MAX_LANES / 2];
+        let mut solved = [[0.0; LANE]; MAX_STAGE_LANES];
         let solved = &mut solved[..dense::lanes_for(m * nn)];
         let inverse = &self.inverse[i * l.s * l.rhs_lane..(i + 1) * l.s * l.rhs_lane];
-        for (column, value) in inverse.chunks_exact(dense::lanes_for(m * nn)).zip(&x[..m * nn]) {
+        // Without stage unknowns there are no columns, and a chunk needs a length all the same.
+        for (column, value) in inverse.chunks_exact(dense::lanes_for(m * nn).max(1)).zip(&x[..m * nn]) {
             add_scaled(solved, *value, column);
         }
         let x = solved.as_flattened();
@@ -417,7 +420,7 @@ impl Condensed {
     pub fn complete_stages(&self, i: usize, dy0: &[f64], dp: &[f64], y: &mut [f64]) {
         let l = self.layout;
         let n = l.dims.components;
-        let mut x = [0.0; 4 * LANE];
+        let mut x = [0.0; MAX_UNKNOWN_LANES * LANE];
         x[..n].copy_from_slice(dy0);
         x[n..n + dp.len()].copy_from_slice(dp);
         complete(&self.map[i * l.m * n * l.map_lanes..(i + 1) * l.m * n * l.map_lanes], l.map_lanes, &x, y);
@@ -426,9 +429,9 @@ impl Condensed {
     /// Multiplies the determinants of all stage matrices into `det`.
     pub fn accumulate_determinant(&self, det: &mut Determinant) {
         let l = self.layout;
-        let all = self.intervals() * l.s;
-        for i in (0..all).step_by(l.s) {
-            dense::accumulate_determinant(&self.reciprocal[i..i + l.s], &self.exchange[i..i + l.s], det);
+        for i in 0..self.intervals() {
+            let stages = i * l.s..(i + 1) * l.s;
+            dense::accumulate_determinant(&self.reciprocal[stages.clone()], &self.exchange[stages], det);
         }
     }
 }

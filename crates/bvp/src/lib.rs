@@ -51,7 +51,7 @@ pub use gauss::Gauss;
 pub use metric::Metric;
 pub use minimally_augmented::{AugmentedReport, MinimallyAugmented};
 pub use newton::{Newton, NewtonError, NewtonReport};
-pub use problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, PointJacobian};
+pub use problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, PointJacobian, TooLarge};
 pub use singularity::{SingularError, Singularity};
 pub use solution::Solution;
 pub use symmetry_breaking::{MirrorSymmetric, SymmetryBreaking};

@@ -1,6 +1,7 @@
 //! Pitchforks of mirror-symmetric branches: an antisymmetric null vector appears.
 
 use crate::derivatives::{Directional, second_residual};
+use crate::problem::MAX_UNKNOWNS;
 use crate::{AntisymmetricEnd, BoundaryValueProblem, Direction, PivotFailure, Residual, Singularity, Solution, System};
 
 /// A problem on the half of a mirror-symmetric domain, whose right end is the mirror.
@@ -77,7 +78,7 @@ impl<P: Directional + MirrorSymmetric> Singularity<P> for SymmetryBreaking {
                     continue;
                 }
             };
-            let mut right = [0.0; 32];
+            let mut right = [0.0; MAX_UNKNOWNS];
             right[count - 1] = 1.0;
             system.solve_antisymmetric_unit(&self.end, &right[..count], &mut self.null);
             let largest = self.null.nodes.iter().fold(0.0, |m: f64, v| m.max(v.abs()));

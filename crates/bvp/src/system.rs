@@ -6,7 +6,9 @@ use crate::block::{AntisymmetricEnd, BlockFactor, EndRows, LinearForm};
 use crate::condense::Condensed;
 use crate::dense::{Determinant, LANE, PivotFailure};
 use crate::gauss::{Gauss, MAX_STAGES};
-use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, PointJacobian};
+use crate::problem::{
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, MAX_CONDITIONS, PointJacobian,
+};
 use crate::{Direction, LinearCondition, Solution};
 
 /// Residuals of all equations; also serves as a general right-hand side (the system solved is J δ = −residual).
@@ -59,13 +61,14 @@ impl System {
     /// Workspace for problems of the given sizes with m stages.
     ///
     /// # Panics
-    /// If the stage unknowns (m × non-integrable components) exceed 64 or components + scalars exceed 32.
+    /// If [`Dimensions::check`] refuses the sizes.
     pub fn new(dims: Dimensions, m: usize) -> System {
-        let condensed = Condensed::new(dims, m);
-        assert!(condensed.layout.s <= 64 && condensed.layout.columns <= 32, "system too large for one block");
+        if let Err(error) = dims.check(m) {
+            panic!("{error}");
+        }
         System {
             gauss: Gauss::new(m),
-            condensed,
+            condensed: Condensed::new(dims, m),
             residual: Residual::default(),
             block: BlockFactor::default(),
             ends: Ends::default(),
@@ -177,7 +180,7 @@ impl System {
         let dims = self.dimensions();
         let e = &self.ends;
         // At most a handful of linear conditions: the small vector of views lives on the stack.
-        let mut forms = [LinearForm { nodes: &[], scalars: &[] }; 8];
+        let mut forms = [LinearForm { nodes: &[], scalars: &[] }; MAX_CONDITIONS];
         for (form, c) in forms.iter_mut().zip(conditions) {
             *form = LinearForm { nodes: &c.nodes, scalars: &c.scalars };
         }

@@ -10,8 +10,8 @@ use crate::{Dimensions, Gauss, Solution, System};
 use crate::{Direction, LinearCondition, Residual};
 
 /// Sizes with and without each kind of unknown and condition, up to two linear conditions, more conditions at one end
-/// than components, no conditions at one end, and sizes beyond one lane. The last but one are those of the cell.
-pub const SHAPES: [Dimensions; 14] = [
+/// than components, no conditions at one end, all components integrable, and sizes beyond one lane.
+pub const SHAPES: [Dimensions; 17] = [
     dims(1, 0, 0, 1, 0, 0),
     dims(1, 0, 0, 0, 1, 0),
     dims(2, 0, 0, 1, 1, 0),
@@ -26,6 +26,9 @@ pub const SHAPES: [Dimensions; 14] = [
     dims(7, 3, 2, 4, 4, 1),
     dims(7, 3, 3, 4, 4, 1),
     dims(9, 4, 2, 5, 4, 1),
+    dims(1, 1, 1, 2, 0, 0),
+    dims(2, 2, 2, 2, 1, 1),
+    dims(3, 3, 0, 1, 2, 0),
 ];
 
 const fn dims(

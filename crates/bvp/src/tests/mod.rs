@@ -5,6 +5,7 @@
 
 mod antisymmetric;
 mod dense;
+mod limits;
 mod linear;
 mod meshes;
 mod newton;
