@@ -164,13 +164,13 @@ impl Condensed {
         &self.integral[i * size..(i + 1) * size]
     }
 
-    /// Factorises interval i from the derivatives stored for it.
-    pub fn factor(&mut self, gauss: &Gauss, i: usize) -> Result<(), PivotFailure> {
-        factor(self, gauss, i)
-    }
-
+    /// Factorises interval i from the derivatives stored for it. Sizes (components, integrable ones, stages, lanes of the
+    /// map) are known at compile time unless 0.
+    ///
+    /// # Errors
+    /// If a pivot of the stage matrix vanishes.
     #[inline(always)]
-    fn factor_sized<const N: usize, const E: usize, const M: usize, const ML: usize>(
+    pub fn factor<const N: usize, const E: usize, const M: usize, const ML: usize>(
         &mut self,
         gauss: &Gauss,
         i: usize,
@@ -337,12 +337,6 @@ impl Condensed {
         }
     }
 
-    /// Particular stage values of interval i for stage residuals `r` (m × n), with δy₀ = δp = 0, into `y` (m × n).
-    /// Returns nothing else: [`particular_node`](Self::particular_node) gives c and the integrals follow from `y`.
-    pub fn particular_stages(&self, gauss: &Gauss, i: usize, r: &[f64], y: &mut [f64]) {
-        particular_stages(self, gauss, i, r, y);
-    }
-
     /// (n, e, m), known at compile time where the generic parameters are not 0.
     #[inline(always)]
     fn sizes<const N: usize, const E: usize, const M: usize>(&self) -> (usize, usize, usize) {
@@ -350,8 +344,10 @@ impl Condensed {
         if N > 0 { (N, E, M) } else { (l.dims.components, l.dims.integrable, l.m) }
     }
 
+    /// Particular stage values of interval i for stage residuals `r` (m × n), with δy₀ = δp = 0, into `y` (m × n).
+    /// Returns nothing else: [`particular_node`](Self::particular_node) gives c and the integrals follow from `y`.
     #[inline(always)]
-    fn particular_sized<const N: usize, const E: usize, const M: usize>(
+    pub fn particular_stages<const N: usize, const E: usize, const M: usize>(
         &self,
         gauss: &Gauss,
         i: usize,
@@ -433,27 +429,6 @@ impl Condensed {
             let stages = i * l.s..(i + 1) * l.s;
             dense::accumulate_determinant(&self.reciprocal[stages.clone()], &self.exchange[stages], det);
         }
-    }
-}
-
-/// [`Condensed::factor`] for several instruction sets, with the shapes that matter most unrolled.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
-fn factor(c: &mut Condensed, gauss: &Gauss, i: usize) -> Result<(), PivotFailure> {
-    let l = c.layout;
-    match (l.dims.components, l.dims.integrable, l.m, l.map_lanes) {
-        (7, 3, 4, 2) => c.factor_sized::<7, 3, 4, 2>(gauss, i),
-        (7, 3, 3, 2) => c.factor_sized::<7, 3, 3, 2>(gauss, i),
-        _ => c.factor_sized::<0, 0, 0, 0>(gauss, i),
-    }
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
-fn particular_stages(c: &Condensed, gauss: &Gauss, i: usize, r: &[f64], y: &mut [f64]) {
-    let l = c.layout;
-    match (l.dims.components, l.dims.integrable, l.m) {
-        (7, 3, 4) => c.particular_sized::<7, 3, 4>(gauss, i, r, y),
-        (7, 3, 3) => c.particular_sized::<7, 3, 3>(gauss, i, r, y),
-        _ => c.particular_sized::<0, 0, 0>(gauss, i, r, y),
     }
 }
 

@@ -8,7 +8,7 @@
 //! | module | role |
 //! |---|---|
 //! | [`problem`], [`gauss`], [`mesh`], [`solution`], [`direction`] | what is solved, and on what |
-//! | `dense`, `condense`, `block` (private) | the kernels: stages are condensed, blocks eliminated in O(N), borders included |
+//! | `dense`, `stages`, `condense`, `block` (private), [`Kernels`] | the kernels: stages are condensed, blocks eliminated in O(N), borders included |
 //! | [`system`], [`newton`] | the linearised system of one problem, and damped Newton with Jacobian reuse |
 //! | [`metric`], [`predictor`], [`continuation`] | branches by pseudo-arclength |
 //! | [`derivatives`], [`singularity`], [`fold`], [`symmetry_breaking`] | what vanishes at a fold, at a pitchfork |
@@ -24,6 +24,7 @@ pub mod direction;
 pub mod eigen;
 pub mod fold;
 pub mod gauss;
+mod kernels;
 pub mod locate;
 pub mod mesh;
 pub mod metric;
@@ -34,6 +35,7 @@ pub mod predictor;
 pub mod problem;
 pub mod singularity;
 pub mod solution;
+mod stages;
 pub mod symmetry_breaking;
 pub mod system;
 pub mod two_parameter;
@@ -48,6 +50,7 @@ pub use derivatives::Directional;
 pub use direction::{Direction, LinearCondition};
 pub use fold::Fold;
 pub use gauss::Gauss;
+pub use kernels::Kernels;
 pub use metric::Metric;
 pub use minimally_augmented::{AugmentedReport, MinimallyAugmented};
 pub use newton::{Newton, NewtonError, NewtonReport};

@@ -2,6 +2,7 @@
 
 use crate::dense::{LANE, MAX_LANES, lanes_for};
 use crate::gauss::MAX_STAGES;
+use crate::kernels::Kernels;
 
 /// Sizes of a boundary-value problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -176,5 +177,11 @@ pub trait BoundaryValueProblem {
     /// The part h(p) of integral condition `k`, with ∂h/∂p added to `hp`.
     fn integral_offset(&self, _k: usize, _p: &[f64], _hp: &mut [f64]) -> f64 {
         0.0
+    }
+
+    /// The kernels a system with the given number of stages works with: [`Kernels::general`] will always do, and
+    /// [`Kernels::sized`] for the sizes of this problem makes it faster with the same results.
+    fn kernels(&self, _stages: usize) -> Kernels {
+        Kernels::general()
     }
 }

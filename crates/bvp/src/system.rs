@@ -1,14 +1,14 @@
 //! The linearised collocation system of a problem about a solution: residuals, factors, solves.
 
-use multiversion::multiversion;
-
 use crate::block::{AntisymmetricEnd, BlockFactor, EndRows, LinearForm};
 use crate::condense::Condensed;
-use crate::dense::{Determinant, LANE, PivotFailure};
-use crate::gauss::{Gauss, MAX_STAGES};
+use crate::dense::{Determinant, PivotFailure};
+use crate::gauss::Gauss;
+use crate::kernels::Kernels;
 use crate::problem::{
     BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, MAX_CONDITIONS, PointJacobian,
 };
+use crate::stages::Interval;
 use crate::{Direction, LinearCondition, Solution};
 
 /// Residuals of all equations; also serves as a general right-hand side (the system solved is J δ = −residual).
@@ -36,6 +36,7 @@ pub struct System {
     pub(crate) condensed: Condensed,
     /// Residual of the last evaluation.
     pub residual: Residual,
+    kernels: Kernels,
     block: BlockFactor,
     ends: Ends,
     constants: Vec<f64>,
@@ -70,6 +71,7 @@ impl System {
             gauss: Gauss::new(m),
             condensed: Condensed::new(dims, m),
             residual: Residual::default(),
+            kernels: Kernels::general(),
             block: BlockFactor::default(),
             ends: Ends::default(),
             constants: Vec::new(),
@@ -95,6 +97,7 @@ impl System {
         let (n, m, np, ni) = (dims.components, self.gauss.m, dims.scalars, dims.integrals);
         let intervals = y.intervals();
         problem.prepare(&y.scalars);
+        self.kernels = problem.kernels(m).suited_to(&self.condensed.layout);
         if derivatives {
             self.condensed.reset(&y.mesh);
         }
@@ -110,7 +113,6 @@ impl System {
         let (f, g) = self.point.split_at_mut(n);
         for i in 0..intervals {
             let h = y.mesh[i + 1] - y.mesh[i];
-            let y0 = y.node(i);
             for j in 0..m {
                 let index = i * m + j;
                 let at = CollocationPoint { x: y.mesh[i] + h * self.gauss.c[j], index };
@@ -139,14 +141,9 @@ impl System {
                     *row = -h * f[k];
                 }
             }
-            stage_differences(
-                &self.gauss,
-                y0,
-                &y.stages[i * m * n..(i + 1) * m * n],
-                y.node(i + 1),
-                &mut r.stages[i * m * n..(i + 1) * m * n],
-                &mut r.nodes[i * n..(i + 1) * n],
-            );
+            let range = i * m * n..(i + 1) * m * n;
+            let interval = Interval { left: y.node(i), stages: &y.stages[range.clone()], right: y.node(i + 1) };
+            (self.kernels.differences)(&self.gauss, interval, &mut r.stages[range], &mut r.nodes[i * n..(i + 1) * n]);
         }
         let e = &mut self.ends;
         zeroed(&mut r.left, dims.left);
@@ -170,7 +167,7 @@ impl System {
     /// Condenses all intervals from the derivatives of the last evaluation.
     pub fn condense(&mut self) -> Result<(), PivotFailure> {
         for i in 0..self.condensed.intervals() {
-            self.condensed.factor(&self.gauss, i)?;
+            (self.kernels.factor)(&mut self.condensed, &self.gauss, i)?;
         }
         Ok(())
     }
@@ -246,7 +243,7 @@ impl System {
         for i in 0..intervals {
             let range = i * m * n..(i + 1) * m * n;
             let y = &mut out.stages[range.clone()];
-            self.condensed.particular_stages(&self.gauss, i, &residual.stages[range], y);
+            (self.kernels.particular)(&self.condensed, &self.gauss, i, &residual.stages[range], y);
             self.condensed.particular_node(&self.gauss, y, &residual.nodes[i * n..(i + 1) * n], &mut self.constants);
             out.nodes[i * n..(i + 1) * n].copy_from_slice(&self.constants);
             if with_border {
@@ -368,59 +365,6 @@ impl System {
             left: zeros(&self.residual.left),
             right: zeros(&self.residual.right),
             border: zeros(&self.residual.border),
-        }
-    }
-}
-
-/// Adds Σ_k D_jk (Y_k − y₀) to the stage residuals of one interval and writes its node residual y₀ + Σ d_j (Y_j − y₀) − y₁.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
-fn stage_differences(gauss: &Gauss, y0: &[f64], stages: &[f64], y1: &[f64], residual: &mut [f64], node: &mut [f64]) {
-    match (gauss.m, y0.len()) {
-        (4, 7) => differences_sized::<4, 7>(gauss, y0, stages, y1, residual, node),
-        (3, 7) => differences_sized::<3, 7>(gauss, y0, stages, y1, residual, node),
-        _ => differences_sized::<0, 0>(gauss, y0, stages, y1, residual, node),
-    }
-}
-
-/// Sizes known at compile time unless 0. Components go through in padded lanes of eight.
-#[inline(always)]
-fn differences_sized<const M: usize, const N: usize>(
-    gauss: &Gauss,
-    y0: &[f64],
-    stages: &[f64],
-    y1: &[f64],
-    residual: &mut [f64],
-    node: &mut [f64],
-) {
-    let (m, n) = if M > 0 { (M, N) } else { (gauss.m, y0.len()) };
-    let (d_matrix, d) = (&gauss.d_matrix[..m * m], &gauss.d[..m]);
-    for from in (0..n).step_by(LANE) {
-        let width = (n - from).min(LANE);
-        let mut difference = [[0.0; LANE]; MAX_STAGES];
-        for j in 0..m {
-            let y = &stages[j * n + from..j * n + from + width];
-            for t in 0..width {
-                difference[j][t] = y[t] - y0[from + t];
-            }
-        }
-        let mut end = [0.0; LANE];
-        for j in 0..m {
-            let mut sum = [0.0; LANE];
-            for k in 0..m {
-                for t in 0..LANE {
-                    sum[t] += d_matrix[j * m + k] * difference[k][t];
-                }
-            }
-            let row = &mut residual[j * n + from..j * n + from + width];
-            for t in 0..width {
-                row[t] += sum[t];
-            }
-            for t in 0..LANE {
-                end[t] += d[j] * difference[j][t];
-            }
-        }
-        for t in 0..width {
-            node[from + t] = end[t] + (y0[from + t] - y1[from + t]);
         }
     }
 }

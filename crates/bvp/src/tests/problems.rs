@@ -3,10 +3,9 @@
 use std::cell::Cell;
 
 use super::Random;
-use crate::LinearCondition;
 use crate::{
-    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Gauss, Newton, PointJacobian, Solution,
-    System,
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Gauss, Kernels, LinearCondition, Newton,
+    PointJacobian, Solution, System,
 };
 
 /// A quadratic polynomial in (y, p) with coefficients linear in x. Central differences of it are exact for every step,
@@ -49,6 +48,8 @@ impl Form {
 /// A random problem of given sizes in which every equation is a [`Form`].
 pub struct Quadratic {
     pub dims: Dimensions,
+    /// Asks for kernels of the sizes in [`kernels`](BoundaryValueProblem::kernels).
+    pub sized: bool,
     f: Vec<Form>,
     g: Vec<Form>,
     left: Vec<Form>,
@@ -64,6 +65,7 @@ impl Quadratic {
         };
         Quadratic {
             dims,
+            sized: true,
             f: forms(n, &|k| if k < dims.integrable { dims.integrable } else { 0 }),
             g: forms(dims.integrals, &|_| 0),
             left: forms(dims.left, &|_| 0),
@@ -117,6 +119,15 @@ impl BoundaryValueProblem for Quadratic {
         let u = [&vec![0.0; n], p].concat();
         self.offset[k].gradient(0.0, &u, &mut vec![0.0; n], hp);
         self.offset[k].value(0.0, &u)
+    }
+
+    fn kernels(&self, stages: usize) -> Kernels {
+        match stages {
+            _ if !self.sized => Kernels::general(),
+            3 => Kernels::sized::<7, 3, 3, 2>(),
+            4 => Kernels::sized::<7, 3, 4, 2>(),
+            _ => Kernels::general(),
+        }
     }
 }
 

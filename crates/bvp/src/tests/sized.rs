@@ -1,13 +1,13 @@
-//! The same problem in sizes that kernels are unrolled for and in others, and with components integrated out or not.
+//! The same problem with kernels for its sizes and with general ones, and with components integrated out or not.
 
 use super::dense::unknowns_of_direction;
 use super::linear::{Case, SHAPES, random_residual};
 use super::problems::{Inert, factored};
 use super::{Random, distance, largest};
-use crate::{Dimensions, Gauss, Solution};
+use crate::{Dimensions, Gauss, Kernels, Solution};
 use crate::{Direction, LinearCondition, Residual};
 
-/// Sizes of the unrolled kernels: 7 components, 3 integrable, and 2 lanes of columns, with 3 or 4 stages.
+/// Sizes that [`Quadratic`](super::problems::Quadratic) has kernels for: 7 components, 3 integrable, and 2 lanes of columns, with 3 or 4 stages.
 fn unrolled() -> impl Iterator<Item = (Dimensions, usize)> {
     let cell = Dimensions { components: 7, integrable: 3, scalars: 2, left: 4, right: 4, integrals: 1 };
     [2, 3, 5].into_iter().flat_map(move |scalars| [3, 4].map(|m| (Dimensions { scalars, ..cell }, m)))
@@ -31,6 +31,32 @@ fn widened_solution(y: &Solution) -> Solution {
 
 fn widened_conditions(conditions: &[LinearCondition], n: usize) -> Vec<LinearCondition> {
     conditions.iter().map(|c| LinearCondition { nodes: widened(&c.nodes, n), ..c.clone() }).collect()
+}
+
+#[test]
+fn sized_kernels_give_the_bits_of_the_general_ones() {
+    for (dims, m) in unrolled() {
+        let mut case = Case::new(dims, m, 3, &mut Random(41 + m as u64));
+        let r = random_residual(&case.system.residual, &mut Random(43));
+        let (mut sized, mut general) = (Direction::default(), Direction::default());
+        case.system.solve(&r, &mut sized);
+        case.problem.sized = false;
+        let mut system = factored(&mut case.problem, &case.y, &case.conditions);
+        system.solve(&r, &mut general);
+        assert_eq!((&system.residual, general), (&case.system.residual, sized));
+        assert_eq!(system.determinant(), case.system.determinant());
+    }
+}
+
+#[test]
+fn kernels_for_other_sizes_are_not_used() {
+    let layout = |dims| crate::condense::Layout::new(dims, 3);
+    let kernels = Kernels::sized::<7, 3, 3, 2>();
+    let mut chosen = unrolled().map(|(dims, _)| kernels.suited_to(&layout(dims)).is_sized());
+    assert!(chosen.all(|sized| sized));
+    for dims in SHAPES.into_iter().filter(|d| d.components != 7) {
+        assert!(!kernels.suited_to(&layout(dims)).is_sized());
+    }
 }
 
 #[test]
