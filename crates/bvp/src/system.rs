@@ -1,13 +1,12 @@
 //! The linearised collocation system of a problem about a solution: residuals, factors, solves.
 
-use crate::block::{AntisymmetricEnd, BlockFactor, EndRows, LinearForm};
+use crate::block::{AntisymmetricEnd, BlockFactor, Conditions, EndRows, LinearForm};
 use crate::condense::Condensed;
 use crate::dense::{Determinant, PivotFailure};
 use crate::gauss::Gauss;
 use crate::kernels::Kernels;
-use crate::problem::{
-    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, MAX_CONDITIONS, PointJacobian,
-};
+use crate::metric;
+use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, MAX_CONDITIONS};
 use crate::stages::Interval;
 use crate::{Direction, LinearCondition, Solution};
 
@@ -93,22 +92,39 @@ impl System {
         conditions: &[LinearCondition],
         derivatives: bool,
     ) {
-        let dims = self.dimensions();
-        let (n, m, np, ni) = (dims.components, self.gauss.m, dims.scalars, dims.integrals);
-        let intervals = y.intervals();
         problem.prepare(&y.scalars);
-        self.kernels = problem.kernels(m).suited_to(&self.condensed.layout);
+        self.kernels = problem.kernels(self.gauss.m).suited_to(&self.condensed.layout);
         if derivatives {
             self.condensed.reset(&y.mesh);
         }
+        self.evaluate_offsets(problem, y, conditions.len());
+        self.evaluate_intervals(problem, y, derivatives);
+        self.evaluate_ends(problem, y);
+        let border = &mut self.residual.border[self.condensed.layout.dims.integrals..];
+        for (row, condition) in border.iter_mut().zip(conditions) {
+            *row = metric::evaluate(condition, y) - condition.value;
+        }
+    }
+
+    /// The parts h(p) of the integral conditions, with room for linear conditions behind them.
+    fn evaluate_offsets<P: BoundaryValueProblem>(&mut self, problem: &P, y: &Solution, conditions: usize) {
+        let (np, ni) = (self.dimensions().scalars, self.dimensions().integrals);
+        let border = &mut self.residual.border;
+        zeroed(border, ni + conditions);
+        zeroed(&mut self.ends.hp, ni * np);
+        for k in 0..ni {
+            border[k] = problem.integral_offset(k, &y.scalars, &mut self.ends.hp[k * np..(k + 1) * np]);
+        }
+    }
+
+    /// The collocation equations, and the integrals over the intervals.
+    fn evaluate_intervals<P: BoundaryValueProblem>(&mut self, problem: &P, y: &Solution, derivatives: bool) {
+        let dims = self.dimensions();
+        let (n, m, ni) = (dims.components, self.gauss.m, dims.integrals);
+        let intervals = y.intervals();
         let r = &mut self.residual;
         r.stages.resize(intervals * m * n, 0.0);
         r.nodes.resize(intervals * n, 0.0);
-        zeroed(&mut r.border, ni + conditions.len());
-        zeroed(&mut self.ends.hp, ni * np);
-        for k in 0..ni {
-            r.border[k] = problem.integral_offset(k, &y.scalars, &mut self.ends.hp[k * np..(k + 1) * np]);
-        }
         zeroed(&mut self.point, n + ni);
         let (f, g) = self.point.split_at_mut(n);
         for i in 0..intervals {
@@ -116,22 +132,13 @@ impl System {
             for j in 0..m {
                 let index = i * m + j;
                 let at = CollocationPoint { x: y.mesh[i] + h * self.gauss.c[j], index };
-                let value = y.stage(i, j);
                 if derivatives {
                     f.fill(0.0);
                     g.fill(0.0);
-                    let c = &mut self.condensed;
-                    let mut out = PointJacobian {
-                        f,
-                        fy: &mut c.fy[index * n * n..(index + 1) * n * n],
-                        fp: &mut c.fp[index * n * np..(index + 1) * n * np],
-                        g,
-                        gy: &mut c.gy[index * ni * n..(index + 1) * ni * n],
-                        gp: &mut c.gp[index * ni * np..(index + 1) * ni * np],
-                    };
-                    problem.rhs_jacobian(at, value, &y.scalars, &mut out);
+                    let mut out = self.condensed.point_jacobian(index, f, g);
+                    problem.rhs_jacobian(at, y.stage(i, j), &y.scalars, &mut out);
                 } else {
-                    problem.rhs(at, value, &y.scalars, f, g);
+                    problem.rhs(at, y.stage(i, j), &y.scalars, f, g);
                 }
                 for k in 0..ni {
                     r.border[k] += h * self.gauss.b[j] * g[k];
@@ -145,23 +152,22 @@ impl System {
             let interval = Interval { left: y.node(i), stages: &y.stages[range.clone()], right: y.node(i + 1) };
             (self.kernels.differences)(&self.gauss, interval, &mut r.stages[range], &mut r.nodes[i * n..(i + 1) * n]);
         }
-        let e = &mut self.ends;
+    }
+
+    /// The conditions at both ends and their derivatives.
+    fn evaluate_ends<P: BoundaryValueProblem>(&mut self, problem: &P, y: &Solution) {
+        let dims = self.dimensions();
+        let (n, np) = (dims.components, dims.scalars);
+        let (r, e) = (&mut self.residual, &mut self.ends);
         zeroed(&mut r.left, dims.left);
         zeroed(&mut r.right, dims.right);
         zeroed(&mut e.ly, dims.left * n);
         zeroed(&mut e.lp, dims.left * np);
         zeroed(&mut e.ry, dims.right * n);
         zeroed(&mut e.rp, dims.right * np);
-        problem.left(y.node(0), &y.scalars, &mut BoundaryJacobian { r: &mut r.left, ry: &mut e.ly, rp: &mut e.lp });
-        problem.right(
-            y.node(intervals),
-            &y.scalars,
-            &mut BoundaryJacobian { r: &mut r.right, ry: &mut e.ry, rp: &mut e.rp },
-        );
-        for (k, c) in conditions.iter().enumerate() {
-            let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
-            r.border[ni + k] = dot(&c.nodes, &y.nodes) + dot(&c.scalars, &y.scalars) - c.value;
-        }
+        let (first, last) = (y.node(0), y.node(y.intervals()));
+        problem.left(first, &y.scalars, &mut BoundaryJacobian { r: &mut r.left, ry: &mut e.ly, rp: &mut e.lp });
+        problem.right(last, &y.scalars, &mut BoundaryJacobian { r: &mut r.right, ry: &mut e.ry, rp: &mut e.rp });
     }
 
     /// Condenses all intervals from the derivatives of the last evaluation.
@@ -181,15 +187,13 @@ impl System {
         for (form, c) in forms.iter_mut().zip(conditions) {
             *form = LinearForm { nodes: &c.nodes, scalars: &c.scalars };
         }
-        self.block.factor(
-            &self.condensed,
-            dims.scalars,
-            EndRows { ry: &e.ly, rp: &e.lp, rows: dims.left },
-            EndRows { ry: &e.ry, rp: &e.rp, rows: dims.right },
-            true,
-            &e.hp,
-            &forms[..conditions.len()],
-        )
+        let conditions = Conditions {
+            left: EndRows { ry: &e.ly, rp: &e.lp, rows: dims.left },
+            right: EndRows { ry: &e.ry, rp: &e.rp, rows: dims.right },
+            offsets: &e.hp,
+            forms: &forms[..conditions.len()],
+        };
+        self.block.factor(&self.condensed, &conditions)
     }
 
     /// Solves J δ = −residual with the factors at hand.
