@@ -98,7 +98,8 @@ impl Default for Determinant {
 }
 
 /// A pivot was zero or not finite.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("pivot {column} {}", if *.non_finite { "is not a finite number" } else { "vanishes" })]
 pub struct PivotFailure {
     /// Column of the failing pivot.
     pub column: usize,

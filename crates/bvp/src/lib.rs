@@ -10,7 +10,7 @@
 //! | [`problem`], [`gauss`], [`mesh`], [`solution`], [`direction`] | what is solved, and on what |
 //! | `dense`, `stages`, `condense`, `block` (private), [`Kernels`] | the kernels: stages are condensed, blocks eliminated in O(N), borders included |
 //! | [`system`], [`newton`] | the linearised system of one problem, and damped Newton with Jacobian reuse |
-//! | [`metric`], [`predictor`], [`continuation`] | branches by pseudo-arclength |
+//! | [`metric`], [`predictor`], [`continuation`], [`work`] | branches by pseudo-arclength, and what they cost |
 //! | [`derivatives`], [`singularity`], [`fold`], [`symmetry_breaking`] | what vanishes at a fold, at a pitchfork |
 //! | [`minimally_augmented`], [`locate`], [`normal_form`], [`two_parameter`] | singular points as roots, their normal forms, curves of them |
 //! | [`eigen`] | extreme eigenvalues by Arnoldi iteration |
@@ -39,12 +39,13 @@ mod stages;
 pub mod symmetry_breaking;
 pub mod system;
 pub mod two_parameter;
+pub mod work;
 
 #[cfg(test)]
 mod tests;
 
 pub use block::AntisymmetricEnd;
-pub use continuation::{Continuation, ContinuationError, ContinuationSettings, Ended, Work};
+pub use continuation::{Continuation, ContinuationError, ContinuationSettings, Ended, StepFailure};
 pub use dense::{Determinant, PivotFailure};
 pub use derivatives::Directional;
 pub use direction::{Direction, LinearCondition};
@@ -60,3 +61,4 @@ pub use solution::Solution;
 pub use symmetry_breaking::{MirrorSymmetric, SymmetryBreaking};
 pub use system::{Residual, System};
 pub use two_parameter::{CurveError, CurveSettings, TwoParameterCurve};
+pub use work::Work;

@@ -54,6 +54,7 @@ pub struct NewtonReport {
 
 /// Why the iteration did not converge.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum NewtonError {
     /// A pivot vanished.
     #[error("the Jacobian is singular (pivot {column}) after {iterations} iterations")]
@@ -76,14 +77,6 @@ pub enum NewtonError {
     NonFinite {
         /// Linear solves done.
         iterations: usize,
-    },
-    /// The accuracy asked for would need more intervals than allowed.
-    #[error("the mesh limit of {limit} intervals is reached with a defect of {defect:.3e}")]
-    MeshLimit {
-        /// Most intervals allowed.
-        limit: usize,
-        /// Defect at the limit.
-        defect: f64,
     },
 }
 

@@ -2,7 +2,10 @@
 
 use crate::derivatives::{Directional, second_residual};
 use crate::problem::MAX_UNKNOWNS;
-use crate::{AntisymmetricEnd, BoundaryValueProblem, Direction, PivotFailure, Residual, Singularity, Solution, System};
+use crate::{
+    AntisymmetricEnd, BoundaryValueProblem, Determinant, Direction, PivotFailure, Residual, Singularity, Solution,
+    System,
+};
 
 /// A problem on the half of a mirror-symmetric domain, whose right end is the mirror.
 pub trait MirrorSymmetric: BoundaryValueProblem {
@@ -54,23 +57,42 @@ impl SymmetryBreaking {
     }
 }
 
+impl SymmetryBreaking {
+    /// Factorises the problem with the last of the components that vanish replaced by `normaliser`.
+    fn replace(
+        &mut self,
+        system: &System,
+        vanishing: &[usize],
+        normaliser: usize,
+    ) -> Result<Determinant, PivotFailure> {
+        let last = vanishing.len() - 1;
+        self.rows.clear();
+        self.rows.extend_from_slice(&vanishing[..last]);
+        self.rows.push(normaliser);
+        self.replaced = vanishing[last];
+        self.normaliser = normaliser;
+        system.factor_antisymmetric(&self.rows, &mut self.end)
+    }
+
+    /// Solves the replaced problem for φ with its normalising component 1; returns g.
+    fn solve_replaced(&mut self, system: &mut System) -> f64 {
+        let count = self.rows.len();
+        let mut right = [0.0; MAX_UNKNOWNS];
+        right[count - 1] = 1.0;
+        system.solve_antisymmetric_unit(&self.end, &right[..count], &mut self.null);
+        self.null.nodes[self.null.nodes.len() - system.dimensions().components + self.replaced]
+    }
+}
+
 /// A null vector this much larger than its normalising component asks for another one.
 const LARGE: f64 = 1e4;
 
 impl<P: Directional + MirrorSymmetric> Singularity<P> for SymmetryBreaking {
     fn evaluate(&mut self, system: &mut System, problem: &P, _w: &Direction) -> Result<f64, PivotFailure> {
-        let n = system.dimensions().components;
         let mut failure = PivotFailure { column: 0, non_finite: false };
-        for attempt in 0..problem.free_at_mirror().len() {
-            let vanishing = problem.vanishing_at_mirror();
-            let count = vanishing.len();
-            let normaliser = problem.free_at_mirror()[attempt];
-            self.rows.clear();
-            self.rows.extend_from_slice(&vanishing[..count - 1]);
-            self.rows.push(normaliser);
-            self.replaced = vanishing[count - 1];
-            self.normaliser = normaliser;
-            let det = match system.factor_antisymmetric(&self.rows, &mut self.end) {
+        let normalisers = problem.free_at_mirror();
+        for (attempt, &normaliser) in normalisers.iter().enumerate() {
+            let det = match self.replace(system, problem.vanishing_at_mirror(), normaliser) {
                 Ok(det) if det.sign != 0.0 => det,
                 Ok(_) => continue,
                 Err(error) => {
@@ -78,12 +100,9 @@ impl<P: Directional + MirrorSymmetric> Singularity<P> for SymmetryBreaking {
                     continue;
                 }
             };
-            let mut right = [0.0; MAX_UNKNOWNS];
-            right[count - 1] = 1.0;
-            system.solve_antisymmetric_unit(&self.end, &right[..count], &mut self.null);
+            let g = self.solve_replaced(system);
             let largest = self.null.nodes.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-            if largest < LARGE || attempt + 1 == problem.free_at_mirror().len() {
-                let g = self.null.nodes[self.null.nodes.len() - n + self.replaced];
+            if largest < LARGE || attempt + 1 == normalisers.len() {
                 self.determinant = (det.sign * g.signum(), det.log_abs + g.abs().ln());
                 return Ok(g);
             }
