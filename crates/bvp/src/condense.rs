@@ -33,9 +33,7 @@ pub struct Layout {
     pub rhs_lane: usize,
     /// Lanes of one row of the stage matrix: itself, its right-hand sides, and columns that become its inverse.
     pub lanes: usize,
-    /// Columns of the condensed map: n + scalars.
-    pub columns: usize,
-    /// Lanes of one row of the condensed map.
+    /// Lanes of one row of the condensed map: n + scalars columns.
     pub map_lanes: usize,
 }
 
@@ -44,10 +42,9 @@ impl Layout {
     pub fn new(dims: Dimensions, m: usize) -> Layout {
         let nn = dims.components - dims.integrable;
         let s = m * nn;
-        let columns = dims.components + dims.scalars;
         let rhs_lane = dense::lanes_for(s);
-        let map_lanes = dense::lanes_for(columns);
-        Layout { dims, m, nn, s, rhs_lane, lanes: 2 * rhs_lane + map_lanes, columns, map_lanes }
+        let map_lanes = dense::lanes_for(dims.components + dims.scalars);
+        Layout { dims, m, nn, s, rhs_lane, lanes: 2 * rhs_lane + map_lanes, map_lanes }
     }
 }
 

@@ -10,6 +10,7 @@
 //! | [`problem`], [`gauss`], [`mesh`], [`solution`], [`direction`] | what is solved, and on what |
 //! | `dense`, `stages`, `condense`, `block` (private), [`Kernels`] | the kernels: stages are condensed, blocks eliminated in O(N), borders included |
 //! | [`system`], [`newton`] | the linearised system of one problem, and damped Newton with Jacobian reuse |
+//! | [`solver`] | a problem solved to an accuracy, on meshes of its own choice |
 //! | [`metric`], [`predictor`], [`continuation`], [`work`] | branches by pseudo-arclength, and what they cost |
 //! | [`derivatives`], [`singularity`], [`fold`], [`symmetry_breaking`] | what vanishes at a fold, at a pitchfork |
 //! | [`minimally_augmented`], [`locate`], [`normal_form`], [`two_parameter`] | singular points as roots, their normal forms, curves of them |
@@ -35,6 +36,7 @@ pub mod predictor;
 pub mod problem;
 pub mod singularity;
 pub mod solution;
+pub mod solver;
 mod stages;
 pub mod symmetry_breaking;
 pub mod system;
@@ -58,6 +60,7 @@ pub use newton::{Newton, NewtonError, NewtonReport};
 pub use problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, PointJacobian, TooLarge};
 pub use singularity::{SingularError, Singularity};
 pub use solution::Solution;
+pub use solver::{Settings, SolveError, Solved, solve};
 pub use symmetry_breaking::{MirrorSymmetric, SymmetryBreaking};
 pub use system::{Residual, System};
 pub use two_parameter::{CurveError, CurveSettings, TwoParameterCurve};

@@ -13,6 +13,7 @@ mod order;
 mod problems;
 mod sized;
 mod solution;
+mod solver;
 
 /// SplitMix64: small, and the same numbers on every machine.
 struct Random(u64);
