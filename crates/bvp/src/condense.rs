@@ -25,9 +25,7 @@ pub struct Layout {
     pub dims: Dimensions,
     /// Stages m.
     pub m: usize,
-    /// Non-integrable components.
-    pub nn: usize,
-    /// Stage unknowns left after integrating: m · nn.
+    /// Stage unknowns left after integrating: m times the components that are not integrable.
     pub s: usize,
     /// Lane at which the right-hand sides start.
     pub rhs_lane: usize,
@@ -40,11 +38,10 @@ pub struct Layout {
 impl Layout {
     /// Layout for a problem and a stage count.
     pub fn new(dims: Dimensions, m: usize) -> Layout {
-        let nn = dims.components - dims.integrable;
-        let s = m * nn;
+        let s = m * (dims.components - dims.integrable);
         let rhs_lane = dense::lanes_for(s);
         let map_lanes = dense::lanes_for(dims.components + dims.scalars);
-        Layout { dims, m, nn, s, rhs_lane, lanes: 2 * rhs_lane + map_lanes, map_lanes }
+        Layout { dims, m, s, rhs_lane, lanes: 2 * rhs_lane + map_lanes, map_lanes }
     }
 }
 

@@ -94,6 +94,9 @@ pub enum ContinuationError {
 /// straight on.
 const CLOSED_GAP: f64 = 1e-6;
 
+/// A rejected step is tried again at this fraction of its length.
+pub(crate) const SHORTER: f64 = 0.4;
+
 /// After so many rejections the tangent they start from is in doubt.
 const DOUBTFUL: usize = 2;
 
@@ -167,6 +170,27 @@ pub enum Ended {
 pub type MeshMonitor<P> = fn(&P, &Solution, &mut Vec<f64>);
 
 /// Continuation of one branch.
+///
+/// # Examples
+/// The branch of u″ + λeᵘ = 0, u(0) = u(1) = 0 from u = 0 at λ = 0 up to λ = 2. `Oscillator` is in
+/// `examples/problems/oscillator.rs`.
+///
+/// ```
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::Oscillator;
+/// use bvp::{Continuation, ContinuationSettings, Ended, Metric};
+/// let problem = Oscillator { force: |u| [u.exp(); 4], right: 0 };
+/// let guess = problem.zero(1.0, 20, 4, 0.0);
+/// let settings = ContinuationSettings::default();
+/// let mut branch = Continuation::start(problem, guess, Metric::unit(2, 1), settings, true)?;
+/// let ended = branch.follow([0.0, 2.0], 100, |_, advance| !advance.passed_fold)?;
+/// assert_eq!(ended, Ended::ParameterBound(2.0));
+/// let mut y = [0.0; 2];
+/// branch.state.solution.eval(&branch.system.gauss, 0.5, &mut y);
+/// let cosh = (0.5 * y[0]).exp();
+/// assert!((8.0 * (cosh.acosh() / cosh).powi(2) - 2.0).abs() < 1e-7);
+/// # Ok::<(), bvp::ContinuationError>(())
+/// ```
 pub struct Continuation<P> {
     /// The problem; its last scalar unknown is the parameter λ. One condition short of square.
     pub problem: P,
@@ -270,7 +294,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                 Err(failure) => failure,
             };
             rejected += 1;
-            step *= 0.4;
+            step *= SHORTER;
             if rejected == DOUBTFUL {
                 // The tangent is of the corrector's factors, those of a prediction: if it is off by too much, no step is
                 // short enough. Without an exact one the next rejections go on as before.

@@ -1,9 +1,7 @@
-//! Boundary-value problems for ordinary differential equations by Gauss collocation: solutions, branches of solutions, and
-//! the points where branches turn and split.
+#![doc = include_str!("../README.md")]
 //!
-//! A [`BoundaryValueProblem`] states y′ = f(x, y, p) on [x₀, x_N] with scalar unknowns p, conditions at both ends and
-//! integral conditions. A [`Solution`] holds node and stage values on a non-uniform mesh. The floors of the crate, each
-//! importing only from those above it in this list:
+//! # Modules
+//! Each imports only from those above it in this list:
 //!
 //! | module | role |
 //! |---|---|

@@ -18,6 +18,26 @@ use crate::metric::{self, Metric};
 use crate::{Direction, LinearCondition, SingularError, Singularity, Solution, System};
 
 /// Newton on the extended system for a problem with one or two free parameters (its last scalar unknowns).
+///
+/// # Examples
+/// The fold of u″ + λeᵘ = 0, u(0) = u(1) = 0, from the first point of the branch behind it. `Oscillator` is in
+/// `examples/problems/oscillator.rs`.
+///
+/// ```
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::Oscillator;
+/// use bvp::{Continuation, ContinuationSettings, Fold, Metric, MinimallyAugmented};
+/// let problem = Oscillator { force: |u| [u.exp(); 4], right: 0 };
+/// let (guess, metric) = (problem.zero(1.0, 20, 4, 0.0), Metric::unit(2, 1));
+/// let settings = ContinuationSettings::default();
+/// let mut branch = Continuation::start(problem.clone(), guess, metric.clone(), settings, true)?;
+/// branch.follow([0.0, 10.0], 100, |_, advance| !advance.passed_fold)?;
+/// let mut y = branch.state.solution.clone();
+/// let mut point = MinimallyAugmented::new(problem, Fold::new(0), y.m, metric, &branch.state.tangent);
+/// point.solve(&mut y, None)?;
+/// assert!((y.scalars[0] - 3.513830719).abs() < 1e-8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct MinimallyAugmented<P, S> {
     /// The problem, one or two conditions short of square.

@@ -15,6 +15,28 @@ use crate::solution::Solution;
 use crate::{Direction, LinearCondition, System};
 
 /// Settings of the iteration.
+///
+/// # Examples
+/// u″ + λeᵘ = 0, u(0) = u(1) = 0 with λ held at 1 by a linear condition. `Oscillator` is in
+/// `examples/problems/oscillator.rs`.
+///
+/// ```
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::Oscillator;
+/// use bvp::{BoundaryValueProblem, LinearCondition, Newton, System, metric};
+/// let mut problem = Oscillator { force: |u| [u.exp(); 4], right: 0 };
+/// let mut y = problem.zero(1.0, 20, 4, 1.0);
+/// let mut conditions = vec![LinearCondition::default()];
+/// metric::scalar_condition(&y, 0, 1.0, &mut conditions[0]);
+/// let mut system = System::new(problem.dimensions(), y.m);
+/// let newton = Newton::default();
+/// let report = newton.solve(&mut system, &mut Default::default(), &mut problem, &mut y, &conditions, false)?;
+/// assert!(report.factorisations <= 2);
+/// // u(½) = 2 ln cosh θ belongs to λ = 8(θ/cosh θ)².
+/// let cosh = (0.5 * y.node(10)[0]).exp();
+/// assert!((8.0 * (cosh.acosh() / cosh).powi(2) - 1.0).abs() < 1e-8);
+/// # Ok::<(), bvp::NewtonError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Newton {
     /// Bound on the estimated remaining error, max |δ|/(1 + |value|).

@@ -155,6 +155,40 @@ pub struct BoundaryJacobian<'a> {
 }
 
 /// y′ = f(x, y, p) with separated boundary conditions, integral conditions and scalar unknowns.
+///
+/// # Examples
+/// Bratu's problem u″ + λeᵘ = 0, u(0) = u(1) = 0 with λ as a scalar unknown. It lacks one condition, for λ: see
+/// [`Newton`](crate::Newton) and [`Continuation`](crate::Continuation).
+///
+/// ```
+/// use bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, PointJacobian};
+///
+/// struct Bratu;
+///
+/// impl BoundaryValueProblem for Bratu {
+///     fn dimensions(&self) -> Dimensions {
+///         // u′ depends on the other component alone: it is integrable.
+///         Dimensions { components: 2, integrable: 1, scalars: 1, left: 1, right: 1, integrals: 0 }
+///     }
+///     fn rhs(&self, _: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], _: &mut [f64]) {
+///         f.copy_from_slice(&[y[1], -p[0] * y[0].exp()]);
+///     }
+///     fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
+///         self.rhs(at, y, p, out.f, out.g);
+///         out.fy.copy_from_slice(&[0.0, 1.0, -p[0] * y[0].exp(), 0.0]);
+///         out.fp.copy_from_slice(&[0.0, -y[0].exp()]);
+///     }
+///     fn left(&self, y: &[f64], _: &[f64], out: &mut BoundaryJacobian<'_>) {
+///         (out.r[0], out.ry[0]) = (y[0], 1.0);
+///     }
+///     fn right(&self, y: &[f64], _: &[f64], out: &mut BoundaryJacobian<'_>) {
+///         (out.r[0], out.ry[0]) = (y[0], 1.0);
+///     }
+/// }
+///
+/// assert_eq!(Bratu.dimensions().missing_conditions(), 1);
+/// assert!(Bratu.dimensions().check(4).is_ok());
+/// ```
 pub trait BoundaryValueProblem {
     /// Sizes.
     fn dimensions(&self) -> Dimensions;

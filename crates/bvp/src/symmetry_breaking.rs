@@ -22,6 +22,25 @@ pub trait MirrorSymmetric: BoundaryValueProblem {
 /// With the last of the conditions at the mirror replaced by (component `normaliser` of φ) = 1, g is what φ leaves of the
 /// condition replaced. Then det J_a = g · det of the replaced problem, and the same factors project any right-hand side
 /// on the left null vector.
+///
+/// # Examples
+/// A rod u″ + λ sin u = 0, u(0) = u(1) = 0 buckles to an antisymmetric shape at λ = (2π)². `Oscillator` is in
+/// `examples/problems/oscillator.rs`; here it is on the half [0, ½], with a mirror at ½.
+///
+/// ```
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::Oscillator;
+/// use bvp::{Continuation, ContinuationSettings, Metric, MinimallyAugmented, SymmetryBreaking};
+/// let problem = Oscillator { force: |u| [u.sin(), u.cos(), -u.sin(), -u.cos()], right: 1 };
+/// let (mut y, metric) = (problem.zero(0.5, 10, 4, 38.0), Metric::unit(2, 1));
+/// let settings = ContinuationSettings::default();
+/// let branch = Continuation::start(problem.clone(), y.clone(), metric.clone(), settings, true)?;
+/// let tangent = &branch.state.tangent;
+/// let mut point = MinimallyAugmented::new(problem, SymmetryBreaking::default(), y.m, metric, tangent);
+/// point.solve(&mut y, None)?;
+/// assert!((y.scalars[0] - (2.0 * std::f64::consts::PI).powi(2)).abs() < 1e-8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct SymmetryBreaking {
     /// The antisymmetric solution φ of the replaced problem; at g = 0 the null vector.

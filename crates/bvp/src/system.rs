@@ -27,6 +27,34 @@ pub struct Residual {
 
 /// Workspace for one problem shape: derivatives, condensed intervals, block factors. Reused from call to call; nothing
 /// is allocated once it has seen the largest mesh.
+///
+/// A use is [`evaluate`](Self::evaluate), [`condense`](Self::condense), [`factor_blocks`](Self::factor_blocks) and any
+/// number of solves.
+///
+/// # Examples
+/// Newton's method by hand, on u″ + λeᵘ = 0 with λ held at 1 by a linear condition. `Oscillator` is in
+/// `examples/problems/oscillator.rs`.
+///
+/// ```
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::Oscillator;
+/// use bvp::{BoundaryValueProblem, Direction, LinearCondition, System, metric};
+/// let mut problem = Oscillator { force: |u| [u.exp(); 4], right: 0 };
+/// let mut y = problem.zero(1.0, 10, 4, 1.0);
+/// let mut conditions = vec![LinearCondition::default()];
+/// metric::scalar_condition(&y, 0, 1.0, &mut conditions[0]);
+/// let mut system = System::new(problem.dimensions(), y.m);
+/// let mut step = Direction::default();
+/// for _ in 0..5 {
+///     system.evaluate(&mut problem, &y, &conditions, true);
+///     system.condense()?;
+///     system.factor_blocks(&conditions)?;
+///     system.solve_own(&mut step);
+///     step.apply(1.0, &mut y);
+/// }
+/// assert!(step.norm(&y) < 1e-12);
+/// # Ok::<(), bvp::PivotFailure>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct System {
     /// Collocation coefficients.

@@ -6,7 +6,7 @@
 //! parameter.
 
 use crate::Direction;
-use crate::continuation::MeshMonitor;
+use crate::continuation::{MeshMonitor, SHORTER};
 use crate::derivatives::Directional;
 use crate::metric::{self, Metric};
 use crate::predictor::History;
@@ -80,6 +80,28 @@ pub enum CurveError {
 }
 
 /// A curve of singular points being followed.
+///
+/// # Examples
+/// The folds of u″ + λ exp(u/(1 + μu)) = 0, u(0) = u(1) = 0 from that of Bratu's problem at μ = 0 to μ = 0.1. `Gelfand` is
+/// in `examples/problems/gelfand.rs`, on the half [0, ½].
+///
+/// ```
+/// # mod gelfand { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/gelfand.rs")); }
+/// # use gelfand::Gelfand;
+/// use bvp::{CurveSettings, Direction, Fold, Gauss, Metric, Solution, TwoParameterCurve, mesh};
+/// let (gauss, mesh) = (Gauss::new(4), mesh::uniform(0.0, 0.5, 12));
+/// // At the fold u is about 1.19 at ½, and all of it grows along the branch.
+/// let bump = |x: f64, y: &mut [f64]| y.copy_from_slice(&[4.75 * x * (1.0 - x), 4.75 * (1.0 - 2.0 * x)]);
+/// let guess = Solution::from_fn(&gauss, &mesh, 2, &[3.5, 0.0], bump);
+/// let tangent = Direction { nodes: guess.nodes.clone(), stages: guess.stages.clone(), scalars: vec![0.0; 2] };
+/// let (metric, settings) = (Metric::unit(2, 2), CurveSettings::default());
+/// let mut curve = TwoParameterCurve::start(Gelfand, Fold::new(0), guess, metric, &tangent, settings, true)?;
+/// assert!((curve.parameters()[0] - 3.513830719).abs() < 1e-8);
+/// curve.follow_to(1, 0.1, 100, |_, _| true)?;
+/// assert_eq!(curve.parameters()[1], 0.1);
+/// assert!(curve.parameters()[0] > 3.9, "the fold comes later");
+/// # Ok::<(), bvp::CurveError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct TwoParameterCurve<P, S> {
     /// Factors, directions and the singularity at the newest point.
@@ -188,7 +210,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
             (self.augmented.basis, self.augmented.slopes) = before;
             self.augmented.set_reference(&self.augmented.basis[0].clone());
             self.work.rejected += 1;
-            step *= 0.4;
+            step *= SHORTER;
             if step < self.settings.min_step {
                 return Err(self.lost(source));
             }
