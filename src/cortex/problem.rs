@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, PointJacobian};
+use bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Kernels, PointJacobian};
 use num_dual::Dual64;
 
 use super::equations::{COMPONENTS, Constants, Domain, LENGTH, M, Motion, PRESSURE, PSI, Q, R, T, V, equations};
@@ -10,6 +10,9 @@ use super::jacobian::jacobian;
 use super::symmetry::{CENTRE, ODD};
 use crate::cell::cue::{Term, Width};
 use crate::cell::{Cell, Parameter};
+
+/// The first three components, r, z and m, are integrable in the sense of [`Dimensions::integrable`].
+const INTEGRABLE: usize = 3;
 
 /// Number of scalar unknowns before the free parameters: L and p.
 pub const SHAPE_SCALARS: usize = 2;
@@ -58,7 +61,7 @@ impl Cortex {
     pub fn dimensions_for(free: usize) -> Dimensions {
         Dimensions {
             components: COMPONENTS,
-            integrable: 3,
+            integrable: INTEGRABLE,
             scalars: SHAPE_SCALARS + free,
             left: 4,
             right: 4,
@@ -147,6 +150,15 @@ impl Cortex {
 impl BoundaryValueProblem for Cortex {
     fn dimensions(&self) -> Dimensions {
         Cortex::dimensions_for(self.free.len())
+    }
+
+    /// Compiled for the sizes of a cell without and with up to seven free parameters: most of a division is spent there.
+    fn kernels(&self, stages: usize) -> Kernels {
+        match stages {
+            3 => Kernels::sized::<COMPONENTS, INTEGRABLE, 3, 2>(),
+            4 => Kernels::sized::<COMPONENTS, INTEGRABLE, 4, 2>(),
+            _ => Kernels::general(),
+        }
     }
 
     fn prepare(&mut self, p: &[f64]) {

@@ -248,7 +248,7 @@ pub fn pitchfork_curve(
         failure.is_none()
     });
     followed.map_err(|error| lost(failure.map_or(error, CurveError::Start)))?;
-    found.iterations = curve.iterations;
+    found.iterations = curve.work.iterations;
     Ok(found)
 }
 
@@ -296,7 +296,7 @@ pub fn follow_fold(curve: &mut FoldCurve, parameter: Parameter, to: f64) -> Curv
         }
         !cusp && !passive
     });
-    found.iterations = curve.iterations;
+    found.iterations = curve.work.iterations;
     found.ended = match followed {
         Err(CurveError::NotReached { .. }) if cusp => {
             if let Some(y) = curve.turning_point(SECOND) {

@@ -9,7 +9,8 @@
 //! Ascher, Mattheij & Russell 1995, ch. 7 (stability of block elimination with row pivoting for separated conditions).
 
 use crate::condense::Condensed;
-use crate::dense::{self, Determinant, Factors, FactorsRef, LANE, Lane, PivotFailure};
+use crate::dense::{self, Determinant, Factors, FactorsRef, LANE, Lanes, PivotFailure};
+use crate::problem::{MAX_ROWS, MAX_UNKNOWN_LANES, MAX_UNKNOWNS};
 
 /// Rows at one end: `rows` conditions with derivatives by y (× n) and by p (× scalars), row-major.
 #[derive(Clone, Copy, Debug)]
@@ -31,27 +32,45 @@ pub struct LinearForm<'a> {
     pub scalars: &'a [f64],
 }
 
+/// All rows but those of the intervals.
+#[derive(Clone, Copy, Debug)]
+pub struct Conditions<'a> {
+    /// Conditions at the left end.
+    pub left: EndRows<'a>,
+    /// Conditions at the right end.
+    pub right: EndRows<'a>,
+    /// Derivatives ∂h/∂p of the integral conditions, whose other derivatives are in the condensed intervals; integrals ×
+    /// scalars.
+    pub offsets: &'a [f64],
+    /// Linear conditions.
+    pub forms: &'a [LinearForm<'a>],
+}
+
 /// Factors of the bordered almost block diagonal matrix.
 #[derive(Clone, Debug, Default)]
 pub struct BlockFactor {
+    /// Components.
     n: usize,
+    /// Scalar unknowns.
     np: usize,
+    /// Left, right, integral and border conditions; the last are the integral and the linear ones.
     nl: usize,
     nr: usize,
+    ni: usize,
     nb: usize,
     intervals: usize,
     /// Rows of the interval at work: carried, transition, border.
-    panel: Vec<Lane>,
+    panel: Lanes,
     /// Factors of every interval, and of the last block.
     panels: FactorStore,
     last: FactorStore,
     /// What elimination does to the right-hand sides of an interval, by columns: rows (solved δy_i, carried, border);
     /// per interval rows × lanes_for(rows).
-    transform: Vec<Lane>,
+    transform: Lanes,
     /// −∂δy_i/∂(δy_{i+1}, δp) by columns, one lane run of n rows each; per interval.
-    backward: Vec<Lane>,
+    backward: Lanes,
     /// U⁻¹ times the forward-eliminated right-hand side of each interval.
-    forward: Vec<Lane>,
+    forward: Lanes,
 }
 
 /// Factors of the last block of the antisymmetric problem on a mirror-symmetric half, see
@@ -68,8 +87,8 @@ pub struct AntisymmetricEnd {
 struct FactorStore {
     columns: usize,
     rows: usize,
-    lower: Vec<Lane>,
-    upper: Vec<Lane>,
+    lower: Lanes,
+    upper: Lanes,
     reciprocal: Vec<f64>,
     exchange: Vec<u8>,
 }
@@ -77,8 +96,8 @@ struct FactorStore {
 impl FactorStore {
     fn reset(&mut self, blocks: usize, columns: usize, rows: usize) {
         (self.columns, self.rows) = (columns, rows);
-        self.lower.resize(blocks * columns * dense::lanes_for(rows), [0.0; LANE]);
-        self.upper.resize(blocks * columns * dense::lanes_for(columns), [0.0; LANE]);
+        self.lower.resize(blocks * columns * dense::lanes_for(rows));
+        self.upper.resize(blocks * columns * dense::lanes_for(columns));
         self.reciprocal.resize(blocks * columns, 0.0);
         self.exchange.resize(blocks * columns, 0);
     }
@@ -111,150 +130,199 @@ impl FactorStore {
     }
 }
 
+/// Widths of the panel, the rows of one interval: carried, transition and border rows, as columns of δy_i, δy_{i+1}, δp,
+/// padding, and an identity that becomes what elimination does to the rows.
+#[derive(Clone, Copy)]
+struct Panel {
+    /// Rows.
+    rows: usize,
+    /// Lane at which the identity starts.
+    identity: usize,
+    /// Lanes of a row.
+    lanes: usize,
+}
+
 impl BlockFactor {
-    /// Factorises with the first `scalars` scalar unknowns (0 leaves them out), the given end rows, the integral rows of
-    /// the condensed system if `integrals` and further linear rows.
+    /// Factorises the condensed intervals with the conditions that make the system square.
     ///
-    /// `offsets` are the derivatives ∂h/∂p of the integral conditions (integrals × scalars).
-    pub fn factor(
-        &mut self,
-        condensed: &Condensed,
-        scalars: usize,
-        left: EndRows<'_>,
-        right: EndRows<'_>,
-        integrals: bool,
-        offsets: &[f64],
-        forms: &[LinearForm<'_>],
-    ) -> Result<(), PivotFailure> {
-        let dims = condensed.layout.dims;
-        let intervals = condensed.intervals();
-        let n = dims.components;
-        let ni = if integrals { dims.integrals } else { 0 };
-        let np = scalars;
-        let stride = dims.scalars;
-        let nb = ni + forms.len();
-        let nf = n + np;
-        let rows = left.rows + n + nb;
-        let identity = dense::lanes_for(2 * n + np);
-        let lanes = identity + dense::lanes_for(rows);
-        (self.n, self.np, self.nl, self.nr, self.nb) = (n, np, left.rows, right.rows, nb);
-        self.intervals = intervals;
-        assert_eq!(left.rows + right.rows + nb, nf, "as many conditions as unknowns");
-        self.panel.clear();
-        self.panel.resize(rows * lanes, [0.0; LANE]);
-        self.panels.reset(intervals, n, rows);
-        let tall = dense::lanes_for(rows);
-        self.transform.resize(intervals * rows * tall, [0.0; LANE]);
-        self.last.reset(1, nf, nf);
-        let height = dense::lanes_for(n);
-        self.backward.resize(intervals * nf * height, [0.0; LANE]);
-        self.forward.resize(intervals * height, [0.0; LANE]);
-        let put_ends = |row: &mut [f64], rows_at: &EndRows<'_>, k: usize, p_at: usize| {
-            row[..n].copy_from_slice(&rows_at.ry[k * n..(k + 1) * n]);
-            if np > 0 {
-                row[p_at..p_at + np].copy_from_slice(&rows_at.rp[k * stride..k * stride + np]);
-            }
-        };
-        for k in 0..left.rows {
-            put_ends(self.panel[k * lanes..(k + 1) * lanes].as_flattened_mut(), &left, k, 2 * n);
-        }
-        for k in 0..nb {
-            let at = (left.rows + n + k) * lanes;
-            let row = self.panel[at..at + lanes].as_flattened_mut();
-            let p = &mut row[2 * n..2 * n + np];
-            if k < ni {
-                p.copy_from_slice(&offsets[k * stride..k * stride + np]);
-            } else {
-                p.copy_from_slice(&forms[k - ni].scalars[..np]);
-            }
-        }
-        for i in 0..intervals {
-            let panel = &mut self.panel[..];
-            let ml = condensed.layout.map_lanes;
-            let transition = condensed.transition(i);
-            for k in 0..n {
-                let at = (left.rows + k) * lanes;
-                let row = panel[at..at + lanes].as_flattened_mut();
-                row.fill(0.0);
-                let source = transition[k * ml..(k + 1) * ml].as_flattened();
-                for c in 0..n {
-                    row[c] = -source[c];
-                }
-                row[n + k] = 1.0;
-                for q in 0..np {
-                    row[2 * n + q] = -source[n + q];
-                }
-            }
-            for k in 0..nb {
-                let at = (left.rows + n + k) * lanes;
-                let row = panel[at..at + lanes].as_flattened_mut();
-                if k < ni {
-                    let source = condensed.integral(i)[k * ml..(k + 1) * ml].as_flattened();
-                    for c in 0..n {
-                        row[c] += source[c];
-                    }
-                    for q in 0..np {
-                        row[2 * n + q] += source[n + q];
-                    }
-                } else {
-                    for c in 0..n {
-                        row[c] += forms[k - ni].nodes[i * n + c];
-                    }
-                }
-            }
-            for k in 0..rows {
-                let unit = panel[k * lanes + identity..(k + 1) * lanes].as_flattened_mut();
-                unit.fill(0.0);
-                unit[k] = 1.0;
-            }
-            dense::eliminate(panel, lanes, n, left.rows + n, &mut self.panels.write(i))?;
+    /// # Errors
+    /// If a pivot vanishes: in the last block where the system is singular.
+    ///
+    /// # Panics
+    /// If there are not as many conditions as unknowns.
+    pub fn factor(&mut self, condensed: &Condensed, conditions: &Conditions<'_>) -> Result<(), PivotFailure> {
+        self.reset(condensed, conditions);
+        let panel = self.panel_widths();
+        self.begin(conditions);
+        for i in 0..self.intervals {
+            self.load_interval(condensed, conditions, i);
+            dense::eliminate(&mut self.panel, panel.lanes, self.n, self.nl + self.n, &mut self.panels.write(i))?;
             let factors = self.panels.read(i);
-            dense::back_substitute(panel, lanes, n, factors.upper, factors.reciprocal);
-            let backward = &mut self.backward[i * nf * height..(i + 1) * nf * height];
-            for k in 0..n {
-                let row = panel[k * lanes..(k + 1) * lanes].as_flattened();
-                for c in 0..nf {
-                    backward[c * height + k / LANE][k % LANE] = row[n + c];
-                }
+            dense::back_substitute(&mut self.panel, panel.lanes, self.n, factors.upper, factors.reciprocal);
+            self.store_interval(i);
+            if i + 1 < self.intervals {
+                self.carry_on();
             }
-            let transform = &mut self.transform[i * rows * tall..(i + 1) * rows * tall];
-            for k in 0..rows {
-                let row = panel[k * lanes + identity..(k + 1) * lanes].as_flattened();
-                for c in 0..rows {
-                    transform[c * tall + k / LANE][k % LANE] = row[c];
-                }
+        }
+        self.factor_last(conditions)
+    }
+
+    fn panel_widths(&self) -> Panel {
+        let rows = self.nl + self.n + self.nb;
+        let identity = dense::lanes_for(2 * self.n + self.np);
+        Panel { rows, identity, lanes: identity + dense::lanes_for(rows) }
+    }
+
+    /// Takes over sizes and makes room.
+    fn reset(&mut self, condensed: &Condensed, conditions: &Conditions<'_>) {
+        let dims = condensed.layout.dims;
+        let (n, np) = (dims.components, dims.scalars);
+        let (nl, nr, ni) = (conditions.left.rows, conditions.right.rows, dims.integrals);
+        let nb = ni + conditions.forms.len();
+        let nf = n + np;
+        assert_eq!(nl + nr + nb, nf, "as many conditions as unknowns");
+        (self.n, self.np, self.nl, self.nr, self.ni, self.nb) = (n, np, nl, nr, ni, nb);
+        self.intervals = condensed.intervals();
+        let Panel { rows, lanes, .. } = self.panel_widths();
+        let (tall, height) = (dense::lanes_for(rows), dense::lanes_for(n));
+        self.panel.resize(rows * lanes);
+        self.panel.fill([0.0; LANE]);
+        self.panels.reset(self.intervals, n, rows);
+        self.transform.resize(self.intervals * rows * tall);
+        self.last.reset(1, nf, nf);
+        self.backward.resize(self.intervals * nf * height);
+        self.forward.resize(self.intervals * height);
+    }
+
+    /// Writes end condition k: derivatives by the components in front, those by the scalars at column `p_at`.
+    fn put_end(&self, row: &mut [f64], end: &EndRows<'_>, k: usize, p_at: usize) {
+        let (n, np) = (self.n, self.np);
+        row[..n].copy_from_slice(&end.ry[k * n..(k + 1) * n]);
+        row[p_at..p_at + np].copy_from_slice(&end.rp[k * np..(k + 1) * np]);
+    }
+
+    /// The rows that are carried from interval to interval, before the first: left conditions, and of the borders what
+    /// belongs to the scalars.
+    fn begin(&mut self, conditions: &Conditions<'_>) {
+        let (n, np, lanes) = (self.n, self.np, self.panel_widths().lanes);
+        let mut panel = std::mem::take(&mut self.panel);
+        for k in 0..self.nl {
+            self.put_end(panel[k * lanes..(k + 1) * lanes].as_flattened_mut(), &conditions.left, k, 2 * n);
+        }
+        for k in 0..self.nb {
+            let at = (self.nl + n + k) * lanes;
+            let row = panel[at..at + lanes].as_flattened_mut();
+            let source = match k.checked_sub(self.ni) {
+                None => &conditions.offsets[k * np..(k + 1) * np],
+                Some(form) => &conditions.forms[form].scalars[..np],
+            };
+            row[2 * n..2 * n + np].copy_from_slice(source);
+        }
+        self.panel = panel;
+    }
+
+    /// Adds the rows of interval i to those carried on.
+    fn load_interval(&mut self, condensed: &Condensed, conditions: &Conditions<'_>, i: usize) {
+        let (n, np, ni) = (self.n, self.np, self.ni);
+        let Panel { rows, identity, lanes } = self.panel_widths();
+        let ml = condensed.layout.map_lanes;
+        let panel = &mut self.panel[..];
+        let transition = condensed.transition(i);
+        for k in 0..n {
+            let at = (self.nl + k) * lanes;
+            let row = panel[at..at + lanes].as_flattened_mut();
+            row.fill(0.0);
+            let source = transition[k * ml..(k + 1) * ml].as_flattened();
+            for c in 0..n {
+                row[c] = -source[c];
             }
-            if i + 1 < intervals {
-                // What is left of the carried and border rows moves on: δy_{i+1} takes the place of δy_i. Carried rows
-                // now stand right behind the n pivot rows.
-                for k in 0..left.rows + nb {
-                    let from = (n + k) * lanes;
-                    let to = if k < left.rows { k } else { k + n } * lanes;
-                    panel.copy_within(from..from + lanes, to);
-                    let row = panel[to..to + lanes].as_flattened_mut();
-                    row.copy_within(n..2 * n, 0);
-                    row[n..2 * n].fill(0.0);
+            row[n + k] = 1.0;
+            for q in 0..np {
+                row[2 * n + q] = -source[n + q];
+            }
+        }
+        for k in 0..self.nb {
+            let at = (self.nl + n + k) * lanes;
+            let row = panel[at..at + lanes].as_flattened_mut();
+            if k < ni {
+                let source = condensed.integral(i)[k * ml..(k + 1) * ml].as_flattened();
+                for c in 0..n {
+                    row[c] += source[c];
+                }
+                for q in 0..np {
+                    row[2 * n + q] += source[n + q];
+                }
+            } else {
+                for c in 0..n {
+                    row[c] += conditions.forms[k - ni].nodes[i * n + c];
                 }
             }
         }
-        let fl = dense::lanes_for(nf);
-        let mut last = [[0.0; LANE]; 32 * 4];
+        for k in 0..rows {
+            let unit = panel[k * lanes + identity..(k + 1) * lanes].as_flattened_mut();
+            unit.fill(0.0);
+            unit[k] = 1.0;
+        }
+    }
+
+    /// Keeps what solves need of the eliminated interval i.
+    fn store_interval(&mut self, i: usize) {
+        let (n, nf) = (self.n, self.n + self.np);
+        let Panel { rows, identity, lanes } = self.panel_widths();
+        let (height, tall) = (dense::lanes_for(n), dense::lanes_for(rows));
+        let panel = &self.panel[..];
+        let backward = &mut self.backward[i * nf * height..(i + 1) * nf * height];
+        for k in 0..n {
+            let row = panel[k * lanes..(k + 1) * lanes].as_flattened();
+            for c in 0..nf {
+                backward[c * height + k / LANE][k % LANE] = row[n + c];
+            }
+        }
+        let transform = &mut self.transform[i * rows * tall..(i + 1) * rows * tall];
+        for k in 0..rows {
+            let row = panel[k * lanes + identity..(k + 1) * lanes].as_flattened();
+            for c in 0..rows {
+                transform[c * tall + k / LANE][k % LANE] = row[c];
+            }
+        }
+    }
+
+    /// Moves what is left of the carried and border rows on to the next interval: δy_{i+1} takes the place of δy_i.
+    /// Carried rows stand right behind the n pivot rows.
+    fn carry_on(&mut self) {
+        let (n, nl, lanes) = (self.n, self.nl, self.panel_widths().lanes);
+        let panel = &mut self.panel[..];
+        for k in 0..nl + self.nb {
+            let from = (n + k) * lanes;
+            let to = if k < nl { k } else { k + n } * lanes;
+            panel.copy_within(from..from + lanes, to);
+            let row = panel[to..to + lanes].as_flattened_mut();
+            row.copy_within(n..2 * n, 0);
+            row[n..2 * n].fill(0.0);
+        }
+    }
+
+    /// Factorises the last block: carried rows, right conditions and borders in δy_N and δp.
+    fn factor_last(&mut self, conditions: &Conditions<'_>) -> Result<(), PivotFailure> {
+        let (n, nl, nf) = (self.n, self.nl, self.n + self.np);
+        let (lanes, fl) = (self.panel_widths().lanes, dense::lanes_for(nf));
+        let mut last = [[0.0; LANE]; MAX_UNKNOWNS * MAX_UNKNOWN_LANES];
         let last = &mut last[..nf * fl];
-        for k in 0..left.rows + nb {
+        for k in 0..nl + self.nb {
             let source = self.panel[(n + k) * lanes..(n + k + 1) * lanes].as_flattened();
-            let to = if k < left.rows { k } else { k + right.rows };
+            let to = if k < nl { k } else { k + self.nr };
             let target = last[to * fl..(to + 1) * fl].as_flattened_mut();
             target[..nf].copy_from_slice(&source[n..n + nf]);
-            if k >= left.rows + ni {
-                let form = &forms[k - left.rows - ni];
+            if k >= nl + self.ni {
+                let form = &conditions.forms[k - nl - self.ni];
                 for c in 0..n {
-                    target[c] += form.nodes[intervals * n + c];
+                    target[c] += form.nodes[self.intervals * n + c];
                 }
             }
         }
-        for k in 0..right.rows {
-            let to = left.rows + k;
-            put_ends(last[to * fl..(to + 1) * fl].as_flattened_mut(), &right, k, n);
+        for k in 0..self.nr {
+            let to = nl + k;
+            self.put_end(last[to * fl..(to + 1) * fl].as_flattened_mut(), &conditions.right, k, n);
         }
         dense::eliminate(last, fl, nf, nf, &mut self.last.write(0))
     }
@@ -262,8 +330,8 @@ impl BlockFactor {
     /// Solves for node updates (`nodes`, holding on entry c_i of interval i at index i·n, length (N + 1)·n) and scalar
     /// updates. `left`, `right` and `border` are right-hand sides of the condition rows (integrals first in `border`).
     pub fn solve(&mut self, nodes: &mut [f64], left: &[f64], right: &[f64], border: &[f64], scalars: &mut [f64]) {
-        let mut carried = [0.0; 32];
-        let mut rest = [0.0; 32];
+        let mut carried = [0.0; MAX_UNKNOWNS];
+        let mut rest = [0.0; MAX_UNKNOWNS];
         let (carried, rest) = (&mut carried[..self.nl], &mut rest[..self.nb]);
         carried.copy_from_slice(left);
         rest.copy_from_slice(border);
@@ -275,7 +343,7 @@ impl BlockFactor {
     /// [`solve`](Self::solve) for right-hand sides that are zero but for the last conditions.
     pub fn solve_last(&mut self, nodes: &mut [f64], right: &[f64], border: &[f64], scalars: &mut [f64]) {
         self.forward.fill([0.0; LANE]);
-        self.solve_end(&[0.0; 32][..self.nl], right, border, nodes, scalars);
+        self.solve_end(&[0.0; MAX_UNKNOWNS][..self.nl], right, border, nodes, scalars);
         self.backward(nodes, scalars);
     }
 
@@ -285,13 +353,13 @@ impl BlockFactor {
         let (n, nl, nb) = (self.n, self.nl, self.nb);
         let rows = nl + n + nb;
         let (height, tall) = (dense::lanes_for(n), dense::lanes_for(rows));
-        let mut lanes = [[0.0; LANE]; dense::MAX_LANES / 2];
+        let mut lanes = [[0.0; LANE]; dense::lanes_for(MAX_ROWS)];
         lanes.as_flattened_mut()[..nl].copy_from_slice(carried);
         lanes.as_flattened_mut()[nl + n..rows].copy_from_slice(border);
         for i in 0..self.intervals {
             lanes.as_flattened_mut()[nl..nl + n].copy_from_slice(&nodes[i * n..(i + 1) * n]);
             let transform = &self.transform[i * rows * tall..(i + 1) * rows * tall];
-            let mut out = [[0.0; LANE]; dense::MAX_LANES / 2];
+            let mut out = [[0.0; LANE]; dense::lanes_for(MAX_ROWS)];
             let out = &mut out[..tall];
             for (column, value) in transform.chunks_exact(tall).zip(&lanes.as_flattened()[..rows]) {
                 for (x, c) in out.iter_mut().zip(column) {
@@ -315,7 +383,7 @@ impl BlockFactor {
     /// The last node and the scalar unknowns.
     fn solve_end(&self, carried: &[f64], right: &[f64], border: &[f64], nodes: &mut [f64], scalars: &mut [f64]) {
         let nf = self.n + self.np;
-        let mut end = [[0.0; LANE]; 4];
+        let mut end = [[0.0; LANE]; MAX_UNKNOWN_LANES];
         let y = end.as_flattened_mut();
         y[..self.nl].copy_from_slice(carried);
         y[self.nl..self.nl + self.nr].copy_from_slice(right);
@@ -347,16 +415,16 @@ impl BlockFactor {
         }
     }
 
-    /// Factorises the antisymmetric problem, with other right end rows and without scalar unknowns, integral and linear conditions. Borders are never pivots, so that up to its last block the
-    /// elimination is the one at hand.
+    /// Factorises the antisymmetric problem, with other right end rows and without scalar unknowns, integral and linear
+    /// conditions. Borders are never pivots, so that up to its last block the elimination is the one at hand.
     ///
     /// # Errors
     /// A vanishing pivot in the last block.
     pub fn factor_antisymmetric(&self, right: EndRows<'_>, end: &mut AntisymmetricEnd) -> Result<(), PivotFailure> {
         let n = self.n;
         assert_eq!(self.nl + right.rows, n, "as many conditions as unknowns");
-        let (fl, lanes) = (dense::lanes_for(n), self.panel.len() / (self.nl + n + self.nb));
-        let mut last = [[0.0; LANE]; 32 * 4];
+        let (fl, lanes) = (dense::lanes_for(n), self.panel_widths().lanes);
+        let mut last = [[0.0; LANE]; MAX_UNKNOWNS * MAX_UNKNOWN_LANES];
         let last = &mut last[..n * fl];
         for k in 0..self.nl {
             let source = self.panel[(n + k) * lanes..(n + k + 1) * lanes].as_flattened();
@@ -379,7 +447,7 @@ impl BlockFactor {
         right: &[f64],
         everywhere: bool,
     ) {
-        let (mut carried, mut border) = ([0.0; 32], [0.0; 32]);
+        let (mut carried, mut border) = ([0.0; MAX_UNKNOWNS], [0.0; MAX_UNKNOWNS]);
         let carried = &mut carried[..self.nl];
         carried.copy_from_slice(left);
         self.forward(nodes, carried, &mut border[..self.nb]);
@@ -392,13 +460,13 @@ impl BlockFactor {
     /// [`solve_last`](Self::solve_last) for the antisymmetric problem.
     pub fn solve_antisymmetric_last(&mut self, end: &AntisymmetricEnd, nodes: &mut [f64], right: &[f64]) {
         self.forward.fill([0.0; LANE]);
-        self.solve_antisymmetric_end(end, &[0.0; 32][..self.nl], right, nodes);
+        self.solve_antisymmetric_end(end, &[0.0; MAX_UNKNOWNS][..self.nl], right, nodes);
         self.backward(nodes, &[]);
     }
 
     fn solve_antisymmetric_end(&self, end: &AntisymmetricEnd, carried: &[f64], right: &[f64], nodes: &mut [f64]) {
         let n = self.n;
-        let mut x = [[0.0; LANE]; 4];
+        let mut x = [[0.0; LANE]; MAX_UNKNOWN_LANES];
         let y = x.as_flattened_mut();
         y[..self.nl].copy_from_slice(carried);
         y[self.nl..n].copy_from_slice(right);

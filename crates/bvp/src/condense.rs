@@ -11,9 +11,12 @@
 
 use multiversion::multiversion;
 
-use crate::dense::{self, Determinant, Factors, LANE, Lane, PivotFailure};
+use crate::dense::{self, Determinant, Factors, LANE, Lane, Lanes, PivotFailure};
 use crate::gauss::Gauss;
-use crate::problem::Dimensions;
+use crate::problem::{Dimensions, MAX_UNKNOWN_LANES, PointJacobian};
+
+/// Lanes that hold the stage unknowns of one interval: the widest block holds a matrix and its inverse.
+const MAX_STAGE_LANES: usize = dense::MAX_LANES / 2;
 
 /// Shapes of the condensed storage, fixed per problem and stage count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,29 +25,23 @@ pub struct Layout {
     pub dims: Dimensions,
     /// Stages m.
     pub m: usize,
-    /// Non-integrable components.
-    pub nn: usize,
-    /// Stage unknowns left after integrating: m · nn.
+    /// Stage unknowns left after integrating: m times the components that are not integrable.
     pub s: usize,
     /// Lane at which the right-hand sides start.
     pub rhs_lane: usize,
     /// Lanes of one row of the stage matrix: itself, its right-hand sides, and columns that become its inverse.
     pub lanes: usize,
-    /// Columns of the condensed map: n + scalars.
-    pub columns: usize,
-    /// Lanes of one row of the condensed map.
+    /// Lanes of one row of the condensed map: n + scalars columns.
     pub map_lanes: usize,
 }
 
 impl Layout {
     /// Layout for a problem and a stage count.
     pub fn new(dims: Dimensions, m: usize) -> Layout {
-        let nn = dims.components - dims.integrable;
-        let s = m * nn;
-        let columns = dims.components + dims.scalars;
+        let s = m * (dims.components - dims.integrable);
         let rhs_lane = dense::lanes_for(s);
-        let map_lanes = dense::lanes_for(columns);
-        Layout { dims, m, nn, s, rhs_lane, lanes: 2 * rhs_lane + map_lanes, columns, map_lanes }
+        let map_lanes = dense::lanes_for(dims.components + dims.scalars);
+        Layout { dims, m, s, rhs_lane, lanes: 2 * rhs_lane + map_lanes, map_lanes }
     }
 }
 
@@ -64,10 +61,10 @@ pub struct Condensed {
     /// ∂g/∂p at the stages; × integrals × scalars.
     pub gp: Vec<f64>,
     /// Stage matrix of one interval beside its right-hand sides: s × lanes of scratch.
-    matrix: Vec<Lane>,
+    matrix: Lanes,
     /// Factors of that interval.
-    lower: Vec<Lane>,
-    upper: Vec<Lane>,
+    lower: Lanes,
+    upper: Lanes,
     /// Pivots of all intervals, for determinants.
     reciprocal: Vec<f64>,
     exchange: Vec<u8>,
@@ -75,13 +72,13 @@ pub struct Condensed {
     spread: Vec<f64>,
     /// Inverse stage matrices by columns; per interval s × lanes_for(s). Applying an inverse is a sum of scaled columns,
     /// without the serial dependence of triangular solves; Newton corrects its rounding.
-    inverse: Vec<Lane>,
+    inverse: Lanes,
     /// δY as a linear map of (δy₀, δp); per interval (m · n) × map_lanes.
-    map: Vec<Lane>,
+    map: Lanes,
     /// [G B] per interval; n × map_lanes.
-    transition: Vec<Lane>,
+    transition: Lanes,
     /// Linear form of the integrals per interval: integrals × map_lanes.
-    integral: Vec<Lane>,
+    integral: Lanes,
 }
 
 #[inline(always)]
@@ -103,16 +100,16 @@ impl Condensed {
             fp: Vec::new(),
             gy: Vec::new(),
             gp: Vec::new(),
-            matrix: Vec::new(),
-            lower: Vec::new(),
-            upper: Vec::new(),
+            matrix: Lanes::default(),
+            lower: Lanes::default(),
+            upper: Lanes::default(),
             reciprocal: Vec::new(),
             exchange: Vec::new(),
             spread: Vec::new(),
-            inverse: Vec::new(),
-            map: Vec::new(),
-            transition: Vec::new(),
-            integral: Vec::new(),
+            inverse: Lanes::default(),
+            map: Lanes::default(),
+            transition: Lanes::default(),
+            integral: Lanes::default(),
         }
     }
 
@@ -137,16 +134,29 @@ impl Condensed {
             v.clear();
             v.resize(size, 0.0);
         }
-        self.matrix.resize(l.s * l.lanes, [0.0; LANE]);
-        self.lower.resize(l.s * l.rhs_lane, [0.0; LANE]);
-        self.upper.resize(l.s * l.rhs_lane, [0.0; LANE]);
-        self.inverse.resize(intervals * l.s * l.rhs_lane, [0.0; LANE]);
+        self.matrix.resize(l.s * l.lanes);
+        self.lower.resize(l.s * l.rhs_lane);
+        self.upper.resize(l.s * l.rhs_lane);
+        self.inverse.resize(intervals * l.s * l.rhs_lane);
         self.reciprocal.resize(intervals * l.s, 0.0);
         self.exchange.resize(intervals * l.s, 0);
         self.spread.resize(l.dims.integrable * l.dims.scalars, 0.0);
-        self.map.resize(points * n * l.map_lanes, [0.0; LANE]);
-        self.transition.resize(intervals * n * l.map_lanes, [0.0; LANE]);
-        self.integral.resize(intervals * l.dims.integrals * l.map_lanes, [0.0; LANE]);
+        self.map.resize(points * n * l.map_lanes);
+        self.transition.resize(intervals * n * l.map_lanes);
+        self.integral.resize(intervals * l.dims.integrals * l.map_lanes);
+    }
+
+    /// Where the derivatives at collocation point `index` go, with f and g.
+    pub fn point_jacobian<'a>(&'a mut self, index: usize, f: &'a mut [f64], g: &'a mut [f64]) -> PointJacobian<'a> {
+        let Dimensions { components: n, scalars: np, integrals: ni, .. } = self.layout.dims;
+        PointJacobian {
+            f,
+            fy: &mut self.fy[index * n * n..(index + 1) * n * n],
+            fp: &mut self.fp[index * n * np..(index + 1) * n * np],
+            g,
+            gy: &mut self.gy[index * ni * n..(index + 1) * ni * n],
+            gp: &mut self.gp[index * ni * np..(index + 1) * ni * np],
+        }
     }
 
     /// [G B] of interval i; n rows of `map_lanes` lanes.
@@ -161,71 +171,22 @@ impl Condensed {
         &self.integral[i * size..(i + 1) * size]
     }
 
-    /// Factorises interval i from the derivatives stored for it.
-    pub fn factor(&mut self, gauss: &Gauss, i: usize) -> Result<(), PivotFailure> {
-        factor(self, gauss, i)
-    }
-
+    /// Factorises interval i from the derivatives stored for it. Sizes (components, integrable ones, stages, lanes of the
+    /// map) are known at compile time unless 0.
+    ///
+    /// # Errors
+    /// If a pivot of the stage matrix vanishes.
     #[inline(always)]
-    fn factor_sized<const N: usize, const E: usize, const M: usize, const ML: usize>(
+    pub fn factor<const N: usize, const E: usize, const M: usize, const ML: usize>(
         &mut self,
         gauss: &Gauss,
         i: usize,
     ) -> Result<(), PivotFailure> {
         let l = self.layout;
-        let (n, e, m) = self.sizes::<N, E, M>();
-        let (nn, np) = (n - e, l.dims.scalars);
-        let h = self.h[i];
-        let fy = &self.fy[i * m * n * n..(i + 1) * m * n * n];
-        let fp = &self.fp[i * m * n * np..(i + 1) * m * n * np];
-        let matrix = &mut self.matrix[..];
-        matrix.fill([0.0; LANE]);
-        for stage in 0..m {
-            let f = &fy[stage * n * n..(stage + 1) * n * n];
-            let row_sum: f64 = gauss.d_matrix[stage * m..(stage + 1) * m].iter().sum();
-            // h² Σ_k a_ik F_Ep,k for every integrable component and scalar.
-            let spread = &mut self.spread[..];
-            spread.fill(0.0);
-            for k in 0..e {
-                for j in 0..m {
-                    for q in 0..np {
-                        spread[k * np + q] += h * h * gauss.a[stage * m + j] * fp[(j * n + k) * np + q];
-                    }
-                }
-            }
-            for alpha in 0..nn {
-                let row_index = stage * nn + alpha;
-                let row = matrix[row_index * l.lanes..(row_index + 1) * l.lanes].as_flattened_mut();
-                let f_row = &f[(e + alpha) * n..(e + alpha + 1) * n];
-                for j in 0..m {
-                    let block = &mut row[j * nn..(j + 1) * nn];
-                    let scale = h * h * gauss.a[stage * m + j];
-                    for k in 0..e {
-                        let weight = -scale * f_row[k];
-                        let f_en = &fy[j * n * n + k * n + e..j * n * n + (k + 1) * n];
-                        for (x, v) in block.iter_mut().zip(f_en) {
-                            *x += weight * v;
-                        }
-                    }
-                    block[alpha] += gauss.d_matrix[stage * m + j];
-                }
-                for (x, v) in row[stage * nn..(stage + 1) * nn].iter_mut().zip(&f_row[e..]) {
-                    *x -= h * v;
-                }
-                row[(l.rhs_lane + l.map_lanes) * LANE + row_index] = 1.0;
-                let rhs = &mut row[l.rhs_lane * LANE..];
-                for k in 0..e {
-                    rhs[k] = h * f_row[k];
-                }
-                rhs[e + alpha] = row_sum;
-                for q in 0..np {
-                    let mut value = h * fp[(stage * n + e + alpha) * np + q];
-                    for k in 0..e {
-                        value += f_row[k] * spread[k * np + q];
-                    }
-                    rhs[n + q] = value;
-                }
-            }
+        self.matrix.fill([0.0; LANE]);
+        for stage in 0..self.sizes::<N, E, M>().2 {
+            self.gather_spread::<N, E, M>(gauss, i, stage);
+            self.fill_stage_rows::<N, E, M>(gauss, i, stage);
         }
         let stages = i * l.s..(i + 1) * l.s;
         let mut factors = Factors {
@@ -234,39 +195,113 @@ impl Condensed {
             reciprocal: &mut self.reciprocal[stages.clone()],
             exchange: &mut self.exchange[stages.clone()],
         };
-        dense::eliminate(matrix, l.lanes, l.s, l.s, &mut factors)?;
-        dense::back_substitute(matrix, l.lanes, l.s, &self.upper, &self.reciprocal[stages]);
-        let inverse = &mut self.inverse[i * l.s * l.rhs_lane..(i + 1) * l.s * l.rhs_lane];
-        let from = (l.rhs_lane + l.map_lanes) * LANE;
-        for k in 0..m * nn {
-            let row = &matrix[k * l.lanes..(k + 1) * l.lanes].as_flattened()[from..];
-            for c in 0..m * nn {
-                inverse[c * l.rhs_lane + k / LANE][k % LANE] = row[c];
-            }
-        }
-        self.assemble_map::<N, E, M, ML>(gauss, i);
+        dense::eliminate(&mut self.matrix, l.lanes, l.s, l.s, &mut factors)?;
+        dense::back_substitute(&mut self.matrix, l.lanes, l.s, &self.upper, &self.reciprocal[stages]);
+        self.keep_inverse::<N, E, M>(i);
+        self.map_stages::<N, E, M, ML>(i);
+        self.map_integrable::<N, E, M, ML>(gauss, i);
+        self.finish_transition::<N, E, M, ML>(gauss, i);
+        self.map_integrals::<N, E, M, ML>(gauss, i);
         Ok(())
     }
 
-    /// Fills the map δY(δy₀, δp), the transition [G B] and the integral rows of a factorised interval.
+    /// h² Σ_k a_ik F_Ep,k of one stage for every integrable component and scalar.
     #[inline(always)]
-    fn assemble_map<const N: usize, const E: usize, const M: usize, const ML: usize>(
+    fn gather_spread<const N: usize, const E: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize, stage: usize) {
+        let (n, e, m) = self.sizes::<N, E, M>();
+        let (np, h) = (self.layout.dims.scalars, self.h[i]);
+        let fp = &self.fp[i * m * n * np..(i + 1) * m * n * np];
+        let spread = &mut self.spread[..];
+        spread.fill(0.0);
+        for k in 0..e {
+            for j in 0..m {
+                for q in 0..np {
+                    spread[k * np + q] += h * h * gauss.a[stage * m + j] * fp[(j * n + k) * np + q];
+                }
+            }
+        }
+    }
+
+    /// The rows of one stage: its part of the stage matrix, right-hand sides for δy₀ and δp, and the identity.
+    #[inline(always)]
+    fn fill_stage_rows<const N: usize, const E: usize, const M: usize>(
         &mut self,
         gauss: &Gauss,
         i: usize,
+        stage: usize,
     ) {
         let l = self.layout;
         let (n, e, m) = self.sizes::<N, E, M>();
         let (nn, np) = (n - e, l.dims.scalars);
         let h = self.h[i];
-        let ml = if ML > 0 { ML } else { l.map_lanes };
-        let matrix = &self.matrix[..];
+        let fy = &self.fy[i * m * n * n..(i + 1) * m * n * n];
+        let fp = &self.fp[i * m * n * np..(i + 1) * m * n * np];
+        let (matrix, spread) = (&mut self.matrix[..], &self.spread[..]);
+        let f = &fy[stage * n * n..(stage + 1) * n * n];
+        let row_sum: f64 = gauss.d_matrix[stage * m..(stage + 1) * m].iter().sum();
+        for alpha in 0..nn {
+            let row_index = stage * nn + alpha;
+            let row = matrix[row_index * l.lanes..(row_index + 1) * l.lanes].as_flattened_mut();
+            let f_row = &f[(e + alpha) * n..(e + alpha + 1) * n];
+            for j in 0..m {
+                let block = &mut row[j * nn..(j + 1) * nn];
+                let scale = h * h * gauss.a[stage * m + j];
+                for k in 0..e {
+                    let weight = -scale * f_row[k];
+                    let f_en = &fy[j * n * n + k * n + e..j * n * n + (k + 1) * n];
+                    for (x, v) in block.iter_mut().zip(f_en) {
+                        *x += weight * v;
+                    }
+                }
+                block[alpha] += gauss.d_matrix[stage * m + j];
+            }
+            for (x, v) in row[stage * nn..(stage + 1) * nn].iter_mut().zip(&f_row[e..]) {
+                *x -= h * v;
+            }
+            row[(l.rhs_lane + l.map_lanes) * LANE + row_index] = 1.0;
+            let rhs = &mut row[l.rhs_lane * LANE..];
+            for k in 0..e {
+                rhs[k] = h * f_row[k];
+            }
+            rhs[e + alpha] = row_sum;
+            for q in 0..np {
+                let mut value = h * fp[(stage * n + e + alpha) * np + q];
+                for k in 0..e {
+                    value += f_row[k] * spread[k * np + q];
+                }
+                rhs[n + q] = value;
+            }
+        }
+    }
+
+    /// Keeps the inverse of the stage matrix of interval i, by columns.
+    #[inline(always)]
+    fn keep_inverse<const N: usize, const E: usize, const M: usize>(&mut self, i: usize) {
+        let l = self.layout;
+        let (n, e, m) = self.sizes::<N, E, M>();
+        let s = m * (n - e);
+        let inverse = &mut self.inverse[i * l.s * l.rhs_lane..(i + 1) * l.s * l.rhs_lane];
+        let from = (l.rhs_lane + l.map_lanes) * LANE;
+        for k in 0..s {
+            let row = &self.matrix[k * l.lanes..(k + 1) * l.lanes].as_flattened()[from..];
+            for c in 0..s {
+                inverse[c * l.rhs_lane + k / LANE][k % LANE] = row[c];
+            }
+        }
+    }
+
+    /// The map δY(δy₀, δp) of a factorised interval: solved for the other components, begun with δy₀ for the integrable.
+    #[inline(always)]
+    fn map_stages<const N: usize, const E: usize, const M: usize, const ML: usize>(&mut self, i: usize) {
+        let l = self.layout;
+        let (n, e, m) = self.sizes::<N, E, M>();
+        let (nn, ml) = (n - e, self.map_lanes::<ML>());
         let map = &mut self.map[i * m * n * ml..(i + 1) * m * n * ml];
         for stage in 0..m {
             for beta in 0..nn {
                 let from = (stage * nn + beta) * l.lanes + l.rhs_lane;
                 let to = (stage * n + e + beta) * ml;
-                map[to..to + ml].copy_from_slice(&matrix[from..from + ml]);
+                map[to..to + ml].copy_from_slice(&self.matrix[from..from + ml]);
             }
             for k in 0..e {
                 let row = &mut map[(stage * n + k) * ml..(stage * n + k + 1) * ml];
@@ -274,18 +309,28 @@ impl Condensed {
                 row.as_flattened_mut()[k] = 1.0;
             }
         }
+    }
+
+    /// Spreads the slopes Q_k = h F_EN δY_N + h F_Ep δp of the integrable components over the stages and the right node.
+    #[inline(always)]
+    fn map_integrable<const N: usize, const E: usize, const M: usize, const ML: usize>(
+        &mut self,
+        gauss: &Gauss,
+        i: usize,
+    ) {
+        let (n, e, m) = self.sizes::<N, E, M>();
+        let (np, h, ml) = (self.layout.dims.scalars, self.h[i], self.map_lanes::<ML>());
+        let map = &mut self.map[i * m * n * ml..(i + 1) * m * n * ml];
         let transition = &mut self.transition[i * n * ml..(i + 1) * n * ml];
         transition.fill([0.0; LANE]);
-        // Slopes Q_k = h F_EN δY_N + h F_Ep δp of the integrable components, spread over stages and the right node.
-        let mut slope = [[0.0; LANE]; 4];
-        debug_assert!(ml <= slope.len());
+        let mut slope = [[0.0; LANE]; MAX_UNKNOWN_LANES];
         for stage in 0..m {
             let f = &self.fy[(i * m + stage) * n * n..(i * m + stage + 1) * n * n];
             let fp = &self.fp[(i * m + stage) * n * np..(i * m + stage + 1) * n * np];
             for k in 0..e {
                 let slope = &mut slope[..ml];
                 slope.fill([0.0; LANE]);
-                for beta in 0..nn {
+                for beta in 0..n - e {
                     let weight = h * f[k * n + e + beta];
                     if weight != 0.0 {
                         let from = (stage * n + e + beta) * ml;
@@ -302,11 +347,24 @@ impl Condensed {
                 add_scaled(&mut transition[k * ml..(k + 1) * ml], gauss.b[stage], slope);
             }
         }
+    }
+
+    /// The transition [G B], of which the slopes of the integrable components are there.
+    #[inline(always)]
+    fn finish_transition<const N: usize, const E: usize, const M: usize, const ML: usize>(
+        &mut self,
+        gauss: &Gauss,
+        i: usize,
+    ) {
+        let (n, e, m) = self.sizes::<N, E, M>();
+        let ml = self.map_lanes::<ML>();
+        let map = &self.map[i * m * n * ml..(i + 1) * m * n * ml];
+        let transition = &mut self.transition[i * n * ml..(i + 1) * n * ml];
         let rest = 1.0 - gauss.d.iter().sum::<f64>();
         for k in 0..e {
             transition[k * ml..(k + 1) * ml].as_flattened_mut()[k] += 1.0;
         }
-        for beta in 0..nn {
+        for beta in 0..n - e {
             let row = &mut transition[(e + beta) * ml..(e + beta + 1) * ml];
             row.as_flattened_mut()[e + beta] += rest;
             for stage in 0..m {
@@ -314,7 +372,19 @@ impl Condensed {
                 add_scaled(row, gauss.d[stage], &map[from..from + ml]);
             }
         }
-        let ni = l.dims.integrals;
+    }
+
+    /// The rows of the integral conditions: Σ h b_j (∂g/∂y δY_j + ∂g/∂p δp).
+    #[inline(always)]
+    fn map_integrals<const N: usize, const E: usize, const M: usize, const ML: usize>(
+        &mut self,
+        gauss: &Gauss,
+        i: usize,
+    ) {
+        let (n, _, m) = self.sizes::<N, E, M>();
+        let (ni, np) = (self.layout.dims.integrals, self.layout.dims.scalars);
+        let (h, ml) = (self.h[i], self.map_lanes::<ML>());
+        let map = &self.map[i * m * n * ml..(i + 1) * m * n * ml];
         let integral = &mut self.integral[i * ni * ml..(i + 1) * ni * ml];
         integral.fill([0.0; LANE]);
         for stage in 0..m {
@@ -335,10 +405,10 @@ impl Condensed {
         }
     }
 
-    /// Particular stage values of interval i for stage residuals `r` (m × n), with δy₀ = δp = 0, into `y` (m × n).
-    /// Returns nothing else: [`particular_node`](Self::particular_node) gives c and the integrals follow from `y`.
-    pub fn particular_stages(&self, gauss: &Gauss, i: usize, r: &[f64], y: &mut [f64]) {
-        particular_stages(self, gauss, i, r, y);
+    /// Lanes of a row of the map, known at compile time unless 0.
+    #[inline(always)]
+    fn map_lanes<const ML: usize>(&self) -> usize {
+        if ML > 0 { ML } else { self.layout.map_lanes }
     }
 
     /// (n, e, m), known at compile time where the generic parameters are not 0.
@@ -348,8 +418,10 @@ impl Condensed {
         if N > 0 { (N, E, M) } else { (l.dims.components, l.dims.integrable, l.m) }
     }
 
+    /// Particular stage values of interval i for stage residuals `r` (m × n), with δy₀ = δp = 0, into `y` (m × n).
+    /// Returns nothing else: [`particular_node`](Self::particular_node) gives c and the integrals follow from `y`.
     #[inline(always)]
-    fn particular_sized<const N: usize, const E: usize, const M: usize>(
+    pub fn particular_stages<const N: usize, const E: usize, const M: usize>(
         &self,
         gauss: &Gauss,
         i: usize,
@@ -362,7 +434,7 @@ impl Condensed {
         let h = self.h[i];
         let fy = &self.fy[i * m * n * n..(i + 1) * m * n * n];
         let (r, y) = (&r[..m * n], &mut y[..m * n]);
-        let mut lanes = [[0.0; LANE]; dense::MAX_LANES / 2];
+        let mut lanes = [[0.0; LANE]; MAX_STAGE_LANES];
         let x = lanes.as_flattened_mut();
         for stage in 0..m {
             for k in 0..e {
@@ -381,10 +453,11 @@ impl Condensed {
                 x[stage * nn + alpha] = value;
             }
         }
-        let mut solved = [[0.0; LANE]; dense::MAX_LANES / 2];
+        let mut solved = [[0.0; LANE]; MAX_STAGE_LANES];
         let solved = &mut solved[..dense::lanes_for(m * nn)];
         let inverse = &self.inverse[i * l.s * l.rhs_lane..(i + 1) * l.s * l.rhs_lane];
-        for (column, value) in inverse.chunks_exact(dense::lanes_for(m * nn)).zip(&x[..m * nn]) {
+        // Without stage unknowns there are no columns, and a chunk needs a length all the same.
+        for (column, value) in inverse.chunks_exact(dense::lanes_for(m * nn).max(1)).zip(&x[..m * nn]) {
             add_scaled(solved, *value, column);
         }
         let x = solved.as_flattened();
@@ -417,7 +490,7 @@ impl Condensed {
     pub fn complete_stages(&self, i: usize, dy0: &[f64], dp: &[f64], y: &mut [f64]) {
         let l = self.layout;
         let n = l.dims.components;
-        let mut x = [0.0; 4 * LANE];
+        let mut x = [0.0; MAX_UNKNOWN_LANES * LANE];
         x[..n].copy_from_slice(dy0);
         x[n..n + dp.len()].copy_from_slice(dp);
         complete(&self.map[i * l.m * n * l.map_lanes..(i + 1) * l.m * n * l.map_lanes], l.map_lanes, &x, y);
@@ -426,31 +499,10 @@ impl Condensed {
     /// Multiplies the determinants of all stage matrices into `det`.
     pub fn accumulate_determinant(&self, det: &mut Determinant) {
         let l = self.layout;
-        let all = self.intervals() * l.s;
-        for i in (0..all).step_by(l.s) {
-            dense::accumulate_determinant(&self.reciprocal[i..i + l.s], &self.exchange[i..i + l.s], det);
+        for i in 0..self.intervals() {
+            let stages = i * l.s..(i + 1) * l.s;
+            dense::accumulate_determinant(&self.reciprocal[stages.clone()], &self.exchange[stages], det);
         }
-    }
-}
-
-/// [`Condensed::factor`] for several instruction sets, with the shapes that matter most unrolled.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
-fn factor(c: &mut Condensed, gauss: &Gauss, i: usize) -> Result<(), PivotFailure> {
-    let l = c.layout;
-    match (l.dims.components, l.dims.integrable, l.m, l.map_lanes) {
-        (7, 3, 4, 2) => c.factor_sized::<7, 3, 4, 2>(gauss, i),
-        (7, 3, 3, 2) => c.factor_sized::<7, 3, 3, 2>(gauss, i),
-        _ => c.factor_sized::<0, 0, 0, 0>(gauss, i),
-    }
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
-fn particular_stages(c: &Condensed, gauss: &Gauss, i: usize, r: &[f64], y: &mut [f64]) {
-    let l = c.layout;
-    match (l.dims.components, l.dims.integrable, l.m) {
-        (7, 3, 4) => c.particular_sized::<7, 3, 4>(gauss, i, r, y),
-        (7, 3, 3) => c.particular_sized::<7, 3, 3>(gauss, i, r, y),
-        _ => c.particular_sized::<0, 0, 0>(gauss, i, r, y),
     }
 }
 

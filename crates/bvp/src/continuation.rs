@@ -13,7 +13,7 @@ use crate::dense::PivotFailure;
 use crate::metric::{self, Metric};
 use crate::newton::{Newton, NewtonError, NewtonReport, NewtonScratch};
 use crate::predictor::History;
-use crate::{BoundaryValueProblem, Direction, LinearCondition, Solution, System, mesh};
+use crate::{BoundaryValueProblem, Direction, LinearCondition, Solution, System, Work, mesh};
 
 /// Settings of a continuation.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,8 +45,30 @@ impl Default for ContinuationSettings {
     }
 }
 
+/// Why a step along a branch failed.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepFailure {
+    /// The corrector does not converge.
+    #[error(transparent)]
+    Newton(#[from] NewtonError),
+    /// The tangents at both ends of the step are too far apart.
+    #[error("the branch turns too sharply (cosine {cosine:.3})")]
+    Turn {
+        /// Cosine of the angle between the tangents.
+        cosine: f64,
+    },
+    /// The point found is not on the branch the step set out from.
+    #[error("the step leads to another branch")]
+    OtherBranch,
+    /// There is no tangent: the system bordered by the plane condition is singular.
+    #[error("the Jacobian is singular (pivot {})", .0.column)]
+    Singular(#[from] PivotFailure),
+}
+
 /// Why a continuation cannot go on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ContinuationError {
     /// No first point.
     #[error("no first point at parameter {parameter}: {source}")]
@@ -57,20 +79,23 @@ pub enum ContinuationError {
         source: NewtonError,
     },
     /// The corrector fails for the smallest step.
-    #[error("the branch is lost at parameter {parameter} after arclength {arclength}: {reason}")]
+    #[error("the branch is lost at parameter {parameter} after arclength {arclength}: {source}")]
     Lost {
         /// Value of λ at the last point.
         parameter: f64,
         /// Arclength of the last point.
         arclength: f64,
-        /// What the solver said last.
-        reason: String,
+        /// What failed last.
+        source: StepFailure,
     },
 }
 
 /// Branches nearer to each other than a step of this length do meet, as far as rounding can tell: the branch goes
 /// straight on.
 const CLOSED_GAP: f64 = 1e-6;
+
+/// A rejected step is tried again at this fraction of its length.
+pub(crate) const SHORTER: f64 = 0.4;
 
 /// After so many rejections the tangent they start from is in doubt.
 const DOUBTFUL: usize = 2;
@@ -120,24 +145,18 @@ pub struct Advance {
     pub rejected: usize,
 }
 
-/// Work of a whole run, of a continuation or of steps in time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Work {
-    /// Steps accepted.
-    pub steps: usize,
-    /// Steps rejected.
-    pub rejected: usize,
-    /// Newton iterations, counting every linear solve.
-    #[serde(rename = "newton_iterations")]
-    pub iterations: usize,
-    /// Factorisations of the Jacobian.
-    pub factorisations: usize,
-    /// Times the mesh was moved.
-    pub remeshings: usize,
+/// A step that is not yet accepted: the point is in `trial`, its tangent in `tangent`.
+struct Attempt {
+    report: NewtonReport,
+    /// Cosine of the angle turned.
+    cosine: f64,
+    /// Sign of the bordered determinant.
+    orientation: f64,
 }
 
 /// Where a followed branch ended.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub enum Ended {
     /// λ left its range; the last point lies on the bound.
     ParameterBound(f64),
@@ -151,6 +170,27 @@ pub enum Ended {
 pub type MeshMonitor<P> = fn(&P, &Solution, &mut Vec<f64>);
 
 /// Continuation of one branch.
+///
+/// # Examples
+/// The branch of u″ + λeᵘ = 0, u(0) = u(1) = 0 from u = 0 at λ = 0 up to λ = 2. `Oscillator` is in
+/// `examples/problems/oscillator.rs`.
+///
+/// ```
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::Oscillator;
+/// use bvp::{Continuation, ContinuationSettings, Ended, Metric};
+/// let problem = Oscillator { force: |u| [u.exp(); 4], right: 0 };
+/// let guess = problem.zero(1.0, 20, 4, 0.0);
+/// let settings = ContinuationSettings::default();
+/// let mut branch = Continuation::start(problem, guess, Metric::unit(2, 1), settings, true)?;
+/// let ended = branch.follow([0.0, 2.0], 100, |_, advance| !advance.passed_fold)?;
+/// assert_eq!(ended, Ended::ParameterBound(2.0));
+/// let mut y = [0.0; 2];
+/// branch.state.solution.eval(&branch.system.gauss, 0.5, &mut y);
+/// let cosh = (0.5 * y[0]).exp();
+/// assert!((8.0 * (cosh.acosh() / cosh).powi(2) - 2.0).abs() < 1e-7);
+/// # Ok::<(), bvp::ContinuationError>(())
+/// ```
 pub struct Continuation<P> {
     /// The problem; its last scalar unknown is the parameter λ. One condition short of square.
     pub problem: P,
@@ -193,8 +233,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         let last = dims.scalars - 1;
         let parameter = solution.scalars[last];
         metric::scalar_condition(&solution, last, parameter, &mut conditions[0]);
-        let newton = Newton { max_factorisations: 20, max_iterations: 60, ..settings.newton };
-        newton
+        patient(settings.newton)
             .solve(&mut system, &mut scratch, &mut problem, &mut solution, &conditions, false)
             .map_err(|source| ContinuationError::Start { parameter, source })?;
         let mut tangent = Direction::default();
@@ -248,48 +287,49 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     pub fn advance(&mut self) -> Result<Advance, ContinuationError> {
         self.remesh();
         let mut step = self.state.step.min(self.settings.max_step);
-        let parameter = self.state.parameter();
         let mut rejected = 0;
         loop {
-            let reason = match self.attempt(step) {
-                Ok((report, cosine, orientation)) => {
-                    self.state.orientation = orientation;
-                    std::mem::swap(&mut self.state.tangent, &mut self.tangent);
-                    std::mem::swap(&mut self.state.solution, &mut self.trial);
-                    self.state.arclength += step;
-                    self.state.points += 1;
-                    self.state.history.push(self.state.arclength, &self.state.solution);
-                    self.state.step = step * growth(report, cosine, self.settings.min_cosine);
-                    self.work.steps += 1;
-                    self.work.rejected += rejected;
-                    self.work.iterations += report.iterations;
-                    self.work.factorisations += report.factorisations;
-                    let moved = self.state.parameter() - parameter;
-                    let passed_fold = self.confirm_direction(moved);
-                    return Ok(Advance { passed_fold, report, rejected });
-                }
-                Err(reason) => reason,
+            let source = match self.attempt(step) {
+                Ok(attempt) => return Ok(self.accept(step, attempt, rejected)),
+                Err(failure) => failure,
             };
             rejected += 1;
-            step *= 0.4;
+            step *= SHORTER;
             if rejected == DOUBTFUL {
                 // The tangent is of the corrector's factors, those of a prediction: if it is off by too much, no step is
                 // short enough. Without an exact one the next rejections go on as before.
                 let _ = self.exact_tangent();
             }
             if step < self.settings.min_step {
-                return Err(ContinuationError::Lost {
-                    parameter: self.state.parameter(),
-                    arclength: self.state.arclength,
-                    reason,
-                });
+                return Err(self.lost(self.state.parameter(), source));
             }
         }
     }
 
+    fn lost(&self, parameter: f64, source: StepFailure) -> ContinuationError {
+        ContinuationError::Lost { parameter, arclength: self.state.arclength, source }
+    }
+
+    /// Makes the point of an attempt the newest.
+    fn accept(&mut self, step: f64, attempt: Attempt, rejected: usize) -> Advance {
+        let Attempt { report, cosine, orientation } = attempt;
+        let parameter = self.state.parameter();
+        self.state.orientation = orientation;
+        std::mem::swap(&mut self.state.tangent, &mut self.tangent);
+        std::mem::swap(&mut self.state.solution, &mut self.trial);
+        self.state.arclength += step;
+        self.state.points += 1;
+        self.state.history.push(self.state.arclength, &self.state.solution);
+        self.state.step = step * growth(report, cosine, self.settings.min_cosine);
+        self.work += Work { steps: 1, rejected, ..Work::default() };
+        self.work += report;
+        let passed_fold = self.confirm_direction(self.state.parameter() - parameter);
+        Advance { passed_fold, report, rejected }
+    }
+
     /// The tangent at the newest point with the factors of the point itself.
-    fn exact_tangent(&mut self) -> Result<(), String> {
-        self.factorise_newest().map_err(|failure| format!("the Jacobian is singular (pivot {})", failure.column))?;
+    fn exact_tangent(&mut self) -> Result<(), PivotFailure> {
+        self.factorise_newest()?;
         let Continuation { system, metric, state, tangent, .. } = self;
         metric::null_direction(system, 0, tangent);
         metric.normalise(&state.solution.mesh, tangent);
@@ -323,45 +363,54 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         before * now < 0.0
     }
 
-    /// A corrected point at distance `step` in `trial`, its tangent in `tangent`; the cosine of the angle turned, and the
-    /// sign of the bordered determinant.
-    ///
-    /// Where two branches nearly meet, as that of a nearly spherical cell in a wide shell and those of its furrows, a step
-    /// across the gap turns by no angle at all. But it turns the sign of the bordered determinant, as passing a branch
-    /// point does, and nothing else does.
-    fn attempt(&mut self, step: f64) -> Result<(NewtonReport, f64, f64), String> {
+    /// A corrected point at distance `step` in `trial`, and its tangent in `tangent`.
+    fn attempt(&mut self, step: f64) -> Result<Attempt, StepFailure> {
+        self.predict(step);
         let Continuation { problem, system, settings, metric, state, scratch, conditions, trial, tangent, .. } = self;
+        // The plane is set by the point and not by the prediction, or steps would drift with the extrapolation.
+        metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]);
+        conditions[0].value += step;
+        let report = settings.newton.solve(system, scratch, problem, trial, conditions, false)?;
+        metric::null_direction(system, 0, tangent);
+        metric.normalise(&trial.mesh, tangent);
+        let cosine = metric.dot(&trial.mesh, tangent, &state.tangent);
+        if cosine < settings.min_cosine {
+            return Err(StepFailure::Turn { cosine });
+        }
+        let orientation = self.orientation();
+        if orientation * self.state.orientation < 0.0 && step > CLOSED_GAP {
+            return Err(StepFailure::OtherBranch);
+        }
+        Ok(Attempt { report, cosine, orientation })
+    }
+
+    /// The point at distance `step` by extrapolation, in `trial`.
+    fn predict(&mut self, step: f64) {
+        let Continuation { state, trial, .. } = self;
         if state.history.len() > 1 {
             state.history.extrapolate(state.arclength + step, trial);
         } else {
             trial.clone_from(&state.solution);
             state.tangent.apply(step, trial);
         }
-        // The plane is set by the point and not by the prediction, or steps would drift with the extrapolation.
-        metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]);
-        conditions[0].value += step;
-        let report = settings
-            .newton
-            .solve(system, scratch, problem, trial, conditions, false)
-            .map_err(|error| error.to_string())?;
-        metric::null_direction(system, 0, tangent);
-        metric.normalise(&trial.mesh, tangent);
-        let cosine = metric.dot(&trial.mesh, tangent, &state.tangent);
-        if cosine < settings.min_cosine {
-            return Err(format!("the branch turns too sharply (cosine {cosine:.3})"));
+    }
+
+    /// Sign of the bordered determinant at the trial point.
+    ///
+    /// Where two branches nearly meet, as next to an imperfect pitchfork, a step across the gap turns by no angle at all.
+    /// But it turns the sign of the bordered determinant, as passing a branch point does, and nothing else does.
+    fn orientation(&mut self) -> f64 {
+        let Continuation { problem, system, state, conditions, trial, .. } = self;
+        let sign = system.determinant().sign;
+        if sign * state.orientation >= 0.0 {
+            return sign;
         }
-        let mut orientation = system.determinant().sign;
-        if orientation * state.orientation < 0.0 {
-            // The corrector's factors belong to a prediction: what counts is the point itself.
-            system.evaluate(problem, trial, conditions, true);
-            if system.condense().and_then(|()| system.factor_blocks(conditions)).is_ok() {
-                orientation = system.determinant().sign;
-            }
+        // The corrector's factors belong to a prediction: what counts is the point itself.
+        system.evaluate(problem, trial, conditions, true);
+        match system.condense().and_then(|()| system.factor_blocks(conditions)) {
+            Ok(()) => system.determinant().sign,
+            Err(_) => sign,
         }
-        if orientation * state.orientation < 0.0 && step > CLOSED_GAP {
-            return Err("the step leads to another branch".into());
-        }
-        Ok((report, cosine, orientation))
     }
 
     /// Moves the mesh if it no longer fits.
@@ -435,11 +484,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             }
         }
         self.state.solution = y;
-        self.exact_tangent().map_err(|reason| ContinuationError::Lost {
-            parameter: value,
-            arclength: self.state.arclength,
-            reason,
-        })?;
+        self.exact_tangent().map_err(|failure| self.lost(value, failure.into()))?;
         // The points before stay, so that what lies between them and the new one can still be located.
         self.state.history.replace_newest(self.state.arclength, &self.state.solution);
         Ok(())
@@ -471,16 +516,16 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         }
         let last = y.scalars.len() - 1;
         metric::scalar_condition(&y, last, value, &mut self.conditions[0]);
-        let newton = Newton { max_factorisations: 20, max_iterations: 60, ..self.settings.newton };
-        newton.solve(&mut self.system, &mut self.scratch, &mut self.problem, &mut y, &self.conditions, false).map_err(
-            |error| ContinuationError::Lost {
-                parameter: value,
-                arclength: self.state.arclength,
-                reason: error.to_string(),
-            },
-        )?;
+        patient(self.settings.newton)
+            .solve(&mut self.system, &mut self.scratch, &mut self.problem, &mut y, &self.conditions, false)
+            .map_err(|error| self.lost(value, error.into()))?;
         Ok(y)
     }
+}
+
+/// The corrector where no shorter step can help it.
+fn patient(newton: Newton) -> Newton {
+    Newton { max_factorisations: 20, max_iterations: 60, ..newton }
 }
 
 /// Factor on the next step from the corrector's work and from the angle turned.

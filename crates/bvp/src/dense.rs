@@ -21,6 +21,67 @@ pub const fn lanes_for(entries: usize) -> usize {
     entries.div_ceil(LANE)
 }
 
+/// Lanes that start on a boundary of 64 bytes: a lane that lies across two cache lines takes twice as long to load, and
+/// where an allocation starts is up to chance.
+#[derive(Debug, Default)]
+pub struct Lanes {
+    values: Vec<f64>,
+    len: usize,
+}
+
+/// Boundary lanes start on, in bytes.
+const BOUNDARY: usize = LANE * size_of::<f64>();
+
+impl Lanes {
+    /// Makes room for `len` lanes. What they hold is unspecified (but initialised) after a change of length, zero the
+    /// first time.
+    pub fn resize(&mut self, len: usize) {
+        // Room for the lanes to start up to a lane behind the allocation.
+        self.values.resize((len + 1) * LANE, 0.0);
+        self.len = len;
+    }
+
+    fn start(&self) -> usize {
+        // The offset may be refused, and is only a matter of speed.
+        Some(self.values.as_ptr().align_offset(BOUNDARY)).filter(|offset| *offset < LANE).unwrap_or(0)
+    }
+}
+
+impl Clone for Lanes {
+    fn clone(&self) -> Lanes {
+        let mut copy = Lanes::default();
+        if self.len > 0 {
+            copy.resize(self.len);
+            copy.copy_from_slice(self);
+        }
+        copy
+    }
+}
+
+impl std::ops::Deref for Lanes {
+    type Target = [Lane];
+
+    #[inline(always)]
+    fn deref(&self) -> &[Lane] {
+        if self.len == 0 {
+            return &[];
+        }
+        let start = self.start();
+        self.values[start..start + self.len * LANE].as_chunks().0
+    }
+}
+
+impl std::ops::DerefMut for Lanes {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [Lane] {
+        if self.len == 0 {
+            return &mut [];
+        }
+        let start = self.start();
+        self.values[start..start + self.len * LANE].as_chunks_mut().0
+    }
+}
+
 /// Sign and logarithm of a determinant, as a running product of pivots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Determinant {
@@ -37,7 +98,8 @@ impl Default for Determinant {
 }
 
 /// A pivot was zero or not finite.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("pivot {column} {}", if *.non_finite { "is not a finite number" } else { "vanishes" })]
 pub struct PivotFailure {
     /// Column of the failing pivot.
     pub column: usize,

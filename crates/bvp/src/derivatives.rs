@@ -2,6 +2,7 @@
 //!
 //! Only the right-hand side and the integrands are nonlinear here: boundary conditions must be linear.
 
+use crate::problem::MAX_UNKNOWNS;
 use crate::{BoundaryValueProblem, CollocationPoint, Direction, Gauss, Residual, Solution};
 
 /// A direction in the unknowns at one point: components of y and scalar unknowns.
@@ -87,7 +88,7 @@ fn sweep<P: BoundaryValueProblem>(
     let dims = problem.dimensions();
     let n = dims.components;
     clear(dims, y, border, out);
-    let mut scratch = [0.0; 32];
+    let mut scratch = [0.0; 2 * MAX_UNKNOWNS];
     let (f, rest) = scratch.split_at_mut(n);
     let g = &mut rest[..dims.integrals];
     for i in 0..y.intervals() {

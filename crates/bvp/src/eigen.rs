@@ -25,6 +25,63 @@ impl Default for Arnoldi {
     }
 }
 
+/// Why eigenvalues were not found.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EigenError {
+    /// The small dense problem failed.
+    #[error(transparent)]
+    Dense(#[from] NoEigenvalues),
+    /// Eigenvalues are not yet as accurate as asked for.
+    #[error("eigenvalues are uncertain by {residual:.1e} in a Krylov space of dimension {dimension}")]
+    NotConverged {
+        /// Krylov dimension.
+        dimension: usize,
+        /// Largest residual of the eigenvalues wanted.
+        residual: f64,
+    },
+}
+
+impl Arnoldi {
+    /// The eigenvalues of largest modulus of the linear map `apply` (from, to), in the inner product Σ w a b with positive
+    /// `weights`; the largest first, complex pairs with both signs. Fewer than wanted where the map has no more.
+    ///
+    /// # Errors
+    /// [`EigenError::NotConverged`] if a residual is above the tolerance in the largest space allowed.
+    ///
+    /// # Examples
+    /// ```
+    /// use bvp::eigen::{Arnoldi, Krylov};
+    /// // Eigenvalues 1, 1/2, 1/4, …
+    /// let apply = |from: &[f64], to: &mut [f64]| {
+    ///     to.iter_mut().zip(from).enumerate().for_each(|(k, (to, from))| *to = 0.5f64.powi(k as i32) * from);
+    /// };
+    /// let found = Arnoldi::default().largest(&mut Krylov::default(), &[1.0; 40], apply)?;
+    /// for (value, exact) in found.iter().zip([1.0, 0.5, 0.25]) {
+    ///     assert!((value.re - exact).abs() < 1e-9 && value.im == 0.0);
+    /// }
+    /// # Ok::<(), bvp::eigen::EigenError>(())
+    /// ```
+    pub fn largest(
+        &self,
+        krylov: &mut Krylov,
+        weights: &[f64],
+        apply: impl FnMut(&[f64], &mut [f64]),
+    ) -> Result<Vec<RitzValue>, EigenError> {
+        let limit = self.max_dimension.min(weights.len());
+        let mut worst = f64::INFINITY;
+        let found = krylov.run(weights, limit, apply, |values, dimension| {
+            let mut values = values.to_vec();
+            let modulus = |v: &RitzValue| v.re.hypot(v.im);
+            values.sort_by(|a, b| modulus(b).total_cmp(&modulus(a)).then(b.im.total_cmp(&a.im)));
+            values.truncate(self.wanted);
+            worst = values.iter().map(|v| v.residual).fold(0.0, f64::max);
+            (worst <= self.tolerance && (values.len() == self.wanted || dimension == limit)).then_some(values)
+        })?;
+        found.ok_or(EigenError::NotConverged { dimension: limit, residual: worst })
+    }
+}
+
 /// An eigenvalue of the map on the Krylov space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RitzValue {
@@ -44,7 +101,7 @@ pub struct NoEigenvalues {
     pub dimension: usize,
 }
 
-/// Workspace of the iteration.
+/// Workspace of the iteration, for use again and again. [`Arnoldi::largest`] is the simple way to run it.
 #[derive(Clone, Debug, Default)]
 pub struct Krylov {
     basis: Vec<Vec<f64>>,
@@ -60,7 +117,20 @@ impl Krylov {
     /// counts as the last.
     ///
     /// # Errors
-    /// [`NoEigenvalues`].
+    /// [`NoEigenvalues`] if those of the small projected matrix cannot be computed.
+    ///
+    /// # Examples
+    /// The largest real eigenvalue of a rotation beside a decay by 0.9, as soon as it is known to 1e-10:
+    ///
+    /// ```
+    /// use bvp::eigen::Krylov;
+    /// let apply = |from: &[f64], to: &mut [f64]| to.copy_from_slice(&[-from[1], from[0], 0.9 * from[2]]);
+    /// let found = Krylov::default().run(&[1.0; 3], 3, apply, |values, _| {
+    ///     values.iter().find(|v| v.im == 0.0 && v.residual < 1e-10).map(|v| v.re)
+    /// })?;
+    /// assert!((found.unwrap() - 0.9).abs() < 1e-12);
+    /// # Ok::<(), bvp::eigen::NoEigenvalues>(())
+    /// ```
     pub fn run<T>(
         &mut self,
         weights: &[f64],

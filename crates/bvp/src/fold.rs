@@ -4,6 +4,8 @@ use crate::derivatives::{Directional, second_residual};
 use crate::{Direction, PivotFailure, Residual, Singularity, Solution, System};
 
 /// A turning point of scalar unknown `parameter`: g = its component in w.
+///
+/// [`MinimallyAugmented`](crate::MinimallyAugmented) has an example.
 #[derive(Clone, Debug)]
 pub struct Fold {
     /// Index of the parameter among the scalar unknowns.

@@ -1,6 +1,6 @@
 //! Meshes: equidistribution of a monitor, defect of a solution.
 
-use crate::gauss::{Gauss, MAX_STAGES};
+use crate::gauss::Gauss;
 use crate::problem::{BoundaryValueProblem, CollocationPoint};
 use crate::solution::Solution;
 
@@ -44,8 +44,9 @@ pub fn imbalance(mesh: &[f64], weight: &[f64]) -> f64 {
     largest * weight.len() as f64 / total
 }
 
-/// Largest defect |u′ − f(u)| · h / (1 + |u|) of the collocation polynomial on every interval, sampled midway between
-/// neighbouring Gauss points and at the ends.
+/// Largest defect |u′ − f(u)| · h / (1 + |u|) of the collocation polynomial u on every interval of width h, sampled midway
+/// between neighbouring Gauss points, and midway between the left node and the first of them. (At the Gauss points
+/// themselves it is zero.)
 pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solution) -> Vec<f64> {
     let dims = problem.dimensions();
     problem.prepare(&y.scalars);
@@ -55,7 +56,7 @@ pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solut
         .map(|i| {
             let h = y.mesh[i + 1] - y.mesh[i];
             let mut largest: f64 = 0.0;
-            for k in 1..m.min(MAX_STAGES) + 1 {
+            for k in 1..=m {
                 let theta = if k < m { 0.5 * (gauss.c[k - 1] + gauss.c[k]) } else { 0.5 * gauss.c[0] };
                 y.eval_in(gauss, i, theta, &mut value);
                 y.slope_in(gauss, i, theta, &mut slope);

@@ -6,6 +6,18 @@ use crate::{Direction, Gauss, LinearCondition, Solution, System};
 
 /// The inner product ⟨a, b⟩ = Σ_c W_c ∫ a_c b_c dx / (x_N − x₀) + Σ_k w_k a_k b_k on solutions, by the trapezoidal rule
 /// on the nodes, so that an arclength does not depend on the mesh.
+///
+/// # Examples
+/// ```
+/// use bvp::{Direction, Metric, mesh};
+/// let mesh = mesh::uniform(0.0, 4.0, 2);
+/// // One component that is 3 at all nodes, and a scalar 4: the length is 5 on any mesh.
+/// let mut direction = Direction { nodes: vec![3.0; 3], stages: vec![3.0; 4], scalars: vec![4.0] };
+/// let metric = Metric::unit(1, 1);
+/// assert_eq!(metric.dot(&mesh, &direction, &direction), 25.0);
+/// metric.normalise(&mesh, &mut direction);
+/// assert!((direction.scalars[0] - 0.8).abs() < 1e-15);
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Metric {
     /// Weights W_c of the components.

@@ -18,6 +18,26 @@ use crate::metric::{self, Metric};
 use crate::{Direction, LinearCondition, SingularError, Singularity, Solution, System};
 
 /// Newton on the extended system for a problem with one or two free parameters (its last scalar unknowns).
+///
+/// # Examples
+/// The fold of u″ + λeᵘ = 0, u(0) = u(1) = 0, from the first point of the branch behind it. `Oscillator` is in
+/// `examples/problems/oscillator.rs`.
+///
+/// ```
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::Oscillator;
+/// use bvp::{Continuation, ContinuationSettings, Fold, Metric, MinimallyAugmented};
+/// let problem = Oscillator { force: |u| [u.exp(); 4], right: 0 };
+/// let (guess, metric) = (problem.zero(1.0, 20, 4, 0.0), Metric::unit(2, 1));
+/// let settings = ContinuationSettings::default();
+/// let mut branch = Continuation::start(problem.clone(), guess, metric.clone(), settings, true)?;
+/// branch.follow([0.0, 10.0], 100, |_, advance| !advance.passed_fold)?;
+/// let mut y = branch.state.solution.clone();
+/// let mut point = MinimallyAugmented::new(problem, Fold::new(0), y.m, metric, &branch.state.tangent);
+/// point.solve(&mut y, None)?;
+/// assert!((y.scalars[0] - 3.513830719).abs() < 1e-8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct MinimallyAugmented<P, S> {
     /// The problem, one or two conditions short of square.
@@ -60,6 +80,15 @@ pub struct AugmentedReport {
 /// Only after corrections below this may the last one be taken on trust: directions and slopes, and the normal form that
 /// follows from them, are those of the iterate before it.
 const SMALL: f64 = 1e-6;
+
+/// Most iterations.
+const MOST_ITERATIONS: usize = 15;
+
+/// Largest correction applied in full.
+const FARTHEST: f64 = 0.5;
+
+/// Corrections that show the rate of convergence: rounding spoils that of smaller ones, the next order of larger ones.
+const RATES: std::ops::Range<f64> = 1e-8..1e-3;
 
 impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
     /// For a problem near a point whose branch has the given tangent.
@@ -145,62 +174,76 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
         y: &mut Solution,
         closing: Option<&LinearCondition>,
     ) -> Result<AugmentedReport, SingularError> {
-        const MOST: usize = 15;
         let mut report = AugmentedReport { correction: f64::INFINITY, ..Default::default() };
-        let mut before = f64::INFINITY;
-        while report.iterations < MOST {
-            let singular = |_| SingularError::Singular { iterations: report.iterations };
-            let g = self.linearise(y).map_err(singular)?;
-            report.iterations += 1;
-            let constant = g + self.slope(y, Along::Step);
-            self.slopes[0] = self.slope(y, Along::Basis(0));
-            report.distance = (g / self.slopes[0]).abs();
-            let s = match closing {
-                None => [-constant / self.slopes[0], 0.0],
-                Some(closing) => {
-                    self.slopes[1] = self.slope(y, Along::Basis(1));
-                    let form = |d: &Direction| {
-                        let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
-                        dot(&closing.nodes, &d.nodes) + dot(&closing.scalars, &d.scalars)
-                    };
-                    let rest = metric::evaluate(closing, y) + form(&self.step) - closing.value;
-                    let [a, b] = self.slopes;
-                    let (c, d) = (form(&self.basis[0]), form(&self.basis[1]));
-                    let determinant = a * d - b * c;
-                    [(b * rest - d * constant) / determinant, (c * constant - a * rest) / determinant]
-                }
-            };
-            let MinimallyAugmented { basis, step, .. } = self;
-            for (s, direction) in s.iter().zip(basis.iter()).take(self.conditions.len()) {
-                step.add(*s, direction);
-            }
-            report.correction = step.norm(y);
-            if report.iterations == 1 {
-                report.first_correction = report.correction;
-            }
-            if !report.correction.is_finite() {
-                return Err(SingularError::Singular { iterations: report.iterations });
-            }
+        while report.iterations < MOST_ITERATIONS {
+            let before = report.correction;
+            self.correction(y, closing, &mut report)?;
             // Far out, only a part of the step can be trusted.
-            step.apply((0.5 / report.correction).min(1.0), y);
-            let size = report.correction;
-            // Below 1e-8 rounding spoils the ratio, above 1e-3 the next order does.
-            if (1e-8..1e-3).contains(&before) {
-                self.contraction = self.contraction.max(size / (before * before));
-            }
-            before = size;
-            // Quadratic convergence: what is left after a step of size δ is of order δ².
-            let expected = if self.trusting && self.contraction > 0.0 {
-                4.0 * self.contraction * size * size
-            } else {
-                f64::INFINITY
-            };
-            if size <= self.tolerance.max(1e-3 * self.tolerance.sqrt()) || size < SMALL && expected <= self.tolerance {
+            self.step.apply((FARTHEST / report.correction).min(1.0), y);
+            if self.is_converged(before, report.correction) {
                 self.problem.prepare(&y.scalars);
                 return Ok(report);
             }
         }
         Err(SingularError::Stalled { iterations: report.iterations, correction: report.correction })
+    }
+
+    /// The correction of one Newton iteration on (F, g), in `step`.
+    fn correction(
+        &mut self,
+        y: &Solution,
+        closing: Option<&LinearCondition>,
+        report: &mut AugmentedReport,
+    ) -> Result<(), SingularError> {
+        let g = self.linearise(y).map_err(|_| SingularError::Singular { iterations: report.iterations })?;
+        report.iterations += 1;
+        let constant = g + self.slope(y, Along::Step);
+        self.slopes[0] = self.slope(y, Along::Basis(0));
+        report.distance = (g / self.slopes[0]).abs();
+        let shares = match closing {
+            None => [-constant / self.slopes[0], 0.0],
+            Some(closing) => {
+                self.slopes[1] = self.slope(y, Along::Basis(1));
+                self.closed_by(closing, y, constant)
+            }
+        };
+        let MinimallyAugmented { basis, step, .. } = self;
+        for (share, direction) in shares.iter().zip(basis.iter()).take(self.conditions.len()) {
+            step.add(*share, direction);
+        }
+        report.correction = step.norm(y);
+        if report.iterations == 1 {
+            report.first_correction = report.correction;
+        }
+        if report.correction.is_finite() {
+            Ok(())
+        } else {
+            Err(SingularError::Singular { iterations: report.iterations })
+        }
+    }
+
+    /// Shares of both null directions in the correction: g′ along it is −`constant`, and it fulfils `closing`.
+    fn closed_by(&self, closing: &LinearCondition, y: &Solution, constant: f64) -> [f64; 2] {
+        let form = |d: &Direction| {
+            let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
+            dot(&closing.nodes, &d.nodes) + dot(&closing.scalars, &d.scalars)
+        };
+        let rest = metric::evaluate(closing, y) + form(&self.step) - closing.value;
+        let [a, b] = self.slopes;
+        let (c, d) = (form(&self.basis[0]), form(&self.basis[1]));
+        let determinant = a * d - b * c;
+        [(b * rest - d * constant) / determinant, (c * constant - a * rest) / determinant]
+    }
+
+    /// Whether a correction of norm `size` after one of norm `before` was the last.
+    fn is_converged(&mut self, before: f64, size: f64) -> bool {
+        if RATES.contains(&before) {
+            self.contraction = self.contraction.max(size / (before * before));
+        }
+        // Quadratic convergence: what is left after a step of size δ is of order δ².
+        let expected =
+            if self.trusting && self.contraction > 0.0 { 4.0 * self.contraction * size * size } else { f64::INFINITY };
+        size <= self.tolerance.max(1e-3 * self.tolerance.sqrt()) || size < SMALL && expected <= self.tolerance
     }
 
     /// Recomputes factors, null directions and g′ along the branch at a point that a trusting iteration converged to.

@@ -1,7 +1,11 @@
 //! Damped Newton iteration with Jacobian reuse.
 //!
-//! Every factorisation is used for one full step and then for chord steps while they contract. Damping follows the
-//! natural monotonicity test: a step is accepted when the simplified correction J⁻¹F(x + λδ) is smaller than δ.
+//! Every factorisation is used for one full step and then for chord steps (corrections with the factors of an earlier
+//! iterate) while they contract. Damping follows the natural monotonicity test: a step is accepted when the simplified
+//! correction J⁻¹F(x + λδ) is smaller than δ.
+//!
+//! Corrections are compared in one scaling, that of the iterate they both start from: a step to huge values makes every
+//! correction there small *relative to those values*, which says nothing about a root.
 //!
 //! # References
 //! Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2004, ch. 3.
@@ -11,6 +15,28 @@ use crate::solution::Solution;
 use crate::{Direction, LinearCondition, System};
 
 /// Settings of the iteration.
+///
+/// # Examples
+/// u″ + λeᵘ = 0, u(0) = u(1) = 0 with λ held at 1 by a linear condition. `Oscillator` is in
+/// `examples/problems/oscillator.rs`.
+///
+/// ```
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::Oscillator;
+/// use bvp::{BoundaryValueProblem, LinearCondition, Newton, System, metric};
+/// let mut problem = Oscillator { force: |u| [u.exp(); 4], right: 0 };
+/// let mut y = problem.zero(1.0, 20, 4, 1.0);
+/// let mut conditions = vec![LinearCondition::default()];
+/// metric::scalar_condition(&y, 0, 1.0, &mut conditions[0]);
+/// let mut system = System::new(problem.dimensions(), y.m);
+/// let newton = Newton::default();
+/// let report = newton.solve(&mut system, &mut Default::default(), &mut problem, &mut y, &conditions, false)?;
+/// assert!(report.factorisations <= 2);
+/// // u(½) = 2 ln cosh θ belongs to λ = 8(θ/cosh θ)².
+/// let cosh = (0.5 * y.node(10)[0]).exp();
+/// assert!((8.0 * (cosh.acosh() / cosh).powi(2) - 1.0).abs() < 1e-8);
+/// # Ok::<(), bvp::NewtonError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Newton {
     /// Bound on the estimated remaining error, max |δ|/(1 + |value|).
@@ -50,6 +76,7 @@ pub struct NewtonReport {
 
 /// Why the iteration did not converge.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum NewtonError {
     /// A pivot vanished.
     #[error("the Jacobian is singular (pivot {column}) after {iterations} iterations")]
@@ -73,14 +100,6 @@ pub enum NewtonError {
         /// Linear solves done.
         iterations: usize,
     },
-    /// The accuracy asked for would need more intervals than allowed.
-    #[error("the mesh limit of {limit} intervals is reached with a defect of {defect:.3e}")]
-    MeshLimit {
-        /// Most intervals allowed.
-        limit: usize,
-        /// Defect at the limit.
-        defect: f64,
-    },
 }
 
 /// Scratch of [`Newton::solve`], reused between calls.
@@ -96,6 +115,9 @@ impl Newton {
     /// the last accepted iterate.
     ///
     /// With `reuse` the factors already in `system` (from a nearby problem of the same mesh) are tried first.
+    ///
+    /// # Errors
+    /// [`NewtonError`] if the iteration does not converge from there.
     pub fn solve<P: BoundaryValueProblem>(
         &self,
         system: &mut System,
@@ -105,69 +127,92 @@ impl Newton {
         conditions: &[LinearCondition],
         reuse: bool,
     ) -> Result<NewtonReport, NewtonError> {
-        let mut report = NewtonReport::default();
-        if reuse && self.chord(system, scratch, problem, y, conditions, &mut report)? {
-            return Ok(report);
+        let report = NewtonReport::default();
+        let mut iteration = Iteration { settings: self, system, scratch, problem, y, conditions, report };
+        if reuse && iteration.chord() {
+            return Ok(iteration.report);
         }
-        while report.factorisations < self.max_factorisations && report.iterations < self.max_iterations {
-            system.evaluate(problem, y, conditions, true);
-            report.factorisations += 1;
-            system.condense().and_then(|()| system.factor_blocks(conditions)).map_err(|f| {
-                if f.non_finite {
-                    NewtonError::NonFinite { iterations: report.iterations }
-                } else {
-                    NewtonError::Singular { column: f.column, iterations: report.iterations }
-                }
-            })?;
-            system.solve_own(&mut scratch.step);
-            report.iterations += 1;
-            let size = scratch.step.norm(y);
+        iteration.run()
+    }
+}
+
+/// Chord steps go on from a correction at most this fraction of the one before.
+const LEAST_CONTRACTION: f64 = 0.5;
+
+/// What one call of [`Newton::solve`] works on.
+struct Iteration<'a, P> {
+    settings: &'a Newton,
+    system: &'a mut System,
+    scratch: &'a mut NewtonScratch,
+    problem: &'a mut P,
+    y: &'a mut Solution,
+    conditions: &'a [LinearCondition],
+    report: NewtonReport,
+}
+
+impl<P: BoundaryValueProblem> Iteration<'_, P> {
+    /// Factorises and steps until converged or out of work.
+    fn run(&mut self) -> Result<NewtonReport, NewtonError> {
+        let settings = self.settings;
+        while self.report.factorisations < settings.max_factorisations
+            && self.report.iterations < settings.max_iterations
+        {
+            self.factorise()?;
+            self.system.solve_own(&mut self.scratch.step);
+            self.report.iterations += 1;
+            let size = self.scratch.step.norm(self.y);
             if !size.is_finite() {
-                return Err(NewtonError::NonFinite { iterations: report.iterations });
+                return Err(NewtonError::NonFinite { iterations: self.report.iterations });
             }
-            if size <= self.tolerance {
-                scratch.step.apply(1.0, y);
-                report.last_correction = size;
-                return Ok(report);
+            if size <= settings.tolerance {
+                self.scratch.step.apply(1.0, self.y);
+                self.report.last_correction = size;
+                return Ok(self.report);
             }
-            if self.damped_step(system, scratch, problem, y, conditions, size, &mut report)?
-                && self.chord_from(system, scratch, problem, y, conditions, size, &mut report)
+            if let Some(contraction) = self.damped_step(size)?
+                && self.chord_from(contraction)
             {
-                return Ok(report);
+                return Ok(self.report);
             }
         }
-        Err(NewtonError::Stalled { iterations: report.iterations, correction: report.last_correction })
+        Err(NewtonError::Stalled { iterations: self.report.iterations, correction: self.report.last_correction })
     }
 
-    /// Accepts y + λδ with the largest λ that passes the monotonicity test; the simplified correction at the accepted
-    /// point is left in `trial_step`. Returns whether λ = 1.
-    #[allow(clippy::too_many_arguments)]
-    fn damped_step<P: BoundaryValueProblem>(
-        &self,
-        system: &mut System,
-        scratch: &mut NewtonScratch,
-        problem: &mut P,
-        y: &mut Solution,
-        conditions: &[LinearCondition],
-        size: f64,
-        report: &mut NewtonReport,
-    ) -> Result<bool, NewtonError> {
+    /// Residual, derivatives and factors at `y`.
+    fn factorise(&mut self) -> Result<(), NewtonError> {
+        let Iteration { system, problem, y, conditions, report, .. } = self;
+        system.evaluate(*problem, y, conditions, true);
+        report.factorisations += 1;
+        let iterations = report.iterations;
+        system.condense().and_then(|()| system.factor_blocks(conditions)).map_err(|failure| match failure.non_finite {
+            true => NewtonError::NonFinite { iterations },
+            false => NewtonError::Singular { column: failure.column, iterations },
+        })
+    }
+
+    /// Accepts y + λδ with the largest λ that passes the monotonicity test, δ being the correction `step` of norm `size`;
+    /// the simplified correction at the accepted point is left in `trial_step`. Returns by how much it is smaller than δ
+    /// if λ = 1.
+    fn damped_step(&mut self, size: f64) -> Result<Option<f64>, NewtonError> {
+        let Iteration { settings, system, scratch, problem, y, conditions, report } = self;
+        let NewtonScratch { step, trial_step, trial } = &mut **scratch;
+        let trial = trial.get_or_insert_with(|| y.clone());
         let mut lambda = 1.0;
         loop {
-            let trial = scratch.trial.get_or_insert_with(|| y.clone());
             trial.clone_from(y);
-            scratch.step.apply(lambda, trial);
-            system.evaluate(problem, trial, conditions, false);
-            system.solve_own(&mut scratch.trial_step);
+            step.apply(lambda, trial);
+            system.evaluate(*problem, trial, conditions, false);
+            system.solve_own(trial_step);
             report.iterations += 1;
-            let next = scratch.trial_step.norm(trial);
+            // In the scaling of y, that of `size`, however large the trial has become.
+            let next = trial_step.norm(y);
             if next <= (1.0 - 0.25 * lambda) * size {
-                std::mem::swap(y, trial);
-                report.last_correction = next;
-                return Ok(lambda == 1.0);
+                std::mem::swap(*y, trial);
+                report.last_correction = trial_step.norm(y);
+                return Ok((lambda == 1.0).then_some(next / size));
             }
             lambda *= 0.5;
-            if lambda < self.min_damping || report.iterations >= self.max_iterations {
+            if lambda < settings.min_damping || report.iterations >= settings.max_iterations {
                 return Err(if next.is_finite() {
                     NewtonError::Stalled { iterations: report.iterations, correction: size }
                 } else {
@@ -177,86 +222,70 @@ impl Newton {
         }
     }
 
-    /// Chord steps from a pending correction in `trial_step`; `before` is the size of the step before it. True when
+    /// Chord steps from a pending correction in `trial_step`, which is `contraction` times the one before. True when
     /// converged. A pending correction that no longer contracts well is applied if it still helps, and false returned.
-    #[allow(clippy::too_many_arguments)]
-    fn chord_from<P: BoundaryValueProblem>(
-        &self,
-        system: &mut System,
-        scratch: &mut NewtonScratch,
-        problem: &mut P,
-        y: &mut Solution,
-        conditions: &[LinearCondition],
-        before: f64,
-        report: &mut NewtonReport,
-    ) -> bool {
-        let mut before = before;
+    fn chord_from(&mut self, mut contraction: f64) -> bool {
+        let Iteration { settings, system, scratch, problem, y, conditions, report } = self;
+        let correction = &mut scratch.trial_step;
         loop {
-            let size = report.last_correction;
-            let theta = size / before;
-            if theta > 0.5 {
+            if contraction > LEAST_CONTRACTION {
                 return false;
             }
-            scratch.trial_step.apply(1.0, y);
-            // After the pending correction the error is about θ/(1 − θ) of it.
-            if size * theta / (1.0 - theta) <= self.tolerance {
+            let size = report.last_correction;
+            correction.apply(1.0, y);
+            // After the pending correction the error is about θ/(1 − θ) of it. That is so where the contraction is that
+            // of small corrections: the quotient of one by a step that was larger than the solution is no rate.
+            if size <= settings.tolerance.sqrt() && size * contraction / (1.0 - contraction) <= settings.tolerance {
                 return true;
             }
-            if theta > self.chord_contraction || report.iterations >= self.max_iterations {
+            if contraction > settings.chord_contraction || report.iterations >= settings.max_iterations {
                 return false;
             }
-            system.evaluate(problem, y, conditions, false);
-            system.solve_own(&mut scratch.trial_step);
+            let before = correction.norm(y);
+            system.evaluate(*problem, y, conditions, false);
+            system.solve_own(correction);
             report.iterations += 1;
-            let next = scratch.trial_step.norm(y);
-            if next.is_nan() || next > 0.5 * size && next > self.tolerance {
+            let next = correction.norm(y);
+            contraction = next / before;
+            if next.is_nan() || contraction > LEAST_CONTRACTION && next > settings.tolerance {
                 return false;
             }
-            before = size;
             report.last_correction = next;
-            if next <= self.tolerance {
-                scratch.trial_step.apply(1.0, y);
+            if next <= settings.tolerance {
+                correction.apply(1.0, y);
                 return true;
             }
         }
     }
 
     /// Tries to converge with the factors at hand. On failure `y` is restored.
-    fn chord<P: BoundaryValueProblem>(
-        &self,
-        system: &mut System,
-        scratch: &mut NewtonScratch,
-        problem: &mut P,
-        y: &mut Solution,
-        conditions: &[LinearCondition],
-        report: &mut NewtonReport,
-    ) -> Result<bool, NewtonError> {
-        system.evaluate(problem, y, conditions, false);
+    fn chord(&mut self) -> bool {
+        let Iteration { settings, system, scratch, problem, y, conditions, report } = self;
+        system.evaluate(*problem, y, conditions, false);
         system.solve_own(&mut scratch.step);
         report.iterations += 1;
         let size = scratch.step.norm(y);
         if !size.is_finite() {
-            return Ok(false);
+            return false;
         }
         let saved = scratch.trial.get_or_insert_with(|| y.clone());
         saved.clone_from(y);
         scratch.step.apply(1.0, y);
         report.last_correction = size;
-        if size <= self.tolerance {
-            return Ok(true);
+        if size <= settings.tolerance {
+            return true;
         }
-        system.evaluate(problem, y, conditions, false);
+        system.evaluate(*problem, y, conditions, false);
         system.solve_own(&mut scratch.trial_step);
         report.iterations += 1;
+        let contraction = scratch.trial_step.norm(saved) / size;
         report.last_correction = scratch.trial_step.norm(y);
-        if report.last_correction <= self.chord_contraction * size
-            && self.chord_from(system, scratch, problem, y, conditions, size, report)
-        {
-            return Ok(true);
+        if contraction <= settings.chord_contraction && self.chord_from(contraction) {
+            return true;
         }
-        if let Some(saved) = &scratch.trial {
-            y.clone_from(saved);
+        if let Some(saved) = &self.scratch.trial {
+            self.y.clone_from(saved);
         }
-        Ok(false)
+        false
     }
 }

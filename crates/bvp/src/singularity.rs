@@ -4,6 +4,7 @@ use crate::{Direction, PivotFailure, Solution, System};
 
 /// Why a singular point was not found.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SingularError {
     /// A pivot vanished where the extended system should be regular.
     #[error(

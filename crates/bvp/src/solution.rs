@@ -5,6 +5,18 @@ use crate::gauss::{Gauss, MAX_STAGES};
 /// A piecewise polynomial of degree m on a mesh, with the scalar unknowns that belong to it.
 ///
 /// On interval i the polynomial takes the values `node(i)` at the left node and `stage(i, j)` at the Gauss points.
+///
+/// # Examples
+/// ```
+/// use bvp::{Gauss, Solution, mesh};
+/// let gauss = Gauss::new(4);
+/// let sine = |x: f64, y: &mut [f64]| y.copy_from_slice(&[x.sin(), x.cos()]);
+/// let y = Solution::from_fn(&gauss, &mesh::uniform(0.0, 3.0, 12), 2, &[], sine);
+/// let finer = y.on_mesh(&gauss, &mesh::halved(&y.mesh));
+/// let mut value = [0.0; 2];
+/// finer.eval(&gauss, 1.0, &mut value);
+/// assert!((value[0] - 1f64.sin()).abs() < 1e-5);
+/// ```
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Solution {
     /// Components n.
@@ -161,10 +173,5 @@ impl Solution {
                 }
             }
         }
-    }
-
-    /// All values are finite.
-    pub fn is_finite(&self) -> bool {
-        self.nodes.iter().chain(&self.stages).chain(&self.scalars).all(|v| v.is_finite())
     }
 }

@@ -1,7 +1,11 @@
 //! Pitchforks of mirror-symmetric branches: an antisymmetric null vector appears.
 
 use crate::derivatives::{Directional, second_residual};
-use crate::{AntisymmetricEnd, BoundaryValueProblem, Direction, PivotFailure, Residual, Singularity, Solution, System};
+use crate::problem::MAX_UNKNOWNS;
+use crate::{
+    AntisymmetricEnd, BoundaryValueProblem, Determinant, Direction, PivotFailure, Residual, Singularity, Solution,
+    System,
+};
 
 /// A problem on the half of a mirror-symmetric domain, whose right end is the mirror.
 pub trait MirrorSymmetric: BoundaryValueProblem {
@@ -18,6 +22,25 @@ pub trait MirrorSymmetric: BoundaryValueProblem {
 /// With the last of the conditions at the mirror replaced by (component `normaliser` of φ) = 1, g is what φ leaves of the
 /// condition replaced. Then det J_a = g · det of the replaced problem, and the same factors project any right-hand side
 /// on the left null vector.
+///
+/// # Examples
+/// A rod u″ + λ sin u = 0, u(0) = u(1) = 0 buckles to an antisymmetric shape at λ = (2π)². `Oscillator` is in
+/// `examples/problems/oscillator.rs`; here it is on the half [0, ½], with a mirror at ½.
+///
+/// ```
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::Oscillator;
+/// use bvp::{Continuation, ContinuationSettings, Metric, MinimallyAugmented, SymmetryBreaking};
+/// let problem = Oscillator { force: |u| [u.sin(), u.cos(), -u.sin(), -u.cos()], right: 1 };
+/// let (mut y, metric) = (problem.zero(0.5, 10, 4, 38.0), Metric::unit(2, 1));
+/// let settings = ContinuationSettings::default();
+/// let branch = Continuation::start(problem.clone(), y.clone(), metric.clone(), settings, true)?;
+/// let tangent = &branch.state.tangent;
+/// let mut point = MinimallyAugmented::new(problem, SymmetryBreaking::default(), y.m, metric, tangent);
+/// point.solve(&mut y, None)?;
+/// assert!((y.scalars[0] - (2.0 * std::f64::consts::PI).powi(2)).abs() < 1e-8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct SymmetryBreaking {
     /// The antisymmetric solution φ of the replaced problem; at g = 0 the null vector.
@@ -53,23 +76,42 @@ impl SymmetryBreaking {
     }
 }
 
+impl SymmetryBreaking {
+    /// Factorises the problem with the last of the components that vanish replaced by `normaliser`.
+    fn replace(
+        &mut self,
+        system: &System,
+        vanishing: &[usize],
+        normaliser: usize,
+    ) -> Result<Determinant, PivotFailure> {
+        let last = vanishing.len() - 1;
+        self.rows.clear();
+        self.rows.extend_from_slice(&vanishing[..last]);
+        self.rows.push(normaliser);
+        self.replaced = vanishing[last];
+        self.normaliser = normaliser;
+        system.factor_antisymmetric(&self.rows, &mut self.end)
+    }
+
+    /// Solves the replaced problem for φ with its normalising component 1; returns g.
+    fn solve_replaced(&mut self, system: &mut System) -> f64 {
+        let count = self.rows.len();
+        let mut right = [0.0; MAX_UNKNOWNS];
+        right[count - 1] = 1.0;
+        system.solve_antisymmetric_unit(&self.end, &right[..count], &mut self.null);
+        self.null.nodes[self.null.nodes.len() - system.dimensions().components + self.replaced]
+    }
+}
+
 /// A null vector this much larger than its normalising component asks for another one.
 const LARGE: f64 = 1e4;
 
 impl<P: Directional + MirrorSymmetric> Singularity<P> for SymmetryBreaking {
     fn evaluate(&mut self, system: &mut System, problem: &P, _w: &Direction) -> Result<f64, PivotFailure> {
-        let n = system.dimensions().components;
         let mut failure = PivotFailure { column: 0, non_finite: false };
-        for attempt in 0..problem.free_at_mirror().len() {
-            let vanishing = problem.vanishing_at_mirror();
-            let count = vanishing.len();
-            let normaliser = problem.free_at_mirror()[attempt];
-            self.rows.clear();
-            self.rows.extend_from_slice(&vanishing[..count - 1]);
-            self.rows.push(normaliser);
-            self.replaced = vanishing[count - 1];
-            self.normaliser = normaliser;
-            let det = match system.factor_antisymmetric(&self.rows, &mut self.end) {
+        let normalisers = problem.free_at_mirror();
+        for (attempt, &normaliser) in normalisers.iter().enumerate() {
+            let det = match self.replace(system, problem.vanishing_at_mirror(), normaliser) {
                 Ok(det) if det.sign != 0.0 => det,
                 Ok(_) => continue,
                 Err(error) => {
@@ -77,12 +119,9 @@ impl<P: Directional + MirrorSymmetric> Singularity<P> for SymmetryBreaking {
                     continue;
                 }
             };
-            let mut right = [0.0; 32];
-            right[count - 1] = 1.0;
-            system.solve_antisymmetric_unit(&self.end, &right[..count], &mut self.null);
+            let g = self.solve_replaced(system);
             let largest = self.null.nodes.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-            if largest < LARGE || attempt + 1 == problem.free_at_mirror().len() {
-                let g = self.null.nodes[self.null.nodes.len() - n + self.replaced];
+            if largest < LARGE || attempt + 1 == normalisers.len() {
                 self.determinant = (det.sign * g.signum(), det.log_abs + g.abs().ln());
                 return Ok(g);
             }

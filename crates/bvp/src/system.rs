@@ -1,12 +1,13 @@
 //! The linearised collocation system of a problem about a solution: residuals, factors, solves.
 
-use multiversion::multiversion;
-
-use crate::block::{AntisymmetricEnd, BlockFactor, EndRows, LinearForm};
+use crate::block::{AntisymmetricEnd, BlockFactor, Conditions, EndRows, LinearForm};
 use crate::condense::Condensed;
-use crate::dense::{Determinant, LANE, PivotFailure};
-use crate::gauss::{Gauss, MAX_STAGES};
-use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, PointJacobian};
+use crate::dense::{Determinant, PivotFailure};
+use crate::gauss::Gauss;
+use crate::kernels::Kernels;
+use crate::metric;
+use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, MAX_CONDITIONS};
+use crate::stages::Interval;
 use crate::{Direction, LinearCondition, Solution};
 
 /// Residuals of all equations; also serves as a general right-hand side (the system solved is J δ = −residual).
@@ -26,6 +27,34 @@ pub struct Residual {
 
 /// Workspace for one problem shape: derivatives, condensed intervals, block factors. Reused from call to call; nothing
 /// is allocated once it has seen the largest mesh.
+///
+/// A use is [`evaluate`](Self::evaluate), [`condense`](Self::condense), [`factor_blocks`](Self::factor_blocks) and any
+/// number of solves.
+///
+/// # Examples
+/// Newton's method by hand, on u″ + λeᵘ = 0 with λ held at 1 by a linear condition. `Oscillator` is in
+/// `examples/problems/oscillator.rs`.
+///
+/// ```
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::Oscillator;
+/// use bvp::{BoundaryValueProblem, Direction, LinearCondition, System, metric};
+/// let mut problem = Oscillator { force: |u| [u.exp(); 4], right: 0 };
+/// let mut y = problem.zero(1.0, 10, 4, 1.0);
+/// let mut conditions = vec![LinearCondition::default()];
+/// metric::scalar_condition(&y, 0, 1.0, &mut conditions[0]);
+/// let mut system = System::new(problem.dimensions(), y.m);
+/// let mut step = Direction::default();
+/// for _ in 0..5 {
+///     system.evaluate(&mut problem, &y, &conditions, true);
+///     system.condense()?;
+///     system.factor_blocks(&conditions)?;
+///     system.solve_own(&mut step);
+///     step.apply(1.0, &mut y);
+/// }
+/// assert!(step.norm(&y) < 1e-12);
+/// # Ok::<(), bvp::PivotFailure>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct System {
     /// Collocation coefficients.
@@ -34,6 +63,7 @@ pub struct System {
     pub(crate) condensed: Condensed,
     /// Residual of the last evaluation.
     pub residual: Residual,
+    kernels: Kernels,
     block: BlockFactor,
     ends: Ends,
     constants: Vec<f64>,
@@ -59,14 +89,16 @@ impl System {
     /// Workspace for problems of the given sizes with m stages.
     ///
     /// # Panics
-    /// If the stage unknowns (m × non-integrable components) exceed 64 or components + scalars exceed 32.
+    /// If [`Dimensions::check`] refuses the sizes.
     pub fn new(dims: Dimensions, m: usize) -> System {
-        let condensed = Condensed::new(dims, m);
-        assert!(condensed.layout.s <= 64 && condensed.layout.columns <= 32, "system too large for one block");
+        if let Err(error) = dims.check(m) {
+            panic!("{error}");
+        }
         System {
             gauss: Gauss::new(m),
-            condensed,
+            condensed: Condensed::new(dims, m),
             residual: Residual::default(),
+            kernels: Kernels::general(),
             block: BlockFactor::default(),
             ends: Ends::default(),
             constants: Vec::new(),
@@ -88,45 +120,53 @@ impl System {
         conditions: &[LinearCondition],
         derivatives: bool,
     ) {
-        let dims = self.dimensions();
-        let (n, m, np, ni) = (dims.components, self.gauss.m, dims.scalars, dims.integrals);
-        let intervals = y.intervals();
         problem.prepare(&y.scalars);
+        self.kernels = problem.kernels(self.gauss.m).suited_to(&self.condensed.layout);
         if derivatives {
             self.condensed.reset(&y.mesh);
         }
+        self.evaluate_offsets(problem, y, conditions.len());
+        self.evaluate_intervals(problem, y, derivatives);
+        self.evaluate_ends(problem, y);
+        let border = &mut self.residual.border[self.condensed.layout.dims.integrals..];
+        for (row, condition) in border.iter_mut().zip(conditions) {
+            *row = metric::evaluate(condition, y) - condition.value;
+        }
+    }
+
+    /// The parts h(p) of the integral conditions, with room for linear conditions behind them.
+    fn evaluate_offsets<P: BoundaryValueProblem>(&mut self, problem: &P, y: &Solution, conditions: usize) {
+        let (np, ni) = (self.dimensions().scalars, self.dimensions().integrals);
+        let border = &mut self.residual.border;
+        zeroed(border, ni + conditions);
+        zeroed(&mut self.ends.hp, ni * np);
+        for k in 0..ni {
+            border[k] = problem.integral_offset(k, &y.scalars, &mut self.ends.hp[k * np..(k + 1) * np]);
+        }
+    }
+
+    /// The collocation equations, and the integrals over the intervals.
+    fn evaluate_intervals<P: BoundaryValueProblem>(&mut self, problem: &P, y: &Solution, derivatives: bool) {
+        let dims = self.dimensions();
+        let (n, m, ni) = (dims.components, self.gauss.m, dims.integrals);
+        let intervals = y.intervals();
         let r = &mut self.residual;
         r.stages.resize(intervals * m * n, 0.0);
         r.nodes.resize(intervals * n, 0.0);
-        zeroed(&mut r.border, ni + conditions.len());
-        zeroed(&mut self.ends.hp, ni * np);
-        for k in 0..ni {
-            r.border[k] = problem.integral_offset(k, &y.scalars, &mut self.ends.hp[k * np..(k + 1) * np]);
-        }
         zeroed(&mut self.point, n + ni);
         let (f, g) = self.point.split_at_mut(n);
         for i in 0..intervals {
             let h = y.mesh[i + 1] - y.mesh[i];
-            let y0 = y.node(i);
             for j in 0..m {
                 let index = i * m + j;
                 let at = CollocationPoint { x: y.mesh[i] + h * self.gauss.c[j], index };
-                let value = y.stage(i, j);
                 if derivatives {
                     f.fill(0.0);
                     g.fill(0.0);
-                    let c = &mut self.condensed;
-                    let mut out = PointJacobian {
-                        f,
-                        fy: &mut c.fy[index * n * n..(index + 1) * n * n],
-                        fp: &mut c.fp[index * n * np..(index + 1) * n * np],
-                        g,
-                        gy: &mut c.gy[index * ni * n..(index + 1) * ni * n],
-                        gp: &mut c.gp[index * ni * np..(index + 1) * ni * np],
-                    };
-                    problem.rhs_jacobian(at, value, &y.scalars, &mut out);
+                    let mut out = self.condensed.point_jacobian(index, f, g);
+                    problem.rhs_jacobian(at, y.stage(i, j), &y.scalars, &mut out);
                 } else {
-                    problem.rhs(at, value, &y.scalars, f, g);
+                    problem.rhs(at, y.stage(i, j), &y.scalars, f, g);
                 }
                 for k in 0..ni {
                     r.border[k] += h * self.gauss.b[j] * g[k];
@@ -136,38 +176,32 @@ impl System {
                     *row = -h * f[k];
                 }
             }
-            stage_differences(
-                &self.gauss,
-                y0,
-                &y.stages[i * m * n..(i + 1) * m * n],
-                y.node(i + 1),
-                &mut r.stages[i * m * n..(i + 1) * m * n],
-                &mut r.nodes[i * n..(i + 1) * n],
-            );
+            let range = i * m * n..(i + 1) * m * n;
+            let interval = Interval { left: y.node(i), stages: &y.stages[range.clone()], right: y.node(i + 1) };
+            (self.kernels.differences)(&self.gauss, interval, &mut r.stages[range], &mut r.nodes[i * n..(i + 1) * n]);
         }
-        let e = &mut self.ends;
+    }
+
+    /// The conditions at both ends and their derivatives.
+    fn evaluate_ends<P: BoundaryValueProblem>(&mut self, problem: &P, y: &Solution) {
+        let dims = self.dimensions();
+        let (n, np) = (dims.components, dims.scalars);
+        let (r, e) = (&mut self.residual, &mut self.ends);
         zeroed(&mut r.left, dims.left);
         zeroed(&mut r.right, dims.right);
         zeroed(&mut e.ly, dims.left * n);
         zeroed(&mut e.lp, dims.left * np);
         zeroed(&mut e.ry, dims.right * n);
         zeroed(&mut e.rp, dims.right * np);
-        problem.left(y.node(0), &y.scalars, &mut BoundaryJacobian { r: &mut r.left, ry: &mut e.ly, rp: &mut e.lp });
-        problem.right(
-            y.node(intervals),
-            &y.scalars,
-            &mut BoundaryJacobian { r: &mut r.right, ry: &mut e.ry, rp: &mut e.rp },
-        );
-        for (k, c) in conditions.iter().enumerate() {
-            let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
-            r.border[ni + k] = dot(&c.nodes, &y.nodes) + dot(&c.scalars, &y.scalars) - c.value;
-        }
+        let (first, last) = (y.node(0), y.node(y.intervals()));
+        problem.left(first, &y.scalars, &mut BoundaryJacobian { r: &mut r.left, ry: &mut e.ly, rp: &mut e.lp });
+        problem.right(last, &y.scalars, &mut BoundaryJacobian { r: &mut r.right, ry: &mut e.ry, rp: &mut e.rp });
     }
 
     /// Condenses all intervals from the derivatives of the last evaluation.
     pub fn condense(&mut self) -> Result<(), PivotFailure> {
         for i in 0..self.condensed.intervals() {
-            self.condensed.factor(&self.gauss, i)?;
+            (self.kernels.factor)(&mut self.condensed, &self.gauss, i)?;
         }
         Ok(())
     }
@@ -177,19 +211,17 @@ impl System {
         let dims = self.dimensions();
         let e = &self.ends;
         // At most a handful of linear conditions: the small vector of views lives on the stack.
-        let mut forms = [LinearForm { nodes: &[], scalars: &[] }; 8];
+        let mut forms = [LinearForm { nodes: &[], scalars: &[] }; MAX_CONDITIONS];
         for (form, c) in forms.iter_mut().zip(conditions) {
             *form = LinearForm { nodes: &c.nodes, scalars: &c.scalars };
         }
-        self.block.factor(
-            &self.condensed,
-            dims.scalars,
-            EndRows { ry: &e.ly, rp: &e.lp, rows: dims.left },
-            EndRows { ry: &e.ry, rp: &e.rp, rows: dims.right },
-            true,
-            &e.hp,
-            &forms[..conditions.len()],
-        )
+        let conditions = Conditions {
+            left: EndRows { ry: &e.ly, rp: &e.lp, rows: dims.left },
+            right: EndRows { ry: &e.ry, rp: &e.rp, rows: dims.right },
+            offsets: &e.hp,
+            forms: &forms[..conditions.len()],
+        };
+        self.block.factor(&self.condensed, &conditions)
     }
 
     /// Solves J δ = −residual with the factors at hand.
@@ -243,7 +275,7 @@ impl System {
         for i in 0..intervals {
             let range = i * m * n..(i + 1) * m * n;
             let y = &mut out.stages[range.clone()];
-            self.condensed.particular_stages(&self.gauss, i, &residual.stages[range], y);
+            (self.kernels.particular)(&self.condensed, &self.gauss, i, &residual.stages[range], y);
             self.condensed.particular_node(&self.gauss, y, &residual.nodes[i * n..(i + 1) * n], &mut self.constants);
             out.nodes[i * n..(i + 1) * n].copy_from_slice(&self.constants);
             if with_border {
@@ -289,8 +321,18 @@ impl System {
         for (k, &component) in vanishing.iter().enumerate() {
             rows[k * n + component] = 1.0;
         }
-        let result = self.block.factor_antisymmetric(EndRows { ry: &rows, rp: &[], rows: vanishing.len() }, end);
+        let result = self.factor_antisymmetric_rows(EndRows { ry: &rows, rp: &[], rows: vanishing.len() }, end);
         end.rows = rows;
+        result
+    }
+
+    /// The same for any right end rows.
+    pub(crate) fn factor_antisymmetric_rows(
+        &self,
+        right: EndRows<'_>,
+        end: &mut AntisymmetricEnd,
+    ) -> Result<Determinant, PivotFailure> {
+        let result = self.block.factor_antisymmetric(right, end);
         let mut det = Determinant::default();
         self.condensed.accumulate_determinant(&mut det);
         self.block.accumulate_antisymmetric(end, &mut det);
@@ -355,59 +397,6 @@ impl System {
             left: zeros(&self.residual.left),
             right: zeros(&self.residual.right),
             border: zeros(&self.residual.border),
-        }
-    }
-}
-
-/// Adds Σ_k D_jk (Y_k − y₀) to the stage residuals of one interval and writes its node residual y₀ + Σ d_j (Y_j − y₀) − y₁.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
-fn stage_differences(gauss: &Gauss, y0: &[f64], stages: &[f64], y1: &[f64], residual: &mut [f64], node: &mut [f64]) {
-    match (gauss.m, y0.len()) {
-        (4, 7) => differences_sized::<4, 7>(gauss, y0, stages, y1, residual, node),
-        (3, 7) => differences_sized::<3, 7>(gauss, y0, stages, y1, residual, node),
-        _ => differences_sized::<0, 0>(gauss, y0, stages, y1, residual, node),
-    }
-}
-
-/// Sizes known at compile time unless 0. Components go through in padded lanes of eight.
-#[inline(always)]
-fn differences_sized<const M: usize, const N: usize>(
-    gauss: &Gauss,
-    y0: &[f64],
-    stages: &[f64],
-    y1: &[f64],
-    residual: &mut [f64],
-    node: &mut [f64],
-) {
-    let (m, n) = if M > 0 { (M, N) } else { (gauss.m, y0.len()) };
-    let (d_matrix, d) = (&gauss.d_matrix[..m * m], &gauss.d[..m]);
-    for from in (0..n).step_by(LANE) {
-        let width = (n - from).min(LANE);
-        let mut difference = [[0.0; LANE]; MAX_STAGES];
-        for j in 0..m {
-            let y = &stages[j * n + from..j * n + from + width];
-            for t in 0..width {
-                difference[j][t] = y[t] - y0[from + t];
-            }
-        }
-        let mut end = [0.0; LANE];
-        for j in 0..m {
-            let mut sum = [0.0; LANE];
-            for k in 0..m {
-                for t in 0..LANE {
-                    sum[t] += d_matrix[j * m + k] * difference[k][t];
-                }
-            }
-            let row = &mut residual[j * n + from..j * n + from + width];
-            for t in 0..width {
-                row[t] += sum[t];
-            }
-            for t in 0..LANE {
-                end[t] += d[j] * difference[j][t];
-            }
-        }
-        for t in 0..width {
-            node[from + t] = end[t] + (y0[from + t] - y1[from + t]);
         }
     }
 }

@@ -2,16 +2,16 @@
 //!
 //! A [`TwoParameterCurve`] holds a problem whose last two scalar unknowns (λ, μ) are free and a singularity g. Its points are the
 //! roots of (F, g), one condition short; the closing condition is the plane of pseudo-arclength continuation, or a value
-//! for any one scalar unknown: that is how R0 with ξ_s*(R0) = ξ_s is solved for directly.
+//! for any one scalar unknown: that is how a critical point is solved for directly by the value of another
+//! parameter.
 
 use crate::Direction;
+use crate::continuation::{MeshMonitor, SHORTER};
 use crate::derivatives::Directional;
 use crate::metric::{self, Metric};
 use crate::predictor::History;
 use crate::{AugmentedReport, MinimallyAugmented, SingularError, Singularity};
-use crate::{LinearCondition, Solution, mesh};
-
-use crate::continuation::MeshMonitor;
+use crate::{LinearCondition, Solution, Work, mesh};
 
 /// Settings of a curve.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +54,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// Why a curve cannot go on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CurveError {
     /// No first point.
     #[error("no first point: {0}")]
@@ -79,6 +80,28 @@ pub enum CurveError {
 }
 
 /// A curve of singular points being followed.
+///
+/// # Examples
+/// The folds of u″ + λ exp(u/(1 + μu)) = 0, u(0) = u(1) = 0 from that of Bratu's problem at μ = 0 to μ = 0.1. `Gelfand` is
+/// in `examples/problems/gelfand.rs`, on the half [0, ½].
+///
+/// ```
+/// # mod gelfand { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/gelfand.rs")); }
+/// # use gelfand::Gelfand;
+/// use bvp::{CurveSettings, Direction, Fold, Gauss, Metric, Solution, TwoParameterCurve, mesh};
+/// let (gauss, mesh) = (Gauss::new(4), mesh::uniform(0.0, 0.5, 12));
+/// // At the fold u is about 1.19 at ½, and all of it grows along the branch.
+/// let bump = |x: f64, y: &mut [f64]| y.copy_from_slice(&[4.75 * x * (1.0 - x), 4.75 * (1.0 - 2.0 * x)]);
+/// let guess = Solution::from_fn(&gauss, &mesh, 2, &[3.5, 0.0], bump);
+/// let tangent = Direction { nodes: guess.nodes.clone(), stages: guess.stages.clone(), scalars: vec![0.0; 2] };
+/// let (metric, settings) = (Metric::unit(2, 2), CurveSettings::default());
+/// let mut curve = TwoParameterCurve::start(Gelfand, Fold::new(0), guess, metric, &tangent, settings, true)?;
+/// assert!((curve.parameters()[0] - 3.513830719).abs() < 1e-8);
+/// curve.follow_to(1, 0.1, 100, |_, _| true)?;
+/// assert_eq!(curve.parameters()[1], 0.1);
+/// assert!(curve.parameters()[0] > 3.9, "the fold comes later");
+/// # Ok::<(), bvp::CurveError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct TwoParameterCurve<P, S> {
     /// Factors, directions and the singularity at the newest point.
@@ -95,8 +118,8 @@ pub struct TwoParameterCurve<P, S> {
     pub settings: CurveSettings,
     /// What the mesh follows; by default it stays.
     pub monitor: Option<MeshMonitor<P>>,
-    /// Newton iterations so far.
-    pub iterations: usize,
+    /// Work so far.
+    pub work: Work,
     history: History,
     closing: LinearCondition,
     trial: Solution,
@@ -128,7 +151,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
             step: settings.first_step,
             settings,
             monitor: None,
-            iterations: 0,
+            work: Work::default(),
             history: History::of_order(ORDER),
             closing: LinearCondition::default(),
             weight: Vec::new(),
@@ -137,7 +160,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
         let value = curve.solution.scalars[last];
         metric::scalar_condition(&curve.solution, last, value, &mut curve.closing);
         let report = curve.augmented.solve(&mut curve.solution, Some(&curve.closing)).map_err(CurveError::Start)?;
-        curve.iterations += report.iterations;
+        curve.work += report;
         curve.tangent = curve.augmented.curve_direction(&curve.solution);
         if (curve.tangent.scalars[last] > 0.0) != upwards {
             curve.tangent.scale(-1.0);
@@ -175,46 +198,75 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
         self.remesh();
         let mut step = self.step.min(self.settings.max_step);
         loop {
-            self.augmented.metric.plane_through(&self.solution, &self.tangent, &mut self.closing);
-            self.closing.value += step;
-            if self.history.len() > 1 {
-                self.history.predict(&self.closing, &mut self.trial);
-            } else {
-                self.trial.clone_from(&self.solution);
-                self.tangent.apply(step, &mut self.trial);
-            }
+            self.predict(step);
             let before = (self.augmented.basis.clone(), self.augmented.slopes);
-            (self.augmented.tolerance, self.augmented.trusting) = (self.settings.tolerance, true);
-            let solved = self.augmented.solve(&mut self.trial, Some(&self.closing));
-            (self.augmented.tolerance, self.augmented.trusting) = (ROUNDING, false);
-            let source = match solved {
-                Ok(report) => {
-                    self.iterations += report.iterations;
-                    let mut tangent = self.augmented.curve_direction(&self.trial);
-                    let cosine = self.augmented.metric.dot(&self.trial.mesh, &tangent, &self.tangent);
-                    if cosine < 0.0 {
-                        tangent.scale(-1.0);
-                    }
-                    if cosine.abs() >= self.settings.min_cosine {
-                        self.tangent = tangent;
-                        std::mem::swap(&mut self.solution, &mut self.trial);
-                        self.arclength += step;
-                        self.history.push(self.arclength, &self.solution);
-                        self.step = self.step_after(step, report.first_correction);
-                        return Ok(report);
-                    }
-                    SingularError::Stalled { iterations: report.iterations, correction: report.correction }
+            let source = match self.correct() {
+                Ok((report, tangent)) => {
+                    self.accept(step, report, tangent);
+                    return Ok(report);
                 }
                 Err(error) => error,
             };
             (self.augmented.basis, self.augmented.slopes) = before;
             self.augmented.set_reference(&self.augmented.basis[0].clone());
-            step *= 0.4;
+            self.work.rejected += 1;
+            step *= SHORTER;
             if step < self.settings.min_step {
-                let [first, second] = self.parameters();
-                return Err(CurveError::Lost { first, second, source });
+                return Err(self.lost(source));
             }
         }
+    }
+
+    fn lost(&self, source: SingularError) -> CurveError {
+        let [first, second] = self.parameters();
+        CurveError::Lost { first, second, source }
+    }
+
+    /// The plane at distance `step`, and a prediction in it.
+    fn predict(&mut self, step: f64) {
+        self.augmented.metric.plane_through(&self.solution, &self.tangent, &mut self.closing);
+        self.closing.value += step;
+        if self.history.len() > 1 {
+            self.history.predict(&self.closing, &mut self.trial);
+        } else {
+            self.trial.clone_from(&self.solution);
+            self.tangent.apply(step, &mut self.trial);
+        }
+    }
+
+    /// Corrects the prediction in the plane; the tangent at the point found.
+    fn correct(&mut self) -> Result<(AugmentedReport, Direction), SingularError> {
+        (self.augmented.tolerance, self.augmented.trusting) = (self.settings.tolerance, true);
+        let solved = self.augmented.solve(&mut self.trial, Some(&self.closing));
+        (self.augmented.tolerance, self.augmented.trusting) = (ROUNDING, false);
+        let report = solved?;
+        self.work += report;
+        let (tangent, cosine) = self.tangent_at(&self.trial);
+        if cosine >= self.settings.min_cosine {
+            Ok((report, tangent))
+        } else {
+            Err(SingularError::Stalled { iterations: report.iterations, correction: report.correction })
+        }
+    }
+
+    /// Unit tangent at a point solved for, turned the way the curve is followed, and the cosine of the angle between them.
+    fn tangent_at(&self, y: &Solution) -> (Direction, f64) {
+        let mut tangent = self.augmented.curve_direction(y);
+        let cosine = self.augmented.metric.dot(&y.mesh, &tangent, &self.tangent);
+        if cosine < 0.0 {
+            tangent.scale(-1.0);
+        }
+        (tangent, cosine.abs())
+    }
+
+    /// Makes the corrected prediction the newest point.
+    fn accept(&mut self, step: f64, report: AugmentedReport, tangent: Direction) {
+        self.tangent = tangent;
+        std::mem::swap(&mut self.solution, &mut self.trial);
+        self.arclength += step;
+        self.history.push(self.arclength, &self.solution);
+        self.step = self.step_after(step, report.first_correction);
+        self.work.steps += 1;
     }
 
     /// The step after one with a first correction of size `correction`, whose order is that of the prediction: as many
@@ -240,11 +292,8 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
             let middle = 0.5 * (low + high);
             self.history.extrapolate(middle, &mut y);
             self.augmented.metric.plane_through(&y, &self.tangent, &mut self.closing);
-            self.iterations += self.augmented.solve(&mut y, Some(&self.closing)).ok()?.iterations;
-            let mut tangent = self.augmented.curve_direction(&y);
-            if self.augmented.metric.dot(&y.mesh, &tangent, &self.tangent) < 0.0 {
-                tangent.scale(-1.0);
-            }
+            self.work += self.augmented.solve(&mut y, Some(&self.closing)).ok()?;
+            let (tangent, _) = self.tangent_at(&y);
             if tangent.scalars[index] * side > 0.0 { high = middle } else { low = middle }
         }
         Some(y)
@@ -267,11 +316,8 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
             _ => {}
         }
         metric::scalar_condition(&y, index, value, &mut self.closing);
-        let report = self.augmented.solve(&mut y, Some(&self.closing)).map_err(|source| {
-            let [first, second] = self.parameters();
-            CurveError::Lost { first, second, source }
-        })?;
-        self.iterations += report.iterations;
+        let report = self.augmented.solve(&mut y, Some(&self.closing)).map_err(|source| self.lost(source))?;
+        self.work += report;
         Ok((y, report))
     }
 
@@ -295,11 +341,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
             let report = self.advance()?;
             if before * (self.solution.scalars[index] - value) <= 0.0 {
                 let (y, report) = self.at(index, value)?;
-                let mut tangent = self.augmented.curve_direction(&y);
-                if self.augmented.metric.dot(&y.mesh, &tangent, &self.tangent) < 0.0 {
-                    tangent.scale(-1.0);
-                }
-                self.tangent = tangent;
+                self.tangent = self.tangent_at(&y).0;
                 self.solution = y;
                 self.history.clear();
                 self.history.push(self.arclength, &self.solution);
@@ -331,5 +373,6 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
         std::mem::swap(&mut self.solution, &mut self.trial);
         self.history.transfer(&gauss, &grid);
         self.augmented.metric.normalise(&grid, &mut self.tangent);
+        self.work.remeshings += 1;
     }
 }

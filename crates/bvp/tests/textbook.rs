@@ -1,114 +1,21 @@
-//! Continuation, folds and pitchforks on textbook problems, which know nothing of cells.
+//! Continuation, folds and pitchforks on textbook problems.
 
 use std::f64::consts::PI;
 
-use bvp::continuation::{Continuation, ContinuationSettings, Ended, State};
-use bvp::derivatives::{Directional, PointDirection};
-use bvp::metric::Metric;
+use bvp::continuation::State;
 use bvp::normal_form::pitchfork_normal_form;
-use bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Gauss, PointJacobian, Solution, mesh};
-use bvp::{Fold, MinimallyAugmented, MirrorSymmetric, SymmetryBreaking};
+use bvp::{
+    Continuation, ContinuationSettings, CurveSettings, Direction, Ended, Fold, Gauss, Metric, MinimallyAugmented,
+    Solution, SymmetryBreaking, TwoParameterCurve, mesh,
+};
 
-/// u″ + λ w(u) = 0 with y = (u, u′): u(0) = 0 and at the right end either u = 0 or, on a mirror-symmetric half, u′ = 0.
-#[derive(Clone, Debug)]
-struct Oscillator {
-    /// w and its first three derivatives.
-    force: fn(f64) -> [f64; 4],
-    /// Component that vanishes at the right end.
-    right: usize,
-    vanishing: [usize; 1],
-    free: [usize; 1],
-}
+#[path = "../examples/problems/gelfand.rs"]
+mod gelfand;
+#[path = "../examples/problems/oscillator.rs"]
+mod oscillator;
 
-impl Oscillator {
-    fn new(force: fn(f64) -> [f64; 4], right: usize) -> Oscillator {
-        Oscillator { force, right, vanishing: [0], free: [1] }
-    }
-
-    fn zero(&self, end: f64, intervals: usize, stages: usize, lambda: f64) -> Solution {
-        Solution::from_fn(&Gauss::new(stages), &mesh::uniform(0.0, end, intervals), 2, &[lambda], |_, y| y.fill(0.0))
-    }
-}
-
-impl BoundaryValueProblem for Oscillator {
-    fn dimensions(&self) -> Dimensions {
-        Dimensions { components: 2, integrable: 0, scalars: 1, left: 1, right: 1, integrals: 0 }
-    }
-
-    fn rhs(&self, _: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], _: &mut [f64]) {
-        f[0] = y[1];
-        f[1] = -p[0] * (self.force)(y[0])[0];
-    }
-
-    fn rhs_jacobian(&self, _: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
-        let w = (self.force)(y[0]);
-        out.f[0] = y[1];
-        out.f[1] = -p[0] * w[0];
-        out.fy[1] = 1.0;
-        out.fy[2] = -p[0] * w[1];
-        out.fp[1] = -w[0];
-    }
-
-    fn left(&self, y: &[f64], _: &[f64], out: &mut BoundaryJacobian<'_>) {
-        out.r[0] = y[0];
-        out.ry[0] = 1.0;
-    }
-
-    fn right(&self, y: &[f64], _: &[f64], out: &mut BoundaryJacobian<'_>) {
-        out.r[0] = y[self.right];
-        out.ry[self.right] = 1.0;
-    }
-}
-
-impl Directional for Oscillator {
-    type Second = ();
-    type Third = ();
-
-    fn prepare_second(&self, _: &[f64], _: &[f64], _: &[f64]) {}
-
-    fn second(
-        &self,
-        _: &(),
-        _: CollocationPoint,
-        y: &[f64],
-        p: &[f64],
-        a: Direction<'_>,
-        b: Direction<'_>,
-        f: &mut [f64],
-        _: &mut [f64],
-    ) {
-        let w = (self.force)(y[0]);
-        f[1] = -p[0] * w[2] * a.y[0] * b.y[0] - w[1] * (a.p[0] * b.y[0] + b.p[0] * a.y[0]);
-    }
-
-    fn prepare_third(&self, _: &[f64], _: &[f64]) {}
-
-    fn third(
-        &self,
-        _: &(),
-        _: CollocationPoint,
-        y: &[f64],
-        p: &[f64],
-        a: Direction<'_>,
-        f2: &mut [f64],
-        _: &mut [f64],
-        f3: &mut [f64],
-    ) {
-        let w = (self.force)(y[0]);
-        f2[1] = -p[0] * w[2] * a.y[0] * a.y[0];
-        f3[1] = -p[0] * w[3] * a.y[0] * a.y[0] * a.y[0];
-    }
-}
-
-impl MirrorSymmetric for Oscillator {
-    fn vanishing_at_mirror(&self) -> &[usize] {
-        &self.vanishing
-    }
-
-    fn free_at_mirror(&self) -> &[usize] {
-        &self.free
-    }
-}
+use gelfand::Gelfand;
+use oscillator::Oscillator;
 
 fn exponential(u: f64) -> [f64; 4] {
     [u.exp(); 4]
@@ -146,7 +53,7 @@ fn bratu_fold() -> f64 {
 fn bratu_folds_where_it_must() {
     let exact = bratu_fold();
     assert!((exact - 3.513830719).abs() < 1e-9);
-    let problem = Oscillator::new(exponential, 0);
+    let problem = Oscillator { force: exponential, right: 0 };
     let guess = problem.zero(1.0, 24, 4, 0.0);
     let metric = Metric::unit(2, 1);
     let mut branch =
@@ -172,7 +79,7 @@ fn bratu_folds_where_it_must() {
 
 #[test]
 fn a_run_taken_up_from_its_stored_state_goes_on_bit_for_bit() {
-    let problem = Oscillator::new(exponential, 0);
+    let problem = Oscillator { force: exponential, right: 0 };
     let guess = problem.zero(1.0, 8, 3, 0.0);
     let (metric, settings) = (Metric::unit(2, 1), ContinuationSettings::default());
     let mut whole = Continuation::start(problem.clone(), guess, metric.clone(), settings.clone(), true).unwrap();
@@ -191,7 +98,7 @@ fn a_run_taken_up_from_its_stored_state_goes_on_bit_for_bit() {
 
 #[test]
 fn a_branch_is_followed_both_ways_and_ends_on_its_bound() {
-    let problem = Oscillator::new(exponential, 0);
+    let problem = Oscillator { force: exponential, right: 0 };
     for (upwards, bound) in [(true, 2.5), (false, -30.0)] {
         let guess = problem.zero(1.0, 24, 4, 0.0);
         let metric = Metric::unit(2, 1);
@@ -216,7 +123,7 @@ fn a_branch_is_followed_both_ways_and_ends_on_its_bound() {
 /// gap between them turns by no angle.
 #[test]
 fn a_step_does_not_cross_the_gap_to_another_branch() {
-    let problem = Oscillator::new(bent_sine, 0);
+    let problem = Oscillator { force: bent_sine, right: 0 };
     for max_step in [0.3, 2.0, 8.0] {
         let guess = problem.zero(1.0, 16, 4, 0.0);
         let settings = ContinuationSettings { first_step: max_step, max_step, ..ContinuationSettings::default() };
@@ -232,7 +139,7 @@ fn a_step_does_not_cross_the_gap_to_another_branch() {
 /// (2kπ)². The second are the pitchforks of the trivial solution, seen on the half [0, ½].
 #[test]
 fn antisymmetric_eigenvalues_are_all_found_and_no_other() {
-    let problem = Oscillator::new(linear, 1);
+    let problem = Oscillator { force: linear, right: 1 };
     let guess = problem.zero(0.5, 12, 4, 1.0);
     let settings = ContinuationSettings { max_step: 4.0, ..Default::default() };
     let metric = Metric::unit(2, 1);
@@ -269,7 +176,7 @@ fn pitchforks_have_their_known_normal_forms() {
     for (force, expected) in
         [(sine as fn(f64) -> [f64; 4], lambda / 8.0), (cubic, lambda * (5.0 * 0.7 * 0.7 / 6.0 + 3.0 * 0.3 / 4.0))]
     {
-        let problem = Oscillator::new(force, 1);
+        let problem = Oscillator { force, right: 1 };
         let mut y = problem.zero(0.5, 10, 4, 38.0);
         let metric = Metric::unit(2, 1);
         let branch =
@@ -285,4 +192,32 @@ fn pitchforks_have_their_known_normal_forms() {
         let coefficient = form.parameters[0] * (2.0 * PI).powi(2);
         assert!((coefficient / expected - 1.0).abs() < 1e-7, "{coefficient} {expected}");
     }
+}
+
+/// u″ + λ exp(u/(1 + μu)) = 0: the folds of Bratu's problem at μ = 0 and those from which it comes down again meet in a
+/// cusp, beyond which there are none. In the literature on thermal explosions (Boddington, Gray & Robinson, Proc. R. Soc.
+/// Lond. A 368, 441 (1979)) it is at μ = 0.245780 and λ/4 = 1.307374.
+#[test]
+fn the_folds_of_the_gelfand_problem_end_in_a_cusp() {
+    let theta: f64 = 1.19967864;
+    let profile = |x: f64| {
+        let z = theta * (1.0 - 2.0 * x);
+        [2.0 * (theta.cosh() / z.cosh()).ln(), 4.0 * theta * z.tanh()]
+    };
+    let (gauss, grid) = (Gauss::new(4), mesh::uniform(0.0, 0.5, 12));
+    let guess = Solution::from_fn(&gauss, &grid, 2, &[3.5, 0.0], |x, y| y.copy_from_slice(&profile(x)));
+    let sine = |x: f64| [(PI * x).sin(), PI * (PI * x).cos()];
+    let along = Solution::from_fn(&gauss, &grid, 2, &[0.0, 0.0], |x, y| y.copy_from_slice(&sine(x)));
+    let tangent = Direction { nodes: along.nodes, stages: along.stages, scalars: along.scalars };
+    let settings = CurveSettings { target_correction: 1e-6, ..CurveSettings::default() };
+    let metric = Metric::unit(2, 2);
+    let mut curve = TwoParameterCurve::start(Gelfand, Fold::new(0), guess, metric, &tangent, settings, true).unwrap();
+    assert!((curve.parameters()[0] - bratu_fold()).abs() < 1e-9);
+    while curve.tangent.scalars[1] > 0.0 {
+        curve.advance().unwrap();
+        assert!(curve.work.steps < 500, "{:?}", curve.parameters());
+    }
+    let cusp = curve.turning_point(1).unwrap();
+    assert!((cusp.scalars[1] - 0.245780).abs() < 1e-6, "{:?}", cusp.scalars);
+    assert!((cusp.scalars[0] / 4.0 - 1.307374).abs() < 1e-6, "{:?}", cusp.scalars);
 }

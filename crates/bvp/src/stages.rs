@@ -1,0 +1,59 @@
+//! The collocation equations of one interval but for their right-hand sides.
+
+use crate::dense::LANE;
+use crate::gauss::{Gauss, MAX_STAGES};
+
+/// Values on one interval.
+#[derive(Clone, Copy, Debug)]
+pub struct Interval<'a> {
+    /// Left node value; n.
+    pub left: &'a [f64],
+    /// Stage values; m × n.
+    pub stages: &'a [f64],
+    /// Right node value; n.
+    pub right: &'a [f64],
+}
+
+/// Adds Σ_k D_jk (Y_k − y₀) to the stage residuals of one interval (m × n) and writes its node residual
+/// y₀ + Σ d_j (Y_j − y₀) − y₁ (n). Sizes are known at compile time unless 0. Components go through in padded lanes of
+/// eight.
+#[inline(always)]
+pub fn differences<const M: usize, const N: usize>(
+    gauss: &Gauss,
+    interval: Interval<'_>,
+    residual: &mut [f64],
+    node: &mut [f64],
+) {
+    let Interval { left: y0, stages, right: y1 } = interval;
+    let (m, n) = if M > 0 { (M, N) } else { (gauss.m, y0.len()) };
+    let (d_matrix, d) = (&gauss.d_matrix[..m * m], &gauss.d[..m]);
+    for from in (0..n).step_by(LANE) {
+        let width = (n - from).min(LANE);
+        let mut difference = [[0.0; LANE]; MAX_STAGES];
+        for j in 0..m {
+            let y = &stages[j * n + from..j * n + from + width];
+            for t in 0..width {
+                difference[j][t] = y[t] - y0[from + t];
+            }
+        }
+        let mut end = [0.0; LANE];
+        for j in 0..m {
+            let mut sum = [0.0; LANE];
+            for k in 0..m {
+                for t in 0..LANE {
+                    sum[t] += d_matrix[j * m + k] * difference[k][t];
+                }
+            }
+            let row = &mut residual[j * n + from..j * n + from + width];
+            for t in 0..width {
+                row[t] += sum[t];
+            }
+            for t in 0..LANE {
+                end[t] += d[j] * difference[j][t];
+            }
+        }
+        for t in 0..width {
+            node[from + t] = end[t] + (y0[from + t] - y1[from + t]);
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The collocation equations written out plainly, and dense linear algebra to compare the kernels with.
+//!
+//! Unknowns are ordered nodes, stages, scalars; equations stages, nodes, left, right, border.
+
+use crate::dense::Determinant;
+use crate::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Gauss, Solution};
+use crate::{Direction, LinearCondition, Residual};
+
+use super::largest;
+
+/// A square matrix, row-major.
+#[derive(Clone)]
+pub struct Matrix {
+    pub n: usize,
+    pub a: Vec<f64>,
+}
+
+/// A matrix with its triangular factors and its condition number.
+pub struct Factorised {
+    matrix: Matrix,
+    lu: Matrix,
+    /// Row of the matrix that became row k.
+    order: Vec<usize>,
+    pub determinant: Determinant,
+    /// ‖A‖ ‖A⁻¹‖ in the maximum norm.
+    pub condition: f64,
+}
+
+impl Matrix {
+    fn norm(&self) -> f64 {
+        self.a.chunks_exact(self.n).map(|row| row.iter().map(|v| v.abs()).sum()).fold(0.0, f64::max)
+    }
+
+    /// Gaussian elimination with row pivoting.
+    pub fn factor(self) -> Factorised {
+        let n = self.n;
+        let mut lu = self.clone();
+        let mut order: Vec<usize> = (0..n).collect();
+        let mut determinant = Determinant::default();
+        for k in 0..n {
+            let pivot = (k..n).max_by(|&i, &j| lu.a[i * n + k].abs().total_cmp(&lu.a[j * n + k].abs())).unwrap();
+            if pivot != k {
+                order.swap(k, pivot);
+                (0..n).for_each(|c| lu.a.swap(k * n + c, pivot * n + c));
+                determinant.sign = -determinant.sign;
+            }
+            determinant.sign *= lu.a[k * n + k].signum();
+            determinant.log_abs += lu.a[k * n + k].abs().ln();
+            for i in k + 1..n {
+                let factor = lu.a[i * n + k] / lu.a[k * n + k];
+                lu.a[i * n + k] = factor;
+                for c in k + 1..n {
+                    lu.a[i * n + c] -= factor * lu.a[k * n + c];
+                }
+            }
+        }
+        let mut out = Factorised { matrix: self, lu, order, determinant, condition: 0.0 };
+        let mut inverse = Matrix { n, a: vec![0.0; n * n] };
+        for c in 0..n {
+            let column = out.solve(&(0..n).map(|k| if k == c { 1.0 } else { 0.0 }).collect::<Vec<_>>());
+            (0..n).for_each(|k| inverse.a[k * n + c] = column[k]);
+        }
+        out.condition = out.matrix.norm() * inverse.norm();
+        out
+    }
+}
+
+impl Factorised {
+    pub fn solve(&self, b: &[f64]) -> Vec<f64> {
+        let n = self.lu.n;
+        let mut x: Vec<f64> = self.order.iter().map(|&row| b[row]).collect();
+        for k in 0..n {
+            x[k] -= (0..k).map(|c| self.lu.a[k * n + c] * x[c]).sum::<f64>();
+        }
+        for k in (0..n).rev() {
+            x[k] = (x[k] - (k + 1..n).map(|c| self.lu.a[k * n + c] * x[c]).sum::<f64>()) / self.lu.a[k * n + k];
+        }
+        x
+    }
+
+    /// Relative error allowed to a solution: two eliminations, each with a backward error of 3 n ε (Higham 2002,
+    /// theorem 9.4, with growth that row pivoting keeps small), amplified by the condition number. A tolerance that
+    /// would hide errors is refused.
+    pub fn tolerance(&self) -> f64 {
+        let tolerance = 6.0 * self.lu.n as f64 * f64::EPSILON * self.condition;
+        assert!(tolerance < 1e-5, "a problem of condition {:.1e} tests nothing", self.condition);
+        tolerance
+    }
+
+    /// Error allowed to ln|det|: its change with the matrix is tr(A⁻¹ δA), at most n ‖A⁻¹‖ ‖δA‖.
+    pub fn determinant_tolerance(&self) -> f64 {
+        self.lu.n as f64 * self.tolerance()
+    }
+
+    /// Asserts that `x` solves A x = b.
+    pub fn assert_solves(&self, x: &[f64], b: &[f64], what: &str) {
+        let exact = self.solve(b);
+        let (error, allowed) = (super::distance(x, &exact), self.tolerance() * largest(&exact));
+        assert!(largest(&exact) > 0.0, "{what}: nothing to solve");
+        assert!(error <= allowed, "{what}: {error:.1e} > {allowed:.1e}");
+    }
+}
+
+/// All unknowns of a solution.
+pub fn unknowns(y: &Solution) -> Vec<f64> {
+    [&y.nodes[..], &y.stages, &y.scalars].concat()
+}
+
+/// All unknowns of an update.
+pub fn unknowns_of_direction(y: &Direction) -> Vec<f64> {
+    [&y.nodes[..], &y.stages, &y.scalars].concat()
+}
+
+/// All equations.
+pub fn equations(r: &Residual) -> Vec<f64> {
+    [&r.stages[..], &r.nodes, &r.left, &r.right, &r.border].concat()
+}
+
+/// The collocation equations of `problem` at `y`, straight from their definition.
+pub fn residual<P: BoundaryValueProblem>(problem: &P, y: &Solution, conditions: &[LinearCondition]) -> Vec<f64> {
+    let (gauss, dims, n) = (Gauss::new(y.m), problem.dimensions(), y.components);
+    let (np, p) = (dims.scalars, &y.scalars);
+    let (mut stages, mut nodes) = (Vec::new(), Vec::new());
+    let mut border: Vec<f64> = (0..dims.integrals).map(|k| problem.integral_offset(k, p, &mut vec![0.0; np])).collect();
+    for i in 0..y.intervals() {
+        let h = y.mesh[i + 1] - y.mesh[i];
+        let y0 = y.node(i);
+        for j in 0..y.m {
+            let (mut f, mut g) = (vec![0.0; n], vec![0.0; dims.integrals]);
+            let at = CollocationPoint { x: y.stage_x(&gauss, i, j), index: i * y.m + j };
+            problem.rhs(at, y.stage(i, j), p, &mut f, &mut g);
+            for c in 0..n {
+                let slope: f64 = (0..y.m).map(|k| gauss.d_matrix[j * y.m + k] * (y.stage(i, k)[c] - y0[c])).sum();
+                stages.push(slope - h * f[c]);
+            }
+            (0..dims.integrals).for_each(|k| border[k] += h * gauss.b[j] * g[k]);
+        }
+        for c in 0..n {
+            let end: f64 = (0..y.m).map(|j| gauss.d[j] * (y.stage(i, j)[c] - y0[c])).sum();
+            nodes.push(y0[c] + end - y.node(i + 1)[c]);
+        }
+    }
+    let end = |count: usize, at: &dyn Fn(&mut BoundaryJacobian<'_>)| -> Vec<f64> {
+        let (mut r, mut ry, mut rp) = (vec![0.0; count], vec![0.0; count * n], vec![0.0; count * np]);
+        at(&mut BoundaryJacobian { r: &mut r, ry: &mut ry, rp: &mut rp });
+        r
+    };
+    let left = end(dims.left, &|out| problem.left(y.node(0), p, out));
+    let right = end(dims.right, &|out| problem.right(y.node(y.intervals()), p, out));
+    for condition in conditions {
+        let products = condition.nodes.iter().zip(&y.nodes).chain(condition.scalars.iter().zip(p));
+        border.push(products.map(|(w, v)| w * v).sum::<f64>() - condition.value);
+    }
+    [stages, nodes, left, right, border].concat()
+}
+
+/// The Jacobian of the collocation equations by central differences. For equations quadratic in the unknowns these are
+/// exact for every step, and a step of one divides without rounding.
+pub fn jacobian<P: BoundaryValueProblem>(problem: &P, y: &Solution, conditions: &[LinearCondition]) -> Matrix {
+    let n = unknowns(y).len();
+    let moved = |k: usize, by: f64| {
+        let mut y = y.clone();
+        let (nodes, stages) = (y.nodes.len(), y.stages.len());
+        match k {
+            k if k < nodes => y.nodes[k] += by,
+            k if k < nodes + stages => y.stages[k - nodes] += by,
+            k => y.scalars[k - nodes - stages] += by,
+        }
+        residual(problem, &y, conditions)
+    };
+    let mut a = vec![0.0; n * n];
+    for k in 0..n {
+        let (up, down) = (moved(k, 1.0), moved(k, -1.0));
+        assert_eq!(up.len(), n, "as many equations as unknowns");
+        (0..n).for_each(|row| a[row * n + k] = 0.5 * (up[row] - down[row]));
+    }
+    Matrix { n, a }
+}
