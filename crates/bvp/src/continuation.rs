@@ -423,7 +423,9 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                 mesh::defect_monitor(&y.mesh, &defect, y.m, &mut self.weight);
             }
         }
-        if mesh::imbalance(&y.mesh, &self.weight) <= self.settings.remesh_above {
+        // A monitor that is not finite moves nothing.
+        let imbalance = mesh::imbalance(&y.mesh, &self.weight);
+        if imbalance <= self.settings.remesh_above || !imbalance.is_finite() {
             return;
         }
         let mut grid = Vec::new();

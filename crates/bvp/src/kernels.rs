@@ -1,8 +1,9 @@
 //! Kernels for sizes known at compile time, for problems that ask for them.
 //!
 //! Most of a Newton step goes into small dense blocks whose sizes follow from the problem. Compiled for sizes that are
-//! known, loops over them are unrolled and run about twice as fast. Neither kind reorders a sum, so that the results are
-//! the same to the last bit.
+//! known, loops over them are unrolled: with seven components and four stages intervals are condensed in little more than
+//! half the time, and a whole Newton step takes a third less. Neither kind reorders a sum, so that the results are the same
+//! to the last bit.
 
 use multiversion::multiversion;
 

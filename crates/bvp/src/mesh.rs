@@ -46,7 +46,7 @@ pub fn imbalance(mesh: &[f64], weight: &[f64]) -> f64 {
 
 /// Largest defect |u′ − f(u)| · h / (1 + |u|) of the collocation polynomial u on every interval of width h, sampled midway
 /// between neighbouring Gauss points, and midway between the left node and the first of them. (At the Gauss points
-/// themselves it is zero.)
+/// themselves it is zero.) It is infinite where f is not a number.
 pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solution) -> Vec<f64> {
     let dims = problem.dimensions();
     problem.prepare(&y.scalars);
@@ -69,7 +69,8 @@ pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solut
                     &mut g,
                 );
                 for c in 0..n {
-                    largest = largest.max(h * (slope[c] - f[c]).abs() / (1.0 + value[c].abs()));
+                    let part = h * (slope[c] - f[c]).abs() / (1.0 + value[c].abs());
+                    largest = if part.is_nan() { f64::INFINITY } else { largest.max(part) };
                 }
             }
             largest

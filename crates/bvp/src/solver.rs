@@ -178,7 +178,7 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
         loop {
             y = self.on_this_mesh_or_a_finer(y)?;
             let defects = mesh::defect(&self.system.gauss, self.problem, &y);
-            let defect = defects.iter().fold(0.0, |largest: f64, d| if *d > largest { *d } else { largest });
+            let defect = defects.iter().copied().fold(0.0, f64::max);
             self.keep(&y, defect);
             if defect <= self.settings.tolerance {
                 return Ok(Solved { solution: y, defect, work: self.work });
@@ -193,7 +193,13 @@ impl<P: BoundaryValueProblem> Run<'_, P> {
             let next = next.min(limit.max(intervals));
             // More intervals are a new beginning: there may be no progress yet where the first layers come into sight.
             before = if next > intervals { f64::INFINITY } else { defect };
-            mesh::defect_monitor(&y.mesh, &defects, y.m, &mut weight);
+            if defect.is_finite() {
+                mesh::defect_monitor(&y.mesh, &defects, y.m, &mut weight);
+            } else {
+                // The right-hand side is not defined somewhere between the stages: that says nothing of a better mesh.
+                weight.clear();
+                weight.extend(y.mesh.windows(2).map(|x| 1.0 / (x[1] - x[0])));
+            }
             y = self.moved(&y, next, &weight);
         }
     }

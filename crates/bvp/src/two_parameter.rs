@@ -361,7 +361,9 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
         let Some(monitor) = self.monitor else { return };
         let y = &self.solution;
         monitor(&self.augmented.problem, y, &mut self.weight);
-        if mesh::imbalance(&y.mesh, &self.weight) <= self.settings.remesh_above {
+        // A monitor that is not finite moves nothing.
+        let imbalance = mesh::imbalance(&y.mesh, &self.weight);
+        if imbalance <= self.settings.remesh_above || !imbalance.is_finite() {
             return;
         }
         let mut grid = Vec::new();

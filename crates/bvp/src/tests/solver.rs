@@ -112,6 +112,36 @@ fn a_limit_of_intervals_is_an_error_with_the_best_solution() {
 }
 
 #[test]
+fn a_right_hand_side_that_is_undefined_between_the_stages_is_not_accepted() {
+    // y″ = 0 but for a force that is not a number next to x = 0, where no stage lies.
+    struct Hole;
+    impl BoundaryValueProblem for Hole {
+        fn dimensions(&self) -> Dimensions {
+            SecondOrder::quadratic().dimensions()
+        }
+        fn rhs(&self, at: CollocationPoint, y: &[f64], _: &[f64], f: &mut [f64], _: &mut [f64]) {
+            f.copy_from_slice(&[y[1], if at.x < 1e-3 { f64::NAN } else { 0.0 }]);
+        }
+        fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
+            self.rhs(at, y, p, out.f, out.g);
+            out.fy[1] = 1.0;
+        }
+        fn left(&self, y: &[f64], _: &[f64], out: &mut BoundaryJacobian<'_>) {
+            (out.r[0], out.ry[0]) = (y[0], 1.0);
+        }
+        fn right(&self, y: &[f64], _: &[f64], out: &mut BoundaryJacobian<'_>) {
+            (out.r[0], out.ry[0]) = (y[0] - 1.0, 1.0);
+        }
+    }
+    // With three stages the first is at 0.1127 h: above the hole for h = 1/100, and the sample at half of it is not.
+    let outcome = solve(&mut Hole, &line([0.0, 1.0], 3, 100), &Settings::default());
+    let Err(SolveError::Newton { source: NewtonError::NonFinite { .. }, best: Some(best), .. }) = outcome else {
+        panic!("{outcome:?}")
+    };
+    assert_eq!(best.defect, f64::INFINITY);
+}
+
+#[test]
 fn a_problem_without_solution_is_said_to_have_none() {
     let mut problem = SecondOrder::bratu(5.0);
     let outcome = solve(&mut problem, &line([0.0, 0.0], 3, 8), &Settings::default());
