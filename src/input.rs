@@ -83,6 +83,15 @@ pub fn parse_ron<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, Input
     )
 }
 
+/// What a user wrote, in quotes, as far as it helps to see it.
+pub fn shown(written: &str) -> String {
+    const MOST: usize = 60;
+    match written.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{:?}…", &written[..end]),
+        None => format!("{written:?}"),
+    }
+}
+
 /// "; did you mean …?" where one of `known` is near to what was written, else nothing.
 pub fn did_you_mean<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     let written = written.to_lowercase();

@@ -190,6 +190,13 @@ impl std::str::FromStr for Parameter {
         }
         match text {
             "xi" => Ok(Parameter::XiS),
+            "g" => Ok(Parameter::Gain),
+            "R0" => Ok(Parameter::R0),
+            "eps" => Ok(Parameter::Epsilon),
+            "a_over_b" => Ok(Parameter::Aspect),
+            "P0" => Ok(Parameter::P0),
+            "Gamma" => Ok(Parameter::Friction),
+            "gamma" => Ok(Parameter::Tension),
             _ => Parameter::ALL.into_iter().find(|p| p.name() == text).ok_or_else(unknown),
         }
     }

@@ -13,7 +13,7 @@ use crate::cell::{Cue, Parameter};
 use crate::input::InputError;
 use crate::io::write_atomically;
 use crate::shapes::critical::{self, Stored};
-use crate::shapes::curves::{self, Curve, CurvePoint};
+use crate::shapes::curves::{self, Curve, CurveEnd, CurvePoint};
 use crate::shapes::{Criticality, PointKind};
 
 /// Continues what bounds division over a parameter: the pitchfork and the folds of mirror-symmetric shapes; with a cue that
@@ -75,18 +75,30 @@ struct FoldAnswer {
     point: PointAnswer,
 }
 
+/// How a curve of folds ended.
+#[derive(Serialize)]
+struct EndAnswer {
+    curve: usize,
+    /// Value of the parameter where it did.
+    value: f64,
+    reason: &'static str,
+}
+
 /// What `--json` prints.
 #[derive(Serialize)]
 struct Answer {
+    /// The parameter that varies; `value` of every point is its value.
+    vary: String,
     cue: Cue,
     pitchfork: Vec<PointAnswer>,
     /// Where criticality changes.
     degenerate: Vec<PointAnswer>,
     folds: Vec<FoldAnswer>,
+    /// How the curves of folds ended.
+    ends: Vec<EndAnswer>,
     /// Where two folds are born.
     cusps: Vec<PointAnswer>,
     /// Value of the parameter varied at which the boundary lies at ξ_s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     critical: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     critical_point: Option<PointAnswer>,
@@ -105,20 +117,26 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
         let stored = Stored::compute(cell, numerics, &[vec![Cue::none()], cues].concat(), *range)?;
         write_atomically(path, format!("{}\n", serde_json::to_string_pretty(&stored)?).as_bytes())?;
     }
-    let (kind, curve) = curves::boundary_curve(cell, numerics, *parameter, *range)?;
+    let (kind, mut found) = curves::boundary_curves(cell, numerics, *parameter, *range)?;
     let (pitchfork, folds) = match kind {
-        PointKind::Pitchfork if args.no_folds => (curve, Vec::new()),
-        PointKind::Pitchfork => (curve, curves::fold_curves(cell, numerics, *parameter, *range)?),
-        _ => (Curve::default(), vec![curve]),
+        PointKind::Pitchfork if args.no_folds => (found.remove(0), Vec::new()),
+        PointKind::Pitchfork => (found.remove(0), curves::fold_curves(cell, numerics, *parameter, *range)?),
+        _ => (Curve::default(), found),
     };
     let critical = match args.critical {
         true => Some(critical::critical_value(cell, numerics, *parameter, &starts(*parameter, *range))?.1),
         false => None,
     };
-    for error in folds.iter().filter_map(Curve::error) {
-        tracing::warn!("a curve of folds is followed no further: {error}");
+    for (k, fold) in folds.iter().enumerate() {
+        match (&fold.ended, fold.error()) {
+            (_, Some(error)) => tracing::warn!("fold {k} is followed no further: {error}"),
+            (CurveEnd::Cusp(cusp), _) if kind != PointKind::Pitchfork => {
+                tracing::warn!("fold {k} ends within the range, in a cusp at {parameter} = {:.6}", cusp.value);
+            }
+            _ => {}
+        }
     }
-    let document = Answer::new(&cell.cue, &pitchfork, &folds, critical);
+    let document = Answer::new(&varied, &pitchfork, &folds, critical);
     if context.json {
         answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
     } else {
@@ -163,10 +181,17 @@ impl BoundaryArgs {
 }
 
 impl Answer {
-    fn new(cue: &Cue, pitchfork: &Curve, folds: &[Curve], critical: Option<CurvePoint>) -> Answer {
+    fn new(varied: &Varied, pitchfork: &Curve, folds: &[Curve], critical: Option<CurvePoint>) -> Answer {
+        let ends = folds.iter().enumerate().map(|(curve, fold)| EndAnswer {
+            curve,
+            value: fold.cusp().or(fold.points.last().copied()).map_or(f64::NAN, |point| point.value),
+            reason: fold.ended.name(),
+        });
         let fold_point = |curve: usize, point: &CurvePoint| FoldAnswer { curve, point: PointAnswer::new(point) };
         Answer {
-            cue: cue.clone(),
+            vary: varied.parameter.to_string(),
+            cue: varied.cell.cue.clone(),
+            ends: ends.collect(),
             pitchfork: pitchfork.points.iter().map(PointAnswer::new).collect(),
             // Neither sub- nor supercritical.
             degenerate: pitchfork

@@ -7,7 +7,7 @@ use crate::input::InputError;
 use crate::io::files::WriteError;
 use crate::io::frames::FramesError;
 use crate::lineage::GrowError;
-use crate::shapes::{ShapeError, StationaryError};
+use crate::shapes::{PointKind, ShapeError, StationaryError};
 use crate::stability::StabilityError;
 
 /// What ends a command.
@@ -81,7 +81,8 @@ fn grow_text(error: &GrowError) -> String {
 /// A computation's error, with the option that helps.
 fn shape_text(error: &ShapeError) -> String {
     match error {
-        ShapeError::NotFound { .. } => format!("{error}: raise --xi-max"),
+        ShapeError::NotFound { kind: PointKind::Pitchfork, .. } => format!("{error}; raise --xi-max"),
+        ShapeError::NoPitchfork { .. } => format!("{error}: see furrow boundary"),
         _ => error.to_string(),
     }
 }

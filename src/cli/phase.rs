@@ -129,7 +129,10 @@ fn text(plane: &PhasePlane, diagram: &PhaseDiagram) -> String {
             let kind = if matches!(edge, Edge::Pitchfork { .. }) { 'P' } else { 'F' };
             format!("{kind} {:.4}", edge.xi_s())
         };
-        let edges: Vec<String> = column.edges.iter().map(edge).collect();
+        let mut edges: Vec<String> = column.edges.iter().map(edge).collect();
+        if edges.is_empty() {
+            edges.push("none in this range of ξ_s".to_owned());
+        }
         let _ = writeln!(out, "{name} = {:.4}: {}", column.x, edges.join(", "));
     }
     out

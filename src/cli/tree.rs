@@ -85,7 +85,12 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let mut lineage = Lineage::load(args.lineage.as_deref())?;
     if let Some(text) = &args.cue {
         let cue = parse_cue(text, &lineage)?;
-        lineage = lineage.with_cues_replaced(&cue);
+        let name = match lineage.cue(text) {
+            _ if cue.is_none() => "none",
+            Some(_) => text,
+            None => "given",
+        };
+        lineage = lineage.with_cues_replaced(name, &cue);
     }
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);

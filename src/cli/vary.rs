@@ -30,6 +30,9 @@ pub struct VaryArgs {
     pub cue: CueArgs,
 }
 
+/// Values at which a cue is checked over the range of one of its numbers.
+const STEPS: u32 = 64;
+
 /// What the options say.
 pub struct Varied {
     /// The cell, at the first value.
@@ -63,14 +66,22 @@ impl VaryArgs {
         }
         let mut cell = context.settings.cell.clone().with_cue(self.cue.read()?);
         if !parameter.is_of(&cell) {
-            let allowed = format!("a number of the cue, which is {}", cell.cue);
+            let allowed = match cell.cue.terms() {
+                [] => "a number of a cue, and none is given: see --cue".to_owned(),
+                terms => format!("a number of the cue's terms, cue[0] to cue[{}]: {}", terms.len() - 1, cell.cue),
+            };
             return Err(InputError::not_allowed("--vary", "vary", parameter, allowed));
         }
         for (option, value) in [("--to", self.to), ("--from", self.from)] {
             match parameter {
                 Parameter::Cue { .. } => {
+                    // On the way as well: two bands may be far enough apart at both ends and not in between.
+                    for k in 0..=STEPS {
+                        let way = self.from + (self.to - self.from) * f64::from(k) / f64::from(STEPS);
+                        parameter.set(&mut cell, if option == "--to" { value } else { way });
+                        cell.cue.check().map_err(|e| InputError::not_allowed(option, e.field, e.value, e.allowed))?;
+                    }
                     parameter.set(&mut cell, value);
-                    cell.cue.check().map_err(|e| InputError::not_allowed(option, e.field, e.value, e.allowed))?;
                 }
                 _ => {
                     context.settings.set_number(option, parameter.name(), value)?;
@@ -84,7 +95,11 @@ impl VaryArgs {
     fn parameter(&self) -> Result<Parameter, InputError> {
         let parsed: Result<Parameter, _> = self.vary.parse();
         match parsed {
-            Ok(parameter) if parameter != Parameter::XiS => Ok(parameter),
+            Ok(Parameter::XiS) => {
+                let allowed = "another parameter: curves and diagrams run over ξ_s as it is";
+                Err(InputError::not_allowed("--vary", "vary", "xi_s", allowed))
+            }
+            Ok(parameter) => Ok(parameter),
             _ => {
                 let names: Vec<&str> =
                     Parameter::ALL.into_iter().filter(|p| *p != Parameter::XiS).map(Parameter::name).collect();

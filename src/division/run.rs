@@ -113,7 +113,9 @@ fn check(cell: &Cell) -> Result<(), DivisionError> {
 fn start(cell: &Cell, numerics: &Numerics) -> Result<Stepper, DivisionError> {
     let (half, report) =
         passive(cell, numerics).map_err(|source| DivisionError::NoPassiveShape { cell: CellName::of(cell), source })?;
-    let cortex = Cortex::new(cell, Domain::Full, &[]);
+    // Cues that say the same in other words have one key, and so must give the same to the last bit.
+    let cell = Cell { cue: cell.cue.simplified(), ..cell.clone() };
+    let cortex = Cortex::new(&cell, Domain::Full, &[]);
     let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, unfold(&half));
     stepper.count(report);
     Ok(stepper)

@@ -1,7 +1,7 @@
 //! `tree.json`: the whole tree with what it was grown from, byte-identical for equal inputs.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use serde::{Deserialize, Serialize};
 
@@ -62,8 +62,8 @@ pub struct FounderRow {
     pub volume_fraction: Option<f64>,
     /// Name of the cue that it carries.
     pub cue: String,
-    /// How many cells below it, up to the next founder, carry a cue.
-    pub cued_descendants: usize,
+    /// Cues of the cells below it, up to the next founder, by name, and how many carry each.
+    pub cued_descendants: BTreeMap<String, usize>,
     /// How its own division ended.
     pub outcome: Option<Outcome>,
     /// Its size asymmetry χ.
@@ -76,10 +76,17 @@ pub struct FounderRow {
 
 /// The founders' table, in the lineage file's order.
 pub fn founder_rows(tree: &Tree) -> Vec<FounderRow> {
-    let mut cued = vec![0; tree.lineage.founders.len()];
-    for id in tree.cells().filter(|&id| !tree.cell(id).cue.is_none()) {
-        let founder = tree.cell(id).founder;
-        cued[founder] += usize::from(tree.founder_cell(founder) != Some(id));
+    let founders = tree.lineage.founders.len();
+    let birth: Vec<Option<CellId>> = (0..founders).map(|founder| tree.founder_cell(founder)).collect();
+    let mut cued = vec![BTreeMap::new(); founders];
+    for id in tree.cells() {
+        let cell = tree.cell(id);
+        let Some(born) = birth[cell.founder].filter(|born| *born != id) else { continue };
+        if !cell.cue.is_none() {
+            let round = cell.generation - tree.cell(born).generation;
+            let place = Place { founder: cell.founder, round, generation: cell.generation, r0: cell.r0 };
+            *cued[cell.founder].entry(tree.lineage.cue_name_at(place).to_owned()).or_insert(0) += 1;
+        }
     }
     let row = |founder: usize, rounds: Option<Rounds>| {
         let definition = &tree.lineage.founders[founder];
@@ -90,7 +97,7 @@ pub fn founder_rows(tree: &Tree) -> Vec<FounderRow> {
             r0: cell.map(|c| c.r0),
             volume_fraction: cell.map(|c| c.volume_fraction),
             cue: place.map_or("none", |place| tree.lineage.cue_name_at(place)).to_owned(),
-            cued_descendants: cued[founder],
+            cued_descendants: cued[founder].clone(),
             outcome: cell.and_then(|c| c.fate.outcome()),
             chi: cell.and_then(|c| c.fate.chi()),
             rounds,

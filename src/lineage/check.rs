@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::definition::{CueRule, Daughter, Founder, Lineage};
-use crate::input::{InputError, did_you_mean};
+use crate::input::{InputError, did_you_mean, shown};
 
 /// A lineage with the text it was read from.
 pub(super) struct Check<'a> {
@@ -47,6 +47,10 @@ impl Check<'_> {
                 let allowed = "another name: none is the absence of a cue";
                 return Err(InputError::not_allowed(self.file, "cues", "\"none\"", allowed));
             }
+            if name.is_empty() || name.chars().any(|c| c.is_control() || c.is_whitespace() || ":+,\"'".contains(c)) {
+                let allowed = "a name without blanks, quotes and : + , as in \"polar\"";
+                return Err(InputError::not_allowed(self.file, "cues", shown(name), allowed));
+            }
             cue.check().map_err(|error| {
                 let field = format!("cues[{name:?}].{}", error.field);
                 InputError::not_allowed(self.file, field, error.value, error.allowed)
@@ -75,7 +79,11 @@ impl Check<'_> {
             return Ok(());
         }
         let known: Vec<&str> = ["none"].into_iter().chain(self.lineage.cues.keys().map(String::as_str)).collect();
-        Err(format!("one of {}{}", known.join(", "), did_you_mean(name, known.iter().copied())))
+        let hint = match name.contains(':') {
+            true => "; what it is is said under cues".to_owned(),
+            false => did_you_mean(name, known.iter().copied()),
+        };
+        Err(format!("one of {}{hint}", known.join(", ")))
     }
 
     fn rules(&self, field: &str, rules: &[CueRule]) -> Result<(), InputError> {
@@ -131,6 +139,11 @@ impl Check<'_> {
                 let allowed = "left out where cue_rules are given";
                 return Err(self.founder_error(f, "cue", format!("{cue:?}"), allowed));
             }
+        }
+        if !f.inherit && f.cue.is_none() {
+            let allowed =
+                "left out where the founder has no cue; cue_rules say themselves which generations they are for";
+            return Err(self.founder_error(f, "inherit", "false", allowed));
         }
         self.rules(&format!("founder {:?}: cue_rules", f.name), &f.cue_rules)?;
         match (&f.mother, f.daughter) {

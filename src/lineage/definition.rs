@@ -1,12 +1,14 @@
 //! The lineage file: founders, cues, naming, limits, and the observed counts they are set beside.
 
-use super::check::Check;
-use crate::cell::cue::split_terms;
-use crate::cell::{Cue, CueError};
-use crate::input::{InputError, did_you_mean, parse_ron, read_text};
-use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::check::Check;
+use crate::cell::cue::{Field, split_terms};
+use crate::cell::{Cue, CueError};
+use crate::input::{InputError, did_you_mean, parse_ron, read_text, shown};
 
 /// The built-in lineage file, `lineages/c_elegans.ron`.
 pub const C_ELEGANS: &str = include_str!("../../lineages/c_elegans.ron");
@@ -162,7 +164,7 @@ pub struct Lineage {
     #[serde(default)]
     pub limits: Limits,
     /// Cues by name. `none` always exists.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "unique")]
     pub cues: BTreeMap<String, Cue>,
     /// Cues of the cells whose founder says nothing of its own, the first rule that applies. Generations are counted from
     /// the first cell.
@@ -234,24 +236,28 @@ impl Lineage {
         founder.cue.iter().chain(founder.cue_rules.iter().map(|rule| &rule.cue)).any(acts)
     }
 
-    /// The same lineage with another cue in the place of every cue that its founders or rules give.
+    /// The same lineage with another cue, under a name, in the place of every cue that its founders or rules give.
     ///
     /// ```
     /// use furrow::cell::Cue;
     /// use furrow::lineage::Lineage;
     ///
-    /// let lineage = Lineage::c_elegans()?.with_cues_replaced(&Cue::none());
+    /// let lineage = Lineage::c_elegans()?.with_cues_replaced("none", &Cue::none());
     /// assert!((0..lineage.founders.len()).all(|founder| !lineage.gives_cue(founder)));
     /// # Ok::<(), furrow::input::InputError>(())
     /// ```
-    pub fn with_cues_replaced(mut self, cue: &Cue) -> Lineage {
-        let name = if cue.is_none() { "none" } else { REPLACEMENT };
-        if !cue.is_none() {
-            self.cues.insert(REPLACEMENT.to_owned(), cue.clone());
+    pub fn with_cues_replaced(mut self, name: &str, cue: &Cue) -> Lineage {
+        let mut name = name.to_owned();
+        if name != "none" {
+            // The name of another cue is left to it.
+            while self.cues.get(&name).is_some_and(|other| other != cue) {
+                name.push('*');
+            }
+            self.cues.insert(name.clone(), cue.clone());
         }
         let rules = self.founders.iter_mut().flat_map(|founder| founder.cue_rules.iter_mut().map(|rule| &mut rule.cue));
-        rules.chain(self.cue_rules.iter_mut().map(|rule| &mut rule.cue)).for_each(|given| replace(given, name));
-        self.founders.iter_mut().filter_map(|founder| founder.cue.as_mut()).for_each(|given| replace(given, name));
+        rules.chain(self.cue_rules.iter_mut().map(|rule| &mut rule.cue)).for_each(|given| replace(given, &name));
+        self.founders.iter_mut().filter_map(|founder| founder.cue.as_mut()).for_each(|given| replace(given, &name));
         self
     }
 
@@ -261,12 +267,13 @@ impl Lineage {
     /// [`CueError`] names the part, what it is and what it may be.
     pub fn parse_cue(&self, text: &str) -> Result<Cue, CueError> {
         for part in split_terms(text) {
-            if !part.contains(':') && part != "none" && self.cue(part).is_none() {
+            let is_field = Field::ALL.iter().any(|field| part.starts_with(field.name()));
+            if !part.contains(':') && !part.is_empty() && !is_field && self.cue(part).is_none() {
                 let names: Vec<&str> = self.cues.keys().map(String::as_str).collect();
                 let known: String = names.iter().map(|name| format!("{name}, ")).collect();
-                let nearest = did_you_mean(part, names);
+                let nearest = did_you_mean(part, names.into_iter().chain(["none"]));
                 let allowed = format!("none, {known}or terms FIELD:PROFILE,key=value,.. joined by +{nearest}");
-                return Err(CueError { field: "cue".to_owned(), value: format!("{part:?}"), allowed });
+                return Err(CueError { field: "cue".to_owned(), value: shown(part), allowed });
             }
         }
         Cue::parse_with(text, |name| self.cues.get(name).cloned())
@@ -297,14 +304,34 @@ impl Lineage {
     }
 }
 
-/// Name of a cue given in place of others.
-const REPLACEMENT: &str = "given";
-
 fn replace(given: &mut String, name: &str) {
     if given != "none" {
         given.clear();
         given.push_str(name);
     }
+}
+
+/// Reads cues by name, refusing a name that stands twice: which of the two is meant cannot be told.
+fn unique<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, Cue>, D::Error> {
+    struct Cues;
+    impl<'de> serde::de::Visitor<'de> for Cues {
+        type Value = BTreeMap<String, Cue>;
+
+        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            f.write_str("cues by name")
+        }
+
+        fn visit_map<A: serde::de::MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+            let mut cues = BTreeMap::new();
+            while let Some((name, cue)) = map.next_entry::<String, Cue>()? {
+                if cues.insert(name.clone(), cue).is_some() {
+                    return Err(serde::de::Error::custom(format!("cues[{name:?}] stands twice")));
+                }
+            }
+            Ok(cues)
+        }
+    }
+    deserializer.deserialize_map(Cues)
 }
 
 /// The two founders a founder divides into (indices into [`Lineage::founders`]).

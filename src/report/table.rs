@@ -16,12 +16,14 @@ pub fn outcome_name(outcome: Option<Outcome>) -> &'static str {
     outcome.map_or("-", Outcome::name)
 }
 
-/// The cue of a founder, with the number of its own descendants that carry one.
+/// The cue of a founder, with the numbers of its own descendants that carry one: `stiff +6`, or `stiff, pulled +12` where
+/// theirs is another.
 pub(super) fn cue_text(row: &FounderRow) -> String {
-    match row.cued_descendants {
-        0 => row.cue.clone(),
-        n => format!("{} +{n}", row.cue),
+    let mut out = row.cue.clone();
+    for (name, count) in &row.cued_descendants {
+        let _ = if *name == row.cue { write!(out, " +{count}") } else { write!(out, ", {name} +{count}") };
     }
+    out
 }
 
 /// Rounds per founder beside the observed ones, the growth by generation, and why branches end.
@@ -90,7 +92,7 @@ fn rounds(out: &mut String, rows: &[FounderRow]) {
 
 /// What the cues are that the table names.
 fn cues(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
-    let used = |name: &String| rows.iter().any(|row| row.cue == *name || row.cued_descendants > 0);
+    let used = |name: &String| rows.iter().any(|row| row.cue == *name || row.cued_descendants.contains_key(name));
     let mut any = false;
     for (name, cue) in tree.lineage.cues.iter().filter(|(name, _)| used(name)) {
         let _ = writeln!(out, "cue {name}: {cue}");

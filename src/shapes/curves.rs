@@ -57,6 +57,17 @@ pub enum CurveEnd {
     Stopped(ShapeError),
 }
 
+impl CurveEnd {
+    /// Its name in files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            CurveEnd::Reached => "reached",
+            CurveEnd::Cusp(_) => "cusp",
+            CurveEnd::Stopped(_) => "stopped",
+        }
+    }
+}
+
 /// A curve followed over a range of its parameter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
@@ -345,7 +356,8 @@ pub fn fold_curves(
     Ok(curves)
 }
 
-/// The curve of the fold that ends the stable shapes of a cell whose cue breaks the symmetry, over a range of a parameter.
+/// The curve of the fold that ends the stable shapes of a cell whose cue breaks the symmetry, over a range of a parameter, as
+/// far as it can be followed; [`Curve::ended`] says how it ended.
 ///
 /// # Errors
 /// [`ShapeError`].
@@ -359,37 +371,38 @@ pub fn failure_fold_curve(
     let fold = primary::failure_fold(&cell, numerics, &BranchOptions::default())?;
     let curve = through_fold(&cell, &fold, parameter, to > from);
     let mut curve = curve.map_err(lost(PointKind::Fold, parameter, to))?;
-    let found = follow_fold(&mut curve, parameter, to);
-    match found.ended {
-        CurveEnd::Stopped(error) => Err(error),
-        _ => Ok(found),
-    }
+    Ok(follow_fold(&mut curve, parameter, to))
 }
 
 /// What bounds the division of a cell over a range of a parameter: the curve of its first pitchfork if it is
-/// mirror-symmetric whatever the parameter's value, else that of the fold which ends its stable shapes. Where it cannot be
-/// followed from one end of the range it is followed from the other.
+/// mirror-symmetric whatever the parameter's value, else that of the fold which ends its stable shapes. Where that cannot be
+/// found at one end of the range it is followed from the other; where it ends on the way, in a cusp say, the curve from the
+/// other end is the second.
 ///
 /// # Errors
 /// [`ShapeError`] as from the first end.
-pub fn boundary_curve(
+pub fn boundary_curves(
     cell: &Cell,
     numerics: &Numerics,
     parameter: Parameter,
     [from, to]: [f64; 2],
-) -> Result<(PointKind, Curve), ShapeError> {
-    let kind = match domain_along(cell, parameter) {
-        Domain::Half => PointKind::Pitchfork,
-        Domain::Full => PointKind::Fold,
-    };
-    let follow = |range| match kind {
-        PointKind::Pitchfork => pitchfork_curve(cell, numerics, parameter, range),
-        PointKind::Fold => failure_fold_curve(cell, numerics, parameter, range),
-    };
-    let curve = follow([from, to]).or_else(|error| {
-        let mut curve = follow([to, from]).map_err(|_| error)?;
-        curve.points.reverse();
-        Ok(curve)
-    })?;
-    Ok((kind, curve))
+) -> Result<(PointKind, Vec<Curve>), ShapeError> {
+    if domain_along(cell, parameter) == Domain::Half {
+        let forwards = pitchfork_curve(cell, numerics, parameter, [from, to]);
+        let curve = forwards.or_else(|error| {
+            let mut curve = pitchfork_curve(cell, numerics, parameter, [to, from]).map_err(|_| error)?;
+            curve.points.reverse();
+            Ok(curve)
+        })?;
+        return Ok((PointKind::Pitchfork, vec![curve]));
+    }
+    let forwards = failure_fold_curve(cell, numerics, parameter, [from, to]);
+    if let Ok(Curve { ended: CurveEnd::Reached, .. }) = forwards {
+        return Ok((PointKind::Fold, vec![forwards?]));
+    }
+    let backwards = failure_fold_curve(cell, numerics, parameter, [to, from]);
+    match (forwards, backwards) {
+        (Err(error), Err(_)) => Err(error),
+        (forwards, backwards) => Ok((PointKind::Fold, forwards.into_iter().chain(backwards).collect())),
+    }
 }

@@ -87,7 +87,7 @@ pub enum ShapeError {
         source: SingularError,
     },
     /// There is none in the range searched.
-    #[error("{cell}: no {kind} for xi_s up to {xi_max}; search further")]
+    #[error("{cell}: no {kind} for xi_s up to {xi_max}")]
     NotFound {
         /// The cell.
         cell: CellName,

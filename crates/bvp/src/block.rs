@@ -356,19 +356,14 @@ impl BlockFactor {
         let mut lanes = [[0.0; LANE]; dense::lanes_for(MAX_ROWS)];
         lanes.as_flattened_mut()[..nl].copy_from_slice(carried);
         lanes.as_flattened_mut()[nl + n..rows].copy_from_slice(border);
+        let (forward, transforms) = (&mut self.forward[..], &self.transform[..]);
         for i in 0..self.intervals {
             lanes.as_flattened_mut()[nl..nl + n].copy_from_slice(&nodes[i * n..(i + 1) * n]);
-            let transform = &self.transform[i * rows * tall..(i + 1) * rows * tall];
+            let transform = &transforms[i * rows * tall..(i + 1) * rows * tall];
             let mut out = [[0.0; LANE]; dense::lanes_for(MAX_ROWS)];
             let out = &mut out[..tall];
-            for (column, value) in transform.chunks_exact(tall).zip(&lanes.as_flattened()[..rows]) {
-                for (x, c) in out.iter_mut().zip(column) {
-                    for t in 0..LANE {
-                        x[t] += value * c[t];
-                    }
-                }
-            }
-            self.forward[i * height..(i + 1) * height].copy_from_slice(&out[..height]);
+            dense::add_columns(transform, tall, &lanes.as_flattened()[..rows], 1.0, out);
+            forward[i * height..(i + 1) * height].copy_from_slice(&out[..height]);
             // Carried rows move to the front; border rows stay behind the next n.
             let out = out.as_flattened();
             let flat = lanes.as_flattened_mut();
@@ -399,18 +394,12 @@ impl BlockFactor {
         let n = self.n;
         let (nf, height) = (n + scalars.len(), dense::lanes_for(n));
         let stride = (n + self.np) * height;
+        let (forward, backward) = (&mut self.forward[..], &self.backward[..]);
         for i in (0..self.intervals).rev() {
-            let here = &mut self.forward[i * height..(i + 1) * height];
-            let backward = &self.backward[i * stride..i * stride + nf * height];
-            for (column, value) in
-                backward.chunks_exact(height).zip(nodes[(i + 1) * n..(i + 2) * n].iter().chain(scalars))
-            {
-                for (x, b) in here.iter_mut().zip(column) {
-                    for t in 0..LANE {
-                        x[t] -= value * b[t];
-                    }
-                }
-            }
+            let here = &mut forward[i * height..(i + 1) * height];
+            let (of_nodes, of_scalars) = backward[i * stride..i * stride + nf * height].split_at(n * height);
+            dense::add_columns(of_nodes, height, &nodes[(i + 1) * n..(i + 2) * n], -1.0, here);
+            dense::add_columns(of_scalars, height, scalars, -1.0, here);
             nodes[i * n..(i + 1) * n].copy_from_slice(&here.as_flattened()[..n]);
         }
     }

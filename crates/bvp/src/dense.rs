@@ -250,6 +250,41 @@ pub fn back_substitute(matrix: &mut [Lane], lanes: usize, n: usize, upper: &[Lan
         [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])
 }
 
+/// out + sign · Σ_k factors_k column_k for columns of H lanes.
+#[inline(always)]
+fn add_columns_of<const H: usize>(columns: &[Lane], factors: &[f64], sign: f64, out: &mut [Lane]) {
+    let Some((sum, _)) = out.split_first_chunk_mut::<H>() else { return };
+    let mut total = *sum;
+    for (column, factor) in columns.as_chunks::<H>().0.iter().zip(factors) {
+        let factor = sign * factor;
+        for h in 0..H {
+            for t in 0..LANE {
+                total[h][t] += factor * column[h][t];
+            }
+        }
+    }
+    *sum = total;
+}
+
+/// Adds sign · Σ_k factors_k column_k to `out`, for columns of `height` lanes one behind the other and a sign of ±1.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+pub fn add_columns(columns: &[Lane], height: usize, factors: &[f64], sign: f64, out: &mut [Lane]) {
+    match height {
+        1 => add_columns_of::<1>(columns, factors, sign, out),
+        2 => add_columns_of::<2>(columns, factors, sign, out),
+        3 => add_columns_of::<3>(columns, factors, sign, out),
+        _ => {
+            for (column, factor) in columns.chunks_exact(height).zip(factors) {
+                for (x, c) in out.iter_mut().zip(column) {
+                    for t in 0..LANE {
+                        x[t] += sign * factor * c[t];
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Forward elimination of one right-hand side of `rows` entries (padded to whole lanes).
 #[inline(always)]
 pub fn forward_vector(factors: FactorsRef<'_>, columns: usize, rows: usize, x: &mut [Lane]) {

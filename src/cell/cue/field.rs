@@ -58,16 +58,21 @@ impl Field {
         }
     }
 
-    /// The coefficients of the equations that it multiplies and that have to stay above zero everywhere; a field may touch
-    /// two of them, and two fields the same.
-    pub fn positive(self) -> &'static [Field] {
+    /// The coefficients of the equations that it modulates, named by their own fields.
+    pub const fn coefficients(self) -> &'static [Field] {
         match self {
             Field::Kappa => &[Field::Kappa],
+            Field::Activity => &[Field::XiS, Field::XiB],
+            Field::XiS => &[Field::XiS],
+            Field::XiB => &[Field::XiB],
             Field::EtaB => &[Field::EtaB],
             Field::EtaS => &[Field::EtaS],
             Field::Viscosity => &[Field::EtaB, Field::EtaS],
             Field::Friction => &[Field::Friction],
-            Field::Activity | Field::XiS | Field::XiB | Field::Tension => &[],
+            Field::Tension => &[Field::Tension],
         }
     }
+
+    /// Coefficients that have to stay above zero everywhere.
+    pub const POSITIVE: [Field; 4] = [Field::Kappa, Field::EtaB, Field::EtaS, Field::Friction];
 }

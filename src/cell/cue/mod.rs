@@ -67,20 +67,6 @@ impl Term {
         let (profile, sign) = self.profile.mirrored();
         Term { field: self.field, profile, amplitude: sign * self.amplitude }
     }
-
-    /// Equal up to the rounding of 1 − u0.
-    fn resembles(&self, other: &Term) -> bool {
-        let close = |a: f64, b: f64| (a - b).abs() <= 1e-12;
-        let same = |quantity| match (self.quantity(quantity), other.quantity(quantity)) {
-            (Some(a), Some(b)) => close(a, b),
-            (a, b) => a.is_none() && b.is_none(),
-        };
-        let in_length = |term: &Term| matches!(term.profile.width(), Some(Width::Length(_)));
-        self.field == other.field
-            && self.profile.name() == other.profile.name()
-            && in_length(self) == in_length(other)
-            && Quantity::ALL.into_iter().all(same)
-    }
 }
 
 /// A polarity cue: what makes one part of the cortex differ from another. Terms add up, X(u) = X0·(1 + Σ A f(u)) for every
@@ -155,30 +141,39 @@ impl Cue {
 
     /// Whether it does nothing: no term, or none with an amplitude.
     pub fn is_none(&self) -> bool {
-        self.0.iter().all(|term| term.amplitude == 0.0)
+        self.simplified().0.is_empty()
     }
 
-    /// Whether it is even about u = ½, so that shapes can be mirror-symmetric and pitchforks stay pitchforks: every term is
-    /// its own mirror image, or has another for one.
+    /// Whether it is even about u = ½, so that shapes can be mirror-symmetric and pitchforks stay pitchforks. It is a
+    /// property of what the terms do together to each coefficient of the equations, however they are written.
     pub fn is_mirror_symmetric(&self) -> bool {
-        let active: Vec<&Term> = self.0.iter().filter(|term| term.amplitude != 0.0).collect();
-        let mut paired = vec![false; active.len()];
-        for i in 0..active.len() {
-            if paired[i] {
-                continue;
-            }
-            let image = active[i].mirrored();
-            let partner = if active[i].resembles(&image) {
-                Some(i)
-            } else {
-                (i + 1..active.len()).find(|&j| !paired[j] && active[j].resembles(&image))
-            };
-            match partner {
-                Some(j) => (paired[i], paired[j]) = (true, true),
-                None => return false,
+        let cue = self.simplified();
+        let scale: f64 = cue.0.iter().map(|term| term.amplitude.abs()).sum();
+        // Where an odd part would show: beside the places of the terms, and anywhere.
+        let mut places: Vec<f64> = (0..32).map(|k| (f64::from(k) + 0.5) / 64.0).collect();
+        for length in CONTOURS {
+            for term in &cue.0 {
+                let (u0, width) = (term.quantity(Quantity::U0), term.profile.width());
+                let width = width.map_or(0.1, |omega| omega.in_u(length).abs());
+                places.extend([-1.0, 0.0, 0.7].map(|k| u0.unwrap_or(0.0) + k * width));
             }
         }
-        true
+        let odd = |coefficient: Field, u: f64, length: f64| {
+            (cue.sum_at(coefficient, u, length) - cue.sum_at(coefficient, 1.0 - u, length)).abs()
+        };
+        Field::ALL.into_iter().all(|coefficient| {
+            let touched = cue.0.iter().any(|term| term.field.coefficients().contains(&coefficient));
+            !touched
+                || CONTOURS
+                    .into_iter()
+                    .all(|length| places.iter().all(|&u| odd(coefficient, u.clamp(0.0, 1.0), length) <= EVEN * scale))
+        })
+    }
+
+    /// Σ A f(u) over the terms that touch a coefficient.
+    fn sum_at(&self, coefficient: Field, u: f64, length: f64) -> f64 {
+        let touching = self.0.iter().filter(|term| term.field.coefficients().contains(&coefficient));
+        touching.map(|term| term.at(u, length)[0]).sum()
     }
 
     /// The cue as seen from the other pole, u → 1 − u.
@@ -191,9 +186,18 @@ impl Cue {
         Cue(self.0.iter().map(|term| Term { amplitude: factor * term.amplitude, ..*term }).collect())
     }
 
-    /// The same cue without the terms that do nothing.
+    /// The same cue with as few terms as say it: equal terms are one of their amplitudes together, and what does nothing is
+    /// left out.
     pub fn simplified(&self) -> Cue {
-        Cue(self.0.iter().filter(|term| term.amplitude != 0.0).copied().collect())
+        let mut terms: Vec<Term> = Vec::new();
+        for term in &self.0 {
+            match terms.iter_mut().find(|other| other.field == term.field && other.profile == term.profile) {
+                Some(same) => same.amplitude += term.amplitude,
+                None => terms.push(*term),
+            }
+        }
+        terms.retain(|term| term.amplitude != 0.0);
+        Cue(terms)
     }
 
     /// This cue and another together.
@@ -210,8 +214,8 @@ impl Cue {
         for (k, term) in self.0.iter().enumerate() {
             self.check_term(k, term)?;
         }
-        for field in [Field::Kappa, Field::EtaB, Field::EtaS, Field::Friction] {
-            self.check_positive(field)?;
+        for coefficient in Field::POSITIVE {
+            self.check_positive(coefficient)?;
         }
         Ok(())
     }
@@ -225,25 +229,26 @@ impl Cue {
     fn check_term(&self, k: usize, term: &Term) -> Result<(), CueError> {
         let refuse = |quantity, value: f64, allowed: &str| Err(CueError::new(self.label(k, quantity), value, allowed));
         if let Some(u0) = term.quantity(Quantity::U0)
-            && !(u0 > 0.0 && u0 < 1.0)
+            && !(0.0..=1.0).contains(&u0)
         {
-            return refuse(Quantity::U0, u0, "above 0 and below 1");
+            return refuse(Quantity::U0, u0, "from 0 to 1");
         }
         if let (Some(allowed), Some(omega)) = (term.profile.refused_width(), term.quantity(Quantity::Omega)) {
             return refuse(Quantity::Omega, omega, allowed);
         }
-        if !term.amplitude.is_finite() {
-            return refuse(Quantity::Amplitude, term.amplitude, "a finite number");
+        if !(term.amplitude.abs() <= LARGEST) {
+            return refuse(Quantity::Amplitude, term.amplitude, "from -10000 to 10000");
         }
         Ok(())
     }
 
     /// Whether 1 + Σ A f stays above 0 for a coefficient that must.
-    fn check_positive(&self, field: Field) -> Result<(), CueError> {
-        let touching: Vec<usize> = (0..self.0.len()).filter(|&k| self.0[k].field.positive().contains(&field)).collect();
+    fn check_positive(&self, coefficient: Field) -> Result<(), CueError> {
+        let touching: Vec<usize> =
+            (0..self.0.len()).filter(|&k| self.0[k].field.coefficients().contains(&coefficient)).collect();
         let Some(&last) = touching.last() else { return Ok(()) };
-        // Profiles keep within their range, whatever their width: a lower bound that needs no contour. Where that is not
-        // enough, terms that lie apart are looked at along a contour of length 1.
+        // Profiles keep within their range, whatever their width: a bound that needs no contour. Where it is not enough,
+        // terms that lie apart are looked at along contours of all lengths that cells have.
         let bound = |k: &usize| {
             let [low, high] = self.0[*k].profile.range();
             (self.0[*k].amplitude * low).min(self.0[*k].amplitude * high)
@@ -251,19 +256,41 @@ impl Cue {
         if 1.0 + touching.iter().map(bound).sum::<f64>() > 0.0 {
             return Ok(());
         }
-        let value = |u: f64| 1.0 + touching.iter().map(|&k| self.0[k].at(u, 1.0)[0]).sum::<f64>();
-        let lowest = (0..=2000).map(|i| value(f64::from(i) / 2000.0)).fold(f64::INFINITY, f64::min);
+        let lowest =
+            1.0 + CONTOURS.into_iter().map(|length| self.lowest(coefficient, length)).fold(f64::INFINITY, f64::min);
         if touching.len() > 1 && lowest > 0.0 {
             return Ok(());
         }
         let allowed = match (touching.len(), self.0[last].profile.range()) {
             (1, [-1.0, _]) => "above -1 and below 1".to_owned(),
             (1, _) => "a finite number above -1".to_owned(),
-            _ => format!("such that {} stays above 0 everywhere; with all terms it falls to {lowest:.3}", field.name()),
+            _ => format!(
+                "such that {} stays above 0 everywhere; with all terms it falls to {lowest:.3}",
+                coefficient.name()
+            ),
         };
         Err(CueError::new(self.label(last, Quantity::Amplitude), self.0[last].amplitude, allowed))
     }
+
+    /// Smallest Σ A f(u) on a contour of length `length`, looked for on a grid, at the places of the terms and between them.
+    fn lowest(&self, coefficient: Field, length: f64) -> f64 {
+        let mut centres: Vec<f64> = self.0.iter().filter_map(|term| term.quantity(Quantity::U0)).collect();
+        centres.sort_by(f64::total_cmp);
+        let between: Vec<f64> = centres.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+        let grid = (0..=1000).map(|i| f64::from(i) / 1000.0);
+        grid.chain(centres).chain(between).map(|u| self.sum_at(coefficient, u, length)).fold(f64::INFINITY, f64::min)
+    }
 }
+
+/// Lengths of contours, in L_h, from those of the smallest cells that are asked about to those of the largest: a width in
+/// L_h is another width in u on each.
+const CONTOURS: [f64; 6] = [2.5, 4.0, 7.0, 12.0, 20.0, 40.0];
+
+/// Odd parts of a cue below this, relative to its amplitudes, are roundings of 1 − u.
+const EVEN: f64 = 1e-11;
+
+/// Largest amplitude.
+const LARGEST: f64 = 1e4;
 
 #[cfg(test)]
 mod tests {
@@ -308,7 +335,8 @@ mod tests {
                 // tanh is odd only up to rounding, and 1 − f of a step is not f at the other side of zero.
                 assert!((a[0] - b[0]).abs() < 1e-15 && (a[1] + b[1]).abs() < 1e-13, "{text} {u}: {a:?} {b:?}");
             }
-            assert!(image.mirrored().terms()[0].resembles(&cue.terms()[0]));
+            let again = image.mirrored().plus(cue.scaled(-1.0));
+            assert!(again.is_mirror_symmetric(), "{text}");
         }
     }
 
@@ -324,6 +352,20 @@ mod tests {
             ("kappa:u0=0.3,omega=0.1,amplitude=0.1+activity:u0=0.7,omega=0.1,amplitude=0.1", false),
             ("xi_s:step,u0=0.3,omega=0.1,amplitude=1+xi_s:step,u0=0.7,omega=-0.1,amplitude=1", true),
             ("tension:gradient,amplitude=0.1", false),
+            // A top hat, halves of a term, a sum of nothing, and one field said as two.
+            ("kappa:step,u0=0.3,omega=0.1,amplitude=0.2+kappa:step,u0=0.7,omega=0.1,amplitude=-0.2", true),
+            (
+                "xi_s:u0=0.4,omega=0.1,amplitude=0.1+xi_s:u0=0.4,omega=0.1,amplitude=0.1+xi_s:u0=0.6,omega=0.1,amplitude=0.2",
+                true,
+            ),
+            ("kappa:u0=0.465,omega=0.0577,amplitude=0.1+kappa:u0=0.465,omega=0.0577,amplitude=-0.1", true),
+            (
+                "viscosity:u0=0.3,omega=0.1,amplitude=1+eta_b:u0=0.7,omega=0.1,amplitude=1+eta_s:u0=0.7,omega=0.1,amplitude=1",
+                true,
+            ),
+            ("viscosity:u0=0.3,omega=0.1,amplitude=1+eta_b:u0=0.7,omega=0.1,amplitude=1", false),
+            ("kappa:u0=0.4,omega=1e-4,amplitude=0.1+kappa:u0=0.6,omega=1e-4,amplitude=0.1", true),
+            ("kappa:u0=0.4,omega=1e-5,amplitude=0.1", false),
         ] {
             assert_eq!(cue(text).is_mirror_symmetric(), even, "{text}");
         }

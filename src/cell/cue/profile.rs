@@ -81,6 +81,9 @@ impl Quantity {
     }
 }
 
+/// Narrower profiles than this, in u or in L_h, are none: they would lie between the digits of u.
+pub const NARROWEST: f64 = 1e-6;
+
 /// Names of the profiles; the first is meant where none is named.
 pub const NAMES: [&str; 3] = ["band", "step", "gradient"];
 
@@ -129,6 +132,13 @@ impl<D> Profile<D> {
     }
 }
 
+/// tanh, which is ±1 to the last digit from here on, where quotients of hyperbolic sines would overflow.
+const SATURATED: f64 = 20.0;
+
+fn tanh<D: Number>(x: D) -> D {
+    if x.re().abs() > SATURATED { D::from(x.re().signum()) } else { x.tanh() }
+}
+
 impl<D: Number> Profile<D> {
     /// f, ∂f/∂u and ∂²f/∂u² at u on a contour of length `length`.
     pub fn at(&self, u: f64, length: D) -> [D; 3] {
@@ -142,7 +152,7 @@ impl<D: Number> Profile<D> {
             }
             Profile::Step { u0, omega } => {
                 let inverse = omega.in_u(length).recip();
-                let t = ((-u0 + u) * inverse).tanh();
+                let t = tanh((-u0 + u) * inverse);
                 let bell = (-(t * t) + 1.0) * inverse;
                 [t * 0.5 + 0.5, bell * 0.5, -(t * bell * inverse)]
             }
@@ -184,11 +194,12 @@ impl Profile {
         match self {
             Profile::Band { omega, .. } => {
                 let omega = omega.value();
-                (!(omega.is_finite() && omega > 0.0)).then_some("a finite number above 0")
+                (!(omega.is_finite() && omega >= NARROWEST)).then_some("a finite number, 1e-6 or above")
             }
             Profile::Step { omega, .. } => {
                 let omega = omega.value();
-                (!(omega.is_finite() && omega != 0.0)).then_some("a finite number other than 0")
+                let allowed = "a finite number, 1e-6 or above, or -1e-6 or below for a step down";
+                (!(omega.is_finite() && omega.abs() >= NARROWEST)).then_some(allowed)
             }
             Profile::Gradient => None,
         }

@@ -8,7 +8,7 @@ use std::str::FromStr;
 
 use super::profile::{BuildError, NAMES};
 use super::{Cue, CueError, Field, Profile, Quantity, Term, Width};
-use crate::input::did_you_mean;
+use crate::input::{did_you_mean, shown};
 
 impl Width {
     fn write(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -99,7 +99,7 @@ impl Numbers {
 /// The error for a profile that there is not.
 fn unknown_profile(field: Field, profile: &str) -> CueError {
     let allowed = format!("one of {}{}", NAMES.join(", "), did_you_mean(profile, NAMES));
-    CueError::new(field.name(), format!("{profile:?}"), allowed)
+    CueError::new(field.name(), shown(profile), allowed)
 }
 
 /// The field of a name.
@@ -107,21 +107,25 @@ pub(super) fn field(name: &str) -> Result<Field, CueError> {
     Field::ALL.into_iter().find(|field| field.name() == name).ok_or_else(|| {
         let names: Vec<&str> = Field::ALL.iter().map(|field| field.name()).collect();
         let allowed = format!("a field: one of {}{}", names.join(", "), did_you_mean(name, names.iter().copied()));
-        CueError::new("cue", format!("{name:?}"), allowed)
+        CueError::new("cue", shown(name), allowed)
     })
 }
 
 fn parse_term(text: &str) -> Result<Term, CueError> {
     let Some((name, list)) = text.split_once(':') else {
-        let allowed = "none, or terms FIELD:PROFILE,key=value,.. joined by +";
-        return Err(CueError::new("cue", format!("{text:?}"), allowed));
+        let is_field = Field::ALL.iter().any(|field| text.starts_with(field.name()));
+        let allowed = match (text.is_empty(), is_field) {
+            (true, _) => "a term: there is nothing before, between or behind +",
+            (_, true) => "a term FIELD:PROFILE,key=value,.. with a colon after the field",
+            _ => "none, or terms FIELD:PROFILE,key=value,.. joined by +",
+        };
+        return Err(CueError::new("cue", shown(text), allowed));
     };
     let field = field(name.trim())?;
     let mut entries = list.split(',').map(str::trim).peekable();
     let mut profile = NAMES[0];
     if let Some(first) = entries.peek()
         && !first.contains('=')
-        && !first.is_empty()
     {
         profile = first;
         if !NAMES.contains(&profile) {
@@ -130,9 +134,10 @@ fn parse_term(text: &str) -> Result<Term, CueError> {
         entries.next();
     }
     let mut numbers = Numbers::default();
-    for entry in entries.filter(|entry| !entry.is_empty()) {
+    for entry in entries {
         let Some((key, value)) = entry.split_once('=') else {
-            return Err(CueError::new(field.name(), format!("{entry:?}"), "key=value after the profile"));
+            let allowed = "key=value, set off by single commas";
+            return Err(CueError::new(format!("{}:{profile}", field.name()), shown(entry), allowed));
         };
         set(&mut numbers, field, profile, key.trim(), value.trim())?;
     }
@@ -142,7 +147,7 @@ fn parse_term(text: &str) -> Result<Term, CueError> {
 fn set(numbers: &mut Numbers, field: Field, profile: &str, key: &str, value: &str) -> Result<(), CueError> {
     let label = format!("{}.{key}", field.name());
     let number = |text: &str, allowed: &str| {
-        text.trim().parse::<f64>().map_err(|_| CueError::new(label.as_str(), format!("{value:?}"), allowed))
+        text.trim().parse::<f64>().map_err(|_| CueError::new(label.as_str(), shown(value), allowed))
     };
     let repeated = match key {
         "u0" => numbers.u0.replace(number(value, "a number")?).is_some(),
@@ -158,11 +163,11 @@ fn set(numbers: &mut Numbers, field: Field, profile: &str, key: &str, value: &st
         other => {
             let names: Vec<&str> = Quantity::ALL.iter().map(|quantity| quantity.name()).collect();
             let allowed = format!("one of {}{}", names.join(", "), did_you_mean(other, names.iter().copied()));
-            return Err(CueError::new(format!("{}:{profile}", field.name()), format!("{other:?}"), allowed));
+            return Err(CueError::new(format!("{}:{profile}", field.name()), shown(other), allowed));
         }
     };
     if repeated {
-        return Err(CueError::new(label, format!("{value:?}"), "given once: it is given twice"));
+        return Err(CueError::new(label, shown(value), "given once: it is given twice"));
     }
     Ok(())
 }
@@ -185,9 +190,13 @@ impl Cue {
         let mut terms = Vec::new();
         for part in &parts {
             match (*part, named(part)) {
-                ("none", _) if parts.len() == 1 => {}
+                ("none", _) => {}
                 (_, Some(cue)) => terms.extend_from_slice(cue.terms()),
-                _ => terms.push(parse_term(part)?),
+                _ => terms.push(parse_term(part).map_err(|error| match parts.len() {
+                    1 => error,
+                    // Which of several is told by its place, as in complaints about the sum.
+                    _ => CueError { field: format!("cue[{}].{}", terms.len(), error.field), ..error },
+                })?),
             }
         }
         Cue::new(terms)
@@ -222,16 +231,25 @@ mod tests {
                 "tension:gradient,u0=0.4,amplitude=1",
                 "tension:gradient = \"u0\": must be left out: this profile does not have it",
             ),
-            ("kappa:u0=1.5,omega=0.1,amplitude=0.1", "kappa.u0 = 1.5: must be above 0 and below 1"),
-            ("kappa:u0=0.5,omega=-0.1,amplitude=0.1", "kappa.omega = -0.1: must be a finite number above 0"),
+            ("kappa:u0=1.5,omega=0.1,amplitude=0.1", "kappa.u0 = 1.5: must be from 0 to 1"),
+            ("kappa:u0=0.5,omega=-0.1,amplitude=0.1", "kappa.omega = -0.1: must be a finite number, 1e-6 or above"),
             ("kappa:u0=0.5,omega=0.1,amplitude=-1", "kappa.amplitude = -1: must be a finite number above -1"),
             ("friction:gradient,amplitude=1", "friction.amplitude = 1: must be above -1 and below 1"),
-            ("kappa:step,u0=0.5,omega=0,amplitude=1", "kappa.omega = 0: must be a finite number other than 0"),
+            (
+                "kappa:step,u0=0.5,omega=0,amplitude=1",
+                "kappa.omega = 0: must be a finite number, 1e-6 or above, or -1e-6 or below for a step down",
+            ),
             (
                 "kappa:u0=0.5,omega=thin,amplitude=1",
                 "kappa.omega = \"thin\": must be a number, in u, or with Lh behind it in L_h",
             ),
-            ("kappa:u0=0.5,omega=0.1,amplitude=nan", "kappa.amplitude = NaN: must be a finite number"),
+            ("kappa", "cue = \"kappa\": must be a term FIELD:PROFILE,key=value,.. with a colon after the field"),
+            ("kappa:u0=0.5,,omega=0.1", "kappa:band = \"\": must be key=value, set off by single commas"),
+            (
+                "tension:gradient,amplitude=1+",
+                "cue[1].cue = \"\": must be a term: there is nothing before, between or behind +",
+            ),
+            ("kappa:u0=0.5,omega=0.1,amplitude=nan", "kappa.amplitude = NaN: must be from -10000 to 10000"),
         ] {
             assert_eq!(complaint(text), expected);
         }
