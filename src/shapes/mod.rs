@@ -2,12 +2,12 @@
 //!
 //! | file | what it says |
 //! |---|---|
-//! | [`passive`] | the shape of a cell without activity, in its shell |
+//! | [`mod@passive`] | the shape of a cell without activity, in its shell |
 //! | [`branch`] | points, events and ends of branches |
 //! | [`primary`] | the branch that grows out of the passive shape, with or without a cue |
 //! | [`pitchfork`] | where its symmetry breaks, and on which side |
 //! | [`asymmetric`] | the branch that leaves there |
-//! | [`stationary`] | one shape at one activity |
+//! | [`mod@stationary`] | one shape at one activity |
 //! | [`at_rest`] | the intervals of ξ_s in which a cell rests undivided |
 //! | [`curves`] | pitchforks and folds over R0, ε or any other parameter |
 //! | [`critical`] | below which radius a cell does not divide |

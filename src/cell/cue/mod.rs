@@ -236,7 +236,7 @@ impl Cue {
         if let (Some(allowed), Some(omega)) = (term.profile.refused_width(), term.quantity(Quantity::Omega)) {
             return refuse(Quantity::Omega, omega, allowed);
         }
-        if !(term.amplitude.abs() <= LARGEST) {
+        if !(-LARGEST..=LARGEST).contains(&term.amplitude) {
             return refuse(Quantity::Amplitude, term.amplitude, "from -10000 to 10000");
         }
         Ok(())
