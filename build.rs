@@ -11,12 +11,13 @@ use std::{
 ///
 /// A change to the code of any of them gives a new fingerprint, a change to its comments or tests does not. Whatever the
 /// files here import must be here too; `tests/fingerprint.rs` checks it.
-pub const SOLVER_SOURCES: [&str; 8] = [
+pub const SOLVER_SOURCES: [&str; 9] = [
     "crates/bvp/src",
     "src/batch/division.rs",
     "src/cell",
     "src/cortex",
     "src/division",
+    "src/input.rs",
     "src/shapes/error.rs",
     "src/shapes/passive.rs",
     "src/stability.rs",
