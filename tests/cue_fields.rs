@@ -2,6 +2,8 @@
 
 mod tables;
 
+use furrow::cell::cue::Field;
+use furrow::cell::cue::profile::NAMES;
 use furrow::cell::{Cell, Cue, Numerics};
 use furrow::division::{Division, DivisionInput, divide};
 
@@ -21,8 +23,16 @@ fn cue(text: &str) -> Cue {
     out.parse().unwrap()
 }
 
-fn solve(r0: f64, cue: &Cue) -> Division {
-    divide(&DivisionInput::new(Cell::new(r0).with_cue(cue.clone()))).unwrap()
+fn solve(r0: f64, cue: &Cue, numerics: Numerics) -> Division {
+    divide(&DivisionInput { numerics, ..DivisionInput::new(Cell::new(r0).with_cue(cue.clone())) }).unwrap()
+}
+
+/// How far a division and that of the mirrored cue are from mirror images: in χ, in the furrow's place, and in time.
+fn deviation(r0: f64, cue: &Cue, numerics: Numerics) -> [f64; 3] {
+    let [a, b] = [cue, &cue.mirrored()].map(|cue| solve(r0, cue, numerics));
+    assert_eq!(a.outcome, b.outcome, "R0 = {r0}, {cue}");
+    let sum = |of: fn(&Division) -> Option<f64>| of(&a).unwrap() + of(&b).unwrap();
+    [sum(|d| d.chi_signed).abs(), (sum(|d| d.u_furrow) - 1.0).abs(), (a.t_end / b.t_end - 1.0).abs()]
 }
 
 #[test]
@@ -31,7 +41,7 @@ fn divisions_match_the_reference() {
     assert!(rows.len() >= 7);
     for row in rows {
         let r0 = row.number("R0");
-        let division = solve(r0, &cue(row.text("cue")));
+        let division = solve(r0, &cue(row.text("cue")), Numerics::default());
         let (chi, u) = (division.chi.unwrap(), division.u_furrow.unwrap());
         let [below, _] = division.shares().unwrap();
         println!("{row:?}: {chi:.5} {below:.5} {u:.5}");
@@ -42,22 +52,60 @@ fn divisions_match_the_reference() {
     }
 }
 
-/// With the noise of the first step the mirror image is one to 1e-3, the noise itself being no mirror image of itself;
-/// without noise, to rounding.
+/// The largest deviations over the cues of the table.
+fn largest_deviation(numerics: Numerics) -> [f64; 3] {
+    let mut largest = [0.0f64; 3];
+    for row in tables::reference("division_cue_fields.csv") {
+        let found = deviation(row.number("R0"), &cue(row.text("cue")), numerics);
+        println!("{} {:?}: {found:?}", row.number("R0"), row.text("cue"));
+        largest = std::array::from_fn(|k| largest[k].max(found[k]));
+    }
+    println!("largest: {largest:?}");
+    largest
+}
+
+/// With the noise of the first step the mirror image is one to 1e-3, the noise itself being no mirror image of itself.
 #[test]
 fn mirrored_cues_mirror_the_division() {
-    let rows = tables::reference("division_cue_fields.csv");
-    for row in rows {
-        let (r0, cue) = (row.number("R0"), cue(row.text("cue")));
-        let [a, b] = [&cue, &cue.mirrored()].map(|cue| solve(r0, cue));
-        let (chi, image) = (a.chi_signed.unwrap(), b.chi_signed.unwrap());
-        let (u, u_image) = (a.u_furrow.unwrap(), b.u_furrow.unwrap());
-        println!("{row:?}: {chi} {image}");
-        assert!((chi + image).abs() < 1e-3 && (u + u_image - 1.0).abs() < 1e-3, "{row:?}: {chi} {image}");
+    let [chi, u, _] = largest_deviation(Numerics::default());
+    assert!(chi < 1e-3 && u < 1e-3, "{chi} {u}");
+}
+
+/// Without noise what is left comes from the mesh: shapes are carried from one mesh to the next by the collocation
+/// polynomials, which go through the left node of an interval and not through the right one. On the usual mesh that is up to
+/// 9e-6 in χ, and a hundredth of it on one twice as fine, of the order of what Newton's tolerance of 3e-8 a step can give.
+/// Twice to five times as much is allowed, since rounding can reject a step of one image and not of the other.
+#[test]
+fn without_noise_mirrored_cues_mirror_the_division() {
+    let usual = Numerics { noise: 0.0, ..Numerics::default() };
+    let [chi, u, t] = largest_deviation(usual);
+    assert!(chi < 2e-5 && u < 6e-6 && t < 2e-6, "{chi} {u} {t}");
+    let [chi, u, t] = largest_deviation(Numerics { intervals: 2 * usual.intervals, ..usual });
+    assert!(chi < 4e-7 && u < 1e-7 && t < 1e-7, "{chi} {u} {t}");
+}
+
+/// Every field with every profile divides a cell unequally that would divide equally without, and its mirror image the other
+/// way round. A new field or profile is covered as soon as it is in the lists. The tolerances are those of the test above,
+/// with more for the time, which is long where a cue slows the division down.
+#[test]
+fn every_field_with_every_profile_mirrors() {
+    let numerics = Numerics { noise: 0.0, ..Numerics::default() };
+    assert!(solve(3.0, &Cue::none(), numerics).chi.unwrap() < 1e-6);
+    for field in Field::ALL {
+        for profile in NAMES {
+            let place = if profile == "gradient" { "" } else { "u0=0.42,omega=0.1," };
+            let cue: Cue = format!("{}:{profile},{place}amplitude=0.1", field.name()).parse().unwrap();
+            let found = deviation(3.0, &cue, numerics);
+            let chi = solve(3.0, &cue, numerics).chi_signed.unwrap();
+            println!("{cue}: chi {chi:+.2e}, deviation {found:?}");
+            assert!(chi.abs() > 1e-3, "{cue} does nothing: {chi}");
+            assert!(found[0] < 2e-5 && found[1] < 6e-6 && found[2] < 2e-5, "{cue}: {found:?}");
+        }
     }
 }
 
-/// A finer mesh and shorter steps change nothing.
+/// A cue of a twelfth of a usual interval's width is resolved: a mesh four times as fine and steps half as long change χ by
+/// less than a hundredth of itself.
 #[test]
 fn narrow_cues_are_seen_by_the_mesh() {
     let cue: Cue = "activity:band,u0=0.42,omega=0.004,amplitude=0.4".parse().unwrap();
@@ -66,5 +114,5 @@ fn narrow_cues_are_seen_by_the_mesh() {
     let fine = DivisionInput { numerics, ..coarse.clone() };
     let [a, b] = [coarse, fine].map(|input| divide(&input).unwrap().chi_signed.unwrap());
     println!("{a} {b}");
-    assert!((a - b).abs() < 2e-3 && a.abs() > 0.02, "{a} {b}");
+    assert!((a - b).abs() < 2e-4 && a.abs() > 0.015, "{a} {b}");
 }
