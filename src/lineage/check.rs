@@ -52,7 +52,7 @@ impl Check<'_> {
                 InputError::not_allowed(self.file, field, error.value, error.allowed)
             })?;
         }
-        self.rules("cue_rules", &lineage.cue_rules)?;
+        self.rules(self.file, "cue_rules", &lineage.cue_rules)?;
         if lineage.founders.is_empty() {
             return Err(InputError::not_allowed(self.file, "founders", "[]", "a list of at least one founder"));
         }
@@ -78,9 +78,9 @@ impl Check<'_> {
         Err(format!("one of {}{}", known.join(", "), did_you_mean(name, known.iter().copied())))
     }
 
-    fn rules(&self, field: &str, rules: &[CueRule]) -> Result<(), InputError> {
+    fn rules(&self, place: &str, field: &str, rules: &[CueRule]) -> Result<(), InputError> {
         let refuse = |k: usize, name: &str, value: String, allowed: String| {
-            Err(InputError::not_allowed(self.file, format!("{field}[{k}].{name}"), value, allowed))
+            Err(InputError::not_allowed(place, format!("{field}[{k}].{name}"), value, allowed))
         };
         for (k, rule) in rules.iter().enumerate() {
             if let Err(allowed) = self.known_cue(&rule.cue) {
@@ -132,7 +132,7 @@ impl Check<'_> {
                 return Err(self.founder_error(f, "cue", format!("{cue:?}"), allowed));
             }
         }
-        self.rules(&format!("founder {:?}: cue_rules", f.name), &f.cue_rules)?;
+        self.rules(&self.place(&f.name), &format!("founder {:?}: cue_rules", f.name), &f.cue_rules)?;
         match (&f.mother, f.daughter) {
             (Some(_), None) => {
                 return Err(self.founder_error(
