@@ -100,8 +100,7 @@ fn cued_cells_of_wide_shells_have_their_critical_radius() {
 /// A fold met from one end is not followed again from the other, and steps lengthen as a curve leads to small radii.
 #[test]
 fn a_fold_is_followed_once_from_whichever_end() {
-    let follow =
-        |range| curves::fold_curves(&at(2.0, 0.87), &Numerics::default(), Parameter::R0, range).unwrap();
+    let follow = |range| curves::fold_curves(&at(2.0, 0.87), &Numerics::default(), Parameter::R0, range).unwrap();
     for range in [[1.5, 5.4], [5.4, 1.5]] {
         let curves = follow(range);
         let [curve] = &curves[..] else { panic!("{} curves", curves.len()) };

@@ -57,8 +57,7 @@ fn the_papers_thresholds() {
         .map(|(&(r0, epsilon), xi_s)| Threshold { r0, epsilon, xi_s, weight: 1.0 })
         .collect();
     let rms = |list: &[Threshold]| {
-        let sum: f64 =
-            list.iter().map(|t| (threshold(t.r0, t.epsilon).xi_s / t.xi_s - 1.0).powi(2)).sum();
+        let sum: f64 = list.iter().map(|t| (threshold(t.r0, t.epsilon).xi_s / t.xi_s - 1.0).powi(2)).sum();
         (sum / list.len() as f64).sqrt()
     };
     let preset = rms(&thresholds);
@@ -77,7 +76,9 @@ fn the_papers_thresholds() {
 fn sensitivities_are_exact() {
     let cell = Cell { epsilon: 0.8, ..Cell::new(2.22) };
     let at = first(&cell);
-    for parameter in [Parameter::Aspect, Parameter::P0, Parameter::W, Parameter::Gain, Parameter::Kappa, Parameter::XiRatio] {
+    for parameter in
+        [Parameter::Aspect, Parameter::P0, Parameter::W, Parameter::Gain, Parameter::Kappa, Parameter::XiRatio]
+    {
         let slope = sensitivity(&cell, &at.shape, parameter).unwrap();
         let value = parameter.get(&cell);
         let h = 1e-4 * value.abs();

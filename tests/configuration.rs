@@ -13,10 +13,7 @@ fn set(list: &[&str]) -> Settings {
 fn every_name_reaches_its_field() {
     let s = set(&["xi=20", "g=0.4", "eps=0.8", "a_over_b=1.3", "P0=0.2", "physics.w=0.1", "rigidity_gradient=dropped"]);
     let Cell { xi_s, epsilon, material, shell, .. } = s.cell;
-    assert_eq!(
-        (xi_s, material.gain, epsilon, shell.aspect, shell.p0, shell.w),
-        (20.0, 0.4, 0.8, 1.3, 0.2, 0.1)
-    );
+    assert_eq!((xi_s, material.gain, epsilon, shell.aspect, shell.p0, shell.w), (20.0, 0.4, 0.8, 1.3, 0.2, 0.1));
     assert_eq!(material.rigidity_gradient, RigidityGradient::Dropped);
     let numerics = set(&["stages=3", "numerics.intervals=40", "noise=0"]).numerics;
     assert_eq!((numerics.stages, numerics.intervals, numerics.noise), (3, 40, 0.0));

@@ -3,7 +3,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-
 /// The modules of the library from the lowest floor to the highest.
 const FLOORS: [&str; 12] = [
     "input",
@@ -185,7 +184,8 @@ fn the_numerical_crate_knows_no_cell() {
             // Its own name on the registry begins with the name of the program.
             let line = line.replace("furrow-bvp", "").replace("furrow_bvp", "");
             let words = line.split(|c: char| !c.is_alphanumeric() && c != '_');
-            let foreign = |word: &&str| ["furrow", "cortex"].contains(&word.to_lowercase().as_str()) || *word == "Cell" && !own;
+            let foreign =
+                |word: &&str| ["furrow", "cortex"].contains(&word.to_lowercase().as_str()) || *word == "Cell" && !own;
             for word in words.filter(foreign) {
                 let place = file.strip_prefix(root).unwrap().display();
                 offenders.push(format!("{place}:{}: {word}", k + 1));

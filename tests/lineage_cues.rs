@@ -56,7 +56,8 @@ fn a_founders_cue_is_inherited_unless_it_is_not() {
 /// Rounds are counted from the founder; the first rule that applies is the one.
 #[test]
 fn founders_rules_give_cues_by_round_and_radius() {
-    let rules = "cue_rules: [(cue: \"pull\", from_generation: 1, to_generation: 1), (cue: \"polar\", to_generation: 2)]";
+    let rules =
+        "cue_rules: [(cue: \"pull\", from_generation: 1, to_generation: 1), (cue: \"polar\", to_generation: 2)]";
     let tree = grow(&lineage("", &format!("(name: \"Q\", r0: 5.0, {rules})")));
     assert_eq!(carriers(&tree, "pull"), ["Qa", "Qp"]);
     assert_eq!(carriers(&tree, "polar"), ["Q", "Qaa", "Qap", "Qpa", "Qpp"]);
@@ -109,7 +110,8 @@ fn a_cue_in_the_place_of_others_follows_their_rules() {
 
 #[test]
 fn trees_with_rules_survive_their_file() {
-    let founders = "(name: \"Q\", r0: 5.0, cue_rules: [(cue: \"polar\", above_r0: 4.0), (cue: \"pull\", below_r0: 3.0)])";
+    let founders =
+        "(name: \"Q\", r0: 5.0, cue_rules: [(cue: \"polar\", above_r0: 4.0), (cue: \"pull\", below_r0: 3.0)])";
     let tree = grow(&lineage(" cue_rules: [(cue: \"pull\", to_generation: 3)],", founders));
     let text = tree.to_json().unwrap();
     let back = Tree::from_json(&text).unwrap();
@@ -193,7 +195,8 @@ fn the_founders_table_has_a_column_of_cues() {
     let lines: Vec<String> = table.lines().skip(5).take(3).map(column).collect();
     assert!(table.contains("founder      R0  cue      division         χ |"), "{table}");
     assert_eq!(lines, ["polar asymmetric", "none +2", "none symmetric"], "{table}");
-    for line in ["cue polar: kappa:band,u0=0.4,omega=0.1,amplitude=0.2\n", "cue pull: tension:gradient,amplitude=0.3\n"] {
+    for line in ["cue polar: kappa:band,u0=0.4,omega=0.1,amplitude=0.2\n", "cue pull: tension:gradient,amplitude=0.3\n"]
+    {
         assert!(table.contains(line), "{table}");
     }
     assert!(html(&tree, &rows).contains("none +2"));

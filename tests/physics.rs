@@ -19,7 +19,11 @@ impl Draws {
     }
 
     fn width(&mut self) -> Width {
-        if self.below(2) == 0 { Width::Fraction(self.between(0.06, 0.2)) } else { Width::Length(self.between(0.4, 1.5)) }
+        if self.below(2) == 0 {
+            Width::Fraction(self.between(0.06, 0.2))
+        } else {
+            Width::Length(self.between(0.4, 1.5))
+        }
     }
 
     fn term(&mut self) -> Term {

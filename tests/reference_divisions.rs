@@ -34,7 +34,8 @@ fn divisions_without_cue_match_the_reference() {
         for row in rows {
             let x = row.number(if vary_radius { "R0" } else { "eps" });
             for seed in 0..3 {
-                let input = if vary_radius { cell(x, 0.87, Cue::none(), seed) } else { cell(2.22, x, Cue::none(), seed) };
+                let input =
+                    if vary_radius { cell(x, 0.87, Cue::none(), seed) } else { cell(2.22, x, Cue::none(), seed) };
                 let division = solve(&input);
                 let reference = row.text(&format!("chi_seed{seed}"));
                 if row.text("outcome") == "fail" {

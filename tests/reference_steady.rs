@@ -14,8 +14,8 @@ fn passive_shapes_exist_for_every_confinement() {
         for k in 0..=13 {
             let epsilon = 0.3 + 0.05 * k as f64;
             let cell = Cell { epsilon, ..Cell::new(r0) };
-            let (y, report) = passive(&cell, &Numerics::default())
-                .unwrap_or_else(|e| panic!("R0 = {r0}, epsilon = {epsilon}: {e}"));
+            let (y, report) =
+                passive(&cell, &Numerics::default()).unwrap_or_else(|e| panic!("R0 = {r0}, epsilon = {epsilon}: {e}"));
             let volume = 2.0 * observables::volume_until(&Gauss::new(4), &y, 0.5);
             assert!((volume / cell.volume() - 1.0).abs() < 1e-10, "{volume} {cell:?} {report:?}");
         }

@@ -66,9 +66,8 @@ fn the_failure_fold_moves_with_every_number_of_a_cue() {
 /// The pitchfork of an even cue, by the two ways there are to its slope.
 #[test]
 fn the_pitchfork_moves_with_the_width_and_amplitude_of_an_even_cue() {
-    let first = |cell: &Cell| -> Pitchfork {
-        pitchfork::first(cell, &Numerics::default(), &BranchOptions::default()).unwrap()
-    };
+    let first =
+        |cell: &Cell| -> Pitchfork { pitchfork::first(cell, &Numerics::default(), &BranchOptions::default()).unwrap() };
     let mut worst = 0.0f64;
     for text in ["kappa:u0=0.5,omega=0.1,amplitude=0.1", "tension:u0=0.5,omega=0.8Lh,amplitude=0.05"] {
         let cell = Cell::new(2.2).with_cue(cue(text));

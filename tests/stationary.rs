@@ -51,9 +51,8 @@ fn a_cell_that_must_divide_has_no_shape() {
 /// A cue breaks the mirror symmetry a little; where it vanishes, the whole contour is the mirrored half.
 #[test]
 fn cued_shapes() {
-    let shape = |cue: Cue| {
-        stationary(&Cell { xi_s: 12.0, ..Cell::new(2.0) }.with_cue(cue), &Numerics::default()).unwrap()
-    };
+    let shape =
+        |cue: Cue| stationary(&Cell { xi_s: 12.0, ..Cell::new(2.0) }.with_cue(cue), &Numerics::default()).unwrap();
     let plain = shape(Cue::none());
     let faint = shape(Cue::kappa_band(0.465, 0.0577, 1e-9));
     let cued = shape(Cue::published());

@@ -27,8 +27,11 @@ fn idle() -> impl Iterator<Item = Cue> {
 
 /// An even band, and a pair of steps of which one is the other's mirror image.
 fn even() -> [Cue; 2] {
-    ["kappa:u0=0.5,omega=0.1,amplitude=0.1", "activity:step,u0=0.3,omega=0.1,amplitude=0.1+activity:step,u0=0.7,omega=-0.1,amplitude=0.1"]
-        .map(|text| text.parse().unwrap())
+    [
+        "kappa:u0=0.5,omega=0.1,amplitude=0.1",
+        "activity:step,u0=0.3,omega=0.1,amplitude=0.1+activity:step,u0=0.7,omega=-0.1,amplitude=0.1",
+    ]
+    .map(|text| text.parse().unwrap())
 }
 
 /// The same branch, boundary, shapes at rest and division to the last bit.
@@ -39,8 +42,8 @@ fn a_cue_without_amplitude_is_no_cue() {
     for cue in idle() {
         let cell = plain.clone().with_cue(cue.clone());
         let [a, b] = [&plain, &cell].map(|cell| primary::follow(cell, &numerics, &options, |_| true).unwrap());
-        let [c, d] = [&plain, &cell]
-            .map(|cell| curves::boundary_curve(cell, &numerics, Parameter::R0, [2.0, 1.7]).unwrap());
+        let [c, d] =
+            [&plain, &cell].map(|cell| curves::boundary_curve(cell, &numerics, Parameter::R0, [2.0, 1.7]).unwrap());
         let [e, f] = [&plain, &cell].map(|cell| rest_shapes(cell, &numerics, 30.0).unwrap());
         let [g, h] = [&plain, &cell].map(|cell| divide(&DivisionInput::new(cell.clone())).unwrap());
         assert!(a == b && c == d && e == f && g == h, "{cue}: {} {} {} {}", a == b, c == d, e == f, g == h);
@@ -98,7 +101,8 @@ fn even_cues_keep_the_pitchfork() {
         let mut half = found.shape.clone();
         half.scalars.truncate(2);
         let whole = symmetry::unfold(&half);
-        let spectrum = Stability::new(numerics.stages).leading(&Cortex::new(&active, Domain::Full, &[]), &whole).unwrap();
+        let spectrum =
+            Stability::new(numerics.stages).leading(&Cortex::new(&active, Domain::Full, &[]), &whole).unwrap();
         assert!(spectrum.growth_rate().abs() < 1e-5, "{cue}: {spectrum:?}");
         assert_eq!(spectrum.values[0].parity, Parity::Mixed);
 
@@ -123,7 +127,9 @@ fn phase_diagrams_of_even_cues_have_a_pitchfork() {
     let plane = PhasePlane { cell, numerics, parameter: Parameter::R0, across: vec![2.0], up, seed: 0 };
     let memo = Memo::new(Quantisation::EXACT);
     let diagram = plane.compute(&memo, &SchedulerOptions::default()).unwrap();
-    assert!(matches!(diagram.columns[0].edges[0], Edge::Pitchfork { xi_s, .. } if (xi_s / threshold - 1.0).abs() < 1e-7));
+    assert!(
+        matches!(diagram.columns[0].edges[0], Edge::Pitchfork { xi_s, .. } if (xi_s / threshold - 1.0).abs() < 1e-7)
+    );
     let outcomes: Vec<PhaseOutcome> = diagram.cells.iter().map(|cell| cell.outcome).collect();
     assert_eq!(outcomes, [PhaseOutcome::Failed, PhaseOutcome::Asymmetric]);
 }

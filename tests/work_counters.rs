@@ -32,11 +32,8 @@ fn work_of_each_kind_of_division() {
         let outcome = format!("{:?}", d.outcome);
         let bvp::Work { steps, rejected, iterations, factorisations, remeshings } = d.work;
         let newton = (iterations + 25) / 50 * 50;
-        writeln!(
-            table,
-            "{kind:24} {outcome:11} {steps:6} {rejected:8} {factorisations:14} {remeshings:10} {newton:7}"
-        )
-        .unwrap();
+        writeln!(table, "{kind:24} {outcome:11} {steps:6} {rejected:8} {factorisations:14} {remeshings:10} {newton:7}")
+            .unwrap();
     }
     insta::assert_snapshot!(table);
 }
