@@ -42,13 +42,29 @@ fn numbers_out_of_range_name_option_field_and_value() {
         (&["tree", "--set", "w=thin"], "--set: w = thin: must be a finite number above 0"),
         (&["tree", "--set", "xi"], "--set: setting = \"xi\": must be of the form key=value"),
         (&["tree", "--r0-step", "-1"], "--r0-step: r0_step = -1: must be from 0 to 0.5"),
+        (&["tree", "no-such-file.ron"], "no-such-file.ron: cannot be read: No such file or directory (os error 2)"),
+    ] {
+        assert_eq!(refusal(arguments), format!("furrow: error: {complaint}\n"));
+    }
+    let unknown = refusal(&["tree", "--set", "radius=3"]);
+    assert!(unknown.starts_with("furrow: error: --set: key = \"radius\": must be one of kappa, eta_b,"), "{unknown}");
+    assert!(
+        refusal(&["tree", "--threads", "0"]).contains("invalid value '0' for '--threads <N>': 0 is not in 1..=1024")
+    );
+    assert!(refusal(&["divide", "--r0", "big"]).contains("invalid value 'big' for '--r0 <R>'"));
+}
+
+/// A cue that is refused is told by its part, its value and what is allowed, in every command that takes one.
+#[test]
+fn cues_that_are_none_are_refused() {
+    for (arguments, complaint) in [
         (
-            &["divide", "--r0", "2", "--cue", "kappa:u0=1.5,omega=0.1,amplitude=0.1"],
+            &["divide", "--r0", "2", "--cue", "kappa:u0=1.5,omega=0.1,amplitude=0.1"][..],
             "--cue: kappa.u0 = 1.5: must be above 0 and below 1",
         ),
         (
             &["divide", "--r0", "2", "--cue", "kappa:u0=0.4,amplitude=0.1"],
-            "--cue: kappa.omega = (not given): must be given: a band takes u0, omega and amplitude",
+            "--cue: kappa.omega = (not given): must be given: a band has no default for it",
         ),
         (
             &["divide", "--r0", "2", "--cue", "polar"],
@@ -66,16 +82,9 @@ fn numbers_out_of_range_name_option_field_and_value() {
             &["divide", "--r0", "2", "--cue", "germline+friction:gradient,amplitude=1.5"],
             "--cue: cue[1].friction.amplitude = 1.5: must be above -1 and below 1",
         ),
-        (&["tree", "no-such-file.ron"], "no-such-file.ron: cannot be read: No such file or directory (os error 2)"),
     ] {
         assert_eq!(refusal(arguments), format!("furrow: error: {complaint}\n"));
     }
-    let unknown = refusal(&["tree", "--set", "radius=3"]);
-    assert!(unknown.starts_with("furrow: error: --set: key = \"radius\": must be one of kappa, eta_b,"), "{unknown}");
-    assert!(
-        refusal(&["tree", "--threads", "0"]).contains("invalid value '0' for '--threads <N>': 0 is not in 1..=1024")
-    );
-    assert!(refusal(&["divide", "--r0", "big"]).contains("invalid value 'big' for '--r0 <R>'"));
 }
 
 #[test]

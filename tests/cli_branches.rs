@@ -178,21 +178,20 @@ fn bad_input_is_named() {
             "--from: r0 = -1: must be a finite number above 0",
         ),
         (&["boundary", "--vary", "r0", "--from", "2", "--to", "2"], "--to: to = 2: must be different from --from"),
+    ] {
+        assert_eq!(complaint(arguments, 2), format!("furrow: error: {expected}\n"));
+    }
+    let none = complaint(&["pitchfork", "--r0", "2", "--xi-max", "5"], 1);
+    assert!(none.contains("no pitchfork for xi_s up to 5; search further: raise --xi-max"), "{none}");
+}
+
+/// What may vary is any parameter but the activity, of a cue those it has, in its own range.
+#[test]
+fn what_cannot_vary_is_named() {
+    for (arguments, expected) in [
         (
-            &["boundary", "--vary", "r0", "--from", "1.6", "--to", "2", "--r0", "2"],
+            &["boundary", "--vary", "r0", "--from", "1.6", "--to", "2", "--r0", "2"][..],
             "--r0: r0 = 2: must be left out where r0 varies: see --from and --to",
-        ),
-        (
-            &["boundary", "--vary", "widht", "--from", "0.6", "--to", "0.8"],
-            "--vary: vary = \"widht\": must be one of xi_ratio, gain, r0, epsilon, aspect, p0, w, kappa, eta_b, eta_s, friction, tension, cue.u0, cue.omega, cue.amplitude",
-        ),
-        (
-            &["boundary", "--vary", "xi_s", "--from", "5", "--to", "8", "--r0", "2"],
-            "--vary: vary = \"xi_s\": must be one of xi_ratio, gain, r0, epsilon, aspect, p0, w, kappa, eta_b, eta_s, friction, tension, cue.u0, cue.omega, cue.amplitude",
-        ),
-        (
-            &["boundary", "--vary", "eta_d", "--from", "1", "--to", "2", "--r0", "2"],
-            "--vary: vary = \"eta_d\": must be one of xi_ratio, gain, r0, epsilon, aspect, p0, w, kappa, eta_b, eta_s, friction, tension, cue.u0, cue.omega, cue.amplitude; did you mean eta_b?",
         ),
         (
             &["boundary", "--vary", "cue.amplitude", "--from", "0.1", "--to", "0.2", "--r0", "2"],
@@ -213,6 +212,11 @@ fn bad_input_is_named() {
     ] {
         assert_eq!(complaint(arguments, 2), format!("furrow: error: {expected}\n"));
     }
-    let none = complaint(&["pitchfork", "--r0", "2", "--xi-max", "5"], 1);
-    assert!(none.contains("no pitchfork for xi_s up to 5; search further: raise --xi-max"), "{none}");
+    let names = "xi_ratio, gain, r0, epsilon, aspect, p0, w, kappa, eta_b, eta_s, friction, tension, \
+                 cue.u0, cue.omega, cue.amplitude";
+    for (name, nearest) in [("widht", ""), ("xi_s", ""), ("eta_d", "; did you mean eta_b?")] {
+        let arguments = ["boundary", "--vary", name, "--from", "5", "--to", "8", "--r0", "2"];
+        let expected = format!("furrow: error: --vary: vary = {name:?}: must be one of {names}{nearest}\n");
+        assert_eq!(complaint(&arguments, 2), expected);
+    }
 }

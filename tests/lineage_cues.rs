@@ -123,60 +123,59 @@ fn trees_with_rules_survive_their_file() {
 
 #[test]
 fn complaints_about_rules_name_them() {
-    let founder = |fields: &str| format!("(name: \"Q\", {fields})");
-    for (fields, founders, expected) in [
+    let of_founder = |fields: &str| complaint("", &format!("(name: \"Q\", {fields})"));
+    for (fields, expected) in [
         (
-            "",
-            founder("cue: \"polar\", cue_rules: [(cue: \"pull\")]"),
+            "cue: \"polar\", cue_rules: [(cue: \"pull\")]",
             "my.ron:2: founder \"Q\": cue = \"polar\": must be left out where cue_rules are given",
         ),
         (
-            "",
-            founder("cue_rules: [(cue: \"polar\"), (cue: \"polr\")]"),
+            "cue_rules: [(cue: \"polar\"), (cue: \"polr\")]",
             "my.ron:2: founder \"Q\": cue_rules[1].cue = \"polr\": must be one of none, polar, pull; did you mean polar?",
         ),
         (
-            "",
-            founder("cue_rules: [(cue: \"polar\", from_generation: 3, to_generation: 2)]"),
+            "cue_rules: [(cue: \"polar\", from_generation: 3, to_generation: 2)]",
             "my.ron:2: founder \"Q\": cue_rules[0].to_generation = 2: must be from_generation = 3 or later",
         ),
         (
-            "",
-            founder("cue_rules: [(cue: \"polar\", below_r0: -1)]"),
+            "cue_rules: [(cue: \"polar\", below_r0: -1)]",
             "my.ron:2: founder \"Q\": cue_rules[0].below_r0 = -1: must be a finite number above 0",
         ),
         (
-            "",
-            founder("cue_rules: [(cue: \"polar\", above_r0: inf)]"),
+            "cue_rules: [(cue: \"polar\", above_r0: inf)]",
             "my.ron:2: founder \"Q\": cue_rules[0].above_r0 = inf: must be a finite number above 0",
         ),
         (
-            "",
-            founder("cue_rules: [(cue: \"polar\", below_r0: 2, above_r0: 3)]"),
+            "cue_rules: [(cue: \"polar\", below_r0: 2, above_r0: 3)]",
             "my.ron:2: founder \"Q\": cue_rules[0].above_r0 = 3: must be less than below_r0 = 2",
         ),
+    ] {
+        assert_eq!(of_founder(fields), expected);
+    }
+    let unknown = of_founder("cue_rules: [(cue: \"polar\", until: 3)]");
+    assert!(unknown.contains("my.ron:2:") && unknown.contains("`until` in `CueRule`"), "{unknown}");
+    let missing = of_founder("cue_rules: [(below_r0: 3)]");
+    assert!(missing.contains("my.ron:2:") && missing.contains("`cue` in `CueRule`"), "{missing}");
+}
+
+#[test]
+fn complaints_about_rules_of_the_file_name_them() {
+    for (fields, expected) in [
         (
             " cue_rules: [(cue: \"bipolar\")],",
-            founder(""),
             "my.ron: cue_rules[0].cue = \"bipolar\": must be one of none, polar, pull; did you mean polar?",
         ),
         (
             " cue_rules: [(cue: \"none\"), (cue: \"pull\", to_generation: 1, from_generation: 4)],",
-            founder(""),
             "my.ron: cue_rules[1].to_generation = 1: must be from_generation = 4 or later",
         ),
         (
             " cue_rules: [(cue: \"none\", below_r0: NaN)],",
-            founder(""),
             "my.ron: cue_rules[0].below_r0 = NaN: must be a finite number above 0",
         ),
     ] {
-        assert_eq!(complaint(fields, &founders), expected);
+        assert_eq!(complaint(fields, "(name: \"Q\")"), expected);
     }
-    let unknown = complaint("", &founder("cue_rules: [(cue: \"polar\", until: 3)]"));
-    assert!(unknown.contains("my.ron:2:") && unknown.contains("`until` in `CueRule`"), "{unknown}");
-    let missing = complaint("", &founder("cue_rules: [(below_r0: 3)]"));
-    assert!(missing.contains("my.ron:2:") && missing.contains("`cue` in `CueRule`"), "{missing}");
 }
 
 /// The table names every founder's cue, counts the cells below that carry one, and says what the names mean.
