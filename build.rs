@@ -59,11 +59,15 @@ pub fn solver_files(root: &Path) -> io::Result<Vec<PathBuf>> {
 }
 
 fn collect(path: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
+    // Files and folders of tests alone.
+    if path.ends_with("tests.rs") || path.ends_with("tests") {
+        return Ok(());
+    }
     if fs::metadata(path)?.is_dir() {
         for entry in fs::read_dir(path)? {
             collect(&entry?.path(), files)?;
         }
-    } else if path.extension().is_some_and(|extension| extension == "rs") && !path.ends_with("tests.rs") {
+    } else if path.extension().is_some_and(|extension| extension == "rs") {
         files.push(path.to_owned());
     }
     Ok(())
