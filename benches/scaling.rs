@@ -14,6 +14,7 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 use furrow::batch::{Key, Memo, Quantisation, SchedulerOptions};
+use furrow::cell::Cell;
 use furrow::division::{DivisionInput, divide};
 use furrow::lineage::{Grower, Lineage, Tree, TreeSettings};
 
@@ -50,7 +51,7 @@ impl Run {
             cost.lock().unwrap().insert(memo.key(input), seconds);
             division
         };
-        let grower = Grower { lineage: &lineage, settings, ends: &|_, _| None, memo: &memo, options };
+        let grower = Grower { lineage: &lineage, settings, ends: &|_| None, memo: &memo, options };
         let (tree, _) = grower.grow(timed).unwrap();
         let wall = began.elapsed().as_secs_f64();
         let cost = cost.into_inner().unwrap();
@@ -63,11 +64,12 @@ impl Run {
 
     /// CPU seconds of the costliest line of descent.
     fn chain(&self) -> f64 {
-        let TreeSettings { physics, numerics, seed, .. } = self.tree.settings;
+        let TreeSettings { cell: first, numerics, seed, .. } = &self.tree.settings;
         let mut below = vec![0.0f64; self.tree.len()];
-        for node in self.tree.nodes().rev() {
-            let cell = self.tree.cell(node);
-            let input = DivisionInput { physics, numerics, r0: cell.r0, cue: cell.cue, seed };
+        for node in self.tree.cells().rev() {
+            let grown = self.tree.cell(node);
+            let cell = Cell { r0: grown.r0, cue: grown.cue.clone(), ..first.clone() };
+            let input = DivisionInput { cell, numerics: *numerics, seed: *seed };
             let own = self.cost.get(&self.memo.key(&self.memo.canonical(&input))).copied().unwrap_or(0.0);
             let longest = self.tree.daughters(node).into_iter().flatten().map(|d| below[d.index()]).fold(0.0, f64::max);
             below[node.index()] = own + longest;

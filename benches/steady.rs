@@ -5,10 +5,10 @@
 //! steps as long as they may be, and with those of `benches/baseline/auto/compare.py`, which runs AUTO-07p beside it.
 
 use bvp::SymmetryBreaking;
-use furrow::cortex::{Cue, Numerics, Parameter, Physics};
+use furrow::cell::{Cell, Cue, Numerics, Parameter};
 use furrow::division::{DivisionInput, Outcome, divide};
-use furrow::shapes::curves::{self, STARTS};
-use furrow::shapes::symmetric::{self, BranchEvent, BranchOptions};
+use furrow::shapes::critical::{self, STARTS};
+use furrow::shapes::{BranchOptions, PointKind, curves, pitchfork, primary};
 
 /// Processor time of this thread in ms; wall time where the system does not tell.
 fn now() -> f64 {
@@ -48,7 +48,7 @@ fn branch_settings(max_step: f64) -> (Numerics, BranchOptions) {
 fn branch(max_step: f64) -> (usize, [usize; 2]) {
     let (numerics, BranchOptions { settings, .. }) = branch_settings(max_step);
     let mut watch = SymmetryBreaking::default();
-    let mut branch = symmetric::start(&Physics::GAO2026, &numerics, 2.0, &settings).expect("a passive shape");
+    let mut branch = primary::start(&Cell::new(2.0), &numerics, &settings).expect("a passive shape");
     branch
         .follow([0.0, 40.0], 600, |branch, _| {
             branch.factorise_newest().expect("a regular point");
@@ -71,24 +71,20 @@ fn main() {
     }
     if std::env::args().any(|argument| argument == "branch") {
         let (numerics, options) = branch_settings(short);
-        let passive = || symmetric::start(&Physics::GAO2026, &numerics, 2.0, &options.settings);
+        let passive = || primary::start(&Cell::new(2.0), &numerics, &options.settings);
         println!("of this the passive shape from nothing: {:.2} ms", best(7, passive).0);
-        let is_fold = |event: &BranchEvent| matches!(event, BranchEvent::Fold(_));
-        let branch = symmetric::follow(&Physics::GAO2026, &numerics, 2.0, &options, |event| !is_fold(event));
+        let branch = primary::follow(&Cell::new(2.0), &numerics, &options, |event| event.kind() != PointKind::Fold);
         for event in branch.expect("the branch passes its fold").events {
-            let (kind, point) = match &event {
-                BranchEvent::Pitchfork(pitchfork) => ("pitchfork", &pitchfork.point),
-                BranchEvent::Fold(fold) => ("fold", &fold.point),
-            };
+            let (kind, point) = (event.kind(), event.point());
             println!("{kind} at xi_s = {:.8}, L = {:.8}, p = {:.8}", point.xi_s, point.length, point.pressure);
         }
         return;
     }
-    let (physics, numerics) = (Physics::GAO2026, Numerics::default());
-    let (ms, _) = best(5, || symmetric::first_pitchfork(&physics, &numerics, 2.0, &BranchOptions::default()));
+    let (cell, numerics) = (Cell::new(2.0), Numerics::default());
+    let (ms, _) = best(5, || pitchfork::first(&cell, &numerics, &BranchOptions::default()));
     println!("first pitchfork from the passive shape, with normal form: {ms:.1} ms");
     let (boundary, curve) = best(5, || {
-        curves::pitchfork_curve(&physics, &numerics, 2.0, Parameter::R0, [1.5, 5.4]).expect("the curve of pitchforks")
+        curves::pitchfork_curve(&cell, &numerics, Parameter::R0, [1.5, 5.4]).expect("the curve of pitchforks")
     });
     let points = curve.points.len();
     println!(
@@ -96,15 +92,14 @@ fn main() {
         boundary / points as f64,
         100.0 * boundary / points as f64
     );
-    let cue = Cue::Kappa { u0: 0.465, omega: 0.0577, amplitude: 0.1 };
-    let (ms, point) = best(3, || curves::critical_pitchfork(&physics, &numerics, 1.0, Parameter::R0, &STARTS));
+    let cued = cell.clone().with_cue(Cue::published());
+    let (ms, point) = best(3, || critical::critical_pitchfork(&cell, &numerics, Parameter::R0, &STARTS));
     println!("critical radius without cue: {ms:.1} ms ({:.8})", point.expect("a critical radius").value);
-    let (ms, point) = best(3, || curves::critical_cued_fold(&physics, &numerics, 1.0, &cue, Parameter::R0, &STARTS));
+    let (ms, point) = best(3, || critical::critical_fold(&cued, &numerics, Parameter::R0, &STARTS));
     println!("critical radius with the cue: {ms:.1} ms ({:.8})", point.expect("a critical radius").value);
     let mut sum = 0.0;
     for r0 in [2.0, 2.5, 5.4] {
-        let (ms, division) =
-            best(3, || divide(&DivisionInput { physics, numerics, r0, cue: Cue::None, seed: 0 }).expect("a division"));
+        let (ms, division) = best(3, || divide(&DivisionInput::new(Cell::new(r0))).expect("a division"));
         println!("one division at R0 = {r0}: {ms:.1} ms ({:?})", division.outcome);
         sum += ms;
     }
@@ -114,9 +109,8 @@ fn main() {
         let (mut low, mut high, mut runs) = (20.0, 26.0, 0);
         while high - low > 1e-3 {
             let xi_s = 0.5 * (low + high);
-            let physics = Physics { xi_s, ..physics };
-            let division =
-                divide(&DivisionInput { physics, numerics, r0: 2.0, cue: Cue::None, seed: 0 }).expect("a division");
+            let cell = Cell { xi_s, ..cell.clone() };
+            let division = divide(&DivisionInput::new(cell)).expect("a division");
             if division.outcome == Outcome::Failed {
                 low = xi_s
             } else {

@@ -1,25 +1,29 @@
 //! Branches far out, where necks are thin and other branches near, and how they end.
 
-use furrow::cortex::shape::PINCH_OFF;
-use furrow::cortex::{Cortex, Cue, Domain, Numerics, Parameter, Physics};
+use furrow::cell::{Cell, Numerics, Parameter};
+use furrow::cortex::observables::PINCH_OFF;
+use furrow::cortex::{Cortex, Domain};
 use furrow::shapes::asymmetric::{self, AsymmetricBranch};
-use furrow::shapes::symmetric::{self, BranchEnd, BranchEvent, BranchOptions, Pitchfork, SteadyError};
-use furrow::stability::{self, Parity};
+use furrow::shapes::{Branch, BranchEnd, BranchEvent, BranchOptions, ShapeError, pitchfork, primary};
+use furrow::stability::{Parity, Stability};
 
-fn at(epsilon: f64) -> Physics {
-    Physics { epsilon, ..Physics::GAO2026 }
+fn at(r0: f64, epsilon: f64) -> Cell {
+    Cell { epsilon, ..Cell::new(r0) }
+}
+
+fn whole(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Branch {
+    primary::follow(cell, numerics, options, |_| true).unwrap()
 }
 
 /// At R0 = 3, ε = 0.5 the branch runs on to strongly constricted shapes. The corrector's prediction there lies on the
 /// other side of a pitchfork for three points after it; judged by it, the pitchfork was seen too late to be located.
 #[test]
 fn a_pitchfork_behind_the_prediction_on_a_thin_neck_is_located() {
-    let (physics, default) = (at(0.5), Numerics::default());
+    let (cell, default) = (at(3.0, 0.5), Numerics::default());
     let mut located = Vec::new();
     for intervals in [default.intervals, 2 * default.intervals] {
         let numerics = Numerics { intervals, ..default };
-        let branch = symmetric::follow(&physics, &numerics, 3.0, &BranchOptions::default(), |_| true).unwrap();
-        assert_eq!(branch.stopped_by, None);
+        let branch = whole(&cell, &numerics, &BranchOptions::default());
         assert_eq!(branch.ended, BranchEnd::Pinched(PINCH_OFF));
         assert_eq!(kinds(&branch.events), "ffpffpf");
         let BranchEvent::Fold(first) = &branch.events[0] else { panic!("the weakly elongated segment ends in a fold") };
@@ -27,8 +31,8 @@ fn a_pitchfork_behind_the_prediction_on_a_thin_neck_is_located() {
         let BranchEvent::Pitchfork(pitchfork) = &branch.events[5] else { unreachable!("checked above") };
         assert!((pitchfork.point.equator_radius / 3.0 - 0.0202).abs() < 2e-4, "{}", pitchfork.point.equator_radius);
         // Growth rates know nothing of the determinant that located it: the odd one is zero there.
-        let cortex = Cortex::new(&physics, 3.0, &Cue::None, Domain::Half, &[Parameter::Xi]);
-        let spectrum = stability::leading(&cortex, &pitchfork.shape).unwrap();
+        let cortex = Cortex::new(&cell, Domain::Half, &[Parameter::XiS]);
+        let spectrum = Stability::new(numerics.stages).leading(&cortex, &pitchfork.shape).unwrap();
         let odd = spectrum.rightmost(Some(Parity::Odd)).unwrap();
         println!("{intervals} intervals: xi_s = {}, odd growth rate {:.1e}", pitchfork.point.xi_s, odd.re);
         assert!(odd.re.abs() < 1e-7, "{odd:?}");
@@ -43,7 +47,7 @@ fn a_pitchfork_behind_the_prediction_on_a_thin_neck_is_located() {
 fn folds_next_to_a_cusp_are_not_passed_over() {
     let mut options = BranchOptions::default();
     options.settings.max_step = 1.0;
-    let branch = symmetric::follow(&at(0.4), &Numerics::default(), 3.0, &options, |_| true).unwrap();
+    let branch = whole(&at(3.0, 0.4), &Numerics::default(), &options);
     assert_eq!(kinds(&branch.events), "fffpfp");
     let [second, third] = [branch.events[1].point().xi_s, branch.events[2].point().xi_s];
     assert!((second - 2.022622).abs() < 2e-6 && (third - 2.023533).abs() < 2e-6, "{second} {third}");
@@ -54,22 +58,18 @@ fn kinds(events: &[BranchEvent]) -> String {
     events.iter().map(|event| if matches!(event, BranchEvent::Fold(_)) { 'f' } else { 'p' }).collect()
 }
 
-fn pitchforks(events: Vec<BranchEvent>) -> Vec<Pitchfork> {
-    let of = |event| if let BranchEvent::Pitchfork(pitchfork) = event { Some(*pitchfork) } else { None };
-    events.into_iter().filter_map(of).collect()
-}
-
 /// The asymmetric branch of R0 = 4.5, ε = 0.45 leads from one pitchfork to the next, passed through it, and was reported
 /// on as its own mirror image or as the symmetric branch.
 #[test]
 fn an_asymmetric_branch_ends_at_the_pitchfork_it_comes_back_to() {
-    let physics = at(0.45);
+    let cell = at(4.5, 0.45);
     let mut options = BranchOptions::default();
     options.settings.max_step = 1.0;
-    let symmetric = symmetric::follow(&physics, &Numerics::default(), 4.5, &options, |_| true).unwrap();
-    let [first, second] = &pitchforks(symmetric.events)[..] else { panic!("two pitchforks") };
-    let AsymmetricBranch { branch, scaling } = asymmetric::follow(first, &physics, 4.5, &options);
-    assert_eq!((branch.ended, branch.stopped_by), (BranchEnd::Rejoined, None));
+    let symmetric = whole(&cell, &Numerics::default(), &options);
+    let pitchforks: Vec<_> = symmetric.pitchforks().collect();
+    let [first, second] = pitchforks[..] else { panic!("two pitchforks") };
+    let AsymmetricBranch { branch, scaling } = asymmetric::follow(first, &cell, &options);
+    assert_eq!(branch.ended, BranchEnd::Rejoined);
     let last = branch.points.last().unwrap();
     assert!((last.xi_s - second.point.xi_s).abs() < 1e-2, "{} {}", last.xi_s, second.point.xi_s);
     assert!((last.length / second.point.length - 1.0).abs() < 1e-2);
@@ -84,22 +84,22 @@ fn an_asymmetric_branch_ends_at_the_pitchfork_it_comes_back_to() {
 fn a_doubtful_tangent_does_not_lose_the_branch() {
     let mut options = BranchOptions::default();
     options.settings.max_step = 1.0;
-    let physics = at(0.87);
-    let pitchfork = symmetric::first_pitchfork(&physics, &Numerics::default(), 5.4, &options).unwrap();
-    let AsymmetricBranch { branch, .. } = asymmetric::follow(&pitchfork, &physics, 5.4, &options);
-    assert_eq!((branch.ended, branch.stopped_by), (BranchEnd::Rejoined, None));
+    let cell = at(5.4, 0.87);
+    let pitchfork = pitchfork::first(&cell, &Numerics::default(), &options).unwrap();
+    let AsymmetricBranch { branch, .. } = asymmetric::follow(&pitchfork, &cell, &options);
+    assert_eq!(branch.ended, BranchEnd::Rejoined);
     let last = branch.points.last().unwrap();
     assert!((last.xi_s - 15.8408).abs() < 1e-2, "{}", last.xi_s);
 }
 
 #[test]
 fn a_branch_that_is_lost_keeps_its_points() {
-    let physics = at(0.87);
-    let pitchfork = symmetric::first_pitchfork(&physics, &Numerics::default(), 2.0, &BranchOptions::default()).unwrap();
+    let cell = at(2.0, 0.87);
+    let pitchfork = pitchfork::first(&cell, &Numerics::default(), &BranchOptions::default()).unwrap();
     let mut options = BranchOptions::default();
     // No step turns by less than nothing.
     options.settings.min_cosine = 1.0 + 1e-9;
-    let AsymmetricBranch { branch, .. } = asymmetric::follow(&pitchfork, &physics, 2.0, &options);
-    assert_eq!((branch.ended, branch.points.len()), (BranchEnd::Stopped, 1));
-    assert!(matches!(branch.stopped_by, Some(SteadyError::Branch { .. })), "{:?}", branch.stopped_by);
+    let AsymmetricBranch { branch, .. } = asymmetric::follow(&pitchfork, &cell, &options);
+    assert_eq!(branch.points.len(), 1);
+    assert!(matches!(branch.ended, BranchEnd::Lost(ShapeError::Branch { .. })), "{:?}", branch.ended);
 }

@@ -1,17 +1,19 @@
 //! Shell constants from thresholds.
 
 use furrow::calibration::{Targets, Threshold, Unknown, calibrate, sensitivity};
-use furrow::cortex::{Cue, Numerics, Parameter, Physics};
-use furrow::shapes::symmetric::{BranchOptions, first_pitchfork};
+use furrow::cell::{Cell, Numerics, Parameter};
+use furrow::shapes::{BranchOptions, Pitchfork, pitchfork};
 
 fn numerics() -> Numerics {
     Numerics { intervals: 32, ..Numerics::default() }
 }
 
-fn threshold(physics: &Physics, r0: f64, epsilon: f64) -> Threshold {
-    let physics = Physics { epsilon, ..*physics };
-    let found = first_pitchfork(&physics, &numerics(), r0, &BranchOptions::default()).unwrap();
-    Threshold { r0, epsilon, xi_s: found.point.xi_s, weight: 1.0 }
+fn first(cell: &Cell) -> Pitchfork {
+    pitchfork::first(cell, &numerics(), &BranchOptions::default()).unwrap()
+}
+
+fn threshold(r0: f64, epsilon: f64) -> Threshold {
+    Threshold { r0, epsilon, xi_s: first(&Cell { epsilon, ..Cell::new(r0) }).point.xi_s, weight: 1.0 }
 }
 
 fn unknown(parameter: Parameter, start: f64) -> Unknown {
@@ -24,8 +26,8 @@ const CELLS: [(f64, f64); 6] = [(1.64, 0.87), (2.0, 0.87), (2.22, 0.64), (2.22, 
 /// whether there are as many thresholds as constants or more.
 #[test]
 fn round_trip_to_the_preset() {
-    let preset = Physics::GAO2026;
-    let thresholds: Vec<Threshold> = CELLS.iter().map(|&(r0, epsilon)| threshold(&preset, r0, epsilon)).collect();
+    let preset = Cell::new(1.0);
+    let thresholds: Vec<Threshold> = CELLS.iter().map(|&(r0, epsilon)| threshold(r0, epsilon)).collect();
     for count in [4, 6] {
         let targets = Targets {
             unknowns: vec![
@@ -37,9 +39,9 @@ fn round_trip_to_the_preset() {
             thresholds: thresholds[..count].to_vec(),
         };
         let found = calibrate(&targets, &preset, &numerics()).unwrap();
-        for (control, value) in &found.parameters {
-            let exact = control.get(&preset, 1.0, &Cue::None);
-            assert!((value / exact - 1.0).abs() < 1e-6, "{control:?}: {value} against {exact} from {count}");
+        for (parameter, value) in &found.parameters {
+            let exact = parameter.get(&preset);
+            assert!((value / exact - 1.0).abs() < 1e-6, "{parameter:?}: {value} against {exact} from {count}");
         }
         assert!(found.combinations.iter().all(|c| c.determined));
     }
@@ -55,8 +57,7 @@ fn the_papers_thresholds() {
         .map(|(&(r0, epsilon), xi_s)| Threshold { r0, epsilon, xi_s, weight: 1.0 })
         .collect();
     let rms = |list: &[Threshold]| {
-        let sum: f64 =
-            list.iter().map(|t| (threshold(&Physics::GAO2026, t.r0, t.epsilon).xi_s / t.xi_s - 1.0).powi(2)).sum();
+        let sum: f64 = list.iter().map(|t| (threshold(t.r0, t.epsilon).xi_s / t.xi_s - 1.0).powi(2)).sum();
         (sum / list.len() as f64).sqrt()
     };
     let preset = rms(&thresholds);
@@ -65,7 +66,7 @@ fn the_papers_thresholds() {
     all.push(unknown(Parameter::Gain, 0.5));
     for unknowns in [shell, all] {
         let targets = Targets { unknowns, thresholds: thresholds.clone() };
-        let found = calibrate(&targets, &Physics::GAO2026, &numerics()).unwrap();
+        let found = calibrate(&targets, &Cell::new(1.0), &numerics()).unwrap();
         assert!(found.rms <= preset, "{} against {preset}", found.rms);
     }
 }
@@ -73,22 +74,22 @@ fn the_papers_thresholds() {
 /// Sensitivities against differences of thresholds.
 #[test]
 fn sensitivities_are_exact() {
-    let physics = Physics { epsilon: 0.8, ..Physics::GAO2026 };
-    let at = first_pitchfork(&physics, &numerics(), 2.22, &BranchOptions::default()).unwrap();
-    for control in
+    let cell = Cell { epsilon: 0.8, ..Cell::new(2.22) };
+    let at = first(&cell);
+    for parameter in
         [Parameter::Aspect, Parameter::P0, Parameter::W, Parameter::Gain, Parameter::Kappa, Parameter::XiRatio]
     {
-        let slope = sensitivity(&physics, 2.22, &at.shape, control).unwrap();
-        let value = control.get(&physics, 2.22, &Cue::None);
+        let slope = sensitivity(&cell, &at.shape, parameter).unwrap();
+        let value = parameter.get(&cell);
         let h = 1e-4 * value.abs();
         let shifted = |by: f64| {
-            let mut p = physics;
-            control.set(value + by, &mut p, &mut 1.0, &mut Cue::None);
-            first_pitchfork(&p, &numerics(), 2.22, &BranchOptions::default()).unwrap().point.xi_s
+            let mut moved = cell.clone();
+            parameter.set(&mut moved, value + by);
+            first(&moved).point.xi_s
         };
         let difference = (shifted(h) - shifted(-h)) / (2.0 * h);
-        assert!((slope - difference).abs() < 1e-5 * slope.abs(), "{control:?}: {slope} {difference}");
-        if control == Parameter::Gain {
+        assert!((slope - difference).abs() < 1e-5 * slope.abs(), "{parameter:?}: {slope} {difference}");
+        if parameter == Parameter::Gain {
             assert!((slope + at.point.xi_s / value).abs() < 1e-7 * slope.abs());
         }
     }
@@ -99,9 +100,9 @@ fn sensitivities_are_exact() {
 fn what_the_thresholds_leave_open() {
     let targets = Targets {
         unknowns: vec![unknown(Parameter::Kappa, 1.1), unknown(Parameter::P0, 0.12), unknown(Parameter::Gain, 0.5)],
-        thresholds: CELLS[..4].iter().map(|&(r0, epsilon)| threshold(&Physics::GAO2026, r0, epsilon)).collect(),
+        thresholds: CELLS[..4].iter().map(|&(r0, epsilon)| threshold(r0, epsilon)).collect(),
     };
-    let found = calibrate(&targets, &Physics::GAO2026, &numerics()).unwrap();
+    let found = calibrate(&targets, &Cell::new(1.0), &numerics()).unwrap();
     assert!(found.rms < 1e-9);
     let open: Vec<_> = found.combinations.iter().filter(|c| !c.determined).collect();
     assert_eq!(open.len(), 1);

@@ -42,11 +42,6 @@ fn numbers_out_of_range_name_option_field_and_value() {
         (&["tree", "--set", "w=thin"], "--set: w = thin: must be a finite number above 0"),
         (&["tree", "--set", "xi"], "--set: setting = \"xi\": must be of the form key=value"),
         (&["tree", "--r0-step", "-1"], "--r0-step: r0_step = -1: must be from 0 to 0.5"),
-        (&["divide", "--r0", "2", "--cue", "kappa:u0=1.5"], "--cue: kappa.u0 = 1.5: must be above 0 and below 1"),
-        (
-            &["divide", "--r0", "2", "--cue", "polar"],
-            "--cue: cue = \"polar\": must be none, germline, or kappa:u0=..,omega=..,amplitude=..",
-        ),
         (&["tree", "no-such-file.ron"], "no-such-file.ron: cannot be read: No such file or directory (os error 2)"),
     ] {
         assert_eq!(refusal(arguments), format!("furrow: error: {complaint}\n"));
@@ -57,6 +52,39 @@ fn numbers_out_of_range_name_option_field_and_value() {
         refusal(&["tree", "--threads", "0"]).contains("invalid value '0' for '--threads <N>': 0 is not in 1..=1024")
     );
     assert!(refusal(&["divide", "--r0", "big"]).contains("invalid value 'big' for '--r0 <R>'"));
+}
+
+/// A cue that is refused is told by its part, its value and what is allowed, in every command that takes one.
+#[test]
+fn cues_that_are_none_are_refused() {
+    for (arguments, complaint) in [
+        (
+            &["divide", "--r0", "2", "--cue", "kappa:u0=1.5,omega=0.1,amplitude=0.1"][..],
+            "--cue: kappa.u0 = 1.5: must be above 0 and below 1",
+        ),
+        (
+            &["divide", "--r0", "2", "--cue", "kappa:u0=0.4,amplitude=0.1"],
+            "--cue: kappa.omega = (not given): must be given: a band has no default for it",
+        ),
+        (
+            &["divide", "--r0", "2", "--cue", "polar"],
+            "--cue: cue = \"polar\": must be none, germline, or terms FIELD:PROFILE,key=value,.. joined by +",
+        ),
+        (
+            &["tree", "--cue", "germ+tension:gradient,amplitude=0.1"],
+            "--cue: cue = \"germ\": must be none, germline, or terms FIELD:PROFILE,key=value,.. joined by +",
+        ),
+        (
+            &["tree", "--cue", "germlime"],
+            "--cue: cue = \"germlime\": must be none, germline, or terms FIELD:PROFILE,key=value,.. joined by +; did you mean germline?",
+        ),
+        (
+            &["divide", "--r0", "2", "--cue", "germline+friction:gradient,amplitude=1.5"],
+            "--cue: cue[1].friction.amplitude = 1.5: must be above -1 and below 1",
+        ),
+    ] {
+        assert_eq!(refusal(arguments), format!("furrow: error: {complaint}\n"));
+    }
 }
 
 #[test]
@@ -109,8 +137,9 @@ fn lineage_file_complaints() {
 fn divide_answers() {
     let cued = json(&["divide", "--r0", "5.4", "--cue", "germline", "--no-cache", "--json"]);
     assert_eq!(cued["outcome"], "asymmetric");
-    let spelled = "kappa:u0=0.465,omega=0.0577,amplitude=0.1";
-    assert_eq!(cued, json(&["divide", "--r0", "5.4", "--cue", spelled, "--no-cache", "--json"]));
+    for spelled in ["kappa:u0=0.465,omega=0.0577,amplitude=0.1", "kappa:band, amplitude=1e-1, omega=0.0577, u0=0.465"] {
+        assert_eq!(cued, json(&["divide", "--r0", "5.4", "--cue", spelled, "--no-cache", "--json"]));
+    }
     for key in ["chi", "u_furrow", "t_end", "steps", "newton_iterations", "chi_mean", "chi_sd"] {
         assert!(cued[key].is_number(), "{key}");
     }

@@ -1,5 +1,7 @@
 //! `furrow branch`, `pitchfork` and `boundary` as users meet them.
 
+use furrow::cell::{Cell, Numerics};
+use furrow::shapes::critical::Stored;
 use serde_json::Value;
 use std::process::{Command, Output};
 
@@ -106,18 +108,59 @@ fn boundary_has_its_keys() {
     assert!((cued["critical"].as_f64().unwrap() - 1.9051312).abs() < 1e-6);
 }
 
+/// What is written is the boundary that is compiled in: radii of every cue of the built-in lineage, where criticality
+/// changes, and the curve of pitchforks from one end of the range to the other.
 #[test]
 fn a_stored_boundary_is_written_whole() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("boundary.json");
     let path = path.to_str().unwrap();
     json(&["boundary", "--vary", "r0", "--from", "1.5", "--to", "5.4", "--no-folds", "--json", "--write", path]);
-    let written = std::fs::read_to_string(path).unwrap();
-    let kept = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/cache/gao2026.boundary.json")).unwrap();
-    let (written, kept): (Value, Value) =
-        (serde_json::from_str(&written).unwrap(), serde_json::from_str(&kept).unwrap());
-    assert_eq!(written["parameters"], kept["parameters"]);
-    assert_eq!(written["radii"].as_array().unwrap().len(), kept["radii"].as_array().unwrap().len());
+    let read = |path: &str| {
+        let text = std::fs::read_to_string(path).unwrap();
+        Stored::parse(&text, path, &Cell::new(1.0), &Numerics::default()).unwrap()
+    };
+    let (written, kept) = (read(path), read(concat!(env!("CARGO_MANIFEST_DIR"), "/data/gao2026.boundary.json")));
+    let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-7, "{a} {b}");
+    assert_eq!(written.radii.len(), kept.radii.len());
+    for (a, b) in written.radii.iter().zip(&kept.radii) {
+        assert_eq!((&a.cue, a.kind), (&b.cue, b.kind));
+        close(a.r0, b.r0);
+        close(a.slope, b.slope);
+    }
+    assert_eq!(written.degenerate.len(), kept.degenerate.len());
+    for (a, b) in written.degenerate.iter().zip(&kept.degenerate) {
+        close(a.r0, b.r0);
+        close(a.xi_s, b.xi_s);
+    }
+    // The curve from end to end; where its points lie in between is the step control's affair.
+    let ends = |stored: &Stored| [stored.pitchfork[0], *stored.pitchfork.last().unwrap()];
+    for (a, b) in ends(&written).iter().zip(ends(&kept)) {
+        assert_eq!((a.r0, a.criticality()), (b.r0, b.criticality()));
+        close(a.xi_s, b.xi_s);
+    }
+    assert!(written.pitchfork.len() > 50 && written.pitchfork.windows(2).all(|p| p[0].r0 < p[1].r0));
+}
+
+/// Any parameter of a cell can vary, those of its cue included.
+#[test]
+fn boundaries_over_other_parameters() {
+    let boundary = |vary: &str, [from, to]: [&str; 2], cue: &str| {
+        json(&["boundary", "--vary", vary, "--from", from, "--to", to, "--r0", "2.2", "--cue", cue, "--json"])
+    };
+    let wider = boundary("w", ["0.14", "0.15"], "none");
+    let pitchfork = wider["pitchfork"].as_array().unwrap();
+    assert_eq!((&pitchfork[0]["value"], &pitchfork[0]["r0"]), (&0.14.into(), &2.2.into()));
+    assert_eq!(pitchfork.last().unwrap()["value"], 0.15);
+    let stronger = boundary("cue.amplitude", ["0.05", "0.15"], "germline");
+    let folds = stronger["folds"].as_array().unwrap();
+    assert!(stronger["pitchfork"].as_array().unwrap().is_empty());
+    assert_eq!((&folds[0]["value"], &folds.last().unwrap()["value"]), (&0.05.into(), &0.15.into()));
+    // The fold of the germline cue itself, of amplitude 0.1, lies between the two: stronger cues raise it.
+    let germline = json(&["branch", "--r0", "2.2", "--cue", "germline", "--json"]);
+    let fold = germline["events"][0]["xi_s"].as_f64().unwrap();
+    let sides = [&folds[0], folds.last().unwrap()].map(|point| point["xi_s"].as_f64().unwrap());
+    assert!(sides[0] < fold && fold < sides[1], "{sides:?} {fold}");
 }
 
 #[test]
@@ -128,7 +171,7 @@ fn bad_input_is_named() {
         (&["branch", "--r0", "2", "--epsilon", "1"], "--epsilon: epsilon = 1: must be above 0 and below 1"),
         (
             &["boundary", "--vary", "epsilon", "--from", "0.6", "--to", "0.8"],
-            "--r0: r0 = absent: must be given where ε varies",
+            "--r0: r0 = absent: must be given where epsilon varies",
         ),
         (
             &["boundary", "--vary", "r0", "--from", "-1", "--to", "2"],
@@ -139,5 +182,41 @@ fn bad_input_is_named() {
         assert_eq!(complaint(arguments, 2), format!("furrow: error: {expected}\n"));
     }
     let none = complaint(&["pitchfork", "--r0", "2", "--xi-max", "5"], 1);
-    assert!(none.contains("no pitchfork for xi_s up to 5; raise --xi-max"), "{none}");
+    assert!(none.contains("no pitchfork for xi_s up to 5; search further: raise --xi-max"), "{none}");
+}
+
+/// What may vary is any parameter but the activity, of a cue those it has, in its own range.
+#[test]
+fn what_cannot_vary_is_named() {
+    for (arguments, expected) in [
+        (
+            &["boundary", "--vary", "r0", "--from", "1.6", "--to", "2", "--r0", "2"][..],
+            "--r0: r0 = 2: must be left out where r0 varies: see --from and --to",
+        ),
+        (
+            &["boundary", "--vary", "cue.amplitude", "--from", "0.1", "--to", "0.2", "--r0", "2"],
+            "--vary: vary = cue[0].amplitude: must be a number of the cue, which is none",
+        ),
+        (
+            &["boundary", "--vary", "cue.u0", "--from", "0.4", "--to", "1.2", "--r0", "2", "--cue", "germline"],
+            "--to: kappa.u0 = 1.2: must be above 0 and below 1",
+        ),
+        (
+            &["boundary", "--vary", "p0", "--from", "0", "--to", "1", "--r0", "2"],
+            "--from: p0 = 0: must be a finite number above 0",
+        ),
+        (
+            &["boundary", "--vary", "w", "--from", "0.1", "--to", "0.2", "--r0", "2", "--write", "x.json"],
+            "--write: vary = w: must be r0: what is stored is a boundary over R0",
+        ),
+    ] {
+        assert_eq!(complaint(arguments, 2), format!("furrow: error: {expected}\n"));
+    }
+    let names = "xi_ratio, gain, r0, epsilon, aspect, p0, w, kappa, eta_b, eta_s, friction, tension, \
+                 cue.u0, cue.omega, cue.amplitude";
+    for (name, nearest) in [("widht", ""), ("xi_s", ""), ("eta_d", "; did you mean eta_b?")] {
+        let arguments = ["boundary", "--vary", name, "--from", "5", "--to", "8", "--r0", "2"];
+        let expected = format!("furrow: error: --vary: vary = {name:?}: must be one of {names}{nearest}\n");
+        assert_eq!(complaint(&arguments, 2), expected);
+    }
 }

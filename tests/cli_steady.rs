@@ -59,7 +59,7 @@ fn refusals() {
         ),
         (
             &["phase", "--vary", "epsilon", "--from", "0.5", "--to", "0.9"],
-            "--vary epsilon: r0 = absent: must be given by --r0 where ε varies",
+            "--r0: r0 = absent: must be given where epsilon varies",
         ),
         (&["calibrate", "no-such.ron"], "no-such.ron: cannot be read: No such file or directory (os error 2)"),
     ] {
@@ -80,7 +80,7 @@ fn refusals_of_targets() {
         (
             "(parameter: xi)",
             good,
-            "unknowns[0].parameter = xi: must be one of gain, xi_ratio, aspect, p0, w, kappa, eta_b, eta_s, friction, tension",
+            "unknowns[0].parameter = xi_s: must be one of gain, xi_ratio, aspect, p0, w, kappa, eta_b, eta_s, friction, tension",
         ),
         (
             "(parameter: w)",
@@ -104,7 +104,7 @@ fn refusals_of_targets() {
 /// The example of the repository: the paper's four thresholds.
 #[test]
 fn calibrate_answers() {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/lineages/thresholds.ron");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/data/thresholds.ron");
     let found = json(&["calibrate", file, "--set", "intervals=32"]);
     let names: Vec<&String> = found["parameters"].as_object().unwrap().keys().collect();
     assert_eq!(names.len(), 4);

@@ -2,6 +2,8 @@
 
 mod tables;
 
+use furrow::cell::cue::Field;
+use furrow::cell::cue::profile::NAMES;
 use furrow::cell::{Cell, Cue, Numerics};
 use furrow::division::{Division, DivisionInput, divide};
 
@@ -21,8 +23,36 @@ fn cue(text: &str) -> Cue {
     out.parse().unwrap()
 }
 
-fn solve(r0: f64, cue: &Cue) -> Division {
-    divide(&DivisionInput::new(Cell::new(r0).with_cue(cue.clone()))).unwrap()
+fn solve(r0: f64, cue: &Cue, numerics: Numerics) -> Division {
+    divide(&DivisionInput { numerics, ..DivisionInput::new(Cell::new(r0).with_cue(cue.clone())) }).unwrap()
+}
+
+/// A division beside that of the mirrored cue.
+struct Images {
+    chi: f64,
+    /// How far they are from mirror images: in χ, in the furrow's place, and in time.
+    deviation: [f64; 3],
+    /// Whether both took and rejected as many steps.
+    same_path: bool,
+}
+
+fn images(r0: f64, cue: &Cue, numerics: Numerics) -> Images {
+    let [a, b] = [cue, &cue.mirrored()].map(|cue| solve(r0, cue, numerics));
+    assert_eq!(a.outcome, b.outcome, "R0 = {r0}, {cue}");
+    let sum = |of: fn(&Division) -> Option<f64>| of(&a).unwrap() + of(&b).unwrap();
+    let deviation = [sum(|d| d.chi_signed).abs(), (sum(|d| d.u_furrow) - 1.0).abs(), (a.t_end / b.t_end - 1.0).abs()];
+    let same_path = (a.work.steps, a.work.rejected) == (b.work.steps, b.work.rejected);
+    println!("R0 = {r0}, {cue}: same path {same_path}, {deviation:?}");
+    Images { chi: a.chi_signed.unwrap(), deviation, same_path }
+}
+
+impl Images {
+    /// Whether they are mirror images: as exactly as `allowed` if their paths are the same, else to the error of the time
+    /// stepping, whose tolerance is 5e-5.
+    fn agree(&self, allowed: [f64; 3]) -> bool {
+        let allowed = if self.same_path { allowed } else { [1e-4; 3] };
+        self.deviation.iter().zip(allowed).all(|(found, allowed)| *found < allowed)
+    }
 }
 
 #[test]
@@ -31,7 +61,7 @@ fn divisions_match_the_reference() {
     assert!(rows.len() >= 7);
     for row in rows {
         let r0 = row.number("R0");
-        let division = solve(r0, &cue(row.text("cue")));
+        let division = solve(r0, &cue(row.text("cue")), Numerics::default());
         let (chi, u) = (division.chi.unwrap(), division.u_furrow.unwrap());
         let [below, _] = division.shares().unwrap();
         println!("{row:?}: {chi:.5} {below:.5} {u:.5}");
@@ -42,22 +72,56 @@ fn divisions_match_the_reference() {
     }
 }
 
-/// With the noise of the first step the mirror image is one to 1e-3, the noise itself being no mirror image of itself;
-/// without noise, to rounding.
+/// The cues of the table and their cells' radii.
+fn table() -> Vec<(f64, Cue)> {
+    let rows = tables::reference("division_cue_fields.csv");
+    rows.iter().map(|row| (row.number("R0"), cue(row.text("cue")))).collect()
+}
+
+/// With the noise of the first step the mirror image is one to 1e-3, the noise itself being no mirror image of itself.
 #[test]
 fn mirrored_cues_mirror_the_division() {
-    let rows = tables::reference("division_cue_fields.csv");
-    for row in rows {
-        let (r0, cue) = (row.number("R0"), cue(row.text("cue")));
-        let [a, b] = [&cue, &cue.mirrored()].map(|cue| solve(r0, cue));
-        let (chi, image) = (a.chi_signed.unwrap(), b.chi_signed.unwrap());
-        let (u, u_image) = (a.u_furrow.unwrap(), b.u_furrow.unwrap());
-        println!("{row:?}: {chi} {image}");
-        assert!((chi + image).abs() < 1e-3 && (u + u_image - 1.0).abs() < 1e-3, "{row:?}: {chi} {image}");
+    for (r0, cue) in table() {
+        let [chi, u, _] = images(r0, &cue, Numerics::default()).deviation;
+        assert!(chi < 1e-3 && u < 1e-3, "R0 = {r0}, {cue}: {chi} {u}");
     }
 }
 
-/// A finer mesh and shorter steps change nothing.
+/// Without noise what is left comes from the mesh: shapes are carried from one mesh to the next by the collocation
+/// polynomials, which go through the left node of an interval and not through the right one. On the usual mesh that is up to
+/// 9e-6 in χ, and a hundredth of it on one twice as fine, of the order of what Newton's tolerance of 3e-8 a step can give.
+/// Twice to five times as much is allowed. Where it makes one image reject a step that the other takes, their paths part.
+#[test]
+fn without_noise_mirrored_cues_mirror_the_division() {
+    let usual = Numerics { noise: 0.0, ..Numerics::default() };
+    let fine = Numerics { intervals: 2 * usual.intervals, ..usual };
+    for (numerics, allowed) in [(usual, [2e-5, 6e-6, 2e-6]), (fine, [4e-7, 1e-7, 1e-7])] {
+        let found: Vec<Images> = table().iter().map(|(r0, cue)| images(*r0, cue, numerics)).collect();
+        assert!(found.iter().all(|images| images.agree(allowed)), "{} intervals", numerics.intervals);
+        let same = found.iter().filter(|images| images.same_path).count();
+        assert!(2 * same > found.len(), "{same} of {} on the same path", found.len());
+    }
+}
+
+/// Every field with every profile divides a cell unequally that would divide equally without, and its mirror image the other
+/// way round, as exactly as above. A new field or profile is covered as soon as it is in the lists.
+#[test]
+fn every_field_with_every_profile_mirrors() {
+    let numerics = Numerics { noise: 0.0, ..Numerics::default() };
+    assert!(solve(3.0, &Cue::none(), numerics).chi.unwrap() < 1e-6);
+    for field in Field::ALL {
+        for profile in NAMES {
+            let place = if profile == "gradient" { "" } else { "u0=0.42,omega=0.1," };
+            let cue: Cue = format!("{}:{profile},{place}amplitude=0.1", field.name()).parse().unwrap();
+            let images = images(3.0, &cue, numerics);
+            assert!(images.chi.abs() > 1e-3, "{cue} does nothing: {}", images.chi);
+            assert!(images.agree([2e-5, 6e-6, 2e-6]), "{cue}: {:?}", images.deviation);
+        }
+    }
+}
+
+/// A cue of a twelfth of a usual interval's width is resolved: a mesh four times as fine and steps half as long change χ by
+/// less than a hundredth of itself.
 #[test]
 fn narrow_cues_are_seen_by_the_mesh() {
     let cue: Cue = "activity:band,u0=0.42,omega=0.004,amplitude=0.4".parse().unwrap();
@@ -66,5 +130,5 @@ fn narrow_cues_are_seen_by_the_mesh() {
     let fine = DivisionInput { numerics, ..coarse.clone() };
     let [a, b] = [coarse, fine].map(|input| divide(&input).unwrap().chi_signed.unwrap());
     println!("{a} {b}");
-    assert!((a - b).abs() < 2e-3 && a.abs() > 0.02, "{a} {b}");
+    assert!((a - b).abs() < 2e-4 && a.abs() > 0.015, "{a} {b}");
 }

@@ -1,41 +1,32 @@
 //! The built-in lineage grown from mechanics.
 
 use furrow::batch::{Memo, Quantisation, SchedulerOptions, Summary};
-use furrow::cortex::{Cue, Numerics, Physics};
+use furrow::cell::{Cell, Numerics};
 use furrow::division::{DivisionInput, Outcome, divide};
 use furrow::io::founder_rows;
-use furrow::lineage::{EndReason, Grower, Lineage, Tree, TreeSettings};
+use furrow::lineage::{EndReason, Ends, Grower, Lineage, Tree, TreeSettings};
 use furrow::report::TreeSummary;
-use furrow::shapes::critical::{Boundary, BoundaryKind};
+use furrow::shapes::CriticalRadii;
 
-fn grow(memo: &Memo<DivisionInput>, threads: usize, ends: &dyn Fn(f64, &Cue) -> Option<EndReason>) -> (Tree, Summary) {
+fn grow(memo: &Memo<DivisionInput>, threads: usize, ends: &dyn Fn(&Cell) -> Option<EndReason>) -> (Tree, Summary) {
     let lineage = Lineage::c_elegans().unwrap();
-    let settings = TreeSettings {
-        physics: Physics::default(),
-        numerics: Numerics::default(),
-        seed: 0,
-        r0_step: memo.quantisation().relative_step(),
-    };
+    let settings = TreeSettings { r0_step: memo.quantisation().relative_step(), ..TreeSettings::default() };
     let options = SchedulerOptions { threads, ..SchedulerOptions::default() };
     Grower { lineage: &lineage, settings, ends, memo, options }.grow(divide).unwrap()
 }
 
 fn by_boundary(memo: &Memo<DivisionInput>, threads: usize) -> Tree {
-    let boundary = Boundary::new(&Physics::default(), &Numerics::default());
-    let ends = |r0: f64, cue: &Cue| {
-        boundary.ends(r0, cue).unwrap().map(|end| match end.kind {
-            BoundaryKind::Pitchfork => EndReason::BelowPitchfork { r0_c: end.critical_r0 },
-            BoundaryKind::CuedFold => EndReason::BelowCuedFold { r0: end.critical_r0 },
-        })
-    };
-    grow(memo, threads, &ends).0
+    let ends = Ends::new(CriticalRadii::new(&Numerics::default()));
+    let tree = grow(memo, threads, &|cell| ends.of(cell)).0;
+    assert!(ends.unknown().is_empty(), "{:?}", ends.unknown());
+    tree
 }
 
 /// What the paper reports and the fit of the shell knew nothing of.
 #[test]
 fn the_embryo() {
     let memo = Memo::new(Quantisation::DEFAULT);
-    let (tree, summary) = grow(&memo, 2, &|_, _| None);
+    let (tree, summary) = grow(&memo, 2, &|_| None);
     assert!(!TreeSummary::of(&tree).limited(), "the tree must end by itself");
     let rows = founder_rows(&tree);
     let row = |name: &str| rows.iter().find(|row| row.name == name).unwrap();
@@ -48,7 +39,7 @@ fn the_embryo() {
     assert!(chi("P1") < 0.2 && chi("P2") < 0.2 && chi("P3") > 0.5);
     assert_eq!(row("P4").outcome, Some(Outcome::Failed));
     // Volumes are handed down to rounding.
-    for node in tree.nodes() {
+    for node in tree.cells() {
         if let Some([a, p]) = tree.daughters(node) {
             let volume = tree.cell(node).volume_fraction;
             let sum = tree.cell(a).volume_fraction + tree.cell(p).volume_fraction;
@@ -59,9 +50,9 @@ fn the_embryo() {
     // What the boundary says of a cell, her dynamics say too: the trees have the same cells.
     let ended = by_boundary(&memo, 1);
     assert_eq!(ended.len(), tree.len());
-    for node in ended.nodes() {
+    for node in ended.cells() {
         let (short, long) = (ended.cell(node), tree.cell(node));
-        assert_eq!((&short.name, short.r0, short.fate.outcome), (&long.name, long.r0, long.fate.outcome));
+        assert_eq!((&short.name, short.r0, short.fate.outcome()), (&long.name, long.r0, long.fate.outcome()));
         match short.fate.ended {
             None => assert_eq!(short.fate, long.fate),
             Some(reason) => {

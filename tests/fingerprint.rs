@@ -72,11 +72,15 @@ fn sources_import_nothing_that_is_not_listed() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let listed = SOLVER_SOURCES.map(|source| source.trim_start_matches("src/").trim_end_matches(".rs"));
     for file in solver_files(root).unwrap() {
+        // The numerical crate is listed as a whole, and knows no other.
+        if file.starts_with(root.join("crates/bvp/src")) {
+            continue;
+        }
         let code = code(&fs::read_to_string(&file).unwrap());
         // A list in braces after `crate::` gives an empty path, which is refused too: one `use` for each floor.
         for import in code.split("crate::").skip(1) {
             let path: String = import.chars().take_while(|c| c.is_alphanumeric() || "_:".contains(*c)).collect();
-            // `crate::steady::Stability` is the folder's name for what is in `steady/stability.rs`.
+            // `crate::shapes::passive` is the folder's name for what is in `shapes/passive.rs`.
             let path = path.replace("::", "/").to_lowercase();
             assert!(
                 listed.iter().any(|source| path == *source || path.starts_with(&format!("{source}/"))),

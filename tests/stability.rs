@@ -2,25 +2,29 @@
 
 use bvp::newton::NewtonScratch;
 use bvp::{Newton, Solution, System};
+use furrow::cell::{Cell, Numerics, Parameter};
 use furrow::cortex::equations::{R, Z};
-use furrow::cortex::{Cortex, Cue, Domain, Numerics, Parameter, Physics, shape};
-use furrow::shapes::Stability;
+use furrow::cortex::observables::positions;
+use furrow::cortex::symmetry::unfold;
+use furrow::cortex::{Cortex, Domain};
+use furrow::shapes::passive;
+use furrow::stability::Stability;
 
 const R0: f64 = 2.0;
 
 /// The mirror-symmetric stationary state at ξ_s, on the full domain.
 fn stationary(xi: f64) -> (Cortex, Solution) {
     let numerics = Numerics { intervals: 32, ..Numerics::default() };
-    let physics = Physics::GAO2026;
-    let (mut y, _) = shape::passive(&physics, &numerics, R0).unwrap();
-    let mut half = Cortex::new(&physics, R0, &Cue::None, Domain::Half, &[]);
+    let cell = Cell::new(R0);
+    let (mut y, _) = passive(&cell, &numerics).unwrap();
+    let mut half = Cortex::new(&cell, Domain::Half, &[]);
     let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
     let newton = Newton { tolerance: 1e-11, ..Newton::default() };
     for step in 1..=40 {
-        half.set(Parameter::Xi, xi * f64::from(step) / 40.0);
+        half.set(Parameter::XiS, xi * f64::from(step) / 40.0);
         newton.solve(&mut system, &mut NewtonScratch::default(), &mut half, &mut y, &[], false).unwrap();
     }
-    (Cortex::new(&half.physics, R0, &Cue::None, Domain::Full, &[]), shape::unfold(&system.gauss, &y))
+    (Cortex::new(&half.cell, Domain::Full, &[]), unfold(&y))
 }
 
 /// dis(t) every τ after a disturbance of the activity in the first step, with second-order backward differences.
@@ -32,7 +36,7 @@ fn distances(cortex: &Cortex, rest: &Solution) -> Vec<f64> {
     let (dt, per_tau) = (0.05, 20);
     let mut y = rest.clone();
     let (mut before, mut now) = (Vec::new(), Vec::new());
-    shape::positions(rest, &mut now);
+    positions(rest, &mut now);
     let mut out = Vec::new();
     for step in 0..40 * per_tau {
         if step == 0 {
@@ -50,7 +54,7 @@ fn distances(cortex: &Cortex, rest: &Solution) -> Vec<f64> {
         }
         newton.solve(&mut system, &mut scratch, &mut cortex, &mut y, &[], step > 1).unwrap();
         before = std::mem::take(&mut now);
-        shape::positions(&y, &mut now);
+        positions(&y, &mut now);
         if (step + 1) % per_tau == 0 {
             let part = |component: usize| {
                 let mut sum = 0.0;

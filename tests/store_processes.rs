@@ -17,7 +17,7 @@ use furrow::{
         Job, Key, Memo, Quantisation, SchedulerOptions, SolverVersion, Summary, scheduler,
         store::{Claimed, Store, upkeep},
     },
-    cortex::{Cue, Numerics, Physics},
+    cell::Cell,
     division::{Division, DivisionInput, Outcome},
 };
 
@@ -29,27 +29,24 @@ fn open(cache: &Path) -> Store<Division> {
 }
 
 fn input(r0: f64) -> DivisionInput {
-    DivisionInput { physics: Physics::GAO2026, numerics: Numerics::default(), r0, cue: Cue::None, seed: 1 }
+    DivisionInput { seed: 1, ..DivisionInput::new(Cell::new(r0)) }
 }
 
 /// Stands in for the solver: unequal at every size, so that hardly two cells are alike.
 fn model(input: &DivisionInput) -> Division {
-    let chi = (input.r0 > 2.2).then_some(0.2 + 0.1 * input.r0.sin());
-    let radius = |sign: f64| chi.map(|chi| input.r0 * (0.5 * (1.0 + sign * chi)).cbrt());
+    let r0 = input.cell.r0;
+    let chi = (r0 > 2.2).then_some(0.2 + 0.1 * r0.sin());
+    let radius = |sign: f64| chi.map(|chi| r0 * (0.5 * (1.0 + sign * chi)).cbrt());
     Division {
         outcome: if chi.is_some() { Outcome::Asymmetric } else { Outcome::Failed },
         chi,
         chi_signed: chi,
         u_furrow: chi,
-        t_end: 1.0 / input.r0,
+        t_end: 1.0 / r0,
         daughters: radius(-1.0).zip(radius(1.0)).map(|(anterior, posterior)| [anterior, posterior]),
         growth_rate: None,
         volume_drift: 1e-12,
-        steps: 100,
-        rejected: 1,
-        newton_iterations: 300,
-        factorisations: 120,
-        remeshings: 5,
+        work: bvp::Work { steps: 100, rejected: 1, iterations: 300, factorisations: 120, remeshings: 5 },
     }
 }
 

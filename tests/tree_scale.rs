@@ -32,16 +32,16 @@ fn hundred_thousand_cells_from_the_memo() {
     let memo = Memo::new(Quantisation::DEFAULT);
     let settings = TreeSettings::default();
     let options = SchedulerOptions { threads: 2, ..SchedulerOptions::default() };
-    let grower = Grower { lineage: &lineage, settings, ends: &|_, _| None, memo: &memo, options };
+    let grower = Grower { lineage: &lineage, settings, ends: &|_| None, memo: &memo, options };
     // Unequal to the last: g + 1 sizes in generation g.
-    let unequal = |input: &DivisionInput| Ok(division(input.r0, Outcome::Asymmetric, 0.2));
+    let unequal = |input: &DivisionInput| Ok(division(input.cell.r0, Outcome::Asymmetric, 0.2));
     let (first, solved) = grower.grow(unequal).unwrap();
     assert!((100..1000).contains(&solved.solved), "{}", solved.solved);
 
     let folder = tempfile::tempdir().unwrap();
     let (json_file, newick_file) = (folder.path().join("tree.json"), folder.path().join("tree.nwk"));
     let start = Instant::now();
-    let (tree, summary) = grower.grow(|input| panic!("R0 = {} is in the memo", input.r0)).unwrap();
+    let (tree, summary) = grower.grow(|input| panic!("R0 = {} is in the memo", input.cell.r0)).unwrap();
     let grown = start.elapsed();
     write_atomically(&newick_file, newick(&tree).as_bytes()).unwrap();
     write_atomically(&json_file, tree.to_json().unwrap().as_bytes()).unwrap();

@@ -1,20 +1,22 @@
 //! Shapes without activity, and what is read off a shape.
 
-use bvp::Gauss;
 use divan::{Bencher, black_box};
-use furrow::cortex::{Cortex, Cue, Domain, Numerics, Physics, shape};
+use furrow::cell::{Cell, Numerics};
+use furrow::cortex::symmetry::unfold;
+use furrow::cortex::{Cortex, Domain, resolution};
+use furrow::shapes::passive;
 
 #[divan::bench(args = [1.6, 2.5, 5.4])]
 fn passive_shape(r0: f64) {
-    black_box(shape::passive(&Physics::GAO2026, &Numerics::default(), black_box(r0)).unwrap());
+    black_box(passive(&Cell::new(black_box(r0)), &Numerics::default()).unwrap());
 }
 
 #[divan::bench]
 fn mesh_monitor(bencher: Bencher) {
-    let (physics, numerics, r0) = (Physics::GAO2026, Numerics::default(), 2.5);
-    let (half, _) = shape::passive(&physics, &numerics, r0).unwrap();
-    let y = shape::unfold(&Gauss::new(numerics.stages), &half);
-    let cortex = Cortex::new(&physics, r0, &Cue::None, Domain::Full, &[]);
+    let cell = Cell::new(2.5);
+    let (half, _) = passive(&cell, &Numerics::default()).unwrap();
+    let y = unfold(&half);
+    let cortex = Cortex::new(&cell, Domain::Full, &[]);
     let mut weight = Vec::new();
-    bencher.bench_local(|| shape::monitor(&cortex, black_box(&y), true, &mut weight));
+    bencher.bench_local(|| resolution::monitor(&cortex, black_box(&y), true, &mut weight));
 }

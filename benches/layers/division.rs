@@ -1,36 +1,33 @@
 //! One division of each kind.
 
 use divan::black_box;
-use furrow::cortex::{Cue, Numerics, Physics};
+use furrow::cell::{Cell, Cue};
 use furrow::division::{Division, DivisionInput, divide};
 
-const CUE: Cue = Cue::Kappa { u0: 0.465, omega: 0.0577, amplitude: 0.1 };
-
 fn division(r0: f64, cue: Cue) -> Division {
-    let (physics, numerics) = (Physics::GAO2026, Numerics::default());
-    divide(&DivisionInput { physics, numerics, r0: black_box(r0), cue, seed: 0 }).unwrap()
+    divide(&DivisionInput::new(Cell::new(black_box(r0)).with_cue(cue))).unwrap()
 }
 
 pub fn print_work() {
     println!("division           outcome        chi steps rejected newton factorisations remeshings newton/step");
     for (kind, r0, cue) in [
-        ("symmetric 2.5", 2.5, Cue::None),
-        ("asymmetric 2.0", 2.0, Cue::None),
-        ("failed 1.6", 1.6, Cue::None),
-        ("cued 5.4", 5.4, CUE),
-        ("two furrows 5.4", 5.4, Cue::None),
+        ("symmetric 2.5", 2.5, Cue::none()),
+        ("asymmetric 2.0", 2.0, Cue::none()),
+        ("failed 1.6", 1.6, Cue::none()),
+        ("cued 5.4", 5.4, Cue::published()),
+        ("two furrows 5.4", 5.4, Cue::none()),
     ] {
         let d = division(r0, cue);
         println!(
             "{kind:18} {:10} {:>7} {:5} {:8} {:6} {:14} {:10} {:11.2}",
             format!("{:?}", d.outcome),
             d.chi.map_or("-".to_owned(), |chi| format!("{chi:.4}")),
-            d.steps,
-            d.rejected,
-            d.newton_iterations,
-            d.factorisations,
-            d.remeshings,
-            f64::from(d.newton_iterations) / f64::from(d.steps),
+            d.work.steps,
+            d.work.rejected,
+            d.work.iterations,
+            d.work.factorisations,
+            d.work.remeshings,
+            d.work.iterations as f64 / d.work.steps as f64,
         );
     }
     println!();
@@ -38,25 +35,25 @@ pub fn print_work() {
 
 #[divan::bench]
 fn symmetric() -> Division {
-    division(2.5, Cue::None)
+    division(2.5, Cue::none())
 }
 
 #[divan::bench]
 fn asymmetric() -> Division {
-    division(2.0, Cue::None)
+    division(2.0, Cue::none())
 }
 
 #[divan::bench]
 fn failed() -> Division {
-    division(1.6, Cue::None)
+    division(1.6, Cue::none())
 }
 
 #[divan::bench]
 fn cued() -> Division {
-    division(5.4, CUE)
+    division(5.4, Cue::published())
 }
 
 #[divan::bench]
 fn two_furrows() -> Division {
-    division(5.4, Cue::None)
+    division(5.4, Cue::none())
 }

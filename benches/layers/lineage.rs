@@ -6,7 +6,7 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use furrow::batch::memo::Request;
 use furrow::batch::{Key, Memo, Quantisation, SchedulerOptions, SolverVersion, Store};
-use furrow::cortex::{Cue, Numerics, Physics};
+use furrow::cell::Cell;
 use furrow::division::{Division, DivisionError, DivisionInput, Outcome, divide};
 use furrow::io::newick;
 use furrow::lineage::{Grower, Lineage, Tree, TreeSettings};
@@ -18,7 +18,7 @@ const DIVISIONS: usize = 1000;
 
 fn input(number: usize) -> DivisionInput {
     let r0 = 1.0 + number as f64 / 256.0;
-    DivisionInput { physics: Physics::GAO2026, numerics: Numerics::default(), r0, cue: Cue::None, seed: 0 }
+    DivisionInput::new(Cell::new(r0))
 }
 
 /// A division that cost nothing.
@@ -29,14 +29,10 @@ fn free(input: &DivisionInput) -> Division {
         chi_signed: Some(0.0),
         u_furrow: Some(0.5),
         t_end: 1.0,
-        daughters: Some([input.r0 * 0.5f64.cbrt(); 2]),
+        daughters: Some([input.cell.r0 * 0.5f64.cbrt(); 2]),
         growth_rate: None,
         volume_drift: 0.0,
-        steps: 0,
-        rejected: 0,
-        newton_iterations: 0,
-        factorisations: 0,
-        remeshings: 0,
+        work: bvp::Work::default(),
     }
 }
 
@@ -103,7 +99,7 @@ fn grow(
 ) -> Tree {
     let settings = TreeSettings::default();
     let options = SchedulerOptions { threads, ..SchedulerOptions::default() };
-    Grower { lineage, settings, ends: &|_, _| None, memo, options }.grow(solve).unwrap().0
+    Grower { lineage, settings, ends: &|_| None, memo, options }.grow(solve).unwrap().0
 }
 
 /// The built-in tree from nothing; every cell's end is left to the dynamics.
@@ -122,7 +118,7 @@ fn tree_warm(bencher: Bencher) {
         || Memo::new(Quantisation::DEFAULT).with_store(Store::open(folder.path(), SolverVersion::current()).unwrap());
     grow(&lineage, &open(), 0, divide);
     bencher.bench_local(|| {
-        let tree = grow(&lineage, &open(), 1, |input| panic!("R0 = {} is in the store", input.r0));
+        let tree = grow(&lineage, &open(), 1, |input| panic!("R0 = {} is in the store", input.cell.r0));
         (newick(&tree), tree.to_json().unwrap())
     });
 }
@@ -135,7 +131,7 @@ fn tree_of_hits(bencher: Bencher) {
     let memo = Memo::new(Quantisation::DEFAULT);
     let grown = grow(&lineage, &memo, 1, |input| Ok(free(input)));
     bencher.counter(ItemsCount::new(grown.len())).bench_local(|| {
-        let tree = grow(&lineage, &memo, 1, |input| panic!("R0 = {} is in the memo", input.r0));
+        let tree = grow(&lineage, &memo, 1, |input| panic!("R0 = {} is in the memo", input.cell.r0));
         (newick(&tree), Tree::from_json(&tree.to_json().unwrap()).unwrap())
     });
 }

@@ -1,10 +1,13 @@
 //! The block solver: one Newton step of the first time step of a cell of R0 = 2.5, and its parts.
 
-use bvp::Direction;
 use bvp::newton::{Newton, NewtonScratch};
-use bvp::{Gauss, Solution, System};
+use bvp::{Direction, Solution, System};
 use divan::{Bencher, black_box};
-use furrow::cortex::{Cortex, Cue, Domain, Numerics, Physics, shape};
+use furrow::cell::{Cell, Numerics};
+use furrow::cortex::observables::positions;
+use furrow::cortex::symmetry::unfold;
+use furrow::cortex::{Cortex, Domain};
+use furrow::shapes::passive;
 
 struct Step {
     system: System,
@@ -15,11 +18,11 @@ struct Step {
 
 /// A time step on the full contour, with derivatives, factors and residual at its start.
 fn step() -> Step {
-    let (physics, numerics, r0) = (Physics::GAO2026, Numerics::default(), 2.5);
-    let (half, _) = shape::passive(&physics, &numerics, r0).unwrap();
-    let y = shape::unfold(&Gauss::new(numerics.stages), &half);
-    let mut cortex = Cortex::new(&physics, r0, &Cue::None, Domain::Full, &[]);
-    shape::positions(&y, &mut cortex.past);
+    let (cell, numerics) = (Cell::new(2.5), Numerics::default());
+    let (half, _) = passive(&cell, &numerics).unwrap();
+    let y = unfold(&half);
+    let mut cortex = Cortex::new(&cell, Domain::Full, &[]);
+    positions(&y, &mut cortex.past);
     cortex.rate = 100.0;
     let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
     system.evaluate(&mut cortex, &y, &[], true);

@@ -1,9 +1,8 @@
 //! Stationary shapes, their stability, and the boundaries of division.
 
 use divan::{Bencher, black_box};
-use furrow::cortex::{Cue, Numerics, Parameter, Physics};
-use furrow::shapes::symmetric::{BranchOptions, first_pitchfork, follow};
-use furrow::shapes::{curves, stationary};
+use furrow::cell::{Cell, Numerics, Parameter};
+use furrow::shapes::{BranchOptions, curves, pitchfork, primary, stationary};
 
 /// ξ_s of three rows of the reference branch at R0 = 2.
 const ACTIVITIES: [f64; 3] = [8.6322, 20.7468, 25.8689];
@@ -11,7 +10,8 @@ const ACTIVITIES: [f64; 3] = [8.6322, 20.7468, 25.8689];
 pub fn print_work() {
     println!("branch of R0     steps rejected newton factorisations remeshings");
     for r0 in [1.64, 2.0] {
-        let branch = follow(&Physics::GAO2026, &Numerics::default(), r0, &BranchOptions::default(), |_| true).unwrap();
+        let branch =
+            primary::follow(&Cell::new(r0), &Numerics::default(), &BranchOptions::default(), |_| true).unwrap();
         let w = branch.work;
         println!(
             "{r0:12} {:9} {:8} {:6} {:14} {:10}",
@@ -23,25 +23,23 @@ pub fn print_work() {
 
 #[divan::bench(args = ACTIVITIES)]
 fn stationary_shape(xi_s: f64) {
-    let physics = Physics { xi_s, ..Physics::GAO2026 };
-    black_box(stationary(&physics, &Numerics::default(), 2.0, &Cue::None).unwrap());
+    black_box(stationary(&Cell { xi_s, ..Cell::new(2.0) }, &Numerics::default()).unwrap());
 }
 
 #[divan::bench]
 fn stability(bencher: Bencher) {
-    let physics = Physics { xi_s: ACTIVITIES[1], ..Physics::GAO2026 };
-    let shape = stationary(&physics, &Numerics::default(), 2.0, &Cue::None).unwrap();
+    let shape = stationary(&Cell { xi_s: ACTIVITIES[1], ..Cell::new(2.0) }, &Numerics::default()).unwrap();
     bencher.bench_local(|| shape.spectrum().unwrap());
 }
 
 #[divan::bench(args = [1.64, 2.0])]
 fn pitchfork(r0: f64) {
-    black_box(first_pitchfork(&Physics::GAO2026, &Numerics::default(), r0, &BranchOptions::default()).unwrap());
+    black_box(pitchfork::first(&Cell::new(r0), &Numerics::default(), &BranchOptions::default()).unwrap());
 }
 
 /// The curve of pitchforks from R0 = 2 down to 1.64.
 #[divan::bench(sample_count = 20)]
 fn boundary() {
     let range = [2.0, 1.64];
-    black_box(curves::pitchfork_curve(&Physics::GAO2026, &Numerics::default(), 2.0, Parameter::R0, range).unwrap());
+    black_box(curves::pitchfork_curve(&Cell::new(2.0), &Numerics::default(), Parameter::R0, range).unwrap());
 }

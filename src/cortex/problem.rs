@@ -91,7 +91,8 @@ impl Cortex {
         let with_slope =
             |which: &Parameter| Constants::new(&self.cell, |p, v| Dual64::new(v, if p == *which { 1.0 } else { 0.0 }));
         self.sensitivities = self.free.iter().map(with_slope).collect();
-        let by_length = |term: &Term| matches!(term.profile.width(), Some(Width::Length(_)));
+        // A term of amplitude 0 leaves no trace, not even in roundings.
+        let by_length = |term: &Term| term.amplitude != 0.0 && matches!(term.profile.width(), Some(Width::Length(_)));
         let by_length = self.cell.cue.terms().iter().any(by_length);
         self.along_length = by_length.then(|| Constants::new(&self.cell, |_, v| Dual64::from_re(v)));
     }

@@ -24,6 +24,8 @@ const NECK_STEP: f64 = 0.4;
 const CLOSING: f64 = 0.5;
 /// Local error of the odd part relative to its size, in units of the time tolerance.
 const ODD_TOLERANCE: f64 = 50.0;
+/// An odd part below this, relative to R0, is rounding and is not resolved: without noise there is nothing else at first.
+const ODD_ROUNDING: f64 = 1e-12;
 
 /// A shape slower than this, relative to R0 and in 1/τ, may be at rest.
 const REST_SPEED: f64 = 1e-2;
@@ -148,7 +150,7 @@ impl Run {
             let (r0, dt) = (stepper.cortex.cell.r0, FIRST_STEP);
             DivisionError::Stalled { r0, t: 0.0, dt, source: error.into() }
         })?;
-        self.odd_floor = 0.3 * first.odd_size;
+        self.odd_floor = f64::max(0.3 * first.odd_size, ODD_ROUNDING * stepper.cortex.cell.r0);
         stepper.accept();
         stepper.cortex.noise.clear();
         stepper.restart();

@@ -56,7 +56,7 @@ impl Check<'_> {
                 InputError::not_allowed(self.file, field, error.value, error.allowed)
             })?;
         }
-        self.rules("cue_rules", &lineage.cue_rules)?;
+        self.rules(self.file, "cue_rules", &lineage.cue_rules)?;
         if lineage.founders.is_empty() {
             return Err(InputError::not_allowed(self.file, "founders", "[]", "a list of at least one founder"));
         }
@@ -86,9 +86,9 @@ impl Check<'_> {
         Err(format!("one of {}{hint}", known.join(", ")))
     }
 
-    fn rules(&self, field: &str, rules: &[CueRule]) -> Result<(), InputError> {
+    fn rules(&self, place: &str, field: &str, rules: &[CueRule]) -> Result<(), InputError> {
         let refuse = |k: usize, name: &str, value: String, allowed: String| {
-            Err(InputError::not_allowed(self.file, format!("{field}[{k}].{name}"), value, allowed))
+            Err(InputError::not_allowed(place, format!("{field}[{k}].{name}"), value, allowed))
         };
         for (k, rule) in rules.iter().enumerate() {
             if let Err(allowed) = self.known_cue(&rule.cue) {
@@ -145,7 +145,7 @@ impl Check<'_> {
                 "left out where the founder has no cue; cue_rules say themselves which generations they are for";
             return Err(self.founder_error(f, "inherit", "false", allowed));
         }
-        self.rules(&format!("founder {:?}: cue_rules", f.name), &f.cue_rules)?;
+        self.rules(&self.place(&f.name), &format!("founder {:?}: cue_rules", f.name), &f.cue_rules)?;
         match (&f.mother, f.daughter) {
             (Some(_), None) => {
                 return Err(self.founder_error(

@@ -1,7 +1,8 @@
 //! Where a cell comes to rest undivided: exact intervals of ξ_s between the folds and pitchforks of the branch that grows
 //! out of the passive shape.
 //!
-//! Stability can change at a fold or a pitchfork only, so that one growth rate decides about a whole segment between two.
+//! Stability changes at folds and pitchforks, and so in whole segments between two of them; where a cue makes a cell lose it
+//! by oscillation within a segment, the interval ends between the points that show it.
 
 use serde::Serialize;
 
@@ -75,21 +76,38 @@ pub fn rest_shapes(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<Rest
     Ok(RestShapes { intervals: stable_intervals(&edges, &branch.points), edges })
 }
 
-/// The segments whose middle point is stable. One shorter than a step has no point and is left to divisions.
+/// Growth rates nearer to zero than this, in 1/τ, are those of an edge itself, and may have either sign beside it.
+const MARGINAL: f64 = 1e-3;
+
+/// The stable part of every segment between two edges: what surrounds its middle point, if that is stable. A segment
+/// shorter than a step has no point and is left to divisions.
 fn stable_intervals(edges: &[Edge], points: &[ShapePoint]) -> Vec<[f64; 2]> {
     let ends: Vec<f64> = edges.iter().map(Edge::xi_s).collect();
     let [Some(first), Some(last)] = [points.first(), points.last()] else { return Vec::new() };
     let mut intervals = Vec::new();
     for segment in 0..=edges.len() {
         let inside: Vec<&ShapePoint> = points.iter().filter(|point| point.passed == segment).collect();
-        let stable = inside.get(inside.len() / 2).and_then(|point| point.growth_rate).is_some_and(|rate| rate < 0.0);
+        let middle = inside.len() / 2;
+        let stable = inside.get(middle).and_then(|point| point.growth_rate).is_some_and(|rate| rate < 0.0);
         if stable {
             let from = if segment == 0 { first.xi_s } else { ends[segment - 1] };
             let to = ends.get(segment).copied().unwrap_or(last.xi_s);
+            let before: Vec<&ShapePoint> = inside[..=middle].iter().rev().copied().collect();
+            let from = oscillates_at(&before).unwrap_or(from);
+            let to = oscillates_at(&inside[middle..]).unwrap_or(to);
             intervals.push([from.min(to), from.max(to)]);
         }
     }
     intervals
+}
+
+/// Where stability is lost along points that begin with a stable one, if it is lost clearly: without a fold or a pitchfork
+/// between, by a pair of complex rates, as a cue can bring about. Between its two points the rate is taken as linear.
+fn oscillates_at(points: &[&ShapePoint]) -> Option<f64> {
+    points.windows(2).find_map(|pair| {
+        let [a, b] = [pair[0].growth_rate?, pair[1].growth_rate?];
+        (a < 0.0 && b > MARGINAL).then(|| pair[0].xi_s + (pair[1].xi_s - pair[0].xi_s) * a / (a - b))
+    })
 }
 
 #[cfg(test)]
@@ -129,6 +147,9 @@ mod tests {
         ];
         assert_eq!(stable_intervals(&edges, &points), [[0.0, 6.14], [3.9, 6.24]]);
         assert_eq!(stable_intervals(&[], &points[..2]), [[0.0, 3.0]]);
+        // Lost by oscillation, a quarter of the way from 6 to 8.
+        let lost = [point(0, 0.0, -3.0), point(0, 3.0, -1.0), point(0, 6.0, -0.2), point(0, 8.0, 0.6)];
+        assert_eq!(stable_intervals(&[fold(8.2, true)], &lost), [[0.0, 6.5]]);
         assert_eq!(stable_intervals(&[fold(6.85, true)], &points[..3]), [[0.0, 6.85]]);
     }
 }

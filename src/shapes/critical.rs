@@ -14,7 +14,7 @@ use super::curves::{self, Curve, CurvePoint, MOST_STEPS, SECOND, at_value, coeff
 use super::error::{PointKind, ShapeError};
 use super::{pitchfork, primary};
 use crate::cell::{Cell, Cue, Numerics, Parameter};
-use crate::cortex::Cortex;
+use crate::cortex::{Cortex, Domain};
 
 /// Version of the file's format and of the method behind its numbers.
 pub const FORMAT: u32 = 2;
@@ -259,7 +259,7 @@ fn first_success(
 }
 
 /// The value of `parameter` that bounds the division of a cell at its activity: of the pitchfork if the cell is
-/// mirror-symmetric, else of the fold that ends its stable shapes.
+/// mirror-symmetric whatever the value, else of the fold that ends its stable shapes.
 ///
 /// # Errors
 /// [`ShapeError`] if there is none.
@@ -269,7 +269,7 @@ pub fn critical_value(
     parameter: Parameter,
     starts: &[f64],
 ) -> Result<(BoundaryKind, CurvePoint), ShapeError> {
-    if cell.is_mirror_symmetric() {
+    if curves::domain_along(cell, parameter) == Domain::Half {
         Ok((BoundaryKind::Pitchfork, critical_pitchfork(cell, numerics, parameter, starts)?))
     } else {
         Ok((BoundaryKind::CuedFold, critical_fold(cell, numerics, parameter, starts)?))

@@ -12,6 +12,7 @@ use super::pitchfork::{self, Criticality, Pitchfork, furrow_shift};
 use super::primary;
 use crate::cell::{Cell, Numerics, Parameter};
 use crate::cortex::equations::LENGTH;
+use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
 
 /// Index of the second free parameter among the scalar unknowns of a curve.
@@ -121,9 +122,8 @@ pub(super) fn at_value(cell: &Cell, parameter: Parameter, value: f64) -> Cell {
 
 /// The part of the contour that shapes along a curve need: half of it if the cell is mirror-symmetric whatever the value of
 /// the parameter.
-fn domain_along(cell: &Cell, parameter: Parameter) -> Domain {
-    let here = parameter.get(cell);
-    let elsewhere = at_value(cell, parameter, 0.9 * here + 0.01);
+pub(super) fn domain_along(cell: &Cell, parameter: Parameter) -> Domain {
+    let elsewhere = at_value(cell, parameter, parameter.get(cell) + 0.01);
     if cell.is_mirror_symmetric() { Domain::of(&elsewhere) } else { Domain::Full }
 }
 
@@ -182,7 +182,13 @@ pub fn through_fold(
     parameter: Parameter,
     upwards: bool,
 ) -> Result<FoldCurve, CurveError> {
-    through(cell, Domain::of(cell), parameter, Fold::new(XI), &fold.shape, upwards)
+    let domain = domain_along(cell, parameter);
+    let shape = match (Domain::of(cell), domain) {
+        // A mirror-symmetric cell that is none at other values.
+        (Domain::Half, Domain::Full) => &unfold(&fold.shape),
+        _ => &fold.shape,
+    };
+    through(cell, domain, parameter, Fold::new(XI), shape, upwards)
 }
 
 /// The newest point of a curve.

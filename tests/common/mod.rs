@@ -5,8 +5,8 @@ use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
 /// Symmetric above R0 = 2.25, asymmetric with χ = 0.88 down to 1.7, failed below; with a cue χ = 0.2 above 1.7.
 #[allow(dead_code)]
 pub fn fake(input: &DivisionInput) -> Result<Division, DivisionError> {
-    let cued = input.cue != furrow::cortex::Cue::None;
-    Ok(match input.r0 {
+    let cued = !input.cell.cue.is_none();
+    Ok(match input.cell.r0 {
         r0 if r0 < 1.7 => division(r0, Outcome::Failed, 0.0),
         r0 if cued => division(r0, Outcome::Asymmetric, 0.2),
         r0 if r0 < 2.25 => division(r0, Outcome::Asymmetric, -0.88),
@@ -28,10 +28,6 @@ pub fn division(r0: f64, outcome: Outcome, chi_signed: f64) -> Division {
         daughters: divided.then(|| [radius(0.5 * (1.0 - chi_signed)), radius(0.5 * (1.0 + chi_signed))]),
         growth_rate: (!divided).then_some(-0.25),
         volume_drift: 0.0,
-        steps: 1,
-        rejected: 0,
-        newton_iterations: 1,
-        factorisations: 1,
-        remeshings: 0,
+        work: bvp::Work { steps: 1, iterations: 1, factorisations: 1, ..bvp::Work::default() },
     }
 }

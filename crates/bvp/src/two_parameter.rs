@@ -121,6 +121,10 @@ pub struct TwoParameterCurve<P, S> {
     /// Work so far.
     pub work: Work,
     history: History,
+    /// Length and first correction of the newest step.
+    last: Option<[f64; 2]>,
+    /// Largest first correction seen that a shorter step did not make smaller.
+    roundings: f64,
     closing: LinearCondition,
     trial: Solution,
     weight: Vec<f64>,
@@ -153,6 +157,8 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
             monitor: None,
             work: Work::default(),
             history: History::of_order(ORDER),
+            last: None,
+            roundings: 0.0,
             closing: LinearCondition::default(),
             weight: Vec::new(),
         };
@@ -272,10 +278,20 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
     /// The step after one with a first correction of size `correction`, whose order is that of the prediction: as many
     /// points as are known. Accuracy shortens no step below a quarter of the first: what is left of a correction there is
     /// roundings, which do not shrink with the step, and only longer ones leave them behind.
-    fn step_after(&self, step: f64, correction: f64) -> f64 {
-        let target = self.settings.target_correction;
+    fn step_after(&mut self, step: f64, correction: f64) -> f64 {
+        let order = self.history.len() as f64;
+        if let Some([longer, before]) = self.last
+            && step < 0.8 * longer
+            && correction > 0.5 * before
+            && correction < 100.0 * self.settings.target_correction
+        {
+            // A shorter step that corrects no less: what is left are roundings.
+            self.roundings = self.roundings.max(correction);
+        }
+        self.last = Some([step, correction]);
+        let target = self.settings.target_correction.max(self.roundings);
         let shortest = 0.25 * self.settings.first_step;
-        let ratio = (target / correction.max(1e-300)).powf(1.0 / self.history.len() as f64).clamp(0.3, 2.0);
+        let ratio = (target / correction.max(1e-300)).powf(1.0 / order).clamp(0.3, 2.0);
         let next = step * if correction < 10.0 * target { ratio.max(1.0) } else { ratio };
         if next < shortest { shortest.min(2.0 * step) } else { next }
     }

@@ -1,0 +1,185 @@
+//! Cues that leave both poles alike: those of amplitude 0, which are no cue, and even ones, which keep the pitchfork.
+
+use furrow::batch::{Memo, PhasePlane, Quantisation, SchedulerOptions, phase::PhaseOutcome};
+use furrow::cell::cue::Quantity;
+use furrow::cell::{Cell, Cue, Numerics, Parameter};
+use furrow::cortex::{Cortex, Domain, symmetry};
+use furrow::division::{DivisionInput, Outcome, divide};
+use furrow::lineage::{Ends, Grower, Lineage, Tree, TreeSettings};
+use furrow::shapes::at_rest::Edge;
+use furrow::shapes::critical::BoundaryKind;
+use furrow::shapes::{
+    BranchOptions, CriticalRadii, PointKind, critical_radius, curves, pitchfork, primary, rest_shapes,
+};
+use furrow::stability::{Parity, Stability};
+
+/// Cues of amplitude 0, on the field of the equations' highest derivatives, with a width that the contour's length enters,
+/// and of several terms.
+const IDLE: [&str; 3] = [
+    "kappa:u0=0.465,omega=0.0577,amplitude=0",
+    "kappa:step,u0=0.3,omega=0.4Lh,amplitude=0",
+    "activity:u0=0.4,omega=0.1,amplitude=0+tension:gradient,amplitude=0",
+];
+
+fn idle() -> impl Iterator<Item = Cue> {
+    IDLE.into_iter().map(|text| text.parse().unwrap())
+}
+
+/// An even band, and a pair of steps of which one is the other's mirror image.
+fn even() -> [Cue; 2] {
+    [
+        "kappa:u0=0.5,omega=0.1,amplitude=0.1",
+        "activity:step,u0=0.3,omega=0.1,amplitude=0.1+activity:step,u0=0.7,omega=-0.1,amplitude=0.1",
+    ]
+    .map(|text| text.parse().unwrap())
+}
+
+/// The same branch, boundary, shapes at rest and division to the last bit.
+#[test]
+fn a_cue_without_amplitude_is_no_cue() {
+    let (numerics, options) = (Numerics::default(), BranchOptions { growth_rates: true, ..BranchOptions::default() });
+    let plain = Cell::new(2.0);
+    for cue in idle() {
+        let cell = plain.clone().with_cue(cue.clone());
+        let [a, b] = [&plain, &cell].map(|cell| primary::follow(cell, &numerics, &options, |_| true).unwrap());
+        let [c, d] =
+            [&plain, &cell].map(|cell| curves::boundary_curves(cell, &numerics, Parameter::R0, [2.0, 1.7]).unwrap());
+        let [e, f] = [&plain, &cell].map(|cell| rest_shapes(cell, &numerics, 30.0).unwrap());
+        let [g, h] = [&plain, &cell].map(|cell| divide(&DivisionInput::new(cell.clone())).unwrap());
+        assert!(a == b && c == d && e == f && g == h, "{cue}: {} {} {} {}", a == b, c == d, e == f, g == h);
+        assert_eq!(c.0, PointKind::Pitchfork);
+    }
+}
+
+/// The built-in lineage with one cue in the place of its own, cut at six generations; divisions solved for it.
+fn grow(cue: &Cue, by_critical_radius: bool) -> (Tree, usize) {
+    let mut lineage = Lineage::c_elegans().unwrap().with_cues_replaced("idle", cue);
+    lineage.limits.max_depth = 6;
+    let memo = Memo::new(Quantisation::DEFAULT);
+    let options = SchedulerOptions { threads: 2, ..SchedulerOptions::default() };
+    let rule = Ends::new(CriticalRadii::new(&Numerics::default()));
+    let ends = |cell: &Cell| if by_critical_radius { rule.of(cell) } else { None };
+    let settings = TreeSettings::default();
+    let grown = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options }.grow(divide);
+    let (tree, summary) = grown.unwrap();
+    (tree, summary.solved)
+}
+
+/// The same tree from the same number of divisions: cells with such a cue are found in the memo where those without are,
+/// and critical radii are those without.
+#[test]
+fn a_tree_with_a_cue_without_amplitude_is_the_tree_without() {
+    for by_critical_radius in [false, true] {
+        let (plain, solved) = grow(&Cue::none(), by_critical_radius);
+        assert!(plain.len() > 60 && solved > 10, "{} {solved}", plain.len());
+        for cue in idle() {
+            let (tree, same) = grow(&cue, by_critical_radius);
+            assert_eq!((tree.len(), same), (plain.len(), solved), "{cue}");
+            for (a, b) in tree.cells().zip(plain.cells()) {
+                let (a, b) = (tree.cell(a), plain.cell(b));
+                assert_eq!((&a.name, a.r0, &a.fate), (&b.name, b.r0, &b.fate), "{cue}");
+            }
+        }
+    }
+}
+
+/// The pitchfork of a cell with an even cue is no artefact of the half contour it is computed on: on the whole contour the
+/// odd mode neither grows nor decays there.
+#[test]
+fn even_cues_keep_the_pitchfork() {
+    let (numerics, options) = (Numerics::default(), BranchOptions::default());
+    let without = pitchfork::first(&Cell::new(2.0), &numerics, &options).unwrap().point.xi_s;
+    for cue in even() {
+        let cell = Cell::new(2.0).with_cue(cue.clone());
+        assert!(cell.is_mirror_symmetric());
+        let branch = primary::follow(&cell, &numerics, &options, |_| true).unwrap();
+        let found = branch.pitchforks().next().unwrap();
+        println!("{cue}: pitchfork at {:.6}, without {without:.6}", found.point.xi_s);
+        assert!((found.point.xi_s - without).abs() > 0.05, "the cue moves it");
+        assert!(branch.points.iter().all(|point| point.delta_u == 0.0));
+        let active = Cell { xi_s: found.point.xi_s, ..cell.clone() };
+        let mut half = found.shape.clone();
+        half.scalars.truncate(2);
+        let whole = symmetry::unfold(&half);
+        let spectrum =
+            Stability::new(numerics.stages).leading(&Cortex::new(&active, Domain::Full, &[]), &whole).unwrap();
+        assert!(spectrum.growth_rate().abs() < 1e-5, "{cue}: {spectrum:?}");
+        assert_eq!(spectrum.values[0].parity, Parity::Mixed);
+
+        let (kind, curves_found) = curves::boundary_curves(&cell, &numerics, Parameter::R0, [2.0, 2.2]).unwrap();
+        assert_eq!(kind, PointKind::Pitchfork);
+        assert!((curves_found[0].points[0].xi_s / found.point.xi_s - 1.0).abs() < 1e-7);
+        let shapes = rest_shapes(&cell, &numerics, 30.0).unwrap();
+        let Edge::Pitchfork { xi_s, .. } = shapes.edges[0] else { panic!("{shapes:?}") };
+        assert!((xi_s / found.point.xi_s - 1.0).abs() < 1e-7);
+        assert_eq!(shapes.intervals, [[0.0, xi_s]]);
+    }
+}
+
+/// In a phase diagram a cell with an even cue rests below its pitchfork and divides above, as its divisions say.
+#[test]
+fn phase_diagrams_of_even_cues_have_a_pitchfork() {
+    let [cue, _] = even();
+    let cell = Cell::new(2.0).with_cue(cue);
+    let numerics = Numerics::default();
+    let threshold = pitchfork::first(&cell, &numerics, &BranchOptions::default()).unwrap().point.xi_s;
+    let up = vec![0.985 * threshold, 1.015 * threshold];
+    let plane = PhasePlane { cell, numerics, parameter: Parameter::R0, across: vec![2.0], up, seed: 0 };
+    let memo = Memo::new(Quantisation::EXACT);
+    let diagram = plane.compute(&memo, &SchedulerOptions::default()).unwrap();
+    assert!(
+        matches!(diagram.columns[0].edges[0], Edge::Pitchfork { xi_s, .. } if (xi_s / threshold - 1.0).abs() < 1e-7)
+    );
+    let outcomes: Vec<PhaseOutcome> = diagram.cells.iter().map(|cell| cell.outcome).collect();
+    assert_eq!(outcomes, [PhaseOutcome::Failed, PhaseOutcome::Asymmetric]);
+}
+
+#[test]
+fn divisions_agree_with_the_critical_radius_of_even_cues() {
+    for cue in even() {
+        let cell = Cell::new(1.0).with_cue(cue.clone());
+        let critical = critical_radius(&cell, &Numerics::default()).unwrap();
+        println!("{cue}: critical radius {:.6}", critical.r0);
+        assert_eq!(critical.kind, BoundaryKind::Pitchfork);
+        for (factor, fails) in [(0.985, true), (1.015, false)] {
+            let division = divide(&DivisionInput::new(Cell { r0: factor * critical.r0, ..cell.clone() })).unwrap();
+            assert_eq!(division.outcome == Outcome::Failed, fails, "{cue}: {factor} of {}", critical.r0);
+        }
+    }
+}
+
+/// Where the symmetric branch itself folds, cells with and without a cue are bounded by one curve of folds. Followed from
+/// amplitude 0, where half the contour would do, it leads to the fold of the cue.
+#[test]
+fn boundaries_over_an_amplitude_pass_from_no_cue_to_a_cue() {
+    let numerics = Numerics::default();
+    let amplitude = Parameter::Cue { term: 0, quantity: Quantity::Amplitude };
+    for (r0, epsilon) in [(2.22, 0.56), (3.0, 0.5)] {
+        let cell = Cell { epsilon, ..Cell::new(r0) }.with_cue(Cue::published());
+        let fold = primary::failure_fold(&cell, &numerics, &BranchOptions::default()).unwrap().point.xi_s;
+        for range in [[0.0, 0.1], [0.1, 0.0]] {
+            let (kind, curves_found) = curves::boundary_curves(&cell, &numerics, amplitude, range).unwrap();
+            let end = curves_found[0].points.iter().find(|point| point.value == 0.1).unwrap();
+            assert_eq!(kind, PointKind::Fold);
+            assert!((end.xi_s / fold - 1.0).abs() < 1e-7, "R0 = {r0}, {range:?}: {} {fold}", end.xi_s);
+        }
+    }
+}
+
+/// A cue that is even by a pair of terms is not where one of the two varies.
+#[test]
+fn one_term_of_an_even_pair_breaks_the_symmetry() {
+    let [_, pair] = even();
+    let cell = Cell::new(2.2).with_cue(pair);
+    let amplitude = Parameter::Cue { term: 0, quantity: Quantity::Amplitude };
+    let varied = |value: f64| {
+        let mut cell = cell.clone();
+        amplitude.set(&mut cell, value);
+        primary::failure_fold(&cell, &Numerics::default(), &BranchOptions::default()).unwrap().point.xi_s
+    };
+    let (kind, curves_found) = curves::boundary_curves(&cell, &Numerics::default(), amplitude, [0.15, 0.12]).unwrap();
+    assert_eq!(kind, PointKind::Fold);
+    for (point, value) in [(&curves_found[0].points[0], 0.15), (curves_found[0].points.last().unwrap(), 0.12)] {
+        assert!((point.xi_s / varied(value) - 1.0).abs() < 1e-7, "{point:?}");
+    }
+}
