@@ -60,7 +60,7 @@ fn cues_that_are_none_are_refused() {
     for (arguments, complaint) in [
         (
             &["divide", "--r0", "2", "--cue", "kappa:u0=1.5,omega=0.1,amplitude=0.1"][..],
-            "--cue: kappa.u0 = 1.5: must be above 0 and below 1",
+            "--cue: kappa.u0 = 1.5: must be from 0 to 1",
         ),
         (
             &["divide", "--r0", "2", "--cue", "kappa:u0=0.4,amplitude=0.1"],

@@ -182,7 +182,7 @@ fn bad_input_is_named() {
         assert_eq!(complaint(arguments, 2), format!("furrow: error: {expected}\n"));
     }
     let none = complaint(&["pitchfork", "--r0", "2", "--xi-max", "5"], 1);
-    assert!(none.contains("no pitchfork for xi_s up to 5; search further: raise --xi-max"), "{none}");
+    assert!(none.contains("no pitchfork for xi_s up to 5; raise --xi-max"), "{none}");
 }
 
 /// What may vary is any parameter but the activity, of a cue those it has, in its own range.
@@ -195,11 +195,11 @@ fn what_cannot_vary_is_named() {
         ),
         (
             &["boundary", "--vary", "cue.amplitude", "--from", "0.1", "--to", "0.2", "--r0", "2"],
-            "--vary: vary = cue[0].amplitude: must be a number of the cue, which is none",
+            "--vary: vary = cue[0].amplitude: must be a number of a cue, and none is given: see --cue",
         ),
         (
             &["boundary", "--vary", "cue.u0", "--from", "0.4", "--to", "1.2", "--r0", "2", "--cue", "germline"],
-            "--to: kappa.u0 = 1.2: must be above 0 and below 1",
+            "--to: kappa.u0 = 1.2: must be from 0 to 1",
         ),
         (
             &["boundary", "--vary", "p0", "--from", "0", "--to", "1", "--r0", "2"],
@@ -209,12 +209,16 @@ fn what_cannot_vary_is_named() {
             &["boundary", "--vary", "w", "--from", "0.1", "--to", "0.2", "--r0", "2", "--write", "x.json"],
             "--write: vary = w: must be r0: what is stored is a boundary over R0",
         ),
+        (
+            &["boundary", "--vary", "xi_s", "--from", "5", "--to", "8", "--r0", "2"],
+            "--vary: vary = xi_s: must be another parameter: curves and diagrams run over ξ_s as it is",
+        ),
     ] {
         assert_eq!(complaint(arguments, 2), format!("furrow: error: {expected}\n"));
     }
     let names = "xi_ratio, gain, r0, epsilon, aspect, p0, w, kappa, eta_b, eta_s, friction, tension, \
                  cue.u0, cue.omega, cue.amplitude";
-    for (name, nearest) in [("widht", ""), ("xi_s", ""), ("eta_d", "; did you mean eta_b?")] {
+    for (name, nearest) in [("widht", ""), ("eta_d", "; did you mean eta_b?")] {
         let arguments = ["boundary", "--vary", name, "--from", "5", "--to", "8", "--r0", "2"];
         let expected = format!("furrow: error: --vary: vary = {name:?}: must be one of {names}{nearest}\n");
         assert_eq!(complaint(&arguments, 2), expected);

@@ -5,7 +5,7 @@ mod common;
 use common::fake;
 use furrow::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow::cell::Cue;
-use furrow::io::founder_rows;
+use furrow::io::{FounderRow, founder_rows};
 use furrow::lineage::{Grower, Lineage, Tree, TreeSettings};
 use furrow::report::{founders_table, html};
 
@@ -102,9 +102,9 @@ fn a_cue_in_the_place_of_others_follows_their_rules() {
     let founders = "(name: \"Q\", r0: 5.0, cue_rules: [(cue: \"none\", to_generation: 0), (cue: \"polar\")])";
     let lineage = lineage(" cue_rules: [(cue: \"pull\")],", founders);
     let given: Cue = "friction:gradient,amplitude=0.2".parse().unwrap();
-    let tree = grow(&lineage.clone().with_cues_replaced(&given));
+    let tree = grow(&lineage.clone().with_cues_replaced("slow", &given));
     assert!(tree.cells().all(|id| tree.cell(id).cue == if id == tree.first() { Cue::none() } else { given.clone() }));
-    let tree = grow(&lineage.with_cues_replaced(&Cue::none()));
+    let tree = grow(&lineage.with_cues_replaced("none", &Cue::none()));
     assert!(tree.cells().all(|id| tree.cell(id).cue.is_none()));
 }
 
@@ -186,17 +186,20 @@ fn the_founders_table_has_a_column_of_cues() {
         (name: \"B\", mother: \"Q\", daughter: smaller)";
     let tree = grow(&lineage("", founders));
     let rows = founder_rows(&tree);
-    let seen: Vec<(&str, &str, usize)> =
-        rows.iter().map(|row| (row.name.as_str(), row.cue.as_str(), row.cued_descendants)).collect();
-    assert_eq!(seen, [("Q", "polar", 0), ("A", "none", 2), ("B", "none", 0)]);
+    let below =
+        |row: &FounderRow| row.cued_descendants.iter().map(|(name, n)| format!("{name} {n}")).collect::<String>();
+    let seen: Vec<(&str, &str, String)> =
+        rows.iter().map(|row| (row.name.as_str(), row.cue.as_str(), below(row))).collect();
+    let of = |name: &'static str, cue: &'static str, below: &str| (name, cue, below.to_owned());
+    assert_eq!(seen, [of("Q", "polar", ""), of("A", "none", "pull 2"), of("B", "none", "")]);
     let table = founders_table(&tree, &rows);
-    let column = |line: &str| line.split_whitespace().skip(2).take(2).collect::<Vec<_>>().join(" ");
+    let column = |line: &str| line.split_whitespace().skip(2).take(3).collect::<Vec<_>>().join(" ");
     let lines: Vec<String> = table.lines().skip(5).take(3).map(column).collect();
-    assert!(table.contains("founder      R0  cue      division         χ |"), "{table}");
-    assert_eq!(lines, ["polar asymmetric", "none +2", "none symmetric"], "{table}");
+    assert!(table.contains("founder      R0  cue            division         χ |"), "{table}");
+    assert_eq!(lines, ["polar asymmetric 0.200", "none, pull +2", "none symmetric 0.000"], "{table}");
     for line in ["cue polar: kappa:band,u0=0.4,omega=0.1,amplitude=0.2\n", "cue pull: tension:gradient,amplitude=0.3\n"]
     {
         assert!(table.contains(line), "{table}");
     }
-    assert!(html(&tree, &rows).contains("none +2"));
+    assert!(html(&tree, &rows).contains("none, pull +2"));
 }

@@ -119,7 +119,7 @@ fn numbers_out_of_range() {
     );
     let text =
         "Lineage(name: \"x\", cues: {\"c\": kappa(u0: 1.4, omega: 0.1, amplitude: 0.1)}, founders: [(name: \"A\")])";
-    assert_eq!(complaint(text), "my.ron: cues[\"c\"].kappa.u0 = 1.4: must be above 0 and below 1");
+    assert_eq!(complaint(text), "my.ron: cues[\"c\"].kappa.u0 = 1.4: must be from 0 to 1");
     let text = "Lineage(name: \"x\", limits: (max_depth: 0), founders: [(name: \"A\")])";
     assert_eq!(complaint(text), "my.ron: limits.max_depth = 0: must be from 1 to 100000");
 }
