@@ -13,8 +13,8 @@
 //! Nocedal & Wright, *Numerical Optimization*, Springer 2006, ch. 10.
 
 use bvp::metric::scalar_condition;
+use bvp::svd::{NoSingularValues, Svd};
 use bvp::{Direction, LinearCondition, MinimallyAugmented, SingularError, Solution, SymmetryBreaking};
-use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 use crate::cell::{Cell, Numerics, Parameter};
@@ -138,8 +138,8 @@ pub enum CalibrateError {
         source: SingularError,
     },
     /// The sensitivities have no singular values.
-    #[error("the sensitivity matrix is not finite")]
-    NotFinite,
+    #[error("the sensitivities of the thresholds: {0}")]
+    NotFinite(#[from] NoSingularValues),
     /// The search does not end.
     #[error("the deviations are still {rms:.3e} (rms) and falling after {iterations} steps; start from other values")]
     Stalled {
@@ -335,8 +335,8 @@ fn jacobian(
     cell: &Cell,
     parameters: &[(Parameter, f64)],
     shapes: &[Solution],
-) -> Result<Mat<f64>, CalibrateError> {
-    let mut out = Mat::<f64>::zeros(shapes.len(), parameters.len());
+) -> Result<Vec<Vec<f64>>, CalibrateError> {
+    let mut out = vec![vec![0.0; parameters.len()]; shapes.len()];
     for (index, (t, y)) in targets.thresholds.iter().zip(shapes).enumerate() {
         let cell = t.cell(cell);
         for (k, &(parameter, value)) in parameters.iter().enumerate() {
@@ -345,66 +345,39 @@ fn jacobian(
                 parameter,
                 source,
             })?;
-            out[(index, k)] = t.weight / t.xi_s * slope * unit(parameter, value);
+            out[index][k] = t.weight / t.xi_s * slope * unit(parameter, value);
         }
     }
     Ok(out)
 }
 
-/// Singular values and vectors of the sensitivities.
-struct Decomposition {
-    values: Vec<f64>,
-    /// Left vectors, one a value.
-    left: Vec<Vec<f64>>,
-    /// Right vectors, one a parameter; those beyond the values are not seen by any threshold.
-    right: Vec<Vec<f64>>,
+/// The step −(JᵀJ + λ²)⁻¹ Jᵀ ρ, blind to directions without sensitivity.
+fn step(svd: &Svd, residuals: &[f64], lambda: f64) -> Vec<f64> {
+    let mut out = vec![0.0; svd.right.len()];
+    for (k, &value) in svd.values.iter().enumerate() {
+        if value <= NIL * svd.values[0] {
+            continue;
+        }
+        let along: f64 = svd.left[k].iter().zip(residuals).map(|(u, r)| u * r).sum();
+        let size = -value * along / (value * value + lambda * lambda);
+        out.iter_mut().zip(&svd.right[k]).for_each(|(x, v)| *x += size * v);
+    }
+    let longest = out.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    if longest > LONGEST {
+        out.iter_mut().for_each(|x| *x *= LONGEST / longest);
+    }
+    out
 }
 
-fn decompose(matrix: &Mat<f64>) -> Result<Decomposition, CalibrateError> {
-    let (rows, columns) = (matrix.nrows(), matrix.ncols());
-    let svd = matrix.svd().map_err(|_| CalibrateError::NotFinite)?;
-    let count = rows.min(columns);
-    let (u, s, v) = (svd.U(), svd.S().column_vector(), svd.V());
-    let values: Vec<f64> = (0..count).map(|k| s[k]).collect();
-    if values.iter().any(|v| !v.is_finite()) {
-        return Err(CalibrateError::NotFinite);
-    }
-    Ok(Decomposition {
-        left: (0..count).map(|k| (0..rows).map(|i| u[(i, k)]).collect()).collect(),
-        right: (0..columns).map(|k| (0..columns).map(|i| v[(i, k)]).collect()).collect(),
-        values,
-    })
-}
-
-impl Decomposition {
-    /// The step −(JᵀJ + λ²)⁻¹ Jᵀ ρ, blind to directions without sensitivity.
-    fn step(&self, residuals: &[f64], lambda: f64) -> Vec<f64> {
-        let mut out = vec![0.0; self.right.len()];
-        for (k, &value) in self.values.iter().enumerate() {
-            if value <= NIL * self.values[0] {
-                continue;
-            }
-            let along: f64 = self.left[k].iter().zip(residuals).map(|(u, r)| u * r).sum();
-            let size = -value * along / (value * value + lambda * lambda);
-            out.iter_mut().zip(&self.right[k]).for_each(|(x, v)| *x += size * v);
-        }
-        let longest = out.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        if longest > LONGEST {
-            out.iter_mut().for_each(|x| *x *= LONGEST / longest);
-        }
-        out
-    }
-
-    fn combinations(&self) -> Vec<Combination> {
-        let one = |(k, right): (usize, &Vec<f64>)| {
-            let singular_value = self.values.get(k).copied().unwrap_or(0.0);
-            let determined = singular_value > NIL * self.values[0];
-            // The largest component is positive.
-            let largest = right.iter().fold(0.0f64, |m, v| if v.abs() > m.abs() { *v } else { m });
-            Combination { singular_value, determined, components: right.iter().map(|v| v * largest.signum()).collect() }
-        };
-        self.right.iter().enumerate().map(one).collect()
-    }
+fn combinations(svd: &Svd) -> Vec<Combination> {
+    let one = |(k, right): (usize, &Vec<f64>)| {
+        let singular_value = svd.values.get(k).copied().unwrap_or(0.0);
+        let determined = singular_value > NIL * svd.values[0];
+        // The largest component is positive.
+        let largest = right.iter().fold(0.0f64, |m, v| if v.abs() > m.abs() { *v } else { m });
+        Combination { singular_value, determined, components: right.iter().map(|v| v * largest.signum()).collect() }
+    };
+    svd.right.iter().enumerate().map(one).collect()
 }
 
 /// Finds the parameters that fit the thresholds best, starting from the constants of `cell` and the starts of the unknowns.
@@ -421,10 +394,10 @@ pub fn calibrate(targets: &Targets, cell: &Cell, numerics: &Numerics) -> Result<
     let count = targets.thresholds.len() as f64;
     let decomposition = loop {
         let here = with_values(cell, &parameters);
-        let decomposition = decompose(&jacobian(targets, &here, &parameters, &now.shapes)?)?;
+        let decomposition = Svd::of_rows(&jacobian(targets, &here, &parameters, &now.shapes)?)?;
         let mut damping = lambda.unwrap_or(1e-2 * decomposition.values[0]);
         let settled = loop {
-            let step = decomposition.step(&now.residuals, damping);
+            let step = step(&decomposition, &now.residuals, damping);
             let size = step.iter().fold(0.0f64, |m, v| m.max(v.abs()));
             if size < 1e-11 {
                 break true;
@@ -446,7 +419,7 @@ pub fn calibrate(targets: &Targets, cell: &Cell, numerics: &Numerics) -> Result<
         lambda = Some(if damping < 1e-9 * decomposition.values[0] { 0.0 } else { damping });
         if settled {
             let here = with_values(cell, &parameters);
-            break decompose(&jacobian(targets, &here, &parameters, &now.shapes)?)?;
+            break Svd::of_rows(&jacobian(targets, &here, &parameters, &now.shapes)?)?;
         }
         if iterations >= MOST {
             return Err(CalibrateError::Stalled { iterations, rms: (now.cost / count).sqrt() });
@@ -467,7 +440,7 @@ pub fn calibrate(targets: &Targets, cell: &Cell, numerics: &Numerics) -> Result<
         cell: fitted,
         residuals: targets.thresholds.iter().zip(&last.shapes).map(row).collect(),
         rms: (last.cost / count).sqrt(),
-        combinations: decomposition.combinations(),
+        combinations: combinations(&decomposition),
         parameters,
         iterations,
     })

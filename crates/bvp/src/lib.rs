@@ -12,7 +12,7 @@
 //! | [`metric`], [`predictor`], [`continuation`], [`work`] | branches by pseudo-arclength, and what they cost |
 //! | [`derivatives`], [`singularity`], [`fold`], [`symmetry_breaking`] | what vanishes at a fold, at a pitchfork |
 //! | [`minimally_augmented`], [`locate`], [`normal_form`], [`two_parameter`] | singular points as roots, their normal forms, curves of them |
-//! | [`eigen`] | extreme eigenvalues by Arnoldi iteration |
+//! | [`eigen`], [`svd`] | extreme eigenvalues by Arnoldi iteration; singular values of sensitivities |
 
 mod block;
 mod condense;
@@ -36,6 +36,7 @@ pub mod singularity;
 pub mod solution;
 pub mod solver;
 mod stages;
+pub mod svd;
 pub mod symmetry_breaking;
 pub mod system;
 pub mod two_parameter;
