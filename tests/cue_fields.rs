@@ -47,11 +47,9 @@ fn images(r0: f64, cue: &Cue, numerics: Numerics) -> Images {
 }
 
 impl Images {
-    /// Whether they are mirror images: as exactly as `allowed` if their paths are the same, else to the error of the time
-    /// stepping, whose tolerance is 5e-5.
-    fn agree(&self, allowed: [f64; 3]) -> bool {
-        let allowed = if self.same_path { allowed } else { [1e-4; 3] };
-        self.deviation.iter().zip(allowed).all(|(found, allowed)| *found < allowed)
+    /// Whether they are mirror images to rounding, as the growing modes of the largest cell multiply it.
+    fn agree(&self) -> bool {
+        self.same_path && self.deviation.iter().all(|found| *found < 1e-9)
     }
 }
 
@@ -87,24 +85,22 @@ fn mirrored_cues_mirror_the_division() {
     }
 }
 
-/// Without noise what is left comes from the mesh: shapes are carried from one mesh to the next by the collocation
-/// polynomials, which go through the left node of an interval and not through the right one. On the usual mesh that is up to
-/// 9e-6 in χ, and a hundredth of it on one twice as fine, of the order of what Newton's tolerance of 3e-8 a step can give.
-/// Twice to five times as much is allowed. Where it makes one image reject a step that the other takes, their paths part.
+/// Without noise the mirror image of a division is one to rounding: 2e-11 in the largest cell, whose odd modes grow most,
+/// and 2e-12 elsewhere. Meshes are moved, and shapes carried from one to the next, in ways that the mirror does not change.
 #[test]
 fn without_noise_mirrored_cues_mirror_the_division() {
     let usual = Numerics { noise: 0.0, ..Numerics::default() };
     let fine = Numerics { intervals: 2 * usual.intervals, ..usual };
-    for (numerics, allowed) in [(usual, [2e-5, 6e-6, 2e-6]), (fine, [4e-7, 1e-7, 1e-7])] {
-        let found: Vec<Images> = table().iter().map(|(r0, cue)| images(*r0, cue, numerics)).collect();
-        assert!(found.iter().all(|images| images.agree(allowed)), "{} intervals", numerics.intervals);
-        let same = found.iter().filter(|images| images.same_path).count();
-        assert!(2 * same > found.len(), "{same} of {} on the same path", found.len());
+    for numerics in [usual, fine] {
+        for (r0, cue) in table() {
+            let images = images(r0, &cue, numerics);
+            assert!(images.agree(), "R0 = {r0}, {cue}: {:?}", images.deviation);
+        }
     }
 }
 
 /// Every field with every profile divides a cell unequally that would divide equally without, and its mirror image the other
-/// way round, as exactly as above. A new field or profile is covered as soon as it is in the lists.
+/// way round, to rounding. A new field or profile is covered as soon as it is in the lists.
 #[test]
 fn every_field_with_every_profile_mirrors() {
     let numerics = Numerics { noise: 0.0, ..Numerics::default() };
@@ -115,7 +111,7 @@ fn every_field_with_every_profile_mirrors() {
             let cue: Cue = format!("{}:{profile},{place}amplitude=0.1", field.name()).parse().unwrap();
             let images = images(3.0, &cue, numerics);
             assert!(images.chi.abs() > 1e-3, "{cue} does nothing: {}", images.chi);
-            assert!(images.agree([2e-5, 6e-6, 2e-6]), "{cue}: {:?}", images.deviation);
+            assert!(images.agree(), "{cue}: {:?}", images.deviation);
         }
     }
 }

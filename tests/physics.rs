@@ -95,7 +95,7 @@ fn vanish(found: &[(String, [f64; 2])]) {
     assert!(sizes[sizes.len() / 2] < 5e-6, "{sizes:?}");
 }
 
-/// Without noise, which has a side of its own.
+/// Without noise, which has a side of its own, and to rounding: nothing in the solver has a side.
 #[test]
 fn mirror_images_divide_as_mirror_images() {
     let image = |cell: &Cell| {
@@ -104,7 +104,11 @@ fn mirror_images_divide_as_mirror_images() {
         let chi = a.chi_signed.zip(b.chi_signed).map_or(0.0, |(a, b)| (a + b).abs());
         (name(cell), [chi, (a.t_end / b.t_end - 1.0).abs()])
     };
-    vanish(&cells(24).iter().filter(|cell| !cell.is_mirror_symmetric()).map(image).collect::<Vec<_>>());
+    let cells = cells(24).into_iter().filter(|cell| !cell.is_mirror_symmetric());
+    for (name, found) in cells.map(|cell| image(&cell)) {
+        println!("{name}: {found:?}");
+        assert!(found.iter().all(|found| *found < 1e-8), "{name}: {found:?}");
+    }
 }
 
 /// How far χ and t_end of a cell are from those of another that physics cannot tell from it.

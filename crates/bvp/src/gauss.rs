@@ -32,6 +32,8 @@ pub struct Gauss {
     pub d: Vec<f64>,
     /// Barycentric weights of the points {0, c_1 … c_m}; length m + 1.
     barycentric: Vec<f64>,
+    /// Barycentric weights of the points {0, c_1 … c_m, 1}; length m + 2.
+    barycentric_between_nodes: Vec<f64>,
 }
 
 /// Value and derivative of the Legendre polynomial P_m at x.
@@ -75,6 +77,30 @@ pub fn gauss_rule(m: usize) -> (Vec<f64>, Vec<f64>) {
     (c, b)
 }
 
+/// Π_k≠i 1 / (x_i − x_k) of every point.
+fn barycentric_weights(points: &[f64]) -> Vec<f64> {
+    let product = |i: usize| (0..points.len()).filter(|&k| k != i).map(|k| points[i] - points[k]).product::<f64>();
+    (0..points.len()).map(|i| 1.0 / product(i)).collect()
+}
+
+/// Values at θ of the Lagrange basis on `point`(0), `point`(1), …, one for each of the barycentric `weights`.
+fn lagrange_basis(point: impl Fn(usize) -> f64, weights: &[f64], theta: f64, out: &mut [f64]) {
+    let out = &mut out[..weights.len()];
+    for i in 0..weights.len() {
+        if theta == point(i) {
+            out.fill(0.0);
+            out[i] = 1.0;
+            return;
+        }
+    }
+    let mut sum = 0.0;
+    for (i, o) in out.iter_mut().enumerate() {
+        *o = weights[i] / (theta - point(i));
+        sum += *o;
+    }
+    out.iter_mut().for_each(|o| *o /= sum);
+}
+
 impl Gauss {
     /// The m-stage method, 1 ≤ m ≤ [`MAX_STAGES`].
     ///
@@ -95,30 +121,32 @@ impl Gauss {
         }
         let d_matrix = inverse(m, &a);
         let d = (0..m).map(|k| (0..m).map(|j| b[j] * d_matrix[j * m + k]).sum()).collect();
-        let points: Vec<f64> = std::iter::once(0.0).chain(c.iter().copied()).collect();
-        let barycentric = (0..=m)
-            .map(|i| 1.0 / (0..=m).filter(|&k| k != i).map(|k| points[i] - points[k]).product::<f64>())
-            .collect();
-        Gauss { m, c, b, a, d_matrix, d, barycentric }
+        let mut points = vec![0.0];
+        points.extend(&c);
+        let barycentric = barycentric_weights(&points);
+        points.push(1.0);
+        let barycentric_between_nodes = barycentric_weights(&points);
+        Gauss { m, c, b, a, d_matrix, d, barycentric, barycentric_between_nodes }
     }
 
     /// Values at θ of the Lagrange basis on {0, c_1 … c_m}; the first entry multiplies the node value. `out` has length
     /// m + 1.
     pub fn basis(&self, theta: f64, out: &mut [f64]) {
         let point = |i: usize| if i == 0 { 0.0 } else { self.c[i - 1] };
-        for i in 0..=self.m {
-            if theta == point(i) {
-                out.fill(0.0);
-                out[i] = 1.0;
-                return;
-            }
-        }
-        let mut sum = 0.0;
-        for (i, o) in out.iter_mut().enumerate().take(self.m + 1) {
-            *o = self.barycentric[i] / (theta - point(i));
-            sum += *o;
-        }
-        out.iter_mut().take(self.m + 1).for_each(|o| *o /= sum);
+        lagrange_basis(point, &self.barycentric, theta, out);
+    }
+
+    /// Values at θ of the Lagrange basis on {0, c_1 … c_m, 1}, between both nodes of an interval. `out` has length m + 2.
+    ///
+    /// The collocation polynomial of a solution goes through its right node by itself. Where values only approximate one,
+    /// as after a change of the mesh, this basis treats the two ends alike and [`basis`](Self::basis) does not.
+    pub fn basis_between_nodes(&self, theta: f64, out: &mut [f64]) {
+        let point = |i: usize| match i {
+            0 => 0.0,
+            i if i > self.m => 1.0,
+            i => self.c[i - 1],
+        };
+        lagrange_basis(point, &self.barycentric_between_nodes, theta, out);
     }
 
     /// Derivatives with respect to θ of the same basis. `out` has length m + 1.

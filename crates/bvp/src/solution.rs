@@ -112,6 +112,17 @@ impl Solution {
         self.combine(i, &basis, out);
     }
 
+    /// The polynomial of degree m + 1 through both nodes and the stages of interval i at θ ∈ [0, 1].
+    fn eval_between_nodes(&self, gauss: &Gauss, i: usize, theta: f64, out: &mut [f64]) {
+        let mut basis = [0.0; MAX_STAGES + 2];
+        gauss.basis_between_nodes(theta, &mut basis);
+        self.combine(i, &basis, out);
+        let (weight, right) = (basis[self.m + 1], self.node(i + 1));
+        for (c, o) in out.iter_mut().enumerate() {
+            *o += weight * right[c];
+        }
+    }
+
     fn combine(&self, i: usize, basis: &[f64], out: &mut [f64]) {
         let y0 = self.node(i);
         for (c, o) in out.iter_mut().enumerate() {
@@ -125,7 +136,9 @@ impl Solution {
         }
     }
 
-    /// The same function on another mesh of the same stage count, by evaluating the collocation polynomial.
+    /// The same function on another mesh of the same stage count, by the polynomials through both nodes and the stages of
+    /// each interval. For a solution they are its collocation polynomials; for values that only approximate one, such as
+    /// those carried over before, they treat left and right alike: a mirrored problem stays a mirrored problem.
     pub fn on_mesh(&self, gauss: &Gauss, mesh: &[f64]) -> Solution {
         let mut out = Solution {
             components: self.components,
@@ -160,7 +173,7 @@ impl Solution {
             if x == self.mesh[from + 1] {
                 value.copy_from_slice(self.node(from + 1));
             } else {
-                self.eval_in(gauss, from, (x - self.mesh[from]) / (self.mesh[from + 1] - self.mesh[from]), value);
+                self.eval_between_nodes(gauss, from, (x - self.mesh[from]) / (self.mesh[from + 1] - self.mesh[from]), value);
             }
         };
         for i in 0..mesh.len() {
