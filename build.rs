@@ -11,8 +11,9 @@ use std::{
 ///
 /// A change to the code of any of them gives a new fingerprint, a change to its comments or tests does not. Whatever the
 /// files here import must be here too; `tests/fingerprint.rs` checks it.
-pub const SOLVER_SOURCES: [&str; 9] = [
+pub const SOLVER_SOURCES: [&str; 10] = [
     "crates/bvp/src",
+    "crates/spectra/src",
     "src/batch/division.rs",
     "src/cell",
     "src/cortex",

@@ -13,9 +13,9 @@
 //! Nocedal & Wright, *Numerical Optimization*, Springer 2006, ch. 10.
 
 use bvp::metric::scalar_condition;
-use bvp::svd::{NoSingularValues, Svd};
 use bvp::{Direction, LinearCondition, MinimallyAugmented, SingularError, Solution, SymmetryBreaking};
 use serde::{Deserialize, Serialize};
+use spectra::{NoSingularValues, Svd};
 
 use crate::cell::{Cell, Numerics, Parameter};
 use crate::cortex::observables::elongation;

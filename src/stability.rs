@@ -18,8 +18,8 @@
 //! Saad, *Numerical Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 6 and 8. Physics of the pencil: the paper's
 //! criterion dis(t) = ‖r − r₀‖ + ‖z − z₀‖ decides the same by evolving a disturbance.
 
-use bvp::eigen::{Arnoldi, Krylov, NoEigenvalues, RitzValue};
 use bvp::{AntisymmetricEnd, BoundaryValueProblem, Direction, PivotFailure, Residual, Solution, System};
+use spectra::{Arnoldi, Krylov, NoEigenvalues, RitzValue};
 
 use crate::cortex::equations::{COMPONENTS, LENGTH, M, PSI, R, Z};
 use crate::cortex::observables::positions;

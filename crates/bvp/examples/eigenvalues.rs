@@ -3,8 +3,8 @@
 
 use std::f64::consts::PI;
 
-use bvp::eigen::{Arnoldi, Krylov};
 use bvp::{Direction, LinearCondition, System, metric};
+use spectra::{Arnoldi, Krylov};
 
 #[path = "problems/oscillator.rs"]
 mod oscillator;

@@ -12,7 +12,6 @@
 //! | [`metric`], [`predictor`], [`continuation`], [`work`] | branches by pseudo-arclength, and what they cost |
 //! | [`derivatives`], [`singularity`], [`fold`], [`symmetry_breaking`] | what vanishes at a fold, at a pitchfork |
 //! | [`minimally_augmented`], [`locate`], [`normal_form`], [`two_parameter`] | singular points as roots, their normal forms, curves of them |
-//! | [`eigen`], [`svd`] | extreme eigenvalues by Arnoldi iteration; singular values of sensitivities |
 
 mod block;
 mod condense;
@@ -20,7 +19,6 @@ pub mod continuation;
 mod dense;
 pub mod derivatives;
 pub mod direction;
-pub mod eigen;
 pub mod fold;
 pub mod gauss;
 mod kernels;
@@ -36,7 +34,6 @@ pub mod singularity;
 pub mod solution;
 pub mod solver;
 mod stages;
-pub mod svd;
 pub mod symmetry_breaking;
 pub mod system;
 pub mod two_parameter;

@@ -173,7 +173,12 @@ impl Solution {
             if x == self.mesh[from + 1] {
                 value.copy_from_slice(self.node(from + 1));
             } else {
-                self.eval_between_nodes(gauss, from, (x - self.mesh[from]) / (self.mesh[from + 1] - self.mesh[from]), value);
+                self.eval_between_nodes(
+                    gauss,
+                    from,
+                    (x - self.mesh[from]) / (self.mesh[from + 1] - self.mesh[from]),
+                    value,
+                );
             }
         };
         for i in 0..mesh.len() {

@@ -220,3 +220,31 @@ fn ends_are_the_ends_of_the_first_and_last_polynomials() {
         }
     }
 }
+
+/// Values of a mirrored function: y(−x).
+fn mirrored(y: &Solution) -> Solution {
+    let reversed = |values: &[f64]| values.chunks(y.components).rev().flatten().copied().collect();
+    Solution {
+        mesh: y.mesh.iter().rev().map(|x| -x).collect(),
+        nodes: reversed(&y.nodes),
+        stages: reversed(&y.stages),
+        ..y.clone()
+    }
+}
+
+/// A problem that is its own mirror image must not find out from a change of mesh which of its ends is the left one, even
+/// for values that are no collocation solution.
+#[test]
+fn transfers_do_not_know_left_from_right() {
+    for m in 1..=MAX_STAGES {
+        let gauss = Gauss::new(m);
+        let mut random = Random(80 + m as u64);
+        let mesh = random.mesh(6);
+        let y = rough(m, mesh.clone(), &mut random);
+        let there = mesh::halved(&mesh::uniform(mesh[0], mesh[6], 5));
+        let back: Vec<f64> = there.iter().rev().map(|x| -x).collect();
+        let (one, other) = (y.on_mesh(&gauss, &there), mirrored(&mirrored(&y).on_mesh(&gauss, &back)));
+        assert!(distance(&one.nodes, &other.nodes) < 1e-10, "m={m}: {}", distance(&one.nodes, &other.nodes));
+        assert!(distance(&one.stages, &other.stages) < 1e-10, "m={m}: {}", distance(&one.stages, &other.stages));
+    }
+}

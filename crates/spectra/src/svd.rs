@@ -30,13 +30,13 @@ impl Svd {
     ///
     /// # Examples
     /// ```
-    /// use bvp::svd::Svd;
+    /// use spectra::Svd;
     /// // Two points that both see the sum of two parameters, and nothing else.
     /// let svd = Svd::of_rows(&[vec![3.0, 3.0], vec![4.0, 4.0]])?;
     /// assert!((svd.values[0] - 50.0f64.sqrt()).abs() < 1e-14 && svd.values[1] < 1e-14);
     /// let open = &svd.right[1];
     /// assert!((open[0] + open[1]).abs() < 1e-14);
-    /// # Ok::<(), bvp::svd::NoSingularValues>(())
+    /// # Ok::<(), spectra::NoSingularValues>(())
     /// ```
     pub fn of_rows(rows: &[Vec<f64>]) -> Result<Svd, NoSingularValues> {
         let columns = rows.first().map_or(0, Vec::len);

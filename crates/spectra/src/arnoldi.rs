@@ -51,7 +51,7 @@ impl Arnoldi {
     ///
     /// # Examples
     /// ```
-    /// use bvp::eigen::{Arnoldi, Krylov};
+    /// use spectra::{Arnoldi, Krylov};
     /// // Eigenvalues 1, 1/2, 1/4, …
     /// let apply = |from: &[f64], to: &mut [f64]| {
     ///     to.iter_mut().zip(from).enumerate().for_each(|(k, (to, from))| *to = 0.5f64.powi(k as i32) * from);
@@ -60,7 +60,7 @@ impl Arnoldi {
     /// for (value, exact) in found.iter().zip([1.0, 0.5, 0.25]) {
     ///     assert!((value.re - exact).abs() < 1e-9 && value.im == 0.0);
     /// }
-    /// # Ok::<(), bvp::eigen::EigenError>(())
+    /// # Ok::<(), spectra::EigenError>(())
     /// ```
     pub fn largest(
         &self,
@@ -123,13 +123,13 @@ impl Krylov {
     /// The largest real eigenvalue of a rotation beside a decay by 0.9, as soon as it is known to 1e-10:
     ///
     /// ```
-    /// use bvp::eigen::Krylov;
+    /// use spectra::Krylov;
     /// let apply = |from: &[f64], to: &mut [f64]| to.copy_from_slice(&[-from[1], from[0], 0.9 * from[2]]);
     /// let found = Krylov::default().run(&[1.0; 3], 3, apply, |values, _| {
     ///     values.iter().find(|v| v.im == 0.0 && v.residual < 1e-10).map(|v| v.re)
     /// })?;
     /// assert!((found.unwrap() - 0.9).abs() < 1e-12);
-    /// # Ok::<(), bvp::eigen::NoEigenvalues>(())
+    /// # Ok::<(), spectra::NoEigenvalues>(())
     /// ```
     pub fn run<T>(
         &mut self,

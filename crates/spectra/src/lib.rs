@@ -1,0 +1,7 @@
+#![doc = include_str!("../README.md")]
+
+pub mod arnoldi;
+pub mod svd;
+
+pub use arnoldi::{Arnoldi, EigenError, Krylov, NoEigenvalues, RitzValue};
+pub use svd::{NoSingularValues, Svd};
