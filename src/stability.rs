@@ -121,6 +121,10 @@ pub enum StabilityError {
     },
 }
 
+/// Steps of the power iteration for one mode: each leaves a third of what is nearest to it, and far less of what decays at
+/// the cell's own pace.
+const DIRECTION_STEPS: usize = 12;
+
 /// Growth rates further than this many shifts from the shift are left to other shifts.
 const REACH: f64 = 50.0;
 
@@ -181,6 +185,45 @@ impl Stability {
         let (near, mut spectrum) = self.within_reach(&mut fixed, &state, 1)?;
         self.add_fast(&mut fixed, &state, near, 1, &mut spectrum)?;
         Ok(spectrum.growth_rate())
+    }
+
+    /// The mode that grows at `growth` > 0, the rightmost rate of the stationary state `y`: the change of the whole state
+    /// that goes with it, of length 1 in the L² norm of (r, z) over u. Its sign is that of chance.
+    ///
+    /// # Errors
+    /// A factorisation that fails.
+    pub fn unstable_direction(
+        &mut self,
+        cortex: &Cortex,
+        y: &Solution,
+        growth: f64,
+    ) -> Result<Direction, StabilityError> {
+        let (mut fixed, state) = freeze(cortex, y);
+        // A step at a rate just above the mode's own magnifies it threefold, and what decays hardly at all.
+        let shift = 1.5 * growth;
+        let failed = |f: PivotFailure| StabilityError::Factorisation { shift, column: f.column };
+        self.linearise(&mut fixed, &state, shift).map_err(failed)?;
+        self.system.factor_blocks(&[]).map_err(failed)?;
+        self.right_hand_side = self.system.zero_residual();
+        let mut mode: Vec<f64> = (0..self.weights.len()).map(|k| 1.0 + k as f64).collect();
+        let mut next = mode.clone();
+        for _ in 0..DIRECTION_STEPS {
+            self.apply(Parity::Mixed, &mode, &mut next);
+            let largest = next.iter().fold(0.0f64, |most, w| most.max(w.abs()));
+            if !(largest.is_finite() && largest > 0.0) {
+                return Err(StabilityError::Factorisation { shift, column: 0 });
+            }
+            mode.iter_mut().zip(&next).for_each(|(mode, next)| *mode = next / largest);
+        }
+        let mut out = self.update.clone();
+        let size: f64 = (out.stages.chunks_exact(COMPONENTS).zip(&self.weights))
+            .map(|(s, weight)| weight * (s[R] * s[R] + s[Z] * s[Z]))
+            .sum();
+        let scale = 1.0 / size.sqrt();
+        for values in [&mut out.nodes, &mut out.stages, &mut out.scalars] {
+            values.iter_mut().for_each(|v| *v *= scale);
+        }
+        Ok(out)
     }
 
     /// Modes too fast for `shift` to see: a neck pinches at the rate its own curvature sets, whatever the cell's size.

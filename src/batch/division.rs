@@ -1,8 +1,8 @@
 //! What a division is to this floor: a task whose size is the cell's radius, and a record of fixed length.
 //!
 //! ```text
-//! 0        1      8                   92   200
-//! outcome  flags  8 reals, 5 counts   0…
+//! 0        1      8                   100  200
+//! outcome  flags  9 reals, 5 counts   0…
 //! ```
 //! Numbers are little-endian, reals by their bits, so that what is read is bit for bit what was solved.
 
@@ -100,6 +100,7 @@ impl Record for Division {
             t_end,
             daughters,
             growth_rate,
+            slow_growth_rate,
             volume_drift,
             work: Work { steps, rejected, iterations, factorisations, remeshings },
         } = self;
@@ -109,17 +110,24 @@ impl Record for Division {
             Outcome::Asymmetric => 1,
             Outcome::Failed => 2,
         };
-        let present =
-            [chi.is_some(), chi_signed.is_some(), u_furrow.is_some(), daughters.is_some(), growth_rate.is_some()];
+        let present = [
+            chi.is_some(),
+            chi_signed.is_some(),
+            u_furrow.is_some(),
+            daughters.is_some(),
+            growth_rate.is_some(),
+            slow_growth_rate.is_some(),
+        ];
         payload[1] = present.iter().enumerate().map(|(bit, &some)| u8::from(some) << bit).sum();
-        let [anterior, posterior] = daughters.unwrap_or_default();
+        let [below, above] = daughters.unwrap_or_default();
         let reals = [
             chi.unwrap_or_default(),
             chi_signed.unwrap_or_default(),
             u_furrow.unwrap_or_default(),
-            anterior,
-            posterior,
+            below,
+            above,
             growth_rate.unwrap_or_default(),
+            slow_growth_rate.unwrap_or_default(),
             *t_end,
             *volume_drift,
         ];
@@ -141,7 +149,7 @@ impl Record for Division {
         };
         let flags = payload[1];
         let mut numbers = Numbers(&payload[NUMBERS..]);
-        let [chi, chi_signed, u_furrow, anterior, posterior, growth_rate, t_end, volume_drift] =
+        let [chi, chi_signed, u_furrow, below, above, growth_rate, slow_growth_rate, t_end, volume_drift] =
             std::array::from_fn(|_| f64::from_bits(u64::from_le_bytes(numbers.next())));
         let [steps, rejected, iterations, factorisations, remeshings] =
             std::array::from_fn(|_| u32::from_le_bytes(numbers.next()) as usize);
@@ -151,8 +159,9 @@ impl Record for Division {
             chi_signed: (flags & 2 != 0).then_some(chi_signed),
             u_furrow: (flags & 4 != 0).then_some(u_furrow),
             t_end,
-            daughters: (flags & 8 != 0).then_some([anterior, posterior]),
+            daughters: (flags & 8 != 0).then_some([below, above]),
             growth_rate: (flags & 16 != 0).then_some(growth_rate),
+            slow_growth_rate: (flags & 32 != 0).then_some(slow_growth_rate),
             volume_drift,
             work: Work { steps, rejected, iterations, factorisations, remeshings },
         })
@@ -228,7 +237,7 @@ mod tests {
 
     fn bits(division: &Division) -> Vec<Option<u64>> {
         let d = division;
-        let mut reals = vec![d.chi, d.chi_signed, d.u_furrow, d.growth_rate, Some(d.t_end), Some(d.volume_drift)];
+        let mut reals = vec![d.chi, d.chi_signed, d.u_furrow, d.growth_rate, d.slow_growth_rate, Some(d.t_end), Some(d.volume_drift)];
         reals.extend([d.daughters.map(|[a, _]| a), d.daughters.map(|[_, p]| p)]);
         reals.into_iter().map(|real| real.map(f64::to_bits)).collect()
     }
@@ -257,7 +266,7 @@ mod tests {
         fn a_division_comes_back_bit_for_bit(
             outcome in 0..3_usize,
             reals in vec(any::<u64>().prop_map(f64::from_bits), 4),
-            maybe in vec(option::of(any::<u64>().prop_map(f64::from_bits)), 5),
+            maybe in vec(option::of(any::<u64>().prop_map(f64::from_bits)), 6),
             counts in any::<[u32; 5]>().prop_map(|counts| counts.map(|count| count as usize)),
         ) {
             let division = Division {
@@ -268,6 +277,7 @@ mod tests {
                 t_end: reals[0],
                 daughters: maybe[3].map(|_| [reals[1], reals[2]]),
                 growth_rate: maybe[4],
+                slow_growth_rate: maybe[5],
                 volume_drift: reals[3],
                 work: Work {
                     steps: counts[0],

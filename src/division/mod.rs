@@ -5,12 +5,14 @@
 //! | [`run`] | one division: noise, steps, pinch-off or rest |
 //! | [`stepper`] | backward differentiation formulas on a moving mesh |
 //! | [`noise`] | the seeded noise of the first step |
+//! | [`slow`] | cells that wait at a stationary shape for longer than can be waited for |
 //! | [`outcome`] | how a division ended: [`Division`], the one record of it |
 //! | [`statistics`] | what several divisions say together |
 
 pub mod noise;
 pub mod outcome;
 pub mod run;
+pub mod slow;
 pub mod statistics;
 pub mod stepper;
 

@@ -57,6 +57,10 @@ pub struct Division {
     /// Leading growth rate of the final state where the outcome is `failed` (negative: stable), in 1/τ.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub growth_rate: Option<f64>,
+    /// For a cell just above the threshold of division: growth rate σ of the stationary shape at which it waited for longer
+    /// than `t_max` allows, in 1/τ. The wait, ln(amplitude after/amplitude before)/σ, is in `t_end`.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub slow_growth_rate: Option<f64>,
     /// Largest relative deviation of the cell volume over the whole division.
     pub volume_drift: f64,
     /// Work it took.
@@ -130,6 +134,16 @@ pub enum DivisionError {
         dt: f64,
         /// What stopped it.
         source: StepFailure,
+    },
+    /// The cell is too near the threshold of division for its outcome to be told.
+    #[error(
+        "the cell with R0 = {r0} is at the threshold of division: what grows at {growth_rate:.1e}/τ from its stationary shape leads nowhere; change R0, epsilon or xi_s in the seventh digit"
+    )]
+    Critical {
+        /// Radius R0.
+        r0: f64,
+        /// Growth rate of the stationary shape, in 1/τ.
+        growth_rate: f64,
     },
     /// The cell neither divided nor came to rest in the time allowed.
     #[error("the cell with R0 = {r0} neither divided nor came to rest within t = {t_max}; raise t_max")]

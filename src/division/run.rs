@@ -5,6 +5,7 @@ use bvp::{Newton, Solution, System, Work, mesh};
 
 use super::DivisionInput;
 use super::noise;
+use super::slow;
 use super::outcome::{Division, DivisionError, Outcome, StepFailure};
 use super::stepper::{MAX_ORDER, Stepper, parity_norm};
 use crate::cell::{Cell, Numerics};
@@ -16,6 +17,8 @@ use crate::shapes::error::CellName;
 use crate::shapes::passive;
 use crate::stability::Stability;
 
+/// Longest first step after a wait at a saddle, in τ: no growing mode is as fast as that there.
+const FIRST_LEAP: f64 = 1.0;
 /// Length of the first two steps, in τ; the noise lasts for the first.
 pub const FIRST_STEP: f64 = 1e-3;
 /// Largest relative narrowing of the neck per step.
@@ -33,8 +36,16 @@ const REST_SPEED: f64 = 1e-2;
 const REST_DISTANCE: f64 = 2e-3;
 /// A saddle that grows more slowly than this, in 1/τ, is left on a finer mesh: its growth rate must be right.
 const NEAR_CRITICAL: f64 = 0.1;
+/// Below this, in 1/τ, a growth rate is looked at on finer and finer meshes until it is known to a hundredth.
+const CRITICAL: f64 = 1e-4;
+/// Most halvings of a mesh for it.
+const MOST_HALVINGS: u32 = 4;
 /// Time between two looks for a stationary state, in τ.
 const REST_INTERVAL: f64 = 0.5;
+/// What grows needs several times 1/σ to leave a saddle.
+const STAY: f64 = 5.0;
+/// Time that a cell which has left a saddle is given to divide or come to rest elsewhere, in 1/σ.
+const AFTERWARDS: f64 = 1e3;
 
 /// What an observer of a division sees after every accepted step.
 #[derive(Clone, Copy, Debug)]
@@ -78,6 +89,8 @@ pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)
         neck: None,
         neck_rate: 0.0,
         next_rest_check: 0.0,
+        t_max: numerics.t_max,
+        slow_growth_rate: None,
     };
     run.first_step(&mut stepper, noise::coefficients(*seed, numerics.noise))?;
     loop {
@@ -89,11 +102,14 @@ pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)
         {
             return Ok(run.divided(&stepper, neck, numerics.chi_symmetric));
         }
-        if let Some(growth_rate) = run.at_rest(&mut stepper) {
-            return Ok(run.failed(&stepper, growth_rate));
+        if let Some(rest) = run.rest(&mut stepper) {
+            if rest.growth_rate < 0.0 {
+                return Ok(run.failed(&stepper, rest.growth_rate));
+            }
+            run.stay(&mut stepper, &rest);
         }
-        if stepper.levels[0].t > numerics.t_max {
-            return Err(DivisionError::Undecided { r0: cell.r0, t_max: numerics.t_max });
+        if stepper.levels[0].t > run.t_max {
+            return Err(run.undecided(cell.r0));
         }
         run.prepare_mesh(&mut stepper);
     }
@@ -137,6 +153,21 @@ struct Run {
     neck: Option<Neck>,
     neck_rate: f64,
     next_rest_check: f64,
+    /// Largest time, in τ; later than that of the numerics for a cell that has waited at a saddle.
+    t_max: f64,
+    /// Growth rate of that saddle.
+    slow_growth_rate: Option<f64>,
+}
+
+/// A stationary shape next to that of the cell, on a finer mesh than the division's.
+struct Rest {
+    /// The cell's own shape on that mesh.
+    here: Solution,
+    stationary: Solution,
+    /// Its leading growth rate, in 1/τ.
+    growth_rate: f64,
+    /// How many times every interval of the division's mesh is halved.
+    halvings: u32,
 }
 
 impl Run {
@@ -239,20 +270,35 @@ impl Run {
         stepper.adapt(self.parity, 1.5);
     }
 
-    /// Whether the shape has come to rest in a stable stationary state; its growth rate if so.
+    /// The stationary state that the shape has come near to, if it has.
     ///
-    /// A slow shape is only a hint: near a saddle it is slow too. The stationary state next to it is solved for and its
+    /// A slow shape is only a hint: near a saddle it is slow too. The stationary state next to it is solved for, and its
     /// leading growth rate decides.
-    fn at_rest(&mut self, stepper: &mut Stepper) -> Option<f64> {
+    fn rest(&mut self, stepper: &mut Stepper) -> Option<Rest> {
         let (t, speed) = (stepper.levels[0].t, stepper.speed());
         if speed > REST_SPEED || t < self.next_rest_check {
             return None;
         }
         self.next_rest_check = t + REST_INTERVAL;
-        let here = &stepper.levels[0].y;
-        let mut cortex = Cortex::new(&stepper.cortex.cell, Domain::Full, &[]);
+        let mut rest = self.stationary_near(stepper, 1)?;
         // The mesh of the division is coarse; near the critical radius its growth rate may have the wrong sign.
-        let start = here.on_mesh(&stepper.system.gauss, &mesh::halved(&here.mesh));
+        while rest.growth_rate.abs() < CRITICAL && rest.halvings < MOST_HALVINGS {
+            let finer = self.stationary_near(stepper, rest.halvings + 1)?;
+            let change = (finer.growth_rate - rest.growth_rate).abs();
+            rest = finer;
+            if change < 0.01 * rest.growth_rate.abs() {
+                break;
+            }
+        }
+        (rest.growth_rate != 0.0 && rest.growth_rate.is_finite()).then_some(rest)
+    }
+
+    /// The stationary state next to the shape, on the division's mesh with every interval halved so many times.
+    fn stationary_near(&self, stepper: &Stepper, halvings: u32) -> Option<Rest> {
+        let here = &stepper.levels[0].y;
+        let grid = (0..halvings).fold(here.mesh.clone(), |grid, _| mesh::halved(&grid));
+        let mut cortex = Cortex::new(&stepper.cortex.cell, Domain::Full, &[]);
+        let start = here.on_mesh(&stepper.system.gauss, &grid);
         let mut y = start.clone();
         let mut system = System::new(Cortex::dimensions_for(0), y.m);
         Newton::default().solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false).ok()?;
@@ -263,15 +309,36 @@ impl Run {
         if distance.even.hypot(distance.odd) > REST_DISTANCE * cortex.cell.r0 {
             return None;
         }
-        let growth = Stability::new(y.m).leading(&cortex, &y).ok()?.growth_rate();
-        if growth > 0.0 {
-            // A saddle: what grows needs several times 1/σ to leave it.
-            self.next_rest_check = t + (5.0 / growth).max(REST_INTERVAL);
-            if growth < NEAR_CRITICAL {
-                stepper.refine();
-            }
+        let growth_rate = Stability::new(y.m).leading(&cortex, &y).ok()?.growth_rate();
+        Some(Rest { here: start, stationary: y, growth_rate, halvings })
+    }
+
+    /// At a saddle: waits for it to be left or, where that would take too long, leaps over the wait.
+    fn stay(&mut self, stepper: &mut Stepper, rest: &Rest) {
+        let growth = rest.growth_rate;
+        self.next_rest_check = stepper.levels[0].t + (STAY / growth).max(REST_INTERVAL);
+        if growth < NEAR_CRITICAL {
+            stepper.refine(rest.halvings);
         }
-        (growth < 0.0).then_some(growth)
+        if self.next_rest_check <= self.t_max || self.slow_growth_rate.is_some() {
+            return;
+        }
+        self.slow_growth_rate = Some(growth);
+        // Where the direction cannot be told the cell remains undecided.
+        let Ok(departure) = slow::depart(&stepper.cortex, &rest.here, &rest.stationary, growth) else { return };
+        let t = stepper.levels[0].t + departure.waited;
+        stepper.start_again(t, departure.shape);
+        self.dt = FIRST_LEAP.min(0.01 / growth);
+        self.parity = stepper.cortex.cell.is_mirror_symmetric();
+        self.next_rest_check = t + STAY / growth;
+        self.t_max = t + AFTERWARDS / growth;
+    }
+
+    fn undecided(&self, r0: f64) -> DivisionError {
+        match self.slow_growth_rate {
+            Some(growth_rate) => DivisionError::Critical { r0, growth_rate },
+            None => DivisionError::Undecided { r0, t_max: self.t_max },
+        }
     }
 
     fn division(&self, stepper: &Stepper, outcome: Outcome) -> Division {
@@ -283,6 +350,7 @@ impl Run {
             t_end: stepper.levels[0].t,
             daughters: None,
             growth_rate: None,
+            slow_growth_rate: self.slow_growth_rate,
             volume_drift: self.drift,
             work: Work { steps: self.steps, rejected: self.rejected, ..stepper.work },
         }

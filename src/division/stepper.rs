@@ -107,7 +107,7 @@ pub struct Stepper {
     grid: Vec<f64>,
     factored_rate: Option<f64>,
     share: f64,
-    refined: bool,
+    halvings: u32,
 }
 
 impl Stepper {
@@ -128,7 +128,7 @@ impl Stepper {
             grid: Vec::new(),
             factored_rate: None,
             share: SHARE * 48.0 / resolution as f64,
-            refined: false,
+            halvings: 0,
         }
     }
 
@@ -142,6 +142,12 @@ impl Stepper {
     pub fn restart(&mut self) {
         self.spare.extend(self.levels.drain(1..));
         self.factored_rate = None;
+    }
+
+    /// Goes on from another shape at time t.
+    pub fn start_again(&mut self, t: f64, shape: Solution) {
+        self.restart();
+        self.levels[0] = Level { t, y: shape };
     }
 
     /// Attempts a step of size dt with order at most `order`; [`accept`](Self::accept) makes it count.
@@ -229,12 +235,12 @@ impl Stepper {
         norm.even.hypot(norm.odd) / ((new.t - old.t) * self.cortex.cell.r0)
     }
 
-    /// Halves the share of an interval from the next [`adapt`](Self::adapt) on; at most once.
-    pub fn refine(&mut self) {
-        if !self.refined {
-            self.refined = true;
+    /// Makes meshes finer than at first by so many halvings from the next [`adapt`](Self::adapt) on; never coarser again.
+    pub fn refine(&mut self, halvings: u32) {
+        for _ in self.halvings..halvings {
             self.share *= 0.5;
         }
+        self.halvings = self.halvings.max(halvings);
     }
 
     /// Even number of intervals that keeps each one's share of the monitor below `room` of its limit.

@@ -152,6 +152,8 @@ struct Record<'a> {
     chi_signed: Option<f64>,
     u_furrow: Option<f64>,
     t_end: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    slow_growth_rate: Option<f64>,
     ended: Option<EndReason>,
 }
 
@@ -173,6 +175,7 @@ impl<'a> Record<'a> {
             chi_signed: division.and_then(|d| d.chi_signed),
             u_furrow: division.and_then(|d| d.u_furrow),
             t_end: division.map(|d| d.t_end),
+            slow_growth_rate: division.and_then(|d| d.slow_growth_rate),
             ended: cell.fate.ended,
         }
     }
@@ -192,6 +195,7 @@ impl<'a> Record<'a> {
                 t_end,
                 daughters: None,
                 growth_rate,
+                slow_growth_rate: self.slow_growth_rate,
                 volume_drift: 0.0,
                 work: bvp::Work::default(),
             };
