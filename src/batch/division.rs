@@ -237,7 +237,15 @@ mod tests {
 
     fn bits(division: &Division) -> Vec<Option<u64>> {
         let d = division;
-        let mut reals = vec![d.chi, d.chi_signed, d.u_furrow, d.growth_rate, d.slow_growth_rate, Some(d.t_end), Some(d.volume_drift)];
+        let mut reals = vec![
+            d.chi,
+            d.chi_signed,
+            d.u_furrow,
+            d.growth_rate,
+            d.slow_growth_rate,
+            Some(d.t_end),
+            Some(d.volume_drift),
+        ];
         reals.extend([d.daughters.map(|[a, _]| a), d.daughters.map(|[_, p]| p)]);
         reals.into_iter().map(|real| real.map(f64::to_bits)).collect()
     }

@@ -154,7 +154,9 @@ impl PhasePlane {
         });
         let (summary, undecided) = match run {
             Ok(summary) => (summary, None),
-            Err(SchedulerError::Unsolved { failure, unsolved, .. }) => (Summary::default(), Some((failure, unsolved))),
+            Err(SchedulerError::Unsolved { jobs, summary }) => {
+                (*summary, jobs.first().map(|job| (job.failure.clone(), jobs.len())))
+            }
             Err(error) => return Err(error),
         };
         let cells = points.iter().zip(&divisions).map(|((column, xi_s), division)| {

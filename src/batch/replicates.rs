@@ -1,26 +1,43 @@
 //! One cell divided several times, with noise of different seeds.
 
 use super::memo::Memo;
-use super::scheduler::{self, Job, SchedulerError, SchedulerOptions, Summary};
+use super::scheduler::{self, Job, SchedulerError, SchedulerOptions, Summary, Unsolved};
 use crate::division::{Division, DivisionError, DivisionInput, divide};
 
-/// Divisions of one cell with the seeds from `input.seed` on, each as soon as a worker is free; fewer than asked for only if
-/// the run was interrupted.
+/// Divisions of one cell with noise of several seeds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Replicates {
+    /// Seeds and divisions, in the order of the seeds. If they and the undecided are fewer than asked for, the run was
+    /// interrupted.
+    pub divisions: Vec<(u64, Division)>,
+    /// Those that could not be computed; their `id`s count from the first seed.
+    pub undecided: Vec<Unsolved<DivisionError>>,
+    /// What solving them took.
+    pub summary: Summary,
+}
+
+/// Divisions of one cell with the seeds from `input.seed` on, each as soon as a worker is free.
 ///
 /// # Errors
-/// [`SchedulerError`] if one could not be computed, after all others are done, or if no workers can be started.
+/// [`SchedulerError`] if no workers can be started.
 pub fn replicates(
     input: &DivisionInput,
     count: usize,
     memo: &Memo<DivisionInput>,
     options: &SchedulerOptions<'_, DivisionInput>,
-) -> Result<(Vec<Division>, Summary), SchedulerError<DivisionError>> {
-    let seeded = |id: usize| DivisionInput { seed: input.seed.wrapping_add(id as u64), ..input.clone() };
-    let jobs = (0..count).map(|id| Job { id, task: seeded(id) }).collect();
+) -> Result<Replicates, SchedulerError<DivisionError>> {
+    let seed = |id: usize| input.seed.wrapping_add(id as u64);
+    let jobs = (0..count).map(|id| Job { id, task: DivisionInput { seed: seed(id), ..input.clone() } }).collect();
     let mut divisions = vec![None; count];
-    let summary = scheduler::run(jobs, memo, options, divide, |id, division| {
+    let run = scheduler::run(jobs, memo, options, divide, |id, division| {
         divisions[id] = Some(division.clone());
         vec![]
-    })?;
-    Ok((divisions.into_iter().flatten().collect(), summary))
+    });
+    let (summary, undecided) = match run {
+        Ok(summary) => (summary, vec![]),
+        Err(SchedulerError::Unsolved { jobs, summary }) => (*summary, jobs),
+        Err(error) => return Err(error),
+    };
+    let solved = divisions.into_iter().enumerate().filter_map(|(id, division)| Some((seed(id), division?)));
+    Ok(Replicates { divisions: solved.collect(), undecided, summary })
 }

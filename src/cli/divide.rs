@@ -10,7 +10,7 @@ use super::cell::ActiveCellArgs;
 use super::context::{Context, answer, warn_of_store};
 use super::error::CliError;
 use super::progress::ProgressLine;
-use crate::batch::{Failure, SchedulerError, replicates};
+use crate::batch::{Failure, Replicates, Unsolved, replicates};
 use crate::cell::Cue;
 use crate::division::{Division, DivisionInput, Statistics};
 use crate::io::frames::write_frames;
@@ -51,16 +51,18 @@ struct Answer<'a> {
     replicates: Vec<Replicate<'a>>,
     #[serde(flatten)]
     statistics: Statistics,
+    /// Replicates that could not be computed, and are left out.
+    undecided: usize,
 }
 
 pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
     let input = DivisionInput { cell, numerics: context.settings.numerics, seed: args.seed };
-    let divisions = solve(args, &context, &input)?;
+    let Replicates { divisions, undecided, .. } = solve(args, &context, &input)?;
     if let Some(folder) = &args.frames {
         write_frames(folder, &input)?;
     }
-    let replicate = |k: usize| Replicate { seed: args.seed.wrapping_add(k as u64), division: &divisions[k] };
+    let replicate = |k: usize| Replicate { seed: divisions[k].0, division: &divisions[k].1 };
     let document = Answer {
         r0: input.cell.r0,
         epsilon: input.cell.epsilon,
@@ -68,7 +70,8 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         cue: &input.cell.cue,
         first: replicate(0),
         replicates: (0..divisions.len()).map(replicate).collect(),
-        statistics: Statistics::of(&divisions),
+        statistics: Statistics::of(divisions.iter().map(|(_, division)| division)),
+        undecided: undecided.len(),
     };
     if context.json {
         answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
@@ -77,20 +80,31 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     }
 }
 
-/// All replicates, each as soon as a worker is free.
-fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Vec<Division>, CliError> {
+/// All replicates, each as soon as a worker is free; one at least.
+fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Replicates, CliError> {
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress && args.replicates > 1);
     let show = |progress| line.show(progress);
     let count = args.replicates as usize;
     let solved = replicates(input, count, &memo, &context.scheduling(&show));
     drop(line);
-    let (divisions, summary) = solved.map_err(|error| match error {
-        SchedulerError::Unsolved { failure: Failure::Unsolved(error), .. } => CliError::Division(error),
-        other => CliError::Scheduler(other),
-    })?;
-    warn_of_store(&summary.warnings);
-    if divisions.len() < count { Err(CliError::Interrupted) } else { Ok(divisions) }
+    let mut found = solved?;
+    warn_of_store(&found.summary.warnings);
+    if found.divisions.len() + found.undecided.len() < count {
+        return Err(CliError::Interrupted);
+    }
+    if found.divisions.is_empty()
+        && let Some(Unsolved { failure, .. }) = found.undecided.pop()
+    {
+        return Err(match failure {
+            Failure::Unsolved(error) => CliError::Division(error),
+            failure => CliError::Replicate(failure),
+        });
+    }
+    for Unsolved { id, failure, .. } in &found.undecided {
+        tracing::warn!("the replicate of seed {} is left out: {failure}", args.seed.wrapping_add(*id as u64));
+    }
+    Ok(found)
 }
 
 fn text(document: &Answer<'_>) -> String {

@@ -22,7 +22,10 @@ pub enum CliError {
     /// A division could not be computed.
     #[error(transparent)]
     Division(#[from] DivisionError),
-    /// Several divisions could not be computed.
+    /// A replicate could not be computed.
+    #[error("{0}")]
+    Replicate(Failure<DivisionError>),
+    /// Divisions could not be scheduled.
     #[error(transparent)]
     Scheduler(#[from] SchedulerError<DivisionError>),
     /// A stationary shape could not be computed.
@@ -94,8 +97,6 @@ impl CliError {
         let bad = match self {
             CliError::Input(_) | CliError::Store(StoreError::NotAFolder { .. }) => true,
             CliError::Division(e) => bad_division(e),
-            CliError::Grow(GrowError::Division { failure: Failure::Unsolved(e), .. })
-            | CliError::Scheduler(SchedulerError::Unsolved { failure: Failure::Unsolved(e), .. }) => bad_division(e),
             _ => false,
         };
         if bad { 2 } else { 1 }

@@ -8,7 +8,7 @@ use crate::batch::scheduler::workers;
 use crate::cell::Cell;
 use crate::division::divide;
 use crate::io::{FounderRow, Provenance, founder_rows, newick, parse_cue, write_atomically};
-use crate::lineage::{Ends, Grower, Lineage, Tree, TreeSettings, expected_work};
+use crate::lineage::{EndReason, Ends, Grower, Lineage, Tree, TreeSettings, expected_work};
 use crate::report;
 use crate::shapes::CriticalRadii;
 use clap::Args;
@@ -40,6 +40,9 @@ pub struct TreeArgs {
     dynamics: bool,
 }
 
+/// Undecided cells that are warned of one by one.
+const MOST_WARNINGS: usize = 5;
+
 /// What `--json` prints.
 #[derive(Serialize)]
 struct Answer<'a> {
@@ -47,6 +50,7 @@ struct Answer<'a> {
     cells: usize,
     generations: usize,
     ended: &'a std::collections::BTreeMap<&'static str, usize>,
+    slow_cells: usize,
     divisions_solved: usize,
     memo_hits: usize,
     elapsed_s: f64,
@@ -115,9 +119,25 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     for (cue, error) in rule.unknown() {
         tracing::info!("no critical radius for cells with the cue {cue}, whose divisions tell instead: {error}");
     }
+    warn_of_undecided(&tree);
     let rows = founder_rows(&tree);
     write_files(args, context, &tree, &rows, &summary, start)?;
     respond(args, context, &tree, &rows, &summary, start.elapsed().as_secs_f64())
+}
+
+/// Says which cells are undecided: their branches end there, the rest of the tree stands.
+fn warn_of_undecided(tree: &Tree) {
+    let undecided = tree.cells().map(|id| tree.cell(id)).filter_map(|cell| match &cell.fate.ended {
+        Some(EndReason::Undecided { why }) => Some((cell, why)),
+        _ => None,
+    });
+    for (k, (cell, why)) in undecided.enumerate() {
+        if k == MOST_WARNINGS {
+            tracing::warn!("further cells are undecided; tree.json says which");
+            return;
+        }
+        tracing::warn!("cell {} (R0 = {}) is undecided, and its branch ends there: {why}", cell.name, cell.r0);
+    }
 }
 
 fn respond(
@@ -135,6 +155,7 @@ fn respond(
             cells: tree.len(),
             generations: counts.generations.len(),
             ended: &counts.ended,
+            slow_cells: counts.slow,
             divisions_solved: summary.solved,
             memo_hits: summary.memo_hits,
             elapsed_s,

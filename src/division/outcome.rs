@@ -80,6 +80,16 @@ impl Division {
         Some([below, 1.0 - below])
     }
 
+    /// The mirror image of the division under u → 1 − u: the division of the mirrored cell.
+    pub fn mirrored(&self) -> Division {
+        Division {
+            chi_signed: self.chi_signed.map(|chi| -chi),
+            u_furrow: self.u_furrow.map(|u| 1.0 - u),
+            daughters: self.daughters.map(|[below, above]| [above, below]),
+            ..self.clone()
+        }
+    }
+
     /// The same division with the daughters' radii of a mother of radius `r0`.
     pub fn with_daughters_of(mut self, r0: f64) -> Division {
         self.daughters = self.shares().map(|shares| shares.map(|share| r0 * share.cbrt()));

@@ -5,8 +5,8 @@ use bvp::{Newton, Solution, System, Work, mesh};
 
 use super::DivisionInput;
 use super::noise;
-use super::slow;
 use super::outcome::{Division, DivisionError, Outcome, StepFailure};
+use super::slow;
 use super::stepper::{MAX_ORDER, Stepper, parity_norm};
 use crate::cell::{Cell, Numerics};
 use crate::cortex::equations::{COMPONENTS, LENGTH, PSI, R, Z, noise_factor};

@@ -176,7 +176,7 @@ impl<'a> Record<'a> {
             u_furrow: division.and_then(|d| d.u_furrow),
             t_end: division.map(|d| d.t_end),
             slow_growth_rate: division.and_then(|d| d.slow_growth_rate),
-            ended: cell.fate.ended,
+            ended: cell.fate.ended.clone(),
         }
     }
 
@@ -201,7 +201,7 @@ impl<'a> Record<'a> {
             };
             division.with_daughters_of(self.r0)
         });
-        Fate { division, ended: self.ended }
+        Fate { division, ended: self.ended.clone() }
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::definition::{Lineage, ListedDaughters, Place};
 use super::tree::{CellId, EndReason, Fate, Side, Tree, TreeCell, TreeSettings};
-use crate::batch::{Failure, Job, Memo, SchedulerError, SchedulerOptions, Summary, scheduler};
+use crate::batch::{Job, Memo, SchedulerError, SchedulerOptions, Summary, Unsolved, scheduler};
 use crate::cell::{Cell, Cue};
 use crate::division::{Division, DivisionError, DivisionInput};
 
@@ -12,18 +12,6 @@ use crate::division::{Division, DivisionError, DivisionInput};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GrowError {
-    /// A division could not be computed.
-    #[error("cell {cell} (R0 = {r0}): {failure}{}", further(*.others))]
-    Division {
-        /// The cell.
-        cell: String,
-        /// Its radius R0.
-        r0: f64,
-        /// What went wrong.
-        failure: Failure<DivisionError>,
-        /// Further cells that have no result either.
-        others: usize,
-    },
     /// The workers could not be started.
     #[error(transparent)]
     Workers(SchedulerError<DivisionError>),
@@ -33,10 +21,6 @@ pub enum GrowError {
         /// Divisions solved before; the memo knows them.
         solved: usize,
     },
-}
-
-fn further(others: usize) -> String {
-    if others > 0 { format!(" ({others} further cells failed)") } else { String::new() }
 }
 
 /// What a tree is grown with.
@@ -56,8 +40,7 @@ pub struct Grower<'a> {
 /// A cell in the order of growth, which depends on timing.
 #[derive(Clone, Debug)]
 struct GrowingCell {
-    mother: Option<usize>,
-    side: Side,
+    name: String,
     founder: usize,
     is_founder: bool,
     /// Rounds below the founder.
@@ -93,14 +76,11 @@ impl Grower<'_> {
         growth.cells.push(first);
         let roots = growth.job(0).into_iter().collect();
         let max_cells = self.lineage.limits.max_cells;
-        let summary = scheduler::run(roots, self.memo, &self.options, &solve, |cell, division| {
+        let run = scheduler::run(roots, self.memo, &self.options, &solve, |cell, division| {
             // What lies beyond the limit is settled in the layout, in an order that timing has no part in.
-            if growth.cells.len() + 2 > max_cells { vec![] } else { growth.divide(cell, Fate::of(division)) }
-        })
-        .map_err(|e| growth.error(e))?;
-        if summary.interrupted {
-            return Err(GrowError::Interrupted { solved: summary.solved });
-        }
+            if growth.cells.len() + 2 > max_cells { vec![] } else { growth.divide(cell, division) }
+        });
+        let summary = growth.note_undecided(run)?;
         let tree = growth.lay_out(&solve)?;
         Ok((tree, summary))
     }
@@ -109,8 +89,7 @@ impl Grower<'_> {
         let founder = self.lineage.first();
         let r0 = self.lineage.founders[founder].r0.unwrap_or(self.settings.cell.r0);
         GrowingCell {
-            mother: None,
-            side: Side::Anterior,
+            name: self.lineage.founders[founder].name.clone(),
             founder,
             is_founder: true,
             round: 0,
@@ -143,8 +122,9 @@ impl Growth<'_> {
         Some(Job { id: index, task: DivisionInput { cell, numerics: *numerics, seed: *seed } })
     }
 
-    /// Notes a cell's fate, adds its daughters and returns the divisions they need.
-    fn divide(&mut self, index: usize, fate: Fate) -> Vec<Job<DivisionInput>> {
+    /// Notes a cell's division, adds its daughters and returns the divisions they need.
+    fn divide(&mut self, index: usize, division: &Division) -> Vec<Job<DivisionInput>> {
+        let fate = Fate::of(&self.oriented(index, division));
         let pair = self.offspring(index, &fate);
         self.cells[index].fate = Some(fate);
         let Some(pair) = pair else { return vec![] };
@@ -152,6 +132,38 @@ impl Growth<'_> {
         self.cells[index].daughters = Some(anterior);
         self.cells.extend(pair);
         [anterior, anterior + 1].into_iter().filter_map(|daughter| self.job(daughter)).collect()
+    }
+
+    /// The division with its smaller daughter on the side where it is in this cell.
+    ///
+    /// Where nothing tells one pole from the other the mechanics give χ, and the side is chance: drawn for each cell from
+    /// the seed and its name, so that one record serves many cells and the tree is the same every time.
+    fn oriented(&self, index: usize, division: &Division) -> Division {
+        let cell = &self.cells[index];
+        let smaller_posterior = division.chi_signed.is_some_and(|chi| chi > 0.0);
+        if cell.cue.is_mirror_symmetric() && smaller_posterior != draws_posterior(self.grower.settings.seed, &cell.name)
+        {
+            return division.mirrored();
+        }
+        division.clone()
+    }
+
+    /// The summary of a run, of whose jobs those without a record are undecided and end their branches.
+    fn note_undecided(&mut self, run: Result<Summary, SchedulerError<DivisionError>>) -> Result<Summary, GrowError> {
+        let summary = match run {
+            Ok(summary) => summary,
+            Err(SchedulerError::Unsolved { jobs, summary }) => {
+                for Unsolved { id, failure, .. } in jobs {
+                    self.cells[id].fate = Some(Fate::ended(EndReason::Undecided { why: failure.to_string() }));
+                }
+                *summary
+            }
+            Err(error) => return Err(GrowError::Workers(error)),
+        };
+        if summary.interrupted {
+            return Err(GrowError::Interrupted { solved: summary.solved });
+        }
+        Ok(summary)
     }
 
     /// Anterior and posterior daughter of a cell, if it divides.
@@ -184,8 +196,7 @@ impl Growth<'_> {
         let round = if founder.is_some() { 0 } else { mother.round + 1 };
         let (generation, of) = (mother.generation + 1, founder.unwrap_or(mother.founder));
         GrowingCell {
-            mother: Some(mother_index),
-            side,
+            name: self.daughter_name(mother, side, founder),
             founder: of,
             is_founder: founder.is_some(),
             round,
@@ -198,29 +209,17 @@ impl Growth<'_> {
         }
     }
 
-    /// A cell's name, given its mother's.
-    fn name(&self, cell: &GrowingCell, mother: &str) -> String {
+    /// Name of a daughter: the founder's, or its mother's and a letter.
+    fn daughter_name(&self, mother: &GrowingCell, side: Side, founder: Option<usize>) -> String {
         let lineage = self.grower.lineage;
-        if cell.is_founder {
-            return lineage.founders[cell.founder].name.clone();
+        if let Some(founder) = founder {
+            return lineage.founders[founder].name.clone();
         }
-        let (anterior, posterior) = lineage.letters(cell.founder, cell.round as usize);
-        let mut name = String::with_capacity(mother.len() + 1);
-        name.push_str(mother);
-        name.push(if cell.side == Side::Anterior { anterior } else { posterior });
+        let (anterior, posterior) = lineage.letters(mother.founder, mother.round as usize + 1);
+        let mut name = String::with_capacity(mother.name.len() + 1);
+        name.push_str(&mother.name);
+        name.push(if side == Side::Anterior { anterior } else { posterior });
         name
-    }
-
-    fn error(&self, error: SchedulerError<DivisionError>) -> GrowError {
-        let SchedulerError::Unsolved { id, size, failure, unsolved } = error else {
-            return GrowError::Workers(error);
-        };
-        let mut line = vec![id];
-        while let Some(mother) = self.cells[line[line.len() - 1]].mother {
-            line.push(mother);
-        }
-        let name = line.iter().rev().fold(String::new(), |above, &index| self.name(&self.cells[index], &above));
-        GrowError::Division { cell: name, r0: size, failure, others: unsolved.saturating_sub(1) }
     }
 
     /// The tree in breadth-first order, cut at the limit of cells.
@@ -229,7 +228,7 @@ impl Growth<'_> {
         solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
     ) -> Result<Tree, GrowError> {
         let max_cells = self.grower.lineage.limits.max_cells;
-        let first = self.cell_of(0, "");
+        let first = self.cell_of(0);
         let mut tree = Tree::new(self.grower.lineage.clone(), self.grower.settings.clone(), first);
         let mut queue: VecDeque<(CellId, usize)> = VecDeque::from([(tree.first(), 0)]);
         while let Some((id, index)) = queue.pop_front() {
@@ -246,7 +245,7 @@ impl Growth<'_> {
             if let Some(anterior) = self.cells[index].daughters {
                 if tree.len() + 2 <= max_cells {
                     for (daughter, side) in [(anterior, Side::Anterior), (anterior + 1, Side::Posterior)] {
-                        let cell = self.cell_of(daughter, &tree.cell(id).name);
+                        let cell = self.cell_of(daughter);
                         let daughter_id = tree.add(id, side, cell, self.cells[daughter].is_founder);
                         queue.push_back((daughter_id, daughter));
                     }
@@ -266,26 +265,23 @@ impl Growth<'_> {
         solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
     ) -> Result<(), GrowError> {
         let Some(job) = self.job(index) else { return Ok(()) };
-        let mut fate = None;
+        let mut solved = None;
         let options = SchedulerOptions { progress: None, ..self.grower.options };
-        let summary = scheduler::run(vec![job], self.grower.memo, &options, solve, |_, division| {
-            fate = Some(Fate::of(division));
+        let run = scheduler::run(vec![job], self.grower.memo, &options, solve, |_, division| {
+            solved = Some(division.clone());
             vec![]
-        })
-        .map_err(|e| self.error(e))?;
-        match fate {
-            Some(fate) => {
-                self.divide(index, fate);
-                Ok(())
-            }
-            None => Err(GrowError::Interrupted { solved: summary.solved }),
+        });
+        self.note_undecided(run)?;
+        if let Some(division) = solved {
+            self.divide(index, &division);
         }
+        Ok(())
     }
 
-    fn cell_of(&self, index: usize, mother: &str) -> TreeCell {
+    fn cell_of(&self, index: usize) -> TreeCell {
         let cell = &self.cells[index];
         TreeCell {
-            name: self.name(cell, mother),
+            name: cell.name.clone(),
             founder: cell.founder,
             generation: cell.generation,
             r0: cell.r0,
@@ -295,4 +291,12 @@ impl Growth<'_> {
             fate: Fate::default(),
         }
     }
+}
+
+/// Whether the smaller daughter of a cell whose poles are alike is the posterior one: a fair coin for every seed and name.
+fn draws_posterior(seed: u64, name: &str) -> bool {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(&seed.to_le_bytes());
+    hasher.update(name.as_bytes());
+    hasher.finalize().as_bytes()[0] & 1 == 0
 }

@@ -12,7 +12,7 @@ use crate::division::{Division, Outcome};
 use crate::shapes::critical::{BoundaryKind, End};
 
 /// Why a cell has no daughters.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 #[serde(tag = "reason", rename_all = "snake_case", deny_unknown_fields)]
 pub enum EndReason {
@@ -30,6 +30,11 @@ pub enum EndReason {
     BelowCuedFold {
         /// The radius of the fold.
         r0: f64,
+    },
+    /// Its division could not be computed: whether it divides is not known.
+    Undecided {
+        /// Why.
+        why: String,
     },
     /// The lineage file's `limits.max_depth` is reached.
     MaxDepth {
@@ -49,12 +54,18 @@ impl EndReason {
         matches!(self, EndReason::MaxDepth { .. } | EndReason::MaxCells { .. })
     }
 
+    /// True if mechanics says that the cell cannot divide.
+    fn is_mechanical(&self) -> bool {
+        !self.is_limit() && !matches!(self, EndReason::Undecided { .. })
+    }
+
     /// The reason's name in files.
     pub fn name(&self) -> &'static str {
         match self {
             EndReason::AtRest { .. } => "at_rest",
             EndReason::BelowPitchfork { .. } => "below_pitchfork",
             EndReason::BelowCuedFold { .. } => "below_cued_fold",
+            EndReason::Undecided { .. } => "undecided",
             EndReason::MaxDepth { .. } => "max_depth",
             EndReason::MaxCells { .. } => "max_cells",
         }
@@ -68,6 +79,7 @@ impl std::fmt::Display for EndReason {
             EndReason::AtRest { growth_rate: None } => write!(f, "failed: at rest"),
             EndReason::BelowPitchfork { r0_c } => write!(f, "below the pitchfork boundary R0_c = {r0_c:.4}"),
             EndReason::BelowCuedFold { r0 } => write!(f, "below the fold of the cued branch, R0 = {r0:.4}"),
+            EndReason::Undecided { why } => write!(f, "undecided: {why}"),
             EndReason::MaxDepth { max_depth } => write!(f, "limit: {max_depth} generations"),
             EndReason::MaxCells { max_cells } => write!(f, "limit: {max_cells} cells"),
         }
@@ -105,11 +117,11 @@ impl Fate {
         Fate { division: None, ended: Some(reason) }
     }
 
-    /// How its division ended; none for a cell that a limit stopped.
+    /// How its division ended; none for a cell that a limit stopped, and for one that is undecided.
     pub fn outcome(&self) -> Option<Outcome> {
-        match (&self.division, self.ended) {
+        match (&self.division, &self.ended) {
             (Some(division), _) => Some(division.outcome),
-            (None, Some(reason)) => (!reason.is_limit()).then_some(Outcome::Failed),
+            (None, Some(reason)) => reason.is_mechanical().then_some(Outcome::Failed),
             (None, None) => None,
         }
     }
@@ -124,22 +136,22 @@ impl Fate {
         self.division.as_ref().map(|division| division.t_end)
     }
 
-    /// Volumes of the daughters from u below and above the furrow of a mother of volume `mother`; none if it does not
-    /// divide. They sum to `mother` to rounding, and are equal to the last bit where the division is symmetric.
+    /// Volumes of the anterior and the posterior daughter of a mother of volume `mother`; none if it does not divide. They
+    /// sum to `mother` to rounding, and are equal to the last bit where the division is symmetric.
     pub fn daughter_volumes(&self, mother: f64) -> Option<[f64; 2]> {
-        let [below, _] = self.division.as_ref().filter(|_| self.ended.is_none())?.shares()?;
-        let below = below * mother;
-        Some([below, mother - below])
+        let [posterior, _] = self.division.as_ref().filter(|_| self.ended.is_none())?.shares()?;
+        let posterior = posterior * mother;
+        Some([mother - posterior, posterior])
     }
 }
 
-/// Which daughter a cell is.
+/// Which daughter a cell is. The pole u = 0 is the posterior one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
-    /// From u below the furrow.
-    Anterior,
     /// From u above the furrow.
+    Anterior,
+    /// From u below the furrow.
     Posterior,
 }
 

@@ -26,13 +26,15 @@ pub struct TreeSummary {
     pub generations: Vec<Generation>,
     /// Cells without daughters by the name of the reason.
     pub ended: BTreeMap<&'static str, usize>,
+    /// Cells that waited at a threshold of division for longer than the time allowed, and were followed beyond it.
+    pub slow: usize,
 }
 
 impl TreeSummary {
     /// Counts the cells of `tree`.
     pub fn of(tree: &Tree) -> TreeSummary {
         let mut generations: Vec<Generation> = vec![];
-        let mut ended = BTreeMap::new();
+        let (mut ended, mut slow) = (BTreeMap::new(), 0);
         for id in tree.cells() {
             let cell = tree.cell(id);
             let g = cell.generation as usize;
@@ -42,7 +44,8 @@ impl TreeSummary {
             let row = &mut generations[g];
             row.cells += 1;
             row.r0 = [row.r0[0].min(cell.r0), row.r0[1].max(cell.r0)];
-            match (cell.fate.ended, cell.fate.outcome()) {
+            slow += usize::from(cell.fate.division.as_ref().is_some_and(|d| d.slow_growth_rate.is_some()));
+            match (&cell.fate.ended, cell.fate.outcome()) {
                 (Some(reason), _) => {
                     row.ended += 1;
                     *ended.entry(reason.name()).or_insert(0) += 1;
@@ -51,7 +54,7 @@ impl TreeSummary {
                 _ => row.asymmetric += 1,
             }
         }
-        TreeSummary { generations, ended }
+        TreeSummary { generations, ended, slow }
     }
 
     /// Whether some branch was stopped by a limit and not by mechanics.
@@ -65,6 +68,7 @@ impl TreeSummary {
             "at_rest" => "at rest undivided",
             "below_pitchfork" => "below the pitchfork boundary",
             "below_cued_fold" => "below the cued fold",
+            "undecided" => "undecided",
             "max_depth" => "stopped by max_depth",
             _ => "stopped by max_cells",
         };

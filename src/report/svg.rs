@@ -47,13 +47,6 @@ struct Layout {
     order: Vec<CellId>,
 }
 
-/// The daughters from left to right: founders as listed, others anterior first.
-fn daughters(tree: &Tree, node: CellId) -> Option<[CellId; 2]> {
-    let pair = tree.daughters(node)?;
-    let founder = |n: CellId| tree.cell(n).founder;
-    Some(if founder(pair[0]) > founder(pair[1]) { [pair[1], pair[0]] } else { pair })
-}
-
 fn lay_out(tree: &Tree, summary: &TreeSummary) -> Layout {
     // Ends of the tree cut below generation g: the cells of g and the earlier ones without daughters.
     let mut ended = 0;
@@ -71,7 +64,7 @@ fn lay_out(tree: &Tree, summary: &TreeSummary) -> Layout {
     while let Some(node) = stack.pop() {
         order.push(node);
         if tree.cell(node).generation < last
-            && let Some([left, right]) = daughters(tree, node)
+            && let Some([left, right]) = tree.daughters(node)
         {
             stack.extend([right, left]);
         }
@@ -87,7 +80,7 @@ fn lay_out(tree: &Tree, summary: &TreeSummary) -> Layout {
     }
     for &node in order.iter().rev() {
         if x[node.index()].is_none()
-            && let Some([left, right]) = daughters(tree, node)
+            && let Some([left, right]) = tree.daughters(node)
             && let (Some(l), Some(r)) = (x[left.index()], x[right.index()])
         {
             x[node.index()] = Some(0.5 * (l + r));
@@ -145,7 +138,7 @@ fn y_of(tree: &Tree, node: CellId) -> f64 {
 }
 
 fn edges(out: &mut String, tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) {
-    let (Some(pair), Some(x)) = (daughters(tree, node), layout.x[node.index()]) else { return };
+    let (Some(pair), Some(x)) = (tree.daughters(node), layout.x[node.index()]) else { return };
     let y = y_of(tree, node);
     for daughter in pair {
         let Some(to) = layout.x[daughter.index()] else { continue };
@@ -175,11 +168,11 @@ fn disc(out: &mut String, tree: &Tree, node: CellId, layout: &Layout, colours: &
     if let Some(t) = cell.fate.t_end() {
         let _ = write!(title, ", t = {t:.3} τ");
     }
-    if let Some(reason) = cell.fate.ended {
+    if let Some(reason) = &cell.fate.ended {
         let _ = write!(title, "; {reason}");
     }
     let _ = write!(out, "<g><title>{}</title>", escape(&title));
-    match (cell.fate.ended, cell.fate.outcome()) {
+    match (&cell.fate.ended, cell.fate.outcome()) {
         (Some(_), _) => {
             let (left, right, foot) = (x - radius, x + radius, y + radius + 2.5);
             let _ = write!(

@@ -42,6 +42,14 @@ pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
     let summary = TreeSummary::of(tree);
     generations(&mut out, &summary);
     let _ = writeln!(out, "\nBranches end: {}.", summary.ended_text());
+    if summary.slow > 0 {
+        let cells = if summary.slow == 1 { "cell is" } else { "cells are" };
+        let _ = writeln!(
+            out,
+            "{} {cells} just above the threshold of division: slow, and followed by the growth rate there.",
+            summary.slow
+        );
+    }
     if summary.limited() {
         let _ = writeln!(
             out,

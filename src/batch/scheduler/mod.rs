@@ -99,21 +99,38 @@ pub struct Summary {
     pub warnings: Vec<StoreWarning>,
 }
 
+/// A job without a record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unsolved<E> {
+    /// The caller's number for it.
+    pub id: usize,
+    /// Its size, not rounded.
+    pub size: f64,
+    /// What went wrong.
+    pub failure: Failure<E>,
+}
+
+fn unsolved_text<E: std::fmt::Display>(jobs: &[Unsolved<E>]) -> String {
+    match jobs {
+        [] => "no task is unsolved".to_owned(),
+        [Unsolved { id, size, failure }] => format!("task {id} (size {size}): {failure}"),
+        [Unsolved { id, size, failure }, others @ ..] => {
+            format!("task {id} (size {size}): {failure} ({} further tasks failed)", others.len())
+        }
+    }
+}
+
 /// Why a run is not complete.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum SchedulerError<E> {
-    /// A task could not be solved. All others were, and are kept.
-    #[error("task {id} (size {size}): {failure}")]
+pub enum SchedulerError<E: std::fmt::Display> {
+    /// Tasks could not be solved. All others were, and are kept.
+    #[error("{}", unsolved_text(.jobs))]
     Unsolved {
-        /// The caller's number for the job; that of the largest size if there are several.
-        id: usize,
-        /// Its size, not rounded.
-        size: f64,
-        /// What went wrong.
-        failure: Failure<E>,
-        /// Jobs without a record of their own, this one included; what would have followed from them is not counted.
-        unsolved: usize,
+        /// The jobs without a record, the largest first; what would have followed from them is not counted. One or more.
+        jobs: Vec<Unsolved<E>>,
+        /// What the run did.
+        summary: Box<Summary>,
     },
     /// The workers could not be started.
     #[error("cannot start {threads} worker threads: {reason}")]
@@ -173,7 +190,7 @@ pub fn workers(threads: usize) -> usize {
 }
 
 /// The workers of a run.
-pub(super) fn pool<E>(threads: usize) -> Result<rayon::ThreadPool, SchedulerError<E>> {
+pub(super) fn pool<E: std::fmt::Display>(threads: usize) -> Result<rayon::ThreadPool, SchedulerError<E>> {
     let threads = workers(threads);
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)

@@ -1,7 +1,6 @@
 //! One run: what has arrived, what waits, what is being solved, and what came of it.
 
 use std::{
-    cmp::Ordering,
     collections::{BinaryHeap, VecDeque},
     sync::{
         atomic::Ordering as Memory,
@@ -11,7 +10,7 @@ use std::{
 };
 
 use super::{
-    Job, Progress, SchedulerError, SchedulerOptions, Summary,
+    Job, Progress, SchedulerError, SchedulerOptions, Summary, Unsolved,
     effect::Responses,
     queue::{Assignment, Next, Queued},
 };
@@ -41,13 +40,6 @@ impl<T> Default for Awaited<T> {
     }
 }
 
-/// The failure that the caller is told of.
-struct Worst<E> {
-    id: usize,
-    size: f64,
-    failure: Failure<E>,
-}
-
 pub struct Run<'a, 'm, T: Task> {
     memo: &'m Memo<T>,
     options: &'a SchedulerOptions<'a, T>,
@@ -64,8 +56,7 @@ pub struct Run<'a, 'm, T: Task> {
     responses: Responses,
     running: usize,
     queued_ever: usize,
-    worst: Option<Worst<T::Error>>,
-    unsolved: usize,
+    unsolved: Vec<Unsolved<T::Error>>,
     summary: Summary,
 }
 
@@ -88,8 +79,7 @@ impl<'a, 'm, T: Task> Run<'a, 'm, T> {
             responses: Responses::default(),
             running: 0,
             queued_ever: 0,
-            worst: None,
-            unsolved: 0,
+            unsolved: Vec::new(),
             summary: Summary::default(),
         }
     }
@@ -271,16 +261,7 @@ impl<'a, 'm, T: Task> Run<'a, 'm, T> {
     }
 
     fn fail(&mut self, Job { id, task }: &Job<T>, failure: &Failure<T::Error>) {
-        self.unsolved += 1;
-        let (id, size) = (*id, task.size());
-        // Which of several is named must not depend on which came first.
-        let worse = self
-            .worst
-            .as_ref()
-            .is_none_or(|worst| worst.size.total_cmp(&size).then_with(|| id.cmp(&worst.id)) == Ordering::Less);
-        if worse {
-            self.worst = Some(Worst { id, size, failure: failure.clone() });
-        }
+        self.unsolved.push(Unsolved { id: *id, size: task.size(), failure: failure.clone() });
     }
 
     fn report(&self) {
@@ -301,10 +282,12 @@ impl<'a, 'm, T: Task> Run<'a, 'm, T> {
             self.summary.corrupt = store.damaged();
             self.summary.warnings = store.take_warnings();
         }
-        if let Some(Worst { id, size, failure }) = self.worst {
-            return Err(SchedulerError::Unsolved { id, size, failure, unsolved: self.unsolved });
-        }
         self.summary.shift_effect = self.responses.steepest_slope() * self.summary.max_size_shift;
-        Ok(self.summary)
+        if self.unsolved.is_empty() {
+            return Ok(self.summary);
+        }
+        // In an order that does not depend on which came first.
+        self.unsolved.sort_by(|a, b| b.size.total_cmp(&a.size).then_with(|| a.id.cmp(&b.id)));
+        Err(SchedulerError::Unsolved { jobs: self.unsolved, summary: Box::new(self.summary) })
     }
 }

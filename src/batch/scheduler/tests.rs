@@ -252,8 +252,10 @@ fn a_failed_task_is_named_and_the_others_are_kept() {
             }
         };
         let error = run(jobs(&[3.0, 4.0, 3.25, 5.0, 3.25]), &memo, &options, solve, |_, _| Vec::new()).unwrap_err();
-        assert_eq!(error.to_string(), "task 2 (size 3.25): a stick of length 3.25 bends");
-        assert!(matches!(error, SchedulerError::Unsolved { unsolved: 3, .. }));
+        assert_eq!(error.to_string(), "task 2 (size 3.25): a stick of length 3.25 bends (2 further tasks failed)");
+        let SchedulerError::Unsolved { jobs, summary } = error else { panic!("{error}") };
+        assert_eq!(jobs.iter().map(|job| job.id).collect::<Vec<_>>(), [2, 4, 0]);
+        assert_eq!((summary.jobs, summary.solved), (2, 2));
         assert_eq!(memo.len(), 2);
         assert_eq!(solves.into_inner(), 4);
     }
