@@ -15,7 +15,7 @@ use super::{
 };
 use crate::cell::cue::profile::NAMES;
 use crate::cell::cue::{Field, Quantity, Term, Width};
-use crate::cell::{Cell, Cue, Material, Numerics, RigidityGradient, Shell};
+use crate::cell::{Cell, Cue, Material, Numerics, RigidityGradient, Scheme, Shell};
 use crate::division::{Division, DivisionError, DivisionInput, Outcome};
 
 impl Task for DivisionInput {
@@ -56,10 +56,23 @@ fn write_cell(cell: &Cell, bytes: &mut CanonicalBytes) {
 }
 
 fn write_numerics(numerics: &Numerics, bytes: &mut CanonicalBytes) {
-    let Numerics { stages, intervals, time_tolerance, step_factor, t_max, noise, chi_symmetric } = *numerics;
+    let Numerics {
+        stages,
+        intervals,
+        scheme,
+        dt,
+        first_step,
+        time_tolerance,
+        step_factor,
+        t_max,
+        noise,
+        chi_symmetric,
+    } = *numerics;
     bytes.count(stages as u64);
     bytes.count(intervals as u64);
-    for value in [time_tolerance, step_factor, t_max, noise, chi_symmetric] {
+    // What a scheme does not use makes no difference.
+    bytes.real(if scheme == Scheme::Published { dt } else { 0.0 });
+    for value in [first_step, time_tolerance, step_factor, t_max, noise, chi_symmetric] {
         bytes.real(value);
     }
 }

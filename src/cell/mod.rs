@@ -16,7 +16,7 @@ pub mod parameter;
 
 pub use cue::{Cue, CueError};
 pub use material::{Material, RigidityGradient, Shell};
-pub use numerics::Numerics;
+pub use numerics::{Numerics, Scheme};
 pub use parameter::Parameter;
 
 use num_dual::DualNum;

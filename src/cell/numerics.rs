@@ -2,6 +2,19 @@
 
 use serde::{Deserialize, Serialize};
 
+/// How a division is stepped in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Scheme {
+    /// Steps of high order whose error is controlled, the growing modes' own included.
+    #[default]
+    Converged,
+    /// Backward Euler at a fixed step after a short start, the paper's kind of step. At 0.1 τ it damps growing modes of large
+    /// cells, and a shape that grows at more than 2/Δt is an attractor.
+    Published,
+}
+
 /// Settings of the discretisation. The defaults are what every published number of furrow is computed with.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -10,6 +23,13 @@ pub struct Numerics {
     pub stages: usize,
     /// Mesh intervals of the full domain u ∈ [0, 1] (even; half of them on the mirror-symmetric half).
     pub intervals: usize,
+    /// How time is stepped.
+    pub scheme: Scheme,
+    /// Fixed step Δt of the published scheme, in τ. Steps double from the first one up to it, and follow the neck where that
+    /// closes faster. The converged scheme does not use it.
+    pub dt: f64,
+    /// Length of the first step, in τ; the noise lasts for it.
+    pub first_step: f64,
     /// Local error allowed per time step.
     pub time_tolerance: f64,
     /// Factor on every time step after error control (0.5 halves all of them).
@@ -28,6 +48,9 @@ impl Default for Numerics {
         Numerics {
             stages: 4,
             intervals: 48,
+            scheme: Scheme::Converged,
+            dt: 0.1,
+            first_step: 1e-3,
             time_tolerance: 5e-5,
             step_factor: 1.0,
             t_max: 10_000.0,

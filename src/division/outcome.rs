@@ -54,7 +54,8 @@ pub struct Division {
     /// Radii R0 of the daughters from u below and above the furrow, in L_h; absent if failed.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub daughters: Option<[f64; 2]>,
-    /// Leading growth rate of the final state where the outcome is `failed` (negative: stable), in 1/τ.
+    /// Leading growth rate of the final state where the outcome is `failed`, in 1/τ: negative, stable, except where the
+    /// published scheme rests at a shape that grows.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub growth_rate: Option<f64>,
     /// For a cell just above the threshold of division: growth rate σ of the stationary shape at which it waited for longer

@@ -8,7 +8,7 @@ use super::noise;
 use super::outcome::{Division, DivisionError, Outcome, StepFailure};
 use super::slow;
 use super::stepper::{MAX_ORDER, Stepper, parity_norm};
-use crate::cell::{Cell, Numerics};
+use crate::cell::{Cell, Numerics, Scheme};
 use crate::cortex::equations::{COMPONENTS, LENGTH, PSI, R, Z, noise_factor};
 use crate::cortex::observables::{self, Neck, PINCH_OFF};
 use crate::cortex::symmetry::unfold;
@@ -19,10 +19,10 @@ use crate::stability::Stability;
 
 /// Longest first step after a wait at a saddle, in τ: no growing mode is as fast as that there.
 const FIRST_LEAP: f64 = 1.0;
-/// Length of the first two steps, in τ; the noise lasts for the first.
-pub const FIRST_STEP: f64 = 1e-3;
 /// Largest relative narrowing of the neck per step.
 const NECK_STEP: f64 = 0.4;
+/// The same in the published scheme, whose error nothing else controls.
+const PUBLISHED_NECK_STEP: f64 = 0.08;
 /// Below this neck radius, relative to R0, the neck closes faster than anything else happens.
 const CLOSING: f64 = 0.5;
 /// Local error of the odd part relative to its size, in units of the time tolerance.
@@ -77,12 +77,15 @@ pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)
     observe(Frame { t: 0.0, shape: &stepper.levels[0].y, neck: None });
     let parity = cell.is_mirror_symmetric();
     stepper.adapt(parity, 1.2);
+    stepper.extrapolates = numerics.scheme == Scheme::Converged;
+    let fixed = (numerics.scheme == Scheme::Published).then_some(numerics.dt);
     let mut run = Run {
         tolerance: numerics.time_tolerance,
         factor: numerics.step_factor,
         parity,
         odd_floor: 0.0,
-        dt: FIRST_STEP,
+        dt: numerics.first_step,
+        fixed,
         steps: 0,
         rejected: 0,
         drift: 0.0,
@@ -103,7 +106,7 @@ pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)
             return Ok(run.divided(&stepper, neck, numerics.chi_symmetric));
         }
         if let Some(rest) = run.rest(&mut stepper) {
-            if rest.growth_rate < 0.0 {
+            if rest.growth_rate < 0.0 || run.is_attractor(&rest) {
                 return Ok(run.failed(&stepper, rest.growth_rate));
             }
             run.stay(&mut stepper, &rest);
@@ -147,6 +150,8 @@ struct Run {
     parity: bool,
     odd_floor: f64,
     dt: f64,
+    /// The step of the published scheme.
+    fixed: Option<f64>,
     steps: usize,
     rejected: usize,
     drift: f64,
@@ -171,14 +176,15 @@ struct Rest {
 }
 
 impl Run {
-    /// The first step, whose activity is noisy. The noise belongs to a step of fixed length, whatever the step factor.
+    /// The first step, whose activity is noisy. The noise belongs to a step of given length, whatever the step factor.
     fn first_step(&mut self, stepper: &mut Stepper, coefficients: [f64; 10]) -> Result<(), DivisionError> {
         let (y, gauss) = (&stepper.levels[0].y, &stepper.system.gauss);
         let points = 0..y.intervals() * y.m;
         stepper.cortex.noise =
             points.map(|i| noise_factor(&coefficients, y.stage_x(gauss, i / y.m, i % y.m))).collect();
-        let first = stepper.attempt(FIRST_STEP, 1).map_err(|error| {
-            let (r0, dt) = (stepper.cortex.cell.r0, FIRST_STEP);
+        let dt = self.dt;
+        let first = stepper.attempt(dt, 1).map_err(|error| {
+            let r0 = stepper.cortex.cell.r0;
             DivisionError::Stalled { r0, t: 0.0, dt, source: error.into() }
         })?;
         self.odd_floor = f64::max(0.3 * first.odd_size, ODD_ROUNDING * stepper.cortex.cell.r0);
@@ -189,8 +195,36 @@ impl Run {
         Ok(())
     }
 
+    /// One step of the published scheme. Steps double from the first, short one to their fixed length, and are shorter again
+    /// where a step cannot be solved or the neck closes.
+    fn advance_fixed(&mut self, stepper: &mut Stepper, fixed: f64) -> Result<(), DivisionError> {
+        while let Err(error) = stepper.attempt(self.dt, 1) {
+            self.rejected += 1;
+            self.dt *= 0.5;
+            if self.dt < 1e-12 {
+                let (r0, t) = (stepper.cortex.cell.r0, stepper.levels[0].t);
+                return Err(DivisionError::Stalled { r0, t, dt: self.dt, source: error.into() });
+            }
+        }
+        self.accept(stepper, 2.0);
+        self.dt = self.dt.min(fixed);
+        Ok(())
+    }
+
+    fn neck_step(&self) -> f64 {
+        if self.fixed.is_some() { PUBLISHED_NECK_STEP } else { NECK_STEP }
+    }
+
+    /// Whether the published scheme cannot leave a shape that grows: backward Euler multiplies by 1/(1 − σΔt).
+    fn is_attractor(&self, rest: &Rest) -> bool {
+        self.fixed.is_some_and(|dt| rest.growth_rate * dt > 2.0)
+    }
+
     /// One accepted step.
     fn advance(&mut self, stepper: &mut Stepper) -> Result<(), DivisionError> {
+        if let Some(fixed) = self.fixed {
+            return self.advance_fixed(stepper, fixed);
+        }
         let r0 = stepper.cortex.cell.r0;
         let mut failures = 0;
         loop {
@@ -238,7 +272,7 @@ impl Run {
     }
 
     fn accept(&mut self, stepper: &mut Stepper, growth: f64) {
-        let dt = self.dt * self.factor;
+        let dt = self.dt * if self.fixed.is_some() { 1.0 } else { self.factor };
         stepper.accept();
         self.steps += 1;
         self.dt *= growth;
@@ -256,7 +290,7 @@ impl Run {
         if let (Some(new), Some(old)) = (neck, self.neck) {
             self.neck_rate = (old.radius - new.radius) / dt;
             if self.neck_rate > 0.0 {
-                self.dt = self.dt.min(NECK_STEP * new.radius / self.neck_rate);
+                self.dt = self.dt.min(self.neck_step() * new.radius / self.neck_rate);
             }
         }
         self.neck = neck;

@@ -97,6 +97,8 @@ pub struct Stepper {
     pub system: System,
     /// Accepted shapes, newest first, all on the same mesh.
     pub levels: Vec<Level>,
+    /// Whether steps are begun from the polynomial through the last shapes, and not from the last shape itself.
+    pub extrapolates: bool,
     /// Work of all attempts; steps are counted by the caller.
     pub work: Work,
     spare: Vec<Level>,
@@ -120,6 +122,7 @@ impl Stepper {
             system,
             trial: Level { t: 0.0, y: start.clone() },
             levels: vec![Level { t: 0.0, y: start }],
+            extrapolates: true,
             work: Work::default(),
             spare: Vec::new(),
             scratch: NewtonScratch::default(),
@@ -156,7 +159,7 @@ impl Stepper {
         let t = self.levels[0].t + dt;
         let mut times = [0.0; MAX_ORDER + 2];
         times[0] = t;
-        let known = (order + 1).min(self.levels.len());
+        let known = if self.extrapolates { (order + 1).min(self.levels.len()) } else { 1 };
         for (time, level) in times[1..].iter_mut().zip(&self.levels) {
             *time = level.t;
         }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use crate::cell::{Cell, Cue, Numerics, RigidityGradient};
+use crate::cell::{Cell, Cue, Numerics, RigidityGradient, Scheme};
 use crate::input::{InputError, did_you_mean, parse_ron, read_text};
 use crate::lineage::Lineage;
 use crate::lineage::tree::ZYGOTE;
@@ -100,6 +100,9 @@ fields! {
     numerics NumericsOverrides "Numerics" {
         stages at numerics.stages: usize, "a whole number from 1 to 5", |v| (1..=5).contains(&v);
         intervals at numerics.intervals: usize, "an even whole number from 8 to 4096", |v| v.is_multiple_of(2) && (8..=4096).contains(&v);
+        scheme at numerics.scheme: Scheme, "converged or published", |_v| true;
+        dt at numerics.dt: f64, "above 0 and at most 10", |v| v > 0.0 && v <= 10.0;
+        first_step at numerics.first_step: f64, "from 1e-6 to 0.1", |v| (1e-6..=0.1).contains(&v);
         time_tolerance at numerics.time_tolerance: f64, "above 0 and below 1", |v| v > 0.0 && v < 1.0;
         step_factor at numerics.step_factor: f64, "above 0 and at most 1", |v| v > 0.0 && v <= 1.0;
         t_max at numerics.t_max: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
@@ -128,6 +131,22 @@ impl Value for usize {
     }
     fn show(&self) -> String {
         self.to_string()
+    }
+}
+
+impl Value for Scheme {
+    fn read(text: &str) -> Option<Scheme> {
+        match text {
+            "converged" => Some(Scheme::Converged),
+            "published" => Some(Scheme::Published),
+            _ => None,
+        }
+    }
+    fn show(&self) -> String {
+        match self {
+            Scheme::Published => "published".to_owned(),
+            _ => "converged".to_owned(),
+        }
     }
 }
 
@@ -236,6 +255,11 @@ impl Settings {
                 let name = format!("{}.{}", field.section, field.name);
                 return Err(InputError::not_allowed(source_name, name, value, allowed));
             }
+        }
+        let Numerics { scheme, dt, .. } = self.numerics;
+        if scheme == Scheme::Converged && dt != Numerics::default().dt {
+            let allowed = "given with scheme = published alone: the converged scheme chooses its own steps";
+            return Err(InputError::not_allowed(source_name, "numerics.dt", dt, allowed));
         }
         Ok(())
     }
