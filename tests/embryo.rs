@@ -53,7 +53,7 @@ fn the_embryo() {
     for node in ended.cells() {
         let (short, long) = (ended.cell(node), tree.cell(node));
         assert_eq!((&short.name, short.r0, short.fate.outcome()), (&long.name, long.r0, long.fate.outcome()));
-        match short.fate.ended {
+        match &short.fate.ended {
             None => assert_eq!(short.fate, long.fate),
             Some(reason) => {
                 assert!(matches!(reason, EndReason::BelowPitchfork { .. }), "{}: {reason:?}", short.name);

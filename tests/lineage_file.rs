@@ -32,13 +32,13 @@ fn sulston_counts_match_the_table() {
     assert_eq!(rows.len(), lineage.founders.len());
     for row in rows {
         let name = row.text("founder");
-        let s = lineage.founders.iter().find(|f| f.name == name).unwrap().sulston.unwrap();
-        assert_eq!(f64::from(s.min), row.number("min_rounds"), "{name}");
-        assert_eq!(s.mean, row.number("mean_rounds"), "{name}");
-        assert_eq!(f64::from(s.max), row.number("max_rounds"), "{name}");
-        assert_eq!(f64::from(s.full_doublings), row.number("last_full_doubling_round"), "{name}");
-        assert_eq!(f64::from(s.terminal), row.number("terminal"), "{name}");
-        assert_eq!(f64::from(s.deaths), row.number("deaths"), "{name}");
+        let s = lineage.founders.iter().find(|f| f.name == name).unwrap().observed.unwrap();
+        assert_eq!(f64::from(s.min.unwrap()), row.number("min_rounds"), "{name}");
+        assert_eq!(s.mean.unwrap(), row.number("mean_rounds"), "{name}");
+        assert_eq!(f64::from(s.max.unwrap()), row.number("max_rounds"), "{name}");
+        assert_eq!(f64::from(s.full_doublings.unwrap()), row.number("last_full_doubling_round"), "{name}");
+        assert_eq!(f64::from(s.terminal.unwrap()), row.number("terminal"), "{name}");
+        assert_eq!(f64::from(s.deaths.unwrap()), row.number("deaths"), "{name}");
     }
 }
 
@@ -47,7 +47,7 @@ fn malformed_ron_names_line_and_column() {
     assert_eq!(complaint("Lineage(\n  name: \"x\",\n  founders: [(name \"P0\")],\n)"), "my.ron:3:19: Expected colon");
     assert_eq!(
         complaint("Lineage(name: \"x\", founders: [(name: \"P0\", radius: 3)])"),
-        "my.ron:1:44: Unexpected field named `radius` in `Founder`, expected one of `name`, `mother`, `daughter`, `cue`, `inherit`, `cue_rules`, `r0`, `letters`, or `sulston` instead"
+        "my.ron:1:44: Unexpected field named `radius` in `Founder`, expected one of `name`, `mother`, `daughter`, `cue`, `inherit`, `cue_rules`, `r0`, `physics`, `letters`, or `observed` instead"
     );
 }
 

@@ -31,6 +31,7 @@ fn free(input: &DivisionInput) -> Division {
         t_end: 1.0,
         daughters: Some([input.cell.r0 * 0.5f64.cbrt(); 2]),
         growth_rate: None,
+        slow_growth_rate: None,
         volume_drift: 0.0,
         work: bvp::Work::default(),
     }

@@ -130,6 +130,19 @@ impl Parameter {
         }
     }
 
+    /// What is allowed, if `value` is not: for the parameters of a cell alone, not for those of its cue.
+    pub fn refuses(self, value: f64) -> Option<&'static str> {
+        let (allowed, what) = match self {
+            Parameter::XiS | Parameter::XiRatio | Parameter::Tension | Parameter::Cue { .. } => {
+                (value.is_finite(), "a finite number")
+            }
+            Parameter::Epsilon => (value > 0.0 && value < 1.0, "above 0 and below 1"),
+            Parameter::EtaS => (value.is_finite() && value >= 0.0, "a finite number, 0 or above"),
+            _ => (value.is_finite() && value > 0.0, "a finite number above 0"),
+        };
+        (!allowed).then_some(what)
+    }
+
     /// Whether the cell has it: false for quantities of terms that its cue does not have.
     pub fn is_of(self, cell: &Cell) -> bool {
         match self {

@@ -8,6 +8,7 @@ mod cell;
 mod context;
 mod divide;
 mod error;
+mod new_lineage;
 mod phase;
 mod pitchfork;
 mod progress;
@@ -77,6 +78,7 @@ enum Command {
     Boundary(boundary::BoundaryArgs),
     Phase(phase::PhaseArgs),
     Calibrate(calibrate::CalibrateArgs),
+    NewLineage(new_lineage::NewLineageArgs),
     Cache(cache::CacheArgs),
     Completions(shell::CompletionsArgs),
     Man(shell::ManArgs),
@@ -106,6 +108,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Boundary(args) => boundary::run(&args, Context::new(&cli.globals)?),
         Command::Calibrate(args) => calibrate::run(&args, &Context::new(&cli.globals)?),
         Command::Phase(args) => phase::run(&args, Context::new(&cli.globals)?),
+        Command::NewLineage(args) => new_lineage::run(&args),
         Command::Cache(args) => cache::run(&args, &cli.globals),
         Command::Completions(args) => shell::completions(&args, &mut Cli::command()),
         Command::Man(args) => shell::man(&args, Cli::command()),

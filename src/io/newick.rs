@@ -5,8 +5,9 @@ use std::fmt::Write;
 use crate::lineage::{CellId, Tree};
 
 /// The tree in plain Newick: names on inner nodes, a cell's branch length is its division time `t_end` in τ (for a cell
-/// that came to rest, the time at which it was found at rest; absent where no division was computed). The anterior
-/// daughter comes first.
+/// that came to rest, the time at which it was found at rest; absent where no division was computed, as for most of the
+/// cells that cannot divide). A cell just above the threshold of division takes thousands of τ. The anterior daughter comes
+/// first.
 pub fn newick(tree: &Tree) -> String {
     enum Step {
         Enter(CellId),

@@ -58,6 +58,9 @@ pub struct FounderRow {
     pub name: String,
     /// Radius R0; none if it was never born.
     pub r0: Option<f64>,
+    /// The same in µm, where the lineage says how long L_h is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub r0_um: Option<f64>,
     /// Volume as a fraction of the first cell's.
     pub volume_fraction: Option<f64>,
     /// Name of the cue that it carries.
@@ -71,7 +74,8 @@ pub struct FounderRow {
     /// Rounds grown.
     pub rounds: Option<Rounds>,
     /// Rounds observed.
-    pub sulston: Option<ObservedRounds>,
+    #[serde(rename = "sulston")]
+    pub observed: Option<ObservedRounds>,
 }
 
 /// The founders' table, in the lineage file's order.
@@ -95,13 +99,14 @@ pub fn founder_rows(tree: &Tree) -> Vec<FounderRow> {
         FounderRow {
             name: definition.name.clone(),
             r0: cell.map(|c| c.r0),
+            r0_um: cell.and_then(|c| tree.lineage.units().micrometres(c.r0)),
             volume_fraction: cell.map(|c| c.volume_fraction),
             cue: place.map_or("none", |place| tree.lineage.cue_name_at(place)).to_owned(),
             cued_descendants: cued[founder].clone(),
             outcome: cell.and_then(|c| c.fate.outcome()),
             chi: cell.and_then(|c| c.fate.chi()),
             rounds,
-            sulston: definition.sulston,
+            observed: definition.observed,
         }
     };
     founder_rounds(tree).into_iter().map(|found| row(found.founder, found.rounds)).collect()

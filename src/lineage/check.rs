@@ -42,6 +42,7 @@ impl Check<'_> {
             return Err(InputError::not_allowed(self.file, "limits.max_cells", limits.max_cells, "at least 1"));
         }
         self.letters("naming", lineage.naming)?;
+        lineage.units().check(self.file)?;
         for (name, cue) in &lineage.cues {
             if name == "none" {
                 let allowed = "another name: none is the absence of a cue";
@@ -130,9 +131,7 @@ impl Check<'_> {
         for &pair in &f.letters {
             self.letters(&format!("founder {:?}: letters", f.name), pair)?;
         }
-        if let Some(r0) = f.r0.filter(|r| !(r.is_finite() && *r > 0.0)) {
-            return Err(self.founder_error(f, "r0", r0, "a finite number above 0"));
-        }
+        self.physics(f)?;
         if let Some(cue) = &f.cue {
             self.known_cue(cue).map_err(|allowed| self.founder_error(f, "cue", format!("{cue:?}"), allowed))?;
             if !f.cue_rules.is_empty() {
@@ -165,9 +164,26 @@ impl Check<'_> {
             }
             _ => {}
         }
-        if let Some(s) = f.sulston.filter(|s| !(f64::from(s.min) <= s.mean && s.mean <= f64::from(s.max))) {
-            let allowed = format!("a number from min = {} to max = {}", s.min, s.max);
-            return Err(self.founder_error(f, "sulston.mean", s.mean, allowed));
+        if let Some((field, value, allowed)) = f.observed.and_then(|observed| observed.contradiction()) {
+            return Err(self.founder_error(f, &format!("observed.{field}"), value, allowed));
+        }
+        Ok(())
+    }
+
+    fn physics(&self, f: &Founder) -> Result<(), InputError> {
+        if let Some(given) = f.r0 {
+            let units = self.lineage.units();
+            let r0 = given
+                .in_units(&units)
+                .map_err(|allowed| self.founder_error(f, "r0", format!("\"{given}\""), allowed))?;
+            if !(r0.is_finite() && r0 > 0.0) {
+                return Err(self.founder_error(f, "r0", given, "a finite number above 0"));
+            }
+        }
+        for (parameter, value) in f.physics.values() {
+            if let Some(allowed) = parameter.refuses(value) {
+                return Err(self.founder_error(f, &format!("physics.{parameter}"), value, allowed));
+            }
         }
         Ok(())
     }

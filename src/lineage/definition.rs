@@ -6,12 +6,18 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::check::Check;
+use super::observed::ObservedRounds;
+use super::physics::FounderPhysics;
+use super::units::{Length, Units};
 use crate::cell::cue::{Field, split_terms};
 use crate::cell::{Cue, CueError};
 use crate::input::{InputError, did_you_mean, parse_ron, read_text, shown};
 
 /// The built-in lineage file, `lineages/c_elegans.ron`.
 pub const C_ELEGANS: &str = include_str!("../../lineages/c_elegans.ron");
+
+/// A commented lineage file to begin with, `lineages/template.ron`.
+pub const TEMPLATE: &str = include_str!("../../lineages/template.ron");
 
 /// Which daughter of an unequal division a founder is. Of equal daughters the one listed first takes the first place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,25 +27,6 @@ pub enum Daughter {
     Larger,
     /// The smaller daughter.
     Smaller,
-}
-
-/// Rounds of division from a founder to each terminal cell, as observed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ObservedRounds {
-    /// Fewest rounds.
-    pub min: u32,
-    /// Mean over terminal cells.
-    pub mean: f64,
-    /// Most rounds.
-    pub max: u32,
-    /// Generations, counted from the founder, that doubled fully.
-    pub full_doublings: u32,
-    /// Terminal cells, deaths included.
-    pub terminal: u32,
-    /// Terminal cells that die.
-    #[serde(default)]
-    pub deaths: u32,
 }
 
 /// One founder cell.
@@ -65,15 +52,19 @@ pub struct Founder {
     /// counted from the founder.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cue_rules: Vec<CueRule>,
-    /// Radius R0 in place of the one its mother's division (or the physics, for the first cell) gives, in L_h.
+    /// Radius R0 in place of the one its mother's division (or the physics, for the first cell) gives, in L_h, or in µm
+    /// where `units` say how long L_h is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub r0: Option<f64>,
+    pub r0: Option<Length>,
+    /// Parameters of its own and of its descendants up to the next founder.
+    #[serde(default, skip_serializing_if = "FounderPhysics::is_empty")]
+    pub physics: FounderPhysics,
     /// Letters (anterior, posterior) of the generations below it; the file's `naming` after these.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub letters: Vec<(char, char)>,
-    /// Observed rounds.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sulston: Option<ObservedRounds>,
+    /// Observed rounds; `sulston` is an older word for them.
+    #[serde(default, alias = "sulston", skip_serializing_if = "Option::is_none")]
+    pub observed: Option<ObservedRounds>,
 }
 
 fn yes() -> bool {
@@ -160,6 +151,9 @@ pub struct Lineage {
     /// Letters added to the mother's name for the (anterior, posterior) daughter.
     #[serde(default = "default_naming")]
     pub naming: (char, char),
+    /// What one L_h and one τ are in this embryo.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub units: Option<Units>,
     /// Limits.
     #[serde(default)]
     pub limits: Limits,
@@ -200,6 +194,16 @@ impl Lineage {
     /// The first cell: the founder without a mother (an index into `founders`).
     pub fn first(&self) -> usize {
         self.founders.iter().position(|f| f.mother.is_none()).unwrap_or(0)
+    }
+
+    /// What one L_h and one τ are; nothing is known of them where the file does not say.
+    pub fn units(&self) -> Units {
+        self.units.unwrap_or_default()
+    }
+
+    /// The radius R0 that the file gives a founder, in L_h.
+    pub fn given_r0(&self, founder: usize) -> Option<f64> {
+        self.founders[founder].r0.and_then(|length| length.in_units(&self.units()).ok())
     }
 
     /// The cue called `name`; `none` is always defined.

@@ -87,7 +87,7 @@ impl Grower<'_> {
 
     fn first(&self) -> GrowingCell {
         let founder = self.lineage.first();
-        let r0 = self.lineage.founders[founder].r0.unwrap_or(self.settings.cell.r0);
+        let r0 = self.lineage.given_r0(founder).unwrap_or(self.settings.cell.r0);
         GrowingCell {
             name: self.lineage.founders[founder].name.clone(),
             founder,
@@ -109,7 +109,8 @@ impl Growth<'_> {
         let TreeSettings { cell: first, numerics, seed, .. } = &self.grower.settings;
         let growing = &mut self.cells[index];
         let limits = self.grower.lineage.limits;
-        let cell = Cell { r0: growing.r0, cue: growing.cue.clone(), ..first.clone() };
+        let mut cell = Cell { r0: growing.r0, cue: growing.cue.clone(), ..first.clone() };
+        self.grower.lineage.founders[growing.founder].physics.apply(&mut cell);
         let ended = if growing.generation >= limits.max_depth {
             Some(EndReason::MaxDepth { max_depth: limits.max_depth })
         } else {
@@ -190,7 +191,7 @@ impl Growth<'_> {
         let first_r0 = self.cells[0].r0;
         // V = 4πR0³/3, so R0 of the daughter follows from its share of the first cell's volume.
         let (mut r0, mut fraction) = (first_r0 * fraction.cbrt(), fraction);
-        if let Some(given) = founder.and_then(|founder| lineage.founders[founder].r0) {
+        if let Some(given) = founder.and_then(|founder| lineage.given_r0(founder)) {
             (r0, fraction) = (given, (given / first_r0).powi(3));
         }
         let round = if founder.is_some() { 0 } else { mother.round + 1 };

@@ -3,7 +3,7 @@
 use super::escape;
 use super::summary::TreeSummary;
 use super::svg::{colours, svg};
-use super::table::{cue_text, decimals, outcome_name};
+use super::table::{cue_text, decimals, observed_columns, outcome_name};
 use crate::io::config::{Settings, listing};
 use crate::io::{FounderRow, Provenance};
 use crate::lineage::Tree;
@@ -45,17 +45,37 @@ pub fn html(tree: &Tree, rows: &[FounderRow]) -> String {
 }
 
 fn founders(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
-    out.push_str(
-        "<h2>Rounds of division per founder</h2>\n<div class=\"wrap\"><table><thead><tr><th colspan=\"5\"></th><th colspan=\"6\" class=\"s l\">model</th><th colspan=\"5\" class=\"s l\">observed</th></tr>\
-         <tr><th>founder</th><th>R0</th><th class=\"l\">cue</th><th class=\"l\">its division</th><th>χ</th><th class=\"s\">min</th><th>mean</th><th>max</th><th>full doublings</th><th>symmetric</th><th>terminal cells</th>\
-         <th class=\"s\">min</th><th>mean</th><th>max</th><th>full doublings</th><th>terminal cells</th></tr></thead><tbody>\n",
+    let observed = observed_columns(rows);
+    let in_um = rows.iter().any(|row| row.r0_um.is_some());
+    let _ = write!(
+        out,
+        "<h2>Rounds of division per founder</h2>\n<div class=\"wrap\"><table><thead><tr><th colspan=\"{}\"></th><th colspan=\"6\" class=\"s l\">model</th>{}</tr>\
+         <tr><th>founder</th><th>R0</th>{}<th class=\"l\">cue</th><th class=\"l\">its division</th><th>χ</th><th class=\"s\">min</th><th>mean</th><th>max</th><th>full doublings</th><th>symmetric</th><th>terminal cells</th>",
+        if in_um { 6 } else { 5 },
+        match observed.len() {
+            0 => String::new(),
+            columns => format!("<th colspan=\"{columns}\" class=\"s l\">observed</th>"),
+        },
+        if in_um { "<th>R0, µm</th>" } else { "" },
     );
+    // The first column of a group stands off from the one before.
+    let class = |k: usize| if k == 0 { " class=\"s\"" } else { "" };
+    for (k, (name, ..)) in observed.iter().enumerate() {
+        let name = match *name {
+            "full" => "full doublings",
+            "cells" => "terminal cells",
+            name => name,
+        };
+        let _ = write!(out, "<th{}>{name}</th>", class(k));
+    }
+    out.push_str("</tr></thead><tbody>\n");
     for (row, colour) in rows.iter().zip(colours(&tree.lineage)) {
         let _ = write!(
             out,
-            "<tr><td><span class=\"dot\" style=\"background:{colour}\"></span>{}</td><td>{}</td><td class=\"l\">{}</td><td class=\"l\">{}</td><td>{}</td>",
+            "<tr><td><span class=\"dot\" style=\"background:{colour}\"></span>{}</td><td>{}</td>{}<td class=\"l\">{}</td><td class=\"l\">{}</td><td>{}</td>",
             escape(&row.name),
             decimals(row.r0, 3),
+            if in_um { format!("<td>{}</td>", decimals(row.r0_um, 2)) } else { String::new() },
             escape(&cue_text(row)),
             outcome_name(row.outcome),
             decimals(row.chi, 3)
@@ -70,15 +90,8 @@ fn founders(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
             }
             None => out.push_str("<td class=\"s l\" colspan=\"6\">not born</td>"),
         }
-        match row.sulston {
-            Some(s) => {
-                let _ = write!(
-                    out,
-                    "<td class=\"s\">{}</td><td>{:.2}</td><td>{}</td><td>{}</td><td>{}</td>",
-                    s.min, s.mean, s.max, s.full_doublings, s.terminal
-                );
-            }
-            None => out.push_str("<td class=\"s\" colspan=\"5\"></td>"),
+        for (k, (_, _, text)) in observed.iter().enumerate() {
+            let _ = write!(out, "<td{}>{}</td>", class(k), text(row));
         }
         out.push_str("</tr>\n");
     }

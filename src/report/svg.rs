@@ -161,12 +161,14 @@ fn disc(out: &mut String, tree: &Tree, node: CellId, layout: &Layout, colours: &
     let y = y_of(tree, node);
     let radius = disc_radius(tree, cell.r0);
     let colour = colours[cell.founder];
-    let mut title = format!("{}: R0 = {:.4}, {}", cell.name, cell.r0, outcome_name(cell.fate.outcome()));
+    let units = tree.lineage.units();
+    let size = units.in_micrometres(cell.r0);
+    let mut title = format!("{}: R0 = {:.4}{size}, {}", cell.name, cell.r0, outcome_name(cell.fate.outcome()));
     if let Some(chi) = cell.fate.chi() {
         let _ = write!(title, ", χ = {chi:.4}");
     }
     if let Some(t) = cell.fate.t_end() {
-        let _ = write!(title, ", t = {t:.3} τ");
+        let _ = write!(title, ", t = {t:.3} τ{}", units.in_minutes(t));
     }
     if let Some(reason) = &cell.fate.ended {
         let _ = write!(title, "; {reason}");

@@ -30,15 +30,17 @@ pub(super) fn cue_text(row: &FounderRow) -> String {
 pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
     let cell = &tree.settings.cell;
     let mut out = format!(
-        "{}: {} cells, grown from R0 = {} at ε = {}, ξ_s = {}\n\n",
+        "{}: {} cells, grown from R0 = {}{} at ε = {}, ξ_s = {}\n\n",
         tree.lineage.name,
         tree.len(),
         tree.cell(tree.first()).r0,
+        tree.lineage.units().in_micrometres(tree.cell(tree.first()).r0),
         cell.epsilon,
         cell.xi_s
     );
     rounds(&mut out, rows);
     cues(&mut out, tree, rows);
+    physics(&mut out, tree);
     let summary = TreeSummary::of(tree);
     generations(&mut out, &summary);
     let _ = writeln!(out, "\nBranches end: {}.", summary.ended_text());
@@ -59,41 +61,77 @@ pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
     out
 }
 
+/// A column of the table: its heading, over all its cells, and the text of each founder.
+type Column = (&'static str, usize, fn(&FounderRow) -> String);
+
+/// The columns of observed rounds.
+const OBSERVED: [Column; 5] = [
+    ("min", 3, |row| whole(row.observed.and_then(|o| o.min))),
+    ("mean", 6, |row| row.observed.and_then(|o| o.mean).map_or(String::new(), |mean| format!("{mean:.2}"))),
+    ("max", 3, |row| whole(row.observed.and_then(|o| o.max))),
+    ("full", 4, |row| whole(row.observed.and_then(|o| o.full_doublings))),
+    ("cells", 5, |row| whole(row.observed.and_then(|o| o.terminal))),
+];
+
+fn whole(value: Option<u32>) -> String {
+    value.map_or(String::new(), |value| value.to_string())
+}
+
+/// The columns of observed rounds in which some founder has a number.
+pub(super) fn observed_columns(rows: &[FounderRow]) -> Vec<Column> {
+    OBSERVED.into_iter().filter(|(_, _, text)| rows.iter().any(|row| !text(row).is_empty())).collect()
+}
+
+/// Rounds of the founders: what they are, what the model says and, where there is any of it, what was observed.
 fn rounds(out: &mut String, rows: &[FounderRow]) {
     let name_width = rows.iter().map(|r| r.name.chars().count()).max().unwrap_or(0).max(7);
     let cues: Vec<String> = rows.iter().map(cue_text).collect();
     let cue_width = cues.iter().map(|cue| cue.chars().count()).max().unwrap_or(0).max(4);
-    let blank = name_width + cue_width + 30;
-    let _ = writeln!(out, "{:blank$}| rounds, model                | rounds, observed", "");
-    let _ = writeln!(
+    let in_um = rows.iter().any(|row| row.r0_um.is_some());
+    let observed = observed_columns(rows);
+    let blank = name_width + cue_width + 30 + if in_um { 8 } else { 0 };
+    let um = |text: &str| if in_um { format!("  {text:>6}") } else { String::new() };
+    let of_observed = |text: &dyn Fn(&Column) -> String| -> String {
+        let cells: String = observed.iter().map(|column| format!(" {:>1$}", text(column), column.1)).collect();
+        if observed.is_empty() { String::new() } else { format!(" |{cells}") }
+    };
+    let line = |out: &mut String, text: String| {
+        let _ = writeln!(out, "{}", text.trim_end());
+    };
+    let head = if observed.is_empty() { "" } else { " | rounds, observed" };
+    line(out, format!("{:blank$}| rounds, model               {head}", ""));
+    line(
         out,
-        "{:name_width$}      R0  {:cue_width$}  division         χ | min   mean max full sym cells | min   mean max full cells",
-        "founder", "cue"
+        format!(
+            "{:name_width$}      R0{}  {:cue_width$}  division         χ | min   mean max full sym cells{}",
+            "founder",
+            um("µm"),
+            "cue",
+            of_observed(&|column| column.0.to_owned())
+        ),
     );
-    let _ = writeln!(out, "{}+-----------------------------+-------------------------", "-".repeat(blank));
+    let width: usize = observed.iter().map(|column| column.1 + 1).sum();
+    let ruled = if observed.is_empty() { String::new() } else { format!("+{}", "-".repeat(width)) };
+    line(out, format!("{}+-----------------------------{ruled}", "-".repeat(blank)));
     for (row, cue) in rows.iter().zip(&cues) {
-        let _ = write!(
-            out,
-            "{:name_width$}  {:>6}  {cue:cue_width$}  {:10}  {:>6} |",
-            row.name,
-            decimals(row.r0, 3),
-            outcome_name(row.outcome),
-            decimals(row.chi, 3),
-        );
-        let _ = match row.rounds {
-            Some(r) => write!(
-                out,
-                " {:>3} {:>6.2} {:>3} {:>4} {:>3} {:>5} |",
+        let model = row.rounds.map_or(format!(" {:28}", "not born"), |r| {
+            format!(
+                " {:>3} {:>6.2} {:>3} {:>4} {:>3} {:>5}",
                 r.min, r.mean, r.max, r.full_doublings, r.symmetric, r.terminal
+            )
+        });
+        line(
+            out,
+            format!(
+                "{:name_width$}  {:>6}{}  {cue:cue_width$}  {:10}  {:>6} |{model}{}",
+                row.name,
+                decimals(row.r0, 3),
+                um(&decimals(row.r0_um, 2)),
+                outcome_name(row.outcome),
+                decimals(row.chi, 3),
+                of_observed(&|column| column.2(row))
             ),
-            None => write!(out, " {:28} |", "not born"),
-        };
-        let _ = match row.sulston {
-            Some(s) => {
-                writeln!(out, " {:>3} {:>6.2} {:>3} {:>4} {:>5}", s.min, s.mean, s.max, s.full_doublings, s.terminal)
-            }
-            None => writeln!(out),
-        };
+        );
     }
     out.push('\n');
 }
@@ -104,6 +142,19 @@ fn cues(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
     let mut any = false;
     for (name, cue) in tree.lineage.cues.iter().filter(|(name, _)| used(name)) {
         let _ = writeln!(out, "cue {name}: {cue}");
+        any = true;
+    }
+    if any {
+        out.push('\n');
+    }
+}
+
+/// What founders change of the physics.
+fn physics(out: &mut String, tree: &Tree) {
+    let mut any = false;
+    for founder in tree.lineage.founders.iter().filter(|founder| !founder.physics.is_empty()) {
+        let values: Vec<String> = founder.physics.values().map(|(name, value)| format!("{name} = {value}")).collect();
+        let _ = writeln!(out, "{} and its descendants up to the next founder: {}", founder.name, values.join(", "));
         any = true;
     }
     if any {

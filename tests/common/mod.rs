@@ -27,6 +27,7 @@ pub fn division(r0: f64, outcome: Outcome, chi_signed: f64) -> Division {
         t_end: 1.0 + 1.0 / r0,
         daughters: divided.then(|| [radius(0.5 * (1.0 - chi_signed)), radius(0.5 * (1.0 + chi_signed))]),
         growth_rate: (!divided).then_some(-0.25),
+        slow_growth_rate: None,
         volume_drift: 0.0,
         work: bvp::Work { steps: 1, iterations: 1, factorisations: 1, ..bvp::Work::default() },
     }

@@ -1,0 +1,29 @@
+//! `furrow new-lineage`: a lineage file to begin with.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::context::answer;
+use super::error::CliError;
+use crate::input::InputError;
+use crate::io::write_atomically;
+use crate::lineage::TEMPLATE;
+
+/// Writes a commented lineage file to begin with; it grows as it stands
+#[derive(Debug, Args)]
+pub struct NewLineageArgs {
+    /// File to write; one that exists is left alone
+    #[arg(value_name = "FILE.ron")]
+    file: PathBuf,
+}
+
+pub fn run(args: &NewLineageArgs) -> Result<(), CliError> {
+    if args.file.symlink_metadata().is_ok() {
+        let name = format!("{:?}", args.file.display().to_string());
+        return Err(InputError::not_allowed("new-lineage", "FILE.ron", name, "a file that does not exist yet").into());
+    }
+    write_atomically(&args.file, TEMPLATE.as_bytes())?;
+    let file = args.file.display();
+    answer(&format!("{file} written; change it, then: furrow tree {file}\n"))
+}

@@ -1,0 +1,70 @@
+//! Cells a hair above the threshold of division: slow, and not undecided.
+
+use furrow::batch::{Memo, Quantisation, SchedulerOptions};
+use furrow::cell::{Cell, Numerics};
+use furrow::division::{Division, DivisionInput, Outcome, divide};
+use furrow::lineage::{Grower, Lineage, TreeSettings};
+use furrow::shapes::critical::critical_radius;
+use furrow::shapes::pitchfork;
+
+fn solve(cell: Cell) -> Division {
+    divide(&DivisionInput::new(cell)).unwrap()
+}
+
+/// The threshold is subcritical at the preset's critical radius: above it a cell divides, however slowly, below it rests.
+/// The wait is ln(amplitude after/amplitude before)/σ with σ ∝ R0 − R0_c.
+#[test]
+fn above_the_critical_radius_a_cell_divides_whatever_the_time() {
+    let critical = critical_radius(&Cell::new(1.7), &Numerics::default()).unwrap().r0;
+    let mut rates = Vec::new();
+    for margin in [1e-4, 1e-5, 1e-6, 1e-7, 1e-8] {
+        let division = solve(Cell::new(critical * (1.0 + margin)));
+        assert_eq!(division.outcome, Outcome::Asymmetric, "{margin}");
+        assert!((division.chi.unwrap() - 0.9117).abs() < 1e-3, "{margin}: {division:?}");
+        let rate = division.slow_growth_rate.unwrap();
+        println!("R0/R0_c - 1 = {margin:e}: growth rate {rate:.3e}, divides at {:.3e} τ", division.t_end);
+        assert!(rate * division.t_end > 2.0 && rate * division.t_end < 40.0, "{division:?}");
+        rates.push(rate / margin);
+    }
+    // In proportion to the distance; the last one is known to the error of the mesh, which is 2.5e-9 of R0_c.
+    assert!(rates[..4].iter().all(|slope| (slope / rates[0] - 1.0).abs() < 0.05), "{rates:?}");
+    for margin in [1e-4, 1e-6, 1e-7] {
+        let division = solve(Cell::new(critical * (1.0 - margin)));
+        assert_eq!(division.outcome, Outcome::Failed, "{margin}");
+        assert!(division.growth_rate.unwrap() < 0.0 && division.slow_growth_rate.is_none());
+    }
+}
+
+/// Above a supercritical threshold there is a stable shape off-centre, so near that a cell rests there: with twice the rate
+/// at which the symmetric shape grows, as the normal form says.
+#[test]
+fn above_a_supercritical_threshold_a_cell_rests_off_centre() {
+    let cell = Cell::new(2.0);
+    let xi = pitchfork(&cell, &Numerics::default()).unwrap().xi_s;
+    for margin in [1e-4, 1e-5, 1e-6] {
+        let division = solve(Cell { xi_s: xi * (1.0 + margin), ..cell.clone() });
+        assert_eq!(division.outcome, Outcome::Failed, "{margin}");
+        let ratio = division.growth_rate.unwrap() / division.slow_growth_rate.unwrap();
+        println!("xi_s/xi_s* - 1 = {margin:e}: {ratio}");
+        assert!((ratio + 2.0).abs() < 0.06, "{margin}: {division:?}");
+    }
+}
+
+/// Trees of ordinary parameters that one such cell used to abort.
+#[test]
+fn trees_with_a_slow_cell_are_whole() {
+    let lineage = Lineage::c_elegans().unwrap();
+    let weak = lineage.clone().with_cues_replaced("weak", &"kappa:u0=0.49,omega=0.0577,amplitude=0.1".parse().unwrap());
+    let trees =
+        [(&weak, Cell::new(5.4)), (&lineage, Cell { xi_s: 26.0, ..Cell::new(5.4) }), (&lineage, Cell::new(5.35))];
+    for (lineage, cell) in trees {
+        let memo = Memo::new(Quantisation::DEFAULT);
+        let settings = TreeSettings { cell: cell.clone(), ..TreeSettings::default() };
+        let options = SchedulerOptions::default();
+        let (tree, _) = Grower { lineage, settings, ends: &|_| None, memo: &memo, options }.grow(divide).unwrap();
+        let fates = || tree.cells().map(|id| &tree.cell(id).fate);
+        let slow = fates().filter(|fate| fate.division.as_ref().is_some_and(|d| d.slow_growth_rate.is_some())).count();
+        assert!(slow > 0, "{cell:?}");
+        assert!(fates().all(|fate| fate.outcome().is_some()), "{cell:?}");
+    }
+}
