@@ -6,15 +6,17 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::context::{Context, answer};
+use super::context::Context;
 use super::error::CliError;
+use super::interrupt;
+use super::output::{answer, writable_file};
 use super::vary::{Varied, VaryArgs};
 use crate::cell::{Cue, Parameter};
 use crate::input::InputError;
 use crate::io::write_atomically;
 use crate::shapes::critical::{self, Stored};
 use crate::shapes::curves::{self, Curve, CurveEnd, CurvePoint};
-use crate::shapes::{Criticality, PointKind};
+use crate::shapes::{Criticality, Effort, PointKind};
 
 /// Continues what bounds division over a parameter: the pitchfork and the folds of mirror-symmetric shapes; with a cue that
 /// tells the poles apart, the fold that ends the stable shapes
@@ -115,7 +117,8 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     if let Some(path) = &args.write {
         let cues: Vec<Cue> = args.vary.cue.lineage()?.cues.into_values().filter(|cue| !cue.is_none()).collect();
         let stored = Stored::compute(cell, numerics, &[vec![Cue::none()], cues].concat(), *range)?;
-        write_atomically(path, format!("{}\n", serde_json::to_string_pretty(&stored)?).as_bytes())?;
+        let text = format!("{}\n", serde_json::to_string_pretty(&stored)?);
+        interrupt::unbroken(|| write_atomically(path, text.as_bytes()))?;
     }
     let (kind, mut found) = curves::boundary_curves(cell, numerics, *parameter, *range)?;
     let (pitchfork, folds) = match kind {
@@ -124,7 +127,7 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
         _ => (Curve::default(), found),
     };
     let critical = match args.critical {
-        true => Some(critical::critical_value(cell, numerics, *parameter, &starts(*parameter, *range))?.1),
+        true => Some(critical::critical_value(cell, numerics, *parameter, &starts(*parameter, *range), &Effort::unlimited())?.1),
         false => None,
     };
     for (k, fold) in folds.iter().enumerate() {
@@ -176,7 +179,7 @@ impl BoundaryArgs {
             let allowed = "r0: what is stored is a boundary over R0";
             return Err(InputError::not_allowed("--write", "vary", varied.parameter, allowed));
         }
-        Ok(())
+        self.write.as_ref().map_or(Ok(()), |file| writable_file("--write", "write", file))
     }
 }
 

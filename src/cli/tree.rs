@@ -1,13 +1,18 @@
 //! `furrow tree`: the main job.
 
-use super::context::{Context, answer, warn_of_store, warning_text};
+use super::context::{Context, warn_of_store, warning_text};
 use super::error::CliError;
+use super::interrupt;
+use super::output::{answer, writable_folder};
 use super::progress::ProgressLine;
 use crate::batch::Summary;
 use crate::batch::scheduler::workers;
 use crate::cell::Cell;
 use crate::division::divide;
-use crate::io::{FounderRow, Provenance, founder_rows, newick, parse_cue, write_atomically};
+use crate::input::InputError;
+use crate::io::earlier::{TREE_FILES, other_tree};
+use crate::io::files::FileSet;
+use crate::io::{FounderRow, Provenance, founder_rows, newick, parse_cue};
 use crate::lineage::{Ends, Grower, Lineage, Tree, TreeSettings, expected_work};
 use crate::report;
 use crate::shapes::CriticalRadii;
@@ -28,6 +33,9 @@ pub struct TreeArgs {
     /// Folder for the files
     #[arg(long, value_name = "DIR", default_value = "furrow-out")]
     out: PathBuf,
+    /// Replaces the files of another tree in that folder
+    #[arg(long)]
+    force: bool,
     /// Seed of the noise in the first step of every division
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
@@ -61,6 +69,8 @@ struct RunRecord {
     provenance: Provenance,
     elapsed_s: f64,
     threads: usize,
+    /// Whether every cell's division was computed.
+    dynamics: bool,
     cells: usize,
     divisions_solved: usize,
     memo_hits: usize,
@@ -82,6 +92,7 @@ struct QuantisationRecord {
 
 pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
+    interrupt::gently();
     let mut lineage = Lineage::load(args.lineage.as_deref())?;
     if let Some(text) = &args.cue {
         let cue = parse_cue(text, &lineage)?;
@@ -92,16 +103,17 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         };
         lineage = lineage.with_cues_replaced(name, &cue);
     }
-    let memo = context.memo()?;
-    let line = ProgressLine::new(context.progress);
-    let show = |progress| line.show(progress);
     let settings = TreeSettings {
         cell: context.settings.cell.clone(),
         numerics: context.settings.numerics,
         seed: args.seed,
         r0_step: context.quantisation.relative_step(),
     };
-    let rule = Ends::new(CriticalRadii::new(&settings.numerics));
+    args.check_folder(&lineage, &settings)?;
+    let memo = context.memo()?;
+    let line = ProgressLine::new(context.progress);
+    let show = |progress| line.show(progress);
+    let rule = Ends::new(CriticalRadii::new(&settings.numerics).interrupted_by(interrupt::flag()));
     let order = if args.dynamics { None } else { rule.critical_radius(&settings.cell).map(expected_work) };
     let mut options = context.scheduling(&show);
     if let Some(order) = &order {
@@ -118,6 +130,20 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let rows = founder_rows(&tree);
     write_files(args, context, &tree, &rows, &summary, start)?;
     respond(args, context, &tree, &rows, &summary, start.elapsed().as_secs_f64())
+}
+
+impl TreeArgs {
+    /// Finds out before the work whether its files can be written, and what they would replace.
+    fn check_folder(&self, lineage: &Lineage, settings: &TreeSettings) -> Result<(), InputError> {
+        writable_folder("--out", "out", &self.out, &TREE_FILES)?;
+        match other_tree(&self.out, lineage, settings, self.dynamics) {
+            Some(lost) if !self.force => {
+                let allowed = format!("another folder: {lost}, and --force would replace it");
+                Err(InputError::not_allowed("--out", "out", format!("{:?}", self.out), allowed))
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 fn respond(
@@ -159,17 +185,18 @@ fn write_files(
     summary: &Summary,
     start: Instant,
 ) -> Result<(), CliError> {
-    let write = |name: &str, content: &str| write_atomically(&args.out.join(name), content.as_bytes());
-    write("tree.nwk", &newick(tree))?;
-    write("tree.json", &tree.to_json()?)?;
-    write("tree.svg", &report::svg(tree))?;
-    write("report.html", &report::html(tree, rows))?;
+    let mut files = FileSet::new(&args.out);
+    files.stage("tree.nwk", newick(tree).as_bytes())?;
+    files.stage("tree.json", tree.to_json()?.as_bytes())?;
+    files.stage("tree.svg", report::svg(tree).as_bytes())?;
+    files.stage("report.html", report::html(tree, rows).as_bytes())?;
     let record = RunRecord {
         schema: "furrow.run",
         schema_version: 1,
         provenance: Provenance::current(),
         elapsed_s: start.elapsed().as_secs_f64(),
         threads: workers(context.threads),
+        dynamics: args.dynamics,
         cells: tree.len(),
         divisions_solved: summary.solved,
         memo_hits: summary.memo_hits,
@@ -182,6 +209,6 @@ fn write_files(
         },
         warnings: summary.warnings.iter().map(warning_text).collect(),
     };
-    write("run.json", &format!("{}\n", serde_json::to_string_pretty(&record)?))?;
-    Ok(())
+    files.stage("run.json", format!("{}\n", serde_json::to_string_pretty(&record)?).as_bytes())?;
+    Ok(files.commit()?)
 }

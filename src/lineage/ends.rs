@@ -27,7 +27,9 @@ impl Ends {
             .ends(cell)
             .unwrap_or_else(|error| {
                 let mut unknown = self.unknown.borrow_mut();
-                if !unknown.iter().any(|(cue, _)| *cue == cell.cue) {
+                // An interrupted search says nothing of the cue, and the growth that asked is about to end.
+                let told = error != ShapeError::Interrupted;
+                if told && !unknown.iter().any(|(cue, _)| *cue == cell.cue) {
                     unknown.push((cell.cue.clone(), error));
                 }
                 None
