@@ -127,7 +127,9 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
         _ => (Curve::default(), found),
     };
     let critical = match args.critical {
-        true => Some(critical::critical_value(cell, numerics, *parameter, &starts(*parameter, *range), &Effort::unlimited())?.1),
+        true => Some(
+            critical::critical_value(cell, numerics, *parameter, &starts(*parameter, *range), &Effort::unlimited())?.1,
+        ),
         false => None,
     };
     for (k, fold) in folds.iter().enumerate() {

@@ -44,7 +44,8 @@ pub fn explain(said: &clap::Error) -> Result<(), CliError> {
 
 /// Refuses a folder that files of these names cannot be written into, before the work that they are to keep.
 pub fn writable_folder(option: &str, field: &str, folder: &Path, names: &[&str]) -> Result<(), InputError> {
-    check_folder(folder, names).map_err(|error| refused(option, field, folder, "a folder that can be written to", &error))
+    check_folder(folder, names)
+        .map_err(|error| refused(option, field, folder, "a folder that can be written to", &error))
 }
 
 /// Refuses a file that cannot be written, before the work that it is to keep.

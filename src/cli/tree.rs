@@ -7,15 +7,15 @@ use super::output::{answer, writable_folder};
 use super::progress::ProgressLine;
 use crate::batch::Summary;
 use crate::batch::scheduler::workers;
-use crate::cell::Cell;
-use crate::division::divide;
+use crate::cell::{Cell, Cue};
+use crate::division::{DivisionInput, divide};
 use crate::input::InputError;
 use crate::io::earlier::{TREE_FILES, other_tree};
 use crate::io::files::FileSet;
 use crate::io::{FounderRow, Provenance, founder_rows, newick, parse_cue};
 use crate::lineage::{Ends, Grower, Lineage, Tree, TreeSettings, expected_work};
 use crate::report;
-use crate::shapes::CriticalRadii;
+use crate::shapes::{CriticalRadii, ShapeError};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -114,22 +114,45 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let line = ProgressLine::new(context.progress);
     let show = |progress| line.show(progress);
     let rule = Ends::new(CriticalRadii::new(&settings.numerics).interrupted_by(interrupt::flag()));
-    let order = if args.dynamics { None } else { rule.critical_radius(&settings.cell).map(expected_work) };
+    let plain = settings.cell.clone().with_cue(Cue::none());
+    // The order of the work is no reason to search for a radius, which growth does when it comes to such cells.
+    let order = |input: &DivisionInput| {
+        let critical = if rule.knows(&plain) { rule.critical_radius(&plain) } else { None };
+        critical.map_or(input.cell.r0, |critical| expected_work(critical)(input))
+    };
     let mut options = context.scheduling(&show);
-    if let Some(order) = &order {
-        options.expected_work = order;
+    if !args.dynamics {
+        options.expected_work = &order;
     }
-    let ends = |cell: &Cell| if args.dynamics { None } else { rule.of(cell) };
+    // The first cell is asked about first. Its division costs less than a search, and where it fails there is no other.
+    let first = std::cell::Cell::new(true);
+    let by_dynamics = |cell: &Cell| first.replace(false) && !rule.knows(cell) || args.dynamics;
+    let ends = |cell: &Cell| if by_dynamics(cell) { None } else { rule.of(cell) };
     let grown = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options }.grow(divide);
     drop(line);
     let (tree, summary) = grown?;
     warn_of_store(&summary.warnings);
-    for (cue, error) in rule.unknown() {
-        tracing::info!("no critical radius for cells with the cue {cue}, whose divisions tell instead: {error}");
-    }
+    warn_of_searches(&rule);
     let rows = founder_rows(&tree);
     write_files(args, context, &tree, &rows, &summary, start)?;
     respond(args, context, &tree, &rows, &summary, start.elapsed().as_secs_f64())
+}
+
+/// Says which cells have no critical radius; in one warning, which were not searched for to the end.
+fn warn_of_searches(rule: &Ends) {
+    let mut given_up = Vec::new();
+    for (cue, error) in rule.unknown() {
+        if let ShapeError::Effort { .. } = error {
+            given_up.push(cue.to_string());
+        }
+        tracing::info!("no critical radius for cells with the cue {cue}, whose divisions tell instead: {error}");
+    }
+    if !given_up.is_empty() {
+        tracing::warn!(
+            "the search for a critical radius was given up for cells with the cue {}: all their divisions are computed",
+            given_up.join(" and ")
+        );
+    }
 }
 
 impl TreeArgs {

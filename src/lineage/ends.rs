@@ -37,6 +37,11 @@ impl Ends {
             .map(EndReason::from)
     }
 
+    /// Whether an answer about cells like this one takes no search for a radius.
+    pub fn knows(&self, cell: &Cell) -> bool {
+        self.radii.knows(cell)
+    }
+
     /// The radius below which cells like `cell`, but without a cue, do not divide, where it is known.
     pub fn critical_radius(&self, cell: &Cell) -> Option<f64> {
         // There is no cell so small that it divides, so that this one is told its boundary.

@@ -183,7 +183,10 @@ fn to_activity<S: Singularity<Cortex> + Clone>(
         let goes_on = through_cusps || curve.tangent.scalars[SECOND] * direction > 0.0;
         let before = std::mem::replace(&mut tried, curve.work.steps + curve.work.rejected);
         let affordable = effort.spend(tried - before);
-        affordable && goes_on && distance < 2.0 * nearest + 1.0 && allowed_range(parameter).contains(&curve.solution.scalars[SECOND])
+        affordable
+            && goes_on
+            && distance < 2.0 * nearest + 1.0
+            && allowed_range(parameter).contains(&curve.solution.scalars[SECOND])
     })?;
     Ok(last)
 }
@@ -337,10 +340,10 @@ pub struct CriticalRadii {
     known: Mutex<Vec<(Cell, Knowledge)>>,
 }
 
-/// Most steps, along branches and curves, of one search for a critical radius: what a search takes that comes to a good end,
-/// with room to spare. A radius saves the divisions of the last round, a few dozen of them; longer searches cost more
-/// than that, and hardly any of them finds one.
-pub const MOST_SEARCHED: usize = 1_000_000;
+/// Most steps, along branches and curves, of one search for a critical radius. Nearly all searches that find one take 20 to
+/// 500, those that find none or a very small one a thousand to ten thousand. A radius saves some dozens of divisions, of the
+/// cells that are too small, and each costs as much as 20 to 40 steps.
+pub const MOST_SEARCHED: usize = 600;
 
 /// Cells nearer to their critical radius than this, relative, are judged by one computed on a mesh twice as fine.
 const NEAR: f64 = 1e-3;
@@ -360,6 +363,12 @@ impl CriticalRadii {
         CriticalRadii { numerics: *numerics, interrupt: None, known }
     }
 
+    /// Whether an answer about cells like this one takes no search.
+    pub fn knows(&self, cell: &Cell) -> bool {
+        let one = kind(cell);
+        self.known.lock().unwrap_or_else(std::sync::PoisonError::into_inner).iter().any(|(other, _)| *other == one)
+    }
+
     /// The same, whose searches end when the flag is set.
     #[must_use]
     pub fn interrupted_by(self, flag: &'static AtomicBool) -> CriticalRadii {
@@ -377,7 +386,7 @@ impl CriticalRadii {
     /// [`ShapeError`] if its critical radius cannot be found in [`MOST_SEARCHED`] steps; it is looked for once.
     pub fn ends(&self, cell: &Cell) -> Result<Option<End>, ShapeError> {
         let mut known = self.known.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let one = Cell { r0: 1.0, cue: cell.cue.simplified(), ..cell.clone() };
+        let one = kind(cell);
         let index = match known.iter().position(|(other, _)| *other == one) {
             Some(index) => index,
             None => {
@@ -405,6 +414,11 @@ impl CriticalRadii {
             Err(error) => Err(error.clone()),
         }
     }
+}
+
+/// The kind of a cell: what it has in common with cells of other radii.
+fn kind(cell: &Cell) -> Cell {
+    Cell { r0: 1.0, cue: cell.cue.simplified(), ..cell.clone() }
 }
 
 fn end(cell: &Cell, radius: &CriticalRadius) -> Option<End> {
