@@ -93,11 +93,9 @@ fn main() {
         100.0 * boundary / points as f64
     );
     let cued = cell.clone().with_cue(Cue::published());
-    let (ms, point) =
-        best(3, || critical::critical_pitchfork(&cell, &numerics, Parameter::R0, &STARTS, &Effort::unlimited()));
+    let (ms, point) = best(3, || critical::critical_pitchfork(&cell, &numerics, Parameter::R0, &STARTS));
     println!("critical radius without cue: {ms:.1} ms ({:.8})", point.expect("a critical radius").value);
-    let (ms, point) =
-        best(3, || critical::critical_fold(&cued, &numerics, Parameter::R0, &STARTS, &Effort::unlimited()));
+    let (ms, point) = best(3, || critical::critical_fold(&cued, &numerics, Parameter::R0, &STARTS));
     println!("critical radius with the cue: {ms:.1} ms ({:.8})", point.expect("a critical radius").value);
     let mut sum = 0.0;
     for r0 in [2.0, 2.5, 5.4] {

@@ -87,11 +87,8 @@ fn both_folds_of_the_s_shape_end_at_one_cusp() {
 fn cued_cells_of_wide_shells_have_their_critical_radius() {
     for epsilon in [0.6, 0.8] {
         let cell = at(1.0, epsilon).with_cue(Cue::published());
-        let [a, b] = [2.0, 4.0].map(|start| {
-            critical::critical_fold(&cell, &Numerics::default(), Parameter::R0, &[start], &Effort::unlimited())
-                .unwrap()
-                .value
-        });
+        let [a, b] = [2.0, 4.0]
+            .map(|start| critical::critical_fold(&cell, &Numerics::default(), Parameter::R0, &[start]).unwrap().value);
         assert!((a / b - 1.0).abs() < 1e-8, "{a} {b}");
         for (factor, fails) in [(0.985, true), (1.015, false)] {
             let division = divide(&DivisionInput::new(Cell { r0: factor * a, ..cell.clone() })).unwrap();

@@ -223,14 +223,17 @@ fn frames_are_those_of_one_division() {
     assert_ne!(fs::read(frames.join("frame_0005.csv")).unwrap(), fine);
 }
 
-/// Starts a command and waits until it listens to Ctrl-C.
+/// Starts a command and waits until it listens to Ctrl-C and has so many threads.
 #[cfg(target_os = "linux")]
-fn listening(command: &mut Command) -> Child {
+fn listening(command: &mut Command, threads: u64) -> Child {
     let mut child = command.stdout(Stdio::null()).spawn().unwrap();
     let listens = |status: String| {
-        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap_or("0").trim().to_owned();
+        let number = |field: &str, radix: u32| {
+            let value = status.lines().find_map(|line| line.strip_prefix(field)).unwrap_or("0");
+            u64::from_str_radix(value.trim(), radix).unwrap_or(0)
+        };
         // The second bit is that of SIGINT.
-        u64::from_str_radix(&caught, 16).is_ok_and(|mask| mask & 2 != 0)
+        number("SigCgt:", 16) & 2 != 0 && number("Threads:", 10) >= threads
     };
     while !fs::read_to_string(format!("/proc/{}/status", child.id())).is_ok_and(listens) {
         assert!(child.try_wait().unwrap().is_none(), "it ended before it listened");
@@ -261,7 +264,7 @@ fn ctrl_c_ends_a_computation() {
     ] {
         let mut command = furrow();
         command.args(arguments).args(slow).current_dir(folder.path()).stderr(Stdio::piped());
-        let child = listening(&mut command);
+        let child = listening(&mut command, 2);
         interrupt(&child);
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(1), "{arguments:?}");
@@ -277,9 +280,22 @@ fn ctrl_c_stops_a_tree_whatever_becomes_of_stderr() {
     for stderr in [Some(full()), None] {
         let mut command = furrow();
         // Some hundreds of divisions.
-        command.args(["tree", "--no-cache", "--r0-step", "0", "--set", "epsilon=0.5", "--set", "xi=30"]);
+        command.args([
+            "tree",
+            "--no-cache",
+            "--threads",
+            "2",
+            "--r0-step",
+            "0",
+            "--set",
+            "epsilon=0.5",
+            "--set",
+            "xi=30",
+        ]);
         let told = stderr.is_none();
-        let child = listening(command.current_dir(folder.path()).stderr(stderr.unwrap_or_else(Stdio::piped)));
+        command.current_dir(folder.path()).stderr(stderr.unwrap_or_else(Stdio::piped));
+        // Its own, the one that waits for Ctrl-C, and the workers, which begin once there are divisions to finish.
+        let child = listening(&mut command, 4);
         interrupt(&child);
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(1));

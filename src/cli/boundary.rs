@@ -16,7 +16,7 @@ use crate::input::InputError;
 use crate::io::write_atomically;
 use crate::shapes::critical::{self, Stored};
 use crate::shapes::curves::{self, Curve, CurveEnd, CurvePoint};
-use crate::shapes::{Criticality, Effort, PointKind};
+use crate::shapes::{Criticality, PointKind};
 
 /// Continues what bounds division over a parameter: the pitchfork and the folds of mirror-symmetric shapes; with a cue that
 /// tells the poles apart, the fold that ends the stable shapes
@@ -127,9 +127,7 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
         _ => (Curve::default(), found),
     };
     let critical = match args.critical {
-        true => Some(
-            critical::critical_value(cell, numerics, *parameter, &starts(*parameter, *range), &Effort::unlimited())?.1,
-        ),
+        true => Some(critical::critical_value(cell, numerics, *parameter, &starts(*parameter, *range))?.1),
         false => None,
     };
     for (k, fold) in folds.iter().enumerate() {

@@ -30,10 +30,10 @@ pub struct TreeArgs {
     /// Founders, cues and limits; default the built-in C. elegans founders
     #[arg(value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
-    /// Folder for the files
+    /// Folder for the files; those of another tree in it are replaced only with --force
     #[arg(long, value_name = "DIR", default_value = "furrow-out")]
     out: PathBuf,
-    /// Replaces the files of another tree in that folder
+    /// Replaces the files of a tree that was grown from other inputs
     #[arg(long)]
     force: bool,
     /// Seed of the noise in the first step of every division

@@ -201,6 +201,15 @@ pub fn critical_pitchfork(
     numerics: &Numerics,
     parameter: Parameter,
     starts: &[f64],
+) -> Result<CurvePoint, ShapeError> {
+    pitchfork_within(cell, numerics, parameter, starts, &Effort::unlimited())
+}
+
+fn pitchfork_within(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    starts: &[f64],
     effort: &Effort<'_>,
 ) -> Result<CurvePoint, ShapeError> {
     first_success(
@@ -227,6 +236,15 @@ pub fn critical_pitchfork(
 /// # Errors
 /// [`ShapeError`] if the curve of folds does not pass that activity.
 pub fn critical_fold(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    starts: &[f64],
+) -> Result<CurvePoint, ShapeError> {
+    fold_within(cell, numerics, parameter, starts, &Effort::unlimited())
+}
+
+fn fold_within(
     cell: &Cell,
     numerics: &Numerics,
     parameter: Parameter,
@@ -283,12 +301,21 @@ pub fn critical_value(
     numerics: &Numerics,
     parameter: Parameter,
     starts: &[f64],
+) -> Result<(BoundaryKind, CurvePoint), ShapeError> {
+    value_within(cell, numerics, parameter, starts, &Effort::unlimited())
+}
+
+fn value_within(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    starts: &[f64],
     effort: &Effort<'_>,
 ) -> Result<(BoundaryKind, CurvePoint), ShapeError> {
     if curves::domain_along(cell, parameter) == Domain::Half {
-        Ok((BoundaryKind::Pitchfork, critical_pitchfork(cell, numerics, parameter, starts, effort)?))
+        Ok((BoundaryKind::Pitchfork, pitchfork_within(cell, numerics, parameter, starts, effort)?))
     } else {
-        Ok((BoundaryKind::CuedFold, critical_fold(cell, numerics, parameter, starts, effort)?))
+        Ok((BoundaryKind::CuedFold, fold_within(cell, numerics, parameter, starts, effort)?))
     }
 }
 
@@ -318,7 +345,7 @@ pub fn critical_radius_within(
     numerics: &Numerics,
     effort: &Effort<'_>,
 ) -> Result<CriticalRadius, ShapeError> {
-    let (kind, point) = critical_value(cell, numerics, Parameter::R0, &STARTS, effort)?;
+    let (kind, point) = value_within(cell, numerics, Parameter::R0, &STARTS, effort)?;
     Ok(CriticalRadius { cue: cell.cue.clone(), kind, r0: point.value, slope: point.slope })
 }
 
