@@ -45,6 +45,7 @@ fn model(input: &DivisionInput) -> Division {
         t_end: 1.0 / r0,
         daughters: radius(-1.0).zip(radius(1.0)).map(|(anterior, posterior)| [anterior, posterior]),
         growth_rate: None,
+        slow_growth_rate: None,
         volume_drift: 1e-12,
         work: bvp::Work { steps: 100, rejected: 1, iterations: 300, factorisations: 120, remeshings: 5 },
     }

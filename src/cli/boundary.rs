@@ -6,8 +6,10 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::context::{Context, answer};
+use super::context::Context;
 use super::error::CliError;
+use super::interrupt;
+use super::output::{answer, writable_file};
 use super::vary::{Varied, VaryArgs};
 use crate::cell::{Cue, Parameter};
 use crate::input::InputError;
@@ -115,7 +117,8 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     if let Some(path) = &args.write {
         let cues: Vec<Cue> = args.vary.cue.lineage()?.cues.into_values().filter(|cue| !cue.is_none()).collect();
         let stored = Stored::compute(cell, numerics, &[vec![Cue::none()], cues].concat(), *range)?;
-        write_atomically(path, format!("{}\n", serde_json::to_string_pretty(&stored)?).as_bytes())?;
+        let text = format!("{}\n", serde_json::to_string_pretty(&stored)?);
+        interrupt::unbroken(|| write_atomically(path, text.as_bytes()))?;
     }
     let (kind, mut found) = curves::boundary_curves(cell, numerics, *parameter, *range)?;
     let (pitchfork, folds) = match kind {
@@ -176,7 +179,7 @@ impl BoundaryArgs {
             let allowed = "r0: what is stored is a boundary over R0";
             return Err(InputError::not_allowed("--write", "vary", varied.parameter, allowed));
         }
-        Ok(())
+        self.write.as_ref().map_or(Ok(()), |file| writable_file("--write", "write", file))
     }
 }
 

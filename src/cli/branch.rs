@@ -6,8 +6,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::cell::{CellArgs, positive};
-use super::context::{Context, answer};
+use super::context::Context;
 use super::error::CliError;
+use super::output::answer;
 use crate::cell::{Cell, Cue, Numerics};
 use crate::shapes::asymmetric::{self, Scaling};
 use crate::shapes::{

@@ -1,8 +1,9 @@
 //! `furrow cache`: the store of solved divisions.
 
 use super::Globals;
-use super::context::{answer, cache_folder, start_logs};
+use super::context::{cache_folder, start_logs};
 use super::error::CliError;
+use super::output::answer;
 use crate::batch::SolverVersion;
 use crate::batch::store::upkeep;
 use crate::division::Division;

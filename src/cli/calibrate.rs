@@ -1,7 +1,8 @@
 //! `furrow calibrate`: constants from thresholds.
 
-use super::context::{Context, answer};
+use super::context::Context;
 use super::error::CliError;
+use super::output::answer;
 use crate::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
 use crate::input::{parse_ron, read_text};
 use clap::Args;

@@ -1,17 +1,15 @@
-//! What commands share: parameters, memo, interruption, the way to answer.
+//! What commands share: parameters, memo, the way to schedule and to log.
 
 use super::Globals;
 use super::error::CliError;
+use super::interrupt;
+use super::output::Stderr;
 use crate::batch::{Memo, Progress, Quantisation, SchedulerOptions, SolverVersion, Store, StoreWarning};
 use crate::division::DivisionInput;
 use crate::input::InputError;
 use crate::io::Settings;
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Set by Ctrl-C: divisions under way are finished and kept, none is begun.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// Parameters and services of a command.
 pub struct Context {
@@ -33,6 +31,7 @@ impl Context {
     /// Reads and checks the global options.
     pub fn new(globals: &Globals) -> Result<Context, CliError> {
         start_logs(globals);
+        interrupt::listen();
         let settings = Settings::load(globals.config.as_deref(), &globals.set)?;
         let quantisation = match globals.r0_step {
             None => Quantisation::DEFAULT,
@@ -78,24 +77,10 @@ impl Context {
     pub fn scheduling<'a>(&self, progress: &'a dyn Fn(Progress)) -> SchedulerOptions<'a, DivisionInput> {
         SchedulerOptions {
             threads: self.threads,
-            interrupt: Some(self.interruptible()),
+            interrupt: Some(interrupt::flag()),
             progress: Some(progress),
             ..SchedulerOptions::default()
         }
-    }
-
-    /// A flag that Ctrl-C sets; a second Ctrl-C ends the process at once.
-    pub fn interruptible(&self) -> &'static AtomicBool {
-        let handler = || {
-            if INTERRUPTED.swap(true, Ordering::SeqCst) {
-                std::process::exit(130);
-            }
-            eprintln!("furrow: finishing the divisions under way; interrupt again to stop at once");
-        };
-        if let Err(error) = ctrlc::set_handler(handler) {
-            tracing::debug!("Ctrl-C will stop at once: {error}");
-        }
-        &INTERRUPTED
     }
 }
 
@@ -113,14 +98,6 @@ pub fn warning_text(warning: &StoreWarning) -> String {
 /// Logs what the user should know about the store.
 pub fn warn_of_store(warnings: &[StoreWarning]) {
     warnings.iter().for_each(|warning| tracing::warn!("{}", warning_text(warning)));
-}
-
-/// Writes the answer to stdout.
-pub fn answer(text: &str) -> Result<(), CliError> {
-    let mut stdout = std::io::stdout().lock();
-    stdout.write_all(text.as_bytes())?;
-    stdout.flush()?;
-    Ok(())
 }
 
 /// The cache folder where none is named: `cache` in the working folder if there is one, else the user's.
@@ -154,7 +131,7 @@ pub fn start_logs(globals: &Globals) {
     };
     let subscriber = tracing_subscriber::fmt()
         .with_max_level(level)
-        .with_writer(std::io::stderr)
+        .with_writer(|| Stderr)
         .with_ansi(std::io::stderr().is_terminal())
         .without_time()
         .with_target(false);

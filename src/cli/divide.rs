@@ -7,13 +7,15 @@ use clap::Args;
 use serde::Serialize;
 
 use super::cell::ActiveCellArgs;
-use super::context::{Context, answer, warn_of_store};
+use super::context::{Context, warn_of_store};
 use super::error::CliError;
+use super::interrupt;
+use super::output::{answer, writable_folder};
 use super::progress::ProgressLine;
 use crate::batch::{Failure, Replicates, Unsolved, replicates};
 use crate::cell::Cue;
 use crate::division::{Division, DivisionInput, Statistics};
-use crate::io::frames::write_frames;
+use crate::io::frames::{INDEX, write_frames};
 
 /// Computes one division, from the passive shape to pinch-off or rest
 #[derive(Debug, Args)]
@@ -58,6 +60,9 @@ struct Answer<'a> {
 pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
     let input = DivisionInput { cell, numerics: context.settings.numerics, seed: args.seed };
+    if let Some(folder) = &args.frames {
+        writable_folder("--frames", "frames", folder, &[INDEX])?;
+    }
     let Replicates { divisions, undecided, .. } = solve(args, &context, &input)?;
     if let Some(folder) = &args.frames {
         write_frames(folder, &input)?;
@@ -83,6 +88,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
 /// All replicates, each as soon as a worker is free; one at least.
 fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Replicates, CliError> {
     let memo = context.memo()?;
+    interrupt::gently();
     let line = ProgressLine::new(context.progress && args.replicates > 1);
     let show = |progress| line.show(progress);
     let count = args.replicates as usize;

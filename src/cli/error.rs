@@ -16,6 +16,9 @@ pub enum CliError {
     /// Bad input.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// The arguments are none of this command's; said already.
+    #[error("bad usage")]
+    Usage,
     /// A tree could not be grown.
     #[error("{}", grow_text(.0))]
     Grow(#[from] GrowError),
@@ -95,7 +98,7 @@ impl CliError {
     pub fn exit_code(&self) -> u8 {
         let bad_division = |e: &DivisionError| matches!(e, DivisionError::BadInput { .. });
         let bad = match self {
-            CliError::Input(_) | CliError::Store(StoreError::NotAFolder { .. }) => true,
+            CliError::Input(_) | CliError::Usage | CliError::Store(StoreError::NotAFolder { .. }) => true,
             CliError::Division(e) => bad_division(e),
             _ => false,
         };

@@ -8,7 +8,9 @@ mod cell;
 mod context;
 mod divide;
 mod error;
+mod interrupt;
 mod new_lineage;
+mod output;
 mod phase;
 mod pitchfork;
 mod progress;
@@ -86,16 +88,29 @@ enum Command {
 
 /// Runs the command line of this process. Exit code 0: done; 1: the computation failed; 2: bad input.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
-    match run(cli) {
+    survive_full_disks();
+    let done = match Cli::try_parse() {
+        Ok(cli) => run(cli),
+        Err(said) => output::explain(&said),
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         // Whoever reads the answer has enough of it.
         Err(CliError::Answer(e)) if e.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("furrow: error: {error}");
+            if !matches!(error, CliError::Usage) {
+                output::say(&format!("error: {error}"));
+            }
             ExitCode::from(error.exit_code())
         }
     }
+}
+
+/// A write beyond the largest size a file may have fails like one to a full disk. By default the signal that comes with it
+/// would end the process, temporary files left where they are; with a handler, whatever it does, it does not.
+fn survive_full_disks() {
+    #[cfg(unix)]
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
 }
 
 fn run(cli: Cli) -> Result<(), CliError> {

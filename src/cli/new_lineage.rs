@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::context::answer;
 use super::error::CliError;
+use super::output::answer;
 use crate::input::InputError;
 use crate::io::write_atomically;
 use crate::lineage::TEMPLATE;

@@ -5,8 +5,10 @@ use std::fmt::Write;
 use clap::Args;
 use serde::Serialize;
 
-use super::context::{Context, answer, warn_of_store};
+use super::context::{Context, warn_of_store};
 use super::error::CliError;
+use super::interrupt;
+use super::output::answer;
 use super::progress::ProgressLine;
 use super::vary::{Varied, VaryArgs};
 use crate::batch::phase::{Column, PhaseCell, PhaseOutcome, spaced};
@@ -79,7 +81,11 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
 fn solve(context: &Context, plane: &PhasePlane) -> Result<PhaseDiagram, CliError> {
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
-    let show = |progress| line.show(progress);
+    let show = |progress| {
+        // The shapes at rest, computed before, are not kept: divisions are.
+        interrupt::gently();
+        line.show(progress);
+    };
     let diagram = plane.compute(&memo, &context.scheduling(&show));
     drop(line);
     let diagram = diagram?;

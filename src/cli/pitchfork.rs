@@ -4,8 +4,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::cell::{CellArgs, positive};
-use super::context::{Context, answer};
+use super::context::Context;
 use super::error::CliError;
+use super::output::answer;
 use crate::cell::Cue;
 use crate::shapes::{BranchOptions, Criticality, pitchfork};
 

@@ -1,8 +1,8 @@
 //! `furrow completions` and `furrow man`.
 
-use super::context::answer;
 use super::error::CliError;
-use crate::io::write_atomically;
+use super::output::{answer, writable_folder};
+use crate::io::files::FileSet;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -38,10 +38,12 @@ pub fn man(args: &ManArgs, mut command: clap::Command) -> Result<(), CliError> {
     let Some(folder) = &args.out else {
         return answer(&String::from_utf8_lossy(&page(command)?));
     };
+    writable_folder("--out", "out", folder, &[])?;
+    let mut files = FileSet::new(folder);
     for sub in command.get_subcommands().filter(|sub| sub.get_name() != "help") {
         let name = format!("furrow-{}", sub.get_name());
-        write_atomically(&folder.join(format!("{name}.1")), &page(sub.clone().display_name(name))?)?;
+        files.stage(&format!("{name}.1"), &page(sub.clone().display_name(name))?)?;
     }
-    write_atomically(&folder.join("furrow.1"), &page(command)?)?;
-    Ok(())
+    files.stage("furrow.1", &page(command)?)?;
+    Ok(files.commit()?)
 }

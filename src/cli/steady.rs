@@ -6,8 +6,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::cell::ActiveCellArgs;
-use super::context::{Context, answer};
+use super::context::Context;
 use super::error::CliError;
+use super::output::answer;
 use crate::cell::Cue;
 use crate::shapes::{StationaryShape, stationary};
 use crate::stability::{Parity, Spectrum};

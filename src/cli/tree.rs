@@ -1,16 +1,20 @@
 //! `furrow tree`: the main job.
 
-use super::context::{Context, answer, warn_of_store, warning_text};
+use super::context::{Context, warn_of_store, warning_text};
 use super::error::CliError;
+use super::interrupt;
+use super::output::{answer, writable_folder};
 use super::progress::ProgressLine;
 use crate::batch::Summary;
 use crate::batch::scheduler::workers;
-use crate::cell::Cell;
-use crate::division::divide;
-use crate::io::{FounderRow, Provenance, founder_rows, newick, parse_cue, write_atomically};
+use crate::cell::{Cell, Cue};
+use crate::division::{DivisionInput, divide};
+use crate::io::earlier::{TREE_FILES, other_tree};
+use crate::io::files::FileSet;
+use crate::io::{FounderRow, Provenance, founder_rows, newick, parse_cue};
 use crate::lineage::{EndReason, Ends, Grower, Lineage, Tree, TreeSettings, expected_work};
 use crate::report;
-use crate::shapes::CriticalRadii;
+use crate::shapes::{CriticalRadii, ShapeError};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -25,9 +29,12 @@ pub struct TreeArgs {
     /// Founders, cues and limits; default the built-in C. elegans founders
     #[arg(value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
-    /// Folder for the files
+    /// Folder for the files; those of another tree in it are kept in a folder earlier-N there
     #[arg(long, value_name = "DIR", default_value = "furrow-out")]
     out: PathBuf,
+    /// Replaces the files of a tree that was grown from other inputs, and does not keep them
+    #[arg(long)]
+    force: bool,
     /// Seed of the noise in the first step of every division
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
@@ -65,6 +72,8 @@ struct RunRecord {
     provenance: Provenance,
     elapsed_s: f64,
     threads: usize,
+    /// Whether every cell's division was computed.
+    dynamics: bool,
     cells: usize,
     divisions_solved: usize,
     memo_hits: usize,
@@ -86,6 +95,7 @@ struct QuantisationRecord {
 
 pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
+    interrupt::gently();
     let mut lineage = Lineage::load(args.lineage.as_deref())?;
     if let Some(text) = &args.cue {
         let cue = parse_cue(text, &lineage)?;
@@ -96,32 +106,40 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         };
         lineage = lineage.with_cues_replaced(name, &cue);
     }
-    let memo = context.memo()?;
-    let line = ProgressLine::new(context.progress);
-    let show = |progress| line.show(progress);
     let settings = TreeSettings {
         cell: context.settings.cell.clone(),
         numerics: context.settings.numerics,
         seed: args.seed,
         r0_step: context.quantisation.relative_step(),
     };
-    let rule = Ends::new(CriticalRadii::new(&settings.numerics));
-    let order = if args.dynamics { None } else { rule.critical_radius(&settings.cell).map(expected_work) };
+    writable_folder("--out", "out", &args.out, &TREE_FILES)?;
+    let replaced = other_tree(&args.out, &lineage, &settings, args.dynamics).filter(|_| !args.force);
+    let memo = context.memo()?;
+    let line = ProgressLine::new(context.progress);
+    let show = |progress| line.show(progress);
+    let rule = Ends::new(CriticalRadii::new(&settings.numerics).interrupted_by(interrupt::flag()));
+    let plain = settings.cell.clone().with_cue(Cue::none());
+    // The order of the work is no reason to search for a radius, which growth does when it comes to such cells.
+    let order = |input: &DivisionInput| {
+        let critical = if rule.knows(&plain) { rule.critical_radius(&plain) } else { None };
+        critical.map_or(input.cell.r0, |critical| expected_work(critical)(input))
+    };
     let mut options = context.scheduling(&show);
-    if let Some(order) = &order {
-        options.expected_work = order;
+    if !args.dynamics {
+        options.expected_work = &order;
     }
-    let ends = |cell: &Cell| if args.dynamics { None } else { rule.of(cell) };
+    // The first cell is asked about first. Its division costs less than a search, and where it fails there is no other.
+    let first = std::cell::Cell::new(true);
+    let by_dynamics = |cell: &Cell| first.replace(false) && !rule.knows(cell) || args.dynamics;
+    let ends = |cell: &Cell| if by_dynamics(cell) { None } else { rule.of(cell) };
     let grown = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options }.grow(divide);
     drop(line);
     let (tree, summary) = grown?;
     warn_of_store(&summary.warnings);
-    for (cue, error) in rule.unknown() {
-        tracing::info!("no critical radius for cells with the cue {cue}, whose divisions tell instead: {error}");
-    }
+    warn_of_searches(&rule);
     warn_of_undecided(&tree);
     let rows = founder_rows(&tree);
-    write_files(args, context, &tree, &rows, &summary, start)?;
+    write_files(args, context, &tree, &rows, &summary, start, replaced)?;
     respond(args, context, &tree, &rows, &summary, start.elapsed().as_secs_f64())
 }
 
@@ -137,6 +155,23 @@ fn warn_of_undecided(tree: &Tree) {
             return;
         }
         tracing::warn!("cell {} (R0 = {}) is undecided, and its branch ends there: {why}", cell.name, cell.r0);
+    }
+}
+
+/// Says which cells have no critical radius; in one warning, which were not searched for to the end.
+fn warn_of_searches(rule: &Ends) {
+    let mut given_up = Vec::new();
+    for (cue, error) in rule.unknown() {
+        if let ShapeError::Effort { .. } = error {
+            given_up.push(cue.to_string());
+        }
+        tracing::info!("no critical radius for cells with the cue {cue}, whose divisions tell instead: {error}");
+    }
+    if !given_up.is_empty() {
+        tracing::warn!(
+            "the search for a critical radius was given up for cells with the cue {}: all their divisions are computed",
+            given_up.join(" and ")
+        );
     }
 }
 
@@ -179,18 +214,20 @@ fn write_files(
     rows: &[FounderRow],
     summary: &Summary,
     start: Instant,
+    replaced: Option<String>,
 ) -> Result<(), CliError> {
-    let write = |name: &str, content: &str| write_atomically(&args.out.join(name), content.as_bytes());
-    write("tree.nwk", &newick(tree))?;
-    write("tree.json", &tree.to_json()?)?;
-    write("tree.svg", &report::svg(tree))?;
-    write("report.html", &report::html(tree, rows))?;
+    let mut files = FileSet::new(&args.out);
+    files.stage("tree.nwk", newick(tree).as_bytes())?;
+    files.stage("tree.json", tree.to_json()?.as_bytes())?;
+    files.stage("tree.svg", report::svg(tree).as_bytes())?;
+    files.stage("report.html", report::html(tree, rows).as_bytes())?;
     let record = RunRecord {
         schema: "furrow.run",
         schema_version: 1,
         provenance: Provenance::current(),
         elapsed_s: start.elapsed().as_secs_f64(),
         threads: workers(context.threads),
+        dynamics: args.dynamics,
         cells: tree.len(),
         divisions_solved: summary.solved,
         memo_hits: summary.memo_hits,
@@ -203,6 +240,9 @@ fn write_files(
         },
         warnings: summary.warnings.iter().map(warning_text).collect(),
     };
-    write("run.json", &format!("{}\n", serde_json::to_string_pretty(&record)?))?;
+    files.stage("run.json", format!("{}\n", serde_json::to_string_pretty(&record)?).as_bytes())?;
+    let Some(replaced) = replaced else { return Ok(files.commit()?) };
+    let aside = files.commit_keeping(&TREE_FILES)?;
+    tracing::warn!("the files of another tree are kept in {}: {replaced}", aside.display());
     Ok(())
 }

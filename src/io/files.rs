@@ -1,7 +1,10 @@
-//! Writing files whole or not at all.
+//! Writing files whole or not at all, one or several together.
 
+use std::fs;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use tempfile::{NamedTempFile, TempPath};
 
 /// A file that could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -13,24 +16,155 @@ pub struct WriteError {
     pub source: io::Error,
 }
 
+impl WriteError {
+    fn at(path: &Path) -> impl FnOnce(io::Error) -> WriteError {
+        move |source| WriteError { path: path.display().to_string(), source }
+    }
+}
+
 /// Writes `content` to a temporary name beside `path`, then renames: a reader never sees half a file, and a failure
 /// leaves what was there. Folders are made as needed.
 pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), WriteError> {
-    let attempt = || -> io::Result<()> {
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        std::fs::create_dir_all(folder)?;
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".furrow-").suffix(".tmp");
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            // The umask applies, as to any file made in the ordinary way.
-            builder.permissions(std::fs::Permissions::from_mode(0o666));
-        }
-        let mut file = builder.tempfile_in(folder)?;
-        file.write_all(content)?;
-        file.persist(path)?;
+    let file = staged(folder_of(path), content).map_err(WriteError::at(path))?;
+    file.persist(path).map(drop).map_err(|e| WriteError::at(path)(e.error))
+}
+
+/// Several files of one folder that are written together: none of them is in place before all of them are on the disk, so
+/// that a full one leaves either all the files of a run or, untouched, what was there.
+///
+/// ```
+/// use furrow::io::files::FileSet;
+///
+/// let folder = std::env::temp_dir().join(format!("furrow-set-{}", std::process::id()));
+/// let mut files = FileSet::new(&folder);
+/// files.stage("a.csv", b"1\n")?;
+/// files.stage("b.csv", b"2\n")?;
+/// assert!(!folder.join("a.csv").exists());
+/// files.commit()?;
+/// assert_eq!(std::fs::read_to_string(folder.join("b.csv"))?, "2\n");
+/// # std::fs::remove_dir_all(&folder)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct FileSet {
+    folder: PathBuf,
+    /// Each under its temporary name, which goes when this is dropped, and where it belongs. Files are closed: there may be
+    /// many thousands.
+    staged: Vec<(TempPath, PathBuf)>,
+}
+
+impl FileSet {
+    /// A set without files as yet. The folder is made with the first.
+    pub fn new(folder: &Path) -> FileSet {
+        FileSet { folder: folder.to_owned(), staged: Vec::new() }
+    }
+
+    /// Writes the file `name` under a temporary name.
+    ///
+    /// # Errors
+    /// [`WriteError`]; no temporary file is left once the set is dropped.
+    pub fn stage(&mut self, name: &str, content: &[u8]) -> Result<(), WriteError> {
+        let path = self.folder.join(name);
+        let file = staged(&self.folder, content).map_err(WriteError::at(&path))?;
+        self.staged.push((file.into_temp_path(), path));
         Ok(())
+    }
+
+    /// Gives all files their names after moving those of these `names` that are there already into a new folder beside
+    /// them, `earlier-1` or the next number that is free: gives that folder.
+    ///
+    /// # Errors
+    /// As [`commit`](Self::commit).
+    pub fn commit_keeping(self, names: &[&str]) -> Result<PathBuf, WriteError> {
+        let mut number = 1;
+        let aside = loop {
+            let aside = self.folder.join(format!("earlier-{number}"));
+            match fs::create_dir(&aside) {
+                Ok(()) => break aside,
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => number += 1,
+                Err(error) => return Err(WriteError::at(&aside)(error)),
+            }
+        };
+        for name in names {
+            let path = self.folder.join(name);
+            if fs::symlink_metadata(&path).is_ok_and(|there| !there.is_dir()) {
+                fs::rename(&path, aside.join(name)).map_err(WriteError::at(&path))?;
+            }
+        }
+        self.commit()?;
+        Ok(aside)
+    }
+
+    /// Gives all files their names, in the order in which they were staged.
+    ///
+    /// # Errors
+    /// [`WriteError`]. What commonly hinders a rename, a folder of that name, is looked for before the first.
+    pub fn commit(self) -> Result<(), WriteError> {
+        for (_, path) in &self.staged {
+            can_be_a_file(path).map_err(WriteError::at(path))?;
+        }
+        for (file, path) in self.staged {
+            file.persist(&path).map_err(|e| WriteError::at(&path)(e.error))?;
+        }
+        Ok(())
+    }
+}
+
+/// Whether files of these names can be written into a folder, which need not exist yet. Nothing is left behind: folders made
+/// to find out are removed again.
+///
+/// # Errors
+/// What the system says, as [`WriteError`] of the folder or the file.
+pub fn check_folder(folder: &Path, names: &[&str]) -> Result<(), WriteError> {
+    let missing: Vec<&Path> =
+        folder.ancestors().take_while(|f| !f.as_os_str().is_empty() && fs::symlink_metadata(f).is_err()).collect();
+    let probed = staged(folder, b"").map(drop).map_err(WriteError::at(folder));
+    for made in missing {
+        let _ = fs::remove_dir(made);
+    }
+    probed?;
+    names.iter().map(|name| folder.join(name)).try_for_each(|path| can_be_a_file(&path).map_err(WriteError::at(&path)))
+}
+
+/// Whether a file can be written, into a folder that need not exist yet.
+///
+/// # Errors
+/// As [`check_folder`].
+pub fn check_file(path: &Path) -> Result<(), WriteError> {
+    let Some(_) = path.file_name() else {
+        return Err(WriteError::at(path)(io::ErrorKind::IsADirectory.into()));
     };
-    attempt().map_err(|source| WriteError { path: path.display().to_string(), source })
+    can_be_a_file(path).map_err(WriteError::at(path))?;
+    check_folder(folder_of(path), &[]).map_err(|error| WriteError { path: path.display().to_string(), ..error })
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Whether a file can have this name: no folder has it, and the system takes it.
+fn can_be_a_file(path: &Path) -> io::Result<()> {
+    match fs::metadata(path) {
+        Ok(there) if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// A file with that content under a temporary name in a folder, made as needed.
+fn staged(folder: &Path, content: &[u8]) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".furrow-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // The umask applies, as to any file made in the ordinary way.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let make = || fs::create_dir_all(folder).and_then(|()| builder.tempfile_in(folder));
+    // Another run that checks a folder beside this one may just have removed one that both have above them.
+    let mut file = make().or_else(|e| if e.kind() == io::ErrorKind::NotFound { make() } else { Err(e) })?;
+    // To the file itself: errors of its wrapper name the temporary path.
+    file.as_file_mut().write_all(content)?;
+    Ok(file)
 }

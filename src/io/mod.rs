@@ -1,6 +1,7 @@
 //! Files: configuration in, trees and run records out.
 
 pub mod config;
+pub mod earlier;
 pub mod files;
 pub mod frames;
 pub mod newick;

@@ -27,12 +27,19 @@ impl Ends {
             .ends(cell)
             .unwrap_or_else(|error| {
                 let mut unknown = self.unknown.borrow_mut();
-                if !unknown.iter().any(|(cue, _)| *cue == cell.cue) {
+                // An interrupted search says nothing of the cue, and the growth that asked is about to end.
+                let told = error != ShapeError::Interrupted;
+                if told && !unknown.iter().any(|(cue, _)| *cue == cell.cue) {
                     unknown.push((cell.cue.clone(), error));
                 }
                 None
             })
             .map(EndReason::from)
+    }
+
+    /// Whether an answer about cells like this one takes no search for a radius.
+    pub fn knows(&self, cell: &Cell) -> bool {
+        self.radii.knows(cell)
     }
 
     /// The radius below which cells like `cell`, but without a cue, do not divide, where it is known.

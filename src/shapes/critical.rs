@@ -5,12 +5,14 @@
 //! the parameters they belong to; others are solved for when first asked about.
 
 use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
 
 use bvp::{AugmentedReport, CurveError, Singularity, TwoParameterCurve};
 use serde::{Deserialize, Serialize};
 
 use super::branch::{BranchOptions, XI};
 use super::curves::{self, Curve, CurvePoint, MOST_STEPS, SECOND, at_value, coefficient, curve_point};
+use super::effort::Effort;
 use super::error::{PointKind, ShapeError};
 use super::{pitchfork, primary};
 use crate::cell::{Cell, Cue, Numerics, Parameter};
@@ -167,8 +169,10 @@ fn to_activity<S: Singularity<Cortex> + Clone>(
     xi_s: f64,
     parameter: Parameter,
     through_cusps: bool,
+    effort: &Effort<'_>,
 ) -> Result<AugmentedReport, CurveError> {
     curve.head_for(XI, xi_s);
+    let mut tried = curve.work.steps + curve.work.rejected;
     let mut last = AugmentedReport::default();
     let direction = curve.tangent.scalars[SECOND];
     let mut nearest = f64::INFINITY;
@@ -177,7 +181,12 @@ fn to_activity<S: Singularity<Cortex> + Clone>(
         let distance = (curve.solution.scalars[XI] - xi_s).abs();
         nearest = nearest.min(distance);
         let goes_on = through_cusps || curve.tangent.scalars[SECOND] * direction > 0.0;
-        goes_on && distance < 2.0 * nearest + 1.0 && allowed_range(parameter).contains(&curve.solution.scalars[SECOND])
+        let before = std::mem::replace(&mut tried, curve.work.steps + curve.work.rejected);
+        let affordable = effort.spend(tried - before);
+        affordable
+            && goes_on
+            && distance < 2.0 * nearest + 1.0
+            && allowed_range(parameter).contains(&curve.solution.scalars[SECOND])
     })?;
     Ok(last)
 }
@@ -193,15 +202,26 @@ pub fn critical_pitchfork(
     parameter: Parameter,
     starts: &[f64],
 ) -> Result<CurvePoint, ShapeError> {
+    pitchfork_within(cell, numerics, parameter, starts, &Effort::unlimited())
+}
+
+fn pitchfork_within(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    starts: &[f64],
+    effort: &Effort<'_>,
+) -> Result<CurvePoint, ShapeError> {
     first_success(
         PointKind::Pitchfork,
         cell,
         starts,
+        effort,
         |cell| {
             let lost = |source| curve_error(PointKind::Pitchfork, cell.xi_s, source);
-            let first = pitchfork::first(cell, numerics, &BranchOptions::default())?;
+            let first = pitchfork::first_within(cell, numerics, &BranchOptions::default(), effort)?;
             let mut curve = curves::through_pitchfork(cell, &first, parameter, true).map_err(lost)?;
-            let report = to_activity(&mut curve, cell.xi_s, parameter, true).map_err(lost)?;
+            let report = to_activity(&mut curve, cell.xi_s, parameter, true, effort).map_err(lost)?;
             let y = curve.solution.clone();
             let c = coefficient(&mut curve, &y, &report).map_err(|error| lost(CurveError::Start(error)))?;
             Ok(curve_point(&curve, Some(c)))
@@ -221,15 +241,26 @@ pub fn critical_fold(
     parameter: Parameter,
     starts: &[f64],
 ) -> Result<CurvePoint, ShapeError> {
+    fold_within(cell, numerics, parameter, starts, &Effort::unlimited())
+}
+
+fn fold_within(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    starts: &[f64],
+    effort: &Effort<'_>,
+) -> Result<CurvePoint, ShapeError> {
     first_success(
         PointKind::Fold,
         cell,
         starts,
+        effort,
         |cell| {
             let lost = |source| curve_error(PointKind::Fold, cell.xi_s, source);
-            let fold = primary::failure_fold(cell, numerics, &BranchOptions::default())?;
+            let fold = primary::failure_fold_within(cell, numerics, &BranchOptions::default(), effort)?;
             let mut curve = curves::through_fold(cell, &fold, parameter, true).map_err(lost)?;
-            to_activity(&mut curve, cell.xi_s, parameter, false).map_err(lost)?;
+            to_activity(&mut curve, cell.xi_s, parameter, false, effort).map_err(lost)?;
             Ok(curve_point(&curve, None))
         },
         parameter,
@@ -245,6 +276,7 @@ fn first_success(
     kind: PointKind,
     cell: &Cell,
     starts: &[f64],
+    effort: &Effort<'_>,
     mut attempt: impl FnMut(&Cell) -> Result<CurvePoint, ShapeError>,
     parameter: Parameter,
 ) -> Result<CurvePoint, ShapeError> {
@@ -254,6 +286,7 @@ fn first_success(
             Ok(point) => return Ok(point),
             Err(error) => last = error,
         }
+        effort.check(cell)?;
     }
     Err(last)
 }
@@ -269,10 +302,20 @@ pub fn critical_value(
     parameter: Parameter,
     starts: &[f64],
 ) -> Result<(BoundaryKind, CurvePoint), ShapeError> {
+    value_within(cell, numerics, parameter, starts, &Effort::unlimited())
+}
+
+fn value_within(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    starts: &[f64],
+    effort: &Effort<'_>,
+) -> Result<(BoundaryKind, CurvePoint), ShapeError> {
     if curves::domain_along(cell, parameter) == Domain::Half {
-        Ok((BoundaryKind::Pitchfork, critical_pitchfork(cell, numerics, parameter, starts)?))
+        Ok((BoundaryKind::Pitchfork, pitchfork_within(cell, numerics, parameter, starts, effort)?))
     } else {
-        Ok((BoundaryKind::CuedFold, critical_fold(cell, numerics, parameter, starts)?))
+        Ok((BoundaryKind::CuedFold, fold_within(cell, numerics, parameter, starts, effort)?))
     }
 }
 
@@ -289,15 +332,28 @@ pub fn critical_value(
 /// # Errors
 /// [`ShapeError`] if there is none.
 pub fn critical_radius(cell: &Cell, numerics: &Numerics) -> Result<CriticalRadius, ShapeError> {
-    let (kind, point) = critical_value(cell, numerics, Parameter::R0, &STARTS)?;
+    critical_radius_within(cell, numerics, &Effort::unlimited())
+}
+
+/// As [`critical_radius`], with so much work.
+///
+/// # Errors
+/// Those of [`critical_radius`]; [`ShapeError::Effort`] and [`ShapeError::Interrupted`] if the search must end before it has
+/// come to an end.
+pub fn critical_radius_within(
+    cell: &Cell,
+    numerics: &Numerics,
+    effort: &Effort<'_>,
+) -> Result<CriticalRadius, ShapeError> {
+    let (kind, point) = value_within(cell, numerics, Parameter::R0, &STARTS, effort)?;
     Ok(CriticalRadius { cue: cell.cue.clone(), kind, r0: point.value, slope: point.slope })
 }
 
 /// What is known of the critical radius of one kind of cell.
 #[derive(Debug)]
 enum Knowledge {
-    /// The radius, and its value on the finer mesh once a cell came near it.
-    Radius(CriticalRadius, Option<CriticalRadius>),
+    /// The radius, and what the finer mesh gives once a cell came near it.
+    Radius(CriticalRadius, Option<Result<CriticalRadius, ShapeError>>),
     /// It was looked for and cannot be found.
     None(ShapeError),
 }
@@ -306,9 +362,15 @@ enum Knowledge {
 #[derive(Debug)]
 pub struct CriticalRadii {
     numerics: Numerics,
+    interrupt: Option<&'static AtomicBool>,
     /// By the cell with its radius set to 1.
     known: Mutex<Vec<(Cell, Knowledge)>>,
 }
+
+/// Most steps, along branches and curves, of one search for a critical radius. Nearly all searches that find one take 20 to
+/// 500, those that find none or a very small one a thousand to ten thousand. A radius saves some dozens of divisions, of the
+/// cells that are too small, and each costs as much as 20 to 40 steps.
+pub const MOST_SEARCHED: usize = 600;
 
 /// Cells nearer to their critical radius than this, relative, are judged by one computed on a mesh twice as fine.
 const NEAR: f64 = 1e-3;
@@ -324,20 +386,41 @@ impl CriticalRadii {
     /// With given radii of cells like `cell`.
     pub fn with_radii(cell: &Cell, numerics: &Numerics, radii: Vec<CriticalRadius>) -> CriticalRadii {
         let entry = |radius: CriticalRadius| (kin(cell).with_cue(radius.cue.clone()), Knowledge::Radius(radius, None));
-        CriticalRadii { numerics: *numerics, known: Mutex::new(radii.into_iter().map(entry).collect()) }
+        let known = Mutex::new(radii.into_iter().map(entry).collect());
+        CriticalRadii { numerics: *numerics, interrupt: None, known }
+    }
+
+    /// Whether an answer about cells like this one takes no search.
+    pub fn knows(&self, cell: &Cell) -> bool {
+        let one = kind(cell);
+        self.known.lock().unwrap_or_else(std::sync::PoisonError::into_inner).iter().any(|(other, _)| *other == one)
+    }
+
+    /// The same, whose searches end when the flag is set.
+    #[must_use]
+    pub fn interrupted_by(self, flag: &'static AtomicBool) -> CriticalRadii {
+        CriticalRadii { interrupt: Some(flag), ..self }
+    }
+
+    /// Solves for the critical radius of cells like `cell`, with bounded work.
+    fn search(&self, cell: &Cell, numerics: &Numerics) -> Result<CriticalRadius, ShapeError> {
+        critical_radius_within(cell, numerics, &Effort::new(MOST_SEARCHED, self.interrupt))
     }
 
     /// Why a cell cannot divide; `None` if it can.
     ///
     /// # Errors
-    /// [`ShapeError`] if its critical radius cannot be found; it is looked for once.
+    /// [`ShapeError`] if its critical radius cannot be found in [`MOST_SEARCHED`] steps; it is looked for once.
     pub fn ends(&self, cell: &Cell) -> Result<Option<End>, ShapeError> {
         let mut known = self.known.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let one = Cell { r0: 1.0, cue: cell.cue.simplified(), ..cell.clone() };
+        let one = kind(cell);
         let index = match known.iter().position(|(other, _)| *other == one) {
             Some(index) => index,
             None => {
-                let found = critical_radius(&one, &self.numerics);
+                let found = self.search(&one, &self.numerics);
+                if let Err(error @ ShapeError::Interrupted) = found {
+                    return Err(error);
+                }
                 known.push((one, found.map_or_else(Knowledge::None, |radius| Knowledge::Radius(radius, None))));
                 known.len() - 1
             }
@@ -352,12 +435,17 @@ impl CriticalRadii {
         if (cell.r0 / coarse.r0 - 1.0).abs() >= NEAR {
             return Ok(end(cell, coarse));
         }
-        if refined.is_none() {
-            let finer = Numerics { intervals: 2 * self.numerics.intervals, ..self.numerics };
-            *refined = Some(critical_radius(of, &finer)?);
+        let finer = Numerics { intervals: 2 * self.numerics.intervals, ..self.numerics };
+        match refined.get_or_insert_with(|| self.search(of, &finer)) {
+            Ok(radius) => Ok(end(cell, radius)),
+            Err(error) => Err(error.clone()),
         }
-        Ok(end(cell, refined.as_ref().unwrap_or(coarse)))
     }
+}
+
+/// The kind of a cell: what it has in common with cells of other radii.
+fn kind(cell: &Cell) -> Cell {
+    Cell { r0: 1.0, cue: cell.cue.simplified(), ..cell.clone() }
 }
 
 fn end(cell: &Cell, radius: &CriticalRadius) -> Option<End> {

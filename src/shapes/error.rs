@@ -128,4 +128,15 @@ pub enum ShapeError {
         /// Value asked for.
         value: f64,
     },
+    /// It is not found with the work allowed.
+    #[error("{cell}: not found in {steps} steps along branches and curves, the most that are tried")]
+    Effort {
+        /// The cell.
+        cell: CellName,
+        /// Steps allowed.
+        steps: usize,
+    },
+    /// The search was interrupted.
+    #[error("interrupted")]
+    Interrupted,
 }

@@ -11,12 +11,14 @@
 //! | [`at_rest`] | the intervals of ξ_s in which a cell rests undivided |
 //! | [`curves`] | pitchforks and folds over R0, ε or any other parameter |
 //! | [`critical`] | below which radius a cell does not divide |
+//! | [`effort`] | how much work a search for it may take |
 
 pub mod asymmetric;
 pub mod at_rest;
 pub mod branch;
 pub mod critical;
 pub mod curves;
+pub mod effort;
 pub mod error;
 pub mod passive;
 pub mod pitchfork;
@@ -26,6 +28,7 @@ pub mod stationary;
 pub use at_rest::{RestShapes, rest_shapes};
 pub use branch::{Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, ShapePoint};
 pub use critical::{CriticalRadii, CriticalRadius, critical_radius};
+pub use effort::Effort;
 pub use error::{PointKind, ShapeError};
 pub use passive::passive;
 pub use pitchfork::{Criticality, Pitchfork};

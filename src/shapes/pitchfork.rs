@@ -7,6 +7,7 @@ use bvp::{
 };
 
 use super::branch::{Branch, BranchEvent, BranchOptions, ShapePoint};
+use super::effort::Effort;
 use super::error::{CellName, PointKind, ShapeError};
 use super::primary;
 use crate::cell::{Cell, Numerics};
@@ -79,11 +80,25 @@ impl Pitchfork {
 /// [`ShapeError`]; `NotFound` if there is no pitchfork up to the end of the range, `NoPitchfork` if the cell's cue breaks
 /// the symmetry.
 pub fn first(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Result<Pitchfork, ShapeError> {
+    first_within(cell, numerics, options, &Effort::unlimited())
+}
+
+/// As [`first`], with so much work.
+///
+/// # Errors
+/// Those of [`first`] and of [`primary::follow_within`].
+pub fn first_within(
+    cell: &Cell,
+    numerics: &Numerics,
+    options: &BranchOptions,
+    effort: &Effort<'_>,
+) -> Result<Pitchfork, ShapeError> {
     let name = CellName::of(cell);
     if !cell.is_mirror_symmetric() {
         return Err(ShapeError::NoPitchfork { cell: name, cue: cell.cue.to_string() });
     }
-    let branch = primary::follow(cell, numerics, options, |event| event.kind() != PointKind::Pitchfork)?;
+    let unwanted = |event: &BranchEvent| event.kind() != PointKind::Pitchfork;
+    let branch = primary::follow_within(cell, numerics, options, effort, unwanted)?;
     let Branch { events, ended, .. } = branch;
     let found = events.into_iter().find_map(|event| match event {
         BranchEvent::Pitchfork(pitchfork) => Some(*pitchfork),

@@ -9,6 +9,7 @@ use bvp::{Continuation, ContinuationSettings, Fold, Gauss, Newton, Solution, Sym
 
 use super::asymmetric::NARROWEST;
 use super::branch::{Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, ShapePoint, XI, begin, not_located};
+use super::effort::Effort;
 use super::error::{CellName, PointKind, ShapeError};
 use super::passive::passive;
 use super::pitchfork::pitchfork_near;
@@ -126,8 +127,24 @@ pub fn follow(
     cell: &Cell,
     numerics: &Numerics,
     options: &BranchOptions,
+    wanted: impl FnMut(&BranchEvent) -> bool,
+) -> Result<Branch, ShapeError> {
+    follow_within(cell, numerics, options, &Effort::unlimited(), wanted)
+}
+
+/// As [`follow`], with so much work.
+///
+/// # Errors
+/// Those of [`follow`]; [`ShapeError::Effort`] and [`ShapeError::Interrupted`] if the search must end before the branch
+/// does.
+pub fn follow_within(
+    cell: &Cell,
+    numerics: &Numerics,
+    options: &BranchOptions,
+    effort: &Effort<'_>,
     mut wanted: impl FnMut(&BranchEvent) -> bool,
 ) -> Result<Branch, ShapeError> {
+    effort.check(cell)?;
     let mut branch = start(cell, numerics, &options.settings)?;
     let mut watch = Watch { breaking: SymmetryBreaking::default(), sign: None, stop: None };
     let mut stability = options.growth_rates.then(|| Stability::new(branch.state.solution.m));
@@ -144,8 +161,9 @@ pub fn follow(
         if watch.stop.is_none() {
             watch.stop = pinched(branch);
         }
-        watch.stop.is_none() && !enough
+        effort.spend(1 + advance.rejected) && watch.stop.is_none() && !enough
     });
+    effort.check(cell)?;
     Ok(Branch::complete(&branch, points, events, ended, watch.stop))
 }
 
@@ -189,7 +207,20 @@ const MARGINAL: f64 = 1e-3;
 /// # Errors
 /// [`ShapeError`]; `NotFound` if no stable shape ends in a fold in the range.
 pub fn failure_fold(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Result<FoldPoint, ShapeError> {
-    let Branch { events, ended, .. } = follow(cell, numerics, options, |_| true)?;
+    failure_fold_within(cell, numerics, options, &Effort::unlimited())
+}
+
+/// As [`failure_fold`], with so much work.
+///
+/// # Errors
+/// Those of [`failure_fold`] and [`follow_within`].
+pub fn failure_fold_within(
+    cell: &Cell,
+    numerics: &Numerics,
+    options: &BranchOptions,
+    effort: &Effort<'_>,
+) -> Result<FoldPoint, ShapeError> {
+    let Branch { events, ended, .. } = follow_within(cell, numerics, options, effort, |_| true)?;
     let cortex = Cortex::new(cell, Domain::of(cell), &[crate::cell::Parameter::XiS]);
     let mut stability = Stability::new(numerics.stages);
     let mut ends_stable = |fold: &FoldPoint| {

@@ -1,0 +1,60 @@
+//! The two streams of the command, and its files. An answer that cannot be written is an error; what cannot be said on stderr is lost, and
+//! the exit code tells.
+
+use super::error::CliError;
+use crate::input::InputError;
+use crate::io::files::{WriteError, check_file, check_folder};
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Writes the answer to stdout.
+pub fn answer(text: &str) -> Result<(), CliError> {
+    let mut stdout = io::stdout().lock();
+    stdout.write_all(text.as_bytes())?;
+    stdout.flush()?;
+    Ok(())
+}
+
+/// Says something on stderr. `eprintln!` would end the program where stderr is full or closed, and with it the run whose
+/// files are still to be written.
+pub fn say(text: &str) {
+    let _ = Stderr.write_all(format!("furrow: {text}\n").as_bytes());
+}
+
+/// Stderr as a place for logs, to which writing always succeeds.
+pub struct Stderr;
+
+impl Write for Stderr {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        // The whole at once, so that lines of several threads do not mix.
+        let _ = io::stderr().lock().write_all(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Prints what the reader of the arguments has to say: help and version are answers, complaints are bad input.
+pub fn explain(said: &clap::Error) -> Result<(), CliError> {
+    let printed = said.print().and_then(|()| io::stdout().flush());
+    if said.use_stderr() { Err(CliError::Usage) } else { Ok(printed?) }
+}
+
+/// Refuses a folder that files of these names cannot be written into, before the work that they are to keep.
+pub fn writable_folder(option: &str, field: &str, folder: &Path, names: &[&str]) -> Result<(), InputError> {
+    check_folder(folder, names)
+        .map_err(|error| refused(option, field, folder, "a folder that can be written to", &error))
+}
+
+/// Refuses a file that cannot be written, before the work that it is to keep.
+pub fn writable_file(option: &str, field: &str, file: &Path) -> Result<(), InputError> {
+    check_file(file).map_err(|error| refused(option, field, file, "a file that can be written", &error))
+}
+
+fn refused(option: &str, field: &str, given: &Path, allowed: &str, error: &WriteError) -> InputError {
+    // Named only if it is not what the user named: a file in that folder.
+    let within = if Path::new(&error.path) == given { String::new() } else { format!("{}: ", error.path) };
+    InputError::not_allowed(option, field, format!("{given:?}"), format!("{allowed} ({within}{})", error.source))
+}
