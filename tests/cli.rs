@@ -94,17 +94,14 @@ fn configuration_file_complaints() {
         ("Config(physics: (epsilon: 1.0))", ": physics.epsilon = 1: must be above 0 and below 1"),
         ("Config(physics: (r0: NaN))", ": physics.r0 = NaN: must be a finite number above 0"),
         ("Config(numerics: (intervals: 7))", ": numerics.intervals = 7: must be an even whole number from 8 to 4096"),
-        ("Config(\n  physics: (epsilon 0.8))", ":2:20: Expected colon"),
+        ("Config(\n  physics: (epsilon 0.8))", ":2:21: physics: expected a colon, found 0.8"),
     ] {
         let file = write(folder.path(), "c.ron", text);
         assert_eq!(refusal(&["tree", "--config", &file]), format!("furrow: error: {file}{complaint}\n"));
     }
     let file = write(folder.path(), "c.ron", "Config(physics: (radius: 2))");
     let complaint = refusal(&["tree", "--config", &file]);
-    assert!(
-        complaint.contains("c.ron:1:18: Unexpected field named `radius` in `Physics`, expected one of `kappa`"),
-        "{complaint}"
-    );
+    assert!(complaint.contains("c.ron:1:18: physics: unknown field \"radius\": must be one of kappa"), "{complaint}");
 }
 
 #[test]
@@ -120,15 +117,11 @@ fn lineage_file_complaints() {
             founders("(name: \"A\", mother: \"B\", daughter: larger),\n(name: \"B\", mother: \"A\", daughter: larger)"),
             ":2: the founders' mothers form a cycle: A <- B <- A; one founder must have no mother, and all others descend from it",
         ),
-        (founders("(name: \"A\""), ":3:2: Expected opening `(`"),
+        (founders("(name: \"A\""), ":3:1: founders[0].name: expected a comma or the closing bracket, found ]"),
     ] {
         let file = write(folder.path(), "l.ron", &text);
         let said = refusal(&["tree", &file]);
-        if complaint.contains("Expected") {
-            assert!(said.contains("l.ron:3:"), "{said}");
-        } else {
-            assert_eq!(said, format!("furrow: error: {file}{complaint}\n"));
-        }
+        assert_eq!(said, format!("furrow: error: {file}{complaint}\n"));
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing but the input may be left");
 }

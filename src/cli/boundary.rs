@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::cell::number;
 use super::context::{Context, answer};
 use super::error::CliError;
 use super::vary::{Varied, VaryArgs};
@@ -23,7 +24,7 @@ pub struct BoundaryArgs {
     #[command(flatten)]
     vary: VaryArgs,
     /// Activity ξ_s of --critical
-    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
     xi: Option<f64>,
     /// Also solves for the value at which the boundary lies at the cell's own activity
     #[arg(long)]

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use clap::Args;
 use serde::Serialize;
 
-use super::cell::{CellArgs, positive};
+use super::cell::{CellArgs, number, positive};
 use super::context::{Context, answer};
 use super::error::CliError;
 use crate::cell::{Cell, Cue, Numerics};
@@ -21,10 +21,10 @@ pub struct BranchArgs {
     #[command(flatten)]
     cell: CellArgs,
     /// Largest ξ_s
-    #[arg(long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true, value_parser = number)]
     xi_max: f64,
     /// Largest step along a branch, in its arclength
-    #[arg(long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true, value_parser = number)]
     max_step: f64,
 }
 

@@ -3,7 +3,7 @@
 use super::context::{Context, answer};
 use super::error::CliError;
 use crate::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
-use crate::input::{parse_ron, read_text};
+use crate::input::{parse_document, read_text};
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -31,7 +31,7 @@ struct Answer {
 
 pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
     let file = args.targets.display().to_string();
-    let targets: Targets = parse_ron(&read_text(&args.targets)?, &file)?;
+    let targets: Targets = parse_document(&read_text(&args.targets)?, &file, "a file of targets", "Targets")?;
     targets.check(&file)?;
     let found = calibrate(&targets, &context.settings.cell, &context.settings.numerics)?;
     if context.json {

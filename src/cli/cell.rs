@@ -47,10 +47,10 @@ impl CueArgs {
 #[derive(Debug, Args)]
 pub struct CellArgs {
     /// Radius R0 of the sphere with the cell's volume, in L_h
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = number)]
     r0: f64,
     /// Volume of the cell over that of its shell, ε
-    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
     epsilon: Option<f64>,
     #[command(flatten)]
     cue: CueArgs,
@@ -76,7 +76,7 @@ pub struct ActiveCellArgs {
     #[command(flatten)]
     cell: CellArgs,
     /// Activity ξ_s, as published; default that of the settings, 25 in the preset
-    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
     xi: Option<f64>,
 }
 
@@ -91,6 +91,14 @@ impl ActiveCellArgs {
         }
         self.cell.read(context)
     }
+}
+
+/// Reads the number of an option.
+///
+/// # Errors
+/// Says what is allowed; the option and what was given are told by whoever calls.
+pub fn number(text: &str) -> Result<f64, String> {
+    text.trim().parse().map_err(|_| "must be a number, as 0.87 or 1e-3".to_owned())
 }
 
 /// A finite number above 0 from an option.

@@ -54,7 +54,7 @@ struct Globals {
     #[arg(long, global = true)]
     no_cache: bool,
     /// Relative step to which R0 is rounded before a division is looked up or solved; 0 for none
-    #[arg(long, global = true, value_name = "STEP", allow_negative_numbers = true)]
+    #[arg(long, global = true, value_name = "STEP", allow_negative_numbers = true, value_parser = cell::number)]
     r0_step: Option<f64>,
     /// Prints one JSON document
     #[arg(long, global = true)]

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use clap::Args;
 use serde::Serialize;
 
+use super::cell::number;
 use super::context::{Context, answer, warn_of_store};
 use super::error::CliError;
 use super::progress::ProgressLine;
@@ -24,10 +25,10 @@ pub struct PhaseArgs {
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     points: u32,
     /// First ξ_s
-    #[arg(long, value_name = "X", default_value_t = 5.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value_t = 5.0, allow_negative_numbers = true, value_parser = number)]
     xi_from: f64,
     /// Last ξ_s
-    #[arg(long, value_name = "X", default_value_t = 30.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value_t = 30.0, allow_negative_numbers = true, value_parser = number)]
     xi_to: f64,
     /// Values of ξ_s
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]

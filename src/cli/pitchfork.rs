@@ -3,7 +3,7 @@
 use clap::Args;
 use serde::Serialize;
 
-use super::cell::{CellArgs, positive};
+use super::cell::{CellArgs, number, positive};
 use super::context::{Context, answer};
 use super::error::CliError;
 use crate::cell::Cue;
@@ -15,7 +15,7 @@ pub struct PitchforkArgs {
     #[command(flatten)]
     cell: CellArgs,
     /// Largest ξ_s searched
-    #[arg(long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true, value_parser = number)]
     xi_max: f64,
 }
 

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::cell::CueArgs;
+use super::cell::{CueArgs, number};
 use super::context::Context;
 use crate::cell::{Cell, Parameter};
 use crate::input::{InputError, did_you_mean};
@@ -15,16 +15,16 @@ pub struct VaryArgs {
     #[arg(long, value_name = "NAME")]
     vary: String,
     /// Its first value
-    #[arg(long, value_name = "A", allow_negative_numbers = true)]
+    #[arg(long, value_name = "A", allow_negative_numbers = true, value_parser = number)]
     from: f64,
     /// Its last value
-    #[arg(long, value_name = "B", allow_negative_numbers = true)]
+    #[arg(long, value_name = "B", allow_negative_numbers = true, value_parser = number)]
     to: f64,
     /// Radius R0 where another parameter varies
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = number)]
     r0: Option<f64>,
     /// Volume fraction ε where another parameter varies
-    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
     epsilon: Option<f64>,
     #[command(flatten)]
     pub cue: CueArgs,

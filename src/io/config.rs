@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use crate::cell::{Cell, Cue, Numerics, RigidityGradient};
-use crate::input::{InputError, did_you_mean, parse_ron, read_text};
+use crate::input::{InputError, did_you_mean, parse_document, read_text, shown};
 use crate::lineage::Lineage;
 use crate::lineage::tree::ZYGOTE;
 
@@ -177,7 +177,7 @@ impl Settings {
 
     /// Applies and checks the text of a configuration file.
     pub fn apply_config(&mut self, text: &str, file: &str) -> Result<(), InputError> {
-        let config: Config = parse_ron(text, file)?;
+        let config: Config = parse_document(text, file, "a configuration", "Config")?;
         config.physics.apply(self);
         config.numerics.apply(self);
         self.check(file)
@@ -192,7 +192,16 @@ impl Settings {
                 return Err(InputError::not_allowed(SOURCE, "setting", format!("{entry:?}"), "of the form key=value"));
             };
             let (key, value) = (key.trim(), value.trim());
-            let plain = key.strip_prefix("physics.").or(key.strip_prefix("numerics.")).unwrap_or(key);
+            let (section, plain) = match key.split_once('.') {
+                Some((section @ ("physics" | "numerics"), plain)) => (Some(section), plain),
+                _ => (None, key),
+            };
+            let refuse_key = |allowed: String| Err(InputError::not_allowed(SOURCE, "key", shown(key), allowed));
+            // The section that the key names, if it names one, must be the one the parameter is in.
+            let misplaced = |right: &str| section.is_some_and(|section| section != right);
+            if plain == "xi_b" && misplaced("physics") {
+                return refuse_key("physics.xi_b or xi_b alone".to_owned());
+            }
             if plain == "xi_b" {
                 let allowed = "a finite number";
                 let read = value.parse::<f64>().ok().filter(|v| v.is_finite());
@@ -201,9 +210,13 @@ impl Settings {
             }
             let Some(field) = FIELDS.iter().find(|f| f.name == plain || f.aliases.contains(&plain)) else {
                 let names: Vec<&str> = FIELDS.iter().map(|f| f.name).chain(["xi_b"]).collect();
-                let allowed = format!("one of {}{}", names.join(", "), did_you_mean(plain, names.iter().copied()));
-                return Err(InputError::not_allowed(SOURCE, "key", format!("{key:?}"), allowed));
+                let aliases = FIELDS.iter().flat_map(|f| f.aliases).copied();
+                let nearest = did_you_mean(plain, names.iter().copied().chain(aliases));
+                return refuse_key(format!("one of {}{nearest}", names.join(", ")));
             };
+            if misplaced(field.section) {
+                return refuse_key(format!("{}.{plain} or {plain} alone", field.section));
+            }
             (field.set)(self, value).map_err(|allowed| InputError::not_allowed(SOURCE, field.name, value, allowed))?;
         }
         if let Some(xi_b) = xi_b {

@@ -10,6 +10,7 @@
 //! | [`rounds`] | rounds of division per founder |
 
 mod check;
+mod clash;
 pub mod definition;
 pub mod ends;
 pub mod grow;
