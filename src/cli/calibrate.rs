@@ -12,6 +12,10 @@ use std::path::PathBuf;
 
 /// Finds material and shell constants from measured thresholds, and says what the thresholds leave open
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow calibrate data/thresholds.ron --set intervals=32
+  furrow calibrate data/thresholds.ron --set stages=3 --set intervals=32 --json")]
 pub struct CalibrateArgs {
     /// Unknowns and thresholds in RON, as in data/thresholds.ron
     #[arg(value_name = "TARGETS.ron")]

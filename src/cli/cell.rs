@@ -7,11 +7,12 @@ use clap::Args;
 use super::context::Context;
 use crate::cell::{Cell, Cue};
 use crate::input::InputError;
-use crate::io::parse_cue;
+use crate::io::{Settings, parse_cue};
 use crate::lineage::Lineage;
 
 /// A cue.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Cell")]
 pub struct CueArgs {
     /// Polarity cue: none, a name in the lineage file, or terms FIELD:PROFILE,key=value,.. joined by +
     ///
@@ -45,6 +46,7 @@ impl CueArgs {
 
 /// One cell at any activity.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Cell")]
 pub struct CellArgs {
     /// Radius R0 of the sphere with the cell's volume, in L_h
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = number)]
@@ -72,10 +74,11 @@ impl CellArgs {
 
 /// One cell at one activity.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Cell")]
 pub struct ActiveCellArgs {
     #[command(flatten)]
     cell: CellArgs,
-    /// Activity ξ_s, as published; default that of the settings, 25 in the preset
+    /// Activity ξ_s, as published; default 25, the preset's, unless --config or --set say otherwise
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
     xi: Option<f64>,
 }
@@ -89,7 +92,43 @@ impl ActiveCellArgs {
         if let Some(xi) = self.xi {
             context.settings.set_number("--xi", "xi_s", xi)?;
         }
-        self.cell.read(context)
+        let cell = self.cell.read(context)?;
+        context.settings.check_activity(self.xi.map_or("settings", |_| "--xi"))?;
+        Ok(cell)
+    }
+}
+
+/// The first cell of a lineage, and the constants of all its cells.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Cell")]
+pub struct FirstCellArgs {
+    /// Radius R0 of the first cell, in L_h, in place of the lineage's own; default 5.4, the preset's
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = number)]
+    pub r0: Option<f64>,
+    /// Volume of every cell over that of its shell, ε; default 0.87, the preset's
+    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
+    epsilon: Option<f64>,
+    /// Activity ξ_s of every cell, as published; default 25, the preset's
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
+    xi: Option<f64>,
+}
+
+impl FirstCellArgs {
+    /// The settings with what the options say.
+    ///
+    /// # Errors
+    /// Names the option, its value and what is allowed.
+    pub fn settings(&self, settings: &Settings) -> Result<Settings, InputError> {
+        let mut settings = settings.clone();
+        for (option, name, given) in
+            [("--r0", "r0", self.r0), ("--epsilon", "epsilon", self.epsilon), ("--xi", "xi_s", self.xi)]
+        {
+            if let Some(value) = given {
+                settings.set_number(option, name, value)?;
+            }
+        }
+        settings.check_activity(self.xi.map_or("settings", |_| "--xi"))?;
+        Ok(settings)
     }
 }
 

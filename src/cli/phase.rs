@@ -18,6 +18,11 @@ use crate::shapes::at_rest::Edge;
 
 /// Maps outcomes over a parameter and ξ_s: at rest by the exact edges of the stable shapes, χ by divisions elsewhere
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow phase --vary r0 --from 1.6 --to 2.4 --points 3 --xi-from 15 --xi-to 25 --xi-points 2
+  furrow phase --vary epsilon --from 0.8 --to 0.9 --r0 2 --points 2 --xi-points 2 --json")]
+#[command(next_help_heading = "Diagram")]
 pub struct PhaseArgs {
     #[command(flatten)]
     vary: VaryArgs,
@@ -34,7 +39,7 @@ pub struct PhaseArgs {
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     xi_points: u32,
     /// Seed of the noise in the first step
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     seed: u64,
 }
 

@@ -1,5 +1,6 @@
 //! `furrow tree`: the main job.
 
+use super::cell::FirstCellArgs;
 use super::context::{Context, answer, warn_of_store, warning_text};
 use super::error::CliError;
 use super::progress::ProgressLine;
@@ -21,22 +22,29 @@ use std::time::Instant;
 /// Prints the rounds of division per founder beside the observed ones and writes tree.nwk, tree.json, tree.svg,
 /// report.html and run.json.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow tree
+  furrow tree --cue none --xi 26 --out no-cue
+  furrow tree lineages/c_elegans.ron --r0 3.5 --epsilon 0.85 --json")]
 pub struct TreeArgs {
     /// Founders, cues and limits; default the built-in C. elegans founders
     #[arg(value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
+    #[command(flatten)]
+    cell: FirstCellArgs,
     /// Folder for the files
-    #[arg(long, value_name = "DIR", default_value = "furrow-out")]
+    #[arg(help_heading = "Output", long, value_name = "DIR", default_value = "furrow-out")]
     out: PathBuf,
     /// Seed of the noise in the first step of every division
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     seed: u64,
     /// Replaces every cue that the lineage gives: none, a name in the lineage file, or terms
     /// FIELD:PROFILE,key=value,.. joined by +
-    #[arg(long, value_name = "CUE")]
+    #[arg(help_heading = "Cell", long, value_name = "CUE")]
     cue: Option<String>,
     /// Computes the division of every cell, those below the critical radius of their cue included
-    #[arg(long)]
+    #[arg(help_heading = "Numerics", long)]
     dynamics: bool,
 }
 
@@ -82,7 +90,13 @@ struct QuantisationRecord {
 
 pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
+    let given = args.cell.settings(&context.settings)?;
     let mut lineage = Lineage::load(args.lineage.as_deref())?;
+    if args.cell.r0.is_some() {
+        // What the option says counts, also where the lineage gives its first cell a radius.
+        let first = lineage.first();
+        lineage.founders[first].r0 = None;
+    }
     if let Some(text) = &args.cue {
         let cue = parse_cue(text, &lineage)?;
         let name = match lineage.cue(text) {
@@ -96,8 +110,8 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let line = ProgressLine::new(context.progress);
     let show = |progress| line.show(progress);
     let settings = TreeSettings {
-        cell: context.settings.cell.clone(),
-        numerics: context.settings.numerics,
+        cell: given.cell,
+        numerics: given.numerics,
         seed: args.seed,
         r0_step: context.quantisation.relative_step(),
     };

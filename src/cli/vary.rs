@@ -9,6 +9,7 @@ use crate::input::{InputError, did_you_mean};
 
 /// A parameter, its range, and the cell it is varied of.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Cell")]
 pub struct VaryArgs {
     /// Parameter that varies: r0, epsilon, or any other name that --set knows for a cell; of a cue, cue.amplitude and the
     /// like
