@@ -35,6 +35,19 @@ fn numerics_that_cannot_work_are_refused() {
     }
 }
 
+/// A file and the settings behind it are held against each other together.
+#[test]
+fn a_setting_may_complete_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("c.ron");
+    std::fs::write(&file, "Config(numerics: (stages: 2))").unwrap();
+    let alone = Settings::load(Some(&file), &[]).unwrap_err().to_string();
+    let name = file.display();
+    assert_eq!(alone, format!("{name}: numerics.intervals = 48: must be at least 64 where numerics.stages = 2"));
+    let completed = Settings::load(Some(&file), &["intervals=64".to_owned()]).unwrap();
+    assert_eq!((completed.numerics.stages, completed.numerics.intervals), (2, 64));
+}
+
 /// At the ends of the ranges, cells of all sizes with and without a cue divide or come to rest as with the preset.
 #[test]
 fn numerics_that_are_allowed_work() {

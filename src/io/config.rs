@@ -169,7 +169,11 @@ impl Settings {
         let mut settings = Settings::default();
         if let Some(path) = config {
             let file = path.display().to_string();
-            settings.apply_config(&read_text(path)?, &file)?;
+            settings.read_config(&read_text(path)?, &file)?;
+            // What the overrides change may be what the file's values need beside them.
+            if overrides.is_empty() {
+                settings.check_together(&file)?;
+            }
         }
         settings.apply_overrides(overrides)?;
         Ok(settings)
@@ -177,10 +181,16 @@ impl Settings {
 
     /// Applies and checks the text of a configuration file.
     pub fn apply_config(&mut self, text: &str, file: &str) -> Result<(), InputError> {
+        self.read_config(text, file)?;
+        self.check_together(file)
+    }
+
+    /// Applies the text of a configuration file and checks each value by itself.
+    fn read_config(&mut self, text: &str, file: &str) -> Result<(), InputError> {
         let config: Config = parse_document(text, file, "a configuration", "Config")?;
         config.physics.apply(self);
         config.numerics.apply(self);
-        self.check(file)
+        self.check_fields(file)
     }
 
     /// Applies and checks `key=value` settings, in order; `xi_b` last.
@@ -242,15 +252,21 @@ impl Settings {
         self.check_together(source_name)
     }
 
-    /// Checks every field; errors say the values came from `source_name`.
+    /// Checks every field, and what they allow each other; errors say the values came from `source_name`.
     pub fn check(&self, source_name: &str) -> Result<(), InputError> {
+        self.check_fields(source_name)?;
+        self.check_together(source_name)
+    }
+
+    /// Checks every field by itself.
+    fn check_fields(&self, source_name: &str) -> Result<(), InputError> {
         for field in FIELDS {
             if let Some((value, allowed)) = (field.valid)(self) {
                 let name = format!("{}.{}", field.section, field.name);
                 return Err(InputError::not_allowed(source_name, name, value, allowed));
             }
         }
-        self.check_together(source_name)
+        Ok(())
     }
 
     /// Checks what values allow each other. The limits are those within which cells of R0 from 1.6 to 5.4, with a cue and
@@ -270,8 +286,8 @@ impl Settings {
             let allowed = format!("at least {least} where numerics.stages = {}", numerics.stages);
             return refuse("numerics.intervals", numerics.intervals.to_string(), allowed);
         }
-        // The error that a full step would make is told from a shortened one: its rounding is magnified by as many powers
-        // as the time stepping has orders, and must stay below the tolerance.
+        // The error that a full step would make is told from a shortened one, which magnifies its rounding; by trial the
+        // tolerance has to grow by the sixth power.
         let least = 1e-9 * (0.5 / numerics.step_factor).powi(6);
         if numerics.time_tolerance < least {
             let allowed = format!("at least {least:.1e} where numerics.step_factor = {}", numerics.step_factor);
