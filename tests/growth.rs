@@ -175,7 +175,7 @@ fn failed_computation_names_the_cell() {
     for threads in [1, 4] {
         let said = grow_with(&lineage, threads, &|_| None, solve).unwrap_err().to_string();
         assert!(said.starts_with("cell Qaa (R0 = 3.779"), "{said}");
-        let why = "neither divided nor came to rest within t = 2000; raise t_max (3 further cells failed)";
+        let why = "neither divided nor came to rest within t = 2000; raise t_max, or try more mesh intervals (3 further cells failed)";
         assert!(said.ends_with(why), "{said}");
     }
 }
