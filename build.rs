@@ -18,7 +18,7 @@ pub const SOLVER_SOURCES: [&str; 10] = [
     "src/cell",
     "src/cortex",
     "src/division",
-    "src/input.rs",
+    "src/input",
     "src/shapes/error.rs",
     "src/shapes/passive.rs",
     "src/stability.rs",

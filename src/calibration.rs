@@ -6,7 +6,7 @@
 //!
 //! by Levenberg–Marquardt steps. The sensitivities ∂ξ_s*/∂θ are exact: directions of the curve of pitchforks in the plane
 //! (ξ_s, θ), from the extended system. Singular values of ∂ρ/∂ln θ tell which combinations of the parameters the
-//! thresholds determine, and which they leave open: stationary shapes depend on κ, P0, γ and the activity gξ only through
+//! thresholds determine, and which they leave open: stationary shapes depend on κ, p0, γ and the activity gξ only through
 //! their ratios, and not at all on a common factor of the viscosities and the friction.
 //!
 //! # References

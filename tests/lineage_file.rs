@@ -44,10 +44,13 @@ fn sulston_counts_match_the_table() {
 
 #[test]
 fn malformed_ron_names_line_and_column() {
-    assert_eq!(complaint("Lineage(\n  name: \"x\",\n  founders: [(name \"P0\")],\n)"), "my.ron:3:19: Expected colon");
+    assert_eq!(
+        complaint("Lineage(\n  name: \"x\",\n  founders: [(name \"P0\")],\n)"),
+        "my.ron:3:20: founders[0]: expected a colon, found \"P0\""
+    );
     assert_eq!(
         complaint("Lineage(name: \"x\", founders: [(name: \"P0\", radius: 3)])"),
-        "my.ron:1:44: Unexpected field named `radius` in `Founder`, expected one of `name`, `mother`, `daughter`, `cue`, `inherit`, `cue_rules`, `r0`, `physics`, `letters`, or `observed` instead"
+        "my.ron:1:44: founders[0]: unknown field \"radius\": must be one of name, mother, daughter, cue, inherit, cue_rules, r0, physics, letters, observed"
     );
 }
 
@@ -93,7 +96,7 @@ fn two_first_cells() {
 fn duplicate_founder_and_daughter() {
     assert_eq!(
         complaint(&with("(name: \"A\"),\n(name: \"A\")")),
-        "my.ron:2: founder \"A\": name = \"A\": must be unique in the file"
+        "my.ron:3: founders[1].name = \"A\": must be unique in the file: it is the name of a founder at my.ron:2 already"
     );
     assert_eq!(
         complaint(&with(

@@ -41,7 +41,7 @@ fn above_the_critical_radius_a_cell_divides_whatever_the_time() {
 #[test]
 fn above_a_supercritical_threshold_a_cell_rests_off_centre() {
     let cell = Cell::new(2.0);
-    let xi = pitchfork::first(&cell, &Numerics::default(), &BranchOptions::default()).unwrap().xi_s;
+    let xi = pitchfork::first(&cell, &Numerics::default(), &BranchOptions::default()).unwrap().point.xi_s;
     for margin in [1e-4, 1e-5, 1e-6] {
         let division = solve(Cell { xi_s: xi * (1.0 + margin), ..cell.clone() });
         assert_eq!(division.outcome, Outcome::Failed, "{margin}");

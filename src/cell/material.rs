@@ -57,13 +57,13 @@ impl Material {
 pub struct Shell {
     /// Aspect ratio a/b, a along the axis of division.
     pub aspect: f64,
-    /// Strength P0 of its repulsion.
+    /// Strength p0 of its repulsion.
     pub p0: f64,
     /// Width w of its repulsion, relative to the shell.
     pub w: f64,
 }
 
 impl Shell {
-    /// The preset `gao2026`: a/b = 1.5, P0 = 0.123, w = 0.1445.
+    /// The preset `gao2026`: a/b = 1.5, p0 = 0.123, w = 0.1445.
     pub const GAO2026: Shell = Shell { aspect: 1.5, p0: 0.123, w: 0.1445 };
 }

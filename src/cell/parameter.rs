@@ -32,7 +32,7 @@ pub enum Parameter {
     Epsilon,
     /// Shell aspect ratio a/b.
     Aspect,
-    /// Shell strength P0.
+    /// Shell strength p0.
     P0,
     /// Shell width w.
     W,

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::cell::number;
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
@@ -21,20 +22,25 @@ use crate::shapes::{Criticality, PointKind};
 /// Continues what bounds division over a parameter: the pitchfork and the folds of mirror-symmetric shapes; with a cue that
 /// tells the poles apart, the fold that ends the stable shapes
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow boundary --vary r0 --from 1.7 --to 2 --no-folds
+  furrow boundary --vary r0 --from 1.6 --to 1.9 --critical --no-folds --json
+  furrow boundary --vary epsilon --from 0.85 --to 0.9 --r0 2 --no-folds")]
 pub struct BoundaryArgs {
     #[command(flatten)]
     vary: VaryArgs,
     /// Activity ξ_s of --critical
-    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    #[arg(help_heading = "Cell", long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
     xi: Option<f64>,
     /// Also solves for the value at which the boundary lies at the cell's own activity
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     critical: bool,
     /// Leaves out the folds of the symmetric shapes
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     no_folds: bool,
     /// Stores the boundary over R0, with the critical radii of all cues of the lineage
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(help_heading = "Output", long, value_name = "FILE.json")]
     write: Option<PathBuf>,
 }
 

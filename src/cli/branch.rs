@@ -5,7 +5,7 @@ use std::fmt::Write;
 use clap::Args;
 use serde::Serialize;
 
-use super::cell::{CellArgs, positive};
+use super::cell::{CellArgs, number, positive};
 use super::context::Context;
 use super::error::CliError;
 use super::output::answer;
@@ -18,14 +18,18 @@ use crate::shapes::{
 /// Follows the mirror-symmetric and the asymmetric stationary shapes over ξ_s, with their folds and pitchforks; with a cue that
 /// tells the poles apart, the shapes that grow out of the passive one
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow branch --r0 2 --xi-max 30
+  furrow branch --r0 2.2 --cue germline --xi-max 30 --json")]
 pub struct BranchArgs {
     #[command(flatten)]
     cell: CellArgs,
     /// Largest ξ_s
-    #[arg(long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true)]
+    #[arg(help_heading = "Numerics", long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true, value_parser = number)]
     xi_max: f64,
     /// Largest step along a branch, in its arclength
-    #[arg(long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true)]
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true, value_parser = number)]
     max_step: f64,
 }
 

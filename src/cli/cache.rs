@@ -12,6 +12,11 @@ use std::fmt::Write;
 
 /// Looks after the store of solved divisions
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow cache stat
+  furrow cache verify --repair
+  furrow cache clear --cache cache")]
 pub struct CacheArgs {
     #[command(subcommand)]
     action: Action,

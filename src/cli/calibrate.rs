@@ -4,7 +4,7 @@ use super::context::Context;
 use super::error::CliError;
 use super::output::answer;
 use crate::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
-use crate::input::{parse_ron, read_text};
+use crate::input::{parse_document, read_text};
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -13,6 +13,10 @@ use std::path::PathBuf;
 
 /// Finds material and shell constants from measured thresholds, and says what the thresholds leave open
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow calibrate data/thresholds.ron --set intervals=32
+  furrow calibrate data/thresholds.ron --set stages=3 --set intervals=32 --json")]
 pub struct CalibrateArgs {
     /// Unknowns and thresholds in RON, as in data/thresholds.ron
     #[arg(value_name = "TARGETS.ron")]
@@ -32,7 +36,7 @@ struct Answer {
 
 pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
     let file = args.targets.display().to_string();
-    let targets: Targets = parse_ron(&read_text(&args.targets)?, &file)?;
+    let targets: Targets = parse_document(&read_text(&args.targets)?, &file, "a file of targets", "Targets")?;
     targets.check(&file)?;
     let found = calibrate(&targets, &context.settings.cell, &context.settings.numerics)?;
     if context.json {

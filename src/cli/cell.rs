@@ -7,11 +7,12 @@ use clap::Args;
 use super::context::Context;
 use crate::cell::{Cell, Cue};
 use crate::input::InputError;
-use crate::io::parse_cue;
+use crate::io::{Settings, parse_cue};
 use crate::lineage::Lineage;
 
 /// A cue.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Cell")]
 pub struct CueArgs {
     /// Polarity cue: none, a name in the lineage file, or terms FIELD:PROFILE,key=value,.. joined by +
     ///
@@ -45,12 +46,13 @@ impl CueArgs {
 
 /// One cell at any activity.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Cell")]
 pub struct CellArgs {
     /// Radius R0 of the sphere with the cell's volume, in L_h
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = number)]
     r0: f64,
     /// Volume of the cell over that of its shell, ε
-    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
     epsilon: Option<f64>,
     #[command(flatten)]
     cue: CueArgs,
@@ -72,11 +74,12 @@ impl CellArgs {
 
 /// One cell at one activity.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Cell")]
 pub struct ActiveCellArgs {
     #[command(flatten)]
     cell: CellArgs,
-    /// Activity ξ_s, as published; default that of the settings, 25 in the preset
-    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    /// Activity ξ_s, as published; default 25, the preset's, unless --config or --set say otherwise
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
     xi: Option<f64>,
 }
 
@@ -89,8 +92,52 @@ impl ActiveCellArgs {
         if let Some(xi) = self.xi {
             context.settings.set_number("--xi", "xi_s", xi)?;
         }
-        self.cell.read(context)
+        let cell = self.cell.read(context)?;
+        context.settings.check_activity(self.xi.map_or("settings", |_| "--xi"))?;
+        Ok(cell)
     }
+}
+
+/// The first cell of a lineage, and the constants of all its cells.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Cell")]
+pub struct FirstCellArgs {
+    /// Radius R0 of the first cell, in L_h, in place of the lineage's own; default 5.4, the preset's
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = number)]
+    pub r0: Option<f64>,
+    /// Volume of every cell over that of its shell, ε; default 0.87, the preset's
+    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
+    epsilon: Option<f64>,
+    /// Activity ξ_s of every cell, as published; default 25, the preset's
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
+    xi: Option<f64>,
+}
+
+impl FirstCellArgs {
+    /// The settings with what the options say.
+    ///
+    /// # Errors
+    /// Names the option, its value and what is allowed.
+    pub fn settings(&self, settings: &Settings) -> Result<Settings, InputError> {
+        let mut settings = settings.clone();
+        for (option, name, given) in
+            [("--r0", "r0", self.r0), ("--epsilon", "epsilon", self.epsilon), ("--xi", "xi_s", self.xi)]
+        {
+            if let Some(value) = given {
+                settings.set_number(option, name, value)?;
+            }
+        }
+        settings.check_activity(self.xi.map_or("settings", |_| "--xi"))?;
+        Ok(settings)
+    }
+}
+
+/// Reads the number of an option.
+///
+/// # Errors
+/// Says what is allowed; the option and what was given are told by whoever calls.
+pub fn number(text: &str) -> Result<f64, String> {
+    text.trim().parse().map_err(|_| "must be a number, as 0.87 or 1e-3".to_owned())
 }
 
 /// A finite number above 0 from an option.

@@ -19,17 +19,23 @@ use crate::io::frames::{INDEX, write_frames};
 
 /// Computes one division, from the passive shape to pinch-off or rest
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow divide --r0 2.5
+  furrow divide --r0 5.4 --cue germline --json
+  furrow divide --r0 4 --cue activity:band,u0=0.45,omega=0.3Lh,amplitude=0.1
+  furrow divide --r0 2 --replicates 3 --frames contours")]
 pub struct DivideArgs {
     #[command(flatten)]
     cell: ActiveCellArgs,
     /// Seed of the noise in the first step
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     seed: u64,
     /// Divisions with seeds S, S+1, ...
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(help_heading = "Numerics", long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     replicates: u32,
     /// Writes the contour after every step of the first replicate into this folder
-    #[arg(long, value_name = "DIR")]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
     frames: Option<PathBuf>,
 }
 
@@ -59,6 +65,7 @@ struct Answer<'a> {
 
 pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
+    context.settings.check_divisions("settings")?;
     let input = DivisionInput { cell, numerics: context.settings.numerics, seed: args.seed };
     if let Some(folder) = &args.frames {
         writable_folder("--frames", "frames", folder, &[INDEX])?;

@@ -30,6 +30,11 @@ use std::process::ExitCode;
 /// Lengths are in L_h, times in τ, activities in κ0/L_h; ξ_s is the published one.
 #[derive(Debug, Parser)]
 #[command(name = "furrow", version, arg_required_else_help = true, propagate_version = true)]
+#[command(after_help = "\
+Examples:
+  furrow tree
+  furrow divide --r0 2.5
+  furrow pitchfork --r0 2")]
 struct Cli {
     #[command(flatten)]
     globals: Globals,
@@ -42,31 +47,31 @@ struct Cli {
 struct Globals {
     /// Parameters in RON, as in `Config(physics: (epsilon: 0.8), numerics: (stages: 4))`; what it does not name keeps
     /// the value of the preset gao2026
-    #[arg(long, global = true, value_name = "FILE.ron")]
+    #[arg(help_heading = "Parameters", long, global = true, value_name = "FILE.ron")]
     config: Option<PathBuf>,
     /// Sets one parameter, after the file; repeatable
-    #[arg(long, global = true, value_name = "KEY=VALUE")]
+    #[arg(help_heading = "Parameters", long, global = true, value_name = "KEY=VALUE")]
     set: Vec<String>,
     /// Threads that solve; default one for each core
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(help_heading = "Run", long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Folder that keeps solved divisions; default `cache` here if there is one, else the user's cache folder
-    #[arg(long, global = true, value_name = "DIR", conflicts_with = "no_cache")]
+    #[arg(help_heading = "Run", long, global = true, value_name = "DIR", conflicts_with = "no_cache")]
     cache: Option<PathBuf>,
     /// Neither reads nor keeps solved divisions
-    #[arg(long, global = true)]
+    #[arg(help_heading = "Run", long, global = true)]
     no_cache: bool,
     /// Relative step to which R0 is rounded before a division is looked up or solved; 0 for none
-    #[arg(long, global = true, value_name = "STEP", allow_negative_numbers = true)]
+    #[arg(help_heading = "Numerics", long, global = true, value_name = "STEP", allow_negative_numbers = true, value_parser = cell::number)]
     r0_step: Option<f64>,
     /// Prints one JSON document
-    #[arg(long, global = true)]
+    #[arg(help_heading = "Output", long, global = true)]
     json: bool,
     /// No progress and no warnings
-    #[arg(long, global = true, conflicts_with = "verbose")]
+    #[arg(help_heading = "Output", long, global = true, conflicts_with = "verbose")]
     quiet: bool,
     /// Says more on stderr; twice says most
-    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    #[arg(help_heading = "Output", short, long, global = true, action = clap::ArgAction::Count)]
     verbose: u8,
 }
 

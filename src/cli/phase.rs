@@ -5,6 +5,7 @@ use std::fmt::Write;
 use clap::Args;
 use serde::Serialize;
 
+use super::cell::number;
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
@@ -19,23 +20,27 @@ use crate::shapes::at_rest::Edge;
 
 /// Maps outcomes over a parameter and ξ_s: at rest by the exact edges of the stable shapes, χ by divisions elsewhere
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow phase --vary r0 --from 1.6 --to 2.4 --points 3 --xi-from 15 --xi-to 25 --xi-points 2
+  furrow phase --vary epsilon --from 0.8 --to 0.9 --r0 2 --points 2 --xi-points 2 --json")]
 pub struct PhaseArgs {
     #[command(flatten)]
     vary: VaryArgs,
     /// Values across
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(help_heading = "Diagram", long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     points: u32,
     /// First ξ_s
-    #[arg(long, value_name = "X", default_value_t = 5.0, allow_negative_numbers = true)]
+    #[arg(help_heading = "Diagram", long, value_name = "X", default_value_t = 5.0, allow_negative_numbers = true, value_parser = number)]
     xi_from: f64,
     /// Last ξ_s
-    #[arg(long, value_name = "X", default_value_t = 30.0, allow_negative_numbers = true)]
+    #[arg(help_heading = "Diagram", long, value_name = "X", default_value_t = 30.0, allow_negative_numbers = true, value_parser = number)]
     xi_to: f64,
     /// Values of ξ_s
-    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(help_heading = "Diagram", long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     xi_points: u32,
     /// Seed of the noise in the first step
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     seed: u64,
 }
 
@@ -55,6 +60,7 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
         }
     }
     let Varied { cell, parameter, range } = args.vary.read(&mut context)?;
+    context.settings.check_divisions("settings")?;
     let plane = PhasePlane {
         cell,
         numerics: context.settings.numerics,

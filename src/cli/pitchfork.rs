@@ -3,7 +3,7 @@
 use clap::Args;
 use serde::Serialize;
 
-use super::cell::{CellArgs, positive};
+use super::cell::{CellArgs, number, positive};
 use super::context::Context;
 use super::error::CliError;
 use super::output::answer;
@@ -12,11 +12,15 @@ use crate::shapes::{BranchOptions, Criticality, pitchfork};
 
 /// Locates the first pitchfork of the mirror-symmetric shapes and says on which side the asymmetric ones lie
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow pitchfork --r0 2
+  furrow pitchfork --r0 2.22 --epsilon 0.64 --json")]
 pub struct PitchforkArgs {
     #[command(flatten)]
     cell: CellArgs,
     /// Largest ξ_s searched
-    #[arg(long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true)]
+    #[arg(help_heading = "Numerics", long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true, value_parser = number)]
     xi_max: f64,
 }
 

@@ -8,6 +8,10 @@ use std::path::PathBuf;
 
 /// Prints a completion script for a shell
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow completions bash
+  furrow completions zsh")]
 pub struct CompletionsArgs {
     /// The shell
     #[arg(value_name = "SHELL")]
@@ -16,9 +20,13 @@ pub struct CompletionsArgs {
 
 /// Prints the manual page, or writes those of all commands into a folder
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow man
+  furrow man --out pages")]
 pub struct ManArgs {
     /// Folder for one page a command
-    #[arg(long, value_name = "DIR")]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 

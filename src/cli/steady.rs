@@ -15,6 +15,11 @@ use crate::stability::{Parity, Spectrum};
 
 /// Computes the stationary shape at one activity, on the branch of the passive shape, and its growth rates
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow steady --r0 2
+  furrow steady --r0 2 --xi 15 --epsilon 0.8 --json
+  furrow steady --r0 2 --xi 15 --cue germline")]
 pub struct SteadyArgs {
     #[command(flatten)]
     cell: ActiveCellArgs,

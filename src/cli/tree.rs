@@ -1,5 +1,6 @@
 //! `furrow tree`: the main job.
 
+use super::cell::FirstCellArgs;
 use super::context::{Context, warn_of_store, warning_text};
 use super::error::CliError;
 use super::interrupt;
@@ -25,25 +26,32 @@ use std::time::Instant;
 /// Prints the rounds of division per founder beside the observed ones and writes tree.nwk, tree.json, tree.svg,
 /// report.html and run.json.
 #[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow tree
+  furrow tree --cue none --xi 26 --out no-cue
+  furrow tree lineages/c_elegans.ron --r0 3.5 --epsilon 0.85 --json")]
 pub struct TreeArgs {
     /// Founders, cues and limits; default the built-in C. elegans founders
     #[arg(value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
+    #[command(flatten)]
+    cell: FirstCellArgs,
     /// Folder for the files; those of another tree in it are kept in a folder earlier-N there
-    #[arg(long, value_name = "DIR", default_value = "furrow-out")]
+    #[arg(help_heading = "Output", long, value_name = "DIR", default_value = "furrow-out")]
     out: PathBuf,
     /// Replaces the files of a tree that was grown from other inputs, and does not keep them
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     force: bool,
     /// Seed of the noise in the first step of every division
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     seed: u64,
     /// Replaces every cue that the lineage gives: none, a name in the lineage file, or terms
     /// FIELD:PROFILE,key=value,.. joined by +
-    #[arg(long, value_name = "CUE")]
+    #[arg(help_heading = "Cell", long, value_name = "CUE")]
     cue: Option<String>,
     /// Computes the division of every cell, those below the critical radius of their cue included
-    #[arg(long)]
+    #[arg(help_heading = "Numerics", long)]
     dynamics: bool,
 }
 
@@ -96,7 +104,14 @@ struct QuantisationRecord {
 pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
     interrupt::gently();
+    let given = args.cell.settings(&context.settings)?;
+    given.check_divisions("settings")?;
     let mut lineage = Lineage::load(args.lineage.as_deref())?;
+    if args.cell.r0.is_some() {
+        // What the option says counts, also where the lineage gives its first cell a radius.
+        let first = lineage.first();
+        lineage.founders[first].r0 = None;
+    }
     if let Some(text) = &args.cue {
         let cue = parse_cue(text, &lineage)?;
         let name = match lineage.cue(text) {
@@ -107,8 +122,8 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         lineage = lineage.with_cues_replaced(name, &cue);
     }
     let settings = TreeSettings {
-        cell: context.settings.cell.clone(),
-        numerics: context.settings.numerics,
+        cell: given.cell,
+        numerics: given.numerics,
         seed: args.seed,
         r0_step: context.quantisation.relative_step(),
     };

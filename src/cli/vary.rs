@@ -2,29 +2,30 @@
 
 use clap::Args;
 
-use super::cell::CueArgs;
+use super::cell::{CueArgs, number};
 use super::context::Context;
 use crate::cell::{Cell, Parameter};
 use crate::input::{InputError, did_you_mean};
 
 /// A parameter, its range, and the cell it is varied of.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Cell")]
 pub struct VaryArgs {
     /// Parameter that varies: r0, epsilon, or any other name that --set knows for a cell; of a cue, cue.amplitude and the
     /// like
     #[arg(long, value_name = "NAME")]
     vary: String,
     /// Its first value
-    #[arg(long, value_name = "A", allow_negative_numbers = true)]
+    #[arg(long, value_name = "A", allow_negative_numbers = true, value_parser = number)]
     from: f64,
     /// Its last value
-    #[arg(long, value_name = "B", allow_negative_numbers = true)]
+    #[arg(long, value_name = "B", allow_negative_numbers = true, value_parser = number)]
     to: f64,
     /// Radius R0 where another parameter varies
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = number)]
     r0: Option<f64>,
     /// Volume fraction ε where another parameter varies
-    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
     epsilon: Option<f64>,
     #[command(flatten)]
     pub cue: CueArgs,

@@ -125,7 +125,7 @@ pub enum DivisionError {
         allowed: &'static str,
     },
     /// The passive shape was not found.
-    #[error("no passive shape found for {cell} ({source}); try more mesh intervals")]
+    #[error("no passive shape found for {cell} ({source}); try a tension nearer to 0, or more mesh intervals")]
     NoPassiveShape {
         /// The cell.
         cell: CellName,
@@ -134,7 +134,7 @@ pub enum DivisionError {
     },
     /// The time step fell below its minimum.
     #[error(
-        "time stepping of the cell with R0 = {r0} stalled at t = {t} with step {dt} ({source}); try more mesh intervals or a smaller time tolerance"
+        "time stepping of the cell with R0 = {r0} stalled at t = {t} with step {dt} ({source}); try more mesh intervals, a larger time_tolerance or a larger step_factor"
     )]
     Stalled {
         /// Radius R0.
@@ -157,7 +157,9 @@ pub enum DivisionError {
         growth_rate: f64,
     },
     /// The cell neither divided nor came to rest in the time allowed.
-    #[error("the cell with R0 = {r0} neither divided nor came to rest within t = {t_max}; raise t_max")]
+    #[error(
+        "the cell with R0 = {r0} neither divided nor came to rest within t = {t_max}; raise t_max, or try more mesh intervals"
+    )]
     Undecided {
         /// Radius R0.
         r0: f64,

@@ -2,8 +2,9 @@
 
 use std::collections::HashMap;
 
+use super::clash;
 use super::definition::{CueRule, Daughter, Founder, Lineage};
-use crate::input::{InputError, did_you_mean, shown};
+use crate::input::{InputError, did_you_mean, forbidden, listed, shown};
 
 /// A lineage with the text it was read from.
 pub(super) struct Check<'a> {
@@ -14,21 +15,38 @@ pub(super) struct Check<'a> {
 }
 
 impl Check<'_> {
-    /// `file:line` of a founder, where the line can be told.
-    fn place(&self, founder: &str) -> String {
+    /// `file:line` of the founder of a name that stands `nth`, from 0, in the file, where the line can be told. It reads
+    /// the whole text, and so is for errors alone.
+    fn place_of(&self, founder: &str, nth: usize) -> String {
         let quoted = format!("\"{founder}\"");
-        let line = self.text.lines().position(|line| {
+        let is_named = |(_, line): &(usize, &str)| {
             let code = line.split("//").next().unwrap_or("");
             code.match_indices(&quoted).any(|(at, _)| code[..at].trim_end().ends_with("name:"))
-        });
-        match line {
-            Some(n) => format!("{}:{}", self.file, n + 1),
+        };
+        match self.text.lines().enumerate().filter(is_named).nth(nth) {
+            Some((n, _)) => format!("{}:{}", self.file, n + 1),
             None => self.file.to_owned(),
         }
     }
 
+    /// `file:line` of a founder.
+    fn place(&self, founder: &str) -> String {
+        self.place_of(founder, 0)
+    }
+
     fn founder_error(&self, f: &Founder, field: &str, value: impl ToString, allowed: impl Into<String>) -> InputError {
-        InputError::not_allowed(self.place(&f.name), format!("founder {:?}: {field}", f.name), value, allowed)
+        InputError::not_allowed(self.place(&f.name), format!("founder {}: {field}", shown(&f.name)), value, allowed)
+    }
+
+    /// What is written into drawings and pages has no characters that these cannot hold.
+    fn printable(&self, field: &str, text: &str) -> Result<(), InputError> {
+        match forbidden(text) {
+            None => Ok(()),
+            Some(c) => {
+                let allowed = format!("free of control characters and of what XML cannot hold, here {c:?}");
+                Err(InputError::not_allowed(self.file, field, shown(text), allowed))
+            }
+        }
     }
 
     /// Everything that can be wrong with a lineage that is good RON.
@@ -43,21 +61,10 @@ impl Check<'_> {
         }
         self.letters("naming", lineage.naming)?;
         lineage.units().check(self.file)?;
-        for (name, cue) in &lineage.cues {
-            if name == "none" {
-                let allowed = "another name: none is the absence of a cue";
-                return Err(InputError::not_allowed(self.file, "cues", "\"none\"", allowed));
-            }
-            if name.is_empty() || name.chars().any(|c| c.is_control() || c.is_whitespace() || ":+,\"'".contains(c)) {
-                let allowed = "a name without blanks, quotes and : + , as in \"polar\"";
-                return Err(InputError::not_allowed(self.file, "cues", shown(name), allowed));
-            }
-            cue.check().map_err(|error| {
-                let field = format!("cues[{name:?}].{}", error.field);
-                InputError::not_allowed(self.file, field, error.value, error.allowed)
-            })?;
-        }
-        self.rules(self.file, "cue_rules", &lineage.cue_rules)?;
+        self.printable("name", &lineage.name)?;
+        self.printable("citation", lineage.citation.as_deref().unwrap_or(""))?;
+        self.cues()?;
+        self.rules(&|| self.file.to_owned(), "cue_rules", &lineage.cue_rules)?;
         if lineage.founders.is_empty() {
             return Err(InputError::not_allowed(self.file, "founders", "[]", "a list of at least one founder"));
         }
@@ -65,7 +72,10 @@ impl Check<'_> {
         for (i, f) in lineage.founders.iter().enumerate() {
             self.founder(f)?;
             if index.insert(f.name.as_str(), i).is_some() {
-                return Err(self.founder_error(f, "name", format!("{:?}", f.name), "unique in the file"));
+                let (first, second) = (self.place(&f.name), self.place_of(&f.name, 1));
+                let field = format!("founders[{i}].name");
+                let allowed = format!("unique in the file: it is the name of a founder at {first} already");
+                return Err(InputError::not_allowed(second, field, shown(&f.name), allowed));
             }
         }
         let mother = self.mothers(&index)?;
@@ -74,26 +84,49 @@ impl Check<'_> {
         self.clashes(&mother)
     }
 
+    /// The cues that the file names.
+    fn cues(&self) -> Result<(), InputError> {
+        for (name, cue) in &self.lineage.cues {
+            if name == "none" {
+                let allowed = "another name: none is the absence of a cue";
+                return Err(InputError::not_allowed(self.file, "cues", "\"none\"", allowed));
+            }
+            self.printable("cues", name)?;
+            if name.is_empty() || name.chars().any(|c| c.is_whitespace() || ":+,\"'".contains(c)) {
+                let allowed = "a name without blanks, quotes and : + , as in \"polar\"";
+                return Err(InputError::not_allowed(self.file, "cues", shown(name), allowed));
+            }
+            cue.check().map_err(|error| {
+                let field = format!("cues[{name:?}].{}", error.field);
+                InputError::not_allowed(self.file, field, error.value, error.allowed)
+            })?;
+        }
+        Ok(())
+    }
+
     /// What is allowed in place of the name of a cue that there is not.
     fn known_cue(&self, name: &str) -> Result<(), String> {
         if self.lineage.cue(name).is_some() {
             return Ok(());
         }
-        let known: Vec<&str> = ["none"].into_iter().chain(self.lineage.cues.keys().map(String::as_str)).collect();
+        let known = || ["none"].into_iter().chain(self.lineage.cues.keys().map(String::as_str));
         let hint = match name.contains(':') {
             true => "; what it is is said under cues".to_owned(),
-            false => did_you_mean(name, known.iter().copied()),
+            false => did_you_mean(name, known()),
         };
-        Err(format!("one of {}{hint}", known.join(", ")))
+        match self.lineage.cues.is_empty() {
+            true => Err(format!("none, since the file has no cues{hint}")),
+            false => Err(format!("one of {}{hint}", listed(known(), ", "))),
+        }
     }
 
-    fn rules(&self, place: &str, field: &str, rules: &[CueRule]) -> Result<(), InputError> {
+    fn rules(&self, place: &dyn Fn() -> String, field: &str, rules: &[CueRule]) -> Result<(), InputError> {
         let refuse = |k: usize, name: &str, value: String, allowed: String| {
-            Err(InputError::not_allowed(place, format!("{field}[{k}].{name}"), value, allowed))
+            Err(InputError::not_allowed(place(), format!("{field}[{k}].{name}"), value, allowed))
         };
         for (k, rule) in rules.iter().enumerate() {
             if let Err(allowed) = self.known_cue(&rule.cue) {
-                return refuse(k, "cue", format!("{:?}", rule.cue), allowed);
+                return refuse(k, "cue", shown(&rule.cue), allowed);
             }
             if let Some(last) = rule.to_generation.filter(|last| *last < rule.from_generation) {
                 let allowed = format!("from_generation = {} or later", rule.from_generation);
@@ -123,20 +156,21 @@ impl Check<'_> {
 
     fn founder(&self, f: &Founder) -> Result<(), InputError> {
         if f.name.is_empty()
-            || f.name.chars().any(|c| c.is_control() || c.is_whitespace() || "()[]{}:;,'\"=".contains(c))
+            || forbidden(&f.name).is_some()
+            || f.name.chars().any(|c| c.is_whitespace() || "()[]{}:;,'\"=".contains(c))
         {
-            let allowed = "not empty and free of spaces, brackets, quotes and of : ; , = (tree files reserve them)";
-            return Err(self.founder_error(f, "name", format!("{:?}", f.name), allowed));
+            let allowed = "not empty and free of spaces, control characters, brackets, quotes and of : ; , = (tree files reserve them)";
+            return Err(self.founder_error(f, "name", shown(&f.name), allowed));
         }
         for &pair in &f.letters {
             self.letters(&format!("founder {:?}: letters", f.name), pair)?;
         }
         self.physics(f)?;
         if let Some(cue) = &f.cue {
-            self.known_cue(cue).map_err(|allowed| self.founder_error(f, "cue", format!("{cue:?}"), allowed))?;
+            self.known_cue(cue).map_err(|allowed| self.founder_error(f, "cue", shown(cue), allowed))?;
             if !f.cue_rules.is_empty() {
                 let allowed = "left out where cue_rules are given";
-                return Err(self.founder_error(f, "cue", format!("{cue:?}"), allowed));
+                return Err(self.founder_error(f, "cue", shown(cue), allowed));
             }
         }
         if !f.inherit && f.cue.is_none() {
@@ -144,7 +178,7 @@ impl Check<'_> {
                 "left out where the founder has no cue; cue_rules say themselves which generations they are for";
             return Err(self.founder_error(f, "inherit", "false", allowed));
         }
-        self.rules(&self.place(&f.name), &format!("founder {:?}: cue_rules", f.name), &f.cue_rules)?;
+        self.rules(&|| self.place(&f.name), &format!("founder {}: cue_rules", shown(&f.name)), &f.cue_rules)?;
         match (&f.mother, f.daughter) {
             (Some(_), None) => {
                 return Err(self.founder_error(
@@ -194,9 +228,10 @@ impl Check<'_> {
             mother.push(match f.mother.as_deref() {
                 None => None,
                 Some(name) => Some(*index.get(name).ok_or_else(|| {
-                    let names: Vec<&str> = self.lineage.founders.iter().map(|f| f.name.as_str()).collect();
-                    let allowed = format!("a founder of this file: {}", names.join(", "));
-                    self.founder_error(f, "mother", format!("{name:?}"), allowed)
+                    let names = || self.lineage.founders.iter().map(|f| f.name.as_str());
+                    let nearest = did_you_mean(name, names());
+                    let allowed = format!("a founder of this file: {}{nearest}", listed(names(), ", "));
+                    self.founder_error(f, "mother", shown(name), allowed)
                 })?),
             });
         }
@@ -218,11 +253,11 @@ impl Check<'_> {
                 }
                 if walk[i] == start {
                     let from = path.iter().position(|&j| j == i).unwrap_or(0);
-                    let mut ring: Vec<&str> = path[from..].iter().map(|&j: &usize| founders[j].name.as_str()).collect();
-                    ring.push(ring[0]);
+                    let ring = path[from..].iter().map(|&j: &usize| founders[j].name.as_str());
+                    let ring = listed(ring, " <- ");
                     let message = format!(
-                        "the founders' mothers form a cycle: {}; one founder must have no mother, and all others descend from it",
-                        ring.join(" <- ")
+                        "the founders' mothers form a cycle: {ring} <- {}; one founder must have no mother, and all others descend from it",
+                        listed([founders[i].name.as_str()], "")
                     );
                     return Err(InputError::Founders { file: self.place(&founders[i].name), message });
                 }
@@ -232,10 +267,11 @@ impl Check<'_> {
             }
             path.into_iter().for_each(|i| reaches[i] = true);
         }
-        let first: Vec<&str> = founders.iter().filter(|f| f.mother.is_none()).map(|f| f.name.as_str()).collect();
-        if first.len() > 1 {
-            let message = format!("founders {} have no mother; exactly one founder may have none", first.join(", "));
-            return Err(InputError::Founders { file: self.place(first[1]), message });
+        let first = || founders.iter().filter(|f| f.mother.is_none()).map(|f| f.name.as_str());
+        if let Some(second) = first().nth(1) {
+            let message =
+                format!("founders {} have no mother; exactly one founder may have none", listed(first(), ", "));
+            return Err(InputError::Founders { file: self.place(second), message });
         }
         Ok(())
     }
@@ -248,7 +284,8 @@ impl Check<'_> {
             let (Some(m), Some(daughter)) = (mother[i], f.daughter) else { continue };
             if let Some(other) = taken.insert((m, daughter == Daughter::Larger), i) {
                 let which = if daughter == Daughter::Larger { "larger" } else { "smaller" };
-                let allowed = format!("the other one: {:?} is already the {which} daughter", founders[other].name);
+                let allowed =
+                    format!("the other one: {} is already the {which} daughter", shown(&founders[other].name));
                 return Err(self.founder_error(f, "daughter", which, allowed));
             }
         }
@@ -258,8 +295,9 @@ impl Check<'_> {
             if !taken.contains_key(&(m, sister_larger)) {
                 let missing = if sister_larger { "larger" } else { "smaller" };
                 let message = format!(
-                    "founder {:?} is a daughter of {:?}, whose {missing} daughter is not in the list; list both or neither",
-                    f.name, founders[m].name
+                    "founder {} is a daughter of {}, whose {missing} daughter is not in the list; list both or neither",
+                    shown(&f.name),
+                    shown(&founders[m].name)
                 );
                 return Err(InputError::Founders { file: self.place(&f.name), message });
             }
@@ -272,20 +310,14 @@ impl Check<'_> {
         let founders = &self.lineage.founders;
         let mut has_listed = vec![false; founders.len()];
         mother.iter().flatten().for_each(|&m| has_listed[m] = true);
-        for (i, above) in founders.iter().enumerate().filter(|(i, _)| !has_listed[*i]) {
-            for f in founders.iter().filter(|f| f.name != above.name) {
-                let Some(rest) = f.name.strip_prefix(above.name.as_str()) else { continue };
-                let generated = rest.chars().enumerate().all(|(k, c)| {
-                    let (a, p) = self.lineage.letters(i, k + 1);
-                    c == a || c == p
-                });
-                if generated {
-                    let allowed =
-                        format!("a name that no descendant of {:?} may be given by the naming rule", above.name);
-                    return Err(self.founder_error(f, "name", format!("{:?}", f.name), allowed));
-                }
+        let names: Vec<&str> = founders.iter().map(|f| f.name.as_str()).collect();
+        match clash::first(&names, &has_listed, |founder, generation| self.lineage.letters(founder, generation)) {
+            None => Ok(()),
+            Some((above, i)) => {
+                let (f, above) = (&founders[i], shown(names[above]));
+                let allowed = format!("a name that no descendant of {above} may be given by the naming rule");
+                Err(self.founder_error(f, "name", shown(&f.name), allowed))
             }
         }
-        Ok(())
     }
 }

@@ -11,7 +11,7 @@ use super::physics::FounderPhysics;
 use super::units::{Length, Units};
 use crate::cell::cue::{Field, split_terms};
 use crate::cell::{Cue, CueError};
-use crate::input::{InputError, did_you_mean, parse_ron, read_text, shown};
+use crate::input::{InputError, did_you_mean, listed, parse_document, read_text, shown};
 
 /// The built-in lineage file, `lineages/c_elegans.ron`.
 pub const C_ELEGANS: &str = include_str!("../../lineages/c_elegans.ron");
@@ -186,7 +186,7 @@ impl Lineage {
 
     /// Reads and checks a lineage from RON text; `file` is what errors call it.
     pub fn parse(text: &str, file: &str) -> Result<Lineage, InputError> {
-        let lineage: Lineage = parse_ron(text, file)?;
+        let lineage: Lineage = parse_document(text, file, "a lineage file", "Lineage")?;
         Check { lineage: &lineage, text, file }.run()?;
         Ok(lineage)
     }
@@ -273,10 +273,10 @@ impl Lineage {
         for part in split_terms(text) {
             let is_field = Field::ALL.iter().any(|field| part.starts_with(field.name()));
             if !part.contains(':') && !part.is_empty() && !is_field && self.cue(part).is_none() {
-                let names: Vec<&str> = self.cues.keys().map(String::as_str).collect();
-                let known: String = names.iter().map(|name| format!("{name}, ")).collect();
-                let nearest = did_you_mean(part, names.into_iter().chain(["none"]));
-                let allowed = format!("none, {known}or terms FIELD:PROFILE,key=value,.. joined by +{nearest}");
+                let names = || self.cues.keys().map(String::as_str);
+                let nearest = did_you_mean(part, names().chain(["none"]));
+                let known = if self.cues.is_empty() { "none" } else { &format!("none, {},", listed(names(), ", ")) };
+                let allowed = format!("{known} or terms FIELD:PROFILE,key=value,.. joined by +{nearest}");
                 return Err(CueError { field: "cue".to_owned(), value: shown(part), allowed });
             }
         }
@@ -329,7 +329,7 @@ fn unique<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<
             let mut cues = BTreeMap::new();
             while let Some((name, cue)) = map.next_entry::<String, Cue>()? {
                 if cues.insert(name.clone(), cue).is_some() {
-                    return Err(serde::de::Error::custom(format!("cues[{name:?}] stands twice")));
+                    return Err(serde::de::Error::custom(format!("the cue {} stands twice", shown(&name))));
                 }
             }
             Ok(cues)

@@ -11,6 +11,7 @@
 //! | [`rounds`] | rounds of division per founder |
 
 mod check;
+mod clash;
 pub mod definition;
 pub mod ends;
 pub mod grow;

@@ -51,7 +51,7 @@ impl std::fmt::Display for CellName {
 #[non_exhaustive]
 pub enum ShapeError {
     /// No passive shape to start from.
-    #[error("no passive shape for {cell} ({source}); try more mesh intervals")]
+    #[error("no passive shape for {cell} ({source}); try a tension nearer to 0, or more mesh intervals")]
     Passive {
         /// The cell.
         cell: CellName,
@@ -59,7 +59,9 @@ pub enum ShapeError {
         source: NewtonError,
     },
     /// With its cue, the passive cell has no shape.
-    #[error("no passive shape with the cue for {cell} ({source}); try more mesh intervals")]
+    #[error(
+        "no passive shape with the cue for {cell} ({source}); try a cue of smaller amplitude, or more mesh intervals"
+    )]
     Cue {
         /// The cell.
         cell: CellName,

@@ -1,0 +1,84 @@
+//! Reading files: whatever a path names, in bounded time and memory.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use super::InputError;
+
+/// The longest file that is read, in bytes: 64 MB. What users write is far shorter; a longer one is some other file, or one
+/// that never ends.
+pub const LONGEST: u64 = 64 << 20;
+
+/// Reads a whole text file in UTF-8, at most [`LONGEST`] bytes of it. It may be a pipe.
+///
+/// # Errors
+/// Names the file and why it cannot be read.
+pub fn read_text(path: &Path) -> Result<String, InputError> {
+    read_bounded(path, LONGEST)
+}
+
+/// [`read_text`] with another limit.
+fn read_bounded(path: &Path, longest: u64) -> Result<String, InputError> {
+    let file = path.display().to_string();
+    let unreadable = |reason: String| InputError::Unreadable { file: file.clone(), reason };
+    let too_long = |size: &str| {
+        let most = longest as f64 / f64::from(1 << 20);
+        unreadable(format!("{size}longer than {most} MB, the most that is read of a file"))
+    };
+    let mut opened = File::open(path).map_err(|e| unreadable(e.to_string()))?;
+    let about = opened.metadata().map_err(|e| unreadable(e.to_string()))?;
+    if about.is_dir() {
+        return Err(unreadable("it is a folder, not a file".to_owned()));
+    }
+    // The length of a pipe or a device is 0 here; they are read up to the limit and no further.
+    if about.len() > longest {
+        return Err(too_long(&format!("it has {} MB, which is ", about.len() >> 20)));
+    }
+    let mut bytes = Vec::new();
+    (&mut opened).take(longest + 1).read_to_end(&mut bytes).map_err(|e| unreadable(e.to_string()))?;
+    if bytes.len() as u64 > longest {
+        return Err(too_long("it is "));
+    }
+    String::from_utf8(bytes).map_err(|error| not_utf8(file, error.as_bytes(), error.utf8_error().valid_up_to()))
+}
+
+/// The error for text in another encoding; `valid` bytes of it are UTF-8.
+fn not_utf8(file: String, bytes: &[u8], valid: usize) -> InputError {
+    let before = String::from_utf8_lossy(&bytes[..valid]);
+    let line = 1 + before.matches('\n').count();
+    let column = 1 + before.chars().rev().take_while(|c| *c != '\n').count();
+    let message = match bytes {
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "this is UTF-16; it must be saved as UTF-8".to_owned(),
+        _ => format!("byte 0x{:02x} is not UTF-8, as text must be", bytes[valid]),
+    };
+    InputError::Malformed { file, line, column, message }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_read_up_to_the_limit_and_no_further() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("text");
+        std::fs::write(&path, "12345678").unwrap();
+        assert_eq!(read_bounded(&path, 8).unwrap(), "12345678");
+        let said = read_bounded(&path, 7).unwrap_err().to_string();
+        assert!(said.starts_with(&format!("{}: cannot be read: it has 0 MB, which is longer than", path.display())));
+    }
+
+    #[test]
+    fn other_encodings_name_the_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("text");
+        for (bytes, expected) in [
+            (&b"first\nG\xf6ttingen"[..], ":2:2: byte 0xf6 is not UTF-8, as text must be"),
+            (b"\xff\xfeL\0", ":1:1: this is UTF-16; it must be saved as UTF-8"),
+        ] {
+            std::fs::write(&path, bytes).unwrap();
+            assert_eq!(read_text(&path).unwrap_err().to_string(), format!("{}{expected}", path.display()));
+        }
+    }
+}

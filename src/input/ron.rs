@@ -1,0 +1,170 @@
+//! Reading RON, with errors that name line, column, field, what stands there and what is expected.
+
+use ::ron::error::{Error, Position, SpannedError};
+use serde::de::DeserializeOwned;
+
+use super::place::{field_at, holder_at};
+use super::{InputError, did_you_mean, shown};
+
+/// Reads `text` as RON; `file` is what errors call it. Optional fields are written without `Some`. A byte order mark at the
+/// beginning, as some editors write it, is passed over.
+///
+/// # Errors
+/// Names file, line, column and field, what stands there and what is expected.
+pub fn parse_ron<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, InputError> {
+    let text = without_mark(text);
+    let options = ::ron::Options::default().with_default_extension(::ron::extensions::Extensions::IMPLICIT_SOME);
+    options.from_str(text).map_err(|error| malformed(text, file, &error))
+}
+
+/// [`parse_ron`] of a whole file: a `kind`, as "a lineage file", which begins with `name` and a parenthesis or with the
+/// parenthesis alone. What begins otherwise is some other file, and is called that rather than malformed.
+///
+/// # Errors
+/// See [`parse_ron`].
+pub fn parse_document<T: DeserializeOwned>(text: &str, file: &str, kind: &str, name: &str) -> Result<T, InputError> {
+    parse_ron(text, file).map_err(|error| {
+        let start = beginning(without_mark(text));
+        let behind = start.strip_prefix(name).unwrap_or(start).trim_start();
+        if behind.starts_with('(') {
+            return error;
+        }
+        let reason = match start.lines().next() {
+            None => format!("it is empty, and {kind} is RON that begins with {name}("),
+            Some(line) => {
+                format!("it begins with {}, and {kind} is RON that begins with {name}(", shown(line.trim_end()))
+            }
+        };
+        InputError::OtherFile { file: file.to_owned(), wanted: kind.to_owned(), reason }
+    })
+}
+
+fn without_mark(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
+/// The text from its first word on: without blanks, comments and RON's own attributes.
+fn beginning(text: &str) -> &str {
+    let mut rest = text.trim_start();
+    loop {
+        let end = match rest {
+            _ if rest.starts_with("//") => rest.find('\n'),
+            _ if rest.starts_with("/*") => rest.find("*/").map(|end| end + 2),
+            _ if rest.starts_with("#![") => rest.find(']').map(|end| end + 1),
+            _ => return rest,
+        };
+        rest = end.map_or("", |end| rest[end..].trim_start());
+    }
+}
+
+/// The byte at a line and column, both from 1; columns are characters.
+fn byte_at(text: &str, position: Position) -> usize {
+    let start = match position.line {
+        0 | 1 => 0,
+        line => text.match_indices('\n').nth(line - 2).map_or(text.len(), |(at, _)| at + 1),
+    };
+    text[start..].char_indices().nth(position.col.saturating_sub(1)).map_or(text.len(), |(at, _)| start + at)
+}
+
+/// The reader's complaint with the field, what stands there and what is expected.
+fn malformed(text: &str, file: &str, error: &SpannedError) -> InputError {
+    // A value that was not begun to be read is where the reader stopped; one that was read is where it began.
+    let (position, field, said) = match expected(&error.code) {
+        Some(wanted) => {
+            let at = byte_at(text, error.span.end);
+            let found = found(&text[at..]);
+            let said = match digits_before(text, at) {
+                // A whole number was read up to its decimal point.
+                whole if !whole.is_empty() && found.starts_with('.') => {
+                    format!("expected a whole number, found {whole}{found}")
+                }
+                _ => format!("expected {wanted}, found {found}"),
+            };
+            (error.span.end, field_at(text, at), said)
+        }
+        None => {
+            let at = byte_at(text, error.span.start);
+            // What is missing, or wrong with several fields together, is so where they are.
+            let whole = matches!(error.code, Error::MissingStructField { .. } | Error::Message(_));
+            let field = if whole { holder_at(text, at) } else { field_at(text, at) };
+            (error.span.start, field, said(&error.code))
+        }
+    };
+    let message = if field.is_empty() { said } else { format!("{field}: {said}") };
+    InputError::Malformed { file: file.to_owned(), line: position.line, column: position.col, message }
+}
+
+/// The digits that end at byte `at`.
+fn digits_before(text: &str, at: usize) -> &str {
+    let before = &text[..at];
+    &before[before.trim_end_matches(|c: char| c.is_ascii_digit()).len()..]
+}
+
+/// What stands at the beginning of a text, up to the end of the value.
+fn found(text: &str) -> String {
+    let end = match text.chars().next() {
+        None => return "the end of the file".to_owned(),
+        Some('"') => text[1..].find('"').map_or(text.len(), |end| end + 2),
+        Some(c) if c.is_alphanumeric() || "+-._".contains(c) => {
+            text.find(|c: char| !(c.is_alphanumeric() || "+-._".contains(c))).unwrap_or(text.len())
+        }
+        Some(c) => c.len_utf8(),
+    };
+    let value = text[..end].lines().next().unwrap_or("");
+    match value.char_indices().nth(60) {
+        Some((cut, _)) => format!("{}…", &value[..cut]),
+        None => value.to_owned(),
+    }
+}
+
+/// What the reader expected, where it says no more than that.
+fn expected(error: &Error) -> Option<&'static str> {
+    Some(match error {
+        Error::ExpectedFloat => "a number",
+        Error::ExpectedInteger => "a whole number",
+        Error::ExpectedBoolean => "true or false",
+        Error::ExpectedString => "text in double quotes",
+        Error::ExpectedChar => "a character in single quotes",
+        Error::ExpectedArray => "a list in brackets [ ]",
+        Error::ExpectedArrayEnd => "a comma or the closing ]",
+        Error::ExpectedMap => "entries in braces { }",
+        Error::ExpectedMapEnd => "a comma or the closing }",
+        Error::ExpectedMapColon => "a colon",
+        Error::ExpectedComma => "a comma or the closing bracket",
+        Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) => "parentheses ( )",
+        Error::ExpectedStructLikeEnd | Error::ExpectedOptionEnd => "a comma or the closing )",
+        Error::ExpectedIdentifier => "a name",
+        Error::ExpectedUnit => "()",
+        Error::ExpectedStringEnd => "the closing quote of the text",
+        Error::TrailingCharacters => "the end of the file",
+        Error::Eof => "more",
+        _ => return None,
+    })
+}
+
+/// Other complaints of the reader.
+fn said(error: &Error) -> String {
+    let one_of = |kind: &str, found: &str, expected: &[&str]| {
+        let names = match expected {
+            [] => "none is known".to_owned(),
+            _ => format!("must be one of {}", expected.join(", ")),
+        };
+        format!("unknown {kind} {}: {names}{}", shown(found), did_you_mean(found, expected.iter().copied()))
+    };
+    match error {
+        Error::NoSuchStructField { expected, found, .. } => one_of("field", found, expected),
+        Error::NoSuchEnumVariant { expected, found, .. } => one_of("name", found, expected),
+        Error::MissingStructField { field, .. } => format!("the field {field:?} is missing"),
+        Error::DuplicateStructField { field, .. } => format!("the field {field:?} is given twice"),
+        Error::ExpectedDifferentStructName { expected, found } => {
+            format!("expected {expected}( or a parenthesis alone, found {}", shown(found))
+        }
+        Error::InvalidValueForType { expected, found } => format!("expected {expected}, found {found}"),
+        Error::SuggestRawIdentifier(word) | Error::InvalidIdentifier(word) => {
+            format!("expected the name of a field, found {word}")
+        }
+        Error::IntegerOutOfBounds => "the whole number is negative or too large".to_owned(),
+        Error::ExceededRecursionLimit => "brackets are nested too deeply".to_owned(),
+        other => other.to_string(),
+    }
+}

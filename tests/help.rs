@@ -1,0 +1,122 @@
+//! The help pages: every example runs as it stands, every option has its group.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+const COMMANDS: [&str; 11] = [
+    "tree",
+    "divide",
+    "steady",
+    "branch",
+    "pitchfork",
+    "boundary",
+    "phase",
+    "calibrate",
+    "cache",
+    "completions",
+    "man",
+];
+
+fn furrow(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_furrow")).args(arguments).current_dir(folder).output().unwrap()
+}
+
+fn help(command: &str) -> String {
+    let arguments = if command.is_empty() { vec!["--help"] } else { vec![command, "--help"] };
+    let output = furrow(Path::new("."), &arguments);
+    assert!(output.status.success(), "{command}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The examples that a help page ends with.
+fn examples(page: &str) -> Vec<Vec<&str>> {
+    let (_, examples) = page.split_once("Examples:\n").expect("a page ends with examples");
+    let line = |line| str::strip_prefix(line, "  furrow ").expect("nothing but examples").split(' ').collect();
+    examples.trim_end().lines().map(line).collect()
+}
+
+/// Runs the examples of a page in a folder that has what the repository's has.
+fn run_examples(command: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    // What is solved is kept in the folder and goes with it.
+    std::fs::create_dir(folder.path().join("cache")).unwrap();
+    for name in ["data/thresholds.ron", "lineages/c_elegans.ron"] {
+        let copy = folder.path().join(name);
+        std::fs::create_dir(copy.parent().unwrap()).unwrap();
+        std::fs::copy(root.join(name), copy).unwrap();
+    }
+    let page = help(command);
+    let examples = examples(&page);
+    assert!((2..=4).contains(&examples.len()), "{command} has {} examples", examples.len());
+    for example in examples {
+        assert!(command.is_empty() || example[0] == command, "{example:?}");
+        let output = furrow(folder.path(), &example);
+        assert!(output.status.success(), "{example:?}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(!output.stdout.is_empty() || example.contains(&"--out"), "{example:?}");
+    }
+}
+
+#[test]
+fn examples_of_quick_commands_run() {
+    ["", "divide", "steady", "cache", "completions", "man"].into_iter().for_each(run_examples);
+}
+
+#[test]
+fn examples_of_trees_run() {
+    run_examples("tree");
+}
+
+#[test]
+fn examples_of_shapes_run() {
+    ["branch", "pitchfork", "phase"].into_iter().for_each(run_examples);
+}
+
+#[test]
+fn examples_of_boundaries_run() {
+    run_examples("boundary");
+}
+
+#[test]
+fn examples_of_calibrations_run() {
+    run_examples("calibrate");
+}
+
+/// Under "Options" stand only clap's own --help and --version: all else is in a group that says what it is about.
+#[test]
+fn options_stand_in_groups() {
+    for command in COMMANDS.into_iter().chain([""]) {
+        let page = help(command);
+        for group in ["Parameters:\n", "Numerics:\n", "Output:\n"] {
+            assert!(page.contains(group), "{command} has no group {group}");
+        }
+        let options = page.split("\nOptions:\n").nth(1).unwrap_or("");
+        let own =
+            options.split("\n\n").flat_map(str::lines).take_while(|line| line.starts_with(' ') || line.is_empty());
+        for option in own.filter(|line| line.trim_start().starts_with('-')) {
+            assert!(option.contains("--help") || option.contains("--version"), "{command}: {option}");
+        }
+    }
+    for command in ["tree", "divide", "steady", "branch", "pitchfork", "boundary", "phase"] {
+        let page = help(command);
+        let cell = page.split("\nCell:\n").nth(1).unwrap_or_else(|| panic!("{command} has no group Cell"));
+        assert!(
+            cell.contains("--r0 <R>") && cell.contains("--epsilon <E>") && cell.contains("--cue <CUE>"),
+            "{command}"
+        );
+    }
+    assert!(help("steady").contains("default 25, the preset's"));
+}
+
+/// The shell's strength is p0; P0 is a cell.
+#[test]
+fn the_strength_of_the_shell_is_called_p0() {
+    for text in [help("tree"), help("calibrate"), help("boundary")] {
+        assert!(!text.contains("P0"), "{text}");
+    }
+    let refused = furrow(Path::new("."), &["steady", "--r0", "2", "--set", "P0=-1"]);
+    assert_eq!(
+        String::from_utf8(refused.stderr).unwrap(),
+        "furrow: error: --set: physics.p0 = -1: must be a finite number above 0\n"
+    );
+}
