@@ -111,7 +111,7 @@ fn tree_file_complaints() {
     );
     assert_eq!(
         complaint(&text.replacen("\"name\":\"AB\",\"mother\":\"P0\"", "\"name\":\"AB\",\"mother\":\"P7\"", 1)),
-        "cells[2] \"AB\": mother \"P7\" is not among the cells before it"
+        "cells[1] \"AB\": mother \"P7\" is not among the cells before it"
     );
     assert_eq!(
         complaint(&text.replacen(

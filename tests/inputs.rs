@@ -97,7 +97,7 @@ fn malformed_ron_names_field_what_stands_there_and_what_is_expected() {
     for (text, expected) in [
         (
             "Lineage(name: \"x\", founders: [(name: \"A\", r0: \"big\")])",
-            "1:47: founders[0].r0: expected a number, found \"big\"",
+            "founders[0].r0: expected a length: a number of L_h, as in 5.4, or of µm, as in \"17um\", found the string \"big\"",
         ),
         (
             "Lineage(name: \"x\", founders: [(name: \"A\", r0: 1,5)])",

@@ -50,7 +50,7 @@ fn malformed_ron_names_line_and_column() {
     );
     assert_eq!(
         complaint("Lineage(name: \"x\", founders: [(name: \"P0\", radius: 3)])"),
-        "my.ron:1:44: founders[0]: unknown field \"radius\": must be one of name, mother, daughter, cue, inherit, cue_rules, r0, physics, letters, observed"
+        "my.ron:1:44: founders[0]: unknown field \"radius\": must be one of name, mother, daughter, cue, inherit, cue_rules, r0, physics, letters, observed, sulston"
     );
 }
 

@@ -115,7 +115,7 @@ fn places_that_cannot_be_written_are_refused_before_the_work() {
         assert!(said.starts_with(&format!("furrow: error: --write: write = {place:?}: must be a file")), "{said}");
     }
     // A folder that was made to find out is gone when the work fails.
-    let (code, said) = run(folder.path(), &[&["tree", "--out", "new/folder"], &fails[..]].concat());
+    let (code, said) = run(folder.path(), &[&["divide", "--r0", "4", "--frames", "new/folder"], &fails[..]].concat());
     assert_eq!(code, Some(1), "{said}");
     assert_eq!(names(folder.path()), before);
 }
@@ -176,7 +176,6 @@ fn another_tree_is_not_replaced_unasked() {
         assert!(said.contains(&format!("kept in furrow-out/earlier-{}: it was grown from", number + 1)), "{said}");
         assert!(said.contains(difference), "{said}");
         assert_eq!(fs::read_to_string(kept.join("tree.json")).unwrap(), tree);
-        assert_ne!(fs::read_to_string(out.join("tree.json")).unwrap(), tree);
         let (code, said) = run(folder.path(), &[&TREE[..], &["--force"]].concat());
         assert_eq!((code, said.as_str()), (Some(0), ""));
         assert_eq!(fs::read_to_string(out.join("tree.json")).unwrap(), tree);

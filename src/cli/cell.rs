@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::context::Context;
-use crate::cell::{Cell, Cue};
+use crate::cell::Cell;
 use crate::input::InputError;
 use crate::io::{Settings, parse_cue};
-use crate::lineage::Lineage;
+use crate::lineage::{Length, Lineage, Units};
 
 /// A cue.
 #[derive(Debug, Args)]
@@ -34,23 +34,15 @@ impl CueArgs {
     pub fn lineage(&self) -> Result<Lineage, InputError> {
         Lineage::load(self.lineage.as_deref())
     }
-
-    /// The cue.
-    ///
-    /// # Errors
-    /// Names the option, its value and what is allowed; or the file and what is wrong with it.
-    pub fn read(&self) -> Result<Cue, InputError> {
-        parse_cue(&self.cue, &self.lineage()?)
-    }
 }
 
 /// One cell at any activity.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct CellArgs {
-    /// Radius R0 of the sphere with the cell's volume, in L_h
-    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = number)]
-    r0: f64,
+    /// Radius R0 of the sphere with the cell's volume, in L_h; or in µm, as 17um, where the lineage file has units
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
+    r0: Length,
     /// Volume of the cell over that of its shell, ε
     #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
     epsilon: Option<f64>,
@@ -64,11 +56,13 @@ impl CellArgs {
     /// # Errors
     /// Names the option, its value and what is allowed.
     pub fn read(&self, context: &mut Context) -> Result<Cell, InputError> {
-        context.settings.set_number("--r0", "r0", self.r0)?;
+        let lineage = self.cue.lineage()?;
+        context.units = lineage.units();
+        context.settings.set_number("--r0", "r0", natural("--r0", self.r0, &context.units)?)?;
         if let Some(epsilon) = self.epsilon {
             context.settings.set_number("--epsilon", "epsilon", epsilon)?;
         }
-        Ok(context.settings.cell.clone().with_cue(self.cue.read()?))
+        Ok(context.settings.cell.clone().with_cue(parse_cue(&self.cue.cue, &lineage)?))
     }
 }
 
@@ -102,9 +96,10 @@ impl ActiveCellArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct FirstCellArgs {
-    /// Radius R0 of the first cell, in L_h, in place of the lineage's own; default 5.4, the preset's
-    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = number)]
-    pub r0: Option<f64>,
+    /// Radius R0 of the first cell, in L_h, in place of the lineage's own; default 5.4, the preset's; or in µm, as 17um, where
+    /// the lineage file has units
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
+    pub r0: Option<Length>,
     /// Volume of every cell over that of its shell, ε; default 0.87, the preset's
     #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
     epsilon: Option<f64>,
@@ -118,10 +113,11 @@ impl FirstCellArgs {
     ///
     /// # Errors
     /// Names the option, its value and what is allowed.
-    pub fn settings(&self, settings: &Settings) -> Result<Settings, InputError> {
+    pub fn settings(&self, settings: &Settings, units: &Units) -> Result<Settings, InputError> {
         let mut settings = settings.clone();
+        let r0 = self.r0.map(|r0| natural("--r0", r0, units)).transpose()?;
         for (option, name, given) in
-            [("--r0", "r0", self.r0), ("--epsilon", "epsilon", self.epsilon), ("--xi", "xi_s", self.xi)]
+            [("--r0", "r0", r0), ("--epsilon", "epsilon", self.epsilon), ("--xi", "xi_s", self.xi)]
         {
             if let Some(value) = given {
                 settings.set_number(option, name, value)?;
@@ -138,6 +134,22 @@ impl FirstCellArgs {
 /// Says what is allowed; the option and what was given are told by whoever calls.
 pub fn number(text: &str) -> Result<f64, String> {
     text.trim().parse().map_err(|_| "must be a number, as 0.87 or 1e-3".to_owned())
+}
+
+/// Reads the length of an option.
+///
+/// # Errors
+/// As [`number`].
+pub fn length(text: &str) -> Result<Length, String> {
+    text.parse().map_err(|_| "must be a number of L_h, as 5.4, or of µm, as 17um".to_owned())
+}
+
+/// The length of an option in L_h.
+///
+/// # Errors
+/// It is in µm, and the lineage file does not say how long L_h is.
+pub fn natural(option: &str, given: Length, units: &Units) -> Result<f64, InputError> {
+    given.in_units(units).map_err(|allowed| InputError::not_allowed(option, "r0", given, allowed))
 }
 
 /// A finite number above 0 from an option.

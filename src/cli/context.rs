@@ -8,6 +8,7 @@ use crate::batch::{Memo, Progress, Quantisation, SchedulerOptions, SolverVersion
 use crate::division::DivisionInput;
 use crate::input::InputError;
 use crate::io::Settings;
+use crate::lineage::Units;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
@@ -15,6 +16,8 @@ use std::path::{Path, PathBuf};
 pub struct Context {
     /// Checked parameters.
     pub settings: Settings,
+    /// What one L_h and one τ are, as the lineage file of the command says.
+    pub units: Units,
     /// How R0 is rounded.
     pub quantisation: Quantisation,
     /// Threads; 0 is one for each core.
@@ -40,6 +43,7 @@ impl Context {
         };
         Ok(Context {
             settings,
+            units: Units::default(),
             quantisation,
             threads: globals.threads.map_or(0, usize::from),
             json: globals.json,

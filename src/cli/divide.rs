@@ -16,6 +16,7 @@ use crate::batch::{Failure, Replicates, Unsolved, replicates};
 use crate::cell::Cue;
 use crate::division::{Division, DivisionInput, Statistics};
 use crate::io::frames::{INDEX, write_frames};
+use crate::lineage::Units;
 
 /// Computes one division, from the passive shape to pinch-off or rest
 #[derive(Debug, Args)]
@@ -54,6 +55,11 @@ struct Answer<'a> {
     epsilon: f64,
     xi_s: f64,
     cue: &'a Cue,
+    /// R0 in µm and the time in minutes, where the lineage file has units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    r0_um: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    t_end_min: Option<f64>,
     #[serde(flatten)]
     first: Replicate<'a>,
     replicates: Vec<Replicate<'a>>,
@@ -80,6 +86,8 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         epsilon: input.cell.epsilon,
         xi_s: input.cell.xi_s,
         cue: &input.cell.cue,
+        r0_um: context.units.micrometres(input.cell.r0),
+        t_end_min: context.units.minutes(divisions[0].1.t_end),
         first: replicate(0),
         replicates: (0..divisions.len()).map(replicate).collect(),
         statistics: Statistics::of(divisions.iter().map(|(_, division)| division)),
@@ -88,7 +96,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     if context.json {
         answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
     } else {
-        answer(&text(&document))
+        answer(&text(&document, &context.units))
     }
 }
 
@@ -120,9 +128,10 @@ fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<
     Ok(found)
 }
 
-fn text(document: &Answer<'_>) -> String {
+fn text(document: &Answer<'_>, units: &Units) -> String {
     let d = document.first.division;
-    let mut out = format!("R0 = {}, ε = {}, ξ_s = {}", document.r0, document.epsilon, document.xi_s);
+    let size = units.in_micrometres(document.r0);
+    let mut out = format!("R0 = {}{size}, ε = {}, ξ_s = {}", document.r0, document.epsilon, document.xi_s);
     if !document.cue.is_none() {
         let _ = write!(out, ", {}", document.cue);
     }
@@ -130,12 +139,19 @@ fn text(document: &Answer<'_>) -> String {
     if let (Some(chi), Some(u), Some([below, above])) = (d.chi, d.u_furrow, d.daughters) {
         let _ = writeln!(
             out,
-            "χ = {chi:.4}, furrow at u = {u:.4}, daughters R0 = {below:.4} (at u = 0), {above:.4} (at u = 1)"
+            "χ = {chi:.4}, furrow at u = {u:.4}, daughters R0 = {below:.4}{} (at u = 0), {above:.4}{} (at u = 1)",
+            units.in_micrometres(below),
+            units.in_micrometres(above)
         );
-        let _ = writeln!(out, "pinch-off at t = {:.4} τ", d.t_end);
+        let _ = writeln!(out, "pinch-off at t = {:.4} τ{}", d.t_end, units.in_minutes(d.t_end));
     } else {
-        let _ = write!(out, "at rest at t = {:.2} τ", d.t_end);
-        let _ = writeln!(out, "{}", d.growth_rate.map_or(String::new(), |s| format!(", stable: growth rate {s:.4}/τ")));
+        let _ = write!(out, "at rest at t = {:.2} τ{}", d.t_end, units.in_minutes(d.t_end));
+        let stability = |s: f64| if s < 0.0 { "stable" } else { "where the published scheme cannot leave" };
+        let stable = d.growth_rate.map_or(String::new(), |s| format!(", {}: growth rate {s:.4}/τ", stability(s)));
+        let _ = writeln!(out, "{stable}");
+    }
+    if let Some(rate) = d.slow_growth_rate {
+        let _ = writeln!(out, "just above the threshold: the stationary shape is left at {rate:.2e}/τ");
     }
     let _ = writeln!(
         out,

@@ -104,9 +104,9 @@ struct QuantisationRecord {
 pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
     interrupt::gently();
-    let given = args.cell.settings(&context.settings)?;
-    given.check_divisions("settings")?;
     let mut lineage = Lineage::load(args.lineage.as_deref())?;
+    let given = args.cell.settings(&context.settings, &lineage.units())?;
+    given.check_divisions("settings")?;
     if args.cell.r0.is_some() {
         // What the option says counts, also where the lineage gives its first cell a radius.
         let first = lineage.first();

@@ -2,10 +2,12 @@
 
 use clap::Args;
 
-use super::cell::{CueArgs, number};
+use super::cell::{CueArgs, length, natural, number};
 use super::context::Context;
 use crate::cell::{Cell, Parameter};
 use crate::input::{InputError, did_you_mean};
+use crate::io::parse_cue;
+use crate::lineage::Length;
 
 /// A parameter, its range, and the cell it is varied of.
 #[derive(Debug, Args)]
@@ -22,8 +24,8 @@ pub struct VaryArgs {
     #[arg(long, value_name = "B", allow_negative_numbers = true, value_parser = number)]
     to: f64,
     /// Radius R0 where another parameter varies
-    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = number)]
-    r0: Option<f64>,
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
+    r0: Option<Length>,
     /// Volume fraction ε where another parameter varies
     #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
     epsilon: Option<f64>,
@@ -51,7 +53,9 @@ impl VaryArgs {
     /// Names the option, its value and what is allowed.
     pub fn read(&self, context: &mut Context) -> Result<Varied, InputError> {
         let parameter = self.parameter()?;
-        for (option, of, given) in [("--r0", Parameter::R0, self.r0), ("--epsilon", Parameter::Epsilon, self.epsilon)] {
+        let lineage = self.cue.lineage()?;
+        let r0 = self.r0.map(|r0| natural("--r0", r0, &lineage.units())).transpose()?;
+        for (option, of, given) in [("--r0", Parameter::R0, r0), ("--epsilon", Parameter::Epsilon, self.epsilon)] {
             match given {
                 Some(value) if parameter == of => {
                     let allowed = format!("left out where {of} varies: see --from and --to");
@@ -65,7 +69,7 @@ impl VaryArgs {
                 None => {}
             }
         }
-        let mut cell = context.settings.cell.clone().with_cue(self.cue.read()?);
+        let mut cell = context.settings.cell.clone().with_cue(parse_cue(&self.cue.cue, &lineage)?);
         if !parameter.is_of(&cell) {
             let allowed = match cell.cue.terms() {
                 [] => "a number of a cue, and none is given: see --cue".to_owned(),

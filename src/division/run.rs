@@ -44,6 +44,8 @@ const MOST_HALVINGS: u32 = 4;
 const REST_INTERVAL: f64 = 0.5;
 /// What grows needs several times 1/σ to leave a saddle.
 const STAY: f64 = 5.0;
+/// How often a shape is found at a saddle before the mesh is taken to hold it there.
+const PATIENCE: usize = 3;
 /// Time that a cell which has left a saddle is given to divide or come to rest elsewhere, in 1/σ.
 const AFTERWARDS: f64 = 1e3;
 
@@ -92,7 +94,9 @@ pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)
         neck: None,
         neck_rate: 0.0,
         next_rest_check: 0.0,
+        longest: numerics.t_max,
         t_max: numerics.t_max,
+        stays: 0,
         slow_growth_rate: None,
     };
     run.first_step(&mut stepper, noise::coefficients(*seed, numerics.noise))?;
@@ -158,8 +162,12 @@ struct Run {
     neck: Option<Neck>,
     neck_rate: f64,
     next_rest_check: f64,
-    /// Largest time, in τ; later than that of the numerics for a cell that has waited at a saddle.
+    /// Largest time of the numerics, in τ.
+    longest: f64,
+    /// Largest time of this cell: later for one that has waited at a saddle.
     t_max: f64,
+    /// How often the shape was found at a saddle.
+    stays: usize,
     /// Growth rate of that saddle.
     slow_growth_rate: Option<f64>,
 }
@@ -349,23 +357,30 @@ impl Run {
 
     /// At a saddle: waits for it to be left or, where that would take too long, leaps over the wait.
     fn stay(&mut self, stepper: &mut Stepper, rest: &Rest) {
-        let growth = rest.growth_rate;
-        self.next_rest_check = stepper.levels[0].t + (STAY / growth).max(REST_INTERVAL);
-        if growth < NEAR_CRITICAL {
+        let (growth, t) = (rest.growth_rate, stepper.levels[0].t);
+        self.next_rest_check = t + (STAY / growth).max(REST_INTERVAL);
+        self.stays += 1;
+        // What does not leave in the time it should take is held by the mesh.
+        if growth < NEAR_CRITICAL || self.stays > PATIENCE {
             stepper.refine(rest.halvings);
         }
-        if self.next_rest_check <= self.t_max || self.slow_growth_rate.is_some() {
-            return;
+        if self.next_rest_check > self.longest && self.slow_growth_rate.is_none() {
+            self.leap(stepper, rest);
         }
+        // As slow as it grows it comes to rest elsewhere, off-centre by a little.
+        self.t_max = self.t_max.max(stepper.levels[0].t + AFTERWARDS / growth);
+    }
+
+    fn leap(&mut self, stepper: &mut Stepper, rest: &Rest) {
+        let growth = rest.growth_rate;
         self.slow_growth_rate = Some(growth);
-        // Where the direction cannot be told the cell remains undecided.
+        // Where the direction cannot be told the cell goes on as it is.
         let Ok(departure) = slow::depart(&stepper.cortex, &rest.here, &rest.stationary, growth) else { return };
         let t = stepper.levels[0].t + departure.waited;
         stepper.start_again(t, departure.shape);
         self.dt = FIRST_LEAP.min(0.01 / growth);
         self.parity = stepper.cortex.cell.is_mirror_symmetric();
         self.next_rest_check = t + STAY / growth;
-        self.t_max = t + AFTERWARDS / growth;
     }
 
     fn undecided(&self, r0: f64) -> DivisionError {
