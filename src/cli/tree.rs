@@ -121,8 +121,9 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         };
         lineage = lineage.with_cues_replaced(name, &cue);
     }
+    let r0 = lineage.given_r0(lineage.first()).unwrap_or(given.cell.r0);
     let settings = TreeSettings {
-        cell: given.cell,
+        cell: Cell { r0, ..given.cell },
         numerics: given.numerics,
         seed: args.seed,
         r0_step: context.quantisation.relative_step(),
