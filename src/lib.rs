@@ -49,3 +49,4 @@ pub mod lineage;
 pub mod report;
 pub mod shapes;
 pub mod stability;
+pub mod study;

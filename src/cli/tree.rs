@@ -50,6 +50,9 @@ pub struct TreeArgs {
     /// FIELD:PROFILE,key=value,.. joined by +
     #[arg(help_heading = "Cell", long, value_name = "CUE")]
     cue: Option<String>,
+    /// Grows the lineage with every set of constants of a table, and prints the ranges of its counts; writes no files
+    #[arg(help_heading = "Cell", long, value_name = "FILE.csv")]
+    constants: Option<PathBuf>,
     /// Computes the division of every cell, those below the critical radius of their cue included
     #[arg(help_heading = "Numerics", long)]
     dynamics: bool,
@@ -128,6 +131,9 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         seed: args.seed,
         r0_step: context.quantisation.relative_step(),
     };
+    if let Some(file) = &args.constants {
+        return super::ensemble::grow_over(file, &lineage, &settings, context);
+    }
     writable_folder("--out", "out", &args.out, &TREE_FILES)?;
     let replaced = other_tree(&args.out, &lineage, &settings, args.dynamics).filter(|_| !args.force);
     let memo = context.memo()?;
