@@ -172,7 +172,7 @@ fn ranges_text(lineage: &Lineage, found: &LineageRanges, elapsed_s: f64) -> Stri
         let Some(near) = founder.within_one_round else { continue };
         let parts: Vec<String> = [("min", near.min), ("mean", near.mean), ("max", near.max)]
             .into_iter()
-            .filter_map(|(name, share)| Some(format!("{name} {:.0} %", 100.0 * share?)))
+            .filter_map(|(name, share)| Some(format!("{name} {:.0} %", 100.0 * share? + 0.0)))
             .collect();
         let _ = writeln!(out, "{}: within one round of the observed: {}", founder.name, parts.join(", "));
     }

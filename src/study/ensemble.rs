@@ -32,7 +32,7 @@ const FREEDOM: f64 = 6.0;
 /// Rounds in which the proposals are shaped.
 const ROUNDS: usize = 5;
 /// Draws of such a round for each member asked for, and at least.
-const DRAWS: [usize; 2] = [2, 160];
+const DRAWS: [usize; 2] = [2, 24];
 /// Most draws for each member asked for.
 const MOST: usize = 60;
 
