@@ -58,7 +58,7 @@ pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputErr
     let mut out = Vec::new();
     for (number, line) in lines {
         out.push(row(&columns, line).map_err(|(column, value, allowed)| {
-            InputError::not_allowed(&format!("{file}:{}", number + 1), column, format!("{value:?}"), allowed)
+            InputError::not_allowed(format!("{file}:{}", number + 1), column, format!("{value:?}"), allowed)
         })?);
     }
     if out.is_empty() {
