@@ -28,6 +28,7 @@
 //! | [`division`] | one division in time |
 //! | [`batch`] | many divisions solved once each, on all cores, and kept; phase diagrams |
 //! | [`lineage`] | founders, the tree that grows from them, rounds beside the observed ones |
+//! | [`study`] | many trees asked about together: scenarios side by side |
 //! | [`io`], [`report`] | files, tables and pictures |
 //! | `cli` | the command line (feature `cli`, on by default) |
 //!
@@ -49,3 +50,4 @@ pub mod lineage;
 pub mod report;
 pub mod shapes;
 pub mod stability;
+pub mod study;

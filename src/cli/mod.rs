@@ -14,6 +14,7 @@ mod output;
 mod phase;
 mod pitchfork;
 mod progress;
+mod scenarios;
 mod shell;
 mod steady;
 mod tree;

@@ -265,6 +265,20 @@ impl Lineage {
         self
     }
 
+    /// [`with_cues_replaced`](Self::with_cues_replaced) by a cue as users write it. One written as terms is called `given`.
+    ///
+    /// # Errors
+    /// As [`parse_cue`](Self::parse_cue).
+    pub fn carrying(&self, text: &str) -> Result<Lineage, CueError> {
+        let cue = self.parse_cue(text)?;
+        let name = match self.cue(text) {
+            _ if cue.is_none() => "none",
+            Some(_) => text,
+            None => "given",
+        };
+        Ok(self.clone().with_cues_replaced(name, &cue))
+    }
+
     /// Reads a cue as users write it: `none`, a name of this lineage, or terms, joined by `+`.
     ///
     /// # Errors

@@ -24,7 +24,7 @@ pub mod work;
 
 pub use definition::{C_ELEGANS, CueRule, Daughter, Founder, Limits, Lineage, ListedDaughters, Place, TEMPLATE};
 pub use ends::Ends;
-pub use grow::{GrowError, Grower};
+pub use grow::{GrowError, Grower, grow_together};
 pub use observed::ObservedRounds;
 pub use physics::FounderPhysics;
 pub use rounds::{FounderRounds, Rounds, founder_rounds};

@@ -1,0 +1,3 @@
+//! Studies: many trees asked about together.
+
+pub mod scenarios;
