@@ -10,6 +10,7 @@
 //! | [`tree`] | the tree grown |
 //! | [`rounds`] | rounds of division per founder |
 
+mod base;
 mod check;
 mod clash;
 pub mod definition;

@@ -54,7 +54,7 @@ fn list(out: &mut String, scenarios: &[Scenario], trees: &[Tree]) {
     }
 }
 
-/// Widths of the columns, a blank before each included, and behind each of a scenario the place of its star.
+/// Widths of the columns, a blank before each included, and behind each number of a scenario the place of its star.
 struct Widths {
     founder: usize,
     model: [usize; 5],
@@ -67,8 +67,8 @@ impl Widths {
             texts.chain([heading.chars().count()]).max().unwrap_or(0)
         };
         let model = |k: usize| {
-            let texts = lines.iter().flat_map(|line| &line.entries).map(|entry| entry.texts[k].chars().count());
-            2 + widest(MODEL[k], &mut texts.into_iter())
+            let texts = lines.iter().flat_map(|line| &line.entries).map(|entry| 1 + entry.texts[k].chars().count());
+            1 + widest(MODEL[k], &mut texts.into_iter())
         };
         let observed = |k: usize| {
             let texts = lines.iter().map(|line| observed_texts(line.observed)[k].chars().count());
@@ -106,7 +106,7 @@ fn block(out: &mut String, lines: &[FounderLine], titles: &[String], shown: std:
     for title in &titles[shown.clone()] {
         let _ = write!(heading, "| {:1$}", shortened(title, scenario - 1), scenario - 1);
         columns.push('|');
-        MODEL.iter().zip(widths.model).for_each(|(name, width)| columns.push_str(&format!("{name:>0$} ", width - 1)));
+        MODEL.iter().zip(widths.model).for_each(|(name, width)| columns.push_str(&format!("{name:>width$}")));
         let _ = write!(rule, "+{}", "-".repeat(scenario));
     }
     if observed {
