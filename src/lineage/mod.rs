@@ -2,7 +2,7 @@
 //!
 //! | file | what it says |
 //! |---|---|
-//! | [`definition`] | the lineage file: founders, cues and who carries them, names, limits, observed counts |
+//! | [`definition`] | the lineage file: founders, cues and who carries them, names, limits, observed counts; a file may say what differs from a built-in one |
 //! | [`observed`], [`physics`], [`units`] | what was observed of a founder, what it changes of the physics, µm and minutes |
 //! | [`grow`] | growth: volumes are handed down, every cell's division is solved as soon as its mother's is |
 //! | [`ends`] | which cells cannot divide, told ahead of their division |
