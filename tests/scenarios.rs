@@ -208,7 +208,13 @@ fn other_scenarios_are_not_replaced_unasked() {
     // Without the record nothing is taken for ours to replace unasked.
     fs::remove_file(out.join("run.json")).unwrap();
     assert!(run(&three(&[])).contains("which are not those of these scenarios"));
-    assert_eq!(run(&three(&["--seed", "2", "--force"])), "");
+    // By force, those of a scenario that is no longer asked for go too, and whatever else is there stays.
+    fs::write(out.join("shallow-cue-3/note.txt"), "").unwrap();
+    assert_eq!(run(&["shallow.ron", "--cue", "germline", "--cue", "none", "--force"]), "");
+    let left: Vec<String> = beside("earlier").into_iter().filter(|file| file.contains('/')).collect();
+    let trees = |name: &str| ["tree.json", "tree.nwk", "tree.svg"].map(|file| format!("{name}/{file}"));
+    let expected = [vec!["shallow-cue-3/note.txt".to_owned()], trees(NAMES[0]).into(), trees(NAMES[1]).into()];
+    assert_eq!(left, expected.concat());
 }
 
 fn shallow(lineage: Lineage, label: &str) -> Source {

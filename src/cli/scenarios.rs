@@ -69,7 +69,7 @@ pub fn run(args: &TreeArgs, context: &Context, start: Instant) -> Result<(), Cli
     for scenario in &scenarios {
         writable_folder("--out", "out", &args.out.join(&scenario.name), &SCENARIO_FILES)?;
     }
-    let replaced = other_scenarios(&args.out, &scenarios, args.dynamics).filter(|_| !args.force);
+    let replaced = other_scenarios(&args.out, &scenarios, args.dynamics);
     let (trees, summary) = grown(&scenarios, args, context)?;
     write_files(args, context, &scenarios, &trees, &summary, start, replaced.as_ref())?;
     respond(args, context, &scenarios, &trees, &summary, start.elapsed().as_secs_f64())
@@ -180,5 +180,5 @@ fn write_files(
         warnings: summary.warnings.iter().map(warning_text).collect(),
     };
     files.stage("run.json", format!("{}\n", serde_json::to_string_pretty(&record)?).as_bytes())?;
-    commit(files, replaced)
+    commit(files, replaced, args.force)
 }

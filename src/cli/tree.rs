@@ -125,7 +125,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         lineage = lineage.carrying(text).map_err(bad_cue)?;
     }
     writable_folder("--out", "out", &args.out, &TREE_FILES)?;
-    let replaced = other_tree(&args.out, &lineage, &settings, args.dynamics).filter(|_| !args.force);
+    let replaced = other_tree(&args.out, &lineage, &settings, args.dynamics);
     let only = Scenario { name: String::new(), label: String::new(), cue: None, lineage, settings };
     let (trees, summary) = grown(&[only], args, context)?;
     for tree in &trees {
@@ -291,13 +291,18 @@ fn write_files(
         warnings: summary.warnings.iter().map(warning_text).collect(),
     };
     files.stage("run.json", format!("{}\n", serde_json::to_string_pretty(&record)?).as_bytes())?;
-    commit(files, replaced)
+    commit(files, replaced, args.force)
 }
 
-/// Puts files in place, after those that they would replace were moved aside.
-pub fn commit(files: FileSet, replaced: Option<&Replaced>) -> Result<(), CliError> {
-    let Some(Replaced { files: there, why }) = replaced else { return Ok(files.commit()?) };
-    let aside = files.commit_keeping(there)?;
-    tracing::warn!("the files of another tree are kept in {}: {why}", aside.display());
-    Ok(())
+/// Puts files in place, after those that they would replace were moved aside; by `force` these go.
+pub fn commit(files: FileSet, replaced: Option<&Replaced>, force: bool) -> Result<(), CliError> {
+    match replaced {
+        None => Ok(files.commit()?),
+        Some(Replaced { files: there, .. }) if force => Ok(files.commit_in_place_of(there)?),
+        Some(Replaced { files: there, why }) => {
+            let aside = files.commit_keeping(there)?;
+            tracing::warn!("the files of another tree are kept in {}: {why}", aside.display());
+            Ok(())
+        }
+    }
 }
