@@ -24,6 +24,10 @@ use crate::input::InputError;
 use crate::shapes::branch::{XI, metric};
 use crate::shapes::{BranchOptions, ShapeError, pitchfork};
 
+pub mod statements;
+
+use statements::{GivenCriticality, GivenEpsilon, GivenFolds, GivenSymmetric, check_cell, tolerance};
+
 /// A measured pitchfork threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -37,11 +41,14 @@ pub struct Threshold {
     /// Weight of its relative deviation.
     #[serde(default = "unit_weight")]
     pub weight: f64,
+    /// Its relative tolerance: the standard deviation that an ensemble of constants is given.
+    #[serde(default = "tolerance")]
+    pub tolerance: f64,
 }
 
 impl Threshold {
     /// The cell it was measured of, with the constants of another.
-    fn cell(&self, constants: &Cell) -> Cell {
+    pub fn cell(&self, constants: &Cell) -> Cell {
         Cell { r0: self.r0, epsilon: self.epsilon, ..constants.clone() }
     }
 }
@@ -62,13 +69,25 @@ pub struct Unknown {
 }
 
 /// What is to be found, from what.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Targets {
     /// Parameters to be found.
     pub unknowns: Vec<Unknown>,
     /// Measured thresholds.
     pub thresholds: Vec<Threshold>,
+    /// On which side asymmetric branches lie.
+    #[serde(default)]
+    pub criticalities: Vec<GivenCriticality>,
+    /// Which folds are the higher.
+    #[serde(default)]
+    pub folds: Vec<GivenFolds>,
+    /// Cells that divide into equal daughters.
+    #[serde(default)]
+    pub symmetric: Vec<GivenSymmetric>,
+    /// Volume fractions up to which cells divide.
+    #[serde(default)]
+    pub critical_epsilons: Vec<GivenEpsilon>,
 }
 
 /// A threshold beside the model's.
@@ -196,12 +215,34 @@ impl Targets {
                 ("epsilon", t.epsilon, t.epsilon > 0.0 && t.epsilon < 1.0, "above 0 and below 1"),
                 ("xi_s", t.xi_s, t.xi_s > 0.0 && t.xi_s.is_finite(), "a finite number above 0"),
                 ("weight", t.weight, t.weight > 0.0 && t.weight.is_finite(), "a finite number above 0"),
+                ("tolerance", t.tolerance, t.tolerance > 0.0 && t.tolerance < 1.0, "above 0 and below 1"),
             ];
             for (field, value, ok, allowed) in fields {
                 if !ok {
                     return refuse(format!("thresholds[{k}].{field}"), value.to_string(), allowed);
                 }
             }
+        }
+        self.check_statements(source_name)
+    }
+
+    fn check_statements(&self, source_name: &str) -> Result<(), InputError> {
+        let check =
+            |list: &str, k: usize, numbers: &[(&str, f64)]| check_cell(source_name, &format!("{list}[{k}]"), numbers);
+        for (k, given) in self.criticalities.iter().enumerate() {
+            check("criticalities", k, &[("r0", given.r0), ("epsilon", given.epsilon)])?;
+        }
+        for (k, given) in self.folds.iter().enumerate() {
+            check("folds", k, &[("r0", given.r0), ("epsilon", given.epsilon)])?;
+        }
+        for (k, given) in self.symmetric.iter().enumerate() {
+            let (epsilon, xi_s) = (given.epsilon.unwrap_or(0.5), given.xi_s.unwrap_or(1.0));
+            check("symmetric", k, &[("r0", given.r0), ("epsilon", epsilon), ("xi_s", xi_s)])?;
+        }
+        for (k, given) in self.critical_epsilons.iter().enumerate() {
+            let numbers =
+                [("r0", given.r0), ("xi_s", given.xi_s), ("epsilon", given.epsilon), ("tolerance", given.tolerance)];
+            check("critical_epsilons", k, &numbers)?;
         }
         Ok(())
     }
@@ -231,7 +272,8 @@ fn scale_of(parameter: Parameter) -> Option<Scale> {
     }
 }
 
-fn with_values(cell: &Cell, parameters: &[(Parameter, f64)]) -> Cell {
+/// A cell with other values of some parameters.
+pub fn with_values(cell: &Cell, parameters: &[(Parameter, f64)]) -> Cell {
     let mut out = cell.clone();
     for &(parameter, value) in parameters {
         parameter.set(&mut out, value);
@@ -239,8 +281,9 @@ fn with_values(cell: &Cell, parameters: &[(Parameter, f64)]) -> Cell {
     out
 }
 
-/// θ moved by δ in the search's own coordinates.
-fn moved(parameters: &[(Parameter, f64)], delta: &[f64]) -> Vec<(Parameter, f64)> {
+/// θ moved by δ in the search's own coordinates: relative changes, of parameters that may have either sign those relative to
+/// their size or 1.
+pub fn moved(parameters: &[(Parameter, f64)], delta: &[f64]) -> Vec<(Parameter, f64)> {
     let step = |(&(parameter, value), d): (&(Parameter, f64), &f64)| match scale_of(parameter) {
         Some(Scale::Linear) => (parameter, value + d * value.abs().max(1.0)),
         _ => (parameter, value * d.exp()),

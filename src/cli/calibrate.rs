@@ -5,6 +5,7 @@ use super::error::CliError;
 use super::output::answer;
 use crate::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
 use crate::input::{parse_document, read_text};
+use crate::study::{Exclusion, judge};
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -21,6 +22,15 @@ pub struct CalibrateArgs {
     /// Unknowns and thresholds in RON, as in data/thresholds.ron
     #[arg(value_name = "TARGETS.ron")]
     targets: PathBuf,
+    /// Samples so many sets of constants that agree with the targets, instead of the one that fits best
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    ensemble: Option<u32>,
+    /// Seed of the sample
+    #[arg(long, value_name = "S", default_value_t = 0, requires = "ensemble")]
+    seed: u64,
+    /// File for the sample, as furrow tree --constants reads it; default stdout
+    #[arg(long, value_name = "FILE.csv", requires = "ensemble")]
+    out: Option<PathBuf>,
 }
 
 /// What `--json` prints.
@@ -32,13 +42,19 @@ struct Answer {
     /// In the order of `parameters`.
     combinations: Vec<Combination>,
     iterations: usize,
+    /// Statements of the targets that are not true of these constants.
+    excluded: Vec<Exclusion>,
 }
 
 pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
     let file = args.targets.display().to_string();
     let targets: Targets = parse_document(&read_text(&args.targets)?, &file, "a file of targets", "Targets")?;
     targets.check(&file)?;
+    if let Some(count) = args.ensemble {
+        return super::ensemble::sample(&targets, context, count as usize, args.seed, args.out.as_deref());
+    }
     let found = calibrate(&targets, &context.settings.cell, &context.settings.numerics)?;
+    let excluded = judge(&targets, &found.cell, &context.settings.numerics, true).excluded;
     if context.json {
         let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), Value::from(*value)));
         let document = Answer {
@@ -47,14 +63,15 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
             rms: found.rms,
             combinations: found.combinations,
             iterations: found.iterations,
+            excluded,
         };
         answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
     } else {
-        answer(&text(&found))
+        answer(&text(&found, &excluded))
     }
 }
 
-fn text(found: &Calibration) -> String {
+fn text(found: &Calibration, excluded: &[Exclusion]) -> String {
     let mut out = String::new();
     for (parameter, value) in &found.parameters {
         let _ = writeln!(out, "{:<10} {value:.9}", parameter.to_string());
@@ -71,6 +88,9 @@ fn text(found: &Calibration) -> String {
             c.components.iter().zip(&found.parameters).map(|(x, (p, _))| format!("{x:+.3} {p}")).collect();
         let verdict = if c.determined { "" } else { "  (left open)" };
         let _ = writeln!(out, "{:>10.2e}  {}{verdict}", c.singular_value, parts.join(" "));
+    }
+    for Exclusion { datum, given, computed } in excluded {
+        let _ = writeln!(out, "\nexcluded by {datum}: {given}; computed: {computed}");
     }
     out
 }

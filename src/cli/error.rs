@@ -9,6 +9,7 @@ use crate::io::frames::FramesError;
 use crate::lineage::GrowError;
 use crate::shapes::{PointKind, ShapeError, StationaryError};
 use crate::stability::StabilityError;
+use crate::study::EnsembleError;
 
 /// What ends a command.
 #[derive(Debug, thiserror::Error)]
@@ -40,6 +41,9 @@ pub enum CliError {
     /// A branch of stationary shapes could not be computed.
     #[error("{}", shape_text(.0))]
     Shape(#[from] ShapeError),
+    /// No constants agree with what is known.
+    #[error(transparent)]
+    Ensemble(#[from] EnsembleError),
     /// No parameters were found.
     #[error(transparent)]
     Calibrate(#[from] CalibrateError),

@@ -7,6 +7,7 @@ mod calibrate;
 mod cell;
 mod context;
 mod divide;
+mod ensemble;
 mod error;
 mod interrupt;
 mod new_lineage;

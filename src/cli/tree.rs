@@ -57,6 +57,9 @@ pub struct TreeArgs {
     /// FIELD:PROFILE,key=value,.. joined by +. Several are set side by side
     #[arg(help_heading = "Cell", long, value_name = "CUE")]
     pub cue: Vec<String>,
+    /// Grows the lineage with every set of constants of a table, and prints the ranges of its counts; writes no files
+    #[arg(help_heading = "Cell", long, value_name = "FILE.csv")]
+    constants: Option<PathBuf>,
     /// Computes the division of every cell, those below the critical radius of their cue included
     #[arg(help_heading = "Numerics", long)]
     pub dynamics: bool,
@@ -118,11 +121,18 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
     interrupt::gently();
     if args.lineage.len() > 1 || args.cue.len() > 1 {
+        if let Some(file) = &args.constants {
+            let allowed = "given with one lineage and at most one --cue";
+            return Err(InputError::not_allowed("--constants", "constants", format!("{file:?}"), allowed).into());
+        }
         return scenarios::run(args, context, start);
     }
     let (mut lineage, settings) = prepared(args, context, args.lineage.first().map(PathBuf::as_path))?;
     if let Some(text) = args.cue.first() {
         lineage = lineage.carrying(text).map_err(bad_cue)?;
+    }
+    if let Some(file) = &args.constants {
+        return super::ensemble::grow_over(file, &lineage, &settings, context);
     }
     writable_folder("--out", "out", &args.out, &TREE_FILES)?;
     let replaced = other_tree(&args.out, &lineage, &settings, args.dynamics);
@@ -146,8 +156,9 @@ pub fn prepared(args: &TreeArgs, context: &Context, file: Option<&Path>) -> Resu
         let first = lineage.first();
         lineage.founders[first].r0 = None;
     }
+    let r0 = lineage.given_r0(lineage.first()).unwrap_or(given.cell.r0);
     let settings = TreeSettings {
-        cell: given.cell,
+        cell: Cell { r0, ..given.cell },
         numerics: given.numerics,
         seed: args.seed,
         r0_step: context.quantisation.relative_step(),

@@ -74,8 +74,9 @@ pub struct FounderRow {
     /// Rounds grown.
     pub rounds: Option<Rounds>,
     /// Rounds observed.
-    #[serde(rename = "sulston")]
     pub observed: Option<ObservedRounds>,
+    /// The same under the name that it had when the worm was the only animal.
+    pub sulston: Option<ObservedRounds>,
 }
 
 /// The founders' table, in the lineage file's order.
@@ -107,6 +108,7 @@ pub fn founder_rows(tree: &Tree) -> Vec<FounderRow> {
             chi: cell.and_then(|c| c.fate.chi()),
             rounds,
             observed: definition.observed,
+            sulston: definition.observed,
         }
     };
     founder_rounds(tree).into_iter().map(|found| row(found.founder, found.rounds)).collect()

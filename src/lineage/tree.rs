@@ -155,6 +155,16 @@ pub enum Side {
     Posterior,
 }
 
+impl Side {
+    /// As words before what else is said of the cell.
+    pub fn adjective(self) -> &'static str {
+        match self {
+            Side::Anterior => "anterior, ",
+            Side::Posterior => "posterior, ",
+        }
+    }
+}
+
 /// One cell of the tree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeCell {

@@ -29,12 +29,12 @@ impl Units {
 
     /// A length in L_h as text, with µm behind it where they are known: ` (17.06 µm)`.
     pub fn in_micrometres(&self, length: f64) -> String {
-        self.micrometres(length).map_or(String::new(), |length| format!(" ({length:.4} µm)"))
+        self.micrometres(length).map_or(String::new(), |length| format!(" ({length:.2} µm)"))
     }
 
-    /// A time in τ as text, with minutes behind it where they are known: ` (3.1 min)`.
+    /// A time in τ as text, with minutes behind it where they are known: ` (3.10 min)`.
     pub fn in_minutes(&self, time: f64) -> String {
-        self.minutes(time).map_or(String::new(), |time| format!(" ({time:.4} min)"))
+        self.minutes(time).map_or(String::new(), |time| format!(" ({time:.2} min)"))
     }
 
     pub(super) fn check(&self, file: &str) -> Result<(), InputError> {

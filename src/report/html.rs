@@ -97,7 +97,9 @@ fn founders(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
     }
     out.push_str("</tbody></table></div>\n<p>Rounds are divisions from the founder to a terminal cell: fewest, mean and most over its terminal cells. Full doublings are the generations, counted from the founder, in which every cell divided; symmetric, those in which every cell divided into equal halves. Size asymmetry χ = |V₁ − V₂|/V.");
     if let Some(citation) = &tree.lineage.citation {
-        let _ = write!(out, " Observed, deaths included: {}.", escape(citation.trim_end_matches('.')));
+        let deaths = rows.iter().any(|row| row.observed.is_some_and(|observed| observed.deaths.is_some()));
+        let what = if deaths { "Observed, deaths included" } else { "Observed" };
+        let _ = write!(out, " {what}: {}.", escape(citation.trim_end_matches('.')));
     }
     out.push_str("</p>\n");
 }

@@ -2,9 +2,9 @@
 
 use super::escape;
 use super::summary::TreeSummary;
-use super::table::outcome_name;
+use super::table::{outcome_name, short};
 use crate::division::Outcome;
-use crate::lineage::{CellId, Lineage, Tree};
+use crate::lineage::{CellId, Lineage, Side, Tree};
 use std::fmt::Write;
 
 /// The measures of a drawing, in its own units.
@@ -234,7 +234,11 @@ fn disc(out: &mut String, tree: &Tree, node: CellId, layout: &Layout, colours: &
     let colour = colours[cell.founder];
     let units = tree.lineage.units();
     let size = units.in_micrometres(cell.r0);
-    let mut title = format!("{}: R0 = {:.4}{size}, {}", cell.name, cell.r0, outcome_name(cell.fate.outcome()));
+    let side = tree.side(node).map_or("", Side::adjective);
+    let mut title = format!("{}: {side}R0 = {:.4}{size}, {}", cell.name, cell.r0, outcome_name(cell.fate.outcome()));
+    if !cell.cue.is_none() {
+        let _ = write!(title, ", cue {}", cell.cue);
+    }
     if let Some(chi) = cell.fate.chi() {
         let _ = write!(title, ", χ = {chi:.4}");
     }
@@ -303,7 +307,7 @@ fn legend(out: &mut String, tree: &Tree, colours: &[&str], layout: &Layout) {
         "<text x=\"16\" y=\"28\" font-size=\"18\" font-weight=\"bold\" fill=\"#222\">{}</text><text x=\"16\" y=\"47\" font-size=\"12\" fill=\"#555\">{} cells; R0 = {}, ε = {}, ξ_s = {}</text>",
         escape(&tree.lineage.name),
         tree.len(),
-        tree.cell(tree.first()).r0,
+        short(tree.cell(tree.first()).r0),
         cell.epsilon,
         cell.xi_s
     );

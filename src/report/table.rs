@@ -11,6 +11,11 @@ pub(super) fn decimals(value: Option<f64>, digits: usize) -> String {
     value.map_or("-".to_owned(), |v| format!("{v:.digits$}"))
 }
 
+/// A number with six decimals at most, and none that say nothing.
+pub(super) fn short(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
+
 /// The name of an outcome.
 pub fn outcome_name(outcome: Option<Outcome>) -> &'static str {
     outcome.map_or("-", Outcome::name)
@@ -33,7 +38,7 @@ pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
         "{}: {} cells, grown from R0 = {}{} at ε = {}, ξ_s = {}\n\n",
         tree.lineage.name,
         tree.len(),
-        tree.cell(tree.first()).r0,
+        short(tree.cell(tree.first()).r0),
         tree.lineage.units().in_micrometres(tree.cell(tree.first()).r0),
         cell.epsilon,
         cell.xi_s
