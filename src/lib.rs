@@ -28,7 +28,7 @@
 //! | [`division`] | one division in time |
 //! | [`batch`] | many divisions solved once each, on all cores, and kept; phase diagrams |
 //! | [`lineage`] | founders, the tree that grows from them, rounds beside the observed ones |
-//! | [`study`] | what is asked of many trees: constants that are not known |
+//! | [`study`] | many trees asked about together: scenarios side by side, ensembles of constants |
 //! | [`io`], [`report`] | files, tables and pictures |
 //! | `cli` | the command line (feature `cli`, on by default) |
 //!

@@ -23,13 +23,13 @@ pub struct CalibrateArgs {
     #[arg(value_name = "TARGETS.ron")]
     targets: PathBuf,
     /// Samples so many sets of constants that agree with the targets, instead of the one that fits best
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(help_heading = "Ensemble", long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     ensemble: Option<u32>,
     /// Seed of the sample
-    #[arg(long, value_name = "S", default_value_t = 0, requires = "ensemble")]
+    #[arg(help_heading = "Ensemble", long, value_name = "S", default_value_t = 0, requires = "ensemble")]
     seed: u64,
     /// File for the sample, as furrow tree --constants reads it; default stdout
-    #[arg(long, value_name = "FILE.csv", requires = "ensemble")]
+    #[arg(help_heading = "Ensemble", long, value_name = "FILE.csv", requires = "ensemble")]
     out: Option<PathBuf>,
 }
 

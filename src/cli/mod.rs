@@ -15,6 +15,7 @@ mod output;
 mod phase;
 mod pitchfork;
 mod progress;
+mod scenarios;
 mod shell;
 mod steady;
 mod tree;

@@ -6,56 +6,63 @@ use super::error::CliError;
 use super::interrupt;
 use super::output::{answer, writable_folder};
 use super::progress::ProgressLine;
+use super::scenarios;
 use crate::batch::Summary;
 use crate::batch::scheduler::workers;
-use crate::cell::{Cell, Cue};
+use crate::cell::{Cell, Cue, CueError};
 use crate::division::{DivisionInput, divide};
-use crate::io::earlier::{TREE_FILES, other_tree};
+use crate::input::InputError;
+use crate::io::earlier::{Replaced, TREE_FILES, other_tree};
 use crate::io::files::FileSet;
-use crate::io::{FounderRow, Provenance, founder_rows, newick, parse_cue};
-use crate::lineage::{EndReason, Ends, Grower, Lineage, Tree, TreeSettings, expected_work};
+use crate::io::{FounderRow, Provenance, founder_rows, newick};
+use crate::lineage::{EndReason, Ends, Lineage, Tree, TreeSettings, expected_work};
 use crate::report;
 use crate::shapes::{CriticalRadii, ShapeError};
+use crate::study::scenarios::Scenario;
 use clap::Args;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Grows a lineage from one cell: every division is solved, its daughters divide next, until none can
 ///
 /// Prints the rounds of division per founder beside the observed ones and writes tree.nwk, tree.json, tree.svg,
 /// report.html and run.json.
+///
+/// Of several lineages, or with several --cue, every combination is a scenario. All are grown in one run and set side by side;
+/// scenarios.csv, report.html and run.json are written, and the tree of each in a folder of its name.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   furrow tree
   furrow tree --cue none --xi 26 --out no-cue
+  furrow tree --cue germline --cue none --cue tension:gradient,amplitude=0.3 --out cues
   furrow tree lineages/c_elegans.ron --r0 3.5 --epsilon 0.85 --json")]
 pub struct TreeArgs {
-    /// Founders, cues and limits; default the built-in C. elegans founders
+    /// Founders, cues and limits; default the built-in C. elegans founders. Several are set side by side
     #[arg(value_name = "LINEAGE.ron")]
-    lineage: Option<PathBuf>,
+    pub lineage: Vec<PathBuf>,
     #[command(flatten)]
     cell: FirstCellArgs,
     /// Folder for the files; those of another tree in it are kept in a folder earlier-N there
     #[arg(help_heading = "Output", long, value_name = "DIR", default_value = "furrow-out")]
-    out: PathBuf,
+    pub out: PathBuf,
     /// Replaces the files of a tree that was grown from other inputs, and does not keep them
     #[arg(help_heading = "Output", long)]
-    force: bool,
+    pub force: bool,
     /// Seed of the noise in the first step of every division
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     seed: u64,
     /// Replaces every cue that the lineage gives: none, a name in the lineage file, or terms
-    /// FIELD:PROFILE,key=value,.. joined by +
+    /// FIELD:PROFILE,key=value,.. joined by +. Several are set side by side
     #[arg(help_heading = "Cell", long, value_name = "CUE")]
-    cue: Option<String>,
+    pub cue: Vec<String>,
     /// Grows the lineage with every set of constants of a table, and prints the ranges of its counts; writes no files
     #[arg(help_heading = "Cell", long, value_name = "FILE.csv")]
     constants: Option<PathBuf>,
     /// Computes the division of every cell, those below the critical radius of their cue included
     #[arg(help_heading = "Numerics", long)]
-    dynamics: bool,
+    pub dynamics: bool,
 }
 
 /// Undecided cells that are warned of one by one.
@@ -95,7 +102,7 @@ struct RunRecord {
 }
 
 #[derive(Serialize)]
-struct QuantisationRecord {
+pub struct QuantisationRecord {
     /// Relative step of R0.
     r0_step: f64,
     /// Largest relative shift of a cell's R0.
@@ -104,25 +111,50 @@ struct QuantisationRecord {
     chi_effect: f64,
 }
 
+impl QuantisationRecord {
+    pub fn of(summary: &Summary, r0_step: f64) -> QuantisationRecord {
+        QuantisationRecord { r0_step, max_r0_shift: summary.max_size_shift, chi_effect: summary.shift_effect }
+    }
+}
+
 pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
     interrupt::gently();
-    let mut lineage = Lineage::load(args.lineage.as_deref())?;
+    if args.lineage.len() > 1 || args.cue.len() > 1 {
+        if let Some(file) = &args.constants {
+            let allowed = "given with one lineage and at most one --cue";
+            return Err(InputError::not_allowed("--constants", "constants", format!("{file:?}"), allowed).into());
+        }
+        return scenarios::run(args, context, start);
+    }
+    let (mut lineage, settings) = prepared(args, context, args.lineage.first().map(PathBuf::as_path))?;
+    if let Some(text) = args.cue.first() {
+        lineage = lineage.carrying(text).map_err(bad_cue)?;
+    }
+    if let Some(file) = &args.constants {
+        return super::ensemble::grow_over(file, &lineage, &settings, context);
+    }
+    writable_folder("--out", "out", &args.out, &TREE_FILES)?;
+    let replaced = other_tree(&args.out, &lineage, &settings, args.dynamics);
+    let only = Scenario { name: String::new(), label: String::new(), cue: None, lineage, settings };
+    let (trees, summary) = grown(&[only], args, context)?;
+    for tree in &trees {
+        let rows = founder_rows(tree);
+        write_files(args, context, tree, &rows, &summary, start, replaced.as_ref())?;
+        respond(args, context, tree, &rows, &summary, start.elapsed().as_secs_f64())?;
+    }
+    Ok(())
+}
+
+/// The lineage of a file, or the built-in one, and the parameters of its divisions.
+pub fn prepared(args: &TreeArgs, context: &Context, file: Option<&Path>) -> Result<(Lineage, TreeSettings), CliError> {
+    let mut lineage = Lineage::load(file)?;
     let given = args.cell.settings(&context.settings, &lineage.units())?;
     given.check_divisions("settings")?;
     if args.cell.r0.is_some() {
         // What the option says counts, also where the lineage gives its first cell a radius.
         let first = lineage.first();
         lineage.founders[first].r0 = None;
-    }
-    if let Some(text) = &args.cue {
-        let cue = parse_cue(text, &lineage)?;
-        let name = match lineage.cue(text) {
-            _ if cue.is_none() => "none",
-            Some(_) => text,
-            None => "given",
-        };
-        lineage = lineage.with_cues_replaced(name, &cue);
     }
     let r0 = lineage.given_r0(lineage.first()).unwrap_or(given.cell.r0);
     let settings = TreeSettings {
@@ -131,11 +163,18 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         seed: args.seed,
         r0_step: context.quantisation.relative_step(),
     };
-    if let Some(file) = &args.constants {
-        return super::ensemble::grow_over(file, &lineage, &settings, context);
-    }
-    writable_folder("--out", "out", &args.out, &TREE_FILES)?;
-    let replaced = other_tree(&args.out, &lineage, &settings, args.dynamics).filter(|_| !args.force);
+    Ok((lineage, settings))
+}
+
+/// What is wrong with a cue of the command line.
+pub fn bad_cue(error: CueError) -> InputError {
+    InputError::not_allowed("--cue", error.field, error.value, error.allowed)
+}
+
+/// Grows all scenarios in one run, and says what the user should know of it.
+pub fn grown(scenarios: &[Scenario], args: &TreeArgs, context: &Context) -> Result<(Vec<Tree>, Summary), CliError> {
+    // Scenarios have the same numerics, and what all cells share is the same.
+    let Some(Scenario { settings, .. }) = scenarios.first() else { return Ok(Default::default()) };
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let show = |progress| line.show(progress);
@@ -150,33 +189,37 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     if !args.dynamics {
         options.expected_work = &order;
     }
-    // The first cell is asked about first. Its division costs less than a search, and where it fails there is no other.
-    let first = std::cell::Cell::new(true);
-    let by_dynamics = |cell: &Cell| first.replace(false) && !rule.knows(cell) || args.dynamics;
+    // The first cells are asked about first. The division of one costs less than a search, and where it fails there is no other.
+    let first = std::cell::Cell::new(scenarios.len());
+    let by_dynamics = |cell: &Cell| {
+        let is_first = first.replace(first.get().saturating_sub(1)) > 0;
+        is_first && !rule.knows(cell) || args.dynamics
+    };
     let ends = |cell: &Cell| if by_dynamics(cell) { None } else { rule.of(cell) };
-    let grown = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options }.grow(divide);
+    let grown = crate::study::scenarios::grow(scenarios, &ends, &memo, options, divide);
     drop(line);
-    let (tree, summary) = grown?;
+    let (trees, summary) = grown?;
     warn_of_store(&summary.warnings);
     warn_of_searches(&rule);
-    warn_of_undecided(&tree);
-    let rows = founder_rows(&tree);
-    write_files(args, context, &tree, &rows, &summary, start, replaced)?;
-    respond(args, context, &tree, &rows, &summary, start.elapsed().as_secs_f64())
+    for (tree, scenario) in trees.iter().zip(scenarios) {
+        warn_of_undecided(tree, &scenario.name);
+    }
+    Ok((trees, summary))
 }
 
 /// Says which cells are undecided: their branches end there, the rest of the tree stands.
-fn warn_of_undecided(tree: &Tree) {
+fn warn_of_undecided(tree: &Tree, scenario: &str) {
+    let place = if scenario.is_empty() { String::new() } else { format!("{scenario}: ") };
     let undecided = tree.cells().map(|id| tree.cell(id)).filter_map(|cell| match &cell.fate.ended {
         Some(EndReason::Undecided { why }) => Some((cell, why)),
         _ => None,
     });
     for (k, (cell, why)) in undecided.enumerate() {
         if k == MOST_WARNINGS {
-            tracing::warn!("further cells are undecided; tree.json says which");
+            tracing::warn!("{place}further cells are undecided; tree.json says which");
             return;
         }
-        tracing::warn!("cell {} (R0 = {}) is undecided, and its branch ends there: {why}", cell.name, cell.r0);
+        tracing::warn!("{place}cell {} (R0 = {}) is undecided, and its branch ends there: {why}", cell.name, cell.r0);
     }
 }
 
@@ -236,7 +279,7 @@ fn write_files(
     rows: &[FounderRow],
     summary: &Summary,
     start: Instant,
-    replaced: Option<String>,
+    replaced: Option<&Replaced>,
 ) -> Result<(), CliError> {
     let mut files = FileSet::new(&args.out);
     files.stage("tree.nwk", newick(tree).as_bytes())?;
@@ -255,16 +298,22 @@ fn write_files(
         memo_hits: summary.memo_hits,
         store_hits: summary.store_hits,
         corrupt_entries: summary.corrupt,
-        quantisation: QuantisationRecord {
-            r0_step: tree.settings.r0_step,
-            max_r0_shift: summary.max_size_shift,
-            chi_effect: summary.shift_effect,
-        },
+        quantisation: QuantisationRecord::of(summary, tree.settings.r0_step),
         warnings: summary.warnings.iter().map(warning_text).collect(),
     };
     files.stage("run.json", format!("{}\n", serde_json::to_string_pretty(&record)?).as_bytes())?;
-    let Some(replaced) = replaced else { return Ok(files.commit()?) };
-    let aside = files.commit_keeping(&TREE_FILES)?;
-    tracing::warn!("the files of another tree are kept in {}: {replaced}", aside.display());
-    Ok(())
+    commit(files, replaced, args.force)
+}
+
+/// Puts files in place, after those that they would replace were moved aside; by `force` these go.
+pub fn commit(files: FileSet, replaced: Option<&Replaced>, force: bool) -> Result<(), CliError> {
+    match replaced {
+        None => Ok(files.commit()?),
+        Some(Replaced { files: there, .. }) if force => Ok(files.commit_in_place_of(there)?),
+        Some(Replaced { files: there, why }) => {
+            let aside = files.commit_keeping(there)?;
+            tracing::warn!("the files of another tree are kept in {}: {why}", aside.display());
+            Ok(())
+        }
+    }
 }

@@ -29,7 +29,7 @@ pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), WriteError> {
     file.persist(path).map(drop).map_err(|e| WriteError::at(path)(e.error))
 }
 
-/// Several files of one folder that are written together: none of them is in place before all of them are on the disk, so
+/// Several files of one folder, and of folders in it, that are written together: none of them is in place before all of them are on the disk, so
 /// that a full one leaves either all the files of a run or, untouched, what was there.
 ///
 /// ```
@@ -59,7 +59,8 @@ impl FileSet {
         FileSet { folder: folder.to_owned(), staged: Vec::new() }
     }
 
-    /// Writes the file `name` under a temporary name.
+    /// Writes the file `name` under a temporary name. `name` may have folders before it, as in `sub/a.csv`, which are made
+    /// with the commit.
     ///
     /// # Errors
     /// [`WriteError`]; no temporary file is left once the set is dropped.
@@ -75,7 +76,7 @@ impl FileSet {
     ///
     /// # Errors
     /// As [`commit`](Self::commit).
-    pub fn commit_keeping(self, names: &[&str]) -> Result<PathBuf, WriteError> {
+    pub fn commit_keeping<N: AsRef<Path>>(self, names: &[N]) -> Result<PathBuf, WriteError> {
         let mut number = 1;
         let aside = loop {
             let aside = self.folder.join(format!("earlier-{number}"));
@@ -86,13 +87,37 @@ impl FileSet {
             }
         };
         for name in names {
-            let path = self.folder.join(name);
+            let (path, kept) = (self.folder.join(name), aside.join(name));
             if fs::symlink_metadata(&path).is_ok_and(|there| !there.is_dir()) {
-                fs::rename(&path, aside.join(name)).map_err(WriteError::at(&path))?;
+                fs::create_dir_all(folder_of(&kept)).map_err(WriteError::at(&kept))?;
+                fs::rename(&path, &kept).map_err(WriteError::at(&path))?;
+                if folder_of(&path) != self.folder {
+                    // A folder of its own that is empty now goes; one in which other files are stays.
+                    let _ = fs::remove_dir(folder_of(&path));
+                }
             }
         }
         self.commit()?;
         Ok(aside)
+    }
+
+    /// Gives all files their names, and removes those of these `names` that are not among them, with the folders that are
+    /// empty then: what a run replaces does not stay beside it in part.
+    ///
+    /// # Errors
+    /// As [`commit`](Self::commit). A file that cannot be removed stays.
+    pub fn commit_in_place_of<N: AsRef<Path>>(self, names: &[N]) -> Result<(), WriteError> {
+        let folder = self.folder.clone();
+        let mut others: Vec<PathBuf> = names.iter().map(|name| folder.join(name)).collect();
+        others.retain(|other| self.staged.iter().all(|(_, path)| path != other));
+        self.commit()?;
+        for other in others {
+            let _ = fs::remove_file(&other);
+            if folder_of(&other) != folder {
+                let _ = fs::remove_dir(folder_of(&other));
+            }
+        }
+        Ok(())
     }
 
     /// Gives all files their names, in the order in which they were staged.
@@ -102,6 +127,7 @@ impl FileSet {
     pub fn commit(self) -> Result<(), WriteError> {
         for (_, path) in &self.staged {
             can_be_a_file(path).map_err(WriteError::at(path))?;
+            fs::create_dir_all(folder_of(path)).map_err(WriteError::at(path))?;
         }
         for (file, path) in self.staged {
             file.persist(&path).map_err(|e| WriteError::at(&path)(e.error))?;

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::base;
 use super::check::Check;
 use super::observed::ObservedRounds;
 use super::physics::FounderPhysics;
@@ -184,9 +185,22 @@ impl Lineage {
         path.map_or_else(Lineage::c_elegans, Lineage::read)
     }
 
-    /// Reads and checks a lineage from RON text; `file` is what errors call it.
+    /// Reads and checks a lineage from RON text; `file` is what errors call it. A text with `base: "c_elegans"` says what
+    /// differs from the built-in lineage of that name:
+    ///
+    /// ```
+    /// use furrow::lineage::Lineage;
+    ///
+    /// let text = r#"(base: "c_elegans", founders: [(name: "P1", cue: "none")])"#;
+    /// let lineage = Lineage::parse(text, "mine.ron")?;
+    /// assert_eq!(lineage.founders.len(), Lineage::c_elegans()?.founders.len());
+    /// # Ok::<(), furrow::input::InputError>(())
+    /// ```
     pub fn parse(text: &str, file: &str) -> Result<Lineage, InputError> {
-        let lineage: Lineage = parse_document(text, file, "a lineage file", "Lineage")?;
+        let lineage = match base::read(text, file)? {
+            Some(lineage) => lineage,
+            None => parse_document(text, file, "a lineage file", "Lineage")?,
+        };
         Check { lineage: &lineage, text, file }.run()?;
         Ok(lineage)
     }
@@ -265,6 +279,20 @@ impl Lineage {
         self
     }
 
+    /// [`with_cues_replaced`](Self::with_cues_replaced) by a cue as users write it. One written as terms is called `given`.
+    ///
+    /// # Errors
+    /// As [`parse_cue`](Self::parse_cue).
+    pub fn carrying(&self, text: &str) -> Result<Lineage, CueError> {
+        let cue = self.parse_cue(text)?;
+        let name = match self.cue(text) {
+            _ if cue.is_none() => "none",
+            Some(_) => text,
+            None => "given",
+        };
+        Ok(self.clone().with_cues_replaced(name, &cue))
+    }
+
     /// Reads a cue as users write it: `none`, a name of this lineage, or terms, joined by `+`.
     ///
     /// # Errors
@@ -316,7 +344,7 @@ fn replace(given: &mut String, name: &str) {
 }
 
 /// Reads cues by name, refusing a name that stands twice: which of the two is meant cannot be told.
-fn unique<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, Cue>, D::Error> {
+pub(super) fn unique<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, Cue>, D::Error> {
     struct Cues;
     impl<'de> serde::de::Visitor<'de> for Cues {
         type Value = BTreeMap<String, Cue>;

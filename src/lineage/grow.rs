@@ -71,18 +71,9 @@ impl Grower<'_> {
     where
         S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
     {
-        let mut growth = Growth { grower: self, listed: self.lineage.daughters(), cells: vec![] };
-        let first = self.first();
-        growth.cells.push(first);
-        let roots = growth.job(0).into_iter().collect();
-        let max_cells = self.lineage.limits.max_cells;
-        let run = scheduler::run(roots, self.memo, &self.options, &solve, |cell, division| {
-            // What lies beyond the limit is settled in the layout, in an order that timing has no part in.
-            if growth.cells.len() + 2 > max_cells { vec![] } else { growth.divide(cell, division) }
-        });
-        let summary = growth.note_undecided(run)?;
-        let tree = growth.lay_out(&solve)?;
-        Ok((tree, summary))
+        let (mut trees, summary) = grow_together(std::slice::from_ref(self), solve)?;
+        // As many trees as growers: one.
+        Ok((trees.remove(0), summary))
     }
 
     fn first(&self) -> GrowingCell {
@@ -103,7 +94,70 @@ impl Grower<'_> {
     }
 }
 
+/// Grows several trees in one run: all their cells stand in one queue, so that no worker is idle while any tree has a division
+/// to solve, and a division that several trees need is solved once. Every tree is the one that its grower grows alone; the
+/// [`Summary`] tells the work of all. Memo and options are those of the first grower.
+///
+/// # Errors
+/// As [`Grower::grow`].
+pub fn grow_together<S>(growers: &[Grower<'_>], solve: S) -> Result<(Vec<Tree>, Summary), GrowError>
+where
+    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
+{
+    let Some(Grower { memo, options, .. }) = growers.first() else { return Ok(Default::default()) };
+    let mut growths: Vec<Growth<'_>> = growers.iter().map(Growth::of).collect();
+    // The scheduler's number of a job tells the cell and the tree it is in.
+    let trees = growths.len();
+    let numbered = |tree: usize, job: Job<DivisionInput>| Job { id: job.id * trees + tree, ..job };
+    let mut roots = Vec::with_capacity(trees);
+    for (tree, growth) in growths.iter_mut().enumerate() {
+        roots.extend(growth.job(0).map(|job| numbered(tree, job)));
+    }
+    let run = scheduler::run(roots, memo, options, &solve, |id, division| {
+        let (cell, tree) = (id / trees, id % trees);
+        growths[tree].expand(cell, division).into_iter().map(|job| numbered(tree, job)).collect()
+    });
+    let summary = completed(run, |id, why| growths[id % trees].note_undecided(id / trees, why))?;
+    let trees: Result<Vec<Tree>, GrowError> = growths.into_iter().map(|growth| growth.lay_out(&solve)).collect();
+    Ok((trees?, summary))
+}
+
+/// The summary of a run that was not broken off. Jobs without a record are undecided, and `undecided` is told each of them.
+fn completed(
+    run: Result<Summary, SchedulerError<DivisionError>>,
+    mut undecided: impl FnMut(usize, String),
+) -> Result<Summary, GrowError> {
+    let summary = match run {
+        Ok(summary) => summary,
+        Err(SchedulerError::Unsolved { jobs, summary }) => {
+            for Unsolved { id, failure, .. } in jobs {
+                undecided(id, failure.to_string());
+            }
+            *summary
+        }
+        Err(error) => return Err(GrowError::Workers(error)),
+    };
+    if summary.interrupted {
+        return Err(GrowError::Interrupted { solved: summary.solved });
+    }
+    Ok(summary)
+}
+
+impl<'a> Growth<'a> {
+    /// A tree of its first cell.
+    fn of(grower: &'a Grower<'a>) -> Growth<'a> {
+        Growth { grower, listed: grower.lineage.daughters(), cells: vec![grower.first()] }
+    }
+}
+
 impl Growth<'_> {
+    /// What follows from a cell's division. What lies beyond the limit of cells is settled in the layout, in an order that
+    /// timing has no part in.
+    fn expand(&mut self, index: usize, division: &Division) -> Vec<Job<DivisionInput>> {
+        let max_cells = self.grower.lineage.limits.max_cells;
+        if self.cells.len() + 2 > max_cells { vec![] } else { self.divide(index, division) }
+    }
+
     /// The division a cell needs; none if its fate is known without, and then it is noted.
     fn job(&mut self, index: usize) -> Option<Job<DivisionInput>> {
         let TreeSettings { cell: first, numerics, seed, .. } = &self.grower.settings;
@@ -149,22 +203,9 @@ impl Growth<'_> {
         division.clone()
     }
 
-    /// The summary of a run, of whose jobs those without a record are undecided and end their branches.
-    fn note_undecided(&mut self, run: Result<Summary, SchedulerError<DivisionError>>) -> Result<Summary, GrowError> {
-        let summary = match run {
-            Ok(summary) => summary,
-            Err(SchedulerError::Unsolved { jobs, summary }) => {
-                for Unsolved { id, failure, .. } in jobs {
-                    self.cells[id].fate = Some(Fate::ended(EndReason::Undecided { why: failure.to_string() }));
-                }
-                *summary
-            }
-            Err(error) => return Err(GrowError::Workers(error)),
-        };
-        if summary.interrupted {
-            return Err(GrowError::Interrupted { solved: summary.solved });
-        }
-        Ok(summary)
+    /// Ends the branch of a cell whose division could not be computed.
+    fn note_undecided(&mut self, index: usize, why: String) {
+        self.cells[index].fate = Some(Fate::ended(EndReason::Undecided { why }));
     }
 
     /// Anterior and posterior daughter of a cell, if it divides.
@@ -272,7 +313,7 @@ impl Growth<'_> {
             solved = Some(division.clone());
             vec![]
         });
-        self.note_undecided(run)?;
+        completed(run, |id, why| self.note_undecided(id, why))?;
         if let Some(division) = solved {
             self.divide(index, &division);
         }

@@ -2,7 +2,7 @@
 //!
 //! | file | what it says |
 //! |---|---|
-//! | [`definition`] | the lineage file: founders, cues and who carries them, names, limits, observed counts |
+//! | [`definition`] | the lineage file: founders, cues and who carries them, names, limits, observed counts; a file may say what differs from a built-in one |
 //! | [`observed`], [`physics`], [`units`] | what was observed of a founder, what it changes of the physics, µm and minutes |
 //! | [`grow`] | growth: volumes are handed down, every cell's division is solved as soon as its mother's is |
 //! | [`ends`] | which cells cannot divide, told ahead of their division |
@@ -10,6 +10,7 @@
 //! | [`tree`] | the tree grown |
 //! | [`rounds`] | rounds of division per founder |
 
+mod base;
 mod check;
 mod clash;
 pub mod definition;
@@ -24,7 +25,7 @@ pub mod work;
 
 pub use definition::{C_ELEGANS, CueRule, Daughter, Founder, Limits, Lineage, ListedDaughters, Place, TEMPLATE};
 pub use ends::Ends;
-pub use grow::{GrowError, Grower};
+pub use grow::{GrowError, Grower, grow_together};
 pub use observed::ObservedRounds;
 pub use physics::FounderPhysics;
 pub use rounds::{FounderRounds, Rounds, founder_rounds};

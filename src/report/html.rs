@@ -9,7 +9,7 @@ use crate::io::{FounderRow, Provenance};
 use crate::lineage::Tree;
 use std::fmt::Write;
 
-const STYLE: &str = "body{font:15px/1.5 Helvetica,Arial,sans-serif;color:#222;margin:2rem auto;max-width:1320px;padding:0 1rem}\
+pub(super) const STYLE: &str = "body{font:15px/1.5 Helvetica,Arial,sans-serif;color:#222;margin:2rem auto;max-width:1320px;padding:0 1rem}\
 h1{font-size:1.5rem;margin-bottom:0}h2{font-size:1.15rem;margin-top:2rem}p.sub{color:#666;margin-top:.2rem}\
 table{border-collapse:collapse;font-variant-numeric:tabular-nums}th,td{padding:.2rem .5rem;text-align:right;border-bottom:1px solid #e6e8eb}\
 th{font-weight:600;color:#444}td:first-child,th:first-child,td.l,th.l{text-align:left}td.s,th.s{border-left:2px solid #bbb}\
@@ -116,7 +116,7 @@ fn generations(out: &mut String, summary: &TreeSummary) {
     out.push_str("</tbody></table></div>\n");
 }
 
-fn parameters(out: &mut String, tree: &Tree) {
+pub(super) fn parameters(out: &mut String, tree: &Tree) {
     let settings = &tree.settings;
     let mut text = String::new();
     let shown = Settings { cell: settings.cell.clone(), numerics: settings.numerics };

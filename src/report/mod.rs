@@ -1,11 +1,16 @@
 //! Pictures and tables of what was computed.
 
+mod beside;
 pub mod html;
+pub mod scenarios_page;
+pub mod scenarios_table;
 pub mod summary;
 pub mod svg;
 pub mod table;
 
 pub use html::html;
+pub use scenarios_page::scenarios_page;
+pub use scenarios_table::scenarios_table;
 pub use summary::{Generation, TreeSummary};
 pub use svg::svg;
 pub use table::founders_table;

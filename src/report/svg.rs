@@ -7,17 +7,57 @@ use crate::division::Outcome;
 use crate::lineage::{CellId, Lineage, Side, Tree};
 use std::fmt::Write;
 
-/// Most branch ends drawn; of a larger tree the first generations are shown.
-const MAX_ENDS: usize = 3000;
+/// The measures of a drawing, in its own units.
+struct Frame {
+    /// Most branch ends drawn; of a larger tree the first generations are shown.
+    max_ends: usize,
+    left: f64,
+    right: f64,
+    top: f64,
+    bottom: f64,
+    /// From one generation to the next.
+    row: f64,
+    /// Least distance of neighbouring branch ends.
+    gap: f64,
+    /// Least width of the drawing.
+    width: f64,
+    /// Radius of the first cell's disc, and the least of any.
+    discs: [f64; 2],
+    /// Size of founders' names.
+    font: f64,
+    /// Whether names stand with the asymmetry of the division.
+    asymmetry: bool,
+}
 
-const LEFT: f64 = 92.0;
-const RIGHT: f64 = 70.0;
-const TOP: f64 = 118.0;
-const ROW: f64 = 66.0;
-/// Least distance of neighbouring branch ends.
-const GAP: f64 = 9.0;
-/// Least width of the drawing.
-const WIDTH: f64 = 1180.0;
+/// A page wide.
+static FULL: Frame = Frame {
+    max_ends: 3000,
+    left: 92.0,
+    right: 70.0,
+    top: 118.0,
+    bottom: 64.0,
+    row: 66.0,
+    gap: 9.0,
+    width: 1180.0,
+    discs: [17.0, 1.5],
+    font: 13.0,
+    asymmetry: true,
+};
+
+/// One of several on a page. Fewer ends are drawn: at this size more could not be told apart.
+static SMALL: Frame = Frame {
+    max_ends: 600,
+    left: 40.0,
+    right: 30.0,
+    top: 26.0,
+    bottom: 16.0,
+    row: 30.0,
+    gap: 3.0,
+    width: 600.0,
+    discs: [9.0, 0.8],
+    font: 10.0,
+    asymmetry: false,
+};
 
 /// Founders without a cue take these colours in turn, founders with one (the germline) the greys.
 const HUES: [&str; 8] = ["#2f6db5", "#7b5ea7", "#c2568f", "#2a9d6f", "#e08a2c", "#c8423b", "#b8a21a", "#1f9fb4"];
@@ -38,6 +78,7 @@ pub(super) fn colours(lineage: &Lineage) -> Vec<&'static str> {
 
 /// Positions of the cells that are drawn.
 struct Layout {
+    frame: &'static Frame,
     /// By node; none if not drawn.
     x: Vec<Option<f64>>,
     width: f64,
@@ -47,12 +88,12 @@ struct Layout {
     order: Vec<CellId>,
 }
 
-fn lay_out(tree: &Tree, summary: &TreeSummary) -> Layout {
+fn lay_out(tree: &Tree, summary: &TreeSummary, frame: &'static Frame) -> Layout {
     // Ends of the tree cut below generation g: the cells of g and the earlier ones without daughters.
     let mut ended = 0;
     let mut last = 0;
     for (g, row) in summary.generations.iter().enumerate() {
-        if ended + row.cells > MAX_ENDS {
+        if ended + row.cells > frame.max_ends {
             break;
         }
         last = g as u32;
@@ -70,8 +111,8 @@ fn lay_out(tree: &Tree, summary: &TreeSummary) -> Layout {
         }
     }
     let ends = order.iter().filter(|n| tree.cell(**n).generation == last || tree.daughters(**n).is_none()).count();
-    let gap = ((WIDTH - LEFT - RIGHT) / ends.max(1) as f64).max(GAP);
-    let mut next = LEFT + 0.5 * gap;
+    let gap = ((frame.width - frame.left - frame.right) / ends.max(1) as f64).max(frame.gap);
+    let mut next = frame.left + 0.5 * gap;
     for &node in &order {
         if tree.cell(node).generation == last || tree.daughters(node).is_none() {
             x[node.index()] = Some(next);
@@ -86,67 +127,97 @@ fn lay_out(tree: &Tree, summary: &TreeSummary) -> Layout {
             x[node.index()] = Some(0.5 * (l + r));
         }
     }
-    Layout { x, width: (next - 0.5 * gap + RIGHT).max(WIDTH), last, order }
+    Layout { frame, x, width: (next - 0.5 * gap + frame.right).max(frame.width), last, order }
 }
 
 /// The tree as SVG: one row a generation, discs as wide as their cells, coloured by founder. A full disc divides
 /// symmetrically, a ring asymmetrically; an open circle over a bar ended.
 pub fn svg(tree: &Tree) -> String {
     let summary = TreeSummary::of(tree);
-    let layout = lay_out(tree, &summary);
+    let layout = lay_out(tree, &summary, &FULL);
     let colours = colours(&tree.lineage);
-    let height = TOP + ROW * f64::from(layout.last) + 64.0;
-    let width = layout.width;
     let mut out = String::with_capacity(400 * layout.order.len() + 4000);
+    begin(&mut out, &layout);
+    legend(&mut out, tree, &colours, &layout);
+    for (g, row) in summary.generations.iter().enumerate().take(layout.last as usize + 1) {
+        let y = FULL.top + FULL.row * g as f64;
+        let _ = writeln!(
+            out,
+            "<path d=\"M{:.1} {y:.1}H{:.1}\" stroke=\"#eceef1\"/><text x=\"16\" y=\"{:.1}\" font-size=\"13\" fill=\"#555\">{g}</text><text x=\"{:.1}\" y=\"{:.1}\" font-size=\"12\" fill=\"#555\" text-anchor=\"end\">{}</text>",
+            FULL.left - 50.0,
+            layout.width - FULL.right + 22.0,
+            y + 4.5,
+            layout.width - 14.0,
+            y + 4.5,
+            row.cells
+        );
+    }
+    cells(&mut out, tree, &layout, &colours);
+    out
+}
+
+/// The tree as one of several drawings on a page: without a legend, generations numbered on the left, in
+/// the given colours of its founders.
+pub(super) fn small(tree: &Tree, colours: &[&str]) -> String {
+    let layout = lay_out(tree, &TreeSummary::of(tree), &SMALL);
+    let mut out = String::with_capacity(300 * layout.order.len() + 1000);
+    begin(&mut out, &layout);
+    for g in 0..=layout.last {
+        let y = SMALL.top + SMALL.row * f64::from(g);
+        let _ = writeln!(
+            out,
+            "<path d=\"M24 {y:.1}H{:.1}\" stroke=\"#eceef1\"/><text x=\"6\" y=\"{:.1}\" font-size=\"9\" fill=\"#777\">{g}</text>",
+            layout.width - 6.0,
+            y + 3.0
+        );
+    }
+    cells(&mut out, tree, &layout, colours);
+    out
+}
+
+fn begin(out: &mut String, layout: &Layout) {
+    let (width, height) =
+        (layout.width, layout.frame.top + layout.frame.row * f64::from(layout.last) + layout.frame.bottom);
     let _ = writeln!(
         out,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" height=\"{height:.0}\" font-family=\"Helvetica, Arial, sans-serif\">"
     );
     let _ = writeln!(out, "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>");
-    legend(&mut out, tree, &colours, &layout);
-    for (g, row) in summary.generations.iter().enumerate().take(layout.last as usize + 1) {
-        let y = TOP + ROW * g as f64;
-        let _ = writeln!(
-            out,
-            "<path d=\"M{:.1} {y:.1}H{:.1}\" stroke=\"#eceef1\"/><text x=\"16\" y=\"{:.1}\" font-size=\"13\" fill=\"#555\">{g}</text><text x=\"{:.1}\" y=\"{:.1}\" font-size=\"12\" fill=\"#555\" text-anchor=\"end\">{}</text>",
-            LEFT - 50.0,
-            width - RIGHT + 22.0,
-            y + 4.5,
-            width - 14.0,
-            y + 4.5,
-            row.cells
-        );
+}
+
+/// All lines, and the discs over them.
+fn cells(out: &mut String, tree: &Tree, layout: &Layout, colours: &[&str]) {
+    for &node in &layout.order {
+        edges(out, tree, node, layout, colours);
     }
     for &node in &layout.order {
-        edges(&mut out, tree, node, &layout, &colours);
-    }
-    for &node in &layout.order {
-        disc(&mut out, tree, node, &layout, &colours);
+        disc(out, tree, node, layout, colours);
     }
     out.push_str("</svg>\n");
-    out
 }
 
 /// Radius of a cell's disc.
-fn disc_radius(tree: &Tree, r0: f64) -> f64 {
+fn disc_radius(tree: &Tree, r0: f64, layout: &Layout) -> f64 {
     let largest = tree.cell(tree.first()).r0.max(1e-12);
-    (17.0 * r0 / largest).max(1.5)
+    let [first, least] = layout.frame.discs;
+    (first * r0 / largest).max(least)
 }
 
-fn y_of(tree: &Tree, node: CellId) -> f64 {
-    TOP + ROW * f64::from(tree.cell(node).generation)
+fn y_of(tree: &Tree, node: CellId, layout: &Layout) -> f64 {
+    layout.frame.top + layout.frame.row * f64::from(tree.cell(node).generation)
 }
 
 fn edges(out: &mut String, tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) {
     let (Some(pair), Some(x)) = (tree.daughters(node), layout.x[node.index()]) else { return };
-    let y = y_of(tree, node);
+    let y = y_of(tree, node, layout);
     for daughter in pair {
         let Some(to) = layout.x[daughter.index()] else { continue };
         let cell = tree.cell(daughter);
         // The line is as strong as the daughter is large.
-        let stroke = 0.26 * disc_radius(tree, cell.r0);
-        let down = y + ROW;
-        let (a, b) = (y + 0.42 * ROW, down - 0.42 * ROW);
+        let stroke = 0.26 * disc_radius(tree, cell.r0, layout);
+        let row = layout.frame.row;
+        let down = y + row;
+        let (a, b) = (y + 0.42 * row, down - 0.42 * row);
         let _ = writeln!(
             out,
             "<path d=\"M{x:.1} {y:.1}C{x:.1} {a:.1} {to:.1} {b:.1} {to:.1} {down:.1}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{stroke:.2}\" stroke-opacity=\".55\"/>",
@@ -158,8 +229,8 @@ fn edges(out: &mut String, tree: &Tree, node: CellId, layout: &Layout, colours: 
 fn disc(out: &mut String, tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) {
     let Some(x) = layout.x[node.index()] else { return };
     let cell = tree.cell(node);
-    let y = y_of(tree, node);
-    let radius = disc_radius(tree, cell.r0);
+    let y = y_of(tree, node, layout);
+    let radius = disc_radius(tree, cell.r0, layout);
     let colour = colours[cell.founder];
     let units = tree.lineage.units();
     let size = units.in_micrometres(cell.r0);
@@ -210,9 +281,9 @@ fn label(out: &mut String, tree: &Tree, node: CellId, layout: &Layout, colour: &
     let Some(x) = layout.x[node.index()] else { return };
     let mother = tree.mother(node).and_then(|m| layout.x[m.index()]);
     let left = mother.is_some_and(|m| x < m);
-    let away = disc_radius(tree, cell.r0) + 5.0;
+    let away = disc_radius(tree, cell.r0, layout) + 5.0;
     let (x, anchor) = if left { (x - away, "end") } else { (x + away, "start") };
-    let y = y_of(tree, node) - 5.0;
+    let y = y_of(tree, node, layout) - 5.0;
     let mut line = |y: f64, font: &str, text: &str| {
         // A white copy underneath keeps the text clear of lines.
         let halo = "fill=\"#fff\" stroke=\"#fff\" stroke-width=\"4\" stroke-linejoin=\"round\"";
@@ -221,8 +292,10 @@ fn label(out: &mut String, tree: &Tree, node: CellId, layout: &Layout, colour: &
                 writeln!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\" {font} text-anchor=\"{anchor}\" {paint}>{text}</text>");
         }
     };
-    line(y, "font-size=\"13\" font-weight=\"bold\"", &escape(&cell.name));
-    if let Some(chi) = cell.fate.chi().filter(|_| cell.fate.outcome() == Some(Outcome::Asymmetric)) {
+    let font = layout.frame.font;
+    line(y, &format!("font-size=\"{font}\" font-weight=\"bold\""), &escape(&cell.name));
+    let unequal = layout.frame.asymmetry && cell.fate.outcome() == Some(Outcome::Asymmetric);
+    if let Some(chi) = cell.fate.chi().filter(|_| unequal) {
         line(y + 13.0, "font-size=\"11\"", &format!("χ {chi:.2}"));
     }
 }
@@ -249,7 +322,7 @@ fn legend(out: &mut String, tree: &Tree, colours: &[&str], layout: &Layout) {
         );
         x += 32.0 + 8.0 * founder.name.chars().count() as f64;
     }
-    let x = layout.width.min(WIDTH) - 470.0;
+    let x = layout.width.min(FULL.width) - 470.0;
     let _ = writeln!(
         out,
         "<g font-size=\"12\" fill=\"#333\"><circle cx=\"{:.1}\" cy=\"24\" r=\"6\" fill=\"#555\"/><text x=\"{:.1}\" y=\"28\">divides symmetrically</text>\
@@ -269,16 +342,16 @@ fn legend(out: &mut String, tree: &Tree, colours: &[&str], layout: &Layout) {
     let _ = writeln!(
         out,
         "<text x=\"16\" y=\"{:.1}\" font-size=\"11\" fill=\"#777\">generation</text><text x=\"{:.1}\" y=\"{:.1}\" font-size=\"11\" fill=\"#777\" text-anchor=\"end\">cells</text>",
-        TOP - 20.0,
+        FULL.top - 20.0,
         layout.width - 14.0,
-        TOP - 20.0
+        FULL.top - 20.0
     );
     let total = tree.cells().next_back().map_or(0, |n| tree.cell(n).generation);
     if total > layout.last {
         let _ = writeln!(
             out,
             "<text x=\"16\" y=\"{:.1}\" font-size=\"12\" fill=\"#a33\">generations {} to {total} are not drawn</text>",
-            TOP + ROW * f64::from(layout.last) + 50.0,
+            FULL.top + FULL.row * f64::from(layout.last) + 50.0,
             layout.last + 1
         );
     }

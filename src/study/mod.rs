@@ -6,11 +6,13 @@
 //! | [`mod@ensemble`] | a sample of the constants that do |
 //! | [`constants`] | sets of constants as a table |
 //! | [`mod@ranges`] | a lineage over sets of constants |
+//! | [`scenarios`] | lineages and cues side by side |
 
 pub mod constants;
 pub mod ensemble;
 pub mod judge;
 pub mod ranges;
+pub mod scenarios;
 
 pub use constants::{Constants, read_constants, write_constants};
 pub use ensemble::{Ensemble, EnsembleError, Member, ensemble};

@@ -1,0 +1,184 @@
+//! `furrow tree` of several lineages or cues: scenarios side by side.
+
+use std::path::Path;
+use std::time::Instant;
+
+use serde::Serialize;
+
+use super::context::{Context, warning_text};
+use super::error::CliError;
+use super::output::{answer, writable_folder};
+use super::tree::{QuantisationRecord, TreeArgs, bad_cue, commit, grown, prepared};
+use crate::batch::Summary;
+use crate::batch::scheduler::workers;
+use crate::input::InputError;
+use crate::io::earlier::{Replaced, SCENARIO_FILES, SCENARIOS_FILES, other_scenarios};
+use crate::io::files::FileSet;
+use crate::io::{FounderRow, Provenance, founder_rows, newick, scenarios_csv};
+use crate::lineage::Tree;
+use crate::report;
+use crate::study::scenarios::{Scenario, ScenarioError, Source, combine};
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Answer<'a> {
+    scenarios: Vec<AnswerScenario<'a>>,
+    divisions_solved: usize,
+    memo_hits: usize,
+    elapsed_s: f64,
+    out: String,
+}
+
+#[derive(Serialize)]
+struct AnswerScenario<'a> {
+    name: &'a str,
+    lineage: &'a str,
+    /// As it was asked for; null where the lineage's own cues are in force.
+    cue: Option<&'a str>,
+    founders: Vec<FounderRow>,
+    cells: usize,
+    generations: usize,
+    ended: std::collections::BTreeMap<&'static str, usize>,
+    slow_cells: usize,
+}
+
+/// `run.json`: what this run did, which need not be the same another time.
+#[derive(Serialize)]
+struct RunRecord<'a> {
+    schema: &'static str,
+    schema_version: u32,
+    provenance: Provenance,
+    elapsed_s: f64,
+    threads: usize,
+    /// Whether every cell's division was computed.
+    dynamics: bool,
+    /// Names of the scenarios, which are those of their folders.
+    scenarios: Vec<&'a str>,
+    cells: usize,
+    divisions_solved: usize,
+    memo_hits: usize,
+    store_hits: usize,
+    corrupt_entries: usize,
+    quantisation: QuantisationRecord,
+    warnings: Vec<String>,
+}
+
+pub fn run(args: &TreeArgs, context: &Context, start: Instant) -> Result<(), CliError> {
+    let scenarios = read(args, context)?;
+    writable_folder("--out", "out", &args.out, &SCENARIOS_FILES)?;
+    for scenario in &scenarios {
+        writable_folder("--out", "out", &args.out.join(&scenario.name), &SCENARIO_FILES)?;
+    }
+    let replaced = other_scenarios(&args.out, &scenarios, args.dynamics);
+    let (trees, summary) = grown(&scenarios, args, context)?;
+    write_files(args, context, &scenarios, &trees, &summary, start, replaced.as_ref())?;
+    respond(args, context, &scenarios, &trees, &summary, start.elapsed().as_secs_f64())
+}
+
+/// Every lineage file with every cue.
+fn read(args: &TreeArgs, context: &Context) -> Result<Vec<Scenario>, CliError> {
+    let files: Vec<Option<&Path>> = match args.lineage.is_empty() {
+        true => vec![None],
+        false => args.lineage.iter().map(|file| Some(file.as_path())).collect(),
+    };
+    let mut sources = Vec::new();
+    for file in files {
+        let (lineage, settings) = prepared(args, context, file)?;
+        sources.push(Source { label: label(file), lineage, settings });
+    }
+    let cues: Vec<&str> = args.cue.iter().map(String::as_str).collect();
+    combine(&sources, &cues).map_err(|error| match error {
+        ScenarioError::Cue(error) => bad_cue(error).into(),
+        ScenarioError::Same { first, second } => {
+            let option = if args.cue.len() > 1 { "--cue" } else { "LINEAGE.ron" };
+            let allowed = format!("scenarios that differ; it is the same as {first}, and each is named but once");
+            InputError::not_allowed("tree", option, second, allowed).into()
+        }
+    })
+}
+
+/// What a lineage file is called: its name without what stands behind the dot.
+fn label(file: Option<&Path>) -> String {
+    match file {
+        None => "c_elegans".to_owned(),
+        Some(file) => file.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned()),
+    }
+}
+
+fn respond(
+    args: &TreeArgs,
+    context: &Context,
+    scenarios: &[Scenario],
+    trees: &[Tree],
+    summary: &Summary,
+    elapsed_s: f64,
+) -> Result<(), CliError> {
+    if !context.json {
+        return answer(&format!(
+            "{}{} divisions solved, {} memo hits, {elapsed_s:.2} s; files in {}\n",
+            report::scenarios_table(scenarios, trees),
+            summary.solved,
+            summary.memo_hits,
+            args.out.display()
+        ));
+    }
+    let of = scenarios.iter().zip(trees).map(|(scenario, tree)| {
+        let counts = report::TreeSummary::of(tree);
+        AnswerScenario {
+            name: &scenario.name,
+            lineage: &scenario.label,
+            cue: scenario.cue.as_deref(),
+            founders: founder_rows(tree),
+            cells: tree.len(),
+            generations: counts.generations.len(),
+            ended: counts.ended,
+            slow_cells: counts.slow,
+        }
+    });
+    let document = Answer {
+        scenarios: of.collect(),
+        divisions_solved: summary.solved,
+        memo_hits: summary.memo_hits,
+        elapsed_s,
+        out: args.out.display().to_string(),
+    };
+    answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
+}
+
+fn write_files(
+    args: &TreeArgs,
+    context: &Context,
+    scenarios: &[Scenario],
+    trees: &[Tree],
+    summary: &Summary,
+    start: Instant,
+    replaced: Option<&Replaced>,
+) -> Result<(), CliError> {
+    let mut files = FileSet::new(&args.out);
+    for (Scenario { name, .. }, tree) in scenarios.iter().zip(trees) {
+        let [nwk, json, svg] = SCENARIO_FILES.map(|file| format!("{name}/{file}"));
+        files.stage(&nwk, newick(tree).as_bytes())?;
+        files.stage(&json, tree.to_json()?.as_bytes())?;
+        files.stage(&svg, report::svg(tree).as_bytes())?;
+    }
+    files.stage("scenarios.csv", scenarios_csv(scenarios, trees).as_bytes())?;
+    files.stage("report.html", report::scenarios_page(scenarios, trees).as_bytes())?;
+    let record = RunRecord {
+        schema: "furrow.scenarios",
+        schema_version: 1,
+        provenance: Provenance::current(),
+        elapsed_s: start.elapsed().as_secs_f64(),
+        threads: workers(context.threads),
+        dynamics: args.dynamics,
+        scenarios: scenarios.iter().map(|scenario| scenario.name.as_str()).collect(),
+        cells: trees.iter().map(Tree::len).sum(),
+        divisions_solved: summary.solved,
+        memo_hits: summary.memo_hits,
+        store_hits: summary.store_hits,
+        corrupt_entries: summary.corrupt,
+        quantisation: QuantisationRecord::of(summary, context.quantisation.relative_step()),
+        warnings: summary.warnings.iter().map(warning_text).collect(),
+    };
+    files.stage("run.json", format!("{}\n", serde_json::to_string_pretty(&record)?).as_bytes())?;
+    commit(files, replaced, args.force)
+}

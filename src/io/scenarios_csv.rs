@@ -1,0 +1,71 @@
+//! `scenarios.csv`: founders of several scenarios, one row for each scenario and founder.
+
+use std::fmt::Write;
+
+use super::tree_json::founder_rows;
+use crate::lineage::Tree;
+use crate::study::scenarios::Scenario;
+
+/// The columns, in their order. Counts are as in the founders' table; what is not known, of a founder that was not born or not
+/// observed, is empty.
+pub const COLUMNS: [&str; 17] = [
+    "scenario",
+    "lineage",
+    "cue",
+    "founder",
+    "r0",
+    "outcome",
+    "chi",
+    "min",
+    "mean",
+    "max",
+    "full_doublings",
+    "terminal",
+    "observed_min",
+    "observed_mean",
+    "observed_max",
+    "observed_full_doublings",
+    "observed_terminal",
+];
+
+/// The table of scenarios and their trees. `cue` is the one that a founder carries, in full.
+pub fn scenarios_csv(scenarios: &[Scenario], trees: &[Tree]) -> String {
+    let mut out = COLUMNS.join(",");
+    out.push('\n');
+    for (scenario, tree) in scenarios.iter().zip(trees) {
+        for (founder, row) in founder_rows(tree).iter().enumerate() {
+            let (rounds, observed) = (row.rounds, row.observed);
+            let cue = tree.founder_cell(founder).map(|id| tree.cell(id).cue.to_string());
+            let cells = [
+                scenario.name.clone(),
+                scenario.label.clone(),
+                text(cue),
+                row.name.clone(),
+                text(row.r0),
+                text(row.outcome.map(|outcome| outcome.name())),
+                text(row.chi),
+                text(rounds.map(|r| r.min)),
+                text(rounds.map(|r| r.mean)),
+                text(rounds.map(|r| r.max)),
+                text(rounds.map(|r| r.full_doublings)),
+                text(rounds.map(|r| r.terminal)),
+                text(observed.and_then(|o| o.min)),
+                text(observed.and_then(|o| o.mean)),
+                text(observed.and_then(|o| o.max)),
+                text(observed.and_then(|o| o.full_doublings)),
+                text(observed.and_then(|o| o.terminal)),
+            ];
+            let _ = writeln!(out, "{}", cells.map(|cell| quoted(&cell)).join(","));
+        }
+    }
+    out
+}
+
+fn text(value: Option<impl ToString>) -> String {
+    value.map_or(String::new(), |value| value.to_string())
+}
+
+/// A cell as RFC 4180 has it: in quotes where it holds what parts cells, as cues do.
+fn quoted(cell: &str) -> String {
+    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
+}

@@ -1,0 +1,119 @@
+//! Lineage files that say what differs from another: `base: "c_elegans"`, and then only that.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+use super::definition::{C_ELEGANS, CueRule, Founder, Limits, Lineage, unique};
+use super::units::Units;
+use crate::cell::Cue;
+use crate::input::{InputError, did_you_mean, parse_document, parse_ron, shown};
+
+/// Lineages that may be a base, by name. They are built in, so that what a file says does not depend on other files.
+const BASES: [(&str, &str); 1] = [("c_elegans", C_ELEGANS)];
+
+/// What tells whether a file has a base; all else is passed over.
+#[derive(Deserialize)]
+#[serde(rename = "Lineage")]
+struct Probe {
+    base: Option<IgnoredAny>,
+}
+
+/// A file with a base. What it does not say is the base's.
+#[derive(Deserialize)]
+#[serde(rename = "Lineage", deny_unknown_fields)]
+struct Differing {
+    base: String,
+    #[serde(default)]
+    name: Option<String>,
+    #[serde(default)]
+    citation: Option<String>,
+    #[serde(default)]
+    naming: Option<(char, char)>,
+    #[serde(default)]
+    units: Option<Units>,
+    #[serde(default)]
+    limits: Option<Limits>,
+    /// Beside those of the base, or in place of those of the same name.
+    #[serde(default, deserialize_with = "unique")]
+    cues: BTreeMap<String, Cue>,
+    /// In place of those of the base, if there are any.
+    #[serde(default)]
+    cue_rules: Vec<CueRule>,
+    /// Founders of the base by name, with what differs, and further ones.
+    #[serde(default)]
+    founders: Vec<Founder>,
+}
+
+/// The lineage of a text that names a base; `None` if it names none. It is still to be checked.
+///
+/// # Errors
+/// As [`Lineage::parse`].
+pub(super) fn read(text: &str, file: &str) -> Result<Option<Lineage>, InputError> {
+    // Files are read twice only where the word occurs. What is no good RON is complained of by whoever reads it next.
+    if !text.contains("base") || !parse_ron::<Probe>(text, file).is_ok_and(|probe| probe.base.is_some()) {
+        return Ok(None);
+    }
+    let differing: Differing = parse_document(text, file, "a lineage file", "Lineage")?;
+    let Some((name, base)) = BASES.into_iter().find(|(name, _)| *name == differing.base) else {
+        let names = || BASES.iter().map(|(name, _)| *name);
+        let known: Vec<String> = names().map(shown).collect();
+        let allowed =
+            format!("the name of a built-in lineage: {}{}", known.join(", "), did_you_mean(&differing.base, names()));
+        return Err(InputError::not_allowed(file, "base", shown(&differing.base), allowed));
+    };
+    let base = Lineage::parse(base, &format!("{name}.ron (built in)"))?;
+    differing.over(base, file).map(Some)
+}
+
+impl Differing {
+    fn over(self, mut base: Lineage, file: &str) -> Result<Lineage, InputError> {
+        let Differing { base: _, name, citation, naming, units, limits, cues, cue_rules, founders } = self;
+        base.name = name.unwrap_or(base.name);
+        base.citation = citation.or(base.citation);
+        base.naming = naming.unwrap_or(base.naming);
+        base.units = units.or(base.units);
+        base.limits = limits.unwrap_or(base.limits);
+        base.cues.extend(cues);
+        if !cue_rules.is_empty() {
+            base.cue_rules = cue_rules;
+        }
+        let of_base = base.founders.len();
+        let mut changed = vec![false; of_base];
+        for founder in founders {
+            match base.founders[..of_base].iter().position(|other| other.name == founder.name) {
+                None => base.founders.push(founder),
+                // As in a file without a base, where the check that follows would find the name twice.
+                Some(k) if std::mem::replace(&mut changed[k], true) => {
+                    let field = format!("founder {}", shown(&founder.name));
+                    return Err(InputError::not_allowed(file, field, "(given twice)", "given once"));
+                }
+                Some(k) => replace(&mut base.founders[k], founder),
+            }
+        }
+        Ok(base)
+    }
+}
+
+/// Puts what a founder of a file says in the place of what the base says of it.
+fn replace(founder: &mut Founder, with: Founder) {
+    // Taken apart without `..`: a new field does not compile until it has its place.
+    let Founder { name: _, mother, daughter, cue, inherit, cue_rules, r0, physics, letters, observed } = with;
+    founder.mother = mother.or(founder.mother.take());
+    founder.daughter = daughter.or(founder.daughter);
+    // A cue and rules exclude each other, so that either takes the place of both.
+    if cue.is_some() || !cue_rules.is_empty() {
+        (founder.cue, founder.cue_rules, founder.inherit) = (cue, cue_rules, inherit);
+    } else if !inherit {
+        founder.inherit = false;
+    }
+    founder.r0 = r0.or(founder.r0);
+    if !physics.is_empty() {
+        founder.physics = physics;
+    }
+    if !letters.is_empty() {
+        founder.letters = letters;
+    }
+    founder.observed = observed.or(founder.observed);
+}

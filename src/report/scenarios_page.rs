@@ -1,0 +1,128 @@
+//! Several scenarios on one self-contained page: small drawings beside one another, and the table.
+
+use std::fmt::Write;
+
+use super::beside::{MODEL, OBSERVED, founder_lines, observed_texts};
+use super::escape;
+use super::html::{STYLE, parameters};
+use super::summary::TreeSummary;
+use super::svg::{colours, small};
+use crate::lineage::Tree;
+use crate::study::scenarios::Scenario;
+
+/// What this page has on top of the style of the others. Drawings are as wide as their place and as high as that makes them.
+const GRID: &str = ".grid{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,380px),1fr));gap:1rem}figure{margin:0;border:1px solid #e6e8eb;padding:.5rem;min-width:0}\
+figcaption{font-size:.87rem;overflow-wrap:anywhere}figcaption span{color:#666}figure svg{display:block;width:100%;height:auto}td.d{font-weight:600;background:#fff3d6}";
+
+/// The scenarios as a page: a small drawing of each tree, the table of founders and scenarios, and the parameters.
+pub fn scenarios_page(scenarios: &[Scenario], trees: &[Tree]) -> String {
+    let mut out = String::new();
+    let _ = write!(
+        out,
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>{0} scenarios side by side</title><style>{STYLE}{GRID}</style></head><body>\n<h1>{0} scenarios side by side</h1>\n",
+        scenarios.len()
+    );
+    let palette = palette(trees);
+    dots(&mut out, &palette);
+    out.push_str("<div class=\"grid\">\n");
+    for (k, (scenario, tree)) in scenarios.iter().zip(trees).enumerate() {
+        drawing(&mut out, k + 1, scenario, tree, &palette);
+    }
+    out.push_str("</div>\n");
+    table(&mut out, scenarios, trees);
+    if let Some(tree) = trees.first() {
+        out.push_str("<p>The parameters of scenario 1; the others differ from it in lineage and cue, as said above and in the tree.json of each.</p>\n");
+        parameters(&mut out, tree);
+    }
+    out.push_str("</body></html>\n");
+    out
+}
+
+/// Founders and their colours, the same in all drawings: those that the first tree with the founder gives it.
+type Palette<'a> = Vec<(&'a str, &'static str)>;
+
+fn palette(trees: &[Tree]) -> Palette<'_> {
+    let mut palette: Palette<'_> = Vec::new();
+    for tree in trees {
+        for (founder, colour) in tree.lineage.founders.iter().zip(colours(&tree.lineage)) {
+            if !palette.iter().any(|(name, _)| *name == founder.name) {
+                palette.push((&founder.name, colour));
+            }
+        }
+    }
+    palette
+}
+
+/// The colours of the founders, and what discs mean.
+fn dots(out: &mut String, palette: &Palette<'_>) {
+    out.push_str("<p class=\"sub\">");
+    for (name, colour) in palette {
+        let _ = write!(out, "<span class=\"dot\" style=\"background:{colour}\"></span>{}&ensp; ", escape(name));
+    }
+    out.push_str("<br>A full disc divides symmetrically, a ring asymmetrically, an open circle over a bar does not divide. Discs are as wide as the cells. Rows are generations.</p>\n");
+}
+
+fn drawing(out: &mut String, number: usize, scenario: &Scenario, tree: &Tree, palette: &Palette<'_>) {
+    let colour = |name: &str| palette.iter().find(|(known, _)| *known == name).map_or("#222", |(_, colour)| colour);
+    let colours: Vec<&str> = tree.lineage.founders.iter().map(|founder| colour(&founder.name)).collect();
+    let summary = TreeSummary::of(tree);
+    let cue = scenario.cue.as_ref().map_or(String::new(), |cue| format!("; cue {}", escape(cue)));
+    let limited = if summary.limited() { " Some branches were stopped by a limit, not by mechanics." } else { "" };
+    let _ = write!(
+        out,
+        "<figure><figcaption><strong>{number} {}</strong> <span>{}{cue}; {} cells.{limited}</span></figcaption>\n{}</figure>\n",
+        escape(&scenario.name),
+        escape(&tree.lineage.name),
+        tree.len(),
+        small(tree, &colours)
+    );
+}
+
+fn table(out: &mut String, scenarios: &[Scenario], trees: &[Tree]) {
+    let lines = founder_lines(trees);
+    let observed = lines.iter().any(|line| line.observed.is_some());
+    out.push_str("<h2>Rounds of division per founder</h2>\n<div class=\"wrap\"><table><thead><tr><th></th>");
+    for (k, scenario) in scenarios.iter().enumerate() {
+        let _ = write!(out, "<th colspan=\"{}\" class=\"s l\">{} {}</th>", MODEL.len(), k + 1, escape(&scenario.name));
+    }
+    if observed {
+        let _ = write!(out, "<th colspan=\"{}\" class=\"s l\">observed</th>", OBSERVED.len());
+    }
+    out.push_str("</tr>\n<tr><th>founder</th>");
+    // The first column of a group stands off from the one before.
+    let heading = |out: &mut String, names: &[&str]| {
+        for (k, name) in names.iter().enumerate() {
+            let _ = write!(out, "<th{}>{name}</th>", if k == 0 { " class=\"s\"" } else { "" });
+        }
+    };
+    scenarios.iter().for_each(|_| heading(out, &MODEL));
+    if observed {
+        heading(out, &OBSERVED);
+    }
+    out.push_str("</tr></thead><tbody>\n");
+    let cell = |out: &mut String, first: bool, differs: bool, text: &str| {
+        let class = match (first, differs) {
+            (true, true) => " class=\"s d\"",
+            (true, false) => " class=\"s\"",
+            (false, true) => " class=\"d\"",
+            (false, false) => "",
+        };
+        let _ = write!(out, "<td{class}>{text}</td>");
+    };
+    for line in &lines {
+        let _ = write!(out, "<tr><td>{}</td>", escape(&line.name));
+        for entry in &line.entries {
+            let texts = entry.texts.iter().zip(entry.differs).enumerate();
+            texts.for_each(|(k, (text, differs))| cell(out, k == 0, differs, text));
+        }
+        if observed {
+            observed_texts(line.observed).iter().enumerate().for_each(|(k, text)| cell(out, k == 0, false, text));
+        }
+        out.push_str("</tr>\n");
+    }
+    out.push_str("</tbody></table></div>\n<p>Shaded: another number than in scenario 1. Rounds are divisions from the founder to a terminal cell: fewest, mean and most over its terminal cells; χ is the size asymmetry of the founder's own division, cells are its terminal ones.");
+    if let Some(citation) = trees.iter().find_map(|tree| tree.lineage.citation.as_ref()) {
+        let _ = write!(out, " Observed, deaths included: {}.", escape(citation.trim_end_matches('.')));
+    }
+    out.push_str("</p>\n");
+}
