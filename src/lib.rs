@@ -28,6 +28,8 @@
 //! | [`division`] | one division in time |
 //! | [`batch`] | many divisions solved once each, on all cores, and kept; phase diagrams |
 //! | [`lineage`] | founders, the tree that grows from them, rounds beside the observed ones |
+//! | [`settings`] | parameters as users give them, each field checked |
+//! | [`study`] | sweeps: the points of axes, solved and put into one table |
 //! | [`io`], [`report`] | files, tables and pictures |
 //! | `cli` | the command line (feature `cli`, on by default) |
 //!
@@ -47,5 +49,7 @@ pub mod input;
 pub mod io;
 pub mod lineage;
 pub mod report;
+pub mod settings;
 pub mod shapes;
 pub mod stability;
+pub mod study;
