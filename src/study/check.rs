@@ -94,7 +94,7 @@ impl Check<'_> {
         match (&given.range, &given.list, &given.sample) {
             (Some(range), None, None) => {
                 let Interval { from, to, count } = *self.interval(k, "range", range)?;
-                Ok(numbers(spaced(from, to, count)))
+                Ok(numbers(spaced(from, to, count).into_iter().map(|value| tidy(value, [from, to])).collect()))
             }
             (None, Some(list), None) if list.is_empty() => {
                 self.refuse(format!("axes[{k}].list"), "[]", "a list of one value at least")
@@ -238,5 +238,27 @@ impl Check<'_> {
             return Ok(());
         }
         sweep.checked(0).1
+    }
+}
+
+/// A value of a range without the noise in its last digits, 1.7 for 1.7000000000000002: what a list would have there. The ends
+/// are as they were given.
+fn tidy(value: f64, ends: [f64; 2]) -> f64 {
+    if ends.contains(&value) { value } else { format!("{value:.12e}").parse().unwrap_or(value) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_hold_the_numbers_that_one_would_write() {
+        let ends = [1.6, 5.4];
+        let values: Vec<f64> = spaced(1.6, 5.4, 39).into_iter().map(|value| tidy(value, ends)).collect();
+        let written: Vec<f64> =
+            (16..=54).map(|tenths: i32| format!("{}.{}", tenths / 10, tenths % 10).parse().unwrap()).collect();
+        assert_eq!(values, written);
+        assert_ne!(spaced(1.6, 5.4, 39), written);
+        assert_eq!(tidy(1.0 / 3.0, [1.0 / 3.0, 1.0]), 1.0 / 3.0);
     }
 }
