@@ -172,6 +172,27 @@ fn parts_merge_to_the_bytes_of_the_whole_at_any_number_of_threads() {
     assert!(table(at, "part-1").iter().all(|row| rows.contains(row)));
 }
 
+/// A tree of one part is not told what another part has searched for: critical radii that are not stored.
+#[test]
+fn trees_in_parts_are_those_of_the_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    write(at, "one.ron", r#"Lineage(name: "one", founders: [(name: "S", r0: 4.0)])"#);
+    let text = r#"Sweep(kind: tree, lineage: "one.ron", physics: (epsilon: 0.86), axes: [
+        (parameter: "r0", list: [1.55, 1.9, 2.05, 2.1]), (parameter: "cue", list: ["none", "kappa:u0=0.46,omega=0.06,amplitude=0.1"])])"#;
+    write(at, "s.ron", text);
+    json(at, &["sweep", "s.ron", "--out", "whole", "--no-cache", "--threads", "2"]);
+    for part in ["1", "2"] {
+        let shard = format!("{part}/2");
+        let said = json(at, &["sweep", "s.ron", "--out", part, "--shard", &shard, "--no-cache", "--threads", "1"]);
+        assert_ne!(said["points"], 0);
+    }
+    json(at, &["merge", "1", "2", "--out", "merged"]);
+    assert_eq!(files(at, "merged"), files(at, "whole"));
+    let cells: Vec<usize> = table(at, "whole")[1..].iter().map(|row| row[row.len() - 7].parse().unwrap()).collect();
+    assert!(cells[0] == 1 && cells.iter().any(|count| *count > 2), "{cells:?}");
+}
+
 #[test]
 fn what_does_not_make_a_whole_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -16,7 +16,7 @@ use crate::batch::{
 };
 use crate::cell::Cell;
 use crate::division::{Division, DivisionError, DivisionInput, Statistics, divide};
-use crate::lineage::{Ends, GrowError, Grower, Tree, TreeSettings, founder_rounds};
+use crate::lineage::{EndReason, Ends, GrowError, Grower, Tree, TreeSettings, founder_rounds};
 use crate::shapes::critical::{BoundaryKind, critical_radius_within};
 use crate::shapes::{BranchOptions, CriticalRadii, Effort, PointKind, ShapeError, pitchfork};
 
@@ -33,6 +33,25 @@ pub struct Standing {
 }
 
 /// What a sweep is solved with.
+///
+/// ```
+/// use std::sync::atomic::AtomicBool;
+///
+/// use furrow::batch::{Memo, Quantisation};
+/// use furrow::settings::Settings;
+/// use furrow::study::table::csv_text;
+/// use furrow::study::{Run, Sweep};
+///
+/// static STOP: AtomicBool = AtomicBool::new(false);
+/// let text = r#"Sweep(kind: division, axes: [(parameter: "r0", list: [1.5, 1.6])])"#;
+/// let sweep = Sweep::parse(text, "small.ron", &Settings::default(), &[])?;
+/// let memo = Memo::new(Quantisation::DEFAULT);
+/// let run = Run { sweep: &sweep, shard: None, memo: &memo, threads: 0, interrupt: &STOP, progress: &|_| () };
+/// let done = run.solve()?;
+/// let csv = String::from_utf8(csv_text(&sweep.columns(), &done.rows)?)?;
+/// assert!(csv.starts_with("r0,outcome,chi,u_furrow,t_end\n1.5,failed,,,"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Run<'a> {
     /// The sweep.
     pub sweep: &'a Sweep,
@@ -227,7 +246,7 @@ impl Run<'_> {
             }
             let Some((_, ends)) = &rule else { continue };
             match self.tree(&point.input, ends, &mut done) {
-                Ok(tree) => results.push((tree_results(&tree), None)),
+                Ok(tree) => results.push((tree_results(&tree), undecided_cells(&tree))),
                 Err(GrowError::Interrupted { .. }) => return Ok(Done { interrupted: true, ..done }),
                 Err(GrowError::Workers(error)) => return Err(error),
             }
@@ -270,6 +289,16 @@ fn division_results(divisions: &[Option<Division>]) -> Vec<Value> {
             vec![symmetric.into(), asymmetric.into(), failed.into(), chi_mean.into(), chi_sd.into()]
         }
     }
+}
+
+/// How many cells of a tree are undecided, and why the first is.
+fn undecided_cells(tree: &Tree) -> Option<String> {
+    let mut cells = tree.cells().filter_map(|id| match &tree.cell(id).fate.ended {
+        Some(EndReason::Undecided { why }) => Some((&tree.cell(id).name, why)),
+        _ => None,
+    });
+    let (name, why) = cells.next()?;
+    Some(format!("undecided cells: {}, the first of them {name}: {why}", 1 + cells.count()))
 }
 
 fn tree_results(tree: &Tree) -> Vec<Value> {
