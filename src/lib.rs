@@ -28,7 +28,8 @@
 //! | [`division`] | one division in time |
 //! | [`batch`] | many divisions solved once each, on all cores, and kept; phase diagrams |
 //! | [`lineage`] | founders, the tree that grows from them, rounds beside the observed ones |
-//! | [`study`] | many trees asked about together: scenarios side by side, ensembles of constants |
+//! | [`settings`] | parameters as users give them, each field checked |
+//! | [`study`] | many trees and divisions with one question: sweeps, scenarios side by side, ensembles of constants |
 //! | [`io`], [`report`] | files, tables and pictures |
 //! | `cli` | the command line (feature `cli`, on by default) |
 //!
@@ -48,6 +49,7 @@ pub mod input;
 pub mod io;
 pub mod lineage;
 pub mod report;
+pub mod settings;
 pub mod shapes;
 pub mod stability;
 pub mod study;

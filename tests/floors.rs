@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The modules of the library from the lowest floor to the highest.
-const FLOORS: [&str; 13] = [
+const FLOORS: [&str; 14] = [
     "input",
     "cell",
     "cortex",
@@ -14,6 +14,7 @@ const FLOORS: [&str; 13] = [
     "division",
     "batch",
     "lineage",
+    "settings",
     "study",
     "io",
     "report",

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-const COMMANDS: [&str; 11] = [
+const COMMANDS: [&str; 13] = [
     "tree",
     "divide",
     "steady",
@@ -12,6 +12,8 @@ const COMMANDS: [&str; 11] = [
     "boundary",
     "phase",
     "calibrate",
+    "sweep",
+    "merge",
     "cache",
     "completions",
     "man",
@@ -37,11 +39,14 @@ fn examples(page: &str) -> Vec<Vec<&str>> {
 
 /// Runs the examples of a page in a folder that has what the repository's has.
 fn run_examples(command: &str) {
-    let folder = tempfile::tempdir().unwrap();
+    run_examples_in(&tempfile::tempdir().unwrap(), command);
+}
+
+fn run_examples_in(folder: &tempfile::TempDir, command: &str) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     // What is solved is kept in the folder and goes with it.
     std::fs::create_dir(folder.path().join("cache")).unwrap();
-    for name in ["data/thresholds.ron", "lineages/c_elegans.ron"] {
+    for name in ["data/thresholds.ron", "lineages/c_elegans.ron", "studies/cue-position.ron"] {
         let copy = folder.path().join(name);
         std::fs::create_dir(copy.parent().unwrap()).unwrap();
         std::fs::copy(root.join(name), copy).unwrap();
@@ -80,6 +85,23 @@ fn examples_of_boundaries_run() {
 #[test]
 fn examples_of_calibrations_run() {
     run_examples("calibrate");
+}
+
+#[test]
+fn examples_of_sweeps_run() {
+    run_examples("sweep");
+}
+
+#[test]
+fn examples_of_merging_run_where_there_are_parts() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = r#"Sweep(kind: division, axes: [(parameter: "r0", list: [1.5, 1.55, 1.6])])"#;
+    std::fs::write(folder.path().join("sweep.ron"), text).unwrap();
+    for (part, shard) in [("part-1", "1/2"), ("part-2", "2/2")] {
+        let arguments = ["sweep", "sweep.ron", "--out", part, "--shard", shard, "--no-cache"];
+        assert!(furrow(folder.path(), &arguments).status.success());
+    }
+    run_examples_in(&folder, "merge");
 }
 
 /// Under "Options" stand only clap's own --help and --version: all else is in a group that says what it is about.

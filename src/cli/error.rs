@@ -6,6 +6,7 @@ use crate::division::DivisionError;
 use crate::input::InputError;
 use crate::io::files::WriteError;
 use crate::io::frames::FramesError;
+use crate::io::sweep_files::SweepFilesError;
 use crate::lineage::GrowError;
 use crate::shapes::{PointKind, ShapeError, StationaryError};
 use crate::stability::StabilityError;
@@ -71,6 +72,9 @@ pub enum CliError {
     /// The answer could not be written to stdout.
     #[error("stdout: {0}")]
     Answer(#[from] std::io::Error),
+    /// The files of a sweep could not be written.
+    #[error(transparent)]
+    SweepFiles(#[from] SweepFilesError),
     /// Frames could not be written.
     #[error(transparent)]
     Frames(#[from] FramesError),

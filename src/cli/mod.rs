@@ -10,6 +10,7 @@ mod divide;
 mod ensemble;
 mod error;
 mod interrupt;
+mod merge;
 mod new_lineage;
 mod output;
 mod phase;
@@ -18,6 +19,7 @@ mod progress;
 mod scenarios;
 mod shell;
 mod steady;
+mod sweep;
 mod tree;
 mod vary;
 
@@ -86,6 +88,8 @@ enum Command {
     Pitchfork(pitchfork::PitchforkArgs),
     Boundary(boundary::BoundaryArgs),
     Phase(phase::PhaseArgs),
+    Sweep(sweep::SweepArgs),
+    Merge(merge::MergeArgs),
     Calibrate(calibrate::CalibrateArgs),
     NewLineage(new_lineage::NewLineageArgs),
     Cache(cache::CacheArgs),
@@ -130,6 +134,8 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Boundary(args) => boundary::run(&args, Context::new(&cli.globals)?),
         Command::Calibrate(args) => calibrate::run(&args, &Context::new(&cli.globals)?),
         Command::Phase(args) => phase::run(&args, Context::new(&cli.globals)?),
+        Command::Sweep(args) => sweep::run(&args, &Context::new(&cli.globals)?, &cli.globals),
+        Command::Merge(args) => merge::run(&args, &cli.globals),
         Command::NewLineage(args) => new_lineage::run(&args),
         Command::Cache(args) => cache::run(&args, &cli.globals),
         Command::Completions(args) => shell::completions(&args, &mut Cli::command()),

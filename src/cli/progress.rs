@@ -32,6 +32,20 @@ impl ProgressLine {
             ));
         }
     }
+
+    /// Shows how many of all are done, and when the rest will be.
+    pub fn show_share(&self, done: usize, of: usize) {
+        if self.bar.is_hidden() {
+            return;
+        }
+        if self.bar.length() != Some(of as u64) {
+            self.bar.set_length(of as u64);
+            if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {pos} of {len} done, {eta} left") {
+                self.bar.set_style(style);
+            }
+        }
+        self.bar.set_position(done as u64);
+    }
 }
 
 impl Drop for ProgressLine {

@@ -158,7 +158,7 @@ fn read<T: for<'a> Deserialize<'a>>(path: &Path) -> Option<T> {
 }
 
 /// Names the fields in which two values differ, each with both of its values where they are short.
-fn differences(name: &str, there: &Value, now: &Value, found: &mut Vec<String>) {
+pub(super) fn differences(name: &str, there: &Value, now: &Value, found: &mut Vec<String>) {
     match (there, now) {
         _ if there == now => {}
         (Value::Object(a), Value::Object(b)) => {

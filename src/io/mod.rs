@@ -1,17 +1,19 @@
-//! Files: configuration in, trees and run records out.
+//! Files: trees, studies and run records out, and in again.
 
-pub mod config;
 pub mod earlier;
 pub mod files;
 pub mod frames;
 pub mod newick;
 pub mod provenance;
 pub mod scenarios_csv;
+pub mod sweep_files;
 pub mod tree_json;
 
-pub use config::{Settings, parse_cue};
 pub use files::write_atomically;
 pub use newick::newick;
 pub use provenance::Provenance;
 pub use scenarios_csv::scenarios_csv;
 pub use tree_json::{FounderRow, TreeFileError, founder_rows};
+
+/// Parameters of a run are a floor of their own; whoever reads files needs them too.
+pub use crate::settings::{Settings, parse_cue};

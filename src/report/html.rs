@@ -4,9 +4,9 @@ use super::escape;
 use super::summary::TreeSummary;
 use super::svg::{colours, svg};
 use super::table::{cue_text, decimals, observed_columns, outcome_name};
-use crate::io::config::{Settings, listing};
 use crate::io::{FounderRow, Provenance};
 use crate::lineage::Tree;
+use crate::settings::{Settings, listing};
 use std::fmt::Write;
 
 pub(super) const STYLE: &str = "body{font:15px/1.5 Helvetica,Arial,sans-serif;color:#222;margin:2rem auto;max-width:1320px;padding:0 1rem}\

@@ -2,19 +2,35 @@
 //!
 //! | file | what it says |
 //! |---|---|
+//! | [`sweep`] | the sweep file: of what kind, over which axes, from what cell |
+//! | [`points`], [`sample`] | axes and their values, and the points that they span; values that fill an interval evenly |
+//! | [`shard`] | which part of the points one machine takes |
+//! | [`run`], [`table`] | solving the points; columns and rows, as CSV and as JSON lines |
+//! | [`scenarios`] | lineages and cues side by side |
 //! | [`mod@judge`] | whether constants agree with what is known |
 //! | [`mod@ensemble`] | a sample of the constants that do |
 //! | [`constants`] | sets of constants as a table |
 //! | [`mod@ranges`] | a lineage over sets of constants |
-//! | [`scenarios`] | lineages and cues side by side |
 
+mod check;
 pub mod constants;
 pub mod ensemble;
 pub mod judge;
+pub mod points;
 pub mod ranges;
+pub mod run;
+pub mod sample;
 pub mod scenarios;
+pub mod shard;
+pub mod sweep;
+pub mod table;
 
 pub use constants::{Constants, read_constants, write_constants};
 pub use ensemble::{Ensemble, EnsembleError, Member, ensemble};
 pub use judge::{Exclusion, Judgement, judge};
+pub use points::{Axes, Axis, AxisValue, Point, Target};
 pub use ranges::{LineageRanges, Range, ranges};
+pub use run::{Done, Run, Standing};
+pub use shard::Shard;
+pub use sweep::{Kind, Sweep};
+pub use table::Row;

@@ -190,7 +190,7 @@ pub fn workers(threads: usize) -> usize {
 }
 
 /// The workers of a run.
-pub(super) fn pool<E: std::fmt::Display>(threads: usize) -> Result<rayon::ThreadPool, SchedulerError<E>> {
+pub(crate) fn pool<E: std::fmt::Display>(threads: usize) -> Result<rayon::ThreadPool, SchedulerError<E>> {
     let threads = workers(threads);
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)

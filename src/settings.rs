@@ -45,16 +45,17 @@ macro_rules! fields {
         $($name:ident $([$($alias:literal),*])? at $($path:ident).+ : $kind:ty, $allowed:literal, |$v:ident| $ok:expr;)*
     })*) => {
         $(
+            /// What a file sets of one section; what it does not name keeps its value.
             #[derive(Deserialize, Default)]
             #[serde(default, deny_unknown_fields, rename = $shown)]
-            struct $overrides {
+            pub(crate) struct $overrides {
                 $($(#[serde($(alias = $alias),*)])? $name: Option<$kind>,)*
                 #[serde(skip)]
                 _fields: (),
             }
 
             impl $overrides {
-                fn apply(self, settings: &mut Settings) {
+                pub(crate) fn apply(self, settings: &mut Settings) {
                     $(if let Some(value) = self.$name { settings.$($path).+ = value; })*
                 }
             }
@@ -204,49 +205,52 @@ impl Settings {
 
     /// Applies and checks `key=value` settings, in order; `xi_b` last.
     pub fn apply_overrides(&mut self, overrides: &[String]) -> Result<(), InputError> {
-        const SOURCE: &str = "--set";
-        let mut xi_b = None;
+        self.override_fields(overrides)?;
+        self.check(OVERRIDES)
+    }
+
+    /// Applies `key=value` settings and checks each field by itself: of what is varied afterwards not all is known yet.
+    pub fn override_fields(&mut self, overrides: &[String]) -> Result<(), InputError> {
+        const SOURCE: &str = OVERRIDES;
+        let mut pairs = Vec::new();
         for entry in overrides {
             let Some((key, value)) = entry.split_once('=') else {
                 return Err(InputError::not_allowed(SOURCE, "setting", format!("{entry:?}"), "of the form key=value"));
             };
-            let (key, value) = (key.trim(), value.trim());
-            let (section, plain) = match key.split_once('.') {
-                Some((section @ ("physics" | "numerics"), plain)) => (Some(section), plain),
-                _ => (None, key),
-            };
-            let refuse_key = |allowed: String| Err(InputError::not_allowed(SOURCE, "key", shown(key), allowed));
-            // The section that the key names, if it names one, must be the one the parameter is in.
-            let misplaced = |right: &str| section.is_some_and(|section| section != right);
-            if plain == "xi_b" && misplaced("physics") {
-                return refuse_key("physics.xi_b or xi_b alone".to_owned());
-            }
-            if plain == "xi_b" {
-                let allowed = "a finite number";
+            let key = key.trim();
+            let refuse = |allowed| InputError::not_allowed(SOURCE, "key", shown(key), allowed);
+            pairs.push((canonical_name(key).map_err(refuse)?, value.trim()));
+        }
+        self.assign(SOURCE, &pairs)?;
+        self.check_fields(SOURCE)
+    }
+
+    /// Sets fields by their [canonical names](canonical_name) to values given as text, in order; `xi_b` last, from the ξ_s that
+    /// is then in force. Whether the values are allowed is left to [`check`](Self::check).
+    ///
+    /// # Errors
+    /// A text that is no value of its field; errors say it came from `source_name`.
+    pub fn assign<T: AsRef<str>>(&mut self, source_name: &str, pairs: &[(&str, T)]) -> Result<(), InputError> {
+        let mut xi_b = None;
+        for (name, value) in pairs {
+            let value = value.as_ref();
+            let refuse = |allowed: &str| InputError::not_allowed(source_name, *name, value, allowed);
+            if *name == XI_B {
                 let read = value.parse::<f64>().ok().filter(|v| v.is_finite());
-                xi_b = Some(read.ok_or_else(|| InputError::not_allowed(SOURCE, "xi_b", value, allowed))?);
-                continue;
+                xi_b = Some(read.ok_or_else(|| refuse("a finite number"))?);
+            } else if let Some(field) = FIELDS.iter().find(|field| field.name == *name) {
+                (field.set)(self, value).map_err(refuse)?;
             }
-            let Some(field) = FIELDS.iter().find(|f| f.name == plain || f.aliases.contains(&plain)) else {
-                let names: Vec<&str> = FIELDS.iter().map(|f| f.name).chain(["xi_b"]).collect();
-                let aliases = FIELDS.iter().flat_map(|f| f.aliases).copied();
-                let nearest = did_you_mean(plain, names.iter().copied().chain(aliases));
-                return refuse_key(format!("one of {}{nearest}", names.join(", ")));
-            };
-            if misplaced(field.section) {
-                return refuse_key(format!("{}.{plain} or {plain} alone", field.section));
-            }
-            (field.set)(self, value).map_err(|allowed| InputError::not_allowed(SOURCE, field.name, value, allowed))?;
         }
         if let Some(xi_b) = xi_b {
             let ratio = xi_b / self.cell.xi_s;
             if !ratio.is_finite() {
                 let allowed = format!("a multiple of xi_s, which is {}", self.cell.xi_s);
-                return Err(InputError::not_allowed(SOURCE, "xi_b", xi_b, allowed));
+                return Err(InputError::not_allowed(source_name, XI_B, xi_b, allowed));
             }
             self.cell.material.xi_ratio = ratio;
         }
-        self.check(SOURCE)
+        Ok(())
     }
 
     /// Sets one number by the name of its field and checks it; errors say it came from `source_name`.
@@ -261,14 +265,26 @@ impl Settings {
         Ok(())
     }
 
-    /// Checks every field; errors say the values came from `source_name`.
-    pub fn check(&self, source_name: &str) -> Result<(), InputError> {
+    /// What is allowed of one field, given by its [canonical name](canonical_name), if its value is not.
+    pub fn refuses(&self, name: &str) -> Option<&'static str> {
+        let field = FIELDS.iter().find(|field| field.name == name)?;
+        (field.valid)(self).map(|(_, allowed)| allowed)
+    }
+
+    /// Checks every field by itself; errors say the values came from `source_name`.
+    pub fn check_fields(&self, source_name: &str) -> Result<(), InputError> {
         for field in FIELDS {
             if let Some((value, allowed)) = (field.valid)(self) {
                 let name = format!("{}.{}", field.section, field.name);
                 return Err(InputError::not_allowed(source_name, name, value, allowed));
             }
         }
+        Ok(())
+    }
+
+    /// Checks every field, and whether they go together; errors say the values came from `source_name`.
+    pub fn check(&self, source_name: &str) -> Result<(), InputError> {
+        self.check_fields(source_name)?;
         let Numerics { scheme, dt, .. } = self.numerics;
         if scheme == Scheme::Converged && dt != Numerics::default().dt {
             let allowed = "given with scheme = published alone: the converged scheme chooses its own steps";
@@ -321,6 +337,49 @@ impl Settings {
         }
         Ok(())
     }
+}
+
+/// What errors call settings of the form `key=value`.
+const OVERRIDES: &str = "--set";
+
+/// Sets `xi_ratio` from the ξ_s in force.
+const XI_B: &str = "xi_b";
+
+/// The name of the field that a key of `--set` means: an alias's own, and without the section before it.
+///
+/// ```
+/// use furrow::settings::canonical_name;
+///
+/// assert_eq!(canonical_name("physics.eps"), Ok("epsilon"));
+/// assert!(canonical_name("numerics.eps").is_err());
+/// ```
+///
+/// # Errors
+/// Says which keys there are.
+pub fn canonical_name(key: &str) -> Result<&'static str, String> {
+    let (section, plain) = match key.split_once('.') {
+        Some((section @ ("physics" | "numerics"), plain)) => (Some(section), plain),
+        _ => (None, key),
+    };
+    // The section that the key names, if it names one, must be the one the parameter is in.
+    let misplaced = |right: &str| section.is_some_and(|section| section != right);
+    if plain == XI_B {
+        let allowed = "physics.xi_b or xi_b alone".to_owned();
+        return if misplaced("physics") { Err(allowed) } else { Ok(XI_B) };
+    }
+    match FIELDS.iter().find(|field| field.name == plain || field.aliases.contains(&plain)) {
+        Some(field) if misplaced(field.section) => Err(format!("{}.{plain} or {plain} alone", field.section)),
+        Some(field) => Ok(field.name),
+        None => {
+            let nearest = did_you_mean(plain, names().chain(FIELDS.iter().flat_map(|f| f.aliases).copied()));
+            Err(format!("one of {}{nearest}", names().collect::<Vec<_>>().join(", ")))
+        }
+    }
+}
+
+/// The canonical names of all keys.
+pub fn names() -> impl Iterator<Item = &'static str> + Clone {
+    FIELDS.iter().map(|field| field.name).chain([XI_B])
 }
 
 /// Least and largest active stress g ξ_s/κ, at which the first time steps still find their shapes.

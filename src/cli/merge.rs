@@ -1,0 +1,62 @@
+//! `furrow merge`: the parts of a sweep put together.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::Serialize;
+
+use super::Globals;
+use super::context::start_logs;
+use super::error::CliError;
+use super::output::{answer, writable_folder};
+use crate::input::InputError;
+use crate::io::sweep_files::{SWEEP_FILES, merge};
+
+/// Puts the parts of a sweep together: the same files as of the whole sweep, byte for byte
+///
+/// Parts that are missing, of different sweeps or of different versions of furrow are refused.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow merge part-1 part-2 --out whole
+  furrow merge part-1 part-2 --out whole --json")]
+pub struct MergeArgs {
+    /// Folders that furrow sweep --shard has written, of all parts
+    #[arg(value_name = "DIR", required = true)]
+    parts: Vec<PathBuf>,
+    /// Folder for the files of the whole sweep
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+/// What `--json` prints: as of a sweep, of which everything was solved before.
+#[derive(Serialize)]
+struct Answer {
+    points: usize,
+    solved: usize,
+    reused: usize,
+    parts: usize,
+    out: String,
+}
+
+pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
+    start_logs(globals);
+    // The whole in place of a part would be the end of that part.
+    let same = |a: &Path, b: &Path| a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b));
+    if let Some(part) = args.parts.iter().find(|part| same(part, &args.out)) {
+        let allowed = "another folder than those of the parts";
+        return Err(InputError::not_allowed("--out", "out", format!("{part:?}"), allowed).into());
+    }
+    writable_folder("--out", "out", &args.out, &SWEEP_FILES)?;
+    let table = merge(&args.parts)?;
+    if let Some((aside, what)) = table.write(&args.out)? {
+        tracing::warn!("the files of another sweep are kept in {}: {what}", aside.display());
+    }
+    let points = table.rows.len();
+    let document =
+        Answer { points, solved: 0, reused: points, parts: args.parts.len(), out: args.out.display().to_string() };
+    if globals.json {
+        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+    }
+    answer(&format!("{points} points of {} parts; files in {}\n", document.parts, document.out))
+}

@@ -1,0 +1,109 @@
+//! `furrow sweep`: many divisions, trees, pitchforks or critical radii.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::Globals;
+use super::context::{Context, warn_of_store};
+use super::error::CliError;
+use super::interrupt;
+use super::output::{answer, writable_folder};
+use super::progress::ProgressLine;
+use crate::io::Settings;
+use crate::io::sweep_files::{SWEEP_FILES, SweepTable};
+use crate::study::{Done, Run, Shard, Standing, Sweep};
+
+/// Computes divisions, trees, pitchforks or critical radii over axes of parameters
+///
+/// Writes results.csv (one row a point, the first axis varying slowest), the same rows in results.jsonl, and sweep.json
+/// with all that decides them.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow sweep studies/cue-position.ron --out cue-position --shard 1/50
+  furrow sweep studies/cue-position.ron --out part-2 --shard 2/50 --json")]
+pub struct SweepArgs {
+    /// Kind, axes and all that is not the preset's
+    #[arg(value_name = "SWEEP.ron")]
+    sweep: PathBuf,
+    /// Folder for the files; those of another sweep in it are kept in a folder earlier-N there
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    out: PathBuf,
+    /// Solves only the points whose hash gives part K of N; see furrow merge
+    #[arg(help_heading = "Run", long, value_name = "K/N")]
+    shard: Option<Shard>,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Answer {
+    /// Points of the sweep, or of this part of it.
+    points: usize,
+    solved: usize,
+    reused: usize,
+    undecided: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shard: Option<Shard>,
+    elapsed_s: f64,
+    out: String,
+}
+
+pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(), CliError> {
+    let start = Instant::now();
+    interrupt::gently();
+    // What the sweep file says comes between the configuration file and the settings of the command line.
+    let base = Settings::load(globals.config.as_deref(), &[])?;
+    let sweep = Sweep::read(&args.sweep, &base, &globals.set)?;
+    writable_folder("--out", "out", &args.out, &SWEEP_FILES)?;
+    let memo = context.memo()?;
+    let line = ProgressLine::new(context.progress);
+    let show = |standing: Standing| line.show_share(standing.done, standing.of);
+    let run = Run {
+        sweep: &sweep,
+        shard: args.shard,
+        memo: &memo,
+        threads: context.threads,
+        interrupt: interrupt::flag(),
+        progress: &show,
+    };
+    let solved = run.solve();
+    drop(line);
+    let Done { rows, undecided, solved, reused, interrupted, warnings } = solved?;
+    warn_of_store(&warnings);
+    if interrupted {
+        return Err(CliError::Interrupted);
+    }
+    if let Some(first) = undecided.first().and_then(|place| rows.get(*place)) {
+        let why = first.why.as_deref().unwrap_or_default();
+        tracing::warn!(
+            "{} of {} points are undecided, wholly or in part; of the first, index {}: {why}",
+            undecided.len(),
+            rows.len(),
+            first.index
+        );
+    }
+    let table = SweepTable::new(&sweep, memo.quantisation(), args.shard, rows)?;
+    if let Some((aside, what)) = interrupt::unbroken(|| table.write(&args.out))? {
+        tracing::warn!("the files of another sweep are kept in {}: {what}", aside.display());
+    }
+    let document = Answer {
+        points: table.rows.len(),
+        solved,
+        reused,
+        undecided: undecided.len(),
+        shard: args.shard,
+        elapsed_s: start.elapsed().as_secs_f64(),
+        out: args.out.display().to_string(),
+    };
+    if context.json {
+        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+    }
+    let part = args.shard.map_or(String::new(), |shard| format!(" of part {shard}"));
+    answer(&format!(
+        "{} points{part}: {solved} solved, {reused} reused, {:.2} s; files in {}\n",
+        document.points, document.elapsed_s, document.out
+    ))
+}

@@ -1,0 +1,264 @@
+//! Checks a sweep file: every axis known and given once, every value allowed by itself, the points not too many.
+
+use super::points::{Axes, Axis, AxisValue, Target};
+use super::sample::{MOST_AXES, halton};
+use super::sweep::{AxisDocument, Document, Interval, Kind, Sweep};
+use crate::batch::phase::spaced;
+use crate::cell::{Cue, Parameter};
+use crate::input::{InputError, did_you_mean, shown};
+use crate::lineage::Lineage;
+use crate::settings::{self, Settings, canonical_name};
+
+/// Most divisions, trees or shapes of one sweep.
+const MOST_POINTS: usize = 10_000_000;
+
+/// A sweep file to be checked, and what it is checked with.
+pub struct Check<'a> {
+    /// What errors call the file.
+    pub file: &'a str,
+    /// What it says.
+    pub document: &'a Document,
+    /// What no axis says.
+    pub settings: &'a Settings,
+    /// The lineage whose cues have names.
+    pub lineage: &'a Lineage,
+}
+
+impl Check<'_> {
+    /// The sweep, if all of it is allowed.
+    pub fn run(&self) -> Result<Sweep, InputError> {
+        let document = self.document;
+        let mut axes: Vec<Axis> = Vec::new();
+        for (k, given) in document.axes.iter().enumerate() {
+            let target = self.target(k, given, &axes)?;
+            let sampled = axes.iter().filter(|axis| axis.sampled).count();
+            let values = self.values(k, given, sampled)?;
+            let mut axis =
+                Axis { name: given.parameter.clone(), target, values, cues: vec![], sampled: given.sample.is_some() };
+            self.sampled_alike(k, &axis, &axes)?;
+            self.allowed(k, given, &mut axis)?;
+            axes.push(axis);
+        }
+        let cue = document.cue.as_ref().map(|text| self.cue("cue", text)).transpose()?;
+        let sweep = Sweep {
+            file: self.file.to_owned(),
+            kind: document.kind,
+            axes: Axes(axes),
+            settings: self.settings.clone(),
+            cue,
+            replicates: document.replicates,
+            seed: document.seed,
+            lineage: self.lineage.clone(),
+        };
+        self.cue_numbers(&sweep)?;
+        self.counts(&sweep)?;
+        self.first_point(&sweep)?;
+        Ok(sweep)
+    }
+
+    fn refuse<T>(&self, field: String, value: impl ToString, allowed: impl Into<String>) -> Result<T, InputError> {
+        Err(InputError::not_allowed(self.file, field, value, allowed))
+    }
+
+    /// What an axis sets, which no axis before it does.
+    fn target(&self, k: usize, given: &AxisDocument, before: &[Axis]) -> Result<Target, InputError> {
+        let name = given.parameter.as_str();
+        let target = match (name, name.parse()) {
+            ("cue", _) => Some(Target::Cue),
+            (_, Ok(parameter @ Parameter::Cue { .. })) => Some(Target::CueNumber(parameter)),
+            _ => canonical_name(name).ok().map(Target::Field),
+        };
+        let field = || format!("axes[{k}].parameter");
+        let Some(target) = target else {
+            let known: Vec<&str> = settings::names().chain(["cue", "cue.u0", "cue.omega", "cue.amplitude"]).collect();
+            let nearest = did_you_mean(name, known.iter().copied());
+            return self.refuse(field(), shown(name), format!("one of {}{nearest}", known.join(", ")));
+        };
+        let searched = match self.document.kind {
+            Kind::Pitchfork => Some(("xi_s", "pitchforks are searched for along ξ_s")),
+            Kind::Critical => Some(("r0", "critical radii are searched for along R0")),
+            Kind::Division | Kind::Tree => None,
+        };
+        if let Some((_, why)) = searched.filter(|(name, _)| target == Target::Field(name)) {
+            return self.refuse(field(), shown(name), format!("another parameter: {why}"));
+        }
+        if let Some(first) = before.iter().position(|axis| axis.target == target) {
+            return self.refuse(field(), shown(name), format!("a parameter of one axis, and axes[{first}] has it"));
+        }
+        Ok(target)
+    }
+
+    /// The values of an axis; `sampled` axes before it are.
+    fn values(&self, k: usize, given: &AxisDocument, sampled: usize) -> Result<Vec<AxisValue>, InputError> {
+        let numbers = |values: Vec<f64>| values.into_iter().map(AxisValue::Number).collect();
+        match (&given.range, &given.list, &given.sample) {
+            (Some(range), None, None) => {
+                let Interval { from, to, count } = *self.interval(k, "range", range)?;
+                Ok(numbers(spaced(from, to, count).into_iter().map(|value| tidy(value, [from, to])).collect()))
+            }
+            (None, Some(list), None) if list.is_empty() => {
+                self.refuse(format!("axes[{k}].list"), "[]", "a list of one value at least")
+            }
+            (None, Some(list), None) => Ok(list.clone()),
+            (None, None, Some(sample)) => {
+                let Interval { from, to, count } = *self.interval(k, "sample", sample)?;
+                if sampled >= MOST_AXES {
+                    return self.refuse(
+                        format!("axes[{k}].sample"),
+                        "(…)",
+                        format!("one of {MOST_AXES} samples at most"),
+                    );
+                }
+                let unit = halton(sampled, self.document.seed, count);
+                Ok(numbers(unit.into_iter().map(|x| from + (to - from) * x).collect()))
+            }
+            _ => self.refuse(format!("axes[{k}]"), shown(&given.parameter), "given with one of range, list, sample"),
+        }
+    }
+
+    fn interval<'i>(&self, k: usize, of: &str, interval: &'i Interval) -> Result<&'i Interval, InputError> {
+        for (name, value) in [("from", interval.from), ("to", interval.to)] {
+            if !value.is_finite() {
+                return self.refuse(format!("axes[{k}].{of}.{name}"), value, "a finite number");
+            }
+        }
+        if !(1..=MOST_POINTS).contains(&interval.count) {
+            let allowed = format!("a whole number from 1 to {MOST_POINTS}");
+            return self.refuse(format!("axes[{k}].{of}.count"), interval.count, allowed);
+        }
+        Ok(interval)
+    }
+
+    /// Sampled axes are one axis of points, and so have one count.
+    fn sampled_alike(&self, k: usize, axis: &Axis, before: &[Axis]) -> Result<(), InputError> {
+        let Some(first) = before.iter().position(|axis| axis.sampled).filter(|_| axis.sampled) else { return Ok(()) };
+        let (count, wanted) = (axis.values.len(), before[first].values.len());
+        if count == wanted {
+            return Ok(());
+        }
+        let allowed = format!("{wanted}, the count of axes[{first}]: sampled axes are sampled together");
+        self.refuse(format!("axes[{k}].sample.count"), count, allowed)
+    }
+
+    /// Whether each value of an axis is allowed, and what those of a cue mean.
+    fn allowed(&self, k: usize, given: &AxisDocument, axis: &mut Axis) -> Result<(), InputError> {
+        for (j, value) in axis.values.iter().enumerate() {
+            let place = match (given.list.is_some(), given.range.is_some()) {
+                (true, _) => format!("axes[{k}].list[{j}]"),
+                (_, true) => format!("axes[{k}].range"),
+                _ => format!("axes[{k}].sample"),
+            };
+            match (axis.target, value) {
+                (Target::Cue, AxisValue::Text(text)) => axis.cues.push(self.cue(&place, text)?),
+                (Target::Cue, _) => return self.refuse(place, value.text(), "a cue in quotes, as \"none\""),
+                (Target::CueNumber(_), AxisValue::Text(text)) => return self.refuse(place, shown(text), "a number"),
+                (Target::CueNumber(_), _) => {}
+                (Target::Field(name), value) => self.field_value(&format!("{place} ({name})"), name, value)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn field_value(&self, place: &str, name: &'static str, value: &AxisValue) -> Result<(), InputError> {
+        if let AxisValue::Text(text) = value
+            && text.parse::<f64>().is_ok()
+        {
+            return self.refuse(place.to_owned(), shown(text), "a number without quotes");
+        }
+        let mut trial = self.settings.clone();
+        let refused = match trial.assign(self.file, &[(name, value.text())]) {
+            Err(InputError::NotAllowed { allowed, .. }) => Some(allowed),
+            Err(other) => return Err(other),
+            Ok(()) => trial.refuses(name).map(str::to_owned),
+        };
+        let written = match value {
+            AxisValue::Number(number) => number.to_string(),
+            AxisValue::Text(text) => shown(text),
+        };
+        refused.map_or(Ok(()), |allowed| self.refuse(place.to_owned(), written, allowed))
+    }
+
+    fn cue(&self, place: &str, text: &str) -> Result<Cue, InputError> {
+        self.lineage.parse_cue(text).map_err(|error| {
+            let field = if error.field == "cue" { place.to_owned() } else { format!("{place}: {}", error.field) };
+            InputError::not_allowed(self.file, field, error.value, error.allowed)
+        })
+    }
+
+    /// Axes over numbers of a cue need cues that have them.
+    fn cue_numbers(&self, sweep: &Sweep) -> Result<(), InputError> {
+        let Axes(axes) = &sweep.axes;
+        let cues: Vec<Cue> = match axes.iter().find(|axis| axis.target == Target::Cue) {
+            Some(axis) => axis.cues.clone(),
+            None => vec![sweep.cue.clone().unwrap_or_default()],
+        };
+        for (k, axis) in axes.iter().enumerate() {
+            let Target::CueNumber(parameter) = axis.target else { continue };
+            for cue in &cues {
+                let mut cell = sweep.settings.cell.clone().with_cue(cue.clone());
+                if !parameter.is_of(&cell) {
+                    let allowed = match cue.terms() {
+                        [] => "a number of a cue, and none is given: see cue".to_owned(),
+                        terms => format!("a number of the cue's terms, cue[0] to cue[{}]: {cue}", terms.len() - 1),
+                    };
+                    return self.refuse(format!("axes[{k}].parameter"), shown(&axis.name), allowed);
+                }
+                for value in &axis.values {
+                    let AxisValue::Number(number) = value else { continue };
+                    parameter.set(&mut cell, *number);
+                    if let Err(error) = cell.cue.check() {
+                        let field = format!("axes[{k}]: {}", error.field);
+                        return self.refuse(field, error.value, error.allowed);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn counts(&self, sweep: &Sweep) -> Result<(), InputError> {
+        if sweep.replicates == 0 || (sweep.replicates > 1 && sweep.kind != Kind::Division) {
+            let allowed = "1, or of divisions more";
+            return self.refuse("replicates".to_owned(), sweep.replicates, allowed);
+        }
+        let all = sweep.axes.points().and_then(|points| points.checked_mul(sweep.replicates as usize));
+        if all.is_none_or(|all| all > MOST_POINTS) {
+            let counts: Vec<String> = sweep.axes.0.iter().map(|axis| axis.values.len().to_string()).collect();
+            let allowed = format!("axes that span {MOST_POINTS} points at most, replicates included");
+            return self.refuse("axes".to_owned(), counts.join(" × "), allowed);
+        }
+        Ok(())
+    }
+
+    /// What no axis can mend is wrong with every point, and better told at once.
+    fn first_point(&self, sweep: &Sweep) -> Result<(), InputError> {
+        let without_axes = Sweep { axes: Axes::default(), ..sweep.clone() };
+        let fine = |sweep: &Sweep, index| sweep.checked(index).1.is_ok();
+        if fine(&without_axes, 0) || (1..sweep.points()).any(|index| fine(sweep, index)) {
+            return Ok(());
+        }
+        sweep.checked(0).1
+    }
+}
+
+/// A value of a range without the noise in its last digits, 1.7 for 1.7000000000000002: what a list would have there. The ends
+/// are as they were given.
+fn tidy(value: f64, ends: [f64; 2]) -> f64 {
+    if ends.contains(&value) { value } else { format!("{value:.12e}").parse().unwrap_or(value) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_hold_the_numbers_that_one_would_write() {
+        let ends = [1.6, 5.4];
+        let values: Vec<f64> = spaced(1.6, 5.4, 39).into_iter().map(|value| tidy(value, ends)).collect();
+        let written: Vec<f64> =
+            (16..=54).map(|tenths: i32| format!("{}.{}", tenths / 10, tenths % 10).parse().unwrap()).collect();
+        assert_eq!(values, written);
+        assert_ne!(spaced(1.6, 5.4, 39), written);
+        assert_eq!(tidy(1.0 / 3.0, [1.0 / 3.0, 1.0]), 1.0 / 3.0);
+    }
+}
