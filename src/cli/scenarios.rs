@@ -5,16 +5,15 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::context::{Context, warning_text};
+use super::context::Context;
 use super::error::CliError;
 use super::output::{answer, writable_folder};
-use super::tree::{QuantisationRecord, TreeArgs, bad_cue, commit, grown, prepared};
+use super::tree::{RunRecord, TreeArgs, bad_cue, commit, grown, prepared};
 use crate::batch::Summary;
-use crate::batch::scheduler::workers;
 use crate::input::InputError;
 use crate::io::earlier::{Replaced, SCENARIO_FILES, SCENARIOS_FILES, other_scenarios};
 use crate::io::files::FileSet;
-use crate::io::{FounderRow, Provenance, founder_rows, newick, scenarios_csv};
+use crate::io::{FounderRow, founder_rows, newick, scenarios_csv};
 use crate::lineage::Tree;
 use crate::report;
 use crate::study::scenarios::{Scenario, ScenarioError, Source, combine};
@@ -40,27 +39,6 @@ struct AnswerScenario<'a> {
     generations: usize,
     ended: std::collections::BTreeMap<&'static str, usize>,
     slow_cells: usize,
-}
-
-/// `run.json`: what this run did, which need not be the same another time.
-#[derive(Serialize)]
-struct RunRecord<'a> {
-    schema: &'static str,
-    schema_version: u32,
-    provenance: Provenance,
-    elapsed_s: f64,
-    threads: usize,
-    /// Whether every cell's division was computed.
-    dynamics: bool,
-    /// Names of the scenarios, which are those of their folders.
-    scenarios: Vec<&'a str>,
-    cells: usize,
-    divisions_solved: usize,
-    memo_hits: usize,
-    store_hits: usize,
-    corrupt_entries: usize,
-    quantisation: QuantisationRecord,
-    warnings: Vec<String>,
 }
 
 pub fn run(args: &TreeArgs, context: &Context, start: Instant) -> Result<(), CliError> {
@@ -163,22 +141,9 @@ fn write_files(
     }
     files.stage("scenarios.csv", scenarios_csv(scenarios, trees).as_bytes())?;
     files.stage("report.html", report::scenarios_page(scenarios, trees).as_bytes())?;
-    let record = RunRecord {
-        schema: "furrow.scenarios",
-        schema_version: 1,
-        provenance: Provenance::current(),
-        elapsed_s: start.elapsed().as_secs_f64(),
-        threads: workers(context.threads),
-        dynamics: args.dynamics,
-        scenarios: scenarios.iter().map(|scenario| scenario.name.as_str()).collect(),
-        cells: trees.iter().map(Tree::len).sum(),
-        divisions_solved: summary.solved,
-        memo_hits: summary.memo_hits,
-        store_hits: summary.store_hits,
-        corrupt_entries: summary.corrupt,
-        quantisation: QuantisationRecord::of(summary, context.quantisation.relative_step()),
-        warnings: summary.warnings.iter().map(warning_text).collect(),
-    };
-    files.stage("run.json", format!("{}\n", serde_json::to_string_pretty(&record)?).as_bytes())?;
+    let names = scenarios.iter().map(|scenario| scenario.name.as_str()).collect();
+    let cells = trees.iter().map(Tree::len).sum();
+    let record = RunRecord::of(args, context, summary, start, cells, Some(names));
+    files.stage("run.json", record.text()?.as_bytes())?;
     commit(files, replaced, args.force)
 }

@@ -84,7 +84,7 @@ struct Answer<'a> {
 
 /// `run.json`: what this run did, which need not be the same another time.
 #[derive(Serialize)]
-struct RunRecord {
+pub struct RunRecord<'a> {
     schema: &'static str,
     schema_version: u32,
     provenance: Provenance,
@@ -92,6 +92,9 @@ struct RunRecord {
     threads: usize,
     /// Whether every cell's division was computed.
     dynamics: bool,
+    /// Names of the scenarios, which are those of their folders; nothing of a tree by itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scenarios: Option<Vec<&'a str>>,
     cells: usize,
     divisions_solved: usize,
     memo_hits: usize,
@@ -102,7 +105,7 @@ struct RunRecord {
 }
 
 #[derive(Serialize)]
-pub struct QuantisationRecord {
+struct QuantisationRecord {
     /// Relative step of R0.
     r0_step: f64,
     /// Largest relative shift of a cell's R0.
@@ -111,9 +114,41 @@ pub struct QuantisationRecord {
     chi_effect: f64,
 }
 
-impl QuantisationRecord {
-    pub fn of(summary: &Summary, r0_step: f64) -> QuantisationRecord {
-        QuantisationRecord { r0_step, max_r0_shift: summary.max_size_shift, chi_effect: summary.shift_effect }
+impl<'a> RunRecord<'a> {
+    /// Of a run that was begun at `start` and has grown so many cells.
+    pub fn of(
+        args: &TreeArgs,
+        context: &Context,
+        summary: &Summary,
+        start: Instant,
+        cells: usize,
+        scenarios: Option<Vec<&'a str>>,
+    ) -> RunRecord<'a> {
+        RunRecord {
+            schema: if scenarios.is_some() { "furrow.scenarios" } else { "furrow.run" },
+            schema_version: 1,
+            provenance: Provenance::current(),
+            elapsed_s: start.elapsed().as_secs_f64(),
+            threads: workers(context.threads),
+            dynamics: args.dynamics,
+            scenarios,
+            cells,
+            divisions_solved: summary.solved,
+            memo_hits: summary.memo_hits,
+            store_hits: summary.store_hits,
+            corrupt_entries: summary.corrupt,
+            quantisation: QuantisationRecord {
+                r0_step: context.quantisation.relative_step(),
+                max_r0_shift: summary.max_size_shift,
+                chi_effect: summary.shift_effect,
+            },
+            warnings: summary.warnings.iter().map(warning_text).collect(),
+        }
+    }
+
+    /// As the text of `run.json`.
+    pub fn text(&self) -> Result<String, CliError> {
+        Ok(format!("{}\n", serde_json::to_string_pretty(self)?))
     }
 }
 
@@ -286,22 +321,8 @@ fn write_files(
     files.stage("tree.json", tree.to_json()?.as_bytes())?;
     files.stage("tree.svg", report::svg(tree).as_bytes())?;
     files.stage("report.html", report::html(tree, rows).as_bytes())?;
-    let record = RunRecord {
-        schema: "furrow.run",
-        schema_version: 1,
-        provenance: Provenance::current(),
-        elapsed_s: start.elapsed().as_secs_f64(),
-        threads: workers(context.threads),
-        dynamics: args.dynamics,
-        cells: tree.len(),
-        divisions_solved: summary.solved,
-        memo_hits: summary.memo_hits,
-        store_hits: summary.store_hits,
-        corrupt_entries: summary.corrupt,
-        quantisation: QuantisationRecord::of(summary, tree.settings.r0_step),
-        warnings: summary.warnings.iter().map(warning_text).collect(),
-    };
-    files.stage("run.json", format!("{}\n", serde_json::to_string_pretty(&record)?).as_bytes())?;
+    let record = RunRecord::of(args, context, summary, start, tree.len(), None);
+    files.stage("run.json", record.text()?.as_bytes())?;
     commit(files, replaced, args.force)
 }
 

@@ -22,6 +22,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::judge::{Judgement, judge};
+use super::sample::seed_of;
 use crate::calibration::{CalibrateError, Targets, calibrate, moved, with_values};
 use crate::cell::{Cell, Numerics, Parameter};
 
@@ -77,6 +78,9 @@ pub enum EnsembleError {
         /// The statement that excludes most.
         by: String,
     },
+    /// The sensitivities at the best fit give no shape to draw from.
+    #[error("the sensitivities at the best fit have no covariance; start the unknowns elsewhere")]
+    NoCovariance,
     /// The workers could not be started.
     #[error("cannot start worker threads: {0}")]
     Workers(String),
@@ -97,7 +101,7 @@ impl Proposal {
 
     /// Draw number `index` of a seed.
     fn draw(&self, seed: u64, index: u64) -> DVector<f64> {
-        let mut random = generator(seed, index);
+        let mut random = Mt64::new(seed_of(b"ensemble", seed, index));
         let d = self.centre.len();
         let normal = DVector::from_fn(d, |_, _| normal(&mut random));
         // A t-distributed vector is a normal one over the root of a χ² variable per degree of freedom.
@@ -113,16 +117,6 @@ impl Proposal {
         let ln_det: f64 = self.root.diagonal().iter().map(|v| v.ln()).sum();
         -ln_det - 0.5 * (FREEDOM + d) * f64::ln(1.0 + scaled.norm_squared() / FREEDOM)
     }
-}
-
-fn generator(seed: u64, index: u64) -> Mt64 {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(b"ensemble");
-    hasher.update(&seed.to_le_bytes());
-    hasher.update(&index.to_le_bytes());
-    let mut bytes = [0; 8];
-    bytes.copy_from_slice(&hasher.finalize().as_bytes()[..8]);
-    Mt64::new(u64::from_le_bytes(bytes))
 }
 
 /// Uniform in (0, 1).
@@ -187,8 +181,7 @@ impl Posterior<'_> {
         // Between the best fit and the start, either of which may be excluded.
         let covariance = precision.try_inverse().unwrap_or_else(|| DMatrix::identity(d, d) * (PRIOR * PRIOR));
         let spread = &best * best.transpose() * 0.25;
-        Proposal::new(&best * 0.5, covariance * 2.0 + spread)
-            .ok_or_else(|| EnsembleError::Workers("the sensitivities have no covariance".to_owned()))
+        Proposal::new(&best * 0.5, covariance * 2.0 + spread).ok_or(EnsembleError::NoCovariance)
     }
 }
 

@@ -38,14 +38,20 @@ fn radical_inverse(mut index: u64, base: u64) -> f64 {
 }
 
 fn shift(axis: usize, seed: u64) -> f64 {
+    // The 53 leading bits are what a number in [0, 1) holds.
+    (seed_of(b"sample", seed, axis as u64) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// A seed of its own for number `index` of what is drawn for a purpose, from the seed of the whole: what is drawn does not
+/// depend on what was drawn before, nor on another purpose.
+pub(super) fn seed_of(purpose: &[u8], seed: u64, index: u64) -> u64 {
     let mut hasher = blake3::Hasher::new();
-    hasher.update(b"sample");
+    hasher.update(purpose);
     hasher.update(&seed.to_le_bytes());
-    hasher.update(&(axis as u64).to_le_bytes());
+    hasher.update(&index.to_le_bytes());
     let mut bytes = [0; 8];
     bytes.copy_from_slice(&hasher.finalize().as_bytes()[..8]);
-    // The 53 leading bits are what a number in [0, 1) holds.
-    (u64::from_le_bytes(bytes) >> 11) as f64 / (1u64 << 53) as f64
+    u64::from_le_bytes(bytes)
 }
 
 #[cfg(test)]
