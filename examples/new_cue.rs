@@ -1,9 +1,9 @@
 //! A cue that nobody has tried: contractility steps up towards one pole while friction falls along the axis, with a width
 //! that keeps its size in L_h while cells shrink. Its division, its mirror image's, and what bounds cells that carry it.
 //!
-//! A cue is data: any sum of fields and profiles. A field that is not there yet is one variant in `src/cell/cue/field.rs`
-//! and its place in `Local::modulate` of `src/cortex/equations.rs`; a profile is one variant in `src/cell/cue/profile.rs`
-//! with its formula. Text, files, keys, errors, meshes and derivatives take both from there.
+//! A cue is data: any sum of fields and profiles. A field that is not there yet is one variant in `cell/cue/field.rs` and its
+//! place in `Local::modulate` of `cortex/equations.rs`, both in `crates/mechanics/src`; a profile is one variant in
+//! `cell/cue/profile.rs` with its formula. Text, files, keys, errors, meshes and derivatives take both from there.
 //!
 //! `cargo run --release --example new_cue`
 

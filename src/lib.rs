@@ -14,8 +14,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The floors of the crate, each importing only from those above it in this list; the crate [`bvp`] below them all knows
-//! no cell:
+//! The floors of the crate, each importing only from those above it in this list. Those down to [`division`] are
+//! what decides a division and those below it what is built on divisions, each a crate of its own that is reached from here;
+//! the crate [`bvp`] underneath knows no cell:
 //!
 //! | module | role |
 //! |---|---|
@@ -37,19 +38,10 @@
 //! Gao, Guan, Tang & Ma, "Cell size and confinement drive asymmetric cell division through a cortical instability",
 //! called *the paper* throughout.
 
-pub mod batch;
-pub mod calibration;
-pub mod cell;
-
 #[cfg(feature = "cli")]
 pub mod cli;
-pub mod cortex;
-pub mod division;
-pub mod input;
-pub mod io;
-pub mod lineage;
-pub mod report;
-pub mod settings;
-pub mod shapes;
-pub mod stability;
-pub mod study;
+
+#[doc(inline)]
+pub use embryo::{batch, io, lineage, report, settings, study};
+#[doc(inline)]
+pub use mechanics::{calibration, cell, cortex, division, input, shapes, stability};

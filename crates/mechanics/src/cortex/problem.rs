@@ -154,6 +154,8 @@ impl BoundaryValueProblem for Cortex {
     }
 
     /// Compiled for the sizes of a cell without and with up to seven free parameters: most of a division is spent there.
+    /// Never inlined, so that no crate above compiles kernels of its own, with what optimisation it happens to have.
+    #[inline(never)]
     fn kernels(&self, stages: usize) -> Kernels {
         match stages {
             3 => Kernels::sized::<COMPONENTS, INTEGRABLE, 3, 2>(),

@@ -15,10 +15,10 @@ use crate::cell::{Cue, CueError};
 use crate::input::{InputError, did_you_mean, listed, parse_document, read_text, shown};
 
 /// The built-in lineage file, `lineages/c_elegans.ron`.
-pub const C_ELEGANS: &str = include_str!("../../lineages/c_elegans.ron");
+pub const C_ELEGANS: &str = include_str!("../../../../lineages/c_elegans.ron");
 
 /// A commented lineage file to begin with, `lineages/template.ron`.
-pub const TEMPLATE: &str = include_str!("../../lineages/template.ron");
+pub const TEMPLATE: &str = include_str!("../../../../lineages/template.ron");
 
 /// Which daughter of an unequal division a founder is. Of equal daughters the one listed first takes the first place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

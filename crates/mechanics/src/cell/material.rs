@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 /// How a varying bending rigidity κ(u) enters the tangential force balance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[non_exhaustive]
 pub enum RigidityGradient {
     /// The full force balance: the term ½C²∂_sκ is kept.
     Full,

@@ -13,19 +13,20 @@ use std::{
 /// files here import must be here too; `tests/fingerprint.rs` checks it.
 pub const SOLVER_SOURCES: [&str; 10] = [
     "crates/bvp/src",
+    "crates/embryo/src/batch/division.rs",
+    "crates/mechanics/src/cell",
+    "crates/mechanics/src/cortex",
+    "crates/mechanics/src/division",
+    "crates/mechanics/src/input",
+    "crates/mechanics/src/shapes/error.rs",
+    "crates/mechanics/src/shapes/passive.rs",
+    "crates/mechanics/src/stability.rs",
     "crates/spectra/src",
-    "src/batch/division.rs",
-    "src/cell",
-    "src/cortex",
-    "src/division",
-    "src/input",
-    "src/shapes/error.rs",
-    "src/shapes/passive.rs",
-    "src/stability.rs",
 ];
 
 fn main() -> io::Result<()> {
-    let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
+    // The folder of the whole: this crate is in `crates/embryo`.
+    let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../..");
     let mut hash = FNV_OFFSET;
     for file in solver_files(&root)? {
         let name = file.strip_prefix(&root).unwrap_or(&file).to_string_lossy().replace('\\', "/");
@@ -259,7 +260,8 @@ fn record_commit(root: &Path) {
     if top.is_none() || top != root.canonicalize().ok() {
         return;
     }
-    println!("cargo::rerun-if-changed=src");
+    println!("cargo::rerun-if-changed={}", root.join("src").display());
+    println!("cargo::rerun-if-changed={}", root.join("crates").display());
     for name in ["HEAD", "logs/HEAD"] {
         if let Some(path) = git(&["rev-parse", "--git-path", name]).filter(|path| Path::new(path).exists()) {
             println!("cargo::rerun-if-changed={path}");

@@ -71,7 +71,7 @@ impl Grower<'_> {
     where
         S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
     {
-        let (mut trees, summary) = grow_together(std::slice::from_ref(self), solve)?;
+        let (mut trees, summary) = grow_all(std::slice::from_ref(self), &solve)?;
         // As many trees as growers: one.
         Ok((trees.remove(0), summary))
     }
@@ -104,6 +104,14 @@ pub fn grow_together<S>(growers: &[Grower<'_>], solve: S) -> Result<(Vec<Tree>, 
 where
     S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
 {
+    grow_all(growers, &solve)
+}
+
+/// What solves a division.
+type Solve<'a> = &'a (dyn Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync);
+
+/// [`grow_together`], compiled here once and not with everyone who brings a solver.
+fn grow_all(growers: &[Grower<'_>], solve: Solve<'_>) -> Result<(Vec<Tree>, Summary), GrowError> {
     let Some(Grower { memo, options, .. }) = growers.first() else { return Ok(Default::default()) };
     let mut growths: Vec<Growth<'_>> = growers.iter().map(Growth::of).collect();
     // The scheduler's number of a job tells the cell and the tree it is in.
@@ -113,12 +121,12 @@ where
     for (tree, growth) in growths.iter_mut().enumerate() {
         roots.extend(growth.job(0).map(|job| numbered(tree, job)));
     }
-    let run = scheduler::run(roots, memo, options, &solve, |id, division| {
+    let run = scheduler::run(roots, memo, options, solve, |id, division| {
         let (cell, tree) = (id / trees, id % trees);
         growths[tree].expand(cell, division).into_iter().map(|job| numbered(tree, job)).collect()
     });
     let summary = completed(run, |id, why| growths[id % trees].note_undecided(id / trees, why))?;
-    let trees: Result<Vec<Tree>, GrowError> = growths.into_iter().map(|growth| growth.lay_out(&solve)).collect();
+    let trees: Result<Vec<Tree>, GrowError> = growths.into_iter().map(|growth| growth.lay_out(solve)).collect();
     Ok((trees?, summary))
 }
 
@@ -265,10 +273,7 @@ impl Growth<'_> {
     }
 
     /// The tree in breadth-first order, cut at the limit of cells.
-    fn lay_out(
-        mut self,
-        solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
-    ) -> Result<Tree, GrowError> {
+    fn lay_out(mut self, solve: Solve<'_>) -> Result<Tree, GrowError> {
         let max_cells = self.grower.lineage.limits.max_cells;
         let first = self.cell_of(0);
         let mut tree = Tree::new(self.grower.lineage.clone(), self.grower.settings.clone(), first);
@@ -278,7 +283,7 @@ impl Growth<'_> {
                 // Growth stopped short of this cell because of the limit.
                 let room = tree.len() + 2 <= max_cells;
                 if room {
-                    self.settle(index, &solve)?
+                    self.settle(index, solve)?
                 } else {
                     self.cells[index].fate = Some(Fate::ended(EndReason::MaxCells { max_cells }))
                 }
@@ -301,11 +306,7 @@ impl Growth<'_> {
     }
 
     /// Solves one division by itself and adds the daughters.
-    fn settle(
-        &mut self,
-        index: usize,
-        solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
-    ) -> Result<(), GrowError> {
+    fn settle(&mut self, index: usize, solve: Solve<'_>) -> Result<(), GrowError> {
         let Some(job) = self.job(index) else { return Ok(()) };
         let mut solved = None;
         let options = SchedulerOptions { progress: None, ..self.grower.options };

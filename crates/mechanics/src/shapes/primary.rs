@@ -127,9 +127,9 @@ pub fn follow(
     cell: &Cell,
     numerics: &Numerics,
     options: &BranchOptions,
-    wanted: impl FnMut(&BranchEvent) -> bool,
+    mut wanted: impl FnMut(&BranchEvent) -> bool,
 ) -> Result<Branch, ShapeError> {
-    follow_within(cell, numerics, options, &Effort::unlimited(), wanted)
+    follow_within(cell, numerics, options, &Effort::unlimited(), &mut wanted)
 }
 
 /// As [`follow`], with so much work.
@@ -142,7 +142,7 @@ pub fn follow_within(
     numerics: &Numerics,
     options: &BranchOptions,
     effort: &Effort<'_>,
-    mut wanted: impl FnMut(&BranchEvent) -> bool,
+    wanted: &mut dyn FnMut(&BranchEvent) -> bool,
 ) -> Result<Branch, ShapeError> {
     effort.check(cell)?;
     let mut branch = start(cell, numerics, &options.settings)?;
@@ -220,7 +220,7 @@ pub fn failure_fold_within(
     options: &BranchOptions,
     effort: &Effort<'_>,
 ) -> Result<FoldPoint, ShapeError> {
-    let Branch { events, ended, .. } = follow_within(cell, numerics, options, effort, |_| true)?;
+    let Branch { events, ended, .. } = follow_within(cell, numerics, options, effort, &mut |_| true)?;
     let cortex = Cortex::new(cell, Domain::of(cell), &[crate::cell::Parameter::XiS]);
     let mut stability = Stability::new(numerics.stages);
     let mut ends_stable = |fold: &FoldPoint| {

@@ -97,8 +97,8 @@ pub fn first_within(
     if !cell.is_mirror_symmetric() {
         return Err(ShapeError::NoPitchfork { cell: name, cue: cell.cue.to_string() });
     }
-    let unwanted = |event: &BranchEvent| event.kind() != PointKind::Pitchfork;
-    let branch = primary::follow_within(cell, numerics, options, effort, unwanted)?;
+    let mut unwanted = |event: &BranchEvent| event.kind() != PointKind::Pitchfork;
+    let branch = primary::follow_within(cell, numerics, options, effort, &mut unwanted)?;
     let Branch { events, ended, .. } = branch;
     let found = events.into_iter().find_map(|event| match event {
         BranchEvent::Pitchfork(pitchfork) => Some(*pitchfork),

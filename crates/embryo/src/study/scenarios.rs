@@ -51,7 +51,6 @@ pub struct Scenario {
 
 /// Why there are no scenarios.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum ScenarioError {
     /// Something that is no cue, in one of the lineages.
     #[error(transparent)]

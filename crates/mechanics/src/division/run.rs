@@ -65,7 +65,7 @@ pub struct Frame<'a> {
 /// # Errors
 /// [`DivisionError`], naming the cell and what was tried.
 pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
-    divide_observed(input, |_| {})
+    run(input, &mut |_| {})
 }
 
 /// [`divide`] with an observer called with the start shape and after every accepted step.
@@ -73,6 +73,11 @@ pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
 /// # Errors
 /// See [`divide`].
 pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)) -> Result<Division, DivisionError> {
+    run(input, &mut observe)
+}
+
+/// The division itself, which is compiled here once and not with everyone who observes it.
+fn run(input: &DivisionInput, observe: &mut dyn FnMut(Frame<'_>)) -> Result<Division, DivisionError> {
     let DivisionInput { cell, numerics, seed } = input;
     check(cell)?;
     let mut stepper = start(cell, numerics)?;

@@ -1,0 +1,29 @@
+//! The mechanics of [furrow](https://docs.rs/furrow): what a cell is, the equations of its cortex, its stationary shapes and
+//! its division.
+//!
+//! What decides a division is here and nothing else: no tree, no store, no command line, no threads and no clock. `furrow`
+//! gives all of it under its own name (`furrow::cell`, `furrow::division`, …), and everybody takes it from there. It is a
+//! crate of its own because it is what must be fast: it is compiled with full optimisation, while tables, files and the
+//! command line, twice as much code, are compiled beside it with little.
+//!
+//! | module | role |
+//! |---|---|
+//! | [`input`] | what users write, and errors that name file, field, value and what is allowed |
+//! | [`cell`] | what a cell is: size, confinement, activity, cue, material, shell |
+//! | [`cortex`] | the equations of the surface, their derivatives, symmetry, observables |
+//! | [`stability`] | growth rates of small disturbances of a stationary shape |
+//! | [`shapes`] | branches of stationary shapes, folds and pitchforks, critical radii |
+//! | [`calibration`] | constants from thresholds |
+//! | [`division`] | one division in time |
+//!
+//! # References
+//! Gao, Guan, Tang & Ma, "Cell size and confinement drive asymmetric cell division through a cortical instability",
+//! called *the paper* throughout.
+
+pub mod calibration;
+pub mod cell;
+pub mod cortex;
+pub mod division;
+pub mod input;
+pub mod shapes;
+pub mod stability;
