@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 14] = [
     "tree",
     "divide",
     "steady",
@@ -12,6 +12,7 @@ const COMMANDS: [&str; 13] = [
     "boundary",
     "phase",
     "calibrate",
+    "fit",
     "sweep",
     "merge",
     "cache",
@@ -85,6 +86,25 @@ fn examples_of_boundaries_run() {
 #[test]
 fn examples_of_calibrations_run() {
     run_examples("calibrate");
+}
+
+/// A fit takes minutes: of its examples the quickest runs, the others are read as far as a file that is not there.
+#[test]
+fn examples_of_fits_are_understood() {
+    let page = help("fit");
+    let folder = tempfile::tempdir().unwrap();
+    let examples = examples(&page);
+    assert!((2..=4).contains(&examples.len()));
+    for mut example in examples {
+        let quick = example.contains(&"--moves");
+        example.extend(if quick { ["--threads", "2"] } else { ["--config", "nowhere.ron"] });
+        let output = furrow(folder.path(), &example);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            if quick { output.status.success() } else { said.contains("nowhere.ron: cannot be read") },
+            "{example:?}: {said}"
+        );
+    }
 }
 
 #[test]

@@ -35,7 +35,7 @@ impl Context {
     pub fn new(globals: &Globals) -> Result<Context, CliError> {
         start_logs(globals);
         interrupt::listen();
-        let settings = Settings::load(globals.config.as_deref(), &globals.set)?;
+        let settings = Settings::load(&globals.preset, globals.config.as_deref(), &globals.set)?;
         let quantisation = match globals.r0_step {
             None => Quantisation::DEFAULT,
             Some(step) => Quantisation::with_relative_step(step)

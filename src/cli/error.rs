@@ -11,6 +11,7 @@ use crate::lineage::GrowError;
 use crate::shapes::{PointKind, ShapeError, StationaryError};
 use crate::stability::StabilityError;
 use crate::study::EnsembleError;
+use crate::study::fit::FitError;
 
 /// What ends a command.
 #[derive(Debug, thiserror::Error)]
@@ -45,6 +46,9 @@ pub enum CliError {
     /// No constants agree with what is known.
     #[error(transparent)]
     Ensemble(#[from] EnsembleError),
+    /// Nothing was found that fits.
+    #[error(transparent)]
+    Fit(#[from] FitError),
     /// No parameters were found.
     #[error(transparent)]
     Calibrate(#[from] CalibrateError),

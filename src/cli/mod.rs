@@ -9,6 +9,7 @@ mod context;
 mod divide;
 mod ensemble;
 mod error;
+mod fit;
 mod interrupt;
 mod merge;
 mod new_lineage;
@@ -49,8 +50,12 @@ struct Cli {
 /// Options of all commands.
 #[derive(Clone, Debug, Args)]
 struct Globals {
+    /// Constants to begin with: gao2026, from the thresholds that the paper prints, or sulston1983, from the rounds of the
+    /// C. elegans founders
+    #[arg(help_heading = "Parameters", long, global = true, value_name = "NAME", default_value = "gao2026")]
+    preset: String,
     /// Parameters in RON, as in `Config(physics: (epsilon: 0.8), numerics: (stages: 4))`; what it does not name keeps
-    /// the value of the preset gao2026
+    /// the value of the preset
     #[arg(help_heading = "Parameters", long, global = true, value_name = "FILE.ron")]
     config: Option<PathBuf>,
     /// Sets one parameter, after the file; repeatable
@@ -91,6 +96,7 @@ enum Command {
     Sweep(sweep::SweepArgs),
     Merge(merge::MergeArgs),
     Calibrate(calibrate::CalibrateArgs),
+    Fit(fit::FitArgs),
     NewLineage(new_lineage::NewLineageArgs),
     Cache(cache::CacheArgs),
     Completions(shell::CompletionsArgs),
@@ -133,6 +139,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Pitchfork(args) => pitchfork::run(&args, Context::new(&cli.globals)?),
         Command::Boundary(args) => boundary::run(&args, Context::new(&cli.globals)?),
         Command::Calibrate(args) => calibrate::run(&args, &Context::new(&cli.globals)?),
+        Command::Fit(args) => fit::run(&args, &Context::new(&cli.globals)?),
         Command::Phase(args) => phase::run(&args, Context::new(&cli.globals)?),
         Command::Sweep(args) => sweep::run(&args, &Context::new(&cli.globals)?, &cli.globals),
         Command::Merge(args) => merge::run(&args, &cli.globals),

@@ -33,6 +33,13 @@ impl ProgressLine {
         }
     }
 
+    /// Shows what is said of a run in words.
+    pub fn say(&self, text: String) {
+        if !self.bar.is_hidden() {
+            self.bar.set_message(text);
+        }
+    }
+
     /// Shows how many of all are done, and when the rest will be.
     pub fn show_share(&self, done: usize, of: usize) {
         if self.bar.is_hidden() {

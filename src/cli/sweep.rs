@@ -55,7 +55,7 @@ pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(),
     let start = Instant::now();
     interrupt::gently();
     // What the sweep file says comes between the configuration file and the settings of the command line.
-    let base = Settings::load(globals.config.as_deref(), &[])?;
+    let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &globals.set)?;
     writable_folder("--out", "out", &args.out, &SWEEP_FILES)?;
     let memo = context.memo()?;

@@ -25,6 +25,15 @@ impl Default for Settings {
     }
 }
 
+/// Presets by name: what differs from the first, as a configuration file says it.
+const PRESETS: [(&str, &str); 2] =
+    [("gao2026", "Config()"), ("sulston1983", include_str!("../../../data/sulston1983.ron"))];
+
+/// Names of the presets; the first is in force where none is named.
+pub fn presets() -> impl Iterator<Item = &'static str> {
+    PRESETS.into_iter().map(|(name, _)| name)
+}
+
 /// A setter takes the text of a value and says what is allowed if it cannot be read.
 type Set = fn(&mut Settings, &str) -> Result<(), &'static str>;
 /// A check gives the offending value and what is allowed.
@@ -176,8 +185,31 @@ struct Config {
 }
 
 impl Settings {
-    /// The preset with the parameters of a configuration file, if any, and then with `overrides` of the form
-    /// `key=value`.
+    /// The parameters of a preset and its zygote.
+    ///
+    /// ```
+    /// use furrow::settings::Settings;
+    ///
+    /// assert_eq!(Settings::preset("gao2026")?, Settings::default());
+    /// assert!(Settings::preset("sulston1983")?.cell.shell.p0 < 0.123);
+    /// assert!(Settings::preset("sulston").is_err());
+    /// # Ok::<(), furrow::input::InputError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A name that is no preset's.
+    pub fn preset(name: &str) -> Result<Settings, InputError> {
+        let Some((_, text)) = PRESETS.into_iter().find(|(known, _)| *known == name) else {
+            let names: Vec<&str> = presets().collect();
+            let allowed = format!("one of {}{}", names.join(", "), did_you_mean(name, presets()));
+            return Err(InputError::not_allowed("settings", "preset", shown(name), allowed));
+        };
+        let mut settings = Settings::default();
+        settings.apply_config(text, name)?;
+        Ok(settings)
+    }
+
+    /// A preset with the parameters of a configuration file, if any, and then with `overrides` of the form `key=value`.
     ///
     /// Keys are the numbers of a [`Cell`], its material and shell, those of [`Numerics`], and the aliases `xi`, `g`, `eps`, `a_over_b`, `P0` (the
     /// shell's strength), `R0`, `Gamma`, `gamma`. Besides these, `xi_b` sets `xi_ratio` = ξ_b/ξ_s from the ξ_s that all
@@ -185,8 +217,8 @@ impl Settings {
     ///
     /// # Errors
     /// Names the file or option, the field, its value and what is allowed.
-    pub fn load(config: Option<&Path>, overrides: &[String]) -> Result<Settings, InputError> {
-        let mut settings = Settings::default();
+    pub fn load(preset: &str, config: Option<&Path>, overrides: &[String]) -> Result<Settings, InputError> {
+        let mut settings = Settings::preset(preset)?;
         if let Some(path) = config {
             let file = path.display().to_string();
             settings.apply_config(&read_text(path)?, &file)?;

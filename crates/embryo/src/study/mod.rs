@@ -11,10 +11,13 @@
 //! | [`mod@ensemble`] | a sample of the constants that do |
 //! | [`constants`] | sets of constants as a table |
 //! | [`mod@ranges`] | a lineage over sets of constants |
+//! | [`fit`] | what would make it the embryo: constants, activities and a cue from what was observed |
 
 mod check;
 pub mod constants;
 pub mod ensemble;
+#[cfg(not(target_family = "wasm"))]
+pub mod fit;
 pub mod judge;
 pub mod points;
 pub mod ranges;

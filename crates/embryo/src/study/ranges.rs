@@ -9,8 +9,8 @@ use serde::Serialize;
 use super::constants::Constants;
 use crate::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use crate::cell::{Cell, Parameter};
-use crate::division::divide;
-use crate::lineage::{EndReason, Ends, GrowError, Grower, Lineage, Rounds, TreeSettings, founder_rounds};
+use crate::division::{DivisionInput, divide};
+use crate::lineage::{EndReason, Ends, GrowError, Grower, Lineage, Rounds, Tree, TreeSettings, founder_rounds};
 use crate::shapes::CriticalRadii;
 
 /// Weighted quantiles of a number over the sets of constants.
@@ -155,11 +155,8 @@ fn grown(
     }
     let settings = TreeSettings { cell: set.of(&settings.cell), ..settings.clone() };
     let quantisation = Quantisation::with_relative_step(settings.r0_step).unwrap_or(Quantisation::DEFAULT);
-    let memo = Memo::new(quantisation);
     let rule = Ends::new(CriticalRadii::new(&settings.numerics));
-    let ends = |cell: &Cell| -> Option<EndReason> { rule.of(cell) };
-    let options = SchedulerOptions { threads: 1, interrupt, ..SchedulerOptions::default() };
-    let (tree, summary): (_, Summary) = Grower { lineage, settings, ends: &ends, memo: &memo, options }.grow(divide)?;
+    let (tree, summary) = grow_alone(lineage, settings, &rule, &Memo::new(quantisation), interrupt)?;
     let founders = founder_rounds(&tree)
         .into_iter()
         .map(|row| {
@@ -169,6 +166,19 @@ fn grown(
         })
         .collect();
     Ok(Grown { weight: set.weight, cells: tree.len(), founders, solved: summary.solved, hits: summary.memo_hits })
+}
+
+/// Grows one tree on the calling thread's behalf: studies of many trees grow them side by side.
+pub(super) fn grow_alone(
+    lineage: &Lineage,
+    settings: TreeSettings,
+    ends: &Ends,
+    memo: &Memo<DivisionInput>,
+    interrupt: Option<&AtomicBool>,
+) -> Result<(Tree, Summary), GrowError> {
+    let ends = |cell: &Cell| -> Option<EndReason> { ends.of(cell) };
+    let options = SchedulerOptions { threads: 1, interrupt, ..SchedulerOptions::default() };
+    Grower { lineage, settings, ends: &ends, memo, options }.grow(divide)
 }
 
 fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[Grown]) -> LineageRanges {

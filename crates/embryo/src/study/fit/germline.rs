@@ -1,0 +1,351 @@
+//! Which cue gives the measured size asymmetries of the germline.
+//!
+//! A cue is judged by the divisions of the founders whose χ was measured and of those they descend from, each as large as its
+//! mother's division makes it:
+//!
+//! * \[misfit\] χ² = Σ ((χ − measured)/sd)².
+//!
+//! A swarm looks for its least value over the numbers of the cue's terms, a simplex goes on from there. The sensitivities of χ
+//! to those numbers, central differences of the converged divisions, tell how firmly the measurements hold each of them, and
+//! which combinations they leave open.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use serde::Serialize;
+use spectra::Svd;
+
+use super::search::{Effort, descend, swarm};
+use super::targets::{MeasuredChi, Targets};
+use super::{FitError, pool};
+use crate::cell::cue::{Quantity, Width};
+use crate::cell::{Cell, Cue, Parameter};
+use crate::division::{Division, DivisionInput, divide};
+use crate::lineage::{Daughter, Lineage, Place, TreeSettings};
+
+/// Between which values the numbers of a cue are searched: places, widths in u, widths in L_h, amplitudes.
+const PLACES: [f64; 2] = [0.05, 0.95];
+const WIDTHS: [f64; 2] = [0.01, 0.5];
+const LENGTHS: [f64; 2] = [0.05, 5.0];
+const AMPLITUDES: [f64; 2] = [0.005, 2.0];
+/// Misfit, in standard deviations, of a χ that is not there because the cell does not divide.
+const UNDIVIDED: f64 = 10.0;
+/// Steps of the simplex, and its edges in the unit cube.
+const DESCENT: u64 = 120;
+const EDGE: f64 = 0.02;
+/// Difference by which sensitivities are taken, in the unit cube: well above what the accuracy of a division blurs.
+const DIFFERENCE: f64 = 0.01;
+/// Combinations whose change by a factor e, or by all of u, moves χ less than a standard deviation are left open.
+const OPEN: f64 = 1.0;
+
+/// A measured χ beside the model's.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChiResidual {
+    /// The founder that divides.
+    pub cell: String,
+    /// Its radius R0 in the model; none if it is never born.
+    pub r0: Option<f64>,
+    /// Mean of the measured χ.
+    pub measured: f64,
+    /// Its standard deviation.
+    pub sd: f64,
+    /// χ of the model; none if it does not divide.
+    pub computed: Option<f64>,
+    /// (computed − measured)/sd.
+    pub residual: Option<f64>,
+}
+
+/// A number of the cue.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CueNumber {
+    /// Its name, as `cue[0].amplitude`.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Between which values was searched.
+    pub searched: [f64; 2],
+    /// Its standard deviation by the measurements', if they hold it at all.
+    pub sd: Option<f64>,
+}
+
+/// A direction in the space of the cue's numbers, by logarithm or in units of u, and how firmly it is held.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Held {
+    /// Standard deviations of χ by which a step of 1 along it moves the model.
+    pub singular_value: f64,
+    /// Whether the measurements tell anything of it.
+    pub determined: bool,
+    /// Its components, one a number of the cue.
+    pub components: Vec<f64>,
+}
+
+/// The cue that fits best.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FittedCue {
+    /// The cue.
+    pub cue: String,
+    /// Its numbers.
+    pub numbers: Vec<CueNumber>,
+    /// χ² of the fit.
+    pub chi_squared: f64,
+    /// Measurements beside the model.
+    pub residuals: Vec<ChiResidual>,
+    /// ∂χ/∂ln(number), of places ∂χ/∂u: a row for each measurement; none where an outcome is not smooth.
+    pub sensitivities: Option<Vec<Vec<f64>>>,
+    /// Directions from the best held to the least; none where an outcome is not smooth.
+    pub combinations: Option<Vec<Held>>,
+    /// Measurements that nothing was fitted to, beside the model with this cue.
+    pub out_of_sample: Vec<ChiResidual>,
+    /// Cues tried.
+    pub tried: usize,
+}
+
+/// How a number of the cue is searched.
+struct Unknown {
+    parameter: Parameter,
+    limits: [f64; 2],
+    /// By its logarithm; else evenly.
+    logarithmic: bool,
+    /// Sign of an amplitude, which the search keeps.
+    sign: f64,
+}
+
+impl Unknown {
+    fn value(&self, share: f64) -> f64 {
+        let [from, to] = self.limits;
+        let share = share.clamp(0.0, 1.0);
+        self.sign * if self.logarithmic { from * (to / from).powf(share) } else { from + share * (to - from) }
+    }
+
+    /// Change of its logarithm, or of itself, from one end of the limits to the other.
+    fn length(&self) -> f64 {
+        let [from, to] = self.limits;
+        if self.logarithmic { (to / from).ln() } else { to - from }
+    }
+}
+
+fn unknowns(cue: &Cue) -> Vec<Unknown> {
+    let cell = Cell::new(1.0).with_cue(cue.clone());
+    let of = |term: usize, quantity: Quantity| {
+        let parameter = Parameter::Cue { term, quantity };
+        let (limits, logarithmic) = match quantity {
+            Quantity::U0 => (PLACES, false),
+            Quantity::Omega => match cell.cue.terms()[term].profile.width() {
+                Some(Width::Length(_)) => (LENGTHS, true),
+                _ => (WIDTHS, true),
+            },
+            Quantity::Amplitude => (AMPLITUDES, true),
+        };
+        let sign = if logarithmic { parameter.get(&cell).signum() } else { 1.0 };
+        parameter.is_of(&cell).then_some(Unknown { parameter, limits, logarithmic, sign })
+    };
+    (0..cue.terms().len())
+        .flat_map(|term| Quantity::ALL.into_iter().filter_map(move |q| of(term, q)).collect::<Vec<_>>())
+        .collect()
+}
+
+/// Divisions of founders, each from its mother's.
+struct Chain<'a> {
+    lineage: &'a Lineage,
+    settings: &'a TreeSettings,
+    /// The cue in place of the one that founders carry, where they carry one.
+    cue: &'a Cue,
+    /// Volumes given, as shares of the first cell's.
+    volumes: &'a BTreeMap<String, f64>,
+    divided: BTreeMap<usize, Option<Division>>,
+}
+
+impl Chain<'_> {
+    fn generation(&self, founder: usize) -> u32 {
+        self.mother(founder).map_or(0, |mother| 1 + self.generation(mother))
+    }
+
+    fn mother(&self, founder: usize) -> Option<usize> {
+        let name = self.lineage.founders[founder].mother.as_ref()?;
+        self.lineage.founders.iter().position(|f| f.name == *name)
+    }
+
+    /// The radius of a founder; none if it is never born.
+    fn r0(&mut self, founder: usize) -> Option<f64> {
+        let first = self.lineage.first();
+        if let Some(share) = self.volumes.get(&self.lineage.founders[founder].name) {
+            return Some(self.r0(first)? * share.cbrt());
+        }
+        if let Some(given) = self.lineage.given_r0(founder) {
+            return Some(given);
+        }
+        let Some(mother) = self.mother(founder) else { return Some(self.settings.cell.r0) };
+        let daughters = self.division(mother)?.daughters?;
+        let [small, large] = [daughters[0].min(daughters[1]), daughters[0].max(daughters[1])];
+        Some(if self.lineage.founders[founder].daughter == Some(Daughter::Larger) { large } else { small })
+    }
+
+    fn division(&mut self, founder: usize) -> Option<Division> {
+        if let Some(known) = self.divided.get(&founder) {
+            return known.clone();
+        }
+        let found = self.r0(founder).and_then(|r0| {
+            let place = Place { founder, round: 0, generation: self.generation(founder), r0 };
+            let own = self.lineage.cue_at(place);
+            let cue = if own.is_none() { own } else { self.cue.clone() };
+            let mut cell = Cell { r0, cue, ..self.settings.cell.clone() };
+            self.lineage.founders[founder].physics.apply(&mut cell);
+            let input = DivisionInput { cell, numerics: self.settings.numerics, seed: self.settings.seed };
+            divide(&input).ok()
+        });
+        self.divided.insert(founder, found.clone());
+        found
+    }
+}
+
+/// What cues are judged by.
+struct Judge<'a> {
+    lineage: &'a Lineage,
+    targets: &'a Targets,
+    settings: &'a TreeSettings,
+    template: &'a Cue,
+    unknowns: Vec<Unknown>,
+    interrupt: Option<&'a AtomicBool>,
+    tried: AtomicUsize,
+}
+
+impl Judge<'_> {
+    fn cue(&self, place: &[f64]) -> Cue {
+        let mut cell = Cell::new(1.0).with_cue(self.template.clone());
+        for (unknown, share) in self.unknowns.iter().zip(place) {
+            unknown.parameter.set(&mut cell, unknown.value(*share));
+        }
+        cell.cue
+    }
+
+    fn residuals(&self, cue: &Cue, volumes: &BTreeMap<String, f64>, measured: &[MeasuredChi]) -> Vec<ChiResidual> {
+        let mut chain =
+            Chain { lineage: self.lineage, settings: self.settings, cue, volumes, divided: BTreeMap::new() };
+        let one = |measured: &MeasuredChi| {
+            let founder = self.lineage.founders.iter().position(|f| f.name == measured.cell);
+            let r0 = founder.and_then(|founder| chain.r0(founder));
+            let computed = founder.and_then(|founder| chain.division(founder)).and_then(|division| division.chi);
+            ChiResidual {
+                cell: measured.cell.clone(),
+                r0,
+                measured: measured.mean,
+                sd: measured.sd,
+                computed,
+                residual: computed.map(|chi| (chi - measured.mean) / measured.sd),
+            }
+        };
+        measured.iter().map(one).collect()
+    }
+
+    fn fitted(&self, place: &[f64]) -> Vec<ChiResidual> {
+        self.residuals(&self.cue(place), &BTreeMap::new(), &self.targets.chi)
+    }
+
+    fn chi_squared(&self, place: &[f64]) -> f64 {
+        let outside: f64 = place.iter().map(|x| (x - x.clamp(0.0, 1.0)).abs()).sum();
+        if self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) || outside > 0.0 {
+            return f64::INFINITY;
+        }
+        self.tried.fetch_add(1, Ordering::Relaxed);
+        self.fitted(place).iter().map(|r| r.residual.unwrap_or(UNDIVIDED).powi(2)).sum()
+    }
+
+    /// ∂χ/∂(number), rows by measurement; none where a neighbour does not divide.
+    fn sensitivities(&self, place: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let mut columns = Vec::new();
+        for (k, unknown) in self.unknowns.iter().enumerate() {
+            let at = |way: f64| {
+                let mut moved = place.to_vec();
+                moved[k] = (moved[k] + way * DIFFERENCE).clamp(0.0, 1.0);
+                let chi: Option<Vec<f64>> = self.fitted(&moved).iter().map(|r| r.computed).collect();
+                Some((moved[k], chi?))
+            };
+            let [(from, below), (to, above)] = [at(-1.0)?, at(1.0)?];
+            let step = (to - from) * unknown.length();
+            columns.push(above.iter().zip(&below).map(|(a, b)| (a - b) / step).collect::<Vec<f64>>());
+        }
+        let rows = self.targets.chi.len();
+        Some((0..rows).map(|i| columns.iter().map(|column| column[i]).collect()).collect())
+    }
+}
+
+/// The cue of the kind of `template` that comes nearest to the measured χ; what is searched for are all numbers of its terms.
+///
+/// # Errors
+/// [`FitError`].
+pub fn fit_cue(
+    lineage: &Lineage,
+    targets: &Targets,
+    settings: &TreeSettings,
+    template: &Cue,
+    effort: Effort,
+    threads: usize,
+    interrupt: Option<&AtomicBool>,
+) -> Result<FittedCue, FitError> {
+    let unknowns = unknowns(template);
+    let judge = Judge { lineage, targets, settings, template, unknowns, interrupt, tried: AtomicUsize::new(0) };
+    pool(threads)?.install(|| {
+        let region = vec![[0.0, 1.0]; judge.unknowns.len()];
+        let found = swarm(&region, effort, &|place| judge.chi_squared(place));
+        let tried = || judge.tried.load(Ordering::Relaxed);
+        let stopped = || interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed));
+        if stopped() {
+            return Err(FitError::Interrupted { tried: tried() });
+        }
+        let nothing = || FitError::Nothing { tried: tried(), what: "cues", advice: "try terms on other fields" };
+        let (place, least) = found.ok_or_else(nothing)?;
+        let (place, chi_squared) = descend(&place, EDGE, DESCENT, &|place| judge.chi_squared(place))
+            .filter(|(_, better)| *better <= least)
+            .unwrap_or((place, least));
+        if stopped() {
+            return Err(FitError::Interrupted { tried: tried() });
+        }
+        complete(&judge, &place, chi_squared)
+    })
+}
+
+fn complete(judge: &Judge<'_>, place: &[f64], chi_squared: f64) -> Result<FittedCue, FitError> {
+    let cue = judge.cue(place);
+    let sensitivities = judge.sensitivities(place);
+    let combinations = sensitivities.as_ref().map(|rows| held(rows, &judge.targets.chi)).transpose()?;
+    let sd = |k: usize| {
+        let held = combinations.as_ref()?;
+        // Σ (v_k/σ)²: without bound if a direction that this number is part of is held by nothing.
+        let sum: f64 = held.iter().map(|h| (h.components[k] / h.singular_value).powi(2)).sum();
+        let relative = sum.sqrt();
+        let unknown = &judge.unknowns[k];
+        let scale = if unknown.logarithmic { unknown.value(place[k]).abs() } else { 1.0 };
+        (relative.is_finite() && relative < 1.0 / OPEN).then_some(relative * scale)
+    };
+    let number = |(k, unknown): (usize, &Unknown)| CueNumber {
+        name: unknown.parameter.to_string(),
+        value: unknown.value(place[k]),
+        searched: unknown.limits.map(|limit| limit * unknown.sign),
+        sd: sd(k),
+    };
+    let numbers = judge.unknowns.iter().enumerate().map(number).collect();
+    let out_of_sample =
+        judge.targets.out_of_sample.iter().flat_map(|out| judge.residuals(&cue, &out.volumes, &out.chi)).collect();
+    Ok(FittedCue {
+        cue: cue.to_string(),
+        numbers,
+        chi_squared,
+        residuals: judge.fitted(place),
+        sensitivities,
+        combinations,
+        out_of_sample,
+        tried: judge.tried.load(Ordering::Relaxed),
+    })
+}
+
+/// Directions of the cue's numbers by how firmly the measurements hold them.
+fn held(rows: &[Vec<f64>], measured: &[MeasuredChi]) -> Result<Vec<Held>, FitError> {
+    let weighted: Vec<Vec<f64>> =
+        rows.iter().zip(measured).map(|(row, m)| row.iter().map(|x| x / m.sd).collect()).collect();
+    let Svd { values, right, .. } = Svd::of_rows(&weighted)?;
+    let of = |(k, components): (usize, Vec<f64>)| {
+        let singular_value = values.get(k).copied().unwrap_or(0.0);
+        Held { singular_value, determined: singular_value > OPEN, components }
+    };
+    Ok(right.into_iter().enumerate().map(of).collect())
+}

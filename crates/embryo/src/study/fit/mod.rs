@@ -1,0 +1,57 @@
+//! What would make it the worm: constants, activities and a cue from what was observed.
+//!
+//! | file | what it says |
+//! |---|---|
+//! | [`targets`] | what a fit is held against, and between which limits is searched |
+//! | [`mod@constants`] | one set of constants for the embryo, and what it costs the published thresholds |
+//! | [`activity`] | which activity each founder by itself would need for its observed rounds |
+//! | [`germline`] | which cue gives the measured χ of the germline |
+//! | [`search`] | the search, without derivatives |
+
+pub mod activity;
+pub mod constants;
+pub mod germline;
+pub mod search;
+pub mod targets;
+
+pub use activity::{FounderActivity, Reading, activities};
+pub use constants::{Evaluated, FittedConstants, fit_constants};
+pub use germline::{ChiResidual, FittedCue, fit_cue};
+pub use search::Effort;
+pub use targets::Targets;
+
+/// Why there is no fit.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FitError {
+    /// Nothing that was tried gives what is to be compared.
+    #[error("none of {tried} {what} tried gives anything to compare; {advice}")]
+    Nothing {
+        /// How many were tried.
+        tried: usize,
+        /// Of what.
+        what: &'static str,
+        /// What may help.
+        advice: &'static str,
+    },
+    /// It was stopped; what was solved is kept.
+    #[error("interrupted after {tried} trees; what was solved is kept, and the same command goes on from there")]
+    Interrupted {
+        /// Trees grown.
+        tried: usize,
+    },
+    /// A tree could not be grown.
+    #[error(transparent)]
+    Grow(#[from] crate::lineage::GrowError),
+    /// The sensitivities of χ have no singular values.
+    #[error("the sensitivities of the size asymmetries: {0}")]
+    NotFinite(#[from] spectra::NoSingularValues),
+    /// The workers could not be started.
+    #[error("cannot start worker threads: {0}")]
+    Workers(String),
+}
+
+/// Workers for so many threads; 0 is one for each core.
+fn pool(threads: usize) -> Result<rayon::ThreadPool, FitError> {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| FitError::Workers(error.to_string()))
+}

@@ -1,0 +1,103 @@
+//! The search itself: a swarm of particles, which needs no derivatives. Counts are steps, and where they are there are none.
+//!
+//! # References
+//! Zambrano-Bigiarini, Clerc & Rojas, "Standard Particle Swarm Optimisation 2011 at CEC-2013", IEEE CEC 2013.
+
+use argmin::core::{CostFunction, Error, Executor};
+use argmin::solver::neldermead::NelderMead;
+use argmin::solver::particleswarm::ParticleSwarm;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::SeedableRng;
+
+/// What is to be made small, over the unit cube; infinite where it says nothing.
+type Misfit<'a> = &'a (dyn Fn(&[f64]) -> f64 + Sync);
+
+/// A box inside the unit cube, [lower, upper] by coordinate.
+pub type Region = Vec<[f64; 2]>;
+
+/// How long to search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// Particles of the swarm.
+    pub particles: usize,
+    /// Times that they move.
+    pub moves: u64,
+    /// Seed of their first places and of what pushes them.
+    pub seed: u64,
+}
+
+/// A misfit as the solver asks for it.
+struct Problem<'a>(Misfit<'a>);
+
+impl CostFunction for Problem<'_> {
+    type Param = Vec<f64>;
+    type Output = f64;
+
+    fn cost(&self, place: &Vec<f64>) -> Result<f64, Error> {
+        Ok((self.0)(place))
+    }
+
+    fn parallelize(&self) -> bool {
+        true
+    }
+}
+
+/// The best place that a swarm finds in a region, and its misfit; none if it finds nothing finite. Particles are judged in
+/// parallel, on the pool it is called in, and where they go does not depend on how many threads that has.
+pub fn swarm(region: &Region, effort: Effort, misfit: Misfit<'_>) -> Option<(Vec<f64>, f64)> {
+    let bounds = (region.iter().map(|r| r[0]).collect::<Vec<_>>(), region.iter().map(|r| r[1]).collect());
+    let solver =
+        ParticleSwarm::new(bounds, effort.particles).with_rng_generator(Xoshiro256PlusPlus::seed_from_u64(effort.seed));
+    let run = Executor::new(Problem(misfit), solver).configure(|state| state.max_iters(effort.moves)).run().ok()?;
+    let best = run.state.best_individual?;
+    best.cost.is_finite().then_some((best.position, best.cost))
+}
+
+/// The lowest place near another one, for misfits that are smooth there (Nelder & Mead's simplex, of edges `edge`).
+pub fn descend(place: &[f64], edge: f64, steps: u64, misfit: Misfit<'_>) -> Option<(Vec<f64>, f64)> {
+    let corner = |k: usize| {
+        let mut corner = place.to_vec();
+        corner[k] += if corner[k] + edge > 1.0 { -edge } else { edge };
+        corner
+    };
+    let simplex: Vec<Vec<f64>> = std::iter::once(place.to_vec()).chain((0..place.len()).map(corner)).collect();
+    let solver = NelderMead::new(simplex).with_sd_tolerance(1e-9).ok()?;
+    let run = Executor::new(Problem(misfit), solver).configure(|state| state.max_iters(steps)).run().ok()?;
+    let cost = run.state.best_cost;
+    Some((run.state.best_param?, cost)).filter(|(_, cost)| cost.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A valley of steps with its bottom at (0.3, 0.7).
+    fn steps(place: &[f64]) -> f64 {
+        let away = (place[0] - 0.3).hypot(2.0 * (place[1] - 0.7));
+        (away * 50.0).round() / 50.0
+    }
+
+    #[test]
+    fn a_swarm_finds_the_bottom_of_steps_at_any_number_of_threads() {
+        let effort = Effort { particles: 16, moves: 30, seed: 5 };
+        let found = [1, 3].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| swarm(&vec![[0.0, 1.0]; 2], effort, &steps).unwrap())
+        });
+        assert_eq!(found[0], found[1]);
+        assert!(found[0].1 <= 0.04, "{found:?}");
+    }
+
+    #[test]
+    fn what_is_nowhere_finite_has_no_best() {
+        let effort = Effort { particles: 4, moves: 3, seed: 0 };
+        assert_eq!(swarm(&vec![[0.0, 1.0]; 2], effort, &|_| f64::INFINITY), None);
+    }
+
+    #[test]
+    fn a_descent_ends_at_the_bottom() {
+        let bowl = |place: &[f64]| (place[0] - 0.31).powi(2) + 3.0 * (place[1] - 0.72).powi(2);
+        let (place, _) = descend(&[0.4, 0.6], 0.05, 200, &bowl).unwrap();
+        assert!((place[0] - 0.31).abs() < 1e-3 && (place[1] - 0.72).abs() < 1e-3, "{place:?}");
+    }
+}

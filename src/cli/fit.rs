@@ -1,0 +1,433 @@
+//! `furrow fit`: what would make it the worm.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+use super::context::Context;
+use super::error::CliError;
+use super::interrupt;
+use super::output::{answer, writable_file};
+use super::progress::ProgressLine;
+use super::tree::bad_cue;
+use crate::cell::{Cell, Parameter};
+use crate::input::{InputError, parse_document, read_text};
+use crate::io::write_atomically;
+use crate::lineage::{Lineage, TreeSettings};
+use crate::study::fit::{
+    ChiResidual, Effort, Evaluated, FittedConstants, FittedCue, FounderActivity, Reading, Targets, activities,
+    fit_constants, fit_cue,
+};
+
+/// Finds what would make the lineage the observed one: constants of the whole, activities of founders, or a cue
+///
+/// constants: one set of constants that brings rounds and terminal cells of founders nearest to the observed ones and χ of
+/// the germline nearest to the measured; beside it the front between that and the published thresholds.
+/// activity: which activity every founder by itself would need for its observed rounds.
+/// cue: which cue gives the measured χ of the germline, and what the measurements leave open.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow fit constants --out fitted.ron
+  furrow fit activity --rounds max
+  furrow fit cue --preset sulston1983
+  furrow fit cue --cue activity:step,u0=0.5,omega=0.1,amplitude=0.1 --particles 4 --moves 1")]
+pub struct FitArgs {
+    /// What is to be found
+    #[arg(value_name = "WHAT", default_value = "constants")]
+    what: What,
+    /// Founders with their observed rounds; default the built-in C. elegans founders
+    #[arg(help_heading = "Targets", long, value_name = "LINEAGE.ron")]
+    lineage: Option<PathBuf>,
+    /// What constants and cues are held against, as data/embryo.ron; that is built in
+    #[arg(help_heading = "Targets", long, value_name = "TARGETS.ron")]
+    targets: Option<PathBuf>,
+    /// Which reading of rounds activities are to meet
+    #[arg(help_heading = "Activity", long, value_name = "READING", default_value = "mean")]
+    rounds: RoundsArg,
+    /// The smallest activity ξ_s tried
+    #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 4.0, value_parser = super::cell::number)]
+    xi_from: f64,
+    /// The largest
+    #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 100.0, value_parser = super::cell::number)]
+    xi_to: f64,
+    /// A cue of the kind that is searched for: its terms stay, their numbers do not
+    #[arg(
+        help_heading = "Cue",
+        long,
+        value_name = "CUE",
+        default_value = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1"
+    )]
+    cue: String,
+    /// Particles of the swarm that searches
+    #[arg(help_heading = "Search", long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    particles: u32,
+    /// Times that they move
+    #[arg(help_heading = "Search", long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    moves: u32,
+    /// Seed of the search
+    #[arg(help_heading = "Search", long, value_name = "S", default_value_t = 0)]
+    seed: u64,
+    /// File for the constants found, as --config reads it
+    #[arg(help_heading = "Output", long, value_name = "FILE.ron")]
+    out: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum What {
+    Constants,
+    Activity,
+    Cue,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum RoundsArg {
+    Min,
+    Mean,
+    Max,
+}
+
+impl From<RoundsArg> for Reading {
+    fn from(rounds: RoundsArg) -> Reading {
+        match rounds {
+            RoundsArg::Min => Reading::Min,
+            RoundsArg::Mean => Reading::Mean,
+            RoundsArg::Max => Reading::Max,
+        }
+    }
+}
+
+pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
+    let start = Instant::now();
+    let lineage = Lineage::load(args.lineage.as_deref())?;
+    let settings = &context.settings;
+    settings.check_divisions("settings")?;
+    let r0 = lineage.given_r0(lineage.first()).unwrap_or(settings.cell.r0);
+    let settings = TreeSettings {
+        cell: Cell { r0, ..settings.cell.clone() },
+        numerics: settings.numerics,
+        seed: 0,
+        r0_step: context.quantisation.relative_step(),
+    };
+    if args.out.is_some() && args.what != What::Constants {
+        let allowed = "given with constants alone";
+        return Err(InputError::not_allowed("--out", "out", format!("{:?}", args.out), allowed).into());
+    }
+    match args.what {
+        What::Constants => constants(args, context, &lineage, &settings, start),
+        What::Activity => activity(args, context, &lineage, &settings, start),
+        What::Cue => cue(args, context, &lineage, &settings, start),
+    }
+}
+
+/// The targets of a file, or the built-in ones, checked.
+fn targets(args: &FitArgs, lineage: &Lineage) -> Result<Targets, CliError> {
+    let (targets, file) = match &args.targets {
+        None => (Targets::embryo()?, "embryo.ron (built in)".to_owned()),
+        Some(path) => {
+            let file = path.display().to_string();
+            (parse_document(&read_text(path)?, &file, "a file of targets of a fit", "Fit")?, file)
+        }
+    };
+    targets.check(&file, lineage)?;
+    Ok(targets)
+}
+
+fn effort(args: &FitArgs) -> Effort {
+    Effort { particles: args.particles as usize, moves: u64::from(args.moves), seed: args.seed }
+}
+
+/// What `fit constants --json` prints.
+#[derive(Serialize)]
+struct ConstantsAnswer<'a> {
+    constants: serde_json::Map<String, serde_json::Value>,
+    misfit: f64,
+    residuals: Vec<Residual<'a>>,
+    best: &'a Evaluated,
+    start: &'a Evaluated,
+    front: &'a [Evaluated],
+    sharpness: Vec<serde_json::Value>,
+    tried: usize,
+    seed: u64,
+    elapsed_s: f64,
+}
+
+/// A number of the model beside the observed one.
+#[derive(Serialize)]
+struct Residual<'a> {
+    founder: &'a str,
+    quantity: &'static str,
+    observed: f64,
+    computed: Option<f64>,
+}
+
+fn constants(
+    args: &FitArgs,
+    context: &Context,
+    lineage: &Lineage,
+    settings: &TreeSettings,
+    start: Instant,
+) -> Result<(), CliError> {
+    let targets = targets(args, lineage)?;
+    if let Some(file) = &args.out {
+        writable_file("--out", "out", file)?;
+    }
+    let line = ProgressLine::new(context.progress);
+    let show = |tried: usize, misfit: f64| line.say(format!("{tried} sets of constants, least misfit {misfit:.3}"));
+    let (memo, flag) = (context.memo()?, Some(interrupt::flag()));
+    let found = fit_constants(lineage, &targets, settings, &memo, effort(args), context.threads, flag, Some(&show))?;
+    drop(line);
+    if let Some(file) = &args.out {
+        write_atomically(file, config(&found.best).as_bytes())?;
+    }
+    let elapsed_s = start.elapsed().as_secs_f64();
+    if !context.json {
+        let written =
+            args.out.as_ref().map_or(String::new(), |file| format!("; --config {} takes them", file.display()));
+        return answer(&format!(
+            "{}{} sets of constants tried, {elapsed_s:.0} s{written}\n",
+            constants_text(&found, &targets),
+            found.tried
+        ));
+    }
+    let number = |(parameter, value): &(Parameter, f64)| (parameter.to_string(), (*value).into());
+    let sharpness = found.sharpness.iter().zip(&found.plateau).map(|(sharp, (_, plateau))| {
+        serde_json::json!({ "parameter": sharp.parameter.to_string(), "from": sharp.from, "to": sharp.to,
+            "reaches_limit": sharp.reaches_limit, "plateau": plateau })
+    });
+    let document = ConstantsAnswer {
+        constants: found.best.constants.iter().map(number).collect(),
+        misfit: found.best.misfit,
+        residuals: residuals(&found.best, &targets),
+        best: &found.best,
+        start: &found.start,
+        front: &found.front,
+        sharpness: sharpness.collect(),
+        tried: found.tried,
+        seed: args.seed,
+        elapsed_s,
+    };
+    answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
+}
+
+fn residuals<'a>(best: &'a Evaluated, targets: &'a Targets) -> Vec<Residual<'a>> {
+    let mut out = Vec::new();
+    for founder in best.founders.iter().filter(|founder| targets.founders.contains(&founder.name)) {
+        let (name, rounds) = (founder.name.as_str(), founder.rounds);
+        let mean = founder.observed_mean.unwrap_or(f64::NAN);
+        out.push(Residual { founder: name, quantity: "mean_rounds", observed: mean, computed: rounds.map(|r| r.mean) });
+        let (observed, computed) = (founder.observed_terminal.unwrap_or(0), rounds.map(|r| f64::from(r.terminal)));
+        out.push(Residual { founder: name, quantity: "terminal_cells", observed: f64::from(observed), computed });
+    }
+    for chi in &targets.chi {
+        let computed = best.founders.iter().find(|founder| founder.name == chi.cell).and_then(|founder| founder.chi);
+        out.push(Residual { founder: &chi.cell, quantity: "chi", observed: chi.mean, computed });
+    }
+    out
+}
+
+/// The constants as a configuration file.
+fn config(best: &Evaluated) -> String {
+    let mut out = String::from("// Found by furrow fit constants.\nConfig(\n    physics: (\n");
+    for (parameter, value) in &best.constants {
+        let _ = writeln!(out, "        {parameter}: {value},");
+    }
+    out += "    ),\n)\n";
+    out
+}
+
+fn constants_text(found: &FittedConstants, targets: &Targets) -> String {
+    let FittedConstants { best, start, front, sharpness, plateau, .. } = found;
+    let mut out = String::new();
+    let _ = writeln!(
+        out,
+        "{:<8} {:>10} {:>10}   {:<21}  {:<21}",
+        "constant", "start", "best", "misfit +0.05, alone", "tried, misfit +0.05"
+    );
+    for (k, (parameter, value)) in best.constants.iter().enumerate() {
+        let ranges = sharpness.get(k).map_or(String::new(), |sharp| {
+            let limit = if sharp.reaches_limit { " (limit)" } else { "" };
+            let [from, to] = plateau[k].1;
+            format!("{:<21}  {from:.4}..{to:.4}", format!("{:.4}..{:.4}{limit}", sharp.from, sharp.to))
+        });
+        let from = start.constants[k].1;
+        let _ = writeln!(out, "{:<8} {from:>10.5} {value:>10.5}   {ranges}", parameter.to_string());
+    }
+    let searched =
+        best.constants.iter().find(|(p, _)| *p == Parameter::XiS).map(|(_, xi_s)| xi_s * best.cell().material.gain);
+    if let Some(activity) = searched {
+        let _ = writeln!(out, "g xi_s = {activity:.3}");
+    }
+    let _ =
+        writeln!(out, "\n{:<8} {:>22} {:>22} {:>16}", "founder", "mean rounds, observed", "terminal, observed", "χ");
+    for founder in &best.founders {
+        let rounds = founder.rounds.map_or("-".to_owned(), |r| format!("{:.2}", r.mean));
+        let terminal = founder.rounds.map_or("-".to_owned(), |r| r.terminal.to_string());
+        let mean = founder.observed_mean.map_or("-".to_owned(), |mean| format!("{mean:.2}"));
+        let cells = founder.observed_terminal.map_or("-".to_owned(), |n| n.to_string());
+        let measured = targets.chi.iter().find(|chi| chi.cell == founder.name);
+        let beside = measured.map_or(String::new(), |chi| format!(", {:.3}", chi.mean));
+        let chi = founder.chi.map_or("-".to_owned(), |chi| format!("{chi:.3}{beside}"));
+        let mark = if targets.founders.contains(&founder.name) { "  fitted" } else { "" };
+        let _ = writeln!(out, "{:<8} {rounds:>14}, {mean:>6} {terminal:>14}, {cells:>6} {chi:>16}{mark}", founder.name);
+    }
+    for (name, e) in [("start", start), ("best", best)] {
+        let rms = e.thresholds_rms.map_or("not found".to_owned(), |rms| format!("{:.2} %", 100.0 * rms));
+        let _ = writeln!(
+            out,
+            "\n{name}: misfit {:.3}: mean rounds off by {:.3}, terminal cells by {:.3} doublings, χ by {:.3}; {} not symmetric; thresholds off by {rms}",
+            e.misfit, e.parts.rounds, e.parts.terminal, e.parts.chi, e.parts.not_symmetric
+        );
+    }
+    let _ = writeln!(out, "\nThe front between the embryo's counts and the published thresholds:");
+    let names: String = best.constants.iter().map(|(p, _)| format!("{:>9}", p.to_string())).collect();
+    let _ = writeln!(out, "{:>8} {:>8} {:>12} {names}", "misfit", "rounds", "thresholds");
+    for set in front {
+        let values: String = set.constants.iter().map(|(_, value)| format!("{value:>9.4}")).collect();
+        let rms = 100.0 * set.thresholds_rms.unwrap_or(f64::NAN);
+        let _ = writeln!(out, "{:>8.3} {:>8.3} {rms:>10.2} % {values}", set.misfit, set.parts.rounds);
+    }
+    out.push('\n');
+    out
+}
+
+/// What `fit activity --json` prints.
+#[derive(Serialize)]
+struct ActivityAnswer<'a> {
+    rounds: Reading,
+    founders: &'a [FounderActivity],
+    trees: usize,
+    elapsed_s: f64,
+}
+
+fn activity(
+    args: &FitArgs,
+    context: &Context,
+    lineage: &Lineage,
+    settings: &TreeSettings,
+    start: Instant,
+) -> Result<(), CliError> {
+    for (option, value) in [("--xi-from", args.xi_from), ("--xi-to", args.xi_to)] {
+        let mut one = context.settings.clone();
+        one.cell.xi_s = value;
+        if value <= 0.0 {
+            return Err(InputError::not_allowed(option, "xi_s", value, "a number above 0").into());
+        }
+        one.check_activity(option)?;
+    }
+    let range = [args.xi_from, args.xi_to];
+    if range[1] <= range[0] {
+        let allowed = format!("above --xi-from = {}", range[0]);
+        return Err(InputError::not_allowed("--xi-to", "xi_s", range[1], allowed).into());
+    }
+    let (memo, flag, reading) = (context.memo()?, Some(interrupt::flag()), Reading::from(args.rounds));
+    let (found, trees) = activities(lineage, settings, &memo, reading, range, context.threads, flag)?;
+    let elapsed_s = start.elapsed().as_secs_f64();
+    if context.json {
+        let document = ActivityAnswer { rounds: reading, founders: &found, trees, elapsed_s };
+        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+    }
+    let mut out = format!(
+        "Activity that a founder and its descendants would need for the observed rounds ({}), all else at xi_s = {}\n\n",
+        match reading {
+            Reading::Min => "fewest",
+            Reading::Mean => "mean, to half a round",
+            Reading::Max => "most",
+        },
+        settings.cell.xi_s
+    );
+    let _ = writeln!(out, "{:<8} {:>8} {:>8}   {:<22} nearest", "founder", "observed", "model", "xi_s");
+    for founder in &found {
+        let model = founder.rounds.map_or("-".to_owned(), |rounds| format!("{rounds:.2}"));
+        let interval = |[from, to]: [f64; 2]| {
+            let (below, above) = (from <= founder.searched[0], to >= founder.searched[1]);
+            format!("{}{from:.3} .. {to:.3}{}", if below { "≤ " } else { "" }, if above { " ≤" } else { "" })
+        };
+        let needed = founder.xi_s.map_or("none".to_owned(), interval);
+        let nearest = founder.nearest.map_or(String::new(), |(xi_s, rounds)| format!("{rounds:.2} at {xi_s:.2}"));
+        let more = founder.intervals.len().saturating_sub(1);
+        let others = if more > 0 { format!(", and {more} narrower") } else { String::new() };
+        let _ =
+            writeln!(out, "{:<8} {:>8.2} {model:>8}   {needed:<22} {nearest}{others}", founder.name, founder.observed);
+    }
+    let _ = writeln!(out, "\n{trees} trees, {elapsed_s:.0} s");
+    answer(&out)
+}
+
+/// What `fit cue --json` prints.
+#[derive(Serialize)]
+struct CueAnswer<'a> {
+    #[serde(flatten)]
+    found: &'a FittedCue,
+    seed: u64,
+    elapsed_s: f64,
+}
+
+fn cue(
+    args: &FitArgs,
+    context: &Context,
+    lineage: &Lineage,
+    settings: &TreeSettings,
+    start: Instant,
+) -> Result<(), CliError> {
+    let targets = targets(args, lineage)?;
+    let template = lineage.parse_cue(&args.cue).map_err(bad_cue)?;
+    if template.is_none() {
+        let allowed = "a cue with a term, whose numbers are searched for";
+        return Err(InputError::not_allowed("--cue", "cue", &args.cue, allowed).into());
+    }
+    if targets.chi.is_empty() {
+        let file = args.targets.as_ref().map_or(String::new(), |path| path.display().to_string());
+        return Err(InputError::not_allowed(file, "chi", "[]", "at least one measured χ").into());
+    }
+    let flag = Some(interrupt::flag());
+    let found = fit_cue(lineage, &targets, settings, &template, effort(args), context.threads, flag)?;
+    let elapsed_s = start.elapsed().as_secs_f64();
+    if context.json {
+        let document = CueAnswer { found: &found, seed: args.seed, elapsed_s };
+        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+    }
+    let out_of_sample = targets.out_of_sample.as_ref().map_or("", |out| &out.name);
+    answer(&format!("{}{} cues tried, {elapsed_s:.0} s\n", cue_text(&found, out_of_sample), found.tried))
+}
+
+fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
+    let mut out = format!("cue {}\n\n", found.cue);
+    for number in &found.numbers {
+        let sd = number.sd.map_or("not held by the data".to_owned(), |sd| format!("± {sd:.4}"));
+        let [from, to] = number.searched;
+        let _ = writeln!(out, "{:<18} {:>9.4} {sd}  (searched {from}..{to})", number.name, number.value);
+    }
+    let table = |out: &mut String, residuals: &[ChiResidual]| {
+        let _ = writeln!(out, "{:<8} {:>8} {:>18} {:>8} {:>10}", "cell", "R0", "χ measured", "model", "off by sd");
+        for r in residuals {
+            let [r0, chi] = [r.r0, r.computed].map(|v| v.map_or("-".to_owned(), |v| format!("{v:.3}")));
+            let off = r.residual.map_or("-".to_owned(), |v| format!("{v:+.2}"));
+            let measured = format!("{:.3} ± {:.3}", r.measured, r.sd);
+            let _ = writeln!(out, "{:<8} {r0:>8} {measured:>18} {chi:>8} {off:>10}", r.cell);
+        }
+    };
+    let _ = writeln!(out, "\nχ² = {:.2} over {} divisions", found.chi_squared, found.residuals.len());
+    table(&mut out, &found.residuals);
+    match &found.combinations {
+        None => out += "\nan outcome near the best is not smooth: what the data hold is not told\n",
+        Some(combinations) => {
+            out += "\nstandard deviations of χ per unit step (by logarithm, or in u), by combination:\n";
+            for held in combinations {
+                let parts: Vec<String> =
+                    held.components.iter().zip(&found.numbers).map(|(x, n)| format!("{x:+.3} {}", n.name)).collect();
+                let open = if held.determined { "" } else { "  (left open)" };
+                let _ = writeln!(out, "{:>10.2}  {}{open}", held.singular_value, parts.join(" "));
+            }
+        }
+    }
+    if !found.out_of_sample.is_empty() {
+        let _ = writeln!(out, "\n{out_of_sample}, predicted:");
+        table(&mut out, &found.out_of_sample);
+    }
+    out.push('\n');
+    out
+}
