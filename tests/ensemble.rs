@@ -97,6 +97,8 @@ fn ranges_of_one_set_are_its_tree() {
     let ems = one.founders.iter().find(|founder| founder.name == "EMS").unwrap();
     assert_eq!(ems.rounds.unwrap().max.p50, 10.0);
     assert_eq!(ems.within_one_round.unwrap().max, Some(1.0));
+    // EMS 10 of 9 observed, P4 0 of 1.
+    assert_eq!(one.paper_sentence, Some(1.0));
     let two = ranges(&lineage, &settings, &[set(1.5, 1.0), set(1.4, 0.0)], 2, None).unwrap();
     assert_eq!(two.cells, one.cells);
     assert_eq!(two.members, 2);

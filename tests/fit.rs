@@ -84,9 +84,9 @@ fn rounds_are_the_observed_ones_inside_an_activity_interval_and_not_beyond_it() 
     assert!(trees > 10 && from < to, "{found:?}");
     let rounds = |xi_s: f64| rounds_at(&lineage, &settings, xi_s).max;
     assert_eq!((rounds(from), rounds(to)), (3, 3));
-    // Ends are halved seven times from neighbours 5 % apart.
-    assert_ne!(rounds(from * 0.999), 3);
-    assert_ne!(rounds(to * 1.001), 3);
+    // Ends are halved five times from neighbours 10 % apart.
+    assert_ne!(rounds(from * 0.995), 3);
+    assert_ne!(rounds(to * 1.005), 3);
 }
 
 #[test]

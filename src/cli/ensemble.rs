@@ -176,6 +176,13 @@ fn ranges_text(lineage: &Lineage, found: &LineageRanges, elapsed_s: f64) -> Stri
             .collect();
         let _ = writeln!(out, "{}: within one round of the observed: {}", founder.name, parts.join(", "));
     }
+    if let Some(share) = found.paper_sentence {
+        let _ = writeln!(
+            out,
+            "EMS and the germline (P4) together within one round of the observed most, the paper's sentence: {:.0} %",
+            100.0 * share
+        );
+    }
     if let Some(cells) = found.cells {
         let _ = writeln!(out, "cells {}", whole(cells));
     }

@@ -117,6 +117,9 @@ pub struct LineageRanges {
     pub cells: Option<Range>,
     /// How much weight has founder's symmetric doublings of 0, 1, 2, …: by founder.
     pub symmetric_doublings: Vec<(String, Vec<f64>)>,
+    /// Weight of the sets of which the paper's sentence on rounds holds, "to within a single round for the EMS and P lineages",
+    /// read as most rounds: of EMS, and along the germline, which is to say of P4; none of a lineage without these two.
+    pub paper_sentence: Option<f64>,
     /// Divisions solved.
     pub divisions_solved: usize,
     /// Divisions known from the same tree.
@@ -156,7 +159,7 @@ fn grown(
     let settings = TreeSettings { cell: set.of(&settings.cell), ..settings.clone() };
     let quantisation = Quantisation::with_relative_step(settings.r0_step).unwrap_or(Quantisation::DEFAULT);
     let rule = Ends::new(CriticalRadii::new(&settings.numerics));
-    let (tree, summary) = grow_alone(lineage, settings, &rule, &Memo::new(quantisation), interrupt)?;
+    let (tree, summary) = grow_alone(lineage, settings, &|cell| rule.of(cell), &Memo::new(quantisation), interrupt)?;
     let founders = founder_rounds(&tree)
         .into_iter()
         .map(|row| {
@@ -172,13 +175,12 @@ fn grown(
 pub(super) fn grow_alone(
     lineage: &Lineage,
     settings: TreeSettings,
-    ends: &Ends,
+    ends: &dyn Fn(&Cell) -> Option<EndReason>,
     memo: &Memo<DivisionInput>,
     interrupt: Option<&AtomicBool>,
 ) -> Result<(Tree, Summary), GrowError> {
-    let ends = |cell: &Cell| -> Option<EndReason> { ends.of(cell) };
     let options = SchedulerOptions { threads: 1, interrupt, ..SchedulerOptions::default() };
-    Grower { lineage, settings, ends: &ends, memo, options }.grow(divide)
+    Grower { lineage, settings, ends, memo, options }.grow(divide)
 }
 
 fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[Grown]) -> LineageRanges {
@@ -231,8 +233,21 @@ fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[Grown]) -> LineageR
         }
         (lineage.founders[k].name.clone(), shares)
     };
+    let sentence = || {
+        let of = |name: &str| {
+            let k = lineage.founders.iter().position(|founder| founder.name == name)?;
+            Some((k, lineage.founders[k].observed?.max?))
+        };
+        let both = [of("EMS")?, of("P4")?];
+        let near = |tree: &Grown, (k, most): (usize, u32)| {
+            tree.founders[k].0.as_ref().is_some_and(|rounds| rounds.max.abs_diff(most) <= 1)
+        };
+        let holds = trees.iter().filter(|tree| both.iter().all(|one| near(tree, *one)));
+        Some(holds.map(|tree| tree.weight).sum::<f64>() / total + 0.0)
+    };
     let count = lineage.founders.len();
     LineageRanges {
+        paper_sentence: sentence(),
         founders: (0..count).map(founder).collect(),
         members: sets.len(),
         cells: Range::of(trees.iter().map(|tree| (tree.cells as f64, tree.weight)).collect()),

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use super::{FitError, pool};
 use crate::batch::Memo;
+use crate::cell::Cell;
 use crate::division::DivisionInput;
 use crate::lineage::{Ends, GrowError, Lineage, ObservedRounds, Rounds, TreeSettings, founder_rounds};
 use crate::shapes::CriticalRadii;
@@ -72,12 +73,13 @@ pub struct FounderActivity {
 pub const WITHIN: f64 = 0.5;
 /// The search ends where rounds are so many more than observed.
 pub const BEYOND: f64 = 1.5;
-/// Branches are cut so many rounds below the most observed: their cells are too many then, whatever follows.
-const DEEPER: u32 = 8;
+/// Branches are cut so many rounds below the most observed. Fewest and most rounds are too many then, whatever follows; what is
+/// cut off a few long branches moves a mean little.
+const DEEPER: [u32; 2] = [2, 8];
 /// Activities tried, evenly in their logarithm.
 const TRIED: usize = 20;
-/// Halvings at each end of an interval.
-const HALVINGS: usize = 7;
+/// Halvings at each end of an interval, to half a percent. The nearer to an edge, the longer cells there wait at their threshold.
+const HALVINGS: usize = 5;
 
 /// One founder's rounds over its activity.
 struct Search<'a> {
@@ -87,7 +89,7 @@ struct Search<'a> {
     interrupt: Option<&'a AtomicBool>,
     reading: Reading,
     founder: usize,
-    /// Critical radii, kept from one activity to the next.
+    /// The critical radii that are stored.
     ends: Ends,
     tried: Counter<usize>,
 }
@@ -117,10 +119,13 @@ impl Search<'_> {
             }
         }
         if let Some(most) = self.lineage.founders[self.founder].observed.and_then(|o| o.max) {
-            let depth = self.generation(self.founder) + most + DEEPER;
+            let deeper = DEEPER[usize::from(self.reading == Reading::Mean)];
+            let depth = self.generation(self.founder) + most + deeper;
             lineage.limits.max_depth = lineage.limits.max_depth.min(depth);
         }
-        let (tree, _) = grow_alone(&lineage, self.settings.clone(), &self.ends, self.memo, self.interrupt)?;
+        // At every activity there is another critical radius, and a search for one takes longer than a tree of divisions.
+        let ends = |cell: &Cell| if self.ends.knows(cell) { self.ends.of(cell) } else { None };
+        let (tree, _) = grow_alone(&lineage, self.settings.clone(), &ends, self.memo, self.interrupt)?;
         let row = founder_rounds(&tree).into_iter().find(|row| row.founder == self.founder);
         Ok(row.and_then(|row| row.rounds).map(|rounds| self.reading.of(&rounds)))
     }

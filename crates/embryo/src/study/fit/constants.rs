@@ -195,7 +195,7 @@ impl Judge<'_> {
     fn judge(&self, cell: &Cell) -> Option<Evaluated> {
         let settings = TreeSettings { cell: cell.clone(), ..self.settings.clone() };
         let ends = Ends::new(CriticalRadii::new(&settings.numerics));
-        let (tree, _) = grow_alone(self.lineage, settings, &ends, self.memo, self.interrupt).ok()?;
+        let (tree, _) = grow_alone(self.lineage, settings, &|cell| ends.of(cell), self.memo, self.interrupt).ok()?;
         let founders = self.founders(&tree);
         let parts = self.parts(&founders);
         let weights = self.targets.weights;
