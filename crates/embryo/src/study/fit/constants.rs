@@ -115,7 +115,7 @@ impl Evaluated {
     }
 }
 
-/// Between which values of a constant the misfit is at most [`WORSE`] above the best, the others as they are; of the activity
+/// Between which values of a constant the misfit is at most 0.05 above the best, the others as they are; of the activity
 /// at the gain of the best.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Sharpness {
@@ -140,7 +140,7 @@ pub struct FittedConstants {
     pub front: Vec<Evaluated>,
     /// How sharp the best is.
     pub sharpness: Vec<Sharpness>,
-    /// Sets whose misfit is within [`WORSE`] of the best: the least and the largest value of each constant among them, of the
+    /// Sets whose misfit is within 0.05 of the best: the least and the largest value of each constant among them, of the
     /// activity in units of the gain of the best.
     pub plateau: Vec<(Parameter, [f64; 2])>,
     /// Sets of constants tried.
@@ -295,7 +295,7 @@ impl Judge<'_> {
         if self.targets.thresholds.is_empty() { &TRADES[..1] } else { &TRADES }
     }
 
-    /// How far the constant at `index` may move one way before the misfit is [`WORSE`] than `best`: a place in the unit cube.
+    /// How far the constant at `index` may move one way before the misfit is 0.05 worse than `best`: a place in the unit cube.
     fn reach(&self, place: &[f64], index: usize, way: f64, best: f64) -> f64 {
         let allowed = |share: f64| {
             let mut moved = place.to_vec();
