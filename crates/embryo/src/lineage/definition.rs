@@ -228,6 +228,17 @@ impl Lineage {
         }
     }
 
+    /// The founder that divides into a founder; none for the first cell.
+    pub fn mother(&self, founder: usize) -> Option<usize> {
+        let name = self.founders[founder].mother.as_ref()?;
+        self.founders.iter().position(|other| other.name == *name)
+    }
+
+    /// Divisions from the first cell to a founder.
+    pub fn generation(&self, founder: usize) -> u32 {
+        self.mother(founder).map_or(0, |mother| 1 + self.generation(mother))
+    }
+
     /// Name of the cue that a cell at a place carries.
     pub fn cue_name_at(&self, place: Place) -> &str {
         let founder = &self.founders[place.founder];

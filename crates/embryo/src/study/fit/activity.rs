@@ -95,18 +95,9 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn mother(&self, k: usize) -> Option<usize> {
-        let name = self.lineage.founders[k].mother.as_ref()?;
-        self.lineage.founders.iter().position(|founder| founder.name == *name)
-    }
-
-    fn generation(&self, k: usize) -> u32 {
-        self.mother(k).map_or(0, |mother| 1 + self.generation(mother))
-    }
-
     /// Whether founder `k` is this one or descends from it.
     fn is_below(&self, k: usize) -> bool {
-        k == self.founder || self.mother(k).is_some_and(|mother| self.is_below(mother))
+        k == self.founder || self.lineage.mother(k).is_some_and(|mother| self.is_below(mother))
     }
 
     /// Rounds at an activity; none if the founder is never born, or the tree could not be grown.
@@ -120,7 +111,7 @@ impl Search<'_> {
         }
         if let Some(most) = self.lineage.founders[self.founder].observed.and_then(|o| o.max) {
             let deeper = DEEPER[usize::from(self.reading == Reading::Mean)];
-            let depth = self.generation(self.founder) + most + deeper;
+            let depth = self.lineage.generation(self.founder) + most + deeper;
             lineage.limits.max_depth = lineage.limits.max_depth.min(depth);
         }
         // At every activity there is another critical radius, and a search for one takes longer than a tree of divisions.

@@ -156,15 +156,6 @@ struct Chain<'a> {
 }
 
 impl Chain<'_> {
-    fn generation(&self, founder: usize) -> u32 {
-        self.mother(founder).map_or(0, |mother| 1 + self.generation(mother))
-    }
-
-    fn mother(&self, founder: usize) -> Option<usize> {
-        let name = self.lineage.founders[founder].mother.as_ref()?;
-        self.lineage.founders.iter().position(|f| f.name == *name)
-    }
-
     /// The radius of a founder; none if it is never born.
     fn r0(&mut self, founder: usize) -> Option<f64> {
         let first = self.lineage.first();
@@ -174,7 +165,7 @@ impl Chain<'_> {
         if let Some(given) = self.lineage.given_r0(founder) {
             return Some(given);
         }
-        let Some(mother) = self.mother(founder) else { return Some(self.settings.cell.r0) };
+        let Some(mother) = self.lineage.mother(founder) else { return Some(self.settings.cell.r0) };
         let daughters = self.division(mother)?.daughters?;
         let [small, large] = [daughters[0].min(daughters[1]), daughters[0].max(daughters[1])];
         Some(if self.lineage.founders[founder].daughter == Some(Daughter::Larger) { large } else { small })
@@ -185,7 +176,7 @@ impl Chain<'_> {
             return known.clone();
         }
         let found = self.r0(founder).and_then(|r0| {
-            let place = Place { founder, round: 0, generation: self.generation(founder), r0 };
+            let place = Place { founder, round: 0, generation: self.lineage.generation(founder), r0 };
             let own = self.lineage.cue_at(place);
             let cue = if own.is_none() { own } else { self.cue.clone() };
             let mut cell = Cell { r0, cue, ..self.settings.cell.clone() };
