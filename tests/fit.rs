@@ -1,7 +1,5 @@
 //! What would make it the embryo: constants, activities and a cue from what was observed.
 
-mod common;
-
 use std::process::Command;
 
 use furrow::batch::{Memo, Quantisation};

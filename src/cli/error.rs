@@ -47,7 +47,7 @@ pub enum CliError {
     #[error(transparent)]
     Ensemble(#[from] EnsembleError),
     /// Nothing was found that fits.
-    #[error(transparent)]
+    #[error("{}", fit_text(.0))]
     Fit(#[from] FitError),
     /// No parameters were found.
     #[error(transparent)]
@@ -89,9 +89,19 @@ pub enum CliError {
 
 fn grow_text(error: &GrowError) -> String {
     match error {
-        GrowError::Interrupted { .. } => format!(
-            "{error}; what was solved is kept in the cache (unless --no-cache), and the same command goes on from there"
-        ),
+        GrowError::Interrupted { .. } => format!("{error}; {GOES_ON}"),
+        _ => error.to_string(),
+    }
+}
+
+/// What is left of a growth that was interrupted.
+const GOES_ON: &str =
+    "what was solved is kept in the cache (unless --no-cache), and the same command goes on from there";
+
+fn fit_text(error: &FitError) -> String {
+    match error {
+        FitError::Grow(error) => grow_text(error),
+        FitError::Interrupted { .. } => format!("{error}; {GOES_ON}"),
         _ => error.to_string(),
     }
 }

@@ -12,8 +12,8 @@ use super::error::CliError;
 use super::interrupt;
 use super::output::{answer, writable_file};
 use super::progress::ProgressLine;
-use super::tree::bad_cue;
-use crate::cell::{Cell, Parameter};
+use super::tree::{bad_cue, of_tree};
+use crate::cell::Parameter;
 use crate::input::{InputError, parse_document, read_text};
 use crate::io::write_atomically;
 use crate::lineage::{Lineage, TreeSettings};
@@ -105,16 +105,15 @@ pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
     let lineage = Lineage::load(args.lineage.as_deref())?;
     let settings = &context.settings;
     settings.check_divisions("settings")?;
-    let r0 = lineage.given_r0(lineage.first()).unwrap_or(settings.cell.r0);
-    let settings = TreeSettings {
-        cell: Cell { r0, ..settings.cell.clone() },
-        numerics: settings.numerics,
-        seed: 0,
-        r0_step: context.quantisation.relative_step(),
-    };
+    settings.check_activity("settings")?;
+    let settings = of_tree(settings.clone(), &lineage, 0, context);
     if args.out.is_some() && args.what != What::Constants {
         let allowed = "given with constants alone";
         return Err(InputError::not_allowed("--out", "out", format!("{:?}", args.out), allowed).into());
+    }
+    if args.what != What::Cue {
+        // Divisions of trees are kept, those of a cue that is tried are not.
+        interrupt::gently();
     }
     match args.what {
         What::Constants => constants(args, context, &lineage, &settings, start),
@@ -240,7 +239,32 @@ fn config(best: &Evaluated) -> String {
 }
 
 fn constants_text(found: &FittedConstants, targets: &Targets) -> String {
-    let FittedConstants { best, start, front, sharpness, plateau, .. } = found;
+    let FittedConstants { best, start, .. } = found;
+    let mut out = values_text(found);
+    out += &founders_text(best, targets);
+    for (name, e) in [("start", start), ("best", best)] {
+        let rms = e.thresholds_rms.map_or("not found".to_owned(), |rms| format!("{:.2} %", 100.0 * rms));
+        let _ = writeln!(
+            out,
+            "\n{name}: misfit {:.3}: mean rounds off by {:.3}, terminal cells by {:.3} doublings, χ by {:.3}; {} not symmetric; thresholds off by {rms}",
+            e.misfit, e.parts.rounds, e.parts.terminal, e.parts.chi, e.parts.not_symmetric
+        );
+    }
+    let _ = writeln!(out, "\nThe front between the embryo's counts and the published thresholds:");
+    let names: String = best.constants.iter().map(|(p, _)| format!("{:>9}", p.to_string())).collect();
+    let _ = writeln!(out, "{:>8} {:>8} {:>12} {names}", "misfit", "rounds", "thresholds");
+    for set in &found.front {
+        let values: String = set.constants.iter().map(|(_, value)| format!("{value:>9.4}")).collect();
+        let rms = 100.0 * set.thresholds_rms.unwrap_or(f64::NAN);
+        let _ = writeln!(out, "{:>8.3} {:>8.3} {rms:>10.2} % {values}", set.misfit, set.parts.rounds);
+    }
+    out.push('\n');
+    out
+}
+
+/// The constants of the start and of the best, and how sharp it is.
+fn values_text(found: &FittedConstants) -> String {
+    let FittedConstants { best, start, sharpness, plateau, .. } = found;
     let mut out = String::new();
     let _ = writeln!(
         out,
@@ -261,6 +285,12 @@ fn constants_text(found: &FittedConstants, targets: &Targets) -> String {
     if let Some(activity) = searched {
         let _ = writeln!(out, "g xi_s = {activity:.3}");
     }
+    out
+}
+
+/// The founders of the best beside what was observed of them.
+fn founders_text(best: &Evaluated, targets: &Targets) -> String {
+    let mut out = String::new();
     let _ =
         writeln!(out, "\n{:<8} {:>22} {:>22} {:>16}", "founder", "mean rounds, observed", "terminal, observed", "χ");
     for founder in &best.founders {
@@ -274,23 +304,6 @@ fn constants_text(found: &FittedConstants, targets: &Targets) -> String {
         let mark = if targets.founders.contains(&founder.name) { "  fitted" } else { "" };
         let _ = writeln!(out, "{:<8} {rounds:>14}, {mean:>6} {terminal:>14}, {cells:>6} {chi:>16}{mark}", founder.name);
     }
-    for (name, e) in [("start", start), ("best", best)] {
-        let rms = e.thresholds_rms.map_or("not found".to_owned(), |rms| format!("{:.2} %", 100.0 * rms));
-        let _ = writeln!(
-            out,
-            "\n{name}: misfit {:.3}: mean rounds off by {:.3}, terminal cells by {:.3} doublings, χ by {:.3}; {} not symmetric; thresholds off by {rms}",
-            e.misfit, e.parts.rounds, e.parts.terminal, e.parts.chi, e.parts.not_symmetric
-        );
-    }
-    let _ = writeln!(out, "\nThe front between the embryo's counts and the published thresholds:");
-    let names: String = best.constants.iter().map(|(p, _)| format!("{:>9}", p.to_string())).collect();
-    let _ = writeln!(out, "{:>8} {:>8} {:>12} {names}", "misfit", "rounds", "thresholds");
-    for set in front {
-        let values: String = set.constants.iter().map(|(_, value)| format!("{value:>9.4}")).collect();
-        let rms = 100.0 * set.thresholds_rms.unwrap_or(f64::NAN);
-        let _ = writeln!(out, "{:>8.3} {:>8.3} {rms:>10.2} % {values}", set.misfit, set.parts.rounds);
-    }
-    out.push('\n');
     out
 }
 
@@ -330,6 +343,10 @@ fn activity(
         let document = ActivityAnswer { rounds: reading, founders: &found, trees, elapsed_s };
         return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
     }
+    answer(&format!("{}\n{trees} trees, {elapsed_s:.0} s\n", activity_text(&found, reading, settings)))
+}
+
+fn activity_text(found: &[FounderActivity], reading: Reading, settings: &TreeSettings) -> String {
     let mut out = format!(
         "Activity that a founder and its descendants would need for the observed rounds ({}), all else at xi_s = {}\n\n",
         match reading {
@@ -340,7 +357,7 @@ fn activity(
         settings.cell.xi_s
     );
     let _ = writeln!(out, "{:<8} {:>8} {:>8}   {:<22} nearest", "founder", "observed", "model", "xi_s");
-    for founder in &found {
+    for founder in found {
         let model = founder.rounds.map_or("-".to_owned(), |rounds| format!("{rounds:.2}"));
         let interval = |[from, to]: [f64; 2]| {
             let (below, above) = (from <= founder.searched[0], to >= founder.searched[1]);
@@ -353,8 +370,7 @@ fn activity(
         let _ =
             writeln!(out, "{:<8} {:>8.2} {model:>8}   {needed:<22} {nearest}{others}", founder.name, founder.observed);
     }
-    let _ = writeln!(out, "\n{trees} trees, {elapsed_s:.0} s");
-    answer(&out)
+    out
 }
 
 /// What `fit cue --json` prints.

@@ -17,6 +17,7 @@ use crate::io::files::FileSet;
 use crate::io::{FounderRow, Provenance, founder_rows, newick};
 use crate::lineage::{EndReason, Ends, Lineage, Tree, TreeSettings, expected_work};
 use crate::report;
+use crate::settings::Settings;
 use crate::shapes::{CriticalRadii, ShapeError};
 use crate::study::scenarios::Scenario;
 use clap::Args;
@@ -191,14 +192,19 @@ pub fn prepared(args: &TreeArgs, context: &Context, file: Option<&Path>) -> Resu
         let first = lineage.first();
         lineage.founders[first].r0 = None;
     }
+    let settings = of_tree(given, &lineage, args.seed, context);
+    Ok((lineage, settings))
+}
+
+/// The parameters of a tree's divisions: its first cell is as large as its lineage says, if it says so.
+pub fn of_tree(given: Settings, lineage: &Lineage, seed: u64, context: &Context) -> TreeSettings {
     let r0 = lineage.given_r0(lineage.first()).unwrap_or(given.cell.r0);
-    let settings = TreeSettings {
+    TreeSettings {
         cell: Cell { r0, ..given.cell },
         numerics: given.numerics,
-        seed: args.seed,
+        seed,
         r0_step: context.quantisation.relative_step(),
-    };
-    Ok((lineage, settings))
+    }
 }
 
 /// What is wrong with a cue of the command line.

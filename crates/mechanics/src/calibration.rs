@@ -51,6 +51,27 @@ impl Threshold {
     pub fn cell(&self, constants: &Cell) -> Cell {
         Cell { r0: self.r0, epsilon: self.epsilon, ..constants.clone() }
     }
+
+    /// Checks every value; `name` is the threshold's place in the file that errors call `source_name`.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn check(&self, source_name: &str, name: &str) -> Result<(), InputError> {
+        let Threshold { r0, epsilon, xi_s, weight, tolerance } = *self;
+        let fields = [
+            ("r0", r0, r0 > 0.0 && r0.is_finite(), "a finite number above 0"),
+            ("epsilon", epsilon, epsilon > 0.0 && epsilon < 1.0, "above 0 and below 1"),
+            ("xi_s", xi_s, xi_s > 0.0 && xi_s.is_finite(), "a finite number above 0"),
+            ("weight", weight, weight > 0.0 && weight.is_finite(), "a finite number above 0"),
+            ("tolerance", tolerance, tolerance > 0.0 && tolerance < 1.0, "above 0 and below 1"),
+        ];
+        match fields.into_iter().find(|(_, _, ok, _)| !ok) {
+            None => Ok(()),
+            Some((field, value, _, allowed)) => {
+                Err(InputError::not_allowed(source_name, format!("{name}.{field}"), value, allowed))
+            }
+        }
+    }
 }
 
 fn unit_weight() -> f64 {
@@ -210,18 +231,7 @@ impl Targets {
             }
         }
         for (k, t) in self.thresholds.iter().enumerate() {
-            let fields = [
-                ("r0", t.r0, t.r0 > 0.0 && t.r0.is_finite(), "a finite number above 0"),
-                ("epsilon", t.epsilon, t.epsilon > 0.0 && t.epsilon < 1.0, "above 0 and below 1"),
-                ("xi_s", t.xi_s, t.xi_s > 0.0 && t.xi_s.is_finite(), "a finite number above 0"),
-                ("weight", t.weight, t.weight > 0.0 && t.weight.is_finite(), "a finite number above 0"),
-                ("tolerance", t.tolerance, t.tolerance > 0.0 && t.tolerance < 1.0, "above 0 and below 1"),
-            ];
-            for (field, value, ok, allowed) in fields {
-                if !ok {
-                    return refuse(format!("thresholds[{k}].{field}"), value.to_string(), allowed);
-                }
-            }
+            t.check(source_name, &format!("thresholds[{k}]"))?;
         }
         self.check_statements(source_name)
     }

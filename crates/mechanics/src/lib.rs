@@ -3,8 +3,8 @@
 //!
 //! What decides a division is here and nothing else: no tree, no store, no command line, no threads and no clock. `furrow`
 //! gives all of it under its own name (`furrow::cell`, `furrow::division`, …), and everybody takes it from there. It is a
-//! crate of its own because it is what must be fast: it is compiled with full optimisation, while tables, files and the
-//! command line, twice as much code, are compiled beside it with little.
+//! crate of its own because it is what must be fast: it is compiled as one unit with full optimisation, while what is built on
+//! it, twice as much code, is compiled beside it.
 //!
 //! | module | role |
 //! |---|---|

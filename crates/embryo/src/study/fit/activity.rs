@@ -4,14 +4,13 @@
 //! all its descendants would have one of their own: the ξ_s for which the model's rounds are the observed ones. A founder is
 //! as large as it is born with the constants of the run, all other cells keep their activity.
 
-use std::cell::Cell as Counter;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{FitError, pool};
-use crate::batch::Memo;
+use super::{FitError, is_set};
+use crate::batch::{Memo, scheduler};
 use crate::cell::Cell;
 use crate::division::DivisionInput;
 use crate::lineage::{Ends, GrowError, Lineage, ObservedRounds, Rounds, TreeSettings, founder_rounds};
@@ -91,7 +90,8 @@ struct Search<'a> {
     founder: usize,
     /// The critical radii that are stored.
     ends: Ends,
-    tried: Counter<usize>,
+    /// Trees grown for all founders.
+    trees: &'a AtomicUsize,
 }
 
 impl Search<'_> {
@@ -102,7 +102,7 @@ impl Search<'_> {
 
     /// Rounds at an activity; none if the founder is never born, or the tree could not be grown.
     fn rounds(&self, xi_s: f64) -> Result<Option<f64>, GrowError> {
-        self.tried.set(self.tried.get() + 1);
+        self.trees.fetch_add(1, Ordering::Relaxed);
         let mut lineage = self.lineage.clone();
         for k in 0..lineage.founders.len() {
             if self.is_below(k) {
@@ -195,7 +195,8 @@ impl Search<'_> {
     }
 }
 
-/// What every founder with observed rounds would need, searched between two activities; in parallel over founders.
+/// What every founder with observed rounds would need, searched between two activities, and how many trees that took; in
+/// parallel over founders.
 ///
 /// # Errors
 /// [`FitError`].
@@ -208,20 +209,18 @@ pub fn activities(
     threads: usize,
     interrupt: Option<&AtomicBool>,
 ) -> Result<(Vec<FounderActivity>, usize), FitError> {
-    let one = |founder: usize| -> Option<Result<(FounderActivity, usize), GrowError>> {
+    let trees = &AtomicUsize::new(0);
+    let one = |founder: usize| -> Option<Result<FounderActivity, GrowError>> {
         let observed = lineage.founders[founder].observed.and_then(|o| reading.observed(&o))?;
         let ends = Ends::new(CriticalRadii::new(&settings.numerics));
-        let tried = Counter::new(0);
-        let search = Search { lineage, settings, memo, interrupt, reading, founder, ends, tried };
-        Some(search.run(observed, range).map(|found| (found, search.tried.get())))
+        Some(Search { lineage, settings, memo, interrupt, reading, founder, ends, trees }.run(observed, range))
     };
     let founders = lineage.founders.len();
     let found: Vec<Option<Result<_, _>>> =
-        pool(threads)?.install(|| (0..founders).into_par_iter().with_max_len(1).map(one).collect());
-    if interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
-        return Err(FitError::Interrupted { tried: 0 });
+        scheduler::pool(threads)?.install(|| (0..founders).into_par_iter().with_max_len(1).map(one).collect());
+    let trees = trees.load(Ordering::Relaxed);
+    if is_set(interrupt) {
+        return Err(FitError::Interrupted { tried: trees, what: "trees" });
     }
-    let found: Vec<(FounderActivity, usize)> = found.into_iter().flatten().collect::<Result<_, _>>()?;
-    let tried = found.iter().map(|(_, tried)| tried).sum();
-    Ok((found.into_iter().map(|(activity, _)| activity).collect(), tried))
+    Ok((found.into_iter().flatten().collect::<Result<_, _>>()?, trees))
 }

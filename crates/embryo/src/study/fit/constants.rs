@@ -16,17 +16,19 @@
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::search::{Effort, Region, swarm};
-use super::targets::Targets;
-use super::{FitError, pool};
-use crate::batch::Memo;
+use super::targets::{MeasuredChi, Searched, Targets};
+use super::{FitError, is_set, moved};
+use crate::batch::{Memo, scheduler};
+use crate::calibration::Threshold;
 use crate::cell::{Cell, Parameter};
 use crate::division::{DivisionInput, Outcome};
-use crate::lineage::{Ends, Lineage, Rounds, Tree, TreeSettings, founder_rounds};
+use crate::lineage::{Ends, FounderRounds, Lineage, Rounds, Tree, TreeSettings, founder_rounds};
 use crate::shapes::{BranchOptions, CriticalRadii, pitchfork};
 use crate::study::ranges::grow_alone;
 
@@ -162,7 +164,7 @@ struct Judge<'a> {
 
 impl Judge<'_> {
     fn stopped(&self) -> bool {
-        self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed))
+        is_set(self.interrupt)
     }
 
     /// The set of constants at a place of the unit cube; none where no tree can be grown.
@@ -214,7 +216,7 @@ impl Judge<'_> {
     }
 
     fn founders(&self, tree: &Tree) -> Vec<FounderFit> {
-        let row = |row: crate::lineage::FounderRounds| {
+        let row = |row: FounderRounds| {
             let founder = &self.lineage.founders[row.founder];
             let cell = tree.founder_cell(row.founder);
             let fate = cell.map(|id| &tree.cell(id).fate);
@@ -241,7 +243,7 @@ impl Judge<'_> {
             let observed = f64::from(f.observed_terminal.unwrap_or(1));
             (f.rounds.map_or(0.5, |r| f64::from(r.terminal)) / observed).log2().abs()
         };
-        let chi = |measured: &super::targets::MeasuredChi| {
+        let chi = |measured: &MeasuredChi| {
             // A cell that does not divide, or equally, is off by all of it.
             (named(&measured.cell).and_then(|f| f.chi).unwrap_or(0.0) - measured.mean).abs()
         };
@@ -272,7 +274,7 @@ impl Judge<'_> {
         let mut cell = cell.clone();
         cell.material.gain *= factor;
         cell.xi_s /= factor;
-        let fit = |(found, given): (f64, &crate::calibration::Threshold)| ThresholdFit {
+        let fit = |(found, given): (f64, &Threshold)| ThresholdFit {
             r0: given.r0,
             epsilon: given.epsilon,
             xi_s: given.xi_s,
@@ -297,11 +299,8 @@ impl Judge<'_> {
 
     /// How far the constant at `index` may move one way before the misfit is 0.05 worse than `best`: a place in the unit cube.
     fn reach(&self, place: &[f64], index: usize, way: f64, best: f64) -> f64 {
-        let allowed = |share: f64| {
-            let mut moved = place.to_vec();
-            moved[index] = share;
-            self.at(&moved).is_some_and(|found| found.misfit <= best + WORSE)
-        };
+        let allowed =
+            |share: f64| self.at(&moved(place, index, share)).is_some_and(|found| found.misfit <= best + WORSE);
         let (mut inside, mut step) = (place[index], MOVES[0]);
         let outside = loop {
             let next = (place[index] + way * step).clamp(0.0, 1.0);
@@ -322,25 +321,12 @@ impl Judge<'_> {
         ends[0]
     }
 
-    /// A value as it was searched for, at the gain of the best.
-    fn at_gain(&self, parameter: Parameter, value: f64, best: &Evaluated) -> f64 {
-        match parameter {
-            Parameter::XiS => value * self.settings.cell.material.gain / best.cell.material.gain,
-            _ => value,
-        }
-    }
-
     fn sharpness(&self, place: &[f64], best: &Evaluated) -> Vec<Sharpness> {
-        let of = |(index, unknown): (usize, &super::targets::Searched)| {
+        let of = |(index, unknown): (usize, &Searched)| {
             let ends = [-1.0, 1.0].map(|way| self.reach(place, index, way, best.misfit));
             let value = |share: f64| {
-                let mut moved = place.to_vec();
-                moved[index] = share;
-                self.at_gain(
-                    unknown.parameter,
-                    unknown.parameter.get(&self.targets.cell_at(&self.settings.cell, &moved)),
-                    best,
-                )
+                let cell = self.targets.cell_at(&self.settings.cell, &moved(place, index, share));
+                at_gain_of(best, unknown.parameter, &cell)
             };
             Sharpness {
                 parameter: unknown.parameter,
@@ -349,7 +335,6 @@ impl Judge<'_> {
                 reaches_limit: ends[0] <= 0.0 || ends[1] >= 1.0,
             }
         };
-        use rayon::prelude::*;
         self.targets.unknowns.par_iter().enumerate().map(of).collect()
     }
 }
@@ -383,7 +368,7 @@ pub fn fit_constants(
 ) -> Result<FittedConstants, FitError> {
     let lineage = &bounded(lineage);
     let judge = Judge { lineage, targets, settings, memo, interrupt, progress, seen: Mutex::default() };
-    pool(threads)?.install(|| {
+    scheduler::pool(threads)?.install(|| {
         let start = targets.place_of(&settings.cell);
         let first = judge.judge(&settings.cell);
         let mut best: Option<(Vec<f64>, f64)> = None;
@@ -396,19 +381,26 @@ pub fn fit_constants(
             let effort = Effort { moves, seed: effort.seed.wrapping_add(k as u64), ..effort };
             let found = swarm(&region, effort, &|place| judge.traded(place, trade));
             if judge.stopped() {
-                return Err(FitError::Interrupted { tried: judge.known().len() });
+                return Err(interrupted(&judge));
             }
             if k == 0 {
                 best = found;
             }
         }
-        let tried = judge.known().len();
+        let found = first.and_then(|first| complete(&judge, first, &start));
+        if judge.stopped() {
+            return Err(interrupted(&judge));
+        }
         let advice = "widen the limits, or start from other constants";
-        let (_, Some(first)) = (&best, first) else {
-            return Err(FitError::Nothing { tried, what: "sets of constants", advice });
-        };
-        complete(&judge, first, &start).ok_or(FitError::Nothing { tried, what: "sets of constants", advice })
+        found.ok_or_else(|| FitError::Nothing { tried: judge.known().len(), what: SETS, advice })
     })
+}
+
+/// What errors call what is tried.
+const SETS: &str = "sets of constants";
+
+fn interrupted(judge: &Judge<'_>) -> FitError {
+    FitError::Interrupted { tried: judge.known().len(), what: SETS }
 }
 
 /// The least of all, how sharp it is, and the front.
@@ -418,7 +410,6 @@ fn complete(judge: &Judge<'_>, start: Evaluated, from: &[f64]) -> Option<FittedC
         let share = step as f64 / STEPS as f64;
         from.iter().zip(&place).map(|(a, b)| (a + share * (b - a)).clamp(0.0, 1.0)).collect::<Vec<_>>()
     };
-    use rayon::prelude::*;
     (1..STEPS).into_par_iter().for_each(|step| {
         judge.at(&line(step));
     });
@@ -434,22 +425,25 @@ fn complete(judge: &Judge<'_>, start: Evaluated, from: &[f64]) -> Option<FittedC
         sharpness = judge.sharpness(&found.0, &found.1);
     }
     let (_, best) = least(judge)?;
-    if judge.stopped() {
-        return None;
-    }
     let seen = judge.known();
     let near = || seen.values().flatten().filter(|e| e.misfit <= best.misfit + WORSE);
-    let range = |(k, unknown): (usize, &super::targets::Searched)| {
-        let value = |e: &Evaluated| match unknown.parameter {
-            Parameter::XiS => e.constants[k].1 * e.cell.material.gain / best.cell.material.gain,
-            _ => e.constants[k].1,
-        };
-        let fold = near().map(value).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
+    let range = |unknown: &Searched| {
+        let fold = near()
+            .map(|e| at_gain_of(&best, unknown.parameter, &e.cell))
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
         (unknown.parameter, fold)
     };
-    let plateau = judge.targets.unknowns.iter().enumerate().map(range).collect();
+    let plateau = judge.targets.unknowns.iter().map(range).collect();
     let front = front(seen.values().flatten().chain([&start]));
     Some(FittedConstants { best, front, sharpness, plateau, tried: seen.len() + 1, start })
+}
+
+/// A constant of a cell; its activity at the gain of the best, since shapes depend on the product alone.
+fn at_gain_of(best: &Evaluated, parameter: Parameter, cell: &Cell) -> f64 {
+    match parameter {
+        Parameter::XiS => cell.xi_s * cell.material.gain / best.cell.material.gain,
+        _ => parameter.get(cell),
+    }
 }
 
 /// The place of the least misfit so far; of equal ones that with the better thresholds.

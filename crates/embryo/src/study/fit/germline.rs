@@ -17,7 +17,8 @@ use spectra::Svd;
 
 use super::search::{Effort, descend, swarm};
 use super::targets::{MeasuredChi, Targets};
-use super::{FitError, pool};
+use super::{FitError, is_set, moved};
+use crate::batch::scheduler;
 use crate::cell::cue::{Quantity, Width};
 use crate::cell::{Cell, Cue, Parameter};
 use crate::division::{Division, DivisionInput, divide};
@@ -35,6 +36,8 @@ const DESCENT: u64 = 120;
 const EDGE: f64 = 0.02;
 /// Difference by which sensitivities are taken, in the unit cube: well above what the accuracy of a division blurs.
 const DIFFERENCE: f64 = 0.01;
+/// What errors call what is tried.
+const CUES: &str = "cues";
 /// Combinations whose change by a factor e, or by all of u, moves χ less than a standard deviation are left open.
 const OPEN: f64 = 1.0;
 
@@ -234,7 +237,7 @@ impl Judge<'_> {
 
     fn chi_squared(&self, place: &[f64]) -> f64 {
         let outside: f64 = place.iter().map(|x| (x - x.clamp(0.0, 1.0)).abs()).sum();
-        if self.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) || outside > 0.0 {
+        if is_set(self.interrupt) || outside > 0.0 {
             return f64::INFINITY;
         }
         self.tried.fetch_add(1, Ordering::Relaxed);
@@ -246,10 +249,9 @@ impl Judge<'_> {
         let mut columns = Vec::new();
         for (k, unknown) in self.unknowns.iter().enumerate() {
             let at = |way: f64| {
-                let mut moved = place.to_vec();
-                moved[k] = (moved[k] + way * DIFFERENCE).clamp(0.0, 1.0);
-                let chi: Option<Vec<f64>> = self.fitted(&moved).iter().map(|r| r.computed).collect();
-                Some((moved[k], chi?))
+                let share = (place[k] + way * DIFFERENCE).clamp(0.0, 1.0);
+                let chi: Option<Vec<f64>> = self.fitted(&moved(place, k, share)).iter().map(|r| r.computed).collect();
+                Some((share, chi?))
             };
             let [(from, below), (to, above)] = [at(-1.0)?, at(1.0)?];
             let step = (to - from) * unknown.length();
@@ -275,21 +277,21 @@ pub fn fit_cue(
 ) -> Result<FittedCue, FitError> {
     let unknowns = unknowns(template);
     let judge = Judge { lineage, targets, settings, template, unknowns, interrupt, tried: AtomicUsize::new(0) };
-    pool(threads)?.install(|| {
+    scheduler::pool(threads)?.install(|| {
         let region = vec![[0.0, 1.0]; judge.unknowns.len()];
         let found = swarm(&region, effort, &|place| judge.chi_squared(place));
         let tried = || judge.tried.load(Ordering::Relaxed);
-        let stopped = || interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed));
-        if stopped() {
-            return Err(FitError::Interrupted { tried: tried() });
+        let interrupted = || FitError::Interrupted { tried: tried(), what: CUES };
+        if is_set(interrupt) {
+            return Err(interrupted());
         }
-        let nothing = || FitError::Nothing { tried: tried(), what: "cues", advice: "try terms on other fields" };
+        let nothing = || FitError::Nothing { tried: tried(), what: CUES, advice: "try terms on other fields" };
         let (place, least) = found.ok_or_else(nothing)?;
         let (place, chi_squared) = descend(&place, EDGE, DESCENT, &|place| judge.chi_squared(place))
             .filter(|(_, better)| *better <= least)
             .unwrap_or((place, least));
-        if stopped() {
-            return Err(FitError::Interrupted { tried: tried() });
+        if is_set(interrupt) {
+            return Err(interrupted());
         }
         complete(&judge, &place, chi_squared)
     })

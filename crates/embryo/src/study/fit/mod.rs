@@ -20,6 +20,11 @@ pub use germline::{ChiResidual, FittedCue, fit_cue};
 pub use search::Effort;
 pub use targets::Targets;
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::batch::SchedulerError;
+use crate::division::DivisionError;
+
 /// Why there is no fit.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -34,11 +39,13 @@ pub enum FitError {
         /// What may help.
         advice: &'static str,
     },
-    /// It was stopped; what was solved is kept.
-    #[error("interrupted after {tried} trees; what was solved is kept, and the same command goes on from there")]
+    /// It was stopped.
+    #[error("interrupted after {tried} {what}")]
     Interrupted {
-        /// Trees grown.
+        /// How many were tried.
         tried: usize,
+        /// Of what.
+        what: &'static str,
     },
     /// A tree could not be grown.
     #[error(transparent)]
@@ -47,11 +54,18 @@ pub enum FitError {
     #[error("the sensitivities of the size asymmetries: {0}")]
     NotFinite(#[from] spectra::NoSingularValues),
     /// The workers could not be started.
-    #[error("cannot start worker threads: {0}")]
-    Workers(String),
+    #[error(transparent)]
+    Workers(#[from] SchedulerError<DivisionError>),
 }
 
-/// Workers for so many threads; 0 is one for each core.
-fn pool(threads: usize) -> Result<rayon::ThreadPool, FitError> {
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| FitError::Workers(error.to_string()))
+/// Whether the flag, if there is one, is set: that a search should stop.
+fn is_set(interrupt: Option<&AtomicBool>) -> bool {
+    interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed))
+}
+
+/// A place of the unit cube with one of its coordinates at another value.
+fn moved(place: &[f64], index: usize, share: f64) -> Vec<f64> {
+    let mut out = place.to_vec();
+    out[index] = share;
+    out
 }

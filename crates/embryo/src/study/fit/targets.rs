@@ -132,6 +132,9 @@ impl Targets {
                 return refuse(format!("unknowns[{k}].to"), to.to_string(), format!("above from = {from}"));
             }
         }
+        for (k, threshold) in self.thresholds.iter().enumerate() {
+            threshold.check(source_name, &format!("thresholds[{k}]"))?;
+        }
         self.check_founders(source_name, lineage)?;
         let Weights { rounds, terminal, chi } = self.weights;
         for (field, value) in [("rounds", rounds), ("terminal", terminal), ("chi", chi)] {
