@@ -5,6 +5,7 @@
 //! | [`run`] | one division: noise, steps, pinch-off or rest |
 //! | [`stepper`] | backward differentiation formulas on a moving mesh |
 //! | [`noise`] | the seeded noise of the first step |
+//! | [`sensitivity`] | how the outcome changes with parameters, by the tangent of every step |
 //! | [`slow`] | cells that wait at a stationary shape for longer than can be waited for |
 //! | [`outcome`] | how a division ended: [`Division`], the one record of it |
 //! | [`statistics`] | what several divisions say together |
@@ -12,12 +13,14 @@
 pub mod noise;
 pub mod outcome;
 pub mod run;
+pub mod sensitivity;
 pub mod slow;
 pub mod statistics;
 pub mod stepper;
 
 pub use outcome::{Division, DivisionError, Outcome};
-pub use run::{Frame, divide, divide_observed};
+pub use run::{Frame, divide, divide_observed, divide_with_sensitivities};
+pub use sensitivity::Sensitivity;
 pub use statistics::Statistics;
 
 use crate::cell::{Cell, Numerics};

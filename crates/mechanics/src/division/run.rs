@@ -6,9 +6,10 @@ use bvp::{Newton, Solution, System, Work, mesh};
 use super::DivisionInput;
 use super::noise;
 use super::outcome::{Division, DivisionError, Outcome, StepFailure};
+use super::sensitivity::{Sensitivity, Tangent};
 use super::slow;
 use super::stepper::{MAX_ORDER, Stepper, parity_norm};
-use crate::cell::{Cell, Numerics, Scheme};
+use crate::cell::{Cell, Numerics, Parameter, Scheme};
 use crate::cortex::equations::{COMPONENTS, LENGTH, PSI, R, Z, noise_factor};
 use crate::cortex::observables::{self, Neck, PINCH_OFF};
 use crate::cortex::symmetry::unfold;
@@ -65,7 +66,7 @@ pub struct Frame<'a> {
 /// # Errors
 /// [`DivisionError`], naming the cell and what was tried.
 pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
-    run(input, &mut |_| {})
+    Ok(run(input, &mut |_| {}, &[])?.0)
 }
 
 /// [`divide`] with an observer called with the start shape and after every accepted step.
@@ -73,14 +74,46 @@ pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
 /// # Errors
 /// See [`divide`].
 pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)) -> Result<Division, DivisionError> {
-    run(input, &mut observe)
+    Ok(run(input, &mut observe, &[])?.0)
+}
+
+/// [`divide`] with the exact derivatives of the outcome by each of `parameters`, by the tangent of every time step: see
+/// [`sensitivity`](super::sensitivity). None where the outcome is not smooth in them: where the cell does not divide, or has
+/// waited at a stationary shape for so long that the wait was leapt over.
+///
+/// # Errors
+/// See [`divide`].
+///
+/// # Examples
+/// How χ of a cell with the germline's cue follows its size and the strength of the cue:
+///
+/// ```
+/// use mechanics::cell::{Cell, Cue, Parameter};
+/// use mechanics::division::{DivisionInput, divide_with_sensitivities};
+/// let input = DivisionInput::new(Cell::new(3.3).with_cue(Cue::published()));
+/// let parameters = [Parameter::R0, "cue.amplitude".parse()?];
+/// let (division, sensitivities) = divide_with_sensitivities(&input, &parameters)?;
+/// let by = sensitivities.ok_or("does not divide")?;
+/// println!("χ = {:?}; ∂χ/∂R0 = {}, ∂χ/∂Δκ = {}", division.chi_signed, by[0].chi_signed, by[1].chi_signed);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn divide_with_sensitivities(
+    input: &DivisionInput,
+    parameters: &[Parameter],
+) -> Result<(Division, Option<Vec<Sensitivity>>), DivisionError> {
+    run(input, &mut |_| {}, parameters)
 }
 
 /// The division itself, which is compiled here once and not with everyone who observes it.
-fn run(input: &DivisionInput, observe: &mut dyn FnMut(Frame<'_>)) -> Result<Division, DivisionError> {
+fn run(
+    input: &DivisionInput,
+    observe: &mut dyn FnMut(Frame<'_>),
+    parameters: &[Parameter],
+) -> Result<(Division, Option<Vec<Sensitivity>>), DivisionError> {
     let DivisionInput { cell, numerics, seed } = input;
     check(cell)?;
     let mut stepper = start(cell, numerics)?;
+    let tangent = (!parameters.is_empty()).then(|| Tangent::of_start(&stepper, parameters));
     observe(Frame { t: 0.0, shape: &stepper.levels[0].y, neck: None });
     let parity = cell.is_mirror_symmetric();
     stepper.adapt(parity, 1.2);
@@ -103,6 +136,7 @@ fn run(input: &DivisionInput, observe: &mut dyn FnMut(Frame<'_>)) -> Result<Divi
         t_max: numerics.t_max,
         stays: 0,
         slow_growth_rate: None,
+        tangent,
     };
     run.first_step(&mut stepper, noise::coefficients(*seed, numerics.noise))?;
     loop {
@@ -112,11 +146,13 @@ fn run(input: &DivisionInput, observe: &mut dyn FnMut(Frame<'_>)) -> Result<Divi
         if let Some(neck) = run.neck
             && neck.radius < PINCH_OFF * cell.r0
         {
-            return Ok(run.divided(&stepper, neck, numerics.chi_symmetric));
+            let division = run.divided(&stepper, neck, numerics.chi_symmetric);
+            let smooth = division.slow_growth_rate.is_none();
+            return Ok((division, run.tangent.filter(|_| smooth).and_then(|tangent| tangent.read(&stepper))));
         }
         if let Some(rest) = run.rest(&mut stepper) {
             if rest.growth_rate < 0.0 || run.is_attractor(&rest) {
-                return Ok(run.failed(&stepper, rest.growth_rate));
+                return Ok((run.failed(&stepper, rest.growth_rate), None));
             }
             run.stay(&mut stepper, &rest);
         }
@@ -175,6 +211,8 @@ struct Run {
     stays: usize,
     /// Growth rate of that saddle.
     slow_growth_rate: Option<f64>,
+    /// How the shape changes with parameters, if that is asked.
+    tangent: Option<Tangent>,
 }
 
 /// A stationary shape next to that of the cell, on a finer mesh than the division's.
@@ -202,6 +240,7 @@ impl Run {
         })?;
         self.odd_floor = f64::max(0.3 * first.odd_size, ODD_ROUNDING * stepper.cortex.cell.r0);
         stepper.accept();
+        self.tangent.iter_mut().for_each(|tangent| tangent.follow(stepper));
         stepper.cortex.noise.clear();
         stepper.restart();
         self.steps = 1;
@@ -287,6 +326,7 @@ impl Run {
     fn accept(&mut self, stepper: &mut Stepper, growth: f64) {
         let dt = self.dt * if self.fixed.is_some() { 1.0 } else { self.factor };
         stepper.accept();
+        self.tangent.iter_mut().for_each(|tangent| tangent.follow(stepper));
         self.steps += 1;
         self.dt *= growth;
         let y = &stepper.levels[0].y;

@@ -101,6 +101,8 @@ pub struct Stepper {
     pub extrapolates: bool,
     /// Work of all attempts; steps are counted by the caller.
     pub work: Work,
+    /// Weights of the shapes in the rate of change of the newest, newest first: those of the formula last attempted.
+    pub weights: Vec<f64>,
     spare: Vec<Level>,
     trial: Level,
     scratch: NewtonScratch,
@@ -124,6 +126,7 @@ impl Stepper {
             levels: vec![Level { t: 0.0, y: start }],
             extrapolates: true,
             work: Work::default(),
+            weights: Vec::new(),
             spare: Vec::new(),
             scratch: NewtonScratch::default(),
             newton: Newton { tolerance: 3e-8, max_factorisations: 6, max_iterations: 24, ..Newton::default() },
@@ -165,6 +168,8 @@ impl Stepper {
         }
         let mut alpha = [0.0; MAX_ORDER + 2];
         derivative_weights(&times[..=order], &mut alpha);
+        self.weights.clear();
+        self.weights.extend_from_slice(&alpha[..=order]);
         let mut predict = [0.0; MAX_ORDER + 2];
         extrapolation_weights(&times[1..=known], t, &mut predict);
         let points = self.levels[0].y.stages.len() / COMPONENTS;

@@ -6,8 +6,8 @@
 //! * \[misfit\] χ² = Σ ((χ − measured)/sd)².
 //!
 //! A swarm looks for its least value over the numbers of the cue's terms, a simplex goes on from there. The sensitivities of χ
-//! to those numbers, central differences of the converged divisions, tell how firmly the measurements hold each of them, and
-//! which combinations they leave open.
+//! to those numbers, exact by the tangents of the divisions and handed down from mother to daughter with the radius, tell how
+//! firmly the measurements hold each of them, and which combinations they leave open.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -17,11 +17,11 @@ use spectra::Svd;
 
 use super::search::{Effort, descend, swarm};
 use super::targets::{MeasuredChi, Targets};
-use super::{FitError, is_set, moved};
+use super::{FitError, is_set};
 use crate::batch::scheduler;
 use crate::cell::cue::{Quantity, Width};
 use crate::cell::{Cell, Cue, Parameter};
-use crate::division::{Division, DivisionInput, divide};
+use crate::division::{Division, DivisionInput, Outcome, divide, divide_with_sensitivities};
 use crate::lineage::{Daughter, Lineage, Place, TreeSettings};
 
 /// Between which values the numbers of a cue are searched: places, widths in u, widths in L_h, amplitudes.
@@ -34,8 +34,10 @@ const UNDIVIDED: f64 = 10.0;
 /// Steps of the simplex, and its edges in the unit cube.
 const DESCENT: u64 = 120;
 const EDGE: f64 = 0.02;
-/// Difference by which sensitivities are taken, in the unit cube: well above what the accuracy of a division blurs.
-const DIFFERENCE: f64 = 0.01;
+/// Part of the time tolerance with which sensitivities are followed, and the least they are followed with: a derivative of a
+/// cell that turns quickly with its numbers shows errors that its χ does not.
+const FINER: f64 = 1e-2;
+const FINEST: f64 = 1e-8;
 /// What errors call what is tried.
 const CUES: &str = "cues";
 /// Combinations whose change by a factor e, or by all of u, moves χ less than a standard deviation are left open.
@@ -119,12 +121,6 @@ impl Unknown {
         let share = share.clamp(0.0, 1.0);
         self.sign * if self.logarithmic { from * (to / from).powf(share) } else { from + share * (to - from) }
     }
-
-    /// Change of its logarithm, or of itself, from one end of the limits to the other.
-    fn length(&self) -> f64 {
-        let [from, to] = self.limits;
-        if self.logarithmic { (to / from).ln() } else { to - from }
-    }
 }
 
 fn unknowns(cue: &Cue) -> Vec<Unknown> {
@@ -178,17 +174,19 @@ impl Chain<'_> {
         if let Some(known) = self.divided.get(&founder) {
             return known.clone();
         }
-        let found = self.r0(founder).and_then(|r0| {
-            let place = Place { founder, round: 0, generation: self.lineage.generation(founder), r0 };
-            let own = self.lineage.cue_at(place);
-            let cue = if own.is_none() { own } else { self.cue.clone() };
-            let mut cell = Cell { r0, cue, ..self.settings.cell.clone() };
-            self.lineage.founders[founder].physics.apply(&mut cell);
-            let input = DivisionInput { cell, numerics: self.settings.numerics, seed: self.settings.seed };
-            divide(&input).ok()
-        });
+        let found = self.r0(founder).and_then(|r0| divide(&self.input(founder, r0)).ok());
         self.divided.insert(founder, found.clone());
         found
+    }
+
+    /// The division of a founder of that radius.
+    fn input(&self, founder: usize, r0: f64) -> DivisionInput {
+        let place = Place { founder, round: 0, generation: self.lineage.generation(founder), r0 };
+        let own = self.lineage.cue_at(place);
+        let cue = if own.is_none() { own } else { self.cue.clone() };
+        let mut cell = Cell { r0, cue, ..self.settings.cell.clone() };
+        self.lineage.founders[founder].physics.apply(&mut cell);
+        DivisionInput { cell, numerics: self.settings.numerics, seed: self.settings.seed }
     }
 }
 
@@ -244,21 +242,72 @@ impl Judge<'_> {
         self.fitted(place).iter().map(|r| r.residual.unwrap_or(UNDIVIDED).powi(2)).sum()
     }
 
-    /// ∂χ/∂(number), rows by measurement; none where a neighbour does not divide.
+    /// ∂χ/∂(number), rows by measurement; none where an outcome is not smooth.
     fn sensitivities(&self, place: &[f64]) -> Option<Vec<Vec<f64>>> {
-        let mut columns = Vec::new();
-        for (k, unknown) in self.unknowns.iter().enumerate() {
-            let at = |way: f64| {
-                let share = (place[k] + way * DIFFERENCE).clamp(0.0, 1.0);
-                let chi: Option<Vec<f64>> = self.fitted(&moved(place, k, share)).iter().map(|r| r.computed).collect();
-                Some((share, chi?))
-            };
-            let [(from, below), (to, above)] = [at(-1.0)?, at(1.0)?];
-            let step = (to - from) * unknown.length();
-            columns.push(above.iter().zip(&below).map(|(a, b)| (a - b) / step).collect::<Vec<f64>>());
-        }
-        let rows = self.targets.chi.len();
-        Some((0..rows).map(|i| columns.iter().map(|column| column[i]).collect()).collect())
+        let cue = self.cue(place);
+        let volumes = BTreeMap::new();
+        let mut chain = Chain {
+            lineage: self.lineage,
+            settings: self.settings,
+            cue: &cue,
+            volumes: &volumes,
+            divided: BTreeMap::new(),
+        };
+        let scale = |k: usize| if self.unknowns[k].logarithmic { self.unknowns[k].value(place[k]) } else { 1.0 };
+        let row = |measured: &MeasuredChi| {
+            let founder = self.lineage.founders.iter().position(|f| f.name == measured.cell)?;
+            let slopes = self.slopes(&mut chain, founder)?;
+            Some(slopes.chi.iter().enumerate().map(|(k, slope)| slope * scale(k)).collect())
+        };
+        self.targets.chi.iter().map(row).collect()
+    }
+
+    /// How a founder's division changes with the numbers of the cue: by itself, and with the radius that its mother leaves it.
+    fn slopes(&self, chain: &mut Chain<'_>, founder: usize) -> Option<Slopes> {
+        let r0 = chain.r0(founder)?;
+        let mut input = chain.input(founder, r0);
+        input.numerics.time_tolerance = (FINER * input.numerics.time_tolerance).max(FINEST);
+        let numbers = self.unknowns.iter().map(|unknown| unknown.parameter);
+        let own: Vec<Parameter> = numbers.filter(|number| number.is_of(&input.cell)).collect();
+        let parameters: Vec<Parameter> = [Parameter::R0].into_iter().chain(own.iter().copied()).collect();
+        let (division, by) = divide_with_sensitivities(&input, &parameters).ok()?;
+        let (by, sign) = (by?, division.chi_signed?.signum());
+        let radius = match self.lineage.mother(founder).filter(|_| self.lineage.given_r0(founder).is_none()) {
+            Some(mother) => self.slopes(chain, mother)?.radius(self.lineage.founders[founder].daughter),
+            None => vec![0.0; self.unknowns.len()],
+        };
+        let of = |(unknown, radius): (&Unknown, &f64)| {
+            let itself =
+                own.iter().position(|number| *number == unknown.parameter).map_or(0.0, |i| by[i + 1].chi_signed);
+            sign * (itself + by[0].chi_signed * radius)
+        };
+        let chi = self.unknowns.iter().zip(&radius).map(of).collect();
+        Some(Slopes { r0, division, radius, chi })
+    }
+}
+
+/// How a division changes with the numbers of the cue.
+struct Slopes {
+    r0: f64,
+    division: Division,
+    /// ∂R0/∂(number) of the cell.
+    radius: Vec<f64>,
+    /// ∂χ/∂(number) of its division.
+    chi: Vec<f64>,
+}
+
+impl Slopes {
+    /// ∂R0/∂(number) of a daughter, whose R0 is the cell's times the third root of her share (1 ± χ)/2.
+    fn radius(&self, which: Option<Daughter>) -> Vec<f64> {
+        let way = if which == Some(Daughter::Larger) { 1.0 } else { -1.0 };
+        let asymmetric = self.division.outcome == Outcome::Asymmetric;
+        let chi = self.division.chi.filter(|_| asymmetric).unwrap_or(0.0);
+        let share = 0.5 * (1.0 + way * chi);
+        let of = |(radius, slope): (&f64, &f64)| {
+            let change = if asymmetric { 0.5 * way * slope } else { 0.0 };
+            radius * share.cbrt() + self.r0 * share.cbrt() / (3.0 * share) * change
+        };
+        self.radius.iter().zip(&self.chi).map(of).collect()
     }
 }
 
@@ -341,4 +390,67 @@ fn held(rows: &[Vec<f64>], measured: &[MeasuredChi]) -> Result<Vec<Held>, FitErr
         Held { singular_value, determined: singular_value > OPEN, components }
     };
     Ok(right.into_iter().enumerate().map(of).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The published cue in the units of the search, and what is judged by it.
+    fn of_the_embryo<T>(then: impl FnOnce(&Judge<'_>, Vec<f64>) -> T) -> T {
+        let (lineage, targets) = (Lineage::c_elegans().unwrap(), Targets::embryo().unwrap());
+        // Differences of divisions need them solved as finely as their tangents.
+        let mut settings = TreeSettings::default();
+        settings.numerics.time_tolerance *= FINER;
+        settings.numerics.noise = 0.0;
+        let template = Cue::published();
+        let unknowns = unknowns(&template);
+        let cell = Cell::new(1.0).with_cue(template.clone());
+        let share = |unknown: &Unknown| {
+            let ([from, to], value) = (unknown.limits, unknown.parameter.get(&cell));
+            if unknown.logarithmic { (value / from).ln() / (to / from).ln() } else { (value - from) / (to - from) }
+        };
+        let place = unknowns.iter().map(share).collect();
+        let tried = AtomicUsize::new(0);
+        let judge = Judge {
+            lineage: &lineage,
+            targets: &targets,
+            settings: &settings,
+            template: &template,
+            unknowns,
+            interrupt: None,
+            tried,
+        };
+        then(&judge, place)
+    }
+
+    #[test]
+    fn sensitivities_are_handed_down_from_mother_to_daughter() {
+        of_the_embryo(|judge, place| {
+            let exact = judge.sensitivities(&place).unwrap();
+            assert_eq!(exact.len(), 4);
+            for (k, unknown) in judge.unknowns.iter().enumerate() {
+                let value = unknown.value(place[k]);
+                let chi = |share: f64| -> Vec<f64> {
+                    let moved = super::super::moved(&place, k, share);
+                    judge.fitted(&moved).iter().map(|residual| residual.computed.unwrap()).collect()
+                };
+                // χ of P3 turns quickly with the place of the cue.
+                let step = 1e-3;
+                let (above, below) = (chi(place[k] + step), chi(place[k] - step));
+                let length = unknown.value(place[k] + step) - unknown.value(place[k] - step);
+                let scale = if unknown.logarithmic { value } else { 1.0 };
+                for (i, row) in exact.iter().enumerate() {
+                    let expected = (above[i] - below[i]) / length * scale;
+                    let off = (row[k] - expected).abs();
+                    assert!(
+                        off < 0.02 * expected.abs() + 1e-3,
+                        "row {i}, {}: {} {expected}",
+                        unknown.parameter,
+                        row[k]
+                    );
+                }
+            }
+        });
+    }
 }
