@@ -7,10 +7,12 @@
 //! | [`noise`] | the seeded noise of the first step |
 //! | [`sensitivity`] | how the outcome changes with parameters, by the tangent of every step |
 //! | [`slow`] | cells that wait at a stationary shape for longer than can be waited for |
+//! | `oscillation` | cells that wander from side to side for ever |
 //! | [`outcome`] | how a division ended: [`Division`], the one record of it |
 //! | [`statistics`] | what several divisions say together |
 
 pub mod noise;
+mod oscillation;
 pub mod outcome;
 pub mod run;
 pub mod sensitivity;

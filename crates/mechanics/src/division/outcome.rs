@@ -156,6 +156,16 @@ pub enum DivisionError {
         /// Growth rate of the stationary shape, in 1/τ.
         growth_rate: f64,
     },
+    /// The cell oscillates: no stationary shape near it is stable, and none of what grows divides it.
+    #[error(
+        "the cell with R0 = {r0} oscillates with a period of {period:.3} τ: it neither divides nor comes to rest; change R0, epsilon or xi_s by a percent"
+    )]
+    Oscillates {
+        /// Radius R0.
+        r0: f64,
+        /// The period, in τ.
+        period: f64,
+    },
     /// The cell neither divided nor came to rest in the time allowed.
     #[error(
         "the cell with R0 = {r0} neither divided nor came to rest within t = {t_max}; raise t_max, or try more mesh intervals"

@@ -5,6 +5,7 @@ use bvp::{Newton, Solution, System, Work, mesh};
 
 use super::DivisionInput;
 use super::noise;
+use super::oscillation::Oscillation;
 use super::outcome::{Division, DivisionError, Outcome, StepFailure};
 use super::sensitivity::{Sensitivity, Tangent};
 use super::slow;
@@ -137,6 +138,7 @@ fn run(
         stays: 0,
         slow_growth_rate: None,
         tangent,
+        oscillation: Oscillation::default(),
     };
     run.first_step(&mut stepper, noise::coefficients(*seed, numerics.noise))?;
     loop {
@@ -155,6 +157,10 @@ fn run(
                 return Ok((run.failed(&stepper, rest.growth_rate), None));
             }
             run.stay(&mut stepper, &rest);
+        }
+        let newest = &stepper.levels[0];
+        if let Some(period) = run.oscillation.note(newest.t, newest.y.scalars[LENGTH]) {
+            return Err(DivisionError::Oscillates { r0: cell.r0, period });
         }
         if stepper.levels[0].t > run.t_max {
             return Err(run.undecided(cell.r0));
@@ -213,6 +219,8 @@ struct Run {
     slow_growth_rate: Option<f64>,
     /// How the shape changes with parameters, if that is asked.
     tangent: Option<Tangent>,
+    /// The length of the contour so far.
+    oscillation: Oscillation,
 }
 
 /// A stationary shape next to that of the cell, on a finer mesh than the division's.
