@@ -1,0 +1,168 @@
+//! Divisions with both daughters measured, and their size asymmetries.
+//!
+//! * \[χ\] χ = |V₁ − V₂|/(V₁ + V₂), signed: (V₁ − V₂)/(V₁ + V₂) with V₁ of the daughter that is named first.
+//!
+//! A mother is as large as her daughters together: she is not always seen herself, and she grows or is squeezed while she is.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::names::{generation, is_cell, mother, sister};
+use crate::statistics::{mean, sd};
+use crate::volumes::Volumes;
+
+/// A division.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Division {
+    /// The embryo.
+    pub embryo: String,
+    /// Its group; empty if it has none.
+    pub group: String,
+    /// The cell that divides.
+    pub mother: String,
+    /// Its daughters, the one that is named first before the other.
+    pub daughters: [String; 2],
+    /// Their volumes, in the unit of the table.
+    pub volumes: [f64; 2],
+    /// (V₁ − V₂)/(V₁ + V₂).
+    pub chi_signed: f64,
+}
+
+impl Division {
+    /// |V₁ − V₂|/(V₁ + V₂).
+    pub fn chi(&self) -> f64 {
+        self.chi_signed.abs()
+    }
+
+    /// V₁ + V₂.
+    pub fn mother_volume(&self) -> f64 {
+        self.volumes[0] + self.volumes[1]
+    }
+}
+
+/// A division of which one daughter alone is measured.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct HalfSeen {
+    /// The embryo.
+    pub embryo: String,
+    /// Its group.
+    pub group: String,
+    /// The cell that divides.
+    pub mother: String,
+    /// The daughter that is not measured.
+    pub missing: String,
+}
+
+/// The divisions in a table.
+#[derive(Clone, Debug, Default)]
+pub struct Divisions {
+    /// Those with both daughters measured.
+    pub divisions: Vec<Division>,
+    /// Those with one.
+    pub half_seen: Vec<HalfSeen>,
+}
+
+/// All divisions of all embryos.
+pub fn divisions(volumes: &Volumes) -> Divisions {
+    let mut found = Divisions::default();
+    for embryo in &volumes.embryos {
+        let measured = embryo.cells.iter().filter(|cell| cell.frames > 0);
+        let known: BTreeMap<&str, f64> = measured.map(|cell| (cell.cell.as_str(), cell.volume())).collect();
+        for (&name, &volume) in &known {
+            let (Some(of), Some((other, is_first))) = (mother(name), sister(name)) else { continue };
+            let Some(&second) = known.get(other.as_str()) else {
+                found.half_seen.push(HalfSeen {
+                    embryo: embryo.name.clone(),
+                    group: embryo.group.clone(),
+                    mother: of.to_owned(),
+                    missing: other,
+                });
+                continue;
+            };
+            if is_first {
+                found.divisions.push(Division {
+                    embryo: embryo.name.clone(),
+                    group: embryo.group.clone(),
+                    mother: of.to_owned(),
+                    daughters: [name.to_owned(), other],
+                    volumes: [volume, second],
+                    chi_signed: (volume - second) / (volume + second),
+                });
+            }
+        }
+    }
+    found
+}
+
+/// Divisions of one mother in all embryos of a group.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MotherSummary {
+    /// The cell that divides.
+    pub mother: String,
+    /// Embryos.
+    pub n: usize,
+    /// Mean of |χ|.
+    pub mean: f64,
+    /// Its standard deviation, by n − 1; none of one embryo.
+    pub sd: Option<f64>,
+    /// Mean of the signed χ.
+    pub mean_signed: f64,
+    /// Its standard deviation.
+    pub sd_signed: Option<f64>,
+    /// Mean volume of the mother, that of her daughters together.
+    pub mother_volume: f64,
+}
+
+/// The divisions of a group.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GroupSummary {
+    /// The group; empty if the table has none.
+    pub group: String,
+    /// Its embryos with a division.
+    pub embryos: usize,
+    /// By mother, in the order of the lineage.
+    pub events: Vec<MotherSummary>,
+}
+
+/// χ by group, in the order of the table, and mother.
+pub fn summaries(divisions: &[Division]) -> Vec<GroupSummary> {
+    let mut order: Vec<&str> = Vec::new();
+    for division in divisions {
+        if !order.contains(&division.group.as_str()) {
+            order.push(&division.group);
+        }
+    }
+    order.into_iter().map(|group| summary(group, divisions)).collect()
+}
+
+fn summary(group: &str, divisions: &[Division]) -> GroupSummary {
+    let mut by_mother: BTreeMap<(u32, &str), Vec<&Division>> = BTreeMap::new();
+    let mut embryos: Vec<&str> = Vec::new();
+    for division in divisions.iter().filter(|division| division.group == group) {
+        by_mother.entry(place(&division.mother)).or_default().push(division);
+        embryos.push(&division.embryo);
+    }
+    embryos.sort_unstable();
+    embryos.dedup();
+    let of = |((_, mother), of): ((u32, &str), Vec<&Division>)| {
+        let each = |get: fn(&Division) -> f64| of.iter().map(|division| get(division)).collect::<Vec<f64>>();
+        let (chi, signed) = (each(Division::chi), each(|division| division.chi_signed));
+        MotherSummary {
+            mother: mother.to_owned(),
+            n: chi.len(),
+            mean: mean(&chi),
+            sd: sd(&chi),
+            mean_signed: mean(&signed),
+            sd_signed: sd(&signed),
+            mother_volume: mean(&each(Division::mother_volume)),
+        }
+    };
+    GroupSummary { group: group.to_owned(), embryos: embryos.len(), events: by_mother.into_iter().map(of).collect() }
+}
+
+/// Where a cell stands among others: by generation, then by name.
+fn place(name: &str) -> (u32, &str) {
+    debug_assert!(is_cell(name));
+    (generation(name), name)
+}

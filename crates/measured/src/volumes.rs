@@ -1,0 +1,563 @@
+//! Tables of cell volumes, in the two layouts that segmentations come in.
+//!
+//! * *Long*: a row for each cell, or for each cell and frame. The columns, in any order: `cell`, `volume` (or with its unit:
+//!   `volume_um3`, `volume_voxels`, `relative_volume`, each also with `mean_` before it), `embryo`, and if wanted `group`,
+//!   `frame` and `n`.
+//! * *Grid*: a row for each frame, a column for each cell, volumes in voxels, of the embryo that the file is named after: the
+//!   layout of `Sample04_Volume.csv`.
+//!
+//! A cell's volume is the mean over the frames in which it is seen. What a row says that cannot be used is skipped and told with
+//! its place; a table that is none of the two is refused.
+
+use std::collections::HashMap;
+use std::io::{BufRead, BufReader, Read};
+
+use csv::ByteRecord;
+use mechanics::input::InputError;
+use serde::Serialize;
+
+use crate::names::is_cell;
+
+/// What volumes are measured in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Unit {
+    /// µm³.
+    CubicMicrometres,
+    /// Voxels of a size that is not known.
+    Voxels,
+    /// Parts of P0's volume, or of anything else.
+    Relative,
+}
+
+impl Unit {
+    /// How it is written behind a number.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Unit::CubicMicrometres => "µm³",
+            Unit::Voxels => "voxels",
+            Unit::Relative => "(relative)",
+        }
+    }
+}
+
+/// How a table is to be read.
+#[derive(Clone, Debug, Default)]
+pub struct ReadOptions {
+    /// Length of a voxel's edge, in µm: volumes in voxels are µm³ by it.
+    pub voxel: Option<f64>,
+    /// Group of the rows that name none.
+    pub group: Option<String>,
+}
+
+/// The volume of one cell of an embryo, in the frames in which it is seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lifespan {
+    /// Its name.
+    pub cell: String,
+    sum: f64,
+    /// Frames.
+    pub frames: u64,
+    /// Line of its first value.
+    line: u64,
+    /// Frames seen so far, in order, where the table tells them.
+    seen: Vec<f64>,
+}
+
+impl Lifespan {
+    /// The mean over its frames.
+    pub fn volume(&self) -> f64 {
+        self.sum / self.frames as f64
+    }
+}
+
+/// An embryo.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Embryo {
+    /// Its name.
+    pub name: String,
+    /// Its group; empty if it has none.
+    pub group: String,
+    /// Its cells, in the order of the table.
+    pub cells: Vec<Lifespan>,
+}
+
+/// Something that a table says and that could not be used.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Skipped {
+    /// The file.
+    pub file: String,
+    /// Line, from 1.
+    pub line: u64,
+    /// Column, from 1, and its name.
+    pub column: String,
+    /// What stands there.
+    pub value: String,
+    /// Why it cannot be used.
+    pub why: String,
+}
+
+/// Of so much that is skipped the places are kept; the rest is counted.
+pub const MOST_PLACES: usize = 1000;
+
+/// Volumes of the cells of some embryos.
+#[derive(Clone, Debug, Default)]
+pub struct Volumes {
+    /// Embryos, in the order of the tables.
+    pub embryos: Vec<Embryo>,
+    /// The unit of all; none before anything is read.
+    pub unit: Option<Unit>,
+    /// Values used.
+    pub used: u64,
+    /// Values that could not be used: the first [`MOST_PLACES`] with their places.
+    pub skipped: Vec<Skipped>,
+    /// How many there are.
+    pub skipped_count: u64,
+    places: Places,
+}
+
+/// Where embryos and cells are kept.
+#[derive(Clone, Debug, Default)]
+struct Places {
+    embryos: HashMap<(String, String), usize>,
+    cells: HashMap<(usize, String), usize>,
+}
+
+/// The columns of a long table.
+struct Columns {
+    cell: usize,
+    volume: usize,
+    embryo: usize,
+    group: Option<usize>,
+    frame: Option<usize>,
+    n: Option<usize>,
+    unit: Option<usize>,
+}
+
+/// A long table that is being read.
+struct LongTable<'t> {
+    file: &'t str,
+    options: &'t ReadOptions,
+    columns: &'t Columns,
+    /// The unit that the column of volumes is named after.
+    named: Option<Unit>,
+    /// The unit that rows say.
+    said: Option<Unit>,
+    last: Option<LastRow>,
+    largest: f64,
+}
+
+impl LongTable<'_> {
+    fn unit(&self) -> Unit {
+        // A bare number that is nowhere above 1 is a share.
+        let bare = if self.largest <= 1.5 { Unit::Relative } else { Unit::CubicMicrometres };
+        self.said.or(self.named).unwrap_or(bare)
+    }
+}
+
+/// Where the values of the row before went: rows of one cell follow each other as a rule.
+struct LastRow {
+    group: Vec<u8>,
+    embryo: Vec<u8>,
+    cell: Vec<u8>,
+    places: (usize, usize),
+}
+
+impl LastRow {
+    fn is(&self, group: &[u8], embryo: &[u8], cell: &[u8]) -> bool {
+        self.cell == cell && self.embryo == embryo && self.group == group
+    }
+}
+
+/// What a volume is multiplied by to be in the unit that its table is taken in.
+fn scale(unit: Unit, options: &ReadOptions) -> f64 {
+    if unit == Unit::Voxels { options.voxel.map_or(1.0, |voxel| voxel.powi(3)) } else { 1.0 }
+}
+
+/// A value with its place.
+struct Value<'r> {
+    line: u64,
+    column: usize,
+    name: &'r str,
+    text: &'r [u8],
+}
+
+impl Volumes {
+    /// Adds a table. `file` is what it is called in what is told of it.
+    ///
+    /// # Errors
+    /// A table without the columns that it needs, or in another unit than those before.
+    pub fn read(&mut self, from: impl Read, file: &str, options: &ReadOptions) -> Result<(), InputError> {
+        let mut buffered = BufReader::with_capacity(1 << 16, from);
+        let unreadable = |e: std::io::Error| InputError::Unreadable { file: file.to_owned(), reason: e.to_string() };
+        // What some programs write before UTF-8.
+        if buffered.fill_buf().map_err(unreadable)?.starts_with(b"\xef\xbb\xbf") {
+            buffered.consume(3);
+        }
+        let first = buffered.fill_buf().map_err(unreadable)?;
+        if first.starts_with(b"\xff\xfe") || first.starts_with(b"\xfe\xff") {
+            return Err(malformed(file, 1, "this is UTF-16; it must be saved as UTF-8"));
+        }
+        let line = first.split(|byte| *byte == b'\n').next().unwrap_or_default();
+        let delimiter = [b',', b';', b'\t'].into_iter().max_by_key(|d| line.iter().filter(|b| *b == d).count());
+        let mut reader = csv::ReaderBuilder::new()
+            .delimiter(delimiter.unwrap_or(b','))
+            .flexible(true)
+            .has_headers(false)
+            .from_reader(buffered);
+        let mut record = ByteRecord::new();
+        if !next(&mut reader, &mut record, file)? {
+            return Err(malformed(file, 1, "the table is empty; its first line must name its columns"));
+        }
+        let header: Vec<String> = record.iter().map(|name| String::from_utf8_lossy(name).trim().to_owned()).collect();
+        match Columns::of(&header, file)? {
+            Some(columns) => self.read_long(&mut reader, file, options, &header, &columns),
+            None => self.read_grid(&mut reader, file, options, &header),
+        }
+    }
+
+    fn read_long<R: Read>(
+        &mut self,
+        reader: &mut csv::Reader<R>,
+        file: &str,
+        options: &ReadOptions,
+        header: &[String],
+        columns: &Columns,
+    ) -> Result<(), InputError> {
+        let named = unit_of(&header[columns.volume]);
+        let mut table = LongTable { file, options, columns, named, said: None, last: None, largest: 0.0 };
+        let mut record = ByteRecord::new();
+        while next(reader, &mut record, file)? {
+            let line = record.position().map_or(0, csv::Position::line);
+            let at = |column: usize| Value {
+                line,
+                column,
+                name: header.get(column).map_or("", String::as_str),
+                text: record.get(column).unwrap_or_default().trim_ascii(),
+            };
+            if let Some((value, why)) = self.read_row(&mut table, at)? {
+                self.skip(file, &value, &why);
+            }
+        }
+        self.settle(file, options, table.unit())
+    }
+
+    /// Takes one row of a long table; gives what cannot be used of it, and why.
+    fn read_row<'r>(
+        &mut self,
+        table: &mut LongTable<'_>,
+        at: impl Fn(usize) -> Value<'r>,
+    ) -> Result<Option<(Value<'r>, String)>, InputError> {
+        let columns = table.columns;
+        if let Some(column) = columns.unit {
+            note_unit(table.file, &at(column), &mut table.said)?;
+        }
+        let volume = match positive(at(columns.volume).text) {
+            Ok(volume) => volume,
+            Err(why) => return Ok(Some((at(columns.volume), why.to_owned()))),
+        };
+        let group = columns.group.map(|column| at(column).text).unwrap_or_default();
+        let (cell, embryo) = (at(columns.cell), at(columns.embryo));
+        let known = table.last.as_ref().filter(|last| last.is(group, embryo.text, cell.text));
+        let (embryo_place, cell_place) = match known {
+            Some(last) => last.places,
+            None => {
+                if !std::str::from_utf8(cell.text).is_ok_and(is_cell) {
+                    let why = if cell.text.is_empty() { "no name of a cell" } else { "no name of Sulston's" };
+                    return Ok(Some((cell, why.to_owned())));
+                }
+                if embryo.text.is_empty() {
+                    return Ok(Some((embryo, "no name of an embryo".to_owned())));
+                }
+                let places = self.places_of(table.options, group, &embryo, &cell);
+                let [group, embryo, cell] = [group, embryo.text, cell.text].map(<[u8]>::to_vec);
+                table.last = Some(LastRow { group, embryo, cell, places });
+                places
+            }
+        };
+        let frame = match columns.frame.map(&at) {
+            Some(frame) => match number(frame.text) {
+                Some(number) => Some(number),
+                None => return Ok(Some((frame, "not a number".to_owned()))),
+            },
+            None => None,
+        };
+        if let Some(n) = columns.n.map(&at)
+            && !n.text.is_empty()
+            && number(n.text).is_none_or(|n| n < 1.0)
+        {
+            return Ok(Some((n, "not a number of frames".to_owned())));
+        }
+        let scaled = volume * scale(table.unit(), table.options);
+        if let Some(why) = self.embryos[embryo_place].cells[cell_place].note(scaled, frame, cell.line) {
+            return Ok(Some((cell, why)));
+        }
+        self.used += 1;
+        table.largest = table.largest.max(volume);
+        Ok(None)
+    }
+
+    fn read_grid<R: Read>(
+        &mut self,
+        reader: &mut csv::Reader<R>,
+        file: &str,
+        options: &ReadOptions,
+        header: &[String],
+    ) -> Result<(), InputError> {
+        let stem = embryo_of_file(file);
+        let group = options.group.clone().unwrap_or_default();
+        let embryo = self.embryo(group, stem);
+        let mut places: Vec<Option<usize>> = vec![None];
+        for (column, name) in header.iter().enumerate().skip(1) {
+            let known = is_cell(name);
+            if !known {
+                self.skip(file, &Value { line: 1, column, name, text: name.as_bytes() }, "no name of Sulston's");
+            }
+            places.push(known.then(|| self.cell(embryo, name, 1)));
+        }
+        let mut record = ByteRecord::new();
+        while next(reader, &mut record, file)? {
+            let line = record.position().map_or(0, csv::Position::line);
+            for (column, text) in record.iter().enumerate().skip(1) {
+                let value = Value {
+                    line,
+                    column,
+                    name: header.get(column).map_or("", String::as_str),
+                    text: text.trim_ascii(),
+                };
+                // A cell that is not there in a frame has no volume in it.
+                if value.text.is_empty() || value.text.eq_ignore_ascii_case(b"nan") {
+                    continue;
+                }
+                if column >= header.len() {
+                    self.skip(file, &value, "no column has a name for it");
+                    continue;
+                }
+                let Some(cell) = places[column] else { continue };
+                let volume = match positive(value.text) {
+                    Ok(volume) => volume * scale(Unit::Voxels, options),
+                    Err(why) => {
+                        self.skip(file, &value, why);
+                        continue;
+                    }
+                };
+                // Rows are frames, each told once.
+                match self.embryos[embryo].cells[cell].note(volume, Some(line as f64), line) {
+                    Some(why) => self.skip(file, &value, &why),
+                    None => self.used += 1,
+                }
+            }
+        }
+        self.settle(file, options, Unit::Voxels)
+    }
+
+    /// The unit of a table must be that of all.
+    fn settle(&mut self, file: &str, options: &ReadOptions, unit: Unit) -> Result<(), InputError> {
+        let unit = match (unit, options.voxel) {
+            (Unit::Voxels, Some(_)) => Unit::CubicMicrometres,
+            (unit, _) => unit,
+        };
+        match self.unit.replace(unit).filter(|before| *before != unit) {
+            Some(before) => Err(InputError::NotAllowed {
+                source_name: file.to_owned(),
+                field: "unit".to_owned(),
+                value: unit.symbol().to_owned(),
+                allowed: format!(
+                    "{}, the unit of the tables before (--voxel gives voxels their size)",
+                    before.symbol()
+                ),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// Where the values of a row's cell go.
+    fn places_of(
+        &mut self,
+        options: &ReadOptions,
+        group: &[u8],
+        embryo: &Value<'_>,
+        cell: &Value<'_>,
+    ) -> (usize, usize) {
+        let group = match (group, &options.group) {
+            ([], Some(group)) => group.clone(),
+            (group, _) => String::from_utf8_lossy(group).into_owned(),
+        };
+        let embryo = self.embryo(group, String::from_utf8_lossy(embryo.text).into_owned());
+        (embryo, self.cell(embryo, &String::from_utf8_lossy(cell.text), cell.line))
+    }
+
+    fn embryo(&mut self, group: String, name: String) -> usize {
+        let embryos = &mut self.embryos;
+        *self.places.embryos.entry((group.clone(), name.clone())).or_insert_with(|| {
+            embryos.push(Embryo { name, group, cells: Vec::new() });
+            embryos.len() - 1
+        })
+    }
+
+    fn cell(&mut self, embryo: usize, name: &str, line: u64) -> usize {
+        let cells = &mut self.embryos[embryo].cells;
+        *self.places.cells.entry((embryo, name.to_owned())).or_insert_with(|| {
+            cells.push(Lifespan { cell: name.to_owned(), sum: 0.0, frames: 0, line, seen: Vec::new() });
+            cells.len() - 1
+        })
+    }
+
+    fn skip(&mut self, file: &str, value: &Value<'_>, why: &str) {
+        self.skipped_count += 1;
+        if self.skipped.len() < MOST_PLACES {
+            self.skipped.push(Skipped {
+                file: file.to_owned(),
+                line: value.line,
+                column: format!("{} ({})", value.column + 1, value.name),
+                value: String::from_utf8_lossy(&value.text[..value.text.len().min(80)]).into_owned(),
+                why: why.to_owned(),
+            });
+        }
+    }
+}
+
+impl Lifespan {
+    /// Adds a value; says why not if it is one too many.
+    fn note(&mut self, volume: f64, frame: Option<f64>, line: u64) -> Option<String> {
+        match frame {
+            None if self.frames > 0 => {
+                return Some(format!(
+                    "a second volume of this cell, without a frame; the first is on line {}",
+                    self.line
+                ));
+            }
+            None => {}
+            Some(frame) => {
+                // Frames come in order as a rule.
+                let place = match self.seen.last() {
+                    Some(last) if frame > *last => Err(self.seen.len()),
+                    _ => self.seen.binary_search_by(|seen| seen.total_cmp(&frame)),
+                };
+                match place {
+                    Ok(_) => return Some(format!("a second volume of this cell in frame {frame}")),
+                    Err(place) => self.seen.insert(place, frame),
+                }
+            }
+        }
+        if self.frames == 0 {
+            self.line = line;
+        }
+        self.sum += volume;
+        self.frames += 1;
+        None
+    }
+}
+
+impl Columns {
+    /// The columns of a long table; none if it is a grid.
+    fn of(header: &[String], file: &str) -> Result<Option<Columns>, InputError> {
+        let lower: Vec<String> = header.iter().map(|name| name.to_lowercase().replace([' ', '-'], "_")).collect();
+        let find = |names: &[&str]| lower.iter().position(|name| names.contains(&name.as_str()));
+        let is_volume = |name: &String| {
+            let name = name.strip_prefix("mean_").unwrap_or(name);
+            name == "volume" || unit_of(name).is_some()
+        };
+        for (column, name) in lower.iter().enumerate() {
+            if !name.is_empty() && lower[..column].contains(name) {
+                let message = format!("two columns are called {:?}", header[column]);
+                return Err(malformed(file, 1, &message));
+            }
+        }
+        let cell = find(&["cell", "cell_name", "name"]);
+        let volume = lower.iter().position(is_volume);
+        let embryo = find(&["embryo", "embryo_name", "sample"]);
+        if let (Some(cell), Some(volume), Some(embryo)) = (cell, volume, embryo) {
+            let group = find(&["group", "condition"]);
+            let (frame, n, unit) = (find(&["frame", "time", "time_point"]), find(&["n", "n_frames"]), find(&["unit"]));
+            return Ok(Some(Columns { cell, volume, embryo, group, frame, n, unit }));
+        }
+        if header.iter().skip(1).any(|name| is_cell(name)) {
+            return Ok(None);
+        }
+        let missing = [("cell", cell), ("volume", volume), ("embryo", embryo)];
+        let missing: Vec<&str> = missing.into_iter().filter(|(_, at)| at.is_none()).map(|(name, _)| name).collect();
+        let message = format!(
+            "no column is called {}; a table of volumes has the columns embryo, cell and volume (also volume_um3, volume_voxels or \
+             relative_volume), or one for each cell with its name on top; the columns here are {}",
+            missing.join(" or "),
+            listed(header)
+        );
+        Err(malformed(file, 1, &message))
+    }
+}
+
+/// The first few names.
+fn listed(header: &[String]) -> String {
+    let shown: Vec<String> = header.iter().take(8).map(|name| format!("{name:?}")).collect();
+    let more = header.len().saturating_sub(shown.len());
+    shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
+}
+
+/// The unit that a column of volumes has in its name.
+fn unit_of(name: &str) -> Option<Unit> {
+    let lower = name.to_lowercase();
+    match lower.strip_prefix("mean_").unwrap_or(&lower) {
+        "volume_um3" | "volume_µm3" | "volume_µm³" => Some(Unit::CubicMicrometres),
+        "volume_voxels" | "volume_voxel" => Some(Unit::Voxels),
+        "relative_volume" | "volume_relative" | "volume_fraction" => Some(Unit::Relative),
+        _ => None,
+    }
+}
+
+/// The embryo that a grid is of: the file's name without what says that it is a table of volumes.
+fn embryo_of_file(file: &str) -> String {
+    let name = std::path::Path::new(file).file_stem().map_or(file.into(), |stem| stem.to_string_lossy());
+    let lower = name.to_lowercase();
+    let end =
+        if lower.len() == name.len() { lower.strip_suffix("_volume").map_or(name.len(), str::len) } else { name.len() };
+    name[..end].to_owned()
+}
+
+/// A unit column must say the same all along.
+fn note_unit(file: &str, value: &Value<'_>, said: &mut Option<Unit>) -> Result<(), InputError> {
+    let text = String::from_utf8_lossy(value.text).into_owned();
+    let unit = match text.to_lowercase().as_str() {
+        "um3" | "um^3" | "µm3" | "µm³" | "um³" => Unit::CubicMicrometres,
+        "voxel" | "voxels" => Unit::Voxels,
+        "relative" | "1" => Unit::Relative,
+        _ => return Err(not_allowed(file, value, &text, "um3, voxels or relative")),
+    };
+    match said.replace(unit) {
+        Some(before) if before != unit => {
+            Err(not_allowed(file, value, &text, &format!("{}, the unit of the rows before", before.symbol())))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A volume, which is positive; else why it is none.
+fn positive(text: &[u8]) -> Result<f64, &'static str> {
+    match number(text) {
+        Some(volume) if volume > 0.0 => Ok(volume),
+        Some(_) => Err("a volume must be above 0"),
+        None if text.is_empty() => Err("no volume"),
+        None => Err("not a number"),
+    }
+}
+
+/// A finite number.
+fn number(text: &[u8]) -> Option<f64> {
+    std::str::from_utf8(text).ok()?.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+fn next<R: Read>(reader: &mut csv::Reader<R>, record: &mut ByteRecord, file: &str) -> Result<bool, InputError> {
+    reader.read_byte_record(record).map_err(|error| {
+        let line = error.position().map_or(0, csv::Position::line) as usize;
+        malformed(file, line.max(1), &error.to_string())
+    })
+}
+
+fn malformed(file: &str, line: usize, message: &str) -> InputError {
+    InputError::Malformed { file: file.to_owned(), line, column: 1, message: message.to_owned() }
+}
+
+fn not_allowed(file: &str, value: &Value<'_>, text: &str, allowed: &str) -> InputError {
+    let field = format!("{} on line {}, column {}", value.name, value.line, value.column + 1);
+    InputError::NotAllowed { source_name: file.to_owned(), field, value: text.to_owned(), allowed: allowed.to_owned() }
+}
