@@ -5,6 +5,7 @@ mod branch;
 mod cache;
 mod calibrate;
 mod cell;
+mod compare;
 mod context;
 mod divide;
 mod ensemble;
@@ -97,6 +98,7 @@ enum Command {
     Merge(merge::MergeArgs),
     Calibrate(calibrate::CalibrateArgs),
     Fit(fit::FitArgs),
+    Compare(compare::CompareArgs),
     NewLineage(new_lineage::NewLineageArgs),
     Cache(cache::CacheArgs),
     Completions(shell::CompletionsArgs),
@@ -140,6 +142,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Boundary(args) => boundary::run(&args, Context::new(&cli.globals)?),
         Command::Calibrate(args) => calibrate::run(&args, &Context::new(&cli.globals)?),
         Command::Fit(args) => fit::run(&args, &Context::new(&cli.globals)?),
+        Command::Compare(args) => compare::run(&args, &Context::new(&cli.globals)?),
         Command::Phase(args) => phase::run(&args, Context::new(&cli.globals)?),
         Command::Sweep(args) => sweep::run(&args, &Context::new(&cli.globals)?, &cli.globals),
         Command::Merge(args) => merge::run(&args, &cli.globals),

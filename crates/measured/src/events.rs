@@ -110,8 +110,9 @@ pub struct MotherSummary {
     pub mean_signed: f64,
     /// Its standard deviation.
     pub sd_signed: Option<f64>,
-    /// Mean volume of the mother, that of her daughters together.
-    pub mother_volume: f64,
+    /// Mean volume of the mother, that of her daughters together; none where it is not published.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mother_volume: Option<f64>,
 }
 
 /// The divisions of a group.
@@ -155,7 +156,7 @@ fn summary(group: &str, divisions: &[Division]) -> GroupSummary {
             sd: sd(&chi),
             mean_signed: mean(&signed),
             sd_signed: sd(&signed),
-            mother_volume: mean(&each(Division::mother_volume)),
+            mother_volume: Some(mean(&each(Division::mother_volume))),
         }
     };
     GroupSummary { group: group.to_owned(), embryos: embryos.len(), events: by_mother.into_iter().map(of).collect() }

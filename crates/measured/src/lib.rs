@@ -6,6 +6,7 @@
 //! | [`volumes`] | tables of volumes: long ones and those of frames × cells |
 //! | [`events`] | divisions with both daughters measured: χ by group and mother |
 //! | [`trend`] | χ by decades of the mother's volume |
+//! | [`published`] | means over published embryos |
 //! | [`statistics`] | means, boxes, rank sums, straight lines |
 //!
 //! # Examples
@@ -26,6 +27,7 @@
 
 pub mod events;
 pub mod names;
+pub mod published;
 pub mod statistics;
 pub mod trend;
 pub mod volumes;

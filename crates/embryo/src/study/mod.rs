@@ -11,9 +11,11 @@
 //! | [`mod@ensemble`] | a sample of the constants that do |
 //! | [`constants`] | sets of constants as a table |
 //! | [`mod@ranges`] | a lineage over sets of constants |
+//! | [`compare`] | the model beside measured embryos |
 //! | [`fit`] | what would make it the embryo: constants, activities and a cue from what was observed |
 
 mod check;
+pub mod compare;
 pub mod constants;
 pub mod ensemble;
 #[cfg(not(target_family = "wasm"))]
