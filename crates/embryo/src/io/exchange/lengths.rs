@@ -9,7 +9,8 @@ pub enum BranchLengths {
     /// above the threshold of division takes thousands of τ: drawn to scale, all else is a point.
     #[default]
     Time,
-    /// One, but for the first cell none: the distance of a cell from the first one is its generation.
+    /// One, and 0 for the first cell: the distance of a cell from it is its generation. Every branch has a length then, as some
+    /// programs demand.
     Generation,
     /// No lengths at all.
     None,
@@ -20,7 +21,7 @@ impl BranchLengths {
     pub fn of(self, tree: &Tree, cell: CellId) -> Option<f64> {
         match self {
             BranchLengths::Time => tree.cell(cell).fate.t_end(),
-            BranchLengths::Generation => (cell != tree.first()).then_some(1.0),
+            BranchLengths::Generation => Some(if cell == tree.first() { 0.0 } else { 1.0 }),
             BranchLengths::None => None,
         }
     }

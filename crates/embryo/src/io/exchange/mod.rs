@@ -90,7 +90,7 @@ pub enum Exported {
 /// let cell = TreeCell { name: "S".to_owned(), founder: 0, generation: 0, r0: 1.0, volume_fraction: 1.0, cue: Cue::none(), fate: Fate::default() };
 /// let tree = Tree::new(lineage, TreeSettings::default(), cell);
 /// let nhx = export(&tree, Format::Nhx, BranchLengths::Generation, &[]);
-/// assert_eq!(nhx, Exported::File("S[&&NHX:founder=S:generation=0:r0=1:volume_fraction=1:cue=none];\n".to_owned()));
+/// assert_eq!(nhx, Exported::File("S:0[&&NHX:founder=S:generation=0:r0=1:volume_fraction=1:cue=none];\n".to_owned()));
 /// # Ok::<(), furrow::input::InputError>(())
 /// ```
 pub fn export(tree: &Tree, format: Format, lengths: BranchLengths, colours: &[&str]) -> Exported {

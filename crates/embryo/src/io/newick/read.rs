@@ -114,7 +114,14 @@ impl Newick {
     /// # Errors
     /// Names file, line, column, what stands there and what is allowed.
     pub fn read(path: &Path) -> Result<Newick, InputError> {
-        Newick::parse(&read_text(path)?, &path.display().to_string())
+        let (text, file) = (read_text(path)?, path.display().to_string());
+        match other_format(&text) {
+            None => Newick::parse(&text, &file),
+            Some((begins, what)) => {
+                let reason = format!("it begins with {}, as {what} does", shown(begins));
+                Err(InputError::OtherFile { file, wanted: "a Newick file".to_owned(), reason })
+            }
+        }
     }
 
     /// Reads one tree; `file` is what errors call the text. Underscores of names without quotes are blanks, as the format has
@@ -454,6 +461,19 @@ impl<'a> Reader<'a> {
         }
         Ok(())
     }
+}
+
+/// The first line of a text that is evidently of another format, and that format: in Newick it would be the beginning of a
+/// strange name.
+fn other_format(text: &str) -> Option<(&str, &'static str)> {
+    let begun = text.trim_start_matches('\u{feff}').trim_start();
+    let what = match begun.chars().next()? {
+        '{' => "JSON",
+        '<' => "XML",
+        '#' => "Nexus, in which the tree is what stands behind =",
+        _ => return None,
+    };
+    Some((begun.lines().next()?, what))
 }
 
 /// What is written up to the next blank or mark of the format.
