@@ -132,8 +132,13 @@ fn inputs_that_nothing_is_grown_from_are_refused() {
     let text = small_tree_file();
     let complaint = |place: &str, value: Value| {
         let mut document: Value = serde_json::from_str(&text).unwrap();
-        let (above, field) = place.rsplit_once('/').unwrap();
-        document.pointer_mut(above).unwrap()[field] = value;
+        match document.pointer_mut(place) {
+            Some(there) => *there = value,
+            None => {
+                let (above, field) = place.rsplit_once('/').unwrap();
+                document.pointer_mut(above).unwrap()[field] = value;
+            }
+        }
         Tree::from_json(&document.to_string()).unwrap_err().to_string()
     };
     for (place, value, expected) in [
@@ -154,10 +159,20 @@ fn inputs_that_nothing_is_grown_from_are_refused() {
         ("/cell/r0", json!(-5.4), "cell and numerics: physics.r0 = -5.4"),
         ("/numerics/intervals", json!(u64::MAX), "cell and numerics: numerics.intervals = 18446744073709551615"),
         ("/r0_step", json!(-1.0), "tree: r0_step = -1: must be from 0 to 0.5"),
-        ("/seed", json!(-1), "invalid value: integer `-1`"),
+        ("/seed", json!(-1), "seed: invalid value: integer `-1`, expected a whole number, 0 or above"),
         ("/seed", json!(1e30), "invalid type: floating point"),
         ("/cells", json!([]), "there are no cells"),
-        ("/cells", json!({}), "invalid type: map"),
+        ("/cells", json!({}), "cells: invalid type: map"),
+        ("/cells/7/r0", json!("x".repeat(1 << 20)), "xx\", expected a number"),
+        ("/cells/7/r0", json!("big"), "cells[7].r0: invalid type: string \"big\", expected a number"),
+        ("/cells/7/outcome", json!("\u{1b}[2J"), "cells[7].outcome: unknown variant `\\u{1b}[2J`, expected one of"),
+        (
+            "/lineage/founders/1/letters/0",
+            json!("ap"),
+            "lineage.founders[1].letters[0]: invalid type: string \"ap\", expected a list of two",
+        ),
+        ("/lineage/cues/germline/kappa/omga", json!(1), "lineage.cues.germline.kappa: unknown field `omga`"),
+        ("/cell/material", json!({}), "cell.material: missing field `kappa`"),
     ] {
         let said = complaint(place, value);
         assert!(said.contains(expected), "{place}: {said}");

@@ -8,7 +8,7 @@ use crate::lineage::Tree;
 /// A directed graph with an edge from each mother to each of her daughters. Nodes are called as the cells, and have all
 /// columns as data; edges have a `length` where the branch to the daughter has one.
 pub(super) fn graphml(tree: &Tree, lengths: BranchLengths) -> String {
-    let mut out = String::with_capacity(1000 * tree.len());
+    let mut out = String::with_capacity(600 * tree.len());
     out.push_str(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<graphml xmlns=\"http://graphml.graphdrawing.org/xmlns\">\n",
     );

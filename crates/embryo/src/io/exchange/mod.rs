@@ -2,7 +2,7 @@
 //!
 //! | format | file |
 //! |---|---|
-//! | Newick, NHX | `notes` (plain Newick: [`newick`](super::newick)) |
+//! | Newick, NHX | `notes` (plain Newick: [`newick()`](super::newick())) |
 //! | Nexus | `notes` |
 //! | annotations for iTOL | `itol` |
 //! | cells as CSV | `cells_csv` |

@@ -1,5 +1,6 @@
 //! `tree.json`: the whole tree with what it was grown from, byte-identical for equal inputs.
 
+mod message;
 mod read;
 
 pub use read::{LONGEST_TREE, TreeFileError};

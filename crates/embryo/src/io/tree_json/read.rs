@@ -6,6 +6,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
+use super::message::malformed;
 use super::{Record, SCHEMA, SCHEMA_VERSION};
 use crate::cell::{Cell, Cue, Numerics};
 use crate::division::{Division, Outcome};
@@ -112,13 +113,6 @@ impl Tree {
     /// Malformed JSON, another schema, parameters or a lineage that nothing is grown from, or cells that do not form a tree.
     pub fn from_json(text: &str) -> Result<Tree, TreeFileError> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let malformed = |error: serde_json::Error| {
-            let (line, column) = (error.line(), error.column());
-            let message = error.to_string();
-            let place = format!(" at line {line} column {column}");
-            let message = message.strip_suffix(&place).unwrap_or(&message).to_owned();
-            TreeFileError::Malformed { line, column, message }
-        };
         let another = |schema: &str, version| match schema == SCHEMA && version == SCHEMA_VERSION {
             true => Ok(()),
             false => Err(TreeFileError::Schema { schema: schema.to_owned(), version }),
@@ -130,7 +124,7 @@ impl Tree {
                 if let Ok(Heading { schema, schema_version }) = serde_json::from_str(text) {
                     another(&schema, schema_version)?;
                 }
-                return Err(malformed(error));
+                return Err(malformed(text, &error));
             }
         };
         another(&document.schema, document.schema_version)?;
