@@ -76,7 +76,8 @@ fn cells_that_form_no_tree_are_refused() {
             json!(4294967295_u32),
             "cells[1] \"AB\": generation 4294967295 does not follow the mother's",
         ),
-        ("AB", "r0", json!(0.0), "cells[1] \"AB\": r0 = 0: must be a finite number above 0"),
+        ("AB", "r0", json!(0.0), "cells[1] \"AB\": r0 = 0.0: must be a finite number above 0"),
+        ("AB", "r0", json!(-1e300), "cells[1] \"AB\": r0 = -1e300: must be a finite number above 0"),
         (
             "AB",
             "volume_fraction",
@@ -84,9 +85,9 @@ fn cells_that_form_no_tree_are_refused() {
             "cells[1] \"AB\": volume_fraction = -0.5: must be a finite number above 0",
         ),
         ("AB", "chi", json!(1.01), "cells[1] \"AB\": chi = 1.01: must be from 0 to 1"),
-        ("AB", "chi_signed", json!(-2), "cells[1] \"AB\": chi_signed = -2: must be from -1 to 1"),
-        ("AB", "u_furrow", json!(7), "cells[1] \"AB\": u_furrow = 7: must be from 0 to 1"),
-        ("AB", "t_end", json!(-1), "cells[1] \"AB\": t_end = -1: must be a finite number of at least 0"),
+        ("AB", "chi_signed", json!(-2), "cells[1] \"AB\": chi_signed = -2.0: must be from -1 to 1"),
+        ("AB", "u_furrow", json!(7), "cells[1] \"AB\": u_furrow = 7.0: must be from 0 to 1"),
+        ("AB", "t_end", json!(-1), "cells[1] \"AB\": t_end = -1.0: must be a finite number of at least 0"),
         (
             "AB",
             "t_end",
@@ -143,6 +144,7 @@ fn inputs_that_nothing_is_grown_from_are_refused() {
     };
     for (place, value, expected) in [
         ("/schema", json!("furrow.run"), "schema = \"furrow.run\", version 2: must be \"furrow.tree\", version 2"),
+        ("/schema", json!("x".repeat(1 << 20)), "xx\"…, version 2: must be"),
         ("/lineage/founders/0/mother", json!("P4"), "daughter = (not given)"),
         ("/lineage/founders/1/mother", json!("AB"), "the founders' mothers form a cycle"),
         ("/lineage/founders/1/name", json!("A\u{0}B"), "control characters"),
@@ -188,7 +190,7 @@ fn what_is_no_json_is_told_with_its_place() {
     assert_eq!(complaint(""), "line 1, column 0: EOF while parsing a value");
     assert_eq!(with("\"seed\": 0", "\"seed\": NaN"), "line 8, column 11: expected value");
     assert_eq!(with("\"seed\": 0", "\"seed\": 0,\n  \"seed\": 1"), "line 9, column 8: duplicate field `seed`");
-    assert_eq!(with("\"r0\": 5.4", "\"r0\": 1e999"), "line 11, column 15: number out of range");
+    assert_eq!(with("\"r0\": 5.4", "\"r0\": 1e999"), "line 11, column 15: cell.r0: number out of range");
     assert!(with("\"outcome\":\"asymmetric\"", "\"outcome\":\"both\"").contains("unknown variant `both`"));
     // Another version is called that though it may lack what this one has.
     assert!(

@@ -96,12 +96,7 @@ pub const COLUMNS: [Column; 17] = [
         note: true,
         of: |tree, id| text(tree.cell(id).fate.ended.as_ref()?.name()),
     },
-    Column {
-        name: "ended_why",
-        kind: Kind::Text,
-        note: false,
-        of: |tree, id| Some(Value::Text(tree.cell(id).fate.ended.as_ref()?.to_string().into())),
-    },
+    Column { name: "ended_why", kind: Kind::Text, note: false, of: ended_why },
     Column { name: "birth_chi", kind: Kind::Number, note: false, of: birth_chi },
 ];
 
@@ -130,6 +125,12 @@ fn cue_name(tree: &Tree, id: CellId) -> &str {
     let born = tree.founder_cell(cell.founder).map_or(cell.generation, |born| tree.cell(born).generation);
     let round = cell.generation.saturating_sub(born);
     tree.lineage.cue_name_at(Place { founder: cell.founder, round, generation: cell.generation, r0: cell.r0 })
+}
+
+/// Why a cell has no daughters, in one line: what a file says of an undecided cell may hold anything.
+fn ended_why(tree: &Tree, id: CellId) -> Option<Value<'_>> {
+    let why = tree.cell(id).fate.ended.as_ref()?.to_string();
+    Some(Value::Text(why.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()))
 }
 
 /// χ of the division that a cell was born from.

@@ -23,7 +23,8 @@ pub(super) fn malformed(text: &str, error: &serde_json::Error) -> TreeFileError 
     let (line, column) = (error.line(), error.column());
     let whole = error.to_string();
     let message = whole.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&whole);
-    let path = match error.is_data() {
+    // Numbers are found to be out of range while they are read, before it is known what they are for.
+    let path = match error.is_data() || message == "number out of range" {
         true => path_at(text, offset(text, line, column), names_a_field(message)),
         false => String::new(),
     };

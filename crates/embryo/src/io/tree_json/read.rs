@@ -32,7 +32,7 @@ pub enum TreeFileError {
         message: String,
     },
     /// Another format or version.
-    #[error("schema = {schema:?}, version {version}: must be {SCHEMA:?}, version {SCHEMA_VERSION}")]
+    #[error("schema = {}, version {version}: must be {SCHEMA:?}, version {SCHEMA_VERSION}", shown(.schema))]
     Schema {
         /// The file's format.
         schema: String,
@@ -283,7 +283,8 @@ fn in_range(record: &Record<'_>) -> Result<(), Complaint> {
     ];
     for (name, value, range, allowed) in ranges {
         if let Some(value) = value.filter(|value| !range.contains(value)) {
-            return Err(format!("{name} = {value}: must be {allowed}"));
+            // With an exponent where digits would fill the screen.
+            return Err(format!("{name} = {value:?}: must be {allowed}"));
         }
     }
     Ok(())
