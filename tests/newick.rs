@@ -32,7 +32,8 @@ fn trees() -> impl Strategy<Value = Newick> {
             if k > 0 {
                 path.truncate(1 + place.index(path.len()));
             }
-            let name = if name.is_empty() { name } else { format!("{name}{k}") };
+            // Told apart by what stands behind the last point.
+            let name = if name.is_empty() { name } else { format!("{name}.{k}") };
             nodes.push(NewickNode { name, mother: path.last().copied(), length, comments: comments.to_owned() });
             path.push(k);
         }
