@@ -272,7 +272,8 @@ fn in_range(record: &Record<'_>) -> Result<(), Complaint> {
             "name: must be free of blanks, brackets, quotes and of : ; , = (tree files reserve them)".to_owned()
         );
     }
-    let least = f64::MIN_POSITIVE;
+    // The least number above 0.
+    let least = f64::from_bits(1);
     let ranges = [
         ("r0", Some(record.r0), least..=f64::MAX, "a finite number above 0"),
         ("volume_fraction", Some(record.volume_fraction), least..=f64::MAX, "a finite number above 0"),
