@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 15] = [
     "tree",
     "divide",
     "steady",
@@ -15,6 +15,7 @@ const COMMANDS: [&str; 14] = [
     "fit",
     "sweep",
     "merge",
+    "export",
     "cache",
     "completions",
     "man",
@@ -122,6 +123,13 @@ fn examples_of_merging_run_where_there_are_parts() {
         assert!(furrow(folder.path(), &arguments).status.success());
     }
     run_examples_in(&folder, "merge");
+}
+
+#[test]
+fn examples_of_exports_run_where_there_is_a_tree() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(furrow(folder.path(), &["tree", "--no-cache"]).status.success());
+    run_examples_in(&folder, "export");
 }
 
 /// Under "Options" stand only clap's own --help and --version: all else is in a group that says what it is about.

@@ -10,6 +10,7 @@ mod context;
 mod divide;
 mod ensemble;
 mod error;
+mod export;
 mod fit;
 mod interrupt;
 mod merge;
@@ -96,6 +97,7 @@ enum Command {
     Phase(phase::PhaseArgs),
     Sweep(sweep::SweepArgs),
     Merge(merge::MergeArgs),
+    Export(export::ExportArgs),
     Calibrate(calibrate::CalibrateArgs),
     Fit(fit::FitArgs),
     Compare(compare::CompareArgs),
@@ -146,6 +148,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Phase(args) => phase::run(&args, Context::new(&cli.globals)?),
         Command::Sweep(args) => sweep::run(&args, &Context::new(&cli.globals)?, &cli.globals),
         Command::Merge(args) => merge::run(&args, &cli.globals),
+        Command::Export(args) => export::run(&args, &cli.globals),
         Command::NewLineage(args) => new_lineage::run(&args),
         Command::Cache(args) => cache::run(&args, &cli.globals),
         Command::Completions(args) => shell::completions(&args, &mut Cli::command()),

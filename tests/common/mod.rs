@@ -1,6 +1,9 @@
 //! A stand-in for the division solver, so that growth is tested apart from mechanics.
 
+use furrow::batch::{Memo, Quantisation, SchedulerOptions};
+use furrow::cell::Cell;
 use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
+use furrow::lineage::{EndReason, Grower, Lineage, Tree, TreeSettings};
 
 /// Symmetric above R0 = 2.25, asymmetric with χ = 0.88 down to 1.7, failed below; with a cue χ = 0.2 above 1.7.
 #[allow(dead_code)]
@@ -31,4 +34,25 @@ pub fn division(r0: f64, outcome: Outcome, chi_signed: f64) -> Division {
         volume_drift: 0.0,
         work: bvp::Work { steps: 1, iterations: 1, factorisations: 1, ..bvp::Work::default() },
     }
+}
+
+/// A tree grown on one thread by a stand-in for the solver.
+#[allow(dead_code)]
+pub fn grown(
+    lineage: &Lineage,
+    ends: &dyn Fn(&Cell) -> Option<EndReason>,
+    solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
+) -> Tree {
+    let memo = Memo::new(Quantisation::DEFAULT);
+    let options = SchedulerOptions { threads: 1, ..SchedulerOptions::default() };
+    let settings = TreeSettings::default();
+    Grower { lineage, settings, ends, memo: &memo, options }.grow(solve).unwrap().0
+}
+
+/// `tree.json` of the founders of C. elegans and a few generations below them.
+#[allow(dead_code)]
+pub fn small_tree_file() -> String {
+    let mut lineage = Lineage::c_elegans().unwrap();
+    lineage.limits.max_depth = 4;
+    grown(&lineage, &|_| None, fake).to_json().unwrap()
 }

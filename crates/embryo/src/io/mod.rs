@@ -1,6 +1,7 @@
 //! Files: trees, studies and run records out, and in again.
 
 pub mod earlier;
+pub mod exchange;
 pub mod files;
 pub mod frames;
 pub mod newick;
@@ -10,10 +11,10 @@ pub mod sweep_files;
 pub mod tree_json;
 
 pub use files::write_atomically;
-pub use newick::newick;
+pub use newick::{Newick, NewickNode, newick};
 pub use provenance::Provenance;
 pub use scenarios_csv::scenarios_csv;
-pub use tree_json::{FounderRow, TreeFileError, founder_rows};
+pub use tree_json::{FounderRow, TREE_SCHEMA, TreeFileError, founder_rows};
 
 /// Parameters of a run are a floor of their own; whoever reads files needs them too.
 pub use crate::settings::{Settings, parse_cue};

@@ -205,6 +205,14 @@ impl Lineage {
         Ok(lineage)
     }
 
+    /// Checks a lineage that was not read by [`parse`](Self::parse); `file` is what errors call where it comes from.
+    ///
+    /// # Errors
+    /// Names the founder, cue or field, its value and what is allowed.
+    pub fn check(&self, file: &str) -> Result<(), InputError> {
+        Check { lineage: self, text: "", file }.run()
+    }
+
     /// The first cell: the founder without a mother (an index into `founders`).
     pub fn first(&self) -> usize {
         self.founders.iter().position(|f| f.mother.is_none()).unwrap_or(0)

@@ -12,7 +12,7 @@ pub use html::html;
 pub use scenarios_page::scenarios_page;
 pub use scenarios_table::scenarios_table;
 pub use summary::{Generation, TreeSummary};
-pub use svg::svg;
+pub use svg::{colours as founder_colours, svg};
 pub use table::founders_table;
 
 /// Text with the characters that XML and HTML reserve replaced.

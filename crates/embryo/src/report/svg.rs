@@ -63,8 +63,8 @@ static SMALL: Frame = Frame {
 const HUES: [&str; 8] = ["#2f6db5", "#7b5ea7", "#c2568f", "#2a9d6f", "#e08a2c", "#c8423b", "#b8a21a", "#1f9fb4"];
 const GREYS: [&str; 4] = ["#2b2f36", "#4c525c", "#6d7480", "#8d95a1"];
 
-/// The colour of each founder.
-pub(super) fn colours(lineage: &Lineage) -> Vec<&'static str> {
+/// The colour of each founder, in all drawings.
+pub fn colours(lineage: &Lineage) -> Vec<&'static str> {
     let (mut hue, mut grey) = (0, 0);
     (0..lineage.founders.len())
         .map(|k| {

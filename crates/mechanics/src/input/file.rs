@@ -15,11 +15,14 @@ pub const LONGEST: u64 = 64 << 20;
 /// # Errors
 /// Names the file and why it cannot be read.
 pub fn read_text(path: &Path) -> Result<String, InputError> {
-    read_bounded(path, LONGEST)
+    read_text_up_to(path, LONGEST)
 }
 
-/// [`read_text`] with another limit.
-fn read_bounded(path: &Path, longest: u64) -> Result<String, InputError> {
+/// [`read_text`] with another limit, in bytes: for what programs write and users do not.
+///
+/// # Errors
+/// As [`read_text`].
+pub fn read_text_up_to(path: &Path, longest: u64) -> Result<String, InputError> {
     let file = path.display().to_string();
     let unreadable = |reason: String| InputError::Unreadable { file: file.clone(), reason };
     let too_long = |size: &str| {
@@ -64,8 +67,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("text");
         std::fs::write(&path, "12345678").unwrap();
-        assert_eq!(read_bounded(&path, 8).unwrap(), "12345678");
-        let said = read_bounded(&path, 7).unwrap_err().to_string();
+        assert_eq!(read_text_up_to(&path, 8).unwrap(), "12345678");
+        let said = read_text_up_to(&path, 7).unwrap_err().to_string();
         assert!(said.starts_with(&format!("{}: cannot be read: it has 0 MB, which is longer than", path.display())));
     }
 

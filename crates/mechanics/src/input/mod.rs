@@ -5,7 +5,7 @@ mod names;
 mod place;
 mod ron;
 
-pub use file::{LONGEST, read_text};
+pub use file::{LONGEST, read_text, read_text_up_to};
 pub use names::{did_you_mean, forbidden, listed, shown};
 pub use ron::{parse_document, parse_ron};
 
@@ -54,7 +54,7 @@ pub enum InputError {
         /// What is allowed.
         allowed: String,
     },
-    /// The founders of a lineage do not form one tree.
+    /// The founders of a lineage, or the cells of a tree, do not form one tree.
     #[error("{file}: {message}")]
     Founders {
         /// The file.

@@ -1,16 +1,19 @@
 //! `tree.json`: the whole tree with what it was grown from, byte-identical for equal inputs.
 
+mod message;
+mod read;
+
+pub use read::{LONGEST_TREE, TreeFileError};
+
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
 use super::provenance::Provenance;
 use crate::cell::{Cell, Cue, Numerics};
-use crate::division::{Division, Outcome};
-use crate::lineage::{
-    CellId, EndReason, Fate, Lineage, ObservedRounds, Place, Rounds, Side, Tree, TreeCell, TreeSettings, founder_rounds,
-};
+use crate::division::Outcome;
+use crate::lineage::{CellId, EndReason, Lineage, ObservedRounds, Place, Rounds, Side, Tree, founder_rounds};
 
 /// Name of the format.
 pub const SCHEMA: &str = "furrow.tree";
@@ -18,38 +21,9 @@ pub const SCHEMA: &str = "furrow.tree";
 /// Version of the format; it is raised when a field changes its meaning or goes.
 pub const SCHEMA_VERSION: u32 = 2;
 
-/// Why a tree file cannot be read.
-#[derive(Debug, thiserror::Error)]
-pub enum TreeFileError {
-    /// Not JSON, or not these fields.
-    #[error("line {line}, column {column}: {message}")]
-    Malformed {
-        /// Line, from 1.
-        line: usize,
-        /// Column, from 1.
-        column: usize,
-        /// What is wrong.
-        message: String,
-    },
-    /// Another format or version.
-    #[error("schema = {schema:?}, version {version}: must be {SCHEMA:?}, version {SCHEMA_VERSION}")]
-    Schema {
-        /// The file's format.
-        schema: String,
-        /// The file's version.
-        version: u32,
-    },
-    /// The cells do not form a tree of the file's lineage.
-    #[error("cells[{index}] {cell:?}: {message}")]
-    Cell {
-        /// Position in the list.
-        index: usize,
-        /// The cell's name.
-        cell: String,
-        /// What is wrong.
-        message: String,
-    },
-}
+/// What a `tree.json` holds, as a JSON Schema (draft 2020-12), `docs/tree.schema.json`. A later furrow may add fields without
+/// another version, and the schema lets them pass.
+pub const TREE_SCHEMA: &str = include_str!("../../../../../docs/tree.schema.json");
 
 /// A founder in the table that sets its rounds beside the observed ones.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -128,19 +102,6 @@ struct Head<'a> {
     founders: Vec<FounderRow>,
 }
 
-#[derive(Deserialize)]
-struct Document<'a> {
-    schema: Cow<'a, str>,
-    schema_version: u32,
-    seed: u64,
-    r0_step: f64,
-    cell: Cell,
-    numerics: Numerics,
-    lineage: Lineage,
-    #[serde(borrow)]
-    cells: Vec<Record<'a>>,
-}
-
 #[derive(Serialize, Deserialize)]
 struct Record<'a> {
     #[serde(borrow)]
@@ -186,30 +147,6 @@ impl<'a> Record<'a> {
             ended: cell.fate.ended.clone(),
         }
     }
-
-    /// The cell's fate; what a tree file does not keep of a division, the work it took, is zero.
-    fn fate(&self) -> Fate {
-        let growth_rate = match self.ended {
-            Some(EndReason::AtRest { growth_rate }) => growth_rate,
-            _ => None,
-        };
-        let division = self.outcome.zip(self.t_end).map(|(outcome, t_end)| {
-            let division = Division {
-                outcome,
-                chi: self.chi,
-                chi_signed: self.chi_signed,
-                u_furrow: self.u_furrow,
-                t_end,
-                daughters: None,
-                growth_rate,
-                slow_growth_rate: self.slow_growth_rate,
-                volume_drift: 0.0,
-                work: bvp::Work::default(),
-            };
-            division.with_daughters_of(self.r0)
-        });
-        Fate { division, ended: self.ended.clone() }
-    }
 }
 
 impl Tree {
@@ -244,88 +181,4 @@ impl Tree {
         // JSON is UTF-8 by construction.
         Ok(String::from_utf8(out).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned()))
     }
-
-    /// Reads `tree.json` back.
-    ///
-    /// # Errors
-    /// Malformed JSON, another schema, or cells that do not form a tree.
-    pub fn from_json(text: &str) -> Result<Tree, TreeFileError> {
-        let document: Document<'_> = serde_json::from_str(text).map_err(|e| TreeFileError::Malformed {
-            line: e.line(),
-            column: e.column(),
-            message: e.to_string(),
-        })?;
-        if document.schema != SCHEMA || document.schema_version != SCHEMA_VERSION {
-            let schema = document.schema.into_owned();
-            return Err(TreeFileError::Schema { schema, version: document.schema_version });
-        }
-        let settings = TreeSettings {
-            cell: document.cell,
-            numerics: document.numerics,
-            seed: document.seed,
-            r0_step: document.r0_step,
-        };
-        build(document.lineage, settings, document.cells)
-    }
-}
-
-fn build(lineage: Lineage, settings: TreeSettings, records: Vec<Record<'_>>) -> Result<Tree, TreeFileError> {
-    let wrong =
-        |index: usize, cell: &str, message: String| TreeFileError::Cell { index, cell: cell.to_owned(), message };
-    let founders: HashMap<String, usize> =
-        lineage.founders.iter().enumerate().map(|(i, f)| (f.name.clone(), i)).collect();
-    let mut nodes = HashMap::with_capacity(records.len());
-    let mut tree: Option<Tree> = None;
-    // Given away to the tree with its first cell.
-    let mut lineage = Some((lineage, settings));
-    for (index, record) in records.into_iter().enumerate() {
-        let founder = *founders
-            .get(record.founder.as_ref())
-            .ok_or_else(|| wrong(index, &record.name, format!("founder {:?} is not in the lineage", record.founder)))?;
-        let is_founder = record.name == record.founder;
-        let cell = TreeCell {
-            name: record.name.as_ref().to_owned(),
-            founder,
-            generation: record.generation,
-            r0: record.r0,
-            volume_fraction: record.volume_fraction,
-            cue: record.cue.as_ref().clone(),
-            fate: record.fate(),
-        };
-        let node = match (&mut tree, &record.mother, record.daughter) {
-            (None, None, None) => {
-                let Some((lineage, settings)) = lineage.take() else { break };
-                let new = Tree::new(lineage, settings, cell);
-                let node = new.first();
-                tree = Some(new);
-                node
-            }
-            (Some(tree), Some(mother), Some(side)) => {
-                let mother = *nodes.get(mother.as_ref()).ok_or_else(|| {
-                    wrong(index, &record.name, format!("mother {mother:?} is not among the cells before it"))
-                })?;
-                if tree.cell(mother).generation + 1 != record.generation {
-                    let message = format!("generation {} does not follow the mother's", record.generation);
-                    return Err(wrong(index, &record.name, message));
-                }
-                tree.add(mother, side, cell, is_founder)
-            }
-            _ => {
-                let message = "the first cell, and no other, has neither mother nor daughter side".to_owned();
-                return Err(wrong(index, &record.name, message));
-            }
-        };
-        if nodes.insert(record.name.clone(), node).is_some() {
-            return Err(wrong(index, &record.name, "its name appears twice".to_owned()));
-        }
-    }
-    let tree = tree.ok_or_else(|| wrong(0, "", "there are no cells".to_owned()))?;
-    for id in tree.cells() {
-        let daughters = tree.daughter_count(id);
-        if daughters != 0 && (daughters != 2 || tree.daughters(id).is_none()) {
-            let message = "its daughters are not one anterior and one posterior".to_owned();
-            return Err(wrong(id.index(), &tree.cell(id).name, message));
-        }
-    }
-    Ok(tree)
 }
