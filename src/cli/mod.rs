@@ -9,6 +9,7 @@ mod context;
 mod divide;
 mod ensemble;
 mod error;
+mod explore;
 mod fit;
 mod interrupt;
 mod merge;
@@ -97,6 +98,7 @@ enum Command {
     Merge(merge::MergeArgs),
     Calibrate(calibrate::CalibrateArgs),
     Fit(fit::FitArgs),
+    Explore(explore::ExploreArgs),
     NewLineage(new_lineage::NewLineageArgs),
     Cache(cache::CacheArgs),
     Completions(shell::CompletionsArgs),
@@ -143,6 +145,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Phase(args) => phase::run(&args, Context::new(&cli.globals)?),
         Command::Sweep(args) => sweep::run(&args, &Context::new(&cli.globals)?, &cli.globals),
         Command::Merge(args) => merge::run(&args, &cli.globals),
+        Command::Explore(args) => explore::run(&args, &Context::new(&cli.globals)?),
         Command::NewLineage(args) => new_lineage::run(&args),
         Command::Cache(args) => cache::run(&args, &cli.globals),
         Command::Completions(args) => shell::completions(&args, &mut Cli::command()),
