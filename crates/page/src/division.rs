@@ -16,11 +16,7 @@ const PARTS: usize = 160;
 /// Further points on either side of the furrow, and how far from it in u they reach.
 const NEAR: (usize, f64) = (14, 0.04);
 /// Arrows of the active force along a contour.
-const ARROWS: usize = 48;
-/// Numbers of a point of the contour: r, z, and the cue.
-const OF_POINT: usize = 3;
-/// Numbers of an arrow: r, z, and the force density along r and z.
-const OF_ARROW: usize = 4;
+const ARROWS: usize = 40;
 /// Distance in u over which the active tension is differentiated.
 const STEP: f64 = 1e-5;
 
@@ -101,8 +97,13 @@ pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
         film.draw(&shape, step.t > 0.0, &mut numbers);
         frames.push(step);
     }
-    let found =
-        Found { division: &division, shell: shell(&input.cell), frames, points: film.places.len(), arrows: ARROWS };
+    let found = Found {
+        division: &division,
+        shell: shell(&input.cell),
+        frames,
+        points: film.places.len(),
+        arrows: film.arrows.len(),
+    };
     Ok(Answer { text: serde_json::to_string(&found)?, numbers })
 }
 
@@ -112,6 +113,8 @@ struct Film {
     cortex: Cortex,
     /// Places u of the points of a contour.
     places: Vec<f64>,
+    /// Places u where arrows begin.
+    arrows: Vec<f64>,
 }
 
 impl Film {
@@ -127,7 +130,9 @@ impl Film {
             places.dedup();
         }
         let gauss = Gauss::new(input.numerics.stages);
-        Film { gauss, cortex: Cortex::new(&input.cell, Domain::Full, &[]), places }
+        // One of them at the furrow, where the force is greatest.
+        let arrows = (0..ARROWS).map(|k| (k as f64 + 0.5) / ARROWS as f64).chain(furrow).collect();
+        Film { gauss, cortex: Cortex::new(&input.cell, Domain::Full, &[]), places, arrows }
     }
 
     /// Adds the numbers of a shape. Before the activity is switched on there is neither cue nor active force.
@@ -140,8 +145,7 @@ impl Film {
             let cue = if active { terms.iter().map(|term| term.at(u, length)[0]).sum() } else { 0.0 };
             numbers.extend([state[R], state[Z], cue].map(|v| v as f32));
         }
-        for k in 0..ARROWS {
-            let u = (k as f64 + 0.5) / ARROWS as f64;
+        for &u in &self.arrows {
             let [along_r, along_z] = if active { self.active_force(shape, u) } else { [0.0; 2] };
             shape.eval(&self.gauss, u, &mut state);
             numbers.extend([state[R], state[Z], along_r, along_z].map(|v| v as f32));
@@ -185,6 +189,9 @@ mod tests {
 
     use super::*;
 
+    /// Numbers of a point and of an arrow.
+    const OF_EACH: [usize; 2] = [3, 4];
+
     fn asked(cell: &Cell, frames: &str) -> (Value, Vec<f32>) {
         let request = json!({ "cell": cell, "numerics": Numerics::default(), "seed": 0, "frames": frames });
         let answer = divide(request.to_string().as_bytes()).unwrap();
@@ -197,14 +204,16 @@ mod tests {
         let (found, numbers) = asked(&cell, "all");
         let alone = divide_alone(&DivisionInput::new(cell)).unwrap();
         assert_eq!(found["chi"].as_f64(), alone.chi);
-        let of_frame = OF_POINT * found["points"].as_u64().unwrap() as usize + OF_ARROW * ARROWS;
+        let [contour, arrows] = ["points", "arrows"].map(|name| found[name].as_u64().unwrap() as usize);
+        let (contour, arrows) = (OF_EACH[0] * contour, OF_EACH[1] * arrows);
+        let of_frame = contour + arrows;
         let frames = found["frames"].as_array().unwrap();
         assert_eq!(numbers.len(), frames.len() * of_frame);
         assert!(numbers.iter().all(|number| number.is_finite()));
         assert_eq!(frames.last().unwrap()["t"].as_f64(), Some(alone.t_end));
         // From pole to pole, at every step.
         for frame in numbers.chunks_exact(of_frame) {
-            assert!(frame[0].abs() < 1e-6 && frame[of_frame - OF_ARROW * ARROWS - OF_POINT].abs() < 1e-6);
+            assert!(frame[0].abs() < 1e-6 && frame[contour - OF_EACH[0]].abs() < 1e-6);
         }
     }
 

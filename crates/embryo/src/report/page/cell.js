@@ -27,7 +27,7 @@ class CellPanel {
     element("cell-name").textContent = cell.name;
     const founders = this.head.lineage.founders;
     const rows = [
-      ["founder", node.isFounder ? "is one" : founders[node.founder].name],
+      ...(node.isFounder ? [] : [["founder", founders[node.founder].name]]),
       ["generation", String(cell.generation)],
       ["R0", lengthText(cell.r0)],
       ["volume", `${(100 * cell.volume_fraction).toFixed(3)} % of ${this.head.cells[0].name}`],
@@ -55,33 +55,33 @@ class CellPanel {
     }
   }
 
-  /** Computes the division of the cell that is shown, and plays it. */
-  open() {
+  /** Computes the division of the cell that is shown, and plays it or shows it half way. */
+  open({ playing = true } = {}) {
     if (!this.solver || !this.node) return;
     if (this.recorded === this.node) {
       this.player.play();
       return;
     }
     element("film-state").textContent = "computing…";
-    this.computing.ask({ head: this.head, node: this.node });
+    this.computing.ask({ head: this.head, node: this.node, playing });
   }
 
-  async compute({ head, node }) {
+  async compute({ head, node, playing }) {
     try {
       const found = await this.solver.ask("divide", { ...divisionOf(head, node), frames: "all" });
       if (node !== this.node) return;
       this.recorded = node;
-      this.tell(found, node.cell);
+      this.tell(found, node.cell, playing);
     } catch (error) {
       if (node === this.node) element("film-state").textContent = `Its division could not be computed: ${error.message}`;
     }
   }
 
-  tell(found, cell) {
+  tell(found, cell, playing) {
     const { answer, took } = found;
     // Where nothing tells one pole from the other the tree drew the side; the film shows that side.
     const mirrored = (cell.chi_signed ?? 0) * (answer.chi_signed ?? 0) < 0;
-    this.player.show(new Recording(found, mirrored));
+    this.player.show(new Recording(found, mirrored), playing);
     const state = element("film-state");
     state.textContent = `computed here in ${took.toFixed(0)} ms: ${answer.outcome}${answer.chi == null ? "" : `, χ = ${number(answer.chi, 6)}`}`;
     Object.assign(state.dataset, { cell: cell.name, outcome: answer.outcome, chi: answer.chi ?? "", took, frames: answer.frames.length });

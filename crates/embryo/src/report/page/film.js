@@ -122,26 +122,32 @@ function drawCell(canvas, recording, frame, { forces = true } = {}) {
 function drawCue(paint, recording, contour, px, py, ink) {
   if (recording.strongest === 0) return;
   paint.lineCap = "butt";
-  for (let i = 0; i + 3 < contour.length; i += 3) {
-    const strength = (contour[i + 2] + contour[i + 5]) / 2 / recording.strongest;
-    if (Math.abs(strength) < 0.03) continue;
-    paint.strokeStyle = strength > 0 ? ink.cue : ink.force;
-    paint.globalAlpha = Math.min(1, Math.abs(strength));
-    paint.lineWidth = 10;
-    for (const side of [1, -1]) {
-      paint.beginPath();
-      paint.moveTo(px(contour[i + 1]), py(side * contour[i]));
-      paint.lineTo(px(contour[i + 4]), py(side * contour[i + 3]));
-      paint.stroke();
+  paint.lineWidth = 8;
+  // Stretches of about the same strength are one line, so that no seams are seen.
+  const steps = 10;
+  const level = (i) => Math.round((steps * (contour[i + 2] + contour[i + 5])) / 2 / recording.strongest);
+  for (let i = 0; i + 3 < contour.length; ) {
+    const strength = level(i);
+    let end = i + 3;
+    while (end + 3 < contour.length && level(end) === strength) end += 3;
+    if (strength !== 0) {
+      paint.strokeStyle = strength > 0 ? ink.cue : ink.force;
+      paint.globalAlpha = Math.abs(strength) / steps;
+      for (const side of [1, -1]) {
+        paint.beginPath();
+        for (let k = i; k <= end; k += 3) paint.lineTo(px(contour[k + 1]), py(side * contour[k]));
+        paint.stroke();
+      }
     }
+    i = end;
   }
   paint.globalAlpha = 1;
 }
 
 function drawForces(paint, recording, arrows, px, py, ink) {
-  const most = 26;
+  const most = 20;
   paint.strokeStyle = paint.fillStyle = ink.force;
-  paint.lineWidth = 1.2;
+  paint.lineWidth = 1.1;
   for (let i = 0; i < arrows.length; i += 4) {
     const [r, z, alongR, alongZ] = arrows.slice(i, i + 4);
     const force = Math.hypot(alongR, alongZ);
@@ -155,7 +161,7 @@ function drawForces(paint, recording, arrows, px, py, ink) {
       paint.lineTo(x + dx, y + dy);
       paint.stroke();
       const [ux, uy] = [dx / length, dy / length];
-      const head = Math.min(5, length / 2);
+      const head = Math.min(4, length / 2);
       paint.beginPath();
       paint.moveTo(x + dx + ux, y + dy + uy);
       paint.lineTo(x + dx - head * ux + 0.5 * head * uy, y + dy - head * uy - 0.5 * head * ux);
@@ -196,7 +202,7 @@ class Player {
     new ResizeObserver(() => this.draw()).observe(canvas);
   }
 
-  show(recording) {
+  show(recording, playing = false) {
     this.recording = recording;
     this.slider.disabled = this.button.disabled = recording === null;
     this.note.textContent = recording && !recording.even ? "Most of the time is spent waiting at a shape that hardly changes: the film runs faster there." : "";
@@ -204,10 +210,11 @@ class Player {
     if (!recording) {
       this.pause();
       this.label.textContent = "";
-    } else if (matchMedia("(prefers-reduced-motion: reduce)").matches) {
-      this.seek(1);
-    } else {
+    } else if (playing && !matchMedia("(prefers-reduced-motion: reduce)").matches) {
       this.play();
+    } else {
+      this.pause();
+      this.seek(0.75);
     }
   }
 

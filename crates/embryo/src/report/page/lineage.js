@@ -2,7 +2,7 @@
 // what is too small to be told apart is drawn as one line, so that ten thousand cells are as quick as a hundred.
 
 const ROW = { least: 22, most: 92 };
-const MARGIN = { left: 44, right: 46, top: 42, bottom: 26 };
+const MARGIN = { left: 44, right: 66, top: 42, bottom: 26 };
 /** Radius of the first cell's disc, in CSS pixels. */
 const LARGEST = 17;
 
@@ -272,32 +272,51 @@ class LineageView {
     paint.fillText(`+${node.below}`, x, y + 10);
   }
 
-  /** Names of founders, and of all cells where there is room. */
+  /** Names of founders, and of all cells where there is room: none over another. The marked cells come first. */
   drawLabels(discs, ink) {
-    const { paint } = this;
-    paint.textBaseline = "alphabetic";
-    paint.lineJoin = "round";
+    const marked = (node) => node === this.selected || this.found.has(node);
     const all = this.gap > 46;
-    for (const node of discs) {
-      const marked = node === this.selected || this.found.has(node);
-      if (!node.isFounder && !all && !marked) continue;
-      const radius = this.radius(node);
-      const [x, y] = [this.px(node.x), this.py(node.cell.generation)];
-      const left = node.mother !== null && x < this.px(node.mother.x);
-      paint.font = `${node.isFounder ? "600 13px" : "11px"} system-ui, sans-serif`;
-      paint.textAlign = left ? "right" : "left";
-      const at = left ? x - radius - 5 : x + radius + 5;
-      paint.strokeStyle = ink.ground;
-      paint.lineWidth = 4;
-      paint.fillStyle = shade(this.colours[node.founder], ink);
-      const texts = [node.cell.name];
-      if (node.isFounder && node.cell.outcome === "asymmetric" && !node.cell.ended) texts.push(`χ ${number(node.cell.chi, 2)}`);
-      texts.forEach((text, k) => {
-        if (k > 0) paint.font = "11px system-ui, sans-serif";
-        paint.strokeText(text, at, y - 5 + 13 * k);
-        paint.fillText(text, at, y - 5 + 13 * k);
-      });
-    }
+    const rank = (node) => 2 * marked(node) + node.isFounder;
+    const named = discs.filter((node) => all || rank(node) > 0).sort((a, b) => rank(b) - rank(a) || a.index - b.index);
+    const taken = [];
+    this.paint.textBaseline = "alphabetic";
+    this.paint.lineJoin = "round";
+    for (const node of named.slice(0, 400)) this.drawLabel(node, taken, ink);
+  }
+
+  drawLabel(node, taken, ink) {
+    const { paint } = this;
+    const radius = this.radius(node);
+    const [x, y] = [this.px(node.x), this.py(node.cell.generation)];
+    const left = this.roomier(node) < 0;
+    const at = left ? x - radius - 5 : x + radius + 5;
+    const lines = [[node.cell.name, `${node.isFounder ? "600 13px" : "11px"} system-ui, sans-serif`]];
+    if (node.isFounder && node.cell.outcome === "asymmetric" && !node.cell.ended) lines.push([`χ ${number(node.cell.chi, 2)}`, "11px system-ui, sans-serif"]);
+    paint.textAlign = left ? "right" : "left";
+    paint.strokeStyle = ink.ground;
+    paint.lineWidth = 4;
+    paint.fillStyle = shade(this.colours[node.founder], ink);
+    lines.forEach(([text, font], k) => {
+      paint.font = font;
+      const wide = paint.measureText(text).width;
+      const box = [left ? at - wide : at, y - 16 + 13 * k, wide, 13];
+      const free = taken.every(([bx, by, bw, bh]) => bx > box[0] + box[2] || bx + bw < box[0] || by > box[1] + box[3] || by + bh < box[1]);
+      if (!free) return;
+      taken.push(box);
+      paint.strokeText(text, at, y - 5 + 13 * k);
+      paint.fillText(text, at, y - 5 + 13 * k);
+    });
+  }
+
+  /** On which side of a node there is more room for its name: -1 on the left, 1 on the right. */
+  roomier(node) {
+    const row = this.tree.generations[node.cell.generation];
+    const place = row.indexOf(node);
+    const [before, after] = [row[place - 1], row[place + 1]];
+    const left = before ? node.x - before.x : Infinity;
+    const right = after ? after.x - node.x : Infinity;
+    if (left === right) return node.mother !== null && node.x < node.mother.x ? -1 : 1;
+    return left > right ? -1 : 1;
   }
 
   /** The node under a point; the nearest one that is near enough. */

@@ -88,17 +88,19 @@ function main() {
     element("lineage-title").textContent = title ?? "";
     lineage.resize();
     lineage.show(new Tree(tree));
+    lineage.select(lineage.tree.root);
+    panel.open({ playing: false });
   };
   setUpLineage(panel);
-  if (page.tree) shown(page.tree, null);
   if (why) tellWithout(why);
   else {
     whatIf = new WhatIf(new Solver(), new Solver());
     new Regrow(whatIf, shown, page.tree);
     const first = page.tree?.cells[0];
     whatIf.begin({ ...page.head.cell, r0: first?.r0 ?? page.head.cell.r0, cue: first?.cue ?? "none", name: first?.name });
-    moduleBytes().catch((error) => tellWithout(String(error)));
+    solverModule().catch((error) => tellWithout(String(error)));
   }
+  if (page.tree) shown(page.tree, null);
   themeSwitch(element("theme"), () => {
     lineage.draw();
     panel.player.draw();

@@ -7,7 +7,7 @@ class Regrow {
     this.original = original;
     this.solver = new Solver();
     const names = Object.keys(page.head.lineage.cues ?? {});
-    const options = [["", "as the lineage gives them"], ["none", "none"], ...names.map((name) => [name, `${name}: ${cueText(page.head.lineage.cues[name])}`]), ["?", "the cue of the sliders"]];
+    const options = [["", "as the lineage gives them"], ["none", "none"], ...names.map((name) => [name, name]), ["?", "the cue of the sliders"]];
     element("regrow-cue").replaceChildren(...options.map(([value, text]) => Object.assign(make("option", text), { value })));
     element("regrow").addEventListener("click", () => this.grow());
     element("regrow-stop").addEventListener("click", () => this.solver.stop());

@@ -10,16 +10,16 @@ function hindrance() {
   return null;
 }
 
-let unpacked = null;
+let compiled = null;
 
-/** The module's bytes, unpacked once. */
-function moduleBytes() {
-  unpacked ??= (async () => {
+/** The module, unpacked and compiled once for all workers: what one has warmed up is warm for the others. */
+function solverModule() {
+  compiled ??= (async () => {
     const packed = Uint8Array.from(atob(element("furrow-module").textContent.trim()), (c) => c.charCodeAt(0));
     const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-    return new Response(stream).arrayBuffer();
+    return WebAssembly.compile(await new Response(stream).arrayBuffer());
   })();
-  return unpacked;
+  return compiled;
 }
 
 /** One worker with one instance of the solver. Requests are answered in turn. */
@@ -31,14 +31,14 @@ class Solver {
   }
 
   async open() {
-    const bytes = await moduleBytes();
+    const module = await solverModule();
     const text = new Blob([element("furrow-worker").textContent], { type: "text/javascript" });
     const address = URL.createObjectURL(text);
     const worker = new Worker(address);
     await new Promise((resolve, reject) => {
       worker.onmessage = ({ data }) => (data.ready ? resolve() : reject(new Error(data.error)));
       worker.onerror = (event) => reject(new Error(event.message || "its worker does not start"));
-      worker.postMessage({ module: bytes });
+      worker.postMessage({ module });
     });
     URL.revokeObjectURL(address);
     worker.onmessage = ({ data }) => this.take(data);

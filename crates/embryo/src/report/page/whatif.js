@@ -158,7 +158,7 @@ class WhatIf {
     if (this.diagram.edge?.epsilon === epsilon || !(epsilon > 0 && epsilon < 1)) return;
     const { cell, numerics } = this.head;
     try {
-      const { answer } = await this.edges.ask("edge", { cell: { ...cell, epsilon }, numerics, range: AXES.r0.map((r0, k) => (k === 0 ? 1.2 : r0)) });
+      const { answer } = await this.edges.ask("edge", { cell: { ...cell, epsilon }, numerics, range: AXES.r0 });
       this.diagram.edge = { epsilon, points: answer.points.map(({ r0, xi_s, coefficient }) => [r0, xi_s, coefficient]) };
     } catch {
       // Without an edge at this ε the diagram keeps the one it was written with.

@@ -1,12 +1,12 @@
 // Runs in a worker of its own: holds one instance of the solver and answers requests, one at a time.
-// Messages in: {module: bytes}, then {id, call, request}. Messages out: {ready}, {id, progress}, {id, answer, numbers, took}, {id, error}.
+// Messages in: {module}, then {id, call, request}. Messages out: {ready}, {id, progress}, {id, answer, numbers, took}, {id, error}.
 "use strict";
 let solver = null;
 let current = 0;
 
-async function open(bytes) {
+async function open(module) {
   const imports = { page: { progress: (solved, waiting) => postMessage({ id: current, progress: { solved, waiting } }) } };
-  solver = (await WebAssembly.instantiate(bytes, imports)).instance.exports;
+  solver = (await WebAssembly.instantiate(module, imports)).exports;
 }
 
 function ask(call, request) {
