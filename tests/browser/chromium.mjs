@@ -56,8 +56,8 @@ export class Browser {
     });
   }
 
-  /** Opens a page of a size; `setup` is run before it loads. */
-  async open(address, { width = 1400, height = 1000, mobile = false, dark = false, script = true } = {}) {
+  /** Opens a page of a size; the script `before` is run before its own. */
+  async open(address, { width = 1400, height = 1000, mobile = false, dark = false, script = true, before = "" } = {}) {
     const { targetId } = await this.send("Target.createTarget", { url: "about:blank" });
     const { sessionId } = await this.send("Target.attachToTarget", { targetId, flatten: true });
     const page = new Page(this, sessionId, targetId);
@@ -69,6 +69,7 @@ export class Browser {
     if (mobile) await page.send("Emulation.setTouchEmulationEnabled", { enabled: true });
     await page.send("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: dark ? "dark" : "light" }] });
     if (!script) await page.send("Emulation.setScriptExecutionDisabled", { value: true });
+    if (before) await page.send("Page.addScriptToEvaluateOnNewDocument", { source: before });
     const loaded = page.once("Page.loadEventFired");
     await page.send("Page.navigate", { url: address });
     await loaded;
