@@ -63,7 +63,11 @@ pub fn solver_files(root: &Path) -> io::Result<Vec<PathBuf>> {
     files_of(root, &SOLVER_SOURCES)
 }
 
-fn files_of(root: &Path, sources: &[&str]) -> io::Result<Vec<PathBuf>> {
+/// The files of some sources, in the order of their names.
+///
+/// # Errors
+/// As [`fingerprint`].
+pub fn files_of(root: &Path, sources: &[&str]) -> io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for source in sources {
         collect(&root.join(source), &mut files)
@@ -264,8 +268,10 @@ fn fnv1a(hash: u64, bytes: &[u8]) -> u64 {
 
 /// Sets `FURROW_COMMIT` where the crate is a git checkout of its own; a copy without git builds without it.
 fn record_commit(root: &Path) {
-    // Debug builds skip it: they would be rebuilt after every commit.
-    if env::var("PROFILE").as_deref() != Ok("release") {
+    // Debug builds skip it: they would be rebuilt after every commit. So does what runs in a page, which is kept in the
+    // repository and cannot know the commit that it will be part of.
+    let in_page = env::var("CARGO_CFG_TARGET_FAMILY").as_deref() == Ok("wasm");
+    if env::var("PROFILE").as_deref() != Ok("release") || in_page {
         return;
     }
     // A crate unpacked inside some other repository must not take that repository's commit for its own.

@@ -9,9 +9,9 @@ use std::{
 #[allow(dead_code)]
 mod solver;
 
-/// Folders with all that the module is made of. Reports, studies and settings, which it is not made of, are left out, though
-/// they are in the same crate.
-pub const PAGE_SOURCES: [&str; 12] = [
+/// Files, and folders with all that is in them, that decide what the module answers. Reports, studies and settings, which it
+/// does not use, are left out, though they are in the same crate.
+pub const PAGE_SOURCES: [&str; 13] = [
     "crates/bvp/src",
     "crates/embryo/src/batch",
     "crates/embryo/src/io/tree_json.rs",
@@ -20,6 +20,7 @@ pub const PAGE_SOURCES: [&str; 12] = [
     "crates/mechanics/src/cell",
     "crates/mechanics/src/cortex",
     "crates/mechanics/src/division",
+    "crates/mechanics/src/input",
     "crates/mechanics/src/shapes",
     "crates/mechanics/src/stability.rs",
     "crates/page/src",
@@ -43,4 +44,12 @@ fn main() -> io::Result<()> {
 /// A source that is not there: the list must follow when something is moved.
 pub fn page_fingerprint(root: &Path) -> io::Result<String> {
     solver::fingerprint(root, &PAGE_SOURCES).map(|hash| format!("{hash:016x}"))
+}
+
+/// The files of [`PAGE_SOURCES`], in the order of their names.
+///
+/// # Errors
+/// As [`page_fingerprint`].
+pub fn page_files(root: &Path) -> io::Result<Vec<PathBuf>> {
+    solver::files_of(root, &PAGE_SOURCES)
 }

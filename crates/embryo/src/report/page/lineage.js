@@ -299,7 +299,7 @@ class LineageView {
     lines.forEach(([text, font], k) => {
       paint.font = font;
       const wide = paint.measureText(text).width;
-      const box = [left ? at - wide : at, y - 16 + 13 * k, wide, 13];
+      const box = [left ? at - wide : at, y - 16 + 13 * k, wide, 12];
       const free = taken.every(([bx, by, bw, bh]) => bx > box[0] + box[2] || bx + bw < box[0] || by > box[1] + box[3] || by + bh < box[1]);
       if (!free) return;
       taken.push(box);

@@ -88,6 +88,8 @@ function main() {
     element("lineage-title").textContent = title ?? "";
     lineage.resize();
     lineage.show(new Tree(tree));
+    element("search").value = "";
+    element("search").dispatchEvent(new Event("input"));
     lineage.select(lineage.tree.root);
     panel.open({ playing: false });
   };
