@@ -5,6 +5,9 @@ class CellPanel {
     this.solver = solver;
     this.onGo = onGo;
     this.node = null;
+    /** Whose division was asked for last, whose is recorded, and whether it is to be played. */
+    this.asked = this.recorded = null;
+    this.plays = false;
     this.player = new Player({
       canvas: element("film"),
       button: element("play"),
@@ -51,7 +54,6 @@ class CellPanel {
     if (this.recorded !== node) {
       this.recorded = null;
       this.player.show(null);
-      element("film-state").textContent = this.solver ? "Enter or a click computes its division." : "";
     }
   }
 
@@ -59,29 +61,33 @@ class CellPanel {
   open({ playing = true } = {}) {
     if (!this.solver || !this.node) return;
     if (this.recorded === this.node) {
-      this.player.play();
+      if (playing) this.player.play();
       return;
     }
+    this.plays = playing;
+    if (this.asked === this.node) return;
+    this.asked = this.node;
     element("film-state").textContent = "computing…";
-    this.computing.ask({ head: this.head, node: this.node, playing });
+    this.computing.ask({ head: this.head, node: this.node });
   }
 
-  async compute({ head, node, playing }) {
+  async compute({ head, node }) {
     try {
       const found = await this.solver.ask("divide", { ...divisionOf(head, node), frames: "all" });
       if (node !== this.node) return;
       this.recorded = node;
-      this.tell(found, node.cell, playing);
+      this.tell(found, node.cell);
     } catch (error) {
       if (node === this.node) element("film-state").textContent = `Its division could not be computed: ${error.message}`;
     }
+    if (this.asked === node) this.asked = null;
   }
 
-  tell(found, cell, playing) {
+  tell(found, cell) {
     const { answer, took } = found;
     // Where nothing tells one pole from the other the tree drew the side; the film shows that side.
     const mirrored = (cell.chi_signed ?? 0) * (answer.chi_signed ?? 0) < 0;
-    this.player.show(new Recording(found, mirrored), playing);
+    this.player.show(new Recording(found, mirrored), this.plays);
     const state = element("film-state");
     state.textContent = `computed here in ${took.toFixed(0)} ms: ${answer.outcome}${answer.chi == null ? "" : `, χ = ${number(answer.chi, 6)}`}`;
     Object.assign(state.dataset, { cell: cell.name, outcome: answer.outcome, chi: answer.chi ?? "", took, frames: answer.frames.length });

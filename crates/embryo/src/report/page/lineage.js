@@ -107,9 +107,10 @@ class LineageView {
     if (!quietly) this.onSelect(node);
   }
 
-  /** Zooms in until neighbours of a node stand apart. */
+  /** Zooms in until all below a node fills the view, or until its neighbours stand apart. */
   approach(node) {
-    if (this.gap < 9) this.zoomAt(9 / this.gap, this.px(node.x), this.py(node.cell.generation));
+    const wanted = Math.min(9, (0.8 * this.width) / (node.to - node.from + 1));
+    if (this.gap < wanted) this.zoomAt(wanted / this.gap, this.px(node.x), this.py(node.cell.generation));
     this.panX += this.width / 2 - this.px(node.x);
     this.hold();
     this.select(node);
@@ -274,7 +275,8 @@ class LineageView {
 
   /** Names of founders, and of all cells where there is room: none over another. The marked cells come first. */
   drawLabels(discs, ink) {
-    const marked = (node) => node === this.selected || this.found.has(node);
+    const few = this.found.size <= 60;
+    const marked = (node) => node === this.selected || (few && this.found.has(node));
     const all = this.gap > 46;
     const rank = (node) => 2 * marked(node) + node.isFounder;
     const named = discs.filter((node) => all || rank(node) > 0).sort((a, b) => rank(b) - rank(a) || a.index - b.index);

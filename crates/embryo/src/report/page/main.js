@@ -12,7 +12,11 @@ let lineage = null;
 /** The tree's canvas with its search box and buttons. */
 function setUpLineage(panel) {
   lineage = new LineageView(element("lineage"), {
-    onSelect: (node) => (node ? panel.show(lineage.tree.head, node) : panel.close()),
+    // A division takes a blink: it is there as soon as its cell is, half way through, and played when the cell is opened.
+    onSelect: (node) => {
+      panel.show(lineage.tree.head, node);
+      panel.open({ playing: false });
+    },
     onOpen: () => panel.open(),
   });
   const middle = () => [lineage.width / 2, lineage.height / 2];
@@ -91,7 +95,6 @@ function main() {
     element("search").value = "";
     element("search").dispatchEvent(new Event("input"));
     lineage.select(lineage.tree.root);
-    panel.open({ playing: false });
   };
   setUpLineage(panel);
   if (why) tellWithout(why);

@@ -1,5 +1,6 @@
 // The phase diagram: activity over radius, with the edge at which the symmetric furrow loses its stability.
 
+/** Ranges of the axes; cells that begin beyond them widen them. */
 const AXES = { r0: [1, 6.5], xi: [0, 45] };
 const PAD = { left: 44, right: 12, top: 14, bottom: 40 };
 
@@ -109,14 +110,15 @@ class PhaseDiagram {
     paint.font = "11px system-ui, sans-serif";
     paint.textAlign = "center";
     paint.textBaseline = "top";
-    for (let r0 = 1; r0 <= 6; r0++) {
+    const step = (high, few) => few * Math.ceil(high / (9 * few));
+    for (let r0 = 1; r0 <= AXES.r0[1]; r0 += step(AXES.r0[1], 1)) {
       paint.fillRect(px(r0), PAD.top + height, 1, 4);
       paint.fillText(String(r0), px(r0), PAD.top + height + 7);
     }
     paint.fillText("R0, in L_h", PAD.left + width / 2, PAD.top + height + 23);
     paint.textAlign = "right";
     paint.textBaseline = "middle";
-    for (let xi = 0; xi <= 40; xi += 10) {
+    for (let xi = 0; xi <= AXES.xi[1]; xi += step(AXES.xi[1], 10)) {
       paint.fillRect(PAD.left - 4, py(xi), 4, 1);
       paint.fillText(String(xi), PAD.left - 7, py(xi));
     }
@@ -133,9 +135,9 @@ class PhaseDiagram {
     paint.textBaseline = "middle";
     paint.font = "12px system-ui, sans-serif";
     paint.textAlign = "right";
-    paint.fillText("the furrow grows", px(AXES.r0[1]) - 10, py(40));
+    paint.fillText("the furrow grows", px(AXES.r0[1]) - 10, PAD.top + 18);
     paint.textAlign = "left";
-    paint.fillText("at rest", px(AXES.r0[0]) + 10, py(3));
+    paint.fillText("at rest", px(AXES.r0[0]) + 10, PAD.top + this.inner().height - 14);
     element("phase-edge").textContent = `Edge: pitchforks of cells without a cue at ε = ${Number(edge.epsilon.toFixed(4))}; pale where subcritical.`;
   }
 }

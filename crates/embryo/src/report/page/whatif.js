@@ -52,9 +52,20 @@ class WhatIf {
     this.start = start;
     this.physics = start.physics ?? {};
     element("what-if-start").textContent = start.name ? `Starting from ${start.name}.` : "";
+    this.widen(start);
     for (const quantity of ["r0", "epsilon", "xi_s"]) this.set(quantity, start[quantity]);
     this.putCue(start.cue);
     this.changed();
+  }
+
+  /** Makes room for a cell larger or more active than sliders and diagram reach. */
+  widen({ r0, xi_s }) {
+    for (const [axis, quantity, value] of [["r0", "r0", r0], ["xi", "xi_s", xi_s]]) {
+      if (value <= 0.9 * AXES[axis][1]) continue;
+      AXES[axis][1] = Number((1.25 * value).toPrecision(2));
+      this.inputs(quantity).find((input) => input.type === "range").max = AXES[axis][1];
+      if (axis === "r0") this.diagram.edge = null;
+    }
   }
 
   /** A cue of one term fills the sliders; one of several is kept as it is until its switch is used. */
