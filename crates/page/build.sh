@@ -13,9 +13,11 @@ target=wasm32-unknown-unknown
 rustup target list --installed | grep -qx "$target" || rustup target add "$target"
 
 # Paths of this machine have no place in a file that is kept.
-cargo_home=${CARGO_HOME:-$HOME/.cargo}
-RUSTFLAGS="-C target-feature=+simd128 --remap-path-prefix=$cargo_home=cargo --remap-path-prefix=$PWD=furrow" \
-    cargo build --locked --quiet --package furrow-page --lib --profile page --target "$target"
+flags="-C target-feature=+simd128 --remap-path-prefix=$PWD=furrow"
+for folder in "${CARGO_HOME:-$HOME/.cargo}"/registry/src/*; do
+    flags="$flags --remap-path-prefix=$folder=crates"
+done
+RUSTFLAGS="$flags" cargo build --locked --quiet --package furrow-page --lib --profile page --target "$target"
 
 built=${CARGO_TARGET_DIR:-target}/$target/page
 # The build script of the crate leaves the fingerprint beside what it was asked for.

@@ -210,7 +210,8 @@ mod tests {
         let frames = found["frames"].as_array().unwrap();
         assert_eq!(numbers.len(), frames.len() * of_frame);
         assert!(numbers.iter().all(|number| number.is_finite()));
-        assert_eq!(frames.last().unwrap()["t"].as_f64(), Some(alone.t_end));
+        // Pinch-off lies within the last step.
+        assert!((frames.last().unwrap()["t"].as_f64().unwrap() - alone.t_end).abs() < 1e-3 * alone.t_end);
         // From pole to pole, at every step.
         for frame in numbers.chunks_exact(of_frame) {
             assert!(frame[0].abs() < 1e-6 && frame[contour - OF_EACH[0]].abs() < 1e-6);

@@ -21,6 +21,11 @@ class WhatIf {
       input.addEventListener("input", () => this.moved(input));
     }
     for (const id of ["cue-on", "cue-field", "cue-profile"]) element(id).addEventListener("input", () => this.changed());
+    // Before the sliders' own listeners are told: whoever moves one means it.
+    element("cue-fields").addEventListener("input", () => {
+      this.kept = null;
+      element("cue-kept").hidden = true;
+    }, { capture: true });
     element("what-if-reset").addEventListener("click", () => this.begin(this.start));
     this.dividing = new Latest((request, isLast) => this.divide(request, isLast));
     this.following = new Latest((request) => this.followEdge(request));
@@ -83,12 +88,6 @@ class WhatIf {
     element("cue-field").value = field;
     element("cue-profile").value = value.profile ?? "band";
     for (const quantity of ["amplitude", "u0", "omega"]) if (quantity in value) this.set(quantity, value[quantity]);
-    for (const input of element("cue-fields").querySelectorAll("input, select")) {
-      input.addEventListener("input", () => {
-        this.kept = null;
-        element("cue-kept").hidden = true;
-      }, { once: true });
-    }
   }
 
   cue() {
