@@ -16,7 +16,9 @@ const PARTS: usize = 160;
 /// Further points on either side of the furrow, and how far from it in u they reach.
 const NEAR: (usize, f64) = (14, 0.04);
 /// Arrows of the active force along a contour.
-const ARROWS: usize = 40;
+const ARROWS: usize = 36;
+/// Arrows on either side of the furrow, in place of those that are as near: their distances from it in u.
+const ARROWS_NEAR: [f64; 4] = [0.009, 0.02, 0.034, 0.05];
 /// Distance in u over which the active tension is differentiated.
 const STEP: f64 = 1e-5;
 
@@ -130,9 +132,21 @@ impl Film {
             places.dedup();
         }
         let gauss = Gauss::new(input.numerics.stages);
-        // One of them at the furrow, where the force is greatest.
-        let arrows = (0..ARROWS).map(|k| (k as f64 + 0.5) / ARROWS as f64).chain(furrow).collect();
-        Film { gauss, cortex: Cortex::new(&input.cell, Domain::Full, &[]), places, arrows }
+        Film { gauss, cortex: Cortex::new(&input.cell, Domain::Full, &[]), places, arrows: Self::arrows(furrow) }
+    }
+
+    /// Where arrows begin: evenly along the contour, and closer at the furrow, where the force is greatest.
+    fn arrows(furrow: Option<f64>) -> Vec<f64> {
+        let mut arrows: Vec<f64> = (0..ARROWS).map(|k| (k as f64 + 0.5) / ARROWS as f64).collect();
+        if let Some(furrow) = furrow {
+            let [.., farthest] = ARROWS_NEAR;
+            arrows.retain(|u| (u - furrow).abs() > 1.2 * farthest);
+            arrows.push(furrow);
+            arrows.extend(ARROWS_NEAR.iter().flat_map(|near| [furrow - near, furrow + near]));
+            // Not at a pole, where the radius is none to divide by.
+            arrows.retain(|u| (0.005..=0.995).contains(u));
+        }
+        arrows
     }
 
     /// Adds the numbers of a shape. Before the activity is switched on there is neither cue nor active force.

@@ -145,7 +145,7 @@ function drawCue(paint, recording, contour, px, py, ink) {
 }
 
 function drawForces(paint, recording, arrows, px, py, ink) {
-  const most = 20;
+  const most = 18;
   paint.strokeStyle = paint.fillStyle = ink.force;
   paint.lineWidth = 1.1;
   for (let i = 0; i < arrows.length; i += 4) {
@@ -181,7 +181,15 @@ function drawScale(paint, scale, width, height, ink) {
   paint.font = "11px system-ui, sans-serif";
   paint.textAlign = "left";
   paint.textBaseline = "alphabetic";
-  paint.fillText(units.length_um ? `${units.length_um} µm` : "1 L_h", 12, height - 15);
+  if (units.length_um) {
+    paint.fillText(`${units.length_um} µm`, 12, height - 15);
+  } else {
+    paint.fillText("1 L", 12, height - 15);
+    const wide = paint.measureText("1 L").width;
+    paint.font = "8px system-ui, sans-serif";
+    paint.fillText("h", 12 + wide, height - 13);
+    paint.font = "11px system-ui, sans-serif";
+  }
   paint.textAlign = "right";
   paint.fillText("axis of division", width - 12, height - 12);
 }
