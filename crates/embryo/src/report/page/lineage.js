@@ -151,23 +151,38 @@ class LineageView {
     paint.globalAlpha = 1;
     for (const node of discs) this.drawDisc(node, ink);
     this.drawLabels(discs, ink);
+    this.drawNumbers(ink);
     this.visible = discs;
   }
 
   drawRows(ink) {
     const { paint } = this;
+    paint.strokeStyle = ink.line;
+    paint.lineWidth = 1;
+    for (let g = 0; g <= this.tree.depth; g++) {
+      const y = this.py(g);
+      if (y < 0 || y > this.height) continue;
+      paint.beginPath();
+      paint.moveTo(26, y);
+      paint.lineTo(this.width - 34, y);
+      paint.stroke();
+    }
+  }
+
+  /** Generations and their numbers of cells, in gutters over whatever has been moved there. */
+  drawNumbers(ink) {
+    const { paint } = this;
+    paint.globalAlpha = 0.86;
+    paint.fillStyle = ink.ground;
+    paint.fillRect(0, 0, 26, this.height);
+    paint.fillRect(this.width - 40, 0, 40, this.height);
+    paint.globalAlpha = 1;
+    paint.fillStyle = ink.faint;
     paint.font = "11px system-ui, sans-serif";
     paint.textBaseline = "middle";
     for (let g = 0; g <= this.tree.depth; g++) {
       const y = this.py(g);
       if (y < -10 || y > this.height + 10) continue;
-      paint.strokeStyle = ink.line;
-      paint.lineWidth = 1;
-      paint.beginPath();
-      paint.moveTo(26, y);
-      paint.lineTo(this.width - 34, y);
-      paint.stroke();
-      paint.fillStyle = ink.faint;
       paint.textAlign = "left";
       paint.fillText(String(g), 8, y);
       paint.textAlign = "right";

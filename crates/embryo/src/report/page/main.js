@@ -99,7 +99,8 @@ function main() {
   setUpLineage(panel);
   if (why) tellWithout(why);
   else {
-    whatIf = new WhatIf(new Solver(), new Solver());
+    // Films and sliders share one worker, which is warm sooner; edges, which take longer, have their own.
+    whatIf = new WhatIf(solver, new Solver());
     new Regrow(whatIf, shown, page.tree);
     const first = page.tree?.cells[0];
     whatIf.begin({ ...page.head.cell, r0: first?.r0 ?? page.head.cell.r0, cue: first?.cue ?? "none", name: first?.name });
