@@ -1,7 +1,7 @@
-//! The page that computes, in a browser: what it says is what the command line says.
+//! The page that computes, and the module in it by itself: what they say is what the command line says.
 //!
 //! Skipped, and said so, where there is no `node` or no Chromium (`FURROW_CHROMIUM` names one). `FURROW_SCREENSHOTS` names a
-//! folder for pictures of the pages.
+//! folder for pictures of the pages, `FURROW_LARGE_REPORT` a report of many cells, whose opening is then timed.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -56,6 +56,30 @@ fn expected(folder: &Path) -> Value {
     })
 }
 
+/// Runs a script of `tests/browser/` and prints its measures.
+fn run_script(node: &str, script: &str, arguments: &[PathBuf]) {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser").join(script);
+    let output = Command::new(node).arg(script).args(arguments).output().unwrap();
+    println!("{}", String::from_utf8_lossy(&output.stdout));
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn the_module_divides_and_grows_as_the_command_line_does() {
+    let Some(node) = program(["node".to_owned()]) else {
+        println!("skipped: the module of the page is not tried, for there is no node here");
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let module = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/page/furrow.wasm.txt");
+    // The second has a founder with physics of its own, µm, and cues by rules.
+    for lineage in ["lineages/c_elegans.ron", "lineages/template.ron"] {
+        let lineage = Path::new(env!("CARGO_MANIFEST_DIR")).join(lineage);
+        furrow(folder.path(), &["tree", &lineage.display().to_string(), "--force", "--cache", "cache"]);
+        run_script(&node, "module.mjs", &[module.clone(), folder.path().join("furrow-out/tree.json")]);
+    }
+}
+
 #[test]
 fn the_page_says_what_the_command_line_says() {
     let Some([node, chromium]) = browser() else {
@@ -65,14 +89,10 @@ fn the_page_says_what_the_command_line_says() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("expected.json");
     std::fs::write(&file, expected(folder.path()).to_string()).unwrap();
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser/report.mjs");
-    let mut run = Command::new(node);
-    run.arg(script).arg(chromium).arg(&file);
+    let mut arguments = vec![PathBuf::from(chromium), file];
     if let Some(shots) = std::env::var_os("FURROW_SCREENSHOTS").map(PathBuf::from) {
         std::fs::create_dir_all(&shots).unwrap();
-        run.arg(shots);
+        arguments.push(shots);
     }
-    let output = run.output().unwrap();
-    println!("{}", String::from_utf8_lossy(&output.stdout));
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    run_script(&node, "report.mjs", &arguments);
 }
