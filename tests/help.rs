@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-const COMMANDS: [&str; 15] = [
+const COMMANDS: [&str; 18] = [
     "tree",
     "divide",
     "steady",
@@ -13,10 +13,13 @@ const COMMANDS: [&str; 15] = [
     "phase",
     "calibrate",
     "fit",
+    "compare counts",
+    "compare volumes",
     "sweep",
     "merge",
     "export",
     "cache",
+    "explore",
     "completions",
     "man",
 ];
@@ -26,7 +29,7 @@ fn furrow(folder: &Path, arguments: &[&str]) -> Output {
 }
 
 fn help(command: &str) -> String {
-    let arguments = if command.is_empty() { vec!["--help"] } else { vec![command, "--help"] };
+    let arguments = command.split_whitespace().chain(["--help"]).collect::<Vec<_>>();
     let output = furrow(Path::new("."), &arguments);
     assert!(output.status.success(), "{command}");
     String::from_utf8(output.stdout).unwrap()
@@ -66,7 +69,7 @@ fn run_examples_in(folder: &tempfile::TempDir, command: &str) {
 
 #[test]
 fn examples_of_quick_commands_run() {
-    ["", "divide", "steady", "cache", "completions", "man"].into_iter().for_each(run_examples);
+    ["", "divide", "steady", "explore", "cache", "completions", "man"].into_iter().for_each(run_examples);
 }
 
 #[test]

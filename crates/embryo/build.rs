@@ -27,16 +27,7 @@ pub const SOLVER_SOURCES: [&str; 10] = [
 fn main() -> io::Result<()> {
     // The folder of the whole: this crate is in `crates/embryo`.
     let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../..");
-    let mut hash = FNV_OFFSET;
-    for file in solver_files(&root)? {
-        let name = file.strip_prefix(&root).unwrap_or(&file).to_string_lossy().replace('\\', "/");
-        let code = code(&fs::read_to_string(&file)?);
-        // With their lengths, so that nothing moves from one file or name to the next unnoticed.
-        for part in [name.as_bytes(), code.as_bytes()] {
-            hash = fnv1a(hash, &(part.len() as u64).to_le_bytes());
-            hash = fnv1a(hash, part);
-        }
-    }
+    let hash = fingerprint(&root, &SOLVER_SOURCES)?;
     for source in SOLVER_SOURCES {
         println!("cargo::rerun-if-changed={}", root.join(source).display());
     }
@@ -46,13 +37,39 @@ fn main() -> io::Result<()> {
     Ok(())
 }
 
+/// The fingerprint of the code of some sources: files, and folders with all that is in them.
+///
+/// # Errors
+/// A source that is not there.
+pub fn fingerprint(root: &Path, sources: &[&str]) -> io::Result<u64> {
+    let mut hash = FNV_OFFSET;
+    for file in files_of(root, sources)? {
+        let name = file.strip_prefix(root).unwrap_or(&file).to_string_lossy().replace('\\', "/");
+        let code = code(&fs::read_to_string(&file)?);
+        // With their lengths, so that nothing moves from one file or name to the next unnoticed.
+        for part in [name.as_bytes(), code.as_bytes()] {
+            hash = fnv1a(hash, &(part.len() as u64).to_le_bytes());
+            hash = fnv1a(hash, part);
+        }
+    }
+    Ok(hash)
+}
+
 /// The files of [`SOLVER_SOURCES`], in the order of their names.
 ///
 /// # Errors
 /// A source that is not there: the list must follow when something is moved.
 pub fn solver_files(root: &Path) -> io::Result<Vec<PathBuf>> {
+    files_of(root, &SOLVER_SOURCES)
+}
+
+/// The files of some sources, in the order of their names.
+///
+/// # Errors
+/// As [`fingerprint`].
+pub fn files_of(root: &Path, sources: &[&str]) -> io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
-    for source in SOLVER_SOURCES {
+    for source in sources {
         collect(&root.join(source), &mut files)
             .map_err(|error| io::Error::new(error.kind(), format!("{source}, listed in build.rs: {error}")))?;
     }
@@ -69,7 +86,7 @@ fn collect(path: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
         for entry in fs::read_dir(path)? {
             collect(&entry?.path(), files)?;
         }
-    } else if path.extension().is_some_and(|extension| extension == "rs") {
+    } else if path.extension().is_some_and(|extension| extension == "rs" || extension == "json") {
         files.push(path.to_owned());
     }
     Ok(())
@@ -251,8 +268,10 @@ fn fnv1a(hash: u64, bytes: &[u8]) -> u64 {
 
 /// Sets `FURROW_COMMIT` where the crate is a git checkout of its own; a copy without git builds without it.
 fn record_commit(root: &Path) {
-    // Debug builds skip it: they would be rebuilt after every commit.
-    if env::var("PROFILE").as_deref() != Ok("release") {
+    // Debug builds skip it: they would be rebuilt after every commit. So does what runs in a page, which is kept in the
+    // repository and cannot know the commit that it will be part of.
+    let in_page = env::var("CARGO_CFG_TARGET_FAMILY").as_deref() == Ok("wasm");
+    if env::var("PROFILE").as_deref() != Ok("release") || in_page {
         return;
     }
     // A crate unpacked inside some other repository must not take that repository's commit for its own.

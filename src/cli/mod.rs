@@ -10,6 +10,7 @@ mod context;
 mod divide;
 mod ensemble;
 mod error;
+mod explore;
 mod export;
 mod fit;
 mod interrupt;
@@ -101,6 +102,7 @@ enum Command {
     Calibrate(calibrate::CalibrateArgs),
     Fit(fit::FitArgs),
     Compare(compare::CompareArgs),
+    Explore(explore::ExploreArgs),
     NewLineage(new_lineage::NewLineageArgs),
     Cache(cache::CacheArgs),
     Completions(shell::CompletionsArgs),
@@ -149,6 +151,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Sweep(args) => sweep::run(&args, &Context::new(&cli.globals)?, &cli.globals),
         Command::Merge(args) => merge::run(&args, &cli.globals),
         Command::Export(args) => export::run(&args, &cli.globals),
+        Command::Explore(args) => explore::run(&args, &Context::new(&cli.globals)?),
         Command::NewLineage(args) => new_lineage::run(&args),
         Command::Cache(args) => cache::run(&args, &cli.globals),
         Command::Completions(args) => shell::completions(&args, &mut Cli::command()),

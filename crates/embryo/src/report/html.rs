@@ -1,30 +1,23 @@
-//! The report: one self-contained page.
+//! The report: one self-contained page, and the same page without a tree.
 
 use super::escape;
+use super::page::{Page, data};
 use super::summary::TreeSummary;
 use super::svg::{colours, svg};
 use super::table::{cue_text, decimals, observed_columns, outcome_name};
 use crate::io::{FounderRow, Provenance};
-use crate::lineage::Tree;
+use crate::lineage::{Lineage, Tree, TreeSettings};
 use crate::settings::{Settings, listing};
 use std::fmt::Write;
 
-pub(super) const STYLE: &str = "body{font:15px/1.5 Helvetica,Arial,sans-serif;color:#222;margin:2rem auto;max-width:1320px;padding:0 1rem}\
-h1{font-size:1.5rem;margin-bottom:0}h2{font-size:1.15rem;margin-top:2rem}p.sub{color:#666;margin-top:.2rem}\
-table{border-collapse:collapse;font-variant-numeric:tabular-nums}th,td{padding:.2rem .5rem;text-align:right;border-bottom:1px solid #e6e8eb}\
-th{font-weight:600;color:#444}td:first-child,th:first-child,td.l,th.l{text-align:left}td.s,th.s{border-left:2px solid #bbb}\
-.dot{display:inline-block;width:.7em;height:.7em;border-radius:50%;margin-right:.45em}.tree{overflow-x:auto;border:1px solid #e6e8eb}.tree svg{display:block;width:100%;min-width:1100px;height:auto}\
-code,pre{font:13px/1.45 Menlo,Consolas,monospace}pre{background:#f6f7f9;padding:.8rem;overflow-x:auto}.wrap{overflow-x:auto}";
-
-/// The founders' table, the drawing, the generations and the parameters of a tree as HTML.
+/// A tree as a page that computes: its lineage to walk through, divisions played, the founders' table, the generations and the
+/// parameters. Without scripts it shows the drawing and the tables.
 pub fn html(tree: &Tree, rows: &[FounderRow]) -> String {
     let summary = TreeSummary::of(tree);
     let cell = &tree.settings.cell;
     let name = escape(&tree.lineage.name);
-    let mut out = String::new();
-    let _ = write!(
-        out,
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>{name} grown from mechanics</title><style>{STYLE}</style></head><body>\n<h1>{name}, grown from mechanics</h1>\n<p class=\"sub\">{} cells from one of R0 = {} at ε = {}, ξ<sub>s</sub> = {}. Branches end: {}.</p>\n",
+    let mut top = format!(
+        "<p class=\"sub\">{} cells from one of R0 = {} at ε = {}, ξ<sub>s</sub> = {}. Branches end: {}.</p>\n",
         tree.len(),
         tree.cell(tree.first()).r0,
         cell.epsilon,
@@ -32,16 +25,43 @@ pub fn html(tree: &Tree, rows: &[FounderRow]) -> String {
         summary.ended_text()
     );
     if summary.limited() {
-        out.push_str(
+        top.push_str(
             "<p><strong>Some branches were stopped by a limit of the lineage file, not by mechanics.</strong></p>\n",
         );
     }
-    founders(&mut out, tree, rows);
-    let _ = write!(out, "<h2>Lineage</h2>\n<div class=\"tree\">{}</div>\n", svg(tree));
-    generations(&mut out, &summary);
-    parameters(&mut out, tree);
-    out.push_str("</body></html>\n");
-    out
+    let mut below = String::new();
+    founders(&mut below, tree, rows);
+    generations(&mut below, &summary);
+    parameters(&mut below, tree);
+    let still =
+        format!("<section class=\"card\"><h2>Lineage</h2>\n<div class=\"tree\">{}</div></section>\n", svg(tree));
+    Page {
+        title: format!("{name} grown from mechanics"),
+        heading: format!("{name}, grown from mechanics"),
+        top,
+        still,
+        below,
+        data: data(&tree.lineage, &tree.settings, tree.to_json().ok()),
+    }
+    .html()
+}
+
+/// The page that computes, without a tree: cells at will, and a lineage to be grown in it.
+pub fn explorer(lineage: &Lineage, settings: &TreeSettings) -> String {
+    let name = escape(&lineage.name);
+    let mut below = String::new();
+    listed_parameters(&mut below, lineage, settings);
+    Page {
+        title: "furrow: what a cell does".to_owned(),
+        heading: "What does a cell of this size do?".to_owned(),
+        top: format!(
+            "<p class=\"sub\">One division after another, computed in this page from mechanics, and the founders of {name} grown from one cell.</p>\n"
+        ),
+        still: "<p>Everything here is computed by a script, which does not run.</p>\n".to_owned(),
+        below,
+        data: data(lineage, settings, None),
+    }
+    .html()
 }
 
 fn founders(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
@@ -49,7 +69,7 @@ fn founders(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
     let in_um = rows.iter().any(|row| row.r0_um.is_some());
     let _ = write!(
         out,
-        "<h2>Rounds of division per founder</h2>\n<div class=\"wrap\"><table><thead><tr><th colspan=\"{}\"></th><th colspan=\"6\" class=\"s l\">model</th>{}</tr>\
+        "<section class=\"card\"><h2>Rounds of division per founder</h2>\n<div class=\"wrap\"><table><thead><tr><th colspan=\"{}\"></th><th colspan=\"6\" class=\"s l\">model</th>{}</tr>\
          <tr><th>founder</th><th>R0</th>{}<th class=\"l\">cue</th><th class=\"l\">its division</th><th>χ</th><th class=\"s\">min</th><th>mean</th><th>max</th><th>full doublings</th><th>symmetric</th><th>terminal cells</th>",
         if in_um { 6 } else { 5 },
         match observed.len() {
@@ -101,11 +121,11 @@ fn founders(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
         let what = if deaths { "Observed, deaths included" } else { "Observed" };
         let _ = write!(out, " {what}: {}.", escape(citation.trim_end_matches('.')));
     }
-    out.push_str("</p>\n");
+    out.push_str("</p></section>\n");
 }
 
 fn generations(out: &mut String, summary: &TreeSummary) {
-    out.push_str("<h2>Generations</h2>\n<div class=\"wrap\"><table><thead><tr><th>generation</th><th>cells</th><th>divide symmetrically</th><th>asymmetrically</th><th>do not divide</th><th>smallest R0</th><th>largest R0</th></tr></thead><tbody>\n");
+    out.push_str("<section class=\"card\"><h2>Generations</h2>\n<div class=\"wrap\"><table><thead><tr><th>generation</th><th>cells</th><th>divide symmetrically</th><th>asymmetrically</th><th>do not divide</th><th>smallest R0</th><th>largest R0</th></tr></thead><tbody>\n");
     for (g, row) in summary.generations.iter().enumerate() {
         let _ = writeln!(
             out,
@@ -113,18 +133,22 @@ fn generations(out: &mut String, summary: &TreeSummary) {
             row.cells, row.symmetric, row.asymmetric, row.ended, row.r0[0], row.r0[1]
         );
     }
-    out.push_str("</tbody></table></div>\n");
+    out.push_str("</tbody></table></div></section>\n");
 }
 
+/// The parameters that a tree was grown with.
 pub(super) fn parameters(out: &mut String, tree: &Tree) {
-    let settings = &tree.settings;
+    listed_parameters(out, &tree.lineage, &tree.settings);
+}
+
+fn listed_parameters(out: &mut String, lineage: &Lineage, settings: &TreeSettings) {
     let mut text = String::new();
     let shown = Settings { cell: settings.cell.clone(), numerics: settings.numerics };
     for (section, name, value) in listing(&shown) {
         let _ = writeln!(text, "{section}.{name} = {value}");
     }
     let _ = writeln!(text, "seed = {}\nR0 rounded to a relative step of {:e}", settings.seed, settings.r0_step);
-    for (name, cue) in &tree.lineage.cues {
+    for (name, cue) in &lineage.cues {
         let _ = writeln!(text, "cue {name}: {cue}");
     }
     let provenance = Provenance::current();
@@ -132,7 +156,7 @@ pub(super) fn parameters(out: &mut String, tree: &Tree) {
     let _ = write!(text, "furrow {}{commit}", provenance.furrow);
     let _ = write!(
         out,
-        "<h2>Parameters</h2>\n<p>Units: energy κ₀, length L<sub>h</sub> = √(η<sub>b</sub>/Γ), time τ = η<sub>b</sub>L<sub>h</sub>²/κ₀. The shell constants (aspect, p0, w) and the gain of the preset are not printed in the paper; they were recovered by fitting its four printed thresholds.</p>\n<pre>{}</pre>\n",
+        "<section class=\"card\"><h2>Parameters</h2>\n<p>Units: energy κ₀, length L<sub>h</sub> = √(η<sub>b</sub>/Γ), time τ = η<sub>b</sub>L<sub>h</sub>²/κ₀. The shell constants (aspect, p0, w) and the gain of the preset are not printed in the paper; they were recovered by fitting its four printed thresholds.</p>\n<pre>{}</pre></section>\n",
         escape(&text)
     );
 }

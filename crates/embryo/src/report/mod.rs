@@ -2,13 +2,14 @@
 
 mod beside;
 pub mod html;
+mod page;
 pub mod scenarios_page;
 pub mod scenarios_table;
 pub mod summary;
 pub mod svg;
 pub mod table;
 
-pub use html::html;
+pub use html::{explorer, html};
 pub use scenarios_page::scenarios_page;
 pub use scenarios_table::scenarios_table;
 pub use summary::{Generation, TreeSummary};

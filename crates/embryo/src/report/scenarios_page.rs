@@ -4,13 +4,19 @@ use std::fmt::Write;
 
 use super::beside::{MODEL, OBSERVED, founder_lines, observed_texts};
 use super::escape;
-use super::html::{STYLE, parameters};
+use super::html::parameters;
 use super::summary::TreeSummary;
 use super::svg::{colours, small};
 use crate::lineage::Tree;
 use crate::study::scenarios::Scenario;
 
-/// What this page has on top of the style of the others. Drawings are as wide as their place and as high as that makes them.
+const STYLE: &str = "body{font:15px/1.5 Helvetica,Arial,sans-serif;color:#222;margin:2rem auto;max-width:1320px;padding:0 1rem}\
+h1{font-size:1.5rem;margin-bottom:0}h2{font-size:1.15rem;margin-top:2rem}p.sub{color:#666;margin-top:.2rem}\
+table{border-collapse:collapse;font-variant-numeric:tabular-nums}th,td{padding:.2rem .5rem;text-align:right;border-bottom:1px solid #e6e8eb}\
+th{font-weight:600;color:#444}td:first-child,th:first-child,td.l,th.l{text-align:left}td.s,th.s{border-left:2px solid #bbb}\
+.dot{display:inline-block;width:.7em;height:.7em;border-radius:50%;margin-right:.45em}.tree{overflow-x:auto;border:1px solid #e6e8eb}.tree svg{display:block;width:100%;min-width:1100px;height:auto}\
+code,pre{font:13px/1.45 Menlo,Consolas,monospace}pre{background:#f6f7f9;padding:.8rem;overflow-x:auto}.wrap{overflow-x:auto}";
+/// What is particular to this page. Drawings are as wide as their place and as high as that makes them.
 const GRID: &str = ".grid{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,380px),1fr));gap:1rem}figure{margin:0;border:1px solid #e6e8eb;padding:.5rem;min-width:0}\
 figcaption{font-size:.87rem;overflow-wrap:anywhere}figcaption span{color:#666}figure svg{display:block;width:100%;height:auto}td.d{font-weight:600;background:#fff3d6}";
 

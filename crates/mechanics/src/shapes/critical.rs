@@ -134,6 +134,14 @@ impl Stored {
         })
     }
 
+    /// The boundary kept for the preset `gao2026`, for cells of its parameters.
+    ///
+    /// # Errors
+    /// [`BoundaryError::Stale`] for other parameters.
+    pub fn preset(cell: &Cell, numerics: &Numerics) -> Result<Stored, BoundaryError> {
+        Stored::parse(PRESET, "gao2026.boundary.json", cell, numerics)
+    }
+
     /// Reads a stored boundary (`file` is what errors call it), refusing one that belongs to other parameters.
     ///
     /// # Errors
@@ -379,7 +387,7 @@ impl CriticalRadii {
     /// With the radii stored for the preset `gao2026`.
     pub fn new(numerics: &Numerics) -> CriticalRadii {
         let preset = Cell::new(1.0);
-        let stored = Stored::parse(PRESET, "gao2026.boundary.json", &preset, numerics);
+        let stored = Stored::preset(&preset, numerics);
         CriticalRadii::with_radii(&preset, numerics, stored.map_or_else(|_| Vec::new(), |stored| stored.radii))
     }
 

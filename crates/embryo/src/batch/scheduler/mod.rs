@@ -142,6 +142,9 @@ pub enum SchedulerError<E: std::fmt::Display> {
     },
 }
 
+/// Whether there are no threads to be had: the calling thread is the only worker then, and gets the same.
+const THREADLESS: bool = cfg!(target_family = "wasm");
+
 /// Solves `jobs` and all that follows from them: each distinct task once. `expand` says which jobs follow from one.
 ///
 /// `solve` is called on the workers with tasks whose sizes are rounded; `expand` on the calling thread with the job's
@@ -170,7 +173,9 @@ where
     let mut run = Run::new(jobs, memo, options, sender);
     // Where nothing needs solving no threads are needed either.
     run.settle_known(&mut expand);
-    if run.is_incomplete() {
+    if run.is_incomplete() && THREADLESS {
+        run.work(&notices, 1, &mut expand, |assignment| assignment.solve(&solve));
+    } else if run.is_incomplete() {
         pool(threads)?.in_place_scope(|scope| {
             run.work(&notices, threads, &mut expand, |assignment| {
                 let solve = &solve;

@@ -1,0 +1,103 @@
+// The panel of one cell: its numbers, and its division computed and played.
+
+class CellPanel {
+  constructor(solver, onGo, onExplore) {
+    this.solver = solver;
+    this.onGo = onGo;
+    this.node = null;
+    /** Whose division was asked for last, whose is recorded, and whether it is to be played. */
+    this.asked = this.recorded = null;
+    this.plays = false;
+    this.player = new Player({
+      canvas: element("film"),
+      button: element("play"),
+      slider: element("scrub"),
+      label: element("film-time"),
+      note: element("film-note"),
+      forces: element("forces"),
+    });
+    element("explore-cell").addEventListener("click", () => onExplore(this.node));
+    element("close-cell").addEventListener("click", () => this.close());
+    this.computing = new Latest((request, isLast) => this.compute(request, isLast));
+  }
+
+  /** Shows the numbers of a cell, without computing anything. */
+  show(head, node) {
+    const { cell } = node;
+    this.node = node;
+    this.head = head;
+    element("cell-panel").hidden = false;
+    element("cell-name").textContent = cell.name;
+    const founders = this.head.lineage.founders;
+    const rows = [
+      ...(node.isFounder ? [] : [["founder", founders[node.founder].name]]),
+      ["generation", String(cell.generation)],
+      ["R0", lengthText(cell.r0)],
+      ["volume", `${(100 * cell.volume_fraction).toFixed(3)} % of ${this.head.cells[0].name}`],
+      ["cue", cueText(cell.cue)],
+      ["division", cell.outcome ?? "not solved"],
+    ];
+    if (cell.chi != null) rows.push(["χ", number(cell.chi, 6)]);
+    if (cell.u_furrow != null) rows.push(["furrow at u", number(cell.u_furrow, 4)]);
+    if (cell.t_end != null) rows.push([cell.chi == null ? "at rest after" : "pinch-off after", timeText(cell.t_end)]);
+    const ended = endText(cell.ended);
+    if (ended) rows.push(["ends", ended]);
+    element("cell-numbers").replaceChildren(...rows.flatMap(([name, value]) => [make("dt", name), make("dd", value)]));
+    const kin = [[node.mother, "mother"], ...node.daughters.map((daughter) => [daughter, "daughter"])].filter(([other]) => other);
+    element("cell-kin").replaceChildren(...kin.map(([other, what]) => {
+      const button = make("button", `${what} ${other.cell.name}`);
+      button.type = "button";
+      button.addEventListener("click", () => this.onGo(other));
+      return button;
+    }));
+    element("said").textContent = `${cell.name}, generation ${cell.generation}, R0 ${number(cell.r0)}, ${cell.outcome ?? "not solved"}${cell.chi == null ? "" : `, chi ${number(cell.chi, 3)}`}`;
+    if (this.recorded !== node) {
+      this.recorded = null;
+      this.player.show(null);
+    }
+  }
+
+  /** Computes the division of the cell that is shown, and plays it or shows it half way. */
+  open({ playing = true } = {}) {
+    if (!this.solver || !this.node) return;
+    if (this.recorded === this.node) {
+      if (playing) this.player.play();
+      return;
+    }
+    this.plays = playing;
+    if (this.asked === this.node) return;
+    this.asked = this.node;
+    element("film-state").textContent = "computing…";
+    this.computing.ask({ head: this.head, node: this.node });
+  }
+
+  async compute({ head, node }) {
+    try {
+      const found = await this.solver.ask("divide", { ...divisionOf(head, node), frames: "all" });
+      if (node !== this.node) return;
+      this.recorded = node;
+      this.tell(found, node.cell);
+    } catch (error) {
+      if (node === this.node) element("film-state").textContent = `Its division could not be computed: ${error.message}`;
+    }
+    if (this.asked === node) this.asked = null;
+  }
+
+  tell(found, cell) {
+    const { answer, took } = found;
+    // Where nothing tells one pole from the other the tree drew the side; the film shows that side.
+    const mirrored = (cell.chi_signed ?? 0) * (answer.chi_signed ?? 0) < 0;
+    this.player.show(new Recording(found, mirrored), this.plays);
+    const state = element("film-state");
+    state.textContent = `computed here in ${took.toFixed(0)} ms: ${answer.outcome}${answer.chi == null ? "" : `, χ = ${number(answer.chi, 6)}`}`;
+    Object.assign(state.dataset, { cell: cell.name, outcome: answer.outcome, chi: answer.chi ?? "", took, frames: answer.frames.length });
+  }
+
+  close() {
+    this.player.pause();
+    element("cell-panel").hidden = true;
+    this.node = null;
+    lineage?.select(null, { quietly: true });
+    lineage?.canvas.focus();
+  }
+}

@@ -1,0 +1,273 @@
+// A division as a film: the contour in its shell, the cue as a band on it, arrows of active force. The axis of division lies
+// across, the pole u = 0 on the right.
+
+/** What the solver answered, as frames of numbers. */
+class Recording {
+  constructor({ answer, numbers }, mirrored = false) {
+    this.answer = answer;
+    this.sign = mirrored ? -1 : 1;
+    const { points, arrows, frames } = answer;
+    const size = 3 * points + 4 * arrows;
+    this.frames = frames.map((frame, k) => ({
+      t: frame.t,
+      neck: frame.neck,
+      contour: numbers.subarray(k * size, k * size + 3 * points),
+      arrows: numbers.subarray(k * size + 3 * points, (k + 1) * size),
+    }));
+    this.end = frames[frames.length - 1].t;
+    this.strongest = Math.max(...this.frames.map(({ contour }) => this.most(contour, 3, (c, i) => Math.abs(c[i + 2]))), 0);
+    this.reference = this.typicalForce();
+    this.pace();
+  }
+
+  most(numbers, stride, value) {
+    let most = 0;
+    for (let i = 0; i < numbers.length; i += stride) most = Math.max(most, value(numbers, i));
+    return most;
+  }
+
+  /** A force that nine arrows in ten stay below. */
+  typicalForce() {
+    const forces = [];
+    for (const { arrows } of this.frames) for (let i = 0; i < arrows.length; i += 4) forces.push(Math.hypot(arrows[i + 2], arrows[i + 3]));
+    forces.sort((a, b) => a - b);
+    return forces[Math.floor(0.9 * forces.length)] || 1;
+  }
+
+  /** Places of the frames in the film, from 0 to 1: even in time, unless nearly all of the time is spent waiting at a shape
+   *  that hardly changes; then half of it even in change. */
+  pace() {
+    const change = this.frames.map(({ contour }, k) => {
+      if (k === 0) return 0;
+      const before = this.frames[k - 1].contour;
+      let sum = 0;
+      for (let i = 0; i < contour.length; i += 3) sum += Math.hypot(contour[i] - before[i], contour[i + 1] - before[i + 1]);
+      return sum;
+    });
+    const total = change.reduce((sum, part) => sum + part, 0) || 1;
+    let done = 0;
+    const changed = change.map((part) => (done += part) / total);
+    const time = this.frames.map(({ t }) => (this.end > 0 ? t / this.end : 1));
+    const at = (share) => time[changed.findIndex((part) => part >= share)] ?? 1;
+    this.even = at(0.95) - at(0.05) > 0.1;
+    this.places = this.even ? time : time.map((part, k) => (part + changed[k]) / 2);
+  }
+
+  /** The frame at a place, between two steps as if everything moved straight from one to the other. */
+  at(place) {
+    const { frames, places } = this;
+    let after = places.findIndex((other) => other >= place);
+    if (after < 0) after = frames.length - 1;
+    if (after === 0) return frames[0];
+    const [a, b] = [frames[after - 1], frames[after]];
+    const share = (place - places[after - 1]) / (places[after] - places[after - 1] || 1);
+    const between = (from, to) => from.map((value, i) => value + share * (to[i] - value));
+    return {
+      t: a.t + share * (b.t - a.t),
+      neck: a.neck !== null && b.neck !== null ? a.neck + share * (b.neck - a.neck) : share > 0.5 ? b.neck : a.neck,
+      contour: between(a.contour, b.contour),
+      arrows: after === 1 && share < 1 ? a.arrows : between(a.arrows, b.arrows),
+    };
+  }
+}
+
+/** Draws a frame of a recording into a canvas. */
+function drawCell(canvas, recording, frame, { forces = true } = {}) {
+  const ratio = window.devicePixelRatio || 1;
+  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+  if (!width || !height) return;
+  canvas.width = Math.round(width * ratio);
+  canvas.height = Math.round(height * ratio);
+  const paint = canvas.getContext("2d");
+  paint.setTransform(ratio, 0, 0, ratio, 0, 0);
+  paint.clearRect(0, 0, width, height);
+  const ink = theme();
+  const [a, b] = recording.answer.shell;
+  // A contour may leave its shell, which is soft, by a little.
+  const scale = Math.min((width - 44) / (2.24 * a), (height - 44) / (2.24 * b));
+  const px = (z) => width / 2 + recording.sign * scale * z;
+  const py = (r) => height / 2 - 6 - scale * r;
+
+  paint.strokeStyle = ink.line;
+  paint.setLineDash([2, 4]);
+  paint.beginPath();
+  paint.moveTo(px(-1.1 * a), py(0));
+  paint.lineTo(px(1.1 * a), py(0));
+  paint.stroke();
+  paint.setLineDash([6, 4]);
+  paint.strokeStyle = ink.shell;
+  paint.lineWidth = 1.2;
+  paint.beginPath();
+  paint.ellipse(px(0), py(0), scale * a, scale * b, 0, 0, 2 * Math.PI);
+  paint.stroke();
+  paint.setLineDash([]);
+
+  const { contour } = frame;
+  const outline = new Path2D();
+  for (let i = 0; i < contour.length; i += 3) outline.lineTo(px(contour[i + 1]), py(contour[i]));
+  for (let i = contour.length - 3; i >= 0; i -= 3) outline.lineTo(px(contour[i + 1]), py(-contour[i]));
+  outline.closePath();
+  paint.fillStyle = ink.cell;
+  paint.fill(outline);
+  drawCue(paint, recording, contour, px, py, ink);
+  paint.strokeStyle = ink.text;
+  paint.lineWidth = 1.8;
+  paint.lineJoin = "round";
+  paint.stroke(outline);
+  if (forces) drawForces(paint, recording, frame.arrows, px, py, ink);
+  drawScale(paint, scale, width, height, ink);
+}
+
+/** The cue as a band under the contour: as strong as the cue is there; hollow where it takes away. */
+function drawCue(paint, recording, contour, px, py, ink) {
+  if (recording.strongest === 0) return;
+  paint.lineCap = "butt";
+  paint.lineWidth = 8;
+  // Stretches of about the same strength are one line, so that no seams are seen.
+  const steps = 10;
+  const level = (i) => Math.round((steps * (contour[i + 2] + contour[i + 5])) / 2 / recording.strongest);
+  for (let i = 0; i + 3 < contour.length; ) {
+    const strength = level(i);
+    let end = i + 3;
+    while (end + 3 < contour.length && level(end) === strength) end += 3;
+    if (strength !== 0) {
+      paint.strokeStyle = strength > 0 ? ink.cue : ink.force;
+      paint.globalAlpha = Math.abs(strength) / steps;
+      for (const side of [1, -1]) {
+        paint.beginPath();
+        for (let k = i; k <= end; k += 3) paint.lineTo(px(contour[k + 1]), py(side * contour[k]));
+        paint.stroke();
+      }
+    }
+    i = end;
+  }
+  paint.globalAlpha = 1;
+}
+
+function drawForces(paint, recording, arrows, px, py, ink) {
+  const most = 18;
+  paint.strokeStyle = paint.fillStyle = ink.force;
+  paint.lineWidth = 1.1;
+  for (let i = 0; i < arrows.length; i += 4) {
+    const [r, z, alongR, alongZ] = arrows.slice(i, i + 4);
+    const force = Math.hypot(alongR, alongZ);
+    const length = Math.min(1.5 * most, (most * force) / recording.reference);
+    if (length < 2) continue;
+    for (const side of [1, -1]) {
+      const [dx, dy] = [(recording.sign * length * alongZ) / force, (-side * length * alongR) / force];
+      const [x, y] = [px(z), py(side * r)];
+      paint.beginPath();
+      paint.moveTo(x, y);
+      paint.lineTo(x + dx, y + dy);
+      paint.stroke();
+      const [ux, uy] = [dx / length, dy / length];
+      const head = Math.min(4, length / 2);
+      paint.beginPath();
+      paint.moveTo(x + dx + ux, y + dy + uy);
+      paint.lineTo(x + dx - head * ux + 0.5 * head * uy, y + dy - head * uy - 0.5 * head * ux);
+      paint.lineTo(x + dx - head * ux - 0.5 * head * uy, y + dy - head * uy + 0.5 * head * ux);
+      paint.fill();
+    }
+  }
+}
+
+function drawScale(paint, scale, width, height, ink) {
+  paint.strokeStyle = paint.fillStyle = ink.faint;
+  paint.lineWidth = 1.5;
+  paint.beginPath();
+  paint.moveTo(12, height - 10);
+  paint.lineTo(12 + scale, height - 10);
+  paint.stroke();
+  paint.font = "11px system-ui, sans-serif";
+  paint.textAlign = "left";
+  paint.textBaseline = "alphabetic";
+  if (units.length_um) {
+    paint.fillText(`${units.length_um} µm`, 12, height - 15);
+  } else {
+    paint.fillText("1 L", 12, height - 15);
+    const wide = paint.measureText("1 L").width;
+    paint.font = "8px system-ui, sans-serif";
+    paint.fillText("h", 12 + wide, height - 13);
+    paint.font = "11px system-ui, sans-serif";
+  }
+  paint.textAlign = "right";
+  paint.fillText("axis of division", width - 12, height - 12);
+}
+
+/** A film with a slider and a button. */
+class Player {
+  constructor({ canvas, button, slider, label, note, forces }) {
+    Object.assign(this, { canvas, button, slider, label, note, forces });
+    this.recording = null;
+    this.playing = false;
+    this.place = 0;
+    button.addEventListener("click", () => (this.playing ? this.pause() : this.play()));
+    slider.addEventListener("input", () => {
+      this.pause();
+      this.seek(Number(slider.value));
+    });
+    forces.addEventListener("change", () => this.draw());
+    new ResizeObserver(() => this.draw()).observe(canvas);
+  }
+
+  show(recording, playing = false) {
+    this.recording = recording;
+    this.slider.disabled = this.button.disabled = recording === null;
+    this.note.textContent = recording && !recording.even ? "Most of the time is spent waiting at a shape that hardly changes: the film runs faster there." : "";
+    this.seek(0);
+    if (!recording) {
+      this.pause();
+      this.label.textContent = "";
+    } else if (playing && !matchMedia("(prefers-reduced-motion: reduce)").matches) {
+      this.play();
+    } else {
+      this.pause();
+      this.seek(0.75);
+    }
+  }
+
+  play() {
+    if (!this.recording) return;
+    if (this.place >= 1) this.place = 0;
+    this.playing = true;
+    this.told();
+    let last = performance.now();
+    const lasts = 4500;
+    const next = (now) => {
+      if (!this.playing) return;
+      this.seek(Math.min(1, this.place + (now - last) / lasts));
+      last = now;
+      if (this.place >= 1) this.pause();
+      else requestAnimationFrame(next);
+    };
+    requestAnimationFrame(next);
+  }
+
+  pause() {
+    this.playing = false;
+    this.told();
+  }
+
+  told() {
+    this.button.textContent = this.playing ? "Pause" : "Play";
+  }
+
+  seek(place) {
+    this.place = place;
+    this.slider.value = String(place);
+    this.draw();
+  }
+
+  draw() {
+    if (!this.recording) {
+      const { canvas } = this;
+      canvas.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
+      return;
+    }
+    const frame = this.recording.at(this.place);
+    drawCell(this.canvas, this.recording, frame, { forces: this.forces.checked });
+    const neck = frame.neck === null ? "no waist yet" : `neck ${number(frame.neck, 3)} L_h`;
+    this.label.textContent = `t = ${timeText(frame.t)}, ${neck}`;
+    this.slider.setAttribute("aria-valuetext", this.label.textContent);
+  }
+}

@@ -1,0 +1,143 @@
+// The phase diagram: activity over radius, with the edge at which the symmetric furrow loses its stability.
+
+/** Ranges of the axes; cells that begin beyond them widen them. */
+const AXES = { r0: [1, 6.5], xi: [0, 45] };
+const PAD = { left: 44, right: 12, top: 14, bottom: 40 };
+
+class PhaseDiagram {
+  constructor(canvas, onPoint) {
+    this.canvas = canvas;
+    this.edge = null;
+    this.printed = page.edge;
+    this.point = null;
+    this.trace = [];
+    new ResizeObserver(() => this.draw()).observe(canvas);
+    const pick = (event) => {
+      const [x, y] = [event.offsetX, event.offsetY];
+      const at = ([low, high], share) => low + Math.min(1, Math.max(0, share)) * (high - low);
+      const { width, height } = this.inner();
+      onPoint(at(AXES.r0, (x - PAD.left) / width), at(AXES.xi, 1 - (y - PAD.top) / height));
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      pick(event);
+    });
+    canvas.addEventListener("pointermove", (event) => event.buttons && pick(event));
+  }
+
+  inner() {
+    return { width: this.canvas.clientWidth - PAD.left - PAD.right, height: this.canvas.clientHeight - PAD.top - PAD.bottom };
+  }
+
+  draw() {
+    const { canvas } = this;
+    const ratio = window.devicePixelRatio || 1;
+    if (!canvas.clientWidth) return;
+    canvas.width = Math.round(canvas.clientWidth * ratio);
+    canvas.height = Math.round(canvas.clientHeight * ratio);
+    const paint = canvas.getContext("2d");
+    paint.setTransform(ratio, 0, 0, ratio, 0, 0);
+    paint.clearRect(0, 0, canvas.clientWidth, canvas.clientHeight);
+    const ink = theme();
+    const { width, height } = this.inner();
+    const px = (r0) => PAD.left + ((r0 - AXES.r0[0]) / (AXES.r0[1] - AXES.r0[0])) * width;
+    const py = (xi) => PAD.top + (1 - (xi - AXES.xi[0]) / (AXES.xi[1] - AXES.xi[0])) * height;
+    paint.save();
+    paint.beginPath();
+    paint.rect(PAD.left, PAD.top, width, height);
+    paint.clip();
+    const edge = this.edge ?? this.printed;
+    if (edge) this.drawRest(paint, edge.points, px, py, ink);
+    if (this.printed && this.edge) this.drawEdge(paint, this.printed.points, px, py, ink.faint, 1, [4, 3]);
+    if (edge) this.drawEdge(paint, edge.points, px, py, ink.text, 2, []);
+    this.drawPoint(paint, px, py, ink);
+    paint.restore();
+    this.drawAxes(paint, px, py, ink);
+    if (edge) this.drawLabels(paint, edge, px, py, ink);
+  }
+
+  /** Where the symmetric, weakly furrowed shape is stable. */
+  drawRest(paint, points, px, py, ink) {
+    paint.fillStyle = ink.stays;
+    paint.beginPath();
+    paint.moveTo(px(points[0][0]), py(0));
+    for (const [r0, xi] of points) paint.lineTo(px(r0), py(xi));
+    paint.lineTo(px(points[points.length - 1][0]), py(0));
+    paint.fill();
+  }
+
+  /** Solid where the pitchfork is supercritical, broken where it is subcritical, unless `dash` says otherwise. */
+  drawEdge(paint, points, px, py, colour, width, dash) {
+    paint.strokeStyle = colour;
+    paint.lineWidth = width;
+    for (let k = 1; k < points.length; k++) {
+      const [a, b] = [points[k - 1], points[k]];
+      paint.setLineDash(dash.length ? dash : []);
+      paint.globalAlpha = !dash.length && b[2] !== null && b[2] < 0 ? 0.5 : 1;
+      paint.beginPath();
+      paint.moveTo(px(a[0]), py(a[1]));
+      paint.lineTo(px(b[0]), py(b[1]));
+      paint.stroke();
+    }
+    paint.globalAlpha = 1;
+    paint.setLineDash([]);
+  }
+
+  drawPoint(paint, px, py, ink) {
+    if (!this.point) return;
+    const { r0, xi, outcome } = this.point;
+    const [x, y] = [px(Math.min(AXES.r0[1], Math.max(AXES.r0[0], r0))), py(Math.min(AXES.xi[1], Math.max(AXES.xi[0], xi)))];
+    paint.beginPath();
+    paint.arc(x, y, 7, 0, 2 * Math.PI);
+    paint.lineWidth = 3;
+    paint.strokeStyle = paint.fillStyle = ink.accent;
+    if (outcome === "symmetric") paint.fill();
+    paint.stroke();
+    if (outcome === "failed") {
+      paint.beginPath();
+      paint.moveTo(x - 7, y + 12);
+      paint.lineTo(x + 7, y + 12);
+      paint.stroke();
+    }
+  }
+
+  drawAxes(paint, px, py, ink) {
+    const { width, height } = this.inner();
+    paint.strokeStyle = ink.faint;
+    paint.lineWidth = 1;
+    paint.strokeRect(PAD.left + 0.5, PAD.top + 0.5, width, height);
+    paint.fillStyle = ink.faint;
+    paint.font = "11px system-ui, sans-serif";
+    paint.textAlign = "center";
+    paint.textBaseline = "top";
+    const step = (high, few) => few * Math.ceil(high / (9 * few));
+    for (let r0 = 1; r0 <= AXES.r0[1]; r0 += step(AXES.r0[1], 1)) {
+      paint.fillRect(px(r0), PAD.top + height, 1, 4);
+      paint.fillText(String(r0), px(r0), PAD.top + height + 7);
+    }
+    paint.fillText("R0, in L_h", PAD.left + width / 2, PAD.top + height + 23);
+    paint.textAlign = "right";
+    paint.textBaseline = "middle";
+    for (let xi = 0; xi <= AXES.xi[1]; xi += step(AXES.xi[1], 10)) {
+      paint.fillRect(PAD.left - 4, py(xi), 4, 1);
+      paint.fillText(String(xi), PAD.left - 7, py(xi));
+    }
+    paint.save();
+    paint.translate(12, PAD.top + height / 2);
+    paint.rotate(-Math.PI / 2);
+    paint.textAlign = "center";
+    paint.fillText("ξ_s", 0, 0);
+    paint.restore();
+  }
+
+  drawLabels(paint, edge, px, py, ink) {
+    paint.fillStyle = ink.faint;
+    paint.textBaseline = "middle";
+    paint.font = "12px system-ui, sans-serif";
+    paint.textAlign = "right";
+    paint.fillText("the furrow grows", px(AXES.r0[1]) - 10, PAD.top + 18);
+    paint.textAlign = "left";
+    paint.fillText("at rest", px(AXES.r0[0]) + 10, PAD.top + this.inner().height - 14);
+    element("phase-edge").textContent = `Edge: pitchforks of cells without a cue at ε = ${Number(edge.epsilon.toFixed(4))}; pale where subcritical.`;
+  }
+}

@@ -1,0 +1,179 @@
+// "What if": sliders of a cell, its division while they move, and the cell's place on the phase diagram.
+
+/** The cue's fields by what they do, for the list. */
+const FIELDS = ["kappa", "activity", "xi_s", "xi_b", "eta_b", "eta_s", "viscosity", "friction", "tension"];
+
+class WhatIf {
+  constructor(solver, edges) {
+    this.solver = solver;
+    this.edges = edges;
+    this.head = page.head;
+    this.physics = {};
+    this.diagram = new PhaseDiagram(element("phase"), (r0, xi) => {
+      this.set("r0", r0);
+      this.set("xi_s", xi);
+      this.changed();
+    });
+    this.recording = null;
+    new ResizeObserver(() => this.draw()).observe(element("what-if-cell"));
+    element("cue-field").replaceChildren(...FIELDS.map((name) => make("option", name)));
+    for (const input of element("what-if").querySelectorAll("[data-quantity]")) {
+      input.addEventListener("input", () => this.moved(input));
+    }
+    for (const id of ["cue-on", "cue-field", "cue-profile"]) element(id).addEventListener("input", () => this.changed());
+    // Before the sliders' own listeners are told: whoever moves one means it.
+    element("cue-fields").addEventListener("input", () => {
+      this.kept = null;
+      element("cue-kept").hidden = true;
+    }, { capture: true });
+    element("what-if-reset").addEventListener("click", () => this.begin(this.start));
+    this.dividing = new Latest((request, isLast) => this.divide(request, isLast));
+    this.following = new Latest((request) => this.followEdge(request));
+  }
+
+  inputs(quantity) {
+    return [...element("what-if").querySelectorAll(`[data-quantity="${quantity}"]`)];
+  }
+
+  /** Puts a value into a slider and the number beside it. */
+  set(quantity, value) {
+    for (const input of this.inputs(quantity)) input.value = input.type === "range" ? value : Number(value.toFixed(6));
+  }
+
+  get(quantity) {
+    // The number, not the slider, which knows no values between its steps.
+    return Number(this.inputs(quantity).find((input) => input.type === "number").value);
+  }
+
+  moved(input) {
+    const value = Number(input.value);
+    if (input.value === "" || !Number.isFinite(value)) return;
+    for (const other of this.inputs(input.dataset.quantity)) if (other !== input) other.value = input.value;
+    this.changed();
+  }
+
+  /** Begins at a cell: {r0, epsilon, xi_s, cue, name, physics}. */
+  begin(start) {
+    this.start = start;
+    this.physics = start.physics ?? {};
+    element("what-if-start").textContent = start.name ? `Starting from ${start.name}.` : "";
+    this.widen(start);
+    for (const quantity of ["r0", "epsilon", "xi_s"]) this.set(quantity, start[quantity]);
+    this.putCue(start.cue);
+    this.changed();
+  }
+
+  /** Makes room for a cell larger or more active than sliders and diagram reach. */
+  widen({ r0, xi_s }) {
+    for (const [axis, quantity, value] of [["r0", "r0", r0], ["xi", "xi_s", xi_s]]) {
+      if (value <= 0.9 * AXES[axis][1]) continue;
+      AXES[axis][1] = Number((1.25 * value).toPrecision(2));
+      this.inputs(quantity).find((input) => input.type === "range").max = AXES[axis][1];
+      if (axis === "r0") this.diagram.edge = null;
+    }
+  }
+
+  /** A cue of one term fills the sliders; one of several is kept as it is until its switch is used. */
+  putCue(cue) {
+    const whole = element("cue-on");
+    whole.checked = cue !== "none";
+    this.kept = null;
+    let [field, value] = cue === "none" ? ["kappa", { u0: 0.465, omega: 0.0577, amplitude: 0.1 }] : Object.entries(cue)[0];
+    if (field === "sum" || "omega_length" in value) {
+      this.kept = cue;
+      [field, value] = ["kappa", { u0: 0.465, omega: 0.0577, amplitude: 0.1 }];
+    }
+    element("cue-kept").hidden = this.kept === null;
+    element("cue-kept").textContent = this.kept === null ? "" : `Its own cue is kept until a slider of the cue is moved: ${cueText(cue)}`;
+    element("cue-field").value = field;
+    element("cue-profile").value = value.profile ?? "band";
+    for (const quantity of ["amplitude", "u0", "omega"]) if (quantity in value) this.set(quantity, value[quantity]);
+  }
+
+  cue() {
+    if (!element("cue-on").checked) return "none";
+    if (this.kept) return this.kept;
+    const profile = element("cue-profile").value;
+    const value = { profile };
+    if (profile !== "gradient") Object.assign(value, { u0: this.get("u0"), omega: this.get("omega") });
+    value.amplitude = this.get("amplitude");
+    return { [element("cue-field").value]: value };
+  }
+
+  /** The cell that the sliders say. */
+  cell() {
+    return { ...this.head.cell, r0: this.get("r0"), epsilon: this.get("epsilon"), xi_s: this.get("xi_s"), cue: this.cue() };
+  }
+
+  changed() {
+    const cell = this.cell();
+    element("cue-fields").disabled = !element("cue-on").checked;
+    for (const quantity of ["u0", "omega"]) for (const input of this.inputs(quantity)) input.disabled = element("cue-profile").value === "gradient";
+    element("what-if-result").dataset.state = "computing";
+    // ε and ξ_s of the sliders count, whatever the founder says of these two.
+    const { epsilon, xi_s, ...physics } = this.physics;
+    this.dividing.ask({ cell, physics, asked: performance.now() });
+    this.following.ask(cell.epsilon);
+  }
+
+  async divide({ cell, physics, asked }, isLast) {
+    const { numerics, seed } = this.head;
+    const result = element("what-if-result");
+    try {
+      const found = await this.solver.ask("divide", { cell, physics, numerics, seed, frames: "last" });
+      this.recording = new Recording(found);
+      this.diagram.point = { r0: cell.r0, xi: cell.xi_s, outcome: found.answer.outcome };
+      this.tell(found.answer, cell, performance.now() - asked);
+    } catch (error) {
+      this.recording = null;
+      this.diagram.point = { r0: cell.r0, xi: cell.xi_s, outcome: null };
+      element("outcome").textContent = "no answer";
+      element("outcome").className = "outcome";
+      element("what-if-numbers").replaceChildren(make("dt", "because"), make("dd", error.message));
+      Object.assign(result.dataset, { outcome: "error", chi: "", r0: cell.r0, epsilon: cell.epsilon });
+    }
+    result.dataset.state = isLast() ? "done" : "computing";
+    this.diagram.draw();
+    this.draw();
+  }
+
+  tell(answer, cell, took) {
+    const outcome = element("outcome");
+    outcome.textContent = answer.outcome;
+    outcome.className = `outcome ${answer.outcome}`;
+    const rows = [];
+    if (answer.chi == null) {
+      rows.push(["at rest after", timeText(answer.t_end)]);
+      if (answer.growth_rate != null) rows.push(["growth rate", `${number(answer.growth_rate)} /τ`]);
+    } else {
+      rows.push(["χ", number(answer.chi, 5)], ["furrow at u", number(answer.u_furrow, 4)], ["pinch-off after", timeText(answer.t_end)]);
+      rows.push(["daughters R0", answer.daughters.map((r0) => number(r0, 3)).join(" (u = 0), ") + " (u = 1)"]);
+    }
+    rows.push(["answered in", `${took.toFixed(0)} ms`]);
+    element("what-if-numbers").replaceChildren(...rows.flatMap(([name, value]) => [make("dt", name), make("dd", value)]));
+    Object.assign(element("what-if-result").dataset, {
+      outcome: answer.outcome, chi: answer.chi ?? "", took, r0: cell.r0, epsilon: cell.epsilon, xi: cell.xi_s,
+    });
+    element("command").textContent = `furrow divide --r0 ${cell.r0} --epsilon ${cell.epsilon} --xi ${cell.xi_s}${cell.cue === "none" ? "" : ` --cue ${cueText(cell.cue)}`}`;
+  }
+
+  draw() {
+    const canvas = element("what-if-cell");
+    if (this.recording) drawCell(canvas, this.recording, this.recording.frames[0], { forces: false });
+    else canvas.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
+  }
+
+  /** The edge at this ε, computed beside. */
+  async followEdge(epsilon) {
+    if (this.diagram.edge?.epsilon === epsilon || !(epsilon > 0 && epsilon < 1)) return;
+    const { cell, numerics } = this.head;
+    try {
+      const { answer } = await this.edges.ask("edge", { cell: { ...cell, epsilon }, numerics, range: AXES.r0 });
+      this.diagram.edge = { epsilon, points: answer.points.map(({ r0, xi_s, coefficient }) => [r0, xi_s, coefficient]) };
+    } catch {
+      // Without an edge at this ε the diagram keeps the one it was written with.
+      this.diagram.edge = null;
+    }
+    this.diagram.draw();
+  }
+}

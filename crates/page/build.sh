@@ -1,0 +1,31 @@
+#!/bin/sh
+# Builds what runs inside the report, crates/page/furrow.wasm.txt, from the sources as they are. Runs from any folder.
+#
+# The file has two lines: the fingerprint of the sources it belongs to, and the module, compressed and in base64.
+# `tests/page_artefact.rs` refuses one that belongs to other sources; this is then the one command to run.
+#
+#   crates/page/build.sh [FILE]     writes FILE in place of crates/page/furrow.wasm.txt
+set -eu
+cd "$(dirname "$0")/../.."
+out=${1:-crates/page/furrow.wasm.txt}
+target=wasm32-unknown-unknown
+
+rustup target list --installed | grep -qx "$target" || rustup target add "$target"
+
+# Paths of this machine have no place in a file that is kept.
+flags="-C target-feature=+simd128 --remap-path-prefix=$PWD=furrow"
+for folder in "${CARGO_HOME:-$HOME/.cargo}"/registry/src/*; do
+    flags="$flags --remap-path-prefix=$folder=crates"
+done
+RUSTFLAGS="$flags" cargo build --locked --quiet --package furrow-page --lib --profile page --target "$target"
+
+built=${CARGO_TARGET_DIR:-target}/$target/page
+# The build script of the crate leaves the fingerprint beside what it was asked for.
+fingerprint=$(cat "$(ls -t "$built"/build/furrow-page-*/out/fingerprint | head -n 1)")
+{
+    echo "$fingerprint"
+    gzip -9 --no-name --stdout "$built/page.wasm" | base64 | tr -d '\n'
+    echo
+} >"$out.new"
+mv "$out.new" "$out"
+echo "$out: $(wc -c <"$built/page.wasm") bytes, $(wc -c <"$out") as kept; sources $fingerprint"

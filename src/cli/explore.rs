@@ -1,0 +1,65 @@
+//! `furrow explore`: the page that computes.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::cell::FirstCellArgs;
+use super::context::Context;
+use super::error::CliError;
+use super::output::{answer, writable_file};
+use super::tree::of_tree;
+use crate::io::write_atomically;
+use crate::lineage::Lineage;
+use crate::report;
+
+/// Writes a page that computes divisions in a browser: cells at will, and the founders' tree under another cue
+///
+/// The page is one file and needs no network. `furrow tree` writes the same with its tree in it, as report.html.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow explore
+  furrow explore --r0 3 --epsilon 0.8 --out small.html
+  furrow explore lineages/c_elegans.ron --set aspect=1.3 --json")]
+pub struct ExploreArgs {
+    /// Founders and cues of the tree that the page grows; default the built-in C. elegans founders
+    #[arg(value_name = "LINEAGE.ron")]
+    lineage: Option<PathBuf>,
+    #[command(flatten)]
+    cell: FirstCellArgs,
+    /// File to write; one that exists is replaced
+    #[arg(help_heading = "Output", long, value_name = "FILE.html", default_value = "explore.html")]
+    out: PathBuf,
+    /// Seed of the noise in the first step of every division
+    #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
+    seed: u64,
+}
+
+/// What `--json` prints.
+#[derive(serde::Serialize)]
+struct Answer {
+    out: String,
+    bytes: usize,
+}
+
+pub fn run(args: &ExploreArgs, context: &Context) -> Result<(), CliError> {
+    let mut lineage = Lineage::load(args.lineage.as_deref())?;
+    let given = args.cell.settings(&context.settings, &lineage.units())?;
+    given.check_divisions("settings")?;
+    if args.cell.r0.is_some() {
+        // What the option says counts, also where the lineage gives its first cell a radius.
+        let first = lineage.first();
+        lineage.founders[first].r0 = None;
+    }
+    let settings = of_tree(given, &lineage, args.seed, context);
+    writable_file("--out", "out", &args.out)?;
+    let page = report::explorer(&lineage, &settings);
+    write_atomically(&args.out, page.as_bytes())?;
+    let out = args.out.display().to_string();
+    if context.json {
+        let document = Answer { out, bytes: page.len() };
+        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+    }
+    answer(&format!("{out} written, {} kB; open it in a browser\n", page.len() / 1000))
+}
