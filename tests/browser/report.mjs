@@ -35,13 +35,24 @@ async function slide(page, quantity, value) {
   return data(page, "what-if-result");
 }
 
+/** Where a cell of the first generations is on the screen: found by looking for it with the pointer. */
+async function place(page, name) {
+  const found = await page.worth(`(() => {
+    const canvas = document.getElementById("lineage");
+    const { left, top } = canvas.getBoundingClientRect();
+    for (let y = 42; y < 140; y += 6) for (let x = 0; x < canvas.clientWidth; x += 4) {
+      canvas.dispatchEvent(new PointerEvent("pointermove", { clientX: left + x, clientY: top + y, bubbles: true }));
+      if (canvas.title.startsWith(${JSON.stringify(name)} + ":")) return [left + x + 6, top + y + 2];
+    }
+    return null;
+  })()`);
+  check(`${name} is in view`, found !== null, found);
+  return found ?? [0, 0];
+}
+
 /** A click on the first cell: its division is computed, played, and is that of the table. */
 async function divides(page) {
-  const [x, y] = await page.worth(`(() => { const { left, top, width } = document.getElementById("lineage").getBoundingClientRect(); return [left, top, width]; })()`);
-  // The first cell is where its label begins: found by looking for it with the pointer.
-  const at = await page.worth(`(() => { const c = document.getElementById("lineage"); for (let k = 0; k < c.clientWidth; k += 4) { c.dispatchEvent(new PointerEvent("pointermove", { clientX: ${x} + k, clientY: ${y} + 42, bubbles: true })); if (c.title.startsWith("P0:")) return k; } return -1; })()`);
-  check("the first cell is where it belongs", at >= 0, at);
-  await page.click(x + at + 8, y + 42);
+  await page.click(...(await place(page, "P0")));
   await page.until(`document.getElementById("play").textContent === "Pause"`);
   const early = Number(await page.worth(`document.getElementById("scrub").value`));
   await page.until(`Number(document.getElementById("scrub").value) > ${early} + 0.1`);
@@ -144,6 +155,10 @@ async function narrow(browser) {
     const other = await page.worth("getComputedStyle(document.body).backgroundColor");
     check("the switch changes the colours", ground !== other, [ground, other]);
     await page.clickOn("#theme");
+    const [x, y] = await place(page, "AB");
+    await page.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: [{ x, y }] });
+    await page.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+    await page.until(`document.getElementById("film-state").dataset.cell === "AB"`);
     await shot(page, dark ? "narrow-dark" : "narrow-light");
     complaints(page, "the narrow report", address);
     await page.close();

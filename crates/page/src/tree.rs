@@ -2,7 +2,7 @@
 
 use embryo::batch::{Memo, Progress, Quantisation, SchedulerOptions};
 use embryo::lineage::{Ends, Grower, Lineage, TreeSettings, expected_work};
-use mechanics::cell::{Cell, Numerics};
+use mechanics::cell::{Cell, Cue, Numerics};
 use mechanics::division::{DivisionInput, divide};
 use mechanics::shapes::CriticalRadii;
 use serde::Deserialize;
@@ -39,8 +39,7 @@ pub fn regrow(request: &[u8], tell: &dyn Fn(usize, usize)) -> Result<Answer, Pag
         let is_first = first.replace(false);
         if is_first && !rule.knows(cell) { None } else { rule.of(cell) }
     };
-    let plain = cell.passive();
-    let plain = Cell { xi_s: cell.xi_s, ..plain };
+    let plain = cell.clone().with_cue(Cue::none());
     let order = |input: &DivisionInput| {
         let critical = if rule.knows(&plain) { rule.critical_radius(&plain) } else { None };
         critical.map_or(input.cell.r0, |critical| expected_work(critical)(input))

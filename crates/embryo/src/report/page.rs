@@ -61,7 +61,7 @@ impl Page {
             out,
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
              <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\"><link rel=\"icon\" href=\"data:,\"><title>{title}</title>\n<style>\n{STYLE}</style></head><body>\n\
-             <header class=\"top\"><div class=\"grow\"><h1>{heading}</h1>\n{top}</div><button id=\"theme\" type=\"button\" class=\"needs-script\" hidden>Dark</button></header>\n<main>\n\
+             <header class=\"top\"><div class=\"grow\"><h1>{heading}</h1>\n{top}</div><button id=\"theme\" type=\"button\" hidden>Dark</button></header>\n<main>\n\
              <p id=\"without-solver\" class=\"card notice\" role=\"status\" hidden></p>\n<div id=\"live\" hidden>\n{LINEAGE}{WHAT_IF}</div>\n<noscript>\n{still}</noscript>\n{below}</main>\n"
         );
         let mut put = |kind: &str, id: &str, text: &str| {

@@ -138,6 +138,18 @@ class PhaseDiagram {
     paint.fillText("the furrow grows", px(AXES.r0[1]) - 10, PAD.top + 18);
     paint.textAlign = "left";
     paint.fillText("at rest", px(AXES.r0[0]) + 10, PAD.top + this.inner().height - 14);
-    element("phase-edge").textContent = `Edge: pitchforks of cells without a cue at ε = ${Number(edge.epsilon.toFixed(4))}; pale where subcritical.`;
+    const here = this.threshold(edge.points);
+    const at = here === null ? "" : ` At this R0 it lies at ξ_s = ${here.toFixed(1)}.`;
+    element("phase-edge").textContent = `Edge: pitchforks of cells without a cue at ε = ${Number(edge.epsilon.toFixed(4))}; pale where subcritical.${at}`;
+  }
+
+  /** The activity at which the edge passes the radius of the point, if it does. */
+  threshold(points) {
+    const r0 = this.point?.r0;
+    for (let k = 1; k < points.length; k++) {
+      const [a, b] = [points[k - 1], points[k]];
+      if ((a[0] - r0) * (b[0] - r0) <= 0 && a[0] !== b[0]) return a[1] + ((b[1] - a[1]) * (r0 - a[0])) / (b[0] - a[0]);
+    }
+    return null;
   }
 }
