@@ -14,7 +14,7 @@ mod solver;
 pub const PAGE_SOURCES: [&str; 13] = [
     "crates/bvp/src",
     "crates/embryo/src/batch",
-    "crates/embryo/src/io/tree_json.rs",
+    "crates/embryo/src/io/tree_json",
     "crates/embryo/src/lineage",
     "crates/mechanics/data",
     "crates/mechanics/src/cell",
