@@ -16,6 +16,7 @@ mod new_lineage;
 mod output;
 mod phase;
 mod pitchfork;
+mod plot;
 mod progress;
 mod scenarios;
 mod shell;

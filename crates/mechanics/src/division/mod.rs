@@ -7,8 +7,10 @@
 //! | [`noise`] | the seeded noise of the first step |
 //! | [`slow`] | cells that wait at a stationary shape for longer than can be waited for |
 //! | [`outcome`] | how a division ended: [`Division`], the one record of it |
+//! | [`film`](mod@film) | a division that is kept, with what acts on every shape |
 //! | [`statistics`] | what several divisions say together |
 
+pub mod film;
 pub mod noise;
 pub mod outcome;
 pub mod run;
@@ -16,6 +18,7 @@ pub mod slow;
 pub mod statistics;
 pub mod stepper;
 
+pub use film::{Film, Still, film};
 pub use outcome::{Division, DivisionError, Outcome};
 pub use run::{Frame, divide, divide_observed};
 pub use statistics::Statistics;

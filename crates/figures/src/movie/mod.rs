@@ -1,0 +1,1 @@
+//! A division as a moving picture.
