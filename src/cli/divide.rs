@@ -11,6 +11,7 @@ use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
 use super::output::{answer, writable_folder};
+use super::movies::{DENSE, MovieArgs};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use crate::batch::{Failure, Replicates, Unsolved, replicates};
@@ -28,7 +29,8 @@ Examples:
   furrow divide --r0 5.4 --cue germline --json
   furrow divide --r0 4 --cue activity:band,u0=0.45,omega=0.3Lh,amplitude=0.1
   furrow divide --r0 2 --replicates 3 --frames contours
-  furrow divide --r0 4 --cue germline --frames even --frame-step 0.05 --plot division.svg")]
+  furrow divide --r0 4 --cue germline --frames even --frame-step 0.05 --plot division.svg
+  furrow divide --r0 2 --movie division.gif --movie-frames 5")]
 pub struct DivideArgs {
     #[command(flatten)]
     cell: ActiveCellArgs,
@@ -46,6 +48,8 @@ pub struct DivideArgs {
     frame_step: Option<f64>,
     #[command(flatten)]
     plot: PlotArgs,
+    #[command(flatten)]
+    movie: MovieArgs,
 }
 
 /// One replicate in the answer.
@@ -86,15 +90,20 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     }
     let every = args.frame_step.map(|step| positive("--frame-step", "frame_step", step)).transpose()?;
     let picture = args.plot.file()?;
+    let movie = args.movie.file()?;
     let Replicates { divisions, undecided, .. } = solve(args, &context, &input)?;
-    if args.frames.is_some() || picture.is_some() {
+    if args.frames.is_some() || picture.is_some() || movie.is_some() {
         let film = film(&input)?;
         if let Some(folder) = &args.frames {
             check_count(&film, every)?;
             write_frames(folder, &film, every)?;
         }
+        let film = film.with_places(DENSE);
         if let Some(picture) = picture {
             picture.write(&crate::plot::division::draw(&input.cell, &film))?;
+        }
+        if let Some(movie) = movie {
+            movie.write(&input.cell, &film)?;
         }
     }
     let replicate = |k: usize| Replicate { seed: divisions[k].0, division: &divisions[k].1 };

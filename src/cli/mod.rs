@@ -12,6 +12,7 @@ mod error;
 mod fit;
 mod interrupt;
 mod merge;
+mod movies;
 mod new_lineage;
 mod output;
 mod phase;
@@ -89,6 +90,7 @@ struct Globals {
 enum Command {
     Tree(tree::TreeArgs),
     Divide(divide::DivideArgs),
+    Movies(movies::MoviesArgs),
     Steady(steady::SteadyArgs),
     Branch(branch::BranchArgs),
     Pitchfork(pitchfork::PitchforkArgs),
@@ -135,6 +137,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
         Command::Tree(args) => tree::run(&args, &Context::new(&cli.globals)?),
         Command::Divide(args) => divide::run(&args, Context::new(&cli.globals)?),
+        Command::Movies(args) => movies::run(&args, Context::new(&cli.globals)?),
         Command::Steady(args) => steady::run(&args, Context::new(&cli.globals)?),
         Command::Branch(args) => branch::run(&args, Context::new(&cli.globals)?),
         Command::Pitchfork(args) => pitchfork::run(&args, Context::new(&cli.globals)?),

@@ -9,7 +9,7 @@ use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 
 /// Fonts by name, the first that the reader has; PNG has the first, which comes with the program.
-const FONTS: &str = "DejaVu Sans, Verdana, Arial, sans-serif";
+pub const FONTS: &str = "DejaVu Sans, Verdana, Arial, sans-serif";
 /// Dots of a PNG for each unit of the canvas.
 const DENSITY: f32 = 2.0;
 
@@ -142,6 +142,23 @@ impl Canvas {
             stroke: outline.map_or(Color::None, |stroke| Color::from(stroke.colour)),
             stroke_width: outline.map_or(0.0, |stroke| stroke.width),
             opacity: (opacity < 1.0).then_some(opacity),
+            stroke_dasharray: None,
+        })));
+    }
+
+    /// One of many small areas, whose corners need not be told as exactly.
+    pub fn facet(&mut self, corners: &[[f64; 2]], fill: &str) {
+        let mut d = String::with_capacity(48);
+        for (k, [x, y]) in corners.iter().enumerate() {
+            let _ = write!(d, "{}{x:.1} {y:.1}", if k == 0 { 'M' } else { 'L' });
+        }
+        d.push('Z');
+        self.scene.add(Primitive::Path(Box::new(PathData {
+            d,
+            fill: Some(Color::from(fill)),
+            stroke: Color::None,
+            stroke_width: 0.0,
+            opacity: None,
             stroke_dasharray: None,
         })));
     }

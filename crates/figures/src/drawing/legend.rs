@@ -71,11 +71,28 @@ pub fn column(canvas: &mut Canvas, [x, y]: [f64; 2], entries: &[(Key, String)]) 
     }
 }
 
+/// How wide an entry is, with the gap behind it.
+fn width_of(word: &str) -> f64 {
+    60.0 + 8.4 * word.chars().count() as f64
+}
+
+/// How high [`rows`] are.
+pub fn height(width: f64, entries: &[(Key, String)]) -> f64 {
+    let (mut at, mut row) = (0.0, 1.0);
+    for (_, word) in entries {
+        if at > 0.0 && at + width_of(word) > width {
+            (at, row) = (0.0, row + 1.0);
+        }
+        at += width_of(word);
+    }
+    LINE * row
+}
+
 /// Draws a legend as a row, and as many further rows as it takes to stay within `width`; gives how high it is.
 pub fn rows(canvas: &mut Canvas, [x, y]: [f64; 2], width: f64, entries: &[(Key, String)]) -> f64 {
     let (mut at, mut row) = (0.0, 0.0);
     for (key, word) in entries {
-        let needed = 66.0 + 8.6 * word.chars().count() as f64;
+        let needed = width_of(word);
         if at > 0.0 && at + needed > width {
             (at, row) = (0.0, row + 1.0);
         }

@@ -22,13 +22,17 @@ pub struct Axis {
     pub logarithmic: bool,
     /// Whether numbers stand along it.
     pub numbered: bool,
+    /// Whether it has ticks and a grid at all.
+    pub ticked: bool,
+    /// About how many ticks.
+    pub ticks: usize,
 }
 
 impl Axis {
     /// An axis over a range.
     pub fn new(label: impl Into<String>, range: [f64; 2]) -> Axis {
         let range = if range[1] > range[0] { range } else { [range[0] - 0.5, range[0] + 0.5] };
-        Axis { label: label.into(), range, step: None, logarithmic: false, numbered: true }
+        Axis { label: label.into(), range, step: None, logarithmic: false, numbered: true, ticked: true, ticks: 8 }
     }
 
     /// An axis over all these values, with some room on both sides.
@@ -44,6 +48,39 @@ impl Axis {
     /// The same over logarithms.
     pub fn logarithmic(self) -> Axis {
         Axis { logarithmic: true, ..self }
+    }
+
+    /// The same with about so many ticks.
+    pub fn ticks(self, ticks: usize) -> Axis {
+        Axis { ticks, ..self }
+    }
+
+    /// The same without ticks and without numbers.
+    pub fn bare(self) -> Axis {
+        Axis { ticked: false, ..self }
+    }
+
+    /// The distance of two ticks: as it was asked for, or the round number that gives about as many as are wanted.
+    fn spacing(&self) -> Option<f64> {
+        if self.logarithmic || self.step.is_some() {
+            return self.step;
+        }
+        let rough = (self.range[1] - self.range[0]) / self.ticks.max(1) as f64;
+        let unit = 10f64.powf(rough.log10().floor());
+        [1.0, 2.0, 5.0].into_iter().map(|digit| digit * unit).find(|step| *step >= rough).or(Some(10.0 * unit))
+    }
+
+    /// Numbers with as many digits as tell two ticks apart.
+    fn format(&self) -> TickFormat {
+        if !self.numbered {
+            return TickFormat::Custom(std::sync::Arc::new(|_| String::new()));
+        }
+        let digits = self.spacing().map_or(0, |step| (-(step * 1.0001).log10().floor()).max(0.0) as usize);
+        TickFormat::Custom(std::sync::Arc::new(move |value| {
+            // No minus before a zero.
+            let value = if value.abs() < 0.5 * 10f64.powi(-(digits as i32)) { 0.0 } else { value };
+            format!("{value:.digits$}").replace('-', "\u{2212}")
+        }))
     }
 
     /// The same without numbers.
@@ -111,7 +148,7 @@ pub struct Margins {
 
 impl Default for Margins {
     fn default() -> Margins {
-        Margins { left: 86.0, right: 22.0, top: 14.0, bottom: 66.0 }
+        Margins { left: 86.0, right: 22.0, top: 14.0, bottom: 58.0 }
     }
 }
 
@@ -207,12 +244,12 @@ impl Panel {
             .with_y_label(self.y.label.as_str())
             .with_label_size(text::LABEL)
             .with_tick_size(text::TICK)
-            .with_ticks(5)
+            .with_ticks(self.x.ticks)
             .with_box_axes();
-        if let Some(step) = self.x.step {
+        if let Some(step) = self.x.spacing() {
             layout = layout.with_x_tick_step(step);
         }
-        if let Some(step) = self.y.step {
+        if let Some(step) = self.y.spacing() {
             layout = layout.with_y_tick_step(step);
         }
         if self.x.logarithmic {
@@ -221,13 +258,14 @@ impl Panel {
         if self.y.logarithmic {
             layout = layout.with_log_y();
         }
-        let nothing = || TickFormat::Custom(std::sync::Arc::new(|_| String::new()));
-        if !self.x.numbered {
-            layout = layout.with_x_tick_format(nothing());
+        if !self.x.logarithmic {
+            layout = layout.with_x_tick_format(self.x.format());
         }
-        if !self.y.numbered {
-            layout = layout.with_y_tick_format(nothing());
+        if !self.y.logarithmic {
+            layout = layout.with_y_tick_format(self.y.format());
         }
+        layout.suppress_x_ticks = !self.x.ticked;
+        layout.suppress_y_ticks = !self.y.ticked;
         layout
     }
 }

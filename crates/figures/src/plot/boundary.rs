@@ -38,12 +38,12 @@ pub struct Boundary<'a> {
 pub fn draw(of: &Boundary<'_>) -> Drawing {
     let mut canvas = Canvas::new(WIDTH, HEIGHT);
     canvas.text([24.0, 30.0], &title(of.cell, of.parameter), text::TITLE, Anchor::Start, style::INK);
-    legend::rows(&mut canvas, [24.0, 40.0], WIDTH - 40.0, &entries(of));
+    let top = 46.0 + legend::rows(&mut canvas, [24.0, 40.0], WIDTH - 40.0, &entries(of));
     let points = || of.pitchfork.points.iter().chain(of.folds.iter().flat_map(|fold| &fold.points));
     let heights = points().map(|p| p.xi_s).chain(of.critical.map(|p| p.xi_s));
     let across = of.range.into_iter().chain(of.critical.map(|p| p.value));
     let x = Axis::new(style::parameter(of.parameter), widened(across, 0.02));
-    let panel = Panel::new([0.0, 92.0], [WIDTH, HEIGHT - 92.0], x, Axis::over(style::ACTIVITY, heights));
+    let panel = Panel::new([0.0, top], [WIDTH, HEIGHT - top], x, Axis::over(style::ACTIVITY, heights));
     let map = panel.draw(&mut canvas, &[], |_, _| {});
     let on = |point: &CurvePoint| map.point([point.value, point.xi_s]);
     for fold in of.folds {

@@ -99,11 +99,10 @@ fn chosen<'a>(branches: &[Named<'a>]) -> Vec<Shape<'a>> {
         found.extend(at(branch.points.len().saturating_sub(1)).filter(|_| branch.points.len() > 1));
     }
     let count = found.len();
-    let mut kept: Vec<_> = match count > MOST_SHAPES {
+    let kept: Vec<_> = match count > MOST_SHAPES {
         false => found,
         true => (0..MOST_SHAPES).map(|k| found[k * (count - 1) / (MOST_SHAPES - 1)]).collect(),
     };
-    kept.sort_by(|a, b| a.0.elongation.total_cmp(&b.0.elongation));
     ('a'..).zip(kept).map(|(letter, (point, contour))| Shape { letter, point, contour }).collect()
 }
 
@@ -131,7 +130,7 @@ fn chart(
 ) {
     let points = || branches.iter().flat_map(|b| &b.branch.points);
     let x = Axis::new(style::ACTIVITY, widened(points().map(|p| p.xi_s), 0.03));
-    let y = Axis::new(label, widened(points().map(value), 0.08));
+    let y = Axis::new(label, widened(points().map(value), 0.12));
     let panel = Panel::new([0.0, top], [WIDTH, CHART], x, y);
     let map = panel.draw(canvas, &[], |_, _| {});
     for Named { name, branch } in branches {
@@ -141,6 +140,7 @@ fn chart(
             canvas.polyline(&points, Stroke { colour: colour(name), width: style::CURVE, dash });
         }
     }
+    letters(canvas, shapes, &map, value);
     for Named { name, branch } in branches {
         for event in &branch.events {
             let (at, point) = (map.point([event.point().xi_s, value(event.point())]), event.pitchfork());
@@ -152,11 +152,11 @@ fn chart(
                     Criticality::Subcritical => "subcritical",
                     _ => "supercritical",
                 };
-                canvas.text([at[0] + 12.0, at[1] + 22.0], kind, text::TICK, Anchor::Start, style::MUTED);
+                let (aside, anchor) = if at[0] + 130.0 > map.frame()[2] { (-12.0, Anchor::End) } else { (12.0, Anchor::Start) };
+                canvas.text([at[0] + aside, at[1] + 22.0], kind, text::TICK, anchor, style::MUTED);
             }
         }
     }
-    letters(canvas, shapes, &map, value);
 }
 
 /// The letters of the shapes beside their points, above those they would collide with.
@@ -170,7 +170,7 @@ fn letters(canvas: &mut Canvas, shapes: &[Shape<'_>], map: &Mapping, value: fn(&
         let at = map.point(data);
         let [_, top, right, _] = map.frame();
         let left = at[0] + 24.0 > right;
-        let mut place = [at[0] + if left { -14.0 } else { 14.0 }, (at[1] - 8.0).max(top + 18.0)];
+        let mut place = [at[0] + if left { -14.0 } else { 14.0 }, (at[1] - 11.0).max(top + 18.0)];
         while taken.iter().any(|[x, y]| (x - place[0]).abs() < 14.0 && (y - place[1]).abs() < 16.0) {
             place[0] += if left { -15.0 } else { 15.0 };
         }
@@ -180,29 +180,80 @@ fn letters(canvas: &mut Canvas, shapes: &[Shape<'_>], map: &Mapping, value: fn(&
     }
 }
 
+/// Points between two of a branch, for a smooth curve.
+const BETWEEN: usize = 8;
+
+/// A place on a branch: its arclength, ξ_s and the value that is drawn.
+type Knot = [f64; 3];
+
+/// The smooth curve through knots: cubics that have at each knot the slope of the parabola through it and its neighbours.
+fn smooth(knots: &[Knot]) -> Vec<[f64; 2]> {
+    let slope = |k: usize, c: usize| {
+        let (a, b) = (knots[k.saturating_sub(1)], knots[(k + 1).min(knots.len() - 1)]);
+        let here = knots[k];
+        let (h, h2) = (here[0] - a[0], b[0] - here[0]);
+        let (left, right) = ((here[c] - a[c]) / h, (b[c] - here[c]) / h2);
+        match (h > 0.0, h2 > 0.0) {
+            (true, true) => (left * h2 + right * h) / (h + h2),
+            (true, false) => left,
+            (false, true) => right,
+            _ => 0.0,
+        }
+    };
+    let mut points: Vec<[f64; 2]> = knots.first().map(|[_, x, y]| [*x, *y]).into_iter().collect();
+    for k in 1..knots.len() {
+        let (a, b) = (knots[k - 1], knots[k]);
+        let h = b[0] - a[0];
+        for j in 1..=BETWEEN {
+            let s = j as f64 / BETWEEN as f64;
+            let ease = s * s * (3.0 - 2.0 * s);
+            let along = |c: usize| {
+                let (left, right) = (s * (1.0 - s) * (1.0 - s) * h, s * s * (s - 1.0) * h);
+                a[c] + ease * (b[c] - a[c]) + left * slope(k - 1, c) + right * slope(k, c)
+            };
+            points.push([along(1), along(2)]);
+        }
+    }
+    points
+}
+
 /// The branch in pieces that are stable or not as a whole: stability changes at folds and pitchforks, which the pieces meet in.
 fn pieces(branch: &Branch, value: fn(&ShapePoint) -> f64) -> Vec<(bool, Vec<[f64; 2]>)> {
-    let at = |point: &ShapePoint| [point.xi_s, value(point)];
+    // A branch that begins at a pitchfork has in its first point the arclength of the branch that it comes from.
+    let first = branch.points.first().copied();
+    let at = |point: &ShapePoint| {
+        let begins = first.is_some_and(|first| first == *point);
+        [if begins { 0.0 } else { point.arclength }, point.xi_s, value(point)]
+    };
+    let mut knots: Vec<Knot> = branch.points.iter().chain(branch.events.iter().map(|event| event.point())).map(&at).collect();
+    knots.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    knots.dedup_by(|a, b| (a[0] - b[0]).abs() < 1e-9);
+    let curve = smooth(&knots);
+    // Of a piece between two knots all that lies between them.
+    let between = |from: Knot, to: Knot| {
+        let place = |knot: Knot| knots.partition_point(|other| other[0] < knot[0] - 1e-9) * BETWEEN;
+        curve.get(place(from)..=place(to)).unwrap_or_default().to_vec()
+    };
     let stable = |point: &ShapePoint| point.growth_rate.map(|rate| rate < 0.0);
     let mut events = branch.events.iter().map(|event| event.point()).peekable();
     let mut found: Vec<(bool, Vec<[f64; 2]>)> = Vec::new();
     for (k, pair) in branch.points.windows(2).enumerate() {
         let (before, after) = (&pair[0], &pair[1]);
         // At a pitchfork nothing grows or decays: the first piece of a branch that begins there is what its other end is.
-        let (first, last) = (if k == 0 { stable(after) } else { stable(before) }, stable(after));
+        let (start, last) = (if k == 0 { stable(after) } else { stable(before) }, stable(after));
         let known = found.last().map_or(true, |(stable, _)| *stable);
-        let (first, last) = (first.or(last).unwrap_or(known), last.or(first).unwrap_or(known));
+        let (start, last) = (start.or(last).unwrap_or(known), last.or(start).unwrap_or(known));
         let mut within = Vec::new();
         while let Some(event) = events.next_if(|event| event.arclength <= after.arclength) {
             within.push(at(event));
         }
-        let Some(middle) = within.first().copied() else {
-            push(&mut found, last, &[at(before), at(after)]);
-            continue;
-        };
-        push(&mut found, first, &[at(before), middle]);
-        within.push(at(after));
-        push(&mut found, last, &within);
+        match within.first() {
+            None => push(&mut found, last, &between(at(before), at(after))),
+            Some(middle) => {
+                push(&mut found, start, &between(at(before), *middle));
+                push(&mut found, last, &between(*middle, at(after)));
+            }
+        }
     }
     found
 }

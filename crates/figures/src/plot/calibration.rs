@@ -61,7 +61,7 @@ fn deviations(canvas: &mut Canvas, targets: &Targets, found: &Calibration, heigh
     });
     let rows = found.residuals.len() as f64;
     let x = Axis::new("deviation of ξₛ* (%)", widened(percents, 0.15));
-    let y = Axis::new("", [0.0, rows]).unnumbered().every(rows.max(1.0));
+    let y = Axis::new("", [0.0, rows]).bare();
     let mut panel = Panel::new([430.0, 76.0], [WIDTH - 430.0, height], x, y);
     panel.margins = Margins { left: 190.0, ..Margins::default() };
     let map = panel.draw(canvas, &[], |canvas, map| {
@@ -103,9 +103,10 @@ pub fn draw_ensemble(found: &Ensemble) -> Drawing {
             let first = column == 0 && row > 0;
             let mut y = Axis::new(if first { name(row) } else { String::new() }, widened(values(row), 0.08));
             if row == column {
-                y = Axis::new("", [0.0, 1.12]);
+                y = Axis::new("", [0.0, 1.12]).bare();
             }
             (x.numbered, y.numbered) = (last, first);
+            (x.ticks, y.ticks) = (4, 5);
             // Names of axes hang out of the square of their chart.
             let margins = Margins { left: 84.0, right: 12.0, top: 12.0, bottom: 62.0 };
             let size = [CELL + margins.left - 6.0, CELL + margins.bottom - 6.0];

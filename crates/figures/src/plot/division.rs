@@ -101,6 +101,18 @@ fn contours(canvas: &mut Canvas, cell: &Cell, film: &Film, stills: &[Still]) {
     }
 }
 
+/// The size of force that nine tenths of the contour stay below: at the neck they are far larger, and would hide all others.
+fn usual(still: &Still) -> f64 {
+    let mut sizes: Vec<f64> = (0..=200)
+        .filter_map(|k| {
+            let at = still.places.partition_point(|place| place.u < k as f64 / 200.0);
+            still.places.get(at).map(|place| place.normal.parts().iter().fold(0.0, |m: f64, f| m.max(f.abs())))
+        })
+        .collect();
+    sizes.sort_by(f64::total_cmp);
+    1.15 * sizes.get(sizes.len() * 9 / 10).copied().unwrap_or(1.0).max(1e-6)
+}
+
 /// A time with as many digits as it takes to tell it from another.
 pub fn digits(t: f64) -> String {
     match t {
@@ -139,10 +151,7 @@ fn balance(canvas: &mut Canvas, still: &Still, top: f64) {
     let left = 0.45 * WIDTH;
     legend::rows(canvas, [left + 60.0, top + 10.0], WIDTH - left - 50.0, &entries);
     let part = |k: usize| still.places.iter().map(move |place| [place.u, place.normal.parts()[k]]);
-    // The neck's forces are far larger than all others: nine tenths of the contour decide how much is seen.
-    let mut sizes: Vec<f64> = (0..FORCES.len()).flat_map(part).map(|[_, f]| f.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let most = sizes.get(sizes.len() * 97 / 100).copied().unwrap_or(1.0).max(1e-6);
+    let most = usual(still);
     let label = format!("normal force at t = {} τ (κ₀/Lₕ³)", digits(still.t));
     let y = Axis::new(label, widened([-most, most], 0.08));
     let x = Axis::new("place u, posterior 0, anterior 1", [0.0, 1.0]);
@@ -150,4 +159,16 @@ fn balance(canvas: &mut Canvas, still: &Still, top: f64) {
     let curves: Vec<Curve> = FORCES.iter().enumerate().map(|(k, (_, c))| Curve::new(part(k).collect(), c)).collect();
     let map = panel.draw(canvas, &curves, |_, _| {});
     canvas.polyline(&[map.point([0.0, 0.0]), map.point([1.0, 0.0])], Stroke::solid(style::MUTED, 1.0));
+    let peak = |k: usize| part(k).map(|[_, f]| f).fold(0.0, |m: f64, f| if f.abs() > m.abs() { f } else { m });
+    let beyond: Vec<String> = FORCES
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| peak(*k).abs() > 1.08 * most)
+        .map(|(k, (name, _))| format!("{name} {:+.0}", peak(k)).replace('-', "\u{2212}"))
+        .collect();
+    if !beyond.is_empty() {
+        let [left, top, _, _] = map.frame();
+        let note = format!("at the neck: {}", beyond.join(", "));
+        canvas.text([left + 10.0, top + 22.0], &note, text::TICK, Anchor::Start, style::MUTED);
+    }
 }

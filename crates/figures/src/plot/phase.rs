@@ -29,7 +29,7 @@ pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Drawin
     let mut canvas = Canvas::new(WIDTH, HEIGHT);
     let title = super::boundary::title(&plane.cell, plane.parameter).replace("Where division begins", "Outcomes of division");
     canvas.text([24.0, 30.0], &title, text::TITLE, Anchor::Start, style::INK);
-    legend::rows(&mut canvas, [24.0, 40.0], WIDTH - 40.0, &entries(diagram, edges));
+    let top = 46.0 + legend::rows(&mut canvas, [24.0, 40.0], WIDTH - 40.0, &entries(diagram, edges));
     let (columns, rows) = (bins(&plane.across), bins(&plane.up));
     let end = |bins: &[[f64; 2]]| {
         let all = || bins.iter().flatten().copied();
@@ -37,7 +37,7 @@ pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Drawin
     };
     let x = Axis::new(style::parameter(plane.parameter), end(&columns));
     let y = Axis::new(style::ACTIVITY, end(&rows));
-    let panel = Panel::new([0.0, 116.0], [WIDTH, HEIGHT - 116.0], x, y);
+    let panel = Panel::new([0.0, top], [WIDTH, HEIGHT - top], x, y);
     let tiles = |canvas: &mut Canvas, map: &Mapping| {
         for (k, cell) in diagram.cells.iter().enumerate() {
             let (Some([x, x2]), Some([y, y2])) = (columns.get(k / rows.len()), rows.get(k % rows.len())) else { continue };
@@ -47,13 +47,18 @@ pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Drawin
         }
     };
     let map = panel.draw(&mut canvas, &[], tiles);
+    curves(&mut canvas, &edges.folds, FOLD, &map);
+    curves(&mut canvas, &edges.pitchforks, PITCHFORK, &map);
     if columns.len() <= WRITTEN && rows.len() <= WRITTEN + 2 {
         write_chi(&mut canvas, diagram, &map);
     }
-    curves(&mut canvas, &edges.folds, FOLD, None, &map);
-    curves(&mut canvas, &edges.pitchforks, PITCHFORK, None, &map);
     for column in &diagram.columns {
         for edge in &column.edges {
+            // Curves tell the same at every value across.
+            let known = if matches!(edge, Edge::Pitchfork { .. }) { &edges.pitchforks } else { &edges.folds };
+            if !known.is_empty() {
+                continue;
+            }
             let (marker, colour) = match edge {
                 Edge::Pitchfork { .. } => (Marker::Disc, PITCHFORK),
                 _ => (Marker::Diamond, FOLD),
@@ -67,18 +72,24 @@ pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Drawin
     canvas.finish()
 }
 
+/// A line with a white rim, which is seen on any colour.
+fn visible(canvas: &mut Canvas, points: &[[f64; 2]], colour: &str) {
+    canvas.polyline(points, Stroke::solid("#ffffff", style::CURVE + 2.6));
+    canvas.polyline(points, Stroke::solid(colour, style::CURVE));
+}
+
 /// Draws what of the curves lies within the axes.
-fn curves(canvas: &mut Canvas, curves: &[Curve], colour: &str, dash: Option<[f64; 2]>, map: &Mapping) {
+fn curves(canvas: &mut Canvas, curves: &[Curve], colour: &str, map: &Mapping) {
     for curve in curves {
         let mut piece: Vec<[f64; 2]> = Vec::new();
         for point in &curve.points {
             if map.holds([point.value, point.xi_s]) {
                 piece.push(map.point([point.value, point.xi_s]));
             } else {
-                canvas.polyline(&std::mem::take(&mut piece), Stroke { colour, width: style::CURVE, dash });
+                visible(canvas, &std::mem::take(&mut piece), colour);
             }
         }
-        canvas.polyline(&piece, Stroke { colour, width: style::CURVE, dash });
+        visible(canvas, &piece, colour);
     }
 }
 

@@ -35,7 +35,7 @@ fn exactly(value: f64) -> Range {
 /// Draws one tree.
 pub fn draw(tree: &Tree) -> Drawing {
     let set = Set { name: "model".to_owned(), colour: style::MODEL.to_owned(), bars: bars(tree, &tree.lineage) };
-    picture(&tree.lineage, vec![set], "")
+    picture(&tree.lineage, vec![set])
 }
 
 /// Draws scenarios side by side: each under its name, beside what was observed of the first that has any of the founder.
@@ -51,7 +51,7 @@ pub fn draw_scenarios(scenarios: &[(&str, &Tree)]) -> Option<Drawing> {
         colour: colour(k),
         bars: bars(tree, &first.lineage),
     });
-    Some(picture(&first.lineage, sets.collect(), ""))
+    Some(picture(&first.lineage, sets.collect()))
 }
 
 /// Draws a lineage over sets of constants: medians with the ranges that hold 90 % of the weight.
@@ -62,7 +62,7 @@ pub fn draw_ranges(lineage: &Lineage, ranges: &LineageRanges) -> Drawing {
     };
     let bars = lineage.founders.iter().map(|founder| bar(&founder.name)).collect();
     let name = format!("model, median and 5–95 % of {} sets of constants", ranges.members);
-    picture(lineage, vec![Set { name, colour: style::MODEL.to_owned(), bars }], "")
+    picture(lineage, vec![Set { name, colour: style::MODEL.to_owned(), bars }])
 }
 
 /// The bars of a tree, in the order of another lineage's founders.
@@ -94,7 +94,7 @@ fn observed(of: &ObservedRounds) -> Option<Bar> {
     })
 }
 
-fn picture(lineage: &Lineage, mut sets: Vec<Set>, note: &str) -> Drawing {
+fn picture(lineage: &Lineage, mut sets: Vec<Set>) -> Drawing {
     let seen: Vec<Option<Bar>> =
         lineage.founders.iter().map(|founder| founder.observed.as_ref().and_then(observed)).collect();
     if seen.iter().any(Option::is_some) {
@@ -104,8 +104,8 @@ fn picture(lineage: &Lineage, mut sets: Vec<Set>, note: &str) -> Drawing {
     let width = (140.0 + founders as f64 * (34.0 + 15.0 * sets.len() as f64)).clamp(760.0, 4000.0);
     let entries: Vec<(Key, String)> =
         sets.iter().map(|set| (Key::point(&set.colour, Marker::Disc), set.name.clone())).collect();
-    let mut canvas = Canvas::new(width, 110.0 + CHARTS[0] + CHARTS[1] + legend_height(&entries, width));
-    let title = format!("{}: rounds of division from each founder{note}", lineage.name);
+    let mut canvas = Canvas::new(width, 110.0 + CHARTS[0] + CHARTS[1] + legend::height(width - 40.0, &entries));
+    let title = format!("{}: rounds of division from each founder", lineage.name);
     canvas.text([24.0, 30.0], &title, text::TITLE, Anchor::Start, style::INK);
     let bars = "bars from the fewest to the most rounds, discs at the mean";
     canvas.text([24.0, 54.0], bars, text::TICK, Anchor::Start, style::MUTED);
@@ -125,11 +125,6 @@ fn picture(lineage: &Lineage, mut sets: Vec<Set>, note: &str) -> Drawing {
     each(&sets, |k, place, set, bar| count(&mut canvas, &map, [k, place], set, bar));
     names(&mut canvas, lineage, &map);
     canvas.finish()
-}
-
-fn legend_height(entries: &[(Key, String)], width: f64) -> f64 {
-    let long: f64 = entries.iter().map(|(_, word)| 66.0 + 8.6 * word.chars().count() as f64).sum();
-    legend::LINE * (long / (width - 40.0)).ceil().max(1.0)
 }
 
 /// Every bar with the number of its founder and how far aside of it, in founders, its set stands.

@@ -135,7 +135,7 @@ fn curves(canvas: &mut Canvas, sweep: &Sweep, points: &[Point], x: Option<usize>
     let resting = points.iter().any(|p| p.outcome == Some(Outcome::Failed) && p.value.is_none());
     let unknown = points.iter().any(|p| p.undecided);
     if division && (resting || unknown) {
-        up[0] = -0.12 * up[1].max(0.1);
+        up[0] = -(0.06 + 0.03 * groups.len().min(6) as f64) * up[1].max(0.1);
     }
     let entries = legend_of(&groups, division, resting, unknown);
     let legend_height = legend::rows(canvas, [24.0, 40.0], WIDTH - 40.0, &entries);
@@ -148,8 +148,9 @@ fn curves(canvas: &mut Canvas, sweep: &Sweep, points: &[Point], x: Option<usize>
     let sampled = sweep.axes.0.get(along).is_some_and(|axis| axis.sampled);
     let lines: Vec<Curve> = groups.iter().filter(|_| !sampled).flat_map(|group| group.lines(&at)).collect();
     let map = panel.draw(canvas, &lines, |_, _| {});
-    let baseline = 0.5 * up[0];
-    for group in &groups {
+    for (k, group) in groups.iter().enumerate() {
+        // Each curve has a line of its own for what stays at rest.
+        let baseline = up[0] * (k as f64 + 1.0) / (groups.len() as f64 + 1.0);
         for point in &group.points {
             mark(canvas, &map, point, at(point), baseline, if groups.len() > 1 { Some(&group.colour) } else { None });
         }
@@ -205,11 +206,21 @@ fn grouped<'a>(sweep: &Sweep, points: &'a [Point], along: usize) -> Vec<Group<'a
         let parts = others.iter().zip(key).map(|(axis, place)| {
             let axis = &axes[*axis];
             let value = axis.values.get(*place).map_or(String::new(), |value| value.text().into_owned());
-            if matches!(axis.values.first(), Some(AxisValue::Text(_))) { value } else { format!("{} {value}", axis.name) }
+            if matches!(axis.values.first(), Some(AxisValue::Text(_))) { value } else { format!("{} = {value}", symbol(axis)) }
         });
         parts.collect::<Vec<_>>().join(", ")
     };
     found.into_iter().enumerate().map(|(k, (key, points))| Group { name: name(&key), colour: colour(k), points }).collect()
+}
+
+/// What an axis is called before its value.
+fn symbol(axis: &crate::study::Axis) -> &str {
+    match axis.target {
+        Target::Field("r0") => "R₀",
+        Target::Field("epsilon") => "ε",
+        Target::Field("xi_s") => "ξₛ",
+        _ => &axis.name,
+    }
 }
 
 fn legend_of(groups: &[Group<'_>], division: bool, resting: bool, unknown: bool) -> Vec<(Key, String)> {
@@ -238,7 +249,7 @@ fn mark(canvas: &mut Canvas, map: &Mapping, point: &Point, x: f64, baseline: f64
         if point.undecided {
             legend::point(canvas, map.point([x, baseline]), 5.5, Marker::Triangle, style::UNDECIDED);
         } else if point.outcome == Some(Outcome::Failed) {
-            legend::point(canvas, map.point([x, baseline]), 5.5, Marker::Square, style::FAILED);
+            legend::point(canvas, map.point([x, baseline]), 5.0, Marker::Square, colour.unwrap_or(style::FAILED));
         }
         return;
     };

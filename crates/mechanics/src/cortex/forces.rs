@@ -156,6 +156,20 @@ pub fn profile(cortex: &Cortex, gauss: &Gauss, y: &Solution) -> Vec<Place> {
     places
 }
 
+/// What acts at `count` evenly spaced places of each mesh interval, and at the two ends of the mesh: for pictures, where the
+/// collocation points are too far apart.
+pub fn dense_profile(cortex: &Cortex, gauss: &Gauss, y: &Solution, count: usize) -> Vec<Place> {
+    let last = y.intervals() - 1;
+    let mut places = vec![place(cortex, y, &between(cortex, gauss, y, 0, 0.0))];
+    for i in 0..=last {
+        for k in 0..count {
+            places.push(place(cortex, y, &between(cortex, gauss, y, i, (k as f64 + 0.5) / count as f64)));
+        }
+    }
+    places.push(place(cortex, y, &between(cortex, gauss, y, last, 1.0)));
+    places
+}
+
 /// The polynomials of interval i at θ: of the shape, and of its rate of change, which is known at the Gauss points.
 fn between(cortex: &Cortex, gauss: &Gauss, y: &Solution, i: usize, theta: f64) -> State {
     let mut state = State {

@@ -38,6 +38,8 @@ pub struct Film {
     cortex: Cortex,
     gauss: Gauss,
     steps: Vec<Step>,
+    /// Places of each mesh interval, where not the collocation points are taken.
+    dense: Option<usize>,
 }
 
 /// The cell at one time.
@@ -49,7 +51,8 @@ pub struct Still {
     pub length: f64,
     /// Pressure p, in κ0/L_h³.
     pub pressure: f64,
-    /// The contour from pole to pole, at the collocation points of its mesh and at both ends.
+    /// The contour from pole to pole, at the collocation points of its mesh, or as many places as the film was asked for, and at
+    /// both ends.
     pub places: Vec<Place>,
     /// Its neck, if it has a waist.
     pub neck: Option<Neck>,
@@ -75,10 +78,23 @@ pub fn film(input: &DivisionInput) -> Result<Film, DivisionError> {
         steps.push(Step { t: frame.t, shape, cortex, neck: frame.neck });
     })?;
     let cortex = Cortex::new(&input.cell, Domain::Full, &[]);
-    Ok(Film { division, cortex, gauss: Gauss::new(input.numerics.stages), steps })
+    Ok(Film { division, cortex, gauss: Gauss::new(input.numerics.stages), steps, dense: None })
 }
 
 impl Film {
+    /// The same with `count` evenly spaced places in each mesh interval, by the collocation polynomial.
+    pub fn with_places(self, count: usize) -> Film {
+        Film { dense: Some(count.max(1)), ..self }
+    }
+
+    /// Where a step is looked at.
+    fn profile(&self, step: &Step) -> Vec<Place> {
+        match self.dense {
+            None => forces::profile(&step.cortex, &self.gauss, &step.shape),
+            Some(count) => forces::dense_profile(&step.cortex, &self.gauss, &step.shape, count),
+        }
+    }
+
     /// The half axes of the shell along z and across, in L_h.
     pub fn shell(&self) -> [f64; 2] {
         forces::shell_axes(&self.cortex)
@@ -93,12 +109,12 @@ impl Film {
     /// The cell at a time of [`times`](Self::times), by its number, counted from 0; past the last the last.
     pub fn step(&self, number: usize) -> Still {
         let Some(step) = self.steps.get(number).or(self.steps.last()) else { return Still::empty() };
-        let places = forces::profile(&step.cortex, &self.gauss, &step.shape);
+        let places = self.profile(step);
         self.still(step.t, step, None, places)
     }
 
-    /// The cell at any time, between the first step and the last: at the collocation points of the step behind, interpolated
-    /// in time at fixed u.
+    /// The cell at any time, between the first step and the last: at the places of the step behind, interpolated in time
+    /// at fixed u.
     pub fn at(&self, t: f64) -> Still {
         let behind = self.steps.partition_point(|step| step.t < t);
         if behind == 0 || behind >= self.steps.len() {
@@ -107,7 +123,7 @@ impl Film {
         let (before, after) = (&self.steps[behind - 1], &self.steps[behind]);
         let dt = after.t - before.t;
         let share = (t - before.t) / dt;
-        let then = forces::profile(&after.cortex, &self.gauss, &after.shape);
+        let then = self.profile(after);
         let blend = |place: Place| {
             forces::at(&before.cortex, &self.gauss, &before.shape, place.u).between(&place, share, dt)
         };

@@ -221,7 +221,7 @@ impl std::fmt::Display for BranchEnd {
 }
 
 /// Places of a contour that is kept, besides the first: evenly spaced in u.
-const CONTOUR: usize = 120;
+const CONTOUR: usize = 240;
 
 /// The contour of the newest point of a branch.
 pub(super) fn newest_contour(branch: &Continuation<Cortex>) -> Vec<[f64; 2]> {
