@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 15] = [
     "tree",
     "divide",
     "steady",
@@ -15,6 +15,7 @@ const COMMANDS: [&str; 14] = [
     "fit",
     "sweep",
     "merge",
+    "movies",
     "cache",
     "completions",
     "man",
@@ -65,7 +66,7 @@ fn run_examples_in(folder: &tempfile::TempDir, command: &str) {
 
 #[test]
 fn examples_of_quick_commands_run() {
-    ["", "divide", "steady", "cache", "completions", "man"].into_iter().for_each(run_examples);
+    ["", "divide", "steady", "movies", "cache", "completions", "man"].into_iter().for_each(run_examples);
 }
 
 #[test]

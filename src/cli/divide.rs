@@ -28,9 +28,7 @@ Examples:
   furrow divide --r0 2.5
   furrow divide --r0 5.4 --cue germline --json
   furrow divide --r0 4 --cue activity:band,u0=0.45,omega=0.3Lh,amplitude=0.1
-  furrow divide --r0 2 --replicates 3 --frames contours
-  furrow divide --r0 4 --cue germline --frames even --frame-step 0.05 --plot division.svg
-  furrow divide --r0 2 --movie division.gif --movie-frames 5")]
+  furrow divide --r0 2 --replicates 3 --frames even --frame-step 0.2 --plot division.svg --movie division.gif --movie-frames 5")]
 pub struct DivideArgs {
     #[command(flatten)]
     cell: ActiveCellArgs,

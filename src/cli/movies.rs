@@ -18,7 +18,7 @@ use crate::movie::supplement::scenes;
 use crate::movie::{Movie, MovieFormat};
 
 /// Places of each mesh interval in pictures and movies.
-pub const DENSE: usize = 6;
+pub const DENSE: usize = 4;
 
 /// The options of a movie.
 #[derive(Debug, Args)]
@@ -26,7 +26,7 @@ pub struct MovieArgs {
     /// Shows the first replicate as a movie: GIF, animated PNG or animated SVG by the file's extension
     #[arg(help_heading = "Output", long = "movie", value_name = "FILE.gif|.png|.svg")]
     movie: Option<PathBuf>,
-    /// Frames of the movie, at even times; default 80, of SVG 40
+    /// Frames of the movie, at even times; default 80, of SVG 20
     #[arg(help_heading = "Output", long, value_name = "N", requires = "movie", value_parser = clap::value_parser!(u32).range(2..=2000))]
     movie_frames: Option<u32>,
 }
@@ -83,7 +83,7 @@ pub struct MoviesArgs {
     /// Kind of the files
     #[arg(help_heading = "Output", long, value_name = "KIND", value_enum, default_value_t = Kind::Gif)]
     format: Kind,
-    /// Frames of each, at even times; default 80, of SVG 40
+    /// Frames of each, at even times; default 80, of SVG 20
     #[arg(help_heading = "Output", long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=2000))]
     frames: Option<u32>,
 }

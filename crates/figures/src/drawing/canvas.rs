@@ -146,13 +146,15 @@ impl Canvas {
         })));
     }
 
-    /// One of many small areas, whose corners need not be told as exactly.
-    pub fn facet(&mut self, corners: &[[f64; 2]], fill: &str) {
-        let mut d = String::with_capacity(48);
-        for (k, [x, y]) in corners.iter().enumerate() {
-            let _ = write!(d, "{}{x:.1} {y:.1}", if k == 0 { 'M' } else { 'L' });
+    /// Small areas of one colour, whose corners need not be told as exactly.
+    pub fn facets(&mut self, areas: impl Iterator<Item = impl AsRef<[[f64; 2]]>>, fill: &str) {
+        let mut d = String::new();
+        for corners in areas {
+            for (k, [x, y]) in corners.as_ref().iter().enumerate() {
+                let _ = write!(d, "{}{x:.1} {y:.1}", if k == 0 { 'M' } else { 'L' });
+            }
+            d.push('Z');
         }
-        d.push('Z');
         self.scene.add(Primitive::Path(Box::new(PathData {
             d,
             fill: Some(Color::from(fill)),
@@ -242,11 +244,19 @@ impl Canvas {
         }
         let (ux, uy) = (along[0] / length, along[1] / length);
         let head = (0.45 * length).min(4.0 * width);
+        let aside = |[x, y]: [f64; 2], by: f64| [x - by * uy, y + by * ux];
         let neck = [to[0] - head * ux, to[1] - head * uy];
-        self.polyline(&[from, neck], Stroke::solid(colour, width));
-        let half = 0.5 * head;
-        let corners = [[neck[0] - half * uy, neck[1] + half * ux], [neck[0] + half * uy, neck[1] - half * ux], to];
-        self.polygon(&corners, colour, 1.0, None);
+        let (thick, wide) = (0.5 * width, 0.5 * head.max(1.6 * width));
+        let corners = [
+            aside(from, thick),
+            aside(neck, thick),
+            aside(neck, wide),
+            to,
+            aside(neck, -wide),
+            aside(neck, -thick),
+            aside(from, -thick),
+        ];
+        self.facets(std::iter::once(corners), colour);
     }
 
     /// Puts another picture on this one, its upper left corner at a point; of its first clipped part the beginning is where
@@ -305,6 +315,30 @@ fn dashes(points: &[[f64; 2]], [dash, gap]: [f64; 2]) -> Vec<Vec<(f64, f64)>> {
     found
 }
 
+/// Digits behind the point with which a number is told to be one that was meant to have two.
+const NOISY: usize = 9;
+
+/// A picture without the last digits of numbers such as 14.120000000000001, which are most of its length.
+fn without_noise(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find('.') {
+        let digits = rest[at + 1..].bytes().take_while(u8::is_ascii_digit).count();
+        let begin = rest[..at].rfind(|c: char| !c.is_ascii_digit() && c != '-').map_or(0, |k| k + 1);
+        let end = at + 1 + digits;
+        match rest.get(begin..end).and_then(|number| number.parse::<f64>().ok()).filter(|_| digits >= NOISY) {
+            Some(number) => {
+                out.push_str(&rest[..begin]);
+                let _ = write!(out, "{}", (number * 100.0).round() / 100.0);
+            }
+            None => out.push_str(&rest[..end]),
+        }
+        rest = &rest[end..];
+    }
+    out.push_str(rest);
+    out
+}
+
 impl Drawing {
     /// As a file of that format.
     ///
@@ -319,7 +353,7 @@ impl Drawing {
 
     /// As SVG.
     pub fn svg(&self) -> String {
-        let mut text = SvgBackend::new().render_scene(&self.scene);
+        let mut text = without_noise(&SvgBackend::new().render_scene(&self.scene));
         if !text.ends_with('\n') {
             text.push('\n');
         }
@@ -349,6 +383,12 @@ mod tests {
             assert!((first - 15.0 * k as f64).abs() < 1e-9, "{first}");
             assert!((last - first - 9.0).abs() < 1e-9 || last == 100.0);
         }
+    }
+
+    #[test]
+    fn numbers_lose_their_noise_and_nothing_else() {
+        let noisy = "<path d=\"M14.120000000000001 -0.35000000000000003L3 4.5\"/>χ = 0.1546. 1.7063 ü.";
+        assert_eq!(without_noise(noisy), "<path d=\"M14.12 -0.35L3 4.5\"/>χ = 0.1546. 1.7063 ü.");
     }
 
     #[test]

@@ -44,7 +44,7 @@ impl MovieFormat {
     pub fn usual_frames(self) -> usize {
         match self {
             MovieFormat::Gif | MovieFormat::Png => 80,
-            MovieFormat::Svg => 40,
+            MovieFormat::Svg => 20,
         }
     }
 
@@ -52,7 +52,7 @@ impl MovieFormat {
         match self {
             MovieFormat::Gif | MovieFormat::Png => Fineness { along: 110, around: 72, shades: 64.0 },
             // A text that holds every corner of every frame.
-            MovieFormat::Svg => Fineness { along: 44, around: 22, shades: 20.0 },
+            MovieFormat::Svg => Fineness { along: 36, around: 20, shades: 20.0 },
         }
     }
 }
@@ -122,14 +122,16 @@ fn gif(stage: &Stage<'_>, times: &[f64]) -> Result<Vec<u8>, FigureError> {
 fn apng(stage: &Stage<'_>, times: &[f64]) -> Result<Vec<u8>, FigureError> {
     let mut out = Vec::new();
     let mut encoder = png::Encoder::new(&mut out, SIZE[0] as u32, SIZE[1] as u32);
-    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_animated(times.len() as u32, 0)?;
     let mut writer = encoder.write_header()?;
     for (k, t) in times.iter().enumerate() {
         let (pixels, _) = dots(stage, *t)?;
         writer.set_frame_delay(delay(k, times.len()), 100)?;
-        writer.write_image_data(&pixels)?;
+        // Nothing can be seen through.
+        let colours: Vec<u8> = pixels.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+        writer.write_image_data(&colours)?;
     }
     writer.finish()?;
     Ok(out)

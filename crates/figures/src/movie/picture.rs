@@ -12,9 +12,9 @@ use crate::plot::division::digits;
 /// Width and height.
 pub const SIZE: [f64; 2] = [680.0, 460.0];
 /// Arrows on each side of the axis.
-const ARROWS: usize = 30;
+const ARROWS: usize = 44;
 /// The longest arrow.
-const LONGEST: f64 = 46.0;
+const LONGEST: f64 = 42.0;
 
 /// What all frames of a movie share.
 pub struct Stage<'a> {
@@ -67,7 +67,7 @@ impl<'a> Stage<'a> {
             // The near half is that with a positive third coordinate.
             let from = if behind { FRAC_PI_2 } else { -FRAC_PI_2 };
             let half: Vec<[f64; 2]> =
-                (0..=40).map(|k| self.view.point([r, z], from + k as f64 / 80.0 * TAU)).collect();
+                (0..=24).map(|k| self.view.point([r, z], from + k as f64 / 48.0 * TAU)).collect();
             canvas.polyline(&half, thin);
         }
     }
@@ -75,11 +75,11 @@ impl<'a> Stage<'a> {
     fn forces(&self, canvas: &mut Canvas, still: &Still) {
         for ([r, z], [force_r, force_z]) in arrows(still) {
             let size = force_r.hypot(force_z);
-            if size <= 0.02 * self.largest {
+            if size <= 0.06 * self.largest {
                 continue;
             }
             // Longer ones end where the longest do.
-            let length = LONGEST / self.view.scale * (size / self.largest).min(1.3) / size;
+            let length = LONGEST / self.view.scale * (size / self.largest).min(1.0) / size;
             for angle in [FRAC_PI_2, -FRAC_PI_2] {
                 let from = self.view.point([r, z], angle);
                 let to = self.view.point([r + length * force_r, z + length * force_z], angle);

@@ -63,6 +63,7 @@ impl View {
 
 /// One facet on the canvas.
 struct Facet {
+    /// How near to the eye the middle of its ring around the axis is.
     depth: f64,
     corners: [[f64; 2]; 4],
     colour: [u8; 3],
@@ -98,12 +99,14 @@ fn meridian(still: &Still, count: usize) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// Draws the surface of a cell, the far parts first.
+/// Draws the surface of a cell ring by ring, the far ones first. Of one ring no two facets that are turned to the eye cover each
+/// other: those of one colour are drawn as one.
 pub fn draw(canvas: &mut Canvas, still: &Still, cue: &Cue, view: &View, fineness: Fineness) {
     let mut facets = facets(still, cue, view, fineness);
-    facets.sort_by(|a, b| a.depth.total_cmp(&b.depth));
-    for Facet { corners, colour: [r, g, b], .. } in facets {
-        canvas.facet(&corners, &format!("#{r:02x}{g:02x}{b:02x}"));
+    facets.sort_by(|a, b| a.depth.total_cmp(&b.depth).then(a.colour.cmp(&b.colour)));
+    for alike in facets.chunk_by(|a, b| a.depth == b.depth && a.colour == b.colour) {
+        let Some(Facet { colour: [r, g, b], .. }) = alike.first() else { continue };
+        canvas.facets(alike.iter().map(|facet| facet.corners), &format!("#{r:02x}{g:02x}{b:02x}"));
     }
 }
 
@@ -117,6 +120,7 @@ fn facets(still: &Still, cue: &Cue, view: &View, fineness: Fineness) -> Vec<Face
     let mut found = Vec::new();
     for pair in line.windows(2) {
         let ([u, r, z], [u2, r2, z2]) = (pair[0], pair[1]);
+        let depth = (view.rotation * View::place([0.0, 0.5 * (z + z2)], 0.0)).z;
         let here = strength(0.5 * (u + u2)) * if still.t > 0.0 { 1.0 } else { 0.0 };
         for k in 0..around {
             let corners = [
@@ -135,7 +139,7 @@ fn facets(still: &Still, cue: &Cue, view: &View, fineness: Fineness) -> Vec<Face
             let lit = (lit * shades).round() / shades;
             let colour = [0, 1, 2].map(|c| (lit * (CORTEX[c] + 0.85 * here * (CUE[c] - CORTEX[c]))).clamp(0.0, 255.0) as u8);
             found.push(Facet {
-                depth: corners.iter().map(|corner| corner.z).sum(),
+                depth,
                 corners: larger(corners.map(|corner| view.project(&corner))),
                 colour,
             });

@@ -168,7 +168,9 @@ fn balance(canvas: &mut Canvas, still: &Still, top: f64) {
         .collect();
     if !beyond.is_empty() {
         let [left, top, _, _] = map.frame();
-        let note = format!("at the neck: {}", beyond.join(", "));
-        canvas.text([left + 10.0, top + 22.0], &note, text::TICK, Anchor::Start, style::MUTED);
+        for (k, line) in std::iter::once("at the neck").chain(beyond.iter().map(String::as_str)).enumerate() {
+            let at = [left + 10.0, top + 22.0 + 20.0 * k as f64];
+            canvas.text(at, line, text::TICK, Anchor::Start, style::MUTED);
+        }
     }
 }

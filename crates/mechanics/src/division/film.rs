@@ -131,11 +131,11 @@ impl Film {
         self.still(t, before, Some((after, share)), places)
     }
 
-    /// The times k·step, and the last.
+    /// The times k·step, and the last; the last alone where the step is not above 0.
     pub fn uniform_times(&self, step: f64) -> Vec<f64> {
         let end = self.steps.last().map_or(0.0, |step| step.t);
-        let mut times: Vec<f64> =
-            (0..).map(|k| k as f64 * step).take_while(|t| *t < end - 1e-9 * step).collect();
+        let count = if step > 0.0 { ((end - 1e-9 * step) / step).ceil().max(0.0) as usize } else { 0 };
+        let mut times: Vec<f64> = (0..count).map(|k| k as f64 * step).collect();
         times.push(end);
         times
     }
