@@ -156,7 +156,8 @@ fn no_floor_imports_from_above() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let (mut offenders, mut seen) = (Vec::new(), 0);
     // What decides a division, what is built on divisions, pictures, and the command line.
-    let folders = ["crates/mechanics/src", "crates/embryo/src", "crates/figures/src", "src"].map(|folder| root.join(folder));
+    let folders =
+        ["crates/mechanics/src", "crates/embryo/src", "crates/figures/src", "src"].map(|folder| root.join(folder));
     for (folder, file) in folders.iter().flat_map(|folder| sources(folder).into_iter().map(move |file| (folder, file)))
     {
         let Some(own) = floor_of(folder, &file) else { continue };

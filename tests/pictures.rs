@@ -31,7 +31,21 @@ const DRAWN: [(&[&str], &[&str]); 6] = [
         &["1.7063", "criticality changes", "radius R₀ (Lₕ)", "activity ξₛ (κ₀/Lₕ)"],
     ),
     (
-        &["phase", "--vary", "r0", "--from", "1.6", "--to", "2.4", "--points", "3", "--xi-from", "20", "--xi-points", "2"],
+        &[
+            "phase",
+            "--vary",
+            "r0",
+            "--from",
+            "1.6",
+            "--to",
+            "2.4",
+            "--points",
+            "3",
+            "--xi-from",
+            "20",
+            "--xi-points",
+            "2",
+        ],
         &["stays at rest", "symmetric", "pitchfork"],
     ),
     (&["divide", "--r0", "4", "--cue", "germline"], &["χ = 0.155", "pressure", "neck radius", "t = 0.00 τ"]),
@@ -125,7 +139,9 @@ fn trees_are_drawn_side_by_side_and_over_constants() {
     let cues = ["tree", "--cue", "none", "--cue", "germline", "--out", "cues", "--plot", "cues.svg"];
     run(folder.path(), &[&cues[..], &small].concat());
     let picture = fs::read_to_string(folder.path().join("cues.svg")).unwrap();
-    assert!(picture.contains("c_elegans-none") && picture.contains("c_elegans-germline") && picture.contains("observed"));
+    assert!(
+        picture.contains("c_elegans-none") && picture.contains("c_elegans-germline") && picture.contains("observed")
+    );
     fs::write(folder.path().join("sets.csv"), "aspect,weight\n1.45,0.5\n1.5,0.5\n").unwrap();
     run(folder.path(), &[&["tree", "--constants", "sets.csv", "--plot", "sets.svg"], &small[..]].concat());
     let picture = fs::read_to_string(folder.path().join("sets.svg")).unwrap();

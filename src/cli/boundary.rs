@@ -28,7 +28,7 @@ use crate::shapes::{Criticality, PointKind};
 Examples:
   furrow boundary --vary r0 --from 1.7 --to 2 --no-folds
   furrow boundary --vary r0 --from 1.6 --to 1.9 --critical --no-folds --json
-  furrow boundary --vary r0 --from 1.6 --to 1.9 --critical --no-folds --plot boundary.svg --csv boundary.csv
+  furrow boundary --vary r0 --from 1.6 --to 1.9 --no-folds --plot boundary.svg --csv all.csv
   furrow boundary --vary epsilon --from 0.85 --to 0.9 --r0 2 --no-folds")]
 pub struct BoundaryArgs {
     #[command(flatten)]
@@ -299,7 +299,8 @@ impl Answer {
         ends("pitchfork", &self.pitchfork.iter().collect::<Vec<_>>(), "");
         for end in &self.ends {
             let of = self.folds.iter().filter(|fold| fold.curve == end.curve).map(|fold| &fold.point);
-            let how = if end.reason == "reached" { String::new() } else { format!("; {} at {:.6}", end.reason, end.value) };
+            let how =
+                if end.reason == "reached" { String::new() } else { format!("; {} at {:.6}", end.reason, end.value) };
             ends(&format!("fold {}", end.curve), &of.collect::<Vec<_>>(), &how);
         }
         self.degenerate.iter().for_each(|p| line(&mut out, "degenerate", p));

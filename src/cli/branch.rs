@@ -188,8 +188,7 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
         csv_rows(file, &COLUMNS, &document.points)?;
     }
     if let Some(picture) = picture {
-        let named: Vec<Named<'_>> =
-            branches.found.iter().map(|(name, branch)| Named { name, branch }).collect();
+        let named: Vec<Named<'_>> = branches.found.iter().map(|(name, branch)| Named { name, branch }).collect();
         picture.write(&plot::branch::draw(&cell, &named))?;
     }
     if context.json {

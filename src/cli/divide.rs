@@ -10,8 +10,8 @@ use super::cell::{ActiveCellArgs, number, positive};
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, writable_folder};
 use super::movies::{DENSE, MovieArgs};
+use super::output::{answer, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use crate::batch::{Failure, Replicates, Unsolved, replicates};
@@ -25,10 +25,10 @@ use crate::lineage::Units;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  furrow divide --r0 2.5
-  furrow divide --r0 5.4 --cue germline --json
+  furrow divide --r0 2.5 --plot division.svg
+  furrow divide --r0 5.4 --cue germline --json --movie zygote.gif --movie-frames 5
   furrow divide --r0 4 --cue activity:band,u0=0.45,omega=0.3Lh,amplitude=0.1
-  furrow divide --r0 2 --replicates 3 --frames even --frame-step 0.2 --plot division.svg --movie division.gif --movie-frames 5")]
+  furrow divide --r0 2 --replicates 3 --frames contours --frame-step 0.2")]
 pub struct DivideArgs {
     #[command(flatten)]
     cell: ActiveCellArgs,

@@ -82,17 +82,21 @@ pub fn cue(canvas: &mut Canvas, cue: &Cue, length: f64, places: &[[f64; 3]], sit
 
 /// Arrows of a force along the contour, of which the longest is `longest` on the canvas: at both sides of the axis, from the
 /// contour outwards or inwards. `forces` are (r, z) of the place and of the force.
-pub fn arrows(canvas: &mut Canvas, forces: &[([f64; 2], [f64; 2])], largest: f64, longest: f64, site: &Site, colour: &str) {
+pub fn arrows(
+    canvas: &mut Canvas,
+    forces: &[([f64; 2], [f64; 2])],
+    largest: f64,
+    longest: f64,
+    site: &Site,
+    colour: &str,
+) {
     if largest <= 0.0 {
         return;
     }
     for ([r, z], [force_r, force_z]) in forces {
         for side in [1.0, -1.0] {
             let from = site.point([side * r, *z]);
-            let to = [
-                from[0] + longest * force_z / largest,
-                from[1] - side * longest * force_r / largest,
-            ];
+            let to = [from[0] + longest * force_z / largest, from[1] - side * longest * force_r / largest];
             canvas.arrow(from, to, colour, 2.0);
         }
     }

@@ -60,14 +60,19 @@ impl Axis {
         Axis { ticked: false, ..self }
     }
 
-    /// The distance of two ticks: as it was asked for, or the round number that gives about as many as are wanted.
+    /// The distance of two ticks: as it was asked for, or the round number that gives about as many as are wanted, two at least.
     fn spacing(&self) -> Option<f64> {
         if self.logarithmic || self.step.is_some() {
             return self.step;
         }
-        let rough = (self.range[1] - self.range[0]) / self.ticks.max(1) as f64;
+        let [low, high] = self.range;
+        let rough = (high - low) / self.ticks.max(1) as f64;
         let unit = 10f64.powf(rough.log10().floor());
-        [1.0, 2.0, 5.0].into_iter().map(|digit| digit * unit).find(|step| *step >= rough).or(Some(10.0 * unit))
+        let steps = [0.5, 1.0, 2.0, 5.0, 10.0].map(|digit| digit * unit);
+        let wanted = steps.iter().position(|step| *step >= rough).unwrap_or(steps.len() - 1);
+        // One tick alone tells no distances.
+        let enough = |step: &&f64| (high / **step).floor() - (low / **step).ceil() >= 1.0;
+        steps.get(..=wanted)?.iter().rev().find(enough).or(steps.get(wanted)).copied()
     }
 
     /// Numbers with as many digits as tell two ticks apart.
@@ -217,7 +222,8 @@ impl Panel {
         let mut plots: Vec<Plot> = vec![ScatterPlot::new().with_data(Vec::<(f64, f64)>::new()).into()];
         for curve in curves {
             let points = curve.points.iter().map(|[x, y]| (*x, *y));
-            let line = LinePlot::new().with_data(points).with_color(curve.colour.as_str()).with_stroke_width(curve.width);
+            let line =
+                LinePlot::new().with_data(points).with_color(curve.colour.as_str()).with_stroke_width(curve.width);
             plots.push(line.into());
         }
         let inside = Panel { at: [0.0, 0.0], ..self.clone() };

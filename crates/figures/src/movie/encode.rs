@@ -174,4 +174,3 @@ fn inner(picture: &str) -> &str {
     let end = picture.rfind("</svg>").unwrap_or(picture.len());
     picture.get(begin..end).unwrap_or_default().trim()
 }
-

@@ -66,8 +66,7 @@ impl<'a> Stage<'a> {
             let r = across * (1.0 - (z / along).powi(2)).sqrt();
             // The near half is that with a positive third coordinate.
             let from = if behind { FRAC_PI_2 } else { -FRAC_PI_2 };
-            let half: Vec<[f64; 2]> =
-                (0..=24).map(|k| self.view.point([r, z], from + k as f64 / 48.0 * TAU)).collect();
+            let half: Vec<[f64; 2]> = (0..=24).map(|k| self.view.point([r, z], from + k as f64 / 48.0 * TAU)).collect();
             canvas.polyline(&half, thin);
         }
     }

@@ -137,12 +137,9 @@ fn facets(still: &Still, cue: &Cue, view: &View, fineness: Fineness) -> Vec<Face
             }
             let lit = (AMBIENT + (1.0 - AMBIENT) * normal.dot(&light).max(0.0)).min(1.0);
             let lit = (lit * shades).round() / shades;
-            let colour = [0, 1, 2].map(|c| (lit * (CORTEX[c] + 0.85 * here * (CUE[c] - CORTEX[c]))).clamp(0.0, 255.0) as u8);
-            found.push(Facet {
-                depth,
-                corners: larger(corners.map(|corner| view.project(&corner))),
-                colour,
-            });
+            let colour =
+                [0, 1, 2].map(|c| (lit * (CORTEX[c] + 0.85 * here * (CUE[c] - CORTEX[c]))).clamp(0.0, 255.0) as u8);
+            found.push(Facet { depth, corners: larger(corners.map(|corner| view.project(&corner))), colour });
         }
     }
     found

@@ -92,8 +92,9 @@ fn chosen<'a>(branches: &[Named<'a>]) -> Vec<Shape<'a>> {
         for event in &branch.events {
             let s = event.point().arclength;
             // Of an asymmetric branch the first point is that of the branch it came from.
-            let near = (1..branch.points.len())
-                .min_by(|a, b| (branch.points[*a].arclength - s).abs().total_cmp(&(branch.points[*b].arclength - s).abs()));
+            let near = (1..branch.points.len()).min_by(|a, b| {
+                (branch.points[*a].arclength - s).abs().total_cmp(&(branch.points[*b].arclength - s).abs())
+            });
             found.extend(near.and_then(at).map(|(_, contour)| (*event.point(), contour)));
         }
         found.extend(at(branch.points.len().saturating_sub(1)).filter(|_| branch.points.len() > 1));
@@ -152,7 +153,8 @@ fn chart(
                     Criticality::Subcritical => "subcritical",
                     _ => "supercritical",
                 };
-                let (aside, anchor) = if at[0] + 130.0 > map.frame()[2] { (-12.0, Anchor::End) } else { (12.0, Anchor::Start) };
+                let (aside, anchor) =
+                    if at[0] + 130.0 > map.frame()[2] { (-12.0, Anchor::End) } else { (12.0, Anchor::Start) };
                 canvas.text([at[0] + aside, at[1] + 22.0], kind, text::TICK, anchor, style::MUTED);
             }
         }
@@ -225,7 +227,8 @@ fn pieces(branch: &Branch, value: fn(&ShapePoint) -> f64) -> Vec<(bool, Vec<[f64
         let begins = first.is_some_and(|first| first == *point);
         [if begins { 0.0 } else { point.arclength }, point.xi_s, value(point)]
     };
-    let mut knots: Vec<Knot> = branch.points.iter().chain(branch.events.iter().map(|event| event.point())).map(&at).collect();
+    let mut knots: Vec<Knot> =
+        branch.points.iter().chain(branch.events.iter().map(|event| event.point())).map(&at).collect();
     knots.sort_by(|a, b| a[0].total_cmp(&b[0]));
     knots.dedup_by(|a, b| (a[0] - b[0]).abs() < 1e-9);
     let curve = smooth(&knots);

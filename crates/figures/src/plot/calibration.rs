@@ -112,7 +112,11 @@ pub fn draw_ensemble(found: &Ensemble) -> Drawing {
             let size = [CELL + margins.left - 6.0, CELL + margins.bottom - 6.0];
             let mut panel = Panel::new([at[0] - margins.left + 12.0, at[1] - margins.top], size, x, y);
             panel.margins = margins;
-            if row == column { histogram(&mut canvas, &panel, found, row) } else { pair(&mut canvas, &panel, found, [column, row]) }
+            if row == column {
+                histogram(&mut canvas, &panel, found, row)
+            } else {
+                pair(&mut canvas, &panel, found, [column, row])
+            }
         }
     }
     canvas.finish()

@@ -27,7 +27,8 @@ pub struct Edges {
 /// Draws a diagram.
 pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Drawing {
     let mut canvas = Canvas::new(WIDTH, HEIGHT);
-    let title = super::boundary::title(&plane.cell, plane.parameter).replace("Where division begins", "Outcomes of division");
+    let title =
+        super::boundary::title(&plane.cell, plane.parameter).replace("Where division begins", "Outcomes of division");
     canvas.text([24.0, 30.0], &title, text::TITLE, Anchor::Start, style::INK);
     let top = 46.0 + legend::rows(&mut canvas, [24.0, 40.0], WIDTH - 40.0, &entries(diagram, edges));
     let (columns, rows) = (bins(&plane.across), bins(&plane.up));
@@ -40,7 +41,9 @@ pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Drawin
     let panel = Panel::new([0.0, top], [WIDTH, HEIGHT - top], x, y);
     let tiles = |canvas: &mut Canvas, map: &Mapping| {
         for (k, cell) in diagram.cells.iter().enumerate() {
-            let (Some([x, x2]), Some([y, y2])) = (columns.get(k / rows.len()), rows.get(k % rows.len())) else { continue };
+            let (Some([x, x2]), Some([y, y2])) = (columns.get(k / rows.len()), rows.get(k % rows.len())) else {
+                continue;
+            };
             let (a, b) = (map.point([*x, *y2]), map.point([*x2, *y]));
             // A little wider than they are, so that no light comes through between two.
             canvas.rectangle(a, [b[0] - a[0] + 0.3, b[1] - a[1] + 0.3], &colour(cell), 1.0);

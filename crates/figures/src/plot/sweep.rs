@@ -124,8 +124,11 @@ fn label(sweep: &Sweep, axis: usize) -> String {
 
 fn curves(canvas: &mut Canvas, sweep: &Sweep, points: &[Point], x: Option<usize>) {
     let along = x.unwrap_or(0);
-    let words: Vec<String> =
-        sweep.axes.0.get(along).map_or(vec![String::new()], |axis| axis.values.iter().map(|v| v.text().into()).collect());
+    let words: Vec<String> = sweep
+        .axes
+        .0
+        .get(along)
+        .map_or(vec![String::new()], |axis| axis.values.iter().map(|v| v.text().into()).collect());
     let values = x.and_then(|x| numbers(sweep, x)).unwrap_or_else(|| (0..words.len()).map(|k| k as f64).collect());
     let at = |point: &Point| values.get(point.places.get(along).copied().unwrap_or(0)).copied().unwrap_or(0.0);
     let groups = grouped(sweep, points, along);
@@ -206,11 +209,19 @@ fn grouped<'a>(sweep: &Sweep, points: &'a [Point], along: usize) -> Vec<Group<'a
         let parts = others.iter().zip(key).map(|(axis, place)| {
             let axis = &axes[*axis];
             let value = axis.values.get(*place).map_or(String::new(), |value| value.text().into_owned());
-            if matches!(axis.values.first(), Some(AxisValue::Text(_))) { value } else { format!("{} = {value}", symbol(axis)) }
+            if matches!(axis.values.first(), Some(AxisValue::Text(_))) {
+                value
+            } else {
+                format!("{} = {value}", symbol(axis))
+            }
         });
         parts.collect::<Vec<_>>().join(", ")
     };
-    found.into_iter().enumerate().map(|(k, (key, points))| Group { name: name(&key), colour: colour(k), points }).collect()
+    found
+        .into_iter()
+        .enumerate()
+        .map(|(k, (key, points))| Group { name: name(&key), colour: colour(k), points })
+        .collect()
 }
 
 /// What an axis is called before its value.

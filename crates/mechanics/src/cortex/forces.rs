@@ -299,7 +299,9 @@ mod tests {
     }
 
     fn cued() -> Cell {
-        Cell::new(4.0).with_cue("kappa:u0=0.465,omega=0.0577,amplitude=0.1+xi_s:step,u0=0.6,omega=0.2,amplitude=0.1".parse().unwrap())
+        Cell::new(4.0).with_cue(
+            "kappa:u0=0.465,omega=0.0577,amplitude=0.1+xi_s:step,u0=0.6,omega=0.2,amplitude=0.1".parse().unwrap(),
+        )
     }
 
     #[test]
@@ -363,7 +365,11 @@ mod tests {
                 let along = (tension(u + step) - tension(u - step)) / (2.0 * step * frame.shape.scalars[LENGTH]);
                 let round = place.psi.cos() / place.r * here.xi_s * (place.c_uu - place.c_pp);
                 let size = along.abs() + round.abs() + 1.0;
-                assert!((along + round - place.active_tangential).abs() < 2e-3 * size, "{u}: {} {place:?}", along + round);
+                assert!(
+                    (along + round - place.active_tangential).abs() < 2e-3 * size,
+                    "{u}: {} {place:?}",
+                    along + round
+                );
                 checked += 1;
             }
         })

@@ -124,9 +124,8 @@ impl Film {
         let dt = after.t - before.t;
         let share = (t - before.t) / dt;
         let then = self.profile(after);
-        let blend = |place: Place| {
-            forces::at(&before.cortex, &self.gauss, &before.shape, place.u).between(&place, share, dt)
-        };
+        let blend =
+            |place: Place| forces::at(&before.cortex, &self.gauss, &before.shape, place.u).between(&place, share, dt);
         let places = then.into_iter().map(blend).collect();
         self.still(t, before, Some((after, share)), places)
     }

@@ -8,7 +8,9 @@ use bvp::newton::NewtonScratch;
 use bvp::{Continuation, ContinuationSettings, Fold, Gauss, Newton, Solution, SymmetryBreaking, System, locate};
 
 use super::asymmetric::NARROWEST;
-use super::branch::{Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, ShapePoint, XI, begin, newest_contour, not_located};
+use super::branch::{
+    Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, ShapePoint, XI, begin, newest_contour, not_located,
+};
 use super::effort::Effort;
 use super::error::{CellName, PointKind, ShapeError};
 use super::passive::passive;
