@@ -244,7 +244,7 @@ fn pieces(branch: &Branch, value: fn(&ShapePoint) -> f64) -> Vec<(bool, Vec<[f64
         let (before, after) = (&pair[0], &pair[1]);
         // At a pitchfork nothing grows or decays: the first piece of a branch that begins there is what its other end is.
         let (start, last) = (if k == 0 { stable(after) } else { stable(before) }, stable(after));
-        let known = found.last().map_or(true, |(stable, _)| *stable);
+        let known = found.last().is_none_or(|(stable, _)| *stable);
         let (start, last) = (start.or(last).unwrap_or(known), last.or(start).unwrap_or(known));
         let mut within = Vec::new();
         while let Some(event) = events.next_if(|event| event.arclength <= after.arclength) {
