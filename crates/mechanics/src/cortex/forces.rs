@@ -304,30 +304,40 @@ mod tests {
         )
     }
 
+    /// A shape is solved for to a few 1e-8 of itself, and so its velocities, which are differences of shapes, to that times the
+    /// rate of the step.
     #[test]
     fn normal_forces_sum_to_zero_at_every_collocation_point_of_a_division() {
         for cell in [Cell::new(2.0), cued()] {
-            for (_, places) in profiles(cell) {
+            divide_observed(&DivisionInput::new(cell), |frame| {
+                let places = profile(frame.cortex, frame.gauss, frame.shape);
                 for place in &places[1..places.len() - 1] {
                     let largest = place.normal.parts().iter().fold(1.0, |m: f64, part| m.max(part.abs()));
-                    assert!(place.normal.residual().abs() < 1e-6 * largest, "{place:?}");
+                    let solved_to = 1e-6 * largest + 1e-7 * frame.cortex.rate;
+                    assert!(place.normal.residual().abs() < solved_to, "{} {place:?}", place.normal.residual());
                 }
-            }
+            })
+            .unwrap();
         }
     }
 
     #[test]
     fn normal_forces_balance_between_collocation_points_to_the_accuracy_of_the_mesh() {
-        let mut worst = 0.0f64;
+        let mut checked = 0;
         divide_observed(&DivisionInput::new(cued()), |frame| {
+            // A narrow neck closes faster than the walls beside it, where little acts, are resolved.
+            if frame.neck.is_some_and(|neck| neck.radius < 0.2 * frame.cortex.cell.r0) {
+                return;
+            }
             for k in 1..200 {
                 let place = at(frame.cortex, frame.gauss, frame.shape, k as f64 / 200.0);
                 let size: f64 = place.normal.parts().iter().map(|part| part.abs()).sum();
-                worst = worst.max(place.normal.residual().abs() / size);
+                assert!(place.normal.residual().abs() < 0.05 * size, "{place:?}");
+                checked += 1;
             }
         })
         .unwrap();
-        assert!(worst < 0.05, "{worst}");
+        assert!(checked > 5000, "{checked}");
     }
 
     /// The shell and friction are all that acts on the cell from outside: their axial forces cancel.
@@ -358,29 +368,29 @@ mod tests {
                 let (difference, mean) = (place.c_uu - place.c_pp, place.c_uu + place.c_pp);
                 0.5 * here.xi_s * difference + here.xi_b * mean
             };
-            for k in 2..19 {
-                let (u, step) = (k as f64 / 20.0 + 0.001, 1e-5);
-                let place = at(frame.cortex, frame.gauss, frame.shape, u);
-                let here = frame.cortex.constants().at(u, frame.shape.scalars[LENGTH]);
-                let along = (tension(u + step) - tension(u - step)) / (2.0 * step * frame.shape.scalars[LENGTH]);
+            let y = frame.shape;
+            for i in (1..y.intervals() - 1).step_by(3) {
+                let u = y.stage_x(frame.gauss, i, 1);
+                let step = 1e-3 * (y.mesh[i + 1] - y.mesh[i]);
+                let place = at(frame.cortex, frame.gauss, y, u);
+                let here = frame.cortex.constants().at(u, y.scalars[LENGTH]);
+                let along = (tension(u + step) - tension(u - step)) / (2.0 * step * y.scalars[LENGTH]);
                 let round = place.psi.cos() / place.r * here.xi_s * (place.c_uu - place.c_pp);
                 let size = along.abs() + round.abs() + 1.0;
-                assert!(
-                    (along + round - place.active_tangential).abs() < 2e-3 * size,
-                    "{u}: {} {place:?}",
-                    along + round
-                );
+                assert!((along + round - place.active_tangential).abs() < 1e-4 * size, "{}: {place:?}", along + round);
                 checked += 1;
             }
         })
         .unwrap();
-        assert!(checked > 500);
+        assert!(checked > 200, "{checked}");
     }
 
     #[test]
     fn a_cell_without_activity_has_no_active_and_no_viscous_force() {
         let first = &profiles(Cell { cue: Cue::none(), ..cued() })[0].1;
         assert!(first.iter().all(|place| place.normal.active == 0.0 && place.normal.viscous.abs() < 1e-9));
-        assert!(first.iter().any(|place| place.normal.shell < -0.1));
+        // What is left is bending, which the pressure and the shell hold.
+        assert!(first.iter().all(|place| place.normal.residual().abs() < 1e-3), "{first:?}");
+        assert!(first.iter().any(|place| place.normal.shell < -0.01) && first[0].normal.pressure != 0.0, "{first:?}");
     }
 }
