@@ -18,7 +18,7 @@ use crate::movie::supplement::scenes;
 use crate::movie::{Movie, MovieFormat};
 
 /// Places of each mesh interval in pictures and movies.
-pub const DENSE: usize = 4;
+pub const DENSE: usize = 6;
 
 /// The options of a movie.
 #[derive(Debug, Args)]
