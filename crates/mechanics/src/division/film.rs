@@ -27,7 +27,7 @@ struct Step {
 ///
 /// let film = film(&DivisionInput::new(Cell::new(2.5)))?;
 /// let middle = film.at(0.5 * film.division.t_end);
-/// assert!(middle.places.len() > 100);
+/// assert!(middle.places.len() > 50);
 /// assert!(middle.places.iter().all(|place| place.normal.residual().abs() < 0.1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
