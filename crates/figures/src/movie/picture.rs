@@ -74,7 +74,7 @@ impl<'a> Stage<'a> {
     fn forces(&self, canvas: &mut Canvas, still: &Still) {
         for ([r, z], [force_r, force_z]) in arrows(still) {
             let size = force_r.hypot(force_z);
-            if size <= 0.06 * self.largest {
+            if size <= 0.1 * self.largest {
                 continue;
             }
             // Longer ones end where the longest do.
