@@ -31,7 +31,8 @@
 //! | [`lineage`] | founders, the tree that grows from them, rounds beside the observed ones |
 //! | [`settings`] | parameters as users give them, each field checked |
 //! | [`study`] | many trees and divisions with one question: sweeps, scenarios side by side, ensembles of constants |
-//! | [`io`], [`report`] | files, tables and pictures |
+//! | [`io`], [`report`] | files, tables and the lineage's drawing |
+//! | `drawing`, `plot`, `movie` | pictures of what is computed, and movies of divisions (feature `figures`, on by default) |
 //! | `cli` | the command line (feature `cli`, on by default) |
 //!
 //! # References
@@ -43,5 +44,8 @@ pub mod cli;
 
 #[doc(inline)]
 pub use embryo::{batch, io, lineage, report, settings, study};
+#[cfg(feature = "figures")]
+#[doc(inline)]
+pub use figures::{drawing, movie, plot};
 #[doc(inline)]
 pub use mechanics::{calibration, cell, cortex, division, input, shapes, stability};

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-const COMMANDS: [&str; 18] = [
+const COMMANDS: [&str; 19] = [
     "tree",
     "divide",
     "steady",
@@ -18,6 +18,7 @@ const COMMANDS: [&str; 18] = [
     "sweep",
     "merge",
     "export",
+    "movies",
     "cache",
     "explore",
     "completions",
@@ -69,7 +70,7 @@ fn run_examples_in(folder: &tempfile::TempDir, command: &str) {
 
 #[test]
 fn examples_of_quick_commands_run() {
-    ["", "divide", "steady", "explore", "cache", "completions", "man"].into_iter().for_each(run_examples);
+    ["", "divide", "steady", "explore", "movies", "cache", "completions", "man"].into_iter().for_each(run_examples);
 }
 
 #[test]

@@ -10,11 +10,13 @@ use super::cell::number;
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, writable_file};
+use super::output::{answer, csv_rows, writable_file};
+use super::plot::PlotArgs;
 use super::vary::{Varied, VaryArgs};
 use crate::cell::{Cue, Parameter};
 use crate::input::InputError;
 use crate::io::write_atomically;
+use crate::plot::{self, boundary::Boundary};
 use crate::shapes::critical::{self, Stored};
 use crate::shapes::curves::{self, Curve, CurveEnd, CurvePoint};
 use crate::shapes::{Criticality, PointKind};
@@ -26,6 +28,7 @@ use crate::shapes::{Criticality, PointKind};
 Examples:
   furrow boundary --vary r0 --from 1.7 --to 2 --no-folds
   furrow boundary --vary r0 --from 1.6 --to 1.9 --critical --no-folds --json
+  furrow boundary --vary r0 --from 1.6 --to 1.9 --no-folds --plot boundary.svg --csv all.csv
   furrow boundary --vary epsilon --from 0.85 --to 0.9 --r0 2 --no-folds")]
 pub struct BoundaryArgs {
     #[command(flatten)]
@@ -42,6 +45,25 @@ pub struct BoundaryArgs {
     /// Stores the boundary over R0, with the critical radii of all cues of the lineage
     #[arg(help_heading = "Output", long, value_name = "FILE.json")]
     write: Option<PathBuf>,
+    /// Prints every point of the curves, not only where they begin, end and change
+    #[arg(help_heading = "Output", long)]
+    points: bool,
+    /// Writes every point of the curves
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArgs,
+}
+
+/// The columns of `--csv`.
+const COLUMNS: [&str; 8] = ["curve", "r0", "epsilon", "value", "xi_s", "H", "criticality", "coefficient"];
+
+/// A row of `--csv`: a point, and what it is of.
+#[derive(Serialize)]
+struct CsvRow<'a> {
+    curve: &'a str,
+    #[serde(flatten)]
+    point: &'a PointAnswer,
 }
 
 /// A point of a curve.
@@ -118,6 +140,7 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     }
     let varied = args.vary.read(&mut context)?;
     args.check(&varied)?;
+    let picture = args.plot.file()?;
     let Varied { cell, parameter, range } = &varied;
     let numerics = &context.settings.numerics;
     if let Some(path) = &args.write {
@@ -146,8 +169,27 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
         }
     }
     let document = Answer::new(&varied, &pitchfork, &folds, critical);
+    if let Some(file) = &args.csv {
+        let named = document.named();
+        let rows: Vec<CsvRow<'_>> = named.iter().map(|(curve, point)| CsvRow { curve, point }).collect();
+        csv_rows(file, &COLUMNS, &rows)?;
+    }
+    if let Some(picture) = picture {
+        let drawn = Boundary {
+            cell,
+            parameter: *parameter,
+            range: *range,
+            pitchfork: &pitchfork,
+            folds: &folds,
+            cusps: &cusps(&folds),
+            critical,
+        };
+        picture.write(&plot::boundary::draw(&drawn))?;
+    }
     if context.json {
         answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
+    } else if args.points {
+        answer(&document.list())
     } else {
         answer(&document.text())
     }
@@ -185,6 +227,9 @@ impl BoundaryArgs {
             let allowed = "r0: what is stored is a boundary over R0";
             return Err(InputError::not_allowed("--write", "vary", varied.parameter, allowed));
         }
+        if let Some(file) = &self.csv {
+            writable_file("--csv", "csv", file)?;
+        }
         self.write.as_ref().map_or(Ok(()), |file| writable_file("--write", "write", file))
     }
 }
@@ -219,21 +264,57 @@ impl Answer {
         }
     }
 
-    fn text(&self) -> String {
-        let mut out = String::from("curve              R0         ε      value         ξ_s         H\n");
-        let mut line = |name: &str, p: &PointAnswer| {
-            let of = p.criticality.map_or(String::new(), |criticality| criticality.to_string());
-            let _ = writeln!(
-                out,
-                "{name:<12} {:>8.5} {:>9.6} {:>10.6} {:>11.6} {:>9.6}  {of}",
-                p.r0, p.epsilon, p.value, p.xi_s, p.H
-            );
+    /// All points, each with what it is of.
+    fn named<'a>(&'a self) -> Vec<(String, &'a PointAnswer)> {
+        let of = |name: &str, points: &'a [PointAnswer]| {
+            let name = name.to_owned();
+            points.iter().map(move |point| (name.clone(), point))
         };
-        self.pitchfork.iter().for_each(|p| line("pitchfork", p));
-        self.degenerate.iter().for_each(|p| line("degenerate", p));
-        self.folds.iter().for_each(|f| line(&format!("fold {}", f.curve), &f.point));
-        self.cusps.iter().for_each(|p| line("cusp", p));
-        self.critical_point.iter().for_each(|p| line("critical", p));
+        let mut all: Vec<(String, &PointAnswer)> = of("pitchfork", &self.pitchfork).collect();
+        all.extend(of("degenerate", &self.degenerate));
+        all.extend(self.folds.iter().map(|fold| (format!("fold {}", fold.curve), &fold.point)));
+        all.extend(of("cusp", &self.cusps));
+        all.extend(self.critical_point.iter().map(|point| ("critical".to_owned(), point)));
+        all
+    }
+
+    /// Every point.
+    fn list(&self) -> String {
+        let mut out = String::from("curve              R0         ε      value         ξ_s         H\n");
+        for (name, point) in self.named() {
+            line(&mut out, &name, point);
+        }
         out
     }
+
+    /// Every curve by its two ends, and the points at which something happens.
+    fn text(&self) -> String {
+        let mut out = String::from("curve              R0         ε      value         ξ_s         H\n");
+        let mut ends = |name: &str, points: &[&PointAnswer], how: &str| {
+            let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
+            line(&mut out, name, first);
+            line(&mut out, "  to", last);
+            let _ = writeln!(out, "  in {} points{how}", points.len());
+        };
+        ends("pitchfork", &self.pitchfork.iter().collect::<Vec<_>>(), "");
+        for end in &self.ends {
+            let of = self.folds.iter().filter(|fold| fold.curve == end.curve).map(|fold| &fold.point);
+            let how =
+                if end.reason == "reached" { String::new() } else { format!("; {} at {:.6}", end.reason, end.value) };
+            ends(&format!("fold {}", end.curve), &of.collect::<Vec<_>>(), &how);
+        }
+        self.degenerate.iter().for_each(|p| line(&mut out, "degenerate", p));
+        self.cusps.iter().for_each(|p| line(&mut out, "cusp", p));
+        self.critical_point.iter().for_each(|p| line(&mut out, "critical", p));
+        out
+    }
+}
+
+fn line(out: &mut String, name: &str, p: &PointAnswer) {
+    let of = p.criticality.map_or(String::new(), |criticality| format!("  {criticality}"));
+    let _ = writeln!(
+        out,
+        "{name:<12} {:>8.5} {:>9.6} {:>10.6} {:>11.6} {:>9.6}{of}",
+        p.r0, p.epsilon, p.value, p.xi_s, p.H
+    );
 }

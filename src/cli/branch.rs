@@ -1,6 +1,7 @@
 //! `furrow branch`: stationary shapes of one cell over activity.
 
 use std::fmt::Write;
+use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
@@ -8,9 +9,11 @@ use serde::Serialize;
 use super::cell::{CellArgs, number, positive};
 use super::context::Context;
 use super::error::CliError;
-use super::output::answer;
+use super::output::{answer, csv_rows, writable_file};
+use super::plot::PlotArgs;
 use crate::cell::{Cell, Cue, Numerics};
-use crate::shapes::asymmetric::{self, Scaling};
+use crate::plot::{self, branch::Named};
+use crate::shapes::asymmetric::{self, AsymmetricBranch, Scaling};
 use crate::shapes::{
     Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, PointKind, ShapeError, ShapePoint, primary,
 };
@@ -21,6 +24,7 @@ use crate::shapes::{
 #[command(after_help = "\
 Examples:
   furrow branch --r0 2 --xi-max 30
+  furrow branch --r0 2 --xi-max 30 --plot branch.svg --csv branch.csv
   furrow branch --r0 2.2 --cue germline --xi-max 30 --json")]
 pub struct BranchArgs {
     #[command(flatten)]
@@ -31,7 +35,18 @@ pub struct BranchArgs {
     /// Largest step along a branch, in its arclength
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true, value_parser = number)]
     max_step: f64,
+    /// Prints every point of the branches, not only what happens along them
+    #[arg(help_heading = "Output", long)]
+    points: bool,
+    /// Writes every point of the branches
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArgs,
 }
+
+/// The columns of `--csv`.
+const COLUMNS: [&str; 9] = ["branch", "xi_s", "H", "L", "p", "r_eq", "stable", "growth_rate", "delta_u"];
 
 #[derive(Serialize)]
 #[allow(non_snake_case)]
@@ -141,7 +156,12 @@ struct Answer {
 
 pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
+    let picture = args.plot.file()?;
+    if let Some(file) = &args.csv {
+        writable_file("--csv", "csv", file)?;
+    }
     let options = BranchOptions {
+        contours: picture.is_some(),
         xi: [0.0, positive("--xi-max", "xi_max", args.xi_max)?],
         growth_rates: true,
         ..BranchOptions::default()
@@ -159,32 +179,50 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
         ends: Vec::new(),
         stopped_by: Vec::new(),
     };
-    document.follow(&cell, &context.settings.numerics, &options)?;
+    let branches = follow(&cell, &context.settings.numerics, &options)?;
+    document.scaling = branches.scaling;
+    for (name, branch) in &branches.found {
+        document.add(name, branch);
+    }
+    if let Some(file) = &args.csv {
+        csv_rows(file, &COLUMNS, &document.points)?;
+    }
+    if let Some(picture) = picture {
+        let named: Vec<Named<'_>> = branches.found.iter().map(|(name, branch)| Named { name, branch }).collect();
+        picture.write(&plot::branch::draw(&cell, &named))?;
+    }
     if context.json {
         answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
     } else {
-        answer(&document.text())
+        answer(&document.text(args.points))
     }
 }
 
-impl Answer {
-    /// The primary branch and, of a mirror-symmetric cell, the asymmetric one of its first pitchfork.
-    fn follow(&mut self, cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Result<(), ShapeError> {
-        let branch = primary::follow(cell, numerics, options, |_| true)?;
-        self.add(if cell.is_mirror_symmetric() { "symmetric" } else { "cued" }, &branch);
-        if let Some(pitchfork) = branch.pitchforks().next() {
-            let found = asymmetric::follow(pitchfork, cell, options);
-            self.add("asymmetric", &found.branch);
-            self.scaling = found.scaling.map(|s: Scaling| ScalingAnswer {
-                exponent: s.exponent,
-                prefactor: s.prefactor,
-                coefficient: s.coefficient,
-                points: s.points,
-            });
-        }
-        Ok(())
-    }
+/// The branches of a cell under their names.
+struct Branches {
+    found: Vec<(&'static str, Branch)>,
+    scaling: Option<ScalingAnswer>,
+}
 
+/// The primary branch and, of a mirror-symmetric cell, the asymmetric one of its first pitchfork.
+fn follow(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Result<Branches, ShapeError> {
+    let branch = primary::follow(cell, numerics, options, |_| true)?;
+    let asymmetric = branch.pitchforks().next().map(|pitchfork| asymmetric::follow(pitchfork, cell, options));
+    let mut found = vec![(if cell.is_mirror_symmetric() { "symmetric" } else { "cued" }, branch)];
+    let mut scaling = None;
+    if let Some(AsymmetricBranch { branch, scaling: of }) = asymmetric {
+        found.push(("asymmetric", branch));
+        scaling = of.map(|s: Scaling| ScalingAnswer {
+            exponent: s.exponent,
+            prefactor: s.prefactor,
+            coefficient: s.coefficient,
+            points: s.points,
+        });
+    }
+    Ok(Branches { found, scaling })
+}
+
+impl Answer {
     fn add(&mut self, name: &'static str, branch: &Branch) {
         if let Some(reason) = branch.ended.error() {
             tracing::warn!("the {name} branch is followed no further: {reason}");
@@ -203,16 +241,10 @@ impl Answer {
         self.newton_iterations += branch.work.iterations;
     }
 
-    fn text(&self) -> String {
+    fn text(&self, points: bool) -> String {
         let mut out = format!("R0 = {}, ε = {}, cue {}\n", self.r0, self.epsilon, self.cue);
-        out.push_str("branch          ξ_s         H         L   growth rate        Δu\n");
-        for p in &self.points {
-            let rate = p.growth_rate.map_or("-".to_owned(), |rate| format!("{rate:.4}"));
-            let _ = writeln!(
-                out,
-                "{:<10} {:>9.5} {:>9.6} {:>9.5} {rate:>13} {:>9.5}",
-                p.branch, p.xi_s, p.H, p.L, p.delta_u
-            );
+        if points {
+            self.list_points(&mut out);
         }
         for e in &self.events {
             let of = match (e.criticality, e.maximum) {
@@ -223,11 +255,28 @@ impl Answer {
             let _ = writeln!(out, "{} of the {} branch at ξ_s = {:.6}, H = {:.6}: {of}", e.kind, e.branch, e.xi_s, e.H);
         }
         for end in &self.ends {
-            let _ = writeln!(out, "the {} branch is followed to ξ_s = {:.6}: {}", end.branch, end.xi_s, end.why);
+            let count = self.points.iter().filter(|point| point.branch == end.branch).count();
+            let _ = writeln!(
+                out,
+                "the {} branch is followed to ξ_s = {:.6}, in {count} points: {}",
+                end.branch, end.xi_s, end.why
+            );
         }
         if let Some(s) = &self.scaling {
             let _ = writeln!(out, "|Δu| = {:.4} |ξ_s − ξ_s*|^{:.4} from {} points", s.prefactor, s.exponent, s.points);
         }
         out
+    }
+
+    fn list_points(&self, out: &mut String) {
+        out.push_str("branch          ξ_s         H         L   growth rate        Δu\n");
+        for p in &self.points {
+            let rate = p.growth_rate.map_or("-".to_owned(), |rate| format!("{rate:.4}"));
+            let _ = writeln!(
+                out,
+                "{:<10} {:>9.5} {:>9.6} {:>9.5} {rate:>13} {:>9.5}",
+                p.branch, p.xi_s, p.H, p.L, p.delta_u
+            );
+        }
     }
 }

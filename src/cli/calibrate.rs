@@ -1,8 +1,10 @@
 //! `furrow calibrate`: constants from thresholds.
 
 use super::context::Context;
+use super::ensemble::{SampleFiles, sample};
 use super::error::CliError;
 use super::output::answer;
+use super::plot::PlotArgs;
 use crate::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
 use crate::input::{parse_document, read_text};
 use crate::study::{Exclusion, judge};
@@ -17,7 +19,7 @@ use std::path::PathBuf;
 #[command(after_help = "\
 Examples:
   furrow calibrate data/thresholds.ron --set intervals=32
-  furrow calibrate data/thresholds.ron --set stages=3 --set intervals=32 --json")]
+  furrow calibrate data/thresholds.ron --set stages=3 --set intervals=32 --plot calibrate.svg --json")]
 pub struct CalibrateArgs {
     /// Unknowns and thresholds in RON, as in data/thresholds.ron
     #[arg(value_name = "TARGETS.ron")]
@@ -31,6 +33,8 @@ pub struct CalibrateArgs {
     /// File for the sample, as furrow tree --constants reads it; default stdout
     #[arg(help_heading = "Ensemble", long, value_name = "FILE.csv", requires = "ensemble")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArgs,
 }
 
 /// What `--json` prints.
@@ -50,11 +54,16 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
     let file = args.targets.display().to_string();
     let targets: Targets = parse_document(&read_text(&args.targets)?, &file, "a file of targets", "Targets")?;
     targets.check(&file)?;
+    let picture = args.plot.file()?;
     if let Some(count) = args.ensemble {
-        return super::ensemble::sample(&targets, context, count as usize, args.seed, args.out.as_deref());
+        let files = SampleFiles { table: args.out.as_deref(), picture: picture.as_ref() };
+        return sample(&targets, context, count as usize, args.seed, &files);
     }
     let found = calibrate(&targets, &context.settings.cell, &context.settings.numerics)?;
     let excluded = judge(&targets, &found.cell, &context.settings.numerics, true).excluded;
+    if let Some(picture) = picture {
+        picture.write(&crate::plot::calibration::draw(&targets, &found, &excluded))?;
+    }
     if context.json {
         let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), Value::from(*value)));
         let document = Answer {

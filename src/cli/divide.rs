@@ -6,15 +6,18 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::cell::ActiveCellArgs;
+use super::cell::{ActiveCellArgs, number, positive};
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
+use super::movies::{DENSE, MovieArgs};
 use super::output::{answer, writable_folder};
+use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use crate::batch::{Failure, Replicates, Unsolved, replicates};
 use crate::cell::Cue;
-use crate::division::{Division, DivisionInput, Statistics};
+use crate::division::{Division, DivisionInput, Film, Statistics, film};
+use crate::input::InputError;
 use crate::io::frames::{INDEX, write_frames};
 use crate::lineage::Units;
 
@@ -22,10 +25,10 @@ use crate::lineage::Units;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  furrow divide --r0 2.5
-  furrow divide --r0 5.4 --cue germline --json
+  furrow divide --r0 2.5 --plot division.svg
+  furrow divide --r0 5.4 --cue germline --json --movie zygote.gif --movie-frames 5
   furrow divide --r0 4 --cue activity:band,u0=0.45,omega=0.3Lh,amplitude=0.1
-  furrow divide --r0 2 --replicates 3 --frames contours")]
+  furrow divide --r0 2 --replicates 3 --frames contours --frame-step 0.2")]
 pub struct DivideArgs {
     #[command(flatten)]
     cell: ActiveCellArgs,
@@ -35,9 +38,16 @@ pub struct DivideArgs {
     /// Divisions with seeds S, S+1, ...
     #[arg(help_heading = "Numerics", long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     replicates: u32,
-    /// Writes the contour after every step of the first replicate into this folder
+    /// Writes contour, curvatures, tensions, velocities and forces of the first replicate into this folder, after every step
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     frames: Option<PathBuf>,
+    /// Writes a frame every so many τ instead of after every step
+    #[arg(help_heading = "Output", long, value_name = "TAU", requires = "frames", allow_negative_numbers = true, value_parser = number)]
+    frame_step: Option<f64>,
+    #[command(flatten)]
+    plot: PlotArgs,
+    #[command(flatten)]
+    movie: MovieArgs,
 }
 
 /// One replicate in the answer.
@@ -76,9 +86,23 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     if let Some(folder) = &args.frames {
         writable_folder("--frames", "frames", folder, &[INDEX])?;
     }
+    let every = args.frame_step.map(|step| positive("--frame-step", "frame_step", step)).transpose()?;
+    let picture = args.plot.file()?;
+    let movie = args.movie.file()?;
     let Replicates { divisions, undecided, .. } = solve(args, &context, &input)?;
-    if let Some(folder) = &args.frames {
-        write_frames(folder, &input)?;
+    if args.frames.is_some() || picture.is_some() || movie.is_some() {
+        let film = film(&input)?;
+        if let Some(folder) = &args.frames {
+            check_count(&film, every)?;
+            write_frames(folder, &film, every)?;
+        }
+        let film = film.with_places(DENSE);
+        if let Some(picture) = picture {
+            picture.write(&crate::plot::division::draw(&input.cell, &film))?;
+        }
+        if let Some(movie) = movie {
+            movie.write(&input.cell, &film)?;
+        }
     }
     let replicate = |k: usize| Replicate { seed: divisions[k].0, division: &divisions[k].1 };
     let document = Answer {
@@ -97,6 +121,21 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
     } else {
         answer(&text(&document, &context.units))
+    }
+}
+
+/// Most frames that are written at even times.
+const MOST_FRAMES: f64 = 100_000.0;
+
+/// Refuses a step that gives more frames than anybody looks at, as of a cell that waits for thousands of τ.
+fn check_count(film: &Film, every: Option<f64>) -> Result<(), InputError> {
+    let least = film.division.t_end / MOST_FRAMES;
+    match every.filter(|step| *step < least) {
+        None => Ok(()),
+        Some(step) => {
+            let allowed = format!("at least {least:.3e}: the division takes {:.3} τ", film.division.t_end);
+            Err(InputError::not_allowed("--frame-step", "frame_step", step, allowed))
+        }
     }
 }
 

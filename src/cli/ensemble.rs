@@ -11,6 +11,7 @@ use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::output::{answer, writable_file};
+use super::plot::PlotFile;
 use crate::calibration::Targets;
 use crate::input::read_text;
 use crate::io::write_atomically;
@@ -35,14 +36,23 @@ struct EnsembleAnswer {
     constants: BTreeMap<String, Range>,
 }
 
+/// Where a sample goes.
+pub struct SampleFiles<'a> {
+    /// Its table.
+    pub table: Option<&'a Path>,
+    /// Its picture.
+    pub picture: Option<&'a PlotFile>,
+}
+
 /// Samples constants and writes them as a table.
 pub fn sample(
     targets: &Targets,
     context: &Context,
     count: usize,
     seed: u64,
-    out: Option<&Path>,
+    files: &SampleFiles<'_>,
 ) -> Result<(), CliError> {
+    let out = files.table;
     if let Some(file) = out {
         writable_file("--out", "out", file)?;
     }
@@ -59,6 +69,9 @@ pub fn sample(
     let table = write_constants(&sets);
     if let Some(file) = out {
         write_atomically(file, table.as_bytes())?;
+    }
+    if let Some(picture) = files.picture {
+        picture.write(&crate::plot::calibration::draw_ensemble(&found))?;
     }
     let constants = |k: usize| {
         let values = found.members.iter().map(|member| (member.values[k], member.weight)).collect();
@@ -113,11 +126,20 @@ struct RangesAnswer<'a> {
 }
 
 /// Grows a lineage with every set of constants of a table.
-pub fn grow_over(file: &Path, lineage: &Lineage, settings: &TreeSettings, context: &Context) -> Result<(), CliError> {
+pub fn grow_over(
+    file: &Path,
+    lineage: &Lineage,
+    settings: &TreeSettings,
+    context: &Context,
+    picture: Option<&PlotFile>,
+) -> Result<(), CliError> {
     let start = std::time::Instant::now();
     let sets = read_constants(&read_text(file)?, &file.display().to_string())?;
     let found = ranges(lineage, settings, &sets, context.threads, Some(interrupt::flag()))?;
     let elapsed_s = start.elapsed().as_secs_f64();
+    if let Some(picture) = picture {
+        picture.write(&crate::plot::rounds::draw_ranges(lineage, &found))?;
+    }
     if context.json {
         let document = RangesAnswer { ranges: &found, elapsed_s };
         return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));

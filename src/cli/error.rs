@@ -3,6 +3,7 @@
 use crate::batch::{Failure, SchedulerError, StoreError};
 use crate::calibration::CalibrateError;
 use crate::division::DivisionError;
+use crate::drawing::FigureError;
 use crate::input::InputError;
 use crate::io::files::WriteError;
 use crate::io::frames::FramesError;
@@ -12,6 +13,7 @@ use crate::shapes::{PointKind, ShapeError, StationaryError};
 use crate::stability::StabilityError;
 use crate::study::EnsembleError;
 use crate::study::fit::FitError;
+use crate::study::table::TableError;
 
 /// What ends a command.
 #[derive(Debug, thiserror::Error)]
@@ -79,6 +81,12 @@ pub enum CliError {
     /// The files of a sweep could not be written.
     #[error(transparent)]
     SweepFiles(#[from] SweepFilesError),
+    /// A picture could not be made.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    /// A table could not be written.
+    #[error(transparent)]
+    Table(#[from] TableError),
     /// Frames could not be written.
     #[error(transparent)]
     Frames(#[from] FramesError),

@@ -15,10 +15,12 @@ mod export;
 mod fit;
 mod interrupt;
 mod merge;
+mod movies;
 mod new_lineage;
 mod output;
 mod phase;
 mod pitchfork;
+mod plot;
 mod progress;
 mod scenarios;
 mod shell;
@@ -91,6 +93,7 @@ struct Globals {
 enum Command {
     Tree(tree::TreeArgs),
     Divide(divide::DivideArgs),
+    Movies(movies::MoviesArgs),
     Steady(steady::SteadyArgs),
     Branch(branch::BranchArgs),
     Pitchfork(pitchfork::PitchforkArgs),
@@ -140,6 +143,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
         Command::Tree(args) => tree::run(&args, &Context::new(&cli.globals)?),
         Command::Divide(args) => divide::run(&args, Context::new(&cli.globals)?),
+        Command::Movies(args) => movies::run(&args, Context::new(&cli.globals)?),
         Command::Steady(args) => steady::run(&args, Context::new(&cli.globals)?),
         Command::Branch(args) => branch::run(&args, Context::new(&cli.globals)?),
         Command::Pitchfork(args) => pitchfork::run(&args, Context::new(&cli.globals)?),

@@ -4,8 +4,29 @@
 use super::error::CliError;
 use crate::input::InputError;
 use crate::io::files::{WriteError, check_file, check_folder};
+use crate::io::write_atomically;
+use crate::study::Row;
+use crate::study::table::csv_text;
+use serde::Serialize;
+use serde_json::Value;
 use std::io::{self, Write};
 use std::path::Path;
+
+/// Writes records as CSV: of each the fields of these names, which `--json` has under the same, empty where it has none.
+pub fn csv_rows<T: Serialize>(file: &Path, columns: &[&str], records: &[T]) -> Result<(), CliError> {
+    let names: Vec<String> = columns.iter().map(|name| (*name).to_owned()).collect();
+    let mut rows = Vec::with_capacity(records.len());
+    for (index, record) in records.iter().enumerate() {
+        let record = serde_json::to_value(record)?;
+        let cell = |name: &&str| match record.get(*name) {
+            Some(Value::Bool(yes)) => Value::from(yes.to_string()),
+            cell => cell.cloned().unwrap_or(Value::Null),
+        };
+        rows.push(Row { index, cells: columns.iter().map(cell).collect(), why: None });
+    }
+    write_atomically(file, &csv_text(&names, &rows)?)?;
+    Ok(())
+}
 
 /// Writes the answer to stdout.
 pub fn answer(text: &str) -> Result<(), CliError> {

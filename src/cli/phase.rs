@@ -10,19 +10,24 @@ use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
 use super::output::answer;
+use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use super::vary::{Varied, VaryArgs};
 use crate::batch::phase::{Column, PhaseCell, PhaseOutcome, spaced};
 use crate::batch::{PhaseDiagram, PhasePlane};
 use crate::cell::{Cue, Parameter};
 use crate::input::InputError;
+use crate::plot::{self, phase::Edges};
+use crate::shapes::PointKind;
 use crate::shapes::at_rest::Edge;
+use crate::shapes::curves;
 
 /// Maps outcomes over a parameter and ξ_s: at rest by the exact edges of the stable shapes, χ by divisions elsewhere
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   furrow phase --vary r0 --from 1.6 --to 2.4 --points 3 --xi-from 15 --xi-to 25 --xi-points 2
+  furrow phase --vary r0 --from 1.6 --to 2.4 --points 3 --xi-points 2 --plot phase.svg
   furrow phase --vary epsilon --from 0.8 --to 0.9 --r0 2 --points 2 --xi-points 2 --json")]
 pub struct PhaseArgs {
     #[command(flatten)]
@@ -42,6 +47,8 @@ pub struct PhaseArgs {
     /// Seed of the noise in the first step
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     seed: u64,
+    #[command(flatten)]
+    plot: PlotArgs,
 }
 
 /// What `--json` prints.
@@ -61,6 +68,7 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
     }
     let Varied { cell, parameter, range } = args.vary.read(&mut context)?;
     context.settings.check_divisions("settings")?;
+    let picture = args.plot.file()?;
     let plane = PhasePlane {
         cell,
         numerics: context.settings.numerics,
@@ -70,6 +78,9 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
         seed: args.seed,
     };
     let diagram = solve(&context, &plane)?;
+    if let Some(picture) = picture {
+        picture.write(&plot::phase::draw(&plane, &diagram, &edges(&plane, range)))?;
+    }
     if context.json {
         let document = Answer {
             vary: parameter.to_string(),
@@ -81,6 +92,25 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
     } else {
         answer(&text(&plane, &diagram))
     }
+}
+
+/// The curves that bound the outcomes, for the picture; without them it has the edges at each value across.
+fn edges(plane: &PhasePlane, [from, to]: [f64; 2]) -> Edges {
+    if from == to || plane.across.len() < 2 {
+        return Edges::default();
+    }
+    let (PhasePlane { cell, numerics, parameter, .. }, range) = (plane, [from, to]);
+    let found = curves::boundary_curves(cell, numerics, *parameter, range).and_then(|(kind, found)| match kind {
+        PointKind::Pitchfork => {
+            let folds = curves::fold_curves(cell, numerics, *parameter, range)?;
+            Ok(Edges { pitchforks: found, folds })
+        }
+        _ => Ok(Edges { pitchforks: Vec::new(), folds: found }),
+    });
+    found.unwrap_or_else(|error| {
+        tracing::warn!("the picture has the edges at each value across, and no curves through them: {error}");
+        Edges::default()
+    })
 }
 
 /// The diagram; what could not be computed is told by warnings.

@@ -42,6 +42,7 @@ struct AnswerScenario<'a> {
 }
 
 pub fn run(args: &TreeArgs, context: &Context, start: Instant) -> Result<(), CliError> {
+    let picture = args.plot.file()?;
     let scenarios = read(args, context)?;
     writable_folder("--out", "out", &args.out, &SCENARIOS_FILES)?;
     for scenario in &scenarios {
@@ -50,6 +51,10 @@ pub fn run(args: &TreeArgs, context: &Context, start: Instant) -> Result<(), Cli
     let replaced = other_scenarios(&args.out, &scenarios, args.dynamics);
     let (trees, summary) = grown(&scenarios, args, context)?;
     write_files(args, context, &scenarios, &trees, &summary, start, replaced.as_ref())?;
+    let named: Vec<(&str, &Tree)> = scenarios.iter().map(|scenario| scenario.name.as_str()).zip(&trees).collect();
+    if let (Some(picture), Some(drawing)) = (picture, crate::plot::rounds::draw_scenarios(&named)) {
+        picture.write(&drawing)?;
+    }
     respond(args, context, &scenarios, &trees, &summary, start.elapsed().as_secs_f64())
 }
 

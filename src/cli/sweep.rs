@@ -11,6 +11,7 @@ use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
 use super::output::{answer, writable_folder};
+use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use crate::io::Settings;
 use crate::io::sweep_files::{SWEEP_FILES, SweepTable};
@@ -24,7 +25,7 @@ use crate::study::{Done, Run, Shard, Standing, Sweep};
 #[command(after_help = "\
 Examples:
   furrow sweep studies/cue-position.ron --out cue-position --shard 1/50
-  furrow sweep studies/cue-position.ron --out part-2 --shard 2/50 --json")]
+  furrow sweep studies/cue-position.ron --out part-2 --shard 2/50 --plot part.svg --json")]
 pub struct SweepArgs {
     /// Kind, axes and all that is not the preset's
     #[arg(value_name = "SWEEP.ron")]
@@ -35,6 +36,8 @@ pub struct SweepArgs {
     /// Solves only the points whose hash gives part K of N; see furrow merge
     #[arg(help_heading = "Run", long, value_name = "K/N")]
     shard: Option<Shard>,
+    #[command(flatten)]
+    plot: PlotArgs,
 }
 
 /// What `--json` prints.
@@ -58,6 +61,7 @@ pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(),
     let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &globals.set)?;
     writable_folder("--out", "out", &args.out, &SWEEP_FILES)?;
+    let picture = args.plot.file()?;
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let show = |standing: Standing| line.show_share(standing.done, standing.of);
@@ -88,6 +92,9 @@ pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(),
     let table = SweepTable::new(&sweep, memo.quantisation(), args.shard, rows)?;
     if let Some((aside, what)) = interrupt::unbroken(|| table.write(&args.out))? {
         tracing::warn!("the files of another sweep are kept in {}: {what}", aside.display());
+    }
+    if let Some(picture) = picture {
+        picture.write(&crate::plot::sweep::draw(&sweep, &table.rows))?;
     }
     let document = Answer {
         points: table.rows.len(),

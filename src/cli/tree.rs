@@ -5,6 +5,7 @@ use super::context::{Context, warn_of_store, warning_text};
 use super::error::CliError;
 use super::interrupt;
 use super::output::{answer, writable_folder};
+use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use super::scenarios;
 use crate::batch::Summary;
@@ -36,7 +37,7 @@ use std::time::Instant;
 #[command(after_help = "\
 Examples:
   furrow tree
-  furrow tree --cue none --xi 26 --out no-cue
+  furrow tree --cue none --xi 26 --out no-cue --plot rounds.svg
   furrow tree --cue germline --cue none --cue tension:gradient,amplitude=0.3 --out cues
   furrow tree lineages/c_elegans.ron --r0 3.5 --epsilon 0.85 --json")]
 pub struct TreeArgs {
@@ -64,6 +65,8 @@ pub struct TreeArgs {
     /// Computes the division of every cell, those below the critical radius of their cue included
     #[arg(help_heading = "Numerics", long)]
     pub dynamics: bool,
+    #[command(flatten)]
+    pub plot: PlotArgs,
 }
 
 /// Undecided cells that are warned of one by one.
@@ -163,12 +166,13 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         }
         return scenarios::run(args, context, start);
     }
+    let picture = args.plot.file()?;
     let (mut lineage, settings) = prepared(args, context, args.lineage.first().map(PathBuf::as_path))?;
     if let Some(text) = args.cue.first() {
         lineage = lineage.carrying(text).map_err(bad_cue)?;
     }
     if let Some(file) = &args.constants {
-        return super::ensemble::grow_over(file, &lineage, &settings, context);
+        return super::ensemble::grow_over(file, &lineage, &settings, context, picture.as_ref());
     }
     writable_folder("--out", "out", &args.out, &TREE_FILES)?;
     let replaced = other_tree(&args.out, &lineage, &settings, args.dynamics);
@@ -177,6 +181,9 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     for tree in &trees {
         let rows = founder_rows(tree);
         write_files(args, context, tree, &rows, &summary, start, replaced.as_ref())?;
+        if let Some(picture) = &picture {
+            picture.write(&crate::plot::rounds::draw(tree))?;
+        }
         respond(args, context, tree, &rows, &summary, start.elapsed().as_secs_f64())?;
     }
     Ok(())

@@ -1,8 +1,7 @@
-//! The contour of a dividing cell, step by step.
+//! A dividing cell, frame by frame: its contour, how it is curved, what acts on it.
 
 use super::files::{FileSet, WriteError};
-use crate::cortex::equations::{R, Z};
-use crate::division::{DivisionError, DivisionInput, run::divide_observed};
+use crate::division::{Film, Still};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -10,9 +9,6 @@ use std::path::Path;
 /// Why frames could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum FramesError {
-    /// The division could not be computed.
-    #[error(transparent)]
-    Division(#[from] DivisionError),
     /// A file could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -21,50 +17,104 @@ pub enum FramesError {
     Json(#[from] serde_json::Error),
 }
 
+/// One frame in the list of them.
 #[derive(Serialize)]
 struct Entry {
     file: String,
+    /// Time, in τ.
     t: f64,
+    /// Radius of the neck, in L_h; null without a waist.
     neck_radius: Option<f64>,
+    /// Where it is.
+    neck_u: Option<f64>,
+    /// Contour length L, in L_h.
+    length: f64,
+    /// Pressure p, in κ0/L_h³.
+    pressure: f64,
+    /// |V_above − V_below|/V of the parts on both sides of the neck.
+    chi: Option<f64>,
 }
 
 /// Name of the list of frames.
 pub const INDEX: &str = "frames.json";
+
+/// The columns of a frame, with their units.
+pub const COLUMNS: [(&str, &str); 17] = [
+    ("u", "arclength fraction, 0 at the posterior pole"),
+    ("r", "distance from the axis, L_h"),
+    ("z", "position along the axis, L_h"),
+    ("psi", "tangent angle ψ, from 0 to π"),
+    ("c_uu", "meridional curvature c1, 1/L_h"),
+    ("c_pp", "azimuthal curvature c2, 1/L_h"),
+    ("t_uu", "meridional tension T_uu, active and viscous, κ0/L_h²"),
+    ("t_pp", "azimuthal tension T_φφ, active and viscous, κ0/L_h²"),
+    ("v", "tangential velocity towards larger u, L_h/τ"),
+    ("v_n", "normal velocity outwards, L_h/τ"),
+    ("active_t", "active force density along the contour, towards larger u, κ0/L_h³"),
+    ("active_n", "active normal force, outwards as all that follow, κ0/L_h³"),
+    ("viscous_n", "viscous normal force"),
+    ("elastic_n", "elastic normal force: bending and passive tension"),
+    ("pressure_n", "pressure"),
+    ("shell_n", "force of the shell"),
+    ("residual_n", "sum of the five, 0 of an exact solution"),
+];
 
 /// Name of a frame, counted from 0.
 fn name(number: usize) -> String {
     format!("frame_{number:04}.csv")
 }
 
-/// Computes a division and writes into `folder` one `frame_NNNN.csv` a step with the contour (u, r, z; r and z in L_h, at
-/// the nodes of the step's mesh), and `frames.json` with the time of each, in τ, and its neck radius.
+/// The times of the frames of a division: of its steps, or every so many τ and its last.
+pub fn stills(film: &Film, every: Option<f64>) -> Vec<Still> {
+    match every {
+        None => (0..film.times().len()).map(|number| film.step(number)).collect(),
+        Some(step) => film.uniform_times(step).into_iter().map(|t| film.at(t)).collect(),
+    }
+}
+
+/// Writes the frames of a division into `folder`: `frame_NNNN.csv` with the [`COLUMNS`], a row at each collocation point and at
+/// both poles, and `frames.json` with the time of each and what is read off it. Without `every` there is a frame after each
+/// step, with it one every so many τ, and the last shape.
 ///
 /// All of them or none: they replace the frames of an earlier division, of which none are left once the new are in place.
-pub fn write_frames(folder: &Path, input: &DivisionInput) -> Result<(), FramesError> {
+///
+/// # Errors
+/// [`FramesError`].
+pub fn write_frames(folder: &Path, film: &Film, every: Option<f64>) -> Result<(), FramesError> {
     let mut files = FileSet::new(folder);
     let mut entries: Vec<Entry> = vec![];
-    let mut failed = None;
-    divide_observed(input, |frame| {
-        if failed.is_some() {
-            return;
-        }
-        let mut csv = String::from("u,r,z\n");
-        for (i, u) in frame.shape.mesh.iter().enumerate() {
-            let node = frame.shape.node(i);
-            let _ = writeln!(csv, "{u},{},{}", node[R], node[Z]);
-        }
+    for still in stills(film, every) {
         let file = name(entries.len());
-        failed = files.stage(&file, csv.as_bytes()).err();
-        entries.push(Entry { file, t: frame.t, neck_radius: frame.neck.map(|neck| neck.radius) });
-    })?;
-    if let Some(error) = failed {
-        return Err(error.into());
+        files.stage(&file, csv(&still).as_bytes())?;
+        entries.push(Entry {
+            file,
+            t: still.t,
+            neck_radius: still.neck.map(|neck| neck.radius),
+            neck_u: still.neck.map(|neck| neck.u),
+            length: still.length,
+            pressure: still.pressure,
+            chi: still.neck.map(|_| still.asymmetry.abs()),
+        });
     }
     let index = serde_json::to_string_pretty(&entries)?;
     files.stage(INDEX, format!("{index}\n").as_bytes())?;
     files.commit()?;
     remove_from(folder, entries.len())?;
     Ok(())
+}
+
+/// One frame as CSV under the names of its columns.
+fn csv(still: &Still) -> String {
+    let mut csv = COLUMNS.map(|(name, _)| name).join(",");
+    csv.push('\n');
+    for p in &still.places {
+        let head = [p.u, p.r, p.z, p.psi, p.c_uu, p.c_pp, p.t_uu, p.t_pp, p.v, p.v_n, p.active_tangential];
+        for number in head.into_iter().chain(p.normal.parts()) {
+            let _ = write!(csv, "{number},");
+        }
+        let _ = writeln!(csv, "{}", p.normal.residual());
+    }
+    csv
 }
 
 /// Removes frames of an earlier division, from a number on; nothing that is not named exactly like one.

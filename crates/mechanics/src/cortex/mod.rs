@@ -8,10 +8,12 @@
 //! | [`derivatives`] | second and third derivatives, for singular points |
 //! | [`symmetry`] | parity under the mirror u → 1 − u, halves unfolded |
 //! | [`observables`] | what is read off a shape: elongation, neck, furrow, volumes |
+//! | [`forces`] | what acts at a place: curvatures, tensions, velocities, the normal forces by what they come from |
 //! | [`resolution`] | where a mesh has to be fine |
 
 pub mod derivatives;
 pub mod equations;
+pub mod forces;
 mod jacobian;
 pub mod observables;
 pub mod problem;

@@ -13,6 +13,18 @@ pub fn positions(y: &Solution, out: &mut Vec<[f64; 2]>) {
     out.extend(y.stages.chunks_exact(COMPONENTS).map(|s| [s[R], s[Z]]));
 }
 
+/// The whole contour as (r, z) at `count` + 1 values of u, evenly spaced from pole to pole; that of a half is completed by its
+/// mirror image.
+pub fn contour(gauss: &Gauss, y: &Solution, domain: Domain, count: usize) -> Vec<[f64; 2]> {
+    let mut out = [0.0; COMPONENTS];
+    let mut at = |u: f64| {
+        let mirrored = domain == Domain::Half && u > 0.5;
+        y.eval(gauss, if mirrored { 1.0 - u } else { u }, &mut out);
+        [out[R], if mirrored { -out[Z] } else { out[Z] }]
+    };
+    (0..=count).map(|k| at(k as f64 / count as f64)).collect()
+}
+
 /// Elongation H = (z(0) − z(1))/R0.
 pub fn elongation(y: &Solution, domain: Domain, r0: f64) -> f64 {
     let (first, last) = (y.node(0)[Z], y.node(y.intervals())[Z]);

@@ -9,8 +9,10 @@
 //! | [`slow`] | cells that wait at a stationary shape for longer than can be waited for |
 //! | `oscillation` | cells that wander from side to side for ever |
 //! | [`outcome`] | how a division ended: [`Division`], the one record of it |
+//! | [`film`](mod@film) | a division that is kept, with what acts on every shape |
 //! | [`statistics`] | what several divisions say together |
 
+pub mod film;
 pub mod noise;
 mod oscillation;
 pub mod outcome;
@@ -20,6 +22,7 @@ pub mod slow;
 pub mod statistics;
 pub mod stepper;
 
+pub use film::{Film, Still, film};
 pub use outcome::{Division, DivisionError, Outcome};
 pub use run::{Frame, divide, divide_observed, divide_with_sensitivities};
 pub use sensitivity::Sensitivity;

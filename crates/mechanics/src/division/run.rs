@@ -1,7 +1,7 @@
 //! One division from the passive shape to pinch-off or rest.
 
 use bvp::newton::NewtonScratch;
-use bvp::{Newton, Solution, System, Work, mesh};
+use bvp::{Gauss, Newton, Solution, System, Work, mesh};
 
 use super::DivisionInput;
 use super::noise;
@@ -60,6 +60,11 @@ pub struct Frame<'a> {
     pub shape: &'a Solution,
     /// Its neck, if it has a waist.
     pub neck: Option<Neck>,
+    /// The problem that the shape solves, with its motion: what [`forces`](crate::cortex::forces) reads. At t = 0 that of the
+    /// passive cell.
+    pub cortex: &'a Cortex,
+    /// The collocation scheme of the shape.
+    pub gauss: &'a Gauss,
 }
 
 /// Computes one division.
@@ -115,7 +120,9 @@ fn run(
     check(cell)?;
     let mut stepper = start(cell, numerics)?;
     let tangent = (!parameters.is_empty()).then(|| Tangent::of_start(&stepper, parameters));
-    observe(Frame { t: 0.0, shape: &stepper.levels[0].y, neck: None });
+    let passive = Cortex::new(&cell.passive(), Domain::Full, &[]);
+    let (shape, gauss) = (&stepper.levels[0].y, &stepper.system.gauss);
+    observe(Frame { t: 0.0, shape, neck: None, cortex: &passive, gauss });
     let parity = cell.is_mirror_symmetric();
     stepper.adapt(parity, 1.2);
     stepper.extrapolates = numerics.scheme == Scheme::Converged;
@@ -144,7 +151,8 @@ fn run(
     loop {
         run.advance(&mut stepper)?;
         let newest = &stepper.levels[0];
-        observe(Frame { t: newest.t, shape: &newest.y, neck: run.neck });
+        let (cortex, gauss) = (&stepper.cortex, &stepper.system.gauss);
+        observe(Frame { t: newest.t, shape: &newest.y, neck: run.neck, cortex, gauss });
         if let Some(neck) = run.neck
             && neck.radius < PINCH_OFF * cell.r0
         {

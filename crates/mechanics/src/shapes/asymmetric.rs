@@ -4,7 +4,8 @@ use bvp::continuation::State;
 use bvp::predictor::History;
 use bvp::{Continuation, ContinuationSettings, Gauss, Solution};
 
-use super::branch::{Branch, BranchEnd, BranchEvent, BranchOptions, ShapePoint, mesh_monitor, metric, not_located};
+use super::branch::{Branch, BranchEnd, BranchEvent, BranchOptions, ShapePoint, mesh_monitor, metric};
+use super::branch::{newest_contour, not_located};
 use super::error::PointKind;
 use super::pitchfork::Pitchfork;
 use super::primary::fold_near;
@@ -145,6 +146,7 @@ pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> As
     let mut run = Run { points: vec![pitchfork.point], opening: true, ..Run::default() };
     let gauss = branch.system.gauss.clone();
     let mut stability = options.growth_rates.then(|| Stability::new(gauss.m));
+    let mut contours = Vec::from_iter(options.contours.then(|| newest_contour(&branch)));
     let ended = branch.follow(options.xi, options.points, |branch, advance| {
         if run.rejoined(&gauss, &branch.state.solution) {
             run.stop = Some(BranchEnd::Rejoined);
@@ -157,10 +159,12 @@ pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> As
             }
         }
         let point = ShapePoint::newest(branch, run.events.len(), &mut stability);
+        contours.extend(options.contours.then(|| newest_contour(branch)));
         run.take_in(branch, point, pitchfork.point.xi_s)
     });
     let Run { points, events, samples, stop, .. } = run;
-    AsymmetricBranch { branch: Branch::complete(&branch, points, events, ended, stop), scaling: scaling(&samples) }
+    let branch = Branch::complete(&branch, (points, contours), events, ended, stop);
+    AsymmetricBranch { branch, scaling: scaling(&samples) }
 }
 
 /// Least squares of ln Δu over ln |ξ_s − ξ_s*|, and the limit of (ξ_s − ξ_s*)/Δu² by a line in Δu².

@@ -24,6 +24,8 @@ pub struct BranchOptions {
     pub settings: ContinuationSettings,
     /// Whether growth rates are computed at every point.
     pub growth_rates: bool,
+    /// Whether the contour of every point is kept.
+    pub contours: bool,
 }
 
 impl Default for BranchOptions {
@@ -33,6 +35,7 @@ impl Default for BranchOptions {
             points: 400,
             settings: ContinuationSettings { first_step: 0.3, max_step: 3.0, ..Default::default() },
             growth_rates: false,
+            contours: false,
         }
     }
 }
@@ -217,11 +220,21 @@ impl std::fmt::Display for BranchEnd {
     }
 }
 
+/// Places of a contour that is kept, besides the first: evenly spaced in u.
+const CONTOUR: usize = 240;
+
+/// The contour of the newest point of a branch.
+pub(super) fn newest_contour(branch: &Continuation<Cortex>) -> Vec<[f64; 2]> {
+    observables::contour(&branch.system.gauss, &branch.state.solution, branch.problem.domain, CONTOUR)
+}
+
 /// A branch followed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Branch {
     /// Its points in order of arclength.
     pub points: Vec<ShapePoint>,
+    /// Their contours (r, z) from pole to pole, if asked for; else none.
+    pub contours: Vec<Vec<[f64; 2]>>,
     /// Folds and pitchforks in order.
     pub events: Vec<BranchEvent>,
     /// How it ended.
@@ -234,7 +247,7 @@ impl Branch {
     /// What a run along `branch` has found, with how the continuation ended and, if it was stopped on the way, why.
     pub(super) fn complete(
         branch: &Continuation<Cortex>,
-        points: Vec<ShapePoint>,
+        (points, contours): (Vec<ShapePoint>, Vec<Vec<[f64; 2]>>),
         events: Vec<BranchEvent>,
         ended: Result<Ended, ContinuationError>,
         stopped: Option<BranchEnd>,
@@ -248,7 +261,7 @@ impl Branch {
             (Ok(Ended::PointLimit(points)), _) => BranchEnd::PointLimit(points),
             (Ok(_), stopped) => stopped.unwrap_or(BranchEnd::Enough),
         };
-        Branch { points, events, ended, work: branch.work }
+        Branch { points, contours, events, ended, work: branch.work }
     }
 
     /// Its pitchforks in order.

@@ -8,7 +8,9 @@ use bvp::newton::NewtonScratch;
 use bvp::{Continuation, ContinuationSettings, Fold, Gauss, Newton, Solution, SymmetryBreaking, System, locate};
 
 use super::asymmetric::NARROWEST;
-use super::branch::{Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, ShapePoint, XI, begin, not_located};
+use super::branch::{
+    Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, ShapePoint, XI, begin, newest_contour, not_located,
+};
 use super::effort::Effort;
 use super::error::{CellName, PointKind, ShapeError};
 use super::passive::passive;
@@ -149,7 +151,9 @@ pub fn follow_within(
     let mut watch = Watch { breaking: SymmetryBreaking::default(), sign: None, stop: None };
     let mut stability = options.growth_rates.then(|| Stability::new(branch.state.solution.m));
     let (mut points, mut events) = (vec![ShapePoint::newest(&branch, 0, &mut stability)], Vec::new());
+    let mut contours = Vec::from_iter(options.contours.then(|| newest_contour(&branch)));
     let ended = branch.follow(options.xi, options.points, |branch, advance| {
+        contours.extend(options.contours.then(|| newest_contour(branch)));
         let mut new: Vec<BranchEvent> = watch.pitchfork(branch).into_iter().collect();
         if advance.passed_fold {
             new.extend(watch.fold(branch));
@@ -164,7 +168,7 @@ pub fn follow_within(
         effort.spend(1 + advance.rejected) && watch.stop.is_none() && !enough
     });
     effort.check(cell)?;
-    Ok(Branch::complete(&branch, points, events, ended, watch.stop))
+    Ok(Branch::complete(&branch, (points, contours), events, ended, watch.stop))
 }
 
 /// Whether the newest shape is so narrow somewhere that the branch is left there.

@@ -1,0 +1,19 @@
+//! A picture of what each command computes.
+//!
+//! | file | what it shows |
+//! |---|---|
+//! | [`division`] | a cell as it divides, χ and its neck over time, the normal forces half-way |
+//! | [`branch`] | a bifurcation diagram, with shapes |
+//! | [`boundary`] | curves of pitchforks and folds, the critical value |
+//! | [`phase`] | outcomes over a plane, with their exact edges |
+//! | [`sweep`] | results over one axis or two |
+//! | [`calibration`] | thresholds wanted and met; an ensemble of constants |
+//! | [`rounds`] | rounds of the founders beside the observed ones |
+
+pub mod boundary;
+pub mod branch;
+pub mod calibration;
+pub mod division;
+pub mod phase;
+pub mod rounds;
+pub mod sweep;

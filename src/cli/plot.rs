@@ -1,0 +1,55 @@
+//! `--plot`: what a command computes as a picture.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::error::CliError;
+use super::interrupt;
+use super::output::writable_file;
+use crate::drawing::{Drawing, Format};
+use crate::input::InputError;
+use crate::io::write_atomically;
+
+/// The option of all commands that draw.
+#[derive(Debug, Args)]
+pub struct PlotArgs {
+    /// Draws what is computed, as SVG or PNG by the file's extension
+    #[arg(help_heading = "Output", long = "plot", value_name = "FILE.svg|.png")]
+    plot: Option<PathBuf>,
+}
+
+/// Where a picture goes, and as what.
+#[derive(Debug)]
+pub struct PlotFile {
+    path: PathBuf,
+    format: Format,
+}
+
+impl PlotArgs {
+    /// The file, if one is asked for, before the work that it is to show.
+    ///
+    /// # Errors
+    /// It is neither SVG nor PNG by its name, or cannot be written.
+    pub fn file(&self) -> Result<Option<PlotFile>, InputError> {
+        let Some(path) = &self.plot else { return Ok(None) };
+        let Some(format) = Format::of(path) else {
+            let allowed = "a file whose name ends in .svg or .png";
+            return Err(InputError::not_allowed("--plot", "plot", format!("{path:?}"), allowed));
+        };
+        writable_file("--plot", "plot", path)?;
+        Ok(Some(PlotFile { path: path.clone(), format }))
+    }
+}
+
+impl PlotFile {
+    /// Writes a picture; a file of that name is replaced, whole or not at all.
+    ///
+    /// # Errors
+    /// It cannot be drawn or written.
+    pub fn write(&self, drawing: &Drawing) -> Result<(), CliError> {
+        let bytes = drawing.bytes(self.format)?;
+        interrupt::unbroken(|| write_atomically(&self.path, &bytes))?;
+        Ok(())
+    }
+}
