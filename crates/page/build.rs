@@ -9,13 +9,14 @@ use std::{
 #[allow(dead_code)]
 mod solver;
 
-/// Files, and folders with all that is in them, that decide what the module answers. Reports, studies and settings, which it
+/// Files, and folders with all that is in them, that decide what the module answers. Reports and studies, which it
 /// does not use, are left out, though they are in the same crate.
-pub const PAGE_SOURCES: [&str; 13] = [
+pub const PAGE_SOURCES: [&str; 14] = [
     "crates/bvp/src",
     "crates/embryo/src/batch",
     "crates/embryo/src/io/tree_json",
     "crates/embryo/src/lineage",
+    "crates/embryo/src/settings.rs",
     "crates/mechanics/data",
     "crates/mechanics/src/cell",
     "crates/mechanics/src/cortex",

@@ -17,6 +17,7 @@ use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::output::{answer, writable_folder};
+use super::plot::PlotArgs;
 use super::tree::of_tree;
 use crate::cell::Cell;
 use crate::division::divide;
@@ -56,6 +57,8 @@ struct CountsArgs {
     /// A tree that was grown before; default the built-in C. elegans founders, grown now
     #[arg(value_name = "TREE.json")]
     tree: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArgs,
 }
 
 /// Size asymmetries of measured divisions beside the model's
@@ -68,7 +71,7 @@ struct CountsArgs {
 #[command(after_help = "\
 Examples:
   furrow compare volumes
-  furrow compare volumes --preset sulston1983 --json")]
+  furrow compare volumes --preset sulston1983 --plot chi.svg --json")]
 struct VolumesArgs {
     /// Tables of cell volumes, CSV
     #[arg(value_name = "FILE")]
@@ -94,6 +97,8 @@ struct VolumesArgs {
     /// Folder for chi.csv, divisions.csv, bins.csv and compare.json
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArgs,
 }
 
 /// Files of a comparison.
@@ -130,6 +135,7 @@ fn grown(lineages: Vec<Lineage>, context: &Context) -> Result<Vec<Tree>, CliErro
 }
 
 fn compare_counts(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
+    let picture = args.plot.file()?;
     let tree = match &args.tree {
         Some(file) => Tree::from_json(&read_text(file)?).map_err(|error| InputError::OtherFile {
             file: file.display().to_string(),
@@ -139,6 +145,9 @@ fn compare_counts(args: &CountsArgs, context: &Context) -> Result<(), CliError> 
         None => grown(vec![Lineage::load(None)?], context)?.remove(0),
     };
     let found = counts(&tree)?;
+    if let Some(picture) = picture {
+        picture.write(&crate::plot::rounds::draw(&tree))?;
+    }
     if context.json {
         return answer(&format!("{}\n", serde_json::to_string_pretty(&found)?));
     }
@@ -219,6 +228,7 @@ struct Measured {
 
 fn compare_volumes(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     check(args)?;
+    let picture = args.plot.file()?;
     if let Some(out) = &args.out {
         writable_folder("--out", "out", out, &FILES)?;
     }
@@ -257,6 +267,10 @@ fn compare_volumes(args: &VolumesArgs, context: &Context) -> Result<(), CliError
     };
     if let Some(out) = &args.out {
         write_files(out, &answer_of, all)?;
+    }
+    if let Some(picture) = picture {
+        let unit = answer_of.unit.map_or(String::new(), |unit| format!("({})", unit.symbol().trim_matches(['(', ')'])));
+        picture.write(&crate::plot::comparison::draw(&groups, all, &unit, answer_of.length_scale_um))?;
     }
     if context.json {
         return answer(&format!("{}\n", serde_json::to_string_pretty(&answer_of)?));

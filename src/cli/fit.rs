@@ -11,6 +11,7 @@ use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::output::{answer, writable_file};
+use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use super::tree::{bad_cue, of_tree};
 use crate::cell::Parameter;
@@ -74,6 +75,8 @@ pub struct FitArgs {
     /// File for the constants found, as --config reads it
     #[arg(help_heading = "Output", long, value_name = "FILE.ron")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -171,6 +174,7 @@ fn constants(
     start: Instant,
 ) -> Result<(), CliError> {
     let targets = targets(args, lineage)?;
+    let picture = args.plot.file()?;
     if let Some(file) = &args.out {
         writable_file("--out", "out", file)?;
     }
@@ -181,6 +185,9 @@ fn constants(
     drop(line);
     if let Some(file) = &args.out {
         write_atomically(file, config(&found.best).as_bytes())?;
+    }
+    if let Some(picture) = picture {
+        picture.write(&crate::plot::fit::draw_constants(&found))?;
     }
     let elapsed_s = start.elapsed().as_secs_f64();
     if !context.json {
@@ -337,7 +344,11 @@ fn activity(
         return Err(InputError::not_allowed("--xi-to", "xi_s", range[1], allowed).into());
     }
     let (memo, flag, reading) = (context.memo()?, Some(interrupt::flag()), Reading::from(args.rounds));
+    let picture = args.plot.file()?;
     let (found, trees) = activities(lineage, settings, &memo, reading, range, context.threads, flag)?;
+    if let Some(picture) = picture {
+        picture.write(&crate::plot::fit::draw_activities(&found, settings.cell.xi_s))?;
+    }
     let elapsed_s = start.elapsed().as_secs_f64();
     if context.json {
         let document = ActivityAnswer { rounds: reading, founders: &found, trees, elapsed_s };
@@ -400,7 +411,11 @@ fn cue(
         return Err(InputError::not_allowed(file, "chi", "[]", "at least one measured χ").into());
     }
     let flag = Some(interrupt::flag());
+    let picture = args.plot.file()?;
     let found = fit_cue(lineage, &targets, settings, &template, effort(args), context.threads, flag)?;
+    if let Some(picture) = picture {
+        picture.write(&crate::plot::fit::draw_cue(&found))?;
+    }
     let elapsed_s = start.elapsed().as_secs_f64();
     if context.json {
         let document = CueAnswer { found: &found, seed: args.seed, elapsed_s };

@@ -8,12 +8,16 @@
 //! | [`phase`] | outcomes over a plane, with their exact edges |
 //! | [`sweep`] | results over one axis or two |
 //! | [`calibration`] | thresholds wanted and met; an ensemble of constants |
+//! | [`comparison`] | measured size asymmetries beside the model's |
+//! | [`fit`] | constants, activities and cues that fit |
 //! | [`rounds`] | rounds of the founders beside the observed ones |
 
 pub mod boundary;
 pub mod branch;
 pub mod calibration;
+pub mod comparison;
 pub mod division;
+pub mod fit;
 pub mod phase;
 pub mod rounds;
 pub mod sweep;
