@@ -163,7 +163,7 @@ fn summary(group: &str, divisions: &[Division]) -> GroupSummary {
 }
 
 /// Where a cell stands among others: by generation, then by name.
-fn place(name: &str) -> (u32, &str) {
+pub(crate) fn place(name: &str) -> (u32, &str) {
     debug_assert!(is_cell(name));
     (generation(name), name)
 }

@@ -8,7 +8,7 @@
 use mechanics::input::InputError;
 use serde::Deserialize;
 
-use crate::events::{GroupSummary, MotherSummary};
+use crate::events::{GroupSummary, MotherSummary, place};
 
 /// The table, as shipped.
 const JANKELE: &str = include_str!("../../../data/jankele2021.csv");
@@ -56,6 +56,9 @@ pub fn jankele2021() -> Result<Vec<GroupSummary>, InputError> {
             }
             None => groups.push(GroupSummary { group: row.group, embryos: event.n, events: vec![event] }),
         }
+    }
+    for group in &mut groups {
+        group.events.sort_by(|a, b| place(&a.mother).cmp(&place(&b.mother)));
     }
     Ok(groups)
 }

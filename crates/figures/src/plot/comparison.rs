@@ -10,48 +10,76 @@ use crate::study::compare::volumes::{Beside, GroupBeside, Modelled};
 
 /// Height of the chart by mother, and of that over volume.
 const CHARTS: [f64; 2] = [440.0, 400.0];
+/// Width that a picture has at most.
+const WIDEST: f64 = 1400.0;
 
 /// Draws groups beside the model, and below them, where single divisions are known, χ over the mother's volume. `micrometres` is
 /// one L_h in µm, by which the model's cells have a volume too; `unit` is that of the volumes.
 pub fn draw(groups: &[GroupBeside], divisions: &[Division], unit: &str, micrometres: Option<f64>) -> Drawing {
     let mothers = mothers(groups);
-    let width = (150.0 + mothers.len() as f64 * (30.0 + 24.0 * groups.len() as f64)).clamp(760.0, 4000.0);
-    let name = |group: &GroupBeside| if group.group.is_empty() { "measured".to_owned() } else { group.group.clone() };
-    let mut entries: Vec<(Key, String)> = Vec::new();
-    for (k, group) in groups.iter().enumerate() {
-        entries.push((
-            Key::point(&colour(k), Marker::Disc),
-            format!("{}, mean ± sd of {} embryos", name(group), group.embryos),
-        ));
-    }
-    entries.push((Key::point(style::MODEL, Marker::Diamond), "model".to_owned()));
-    entries.push((Key::point(style::MODEL, Marker::Ring), "model, AB and P1 as measured".to_owned()));
+    let each = 30.0 + 24.0 * groups.len() as f64;
+    // As many mothers in a row as leave the text large enough to be read.
+    let in_row = (((WIDEST - 150.0) / each) as usize).clamp(1, mothers.len().max(1));
+    let width = (150.0 + in_row as f64 * each).max(760.0);
+    let rows: Vec<&[String]> = mothers.chunks(in_row).collect();
+    let height = if rows.len() > 1 { CHARTS[0] * 0.75 } else { CHARTS[0] };
+    let entries = entries(groups);
     let second = if divisions.is_empty() { 0.0 } else { CHARTS[1] };
-    let mut canvas = Canvas::new(width, 52.0 + CHARTS[0] + second + legend::height(width - 40.0, &entries));
+    let charts = height * rows.len() as f64 + second;
+    let mut canvas = Canvas::new(width, 52.0 + charts + legend::height(width - 40.0, &entries));
     canvas.text([24.0, 30.0], "Size asymmetry of divisions, by mother", text::TITLE, Anchor::Start, style::INK);
     let top = 48.0 + legend::rows(&mut canvas, [24.0, 42.0], width - 40.0, &entries);
-    let all = groups.iter().flat_map(|group| &group.events);
-    let most = all.map(|event| event.measured.mean + event.measured.sd.unwrap_or(0.0)).fold(0.3, f64::max);
-    let x = Axis::new("mother", [-0.6, mothers.len() as f64 - 0.4]).every(1.0).unnumbered();
-    let panel = Panel::new([0.0, top], [width, CHARTS[0]], x, Axis::new(style::CHI, [-0.02, 1.08 * most.max(0.7)]));
-    let map = panel.draw(&mut canvas, &[], |_, _| {});
+    let most = groups.iter().flat_map(|group| &group.events).map(highest).fold(0.3, f64::max);
+    for (k, row) in rows.iter().enumerate() {
+        let name = if k + 1 == rows.len() { "mother" } else { "" };
+        let x = Axis::new(name, [-0.6, in_row as f64 - 0.4]).every(1.0).unnumbered();
+        let y = Axis::new(style::CHI, [-0.02, 1.06 * most]);
+        let panel = Panel::new([0.0, top + k as f64 * height], [width, height], x, y);
+        by_mother(&mut canvas, &panel, groups, row);
+    }
+    let below = top + height * rows.len() as f64;
+    if !divisions.is_empty() {
+        over_volume(&mut canvas, [below, width], groups, divisions, unit, micrometres);
+    }
+    canvas.finish()
+}
+
+/// What the legend says.
+fn entries(groups: &[GroupBeside]) -> Vec<(Key, String)> {
+    let name = |group: &GroupBeside| if group.group.is_empty() { "measured".to_owned() } else { group.group.clone() };
+    let of = |(k, group): (usize, &GroupBeside)| {
+        let what = format!("{}, mean ± sd of {} embryos", name(group), group.embryos);
+        (Key::point(&colour(k), Marker::Disc), what)
+    };
+    let mut out: Vec<(Key, String)> = groups.iter().enumerate().map(of).collect();
+    out.push((Key::point(style::MODEL, Marker::Diamond), "model".to_owned()));
+    out.push((Key::point(style::MODEL, Marker::Ring), "model, AB and P1 as measured".to_owned()));
+    out
+}
+
+/// The largest χ that is drawn of a division.
+fn highest(event: &Beside) -> f64 {
+    let measured = event.measured.mean + event.measured.sd.unwrap_or(0.0);
+    let of = |modelled: &Option<Modelled>| modelled.and_then(|modelled| modelled.chi).unwrap_or(0.0);
+    measured.max(of(&event.model)).max(of(&event.given_first))
+}
+
+/// One row of mothers.
+fn by_mother(canvas: &mut Canvas, panel: &Panel, groups: &[GroupBeside], mothers: &[String]) {
+    let map = panel.draw(canvas, &[], |_, _| {});
     for (k, group) in groups.iter().enumerate() {
         let apart = 0.8 / (groups.len() as f64).max(2.0);
         let aside = (k as f64 - 0.5 * groups.len() as f64 + 0.2) * apart;
         for event in &group.events {
             if let Some(place) = mothers.iter().position(|mother| *mother == event.measured.mother) {
-                beside(&mut canvas, &map, [place as f64 + aside, apart], event, &colour(k));
+                beside(canvas, &map, [place as f64 + aside, apart], event, &colour(k));
             }
         }
     }
-    let bottom = map.frame()[3];
     for (k, mother) in mothers.iter().enumerate() {
-        canvas.text([map.point([k as f64, 0.0])[0], bottom + 24.0], mother, text::TICK - 2, Anchor::Middle, style::INK);
+        let at = [map.point([k as f64, 0.0])[0], map.frame()[3] + 24.0];
+        canvas.text(at, mother, text::TICK, Anchor::Middle, style::INK);
     }
-    if !divisions.is_empty() {
-        over_volume(&mut canvas, [top + CHARTS[0], width], groups, divisions, unit, micrometres);
-    }
-    canvas.finish()
 }
 
 /// Mothers of all groups, in the order in which they are first told.
