@@ -3,7 +3,7 @@
 //! | file | what it says |
 //! |---|---|
 //! | [`names`] | Sulston's names: a cell's mother, and which of two sisters is named first |
-//! | [`volumes`] | tables of volumes: long ones and those of frames × cells |
+//! | [`volumes`], `layout` | tables of volumes: long ones and those of frames × cells |
 //! | [`events`] | divisions with both daughters measured: χ by group and mother |
 //! | [`trend`] | χ by decades of the mother's volume |
 //! | [`published`] | means over published embryos |
@@ -26,6 +26,7 @@
 //! ```
 
 pub mod events;
+mod layout;
 pub mod names;
 pub mod published;
 pub mod statistics;

@@ -16,6 +16,7 @@ use csv::ByteRecord;
 use mechanics::input::InputError;
 use serde::Serialize;
 
+use crate::layout::{Columns, embryo_of_file, unit_of};
 use crate::names::is_cell;
 
 /// What volumes are measured in.
@@ -121,17 +122,6 @@ pub struct Volumes {
 struct Places {
     embryos: HashMap<(String, String), usize>,
     cells: HashMap<(usize, String), usize>,
-}
-
-/// The columns of a long table.
-struct Columns {
-    cell: usize,
-    volume: usize,
-    embryo: usize,
-    group: Option<usize>,
-    frame: Option<usize>,
-    n: Option<usize>,
-    unit: Option<usize>,
 }
 
 /// A long table that is being read.
@@ -449,71 +439,6 @@ impl Lifespan {
     }
 }
 
-impl Columns {
-    /// The columns of a long table; none if it is a grid.
-    fn of(header: &[String], file: &str) -> Result<Option<Columns>, InputError> {
-        let lower: Vec<String> = header.iter().map(|name| name.to_lowercase().replace([' ', '-'], "_")).collect();
-        let find = |names: &[&str]| lower.iter().position(|name| names.contains(&name.as_str()));
-        let is_volume = |name: &String| {
-            let name = name.strip_prefix("mean_").unwrap_or(name);
-            name == "volume" || unit_of(name).is_some()
-        };
-        for (column, name) in lower.iter().enumerate() {
-            if !name.is_empty() && lower[..column].contains(name) {
-                let message = format!("two columns are called {:?}", header[column]);
-                return Err(malformed(file, 1, &message));
-            }
-        }
-        let cell = find(&["cell", "cell_name", "name"]);
-        let volume = lower.iter().position(is_volume);
-        let embryo = find(&["embryo", "embryo_name", "sample"]);
-        if let (Some(cell), Some(volume), Some(embryo)) = (cell, volume, embryo) {
-            let group = find(&["group", "condition"]);
-            let (frame, n, unit) = (find(&["frame", "time", "time_point"]), find(&["n", "n_frames"]), find(&["unit"]));
-            return Ok(Some(Columns { cell, volume, embryo, group, frame, n, unit }));
-        }
-        if header.iter().skip(1).any(|name| is_cell(name)) {
-            return Ok(None);
-        }
-        let missing = [("cell", cell), ("volume", volume), ("embryo", embryo)];
-        let missing: Vec<&str> = missing.into_iter().filter(|(_, at)| at.is_none()).map(|(name, _)| name).collect();
-        let message = format!(
-            "no column is called {}; a table of volumes has the columns embryo, cell and volume (also volume_um3, volume_voxels or \
-             relative_volume), or one for each cell with its name on top; the columns here are {}",
-            missing.join(" or "),
-            listed(header)
-        );
-        Err(malformed(file, 1, &message))
-    }
-}
-
-/// The first few names.
-fn listed(header: &[String]) -> String {
-    let shown: Vec<String> = header.iter().take(8).map(|name| format!("{name:?}")).collect();
-    let more = header.len().saturating_sub(shown.len());
-    shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
-}
-
-/// The unit that a column of volumes has in its name.
-fn unit_of(name: &str) -> Option<Unit> {
-    let lower = name.to_lowercase();
-    match lower.strip_prefix("mean_").unwrap_or(&lower) {
-        "volume_um3" | "volume_µm3" | "volume_µm³" => Some(Unit::CubicMicrometres),
-        "volume_voxels" | "volume_voxel" => Some(Unit::Voxels),
-        "relative_volume" | "volume_relative" | "volume_fraction" => Some(Unit::Relative),
-        _ => None,
-    }
-}
-
-/// The embryo that a grid is of: the file's name without what says that it is a table of volumes.
-fn embryo_of_file(file: &str) -> String {
-    let name = std::path::Path::new(file).file_stem().map_or(file.into(), |stem| stem.to_string_lossy());
-    let lower = name.to_lowercase();
-    let end =
-        if lower.len() == name.len() { lower.strip_suffix("_volume").map_or(name.len(), str::len) } else { name.len() };
-    name[..end].to_owned()
-}
-
 /// A unit column must say the same all along.
 fn note_unit(file: &str, value: &Value<'_>, said: &mut Option<Unit>) -> Result<(), InputError> {
     let text = String::from_utf8_lossy(value.text).into_owned();
@@ -553,7 +478,7 @@ fn next<R: Read>(reader: &mut csv::Reader<R>, record: &mut ByteRecord, file: &st
     })
 }
 
-fn malformed(file: &str, line: usize, message: &str) -> InputError {
+pub(crate) fn malformed(file: &str, line: usize, message: &str) -> InputError {
     InputError::Malformed { file: file.to_owned(), line, column: 1, message: message.to_owned() }
 }
 

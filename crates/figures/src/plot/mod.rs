@@ -17,6 +17,8 @@ pub mod branch;
 pub mod calibration;
 pub mod comparison;
 pub mod division;
+// Nothing is fitted on wasm32.
+#[cfg(not(target_family = "wasm"))]
 pub mod fit;
 pub mod phase;
 pub mod rounds;
