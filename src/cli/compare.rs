@@ -104,6 +104,9 @@ struct VolumesArgs {
 /// Files of a comparison.
 const FILES: [&str; 4] = ["chi.csv", "divisions.csv", "bins.csv", "compare.json"];
 
+/// Groups with whose own first division a tree is grown.
+const MOST_GROUPS: usize = 50;
+
 /// What is told of so much that was skipped, a line each.
 const MOST_SKIPPED: usize = 10;
 
@@ -240,6 +243,7 @@ fn compare_volumes(args: &VolumesArgs, context: &Context) -> Result<(), CliError
         .groups
         .iter()
         .filter_map(|group| Some((group.group.clone(), with_first_division_of(&lineage, group, r0)?)))
+        .take(MOST_GROUPS)
         .collect();
     let lineages = std::iter::once(lineage).chain(given.iter().map(|(_, lineage)| lineage.clone())).collect();
     let trees: Vec<BTreeMap<String, Modelled>> = grown(lineages, context)?.iter().map(modelled).collect();

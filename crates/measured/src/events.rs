@@ -4,7 +4,7 @@
 //!
 //! A mother is as large as her daughters together: she is not always seen herself, and she grows or is squeezed while she is.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use serde::Serialize;
 
@@ -126,21 +126,29 @@ pub struct GroupSummary {
     pub events: Vec<MotherSummary>,
 }
 
-/// χ by group, in the order of the table, and mother.
-pub fn summaries(divisions: &[Division]) -> Vec<GroupSummary> {
-    let mut order: Vec<&str> = Vec::new();
+/// Divisions by their group, groups in the order of the table.
+pub fn by_group(divisions: &[Division]) -> Vec<(&str, Vec<&Division>)> {
+    let mut out: Vec<(&str, Vec<&Division>)> = Vec::new();
+    let mut places: HashMap<&str, usize> = HashMap::new();
     for division in divisions {
-        if !order.contains(&division.group.as_str()) {
-            order.push(&division.group);
-        }
+        let place = *places.entry(&division.group).or_insert_with(|| {
+            out.push((&division.group, Vec::new()));
+            out.len() - 1
+        });
+        out[place].1.push(division);
     }
-    order.into_iter().map(|group| summary(group, divisions)).collect()
+    out
 }
 
-fn summary(group: &str, divisions: &[Division]) -> GroupSummary {
+/// χ by group, in the order of the table, and mother.
+pub fn summaries(divisions: &[Division]) -> Vec<GroupSummary> {
+    by_group(divisions).into_iter().map(|(group, divisions)| summary(group, &divisions)).collect()
+}
+
+fn summary(group: &str, divisions: &[&Division]) -> GroupSummary {
     let mut by_mother: BTreeMap<(u32, &str), Vec<&Division>> = BTreeMap::new();
     let mut embryos: Vec<&str> = Vec::new();
-    for division in divisions.iter().filter(|division| division.group == group) {
+    for division in divisions {
         by_mother.entry(place(&division.mother)).or_default().push(division);
         embryos.push(&division.embryo);
     }

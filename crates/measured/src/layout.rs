@@ -1,5 +1,7 @@
 //! The two layouts of tables of volumes, told by their first line.
 
+use std::collections::HashSet;
+
 use mechanics::input::InputError;
 
 use crate::names::is_cell;
@@ -25,8 +27,9 @@ impl Columns {
             let name = name.strip_prefix("mean_").unwrap_or(name);
             name == "volume" || unit_of(name).is_some()
         };
+        let mut seen = HashSet::new();
         for (column, name) in lower.iter().enumerate() {
-            if !name.is_empty() && lower[..column].contains(name) {
+            if !name.is_empty() && !seen.insert(name) {
                 let message = format!("two columns are called {:?}", header[column]);
                 return Err(malformed(file, 1, &message));
             }

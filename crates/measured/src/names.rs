@@ -20,6 +20,9 @@ const STEMS: [&str; 5] = ["AB", "MS", "E", "C", "D"];
 /// Letters of two sisters: anterior and posterior, left and right, dorsal and ventral.
 const SIDES: [(char, char); 3] = [('a', 'p'), ('l', 'r'), ('d', 'v')];
 
+/// Letters of the longest name that is taken for one: no lineage is known to have half as many rounds.
+const LONGEST: usize = 64;
+
 /// The mother of a cell by its name; none for P0 and for what is no name of a cell.
 ///
 /// # Examples
@@ -34,6 +37,9 @@ pub fn mother(name: &str) -> Option<&str> {
         return Some(mother);
     }
     let (before, last) = name.char_indices().next_back().map(|(at, last)| (&name[..at], last))?;
+    if name.len() > LONGEST {
+        return None;
+    }
     let is_side = |letter: char| SIDES.iter().any(|(first, second)| [*first, *second].contains(&letter));
     let letters = STEMS.iter().find_map(|stem| before.strip_prefix(stem))?;
     (is_side(last) && letters.chars().all(is_side)).then_some(before)
@@ -90,5 +96,6 @@ mod tests {
         for name in ["", "AB ", "ABx", "abal", "Eaz", "P5", "P", "Nuc1", "ABé", "EMSa", "é"] {
             assert!(!is_cell(name), "{name}");
         }
+        assert!(is_cell(&format!("AB{}", "a".repeat(62))) && !is_cell(&format!("AB{}", "a".repeat(1_000_000))));
     }
 }

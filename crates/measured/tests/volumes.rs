@@ -114,6 +114,15 @@ fn what_is_no_table_of_volumes_is_refused() {
 }
 
 #[test]
+fn very_wide_tables_and_very_long_names_are_read_in_passing() {
+    let header: String = (0..200_000).map(|k| format!(",x{k}")).collect();
+    let said = refused(format!("{header}\n1\n").as_bytes());
+    assert!(said.contains("and 199993 more"), "{said}");
+    let long = "a".repeat(1_000_000);
+    assert_eq!(read(format!("embryo,cell,volume\ne,AB{long},1\n").as_bytes()).skipped[0].why, "no name of Sulston's");
+}
+
+#[test]
 fn divisions_with_one_daughter_are_told() {
     let found = divisions(&read(b"embryo,cell,volume\ne,AB,60\ne,ABa,30\ne,ABp,31\n"));
     assert_eq!(found.divisions.len(), 1);

@@ -4,9 +4,9 @@
 //! first division as a group of embryos measures it, AB and P1 are as large as in these, and what the model says of their
 //! descendants can be held against embryos whose first division was changed.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
-use measured::events::{Division, GroupSummary, MotherSummary};
+use measured::events::{Division, GroupSummary, MotherSummary, by_group};
 use measured::statistics::{Line, line, line_through_origin};
 use measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
 use serde::Serialize;
@@ -105,6 +105,7 @@ pub fn beside(
     given: &BTreeMap<String, BTreeMap<String, Modelled>>,
     edges: Option<&[f64]>,
 ) -> Vec<GroupBeside> {
+    let mut own_of: HashMap<&str, Vec<&Division>> = by_group(divisions).into_iter().collect();
     let of = |group: GroupSummary| {
         let first = given.get(&group.group);
         let event = |measured: MotherSummary| Beside {
@@ -115,7 +116,7 @@ pub fn beside(
                 .copied(),
             measured,
         };
-        let own: Vec<Division> = divisions.iter().filter(|division| division.group == group.group).cloned().collect();
+        let own: Vec<Division> = own_of.remove(group.group.as_str()).into_iter().flatten().cloned().collect();
         let bins = volume_bins(&own, edges);
         GroupBeside {
             group: group.group,
