@@ -1,26 +1,19 @@
 //! `furrow compare`: the model beside measured embryos.
 
+mod common;
+
 use std::fmt::Write;
 use std::path::Path;
-use std::process::{Command, Output};
 
+use common::{answer, refusal};
 use serde_json::Value;
 
-fn furrow(arguments: &[&str], folder: &Path) -> Output {
-    let cache = ["--cache", concat!(env!("CARGO_TARGET_TMPDIR"), "/compare-cache")];
-    Command::new(env!("CARGO_BIN_EXE_furrow")).args(arguments).args(cache).current_dir(folder).output().unwrap()
-}
+/// Solved divisions are kept between the tests.
+const CACHE: [&str; 2] = ["--cache", concat!(env!("CARGO_TARGET_TMPDIR"), "/compare-cache")];
 
 fn json(arguments: &[&str], folder: &Path) -> Value {
-    let out = furrow(&[arguments, &["--json"]].concat(), folder);
-    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
-    serde_json::from_slice(&out.stdout).unwrap()
-}
-
-fn refused(arguments: &[&str], folder: &Path) -> String {
-    let out = furrow(arguments, folder);
-    assert_eq!(out.status.code(), Some(2));
-    String::from_utf8_lossy(&out.stderr).into_owned()
+    let printed = answer(folder, &[arguments, &CACHE, &["--json"]].concat());
+    serde_json::from_str(&printed).unwrap()
 }
 
 /// Volumes of a few embryos: the wild type's first two divisions, and one with an equal first.
@@ -151,7 +144,7 @@ fn only_most_rounds_make_the_papers_sentence_true() {
         (Some(10.0), Some(9.0))
     );
     // A tree from a file says the same.
-    furrow(&["tree", "--out", "t"], folder.path());
+    answer(folder.path(), &[&["tree", "--out", "t"][..], &CACHE].concat());
     assert_eq!(json(&["compare", "counts", "t/tree.json"], folder.path()), found);
 }
 
@@ -175,7 +168,7 @@ fn what_cannot_be_compared_is_refused_by_name() {
         ),
         (&["compare", "counts", "t.csv"], "t.csv"),
     ] {
-        let said = refused(arguments, folder.path());
+        let said = refusal(folder.path(), arguments);
         assert!(said.contains(expected), "{said}");
     }
 }

@@ -1,26 +1,17 @@
 //! `furrow export`, by the command: what it writes, what it refuses, and that other programs read the exports of the real tree as
 //! the tree that was grown.
 
+mod common;
+
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 
-fn furrow(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_furrow")).current_dir(folder).args(arguments).output().unwrap()
-}
+use common::answer;
 
-/// Runs a command that must succeed, and gives what it prints.
-fn answer(folder: &Path, arguments: &[&str]) -> String {
-    let output = furrow(folder, arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-/// Runs a command that must refuse its input, and gives what it says.
+/// Runs a command that must refuse its input, and gives what it says, which is short.
 fn refusal(folder: &Path, arguments: &[&str]) -> String {
-    let output = furrow(folder, arguments);
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
-    assert!(output.stdout.is_empty() && said.len() < 600, "{said}");
+    let said = common::refusal(folder, arguments);
+    assert!(said.len() < 600, "{said}");
     said
 }
 

@@ -1,27 +1,11 @@
 //! Pictures, movies and frames of what the commands compute.
 
+mod common;
+
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
 
+use common::{answer, refusal};
 use serde_json::Value;
-
-fn furrow(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_furrow")).args(arguments).current_dir(folder).output().unwrap()
-}
-
-fn run(folder: &Path, arguments: &[&str]) -> String {
-    let output = furrow(folder, arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
-
-fn refusal(folder: &Path, arguments: &[&str]) -> String {
-    let output = furrow(folder, arguments);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-    assert!(output.stdout.is_empty());
-    String::from_utf8(output.stderr).unwrap()
-}
 
 /// Commands that draw, quick ones, each with words that its picture must have.
 const DRAWN: [(&[&str], &[&str]); 6] = [
@@ -66,7 +50,7 @@ fn every_picture_says_what_it_shows_and_is_the_same_at_any_number_of_threads() {
     for (arguments, words) in DRAWN {
         let draw = |threads: &str| {
             let drawn = [arguments, &["--plot", "a.svg", "--no-cache", "--json", "--threads", threads]].concat();
-            let answer: Value = serde_json::from_str(&run(folder.path(), &drawn)).unwrap();
+            let answer: Value = serde_json::from_str(&answer(folder.path(), &drawn)).unwrap();
             assert!(answer.is_object());
             fs::read_to_string(folder.path().join("a.svg")).unwrap()
         };
@@ -86,7 +70,7 @@ fn pictures_are_written_as_dots_too_and_replace_what_was_there() {
     let folder = with_sweep();
     for (arguments, _) in DRAWN {
         fs::write(folder.path().join("a.PNG"), "not a picture").unwrap();
-        run(folder.path(), &[arguments, &["--plot", "a.PNG"]].concat());
+        answer(folder.path(), &[arguments, &["--plot", "a.PNG"]].concat());
         let bytes = fs::read(folder.path().join("a.PNG")).unwrap();
         let reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
         let (width, height) = reader.info().size();
@@ -122,12 +106,12 @@ fn a_calibration_and_a_sample_are_drawn() {
     let folder = tempfile::tempdir().unwrap();
     let targets = concat!(env!("CARGO_MANIFEST_DIR"), "/data/thresholds.ron");
     let quick = ["--set", "stages=3", "--set", "intervals=32"];
-    run(folder.path(), &[&["calibrate", targets, "--plot", "fit.svg"], &quick[..]].concat());
+    answer(folder.path(), &[&["calibrate", targets, "--plot", "fit.svg"], &quick[..]].concat());
     let picture = fs::read_to_string(folder.path().join("fit.svg")).unwrap();
     for word in ["R₀ = 1.64, ε = 0.87", "tolerance", "deviation of ξₛ* (%)"] {
         assert!(picture.contains(word), "{word}");
     }
-    run(folder.path(), &[&["calibrate", targets, "--ensemble", "4", "--plot", "pairs.svg"], &quick[..]].concat());
+    answer(folder.path(), &[&["calibrate", targets, "--ensemble", "4", "--plot", "pairs.svg"], &quick[..]].concat());
     let picture = fs::read_to_string(folder.path().join("pairs.svg")).unwrap();
     assert!(picture.contains("4 admissible sets of constants") && picture.contains("shell, a/b"));
 }
@@ -137,13 +121,13 @@ fn trees_are_drawn_side_by_side_and_over_constants() {
     let folder = tempfile::tempdir().unwrap();
     let small = ["--xi", "20", "--r0", "2.4", "--no-cache"];
     let cues = ["tree", "--cue", "none", "--cue", "germline", "--out", "cues", "--plot", "cues.svg"];
-    run(folder.path(), &[&cues[..], &small].concat());
+    answer(folder.path(), &[&cues[..], &small].concat());
     let picture = fs::read_to_string(folder.path().join("cues.svg")).unwrap();
     assert!(
         picture.contains("c_elegans-none") && picture.contains("c_elegans-germline") && picture.contains("observed")
     );
     fs::write(folder.path().join("sets.csv"), "aspect,weight\n1.45,0.5\n1.5,0.5\n").unwrap();
-    run(folder.path(), &[&["tree", "--constants", "sets.csv", "--plot", "sets.svg"], &small[..]].concat());
+    answer(folder.path(), &[&["tree", "--constants", "sets.csv", "--plot", "sets.svg"], &small[..]].concat());
     let picture = fs::read_to_string(folder.path().join("sets.svg")).unwrap();
     assert!(picture.contains("5–95 % of 2 sets of constants"));
 }
@@ -156,10 +140,10 @@ fn branches_and_boundaries_print_their_events_and_write_their_points() {
         &["branch", "--r0", "2", "--xi-max", "30"][..],
         &["boundary", "--vary", "r0", "--from", "1.6", "--to", "1.9", "--critical"],
     ] {
-        let summary = run(folder.path(), arguments);
-        let all = run(folder.path(), &[arguments, &["--points", "--csv", "points.csv"]].concat());
+        let summary = answer(folder.path(), arguments);
+        let all = answer(folder.path(), &[arguments, &["--points", "--csv", "points.csv"]].concat());
         assert!(summary.lines().count() < 12 && all.lines().count() > 20, "{summary}");
-        let json: Value = serde_json::from_str(&run(folder.path(), &[arguments, &["--json"]].concat())).unwrap();
+        let json: Value = serde_json::from_str(&answer(folder.path(), &[arguments, &["--json"]].concat())).unwrap();
         let csv = read("points.csv");
         let rows: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
         let column = |name: &str| rows[0].iter().position(|column| *column == name).unwrap();
@@ -175,7 +159,7 @@ fn branches_and_boundaries_print_their_events_and_write_their_points() {
             assert_eq!(rows[1][column(name)].parse::<f64>().unwrap(), first[name].as_f64().unwrap());
         }
     }
-    assert!(run(folder.path(), &["branch", "--r0", "2", "--xi-max", "30"]).contains("supercritical"));
+    assert!(answer(folder.path(), &["branch", "--r0", "2", "--xi-max", "30"]).contains("supercritical"));
 }
 
 /// Frames at even times: their columns, the balance of forces, and nothing of the frames that were there before.
@@ -184,9 +168,9 @@ fn frames_tell_what_acts_on_a_cell_at_even_times() {
     let folder = tempfile::tempdir().unwrap();
     let frames = folder.path().join("frames");
     let divide = ["divide", "--r0", "2.5", "--no-cache", "--frames", "frames"];
-    run(folder.path(), &divide);
+    answer(folder.path(), &divide);
     let steps = fs::read_dir(&frames).unwrap().count();
-    run(folder.path(), &[&divide[..], &["--frame-step", "0.5"]].concat());
+    answer(folder.path(), &[&divide[..], &["--frame-step", "0.5"]].concat());
     let index: Value = serde_json::from_str(&fs::read_to_string(frames.join("frames.json")).unwrap()).unwrap();
     let entries = index.as_array().unwrap();
     assert_eq!(fs::read_dir(&frames).unwrap().count(), entries.len() + 1);
@@ -216,7 +200,7 @@ fn a_division_moves_in_every_format() {
     let folder = tempfile::tempdir().unwrap();
     let movie = |name: &str| {
         let arguments = ["divide", "--r0", "4", "--cue", "germline", "--movie", name, "--movie-frames", "4"];
-        run(folder.path(), &arguments);
+        answer(folder.path(), &arguments);
         fs::read(folder.path().join(name)).unwrap()
     };
     let bytes = movie("a.gif");
@@ -238,7 +222,7 @@ fn a_division_moves_in_every_format() {
 #[test]
 fn the_four_kinds_of_division_are_one_command() {
     let folder = tempfile::tempdir().unwrap();
-    let answer = run(folder.path(), &["movies", "--out", "m", "--format", "svg", "--frames", "2", "--json"]);
+    let answer = answer(folder.path(), &["movies", "--out", "m", "--format", "svg", "--frames", "2", "--json"]);
     let answer: Value = serde_json::from_str(&answer).unwrap();
     let outcomes: Vec<&str> =
         answer["movies"].as_array().unwrap().iter().map(|movie| movie["outcome"].as_str().unwrap()).collect();

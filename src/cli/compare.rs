@@ -3,33 +3,30 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use measured::events::{Division, Divisions, GroupSummary, divisions, summaries};
+use measured::events::{Divisions, GroupSummary, divisions, summaries};
 use measured::published::{SOURCE, jankele2021};
 use measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
 use measured::volumes::{ReadOptions, Skipped, Volumes};
 use serde::Serialize;
 
 use super::cell::number;
+use super::compare_files as files;
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::output::{answer, writable_folder};
 use super::plot::PlotArgs;
-use super::tree::of_tree;
-use crate::cell::Cell;
-use crate::division::divide;
+use super::tree::{grown, of_tree};
 use crate::input::{InputError, read_text};
-use crate::io::files::FileSet;
-use crate::lineage::{Ends, Lineage, Tree, TreeSettings};
-use crate::shapes::CriticalRadii;
+use crate::lineage::{Lineage, Tree, TreeSettings};
 use crate::study::compare::counts::{Counts, READINGS, counts};
 use crate::study::compare::volumes::{
     Beside, GroupBeside, Modelled, Regression, beside, length_scale, modelled, regression, with_first_division_of,
 };
-use crate::study::scenarios::{Scenario, grow};
+use crate::study::scenarios::Scenario;
 
 /// Holds the model beside measured embryos
 #[derive(Debug, Args)]
@@ -101,9 +98,6 @@ struct VolumesArgs {
     plot: PlotArgs,
 }
 
-/// Files of a comparison.
-const FILES: [&str; 4] = ["chi.csv", "divisions.csv", "bins.csv", "compare.json"];
-
 /// Groups with whose own first division a tree is grown.
 const MOST_GROUPS: usize = 50;
 
@@ -119,22 +113,17 @@ pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
 }
 
 /// Trees of several lineages with the parameters of the command, in one run.
-fn grown(lineages: Vec<Lineage>, context: &Context) -> Result<Vec<Tree>, CliError> {
+fn trees_of(lineages: Vec<Lineage>, context: &Context) -> Result<Vec<Tree>, CliError> {
     context.settings.check_divisions("settings")?;
-    let settings = |lineage: &Lineage| of_tree(context.settings.clone(), lineage, 0, context);
     let scenario = |lineage: Lineage| Scenario {
         name: String::new(),
         label: String::new(),
         cue: None,
-        settings: settings(&lineage),
+        settings: of_tree(context.settings.clone(), &lineage, 0, context),
         lineage,
     };
     let scenarios: Vec<Scenario> = lineages.into_iter().map(scenario).collect();
-    let rule = Ends::new(CriticalRadii::new(&context.settings.numerics).interrupted_by(interrupt::flag()));
-    let ends = |cell: &Cell| rule.of(cell);
-    let silent = |_| {};
-    let (trees, _) = grow(&scenarios, &ends, &context.memo()?, context.scheduling(&silent), divide)?;
-    Ok(trees)
+    Ok(grown(&scenarios, false, context)?.0)
 }
 
 fn compare_counts(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
@@ -145,7 +134,7 @@ fn compare_counts(args: &CountsArgs, context: &Context) -> Result<(), CliError> 
             wanted: "a tree as furrow tree writes it".to_owned(),
             reason: error.to_string(),
         })?,
-        None => grown(vec![Lineage::load(None)?], context)?.remove(0),
+        None => trees_of(vec![Lineage::load(None)?], context)?.remove(0),
     };
     let found = counts(&tree)?;
     if let Some(picture) = picture {
@@ -233,7 +222,7 @@ fn compare_volumes(args: &VolumesArgs, context: &Context) -> Result<(), CliError
     check(args)?;
     let picture = args.plot.file()?;
     if let Some(out) = &args.out {
-        writable_folder("--out", "out", out, &FILES)?;
+        writable_folder("--out", "out", out, &files::NAMES)?;
     }
     let measured = read(args)?;
     let lineage = Lineage::load(args.lineage.as_deref())?;
@@ -246,7 +235,7 @@ fn compare_volumes(args: &VolumesArgs, context: &Context) -> Result<(), CliError
         .take(MOST_GROUPS)
         .collect();
     let lineages = std::iter::once(lineage).chain(given.iter().map(|(_, lineage)| lineage.clone())).collect();
-    let trees: Vec<BTreeMap<String, Modelled>> = grown(lineages, context)?.iter().map(modelled).collect();
+    let trees: Vec<BTreeMap<String, Modelled>> = trees_of(lineages, context)?.iter().map(modelled).collect();
     let Some((free, firsts)) = trees.split_first() else { return Ok(()) };
     let firsts = given.into_iter().map(|(group, _)| group).zip(firsts.iter().cloned()).collect();
     let all = &measured.found.divisions;
@@ -270,7 +259,8 @@ fn compare_volumes(args: &VolumesArgs, context: &Context) -> Result<(), CliError
         groups: &groups,
     };
     if let Some(out) = &args.out {
-        write_files(out, &answer_of, all)?;
+        let json = format!("{}\n", serde_json::to_string_pretty(&answer_of)?);
+        files::write(out, &groups, all, (&answer_of.bins, &answer_of.tests), &json)?;
     }
     if let Some(picture) = picture {
         let unit = answer_of.unit.map_or(String::new(), |unit| format!("({})", unit.symbol().trim_matches(['(', ')'])));
@@ -445,51 +435,4 @@ fn regression_text(out: &mut String, regression: &Regression) {
         );
     }
     out.push('\n');
-}
-
-fn write_files(folder: &Path, found: &Answer<'_>, divisions: &[Division]) -> Result<(), CliError> {
-    let optional = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-    let mut chi =
-        "group,mother,n,chi_mean,chi_sd,chi_signed_mean,chi_signed_sd,model_chi,model_chi_given_first\n".to_owned();
-    for group in found.groups {
-        for Beside { measured: m, model, given_first } in &group.events {
-            let [model, given] = [model, given_first].map(|m| optional(m.and_then(|m| m.chi)));
-            let (sd, signed) = (optional(m.sd), optional(m.sd_signed));
-            let _ = writeln!(
-                chi,
-                "{},{},{},{},{sd},{},{signed},{model},{given}",
-                quoted(&group.group),
-                m.mother,
-                m.n,
-                m.mean,
-                m.mean_signed
-            );
-        }
-    }
-    let mut each = "group,embryo,mother,first,second,volume_first,volume_second,chi_signed\n".to_owned();
-    for d in divisions {
-        let [first, second] = &d.daughters;
-        let [v1, v2] = d.volumes;
-        let (group, embryo) = (quoted(&d.group), quoted(&d.embryo));
-        let _ = writeln!(each, "{group},{embryo},{},{first},{second},{v1},{v2},{}", d.mother, d.chi_signed);
-    }
-    let mut bins = "from,to,n,chi_mean,chi_sd,u,p,stars\n".to_owned();
-    for (k, bin) in found.bins.iter().enumerate() {
-        let test = k.checked_sub(1).and_then(|k| found.tests.get(k));
-        let test = test.map_or(",,".to_owned(), |test| format!("{},{},{}", test.test.u, test.test.p, test.stars));
-        let _ = writeln!(bins, "{},{},{},{},{},{test}", bin.from, bin.to, bin.n, bin.mean, optional(bin.sd));
-    }
-    let json = format!("{}\n", serde_json::to_string_pretty(found)?);
-    let mut files = FileSet::new(folder);
-    for (name, text) in FILES.into_iter().zip([chi, each, bins, json]) {
-        files.stage(name, text.as_bytes())?;
-    }
-    files.commit()?;
-    Ok(())
-}
-
-/// A name as a field of CSV.
-fn quoted(name: &str) -> String {
-    let plain = !name.contains([',', '"', '\n', '\r']);
-    if plain { name.to_owned() } else { format!("\"{}\"", name.replace('"', "\"\"")) }
 }

@@ -8,9 +8,8 @@ use super::cell::FirstCellArgs;
 use super::context::Context;
 use super::error::CliError;
 use super::output::{answer, writable_file};
-use super::tree::of_tree;
+use super::tree::prepared;
 use crate::io::write_atomically;
-use crate::lineage::Lineage;
 use crate::report;
 
 /// Writes a page that computes divisions in a browser: cells at will, and the founders' tree under another cue
@@ -44,15 +43,7 @@ struct Answer {
 }
 
 pub fn run(args: &ExploreArgs, context: &Context) -> Result<(), CliError> {
-    let mut lineage = Lineage::load(args.lineage.as_deref())?;
-    let given = args.cell.settings(&context.settings, &lineage.units())?;
-    given.check_divisions("settings")?;
-    if args.cell.r0.is_some() {
-        // What the option says counts, also where the lineage gives its first cell a radius.
-        let first = lineage.first();
-        lineage.founders[first].r0 = None;
-    }
-    let settings = of_tree(given, &lineage, args.seed, context);
+    let (lineage, settings) = prepared(&args.cell, args.seed, context, args.lineage.as_deref())?;
     writable_file("--out", "out", &args.out)?;
     let page = report::explorer(&lineage, &settings);
     write_atomically(&args.out, page.as_bytes())?;

@@ -8,12 +8,11 @@ use serde::Serialize;
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, writable_file, writable_folder};
+use super::output::{answer, file_of_kind, writable_folder, write_unbroken};
 use crate::cell::Cell;
 use crate::division::{DivisionInput, Film, Outcome, film};
 use crate::input::InputError;
 use crate::io::files::FileSet;
-use crate::io::write_atomically;
 use crate::movie::supplement::scenes;
 use crate::movie::{Movie, MovieFormat};
 
@@ -46,13 +45,10 @@ impl MovieArgs {
     /// Its name says of no kind of movie, or it cannot be written.
     pub fn file(&self) -> Result<Option<MovieFile>, InputError> {
         let Some(path) = &self.movie else { return Ok(None) };
-        let Some(format) = MovieFormat::of(path) else {
-            let allowed = "a file whose name ends in .gif, .png, .apng or .svg";
-            return Err(InputError::not_allowed("--movie", "movie", format!("{path:?}"), allowed));
-        };
-        writable_file("--movie", "movie", path)?;
+        let allowed = "a file whose name ends in .gif, .png, .apng or .svg";
+        let (path, format) = file_of_kind("--movie", "movie", path, MovieFormat::of(path), allowed)?;
         let frames = self.movie_frames.map_or(format.usual_frames(), |frames| frames as usize);
-        Ok(Some(MovieFile { path: path.clone(), format, frames }))
+        Ok(Some(MovieFile { path, format, frames }))
     }
 }
 
@@ -62,9 +58,7 @@ impl MovieFile {
     /// # Errors
     /// It cannot be drawn or written.
     pub fn write(&self, cell: &Cell, film: &Film) -> Result<(), CliError> {
-        let bytes = Movie { cell, film, frames: self.frames }.bytes(self.format)?;
-        interrupt::unbroken(|| write_atomically(&self.path, &bytes))?;
-        Ok(())
+        write_unbroken(&self.path, &Movie { cell, film, frames: self.frames }.bytes(self.format)?)
     }
 }
 

@@ -2,6 +2,7 @@
 //! the exit code tells.
 
 use super::error::CliError;
+use super::interrupt;
 use crate::input::InputError;
 use crate::io::files::{WriteError, check_file, check_folder};
 use crate::io::write_atomically;
@@ -10,10 +11,16 @@ use crate::study::table::csv_text;
 use serde::Serialize;
 use serde_json::Value;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Writes records as CSV: of each the fields of these names, which `--json` has under the same, empty where it has none.
 pub fn csv_rows<T: Serialize>(file: &Path, columns: &[&str], records: &[T]) -> Result<(), CliError> {
+    write_atomically(file, &csv_of(columns, records)?)?;
+    Ok(())
+}
+
+/// Records as CSV, as [`csv_rows`] writes them.
+pub fn csv_of<T: Serialize>(columns: &[&str], records: &[T]) -> Result<Vec<u8>, CliError> {
     let names: Vec<String> = columns.iter().map(|name| (*name).to_owned()).collect();
     let mut rows = Vec::with_capacity(records.len());
     for (index, record) in records.iter().enumerate() {
@@ -24,8 +31,7 @@ pub fn csv_rows<T: Serialize>(file: &Path, columns: &[&str], records: &[T]) -> R
         };
         rows.push(Row { index, cells: columns.iter().map(cell).collect(), why: None });
     }
-    write_atomically(file, &csv_text(&names, &rows)?)?;
-    Ok(())
+    Ok(csv_text(&names, &rows)?)
 }
 
 /// Writes the answer to stdout.
@@ -72,6 +78,25 @@ pub fn writable_folder(option: &str, field: &str, folder: &Path, names: &[&str])
 /// Refuses a file that cannot be written, before the work that it is to keep.
 pub fn writable_file(option: &str, field: &str, file: &Path) -> Result<(), InputError> {
     check_file(file).map_err(|error| refused(option, field, file, "a file that can be written", &error))
+}
+
+/// The file of an option and its kind, which its name tells: refused if it is of no kind, or cannot be written.
+pub fn file_of_kind<K>(
+    option: &str,
+    field: &str,
+    file: &Path,
+    kind: Option<K>,
+    allowed: &str,
+) -> Result<(PathBuf, K), InputError> {
+    let kind = kind.ok_or_else(|| InputError::not_allowed(option, field, format!("{file:?}"), allowed))?;
+    writable_file(option, field, file)?;
+    Ok((file.to_owned(), kind))
+}
+
+/// Writes a picture or a movie whole; an interruption waits for it.
+pub fn write_unbroken(file: &Path, bytes: &[u8]) -> Result<(), CliError> {
+    interrupt::unbroken(|| write_atomically(file, bytes))?;
+    Ok(())
 }
 
 fn refused(option: &str, field: &str, given: &Path, allowed: &str, error: &WriteError) -> InputError {

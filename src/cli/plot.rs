@@ -5,11 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::error::CliError;
-use super::interrupt;
-use super::output::writable_file;
+use super::output::{file_of_kind, write_unbroken};
 use crate::drawing::{Drawing, Format};
 use crate::input::InputError;
-use crate::io::write_atomically;
 
 /// The option of all commands that draw.
 #[derive(Debug, Args)]
@@ -33,12 +31,9 @@ impl PlotArgs {
     /// It is neither SVG nor PNG by its name, or cannot be written.
     pub fn file(&self) -> Result<Option<PlotFile>, InputError> {
         let Some(path) = &self.plot else { return Ok(None) };
-        let Some(format) = Format::of(path) else {
-            let allowed = "a file whose name ends in .svg or .png";
-            return Err(InputError::not_allowed("--plot", "plot", format!("{path:?}"), allowed));
-        };
-        writable_file("--plot", "plot", path)?;
-        Ok(Some(PlotFile { path: path.clone(), format }))
+        let allowed = "a file whose name ends in .svg or .png";
+        let (path, format) = file_of_kind("--plot", "plot", path, Format::of(path), allowed)?;
+        Ok(Some(PlotFile { path, format }))
     }
 }
 
@@ -48,8 +43,6 @@ impl PlotFile {
     /// # Errors
     /// It cannot be drawn or written.
     pub fn write(&self, drawing: &Drawing) -> Result<(), CliError> {
-        let bytes = drawing.bytes(self.format)?;
-        interrupt::unbroken(|| write_atomically(&self.path, &bytes))?;
-        Ok(())
+        write_unbroken(&self.path, &drawing.bytes(self.format)?)
     }
 }

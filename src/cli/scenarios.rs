@@ -49,7 +49,7 @@ pub fn run(args: &TreeArgs, context: &Context, start: Instant) -> Result<(), Cli
         writable_folder("--out", "out", &args.out.join(&scenario.name), &SCENARIO_FILES)?;
     }
     let replaced = other_scenarios(&args.out, &scenarios, args.dynamics);
-    let (trees, summary) = grown(&scenarios, args, context)?;
+    let (trees, summary) = grown(&scenarios, args.dynamics, context)?;
     write_files(args, context, &scenarios, &trees, &summary, start, replaced.as_ref())?;
     let named: Vec<(&str, &Tree)> = scenarios.iter().map(|scenario| scenario.name.as_str()).zip(&trees).collect();
     if let (Some(picture), Some(drawing)) = (picture, crate::plot::rounds::draw_scenarios(&named)) {
@@ -66,7 +66,7 @@ fn read(args: &TreeArgs, context: &Context) -> Result<Vec<Scenario>, CliError> {
     };
     let mut sources = Vec::new();
     for file in files {
-        let (lineage, settings) = prepared(args, context, file)?;
+        let (lineage, settings) = prepared(&args.cell, args.seed, context, file)?;
         sources.push(Source { label: label(file), lineage, settings });
     }
     let cues: Vec<&str> = args.cue.iter().map(String::as_str).collect();

@@ -45,7 +45,7 @@ pub struct TreeArgs {
     #[arg(value_name = "LINEAGE.ron")]
     pub lineage: Vec<PathBuf>,
     #[command(flatten)]
-    cell: FirstCellArgs,
+    pub cell: FirstCellArgs,
     /// Folder for the files; those of another tree in it are kept in a folder earlier-N there
     #[arg(help_heading = "Output", long, value_name = "DIR", default_value = "furrow-out")]
     pub out: PathBuf,
@@ -54,7 +54,7 @@ pub struct TreeArgs {
     pub force: bool,
     /// Seed of the noise in the first step of every division
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
-    seed: u64,
+    pub seed: u64,
     /// Replaces every cue that the lineage gives: none, a name in the lineage file, or terms
     /// FIELD:PROFILE,key=value,.. joined by +. Several are set side by side
     #[arg(help_heading = "Cell", long, value_name = "CUE")]
@@ -167,7 +167,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         return scenarios::run(args, context, start);
     }
     let picture = args.plot.file()?;
-    let (mut lineage, settings) = prepared(args, context, args.lineage.first().map(PathBuf::as_path))?;
+    let (mut lineage, settings) = prepared(&args.cell, args.seed, context, args.lineage.first().map(PathBuf::as_path))?;
     if let Some(text) = args.cue.first() {
         lineage = lineage.carrying(text).map_err(bad_cue)?;
     }
@@ -177,7 +177,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     writable_folder("--out", "out", &args.out, &TREE_FILES)?;
     let replaced = other_tree(&args.out, &lineage, &settings, args.dynamics);
     let only = Scenario { name: String::new(), label: String::new(), cue: None, lineage, settings };
-    let (trees, summary) = grown(&[only], args, context)?;
+    let (trees, summary) = grown(&[only], args.dynamics, context)?;
     for tree in &trees {
         let rows = founder_rows(tree);
         write_files(args, context, tree, &rows, &summary, start, replaced.as_ref())?;
@@ -189,17 +189,22 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     Ok(())
 }
 
-/// The lineage of a file, or the built-in one, and the parameters of its divisions.
-pub fn prepared(args: &TreeArgs, context: &Context, file: Option<&Path>) -> Result<(Lineage, TreeSettings), CliError> {
+/// The lineage of a file, or the built-in one, and the parameters of its divisions, the first cell's as `cell` gives them.
+pub fn prepared(
+    cell: &FirstCellArgs,
+    seed: u64,
+    context: &Context,
+    file: Option<&Path>,
+) -> Result<(Lineage, TreeSettings), CliError> {
     let mut lineage = Lineage::load(file)?;
-    let given = args.cell.settings(&context.settings, &lineage.units())?;
+    let given = cell.settings(&context.settings, &lineage.units())?;
     given.check_divisions("settings")?;
-    if args.cell.r0.is_some() {
+    if cell.r0.is_some() {
         // What the option says counts, also where the lineage gives its first cell a radius.
         let first = lineage.first();
         lineage.founders[first].r0 = None;
     }
-    let settings = of_tree(given, &lineage, args.seed, context);
+    let settings = of_tree(given, &lineage, seed, context);
     Ok((lineage, settings))
 }
 
@@ -220,7 +225,9 @@ pub fn bad_cue(error: CueError) -> InputError {
 }
 
 /// Grows all scenarios in one run, and says what the user should know of it.
-pub fn grown(scenarios: &[Scenario], args: &TreeArgs, context: &Context) -> Result<(Vec<Tree>, Summary), CliError> {
+///
+/// With `dynamics` the division of every cell is computed, those below the critical radius of their cue included.
+pub fn grown(scenarios: &[Scenario], dynamics: bool, context: &Context) -> Result<(Vec<Tree>, Summary), CliError> {
     // Scenarios have the same numerics, and what all cells share is the same.
     let Some(Scenario { settings, .. }) = scenarios.first() else { return Ok(Default::default()) };
     let memo = context.memo()?;
@@ -234,14 +241,14 @@ pub fn grown(scenarios: &[Scenario], args: &TreeArgs, context: &Context) -> Resu
         critical.map_or(input.cell.r0, |critical| expected_work(critical)(input))
     };
     let mut options = context.scheduling(&show);
-    if !args.dynamics {
+    if !dynamics {
         options.expected_work = &order;
     }
     // The first cells are asked about first. The division of one costs less than a search, and where it fails there is no other.
     let first = std::cell::Cell::new(scenarios.len());
     let by_dynamics = |cell: &Cell| {
         let is_first = first.replace(first.get().saturating_sub(1)) > 0;
-        is_first && !rule.knows(cell) || args.dynamics
+        is_first && !rule.knows(cell) || dynamics
     };
     let ends = |cell: &Cell| if by_dynamics(cell) { None } else { rule.of(cell) };
     let grown = crate::study::scenarios::grow(scenarios, &ends, &memo, options, divide);

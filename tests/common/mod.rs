@@ -1,4 +1,8 @@
-//! A stand-in for the division solver, so that growth is tested apart from mechanics.
+//! What tests share: a stand-in for the division solver, so that growth is tested apart from mechanics, and the command, run in a
+//! folder.
+
+use std::path::Path;
+use std::process::{Command, Output};
 
 use furrow::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow::cell::Cell;
@@ -55,4 +59,28 @@ pub fn small_tree_file() -> String {
     let mut lineage = Lineage::c_elegans().unwrap();
     lineage.limits.max_depth = 4;
     grown(&lineage, &|_| None, fake).to_json().unwrap()
+}
+
+/// Runs the command in a folder.
+#[allow(dead_code)]
+pub fn furrow(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_furrow")).args(arguments).current_dir(folder).output().unwrap()
+}
+
+/// Runs a command that must succeed, and gives what it prints.
+#[allow(dead_code)]
+pub fn answer(folder: &Path, arguments: &[&str]) -> String {
+    let output = furrow(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Runs a command that must refuse its input, and gives what it says.
+#[allow(dead_code)]
+pub fn refusal(folder: &Path, arguments: &[&str]) -> String {
+    let output = furrow(folder, arguments);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+    said
 }

@@ -117,6 +117,14 @@ fn draw(canvas: &mut Canvas, [x, y]: [f64; 2], key: &Key) {
     }
 }
 
+/// An error bar from one end to the other, which are above each other, with ticks of half the given width.
+pub fn error_bar(canvas: &mut Canvas, ends: [[f64; 2]; 2], half: f64, stroke: Stroke<'_>) {
+    canvas.polyline(&ends, stroke);
+    for [x, y] in ends {
+        canvas.polyline(&[[x - half, y], [x + half, y]], stroke);
+    }
+}
+
 /// Draws a point of a form, with a thin white rim that keeps it apart from the lines it lies on.
 pub fn point(canvas: &mut Canvas, [x, y]: [f64; 2], size: f64, marker: Marker, colour: &str) {
     let rim = Some(Stroke::solid("#ffffff", 1.2));

@@ -104,10 +104,7 @@ fn beside(canvas: &mut Canvas, map: &Mapping, [x, apart]: [f64; 2], event: &Besi
     let Beside { measured, model, given_first } = event;
     if let Some(sd) = measured.sd {
         let ends = [measured.mean - sd, measured.mean + sd].map(|y| map.point([x, y.max(-0.02)]));
-        canvas.polyline(&ends, Stroke::solid(colour, 1.8));
-        for [x, y] in ends {
-            canvas.polyline(&[[x - 4.0, y], [x + 4.0, y]], Stroke::solid(colour, 1.8));
-        }
+        legend::error_bar(canvas, ends, 4.0, Stroke::solid(colour, 1.8));
     }
     legend::point(canvas, map.point([x, measured.mean]), 5.5, Marker::Disc, colour);
     for (of, marker, aside) in [(model, Marker::Diamond, 0.3), (given_first, Marker::Ring, 0.6)] {

@@ -161,10 +161,7 @@ fn range_bar(canvas: &mut Canvas, map: &Mapping, [founder, aside]: [f64; 2], set
 fn whisker(canvas: &mut Canvas, low: [f64; 2], high: [f64; 2], colour: &str) {
     if (low[1] - high[1]).abs() > 0.5 {
         let aside = |[x, y]: [f64; 2]| [x + 9.0, y];
-        canvas.polyline(&[aside(low), aside(high)], Stroke::solid(colour, 1.8));
-        for [x, y] in [aside(low), aside(high)] {
-            canvas.polyline(&[[x - 3.0, y], [x + 3.0, y]], Stroke::solid(colour, 1.8));
-        }
+        legend::error_bar(canvas, [aside(low), aside(high)], 3.0, Stroke::solid(colour, 1.8));
     }
 }
 

@@ -268,12 +268,8 @@ fn mark(canvas: &mut Canvas, map: &Mapping, point: &Point, x: f64, baseline: f64
     let colour = colour.unwrap_or(own);
     let at = map.point([x, value]);
     if let Some(sd) = point.sd.filter(|sd| *sd > 0.0) {
-        let (high, low) = (map.point([x, value + sd]), map.point([x, value - sd]));
-        let thin = Stroke::solid(colour, 1.6);
-        canvas.polyline(&[high, low], thin);
-        for end in [high, low] {
-            canvas.polyline(&[[end[0] - 4.0, end[1]], [end[0] + 4.0, end[1]]], thin);
-        }
+        let ends = [value + sd, value - sd].map(|value| map.point([x, value]));
+        legend::error_bar(canvas, ends, 4.0, Stroke::solid(colour, 1.6));
     }
     legend::point(canvas, at, 4.6, Marker::Disc, colour);
 }

@@ -145,28 +145,23 @@ pub fn at(cortex: &Cortex, gauss: &Gauss, y: &Solution, u: f64) -> Place {
 
 /// What acts at the collocation points and at the two ends of the mesh, where the equations themselves were solved.
 pub fn profile(cortex: &Cortex, gauss: &Gauss, y: &Solution) -> Vec<Place> {
-    let last = y.intervals() - 1;
-    let mut places = vec![place(cortex, y, &between(cortex, gauss, y, 0, 0.0))];
-    for i in 0..=last {
-        for theta in &gauss.c {
-            places.push(place(cortex, y, &between(cortex, gauss, y, i, *theta)));
-        }
-    }
-    places.push(place(cortex, y, &between(cortex, gauss, y, last, 1.0)));
-    places
+    along(cortex, gauss, y, &gauss.c)
 }
 
 /// What acts at `count` evenly spaced places of each mesh interval, and at the two ends of the mesh: for pictures, where the
 /// collocation points are too far apart.
 pub fn dense_profile(cortex: &Cortex, gauss: &Gauss, y: &Solution, count: usize) -> Vec<Place> {
+    let thetas: Vec<f64> = (0..count).map(|k| (k as f64 + 0.5) / count as f64).collect();
+    along(cortex, gauss, y, &thetas)
+}
+
+/// What acts at the same places θ of each mesh interval, and at the two ends of the mesh.
+fn along(cortex: &Cortex, gauss: &Gauss, y: &Solution, thetas: &[f64]) -> Vec<Place> {
     let last = y.intervals() - 1;
-    let mut places = vec![place(cortex, y, &between(cortex, gauss, y, 0, 0.0))];
-    for i in 0..=last {
-        for k in 0..count {
-            places.push(place(cortex, y, &between(cortex, gauss, y, i, (k as f64 + 0.5) / count as f64)));
-        }
-    }
-    places.push(place(cortex, y, &between(cortex, gauss, y, last, 1.0)));
+    let at = |i: usize, theta: f64| place(cortex, y, &between(cortex, gauss, y, i, theta));
+    let mut places = vec![at(0, 0.0)];
+    places.extend((0..=last).flat_map(|i| thetas.iter().map(move |theta| (i, *theta))).map(|(i, theta)| at(i, theta)));
+    places.push(at(last, 1.0));
     places
 }
 

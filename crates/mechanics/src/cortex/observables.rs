@@ -102,6 +102,11 @@ pub fn volume_until(gauss: &Gauss, y: &Solution, u: f64) -> f64 {
     total
 }
 
+/// (V_above − V_below)/V of the parts from u above and below a place, as a rule the neck.
+pub fn asymmetry(gauss: &Gauss, y: &Solution, u: f64) -> f64 {
+    1.0 - 2.0 * volume_until(gauss, y, u) / volume_until(gauss, y, 1.0)
+}
+
 /// The meridional furrow position: where the curvature c1 is most negative, refined on the collocation polynomial;
 /// `None` if c1 is positive everywhere.
 pub fn furrow_position(gauss: &Gauss, cortex: &Cortex, y: &Solution) -> Option<f64> {

@@ -161,9 +161,7 @@ impl Film {
     }
 
     fn asymmetry(&self, step: &Step) -> f64 {
-        let Some(neck) = step.neck else { return 0.0 };
-        let volume = |u: f64| observables::volume_until(&self.gauss, &step.shape, u);
-        1.0 - 2.0 * volume(neck.u) / volume(1.0)
+        step.neck.map_or(0.0, |neck| observables::asymmetry(&self.gauss, &step.shape, neck.u))
     }
 }
 

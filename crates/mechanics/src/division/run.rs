@@ -473,9 +473,7 @@ impl Run {
     fn divided(&self, stepper: &Stepper, neck: Neck, symmetric_below: f64) -> Division {
         let (y, r0) = (&stepper.levels[0].y, stepper.cortex.cell.r0);
         let gauss = &stepper.system.gauss;
-        let total = observables::volume_until(gauss, y, 1.0);
-        let below = observables::volume_until(gauss, y, neck.u);
-        let chi_signed = 1.0 - 2.0 * below / total;
+        let chi_signed = observables::asymmetry(gauss, y, neck.u);
         let chi = chi_signed.abs();
         let outcome = if chi < symmetric_below { Outcome::Symmetric } else { Outcome::Asymmetric };
         // The neck passed the threshold within the last step.

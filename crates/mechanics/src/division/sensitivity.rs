@@ -123,9 +123,8 @@ impl Tangent {
             return Vec::new();
         }
         let integrals = self.system.dimensions().integrals;
-        let mut direction = Direction::default();
         let one = |(k, past): (usize, &Vec<f64>)| {
-            let mut residual = self.system.zero_residual();
+            let (mut residual, mut direction) = (self.system.zero_residual(), Direction::default());
             self.add_past(&y, past, &mut residual.stages);
             // The system solves J δ = −residual: the parameter moves by one.
             residual.border[integrals + k] = -1.0;
@@ -134,9 +133,9 @@ impl Tangent {
                 components: y.components,
                 m: y.m,
                 mesh: y.mesh.clone(),
-                nodes: direction.nodes.clone(),
-                stages: direction.stages.clone(),
-                scalars: direction.scalars.clone(),
+                nodes: direction.nodes,
+                stages: direction.stages,
+                scalars: direction.scalars,
             }
         };
         pasts.iter().enumerate().map(one).collect()
@@ -195,8 +194,7 @@ impl Tangent {
         let at = |amount: f64| {
             let moved = combination(&[y, direction], &[1.0, amount]);
             let neck = observables::neck(gauss, &moved)?;
-            let total = observables::volume_until(gauss, &moved, 1.0);
-            Some([1.0 - 2.0 * observables::volume_until(gauss, &moved, neck.u) / total, neck.u, neck.radius])
+            Some([observables::asymmetry(gauss, &moved, neck.u), neck.u, neck.radius])
         };
         let (above, below) = (at(step)?, at(-step)?);
         Some(std::array::from_fn(|i| (above[i] - below[i]) / (2.0 * step)))

@@ -283,7 +283,9 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn comma(&mut self) -> Result<(), InputError> {
+    /// What stands before a comma or a closing bracket is a daughter: a leaf without a name where nothing does. Outside of all
+    /// brackets there are no daughters.
+    fn leaf_within_brackets(&mut self) -> Result<(), InputError> {
         if self.open.is_empty() {
             return Err(self.unexpected(if self.current.is_some() {
                 "the semicolon ; at the end of the tree"
@@ -292,20 +294,18 @@ impl<'a> Reader<'a> {
             }));
         }
         self.leaf_if_none()?;
+        Ok(())
+    }
+
+    fn comma(&mut self) -> Result<(), InputError> {
+        self.leaf_within_brackets()?;
         self.current = None;
         self.at += 1;
         Ok(())
     }
 
     fn closes(&mut self) -> Result<(), InputError> {
-        if self.open.is_empty() {
-            return Err(self.unexpected(if self.current.is_some() {
-                "the semicolon ; at the end of the tree"
-            } else {
-                "a name or a bracket ("
-            }));
-        }
-        self.leaf_if_none()?;
+        self.leaf_within_brackets()?;
         if let Some((node, _)) = self.open.pop() {
             self.current = Some(node);
             self.named = false;

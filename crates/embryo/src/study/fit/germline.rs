@@ -253,17 +253,38 @@ impl Judge<'_> {
             volumes: &volumes,
             divided: BTreeMap::new(),
         };
+        let mut known = BTreeMap::new();
         let scale = |k: usize| if self.unknowns[k].logarithmic { self.unknowns[k].value(place[k]) } else { 1.0 };
         let row = |measured: &MeasuredChi| {
             let founder = self.lineage.founders.iter().position(|f| f.name == measured.cell)?;
-            let slopes = self.slopes(&mut chain, founder)?;
+            let slopes = self.slopes(&mut chain, &mut known, founder)?;
             Some(slopes.chi.iter().enumerate().map(|(k, slope)| slope * scale(k)).collect())
         };
         self.targets.chi.iter().map(row).collect()
     }
 
     /// How a founder's division changes with the numbers of the cue: by itself, and with the radius that its mother leaves it.
-    fn slopes(&self, chain: &mut Chain<'_>, founder: usize) -> Option<Slopes> {
+    /// Those that are `known` are not followed again: the daughters of a founder ask for it too.
+    fn slopes(
+        &self,
+        chain: &mut Chain<'_>,
+        known: &mut BTreeMap<usize, Option<Slopes>>,
+        founder: usize,
+    ) -> Option<Slopes> {
+        if let Some(slopes) = known.get(&founder) {
+            return slopes.clone();
+        }
+        let slopes = self.follow(chain, known, founder);
+        known.insert(founder, slopes.clone());
+        slopes
+    }
+
+    fn follow(
+        &self,
+        chain: &mut Chain<'_>,
+        known: &mut BTreeMap<usize, Option<Slopes>>,
+        founder: usize,
+    ) -> Option<Slopes> {
         let r0 = chain.r0(founder)?;
         let mut input = chain.input(founder, r0);
         input.numerics.time_tolerance = (FINER * input.numerics.time_tolerance).max(FINEST);
@@ -273,7 +294,7 @@ impl Judge<'_> {
         let (division, by) = divide_with_sensitivities(&input, &parameters).ok()?;
         let (by, sign) = (by?, division.chi_signed?.signum());
         let radius = match self.lineage.mother(founder).filter(|_| self.lineage.given_r0(founder).is_none()) {
-            Some(mother) => self.slopes(chain, mother)?.radius(self.lineage.founders[founder].daughter),
+            Some(mother) => self.slopes(chain, known, mother)?.radius(self.lineage.founders[founder].daughter),
             None => vec![0.0; self.unknowns.len()],
         };
         let of = |(unknown, radius): (&Unknown, &f64)| {
@@ -287,6 +308,7 @@ impl Judge<'_> {
 }
 
 /// How a division changes with the numbers of the cue.
+#[derive(Clone)]
 struct Slopes {
     r0: f64,
     division: Division,
