@@ -111,6 +111,43 @@ fn a_compressed_data_set_gives_back_its_factor() {
     assert_eq!(found["unit"], "voxels");
 }
 
+/// Without P0 the scale is that of all mothers; boxes need single divisions, ranges sets of constants.
+#[test]
+fn scales_are_fitted_and_constants_give_ranges() {
+    let folder = tempfile::tempdir().unwrap();
+    // Every cell of 2 L_h of the model's, of an embryo whose first division was not seen.
+    let tree = json(&["tree", "--out", "t"], folder.path());
+    let radius = |name: &str| {
+        tree["founders"].as_array().unwrap().iter().find(|f| f["name"] == name).unwrap()["r0"].as_f64().unwrap()
+    };
+    let mut table = "embryo,cell,volume_um3\n".to_owned();
+    for k in 0..5 {
+        for (cell, of) in [("EMS", "EMS"), ("P2", "P2"), ("MS", "MS"), ("E", "E")] {
+            let volume = 4.0 / 3.0 * std::f64::consts::PI * (2.0 * radius(of)).powi(3);
+            let _ = writeln!(table, "e{k},{cell},{}", volume * (1.0 + 0.01 * f64::from(k - 2)));
+        }
+    }
+    std::fs::write(folder.path().join("t.csv"), table).unwrap();
+    let constants = "aspect,p0,w,gain,weight\n1.5,0.123,0.1445,0.5,3\n1.5,0.14,0.1445,0.5,1\n";
+    std::fs::write(folder.path().join("c.csv"), constants).unwrap();
+    let found = json(&["compare", "volumes", "t.csv", "--constants", "c.csv", "--plot", "t.svg"], folder.path());
+    assert_eq!((found["length_scale"]["from"].as_str(), found["members"].as_u64()), (Some("fitted"), Some(2)));
+    assert!((found["length_scale_um"].as_f64().unwrap() - 2.0).abs() < 1e-3, "{}", found["length_scale"]);
+    let event = found["groups"][0]["events"][0].clone();
+    assert_eq!(event["mother"], "P1");
+    assert_eq!(event["box_plot"]["quartiles"].as_array().unwrap().len(), 3);
+    let chi = event["model"]["chi"].as_f64().unwrap();
+    // Three quarters of the weight are the model's own constants.
+    assert_eq!(event["band"]["chi"]["p50"].as_f64(), Some(chi));
+    assert!(event["band"]["chi"]["p95"] != event["band"]["chi"]["p5"] && event["band"]["divides"] == 1.0, "{event}");
+    let given = json(&["compare", "volumes", "t.csv", "--length-scale", "1.7"], folder.path());
+    assert_eq!((given["length_scale"]["from"].as_str(), given["length_scale_um"].as_f64()), (Some("given"), Some(1.7)));
+    let svg = std::fs::read_to_string(folder.path().join("t.svg")).unwrap();
+    for said in ["whiskers within 3 IQR", "90 % of the sets", "model over size, no cue", "cue germline"] {
+        assert!(svg.contains(said), "{said}");
+    }
+}
+
 #[test]
 fn published_means_stand_in_for_tables_of_ones_own() {
     let folder = tempfile::tempdir().unwrap();
@@ -158,6 +195,12 @@ fn what_cannot_be_compared_is_refused_by_name() {
         (&["compare", "volumes", "x.csv"], "x.csv:1:1: no column is called cell or volume or embryo"),
         (&["compare", "volumes", "."], ".: cannot be read: it is a folder, not a file"),
         (&["compare", "volumes", "t.csv", "--voxel", "0"], "--voxel: voxel = 0: must be a length above 0, in µm"),
+        (
+            &["compare", "volumes", "t.csv", "--length-scale", "-1"],
+            "--length-scale: length_scale = -1: must be a length above 0, in the cube root of the tables' unit, or fit",
+        ),
+        (&["compare", "volumes", "t.csv", "--length-scale", "long"], "--length-scale"),
+        (&["compare", "volumes", "t.csv", "--constants", "t.csv"], "t.csv"),
         (
             &["compare", "volumes", "t.csv", "--bins", "10,5"],
             "--bins: bins = 10,5: must be two numbers or more, rising",

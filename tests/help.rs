@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-const COMMANDS: [&str; 19] = [
+const COMMANDS: [&str; 20] = [
     "tree",
     "divide",
     "steady",
@@ -15,6 +15,7 @@ const COMMANDS: [&str; 19] = [
     "fit",
     "compare counts",
     "compare volumes",
+    "compare contour",
     "sweep",
     "merge",
     "export",
@@ -91,6 +92,28 @@ fn examples_of_boundaries_run() {
 #[test]
 fn examples_of_comparisons_run() {
     ["compare counts", "compare volumes"].into_iter().for_each(run_examples);
+}
+
+/// Beside frames of a division, an ellipse as a table and as masks.
+#[test]
+fn examples_of_contours_run_beside_a_division() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(furrow(folder.path(), &["divide", "--r0", "2.5", "--frames", "contours"]).status.success());
+    let mut outline = "x,y\n".to_owned();
+    for k in 0..60 {
+        let t = f64::from(k) / 60.0 * std::f64::consts::TAU;
+        outline += &format!("{},{}\n", 3.0 * t.cos(), 2.0 * t.sin());
+    }
+    std::fs::write(folder.path().join("outlines.csv"), outline).unwrap();
+    let inside = |k: i32| ((k % 64 - 32) as f64 / 30.0).hypot((k / 64 - 32) as f64 / 20.0) < 1.0;
+    let pixels: Vec<u8> = (0..64 * 64).map(|k| if inside(k) { 255 } else { 0 }).collect();
+    for name in ["mask_1.png", "mask_2.png"] {
+        let file = std::fs::File::create(folder.path().join(name)).unwrap();
+        let mut encoder = png::Encoder::new(file, 64, 64);
+        encoder.set_color(png::ColorType::Grayscale);
+        encoder.write_header().unwrap().write_image_data(&pixels).unwrap();
+    }
+    run_examples_in(&folder, "compare contour");
 }
 
 #[test]

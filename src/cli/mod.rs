@@ -6,7 +6,6 @@ mod cache;
 mod calibrate;
 mod cell;
 mod compare;
-mod compare_files;
 mod context;
 mod divide;
 mod ensemble;

@@ -5,7 +5,8 @@ use std::collections::HashSet;
 use mechanics::input::InputError;
 
 use crate::names::is_cell;
-use crate::volumes::{Unit, malformed};
+use crate::table::malformed;
+use crate::volumes::Unit;
 
 /// The columns of a long table.
 pub(crate) struct Columns {
@@ -58,7 +59,7 @@ impl Columns {
 }
 
 /// The first few names.
-fn listed(header: &[String]) -> String {
+pub(crate) fn listed(header: &[String]) -> String {
     let shown: Vec<String> = header.iter().take(8).map(|name| format!("{name:?}")).collect();
     let more = header.len().saturating_sub(shown.len());
     shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }

@@ -8,6 +8,7 @@
 //! | [`trend`] | χ by decades of the mother's volume |
 //! | [`published`] | means over published embryos |
 //! | [`statistics`] | means, boxes, rank sums, straight lines |
+//! | `contour` | outlines of cells, how deep they are furrowed, how far two overlap (feature `contours`) |
 //!
 //! # Examples
 //! χ of one division from a table of two cells:
@@ -25,10 +26,13 @@
 //! # Ok::<(), mechanics::input::InputError>(())
 //! ```
 
+#[cfg(feature = "contours")]
+pub mod contour;
 pub mod events;
 mod layout;
 pub mod names;
 pub mod published;
 pub mod statistics;
+mod table;
 pub mod trend;
 pub mod volumes;

@@ -10,7 +10,7 @@
 //! its place; a table that is none of the two is refused.
 
 use std::collections::HashMap;
-use std::io::{BufRead, BufReader, Read};
+use std::io::Read;
 
 use csv::ByteRecord;
 use mechanics::input::InputError;
@@ -18,6 +18,7 @@ use serde::Serialize;
 
 use crate::layout::{Columns, embryo_of_file, unit_of};
 use crate::names::is_cell;
+use crate::table::{malformed, next, number, open};
 
 /// What volumes are measured in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -37,7 +38,7 @@ impl Unit {
         match self {
             Unit::CubicMicrometres => "µm³",
             Unit::Voxels => "voxels",
-            Unit::Relative => "(relative)",
+            Unit::Relative => "relative",
         }
     }
 }
@@ -178,23 +179,7 @@ impl Volumes {
     /// # Errors
     /// A table without the columns that it needs, or in another unit than those before.
     pub fn read(&mut self, from: impl Read, file: &str, options: &ReadOptions) -> Result<(), InputError> {
-        let mut buffered = BufReader::with_capacity(1 << 16, from);
-        let unreadable = |e: std::io::Error| InputError::Unreadable { file: file.to_owned(), reason: e.to_string() };
-        // What some programs write before UTF-8.
-        if buffered.fill_buf().map_err(unreadable)?.starts_with(b"\xef\xbb\xbf") {
-            buffered.consume(3);
-        }
-        let first = buffered.fill_buf().map_err(unreadable)?;
-        if first.starts_with(b"\xff\xfe") || first.starts_with(b"\xfe\xff") {
-            return Err(malformed(file, 1, "this is UTF-16; it must be saved as UTF-8"));
-        }
-        let line = first.split(|byte| *byte == b'\n').next().unwrap_or_default();
-        let delimiter = [b',', b';', b'\t'].into_iter().max_by_key(|d| line.iter().filter(|b| *b == d).count());
-        let mut reader = csv::ReaderBuilder::new()
-            .delimiter(delimiter.unwrap_or(b','))
-            .flexible(true)
-            .has_headers(false)
-            .from_reader(buffered);
+        let mut reader = open(from, file)?;
         let mut record = ByteRecord::new();
         if !next(&mut reader, &mut record, file)? {
             return Err(malformed(file, 1, "the table is empty; its first line must name its columns"));
@@ -464,22 +449,6 @@ fn positive(text: &[u8]) -> Result<f64, &'static str> {
         None if text.is_empty() => Err("no volume"),
         None => Err("not a number"),
     }
-}
-
-/// A finite number.
-fn number(text: &[u8]) -> Option<f64> {
-    std::str::from_utf8(text).ok()?.parse().ok().filter(|number: &f64| number.is_finite())
-}
-
-fn next<R: Read>(reader: &mut csv::Reader<R>, record: &mut ByteRecord, file: &str) -> Result<bool, InputError> {
-    reader.read_byte_record(record).map_err(|error| {
-        let line = error.position().map_or(0, csv::Position::line) as usize;
-        malformed(file, line.max(1), &error.to_string())
-    })
-}
-
-pub(crate) fn malformed(file: &str, line: usize, message: &str) -> InputError {
-    InputError::Malformed { file: file.to_owned(), line, column: 1, message: message.to_owned() }
 }
 
 fn not_allowed(file: &str, value: &Value<'_>, text: &str, allowed: &str) -> InputError {

@@ -110,7 +110,7 @@ fn what_is_no_table_of_volumes_is_refused() {
     }
     let mut volumes = read(b"embryo,cell,volume_um3\ne,AB,60\n");
     let said = volumes.read(&b"embryo,cell,relative_volume\nf,AB,0.6\n"[..], "u.csv", &ReadOptions::default());
-    assert!(said.unwrap_err().to_string().starts_with("u.csv: unit = (relative): must be µm³"));
+    assert!(said.unwrap_err().to_string().starts_with("u.csv: unit = relative: must be µm³"));
 }
 
 #[test]

@@ -2,7 +2,8 @@
 
 use super::files::{FileSet, WriteError};
 use crate::division::{Film, Still};
-use serde::Serialize;
+use crate::input::{InputError, read_text};
+use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -115,6 +116,77 @@ fn csv(still: &Still) -> String {
         let _ = writeln!(csv, "{}", p.normal.residual());
     }
     csv
+}
+
+/// The contour of a frame, as it is read again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameContour {
+    /// Name of its file.
+    pub file: String,
+    /// Time, in τ.
+    pub t: f64,
+    /// Radius and position along the axis, in L_h, from pole to pole.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// What is read of the list of frames.
+#[derive(Deserialize)]
+struct Listed {
+    file: String,
+    t: f64,
+}
+
+/// Reads the contours of a division that [`write_frames`] has written into `folder`.
+///
+/// # Errors
+/// A folder without the list of frames, or a frame that is not as it was written, with line and column.
+pub fn read_frames(folder: &Path) -> Result<Vec<FrameContour>, InputError> {
+    let index = folder.join(INDEX);
+    let listed: Vec<Listed> = serde_json::from_str(&read_text(&index)?).map_err(|error| InputError::OtherFile {
+        file: index.display().to_string(),
+        wanted: "a list of frames, as furrow divide --frames writes it".to_owned(),
+        reason: error.to_string(),
+    })?;
+    let read = |listed: Listed| {
+        // The list names files beside itself and no others.
+        if Path::new(&listed.file).components().count() != 1 {
+            let file = index.display().to_string();
+            return Err(InputError::not_allowed(file, "file", listed.file, "the name of a file in the same folder"));
+        }
+        let path = folder.join(&listed.file);
+        let points = read_contour(&read_text(&path)?, &path.display().to_string())?;
+        Ok(FrameContour { file: listed.file, t: listed.t, points })
+    };
+    listed.into_iter().map(read).collect()
+}
+
+/// The columns r and z of a frame.
+fn read_contour(text: &str, file: &str) -> Result<Vec<[f64; 2]>, InputError> {
+    let malformed = |line: usize, column: usize, message: String| InputError::Malformed {
+        file: file.to_owned(),
+        line,
+        column,
+        message,
+    };
+    let mut lines = text.lines().enumerate();
+    let names: Vec<&str> = lines.next().map_or("", |(_, line)| line).split(',').collect();
+    let find = |wanted: &str| {
+        let missing = || malformed(1, 1, format!("no column is called {wanted}, as in every frame that furrow writes"));
+        names.iter().position(|name| *name == wanted).ok_or_else(missing)
+    };
+    let columns = [find("r")?, find("z")?];
+    let number = |line: usize, column: usize, text: Option<&str>| {
+        let text = text.unwrap_or_default();
+        let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+        number.ok_or_else(|| malformed(line, column + 1, format!("{text:?} is not a finite number")))
+    };
+    lines
+        .map(|(k, line)| {
+            let fields: Vec<&str> = line.split(',').collect();
+            let [r, z] = columns.map(|column| number(k + 1, column, fields.get(column).copied()));
+            Ok([r?, z?])
+        })
+        .collect()
 }
 
 /// Removes frames of an earlier division, from a number on; nothing that is not named exactly like one.

@@ -137,30 +137,43 @@ pub fn ranges(
     threads: usize,
     interrupt: Option<&AtomicBool>,
 ) -> Result<LineageRanges, GrowError> {
-    let grow = |set: &Constants| grown(lineage, settings, set, interrupt);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let trees: Vec<Grown> = match pool {
-        Ok(pool) => pool.install(|| sets.par_iter().map(grow).collect::<Result<_, _>>())?,
-        // Without a pool of one's own the trees are grown one after the other.
-        Err(_) => sets.iter().map(grow).collect::<Result<_, _>>()?,
-    };
+    let trees = each_tree(lineage, settings, sets, threads, interrupt, grown)?;
     Ok(summed_up(lineage, sets, &trees))
 }
 
-fn grown(
+/// Grows the lineage with every set of constants, in parallel over the sets, and gives what is read off each tree.
+///
+/// # Errors
+/// As [`ranges`].
+pub fn each_tree<T: Send>(
     lineage: &Lineage,
     settings: &TreeSettings,
-    set: &Constants,
+    sets: &[Constants],
+    threads: usize,
     interrupt: Option<&AtomicBool>,
-) -> Result<Grown, GrowError> {
-    if interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
-        return Err(GrowError::Interrupted { solved: 0 });
+    read: impl Fn(&Constants, &Tree, &Summary) -> T + Sync,
+) -> Result<Vec<T>, GrowError> {
+    let grow = |set: &Constants| {
+        if interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+            return Err(GrowError::Interrupted { solved: 0 });
+        }
+        let settings = TreeSettings { cell: set.of(&settings.cell), ..settings.clone() };
+        let quantisation = Quantisation::with_relative_step(settings.r0_step).unwrap_or(Quantisation::DEFAULT);
+        let rule = Ends::new(CriticalRadii::new(&settings.numerics));
+        let memo = Memo::new(quantisation);
+        let (tree, summary) = grow_alone(lineage, settings, &|cell| rule.of(cell), &memo, interrupt)?;
+        Ok(read(set, &tree, &summary))
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    match pool {
+        Ok(pool) => pool.install(|| sets.par_iter().map(grow).collect()),
+        // Without a pool of one's own the trees are grown one after the other.
+        Err(_) => sets.iter().map(grow).collect(),
     }
-    let settings = TreeSettings { cell: set.of(&settings.cell), ..settings.clone() };
-    let quantisation = Quantisation::with_relative_step(settings.r0_step).unwrap_or(Quantisation::DEFAULT);
-    let rule = Ends::new(CriticalRadii::new(&settings.numerics));
-    let (tree, summary) = grow_alone(lineage, settings, &|cell| rule.of(cell), &Memo::new(quantisation), interrupt)?;
-    let founders = founder_rounds(&tree)
+}
+
+fn grown(set: &Constants, tree: &Tree, summary: &Summary) -> Grown {
+    let founders = founder_rounds(tree)
         .into_iter()
         .map(|row| {
             let cell = tree.founder_cell(row.founder);
@@ -168,7 +181,7 @@ fn grown(
             (row.rounds, cell.and_then(|id| tree.cell(id).fate.chi()), divides)
         })
         .collect();
-    Ok(Grown { weight: set.weight, cells: tree.len(), founders, solved: summary.solved, hits: summary.memo_hits })
+    Grown { weight: set.weight, cells: tree.len(), founders, solved: summary.solved, hits: summary.memo_hits }
 }
 
 /// Grows one tree on the calling thread's behalf: studies of many trees grow them side by side.

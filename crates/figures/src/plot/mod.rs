@@ -9,6 +9,7 @@
 //! | [`sweep`] | results over one axis or two |
 //! | [`calibration`] | thresholds wanted and met; an ensemble of constants |
 //! | [`comparison`] | measured size asymmetries beside the model's |
+//! | [`contours`] | measured outlines of a dividing cell, with the model's over them |
 //! | [`fit`] | constants, activities and cues that fit |
 //! | [`rounds`] | rounds of the founders beside the observed ones |
 
@@ -16,6 +17,7 @@ pub mod boundary;
 pub mod branch;
 pub mod calibration;
 pub mod comparison;
+pub mod contours;
 pub mod division;
 // Nothing is fitted on wasm32.
 #[cfg(not(target_family = "wasm"))]

@@ -5,14 +5,20 @@
 //! descendants can be held against embryos whose first division was changed.
 
 use std::collections::{BTreeMap, HashMap};
+use std::sync::atomic::AtomicBool;
 
 use measured::events::{Division, GroupSummary, MotherSummary, by_group};
-use measured::statistics::{Line, line, line_through_origin};
+use measured::statistics::{BoxPlot, Line, box_plot, line, line_through_origin, mean};
 use measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
 use serde::Serialize;
 
-use crate::division::Outcome;
-use crate::lineage::{Length, Lineage, Tree};
+use crate::batch::scheduler::{self, Job, SchedulerError, SchedulerOptions};
+use crate::batch::{Memo, phase};
+use crate::cell::Cue;
+use crate::division::{DivisionError, DivisionInput, Outcome, divide};
+use crate::lineage::{GrowError, Length, Lineage, Tree, TreeSettings};
+use crate::study::constants::Constants;
+use crate::study::ranges::{Range, each_tree};
 
 /// The model's division of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -35,6 +41,12 @@ pub struct Beside {
     pub model: Option<Modelled>,
     /// The tree with AB and P1 as large as this group measures them; none of P0, and where P0 was not measured.
     pub given_first: Option<Modelled>,
+    /// The tree grown from the zygote, over sets of constants.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub band: Option<Band>,
+    /// |χ| of each embryo as a box; none of a mother that is known by her mean alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub box_plot: Option<BoxPlot>,
 }
 
 impl Beside {
@@ -42,6 +54,15 @@ impl Beside {
     pub fn off(&self, chi: f64) -> Option<f64> {
         self.measured.sd.filter(|sd| *sd > 0.0).map(|sd| (chi - self.measured.mean) / sd)
     }
+}
+
+/// χ of a cell over sets of constants.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Band {
+    /// χ where it divides; none where it divides with no set.
+    pub chi: Option<Range>,
+    /// Share of the weight of the sets with which it divides.
+    pub divides: f64,
 }
 
 /// A group beside the model.
@@ -108,7 +129,14 @@ pub fn beside(
     let mut own_of: HashMap<&str, Vec<&Division>> = by_group(divisions).into_iter().collect();
     let of = |group: GroupSummary| {
         let first = given.get(&group.group);
+        let own: Vec<Division> = own_of.remove(group.group.as_str()).into_iter().flatten().cloned().collect();
+        let mut chi_of: HashMap<&str, Vec<f64>> = HashMap::new();
+        for division in &own {
+            chi_of.entry(&division.mother).or_default().push(division.chi());
+        }
         let event = |measured: MotherSummary| Beside {
+            band: None,
+            box_plot: chi_of.get(measured.mother.as_str()).and_then(|chi| box_plot(chi)),
             model: free.get(&measured.mother).copied(),
             given_first: first
                 .filter(|_| measured.mother != "P0")
@@ -116,7 +144,6 @@ pub fn beside(
                 .copied(),
             measured,
         };
-        let own: Vec<Division> = own_of.remove(group.group.as_str()).into_iter().flatten().cloned().collect();
         let bins = volume_bins(&own, edges);
         GroupBeside {
             group: group.group,
@@ -147,9 +174,112 @@ pub fn regression(x: &GroupBeside, y: &GroupBeside) -> Regression {
     }
 }
 
-/// Length of one L_h, in µm, by which P0, as large as its daughters, has the radius `r0`; none where it was not measured.
-pub fn length_scale(divisions: &[Division], r0: f64) -> Option<f64> {
-    let volumes: Vec<f64> = divisions.iter().filter(|d| d.mother == "P0").map(Division::mother_volume).collect();
-    let radius = (0.75 / std::f64::consts::PI * measured::statistics::mean(&volumes)).cbrt();
-    (!volumes.is_empty()).then(|| radius / r0)
+/// χ of these cells over sets of constants, the tree grown from the zygote with each.
+///
+/// # Errors
+/// [`GrowError`] of the first set that cannot be grown.
+pub fn bands(
+    lineage: &Lineage,
+    settings: &TreeSettings,
+    sets: &[Constants],
+    mothers: &[String],
+    threads: usize,
+    interrupt: Option<&AtomicBool>,
+) -> Result<BTreeMap<String, Band>, GrowError> {
+    let read = |set: &Constants, tree: &Tree, _: &_| {
+        let cells = modelled(tree);
+        let chi: Vec<Option<f64>> = mothers.iter().map(|mother| cells.get(mother).and_then(|cell| cell.chi)).collect();
+        (set.weight, chi)
+    };
+    let trees = each_tree(lineage, settings, sets, threads, interrupt, read)?;
+    let total: f64 = trees.iter().map(|(weight, _)| weight).sum();
+    let of = |(k, mother): (usize, &String)| {
+        let divided: Vec<(f64, f64)> = trees.iter().filter_map(|(weight, chi)| Some((chi[k]?, *weight))).collect();
+        let divides = divided.iter().map(|(_, weight)| weight).sum::<f64>() / total + 0.0;
+        (mother.clone(), Band { chi: Range::of(divided), divides })
+    };
+    Ok(mothers.iter().enumerate().map(of).collect())
+}
+
+/// How many of a table's units one L_h is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Scale {
+    /// One L_h, in the cube root of the unit of the volumes.
+    pub length: f64,
+    /// What it is taken from.
+    pub from: ScaleFrom,
+}
+
+/// What a scale is taken from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ScaleFrom {
+    /// It was given.
+    Given,
+    /// P0, as large as its daughters together, has the radius R0 of the model's.
+    P0,
+    /// All mothers that the model has: the mean of the logarithms of measured over modelled radii is 0.
+    Fitted,
+}
+
+/// The scale by P0's divisions, or if it was not measured, or is not to be asked, by all mothers'; none where no mother is the
+/// model's.
+pub fn scale(divisions: &[Division], cells: &BTreeMap<String, Modelled>, by_p0: bool) -> Option<Scale> {
+    let radius = |volume: f64| (0.75 / std::f64::consts::PI * volume).cbrt();
+    let zygote: Vec<f64> = divisions.iter().filter(|d| d.mother == "P0").map(Division::mother_volume).collect();
+    if let (false, true, Some(p0)) = (zygote.is_empty(), by_p0, cells.get("P0")) {
+        return Some(Scale { length: radius(mean(&zygote)) / p0.r0, from: ScaleFrom::P0 });
+    }
+    let ratio = |d: &Division| Some((radius(d.mother_volume()) / cells.get(&d.mother)?.r0).ln());
+    let ratios: Vec<f64> = divisions.iter().filter_map(ratio).collect();
+    (!ratios.is_empty()).then(|| Scale { length: mean(&ratios).exp(), from: ScaleFrom::Fitted })
+}
+
+/// χ over the size of a cell.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SizeCurve {
+    /// The cell's cue, as the lineage calls it; empty without one.
+    pub cue: String,
+    /// R0 in L_h and χ; none of a cell that does not divide, or could not be computed.
+    pub points: Vec<(f64, Option<f64>)>,
+}
+
+/// Points of a curve over size.
+const POINTS: usize = 48;
+
+/// χ over size, from one radius to another, of cells without a cue and with each of the lineage's: what the model says of every
+/// cell, and not of those of one tree alone.
+///
+/// # Errors
+/// [`SchedulerError`] if no workers can be started. A division that cannot be computed leaves a gap.
+pub fn size_curves(
+    lineage: &Lineage,
+    settings: &TreeSettings,
+    [from, to]: [f64; 2],
+    memo: &Memo<DivisionInput>,
+    options: &SchedulerOptions<'_, DivisionInput>,
+) -> Result<Vec<SizeCurve>, SchedulerError<DivisionError>> {
+    let radii: Vec<f64> = phase::spaced(from.ln(), to.ln(), POINTS).into_iter().map(f64::exp).collect();
+    let cues: Vec<(String, Cue)> = std::iter::once((String::new(), Cue::none()))
+        .chain(lineage.cues.iter().filter(|(_, cue)| !cue.is_none()).map(|(name, cue)| (name.clone(), cue.clone())))
+        .collect();
+    let mut jobs = Vec::with_capacity(cues.len() * radii.len());
+    for (_, cue) in &cues {
+        for r0 in &radii {
+            let cell = crate::cell::Cell { r0: *r0, ..settings.cell.clone().with_cue(cue.clone()) };
+            let task = DivisionInput { cell, numerics: settings.numerics, seed: settings.seed };
+            jobs.push(Job { id: jobs.len(), task });
+        }
+    }
+    let mut chi = vec![None; jobs.len()];
+    let run = scheduler::run(jobs, memo, options, divide, |id, division| {
+        chi[id] = division.chi;
+        vec![]
+    });
+    match run {
+        Ok(_) | Err(SchedulerError::Unsolved { .. }) => {}
+        Err(error) => return Err(error),
+    }
+    let points = |k: usize| radii.iter().copied().zip(chi[k * radii.len()..].iter().copied()).collect();
+    Ok(cues.into_iter().enumerate().map(|(k, (cue, _))| SizeCurve { cue, points: points(k) }).collect())
 }

@@ -1,13 +1,14 @@
-//! The files of `compare volumes --out`.
+//! The files of `compare volumes --out` and `compare contour --out`.
 
 use std::path::Path;
 
+use measured::contour::series::{Beside, Series};
 use measured::events::Division;
 use measured::trend::{AdjacentTest, VolumeBin};
 use serde::Serialize;
 
-use super::error::CliError;
-use super::output::csv_of;
+use crate::cli::error::CliError;
+use crate::cli::output::csv_of;
 use crate::io::files::FileSet;
 use crate::study::compare::volumes::GroupBeside;
 
@@ -121,8 +122,83 @@ pub fn write(
         csv_of(&BIN, &bin.collect::<Vec<_>>())?,
         json.as_bytes().to_vec(),
     ];
+    write_all(folder, &NAMES, tables)
+}
+
+/// Those of `compare contour`.
+pub const CONTOUR_NAMES: [&str; 2] = ["contours.csv", "compare.json"];
+
+/// A row of `contours.csv`.
+#[derive(Serialize)]
+struct ContourRow<'a> {
+    file: &'a str,
+    contour: &'a str,
+    stage: Option<usize>,
+    depth: f64,
+    model_depth: f64,
+    elongation: f64,
+    model_elongation: f64,
+    area: f64,
+    centroid_x: f64,
+    centroid_y: f64,
+    angle: f64,
+    frame: &'a str,
+    t: f64,
+    similarity: f64,
+    similarity_pixels: f64,
+    jaccard: f64,
+}
+
+const CONTOUR: [&str; 16] = [
+    "file",
+    "contour",
+    "stage",
+    "depth",
+    "model_depth",
+    "elongation",
+    "model_elongation",
+    "area",
+    "centroid_x",
+    "centroid_y",
+    "angle",
+    "frame",
+    "t",
+    "similarity",
+    "similarity_pixels",
+    "jaccard",
+];
+
+fn contour_row(beside: &Beside) -> ContourRow<'_> {
+    let Beside { measured, model, overlap, pixels, centroid, .. } = beside;
+    ContourRow {
+        file: &beside.file,
+        contour: &beside.contour,
+        stage: beside.stage.map(|stage| stage + 1),
+        depth: measured.depth,
+        model_depth: model.depth,
+        elongation: measured.elongation,
+        model_elongation: model.elongation,
+        area: measured.area,
+        centroid_x: centroid[0],
+        centroid_y: centroid[1],
+        angle: beside.angle,
+        frame: &beside.frame,
+        t: beside.t,
+        similarity: overlap.similarity,
+        similarity_pixels: pixels.similarity,
+        jaccard: overlap.jaccard,
+    }
+}
+
+/// Writes them, or none. `json` is what `--json` prints.
+pub fn write_contours(folder: &Path, series: &Series, json: &str) -> Result<(), CliError> {
+    let rows: Vec<ContourRow<'_>> = series.contours.iter().map(contour_row).collect();
+    write_all(folder, &CONTOUR_NAMES, [csv_of(&CONTOUR, &rows)?, json.as_bytes().to_vec()])
+}
+
+fn write_all<const N: usize>(folder: &Path, names: &[&str; N], tables: [Vec<u8>; N]) -> Result<(), CliError> {
     let mut files = FileSet::new(folder);
-    for (name, bytes) in NAMES.into_iter().zip(tables) {
+    for (name, bytes) in names.iter().zip(tables) {
         files.stage(name, &bytes)?;
     }
     files.commit()?;

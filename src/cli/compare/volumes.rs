@@ -1,62 +1,34 @@
-//! `furrow compare`: the model beside measured embryos.
+//! `furrow compare volumes`: size asymmetries beside the measured ones.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs::File;
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
-use measured::events::{Divisions, GroupSummary, divisions, summaries};
+use clap::Args;
+use measured::events::{Division, Divisions, GroupSummary, divisions, summaries};
 use measured::published::{SOURCE, jankele2021};
 use measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
-use measured::volumes::{ReadOptions, Skipped, Volumes};
+use measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
 use serde::Serialize;
 
-use super::cell::number;
-use super::compare_files as files;
-use super::context::Context;
-use super::error::CliError;
-use super::interrupt;
-use super::output::{answer, writable_folder};
-use super::plot::PlotArgs;
-use super::tree::{grown, of_tree};
+use super::{files, trees_of};
+use crate::cli::cell::number;
+use crate::cli::context::Context;
+use crate::cli::error::CliError;
+use crate::cli::interrupt;
+use crate::cli::output::{answer, writable_folder};
+use crate::cli::plot::PlotArgs;
+use crate::cli::progress::ProgressLine;
+use crate::cli::tree::of_tree;
 use crate::input::{InputError, read_text};
-use crate::lineage::{Lineage, Tree, TreeSettings};
-use crate::study::compare::counts::{Counts, READINGS, counts};
+use crate::lineage::{Lineage, TreeSettings};
+use crate::plot::comparison::{self, Comparison};
 use crate::study::compare::volumes::{
-    Beside, GroupBeside, Modelled, Regression, beside, length_scale, modelled, regression, with_first_division_of,
+    Band, Beside, GroupBeside, Modelled, Regression, Scale, ScaleFrom, SizeCurve, bands, beside, modelled, regression,
+    scale, size_curves, with_first_division_of,
 };
-use crate::study::scenarios::Scenario;
-
-/// Holds the model beside measured embryos
-#[derive(Debug, Args)]
-pub struct CompareArgs {
-    #[command(subcommand)]
-    what: What,
-}
-
-#[derive(Debug, Subcommand)]
-enum What {
-    Counts(CountsArgs),
-    Volumes(VolumesArgs),
-}
-
-/// Rounds of division per founder beside the observed ones, by every reading of "rounds" and at several stages
-///
-/// Observed are the rounds of C. elegans at hatching and in embryos of 349 and 549 cells (Sulston et al. 1983). Says by which
-/// reading rounds are within one of the observed, whether the paper's sentence on rounds holds, and where cells ended and why.
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  furrow compare counts
-  furrow compare counts --preset sulston1983 --json")]
-struct CountsArgs {
-    /// A tree that was grown before; default the built-in C. elegans founders, grown now
-    #[arg(value_name = "TREE.json")]
-    tree: Option<PathBuf>,
-    #[command(flatten)]
-    plot: PlotArgs,
-}
+use crate::study::{Range, read_constants};
 
 /// Size asymmetries of measured divisions beside the model's
 ///
@@ -69,7 +41,7 @@ struct CountsArgs {
 Examples:
   furrow compare volumes
   furrow compare volumes --preset sulston1983 --plot chi.svg --json")]
-struct VolumesArgs {
+pub struct VolumesArgs {
     /// Tables of cell volumes, CSV
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
@@ -85,9 +57,13 @@ struct VolumesArgs {
     /// Edges of the bins of the mother's volume, rising, as 100,1000,10000; default decades
     #[arg(help_heading = "Statistics", long, value_name = "V,V,..", value_delimiter = ',', value_parser = number)]
     bins: Option<Vec<f64>>,
-    /// One L_h in µm; default such that P0 is as large as measured
-    #[arg(help_heading = "Statistics", long, value_name = "UM", value_parser = number)]
-    length_scale: Option<f64>,
+    /// One L_h, in the cube root of the tables' unit (µm of µm³), or fit: by all mothers; default such that P0 is as large as
+    /// measured, and by all mothers where P0 is not
+    #[arg(help_heading = "Statistics", long, value_name = "LENGTH|fit", allow_negative_numbers = true, value_parser = wanted_scale)]
+    length_scale: Option<WantedScale>,
+    /// Sets of constants, as calibrate --ensemble writes them: over these, χ of the model has a range
+    #[arg(help_heading = "Model", long, value_name = "FILE.csv")]
+    constants: Option<PathBuf>,
     /// Lineage that the model grows; default the built-in C. elegans founders
     #[arg(help_heading = "Model", long, value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
@@ -98,100 +74,25 @@ struct VolumesArgs {
     plot: PlotArgs,
 }
 
+/// What is asked for as one L_h.
+#[derive(Clone, Copy, Debug)]
+enum WantedScale {
+    Length(f64),
+    Fitted,
+}
+
+fn wanted_scale(text: &str) -> Result<WantedScale, String> {
+    match text {
+        "fit" => Ok(WantedScale::Fitted),
+        _ => Ok(WantedScale::Length(number(text)?)),
+    }
+}
+
 /// Groups with whose own first division a tree is grown.
 const MOST_GROUPS: usize = 50;
 
 /// What is told of so much that was skipped, a line each.
 const MOST_SKIPPED: usize = 10;
-
-pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
-    interrupt::gently();
-    match &args.what {
-        What::Counts(args) => compare_counts(args, context),
-        What::Volumes(args) => compare_volumes(args, context),
-    }
-}
-
-/// Trees of several lineages with the parameters of the command, in one run.
-fn trees_of(lineages: Vec<Lineage>, context: &Context) -> Result<Vec<Tree>, CliError> {
-    context.settings.check_divisions("settings")?;
-    let scenario = |lineage: Lineage| Scenario {
-        name: String::new(),
-        label: String::new(),
-        cue: None,
-        settings: of_tree(context.settings.clone(), &lineage, 0, context),
-        lineage,
-    };
-    let scenarios: Vec<Scenario> = lineages.into_iter().map(scenario).collect();
-    Ok(grown(&scenarios, false, context)?.0)
-}
-
-fn compare_counts(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
-    let picture = args.plot.file()?;
-    let tree = match &args.tree {
-        Some(file) => Tree::from_json(&read_text(file)?).map_err(|error| InputError::OtherFile {
-            file: file.display().to_string(),
-            wanted: "a tree as furrow tree writes it".to_owned(),
-            reason: error.to_string(),
-        })?,
-        None => trees_of(vec![Lineage::load(None)?], context)?.remove(0),
-    };
-    let found = counts(&tree)?;
-    if let Some(picture) = picture {
-        picture.write(&crate::plot::rounds::draw(&tree))?;
-    }
-    if context.json {
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&found)?));
-    }
-    answer(&counts_text(&found))
-}
-
-fn counts_text(found: &Counts) -> String {
-    let mut out = String::new();
-    for stage in &found.stages {
-        let _ = writeln!(out, "observed embryo of {} cells (model, observed; * within one round)", stage.cells);
-        let names: String = READINGS.iter().map(|reading| format!("{:>20}", reading.replace('_', " "))).collect();
-        let _ = writeln!(out, "{:<8}{names}", "founder");
-        for founder in &stage.founders {
-            let _ = write!(out, "{:<8}", founder.founder);
-            for reading in READINGS {
-                let count = &founder.counts[reading];
-                let digits = if reading == "mean" { 2 } else { 0 };
-                let model = count.model.map_or("-".to_owned(), |model| format!("{model:.digits$}"));
-                let mark = if count.within_one { '*' } else { ' ' };
-                let _ = write!(out, "{:>20}", format!("{model}, {:.digits$}{mark}", count.observed));
-            }
-            out.push('\n');
-        }
-        out.push('\n');
-    }
-    let _ =
-        writeln!(out, "\"To within a single round for the EMS and P lineages\", and not elsewhere, at the last stage:");
-    for sentence in &found.sentence {
-        let word = |holds: bool| if holds { "yes" } else { "no" };
-        let _ = writeln!(
-            out,
-            "  {:<16} EMS {:<4} germline {:<4} AB, C and D off by more {:<4} all: {}",
-            sentence.reading.replace('_', " "),
-            word(sentence.ems),
-            word(sentence.germline),
-            word(sentence.elsewhere_not),
-            word(sentence.holds)
-        );
-    }
-    let _ = writeln!(
-        out,
-        "Divisions down the germline: {} in the model, {} observed",
-        found.germline[0], found.germline[1]
-    );
-    let _ = writeln!(out, "\nWhere cells of each founder end, and why:");
-    for ends in &found.ends {
-        let reasons: Vec<String> = ends.ended.iter().map(|(why, n)| format!("{n} {}", why.replace('_', " "))).collect();
-        let r0 = ends.r0.map_or(String::new(), |[least, most]| format!(", R0 {least:.3} to {most:.3}"));
-        let _ = writeln!(out, "  {:<6} {}{r0}", ends.founder, reasons.join(", "));
-    }
-    out
-}
 
 /// What `compare volumes --json` prints.
 #[derive(Serialize)]
@@ -203,8 +104,11 @@ struct Answer<'a> {
     skipped_count: u64,
     divisions: usize,
     half_seen: &'a [measured::events::HalfSeen],
-    unit: Option<measured::volumes::Unit>,
+    unit: Option<Unit>,
+    length_scale: Option<Scale>,
     length_scale_um: Option<f64>,
+    /// Sets of constants over which the model's χ have ranges.
+    members: Option<usize>,
     bins: Vec<VolumeBin>,
     tests: Vec<AdjacentTest>,
     regressions: Vec<Regression>,
@@ -218,29 +122,38 @@ struct Measured {
     groups: Vec<GroupSummary>,
 }
 
-fn compare_volumes(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
+pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     check(args)?;
     let picture = args.plot.file()?;
     if let Some(out) = &args.out {
         writable_folder("--out", "out", out, &files::NAMES)?;
     }
+    let sets = match &args.constants {
+        Some(file) => read_constants(&read_text(file)?, &file.display().to_string())?,
+        None => Vec::new(),
+    };
     let measured = read(args)?;
     let lineage = Lineage::load(args.lineage.as_deref())?;
     let settings: TreeSettings = of_tree(context.settings.clone(), &lineage, 0, context);
-    let r0 = settings.cell.r0;
-    let given: Vec<(String, Lineage)> = measured
-        .groups
-        .iter()
-        .filter_map(|group| Some((group.group.clone(), with_first_division_of(&lineage, group, r0)?)))
-        .take(MOST_GROUPS)
-        .collect();
-    let lineages = std::iter::once(lineage).chain(given.iter().map(|(_, lineage)| lineage.clone())).collect();
-    let trees: Vec<BTreeMap<String, Modelled>> = trees_of(lineages, context)?.iter().map(modelled).collect();
-    let Some((free, firsts)) = trees.split_first() else { return Ok(()) };
-    let firsts = given.into_iter().map(|(group, _)| group).zip(firsts.iter().cloned()).collect();
+    let (free, firsts) = model(&lineage, &settings, &measured.groups, context)?;
     let all = &measured.found.divisions;
-    let groups = beside(measured.groups.clone(), all, free, &firsts, args.bins.as_deref());
+    let mut groups = beside(measured.groups.clone(), all, &free, &firsts, args.bins.as_deref());
+    if !sets.is_empty() {
+        let mothers: BTreeSet<String> = groups.iter().flat_map(|group| &group.events).map(mother).collect();
+        let mothers: Vec<String> = mothers.into_iter().filter(|mother| free.contains_key(mother)).collect();
+        let flag = Some(interrupt::flag());
+        let bands = bands(&lineage, &settings, &sets, &mothers, context.threads, flag)?;
+        for event in groups.iter_mut().flat_map(|group| &mut group.events) {
+            event.band = bands.get(&event.measured.mother).copied();
+        }
+    }
     let bins = volume_bins(all, args.bins.as_deref());
+    let length_scale = match args.length_scale {
+        Some(WantedScale::Length(length)) => Some(Scale { length, from: ScaleFrom::Given }),
+        Some(WantedScale::Fitted) => scale(all, &free, false),
+        None => scale(all, &free, true),
+    };
+    let unit = measured.volumes.unit;
     let answer_of = Answer {
         source: measured.source,
         used: measured.volumes.used,
@@ -248,37 +161,92 @@ fn compare_volumes(args: &VolumesArgs, context: &Context) -> Result<(), CliError
         skipped_count: measured.volumes.skipped_count,
         divisions: all.len(),
         half_seen: &measured.found.half_seen,
-        unit: measured.volumes.unit,
-        length_scale_um: args.length_scale.or_else(|| {
-            let micrometres = measured.volumes.unit == Some(measured::volumes::Unit::CubicMicrometres);
-            length_scale(all, r0).filter(|_| micrometres)
-        }),
+        unit,
+        length_scale,
+        length_scale_um: length_scale.filter(|_| unit == Some(Unit::CubicMicrometres)).map(|scale| scale.length),
+        members: (!sets.is_empty()).then_some(sets.len()),
         tests: adjacent_tests(&bins),
         bins,
         regressions: regressions(args, &groups)?,
         groups: &groups,
     };
+    let json = format!("{}\n", serde_json::to_string_pretty(&answer_of)?);
     if let Some(out) = &args.out {
-        let json = format!("{}\n", serde_json::to_string_pretty(&answer_of)?);
         files::write(out, &groups, all, (&answer_of.bins, &answer_of.tests), &json)?;
     }
     if let Some(picture) = picture {
-        let unit = answer_of.unit.map_or(String::new(), |unit| format!("({})", unit.symbol().trim_matches(['(', ')'])));
-        picture.write(&crate::plot::comparison::draw(&groups, all, &unit, answer_of.length_scale_um))?;
+        let unit = unit.map_or(String::new(), |unit| format!("({})", unit.symbol()));
+        let (bins, length) = (&answer_of.bins, length_scale.map(|scale| scale.length));
+        let curves = curves(&lineage, &settings, all, length, context)?;
+        picture.write(&comparison::draw(&Comparison {
+            groups: &groups,
+            divisions: all,
+            bins,
+            unit,
+            length,
+            curves,
+        }))?;
     }
-    if context.json {
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&answer_of)?));
-    }
-    answer(&volumes_text(&answer_of))
+    answer(&if context.json { json } else { volumes_text(&answer_of) })
 }
 
+fn mother(event: &Beside) -> String {
+    event.measured.mother.clone()
+}
+
+/// χ of every cell by its name.
+type Cells = BTreeMap<String, Modelled>;
+
+/// The tree grown from its zygote, and for each group the one with the first division as that group measures it.
+fn model(
+    lineage: &Lineage,
+    settings: &TreeSettings,
+    groups: &[GroupSummary],
+    context: &Context,
+) -> Result<(Cells, BTreeMap<String, Cells>), CliError> {
+    let with_first =
+        |group: &GroupSummary| Some((group.group.clone(), with_first_division_of(lineage, group, settings.cell.r0)?));
+    let given: Vec<(String, Lineage)> = groups.iter().filter_map(with_first).take(MOST_GROUPS).collect();
+    let lineages = std::iter::once(lineage.clone()).chain(given.iter().map(|(_, lineage)| lineage.clone())).collect();
+    let mut trees = trees_of(lineages, context)?.into_iter().map(|tree| modelled(&tree));
+    let free = trees.next().unwrap_or_default();
+    Ok((free, given.into_iter().map(|(group, _)| group).zip(trees).collect()))
+}
+
+/// What the model says of cells as large as the measured mothers, for a picture; nothing where it is not known how large these
+/// are.
+fn curves(
+    lineage: &Lineage,
+    settings: &TreeSettings,
+    divisions: &[Division],
+    length: Option<f64>,
+    context: &Context,
+) -> Result<Vec<SizeCurve>, CliError> {
+    let Some(length) = length else { return Ok(Vec::new()) };
+    let radii = divisions.iter().map(|d| (0.75 / std::f64::consts::PI * d.mother_volume()).cbrt() / length);
+    let [least, most] = radii.fold([f64::INFINITY, 0.0], |[a, b], r| [f64::min(a, r), f64::max(b, r)]);
+    // From a cell that never divides to one a little larger than the zygote.
+    let [from, to] = [least.clamp(SMALLEST, settings.cell.r0), most.clamp(SMALLEST, 1.2 * settings.cell.r0)];
+    if from >= to {
+        return Ok(Vec::new());
+    }
+    let line = ProgressLine::new(context.progress);
+    let show = |progress| line.show(progress);
+    Ok(size_curves(lineage, settings, [from, to], &context.memo()?, &context.scheduling(&show))?)
+}
+
+/// Smaller cells stay at rest, and the curve has nothing to show of them.
+const SMALLEST: f64 = 1.0;
+
 fn check(args: &VolumesArgs) -> Result<(), InputError> {
-    for (option, field, value) in
-        [("--voxel", "voxel", args.voxel), ("--length-scale", "length_scale", args.length_scale)]
+    if let Some(voxel) = args.voxel.filter(|voxel| *voxel <= 0.0) {
+        return Err(InputError::not_allowed("--voxel", "voxel", voxel, "a length above 0, in µm"));
+    }
+    if let Some(WantedScale::Length(length)) = args.length_scale
+        && length <= 0.0
     {
-        if let Some(value) = value.filter(|value| *value <= 0.0) {
-            return Err(InputError::not_allowed(option, field, value, "a length above 0, in µm"));
-        }
+        let allowed = "a length above 0, in the cube root of the tables' unit, or fit";
+        return Err(InputError::not_allowed("--length-scale", "length_scale", length, allowed));
     }
     if let Some(edges) = &args.bins
         && (edges.len() < 2 || edges.windows(2).any(|pair| pair[0] >= pair[1]))
@@ -344,15 +312,25 @@ fn volumes_text(found: &Answer<'_>) -> String {
         group_text(&mut out, group);
     }
     if !found.bins.is_empty() {
-        let unit = found.unit.map_or("", measured::volumes::Unit::symbol);
-        let _ = writeln!(out, "χ by the mother's volume, in {unit}, of all groups:");
+        let unit = found.unit.map_or("", Unit::symbol);
+        let _ = writeln!(out, "χ by the mother's volume ({unit}), of all groups:");
         bins_text(&mut out, &found.bins, &found.tests);
     }
     for regression in &found.regressions {
         regression_text(&mut out, regression);
     }
-    if let Some(scale) = found.length_scale_um {
-        let _ = writeln!(out, "one L_h is {scale:.3} µm, by P0");
+    if let Some(scale) = found.length_scale {
+        let unit = match found.unit {
+            Some(Unit::CubicMicrometres) => "µm",
+            Some(Unit::Voxels) => "edges of a voxel",
+            _ => "in the cube root of the unit",
+        };
+        let from = match scale.from {
+            ScaleFrom::Given => "as given",
+            ScaleFrom::P0 => "by P0",
+            ScaleFrom::Fitted => "by all mothers that the model has",
+        };
+        let _ = writeln!(out, "one L_h is {:.4} {unit}, {from}", scale.length);
     }
     if found.source.is_none() {
         let _ = writeln!(
@@ -377,13 +355,20 @@ fn volumes_text(found: &Answer<'_>) -> String {
 fn group_text(out: &mut String, group: &GroupBeside) {
     let name = if group.group.is_empty() { "measured".to_owned() } else { format!("group {}", group.group) };
     let _ = writeln!(out, "{name}, {} embryos", group.embryos);
+    let with_bands = group.events.iter().any(|event| event.band.is_some());
     let _ = writeln!(
         out,
-        "{:<10}{:>4} {:>16} {:>8} {:>16} {:>22}",
-        "mother", "n", "χ measured", "signed", "model (sd off)", "AB, P1 as measured"
+        "{:<10}{:>4} {:>16} {:>8} {:>16} {:>22}{}",
+        "mother",
+        "n",
+        "χ measured",
+        "signed",
+        "model (sd off)",
+        "AB, P1 as measured",
+        if with_bands { "  over the constants: median, 90 %" } else { "" }
     );
     for event in &group.events {
-        let Beside { measured, model, given_first } = event;
+        let Beside { measured, model, given_first, band, .. } = event;
         let sd = measured.sd.map_or("".to_owned(), |sd| format!(" ± {sd:.3}"));
         let of = |modelled: &Option<Modelled>| match modelled {
             Some(Modelled { chi: Some(chi), .. }) => {
@@ -395,16 +380,27 @@ fn group_text(out: &mut String, group: &GroupBeside) {
         };
         let _ = writeln!(
             out,
-            "{:<10}{:>4} {:>16} {:>+8.3} {:>16} {:>22}",
+            "{:<10}{:>4} {:>16} {:>+8.3} {:>16} {:>22}{}",
             measured.mother,
             measured.n,
             format!("{:.3}{sd}", measured.mean),
             measured.mean_signed,
             of(model),
-            of(given_first)
+            of(given_first),
+            band.map_or(String::new(), band_text)
         );
     }
     out.push('\n');
+}
+
+/// The range of χ over sets of constants, and with how many the cell divides at all.
+fn band_text(band: Band) -> String {
+    let divides =
+        if band.divides < 1.0 { format!(", divides with {:.0} %", 100.0 * band.divides) } else { String::new() };
+    match band.chi {
+        Some(Range { p5, p50, p95 }) => format!("  {p50:.3} [{p5:.3}, {p95:.3}]{divides}"),
+        None => "  divides with none".to_owned(),
+    }
 }
 
 fn bins_text(out: &mut String, bins: &[VolumeBin], tests: &[AdjacentTest]) {

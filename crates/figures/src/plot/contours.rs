@@ -1,0 +1,67 @@
+//! Measured outlines of a dividing cell with the model's laid over them, stage by stage.
+
+use measured::contour::Contour;
+use measured::contour::series::{Beside, Series};
+
+use crate::drawing::cell::Site;
+use crate::drawing::legend::{self, Key};
+use crate::drawing::style::{self, text};
+use crate::drawing::{Anchor, Canvas, Drawing, Stroke};
+
+/// Stages in a row.
+const IN_ROW: usize = 3;
+const WIDTH: f64 = 1080.0;
+/// Height of the two lines of text under a stage.
+const WORDS: f64 = 50.0;
+/// The inside of a measured cell.
+const MEASURED: &str = "#c9c9c9";
+
+/// Draws the stages of a series, those with the deepest furrow last. The long axis lies across.
+pub fn draw(series: &Series) -> Drawing {
+    let mut stages: Vec<&Beside> = series.contours.iter().filter(|beside| beside.stage.is_some()).collect();
+    stages.sort_by_key(|beside| beside.stage);
+    let in_row = stages.len().clamp(1, IN_ROW);
+    let each = (WIDTH - 40.0) / in_row as f64;
+    // As large in all stages, so that they can be held beside each other.
+    let reach = |of: fn(&nalgebra::Point2<f64>) -> f64| {
+        let points = stages.iter().flat_map(|beside| &beside.laid).flat_map(Contour::points);
+        points.map(|point| of(point).abs()).fold(0.0, f64::max)
+    };
+    let (long, wide) = (reach(|point| point.y), reach(|point| point.x));
+    let scale = (0.46 * each / long).min(140.0 / wide);
+    let height = 2.0 * scale * wide + 24.0 + WORDS;
+    let rows = stages.len().div_ceil(in_row);
+    let entries = [(Key::area(MEASURED), "measured".to_owned()), (Key::line(style::MODEL, None), "model".to_owned())];
+    let top = 48.0 + legend::height(WIDTH - 40.0, &entries);
+    let mut canvas = Canvas::new(WIDTH, top + height * rows as f64 + 10.0);
+    let sd = series.similarity_sd.map_or(String::new(), |sd| format!(" ± {sd:.3}"));
+    let title = format!("Outlines beside the model: similarity {:.3}{sd}, n = {}", series.similarity, series.n);
+    canvas.text([24.0, 30.0], &title, text::TITLE, Anchor::Start, style::INK);
+    legend::rows(&mut canvas, [24.0, 42.0], WIDTH - 40.0, &entries);
+    for (k, beside) in stages.into_iter().enumerate() {
+        let centre =
+            [20.0 + each * (0.5 + (k % in_row) as f64), top + height * (k / in_row) as f64 + 0.5 * (height - WORDS)];
+        stage(&mut canvas, beside, &Site { centre, scale });
+        let words = [
+            format!("|A∩B|/|A| = {:.3}", beside.overlap.similarity),
+            format!("furrow {:.2}, model {:.2}", beside.measured.depth, beside.model.depth),
+        ];
+        for (line, word) in words.iter().enumerate() {
+            let at = [centre[0], centre[1] + 0.5 * (height - WORDS) + 14.0 + 21.0 * line as f64];
+            let colour = if line == 0 { style::INK } else { style::MUTED };
+            canvas.text(at, word, text::TICK, Anchor::Middle, colour);
+        }
+    }
+    canvas.finish()
+}
+
+/// Both contours of a stage.
+fn stage(canvas: &mut Canvas, beside: &Beside, site: &Site) {
+    let closed = |contour: &Contour| -> Vec<[f64; 2]> {
+        let points = contour.points();
+        points.iter().chain(points.first()).map(|point| site.point([point.x, point.y])).collect()
+    };
+    let [measured, model] = beside.laid.each_ref().map(closed);
+    canvas.polygon(&measured, MEASURED, 1.0, Some(Stroke::solid(style::OBSERVED, 1.6)));
+    canvas.polyline(&model, Stroke::solid(style::MODEL, 2.4));
+}

@@ -1,0 +1,210 @@
+//! Measured contours beside those of a division: each beside the one of the model that is furrowed as deeply.
+//!
+//! The model's division does not run by the embryo's clock, and so contours are matched by what they look like: by the depth of the
+//! furrow, and of those that are furrowed alike, as all are before there is a furrow, by elongation. Both are numbers without a
+//! unit. One scale is then common to all contours of a series, since it is one cell's: by it they have, together, the area of
+//! the model's.
+
+use serde::Serialize;
+
+use super::furrow::furrow;
+use super::overlap::{Overlap, overlap, overlap_of_pixels};
+use super::polygons::Traced;
+use super::{Contour, Moments};
+use crate::statistics::{mean, sd};
+
+/// Contours whose depths differ by no more are furrowed alike.
+const ALIKE: f64 = 0.01;
+/// Shallower furrows are not told from the roughness of an outline: such contours are all alike.
+const SHALLOW: f64 = 0.05;
+/// Pixels along the long axis of a contour that was not traced in pixels.
+const PIXELS: f64 = 200.0;
+/// The stages that are shown.
+pub const STAGES: usize = 6;
+/// A contour that is hardly longer than wide has no axis to be laid along.
+const ROUND: f64 = 1.03;
+
+/// A contour of the model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Modelled {
+    /// The frame it is from.
+    pub frame: String,
+    /// Time, in τ.
+    pub t: f64,
+    /// The section through the axis, in L_h.
+    pub contour: Contour,
+}
+
+/// What a contour looks like.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Look {
+    /// Area: of the measured in the unit of its file, of the model in L_h².
+    pub area: f64,
+    /// How much longer than wide: the root of the ratio of second moments.
+    pub elongation: f64,
+    /// Depth of the furrow, from 0 to 1.
+    pub depth: f64,
+}
+
+/// A measured contour beside the model's.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Beside {
+    /// Its file.
+    pub file: String,
+    /// Its name within the file.
+    pub contour: String,
+    /// What was measured.
+    pub measured: Look,
+    /// Centroid, in the unit of the file.
+    pub centroid: [f64; 2],
+    /// Angle of the long axis to the first coordinate, in degrees, from −90 to 90.
+    pub angle: f64,
+    /// The frame of the model.
+    pub frame: String,
+    /// Its time, in τ.
+    pub t: f64,
+    /// What the model's contour looks like.
+    pub model: Look,
+    /// The overlap, by exact areas.
+    pub overlap: Overlap,
+    /// The overlap, by pixels.
+    pub pixels: Overlap,
+    /// Which of the stages it stands for, from 0.
+    pub stage: Option<usize>,
+    /// What was done to it or is to be known of it.
+    pub notes: Vec<String>,
+    /// Both as they were laid upon each other, in L_h, the long axis along the second coordinate.
+    #[serde(skip)]
+    pub laid: [Contour; 2],
+}
+
+/// All contours of a series.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Series {
+    /// One L_h, in the unit of the files.
+    pub length_scale: f64,
+    /// Contours.
+    pub n: usize,
+    /// Mean similarity, by exact areas.
+    pub similarity: f64,
+    /// Its standard deviation.
+    pub similarity_sd: Option<f64>,
+    /// Mean similarity of the stages.
+    pub similarity_of_stages: f64,
+    /// Each contour, in the order of the files.
+    pub contours: Vec<Beside>,
+}
+
+/// A contour that is laid upright, with what it looks like.
+struct Laid {
+    contour: Contour,
+    moments: Moments,
+    look: Look,
+}
+
+impl Laid {
+    fn of(contour: &Contour) -> Laid {
+        let moments = contour.moments();
+        let upright = contour.upright();
+        let Moments { area, elongation, .. } = moments;
+        let look = Look { area, elongation, depth: furrow(&upright).depth };
+        Laid { contour: upright, moments, look }
+    }
+}
+
+/// Holds contours beside the model's. `length_scale` is one L_h in the unit of the contours; without it they have together the
+/// area of the model's. None if there are no contours of either.
+pub fn series(measured: &[Traced], model: &[Modelled], length_scale: Option<f64>) -> Option<Series> {
+    let models: Vec<Laid> = model.iter().map(|modelled| Laid::of(&modelled.contour)).collect();
+    let laid: Vec<Laid> = measured.iter().map(|traced| Laid::of(&traced.contour)).collect();
+    let matched: Vec<usize> = laid.iter().map(|laid| matching(&laid.look, &models)).collect::<Option<_>>()?;
+    let areas: f64 = laid.iter().map(|laid| laid.look.area).sum();
+    let of_models: f64 = matched.iter().map(|k| models[*k].look.area).sum();
+    if laid.is_empty() || of_models <= 0.0 {
+        return None;
+    }
+    let length_scale = length_scale.unwrap_or((areas / of_models).sqrt());
+    let mut contours: Vec<Beside> = measured
+        .iter()
+        .zip(&laid)
+        .zip(&matched)
+        .map(|((traced, laid), k)| beside(traced, laid, (&model[*k], &models[*k]), length_scale))
+        .collect();
+    for (stage, k) in stages(&contours).into_iter().enumerate() {
+        contours[k].stage = Some(stage);
+    }
+    let all: Vec<f64> = contours.iter().map(|beside| beside.overlap.similarity).collect();
+    let staged: Vec<f64> =
+        contours.iter().filter(|beside| beside.stage.is_some()).map(|beside| beside.overlap.similarity).collect();
+    Some(Series {
+        length_scale,
+        n: all.len(),
+        similarity: mean(&all),
+        similarity_sd: sd(&all),
+        similarity_of_stages: mean(&staged),
+        contours,
+    })
+}
+
+/// The model's contour that looks most like it.
+fn matching(look: &Look, models: &[Laid]) -> Option<usize> {
+    let beyond_roughness = |depth: f64| if depth < SHALLOW { 0.0 } else { depth };
+    let off = |k: usize| (beyond_roughness(models[k].look.depth) - beyond_roughness(look.depth)).abs();
+    let nearest = (0..models.len()).map(off).fold(f64::INFINITY, f64::min);
+    let longer = |k: usize| (models[k].look.elongation - look.elongation).abs();
+    (0..models.len()).filter(|k| off(*k) <= nearest + ALIKE).min_by(|a, b| longer(*a).total_cmp(&longer(*b)))
+}
+
+fn beside(traced: &Traced, laid: &Laid, (modelled, model): (&Modelled, &Laid), length_scale: f64) -> Beside {
+    // An axis has two directions, and contours do not say which end is which: the one that fits better.
+    let upright = laid.contour.scaled(1.0 / length_scale);
+    let turned = upright.turned();
+    let [straight, about] = [&upright, &turned].map(|own| overlap(own, &model.contour));
+    let (own, exact) = if about.similarity > straight.similarity { (turned, about) } else { (upright, straight) };
+    let length = |contour: &Contour| {
+        let ys = || contour.points().iter().map(|point| point.y);
+        ys().fold(f64::NEG_INFINITY, f64::max) - ys().fold(f64::INFINITY, f64::min)
+    };
+    let pixel = traced.pixel.map_or(length(&own) / PIXELS, |pixel| pixel / length_scale);
+    let mut notes = traced.notes.clone();
+    if laid.look.elongation < ROUND {
+        notes.push("is nearly round: its long axis means little".to_owned());
+    }
+    let axis = laid.moments.long_axis;
+    Beside {
+        file: traced.file.clone(),
+        contour: traced.name.clone(),
+        measured: laid.look,
+        centroid: [laid.moments.centroid.x, laid.moments.centroid.y],
+        angle: axis.y.atan2(axis.x).to_degrees(),
+        frame: modelled.frame.clone(),
+        t: modelled.t,
+        model: model.look,
+        overlap: exact,
+        pixels: overlap_of_pixels(&own, &model.contour, pixel),
+        stage: None,
+        notes,
+        laid: [own, model.contour.clone()],
+    }
+}
+
+/// As many contours as are shown, in the order of their depth: those nearest to depths that are spread evenly.
+fn stages(contours: &[Beside]) -> Vec<usize> {
+    let depth = |k: usize| contours[k].measured.depth;
+    let mut free: Vec<usize> = (0..contours.len()).collect();
+    free.sort_by(|a, b| depth(*a).total_cmp(&depth(*b)));
+    if free.len() <= STAGES {
+        return free;
+    }
+    let (least, most) = (depth(free[0]), depth(free[free.len() - 1]));
+    let mut chosen = Vec::new();
+    for stage in 0..STAGES {
+        let wanted = least + (most - least) * stage as f64 / (STAGES - 1) as f64;
+        let off = |k: &usize| (depth(*k) - wanted).abs();
+        if let Some(at) = (0..free.len()).min_by(|a, b| off(&free[*a]).total_cmp(&off(&free[*b]))) {
+            chosen.push(free.remove(at));
+        }
+    }
+    chosen.sort_by(|a, b| depth(*a).total_cmp(&depth(*b)));
+    chosen
+}

@@ -1,0 +1,190 @@
+//! `furrow compare contour`: outlines of cells beside those of a simulated division.
+
+use std::fmt::Write;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use measured::contour::Contour;
+use measured::contour::polygons::{Contours, LeftOut};
+use measured::contour::series::{Beside, Modelled, Series, series};
+use serde::Serialize;
+
+use super::files;
+use crate::cli::cell::number;
+use crate::cli::context::Context;
+use crate::cli::error::CliError;
+use crate::cli::output::{answer, writable_folder};
+use crate::cli::plot::PlotArgs;
+use crate::input::InputError;
+use crate::io::frames::read_frames;
+
+/// Measured outlines of a dividing cell beside those of a simulated division
+///
+/// Contours are tables of points (CSV: columns x and y, and contour if there are several) or masks (PNG: the cell in one colour,
+/// or with --label in a picture of labels), all of sections through the axis of one cell. Each is laid upon the frame of the division
+/// whose furrow is as deep, by centroid and long axis; the similarity index is |A∩B|/|A|, A the measured.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow compare contour outlines.csv --frames contours --plot overlay.svg
+  furrow compare contour mask_1.png mask_2.png --frames contours --json")]
+pub struct ContourArgs {
+    /// Measured contours: CSV tables of points, PNG masks
+    #[arg(value_name = "MEASURED", required = true)]
+    measured: Vec<PathBuf>,
+    /// Folder of the frames of a division, as furrow divide --frames writes them
+    #[arg(help_heading = "Model", long, value_name = "DIR")]
+    frames: PathBuf,
+    /// One L_h, in the unit of the contours (of masks in pixels); default such that areas agree, all contours taken together
+    #[arg(help_heading = "Model", long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = number)]
+    length_scale: Option<f64>,
+    /// The cell's label in masks that are pictures of labels
+    #[arg(help_heading = "Contours", long, value_name = "N")]
+    label: Option<u16>,
+    /// Folder for contours.csv and compare.json
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArgs,
+}
+
+/// What `compare contour --json` prints.
+#[derive(Serialize)]
+struct Answer<'a> {
+    #[serde(flatten)]
+    series: &'a Series,
+    used: usize,
+    skipped: &'a [LeftOut],
+}
+
+pub fn run(args: &ContourArgs, context: &Context) -> Result<(), CliError> {
+    if let Some(length) = args.length_scale.filter(|length| *length <= 0.0) {
+        let allowed = "a length above 0, in the unit of the contours";
+        return Err(InputError::not_allowed("--length-scale", "length_scale", length, allowed).into());
+    }
+    let picture = args.plot.file()?;
+    if let Some(out) = &args.out {
+        writable_folder("--out", "out", out, &files::CONTOUR_NAMES)?;
+    }
+    let model = modelled(&args.frames)?;
+    let found = read(args)?;
+    let Some(series) = series(&found.traced, &model, args.length_scale) else {
+        return Err(nothing_to_compare(args, &found, model.is_empty()).into());
+    };
+    let document = Answer { series: &series, used: found.traced.len(), skipped: &found.left_out };
+    let json = format!("{}\n", serde_json::to_string_pretty(&document)?);
+    if let Some(out) = &args.out {
+        files::write_contours(out, &series, &json)?;
+    }
+    if let Some(picture) = picture {
+        picture.write(&crate::plot::contours::draw(&series))?;
+    }
+    answer(&if context.json { json } else { text(&series, &found.left_out) })
+}
+
+/// The contours of a simulated division, both sides of the axis.
+fn modelled(folder: &Path) -> Result<Vec<Modelled>, CliError> {
+    let mut out = Vec::new();
+    for frame in read_frames(folder)? {
+        let other = frame.points.iter().rev().map(|[r, z]| [-r, *z]);
+        let ring = frame.points.iter().copied().chain(other).collect();
+        let (contour, _) = Contour::new(ring).map_err(|why| InputError::OtherFile {
+            file: folder.join(&frame.file).display().to_string(),
+            wanted: "a contour from pole to pole".to_owned(),
+            reason: why.to_string(),
+        })?;
+        out.push(Modelled { frame: frame.file, t: frame.t, contour });
+    }
+    Ok(out)
+}
+
+fn read(args: &ContourArgs) -> Result<Contours, InputError> {
+    let mut found = Contours::default();
+    for path in &args.measured {
+        let file = path.display().to_string();
+        let unreadable = |e: std::io::Error| InputError::Unreadable { file: file.clone(), reason: e.to_string() };
+        let mut opened = File::open(path).map_err(unreadable)?;
+        if opened.metadata().map_err(unreadable)?.is_dir() {
+            return Err(unreadable(std::io::Error::other("it is a folder, not a file")));
+        }
+        // What a file is it says itself: the names of pictures are not always right.
+        let mut first = Vec::new();
+        (&mut opened).take(SIGNATURE.len() as u64).read_to_end(&mut first).map_err(unreadable)?;
+        let is_mask = first == SIGNATURE;
+        let whole = first.chain(opened);
+        match is_mask {
+            true => found.read_mask(whole, &file, args.label)?,
+            false => found.read_table(whole, &file)?,
+        }
+    }
+    Ok(found)
+}
+
+/// How every PNG begins.
+const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
+
+fn nothing_to_compare(args: &ContourArgs, found: &Contours, no_frames: bool) -> InputError {
+    if no_frames {
+        let folder = format!("{:?}", args.frames);
+        return InputError::not_allowed("--frames", "frames", folder, "a folder with at least one frame");
+    }
+    let left = &found.left_out[0];
+    let names = args.measured.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ");
+    InputError::OtherFile { file: names, wanted: "any contour that could be used".to_owned(), reason: place(left) }
+}
+
+/// What is left out, where, and why.
+fn place(left: &LeftOut) -> String {
+    let LeftOut { file, contour, line, why } = left;
+    let line = line.map_or(String::new(), |line| format!(":{line}"));
+    let name = if contour.is_empty() { String::new() } else { format!(", contour {contour}") };
+    format!("{file}{line}{name}: {why}")
+}
+
+fn text(series: &Series, left_out: &[LeftOut]) -> String {
+    let mut out = String::new();
+    let names: Vec<String> = series.contours.iter().map(name).collect();
+    let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max(8);
+    let _ = writeln!(
+        out,
+        "{:<width$} {:>5} {:>14} {:>14} {:>9} {:>11} {:>9} {:>9}",
+        "contour", "stage", "depth (model)", "long (model)", "t", "|A∩B|/|A|", "pixels", "|A∩B|/|A∪B|"
+    );
+    for (beside, name) in series.contours.iter().zip(&names) {
+        let Beside { measured, model, overlap, pixels, .. } = beside;
+        let pair = |a: f64, b: f64| format!("{a:.3} ({b:.3})");
+        let _ = writeln!(
+            out,
+            "{name:<width$} {:>5} {:>14} {:>14} {:>9.3} {:>11.4} {:>9.4} {:>9.4}",
+            beside.stage.map_or("-".to_owned(), |stage| (stage + 1).to_string()),
+            pair(measured.depth, model.depth),
+            pair(measured.elongation, model.elongation),
+            beside.t,
+            overlap.similarity,
+            pixels.similarity,
+            overlap.jaccard,
+        );
+        for note in &beside.notes {
+            let _ = writeln!(out, "  {note}");
+        }
+    }
+    let sd = series.similarity_sd.map_or(String::new(), |sd| format!(" ± {sd:.4}"));
+    let _ = writeln!(
+        out,
+        "\nsimilarity {:.4}{sd} of {} contours, {:.4} of the stages; one L_h is {:.4} in the unit of the contours",
+        series.similarity, series.n, series.similarity_of_stages, series.length_scale
+    );
+    for left in left_out {
+        let _ = writeln!(out, "  skipped {}", place(left));
+    }
+    out
+}
+
+/// How a contour is called: by its file, and its name within it.
+fn name(beside: &Beside) -> String {
+    let file =
+        Path::new(&beside.file).file_name().map_or(beside.file.clone(), |file| file.to_string_lossy().into_owned());
+    if beside.contour.is_empty() { file } else { format!("{file} {}", beside.contour) }
+}

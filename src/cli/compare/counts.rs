@@ -1,0 +1,99 @@
+//! `furrow compare counts`: rounds beside the observed ones.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::trees_of;
+use crate::cli::context::Context;
+use crate::cli::error::CliError;
+use crate::cli::output::answer;
+use crate::cli::plot::PlotArgs;
+use crate::input::{InputError, read_text};
+use crate::lineage::{Lineage, Tree};
+use crate::study::compare::counts::{Counts, READINGS, counts};
+
+/// Rounds of division per founder beside the observed ones, by every reading of "rounds" and at several stages
+///
+/// Observed are the rounds of C. elegans at hatching and in embryos of 349 and 549 cells (Sulston et al. 1983). Says by which
+/// reading rounds are within one of the observed, whether the paper's sentence on rounds holds, and where cells ended and why.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow compare counts
+  furrow compare counts --preset sulston1983 --json")]
+pub struct CountsArgs {
+    /// A tree that was grown before; default the built-in C. elegans founders, grown now
+    #[arg(value_name = "TREE.json")]
+    tree: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotArgs,
+}
+
+pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
+    let picture = args.plot.file()?;
+    let tree = match &args.tree {
+        Some(file) => Tree::from_json(&read_text(file)?).map_err(|error| InputError::OtherFile {
+            file: file.display().to_string(),
+            wanted: "a tree as furrow tree writes it".to_owned(),
+            reason: error.to_string(),
+        })?,
+        None => trees_of(vec![Lineage::load(None)?], context)?.remove(0),
+    };
+    let found = counts(&tree)?;
+    if let Some(picture) = picture {
+        picture.write(&crate::plot::rounds::draw(&tree))?;
+    }
+    if context.json {
+        return answer(&format!("{}\n", serde_json::to_string_pretty(&found)?));
+    }
+    answer(&counts_text(&found))
+}
+
+fn counts_text(found: &Counts) -> String {
+    let mut out = String::new();
+    for stage in &found.stages {
+        let _ = writeln!(out, "observed embryo of {} cells (model, observed; * within one round)", stage.cells);
+        let names: String = READINGS.iter().map(|reading| format!("{:>20}", reading.replace('_', " "))).collect();
+        let _ = writeln!(out, "{:<8}{names}", "founder");
+        for founder in &stage.founders {
+            let _ = write!(out, "{:<8}", founder.founder);
+            for reading in READINGS {
+                let count = &founder.counts[reading];
+                let digits = if reading == "mean" { 2 } else { 0 };
+                let model = count.model.map_or("-".to_owned(), |model| format!("{model:.digits$}"));
+                let mark = if count.within_one { '*' } else { ' ' };
+                let _ = write!(out, "{:>20}", format!("{model}, {:.digits$}{mark}", count.observed));
+            }
+            out.push('\n');
+        }
+        out.push('\n');
+    }
+    let _ =
+        writeln!(out, "\"To within a single round for the EMS and P lineages\", and not elsewhere, at the last stage:");
+    for sentence in &found.sentence {
+        let word = |holds: bool| if holds { "yes" } else { "no" };
+        let _ = writeln!(
+            out,
+            "  {:<16} EMS {:<4} germline {:<4} AB, C and D off by more {:<4} all: {}",
+            sentence.reading.replace('_', " "),
+            word(sentence.ems),
+            word(sentence.germline),
+            word(sentence.elsewhere_not),
+            word(sentence.holds)
+        );
+    }
+    let _ = writeln!(
+        out,
+        "Divisions down the germline: {} in the model, {} observed",
+        found.germline[0], found.germline[1]
+    );
+    let _ = writeln!(out, "\nWhere cells of each founder end, and why:");
+    for ends in &found.ends {
+        let reasons: Vec<String> = ends.ended.iter().map(|(why, n)| format!("{n} {}", why.replace('_', " "))).collect();
+        let r0 = ends.r0.map_or(String::new(), |[least, most]| format!(", R0 {least:.3} to {most:.3}"));
+        let _ = writeln!(out, "  {:<6} {}{r0}", ends.founder, reasons.join(", "));
+    }
+    out
+}

@@ -1,0 +1,52 @@
+//! `furrow compare`: the model beside measured embryos.
+
+mod contour;
+mod counts;
+mod files;
+mod volumes;
+
+use clap::{Args, Subcommand};
+
+use super::context::Context;
+use super::error::CliError;
+use super::interrupt;
+use super::tree::{grown, of_tree};
+use crate::lineage::{Lineage, Tree};
+use crate::study::scenarios::Scenario;
+
+/// Holds the model beside measured embryos
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    Counts(counts::CountsArgs),
+    Volumes(volumes::VolumesArgs),
+    Contour(contour::ContourArgs),
+}
+
+pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
+    interrupt::gently();
+    match &args.what {
+        What::Counts(args) => counts::run(args, context),
+        What::Volumes(args) => volumes::run(args, context),
+        What::Contour(args) => contour::run(args, context),
+    }
+}
+
+/// Trees of several lineages with the parameters of the command, in one run.
+fn trees_of(lineages: Vec<Lineage>, context: &Context) -> Result<Vec<Tree>, CliError> {
+    context.settings.check_divisions("settings")?;
+    let scenario = |lineage: Lineage| Scenario {
+        name: String::new(),
+        label: String::new(),
+        cue: None,
+        settings: of_tree(context.settings.clone(), &lineage, 0, context),
+        lineage,
+    };
+    let scenarios: Vec<Scenario> = lineages.into_iter().map(scenario).collect();
+    Ok(grown(&scenarios, false, context)?.0)
+}
