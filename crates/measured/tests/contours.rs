@@ -1,8 +1,10 @@
 //! Contours as people trace them: tables of points and masks, sound and broken.
 
 use measured::contour::furrow::furrow;
+use measured::contour::overlap::{overlap, overlap_of_pixels};
 use measured::contour::polygons::Contours;
 use measured::contour::{Contour, Unusable};
+use proptest::prelude::*;
 
 fn table(text: &[u8]) -> Contours {
     let mut found = Contours::default();
@@ -185,5 +187,44 @@ fn depth_does_not_depend_on_how_a_cell_lies() {
     assert!((straight - (1.0 - 0.5 / widest)).abs() < 1e-3, "{straight}");
     for (turn, scale) in [(0.3, 1.0), (1.9, 40.0), (-1.2, 1e-3)] {
         assert!((peanut(turn, scale) - straight).abs() < 2e-3);
+    }
+}
+
+proptest! {
+    /// Two ways that share nothing: exact areas, and the pixels of a fine grid. Stars of any corners, on one side of each other or upon.
+    #[test]
+    fn exact_areas_are_those_of_pixels(
+        radii in prop::collection::vec(0.3_f64..1.0, 5..40),
+        others in prop::collection::vec(0.3_f64..1.0, 5..40),
+        aside in -2.0_f64..2.0,
+    ) {
+        let star = |radii: &[f64], aside: f64| {
+            let corner = |(k, radius): (usize, &f64)| {
+                let t = k as f64 / radii.len() as f64 * std::f64::consts::TAU;
+                [aside + radius * t.cos(), radius * t.sin()]
+            };
+            Contour::new(radii.iter().enumerate().map(corner).collect()).unwrap()
+        };
+        let ((a, none), (b, _)) = (star(&radii, 0.0), star(&others, aside));
+        prop_assert_eq!(none, 0.0);
+        let (exact, pixels) = (overlap(&a, &b), overlap_of_pixels(&a, &b, 0.005));
+        prop_assert!((exact.similarity - pixels.similarity).abs() < 0.02, "{exact:?} {pixels:?}");
+        prop_assert!((exact.jaccard - pixels.jaccard).abs() < 0.02, "{exact:?} {pixels:?}");
+        let own = overlap(&a, &a);
+        prop_assert!((own.similarity - 1.0).abs() < 1e-6 && (own.jaccard - 1.0).abs() < 1e-6, "{own:?}");
+        // Nothing changes where both are turned alike.
+        let turned = overlap(&a.turned(), &b.turned());
+        prop_assert!((turned.similarity - exact.similarity).abs() < 1e-6, "{turned:?} {exact:?}");
+    }
+
+    /// Whatever the bytes are: a contour, something told, or an error; never a panic.
+    #[test]
+    fn no_bytes_break_the_readers(bytes in prop::collection::vec(any::<u8>(), 0..400), head in 0_usize..4) {
+        let heads: [&[u8]; 4] = [b"", b"x,y\n", b"contour,x,y\n1,0,0\n", b"\x89PNG\r\n\x1a\n"];
+        let whole = [heads[head], &bytes].concat();
+        let mut found = Contours::default();
+        let _ = found.read_table(&whole[..], "t.csv");
+        let _ = found.read_mask(&whole[..], "m.png", None);
+        let _ = found.read_mask(&whole[..], "m.png", Some(1));
     }
 }

@@ -21,6 +21,8 @@ use nalgebra::{Matrix2, Point2, Rotation2, SymmetricEigen, Vector2};
 
 /// A share of its area by which a contour may change where loops of it are cut off. More is not a slip of the hand.
 const MOST_CUT: f64 = 0.01;
+/// The largest coordinate of a contour.
+const LARGEST: f64 = 1e100;
 
 /// A closed contour that does not cross itself, run through anticlockwise. Lengths are in the unit of its source.
 ///
@@ -44,8 +46,8 @@ pub enum Unusable {
     /// Too few.
     #[error("{0} points; a contour has at least 3 that differ")]
     TooFew(usize),
-    /// Not finite.
-    #[error("a coordinate is not finite")]
+    /// Not finite, or so large that areas are not.
+    #[error("a coordinate is not a number below 1e100")]
     NotFinite,
     /// All on a line.
     #[error("it encloses no area")]
@@ -75,7 +77,7 @@ impl Contour {
     /// # Errors
     /// [`Unusable`].
     pub fn new(points: Vec<[f64; 2]>) -> Result<(Contour, f64), Unusable> {
-        if points.iter().flatten().any(|x| !x.is_finite()) {
+        if points.iter().flatten().any(|x| x.is_nan() || x.abs() > LARGEST) {
             return Err(Unusable::NotFinite);
         }
         let mut points = points;
