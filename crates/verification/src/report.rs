@@ -17,5 +17,9 @@ pub fn within(what: &str, found: f64, allowed: f64) {
 /// If it is not below, or no number.
 #[track_caller]
 pub fn near(what: &str, found: f64, expected: f64, allowed: f64) {
-    within(&format!("{what} ({found:.9} beside {expected:.9})"), (found - expected).abs() / (1.0 + expected.abs()), allowed);
+    within(
+        &format!("{what} ({found:.9} beside {expected:.9})"),
+        (found - expected).abs() / (1.0 + expected.abs()),
+        allowed,
+    );
 }

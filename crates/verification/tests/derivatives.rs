@@ -1,8 +1,8 @@
 //! Derivatives of the equations three times: as written by hand, by dual numbers, by differences; and how the equations take
 //! mirror images and other units. On random states, for every field and profile of a cue.
 
-use bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Directional, PointJacobian};
 use bvp::derivatives::PointDirection;
+use bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Directional, PointJacobian};
 use mechanics::cell::cue::{Field, Profile, Quantity, Width};
 use mechanics::cell::{Cell, Parameter};
 use mechanics::cortex::equations::{COMPONENTS, Constants, Motion, PSI, R, V, Z, equations};
@@ -166,7 +166,10 @@ fn higher_derivatives_are_slopes_of_the_lower() {
         let (y, p) = state(&mut draws);
         let p = [p[0], p[1], cell.xi_s];
         let mut direction = || -> (Vec<f64>, [f64; 3]) {
-            ((0..COMPONENTS).map(|_| draws.between(-1.0, 1.0)).collect(), std::array::from_fn(|_| draws.between(-1.0, 1.0)))
+            (
+                (0..COMPONENTS).map(|_| draws.between(-1.0, 1.0)).collect(),
+                std::array::from_fn(|_| draws.between(-1.0, 1.0)),
+            )
         };
         let (a, b) = (direction(), direction());
         let h = 1e-3;

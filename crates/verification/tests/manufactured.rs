@@ -218,9 +218,7 @@ fn shapes_at_rest_converge_with_order_2m() {
         let mut y = Solution::from_fn(&gauss, &grid, COMPONENTS, &exact.scalars, from);
         let mut cortex = Cortex::new(&cell, Domain::Full, &[]);
         let mut system = System::new(cortex.dimensions(), m);
-        Newton::default()
-            .solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false)
-            .unwrap();
+        Newton::default().solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false).unwrap();
         y.scalars
     };
     for (m, intervals) in [(1, 48), (2, 24), (3, 12), (4, 12)] {

@@ -137,8 +137,7 @@ fn the_cue_is_switched_on_with_the_activity() {
     divide_observed(&DivisionInput::new(cell.clone()), |frame| {
         if frame.t == 0.0 {
             let passive = Cell { xi_s: 0.0, cue: "none".parse().unwrap(), ..cell.clone() };
-            let state =
-                Computed { cell: passive, shape: frame.shape.clone(), motion: Vec::new(), noise: Vec::new() };
+            let state = Computed { cell: passive, shape: frame.shape.clone(), motion: Vec::new(), noise: Vec::new() };
             before = Some(worst(&state));
             return;
         }
