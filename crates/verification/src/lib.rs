@@ -9,6 +9,7 @@
 //! | [`virtual_power`] | the balance of forces in its weak form, from energy and stress power |
 //! | [`states`] | shapes at rest, shapes in motion, states drawn at random |
 //! | [`report`] | a number that must be small, and how small it is |
+//! | [`mutants`] | the table of errors that the tests must see |
 //!
 //! The tests themselves are in `tests/`, one file for each kind of argument; `tests/mutations/` of the whole says which of
 //! them sees which error of the model.
@@ -16,6 +17,7 @@
 pub mod balance;
 pub mod coefficients;
 pub mod contour;
+pub mod mutants;
 pub mod report;
 pub mod states;
 pub mod virtual_power;

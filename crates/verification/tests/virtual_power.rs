@@ -133,7 +133,7 @@ fn at_rest_activity_pays_for_all_dissipation() {
 fn the_cue_is_switched_on_with_the_activity() {
     let cue = "kappa:band,u0=0.44,omega=0.15,amplitude=0.2+tension:gradient,amplitude=0.3";
     let cell = Cell::new(3.0).with_cue(cue.parse().unwrap());
-    let (mut before, mut after) = (None, 0.0f64);
+    let (mut before, mut after, mut frames) = (None, 0.0f64, 0);
     divide_observed(&DivisionInput::new(cell.clone()), |frame| {
         if frame.t == 0.0 {
             let passive = Cell { xi_s: 0.0, cue: "none".parse().unwrap(), ..cell.clone() };
@@ -148,8 +148,10 @@ fn the_cue_is_switched_on_with_the_activity() {
         let motion = moved.map(|(y, past)| [y[R] - past[0], y[Z] - past[1]].map(|d| d * frame.cortex.rate)).collect();
         let state = Computed { cell: cell.clone(), shape: frame.shape.clone(), motion, noise: Vec::new() };
         after = after.max(worst(&state));
+        frames += 1;
     })
     .unwrap();
+    assert!(frames > 5, "{frames} shapes without noise before there is a neck");
     within("virtual power at t = 0, without cue", before.unwrap(), SOLVED);
     within("virtual power after the first step, with cue", after, SOLVED);
 }
