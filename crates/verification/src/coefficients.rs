@@ -53,6 +53,9 @@ fn profile<D: Number>(profile: &Profile, u: D, length: f64) -> [D; 2] {
 }
 
 /// The coefficients of a cell at u on a contour of length `length`.
+///
+/// # Panics
+/// For a field or a profile that was added to the model and not here.
 pub fn coefficients<D: Number>(cell: &Cell, u: D, length: f64) -> Coefficients<D> {
     let one = D::from(1.0);
     let [mut kappa, mut eta_b, mut eta_s, mut friction, mut xi_s, mut xi_b] = [one; 6];

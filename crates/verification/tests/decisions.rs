@@ -21,14 +21,14 @@ fn a_growth_rate_above_zero_divides_and_one_below_rests() {
     let threshold = pitchfork::first(&cell, &Numerics::default(), &BranchOptions::default()).unwrap().point.xi_s;
     for margin in [1e-5, 1e-6] {
         let above = solve(Cell { xi_s: threshold * (1.0 + margin), ..cell.clone() });
+        assert_eq!(above.outcome, Outcome::Asymmetric, "above by {margin:e}: {:?}", above.growth_rate);
         let rate = above.slow_growth_rate.unwrap();
         println!("ξ_s/ξ_s* − 1 = {margin:e}: σ = {rate:.1e}, {:?} after {:.0} τ", above.outcome, above.t_end);
         assert!(rate > 0.0 && rate < 1e-3, "{rate}");
-        assert_eq!(above.outcome, Outcome::Asymmetric);
         let below = solve(Cell { xi_s: threshold * (1.0 - margin), ..cell.clone() });
+        assert_eq!(below.outcome, Outcome::Failed, "below by {margin:e}");
         let rate = below.growth_rate.unwrap();
         assert!(rate < 0.0 && rate > -1e-3, "{rate}");
-        assert_eq!(below.outcome, Outcome::Failed);
     }
 }
 

@@ -137,11 +137,15 @@ fn jacobians_of_the_conditions_are_their_slopes() {
         let mut cortex = cortex("none", &[]);
         cortex.domain = domain;
         let (y, p) = state(&mut Draws(9));
-        let ends: [fn(&Cortex, &[f64], &[f64], &mut BoundaryJacobian<'_>); 2] = [Cortex::left, Cortex::right];
-        for end in ends {
+        for at_left in [true, false] {
             let at = |y: &[f64]| {
                 let (mut r, mut ry, mut rp) = ([0.0; 4], [0.0; 4 * COMPONENTS], [0.0; 8]);
-                end(&cortex, y, &p, &mut BoundaryJacobian { r: &mut r, ry: &mut ry, rp: &mut rp });
+                let mut out = BoundaryJacobian { r: &mut r, ry: &mut ry, rp: &mut rp };
+                if at_left {
+                    cortex.left(y, &p, &mut out)
+                } else {
+                    cortex.right(y, &p, &mut out)
+                }
                 (r, ry)
             };
             let (r, ry) = at(&y);

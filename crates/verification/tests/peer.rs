@@ -109,7 +109,8 @@ fn shapes_at_rest_are_those_of_another_solver() {
         let state = resting(&cell).unwrap();
         let name = format!("R0 = {}, ξ_s = {}, {}", cell.r0, cell.xi_s, cell.cue);
         let answer = ask(&question(&state));
-        let mut largest = (answer["length"][0] - state.length()).abs().max((answer["pressure"][0] - state.pressure()).abs());
+        let mut largest =
+            (answer["length"][0] - state.length()).abs().max((answer["pressure"][0] - state.pressure()).abs());
         // Along the axis the shell holds the cell, so that z is comparable like all else.
         for (component, index) in NAMES {
             for (u, found) in answer["u"].iter().zip(&answer[component]) {
