@@ -107,6 +107,8 @@ fn a_branch_is_followed_both_ways_and_ends_on_its_bound() {
         let ended = branch.follow([-30.0, 2.5], 300, |_, _| true).unwrap();
         assert_eq!(ended, Ended::ParameterBound(bound));
         assert!((branch.state.parameter() - bound).abs() < 1e-9);
+        // Every point but the first took a step.
+        assert_eq!(branch.work.steps, branch.state.points - 1);
         // u(½) = 2 ln(cosh θ) with λ = 8(θ/cosh θ)² on the lower branch; λ < 0 turns cosh into cos.
         let u = {
             let mut y = [0.0; 2];

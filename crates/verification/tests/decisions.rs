@@ -42,7 +42,7 @@ fn a_division_ends_at_a_thousandth_of_the_radius() {
     });
     assert_eq!(division.unwrap().outcome, Outcome::Symmetric);
     let [.., before, last] = necks[..] else { panic!("{necks:?}") };
-    assert!(last < 1e-3 && before > 1e-3, "{before} {last}");
+    assert!(last < 1e-3 && before > 1e-3, "the last two necks are {before:.1e} and {last:.1e} of R0");
 }
 
 /// Shapes at rest of a cell and of its mirror image are mirror images.
@@ -77,7 +77,9 @@ fn a_division_starts_from_the_passive_shape_without_its_cue() {
         .unwrap();
         start
     });
-    assert!(!a.is_empty() && a == b);
+    let apart = a.iter().zip(&b).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f64::max);
+    assert!(!a.is_empty() && a.len() == b.len());
+    within("the shape at t = 0, to that without the cue", apart, 1e-12);
 }
 
 /// χ is what the two sides of the neck hold, by their volumes.

@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 
 use mechanics::cell::{Cell, RigidityGradient};
-use mechanics::cortex::equations::{COMPONENTS, M, PSI, Q, R, T, Z};
+use mechanics::cortex::equations::{COMPONENTS, M, PSI, Q, R, T, V, Z};
 use mechanics::division::{DivisionInput, divide_observed};
 use verification::coefficients::coefficients;
 use verification::contour::{Computed, Place};
@@ -64,7 +64,8 @@ fn a_rigidity_that_stays_with_the_mesh_pulls_at_nothing() {
     assert!(worst(&state) > 1e-3, "the two readings differ: {:.1e}", worst(&state));
 }
 
-/// The state itself: its curve is one, its moment is κC, its tension that of its flow, and it holds the cell's volume.
+/// The state itself: its curve is one and ends on the axis, its moment is κC, its tension that of its flow, and it holds the cell's
+/// volume.
 #[test]
 fn a_state_is_what_its_unknowns_say() {
     let cells = ["none", "kappa:band,u0=0.44,omega=0.15,amplitude=0.2", "viscosity:gradient,amplitude=0.25"];
@@ -73,6 +74,12 @@ fn a_state_is_what_its_unknowns_say() {
             let most = |of: fn(&Place) -> f64| state.places().iter().fold(0.0f64, |most, place| most.max(of(place)));
             within("the curve and κC", most(|p| p.geometry.iter().fold(0.0, |most: f64, g| most.max(g.abs()))), 1e-8);
             within("T_uu", most(|p| (p.viscous[0] + p.active[0] - p.tension).abs()), 1e-8);
+            // On the poles it is smooth, with nothing that comes out of a point.
+            let last = state.shape.node(state.shape.intervals());
+            let [first, last] = [state.shape.node(0), last].map(|y| [y[R], y[PSI], y[Q], y[V]]);
+            let ends =
+                first.iter().zip(last).zip([0.0, PI, 0.0, 0.0]).map(|((a, b), at_end)| a.abs().max((b - at_end).abs()));
+            within("the poles", ends.fold(0.0, f64::max), 1e-8);
             // Of a surface of revolution, by the divergence theorem: 3V = ∮ x·n dA.
             let volume = state.integral(|p| p.r * p.normal[0] + p.z * p.normal[1]) / 3.0;
             near("volume", volume, 4.0 * PI * cell.r0.powi(3) / 3.0, EXACT);
