@@ -12,18 +12,9 @@ use verification::report::within;
 use verification::states::{passive_shape, uneven_cell};
 
 /// Mesh of these runs: what is looked at is the error in time on it.
-const NUMERICS: Numerics = Numerics {
-    stages: 3,
-    intervals: 20,
-    scheme: mechanics::cell::Scheme::Converged,
-    dt: 0.1,
-    first_step: 1e-3,
-    time_tolerance: 5e-5,
-    step_factor: 1.0,
-    t_max: 1e4,
-    noise: 0.0,
-    chi_symmetric: 5e-3,
-};
+fn numerics() -> Numerics {
+    Numerics { stages: 3, intervals: 20, ..Numerics::default() }
+}
 
 fn step(stepper: &mut Stepper, dt: f64, order: usize, count: usize) {
     for _ in 0..count {
@@ -53,8 +44,8 @@ fn distance(a: &Solution, b: &Solution) -> f64 {
 #[test]
 fn steps_converge_with_the_order_of_their_formula() {
     let cell = uneven_cell(3.0, 35.0, "none").unwrap();
-    let start = passive_shape(&cell, &NUMERICS).unwrap();
-    let stepper = || Stepper::new(Cortex::new(&cell, Domain::Full, &[]), NUMERICS.stages, 20, start.clone());
+    let start = passive_shape(&cell, &numerics()).unwrap();
+    let stepper = || Stepper::new(Cortex::new(&cell, Domain::Full, &[]), start.m, numerics().intervals, start.clone());
     let (long, parts, steps) = (0.008, 8, 16);
     let short = long / parts as f64;
     let mut fine = stepper();
@@ -130,7 +121,7 @@ fn observe(stepper: &Stepper) -> Observed {
 /// Energy lost over a run against the integral of what takes and gives it, by Simpson's rule over even steps; relative to
 /// what was dissipated.
 fn imbalance(cell: &Cell, start: Solution, dt: f64) -> f64 {
-    let mut stepper = Stepper::new(Cortex::new(cell, Domain::Full, &[]), start.m, NUMERICS.intervals, start);
+    let mut stepper = Stepper::new(Cortex::new(cell, Domain::Full, &[]), start.m, numerics().intervals, start);
     begin(&mut stepper, dt, 5);
     let mut run = vec![observe(&stepper)];
     for _ in 0..40 {
@@ -151,7 +142,7 @@ fn imbalance(cell: &Cell, start: Solution, dt: f64) -> f64 {
 #[test]
 fn a_relaxing_cell_loses_what_it_dissipates() {
     let pressed = Cell { shell: Shell { aspect: 3.0, ..Shell::GAO2026 }, ..uneven_cell(2.0, 0.0, "none").unwrap() };
-    let start = passive_shape(&pressed, &NUMERICS).unwrap();
+    let start = passive_shape(&pressed, &numerics()).unwrap();
     let free = Cell { shell: Shell { p0: 0.0, ..pressed.shell }, ..pressed.clone() };
     within("energy of a free cell", imbalance(&free, start.clone(), 0.002), 1e-4);
     // In a shell, which is soft here, and whose force is no gradient of an energy of the cell: its power is work from outside.
@@ -163,7 +154,7 @@ fn a_relaxing_cell_loses_what_it_dissipates() {
 #[test]
 fn an_active_cell_spends_what_activity_gives() {
     let cell = uneven_cell(2.0, 20.0, "none").unwrap();
-    let start = passive_shape(&cell, &NUMERICS).unwrap();
+    let start = passive_shape(&cell, &numerics()).unwrap();
     within("energy of an active cell", imbalance(&cell, start, 0.004), 1e-4);
 }
 
@@ -171,7 +162,7 @@ fn an_active_cell_spends_what_activity_gives() {
 #[test]
 fn a_step_is_a_rate_of_change_and_a_past() {
     let cell = uneven_cell(2.0, 18.0, "none").unwrap();
-    let start = passive_shape(&cell, &NUMERICS).unwrap();
+    let start = passive_shape(&cell, &numerics()).unwrap();
     let solve = |rate: f64, past: Vec<[f64; 2]>| {
         let mut cortex = Cortex::new(&cell, Domain::Full, &[]);
         (cortex.rate, cortex.past) = (rate, past);
