@@ -91,7 +91,7 @@ fn run(words: &[String], write: bool) -> Result<bool, String> {
     println!("{killed} of {} killed", verdicts.len());
     if write {
         let page = root.join("docs/mutations.md");
-        write_table(&page, &verdicts).map_err(|e| format!("{}: {e}", page.display()))?;
+        write_table(&page, &all, &verdicts).map_err(|e| format!("{}: {e}", page.display()))?;
     }
     Ok(killed == verdicts.len())
 }
@@ -219,17 +219,23 @@ fn how_far_off(said: &str) -> String {
 const BEGIN: &str = "<!-- begin: written by `cargo run -p furrow-verification --bin mutations -- --write` -->";
 const END: &str = "<!-- end -->";
 
-/// Puts the table between its two marks in a page.
-fn write_table(page: &Path, verdicts: &[Verdict<'_>]) -> io::Result<()> {
+/// Puts the table between its two marks in a page: a row for every mutant of `all`, which is the old one where it was not tried.
+fn write_table(page: &Path, all: &[Mutant], verdicts: &[Verdict<'_>]) -> io::Result<()> {
     let text = fs::read_to_string(page)?;
     let missing = || io::Error::other("the marks of the table are missing");
     let (before, rest) = text.split_once(BEGIN).ok_or_else(missing)?;
-    let (_, after) = rest.split_once(END).ok_or_else(missing)?;
+    let (old, after) = rest.split_once(END).ok_or_else(missing)?;
     let mut table = String::from("\n| mutant | what it does | test that sees it | how far off |\n|---|---|---|---|\n");
-    for Verdict { mutant, killed, off } in verdicts {
-        let (file, test) = &mutant.killed_by;
-        let seen = if *killed { format!("`{file}`: `{test}`") } else { "**none**".to_owned() };
-        table += &format!("| {} | {} | {seen} | {} |\n", mutant.name, mutant.means, off.replace('|', "/"));
+    for mutant in all {
+        let begins = format!("| {} | {} |", mutant.name, mutant.means);
+        match verdicts.iter().find(|verdict| verdict.mutant.name == mutant.name) {
+            Some(Verdict { killed, off, .. }) => {
+                let (file, test) = &mutant.killed_by;
+                let seen = if *killed { format!("`{file}`: `{test}`") } else { "**none**".to_owned() };
+                table += &format!("{begins} {seen} | {} |\n", off.replace('|', "/"));
+            }
+            None => old.lines().filter(|line| line.starts_with(&begins)).for_each(|line| table += &format!("{line}\n")),
+        }
     }
     fs::write(page, format!("{before}{BEGIN}\n{table}\n{END}{after}"))
 }
