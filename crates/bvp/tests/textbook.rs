@@ -6,7 +6,7 @@ use bvp::continuation::State;
 use bvp::normal_form::pitchfork_normal_form;
 use bvp::{
     Continuation, ContinuationSettings, CurveSettings, Direction, Ended, Fold, Gauss, Metric, MinimallyAugmented,
-    Solution, SymmetryBreaking, TwoParameterCurve, mesh,
+    Solution, SymmetryBreaking, TwoParameterCurve, locate, mesh,
 };
 
 #[path = "../examples/problems/gelfand.rs"]
@@ -75,6 +75,39 @@ fn bratu_folds_where_it_must() {
     assert_eq!(ended, Ended::Stopped);
     assert_eq!(folds.len(), 1, "{folds:?}");
     assert!((folds[0] - exact).abs() < 1e-10, "{} {exact}", folds[0]);
+}
+
+/// From the two points about it the fold of Bratu's problem is found with where it lies on the branch, in few steps of Newton's
+/// method, since they begin on the branch between the two.
+#[test]
+fn a_fold_is_located_between_two_points_with_its_arclength() {
+    let problem = Oscillator { force: exponential, right: 0 };
+    let guess = problem.zero(1.0, 24, 4, 0.0);
+    let metric = Metric::unit(2, 1);
+    let mut branch = Continuation::start(problem, guess, metric, ContinuationSettings::default(), true).unwrap();
+    let mut bracket = [0.0; 2];
+    let mut located = None;
+    branch
+        .follow([-1.0, 10.0], 200, |branch, advance| {
+            bracket = [bracket[1], branch.state.arclength];
+            if advance.passed_fold {
+                located = Some(locate::between_last_points(branch, Fold::new(0), [1.0, -1.0]).unwrap());
+            }
+            located.is_none()
+        })
+        .unwrap();
+    let found = located.unwrap();
+    assert!((found.solution.scalars[0] - bratu_fold()).abs() < 1e-10, "{:?}", found.solution.scalars);
+    assert!(found.arclength > bracket[0] && found.arclength < bracket[1], "{} in {bracket:?}", found.arclength);
+    // λ rises and falls like a parabola about the fold.
+    let state = &branch.state;
+    let below = |s: f64| (s - found.arclength).powi(2);
+    let earlier = state.history.back(1).unwrap().1.scalars[0];
+    let ratio = (bratu_fold() - earlier) / (bratu_fold() - state.parameter());
+    let expected = below(bracket[0]) / below(bracket[1]);
+    println!("{ratio} {expected}, {} iterations", found.report.iterations);
+    assert!((ratio / expected - 1.0).abs() < 0.5, "{ratio} {expected}");
+    assert!(found.report.iterations <= 6, "{:?}", found.report);
 }
 
 #[test]
