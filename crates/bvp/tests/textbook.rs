@@ -107,7 +107,8 @@ fn a_fold_is_located_between_two_points_with_its_arclength() {
     let expected = below(bracket[0]) / below(bracket[1]);
     println!("{ratio} {expected}, {} iterations", found.report.iterations);
     assert!((ratio / expected - 1.0).abs() < 0.5, "{ratio} {expected}");
-    assert!(found.report.iterations <= 6, "{:?}", found.report);
+    // From an end of the bracket it takes more.
+    assert!(found.report.iterations <= 4, "{:?}", found.report);
 }
 
 #[test]
@@ -201,6 +202,22 @@ fn antisymmetric_eigenvalues_are_all_found_and_no_other() {
     for (k, (found, exact)) in found.iter().zip(&exact).enumerate() {
         assert!((found / exact - 1.0).abs() < 1e-8 * 10f64.powi(k as i32), "{found} {exact}");
     }
+}
+
+/// Its sign tells the two sides of an antisymmetric eigenvalue apart, and those of a symmetric one not.
+#[test]
+fn the_symmetry_breaking_sign_changes_at_antisymmetric_eigenvalues_alone() {
+    let problem = Oscillator { force: linear, right: 1 };
+    let (guess, metric) = (problem.zero(0.5, 12, 4, 5.0), Metric::unit(2, 1));
+    let settings = ContinuationSettings::default();
+    let branch = Continuation::start(problem.clone(), guess, metric.clone(), settings, true).unwrap();
+    let breaking = SymmetryBreaking::default();
+    let mut point = MinimallyAugmented::new(problem.clone(), breaking, 4, metric, &branch.state.tangent);
+    let eigenvalue = |k: f64| (k * PI).powi(2);
+    let between = |k: f64| 0.5 * (eigenvalue(k) + eigenvalue(k + 1.0));
+    let signs = [0.0, 1.0, 2.0, 3.0, 4.0].map(|k| point.sign_at(&problem.zero(0.5, 12, 4, between(k))).unwrap());
+    // The eigenvalue (kπ)² belongs to sin kπx, which is odd about the middle for even k.
+    assert_eq!(signs.map(|sign| sign * signs[0]), [1.0, 1.0, -1.0, -1.0, 1.0]);
 }
 
 /// Pitchfork of u = 0 at λ₀ = 4π². With u = a sin 2πx + …, u″ + λ sin u = 0 has λ = λ₀ + (λ₀/8) a², and
