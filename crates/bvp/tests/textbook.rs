@@ -6,7 +6,7 @@ use bvp::continuation::State;
 use bvp::normal_form::pitchfork_normal_form;
 use bvp::{
     Continuation, ContinuationSettings, CurveSettings, Direction, Ended, Fold, Gauss, Metric, MinimallyAugmented,
-    Solution, SymmetryBreaking, TwoParameterCurve, mesh,
+    Solution, SymmetryBreaking, TwoParameterCurve, locate, mesh,
 };
 
 #[path = "../examples/problems/gelfand.rs"]
@@ -77,6 +77,40 @@ fn bratu_folds_where_it_must() {
     assert!((folds[0] - exact).abs() < 1e-10, "{} {exact}", folds[0]);
 }
 
+/// From the two points about it the fold of Bratu's problem is found with where it lies on the branch, in few steps of Newton's
+/// method, since they begin on the branch between the two.
+#[test]
+fn a_fold_is_located_between_two_points_with_its_arclength() {
+    let problem = Oscillator { force: exponential, right: 0 };
+    let guess = problem.zero(1.0, 24, 4, 0.0);
+    let metric = Metric::unit(2, 1);
+    let mut branch = Continuation::start(problem, guess, metric, ContinuationSettings::default(), true).unwrap();
+    let mut bracket = [0.0; 2];
+    let mut located = None;
+    branch
+        .follow([-1.0, 10.0], 200, |branch, advance| {
+            bracket = [bracket[1], branch.state.arclength];
+            if advance.passed_fold {
+                located = Some(locate::between_last_points(branch, Fold::new(0), [1.0, -1.0]).unwrap());
+            }
+            located.is_none()
+        })
+        .unwrap();
+    let found = located.unwrap();
+    assert!((found.solution.scalars[0] - bratu_fold()).abs() < 1e-10, "{:?}", found.solution.scalars);
+    assert!(found.arclength > bracket[0] && found.arclength < bracket[1], "{} in {bracket:?}", found.arclength);
+    // λ rises and falls like a parabola about the fold.
+    let state = &branch.state;
+    let below = |s: f64| (s - found.arclength).powi(2);
+    let earlier = state.history.back(1).unwrap().1.scalars[0];
+    let ratio = (bratu_fold() - earlier) / (bratu_fold() - state.parameter());
+    let expected = below(bracket[0]) / below(bracket[1]);
+    println!("{ratio} {expected}, {} iterations", found.report.iterations);
+    assert!((ratio / expected - 1.0).abs() < 0.5, "{ratio} {expected}");
+    // From an end of the bracket it takes more.
+    assert!(found.report.iterations <= 4, "{:?}", found.report);
+}
+
 #[test]
 fn a_run_taken_up_from_its_stored_state_goes_on_bit_for_bit() {
     let problem = Oscillator { force: exponential, right: 0 };
@@ -107,6 +141,8 @@ fn a_branch_is_followed_both_ways_and_ends_on_its_bound() {
         let ended = branch.follow([-30.0, 2.5], 300, |_, _| true).unwrap();
         assert_eq!(ended, Ended::ParameterBound(bound));
         assert!((branch.state.parameter() - bound).abs() < 1e-9);
+        // Every point but the first took a step.
+        assert_eq!(branch.work.steps, branch.state.points - 1);
         // u(½) = 2 ln(cosh θ) with λ = 8(θ/cosh θ)² on the lower branch; λ < 0 turns cosh into cos.
         let u = {
             let mut y = [0.0; 2];
@@ -166,6 +202,22 @@ fn antisymmetric_eigenvalues_are_all_found_and_no_other() {
     for (k, (found, exact)) in found.iter().zip(&exact).enumerate() {
         assert!((found / exact - 1.0).abs() < 1e-8 * 10f64.powi(k as i32), "{found} {exact}");
     }
+}
+
+/// Its sign tells the two sides of an antisymmetric eigenvalue apart, and those of a symmetric one not.
+#[test]
+fn the_symmetry_breaking_sign_changes_at_antisymmetric_eigenvalues_alone() {
+    let problem = Oscillator { force: linear, right: 1 };
+    let (guess, metric) = (problem.zero(0.5, 12, 4, 5.0), Metric::unit(2, 1));
+    let settings = ContinuationSettings::default();
+    let branch = Continuation::start(problem.clone(), guess, metric.clone(), settings, true).unwrap();
+    let breaking = SymmetryBreaking::default();
+    let mut point = MinimallyAugmented::new(problem.clone(), breaking, 4, metric, &branch.state.tangent);
+    let eigenvalue = |k: f64| (k * PI).powi(2);
+    let between = |k: f64| 0.5 * (eigenvalue(k) + eigenvalue(k + 1.0));
+    let signs = [0.0, 1.0, 2.0, 3.0, 4.0].map(|k| point.sign_at(&problem.zero(0.5, 12, 4, between(k))).unwrap());
+    // The eigenvalue (kπ)² belongs to sin kπx, which is odd about the middle for even k.
+    assert_eq!(signs.map(|sign| sign * signs[0]), [1.0, 1.0, -1.0, -1.0, 1.0]);
 }
 
 /// Pitchfork of u = 0 at λ₀ = 4π². With u = a sin 2πx + …, u″ + λ sin u = 0 has λ = λ₀ + (λ₀/8) a², and

@@ -65,6 +65,14 @@ fn halving_keeps_every_node_and_adds_every_midpoint() {
 }
 
 #[test]
+fn imbalance_is_the_largest_share_over_the_mean_one() {
+    // Integrals 1/2 · 1, 1/4 · 6 and 1/4 · 4, of mean 1.
+    assert_eq!(mesh::imbalance(&[0.0, 0.5, 0.75, 1.0], &[1.0, 6.0, 4.0]), 1.5);
+    // Each as wide as the monitor is low.
+    assert_eq!(mesh::imbalance(&[0.0, 0.5, 0.75, 1.0], &[1.0, 2.0, 2.0]), 1.0);
+}
+
+#[test]
 fn the_monitor_is_half_the_density_of_the_defect_and_half_its_mean() {
     let (mesh, m) = ([0.0, 0.5, 0.75, 1.0], 2);
     let mut weight = vec![9.0; 7];
