@@ -456,10 +456,14 @@ fn note_unit(file: &str, value: &Value<'_>, said: &mut Option<Unit>) -> Result<(
     }
 }
 
+/// Volumes of any cell, in any unit. Beyond, sums of them would be lost to overflow.
+const VOLUMES: [f64; 2] = [1e-100, 1e100];
+
 /// A volume, which is positive; else why it is none.
 fn positive(text: &[u8]) -> Result<f64, &'static str> {
     match number(text) {
-        Some(volume) if volume > 0.0 => Ok(volume),
+        Some(volume) if volume > VOLUMES[0] && volume < VOLUMES[1] => Ok(volume),
+        Some(volume) if volume > 0.0 => Err("a volume must be from 1e-100 to 1e100"),
         Some(_) => Err("a volume must be above 0"),
         None if text.is_empty() => Err("no volume"),
         None => Err("not a number"),

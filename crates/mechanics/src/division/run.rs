@@ -19,6 +19,8 @@ use crate::shapes::error::CellName;
 use crate::shapes::passive;
 use crate::stability::Stability;
 
+/// The first step is not made shorter than about this, in τ.
+const SHORTEST_FIRST_STEP: f64 = 1e-9;
 /// Longest first step after a wait at a saddle, in τ: no growing mode is as fast as that there.
 const FIRST_LEAP: f64 = 1.0;
 /// Largest relative narrowing of the neck per step.
@@ -171,7 +173,7 @@ fn run(
             return Err(DivisionError::Oscillates { r0: cell.r0, period });
         }
         if stepper.levels[0].t > run.t_max {
-            return Err(run.undecided(cell.r0));
+            return Err(run.undecided(cell));
         }
         run.prepare_mesh(&mut stepper);
     }
@@ -243,17 +245,27 @@ struct Rest {
 }
 
 impl Run {
-    /// The first step, whose activity is noisy. The noise belongs to a step of given length, whatever the step factor.
+    /// The first step, whose activity is noisy. The noise belongs to a step of given length, whatever the step factor; where
+    /// that step cannot be solved, as where a strong cue makes the cortex a hundred times quicker, to one of a tenth of it, and
+    /// so on: what the noise starts there grows as much sooner.
     fn first_step(&mut self, stepper: &mut Stepper, coefficients: [f64; 10]) -> Result<(), DivisionError> {
         let (y, gauss) = (&stepper.levels[0].y, &stepper.system.gauss);
         let points = 0..y.intervals() * y.m;
         stepper.cortex.noise =
             points.map(|i| noise_factor(&coefficients, y.stage_x(gauss, i / y.m, i % y.m))).collect();
-        let dt = self.dt;
-        let first = stepper.attempt(dt, 1).map_err(|error| {
-            let r0 = stepper.cortex.cell.r0;
-            DivisionError::Stalled { r0, t: 0.0, dt, source: error.into() }
-        })?;
+        let first = loop {
+            match stepper.attempt(self.dt, 1) {
+                Ok(first) => break first,
+                Err(_) if self.dt > SHORTEST_FIRST_STEP => {
+                    self.rejected += 1;
+                    self.dt *= 0.1;
+                }
+                Err(error) => {
+                    let r0 = stepper.cortex.cell.r0;
+                    return Err(DivisionError::Stalled { r0, t: 0.0, dt: self.dt, source: error.into() });
+                }
+            }
+        };
         self.odd_floor = f64::max(0.3 * first.odd_size, ODD_ROUNDING * stepper.cortex.cell.r0);
         stepper.accept();
         self.tangent.iter_mut().for_each(|tangent| tangent.follow(stepper));
@@ -444,10 +456,11 @@ impl Run {
         self.next_rest_check = t + STAY / growth;
     }
 
-    fn undecided(&self, r0: f64) -> DivisionError {
+    fn undecided(&self, cell: &Cell) -> DivisionError {
+        let Cell { r0, epsilon, .. } = *cell;
         match self.slow_growth_rate {
             Some(growth_rate) => DivisionError::Critical { r0, growth_rate },
-            None => DivisionError::Undecided { r0, t_max: self.t_max },
+            None => DivisionError::Undecided { r0, epsilon, t_max: self.t_max },
         }
     }
 
