@@ -178,7 +178,7 @@ impl Volumes {
     /// # Errors
     /// A table without the columns that it needs, or in another unit than those before.
     pub fn read(&mut self, from: impl Read, file: &str, options: &ReadOptions) -> Result<(), InputError> {
-        let mut buffered = BufReader::with_capacity(1 << 16, from);
+        let mut buffered = BufReader::with_capacity(1 << 16, from.take(LONGEST));
         let unreadable = |e: std::io::Error| InputError::Unreadable { file: file.to_owned(), reason: e.to_string() };
         // What some programs write before UTF-8.
         if buffered.fill_buf().map_err(unreadable)?.starts_with(b"\xef\xbb\xbf") {
@@ -187,6 +187,9 @@ impl Volumes {
         let first = buffered.fill_buf().map_err(unreadable)?;
         if first.starts_with(b"\xff\xfe") || first.starts_with(b"\xfe\xff") {
             return Err(malformed(file, 1, "this is UTF-16; it must be saved as UTF-8"));
+        }
+        if first.contains(&0) {
+            return Err(malformed(file, 1, "this is no text: it has a byte 0"));
         }
         let line = first.split(|byte| *byte == b'\n').next().unwrap_or_default();
         let delimiter = [b',', b';', b'\t'].into_iter().max_by_key(|d| line.iter().filter(|b| *b == d).count());
@@ -201,9 +204,14 @@ impl Volumes {
         }
         let header: Vec<String> = record.iter().map(|name| String::from_utf8_lossy(name).trim().to_owned()).collect();
         match Columns::of(&header, file)? {
-            Some(columns) => self.read_long(&mut reader, file, options, &header, &columns),
-            None => self.read_grid(&mut reader, file, options, &header),
+            Some(columns) => self.read_long(&mut reader, file, options, &header, &columns)?,
+            None => self.read_grid(&mut reader, file, options, &header)?,
         }
+        if reader.position().byte() >= LONGEST {
+            let reason = format!("it is longer than {} MB, the most that is read of a table", LONGEST >> 20);
+            return Err(InputError::Unreadable { file: file.to_owned(), reason });
+        }
+        Ok(())
     }
 
     fn read_long<R: Read>(
@@ -455,6 +463,9 @@ fn note_unit(file: &str, value: &Value<'_>, said: &mut Option<Unit>) -> Result<(
         _ => Ok(()),
     }
 }
+
+/// Most bytes that are read of a table: an endless one is left.
+const LONGEST: u64 = 1 << 30;
 
 /// Volumes of any cell, in any unit. Beyond, sums of them would be lost to overflow.
 const VOLUMES: [f64; 2] = [1e-100, 1e100];

@@ -166,6 +166,18 @@ pub enum DivisionError {
         /// The period, in τ.
         period: f64,
     },
+    /// The cell moves on without ever repeating itself.
+    #[error(
+        "the cell with R0 = {r0} still moves at t = {t:.3} τ, after {steps} steps: it neither divides, nor rests, nor repeats itself; lower xi_s or the cue's amplitude"
+    )]
+    Restless {
+        /// Radius R0.
+        r0: f64,
+        /// Time reached, in τ.
+        t: f64,
+        /// Steps done.
+        steps: usize,
+    },
     /// The cell neither divided nor came to rest in the time allowed.
     #[error("the cell with R0 = {r0} neither divided nor came to rest within t = {t_max}; {}", advice_on_rest(*epsilon))]
     Undecided {

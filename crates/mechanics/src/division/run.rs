@@ -4,6 +4,7 @@ use bvp::newton::NewtonScratch;
 use bvp::{Gauss, Newton, Solution, System, Work, mesh};
 
 use super::DivisionInput;
+use super::limits;
 use super::noise;
 use super::oscillation::Oscillation;
 use super::outcome::{Division, DivisionError, Outcome, StepFailure};
@@ -143,6 +144,7 @@ fn run(
         neck_rate: 0.0,
         next_rest_check: 0.0,
         longest: numerics.t_max,
+        most_steps: limits::most_steps(numerics),
         t_max: numerics.t_max,
         stays: 0,
         slow_growth_rate: None,
@@ -172,7 +174,16 @@ fn run(
         if let Some(period) = run.oscillation.note(newest.t, newest.y.scalars[LENGTH]) {
             return Err(DivisionError::Oscillates { r0: cell.r0, period });
         }
+        if run.steps > run.most_steps {
+            let t = stepper.levels[0].t;
+            return Err(DivisionError::Restless { r0: cell.r0, t, steps: run.steps });
+        }
         if stepper.levels[0].t > run.t_max {
+            if run.fixed.is_none()
+                && let Some(growth_rate) = limits::afloat(&stepper)
+            {
+                return Ok((run.failed(&stepper, growth_rate), None));
+            }
             return Err(run.undecided(cell));
         }
         run.prepare_mesh(&mut stepper);
@@ -221,6 +232,8 @@ struct Run {
     next_rest_check: f64,
     /// Largest time of the numerics, in τ.
     longest: f64,
+    /// Most steps.
+    most_steps: usize,
     /// Largest time of this cell: later for one that has waited at a saddle.
     t_max: f64,
     /// How often the shape was found at a saddle.
