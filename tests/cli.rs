@@ -32,9 +32,9 @@ fn write(folder: &Path, name: &str, text: &str) -> String {
 #[test]
 fn numbers_out_of_range_name_option_field_and_value() {
     for (arguments, complaint) in [
-        (&["divide", "--r0", "nan"][..], "--r0: r0 = NaN: must be a finite number above 0"),
-        (&["divide", "--r0", "-1"], "--r0: r0 = -1: must be a finite number above 0"),
-        (&["divide", "--r0", "0"], "--r0: r0 = 0: must be a finite number above 0"),
+        (&["divide", "--r0", "nan"][..], "--r0: r0 = NaN: must be a finite number above 0, from 1e-6 to 1e6"),
+        (&["divide", "--r0", "-1"], "--r0: r0 = -1: must be a finite number above 0, from 1e-6 to 1e6"),
+        (&["divide", "--r0", "0"], "--r0: r0 = 0: must be a finite number above 0, from 1e-6 to 1e6"),
         (&["divide", "--r0", "2", "--epsilon", "1"], "--epsilon: epsilon = 1: must be above 0 and below 1"),
         (&["divide", "--r0", "2", "--xi", "inf"], "--xi: xi_s = inf: must be a finite number"),
         (&["tree", "--set", "eps=1.2"], "--set: physics.epsilon = 1.2: must be above 0 and below 1"),
@@ -92,7 +92,7 @@ fn configuration_file_complaints() {
     let folder = tempfile::tempdir().unwrap();
     for (text, complaint) in [
         ("Config(physics: (epsilon: 1.0))", ": physics.epsilon = 1: must be above 0 and below 1"),
-        ("Config(physics: (r0: NaN))", ": physics.r0 = NaN: must be a finite number above 0"),
+        ("Config(physics: (r0: NaN))", ": physics.r0 = NaN: must be a finite number above 0, from 1e-6 to 1e6"),
         ("Config(numerics: (intervals: 7))", ": numerics.intervals = 7: must be an even whole number from 16 to 4096"),
         ("Config(\n  physics: (epsilon 0.8))", ":2:21: physics: expected a colon, found 0.8"),
     ] {
@@ -255,7 +255,7 @@ fn tree_takes_the_cell_of_its_options() {
     assert_eq!(file["cells"][0]["t_end"], alone["t_end"]);
     assert_eq!(tree(&[]).0["founders"][0]["r0"], 5.0, "without the option the lineage's radius counts");
     for (option, complaint) in [
-        ("--r0=0", "--r0: r0 = 0: must be a finite number above 0"),
+        ("--r0=0", "--r0: r0 = 0: must be a finite number above 0, from 1e-6 to 1e6"),
         ("--epsilon=1.5", "--epsilon: epsilon = 1.5: must be above 0 and below 1"),
         ("--xi=nan", "--xi: xi_s = NaN: must be a finite number"),
     ] {

@@ -167,7 +167,7 @@ fn boundaries_over_other_parameters() {
 #[test]
 fn bad_input_is_named() {
     for (arguments, expected) in [
-        (&["pitchfork", "--r0", "0"][..], "--r0: r0 = 0: must be a finite number above 0"),
+        (&["pitchfork", "--r0", "0"][..], "--r0: r0 = 0: must be a finite number above 0, from 1e-6 to 1e6"),
         (&["branch", "--r0", "2", "--xi-max", "-1"], "--xi-max: xi_max = -1: must be a finite number above 0"),
         (&["branch", "--r0", "2", "--epsilon", "1"], "--epsilon: epsilon = 1: must be above 0 and below 1"),
         (
@@ -176,7 +176,7 @@ fn bad_input_is_named() {
         ),
         (
             &["boundary", "--vary", "r0", "--from", "-1", "--to", "2"],
-            "--from: r0 = -1: must be a finite number above 0",
+            "--from: r0 = -1: must be a finite number above 0, from 1e-6 to 1e6",
         ),
         (&["boundary", "--vary", "r0", "--from", "2", "--to", "2"], "--to: to = 2: must be different from --from"),
     ] {

@@ -50,9 +50,12 @@ fn a_cell_without_a_stationary_shape_says_so() {
 #[test]
 fn refusals() {
     for (arguments, complaint) in [
-        (&["steady", "--r0", "0"][..], "--r0: r0 = 0: must be a finite number above 0"),
+        (&["steady", "--r0", "0"][..], "--r0: r0 = 0: must be a finite number above 0, from 1e-6 to 1e6"),
         (&["steady", "--r0", "2", "--epsilon", "nan"], "--epsilon: epsilon = NaN: must be above 0 and below 1"),
-        (&["phase", "--vary", "r0", "--from", "-1", "--to", "2"], "--from: r0 = -1: must be a finite number above 0"),
+        (
+            &["phase", "--vary", "r0", "--from", "-1", "--to", "2"],
+            "--from: r0 = -1: must be a finite number above 0, from 1e-6 to 1e6",
+        ),
         (
             &["phase", "--vary", "epsilon", "--from", "0.5", "--to", "1", "--r0", "2"],
             "--to: epsilon = 1: must be above 0 and below 1",

@@ -47,7 +47,7 @@ fn what_cannot_be_written_or_computed_is_refused() {
     std::fs::write(folder.path().join("file"), "").unwrap();
     for (arguments, said) in [
         (["--out", "file/page.html"], "--out"),
-        (["--r0", "-1"], "--r0: r0 = -1: must be a finite number above 0"),
+        (["--r0", "-1"], "--r0: r0 = -1: must be a finite number above 0, from 1e-6 to 1e6"),
         (["--epsilon", "1.2"], "--epsilon: epsilon = 1.2: must be above 0 and below 1"),
         (["--xi", "1e9"], "--xi: xi_s = 1000000000"),
     ] {

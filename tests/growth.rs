@@ -167,7 +167,7 @@ fn boundary_ends_branches_without_solving() {
 #[test]
 fn cells_that_cannot_be_computed_are_undecided() {
     let solve = |input: &DivisionInput| match input.cell.r0 < 4.0 {
-        true => Err(DivisionError::Undecided { r0: input.cell.r0, t_max: 2000.0 }),
+        true => Err(DivisionError::Undecided { r0: input.cell.r0, epsilon: input.cell.epsilon, t_max: 2000.0 }),
         false => fake(input),
     };
     let text = "Lineage(name: \"x\", founders: [(name: \"Q\", r0: 6.0)])";

@@ -257,3 +257,64 @@ fn pipes_are_read_and_endless_ones_are_left() {
         )
     );
 }
+
+/// Tables of volumes may be far longer than other files; what is no text is told by its first bytes.
+#[cfg(unix)]
+#[test]
+fn an_endless_table_is_left() {
+    assert_eq!(
+        refusal(&["compare", "volumes", "/dev/zero"]),
+        "furrow: error: /dev/zero:1:1: this is no text: it has a byte 0\n"
+    );
+}
+
+/// What stands in a file is quoted without the characters that a terminal would obey.
+#[test]
+fn messages_have_no_control_characters() {
+    let folder = tempfile::tempdir().unwrap();
+    for (command, text) in [
+        ("tree", "Lineage(name: \"x\", founders: [(name: \u{1b}[2J)])"),
+        ("sweep", "Sweep(kind: division, axes: [\u{7}])"),
+        ("calibrate", "Targets(unknowns: [], thresholds: [\0])"),
+    ] {
+        let path = write(folder.path(), "x.ron", text);
+        let out = folder.path().join("out");
+        let mut arguments = vec![command, &path];
+        if command == "sweep" {
+            arguments.extend(["--out", out.to_str().unwrap()]);
+        }
+        let said = refusal(&arguments);
+        assert!(said.starts_with(&format!("furrow: error: {path}:1:")), "{said:?}");
+        assert!(!said.trim_end().contains(char::is_control), "{said:?}");
+    }
+}
+
+/// More values than there is memory for are refused before one of them is made.
+#[test]
+fn a_sweep_of_too_many_values_is_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let axes: Vec<String> = ["r0", "epsilon", "xi_s", "aspect", "p0", "w", "kappa", "eta_b"]
+        .iter()
+        .map(|name| format!("(parameter: \"{name}\", sample: (from: 0.5, to: 0.9, count: 10000000))"))
+        .collect();
+    let path = write(folder.path(), "many.ron", &format!("Sweep(kind: division, axes: [{}])", axes.join(",")));
+    let said = refusal(&["sweep", &path, "--out", folder.path().join("out").to_str().unwrap()]);
+    assert!(said.ends_with("must be axes of 20000000 values at most, all together\n"), "{said}");
+}
+
+/// Numbers at the ends of what a number can be.
+#[test]
+fn numbers_beyond_all_sizes() {
+    for size in ["1e308", "1e-308", "1e7", "1e-7"] {
+        for command in ["divide", "pitchfork", "tree", "explore"] {
+            let said = refusal(&[command, "--r0", size]);
+            assert!(said.contains("must be a finite number above 0, from 1e-6 to 1e6"), "{said}");
+        }
+    }
+    // An activity that is no normal number is as good as none.
+    let output = furrow(&["steady", "--r0", "2", "--xi", "1e-308", "--json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let zero = furrow(&["steady", "--r0", "2", "--xi", "0", "--json"]);
+    let length = |output: &Output| serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()["L"].as_f64();
+    assert_eq!(length(&output), length(&zero));
+}

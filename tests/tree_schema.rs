@@ -108,7 +108,7 @@ fn documents() -> Vec<Value> {
         }
     };
     let undecided = |input: &DivisionInput| match input.cell.r0 < 3.0 {
-        true => Err(DivisionError::Undecided { r0: input.cell.r0, t_max: 1.0 }),
+        true => Err(DivisionError::Undecided { r0: input.cell.r0, epsilon: input.cell.epsilon, t_max: 1.0 }),
         false => fake(input),
     };
     let below = |cell: &Cell| match (cell.cue.is_none(), cell.r0 < 1.7) {

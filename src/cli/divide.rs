@@ -91,10 +91,11 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     let movie = args.movie.file()?;
     let Replicates { divisions, undecided, .. } = solve(args, &context, &input)?;
     if args.frames.is_some() || picture.is_some() || movie.is_some() {
+        interrupt::at_once();
         let film = film(&input)?;
         if let Some(folder) = &args.frames {
             check_count(&film, every)?;
-            write_frames(folder, &film, every)?;
+            interrupt::unbroken(|| write_frames(folder, &film, every))?;
         }
         let film = film.with_places(DENSE);
         if let Some(picture) = picture {

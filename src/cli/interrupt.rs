@@ -25,6 +25,15 @@ pub fn gently() {
     GENTLY.store(true, Ordering::SeqCst);
 }
 
+/// From now on Ctrl-C ends the command at once again; one that has come meanwhile does so here. For what follows the divisions
+/// and keeps nothing on the way, as pictures.
+pub fn at_once() {
+    GENTLY.store(false, Ordering::SeqCst);
+    if INTERRUPTED.load(Ordering::SeqCst) {
+        end();
+    }
+}
+
 /// Does something that is not to be broken off, such as writing a file.
 pub fn unbroken<T>(work: impl FnOnce() -> T) -> T {
     let gently = GENTLY.swap(true, Ordering::SeqCst);

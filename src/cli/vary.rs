@@ -90,6 +90,7 @@ impl VaryArgs {
                 }
                 _ => {
                     context.settings.set_number(option, parameter.name(), value)?;
+                    context.settings.check_wall(option)?;
                     parameter.set(&mut cell, value);
                 }
             }

@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use crate::layout::{Columns, embryo_of_file, unit_of};
 use crate::names::is_cell;
-use crate::table::{malformed, next, number, open};
+use crate::table::{malformed, next, number, open, whole};
 
 /// What volumes are measured in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -186,9 +186,10 @@ impl Volumes {
         }
         let header: Vec<String> = record.iter().map(|name| String::from_utf8_lossy(name).trim().to_owned()).collect();
         match Columns::of(&header, file)? {
-            Some(columns) => self.read_long(&mut reader, file, options, &header, &columns),
-            None => self.read_grid(&mut reader, file, options, &header),
+            Some(columns) => self.read_long(&mut reader, file, options, &header, &columns)?,
+            None => self.read_grid(&mut reader, file, options, &header)?,
         }
+        whole(&reader, file)
     }
 
     fn read_long<R: Read>(
@@ -441,10 +442,14 @@ fn note_unit(file: &str, value: &Value<'_>, said: &mut Option<Unit>) -> Result<(
     }
 }
 
+/// Volumes of any cell, in any unit. Beyond, sums of them would be lost to overflow.
+const VOLUMES: [f64; 2] = [1e-100, 1e100];
+
 /// A volume, which is positive; else why it is none.
 fn positive(text: &[u8]) -> Result<f64, &'static str> {
     match number(text) {
-        Some(volume) if volume > 0.0 => Ok(volume),
+        Some(volume) if volume > VOLUMES[0] && volume < VOLUMES[1] => Ok(volume),
+        Some(volume) if volume > 0.0 => Err("a volume must be from 1e-100 to 1e100"),
         Some(_) => Err("a volume must be above 0"),
         None if text.is_empty() => Err("no volume"),
         None => Err("not a number"),

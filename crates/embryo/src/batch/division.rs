@@ -166,7 +166,7 @@ impl Record for Division {
             std::array::from_fn(|_| f64::from_bits(u64::from_le_bytes(numbers.next())));
         let [steps, rejected, iterations, factorisations, remeshings] =
             std::array::from_fn(|_| u32::from_le_bytes(numbers.next()) as usize);
-        Some(Division {
+        let division = Division {
             outcome,
             chi: (flags & 1 != 0).then_some(chi),
             chi_signed: (flags & 2 != 0).then_some(chi_signed),
@@ -177,7 +177,9 @@ impl Record for Division {
             slow_growth_rate: (flags & 32 != 0).then_some(slow_growth_rate),
             volume_drift,
             work: Work { steps, rejected, iterations, factorisations, remeshings },
-        })
+        };
+        // Nothing else stands for it, down to the bytes that hold nothing, and no division has numbers out of their range.
+        (division.encode() == *payload && in_range(&division)).then_some(division)
     }
 
     /// The daughters' radii go with the cell's, so that volumes are handed down to rounding.
@@ -191,6 +193,20 @@ impl Record for Division {
     fn response(&self) -> Option<f64> {
         self.chi
     }
+}
+
+/// Whether the numbers of a record are those of some division.
+fn in_range(division: &Division) -> bool {
+    let share = |number: f64| (0.0..=1.0).contains(&number);
+    let positive = |number: f64| number.is_finite() && number >= 0.0;
+    division.chi.is_none_or(share)
+        && division.chi_signed.is_none_or(|chi| share(chi.abs()))
+        && division.u_furrow.is_none_or(share)
+        && division.daughters.is_none_or(|radii| radii.into_iter().all(positive))
+        && division.growth_rate.is_none_or(f64::is_finite)
+        && division.slow_growth_rate.is_none_or(f64::is_finite)
+        && positive(division.t_end)
+        && positive(division.volume_drift)
 }
 
 /// Reads numbers off the front of a slice that holds enough of them.

@@ -86,18 +86,19 @@ impl FileSet {
                 Err(error) => return Err(WriteError::at(&aside)(error)),
             }
         };
-        for name in names {
-            let (path, kept) = (self.folder.join(name), aside.join(name));
-            if fs::symlink_metadata(&path).is_ok_and(|there| !there.is_dir()) {
-                fs::create_dir_all(folder_of(&kept)).map_err(WriteError::at(&kept))?;
-                fs::rename(&path, &kept).map_err(WriteError::at(&path))?;
-                if folder_of(&path) != self.folder {
-                    // A folder of its own that is empty now goes; one in which other files are stays.
-                    let _ = fs::remove_dir(folder_of(&path));
-                }
+        let folder = self.folder.clone();
+        let mut moved: Vec<(PathBuf, PathBuf)> = Vec::new();
+        let pairs = names.iter().map(|name| (folder.join(name), aside.join(name)));
+        let done = move_aside(&folder, pairs, &mut moved).and_then(|()| self.commit());
+        if let Err(error) = done {
+            // As it was before, as far as the system lets it.
+            for (path, kept) in moved.iter().rev() {
+                let _ = fs::create_dir_all(folder_of(path)).and_then(|()| fs::rename(kept, path));
+                let _ = fs::remove_dir(folder_of(kept));
             }
+            let _ = fs::remove_dir(&aside);
+            return Err(error);
         }
-        self.commit()?;
         Ok(aside)
     }
 
@@ -123,16 +124,82 @@ impl FileSet {
     /// Gives all files their names, in the order in which they were staged.
     ///
     /// # Errors
-    /// [`WriteError`]. What commonly hinders a rename, a folder of that name, is looked for before the first.
+    /// [`WriteError`]. What commonly hinders a rename, a folder of that name, is looked for before the first. Where one fails
+    /// nevertheless, those before it are taken back, and what they replaced is put in its place again (on file systems that
+    /// have hard links).
     pub fn commit(self) -> Result<(), WriteError> {
         for (_, path) in &self.staged {
             can_be_a_file(path).map_err(WriteError::at(path))?;
             fs::create_dir_all(folder_of(path)).map_err(WriteError::at(path))?;
         }
+        let mut placed: Vec<Placed> = Vec::with_capacity(self.staged.len());
         for (file, path) in self.staged {
-            file.persist(&path).map_err(|e| WriteError::at(&path)(e.error))?;
+            let before = Before::of(&path);
+            if let Err(failed) = file.persist(&path) {
+                placed.into_iter().rev().for_each(Placed::take_back);
+                return Err(WriteError::at(&path)(failed.error));
+            }
+            placed.push(Placed { path, before });
         }
         Ok(())
+    }
+}
+
+/// Moves the files that are there to where they are kept, and notes each in `moved`.
+fn move_aside(
+    folder: &Path,
+    pairs: impl Iterator<Item = (PathBuf, PathBuf)>,
+    moved: &mut Vec<(PathBuf, PathBuf)>,
+) -> Result<(), WriteError> {
+    for (path, kept) in pairs {
+        if fs::symlink_metadata(&path).is_ok_and(|there| !there.is_dir()) {
+            fs::create_dir_all(folder_of(&kept)).map_err(WriteError::at(&kept))?;
+            fs::rename(&path, &kept).map_err(WriteError::at(&path))?;
+            if folder_of(&path) != folder {
+                // A folder of its own that is empty now goes; one in which other files are stays.
+                let _ = fs::remove_dir(folder_of(&path));
+            }
+            moved.push((path, kept));
+        }
+    }
+    Ok(())
+}
+
+/// A file that has its name, and what had it before.
+struct Placed {
+    path: PathBuf,
+    before: Before,
+}
+
+/// What had the name of a file.
+enum Before {
+    Nothing,
+    /// A file, which has this second name until the new one is certain to stay.
+    File(TempPath),
+    /// A file on a system without hard links, which is lost with its name.
+    Lost,
+}
+
+impl Before {
+    fn of(path: &Path) -> Before {
+        if fs::symlink_metadata(path).is_err() {
+            return Before::Nothing;
+        }
+        let link = tempfile::Builder::new()
+            .prefix(".furrow-")
+            .suffix(".tmp")
+            .make_in(folder_of(path), |name| fs::hard_link(path, name));
+        link.map_or(Before::Lost, |link| Before::File(link.into_temp_path()))
+    }
+}
+
+impl Placed {
+    fn take_back(self) {
+        match self.before {
+            Before::Nothing => drop(fs::remove_file(&self.path)),
+            Before::File(link) => drop(link.persist(&self.path)),
+            Before::Lost => {}
+        }
     }
 }
 
@@ -193,4 +260,50 @@ fn staged(folder: &Path, content: &[u8]) -> io::Result<NamedTempFile> {
     // To the file itself: errors of its wrapper name the temporary path.
     file.as_file_mut().write_all(content)?;
     Ok(file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = entries.collect();
+        names.sort();
+        names
+    }
+
+    /// The third of four renames fails: its temporary file is gone, as where somebody empties the folder.
+    fn failing(folder: &Path) -> FileSet {
+        let mut files = FileSet::new(folder);
+        for name in ["a", "b", "c", "d"] {
+            files.stage(name, b"new").unwrap();
+        }
+        fs::remove_file(&files.staged[2].0).unwrap();
+        files
+    }
+
+    #[test]
+    fn a_rename_that_fails_takes_back_those_before_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        fs::write(path.join("a"), b"old").unwrap();
+        let error = failing(path).commit().unwrap_err();
+        assert!(error.path.ends_with('c'), "{error}");
+        assert_eq!(names(path), ["a"]);
+        assert_eq!(fs::read(path.join("a")).unwrap(), b"old");
+    }
+
+    #[test]
+    fn what_was_moved_aside_comes_back_where_the_new_files_do_not_come() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        fs::create_dir(path.join("sub")).unwrap();
+        for name in ["a", "sub/x"] {
+            fs::write(path.join(name), b"old").unwrap();
+        }
+        failing(path).commit_keeping(&["a", "b", "sub/x"]).unwrap_err();
+        assert_eq!(names(path), ["a", "sub"]);
+        assert_eq!(fs::read(path.join("sub/x")).unwrap(), b"old");
+    }
 }

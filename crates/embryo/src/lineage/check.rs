@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::clash;
 use super::definition::{CueRule, Daughter, Founder, Lineage};
+use crate::cell::SIZES;
 use crate::input::{InputError, did_you_mean, forbidden, listed, shown};
 
 /// A lineage with the text it was read from.
@@ -212,6 +213,9 @@ impl Check<'_> {
                 .map_err(|allowed| self.founder_error(f, "r0", format!("\"{given}\""), allowed))?;
             if !(r0.is_finite() && r0 > 0.0) {
                 return Err(self.founder_error(f, "r0", given, "a finite number above 0"));
+            }
+            if !SIZES.contains(&r0) {
+                return Err(self.founder_error(f, "r0", given, "a number of L_h from 1e-6 to 1e6"));
             }
         }
         for (parameter, value) in f.physics.values() {

@@ -5,12 +5,15 @@ use super::sample::{MOST_AXES, halton};
 use super::sweep::{AxisDocument, Document, Interval, Kind, Sweep};
 use crate::batch::phase::spaced;
 use crate::cell::{Cue, Parameter};
-use crate::input::{InputError, did_you_mean, shown};
+use crate::input::{InputError, did_you_mean, listed, shown};
 use crate::lineage::Lineage;
 use crate::settings::{self, Settings, canonical_name};
 
 /// Most divisions, trees or shapes of one sweep.
 const MOST_POINTS: usize = 10_000_000;
+
+/// Most values of all axes: what they take is held in memory together.
+const MOST_VALUES: usize = 20_000_000;
 
 /// A sweep file to be checked, and what it is checked with.
 pub struct Check<'a> {
@@ -28,6 +31,7 @@ impl Check<'_> {
     /// The sweep, if all of it is allowed.
     pub fn run(&self) -> Result<Sweep, InputError> {
         let document = self.document;
+        self.most_values()?;
         let mut axes: Vec<Axis> = Vec::new();
         for (k, given) in document.axes.iter().enumerate() {
             let target = self.target(k, given, &axes)?;
@@ -58,6 +62,21 @@ impl Check<'_> {
 
     fn refuse<T>(&self, field: String, value: impl ToString, allowed: impl Into<String>) -> Result<T, InputError> {
         Err(InputError::not_allowed(self.file, field, value, allowed))
+    }
+
+    /// Refuses more values than there may be points, before any of them is made.
+    fn most_values(&self) -> Result<(), InputError> {
+        let of = |axis: &AxisDocument| match (&axis.range, &axis.sample, &axis.list) {
+            (Some(interval), _, _) | (_, Some(interval), _) => interval.count,
+            (_, _, list) => list.as_ref().map_or(0, Vec::len),
+        };
+        let counts: Vec<usize> = self.document.axes.iter().map(of).collect();
+        if counts.iter().fold(0, |sum: usize, count| sum.saturating_add(*count)) <= MOST_VALUES {
+            return Ok(());
+        }
+        let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
+        let allowed = format!("axes of {MOST_VALUES} values at most, all together");
+        self.refuse("axes".to_owned(), listed(counts.iter().map(String::as_str), " + "), allowed)
     }
 
     /// What an axis sets, which no axis before it does.

@@ -51,7 +51,10 @@ pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputErr
             let allowed = format!("one of {}{}", known.join(", "), did_you_mean(name, known.iter().copied()));
             return Err(InputError::not_allowed(file, format!("column {}", k + 1), format!("{name:?}"), allowed));
         }
-        if columns[..k].contains(name) {
+        // A parameter has two names where one of them is short.
+        let parameter = name.parse::<Parameter>().ok();
+        let same = |other: &&str| other == name || parameter.is_some() && other.parse().ok() == parameter;
+        if columns[..k].iter().any(same) {
             return Err(InputError::not_allowed(file, format!("column {}", k + 1), format!("{name:?}"), "named once"));
         }
     }
@@ -115,6 +118,7 @@ mod tests {
         assert!(complaint("aspect,gian\n1,2\n").ends_with("; did you mean gain?"));
         assert_eq!(complaint("aspect,p0\n1.5\n"), "c.csv:2: row = \"1.5\": must be 2 numbers, one for each column");
         assert_eq!(complaint("aspect\n-1\n"), "c.csv:2: aspect = \"-1\": must be a finite number above 0");
+        assert_eq!(complaint("gain,p0,g\n1,1,1\n"), "c.csv: column 3 = \"g\": must be named once");
         assert_eq!(complaint("aspect\n"), "c.csv: rows = (none): must be at least one set of constants");
     }
 }

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::Contour;
 use crate::layout::listed;
-use crate::table::{malformed, next, number, open};
+use crate::table::{malformed, next, number, open, whole};
 
 /// A contour as it was measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,6 +94,7 @@ impl Contours {
             rings[ring].take(line, [places.x, places.y].map(|column| (column, text(column))));
             more = next(&mut reader, &mut record, file)?;
         }
+        whole(&reader, file)?;
         if rings.is_empty() {
             return Err(malformed(file, 1, "the table has columns but no points"));
         }

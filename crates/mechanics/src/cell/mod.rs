@@ -27,6 +27,9 @@ pub trait Number: DualNum<Primitive = f64> + Copy {}
 
 impl<D: DualNum<Primitive = f64> + Copy> Number for D {}
 
+/// Radii of cells that users may give, in L_h. Beyond, nothing is found, and volumes are lost to rounding or overflow.
+pub const SIZES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+
 /// One cell, in the units L_h = √(η_b/Γ) (length), κ0 (energy) and τ = η_b L_h²/κ0 (time).
 ///
 /// Everything its mechanics depends on is here, so that two equal cells divide alike. Values are checked where users give

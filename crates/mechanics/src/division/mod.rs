@@ -13,6 +13,7 @@
 //! | [`statistics`] | what several divisions say together |
 
 pub mod film;
+mod limits;
 pub mod noise;
 mod oscillation;
 pub mod outcome;

@@ -125,7 +125,7 @@ pub enum DivisionError {
         allowed: &'static str,
     },
     /// The passive shape was not found.
-    #[error("no passive shape found for {cell} ({source}); try a tension nearer to 0, or more mesh intervals")]
+    #[error("no passive shape found for {cell} ({source}); {}", cell.advice())]
     NoPassiveShape {
         /// The cell.
         cell: CellName,
@@ -166,14 +166,38 @@ pub enum DivisionError {
         /// The period, in τ.
         period: f64,
     },
-    /// The cell neither divided nor came to rest in the time allowed.
+    /// The cell moves on without ever repeating itself.
     #[error(
-        "the cell with R0 = {r0} neither divided nor came to rest within t = {t_max}; raise t_max, or try more mesh intervals"
+        "the cell with R0 = {r0} still moves at t = {t:.3} τ, after {steps} steps: it neither divides, nor rests, nor repeats itself; lower xi_s or the cue's amplitude"
     )]
+    Restless {
+        /// Radius R0.
+        r0: f64,
+        /// Time reached, in τ.
+        t: f64,
+        /// Steps done.
+        steps: usize,
+    },
+    /// The cell neither divided nor came to rest in the time allowed.
+    #[error("the cell with R0 = {r0} neither divided nor came to rest within t = {t_max}; {}", advice_on_rest(*epsilon))]
     Undecided {
         /// Radius R0.
         r0: f64,
+        /// Volume fraction ε.
+        epsilon: f64,
         /// The limit, in τ.
         t_max: f64,
     },
+}
+
+/// Below this volume fraction the shell may be so wide that its force at the cell is less than rounding.
+const WIDE_SHELL: f64 = 0.3;
+
+/// What helps where a cell is not found to be at rest.
+fn advice_on_rest(epsilon: f64) -> &'static str {
+    if epsilon < WIDE_SHELL {
+        "raise epsilon to 0.3: in a shell as wide as this nothing holds the cell in its place"
+    } else {
+        "raise t_max, or try more mesh intervals"
+    }
 }

@@ -4,6 +4,7 @@ use bvp::newton::NewtonScratch;
 use bvp::{Gauss, Newton, Solution, System, Work, mesh};
 
 use super::DivisionInput;
+use super::limits;
 use super::noise;
 use super::oscillation::Oscillation;
 use super::outcome::{Division, DivisionError, Outcome, StepFailure};
@@ -19,6 +20,8 @@ use crate::shapes::error::CellName;
 use crate::shapes::passive;
 use crate::stability::Stability;
 
+/// The first step is not made shorter than about this, in τ.
+const SHORTEST_FIRST_STEP: f64 = 1e-9;
 /// Longest first step after a wait at a saddle, in τ: no growing mode is as fast as that there.
 const FIRST_LEAP: f64 = 1.0;
 /// Largest relative narrowing of the neck per step.
@@ -141,6 +144,7 @@ fn run(
         neck_rate: 0.0,
         next_rest_check: 0.0,
         longest: numerics.t_max,
+        most_steps: limits::most_steps(numerics),
         t_max: numerics.t_max,
         stays: 0,
         slow_growth_rate: None,
@@ -170,8 +174,17 @@ fn run(
         if let Some(period) = run.oscillation.note(newest.t, newest.y.scalars[LENGTH]) {
             return Err(DivisionError::Oscillates { r0: cell.r0, period });
         }
+        if run.steps > run.most_steps {
+            let t = stepper.levels[0].t;
+            return Err(DivisionError::Restless { r0: cell.r0, t, steps: run.steps });
+        }
         if stepper.levels[0].t > run.t_max {
-            return Err(run.undecided(cell.r0));
+            if run.fixed.is_none()
+                && let Some(growth_rate) = limits::afloat(&stepper)
+            {
+                return Ok((run.failed(&stepper, growth_rate), None));
+            }
+            return Err(run.undecided(cell));
         }
         run.prepare_mesh(&mut stepper);
     }
@@ -219,6 +232,8 @@ struct Run {
     next_rest_check: f64,
     /// Largest time of the numerics, in τ.
     longest: f64,
+    /// Most steps.
+    most_steps: usize,
     /// Largest time of this cell: later for one that has waited at a saddle.
     t_max: f64,
     /// How often the shape was found at a saddle.
@@ -243,17 +258,27 @@ struct Rest {
 }
 
 impl Run {
-    /// The first step, whose activity is noisy. The noise belongs to a step of given length, whatever the step factor.
+    /// The first step, whose activity is noisy. The noise belongs to a step of given length, whatever the step factor; where
+    /// that step cannot be solved, as where a strong cue makes the cortex a hundred times quicker, to one of a tenth of it, and
+    /// so on: what the noise starts there grows as much sooner.
     fn first_step(&mut self, stepper: &mut Stepper, coefficients: [f64; 10]) -> Result<(), DivisionError> {
         let (y, gauss) = (&stepper.levels[0].y, &stepper.system.gauss);
         let points = 0..y.intervals() * y.m;
         stepper.cortex.noise =
             points.map(|i| noise_factor(&coefficients, y.stage_x(gauss, i / y.m, i % y.m))).collect();
-        let dt = self.dt;
-        let first = stepper.attempt(dt, 1).map_err(|error| {
-            let r0 = stepper.cortex.cell.r0;
-            DivisionError::Stalled { r0, t: 0.0, dt, source: error.into() }
-        })?;
+        let first = loop {
+            match stepper.attempt(self.dt, 1) {
+                Ok(first) => break first,
+                Err(_) if self.dt > SHORTEST_FIRST_STEP => {
+                    self.rejected += 1;
+                    self.dt *= 0.1;
+                }
+                Err(error) => {
+                    let r0 = stepper.cortex.cell.r0;
+                    return Err(DivisionError::Stalled { r0, t: 0.0, dt: self.dt, source: error.into() });
+                }
+            }
+        };
         self.odd_floor = f64::max(0.3 * first.odd_size, ODD_ROUNDING * stepper.cortex.cell.r0);
         stepper.accept();
         self.tangent.iter_mut().for_each(|tangent| tangent.follow(stepper));
@@ -444,10 +469,11 @@ impl Run {
         self.next_rest_check = t + STAY / growth;
     }
 
-    fn undecided(&self, r0: f64) -> DivisionError {
+    fn undecided(&self, cell: &Cell) -> DivisionError {
+        let Cell { r0, epsilon, .. } = *cell;
         match self.slow_growth_rate {
             Some(growth_rate) => DivisionError::Critical { r0, growth_rate },
-            None => DivisionError::Undecided { r0, t_max: self.t_max },
+            None => DivisionError::Undecided { r0, epsilon, t_max: self.t_max },
         }
     }
 

@@ -6,7 +6,7 @@ mod place;
 mod ron;
 
 pub use file::{LONGEST, read_text, read_text_up_to};
-pub use names::{did_you_mean, forbidden, listed, shown};
+pub use names::{did_you_mean, forbidden, listed, printable, shown, shown_number};
 pub use ron::{parse_document, parse_ron};
 
 /// Bad input by the user (exit code 2).
@@ -31,7 +31,7 @@ pub enum InputError {
         reason: String,
     },
     /// A file is not what its format demands.
-    #[error("{file}:{line}:{column}: {message}")]
+    #[error("{file}:{line}:{column}: {}", printable(message))]
     Malformed {
         /// The file.
         file: String,
@@ -43,7 +43,7 @@ pub enum InputError {
         message: String,
     },
     /// A value is outside what is allowed.
-    #[error("{source_name}: {field} = {value}: must be {allowed}")]
+    #[error("{source_name}: {} = {}: must be {}", printable(field), printable(value), printable(allowed))]
     NotAllowed {
         /// The file or the option the value came from.
         source_name: String,

@@ -1,11 +1,50 @@
 //! Names in messages: shown as far as it helps, listed as far as it helps, and the nearest one to a misspelt one.
 
+use std::borrow::Cow;
+
 /// What a user wrote, in quotes, as far as it helps to see it.
 pub fn shown(written: &str) -> String {
     const MOST: usize = 60;
     match written.char_indices().nth(MOST) {
         Some((end, _)) => format!("{:?}…", &written[..end]),
         None => format!("{written:?}"),
+    }
+}
+
+/// A text without control characters, which a terminal would obey: messages quote what stands in files.
+///
+/// ```
+/// use furrow::input::printable;
+///
+/// assert_eq!(printable("founder A\u{1b}[2J"), "founder A\\u{1b}[2J");
+/// ```
+pub fn printable(text: &str) -> Cow<'_, str> {
+    if !text.contains(char::is_control) {
+        return Cow::Borrowed(text);
+    }
+    let mut out = String::with_capacity(text.len() + 8);
+    for c in text.chars() {
+        match c.is_control() {
+            true => out.extend(c.escape_default()),
+            false => out.push(c),
+        }
+    }
+    Cow::Owned(out)
+}
+
+/// A number in a message: as it is written in files, or with an exponent where that takes fewer digits than anybody counts.
+///
+/// ```
+/// use furrow::input::shown_number;
+///
+/// assert_eq!(shown_number(5.4), "5.4");
+/// assert_eq!(shown_number(1e300), "1e300");
+/// assert_eq!(shown_number(-2.5e-20), "-2.5e-20");
+/// ```
+pub fn shown_number(number: f64) -> String {
+    match number == 0.0 || !number.is_finite() || (1e-6..1e15).contains(&number.abs()) {
+        true => number.to_string(),
+        false => format!("{number:e}"),
     }
 }
 

@@ -3,6 +3,7 @@
 use bvp::{ContinuationError, CurveError, NewtonError, SingularError};
 
 use crate::cell::{Cell, Parameter};
+use crate::input::shown_number;
 
 /// A kind of singular point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -38,11 +39,19 @@ impl CellName {
     pub fn of(cell: &Cell) -> CellName {
         CellName { r0: cell.r0, epsilon: cell.epsilon }
     }
+
+    /// What may help where a cell has no passive shape.
+    pub(crate) fn advice(&self) -> &'static str {
+        match self.r0 {
+            0.01..1000.0 => "try a tension nearer to 0, or more mesh intervals",
+            _ => "passive shapes are found of cells of R0 from 0.01 to 1000",
+        }
+    }
 }
 
 impl std::fmt::Display for CellName {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "R0 = {}, epsilon = {}", self.r0, self.epsilon)
+        write!(f, "R0 = {}, epsilon = {}", shown_number(self.r0), shown_number(self.epsilon))
     }
 }
 
@@ -51,7 +60,7 @@ impl std::fmt::Display for CellName {
 #[non_exhaustive]
 pub enum ShapeError {
     /// No passive shape to start from.
-    #[error("no passive shape for {cell} ({source}); try a tension nearer to 0, or more mesh intervals")]
+    #[error("no passive shape for {cell} ({source}); {}", cell.advice())]
     Passive {
         /// The cell.
         cell: CellName,

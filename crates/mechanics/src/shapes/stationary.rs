@@ -102,7 +102,8 @@ fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<Stati
     let mut branch = primary::start(cell, numerics, &settings)?;
     let domain = branch.problem.domain;
     let mut folds = Vec::new();
-    if xi_s != 0.0 {
+    // A number too small to be normal is as good as none, and leaves no room between itself and 0.
+    if xi_s.abs() > f64::MIN_POSITIVE {
         if xi_s < 0.0 {
             branch.reverse();
         }

@@ -1,0 +1,28 @@
+//! Configuration files.
+
+use furrow::settings::{Settings, listing};
+
+use super::{FILE, says_where, text};
+
+/// A configuration that is read is what it is when all of its values are written into a file and read again, and when they
+/// are set one by one.
+pub fn check(data: &[u8]) {
+    let Some(text) = text(data) else { return };
+    let mut settings = Settings::default();
+    if let Err(error) = settings.apply_config(text, FILE) {
+        return says_where(&error);
+    }
+    let values = listing(&settings);
+    let section = |wanted: &str| -> String {
+        let of = values.iter().filter(|(section, _, _)| *section == wanted);
+        of.map(|(_, name, value)| format!("{name}: {value}, ")).collect()
+    };
+    let written = format!("Config(physics: ({}), numerics: ({}))", section("physics"), section("numerics"));
+    let mut again = Settings::default();
+    again.apply_config(&written, FILE).unwrap_or_else(|error| panic!("{error}: {written}"));
+    assert_eq!(again, settings);
+    let pairs: Vec<String> = values.iter().map(|(section, name, value)| format!("{section}.{name}={value}")).collect();
+    let mut set = Settings::default();
+    set.apply_overrides(&pairs).expect("what a file may say may be set");
+    assert_eq!(set, settings);
+}

@@ -1,0 +1,17 @@
+//! Tables of constants, as an ensemble is written.
+
+use furrow::study::{read_constants, write_constants};
+
+use super::{FILE, says_where, text};
+
+/// Sets that are read are what they are when they are written and read again.
+pub fn check(data: &[u8]) {
+    let Some(text) = text(data) else { return };
+    match read_constants(text, FILE) {
+        Ok(sets) => {
+            assert!(sets.iter().map(|set| set.weight).sum::<f64>().is_finite());
+            assert_eq!(read_constants(&write_constants(&sets), FILE).expect("what is written is read"), sets);
+        }
+        Err(error) => says_where(&error),
+    }
+}

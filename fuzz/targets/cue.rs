@@ -1,0 +1,44 @@
+//! Cues as options have them, and keys and values of `--set`.
+
+use furrow::cell::Cue;
+use furrow::settings::{Settings, parse_cue};
+
+use super::{built_in, text};
+
+/// A cue that is read is what it is when it is written, as text and as JSON, and read again; its mirror image has itself for
+/// mirror image; at every place its fields have a number.
+pub fn check(data: &[u8]) {
+    let Some(text) = text(data) else { return };
+    check_setting(text);
+    let lineage = built_in();
+    let cue = match parse_cue(text, lineage) {
+        Ok(cue) => cue,
+        Err(error) => {
+            let said = error.to_string();
+            assert!(said.starts_with("--cue: "), "{said}");
+            assert!(said.len() < 4000, "an error of {} bytes", said.len());
+            return;
+        }
+    };
+    cue.check().expect("what is read is allowed");
+    let written = cue.to_string();
+    assert_eq!(parse_cue(&written, lineage).expect("what is written is read"), cue, "{written}");
+    let json = serde_json::to_string(&cue).expect("a cue is written");
+    assert_eq!(serde_json::from_str::<Cue>(&json).expect("what is written is read"), cue, "{json}");
+    assert_eq!(cue.mirrored().mirrored().terms().len(), cue.terms().len());
+    for place in 0..=16 {
+        let u = f64::from(place) / 16.0;
+        for term in cue.terms() {
+            assert!(term.at(u, 8.0).iter().all(|value| value.is_finite()), "{term} at u = {u}");
+        }
+    }
+}
+
+/// A setting is taken or refused by its name.
+fn check_setting(text: &str) {
+    let mut settings = Settings::default();
+    match settings.apply_overrides(&[text.to_owned()]) {
+        Ok(()) => settings.check("--set").expect("what was allowed is allowed"),
+        Err(error) => assert!(error.to_string().starts_with("--set: "), "{error}"),
+    }
+}

@@ -1,0 +1,42 @@
+//! What is tried of every reader: one function a reader, which takes any bytes and panics where the reader does wrong. The
+//! fuzzers call them with bytes of their own, `tests/hostile_corpus.rs` with the files in `fuzz/corpus`.
+
+// Each fuzzer is a program of its own that calls one of these.
+#![allow(dead_code)]
+
+pub mod config;
+pub mod constants;
+pub mod cue;
+pub mod lineage;
+pub mod newick;
+pub mod store;
+pub mod sweep;
+pub mod targets;
+pub mod tree_json;
+pub mod volumes;
+
+use std::sync::OnceLock;
+
+use furrow::lineage::Lineage;
+
+/// What errors call the text.
+pub const FILE: &str = "given.file";
+
+/// The text, if it is text: files are refused before they reach a reader where they are not.
+pub fn text(data: &[u8]) -> Option<&str> {
+    std::str::from_utf8(data).ok()
+}
+
+/// An error names the file, says something more, and is short however long what it complains of.
+pub fn says_where(error: &impl ToString) {
+    let said = error.to_string();
+    assert!(said.starts_with(FILE) && said.len() > FILE.len() + 2, "does not begin with the file: {said}");
+    assert!(said.len() < 4000, "an error of {} bytes: {}…", said.len(), said.chars().take(200).collect::<String>());
+    assert!(!said.chars().any(|c| c.is_control() && c != '\n' && c != '\t'), "control characters: {said:?}");
+}
+
+/// The built-in lineage, read once.
+pub fn built_in() -> &'static Lineage {
+    static LINEAGE: OnceLock<Lineage> = OnceLock::new();
+    LINEAGE.get_or_init(|| Lineage::c_elegans().expect("the built-in lineage"))
+}

@@ -1,0 +1,50 @@
+//! Sweep files.
+
+use furrow::settings::Settings;
+use furrow::study::Sweep;
+
+use super::{FILE, says_where, text};
+
+/// Points that are looked at one by one.
+const LOOKED_AT: usize = 16;
+
+/// Every point of a sweep that is read has a value of each axis, and a cell that can be computed or a reason why not.
+pub fn check(data: &[u8]) {
+    let Some(text) = text(data).filter(|text| has_few_points(text) && !names_a_file(text)) else { return };
+    let sweep = match Sweep::parse(text, FILE, &Settings::default(), &[]) {
+        Ok(sweep) => sweep,
+        Err(error) => return says_where(&error),
+    };
+    let points = sweep.points();
+    assert!(points > 0);
+    for index in (0..points).step_by(points.div_ceil(LOOKED_AT)) {
+        assert_eq!(sweep.axes.values(index).len(), sweep.axes.0.len());
+        let point = sweep.point(index);
+        assert_eq!(point.index, index);
+        match point.refused {
+            Some(why) => says_where(&why),
+            None => {
+                let cell = &point.input.cell;
+                cell.cue.check().expect("the cue of a point that is not refused");
+                assert!(cell.r0.is_finite() && cell.r0 > 0.0, "R0 = {}", cell.r0);
+                assert!(cell.epsilon > 0.0 && cell.epsilon < 1.0, "ε = {}", cell.epsilon);
+            }
+        }
+    }
+    let again = Sweep::parse(text, FILE, &Settings::default(), &[]).expect("what was read is read");
+    assert_eq!(again, sweep);
+}
+
+/// Ten million points are allowed and take seconds each time; what is looked for here needs none of that.
+fn has_few_points(text: &str) -> bool {
+    let long = |rest: &str| {
+        let number = rest.trim_start_matches([':', ' ', '\t', '\n', '\r']);
+        number.chars().take_while(|c| c.is_alphanumeric() || *c == '_').count() > 4 || number.starts_with('/')
+    };
+    !text.split("count").skip(1).any(long)
+}
+
+/// What a lineage's file holds is another target's.
+fn names_a_file(text: &str) -> bool {
+    text.contains("lineage")
+}

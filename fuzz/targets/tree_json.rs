@@ -1,0 +1,48 @@
+//! `tree.json`, and what is exported from it.
+
+use furrow::io::exchange::{BranchLengths, Exported, Format, export};
+use furrow::io::{Newick, newick};
+use furrow::lineage::Tree;
+
+use super::text;
+
+/// A tree that is read is what it is when it is written and read again; it has a place in every format, and its Newick has
+/// its cells.
+pub fn check(data: &[u8]) {
+    let Some(text) = text(data) else { return };
+    let tree = match Tree::from_json(text) {
+        Ok(tree) => tree,
+        Err(error) => {
+            let said = error.to_string();
+            assert!(!said.is_empty() && said.len() < 4000, "an error of {} bytes", said.len());
+            return;
+        }
+    };
+    let written = tree.to_json().expect("a tree is written");
+    let again = Tree::from_json(&written).unwrap_or_else(|error| panic!("{error}: {written}"));
+    assert_eq!(again.to_json().expect("a tree is written"), written);
+    let names = |tree: &Tree| -> Vec<String> { tree.cells().map(|id| tree.cell(id).name.clone()).collect() };
+    assert_eq!(names(&again), names(&tree));
+    // All formats with one kind of length each: the kinds differ in nothing but a number.
+    for (k, format) in Format::ALL.into_iter().enumerate() {
+        let lengths = [BranchLengths::Time, BranchLengths::Generation, BranchLengths::None][k % 3];
+        match export(&tree, format, lengths, &["#000000"]) {
+            Exported::File(text) => assert!(!text.is_empty()),
+            Exported::Folder(files) => assert!(files.iter().all(|(name, _)| !name.is_empty())),
+        }
+    }
+    // Control characters in names have no way to be written there.
+    if names(&tree).iter().any(|name| name.chars().any(char::is_control)) {
+        return;
+    }
+    let read = Newick::parse(&newick(&tree), "tree.nwk").expect("the tree's own Newick is read");
+    assert_eq!(read.nodes().len(), tree.len());
+    let Exported::File(nhx) = export(&tree, Format::Nhx, BranchLengths::Time, &[]) else { return };
+    let read = Newick::parse(&nhx, "tree.nhx").unwrap_or_else(|error| panic!("{error}: {nhx}"));
+    let mut of_nhx: Vec<&str> = read.nodes().iter().map(|node| node.name.as_str()).collect();
+    let of_tree = names(&tree);
+    let mut of_tree: Vec<&str> = of_tree.iter().map(String::as_str).collect();
+    of_nhx.sort_unstable();
+    of_tree.sort_unstable();
+    assert_eq!(of_nhx, of_tree);
+}

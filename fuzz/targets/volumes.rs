@@ -1,0 +1,54 @@
+//! Tables of volumes, long ones and grids. The first byte says how the table is read.
+
+use measured::events::{divisions, summaries};
+use measured::volumes::{ReadOptions, Unit, Volumes};
+
+use super::{FILE, says_where};
+
+/// The means that are read are what they are when they are written as a long table and read again, and so are the divisions.
+pub fn check(data: &[u8]) {
+    let Some((&how, table)) = data.split_first() else { return };
+    let options =
+        ReadOptions { voxel: (how & 1 != 0).then_some(0.25), group: (how & 2 != 0).then(|| "wild type".to_owned()) };
+    let mut volumes = Volumes::default();
+    if let Err(error) = volumes.read(table, FILE, &options) {
+        return says_where(&error);
+    }
+    assert!(volumes.skipped.len() as u64 <= volumes.skipped_count);
+    let frames: u64 = volumes.embryos.iter().flat_map(|embryo| &embryo.cells).map(|cell| cell.frames).sum();
+    assert_eq!(frames, volumes.used, "every value that is used is a frame of a cell");
+    let found = divisions(&volumes);
+    for division in &found.divisions {
+        assert!(division.chi() <= 1.0, "{division:?}");
+    }
+    for group in summaries(&found.divisions) {
+        assert!(group.events.iter().all(|event| event.mean.is_finite() && event.mean_signed.is_finite()));
+    }
+    let mut again = Volumes::default();
+    let plain = ReadOptions::default();
+    again.read(long_table(&volumes).as_bytes(), FILE, &plain).expect("what is written is read");
+    let seen = |volumes: &Volumes| -> Vec<(String, String, String, f64)> {
+        let cells = volumes.embryos.iter().flat_map(|embryo| embryo.cells.iter().map(move |cell| (embryo, cell)));
+        let seen = cells.filter(|(_, cell)| cell.frames > 0);
+        seen.map(|(e, cell)| (e.group.clone(), e.name.clone(), cell.cell.clone(), cell.volume())).collect()
+    };
+    assert_eq!(seen(&again), seen(&volumes));
+    assert_eq!(again.skipped_count, 0, "{:?}", again.skipped);
+}
+
+fn long_table(volumes: &Volumes) -> String {
+    let column = match volumes.unit {
+        Some(Unit::Voxels) => "volume_voxels",
+        Some(Unit::Relative) => "relative_volume",
+        _ => "volume_um3",
+    };
+    let mut out = format!("group,embryo,cell,{column}\n");
+    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+    for embryo in &volumes.embryos {
+        for cell in embryo.cells.iter().filter(|cell| cell.frames > 0) {
+            let [group, name, cell_name] = [&embryo.group, &embryo.name, &cell.cell].map(|text| quoted(text));
+            out += &format!("{group},{name},{cell_name},{}\n", cell.volume());
+        }
+    }
+    out
+}
