@@ -274,6 +274,26 @@ fn ctrl_c_ends_a_computation() {
     assert_eq!(names(folder.path()), [""; 0]);
 }
 
+/// What follows a division, here a movie of minutes, is ended by the first Ctrl-C, whether it comes before or after the division
+/// is solved.
+#[cfg(target_os = "linux")]
+#[test]
+fn ctrl_c_ends_what_follows_a_division() {
+    for wait in [0, 400] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut command = furrow();
+        command.args(["divide", "--r0", "2.5", "--no-cache", "--movie", "long.gif", "--movie-frames", "2000"]);
+        let child = listening(command.current_dir(folder.path()).stderr(Stdio::piped()), 2);
+        std::thread::sleep(Duration::from_millis(wait));
+        interrupt(&child);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(said.ends_with("furrow: error: interrupted\n"), "{said}");
+        assert_eq!(names(folder.path()), [""; 0]);
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn ctrl_c_stops_a_tree_whatever_becomes_of_stderr() {

@@ -134,7 +134,8 @@ pub enum DivisionError {
     },
     /// The time step fell below its minimum.
     #[error(
-        "time stepping of the cell with R0 = {r0} stalled at t = {t} with step {dt} ({source}); try more mesh intervals, a larger time_tolerance or a larger step_factor"
+        "time stepping of the cell with R0 = {r0} stalled at t = {t:.3e} with step {dt:.1e} ({source}); {}",
+        advice_on_steps(*r0)
     )]
     Stalled {
         /// Radius R0.
@@ -188,6 +189,18 @@ pub enum DivisionError {
         /// The limit, in τ.
         t_max: f64,
     },
+}
+
+/// Larger cells than this were not found to divide.
+const LARGEST: f64 = 100.0;
+
+/// What helps where a time step cannot be solved.
+fn advice_on_steps(r0: f64) -> &'static str {
+    if r0 > LARGEST {
+        "divisions are found of cells of R0 up to 100"
+    } else {
+        "try more mesh intervals, a larger time_tolerance or a larger step_factor"
+    }
 }
 
 /// Below this volume fraction the shell may be so wide that its force at the cell is less than rounding.
