@@ -1,8 +1,8 @@
 //! Numbered equations: those that the book has, and those that comments in the code cite.
 //!
-//! An equation of the book ends with a label, `\tag{M.5 normal}`: a letter for the chapter (M of the model, N of the numerics,
-//! F of what is fitted), a number, and a name. A comment cites it by the number, `M.5`; where it states the equation itself it
-//! gives number and name in brackets, `[M.5 normal]`.
+//! An equation of the book ends with a label, `\tag{M.6 normal}`: a letter for the chapter (M of the model, N of the numerics,
+//! F of what is fitted), a number, and a name. A comment cites it by the number, `M.6`; where it states the equation itself it
+//! gives number and name in brackets, `[M.6 normal]`.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ pub struct Citation {
     pub file: PathBuf,
     /// The line, from 1.
     pub line: usize,
-    /// The number, such as `M.5`.
+    /// The number, such as `M.6`.
     pub number: String,
     /// The name, where the citation gives one.
     pub name: Option<String>,
@@ -75,7 +75,7 @@ pub fn in_book(root: &Path) -> Result<BTreeMap<String, Equation>, BookError> {
                 why,
             };
             let Some((_, number, name)) = label(&latex) else {
-                return Err(wrong(&latex, "has no label such as \\tag{M.5 normal} at its end"));
+                return Err(wrong(&latex, "has no label such as \\tag{M.6 normal} at its end"));
             };
             let equation = Equation { name: name.to_owned(), chapter: chapter.clone() };
             if found.insert(number.to_owned(), equation).is_some() {
@@ -124,8 +124,8 @@ mod tests {
 
     #[test]
     fn labels_stand_at_the_end() {
-        assert_eq!(label(r" a = b \tag{M.5 normal} "), Some((" a = b ", "M.5", "normal")));
+        assert_eq!(label(r" a = b \tag{M.6 normal} "), Some((" a = b ", "M.6", "normal")));
         assert_eq!(label(r" a = b \tag{normal} "), None);
-        assert_eq!(label(r" a \tag{M.5 normal} = b"), None);
+        assert_eq!(label(r" a \tag{M.6 normal} = b"), None);
     }
 }

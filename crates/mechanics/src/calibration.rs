@@ -2,12 +2,12 @@
 //!
 //! Given pitchfork thresholds ξ_s at some (R0, ε), the parameters θ minimise Σ_i ρ_i² with
 //!
-//! * \[residual\] ρ_i = weight_i (ξ_s*(R0_i, ε_i; θ) / ξ_s,i − 1),
+//! * \[F.1 residual\] ρ_i = weight_i (ξ_s*(R0_i, ε_i; θ) / ξ_s,i − 1),
 //!
 //! by Levenberg–Marquardt steps. The sensitivities ∂ξ_s*/∂θ are exact: directions of the curve of pitchforks in the plane
 //! (ξ_s, θ), from the extended system. Singular values of ∂ρ/∂ln θ tell which combinations of the parameters the
 //! thresholds determine, and which they leave open: stationary shapes depend on κ, p0, γ and the activity gξ only through
-//! their ratios, and not at all on a common factor of the viscosities and the friction.
+//! their ratios (M.18), and not at all on a common factor of the viscosities and the friction.
 //!
 //! # References
 //! Nocedal & Wright, *Numerical Optimization*, Springer 2006, ch. 10.

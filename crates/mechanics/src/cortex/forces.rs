@@ -2,7 +2,7 @@
 //! (Figs 1B–D and S2 of the paper).
 //!
 //! The normal balance of the model, ∂_s q + (cosψ/r) q − c1 (t_uu + T_uu) − c2 (t_φφ + T_φφ) + p + f_c = 0, is split by what
-//! each term comes from; outwards is positive:
+//! each term comes from (M.12); outwards is positive:
 //!
 //! | part | |
 //! |---|---|

@@ -196,7 +196,7 @@ impl BoundaryValueProblem for Cortex {
         }
     }
 
-    /// At the far pole r = 0, ψ = π, q = 0, v = 0; at the mirror everything odd is at its centre.
+    /// At the far pole r = 0, ψ = π, q = 0, v = 0 \[M.13 poles\]; at the mirror everything odd is at its centre, M.14.
     fn right(&self, y: &[f64], _p: &[f64], out: &mut BoundaryJacobian<'_>) {
         let conditions = match self.domain {
             Domain::Full => [(R, 0.0), (PSI, PI), (Q, 0.0), (V, 0.0)],
