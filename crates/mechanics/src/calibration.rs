@@ -435,6 +435,20 @@ fn combinations(svd: &Svd) -> Vec<Combination> {
 
 /// Finds the parameters that fit the thresholds best, starting from the constants of `cell` and the starts of the unknowns.
 ///
+/// # Examples
+/// The shell's strength from one threshold, as the paper prints it:
+///
+/// ```
+/// use furrow::calibration::{Targets, calibrate};
+/// use furrow::cell::{Cell, Numerics};
+/// use furrow::input::parse_document;
+/// let text = "Targets(unknowns: [(parameter: p0)], thresholds: [(r0: 2, epsilon: 0.87, xi_s: 22.006)])";
+/// let targets: Targets = parse_document(text, "targets.ron", "a file of targets", "Targets")?;
+/// let found = calibrate(&targets, &Cell::new(2.0), &Numerics { intervals: 32, ..Numerics::default() })?;
+/// assert!(found.rms < 1e-6 && (found.cell.shell.p0 - 0.123).abs() < 0.003);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`CalibrateError`].
 pub fn calibrate(targets: &Targets, cell: &Cell, numerics: &Numerics) -> Result<Calibration, CalibrateError> {

@@ -129,6 +129,20 @@ const DIRECTION_STEPS: usize = 12;
 const REACH: f64 = 50.0;
 
 /// Workspace for growth rates; nothing large is allocated once it has seen the largest mesh.
+///
+/// # Examples
+/// A small cell rests in a shape whose slowest disturbance is odd, and decays:
+///
+/// ```
+/// use furrow::cell::{Cell, Numerics};
+/// use furrow::shapes::stationary::stationary;
+/// use furrow::stability::{Parity, Stability};
+/// let shape = stationary(&Cell::new(1.6), &Numerics::default())?;
+/// let spectrum = Stability::new(shape.solution.m).leading(&shape.cortex, &shape.solution)?;
+/// assert!(spectrum.is_stable() && (spectrum.growth_rate() + 0.450183).abs() < 1e-5);
+/// assert_eq!(spectrum.values[0].parity, Parity::Odd);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Stability {
     /// Settings.

@@ -18,6 +18,17 @@ const INTEGRABLE: usize = 3;
 pub const SHAPE_SCALARS: usize = 2;
 
 /// The boundary-value problem of one cell: stationary (`rate` = 0) or one implicit time step.
+///
+/// # Examples
+/// ```
+/// use bvp::BoundaryValueProblem;
+/// use furrow::cell::{Cell, Parameter};
+/// use furrow::cortex::{Cortex, Domain};
+/// // The stationary shapes of a half cell, with ξ_s free: one condition short, and so a curve.
+/// let cortex = Cortex::new(&Cell::new(2.0), Domain::Half, &[Parameter::XiS]);
+/// assert_eq!(cortex.dimensions().missing_conditions(), 1);
+/// assert_eq!(cortex.get(Parameter::XiS), 25.0);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Cortex {
     /// The cell.
