@@ -9,16 +9,18 @@ pub type Group = (&'static str, &'static str, Vec<&'static str>);
 /// Side of a place of the table.
 const SIDE: usize = 20;
 /// Room for names on the left, and above for those of the columns.
-const NAMES: [usize; 2] = [118, 92];
+const NAMES: [usize; 2] = [104, 104];
+/// Room for names of crates on the right.
+const CRATES: usize = 86;
 
 /// The picture of `imports`, pairs of floors of which the first imports from the second.
 pub fn picture(groups: &[Group], imports: &BTreeSet<(&str, &str)>) -> String {
     let floors: Vec<&str> = groups.iter().flat_map(|(_, _, floors)| floors.iter().copied()).collect();
     let [left, top] = NAMES;
-    let (width, height) = (left + SIDE * floors.len() + 96, top + SIDE * floors.len() + 12);
+    let (width, height) = (left + SIDE * floors.len() + CRATES, top + SIDE * floors.len() + 12);
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
-         font-family=\"sans-serif\" font-size=\"14\">\n<title>Floors of the code, and which imports from which</title>\n\
+         font-family=\"sans-serif\" font-size=\"17\">\n<title>Floors of the code, and which imports from which</title>\n\
          <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n"
     );
     let mut first = 0;
@@ -28,7 +30,7 @@ pub fn picture(groups: &[Group], imports: &BTreeSet<(&str, &str)>) -> String {
     }
     for (row, floor) in floors.iter().enumerate() {
         let (x, y) = (left + SIDE * row + SIDE / 2, top + SIDE * row + SIDE / 2);
-        let _ = writeln!(out, "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{floor}</text>", left - 8, y + 5);
+        let _ = writeln!(out, "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{floor}</text>", left - 8, y + 6);
         let _ = writeln!(out, "<text transform=\"translate({} {}) rotate(-60)\">{floor}</text>", x + 2, top - 8);
         let _ = writeln!(out, "<rect x=\"{}\" y=\"{}\" width=\"12\" height=\"12\" fill=\"#bbbbbb\"/>", x - 6, y - 6);
         for (column, below) in floors.iter().enumerate() {
@@ -58,7 +60,7 @@ fn bands(out: &mut String, [width, _]: [usize; 2], [first, count]: [usize; 2], n
     );
     let _ = writeln!(
         out,
-        "<text x=\"{}\" y=\"{middle}\" text-anchor=\"end\" fill=\"#333333\" font-size=\"12\">{name}</text>",
+        "<text x=\"{}\" y=\"{middle}\" text-anchor=\"end\" fill=\"#333333\" font-size=\"15\">{name}</text>",
         width - 6
     );
 }
