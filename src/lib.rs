@@ -36,7 +36,7 @@
 //! | `cli` | the command line (feature `cli`, on by default) |
 //!
 //! # Where to begin
-//! Each of these has an example that runs.
+//! Each has an example that runs; that of `divide` is above.
 //!
 //! | type or function | role |
 //! |---|---|
@@ -44,7 +44,7 @@
 //! | [`divide`](division::divide), [`film`](division::film()), [`divide_with_sensitivities`](division::divide_with_sensitivities) | one division: its outcome, all its shapes, its derivatives by parameters |
 //! | [`passive`](shapes::passive()), [`stationary`](shapes::stationary()) | the shape without activity, the first one at some activity |
 //! | [`Stability`](stability::Stability) | growth rates of a stationary shape |
-//! | [`primary::follow`](shapes::primary::follow), [`pitchfork::first`](shapes::pitchfork::first), [`CriticalRadii`](shapes::CriticalRadii) | a branch with its folds and pitchforks, a threshold, the radius below which cells rest |
+//! | [`primary::follow`](shapes::primary::follow), [`pitchfork::first`](shapes::pitchfork::first), [`critical_radius`](shapes::critical_radius) | a branch with its folds and pitchforks, a threshold, the radius below which cells rest |
 //! | [`calibrate`](calibration::calibrate) | constants from thresholds |
 //! | [`Cortex`](cortex::Cortex), [`forces::profile`](cortex::forces::profile) | the boundary-value problem itself, what acts along a contour |
 //! | [`replicates`](batch::replicates()), [`PhasePlane`](batch::PhasePlane), [`Store`](batch::Store) | one cell several times, a plane of cells, what was solved before |
