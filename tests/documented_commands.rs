@@ -65,7 +65,8 @@ fn commands(page: &str) -> Vec<Written> {
         let command = ["furrow ", "cargo run --release -- "].iter().find_map(|start| text.strip_prefix(start));
         // What begins with a word of the command line, unlike `furrow = …` in a manifest.
         let command = command.filter(|rest| rest.starts_with(|c: char| c.is_ascii_lowercase() || c == '-'));
-        found.extend(command.map(|rest| Written { words: rest.split_whitespace().map(str::to_owned).collect(), block }));
+        found
+            .extend(command.map(|rest| Written { words: rest.split_whitespace().map(str::to_owned).collect(), block }));
     };
     let mut block = false;
     for event in Parser::new_ext(page, Options::ENABLE_TABLES) {
@@ -100,8 +101,12 @@ fn furrow(folder: &Path, arguments: &[String]) -> Output {
 
 /// The options that the help page of a command names, by the words the command begins with.
 fn options_of(command: &Written, known: &mut BTreeMap<String, BTreeSet<String>>) -> BTreeSet<String> {
-    let named: Vec<String> =
-        command.words.iter().take_while(|word| word.chars().all(|c| c.is_ascii_lowercase() || c == '-')).cloned().collect();
+    let named: Vec<String> = command
+        .words
+        .iter()
+        .take_while(|word| word.chars().all(|c| c.is_ascii_lowercase() || c == '-'))
+        .cloned()
+        .collect();
     // `compare counts` is a command of two words, `compare volumes FILE…` too, `cache stat` as well.
     let first = named.iter().take_while(|word| !word.starts_with('-')).take(2).cloned().collect::<Vec<_>>();
     for length in (0..=first.len()).rev() {

@@ -187,3 +187,33 @@ fn copy(from: &Path, to: &Path) -> Result<(), BookError> {
     let bytes = fs::read(from).map_err(|error| BookError::File { path: from.to_owned(), error })?;
     write(to, &bytes)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A book of one chapter and one report, with all that is done to a text.
+    #[test]
+    fn reports_join_the_contents_and_links_lead_inside() {
+        let (folder, out) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let file = |path: &str, text: &str| write(&folder.path().join(path), text.as_bytes()).unwrap();
+        for path in ["docs/book/book.toml", "docs/book/book.css", "data/t.csv", "docs/p.svg"] {
+            file(path, "x");
+        }
+        file("docs/book/src/SUMMARY.md", "# Summary\n\n- [A](a.md)\n{{reports}}\n");
+        let a = "# A\n\nSee M.1, [b](../../b.md#two) and [t](../../../data/t.csv).\n\n$$ x < y \\tag{M.1 order} $$\n";
+        file("docs/book/src/a.md", a);
+        file("docs/b.md", "# B of all\n\n## Two\n\n![p](p.svg) [folder](../data)\n");
+        assert_eq!(stage(folder.path(), out.path()).unwrap(), 2);
+        let text = |path: &str| read(&out.path().join("src").join(path)).unwrap();
+        assert!(text("SUMMARY.md").ends_with("- [A](a.md)\n- [B of all](reports/b.md)\n"));
+        let a = text("a.md");
+        assert!(a.contains("See [M.1](a.md#M.1), [b](reports/b.md#two) and [t](files/data/t.csv)."), "{a}");
+        assert!(a.contains("id=\"M.1\"") && a.contains("M.1 order") && a.contains("&lt;") && !a.contains("$$"), "{a}");
+        assert!(text("reports/b.md").contains("![p](../files/docs/p.svg) folder\n"), "{}", text("reports/b.md"));
+        assert_eq!(text("files/data/t.csv"), "x");
+        file("docs/b.md", "# B\n## Two\n[a](nowhere.svg)\n");
+        let said = stage(folder.path(), out.path()).unwrap_err().to_string();
+        assert_eq!(said, "docs/b.md: the link to nowhere.svg leads nowhere: there is no such file");
+    }
+}

@@ -54,3 +54,11 @@ fn every_chapter_is_in_the_contents_once() {
         assert!(path == Path::new("SUMMARY.md") || once.contains(&path.to_owned()), "{}", path.display());
     }
 }
+
+/// Whoever cites furrow cites the version that this is.
+#[test]
+fn the_citation_names_this_version() {
+    let citation = fs::read_to_string(root().join("CITATION.cff")).unwrap();
+    let version = citation.lines().find_map(|line| line.strip_prefix("version: "));
+    assert_eq!(version, Some(env!("CARGO_PKG_VERSION")));
+}
