@@ -62,3 +62,28 @@ fn the_citation_names_this_version() {
     let version = citation.lines().find_map(|line| line.strip_prefix("version: "));
     assert_eq!(version, Some(env!("CARGO_PKG_VERSION")));
 }
+
+/// What the reasons for trust and the other chapters name is there: sources, data, and tests by their names.
+#[test]
+fn files_and_tests_that_chapters_name_are_there() {
+    let mut seen = 0;
+    for file in files_below(&root().join(CHAPTERS), ".md").unwrap() {
+        let text = fs::read_to_string(&file).unwrap();
+        let trust = file.ends_with("numerics/trust.md");
+        for line in text.lines() {
+            let last = line.trim_end_matches('|').rsplit('|').next().unwrap_or("");
+            for word in line.split('`').skip(1).step_by(2) {
+                let source = ["src/", "crates/", "tests/", "data/", "docs/", "lineages/", "studies/"];
+                let path = source.iter().any(|start| word.starts_with(start)) && !word.contains(['*', '…', ' ']);
+                // In the table of reasons the last column names tests.
+                let test = trust && last.contains(&format!("`{word}`")) && !word.contains('/');
+                if path || (test && line.starts_with("| ")) {
+                    let named = if path { word.to_owned() } else { format!("tests/{word}.rs") };
+                    assert!(root().join(&named).exists(), "{}: there is no {named}", file.display());
+                    seen += 1;
+                }
+            }
+        }
+    }
+    assert!(seen > 15, "{seen}");
+}
