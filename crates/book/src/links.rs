@@ -24,6 +24,8 @@ pub enum Target {
 pub struct Places {
     /// Chapter of each heading, by the file it is written in and its anchor.
     headings: BTreeMap<(PathBuf, String), PathBuf>,
+    /// Text of each heading, by the file it is written in and its anchor.
+    texts: BTreeMap<(PathBuf, String), String>,
     /// Chapter of each chapter's own file.
     files: BTreeMap<PathBuf, PathBuf>,
 }
@@ -37,6 +39,8 @@ impl Places {
             for piece in pieces {
                 // A heading is known by the file it is written in, and by the chapter that shows it.
                 for heading in markdown::headings(&piece.text) {
+                    let key = (piece.file.clone(), heading.anchor.clone());
+                    places.texts.entry(key).or_insert_with(|| heading.text.clone());
                     for file in [piece.file.as_path(), own] {
                         let key = (file.to_owned(), heading.anchor.clone());
                         places.headings.entry(key).or_insert_with(|| path.to_owned());
@@ -45,6 +49,11 @@ impl Places {
             }
         }
         places
+    }
+
+    /// The text of a heading in `file`, by its anchor.
+    pub fn heading(&self, file: &Path, anchor: &str) -> Option<&str> {
+        self.texts.get(&(file.to_owned(), anchor.to_owned())).map(String::as_str)
     }
 
     /// What a link in `file`, a path from `root`, leads to.

@@ -109,7 +109,8 @@ impl Page<'_> {
                 Mark::Link(link) => {
                     let target = self.places.target(self.root, &piece.file, &link)?;
                     // A picture within a link has been changed already, and so the link's own text.
-                    self.relinked(&mut text, place, &link, target, files);
+                    self.relinked(&mut text, place.clone(), &link, target, files);
+                    self.named(&mut text, place.start, &link, &piece.file);
                     continue;
                 }
             };
@@ -149,6 +150,17 @@ impl Page<'_> {
             }
         };
         text.replace_range(at..at + destination.len(), &format!("]({to})"));
+    }
+
+    /// What stands below in a long page is in another chapter of the book: a link that says `below` says which.
+    fn named(&self, text: &mut String, start: usize, link: &str, file: &Path) {
+        const BELOW: &str = "[below]";
+        let heading = link.strip_prefix('#').and_then(|anchor| self.places.heading(file, anchor));
+        if let Some(heading) = heading
+            && text.get(start..).is_some_and(|rest| rest.starts_with(BELOW))
+        {
+            text.replace_range(start..start + BELOW.len(), &format!("[{heading}]"));
+        }
     }
 
     /// Numbers of equations in running text, as links to them.

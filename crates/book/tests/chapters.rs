@@ -19,7 +19,9 @@ fn the_book_is_put_together_with_all_that_it_shows() {
     let model = fs::read_to_string(folder.path().join("src/theory/model.md")).unwrap();
     assert!(model.contains("id=\"M.6\"") && !model.contains("$$") && !model.contains("\\frac"));
     let commands = fs::read_to_string(folder.path().join("src/guide/commands.md")).unwrap();
-    assert!(commands.starts_with("# Commands\n") && commands.contains("](../guide/scenarios.md#scenarios)"));
+    assert!(
+        commands.starts_with("# Commands\n") && commands.contains("([Scenarios](../guide/scenarios.md#scenarios))")
+    );
     assert!(folder.path().join("src/files/docs/floors.svg").is_file());
     // Nothing is taken from a network: neither pages nor style name a source elsewhere, but in links.
     for file in files_below(folder.path(), "").unwrap() {
