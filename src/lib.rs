@@ -35,6 +35,24 @@
 //! | `drawing`, `plot`, `movie` | pictures of what is computed, and movies of divisions (feature `figures`, on by default) |
 //! | `cli` | the command line (feature `cli`, on by default) |
 //!
+//! # Where to begin
+//! Each has an example that runs; that of `divide` is above.
+//!
+//! | type or function | role |
+//! |---|---|
+//! | [`Cell`](cell::Cell), [`Cue`](cell::Cue), [`Parameter`](cell::Parameter) | a cell, what tells its poles apart, its numbers by name |
+//! | [`divide`](division::divide), [`film`](division::film()), [`divide_with_sensitivities`](division::divide_with_sensitivities) | one division: its outcome, all its shapes, its derivatives by parameters |
+//! | [`passive`](shapes::passive()), [`stationary`](shapes::stationary()) | the shape without activity, the first one at some activity |
+//! | [`Stability`](stability::Stability) | growth rates of a stationary shape |
+//! | [`primary::follow`](shapes::primary::follow), [`pitchfork::first`](shapes::pitchfork::first), [`critical_radius`](shapes::critical_radius) | a branch with its folds and pitchforks, a threshold, the radius below which cells rest |
+//! | [`calibrate`](calibration::calibrate) | constants from thresholds |
+//! | [`Cortex`](cortex::Cortex), [`forces::profile`](cortex::forces::profile) | the boundary-value problem itself, what acts along a contour |
+//! | [`replicates`](batch::replicates()), [`PhasePlane`](batch::PhasePlane), [`Store`](batch::Store) | one cell several times, a plane of cells, what was solved before |
+//! | [`Lineage`](lineage::Lineage), [`Grower`](lineage::Grower) | who founds and who carries which cue, the tree that grows |
+//! | [`Settings`](settings::Settings) | parameters as users write them |
+//! | [`Sweep`](study::Sweep), [`study::Run`], [`scenarios::combine`](study::scenarios::combine) | many points, their solving, trees side by side |
+//! | [`io::exchange::export`], [`Newick`](io::Newick) | a tree for other programs, a tree of other programs |
+//!
 //! # References
 //! Gao, Guan, Tang & Ma, "Cell size and confinement drive asymmetric cell division through a cortical instability",
 //! called *the paper* throughout.

@@ -1,7 +1,11 @@
 //! The floors of the crate: each imports only from those below it, so that whoever reads one needs to know no other above.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+
+#[path = "floors/picture.rs"]
+mod picture;
 
 /// The modules of the library from the lowest floor to the highest.
 const FLOORS: [&str; 17] = [
@@ -22,6 +26,17 @@ const FLOORS: [&str; 17] = [
     "plot",
     "movie",
     "cli",
+];
+
+/// The crates below all floors.
+const NUMERICAL: [&str; 2] = ["spectra", "bvp"];
+
+/// Folders of floors, and the names and colours of their crates in the picture.
+const CRATES: [(&str, &str, &str); 4] = [
+    ("src", "furrow", "#d55e00"),
+    ("crates/figures/src", "figures", "#cc79a7"),
+    ("crates/embryo/src", "embryo", "#0072b2"),
+    ("crates/mechanics/src", "mechanics", "#e69f00"),
 ];
 
 /// Every source below a folder, in the order of names.
@@ -176,6 +191,61 @@ fn no_floor_imports_from_above() {
     }
     assert!(offenders.is_empty(), "{}", offenders.join("\n"));
     assert!(seen > 100, "only {seen} imports seen");
+}
+
+/// Which floors the code of each floor names, the numerical crates among them.
+fn imports_of_floors(root: &Path) -> BTreeSet<(&'static str, &'static str)> {
+    let mut found = BTreeSet::new();
+    for folder in ["crates/mechanics/src", "crates/embryo/src", "crates/figures/src", "src"] {
+        let folder = root.join(folder);
+        for file in sources(&folder) {
+            if ["tests.rs", "stick.rs"].iter().any(|name| file.ends_with(name)) {
+                continue;
+            }
+            let Some(own) = floor_of(&folder, &file) else { continue };
+            let code = code_in_place(&fs::read_to_string(&file).unwrap());
+            for (_, module) in imports(&code) {
+                found.extend(FLOORS.iter().find(|floor| **floor == module).map(|below| (FLOORS[own], *below)));
+            }
+            for numerical in NUMERICAL {
+                let named = code
+                    .match_indices(&format!("{numerical}::"))
+                    .any(|(at, _)| !code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_'));
+                found.extend(named.then_some((FLOORS[own], numerical)));
+            }
+        }
+    }
+    found
+}
+
+/// The picture in the documentation is drawn from the sources. `FURROW_DRAW=1 cargo test --test floors` draws it anew.
+#[test]
+fn the_picture_of_the_floors_is_that_of_the_code() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut groups: Vec<picture::Group> = Vec::new();
+    for floor in FLOORS.iter().rev().chain(&NUMERICAL) {
+        let (name, colour) = CRATES
+            .iter()
+            .find_map(|(folder, name, colour)| {
+                let path = root.join(folder);
+                (path.join(floor).is_dir() || path.join(format!("{floor}.rs")).is_file()).then_some((*name, *colour))
+            })
+            .unwrap_or(("numerics", "#009e73"));
+        match groups.last_mut() {
+            Some(last) if last.0 == name => last.2.push(floor),
+            _ => groups.push((name, colour, vec![floor])),
+        }
+    }
+    assert_eq!(groups.len(), 5, "floors of one crate stand together: {groups:?}");
+    let (file, drawn) = (root.join("docs/floors.svg"), picture::picture(&groups, &imports_of_floors(root)));
+    if std::env::var_os("FURROW_DRAW").is_some() {
+        fs::write(&file, &drawn).unwrap();
+    }
+    let kept = fs::read_to_string(&file).unwrap_or_default().replace('\r', "");
+    assert!(
+        kept == drawn,
+        "docs/floors.svg is not that of the code: FURROW_DRAW=1 cargo test --test floors draws it anew"
+    );
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The almost block diagonal system of the nodes, bordered by scalar unknowns and by rows that touch every node.
 //!
 //! Unknowns are δy_0 … δy_N (n each) and δp. Elimination walks from left to right: the rows that still involve only δy_i
-//! (first the left conditions) join the n rows −G_i δy_i + δy_{i+1} − B_i δp = c_i, partial pivoting removes δy_i, and
+//! (first the left conditions) join the n rows −G_i δy_i + δy_{i+1} − B_i δp = c_i (N.4), partial pivoting removes δy_i, and
 //! what remains is carried to the next interval. Because [carried; −G_i] always has full column rank, a singular system
 //! (a fold, a pitchfork) shows only in the last small block, whose determinant is therefore a test function.
 //!

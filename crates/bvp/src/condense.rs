@@ -1,10 +1,10 @@
 //! Static condensation: the stages of one interval expressed by its left node and the scalar unknowns.
 //!
-//! With E the integrable components and N the others, linearising \[stages\] gives on every interval
+//! With E the integrable components and N the others, linearising N.1 gives on every interval
 //!
 //! * δY_E,j = δy_E + Σ_k a_jk (h F_EN,k δY_N,k + h F_Ep,k δp − R_E,k),
 //! * Σ_j [D_ij I − δ_ij h F_NN,i − h² a_ij F_NE,i F_EN,j] δY_N,j
-//!   = s_i δy_N + h F_NE,i δy_E + (h F_Np,i + h² F_NE,i Σ_k a_ik F_Ep,k) δp − R_N,i − h F_NE,i Σ_k a_ik R_E,k,
+//!   \[N.3 condensed\] = s_i δy_N + h F_NE,i δy_E + (h F_Np,i + h² F_NE,i Σ_k a_ik F_Ep,k) δp − R_N,i − h F_NE,i Σ_k a_ik R_E,k,
 //!
 //! with s_i = Σ_j D_ij and R the stage residual. Eliminating leaves δy₁ = G δy₀ + B δp + c. The matrix is factorised once;
 //! new residuals R only need triangular solves.

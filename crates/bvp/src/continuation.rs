@@ -1,7 +1,7 @@
 //! Pseudo-arclength continuation of solutions of a boundary-value problem in its last scalar unknown λ.
 //!
 //! A point of the branch and its unit tangent t (in a [`Metric`]) give the next point as the solution of the problem
-//! together with ⟨t, x − x_last⟩ = Δs; Newton starts from the polynomial through the last points. Folds are ordinary points
+//! together with ⟨t, x − x_last⟩ = Δs (N.8); Newton starts from the polynomial through the last points. Folds are ordinary points
 //! of the branch. The state of a run can be stored and taken up again.
 //!
 //! # References

@@ -3,8 +3,8 @@
 //! On an interval of length h the collocation polynomial takes the node value y₀ at θ = 0 and the stage values Y_j at
 //! the Gauss points θ = c_j. With A the Runge–Kutta matrix and D = A⁻¹ it satisfies
 //!
-//! * \[stages\] Σ_k D_jk (Y_k − y₀) = h f(Y_j),
-//! * \[node\]   y₁ = y₀ + Σ_j d_j (Y_j − y₀), d = bᵀD.
+//! * \[N.1 stages\] Σ_k D_jk (Y_k − y₀) = h f(Y_j),
+//! * \[N.2 node\]   y₁ = y₀ + Σ_j d_j (Y_j − y₀), d = bᵀD.
 //!
 //! Writing the unknowns as stage *values* keeps f on the diagonal of the first equation.
 //!

@@ -44,7 +44,7 @@ pub fn imbalance(mesh: &[f64], weight: &[f64]) -> f64 {
     largest * weight.len() as f64 / total
 }
 
-/// Largest defect |u′ − f(u)| · h / (1 + |u|) of the collocation polynomial u on every interval of width h, sampled midway
+/// Largest defect |u′ − f(u)| · h / (1 + |u|) (N.6) of the collocation polynomial u on every interval of width h, sampled midway
 /// between neighbouring Gauss points, and midway between the left node and the first of them. (At the Gauss points
 /// themselves it is zero.) It is infinite where f is not a number.
 pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solution) -> Vec<f64> {

@@ -4,7 +4,7 @@
 //! bordered by a normalising row, regular at folds and pitchforks alike, the null directions b_k of F and the Newton
 //! correction δ₀ follow from one factorisation, and
 //!
-//! * \[augmented\] g + g′\[δ₀\] + Σ_k s_k g′\[b_k\] = 0, x ← x + δ₀ + Σ_k s_k b_k
+//! * \[N.10 augmented\] g + g′\[δ₀\] + Σ_k s_k g′\[b_k\] = 0, x ← x + δ₀ + Σ_k s_k b_k
 //!
 //! is Newton's method on (F, g), with exact g′ from directional second derivatives: quadratic to machine precision. With
 //! one free parameter there is one null direction; with two there are two, and a further linear condition closes the

@@ -1,7 +1,7 @@
 //! Damped Newton iteration with Jacobian reuse.
 //!
 //! Every factorisation is used for one full step and then for chord steps (corrections with the factors of an earlier
-//! iterate) while they contract. Damping follows the natural monotonicity test: a step is accepted when the simplified
+//! iterate) while they contract. Damping follows the natural monotonicity test, N.5: a step is accepted when the simplified
 //! correction J⁻¹F(x + λδ) is smaller than δ.
 //!
 //! Corrections are compared in one scaling, that of the iterate they both start from: a step to huge values makes every

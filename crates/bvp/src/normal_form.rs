@@ -1,6 +1,6 @@
 //! Third-order normal form of a pitchfork.
 //!
-//! Along the branch that breaks the symmetry x = x* + aφ + a²η + O(a³), and the free parameter λ = λ* + c a² + O(a⁴):
+//! Along the branch that breaks the symmetry x = x* + aφ + a²η + O(a³) (N.11), and the free parameter λ = λ* + c a² + O(a⁴):
 //!
 //! * O(a²): J η = −½ D²F\[φ, φ\], η mirror-symmetric, determined up to a multiple of the null direction b of the
 //!   symmetric problem: η = η₀ + s b

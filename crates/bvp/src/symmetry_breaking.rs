@@ -20,7 +20,7 @@ pub trait MirrorSymmetric: BoundaryValueProblem {
 /// A pitchfork: the antisymmetric problem J_a φ = 0 on the half domain has a solution.
 ///
 /// With the last of the conditions at the mirror replaced by (component `normaliser` of φ) = 1, g is what φ leaves of the
-/// condition replaced. Then det J_a = g · det of the replaced problem, and the same factors project any right-hand side
+/// condition replaced. Then det J_a = g · det of the replaced problem (N.9), and the same factors project any right-hand side
 /// on the left null vector.
 ///
 /// # Examples

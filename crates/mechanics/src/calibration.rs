@@ -2,12 +2,12 @@
 //!
 //! Given pitchfork thresholds ξ_s at some (R0, ε), the parameters θ minimise Σ_i ρ_i² with
 //!
-//! * \[residual\] ρ_i = weight_i (ξ_s*(R0_i, ε_i; θ) / ξ_s,i − 1),
+//! * \[F.1 residual\] ρ_i = weight_i (ξ_s*(R0_i, ε_i; θ) / ξ_s,i − 1),
 //!
 //! by Levenberg–Marquardt steps. The sensitivities ∂ξ_s*/∂θ are exact: directions of the curve of pitchforks in the plane
 //! (ξ_s, θ), from the extended system. Singular values of ∂ρ/∂ln θ tell which combinations of the parameters the
 //! thresholds determine, and which they leave open: stationary shapes depend on κ, p0, γ and the activity gξ only through
-//! their ratios, and not at all on a common factor of the viscosities and the friction.
+//! their ratios (M.18), and not at all on a common factor of the viscosities and the friction.
 //!
 //! # References
 //! Nocedal & Wright, *Numerical Optimization*, Springer 2006, ch. 10.
@@ -434,6 +434,20 @@ fn combinations(svd: &Svd) -> Vec<Combination> {
 }
 
 /// Finds the parameters that fit the thresholds best, starting from the constants of `cell` and the starts of the unknowns.
+///
+/// # Examples
+/// The shell's strength from one threshold, as the paper prints it:
+///
+/// ```
+/// use furrow::calibration::{Targets, calibrate};
+/// use furrow::cell::{Cell, Numerics};
+/// use furrow::input::parse_document;
+/// let text = "Targets(unknowns: [(parameter: p0)], thresholds: [(r0: 2, epsilon: 0.87, xi_s: 22.006)])";
+/// let targets: Targets = parse_document(text, "targets.ron", "a file of targets", "Targets")?;
+/// let found = calibrate(&targets, &Cell::new(2.0), &Numerics { intervals: 32, ..Numerics::default() })?;
+/// assert!(found.rms < 1e-6 && (found.cell.shell.p0 - 0.123).abs() < 0.003);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`CalibrateError`].

@@ -1,11 +1,11 @@
 //! Growth rates of small disturbances of a stationary shape.
 //!
-//! Linearising the dynamics about a stationary state gives the pencil J x = σ M x, where M multiplies ∂_t(r, z). It acts
+//! Linearising the dynamics about a stationary state gives the pencil J x = σ M x (M.22), where M multiplies ∂_t(r, z). It acts
 //! only through the normal velocity v_n = sinψ ∂_t r + cosψ ∂_t z, so a disturbance is described by its normal
 //! displacement w at the collocation points; everything else follows instantly. One implicit step of rate s maps
 //! w ↦ P_s w = s (sM − J)⁻¹ M w, with eigenvalues
 //!
-//! * \[shift\] μ = s/(s − σ), σ = s (1 − 1/μ),
+//! * \[N.12 shift\] μ = s/(s − σ), σ = s (1 − 1/μ),
 //!
 //! so that the rightmost σ belong to the extreme μ, which an Arnoldi iteration finds first. A shift s > 0 misses nothing
 //! that grows: σ > s has μ < 0, outside the disc |μ − ½| ≤ ½ that holds all decaying modes. The step is the implicit time
@@ -129,6 +129,20 @@ const DIRECTION_STEPS: usize = 12;
 const REACH: f64 = 50.0;
 
 /// Workspace for growth rates; nothing large is allocated once it has seen the largest mesh.
+///
+/// # Examples
+/// A small cell rests in a shape whose slowest disturbance is odd, and decays:
+///
+/// ```
+/// use furrow::cell::{Cell, Numerics};
+/// use furrow::shapes::stationary::stationary;
+/// use furrow::stability::{Parity, Stability};
+/// let shape = stationary(&Cell::new(1.6), &Numerics::default())?;
+/// let spectrum = Stability::new(shape.solution.m).leading(&shape.cortex, &shape.solution)?;
+/// assert!(spectrum.is_stable() && (spectrum.growth_rate() + 0.450183).abs() < 1e-5);
+/// assert_eq!(spectrum.values[0].parity, Parity::Odd);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Stability {
     /// Settings.
@@ -384,7 +398,7 @@ impl Stability {
     }
 }
 
-/// \[shift\] for the Ritz values within reach of the shift, sorted by falling real part.
+/// N.12 for the Ritz values within reach of the shift, sorted by falling real part.
 fn growth_rates(values: &[RitzValue], shift: f64, parity: Parity) -> Vec<GrowthRate> {
     let mut out: Vec<GrowthRate> = values
         .iter()

@@ -14,6 +14,22 @@ use crate::shapes::at_rest::{Edge, RestShapes, rest_shapes};
 use crate::shapes::error::ShapeError;
 
 /// What a diagram is of.
+///
+/// # Examples
+/// Outcomes of three sizes at the activity that cells have: at rest, unequal, equal.
+///
+/// ```
+/// use furrow::batch::phase::PhaseOutcome::{Asymmetric, Failed, Symmetric};
+/// use furrow::batch::{Memo, PhasePlane, Quantisation, SchedulerOptions};
+/// use furrow::cell::{Cell, Numerics, Parameter};
+/// let (cell, numerics) = (Cell::new(1.0), Numerics::default());
+/// let across = vec![1.6, 2.0, 2.6];
+/// let plane = PhasePlane { cell, numerics, parameter: Parameter::R0, across, up: vec![25.0], seed: 0 };
+/// let diagram = plane.compute(&Memo::new(Quantisation::DEFAULT), &SchedulerOptions::default())?;
+/// let found: Vec<_> = diagram.cells.iter().map(|cell| cell.outcome).collect();
+/// assert_eq!(found, [Failed, Asymmetric, Symmetric]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhasePlane {
     /// The cell; the parameter across and ξ_s are replaced.

@@ -18,6 +18,20 @@ pub struct Replicates {
 
 /// Divisions of one cell with the seeds from `input.seed` on, each as soon as a worker is free.
 ///
+/// # Examples
+/// Noise decides on which side the smaller daughter is, and hardly how small:
+///
+/// ```
+/// use furrow::batch::{Memo, Quantisation, SchedulerOptions, replicates};
+/// use furrow::cell::Cell;
+/// use furrow::division::DivisionInput;
+/// let memo = Memo::new(Quantisation::DEFAULT);
+/// let found = replicates(&DivisionInput::new(Cell::new(2.0)), 3, &memo, &SchedulerOptions::default())?;
+/// assert_eq!((found.divisions.len(), found.summary.solved), (3, 3));
+/// assert!(found.divisions.iter().all(|(_, division)| (division.chi.unwrap() - 0.813).abs() < 0.005));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`SchedulerError`] if no workers can be started.
 pub fn replicates(

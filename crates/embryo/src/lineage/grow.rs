@@ -24,6 +24,26 @@ pub enum GrowError {
 }
 
 /// What a tree is grown with.
+///
+/// # Examples
+/// A cell without a cue and all that descends from it, every division computed and none twice:
+///
+/// ```
+/// use furrow::batch::{Memo, Quantisation, SchedulerOptions};
+/// use furrow::cell::Cell;
+/// use furrow::division::divide;
+/// use furrow::lineage::{Grower, Lineage, TreeSettings, founder_rounds};
+/// let lineage = Lineage::parse("Lineage(name: \"one\", founders: [(name: \"S\", r0: 2.4)])", "one.ron")?;
+/// let settings = TreeSettings { cell: Cell::new(2.4), ..TreeSettings::default() };
+/// let memo = Memo::new(Quantisation::DEFAULT);
+/// let options = SchedulerOptions::default();
+/// let (tree, summary) = Grower { lineage: &lineage, settings, ends: &|_| None, memo: &memo, options }.grow(divide)?;
+/// // It divides into equal halves, and these, at 1.905, into one that divides on and one that is too small.
+/// let rounds = founder_rounds(&tree)[0].rounds.ok_or("no such founder")?;
+/// assert!(rounds.min < rounds.max && rounds.terminal > 4);
+/// assert!(summary.solved < tree.len());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Grower<'a> {
     /// Founders and rules.
     pub lineage: &'a Lineage,

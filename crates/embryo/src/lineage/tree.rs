@@ -229,6 +229,9 @@ pub const ZYGOTE: f64 = 5.4;
 
 /// A grown lineage. Cells are held in breadth-first order, the anterior daughter before the posterior, whatever the order
 /// in which they were solved.
+///
+/// # Examples
+/// [`Grower`](super::Grower) grows one.
 #[derive(Clone, Debug)]
 pub struct Tree {
     /// What it was grown from.

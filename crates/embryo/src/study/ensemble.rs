@@ -2,7 +2,7 @@
 //!
 //! The posterior density of the unknowns θ, in x = ln θ (or θ itself where it may have either sign), is
 //!
-//! * \[posterior\] p(x) ∝ exp(−½ Σ_i (deviation_i/tolerance_i)² − ½ |x − x₀|²/s²) · \[all statements hold\],
+//! * \[F.2 posterior\] p(x) ∝ exp(−½ Σ_i (deviation_i/tolerance_i)² − ½ |x − x₀|²/s²) · \[all statements hold\],
 //!
 //! where the second term is a wide prior about the starting values: thresholds alone leave some combinations open. It is
 //! sampled by importance: proposals from a Student t distribution, weights p/q. The first proposals are shaped by the exact

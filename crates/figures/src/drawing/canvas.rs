@@ -92,6 +92,22 @@ pub struct Canvas {
 }
 
 /// A finished picture.
+///
+/// # Examples
+/// A division as its chart, and as the dots of a small movie:
+///
+/// ```
+/// use figures::movie::{Movie, MovieFormat};
+/// use figures::plot;
+/// use mechanics::cell::Cell;
+/// use mechanics::division::{DivisionInput, film};
+/// let cell = Cell::new(3.0);
+/// let film = film(&DivisionInput::new(cell.clone()))?;
+/// assert!(plot::division::draw(&cell, &film).svg().starts_with("<svg"));
+/// let movie = Movie { cell: &cell, film: &film, frames: 2 };
+/// assert!(movie.bytes(MovieFormat::Gif)?.starts_with(b"GIF89a"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Drawing {
     scene: Scene,

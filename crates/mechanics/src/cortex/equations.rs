@@ -1,21 +1,23 @@
 //! The force balance of the cortex, stated once for any number type.
 //!
+//! Numbers in brackets are those of the book (`docs/book`), here and wherever comments cite an equation.
+//!
 //! State on u ∈ [0, 1] (or the mirror-symmetric half [0, ½]): y = (r, z, m, ψ, q, v, T) with arclength s = L u; the first
 //! three are integrable in the sense of [`Dimensions::integrable`](bvp::Dimensions::integrable). The eighth equation of
-//! the model, V′ = πr² sinψ, is a quadrature and enters as the integral condition V(1) = 4πR0³/3. Scalar unknowns are
+//! the model, V′ = πr² sinψ \[M.11 volume\], is a quadrature and enters as the integral condition V(1) = 4πR0³/3. Scalar unknowns are
 //! (L, p) and any free parameters after them.
 //!
-//! With c2 = sinψ/r, C = m/κ, c1 = C − c2, X_s = gξ_s and X_b = gξ_b, all coefficients those of the place u:
+//! With c2 = sinψ/r and C = c1 + c2 \[M.2 curvatures\], which m = κC \[M.3 bending\] gives as C = m/κ, c1 = C − c2, X_s = gξ_s and X_b = gξ_b, all coefficients those of the place u:
 //!
-//! * \[geometry\] r_s = cosψ, z_s = −sinψ, ψ_s = c1, m_s = q
-//! * \[strain rate\] S_φφ = (cosψ/r) v + c2 v_n, S_uu = (T − X_s(½C − c2) − X_b C − (η_b − η_s)S_φφ)/(η_b + η_s)
-//! * \[stress\] T_φφ = (η_b − η_s)S_uu + (η_b + η_s)S_φφ − X_s(½C − c2) + X_b C
-//! * \[normal\] q_s = −(cosψ/r) q + c1 T + c2 T_φφ + γC − ½κ(c1 − c2)²C − p − f_c
-//! * \[tangential\] T_s = −(cosψ/r)(T − T_φφ) + Γv − ½C²κ_s − γ_s
-//! * \[flow\] v_s = S_uu − c1 v_n, v_n = sinψ ∂_t r + cosψ ∂_t z
-//! * \[shell\] f_c = −(2P0/w²) exp\[(z²/a² + r²/b² − 1)/w²\] (r sinψ/b² + z cosψ/a²)
+//! * \[M.1 geometry\] r_s = cosψ, z_s = −sinψ, ψ_s = c1, m_s = q
+//! * \[M.4 strain rate\] S_φφ = (cosψ/r) v + c2 v_n, S_uu = (T − X_s(½C − c2) − X_b C − (η_b − η_s)S_φφ)/(η_b + η_s)
+//! * \[M.5 stress\] T_φφ = (η_b − η_s)S_uu + (η_b + η_s)S_φφ − X_s(½C − c2) + X_b C
+//! * \[M.6 normal\] q_s = −(cosψ/r) q + c1 T + c2 T_φφ + γC − ½κ(c1 − c2)²C − p − f_c
+//! * \[M.7 tangential\] T_s = −(cosψ/r)(T − T_φφ) + Γv − ½C²κ_s − γ_s
+//! * \[M.8 flow\] v_s = S_uu − c1 v_n, v_n = sinψ ∂_t r + cosψ ∂_t z
+//! * \[M.9 shell\] f_c = −(2P0/w²) exp\[(z²/a² + r²/b² − 1)/w²\] (r sinψ/b² + z cosψ/a²)
 //!
-//! The elastic part of \[normal\] uses c1 t_uu + c2 t_φφ = γC − ½κ(c1 − c2)²C.
+//! The elastic part of M.6 uses c1 t_uu + c2 t_φφ = γC − ½κ(c1 − c2)²C.
 
 use std::f64::consts::PI;
 
@@ -107,7 +109,7 @@ pub struct Local<D> {
 }
 
 impl<D: Number> Local<D> {
-    /// Adds what one term of a cue does: `f` is A f and `f_u` is A ∂f/∂u at the place, `uniform` the coefficients without
+    /// Adds what one term of a cue does, M.16: `f` is A f and `f_u` is A ∂f/∂u at the place, `uniform` the coefficients without
     /// the cue. The one place where fields enter the equations; derivatives along the contour matter for κ and γ alone.
     fn modulate(&mut self, field: Field, uniform: &Local<D>, f: D, f_u: D) {
         let [eta_b, eta_s] = [1.0, -1.0].map(|sign| (uniform.eta_sum + uniform.eta_difference * sign) * 0.5);
@@ -165,7 +167,7 @@ pub struct Constants<D> {
 }
 
 impl<D: Number> Constants<D> {
-    /// Constants of a cell; `vary` may replace any named parameter by a number that carries derivatives.
+    /// Constants of a cell, the half-axes of its shell by M.10; `vary` may replace any named parameter by a number that carries derivatives.
     pub fn new(cell: &Cell, vary: impl Fn(Parameter, f64) -> D) -> Constants<D> {
         let at = |parameter: Parameter| vary(parameter, parameter.get(cell));
         let (r0, epsilon) = (at(Parameter::R0), at(Parameter::Epsilon));
@@ -265,7 +267,7 @@ pub fn equations<D: Number>(
     )
 }
 
-/// Multiplies the activity in the first step: 1 + Σ_{n=1..10} r_n cos(nπu).
+/// Multiplies the activity in the first step \[M.19 noise\]: 1 + Σ_{n=1..10} r_n cos(nπu).
 pub fn noise_factor(coefficients: &[f64; 10], u: f64) -> f64 {
     1.0 + coefficients.iter().enumerate().map(|(k, r)| r * ((k + 1) as f64 * PI * u).cos()).sum::<f64>()
 }

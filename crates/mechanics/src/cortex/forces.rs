@@ -2,7 +2,7 @@
 //! (Figs 1B–D and S2 of the paper).
 //!
 //! The normal balance of the model, ∂_s q + (cosψ/r) q − c1 (t_uu + T_uu) − c2 (t_φφ + T_φφ) + p + f_c = 0, is split by what
-//! each term comes from; outwards is positive:
+//! each term comes from (M.12); outwards is positive:
 //!
 //! | part | |
 //! |---|---|
@@ -144,6 +144,22 @@ pub fn at(cortex: &Cortex, gauss: &Gauss, y: &Solution, u: f64) -> Place {
 }
 
 /// What acts at the collocation points and at the two ends of the mesh, where the equations themselves were solved.
+///
+/// # Examples
+/// The normal forces on a cell at rest add up to nothing:
+///
+/// ```
+/// use furrow::cell::{Cell, Numerics};
+/// use furrow::cortex::forces;
+/// use furrow::shapes::stationary::stationary;
+/// let shape = stationary(&Cell::new(1.6), &Numerics::default())?;
+/// let gauss = bvp::Gauss::new(shape.solution.m);
+/// let places = forces::profile(&shape.cortex, &gauss, &shape.solution);
+/// // The ends, where a derivative is only as good as the mesh, aside.
+/// let inside = &places[1..places.len() - 1];
+/// assert!(inside.iter().all(|place| place.normal.residual().abs() < 1e-6));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn profile(cortex: &Cortex, gauss: &Gauss, y: &Solution) -> Vec<Place> {
     along(cortex, gauss, y, &gauss.c)
 }

@@ -41,7 +41,7 @@ pub fn equator_radius(gauss: &Gauss, y: &Solution) -> f64 {
     out[R]
 }
 
-/// A cell has divided when its neck is narrower than this, relative to R0; thinner ones are no shapes of one cell.
+/// A cell has divided when its neck is narrower than this, relative to R0 (M.20); thinner ones are no shapes of one cell.
 pub const PINCH_OFF: f64 = 1e-3;
 
 /// The narrowest interior minimum of r.
@@ -102,7 +102,7 @@ pub fn volume_until(gauss: &Gauss, y: &Solution, u: f64) -> f64 {
     total
 }
 
-/// (V_above − V_below)/V of the parts from u above and below a place, as a rule the neck.
+/// (V_above − V_below)/V of the parts from u above and below a place, as a rule the neck: χ with its sign, M.21.
 pub fn asymmetry(gauss: &Gauss, y: &Solution, u: f64) -> f64 {
     1.0 - 2.0 * volume_until(gauss, y, u) / volume_until(gauss, y, 1.0)
 }

@@ -18,6 +18,17 @@ const INTEGRABLE: usize = 3;
 pub const SHAPE_SCALARS: usize = 2;
 
 /// The boundary-value problem of one cell: stationary (`rate` = 0) or one implicit time step.
+///
+/// # Examples
+/// ```
+/// use bvp::BoundaryValueProblem;
+/// use furrow::cell::{Cell, Parameter};
+/// use furrow::cortex::{Cortex, Domain};
+/// // The stationary shapes of a half cell, with ξ_s free: one condition short, and so a curve.
+/// let cortex = Cortex::new(&Cell::new(2.0), Domain::Half, &[Parameter::XiS]);
+/// assert_eq!(cortex.dimensions().missing_conditions(), 1);
+/// assert_eq!(cortex.get(Parameter::XiS), 25.0);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Cortex {
     /// The cell.
@@ -196,7 +207,7 @@ impl BoundaryValueProblem for Cortex {
         }
     }
 
-    /// At the far pole r = 0, ψ = π, q = 0, v = 0; at the mirror everything odd is at its centre.
+    /// At the far pole r = 0, ψ = π, q = 0, v = 0 \[M.13 poles\]; at the mirror everything odd is at its centre, M.14.
     fn right(&self, y: &[f64], _p: &[f64], out: &mut BoundaryJacobian<'_>) {
         let conditions = match self.domain {
             Domain::Full => [(R, 0.0), (PSI, PI), (Q, 0.0), (V, 0.0)],

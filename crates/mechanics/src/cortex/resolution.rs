@@ -23,7 +23,7 @@ fn steepness(cortex: &Cortex, from: f64, to: f64, length: f64) -> f64 {
     cortex.constants().cue.iter().map(term).sum()
 }
 
-/// Mesh monitor per interval: turning of the contour |c1| + |c2| and the slopes of the cue, over a floor that keeps half of
+/// Mesh monitor per interval, N.7: turning of the contour |c1| + |c2| and the slopes of the cue, over a floor that keeps half of
 /// the intervals spread evenly. `symmetric` averages it with its mirror image on a mirror-symmetric mesh.
 pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<f64>) {
     let length = y.scalars[LENGTH];

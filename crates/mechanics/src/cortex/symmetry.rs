@@ -1,6 +1,6 @@
 //! Symmetry under the mirror u → 1 − u, stated once.
 //!
-//! A mirror-symmetric shape has r, m and T even about the equator u = ½, and z, q, v and ψ − π/2 odd. Everything else
+//! A mirror-symmetric shape has r, m and T even about the equator u = ½, and z, q, v and ψ − π/2 odd (M.14). Everything else
 //! about symmetry follows from this table: the conditions at the mirror on the half domain, which components an
 //! antisymmetric disturbance leaves at zero there, and how halves unfold.
 
@@ -25,7 +25,7 @@ pub const CENTRE: [f64; COMPONENTS] = {
 };
 
 impl MirrorSymmetric for Cortex {
-    /// Antisymmetric changes of what is even vanish at the equator.
+    /// Antisymmetric changes of what is even vanish at the equator, M.15.
     fn vanishing_at_mirror(&self) -> &[usize] {
         &EVEN
     }

@@ -91,7 +91,7 @@ impl Division {
         }
     }
 
-    /// The same division with the daughters' radii of a mother of radius `r0`.
+    /// The same division with the daughters' radii of a mother of radius `r0`, M.25.
     pub fn with_daughters_of(mut self, r0: f64) -> Division {
         self.daughters = self.shares().map(|shares| shares.map(|share| r0 * share.cbrt()));
         self

@@ -353,6 +353,7 @@ impl Run {
         }
     }
 
+    /// Error of a step in units of what is allowed: N.14 while the shape is nearly mirror-symmetric.
     fn error_ratio(&self, even: f64, odd: f64, odd_size: f64, r0: f64) -> f64 {
         let absolute = even.hypot(odd) / (self.tolerance * r0);
         // Once the neck closes the outcome is decided and no odd mode has time to grow.

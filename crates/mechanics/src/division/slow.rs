@@ -1,7 +1,7 @@
 //! Slow cells: a shape beside a stationary one that it must leave, which takes longer than can be waited for.
 //!
 //! Just above a threshold of division the stationary shape is a saddle that grows at a rate σ near zero. The cell comes up
-//! to it along what decays and leaves it along the one direction that grows, as a e^{σt}: everything about this wait is
+//! to it along what decays and leaves it along the one direction that grows, as a e^{σt}, M.24: everything about this wait is
 //! known without following it. So the wait is taken in one leap, to an amplitude that is still small, and the division goes
 //! on from there.
 

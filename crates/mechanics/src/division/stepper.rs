@@ -1,6 +1,6 @@
 //! Implicit time stepping of the cortex: variable-step backward differentiation formulas on a moving mesh.
 //!
-//! One step solves the boundary-value problem with ∂_t x = α₀ (x − x_past): α₀ and x_past follow from differentiating
+//! One step solves the boundary-value problem with ∂_t x = α₀ (x − x_past), N.13: α₀ and x_past follow from differentiating
 //! the polynomial through the new and the last k shapes at fixed u. The difference to the extrapolated shape estimates
 //! the local error. Backward differentiation damps what it does not resolve, so an unresolved *growing* mode would be
 //! damped too; while the shape is nearly mirror-symmetric its odd part is therefore held to a tolerance relative to its

@@ -99,6 +99,16 @@ const TOLERANCE: f64 = 1e-11;
 /// Newton from a spheroid; where that fails, implicit steps of growing size lead to the shape, which without activity is
 /// an attractor.
 ///
+/// # Examples
+/// ```
+/// use furrow::cell::{Cell, Numerics};
+/// use furrow::cortex::{Domain, observables::elongation};
+/// let (half, _) = furrow::shapes::passive(&Cell::new(2.0), &Numerics::default())?;
+/// // In a shell of a/b = 1.5 the cell is longer than a sphere, whose elongation is 2.
+/// assert!(elongation(&half, Domain::Half, 2.0) > 2.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// What Newton said last.
 pub fn passive(cell: &Cell, numerics: &Numerics) -> Result<(Solution, NewtonReport), NewtonError> {

@@ -25,7 +25,7 @@ pub enum Criticality {
 }
 
 impl Criticality {
-    /// That of a coefficient c in ξ_s = ξ_s* + c a².
+    /// That of a coefficient c in ξ_s = ξ_s* + c a², M.23.
     pub fn of(coefficient: f64) -> Criticality {
         if coefficient < 0.0 { Criticality::Subcritical } else { Criticality::Supercritical }
     }

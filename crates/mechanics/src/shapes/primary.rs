@@ -123,6 +123,19 @@ impl Watch {
 /// on the way. `wanted` may end it early, being shown every event. A singular point that cannot be located, or a branch
 /// that is lost, ends it with what came before; [`Branch::ended`] says so.
 ///
+/// # Examples
+/// At R0 = 2 the symmetric shapes lose their stability at a pitchfork, and end in a fold at a larger activity:
+///
+/// ```
+/// use furrow::cell::{Cell, Numerics};
+/// use furrow::shapes::{BranchOptions, PointKind, primary};
+/// let branch = primary::follow(&Cell::new(2.0), &Numerics::default(), &BranchOptions::default(), |_| true)?;
+/// let xi = |kind| branch.events.iter().find(|event| event.kind() == kind).map(|event| event.point().xi_s);
+/// let (pitchfork, fold) = (xi(PointKind::Pitchfork).unwrap(), xi(PointKind::Fold).unwrap());
+/// assert!((pitchfork - 22.057).abs() < 1e-3 && (fold - 27.03).abs() < 0.01);
+/// # Ok::<(), furrow::shapes::ShapeError>(())
+/// ```
+///
 /// # Errors
 /// [`ShapeError::Passive`], [`ShapeError::Cue`], [`ShapeError::Branch`] at ξ_s = 0.
 pub fn follow(

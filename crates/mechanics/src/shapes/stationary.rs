@@ -83,6 +83,18 @@ fn waist(gauss: &Gauss, y: &Solution, domain: Domain) -> f64 {
 
 /// The first stationary shape at the activity of the cell along its primary branch.
 ///
+/// # Examples
+/// A cell below the critical radius has a shape to rest in; a large one has none and must divide.
+///
+/// ```
+/// use furrow::cell::{Cell, Numerics};
+/// use furrow::shapes::stationary::stationary;
+/// let small = stationary(&Cell::new(1.6), &Numerics::default())?;
+/// assert!(small.folds.is_empty());
+/// assert!(stationary(&Cell::new(3.0), &Numerics::default()).is_err());
+/// # Ok::<(), furrow::shapes::StationaryError>(())
+/// ```
+///
 /// # Errors
 /// [`StationaryError`]; `OutOfReach` when the cell has no such shape, as one that must divide.
 pub fn stationary(cell: &Cell, numerics: &Numerics) -> Result<StationaryShape, StationaryError> {

@@ -40,6 +40,25 @@ use super::{
 };
 
 /// Records in a cache folder.
+///
+/// # Examples
+/// What one run has solved, the next one finds:
+///
+/// ```
+/// use furrow::batch::{Memo, Quantisation, SchedulerOptions, SolverVersion, Store, replicates};
+/// use furrow::cell::Cell;
+/// use furrow::division::DivisionInput;
+/// let folder = tempfile::tempdir()?;
+/// let input = DivisionInput::new(Cell::new(3.0));
+/// let mut solved = Vec::new();
+/// for _ in 0..2 {
+///     let store = Store::open(folder.path(), SolverVersion::current())?;
+///     let memo = Memo::new(Quantisation::DEFAULT).with_store(store);
+///     solved.push(replicates(&input, 1, &memo, &SchedulerOptions::default())?.summary.solved);
+/// }
+/// assert_eq!(solved, [1, 0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Store<R> {
     /// The folder of the logs, inside the cache folder.

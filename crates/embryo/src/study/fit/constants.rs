@@ -2,13 +2,13 @@
 //!
 //! A set of constants is judged by the tree that it grows. Its misfit is
 //!
-//! * \[misfit\] M = w_r ⟨|mean rounds − observed|⟩ + w_t ⟨|log₂(terminal cells/observed)|⟩ + w_χ ⟨|χ − measured|⟩ + (1 for each
+//! * \[F.3 misfit\] M = w_r ⟨|mean rounds − observed|⟩ + w_t ⟨|log₂(terminal cells/observed)|⟩ + w_χ ⟨|χ − measured|⟩ + (1 for each
 //!   founder that should divide symmetrically and does not),
 //!
 //! means over the founders and the divisions that the targets name. Counts are steps of the constants, so that absolute
 //! deviations serve, and no derivative. Beside it stands
 //!
-//! * \[thresholds\] T = rms of ξ_s*/published − 1, over the published pitchforks.
+//! * \[F.4 thresholds\] T = rms of ξ_s*/published − 1, over the published pitchforks.
 //!
 //! Shapes depend on gain and activity only through gξ_s: the gain is that with which the logarithms of the thresholds are off
 //! by nothing on average, and the activity follows. Swarms look for the least M + λT at several λ; all that was tried makes

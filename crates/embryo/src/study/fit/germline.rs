@@ -3,7 +3,7 @@
 //! A cue is judged by the divisions of the founders whose χ was measured and of those they descend from, each as large as its
 //! mother's division makes it:
 //!
-//! * \[misfit\] χ² = Σ ((χ − measured)/sd)².
+//! * \[F.5 chi squared\] χ² = Σ ((χ − measured)/sd)².
 //!
 //! A swarm looks for its least value over the numbers of the cue's terms, a simplex goes on from there. The sensitivities of χ
 //! to those numbers, exact by the tangents of the divisions and handed down from mother to daughter with the radius, tell how

@@ -33,7 +33,7 @@ impl<D: Number> Width<D> {
     }
 }
 
-/// A profile f(u) along the contour, u from 0 to 1.
+/// A profile f(u) along the contour, u from 0 to 1, M.17.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Profile<D = f64> {
