@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 #[path = "../fuzz/targets/mod.rs"]
-mod targets;
+mod readers;
 
 /// Every file of a target's corpus, in the order of their names; there must be some.
 fn corpus(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
@@ -27,52 +27,52 @@ fn try_all(target: &str, check: fn(&[u8])) {
 
 #[test]
 fn lineage_files() {
-    try_all("lineage", targets::lineage::check);
+    try_all("lineage", readers::lineage::check);
 }
 
 #[test]
 fn sweep_files() {
-    try_all("sweep", targets::sweep::check);
+    try_all("sweep", readers::sweep::check);
 }
 
 #[test]
 fn files_of_targets() {
-    try_all("targets", targets::targets::check);
+    try_all("targets", readers::targets::check);
 }
 
 #[test]
 fn configuration_files() {
-    try_all("config", targets::config::check);
+    try_all("config", readers::config::check);
 }
 
 #[test]
 fn cues_and_settings() {
-    try_all("cue", targets::cue::check);
+    try_all("cue", readers::cue::check);
 }
 
 #[test]
 fn newick_files() {
-    try_all("newick", targets::newick::check);
+    try_all("newick", readers::newick::check);
 }
 
 #[test]
 fn tree_files() {
-    try_all("tree_json", targets::tree_json::check);
+    try_all("tree_json", readers::tree_json::check);
 }
 
 #[test]
 fn tables_of_volumes() {
-    try_all("volumes", targets::volumes::check);
+    try_all("volumes", readers::volumes::check);
 }
 
 #[test]
 fn tables_of_constants() {
-    try_all("constants", targets::constants::check);
+    try_all("constants", readers::constants::check);
 }
 
 #[test]
 fn stores() {
-    try_all("store", targets::store::check);
+    try_all("store", readers::store::check);
 }
 
 /// Every target has a fuzzer and a corpus, and every fuzzer is tried here.

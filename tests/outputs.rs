@@ -86,6 +86,22 @@ fn an_answer_that_cannot_be_written_is_an_error() {
     }
 }
 
+/// A device or a pipe is not replaced by a file of its name.
+#[cfg(target_os = "linux")]
+#[test]
+fn devices_and_pipes_are_not_replaced() {
+    use std::os::unix::fs::FileTypeExt;
+    let folder = tempfile::tempdir().unwrap();
+    assert!(Command::new("mkfifo").arg(folder.path().join("pipe.svg")).status().unwrap().success());
+    for option in ["--plot", "--movie"] {
+        let (code, said) = run(folder.path(), &["divide", "--r0", "2.5", "--no-cache", option, "pipe.svg"]);
+        assert_eq!(code, Some(2), "{said}");
+        assert!(said.ends_with("must be a file that can be written (it is a device or a pipe)\n"), "{said}");
+    }
+    assert!(fs::metadata(folder.path().join("pipe.svg")).unwrap().file_type().is_fifo());
+    assert_eq!(names(folder.path()), ["pipe.svg"]);
+}
+
 /// Refusals come before the work: each of these computations would fail, with exit code 1.
 #[cfg(unix)]
 #[test]

@@ -435,6 +435,10 @@ fn the_studies_that_ship_are_sound() {
     let mut seen = 0;
     for entry in fs::read_dir(studies).unwrap() {
         let path = entry.unwrap().path();
+        if path.is_dir() {
+            // Those far from the paper, which not every cell of has an outcome: docs/robustness.md.
+            continue;
+        }
         let text = fs::read_to_string(&path).unwrap();
         assert!(text.starts_with("// Fig") && text.contains("// Expect: "), "{}", path.display());
         let name = path.file_stem().unwrap().to_str().unwrap();

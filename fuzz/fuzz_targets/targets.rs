@@ -1,6 +1,6 @@
 #![no_main]
 
 #[path = "../targets/mod.rs"]
-mod targets;
+mod readers;
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| targets::targets::check(data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| readers::readers::check(data));

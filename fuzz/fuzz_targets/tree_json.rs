@@ -1,6 +1,6 @@
 #![no_main]
 
 #[path = "../targets/mod.rs"]
-mod targets;
+mod readers;
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| targets::tree_json::check(data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| readers::tree_json::check(data));

@@ -25,6 +25,7 @@ impl WriteError {
 /// Writes `content` to a temporary name beside `path`, then renames: a reader never sees half a file, and a failure
 /// leaves what was there. Folders are made as needed.
 pub fn write_atomically(path: &Path, content: &[u8]) -> Result<(), WriteError> {
+    can_be_a_file(path).map_err(WriteError::at(path))?;
     let file = staged(folder_of(path), content).map_err(WriteError::at(path))?;
     file.persist(path).map(drop).map_err(|e| WriteError::at(path)(e.error))
 }
@@ -235,10 +236,12 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Whether a file can have this name: no folder has it, and the system takes it.
+/// Whether a file can have this name: no folder has it, nor a device or a pipe, which a rename would put a file in the place of,
+/// and the system takes it.
 fn can_be_a_file(path: &Path) -> io::Result<()> {
     match fs::metadata(path) {
         Ok(there) if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        Ok(there) if !there.is_file() => Err(io::Error::other("it is a device or a pipe")),
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
         _ => Ok(()),
     }

@@ -43,7 +43,7 @@ impl CellName {
     /// What may help where a cell has no passive shape.
     pub(crate) fn advice(&self) -> &'static str {
         match self.r0 {
-            0.01..1000.0 => "try a tension nearer to 0, or more mesh intervals",
+            0.01..1000.0 => "try a tension nearer to 0, an aspect nearer to 1, or more mesh intervals",
             _ => "passive shapes are found of cells of R0 from 0.01 to 1000",
         }
     }
