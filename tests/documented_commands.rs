@@ -19,6 +19,7 @@ const NOT_RUN: &[(&str, &str)] = &[
     ("phase --vary r0 --from 1.6 --to 2.4 --points 9", "63 divisions: tests/help.rs runs smaller diagrams"),
     ("boundary --vary r0 --from 1.5 --to 5.4 --no-folds --write", "writes what is compiled in"),
     ("compare volumes my-volumes.csv", "the reader's own table"),
+    ("compare volumes --constants constants.csv", "constants that an ensemble writes: tests/compare.rs"),
     ("divide --r0 17um --cue polar --lineage my.ron", "a file of the reader's own: tests/own_lineage.rs"),
     ("tree <(generate)", "the file is what the reader's own program writes"),
     ("movies", "four movies: tests/help.rs runs an example"),
