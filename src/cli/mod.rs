@@ -14,6 +14,7 @@ mod error;
 mod explore;
 mod export;
 mod fit;
+mod from_steady;
 mod interrupt;
 mod merge;
 mod movies;

@@ -5,6 +5,7 @@
 //! | [`division`] | a cell as it divides, χ and its neck over time, the normal forces half-way |
 //! | [`branch`] | a bifurcation diagram, with shapes |
 //! | [`boundary`] | curves of pitchforks and folds, the critical value |
+//! | [`perturbation`] | how far disturbed stationary shapes come from where they started |
 //! | [`phase`] | outcomes over a plane, with their exact edges |
 //! | [`sweep`] | results over one axis or two |
 //! | [`calibration`] | thresholds wanted and met; an ensemble of constants |
@@ -20,6 +21,7 @@ pub mod division;
 // Nothing is fitted on wasm32.
 #[cfg(not(target_family = "wasm"))]
 pub mod fit;
+pub mod perturbation;
 pub mod phase;
 pub mod rounds;
 pub mod sweep;

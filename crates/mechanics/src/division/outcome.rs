@@ -132,6 +132,14 @@ pub enum DivisionError {
         /// What the solver said.
         source: NewtonError,
     },
+    /// The shape to start from is not stationary on the mesh of the division.
+    #[error("the stationary shape of {cell} is none on the mesh of its division ({source}); try more mesh intervals")]
+    NotStationary {
+        /// The cell.
+        cell: CellName,
+        /// What the solver said.
+        source: NewtonError,
+    },
     /// The time step fell below its minimum.
     #[error(
         "time stepping of the cell with R0 = {r0} stalled at t = {t} with step {dt} ({source}); try more mesh intervals, a larger time_tolerance or a larger step_factor"
