@@ -13,6 +13,7 @@ use crate::shapes::{PointKind, ShapeError, StationaryError};
 use crate::stability::StabilityError;
 use crate::study::EnsembleError;
 use crate::study::fit::FitError;
+use crate::study::reproduce::LabError;
 use crate::study::table::TableError;
 
 /// What ends a command.
@@ -133,6 +134,16 @@ fn shape_text(error: &ShapeError) -> String {
         ShapeError::NotFound { kind: PointKind::Pitchfork, .. } => format!("{error}; raise --xi-max"),
         ShapeError::NoPitchfork { .. } => format!("{error}: see furrow boundary"),
         _ => error.to_string(),
+    }
+}
+
+impl From<LabError> for CliError {
+    fn from(error: LabError) -> CliError {
+        match error {
+            LabError::Input(error) => CliError::Input(error),
+            LabError::Workers(error) => CliError::Scheduler(error),
+            _ => CliError::Interrupted,
+        }
     }
 }
 

@@ -13,7 +13,7 @@ use super::error::CliError;
 use super::movies::{DENSE, MovieFile};
 use super::output::answer;
 use super::plot::PlotFile;
-use crate::batch::perturbations;
+use crate::batch::perturbations::{Disturbed, perturbations};
 use crate::cell::Cue;
 use crate::division::perturbation::WATCHED;
 use crate::division::{Division, DivisionInput, Perturbation, Statistics, film_perturbed};
@@ -83,7 +83,7 @@ pub fn run(
 ) -> Result<(), CliError> {
     let until = positive("--until", "until", args.until)?;
     let (mut watched, mut failures): (Vec<(u64, Perturbation)>, Vec<_>) = (Vec::new(), Vec::new());
-    for (seed, found) in perturbations(input, count, until, context.threads)? {
+    for Disturbed { seed, found } in perturbations(input, count, until, context.threads)? {
         match found {
             Ok(perturbation) => watched.push((seed, perturbation)),
             Err(error) => failures.push((seed, error)),

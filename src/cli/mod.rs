@@ -24,6 +24,7 @@ mod phase;
 mod pitchfork;
 mod plot;
 mod progress;
+mod reproduce;
 mod scenarios;
 mod shell;
 mod steady;
@@ -107,6 +108,7 @@ enum Command {
     Calibrate(calibrate::CalibrateArgs),
     Fit(fit::FitArgs),
     Compare(compare::CompareArgs),
+    Reproduce(reproduce::ReproduceArgs),
     Explore(explore::ExploreArgs),
     NewLineage(new_lineage::NewLineageArgs),
     Cache(cache::CacheArgs),
@@ -157,6 +159,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Sweep(args) => sweep::run(&args, &Context::new(&cli.globals)?, &cli.globals),
         Command::Merge(args) => merge::run(&args, &cli.globals),
         Command::Export(args) => export::run(&args, &cli.globals),
+        Command::Reproduce(args) => reproduce::run(&args, &Context::new(&cli.globals)?, &cli.globals),
         Command::Explore(args) => explore::run(&args, &Context::new(&cli.globals)?),
         Command::NewLineage(args) => new_lineage::run(&args),
         Command::Cache(args) => cache::run(&args, &cli.globals),

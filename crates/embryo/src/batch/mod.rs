@@ -21,7 +21,6 @@ mod stick;
 
 pub use key::{Key, SolverVersion};
 pub use memo::{Failure, Memo};
-pub use perturbations::perturbations;
 pub use phase::{PhaseDiagram, PhasePlane};
 pub use quantisation::Quantisation;
 pub use replicates::{Replicates, replicates};

@@ -11,6 +11,7 @@
 //! | [`calibration`] | thresholds wanted and met; an ensemble of constants |
 //! | [`comparison`] | measured size asymmetries beside the model's |
 //! | [`fit`] | constants, activities and cues that fit |
+//! | [`reproduction`] | the figures of the paper, each by what it is |
 //! | [`rounds`] | rounds of the founders beside the observed ones |
 
 pub mod boundary;
@@ -23,5 +24,6 @@ pub mod division;
 pub mod fit;
 pub mod perturbation;
 pub mod phase;
+pub mod reproduction;
 pub mod rounds;
 pub mod sweep;

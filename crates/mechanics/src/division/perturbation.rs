@@ -24,8 +24,8 @@ use crate::stability::StabilityError;
 pub const WATCHED: f64 = 40.0;
 /// Fewest steps in that time.
 const STEPS: f64 = 200.0;
-/// Distances below this, in L_h, are those of rounding.
-const ROUNDING: f64 = 1e-10;
+/// Distances below this, in L_h, are as exact as time steps are solved, and no longer tell whether they grow.
+const SOLVED: f64 = 1e-8;
 /// Longest step times the rate at which the disturbance grows.
 const GROWTH_PER_STEP: f64 = 0.1;
 
@@ -48,7 +48,7 @@ impl Perturbation {
         let end = self.distances.last().copied().unwrap_or_default();
         let half = self.distances.iter().find(|[t, _]| *t >= 0.5 * end[0]).map_or(0.0, |[_, distance]| *distance);
         let noise = self.distances.get(1).map_or(0.0, |[_, distance]| *distance);
-        self.division.outcome == Outcome::Failed && end[1] < noise && (end[1] <= half || end[1] < ROUNDING)
+        self.division.outcome == Outcome::Failed && end[1] < noise && (end[1] <= half || end[1] < SOLVED)
     }
 
     /// The rate at which dis(t) grows (or, below 0, falls) while it is between `low` and `high` for the first time: the slope
