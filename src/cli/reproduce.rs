@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::Globals;
@@ -38,9 +38,19 @@ pub struct ReproduceArgs {
     /// Folder for pictures, tables, reproduction.md, results.csv and reproduce.json
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Kind of the pictures
+    #[arg(help_heading = "Output", long, value_name = "KIND", value_enum, default_value_t = Kind::Svg, requires = "out")]
+    format: Kind,
     /// Writes the table as Markdown
     #[arg(help_heading = "Output", long, value_name = "FILE.md")]
     table: Option<PathBuf>,
+}
+
+/// Kinds of pictures by the extension of their files.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Kind {
+    Svg,
+    Png,
 }
 
 /// The columns of results.csv.
@@ -119,7 +129,7 @@ pub fn run(args: &ReproduceArgs, context: &Context, globals: &Globals) -> Result
         files.stage("reproduction.md", page.as_bytes())?;
         files.stage("reproduce.json", json.as_bytes())?;
         files.stage("results.csv", &csv_of(&COLUMNS, &found.items)?)?;
-        pictures(&mut files, &found)?;
+        pictures(&mut files, &found, args.format)?;
         interrupt::unbroken(|| files.commit())?;
     }
     if context.json { answer(&json) } else { answer(&text(&found, &constants)) }
@@ -134,9 +144,13 @@ fn constants(globals: &Globals) -> String {
 }
 
 /// A picture of every panel, and a table of those that are drawn from one.
-fn pictures(files: &mut FileSet, found: &Reproduction) -> Result<(), CliError> {
+fn pictures(files: &mut FileSet, found: &Reproduction, kind: Kind) -> Result<(), CliError> {
+    let (format, extension) = match kind {
+        Kind::Svg => (Format::Svg, "svg"),
+        Kind::Png => (Format::Png, "png"),
+    };
     for panel in &found.panels {
-        files.stage(&format!("{}.svg", panel.name), &draw(panel).bytes(Format::Svg)?)?;
+        files.stage(&format!("{}.{extension}", panel.name), &draw(panel).bytes(format)?)?;
         if let Some(table) = table(panel)? {
             files.stage(&format!("{}.csv", panel.name), &table)?;
         }
@@ -156,8 +170,8 @@ struct Distance<'a> {
 fn table(panel: &Panel) -> Result<Option<Vec<u8>>, CliError> {
     Ok(match &panel.shown {
         Shown::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows)?),
-        Shown::Phase(_, diagram) => Some(csv_of(&["x", "xi_s", "outcome", "chi", "by"], &diagram.cells)?),
-        Shown::Perturbations(watched) => {
+        Shown::Phase(_, diagram, ..) => Some(csv_of(&["x", "xi_s", "outcome", "chi", "by"], &diagram.cells)?),
+        Shown::Perturbations(_, watched) => {
             let rows: Vec<Distance<'_>> = watched
                 .iter()
                 .flat_map(|(shape, found)| {

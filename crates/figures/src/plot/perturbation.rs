@@ -63,8 +63,9 @@ pub fn draw_many(title: &str, watched: &[Watched<'_>]) -> Drawing {
     let map = Panel::new([0.0, top], [WIDTH, HEIGHT - top], across, y).draw(&mut canvas, &[], |_, _| {});
     for (k, w) in watched.iter().enumerate() {
         let dash = (!w.perturbation.returned()).then_some(style::DASHED);
-        let curve: Vec<[f64; 2]> =
-            w.perturbation.distances.iter().skip(1).map(|[t, d]| map.point([*t, d.max(up[0])])).collect();
+        // What has come back to rounding is drawn no further.
+        let drawn = w.perturbation.distances.iter().skip(1).take_while(|[_, distance]| *distance >= up[0]);
+        let curve: Vec<[f64; 2]> = drawn.map(|point| map.point(*point)).collect();
         canvas.polyline(&curve, Stroke { colour: &colour(k), width: style::CURVE, dash });
         if let (Some(_), Some(at)) = (w.perturbation.division.chi, curve.last()) {
             legend::point(&mut canvas, *at, 5.5, Marker::Disc, &colour(k));

@@ -16,7 +16,9 @@ const DENSE: usize = 6;
 pub fn draw(panel: &Panel) -> Drawing {
     match &panel.shown {
         Shown::Sweep(of, rows) => sweep::draw(of, rows),
-        Shown::Phase(plane, diagram) => phase::draw(plane, diagram, &Edges::default()),
+        Shown::Phase(plane, diagram, pitchforks, folds) => {
+            phase::draw(plane, diagram, &Edges { pitchforks: pitchforks.clone(), folds: folds.clone() })
+        }
         Shown::Branches(cell, branches) => {
             let named: Vec<Named<'_>> = branches.iter().map(|(name, branch)| Named { name, branch }).collect();
             branch::draw(cell, &named)
@@ -34,10 +36,11 @@ pub fn draw(panel: &Panel) -> Drawing {
             })
         }
         Shown::Film(cell, film) => division::draw(cell, &film.as_ref().clone().with_places(DENSE)),
-        Shown::Perturbations(watched) => {
-            let name = |(name, perturbation)| Watched { name: String::clone(name), perturbation };
-            let named: Vec<Watched<'_>> = watched.iter().map(|(n, p)| name((n, p))).collect();
-            perturbation::draw_many("Disturbed stationary shapes, below and above their thresholds", &named)
+        Shown::Perturbations(cell, watched) => {
+            let title = format!("Disturbed stationary shapes at R₀ = {}, ε = {}", cell.r0, cell.epsilon);
+            let named: Vec<Watched<'_>> =
+                watched.iter().map(|(name, perturbation)| Watched { name: name.clone(), perturbation }).collect();
+            perturbation::draw_many(&title, &named)
         }
         Shown::Tree(tree) => rounds::draw(tree),
     }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::lab::{Finding, Found, Lab, LabError, PUBLISHED_ACTIVITY, Shown};
 use super::paper::Statement;
 use super::size::outcomes;
-use crate::batch::phase::spaced;
+use crate::batch::phase::{PhasePlane, spaced};
 use crate::batch::scheduler;
 use crate::calibration::statements::HigherFold;
 use crate::cell::{Cell, Parameter};
@@ -151,10 +151,10 @@ pub fn over_confinement(lab: &Lab<'_>, statements: &[Statement]) -> Result<Found
         Ok((_, point)) => Finding::number("confinement_pitchfork", point.value),
         Err(error) => Finding::not_computed("confinement_pitchfork", error),
     });
-    let across = (Parameter::Epsilon, spaced(0.54, 0.92, 20));
-    let (plane, diagram) = lab.plane(&cell, lab.numerics(), across, spaced(3.0, 27.0, 9), &mut found)?;
+    let (across, up) = (spaced(0.54, 0.92, 20), spaced(3.0, 27.0, 9));
+    let plane = PhasePlane { cell, numerics: lab.numerics(), parameter: Parameter::Epsilon, across, up, seed: 0 };
+    let diagram = lab.plane("2H-L", plane, &mut found)?;
     found.say(Finding::open("confinement_plane", outcomes(&diagram)));
-    found.show("2H-L", Shown::Phase(plane, diagram));
     Ok(found)
 }
 

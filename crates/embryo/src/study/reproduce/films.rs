@@ -87,8 +87,10 @@ pub fn balance(lab: &Lab<'_>, _: &[Statement]) -> Result<Found, LabError> {
     let left = inner().map(|place| place.normal.residual().abs()).fold(0.0, f64::max);
     let names = ["active", "viscous", "elastic", "pressure", "shell"];
     let at_neck = still.neck.and_then(|neck| nearest(&still.places, neck.u)).map(|place| place.normal.parts());
+    // Adding 0 takes the sign from a zero.
+    let rounded = |force: f64| (10.0 * force).round() / 10.0 + 0.0;
     let parts: Vec<String> =
-        at_neck.iter().flatten().zip(names).map(|(force, name)| format!("{name} {force:+.2}")).collect();
+        at_neck.iter().flatten().zip(names).map(|(force, name)| format!("{name} {:+.1}", rounded(*force))).collect();
     // The sum is rounding and the tolerance of Newton's method, which differ between machines.
     let text = match left < 1e-5 * largest {
         true => format!("balanced; at the neck {}", parts.join(", ")),

@@ -6,13 +6,13 @@ use serde::Serialize;
 
 use super::paper::Statement;
 use crate::batch::{Job, Memo, PhaseDiagram, PhasePlane, SchedulerError, SchedulerOptions, StoreWarning, scheduler};
-use crate::cell::{Cell, Cue, Numerics, Parameter, Scheme};
+use crate::cell::{Cell, Cue, Numerics, Scheme};
 use crate::division::{Division, DivisionError, DivisionInput, Film, Perturbation, divide};
 use crate::input::InputError;
 use crate::lineage::{GrowError, Tree};
 use crate::settings::Settings;
 use crate::shapes::Branch;
-use crate::shapes::curves::Curve;
+use crate::shapes::curves::{self, Curve};
 use crate::study::{Row, Run, Sweep};
 
 /// What results are computed with. They depend on the settings alone, whatever the threads and what the memo knows.
@@ -127,16 +127,16 @@ impl Finding {
 pub enum Shown {
     /// A sweep.
     Sweep(Box<Sweep>, Vec<Row>),
-    /// Outcomes over a plane.
-    Phase(PhasePlane, PhaseDiagram),
+    /// Outcomes over a plane, with the curves of pitchforks and of folds in it.
+    Phase(PhasePlane, PhaseDiagram, Vec<Curve>, Vec<Curve>),
     /// Branches of a cell, each with its name.
     Branches(Cell, Vec<(&'static str, Branch)>),
     /// What bounds division over R0.
     Boundary(Cell, [f64; 2], Curve, Vec<Curve>),
     /// A division.
     Film(Cell, Box<Film>),
-    /// Disturbed shapes, each with its name.
-    Perturbations(Vec<(String, Perturbation)>),
+    /// Disturbed shapes of one cell at several activities, each with its name.
+    Perturbations(Cell, Vec<(String, Perturbation)>),
     /// A lineage.
     Tree(Box<Tree>),
 }
@@ -244,25 +244,24 @@ impl Lab<'_> {
         Ok((sweep, done.rows))
     }
 
-    /// A phase diagram over a parameter and ξ_s.
+    /// A phase diagram, which is shown under this name.
     ///
     /// # Errors
     /// [`LabError`].
-    pub fn plane(
-        &self,
-        cell: &Cell,
-        numerics: Numerics,
-        (parameter, across): (Parameter, Vec<f64>),
-        up: Vec<f64>,
-        found: &mut Found,
-    ) -> Result<(PhasePlane, PhaseDiagram), LabError> {
-        let plane = PhasePlane { cell: cell.clone(), numerics, parameter, across, up, seed: 0 };
+    pub fn plane(&self, name: &str, plane: PhasePlane, found: &mut Found) -> Result<PhaseDiagram, LabError> {
         let diagram = plane.compute(self.memo, &self.options())?;
         found.warnings.extend(diagram.summary.warnings.clone());
         if diagram.summary.interrupted {
             return Err(LabError::Interrupted);
         }
-        Ok((plane, diagram))
+        // Without the curves the picture has the edges at each value across.
+        let (cell, numerics) = (&plane.cell, &plane.numerics);
+        let ends = plane.across.first().zip(plane.across.last());
+        let range = ends.map_or([0.0; 2], |(first, last)| [*first, *last]);
+        let pitchforks = curves::pitchfork_curve(cell, numerics, plane.parameter, range).into_iter().collect();
+        let folds = curves::fold_curves(cell, numerics, plane.parameter, range).unwrap_or_default();
+        found.show(name, Shown::Phase(plane, diagram.clone(), pitchforks, folds));
+        Ok(diagram)
     }
 }
 

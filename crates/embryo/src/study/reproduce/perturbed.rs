@@ -47,11 +47,18 @@ pub fn shapes(lab: &Lab<'_>, _: &[Statement]) -> Result<Found, LabError> {
     let at =
         |(cell, threshold): &(Cell, f64)| ACTIVITIES.map(|factor| Cell { xi_s: factor * threshold, ..cell.clone() });
     let inputs: Vec<Cell> = cells.iter().flat_map(at).collect();
-    let cases: Vec<Case> = pool.install(|| inputs.par_iter().flat_map_iter(|cell| cases(lab, cell)).collect());
+    let mut all: Vec<Vec<Case>> = pool.install(|| inputs.par_iter().map(|cell| cases(lab, cell)).collect());
     lab.go_on()?;
-    judge(&cases, &mut found);
-    let shown = cases.into_iter().step_by(SEEDS as usize).filter_map(|case| Some((case.name, case.found.ok()?)));
-    found.show("S5", Shown::Perturbations(shown.collect()));
+    judge(&all, &mut found);
+    for (cell, _) in cells.into_iter().rev() {
+        let own = all.split_off(all.len().saturating_sub(ACTIVITIES.len()));
+        // Of each shape the first noise.
+        let firsts = own.into_iter().filter_map(|cases| cases.into_iter().next());
+        let shown = firsts.filter_map(|case| Some((case.name, case.found.ok()?))).collect();
+        let name = format!("S5-R0_{}-epsilon_{}", cell.r0, cell.epsilon);
+        found.show(&name, Shown::Perturbations(cell, shown));
+    }
+    found.panels.reverse();
     Ok(found)
 }
 
@@ -66,12 +73,13 @@ fn cases(lab: &Lab<'_>, cell: &Cell) -> Vec<Case> {
         let input = DivisionInput { cell: cell.clone(), numerics, seed };
         let start = start.as_ref().map_err(|error| PerturbationError::from(error.clone()));
         let found = start.and_then(|start| perturbed_from(&input, start, WATCHED));
-        Case { name: format!("R0 = {}, ε = {}, ξ_s = {:.2}", cell.r0, cell.epsilon, cell.xi_s), found }
+        Case { name: format!("ξₛ = {:.2}", cell.xi_s), found }
     };
     (0..SEEDS).map(one).collect()
 }
 
-fn judge(cases: &[Case], found: &mut Found) {
+fn judge(all: &[Vec<Case>], found: &mut Found) {
+    let cases: Vec<&Case> = all.iter().flatten().collect();
     for (id, stable) in [("perturbed_stable", true), ("perturbed_unstable", false)] {
         let watched = || cases.iter().filter_map(|case| case.found.as_ref().ok());
         let those: Vec<&Perturbation> = watched().filter(|p| (p.start_growth_rate < 0.0) == stable).collect();

@@ -5,8 +5,8 @@ use serde_json::json;
 use super::lab::{Finding, Found, Lab, LabError, Shown};
 use super::paper::Statement;
 use super::series::{all_equal, between, chi_at, edge, readings, unequal_stretches};
-use crate::batch::phase::{PhaseDiagram, PhaseOutcome, spaced};
-use crate::cell::Parameter;
+use crate::batch::phase::{PhaseDiagram, PhaseOutcome, PhasePlane, spaced};
+use crate::cell::{Numerics, Parameter};
 use crate::shapes::critical_radius;
 
 /// The sweep that ships.
@@ -58,22 +58,17 @@ const UP: usize = 9;
 /// Figure 2B: outcomes over R0 and ξ_s.
 pub fn plane(lab: &Lab<'_>, _: &[Statement]) -> Result<Found, LabError> {
     let mut found = Found::default();
-    let cell = lab.cell(1.0, 0.87);
-    let mut maps = Vec::new();
-    for numerics in [lab.numerics(), lab.published()] {
-        let across = (Parameter::R0, spaced(1.6, 5.4, ACROSS));
-        maps.push(lab.plane(&cell, numerics, across, spaced(10.0, 30.0, UP), &mut found)?);
-    }
-    let mut maps = maps.into_iter();
-    let (Some((plane, diagram)), Some((coarse_plane, coarse))) = (maps.next(), maps.next()) else {
-        return Ok(found);
+    let mut map = |name: &str, numerics: Numerics| {
+        let (cell, across) = (lab.cell(1.0, 0.87), spaced(1.6, 5.4, ACROSS));
+        let up = spaced(10.0, 30.0, UP);
+        lab.plane(name, PhasePlane { cell, numerics, parameter: Parameter::R0, across, up, seed: 0 }, &mut found)
     };
+    let diagram = map("2B", lab.numerics())?;
+    let coarse = map("2B-published_scheme", lab.published())?;
     found.say(Finding::open("plane_order", outcomes(&diagram)).beside(outcomes(&coarse)));
     let [(equal, all), (coarse_equal, _)] = [&diagram, &coarse].map(corner);
     let text = |equal: usize| format!("{equal} of {all} are equal halves");
     found.say(Finding::words("plane_corner", equal == all, text(equal)).beside(text(coarse_equal)));
-    found.show("2B", Shown::Phase(plane, diagram));
-    found.show("2B-published_scheme", Shown::Phase(coarse_plane, coarse));
     Ok(found)
 }
 
