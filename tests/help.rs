@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-const COMMANDS: [&str; 19] = [
+const COMMANDS: [&str; 20] = [
     "tree",
     "divide",
     "steady",
@@ -20,6 +20,7 @@ const COMMANDS: [&str; 19] = [
     "export",
     "movies",
     "cache",
+    "reproduce",
     "explore",
     "completions",
     "man",
@@ -91,6 +92,11 @@ fn examples_of_boundaries_run() {
 #[test]
 fn examples_of_comparisons_run() {
     ["compare counts", "compare volumes"].into_iter().for_each(run_examples);
+}
+
+#[test]
+fn examples_of_reproductions_run() {
+    run_examples("reproduce");
 }
 
 #[test]

@@ -170,7 +170,7 @@ struct Distance<'a> {
 fn table(panel: &Panel) -> Result<Option<Vec<u8>>, CliError> {
     Ok(match &panel.shown {
         Shown::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows)?),
-        Shown::Phase(_, diagram, ..) => Some(csv_of(&["x", "xi_s", "outcome", "chi", "by"], &diagram.cells)?),
+        Shown::Map(map) => Some(csv_of(&["x", "xi_s", "outcome", "chi", "by"], &map.diagram.cells)?),
         Shown::Perturbations(_, watched) => {
             let rows: Vec<Distance<'_>> = watched
                 .iter()

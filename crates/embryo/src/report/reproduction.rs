@@ -34,7 +34,8 @@ What the paper (Gao, Guan, Tang & Ma) says, statement by statement, beside what 
 had by itself, as with `furrow reproduce 2C S5`.
 
 *furrow* is the converged result. *Published scheme* is that of backward Euler at Δt = 0.1 τ, the paper's kind of time step,
-where divisions are followed in time and the two may differ; the paper does not print its Δt. A row **agrees** if a printed
+where divisions are followed in time and the two may differ; the paper does not print its Δt. Where one of the two agrees and
+the other does not, or neither does, that is said there too. A row **agrees** if a printed
 number is met to the tolerance below, or if what the paper says in words is true by the criterion below, which is ours. It is
 **not pinned down** where the paper's own words are not known here, or do not say enough: the result is given and nothing is
 judged. The constants of the shell are not printed: they are fitted to the four thresholds, and to nothing else here.
@@ -59,11 +60,22 @@ pub fn row(item: &Item) -> String {
         item.quantity.clone(),
         value(item.paper.as_ref()),
         value(Some(&item.computed)),
-        value(item.published_scheme.as_ref()),
+        published(item),
         item.rel_error.map_or(NOTHING.to_owned(), off_by),
         verdict,
     ];
     format!("| {} |\n", cells.map(|cell| cell.replace('|', "\\|")).join(" | "))
+}
+
+/// What the published scheme gives, and whether it agrees where the converged result does not.
+fn published(item: &Item) -> String {
+    let told = match (item.verdict, item.published_scheme_agrees) {
+        (Verdict::Differs, Some(true)) => " (agrees)",
+        (Verdict::Differs, Some(false)) => " (differs)",
+        (Verdict::Agrees, Some(false)) => " (differs)",
+        _ => "",
+    };
+    format!("{}{told}", value(item.published_scheme.as_ref()))
 }
 
 /// A figure as it is printed: panels from one to another.
@@ -115,8 +127,8 @@ pub fn text(found: &Reproduction, constants: &str) -> String {
             let _ = writeln!(out, "{:19}paper: {paper}", "");
             let off = item.rel_error.map_or(String::new(), |error| format!(" (off by {})", off_by(error)));
             let _ = writeln!(out, "{:19}furrow: {}{off}", "", value(Some(&item.computed)));
-            if let Some(published) = &item.published_scheme {
-                let _ = writeln!(out, "{:19}published scheme: {}", "", value(Some(published)));
+            if item.published_scheme.is_some() {
+                let _ = writeln!(out, "{:19}published scheme: {}", "", published(item));
             }
         }
     }

@@ -16,8 +16,9 @@ const DENSE: usize = 6;
 pub fn draw(panel: &Panel) -> Drawing {
     match &panel.shown {
         Shown::Sweep(of, rows) => sweep::draw(of, rows),
-        Shown::Phase(plane, diagram, pitchforks, folds) => {
-            phase::draw(plane, diagram, &Edges { pitchforks: pitchforks.clone(), folds: folds.clone() })
+        Shown::Map(map) => {
+            let edges = Edges { pitchforks: map.pitchforks.clone(), folds: map.folds.clone() };
+            phase::draw(&map.plane, &map.diagram, &edges)
         }
         Shown::Branches(cell, branches) => {
             let named: Vec<Named<'_>> = branches.iter().map(|(name, branch)| Named { name, branch }).collect();

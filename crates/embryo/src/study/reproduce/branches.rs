@@ -37,12 +37,11 @@ fn follow(lab: &Lab<'_>, cell: &Cell, xi_max: f64) -> Result<Shapes, ShapeError>
     Ok(Shapes { cell: cell.clone(), branches, scaling })
 }
 
+/// A cell, and its shapes or why they could not be followed.
+type Followed = (Cell, Result<Shapes, ShapeError>);
+
 /// The shapes of all cells that statements are about, each once, with what could not be followed.
-fn shapes_of(
-    lab: &Lab<'_>,
-    statements: &[Statement],
-    xi_max: f64,
-) -> Result<Vec<(Cell, Result<Shapes, ShapeError>)>, LabError> {
+fn shapes_of(lab: &Lab<'_>, statements: &[Statement], xi_max: f64) -> Result<Vec<Followed>, LabError> {
     let mut cells: Vec<Cell> = Vec::new();
     for statement in statements.iter().filter(|statement| statement.cell.is_some()) {
         let cell = lab.cell_of(statement);

@@ -27,6 +27,9 @@ fn flatness(readings: &[Reading]) -> (String, f64) {
     }
 }
 
+/// Whether χ or the furrow over the place of a cue is as it should be, and what it is.
+type Judge = fn(&[Reading]) -> (bool, String);
+
 /// Figures 4B and 4C: narrow and broad, weak and strong cues over their place.
 pub fn places(lab: &Lab<'_>, statements: &[Statement]) -> Result<Found, LabError> {
     let mut found = Found::default();
@@ -40,15 +43,15 @@ pub fn places(lab: &Lab<'_>, statements: &[Statement]) -> Result<Found, LabError
     let both = |omega: f64, amplitude: f64| ["converged", "published"].map(|scheme| of(scheme, omega, amplitude));
     for statement in statements {
         let id = statement.id.as_str();
-        let (omega, amplitude, judge): (f64, f64, fn(&[Reading]) -> (bool, String)) = match id {
+        let (omega, amplitude, judge): (f64, f64, Judge) = match id {
             "cue_narrow" => (0.0577, 0.1, narrow),
             "cue_broad" => (0.3, 0.1, broad),
             "cue_weak" => (0.0577, 0.005, weak),
             "cue_strong" => (0.0577, 2.0, strong),
             _ => continue,
         };
-        let [(holds, converged), (_, published)] = both(omega, amplitude).map(|readings| judge(&readings));
-        let finding = Finding::words(id, holds, converged).beside(published);
+        let [(holds, converged), (coarse_holds, published)] = both(omega, amplitude).map(|readings| judge(&readings));
+        let finding = Finding::words(id, holds, converged).beside_judged(coarse_holds, published);
         found.say(match id {
             "cue_weak" => finding.noting("converged, the zygote divides unequally without any cue"),
             _ => finding,
@@ -56,7 +59,9 @@ pub fn places(lab: &Lab<'_>, statements: &[Statement]) -> Result<Found, LabError
     }
     // Whoever asks for 4C alone gets 4B-C as well.
     if statements.iter().any(|statement| statement.figure == "4B-C") {
-        found.show("4B-C", Shown::Sweep(Box::new(sweep), rows));
+        let (converged, published) = rows.into_iter().partition(|row| row.cells.first() == Some(&json!("converged")));
+        found.show("4B-C", Shown::Sweep(Box::new(sweep.clone()), converged));
+        found.show("4B-C-published_scheme", Shown::Sweep(Box::new(sweep), published));
     }
     Ok(found)
 }
@@ -81,7 +86,7 @@ fn furrows(readings: &[Reading], as_it_should: fn(f64, f64) -> bool) -> (bool, S
         .iter()
         .filter(|reading| reading.u_furrow.is_some_and(|u| as_it_should((u - 0.5).abs(), 0.5 - reading.x)))
         .count();
-    let example = readings.last().and_then(|reading| Some((reading.x, reading.u_furrow?)));
+    let example = readings.get(readings.len() / 2).and_then(|reading| Some((reading.x, reading.u_furrow?)));
     let example = example.map_or(String::new(), |(u0, u)| format!("; u = {u:.3} for u0 = {u0:.2}"));
     (count == readings.len() && count > 0, format!("at {count} of {} places{example}", readings.len()))
 }
@@ -105,15 +110,17 @@ pub fn sizes(lab: &Lab<'_>, _: &[Statement]) -> Result<Found, LabError> {
         None => "no single edge".to_owned(),
     };
     let ends = edge(&converged);
-    let within = ends.is_some_and(|[last, first]| last >= 1.8 - 1e-9 && first <= 2.0 + 1e-9);
-    found.say(Finding::words("cued_rest", within, rest(ends)).beside(rest(edge(&published))));
+    let within = |ends: Option<[f64; 2]>| ends.is_some_and(|[last, first]| last >= 1.8 - 1e-9 && first <= 2.0 + 1e-9);
+    let coarse_ends = edge(&published);
+    let finding = Finding::words("cued_rest", within(ends), rest(ends));
+    found.say(finding.beside_judged(within(coarse_ends), rest(coarse_ends)));
     let [steep, coarse] = [&converged, &published].map(|readings| [2.0, 2.6].map(|r0| chi_at(readings, r0)));
     let text = |[small, large]: [Option<f64>; 2]| format!("χ = {} at R0 = 2.0, {} at 2.6", chi(small), chi(large));
-    let falls = matches!(steep, [Some(small), Some(large)] if small >= 3.0 * large);
-    found.say(Finding::words("cued_steep", falls, text(steep)).beside(text(coarse)));
-    let [(plateau, flat), (coarse, _)] =
-        [&converged, &published].map(|readings| flatness(&between(readings, [2.6, 5.4])));
-    found.say(Finding::words("cued_plateau", flat <= 0.15, plateau).beside(coarse));
+    let falls = |chi: [Option<f64>; 2]| matches!(chi, [Some(small), Some(large)] if small >= 3.0 * large);
+    found.say(Finding::words("cued_steep", falls(steep), text(steep)).beside_judged(falls(coarse), text(coarse)));
+    let [(plateau, flat), (coarse, coarse_flat)] =
+        [&converged, &published].map(|readings| flatness(&between(readings, [3.0, 5.4])));
+    found.say(Finding::words("cued_plateau", flat <= 0.15, plateau).beside_judged(coarse_flat <= 0.15, coarse));
     found.show("4D", Shown::Sweep(Box::new(sweep), rows));
     Ok(found)
 }
@@ -126,7 +133,7 @@ pub fn confinement(lab: &Lab<'_>, _: &[Statement]) -> Result<Found, LabError> {
         let all = readings(&sweep, &rows, "epsilon", &[("scheme", json!(scheme))]);
         between(&all, [0.60, 0.91])
     });
-    let rises = converged.windows(2).all(|pair| pair[0].chi.zip(pair[1].chi).is_some_and(|(a, b)| b > a));
+    let rises = |all: &[Reading]| all.windows(2).all(|pair| pair[0].chi.zip(pair[1].chi).is_some_and(|(a, b)| b > a));
     let text = |readings: &[Reading]| {
         let chis = readings.iter().filter_map(|reading| Some((reading.x, reading.chi?)));
         let least = chis.min_by(|a, b| a.1.total_cmp(&b.1));
@@ -136,7 +143,10 @@ pub fn confinement(lab: &Lab<'_>, _: &[Statement]) -> Result<Found, LabError> {
             None => "none divides".to_owned(),
         }
     };
-    found.say(Finding::words("cued_confinement", rises, text(&converged)).beside(text(&published)));
+    found.say(
+        Finding::words("cued_confinement", rises(&converged), text(&converged))
+            .beside_judged(rises(&published), text(&published)),
+    );
     found.show("4E", Shown::Sweep(Box::new(sweep), rows));
     Ok(found)
 }

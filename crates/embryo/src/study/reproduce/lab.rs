@@ -84,6 +84,8 @@ pub struct Finding {
     pub computed: Value,
     /// The same with the published scheme, where that was looked at.
     pub published_scheme: Option<Value>,
+    /// Whether that meets the criterion.
+    pub published_holds: Option<bool>,
     /// Whether the criterion is met; none where the printed number tells, or where nothing is judged.
     pub holds: Option<bool>,
     /// What else is to be said.
@@ -93,7 +95,14 @@ pub struct Finding {
 impl Finding {
     /// A number.
     pub fn number(id: &str, computed: f64) -> Finding {
-        Finding { id: id.to_owned(), computed: computed.into(), published_scheme: None, holds: None, note: None }
+        Finding {
+            id: id.to_owned(),
+            computed: computed.into(),
+            published_scheme: None,
+            published_holds: None,
+            holds: None,
+            note: None,
+        }
     }
 
     /// Words, and whether the criterion is met.
@@ -116,10 +125,28 @@ impl Finding {
         Finding { published_scheme: Some(published.into()), ..self }
     }
 
+    /// The same with what the published scheme gives, and whether that meets the criterion.
+    pub fn beside_judged(self, holds: bool, published: impl Into<Value>) -> Finding {
+        Finding { published_holds: Some(holds), ..self.beside(published) }
+    }
+
     /// The same with a note.
     pub fn noting(self, note: impl Into<String>) -> Finding {
         Finding { note: Some(note.into()), ..self }
     }
+}
+
+/// Outcomes over a plane.
+#[derive(Clone, Debug)]
+pub struct Map {
+    /// Of what.
+    pub plane: PhasePlane,
+    /// How divisions end.
+    pub diagram: PhaseDiagram,
+    /// The curve of pitchforks in it, if it could be followed.
+    pub pitchforks: Vec<Curve>,
+    /// Those of folds.
+    pub folds: Vec<Curve>,
 }
 
 /// Something that can be drawn or written as a table.
@@ -127,8 +154,8 @@ impl Finding {
 pub enum Shown {
     /// A sweep.
     Sweep(Box<Sweep>, Vec<Row>),
-    /// Outcomes over a plane, with the curves of pitchforks and of folds in it.
-    Phase(PhasePlane, PhaseDiagram, Vec<Curve>, Vec<Curve>),
+    /// Outcomes over a plane.
+    Map(Box<Map>),
     /// Branches of a cell, each with its name.
     Branches(Cell, Vec<(&'static str, Branch)>),
     /// What bounds division over R0.
@@ -260,7 +287,7 @@ impl Lab<'_> {
         let range = ends.map_or([0.0; 2], |(first, last)| [*first, *last]);
         let pitchforks = curves::pitchfork_curve(cell, numerics, plane.parameter, range).into_iter().collect();
         let folds = curves::fold_curves(cell, numerics, plane.parameter, range).unwrap_or_default();
-        found.show(name, Shown::Phase(plane, diagram.clone(), pitchforks, folds));
+        found.show(name, Shown::Map(Box::new(Map { plane, diagram: diagram.clone(), pitchforks, folds })));
         Ok(diagram)
     }
 }

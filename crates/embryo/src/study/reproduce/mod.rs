@@ -39,7 +39,7 @@ use std::time::Instant;
 use serde::Serialize;
 
 use crate::batch::StoreWarning;
-pub use lab::{Finding, Found, Lab, LabError, Panel, Shown, Value};
+pub use lab::{Finding, Found, Lab, LabError, Map, Panel, Shown, Value};
 use paper::Statement;
 
 /// Whether a result is that of the paper.
@@ -81,6 +81,9 @@ pub struct Item {
     /// What the paper's kind of time step gives, where that is another division.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub published_scheme: Option<Value>,
+    /// Whether that would agree.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub published_scheme_agrees: Option<bool>,
     /// |computed/paper − 1|, or |computed| where the paper prints 0; none where it prints no number.
     pub rel_error: Option<f64>,
     /// Whether it agrees: the verdict tells what differs from what cannot be told.
@@ -188,6 +191,7 @@ fn item(statement: &Statement, finding: Finding, seconds: f64) -> Item {
         paper: statement.printed.map(|printed| Value::Number(printed.value)).or(words),
         computed: finding.computed,
         published_scheme: finding.published_scheme,
+        published_scheme_agrees: finding.published_holds,
         rel_error,
         pass: verdict == Verdict::Agrees,
         criterion: statement.criterion.clone(),

@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::study::{Row, Sweep};
 
 /// Below this mean χ, divisions are into equal halves.
-pub const EQUAL: f64 = 0.01;
+pub const EQUAL: f64 = 0.005;
 
 /// What the divisions at one point say.
 #[derive(Clone, Copy, Debug, PartialEq)]

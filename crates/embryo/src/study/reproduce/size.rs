@@ -44,7 +44,7 @@ pub fn sizes(lab: &Lab<'_>, _: &[Statement]) -> Result<Found, LabError> {
     let halves = Finding::words("size_halves", all_equal(&large), unequal_stretches(&large));
     found.say(
         halves
-            .beside(unequal_stretches(&coarse))
+            .beside_judged(all_equal(&coarse), unequal_stretches(&coarse))
             .noting("several modes of a large cell's furrow grow early on; backward Euler at Δt = 0.1 τ damps them"),
     );
     found.show("2A", Shown::Sweep(Box::new(sweep), rows));
@@ -68,7 +68,10 @@ pub fn plane(lab: &Lab<'_>, _: &[Statement]) -> Result<Found, LabError> {
     found.say(Finding::open("plane_order", outcomes(&diagram)).beside(outcomes(&coarse)));
     let [(equal, all), (coarse_equal, _)] = [&diagram, &coarse].map(corner);
     let text = |equal: usize| format!("{equal} of {all} are equal halves");
-    found.say(Finding::words("plane_corner", equal == all, text(equal)).beside(text(coarse_equal)));
+    found.say(
+        Finding::words("plane_corner", equal == all, text(equal))
+            .beside_judged(coarse_equal == all, text(coarse_equal)),
+    );
     Ok(found)
 }
 
