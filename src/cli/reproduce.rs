@@ -23,8 +23,9 @@ use crate::study::table::csv_text;
 /// Computes what the paper says, figure by figure, and tells what agrees and what differs
 ///
 /// A figure is one of the paper's, as 2A, S5, `Table S3` or `Movie 1`; a panel of several that are one row, as 2D; or a whole,
-/// as 2 or movies. Without one all of them are computed, which takes a minute or two. Sizes, confinement and cues are the
-/// paper's; the constants are those of the preset, and of --config and --set.
+/// as 2 or movies. Without one all of them are computed, which takes a minute or two. Sizes,
+/// confinement, activity and cues of single cells are the paper's; the constants, and all of lineages, are those of the preset,
+/// and of --config and --set.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

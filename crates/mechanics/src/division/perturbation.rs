@@ -151,7 +151,7 @@ fn watch(
     Ok(Perturbation { division, distances, start_growth_rate })
 }
 
-/// [distance], by the quadrature of the shape's own mesh.
+/// \[distance\], by the quadrature of the shape's own mesh.
 fn distance(gauss: &Gauss, shape: &Solution, from: &Solution) -> f64 {
     let moved;
     let from = if shape.mesh == from.mesh {

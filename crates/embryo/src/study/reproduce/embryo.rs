@@ -131,7 +131,7 @@ fn compression(lab: &Lab<'_>, tree: &Tree, found: &mut Found) -> Result<Finding,
             return Ok(Finding::not_computed("compression", format!("{name} is not born")));
         };
         let input = |epsilon: f64| {
-            let cell = lab.cell(cell.r0, epsilon).with_cue(Cue::published());
+            let cell = Cell { r0: cell.r0, epsilon, ..lab.settings.cell.clone() }.with_cue(Cue::published());
             DivisionInput { numerics: lab.numerics(), ..DivisionInput::new(cell) }
         };
         let divisions = lab.divisions([0.83, 0.85, 0.87].map(input).to_vec(), found)?;

@@ -9,7 +9,7 @@ use crate::batch::{Job, Memo, PhaseDiagram, PhasePlane, SchedulerError, Schedule
 use crate::cell::{Cell, Cue, Numerics, Scheme};
 use crate::division::{Division, DivisionError, DivisionInput, Film, Perturbation, divide};
 use crate::input::InputError;
-use crate::lineage::{GrowError, Tree};
+use crate::lineage::{GrowError, Tree, tree::ZYGOTE};
 use crate::settings::Settings;
 use crate::shapes::Branch;
 use crate::shapes::curves::{self, Curve};
@@ -17,7 +17,8 @@ use crate::study::{Row, Run, Sweep};
 
 /// What results are computed with. They depend on the settings alone, whatever the threads and what the memo knows.
 pub struct Lab<'a> {
-    /// Constants and discretisation; sizes, confinement and activity are the paper's.
+    /// Constants and discretisation. Sizes, confinement and activity of single cells are the paper's, those of lineages the
+    /// settings'.
     pub settings: &'a Settings,
     /// Remembers divisions.
     pub memo: &'a Memo<DivisionInput>,
@@ -206,9 +207,9 @@ impl Lab<'_> {
         Cell { r0, epsilon, xi_s: PUBLISHED_ACTIVITY, cue: Cue::none(), ..self.settings.cell.clone() }
     }
 
-    /// The cell of a statement; the preset's zygote where it names none.
+    /// The cell of a statement; the paper's zygote where it names none.
     pub fn cell_of(&self, statement: &Statement) -> Cell {
-        statement.cell.map_or(self.cell(5.4, 0.87), |of| self.cell(of.r0, of.epsilon))
+        statement.cell.map_or(self.cell(ZYGOTE, PUBLISHED_CONFINEMENT), |of| self.cell(of.r0, of.epsilon))
     }
 
     /// The discretisation, converged.
@@ -259,7 +260,9 @@ impl Lab<'_> {
     /// # Errors
     /// [`LabError`].
     pub fn sweep(&self, text: &str, file: &str, found: &mut Found) -> Result<(Sweep, Vec<Row>), LabError> {
-        let sweep = Sweep::parse(text, file, self.settings, &[])?;
+        // What the sweep does not name is that of the paper's zygote.
+        let base = Settings { cell: self.cell(ZYGOTE, PUBLISHED_CONFINEMENT), ..self.settings.clone() };
+        let sweep = Sweep::parse(text, file, &base, &[])?;
         let progress = |_| ();
         let (memo, threads, interrupt) = (self.memo, self.threads, self.interrupt);
         let run = Run { sweep: &sweep, shard: None, memo, threads, interrupt, progress: &progress };
@@ -294,3 +297,5 @@ impl Lab<'_> {
 
 /// ξ_s of the paper's cells (Table S3).
 pub const PUBLISHED_ACTIVITY: f64 = 25.0;
+/// ε of the paper's cells (Table S3).
+pub const PUBLISHED_CONFINEMENT: f64 = 0.87;
