@@ -11,7 +11,7 @@ use super::sensitivity::{Sensitivity, Tangent};
 use super::slow;
 use super::start::{FIRST_MESH, Start, check};
 use super::stepper::{MAX_ORDER, Stepper, parity_norm};
-use crate::cell::{Parameter, Scheme};
+use crate::cell::{Numerics, Parameter, Scheme};
 use crate::cortex::equations::{COMPONENTS, LENGTH, PSI, R, Z, noise_factor};
 use crate::cortex::observables::{self, Neck, PINCH_OFF};
 use crate::cortex::{Cortex, Domain};
@@ -62,7 +62,7 @@ pub struct Frame<'a> {
     /// Its neck, if it has a waist.
     pub neck: Option<Neck>,
     /// The problem that the shape solves, with its motion: what [`forces`](crate::cortex::forces) reads. At t = 0 that of the
-    /// passive cell.
+    /// passive cell, or of the stationary shape that it starts from.
     pub cortex: &'a Cortex,
     /// The collocation scheme of the shape.
     pub gauss: &'a Gauss,
@@ -129,27 +129,7 @@ pub(super) fn run(
         stepper.adapt(parity, FIRST_MESH);
     }
     stepper.extrapolates = numerics.scheme == Scheme::Converged;
-    let fixed = (numerics.scheme == Scheme::Published).then_some(numerics.dt);
-    let mut run = Run {
-        tolerance: numerics.time_tolerance,
-        factor: numerics.step_factor,
-        parity,
-        odd_floor: 0.0,
-        dt: numerics.first_step,
-        fixed,
-        steps: 0,
-        rejected: 0,
-        drift: 0.0,
-        neck: None,
-        neck_rate: 0.0,
-        next_rest_check: 0.0,
-        longest: numerics.t_max,
-        t_max: numerics.t_max,
-        stays: 0,
-        slow_growth_rate: None,
-        tangent,
-        oscillation: Oscillation::default(),
-    };
+    let mut run = Run::new(numerics, parity, tangent);
     run.first_step(&mut stepper, noise::coefficients(*seed, numerics.noise))?;
     loop {
         run.shorten(start, stepper.levels[0].t);
@@ -230,6 +210,30 @@ struct Rest {
 }
 
 impl Run {
+    /// Before the first step.
+    fn new(numerics: &Numerics, parity: bool, tangent: Option<Tangent>) -> Run {
+        Run {
+            tolerance: numerics.time_tolerance,
+            factor: numerics.step_factor,
+            parity,
+            odd_floor: 0.0,
+            dt: numerics.first_step,
+            fixed: (numerics.scheme == Scheme::Published).then_some(numerics.dt),
+            steps: 0,
+            rejected: 0,
+            drift: 0.0,
+            neck: None,
+            neck_rate: 0.0,
+            next_rest_check: 0.0,
+            longest: numerics.t_max,
+            t_max: numerics.t_max,
+            stays: 0,
+            slow_growth_rate: None,
+            tangent,
+            oscillation: Oscillation::default(),
+        }
+    }
+
     /// The first step, whose activity is noisy. The noise belongs to a step of given length, whatever the step factor.
     fn first_step(&mut self, stepper: &mut Stepper, coefficients: [f64; 10]) -> Result<(), DivisionError> {
         let (y, gauss) = (&stepper.levels[0].y, &stepper.system.gauss);
