@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-const COMMANDS: [&str; 20] = [
+const COMMANDS: [&str; 21] = [
     "tree",
     "divide",
     "steady",
@@ -21,6 +21,7 @@ const COMMANDS: [&str; 20] = [
     "export",
     "movies",
     "cache",
+    "reproduce",
     "explore",
     "completions",
     "man",
@@ -114,6 +115,11 @@ fn examples_of_contours_run_beside_a_division() {
         encoder.write_header().unwrap().write_image_data(&pixels).unwrap();
     }
     run_examples_in(&folder, "compare contour");
+}
+
+#[test]
+fn examples_of_reproductions_run() {
+    run_examples("reproduce");
 }
 
 #[test]

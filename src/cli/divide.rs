@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::cell::{ActiveCellArgs, number, positive};
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
+use super::from_steady::{self, FromSteadyArgs, Output};
 use super::interrupt;
 use super::movies::{DENSE, MovieArgs};
 use super::output::{answer, writable_folder};
@@ -22,12 +23,14 @@ use crate::io::frames::{INDEX, write_frames};
 use crate::lineage::Units;
 
 /// Computes one division, from the passive shape to pinch-off or rest
+///
+/// With --from-steady from a stationary shape of the active cell, which the noise of the first step disturbs.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   furrow divide --r0 2.5 --plot division.svg
   furrow divide --r0 5.4 --cue germline --json --movie zygote.gif --movie-frames 5
-  furrow divide --r0 4 --cue activity:band,u0=0.45,omega=0.3Lh,amplitude=0.1
+  furrow divide --r0 2 --xi 23 --from-steady --plot distance.svg
   furrow divide --r0 2 --replicates 3 --frames contours --frame-step 0.2")]
 pub struct DivideArgs {
     #[command(flatten)]
@@ -44,6 +47,8 @@ pub struct DivideArgs {
     /// Writes a frame every so many τ instead of after every step
     #[arg(help_heading = "Output", long, value_name = "TAU", requires = "frames", allow_negative_numbers = true, value_parser = number)]
     frame_step: Option<f64>,
+    #[command(flatten)]
+    from: FromSteadyArgs,
     #[command(flatten)]
     plot: PlotArgs,
     #[command(flatten)]
@@ -89,6 +94,10 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     let every = args.frame_step.map(|step| positive("--frame-step", "frame_step", step)).transpose()?;
     let picture = args.plot.file()?;
     let movie = args.movie.file()?;
+    if args.from.from_steady {
+        let output = Output { frames: args.frames.as_deref(), every, picture, movie };
+        return from_steady::run(&args.from, &context, &input, args.replicates as usize, output);
+    }
     let Replicates { divisions, undecided, .. } = solve(args, &context, &input)?;
     if args.frames.is_some() || picture.is_some() || movie.is_some() {
         interrupt::at_once();
@@ -129,7 +138,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
 const MOST_FRAMES: f64 = 100_000.0;
 
 /// Refuses a step that gives more frames than anybody looks at, as of a cell that waits for thousands of τ.
-fn check_count(film: &Film, every: Option<f64>) -> Result<(), InputError> {
+pub(super) fn check_count(film: &Film, every: Option<f64>) -> Result<(), InputError> {
     let least = film.division.t_end / MOST_FRAMES;
     match every.filter(|step| *step < least) {
         None => Ok(()),

@@ -2,7 +2,7 @@
 
 use crate::batch::{Failure, SchedulerError, StoreError};
 use crate::calibration::CalibrateError;
-use crate::division::DivisionError;
+use crate::division::{DivisionError, PerturbationError};
 use crate::drawing::FigureError;
 use crate::input::InputError;
 use crate::io::files::WriteError;
@@ -13,6 +13,7 @@ use crate::shapes::{PointKind, ShapeError, StationaryError};
 use crate::stability::StabilityError;
 use crate::study::EnsembleError;
 use crate::study::fit::FitError;
+use crate::study::reproduce::LabError;
 use crate::study::table::TableError;
 
 /// What ends a command.
@@ -36,6 +37,9 @@ pub enum CliError {
     /// Divisions could not be scheduled.
     #[error(transparent)]
     Scheduler(#[from] SchedulerError<DivisionError>),
+    /// What becomes of a disturbed stationary shape could not be computed.
+    #[error("{}", perturbation_text(.0))]
+    Perturbation(#[from] PerturbationError),
     /// A stationary shape could not be computed.
     #[error(transparent)]
     Stationary(#[from] StationaryError),
@@ -114,6 +118,16 @@ fn fit_text(error: &FitError) -> String {
     }
 }
 
+/// Why a stationary shape could not be disturbed, with what helps.
+fn perturbation_text(error: &PerturbationError) -> String {
+    match error {
+        PerturbationError::Stationary(StationaryError::OutOfReach { .. }) => {
+            format!("{error}; lower --xi, or leave out --from-steady")
+        }
+        _ => error.to_string(),
+    }
+}
+
 /// A computation's error, with the option that helps.
 fn shape_text(error: &ShapeError) -> String {
     match error {
@@ -123,13 +137,23 @@ fn shape_text(error: &ShapeError) -> String {
     }
 }
 
+impl From<LabError> for CliError {
+    fn from(error: LabError) -> CliError {
+        match error {
+            LabError::Input(error) => CliError::Input(error),
+            LabError::Workers(error) => CliError::Scheduler(error),
+            _ => CliError::Interrupted,
+        }
+    }
+}
+
 impl CliError {
     /// 2 for bad input, else 1.
     pub fn exit_code(&self) -> u8 {
         let bad_division = |e: &DivisionError| matches!(e, DivisionError::BadInput { .. });
         let bad = match self {
             CliError::Input(_) | CliError::Usage | CliError::Store(StoreError::NotAFolder { .. }) => true,
-            CliError::Division(e) => bad_division(e),
+            CliError::Division(e) | CliError::Perturbation(PerturbationError::Division(e)) => bad_division(e),
             _ => false,
         };
         if bad { 2 } else { 1 }

@@ -13,6 +13,7 @@ mod error;
 mod explore;
 mod export;
 mod fit;
+mod from_steady;
 mod interrupt;
 mod merge;
 mod movies;
@@ -22,6 +23,7 @@ mod phase;
 mod pitchfork;
 mod plot;
 mod progress;
+mod reproduce;
 mod scenarios;
 mod shell;
 mod steady;
@@ -105,6 +107,7 @@ enum Command {
     Calibrate(calibrate::CalibrateArgs),
     Fit(fit::FitArgs),
     Compare(compare::CompareArgs),
+    Reproduce(reproduce::ReproduceArgs),
     Explore(explore::ExploreArgs),
     NewLineage(new_lineage::NewLineageArgs),
     Cache(cache::CacheArgs),
@@ -155,6 +158,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Sweep(args) => sweep::run(&args, &Context::new(&cli.globals)?, &cli.globals),
         Command::Merge(args) => merge::run(&args, &cli.globals),
         Command::Export(args) => export::run(&args, &cli.globals),
+        Command::Reproduce(args) => reproduce::run(&args, &Context::new(&cli.globals)?, &cli.globals),
         Command::Explore(args) => explore::run(&args, &Context::new(&cli.globals)?),
         Command::NewLineage(args) => new_lineage::run(&args),
         Command::Cache(args) => cache::run(&args, &cli.globals),

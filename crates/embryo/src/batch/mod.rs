@@ -2,12 +2,13 @@
 //! run and for other processes.
 //!
 //! What is computed is a [`Task`], what comes of it a [`Record`]; [`division`] says what these are for cells that divide,
-//! [`mod@replicates`] and [`phase`] solve many of them, and these three alone know of cells. [`scheduler::run`] asks the [`Memo`] for the record of every task; the
+//! [`mod@replicates`], [`mod@perturbations`] and [`phase`] solve many of them, and these alone know of cells. [`scheduler::run`] asks the [`Memo`] for the record of every task; the
 //! memo asks the [`Store`], which shares a folder with other processes.
 
 pub mod division;
 pub mod key;
 pub mod memo;
+pub mod perturbations;
 pub mod phase;
 pub mod quantisation;
 pub mod replicates;

@@ -3,6 +3,7 @@
 mod beside;
 pub mod html;
 mod page;
+pub mod reproduction;
 pub mod scenarios_page;
 pub mod scenarios_table;
 pub mod summary;

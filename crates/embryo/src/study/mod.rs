@@ -12,6 +12,7 @@
 //! | [`constants`] | sets of constants as a table |
 //! | [`mod@ranges`] | a lineage over sets of constants |
 //! | [`compare`] | the model beside measured embryos |
+//! | [`reproduce`] | every statement of the paper that computation can reach, beside what is computed |
 //! | [`fit`] | what would make it the embryo: constants, activities and a cue from what was observed |
 
 mod check;
@@ -23,6 +24,7 @@ pub mod fit;
 pub mod judge;
 pub mod points;
 pub mod ranges;
+pub mod reproduce;
 pub mod run;
 pub mod sample;
 pub mod scenarios;

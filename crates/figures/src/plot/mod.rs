@@ -5,12 +5,14 @@
 //! | [`division`] | a cell as it divides, χ and its neck over time, the normal forces half-way |
 //! | [`branch`] | a bifurcation diagram, with shapes |
 //! | [`boundary`] | curves of pitchforks and folds, the critical value |
+//! | [`perturbation`] | how far disturbed stationary shapes come from where they started |
 //! | [`phase`] | outcomes over a plane, with their exact edges |
 //! | [`sweep`] | results over one axis or two |
 //! | [`calibration`] | thresholds wanted and met; an ensemble of constants |
 //! | [`comparison`] | measured size asymmetries beside the model's |
 //! | [`contours`] | measured outlines of a dividing cell, with the model's over them |
 //! | [`fit`] | constants, activities and cues that fit |
+//! | [`reproduction`] | the figures of the paper, each by what it is |
 //! | [`rounds`] | rounds of the founders beside the observed ones |
 
 pub mod boundary;
@@ -22,6 +24,8 @@ pub mod division;
 // Nothing is fitted on wasm32.
 #[cfg(not(target_family = "wasm"))]
 pub mod fit;
+pub mod perturbation;
 pub mod phase;
+pub mod reproduction;
 pub mod rounds;
 pub mod sweep;

@@ -1,5 +1,5 @@
-//! The results of a sweep: χ, or whatever its kind gives, over its first axis of numbers, a curve for each value of the other
-//! axes; outcomes as a map where two axes are dense.
+//! The results of a sweep: χ, or whatever its kind gives, over its first axis of many numbers (or of any, where none has many), a
+//! curve for each value of the other axes; outcomes as a map where two axes are dense.
 
 use serde_json::Value;
 
@@ -40,7 +40,13 @@ pub fn draw(sweep: &Sweep, rows: &[Row]) -> Drawing {
         [x, y] if sweep.kind == Kind::Division && sweep.axes.0.len() == 2 && dense(x) && dense(y) => {
             map_of_outcomes(&mut canvas, sweep, &points, [x, y]);
         }
-        _ => curves(&mut canvas, sweep, &points, numeric.first().copied()),
+        // Curves run along an axis that has enough values for one, if there is any.
+        _ => curves(
+            &mut canvas,
+            sweep,
+            &points,
+            numeric.iter().copied().find(|k| dense(*k)).or(numeric.first().copied()),
+        ),
     }
     canvas.finish()
 }

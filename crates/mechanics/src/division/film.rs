@@ -4,7 +4,7 @@ use bvp::{Gauss, Solution};
 
 use super::DivisionInput;
 use super::outcome::{Division, DivisionError};
-use super::run::divide_observed;
+use super::run::{Frame, divide_observed};
 use crate::cortex::equations::{LENGTH, PRESSURE};
 use crate::cortex::forces::{self, Place};
 use crate::cortex::observables::{self, Neck};
@@ -72,13 +72,27 @@ impl Still {
 /// # Errors
 /// [`DivisionError`], as [`divide`](super::divide).
 pub fn film(input: &DivisionInput) -> Result<Film, DivisionError> {
-    let mut steps = Vec::new();
-    let division = divide_observed(input, |frame| {
+    let mut recording = Recording::default();
+    let division = divide_observed(input, |frame| recording.keep(frame))?;
+    Ok(recording.film(input, division))
+}
+
+/// The shapes of a division under way.
+#[derive(Debug, Default)]
+pub(super) struct Recording(Vec<Step>);
+
+impl Recording {
+    /// Keeps a shape.
+    pub(super) fn keep(&mut self, frame: Frame<'_>) {
         let (shape, cortex) = (frame.shape.clone(), frame.cortex.clone());
-        steps.push(Step { t: frame.t, shape, cortex, neck: frame.neck });
-    })?;
-    let cortex = Cortex::new(&input.cell, Domain::Full, &[]);
-    Ok(Film { division, cortex, gauss: Gauss::new(input.numerics.stages), steps, dense: None })
+        self.0.push(Step { t: frame.t, shape, cortex, neck: frame.neck });
+    }
+
+    /// The film of the division, once it has ended.
+    pub(super) fn film(self, input: &DivisionInput, division: Division) -> Film {
+        let cortex = Cortex::new(&input.cell, Domain::Full, &[]);
+        Film { division, cortex, gauss: Gauss::new(input.numerics.stages), steps: self.0, dense: None }
+    }
 }
 
 impl Film {

@@ -1,9 +1,11 @@
-//! One division in time: implicit stepping of the cortex from the passive shape to pinch-off or rest.
+//! One division in time: implicit stepping of the cortex from the passive shape, or from a stationary one, to pinch-off or rest.
 //!
 //! | file | what it says |
 //! |---|---|
 //! | [`run`] | one division: noise, steps, pinch-off or rest |
 //! | [`stepper`] | backward differentiation formulas on a moving mesh |
+//! | `start` | what it starts from |
+//! | [`perturbation`] | a stationary shape that is disturbed, and watched |
 //! | [`noise`] | the seeded noise of the first step |
 //! | [`sensitivity`] | how the outcome changes with parameters, by the tangent of every step |
 //! | [`slow`] | cells that wait at a stationary shape for longer than can be waited for |
@@ -17,14 +19,17 @@ mod limits;
 pub mod noise;
 mod oscillation;
 pub mod outcome;
+pub mod perturbation;
 pub mod run;
 pub mod sensitivity;
 pub mod slow;
+mod start;
 pub mod statistics;
 pub mod stepper;
 
 pub use film::{Film, Still, film};
 pub use outcome::{Division, DivisionError, Outcome};
+pub use perturbation::{Perturbation, PerturbationError, film_perturbed, perturbed, perturbed_from};
 pub use run::{Frame, divide, divide_observed, divide_with_sensitivities};
 pub use sensitivity::Sensitivity;
 pub use statistics::Statistics;

@@ -132,6 +132,14 @@ pub enum DivisionError {
         /// What the solver said.
         source: NewtonError,
     },
+    /// The shape to start from is not stationary on the mesh of the division.
+    #[error("the stationary shape of {cell} is none on the mesh of its division ({source}); try more mesh intervals")]
+    NotStationary {
+        /// The cell.
+        cell: CellName,
+        /// What the solver said.
+        source: NewtonError,
+    },
     /// The time step fell below its minimum.
     #[error(
         "time stepping of the cell with R0 = {r0} stalled at t = {t:.3e} with step {dt:.1e} ({source}); {}",

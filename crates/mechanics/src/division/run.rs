@@ -10,14 +10,12 @@ use super::oscillation::Oscillation;
 use super::outcome::{Division, DivisionError, Outcome, StepFailure};
 use super::sensitivity::{Sensitivity, Tangent};
 use super::slow;
+use super::start::{FIRST_MESH, Start, check};
 use super::stepper::{MAX_ORDER, Stepper, parity_norm};
 use crate::cell::{Cell, Numerics, Parameter, Scheme};
 use crate::cortex::equations::{COMPONENTS, LENGTH, PSI, R, Z, noise_factor};
 use crate::cortex::observables::{self, Neck, PINCH_OFF};
-use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
-use crate::shapes::error::CellName;
-use crate::shapes::passive;
 use crate::stability::Stability;
 
 /// The first step is not made shorter than about this, in τ.
@@ -34,6 +32,9 @@ const CLOSING: f64 = 0.5;
 const ODD_TOLERANCE: f64 = 50.0;
 /// An odd part below this, relative to R0, is rounding and is not resolved: without noise there is nothing else at first.
 const ODD_ROUNDING: f64 = 1e-12;
+
+/// A time that falls short of another by less than this part of it is that time.
+const ROUNDING: f64 = 1e-9;
 
 /// A shape slower than this, relative to R0 and in 1/τ, may be at rest.
 const REST_SPEED: f64 = 1e-2;
@@ -64,7 +65,7 @@ pub struct Frame<'a> {
     /// Its neck, if it has a waist.
     pub neck: Option<Neck>,
     /// The problem that the shape solves, with its motion: what [`forces`](crate::cortex::forces) reads. At t = 0 that of the
-    /// passive cell.
+    /// passive cell, or of the stationary shape that it starts from.
     pub cortex: &'a Cortex,
     /// The collocation scheme of the shape.
     pub gauss: &'a Gauss,
@@ -75,7 +76,7 @@ pub struct Frame<'a> {
 /// # Errors
 /// [`DivisionError`], naming the cell and what was tried.
 pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
-    Ok(run(input, &mut |_| {}, &[])?.0)
+    Ok(run(input, &Start::Passive, &mut |_| {}, &[])?.0)
 }
 
 /// [`divide`] with an observer called with the start shape and after every accepted step.
@@ -83,7 +84,7 @@ pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
 /// # Errors
 /// See [`divide`].
 pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)) -> Result<Division, DivisionError> {
-    Ok(run(input, &mut observe, &[])?.0)
+    Ok(run(input, &Start::Passive, &mut observe, &[])?.0)
 }
 
 /// [`divide`] with the exact derivatives of the outcome by each of `parameters`, by the tangent of every time step: see
@@ -110,49 +111,31 @@ pub fn divide_with_sensitivities(
     input: &DivisionInput,
     parameters: &[Parameter],
 ) -> Result<(Division, Option<Vec<Sensitivity>>), DivisionError> {
-    run(input, &mut |_| {}, parameters)
+    run(input, &Start::Passive, &mut |_| {}, parameters)
 }
 
 /// The division itself, which is compiled here once and not with everyone who observes it.
-fn run(
+pub(super) fn run(
     input: &DivisionInput,
+    start: &Start<'_>,
     observe: &mut dyn FnMut(Frame<'_>),
     parameters: &[Parameter],
 ) -> Result<(Division, Option<Vec<Sensitivity>>), DivisionError> {
     let DivisionInput { cell, numerics, seed } = input;
     check(cell)?;
-    let mut stepper = start(cell, numerics)?;
+    let mut stepper = start.stepper(cell, numerics)?;
     let tangent = (!parameters.is_empty()).then(|| Tangent::of_start(&stepper, parameters));
-    let passive = Cortex::new(&cell.passive(), Domain::Full, &[]);
     let (shape, gauss) = (&stepper.levels[0].y, &stepper.system.gauss);
-    observe(Frame { t: 0.0, shape, neck: None, cortex: &passive, gauss });
+    observe(Frame { t: 0.0, shape, neck: None, cortex: &start.cortex(cell), gauss });
     let parity = cell.is_mirror_symmetric();
-    stepper.adapt(parity, 1.2);
+    if start.until().is_none() {
+        stepper.adapt(parity, FIRST_MESH);
+    }
     stepper.extrapolates = numerics.scheme == Scheme::Converged;
-    let fixed = (numerics.scheme == Scheme::Published).then_some(numerics.dt);
-    let mut run = Run {
-        tolerance: numerics.time_tolerance,
-        factor: numerics.step_factor,
-        parity,
-        odd_floor: 0.0,
-        dt: numerics.first_step,
-        fixed,
-        steps: 0,
-        rejected: 0,
-        drift: 0.0,
-        neck: None,
-        neck_rate: 0.0,
-        next_rest_check: 0.0,
-        longest: numerics.t_max,
-        most_steps: limits::most_steps(numerics),
-        t_max: numerics.t_max,
-        stays: 0,
-        slow_growth_rate: None,
-        tangent,
-        oscillation: Oscillation::default(),
-    };
+    let mut run = Run::new(numerics, parity, tangent);
     run.first_step(&mut stepper, noise::coefficients(*seed, numerics.noise))?;
     loop {
+        run.shorten(start, stepper.levels[0].t);
         run.advance(&mut stepper)?;
         let newest = &stepper.levels[0];
         let (cortex, gauss) = (&stepper.cortex, &stepper.system.gauss);
@@ -163,6 +146,13 @@ fn run(
             let division = run.divided(&stepper, neck, numerics.chi_symmetric);
             let smooth = division.slow_growth_rate.is_none();
             return Ok((division, run.tangent.filter(|_| smooth).and_then(|tangent| tangent.read(&stepper))));
+        }
+        if let Some(until) = start.until() {
+            if stepper.levels[0].t >= until * (1.0 - ROUNDING) {
+                return Ok((run.watched(&stepper), None));
+            }
+            run.prepare_mesh(&mut stepper);
+            continue;
         }
         if let Some(rest) = run.rest(&mut stepper) {
             if rest.growth_rate < 0.0 || run.is_attractor(&rest) {
@@ -188,30 +178,6 @@ fn run(
         }
         run.prepare_mesh(&mut stepper);
     }
-}
-
-fn check(cell: &Cell) -> Result<(), DivisionError> {
-    let Cell { r0, epsilon, .. } = *cell;
-    if !(r0.is_finite() && r0 > 0.0) {
-        return Err(DivisionError::BadInput { field: "r0", value: r0, allowed: "a finite radius above 0" });
-    }
-    if !(epsilon > 0.0 && epsilon < 1.0) {
-        let allowed = "a volume fraction between 0 and 1, both excluded";
-        return Err(DivisionError::BadInput { field: "epsilon", value: epsilon, allowed });
-    }
-    Ok(())
-}
-
-/// The cell at t = 0: its passive shape without the cue, which is switched on together with the activity.
-fn start(cell: &Cell, numerics: &Numerics) -> Result<Stepper, DivisionError> {
-    let (half, report) =
-        passive(cell, numerics).map_err(|source| DivisionError::NoPassiveShape { cell: CellName::of(cell), source })?;
-    // Cues that say the same in other words have one key, and so must give the same to the last bit.
-    let cell = Cell { cue: cell.cue.simplified(), ..cell.clone() };
-    let cortex = Cortex::new(&cell, Domain::Full, &[]);
-    let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, unfold(&half));
-    stepper.count(report);
-    Ok(stepper)
 }
 
 /// Controls of one run.
@@ -258,6 +224,31 @@ struct Rest {
 }
 
 impl Run {
+    /// Before the first step.
+    fn new(numerics: &Numerics, parity: bool, tangent: Option<Tangent>) -> Run {
+        Run {
+            tolerance: numerics.time_tolerance,
+            factor: numerics.step_factor,
+            parity,
+            odd_floor: 0.0,
+            dt: numerics.first_step,
+            fixed: (numerics.scheme == Scheme::Published).then_some(numerics.dt),
+            steps: 0,
+            rejected: 0,
+            drift: 0.0,
+            neck: None,
+            neck_rate: 0.0,
+            next_rest_check: 0.0,
+            longest: numerics.t_max,
+            most_steps: limits::most_steps(numerics),
+            t_max: numerics.t_max,
+            stays: 0,
+            slow_growth_rate: None,
+            tangent,
+            oscillation: Oscillation::default(),
+        }
+    }
+
     /// The first step, whose activity is noisy. The noise belongs to a step of given length, whatever the step factor; where
     /// that step cannot be solved, as where a strong cue makes the cortex a hundred times quicker, to one of a tenth of it, and
     /// so on: what the noise starts there grows as much sooner.
@@ -302,6 +293,13 @@ impl Run {
         self.accept(stepper, 2.0);
         self.dt = self.dt.min(fixed);
         Ok(())
+    }
+
+    /// Keeps the next step within the longest that the start allows, and within the time that is watched.
+    fn shorten(&mut self, start: &Start<'_>, t: f64) {
+        let Some(until) = start.until() else { return };
+        let factor = if self.fixed.is_some() { 1.0 } else { self.factor };
+        self.dt = self.dt.min(start.longest_step().min(until - t) / factor);
     }
 
     fn neck_step(&self) -> f64 {
@@ -491,6 +489,12 @@ impl Run {
             volume_drift: self.drift,
             work: Work { steps: self.steps, rejected: self.rejected, ..stepper.work },
         }
+    }
+
+    /// A cell that has not divided in the time that it was watched, with the growth rate of the shape that it has come to.
+    fn watched(&self, stepper: &Stepper) -> Division {
+        let growth_rate = self.stationary_near(stepper, 0).map(|rest| rest.growth_rate);
+        Division { growth_rate, ..self.division(stepper, Outcome::Failed) }
     }
 
     fn failed(&self, stepper: &Stepper, growth_rate: f64) -> Division {

@@ -1,0 +1,170 @@
+//! `furrow divide --from-steady`: a stationary shape that is disturbed, and what becomes of it.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::cell::{number, positive};
+use super::context::Context;
+use super::divide::check_count;
+use super::error::CliError;
+use super::movies::{DENSE, MovieFile};
+use super::output::answer;
+use super::plot::PlotFile;
+use crate::batch::perturbations::{Disturbed, perturbations};
+use crate::cell::Cue;
+use crate::division::perturbation::WATCHED;
+use crate::division::{Division, DivisionInput, Perturbation, Statistics, film_perturbed};
+use crate::io::frames::write_frames;
+use crate::plot::perturbation::{Watched, draw};
+
+/// The options of a start from a stationary shape.
+#[derive(Debug, Args)]
+pub struct FromSteadyArgs {
+    /// Starts from the stationary shape at the cell's activity; a cell that has not divided in the end is `failed`
+    ///
+    /// It is the first such shape on the branch that grows out of the passive one, stable or not. The noise of the first step
+    /// disturbs it, and its distance from there, ‖r − r0‖ + ‖z − z0‖ (L² over u), is told over time.
+    #[arg(help_heading = "Numerics", long)]
+    pub from_steady: bool,
+    /// How long it is watched with --from-steady, in τ
+    #[arg(help_heading = "Numerics", long, value_name = "TAU", requires = "from_steady", allow_negative_numbers = true,
+        default_value_t = WATCHED, value_parser = number)]
+    until: f64,
+}
+
+/// Files that are asked for.
+pub struct Output<'a> {
+    pub frames: Option<&'a Path>,
+    pub every: Option<f64>,
+    pub picture: Option<PlotFile>,
+    pub movie: Option<MovieFile>,
+}
+
+/// One replicate in the answer.
+#[derive(Serialize)]
+struct Replicate<'a> {
+    seed: u64,
+    #[serde(flatten)]
+    division: &'a Division,
+    /// Whether the cell has come back to where it started.
+    returned: bool,
+    /// [t, dis(t)].
+    dis: &'a [[f64; 2]],
+}
+
+/// What `--json` prints: as of a division, with what is told of the start.
+#[derive(Serialize)]
+struct Answer<'a> {
+    r0: f64,
+    epsilon: f64,
+    xi_s: f64,
+    cue: &'a Cue,
+    from_steady: bool,
+    until: f64,
+    start_growth_rate: f64,
+    #[serde(flatten)]
+    first: Replicate<'a>,
+    replicates: Vec<Replicate<'a>>,
+    #[serde(flatten)]
+    statistics: Statistics,
+    /// Replicates that could not be computed, and are left out.
+    undecided: usize,
+}
+
+pub fn run(
+    args: &FromSteadyArgs,
+    context: &Context,
+    input: &DivisionInput,
+    count: usize,
+    output: Output<'_>,
+) -> Result<(), CliError> {
+    let until = positive("--until", "until", args.until)?;
+    let (mut watched, mut failures): (Vec<(u64, Perturbation)>, Vec<_>) = (Vec::new(), Vec::new());
+    for Disturbed { seed, found } in perturbations(input, count, until, context.threads)? {
+        match found {
+            Ok(perturbation) => watched.push((seed, perturbation)),
+            Err(error) => failures.push((seed, error)),
+        }
+    }
+    if watched.is_empty()
+        && let Some((_, error)) = failures.pop()
+    {
+        return Err(error.into());
+    }
+    for (seed, error) in &failures {
+        tracing::warn!("the replicate of seed {seed} is left out: {error}");
+    }
+    write_files(input, until, &watched, output)?;
+    let replicate = |k: usize| {
+        let (seed, perturbation) = &watched[k];
+        let (division, dis) = (&perturbation.division, perturbation.distances.as_slice());
+        Replicate { seed: *seed, division, returned: perturbation.returned(), dis }
+    };
+    let document = Answer {
+        r0: input.cell.r0,
+        epsilon: input.cell.epsilon,
+        xi_s: input.cell.xi_s,
+        cue: &input.cell.cue,
+        from_steady: true,
+        until,
+        start_growth_rate: watched[0].1.start_growth_rate,
+        first: replicate(0),
+        replicates: (0..watched.len()).map(replicate).collect(),
+        statistics: Statistics::of(watched.iter().map(|(_, perturbation)| &perturbation.division)),
+        undecided: failures.len(),
+    };
+    if context.json {
+        answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
+    } else {
+        answer(&text(&document))
+    }
+}
+
+fn write_files(
+    input: &DivisionInput,
+    until: f64,
+    watched: &[(u64, Perturbation)],
+    output: Output<'_>,
+) -> Result<(), CliError> {
+    if output.frames.is_some() || output.movie.is_some() {
+        let (film, _) = film_perturbed(input, until)?;
+        if let Some(folder) = output.frames {
+            check_count(&film, output.every)?;
+            write_frames(folder, &film, output.every)?;
+        }
+        if let Some(movie) = output.movie {
+            movie.write(&input.cell, &film.with_places(DENSE))?;
+        }
+    }
+    if let Some(picture) = output.picture {
+        let named: Vec<Watched<'_>> =
+            watched.iter().map(|(seed, p)| Watched { name: format!("seed {seed}"), perturbation: p }).collect();
+        picture.write(&draw(&input.cell, &named))?;
+    }
+    Ok(())
+}
+
+fn text(document: &Answer<'_>) -> String {
+    let mut out = format!("R0 = {}, ε = {}, ξ_s = {}", document.r0, document.epsilon, document.xi_s);
+    if !document.cue.is_none() {
+        let _ = write!(out, ", {}", document.cue);
+    }
+    let rate = document.start_growth_rate;
+    let stable = if rate < 0.0 { "stable" } else { "unstable" };
+    let _ = writeln!(out, ", from its stationary shape, which is {stable}: growth rate {rate:.4}/τ");
+    for replicate in &document.replicates {
+        let distance = |k: usize| replicate.dis.get(k).map_or(0.0, |[_, distance]| *distance);
+        let _ = write!(out, "seed {}: dis = {:.2e} after the noise", replicate.seed, distance(1));
+        let last = distance(replicate.dis.len().saturating_sub(1));
+        let division = replicate.division;
+        let _ = match (division.chi, replicate.returned) {
+            (Some(chi), _) => writeln!(out, "; divides at t = {:.4} τ, χ = {chi:.4}", division.t_end),
+            (None, true) => writeln!(out, ", {last:.2e} at t = {:.2} τ: it returns", division.t_end),
+            (None, false) => writeln!(out, ", {last:.2e} at t = {:.2} τ: it leaves", division.t_end),
+        };
+    }
+    out
+}
