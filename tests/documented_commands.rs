@@ -128,6 +128,19 @@ fn options_of(command: &Written, known: &mut BTreeMap<String, BTreeSet<String>>)
     panic!("no help for furrow {}", command.line());
 }
 
+fn copy_folder(from: &Path, to: &Path) {
+    fs::create_dir(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        let copy = to.join(path.file_name().unwrap());
+        if path.is_dir() {
+            copy_folder(&path, &copy);
+        } else {
+            fs::copy(&path, copy).unwrap();
+        }
+    }
+}
+
 /// A folder with what the repository has and what the text tells the reader to write.
 fn reader() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
@@ -135,11 +148,7 @@ fn reader() -> tempfile::TempDir {
         fs::create_dir(folder.path().join(name)).unwrap();
     }
     for name in ["data", "lineages", "studies"] {
-        fs::create_dir(folder.path().join(name)).unwrap();
-        for entry in fs::read_dir(root().join(name)).unwrap() {
-            let path = entry.unwrap().path();
-            fs::copy(&path, folder.path().join(name).join(path.file_name().unwrap())).unwrap();
-        }
+        copy_folder(&root().join(name), &folder.path().join(name));
     }
     let ten_minutes = fs::read_to_string(root().join("docs/book/src/ten-minutes.md")).unwrap();
     let strong = ten_minutes.split("```ron\n").nth(1).and_then(|text| text.split("```").next()).unwrap();
