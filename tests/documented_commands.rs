@@ -23,6 +23,7 @@ const NOT_RUN: &[(&str, &str)] = &[
     ("divide --r0 17um --cue polar --lineage my.ron", "a file of the reader's own: tests/own_lineage.rs"),
     ("tree <(generate)", "the file is what the reader's own program writes"),
     ("movies", "four movies: tests/help.rs runs an example"),
+    ("reproduce", "all figures take minutes: tests/reproduction.rs computes the quick ones"),
 ];
 
 /// A command as it is written somewhere.
