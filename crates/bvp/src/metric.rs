@@ -106,3 +106,23 @@ pub fn transfer_direction(gauss: &Gauss, from: &[f64], to: &[f64], direction: &m
 pub fn null_direction(system: &mut System, which: usize, out: &mut Direction) {
     system.solve_unit(system.dimensions().integrals + which, out);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By trapezes over nodes that are not evenly spaced, relative to the range, each component and scalar with its weight.
+    #[test]
+    fn the_product_of_directions_is_a_mean_over_the_mesh() {
+        let metric = Metric { components: vec![1.0, 3.0], scalars: vec![0.5] };
+        let direction = |nodes: [f64; 6], scalar: f64| Direction {
+            nodes: nodes.to_vec(),
+            stages: Vec::new(),
+            scalars: vec![scalar],
+        };
+        let (a, b) = (direction([1.0, 0.0, 2.0, 1.0, 4.0, 0.0], 2.0), direction([1.0, 5.0, 1.0, 2.0, 0.5, 7.0], 3.0));
+        // Products 1, 2 + 3·2 and 2 at 0, 1 and 4.
+        let expected = (0.5 * (1.0 + 8.0) * 1.0 + 0.5 * (8.0 + 2.0) * 3.0) / 4.0 + 0.5 * 2.0 * 3.0;
+        assert!((metric.dot(&[0.0, 1.0, 4.0], &a, &b) - expected).abs() < 1e-14);
+    }
+}

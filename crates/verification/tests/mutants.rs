@@ -33,6 +33,8 @@ fn the_page_of_mutants_has_all_of_them_killed() {
         let row = format!("| {} | {} | `{file}`: `{test}` |", mutant.name, mutant.means);
         assert!(page.contains(&row), "docs/mutations.md has no row `{row}`: run the mutants with --write");
     }
-    let rows = page.lines().filter(|line| line.contains("`: `")).count();
+    // The table of the model ends there; others follow.
+    let table = page.split("<!-- end -->").next().unwrap_or_default();
+    let rows = table.lines().filter(|line| line.contains("`: `")).count();
     assert_eq!(rows, mutants.len(), "docs/mutations.md has rows of mutants that are no more");
 }

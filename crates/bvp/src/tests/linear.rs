@@ -11,7 +11,7 @@ use crate::{Direction, LinearCondition, Residual};
 
 /// Sizes with and without each kind of unknown and condition, up to two linear conditions, more conditions at one end
 /// than components, no conditions at one end, all components integrable, and sizes beyond one lane.
-pub const SHAPES: [Dimensions; 17] = [
+pub const SHAPES: [Dimensions; 18] = [
     dims(1, 0, 0, 1, 0, 0),
     dims(1, 0, 0, 0, 1, 0),
     dims(2, 0, 0, 1, 1, 0),
@@ -21,6 +21,7 @@ pub const SHAPES: [Dimensions; 17] = [
     dims(3, 1, 1, 2, 1, 0),
     dims(4, 2, 2, 2, 2, 1),
     dims(5, 0, 3, 2, 3, 1),
+    dims(4, 1, 3, 2, 1, 3),
     dims(5, 4, 1, 3, 2, 1),
     dims(6, 2, 0, 3, 1, 1),
     dims(7, 3, 2, 4, 4, 1),
