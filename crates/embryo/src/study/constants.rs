@@ -1,7 +1,7 @@
 //! Sets of constants as a table: one row a set, columns by the names of parameters, and their weights.
 
 use crate::cell::{Cell, Parameter};
-use crate::input::{InputError, did_you_mean};
+use crate::input::{InputError, did_you_mean, shown};
 
 /// A set of constants with its share of the whole.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,19 +49,19 @@ pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputErr
     for (k, name) in columns.iter().enumerate() {
         if *name != WEIGHT && !name.parse::<Parameter>().is_ok_and(|p| Parameter::ALL.contains(&p)) {
             let allowed = format!("one of {}{}", known.join(", "), did_you_mean(name, known.iter().copied()));
-            return Err(InputError::not_allowed(file, format!("column {}", k + 1), format!("{name:?}"), allowed));
+            return Err(InputError::not_allowed(file, format!("column {}", k + 1), shown(name), allowed));
         }
         // A parameter has two names where one of them is short.
         let parameter = name.parse::<Parameter>().ok();
         let same = |other: &&str| other == name || parameter.is_some() && other.parse().ok() == parameter;
         if columns[..k].iter().any(same) {
-            return Err(InputError::not_allowed(file, format!("column {}", k + 1), format!("{name:?}"), "named once"));
+            return Err(InputError::not_allowed(file, format!("column {}", k + 1), shown(name), "named once"));
         }
     }
     let mut out = Vec::new();
     for (number, line) in lines {
         out.push(row(&columns, line).map_err(|(column, value, allowed)| {
-            InputError::not_allowed(format!("{file}:{}", number + 1), column, format!("{value:?}"), allowed)
+            InputError::not_allowed(format!("{file}:{}", number + 1), column, shown(&value), allowed)
         })?);
     }
     if out.is_empty() {
