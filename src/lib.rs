@@ -27,6 +27,7 @@
 //! | [`shapes`] | branches of stationary shapes, folds and pitchforks, critical radii |
 //! | [`calibration`] | constants from thresholds |
 //! | [`division`] | one division in time |
+//! | [`perturbation`] | a stationary shape that is disturbed, and watched |
 //! | [`batch`] | many divisions solved once each, on all cores, and kept; phase diagrams |
 //! | [`lineage`] | founders, the tree that grows from them, rounds beside the observed ones |
 //! | [`settings`] | parameters as users give them, each field checked |
@@ -66,4 +67,4 @@ pub use embryo::{batch, io, lineage, report, settings, study};
 #[doc(inline)]
 pub use figures::{drawing, movie, plot};
 #[doc(inline)]
-pub use mechanics::{calibration, cell, cortex, division, input, shapes, stability};
+pub use mechanics::{calibration, cell, cortex, division, input, perturbation, shapes, stability};

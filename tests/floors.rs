@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 mod picture;
 
 /// The modules of the library from the lowest floor to the highest.
-const FLOORS: [&str; 17] = [
+const FLOORS: [&str; 18] = [
     "input",
     "cell",
     "cortex",
@@ -16,6 +16,7 @@ const FLOORS: [&str; 17] = [
     "shapes",
     "calibration",
     "division",
+    "perturbation",
     "batch",
     "lineage",
     "settings",

@@ -4,7 +4,8 @@
 use std::process::{Command, Output};
 
 use furrow::cell::{Cell, Numerics};
-use furrow::division::{DivisionInput, Outcome, Perturbation, perturbed};
+use furrow::division::{DivisionInput, Outcome};
+use furrow::perturbation::{Perturbation, perturbed};
 
 const GERMLINE: &str = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1";
 

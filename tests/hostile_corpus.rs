@@ -31,6 +31,11 @@ fn lineage_files() {
 }
 
 #[test]
+fn contours() {
+    try_all("contours", readers::contours::check);
+}
+
+#[test]
 fn sweep_files() {
     try_all("sweep", readers::sweep::check);
 }

@@ -6,6 +6,7 @@
 
 pub mod config;
 pub mod constants;
+pub mod contours;
 pub mod cue;
 pub mod lineage;
 pub mod newick;

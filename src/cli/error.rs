@@ -2,13 +2,14 @@
 
 use crate::batch::{Failure, SchedulerError, StoreError};
 use crate::calibration::CalibrateError;
-use crate::division::{DivisionError, PerturbationError};
+use crate::division::DivisionError;
 use crate::drawing::FigureError;
 use crate::input::InputError;
 use crate::io::files::WriteError;
 use crate::io::frames::FramesError;
 use crate::io::sweep_files::SweepFilesError;
 use crate::lineage::GrowError;
+use crate::perturbation::PerturbationError;
 use crate::shapes::{PointKind, ShapeError, StationaryError};
 use crate::stability::StabilityError;
 use crate::study::EnsembleError;

@@ -15,9 +15,10 @@ use super::output::answer;
 use super::plot::PlotFile;
 use crate::batch::perturbations::{Disturbed, perturbations};
 use crate::cell::Cue;
-use crate::division::perturbation::WATCHED;
-use crate::division::{Division, DivisionInput, Perturbation, Statistics, film_perturbed};
+use crate::division::{Division, DivisionInput, Statistics};
 use crate::io::frames::write_frames;
+use crate::perturbation::WATCHED;
+use crate::perturbation::{Perturbation, film_perturbed};
 use crate::plot::perturbation::{Watched, draw};
 
 /// The options of a start from a stationary shape.

@@ -19,4 +19,4 @@ pub mod settings;
 pub mod study;
 
 // The floors below, by the names they have in `furrow`.
-use mechanics::{calibration, cell, cortex, division, input, shapes};
+use mechanics::{calibration, cell, cortex, division, input, perturbation, shapes};

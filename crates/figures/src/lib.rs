@@ -16,4 +16,4 @@ pub mod plot;
 
 // The floors below, by the names they have in `furrow`.
 use embryo::{batch, lineage, study};
-use mechanics::{calibration, cell, cortex, division, shapes};
+use mechanics::{calibration, cell, cortex, division, perturbation, shapes};

@@ -15,6 +15,7 @@
 //! | [`shapes`] | branches of stationary shapes, folds and pitchforks, critical radii |
 //! | [`calibration`] | constants from thresholds |
 //! | [`division`] | one division in time |
+//! | [`perturbation`] | a stationary shape that is disturbed, and watched |
 //!
 //! # References
 //! Gao, Guan, Tang & Ma, "Cell size and confinement drive asymmetric cell division through a cortical instability",
@@ -25,5 +26,6 @@ pub mod cell;
 pub mod cortex;
 pub mod division;
 pub mod input;
+pub mod perturbation;
 pub mod shapes;
 pub mod stability;

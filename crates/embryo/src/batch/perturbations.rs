@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 
 use super::scheduler::{self, SchedulerError};
-use crate::division::{DivisionError, DivisionInput, Perturbation, PerturbationError, perturbed_from};
+use crate::division::{DivisionError, DivisionInput};
+use crate::perturbation::{Perturbation, PerturbationError, perturbed_from};
 use crate::shapes::stationary;
 
 /// A disturbed shape.

@@ -1,11 +1,11 @@
 //! How far disturbed stationary shapes are from where they started, over time: what returns falls, what leaves rises.
 
 use crate::cell::Cell;
-use crate::division::Perturbation;
 use crate::drawing::legend::{self, Key, Marker};
 use crate::drawing::panel::{Axis, Panel};
 use crate::drawing::style::{self, text};
 use crate::drawing::{Anchor, Canvas, Drawing, Stroke};
+use crate::perturbation::Perturbation;
 
 const WIDTH: f64 = 1000.0;
 const HEIGHT: f64 = 600.0;

@@ -21,8 +21,8 @@ use nalgebra::{Matrix2, Point2, Rotation2, SymmetricEigen, Vector2};
 
 /// A share of its area by which a contour may change where loops of it are cut off. More is not a slip of the hand.
 const MOST_CUT: f64 = 0.01;
-/// The largest coordinate of a contour.
-const LARGEST: f64 = 1e100;
+/// The largest coordinate of a contour, and the smallest size: beyond, second moments are lost to overflow.
+const SIZES: [f64; 2] = [1e-60, 1e60];
 
 /// A closed contour that does not cross itself, run through anticlockwise. Lengths are in the unit of its source.
 ///
@@ -47,7 +47,7 @@ pub enum Unusable {
     #[error("{0} points; a contour has at least 3 that differ")]
     TooFew(usize),
     /// Not finite, or so large that areas are not.
-    #[error("a coordinate is not a number below 1e100")]
+    #[error("a coordinate is not a number below 1e60")]
     NotFinite,
     /// All on a line.
     #[error("it encloses no area")]
@@ -77,7 +77,7 @@ impl Contour {
     /// # Errors
     /// [`Unusable`].
     pub fn new(points: Vec<[f64; 2]>) -> Result<(Contour, f64), Unusable> {
-        if points.iter().flatten().any(|x| x.is_nan() || x.abs() > LARGEST) {
+        if points.iter().flatten().any(|x| x.is_nan() || x.abs() > SIZES[1]) {
             return Err(Unusable::NotFinite);
         }
         let mut points = points;
@@ -90,7 +90,7 @@ impl Contour {
         }
         let size = extent(&points);
         let drawn = signed_area(&points);
-        if drawn.abs() <= 1e-9 * size * size {
+        if size < SIZES[0] || drawn.abs() <= 1e-9 * size * size {
             return Err(Unusable::NoArea);
         }
         // Loops run through the other way round would be holes of the even-odd rule, and of the one by winding are pieces of their own.

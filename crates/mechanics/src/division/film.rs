@@ -79,17 +79,17 @@ pub fn film(input: &DivisionInput) -> Result<Film, DivisionError> {
 
 /// The shapes of a division under way.
 #[derive(Debug, Default)]
-pub(super) struct Recording(Vec<Step>);
+pub(crate) struct Recording(Vec<Step>);
 
 impl Recording {
     /// Keeps a shape.
-    pub(super) fn keep(&mut self, frame: Frame<'_>) {
+    pub(crate) fn keep(&mut self, frame: Frame<'_>) {
         let (shape, cortex) = (frame.shape.clone(), frame.cortex.clone());
         self.0.push(Step { t: frame.t, shape, cortex, neck: frame.neck });
     }
 
     /// The film of the division, once it has ended.
-    pub(super) fn film(self, input: &DivisionInput, division: Division) -> Film {
+    pub(crate) fn film(self, input: &DivisionInput, division: Division) -> Film {
         let cortex = Cortex::new(&input.cell, Domain::Full, &[]);
         Film { division, cortex, gauss: Gauss::new(input.numerics.stages), steps: self.0, dense: None }
     }

@@ -5,7 +5,6 @@
 //! | [`run`] | one division: noise, steps, pinch-off or rest |
 //! | [`stepper`] | backward differentiation formulas on a moving mesh |
 //! | `start` | what it starts from |
-//! | [`perturbation`] | a stationary shape that is disturbed, and watched |
 //! | [`noise`] | the seeded noise of the first step |
 //! | [`sensitivity`] | how the outcome changes with parameters, by the tangent of every step |
 //! | [`slow`] | cells that wait at a stationary shape for longer than can be waited for |
@@ -19,17 +18,15 @@ mod limits;
 pub mod noise;
 mod oscillation;
 pub mod outcome;
-pub mod perturbation;
 pub mod run;
 pub mod sensitivity;
 pub mod slow;
-mod start;
+pub(crate) mod start;
 pub mod statistics;
 pub mod stepper;
 
 pub use film::{Film, Still, film};
 pub use outcome::{Division, DivisionError, Outcome};
-pub use perturbation::{Perturbation, PerturbationError, film_perturbed, perturbed, perturbed_from};
 pub use run::{Frame, divide, divide_observed, divide_with_sensitivities};
 pub use sensitivity::Sensitivity;
 pub use statistics::Statistics;

@@ -115,7 +115,7 @@ pub fn divide_with_sensitivities(
 }
 
 /// The division itself, which is compiled here once and not with everyone who observes it.
-pub(super) fn run(
+pub(crate) fn run(
     input: &DivisionInput,
     start: &Start<'_>,
     observe: &mut dyn FnMut(Frame<'_>),

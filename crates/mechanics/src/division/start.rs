@@ -16,7 +16,7 @@ pub(super) const FIRST_MESH: f64 = 1.2;
 
 /// What a division starts from, and how it is watched.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Start<'a> {
+pub(crate) enum Start<'a> {
     /// The passive shape without the cue, which is switched on together with the activity.
     Passive,
     /// A stationary shape of the cell on the whole contour. What follows is watched for a given time, and nothing is leapt

@@ -6,8 +6,8 @@ use super::lab::{Finding, Found, Lab, LabError, Shown};
 use super::paper::Statement;
 use crate::batch::scheduler;
 use crate::cell::Cell;
-use crate::division::perturbation::WATCHED;
-use crate::division::{DivisionInput, Perturbation, PerturbationError, perturbed_from};
+use crate::division::DivisionInput;
+use crate::perturbation::{Perturbation, PerturbationError, WATCHED, perturbed_from};
 use crate::shapes::{BranchOptions, ShapeError, StationaryError, pitchfork, stationary};
 
 /// Cells whose shapes are disturbed, R0 and ε: those whose branches the paper shows.

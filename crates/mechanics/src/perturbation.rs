@@ -9,14 +9,13 @@
 
 use bvp::{Gauss, Solution};
 
-use super::DivisionInput;
-use super::film::{Film, Recording};
-use super::outcome::{Division, DivisionError, Outcome};
-use super::run::{Frame, run};
-use super::start::Start;
 use crate::cortex::Domain;
 use crate::cortex::equations::{COMPONENTS, R, Z};
 use crate::cortex::symmetry::unfold;
+use crate::division::film::Recording;
+use crate::division::run::run;
+use crate::division::start::Start;
+use crate::division::{Division, DivisionError, DivisionInput, Film, Frame, Outcome};
 use crate::shapes::{StationaryError, StationaryShape, stationary};
 use crate::stability::StabilityError;
 
@@ -90,13 +89,14 @@ pub enum PerturbationError {
 ///
 /// ```
 /// use mechanics::cell::Cell;
-/// use mechanics::division::{DivisionInput, perturbed};
+/// use mechanics::division::DivisionInput;
+/// use mechanics::perturbation::perturbed;
 /// let returned = |xi_s: f64| {
 ///     let cell = Cell { xi_s, ..Cell::new(2.0) };
 ///     perturbed(&DivisionInput::new(cell), 40.0).map(|watched| watched.returned())
 /// };
 /// assert!(returned(20.0)? && !returned(25.0)?);
-/// # Ok::<(), mechanics::division::PerturbationError>(())
+/// # Ok::<(), mechanics::perturbation::PerturbationError>(())
 /// ```
 pub fn perturbed(input: &DivisionInput, until: f64) -> Result<Perturbation, PerturbationError> {
     perturbed_from(input, &stationary(&input.cell, &input.numerics)?, until)

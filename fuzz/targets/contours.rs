@@ -1,0 +1,46 @@
+//! Contours, in tables of points and in masks. The first byte says which, and whether a label is asked for.
+
+use measured::contour::Contour;
+use measured::contour::furrow::furrow;
+use measured::contour::overlap::{overlap, overlap_of_pixels};
+use measured::contour::polygons::Contours;
+
+use super::{FILE, says_where};
+
+/// A contour that is read encloses an area, is read again as it is written, and lies upon itself.
+pub fn check(data: &[u8]) {
+    let Some((&how, bytes)) = data.split_first() else { return };
+    let mut found = Contours::default();
+    let read = match how % 3 {
+        0 => found.read_table(bytes, FILE),
+        1 => found.read_mask(bytes, FILE, None),
+        _ => found.read_mask(bytes, FILE, Some(u16::from(how))),
+    };
+    if let Err(error) = read {
+        return says_where(&error);
+    }
+    for left in &found.left_out {
+        assert!(left.file == FILE && !left.why.is_empty() && left.why.len() < 400, "{left:?}");
+    }
+    for traced in found.traced.iter().take(4) {
+        holds(&traced.contour);
+    }
+}
+
+fn holds(contour: &Contour) {
+    let moments = contour.moments();
+    // A sliver has moments that are lost to rounding.
+    if moments.area.is_nan() || moments.elongation > 1e3 {
+        return;
+    }
+    assert!(moments.area > 0.0 && moments.elongation >= 1.0 - 1e-9, "{moments:?}");
+    let points: Vec<[f64; 2]> = contour.points().iter().map(|point| [point.x, point.y]).collect();
+    let (again, _) = Contour::new(points).expect("what is a contour is one again");
+    assert!((again.moments().area / moments.area - 1.0).abs() < 0.02);
+    let upright = contour.upright();
+    assert!((0.0..=1.0).contains(&furrow(&upright).depth), "{:?}", furrow(&upright));
+    let own = overlap(&upright, &upright);
+    assert!((own.similarity - 1.0).abs() < 1e-3 && (own.jaccard - 1.0).abs() < 1e-3, "{own:?}");
+    let side = moments.area.sqrt() / 100.0;
+    assert!(overlap_of_pixels(&upright, &upright, side).similarity >= 1.0 - 1e-12);
+}
