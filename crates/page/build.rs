@@ -11,7 +11,7 @@ mod solver;
 
 /// Files, and folders with all that is in them, that decide what the module answers. Reports and studies, which it
 /// does not use, are left out, though they are in the same crate.
-pub const PAGE_SOURCES: [&str; 14] = [
+pub const PAGE_SOURCES: [&str; 15] = [
     "crates/bvp/src",
     "crates/embryo/src/batch",
     "crates/embryo/src/io/tree_json",
@@ -22,6 +22,7 @@ pub const PAGE_SOURCES: [&str; 14] = [
     "crates/mechanics/src/cortex",
     "crates/mechanics/src/division",
     "crates/mechanics/src/input",
+    "crates/mechanics/src/perturbation.rs",
     "crates/mechanics/src/shapes",
     "crates/mechanics/src/stability.rs",
     "crates/page/src",
