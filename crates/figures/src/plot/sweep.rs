@@ -4,12 +4,13 @@
 use serde_json::Value;
 
 use super::phase::bins;
+use crate::cell::Cue;
 use crate::division::Outcome;
 use crate::drawing::legend::{self, Key, Marker};
 use crate::drawing::panel::{Axis, Curve, Mapping, Panel, widened};
 use crate::drawing::style::{self, text};
 use crate::drawing::{Anchor, Canvas, Drawing, Stroke};
-use crate::study::{AxisValue, Kind, Row, Sweep, Target};
+use crate::study::{self, AxisValue, Kind, Row, Sweep, Target};
 
 const WIDTH: f64 = 1000.0;
 const HEIGHT: f64 = 620.0;
@@ -65,7 +66,7 @@ fn title(sweep: &Sweep) -> String {
         parts.push(format!("ξₛ = {}", cell.xi_s));
     }
     if sweep.axes.0.iter().all(|axis| axis.target != Target::Cue) {
-        parts.extend(sweep.cue.as_ref().map(|cue| format!("cue {cue}")));
+        parts.extend(sweep.cue.as_ref().map(|cue| format!("cue {}", unvaried(cue, sweep))));
     }
     let what = match sweep.kind {
         Kind::Division => "Divisions",
@@ -74,6 +75,22 @@ fn title(sweep: &Sweep) -> String {
         Kind::Critical => "Critical radii",
     };
     format!("{what}: {}", parts.join(", "))
+}
+
+/// A cue without the numbers that an axis varies: these are in the legend or along the axis.
+fn unvaried(cue: &Cue, sweep: &Sweep) -> String {
+    let text = cue.to_string();
+    let key = |axis: &study::Axis| match axis.target {
+        Target::CueNumber(parameter) => Some(format!("{}=", parameter.to_string().rsplit('.').next()?)),
+        _ => None,
+    };
+    let varied: Vec<String> = sweep.axes.0.iter().filter_map(key).collect();
+    // Of a sum it is not told here which term a number is of.
+    if cue.terms().len() != 1 {
+        return text;
+    }
+    let left = text.split(',').filter(|part| !varied.iter().any(|key| part.starts_with(key)));
+    left.collect::<Vec<_>>().join(",")
 }
 
 /// The values of an axis, if they are numbers.

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::io::Read;
 
 use csv::ByteRecord;
-use mechanics::input::InputError;
+use mechanics::input::{InputError, shown};
 use serde::Serialize;
 
 use super::Contour;
@@ -132,8 +132,8 @@ impl Ring {
             match number(text) {
                 Some(number) => *value = number,
                 None if self.wrong.is_none() => {
-                    let shown = String::from_utf8_lossy(&text[..text.len().min(80)]);
-                    self.wrong = Some((line, format!("column {}: {shown:?} is not a finite number", column + 1)));
+                    let text = shown(&String::from_utf8_lossy(text));
+                    self.wrong = Some((line, format!("column {}: {text} is not a finite number", column + 1)));
                 }
                 None => {}
             }
