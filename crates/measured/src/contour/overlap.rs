@@ -28,7 +28,8 @@ impl Overlap {
 
 /// By the exact areas of polygons.
 pub fn overlap(a: &Contour, b: &Contour) -> Overlap {
-    let common = a.rings().overlay(&b.rings(), OverlayRule::Intersect, FillRule::NonZero);
+    // On a grid of 64-bit integers, as in `Contour::new`.
+    let common = a.rings().overlay_as::<i64>(&b.rings(), OverlayRule::Intersect, FillRule::NonZero);
     // Outer rings and holes have opposite signs.
     let common: f64 = common.iter().flatten().map(|ring| signed_area(ring)).sum();
     Overlap::of(a.moments().area, b.moments().area, common.abs())
