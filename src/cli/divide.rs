@@ -1,7 +1,7 @@
 //! `furrow divide`: one division.
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
@@ -103,8 +103,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         interrupt::at_once();
         let film = film(&input)?;
         if let Some(folder) = &args.frames {
-            check_count(&film, every)?;
-            interrupt::unbroken(|| write_frames(folder, &film, every))?;
+            write_all_frames(folder, &film, every)?;
         }
         let film = film.with_places(DENSE);
         if let Some(picture) = picture {
@@ -138,7 +137,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
 const MOST_FRAMES: f64 = 100_000.0;
 
 /// Refuses a step that gives more frames than anybody looks at, as of a cell that waits for thousands of τ.
-pub(super) fn check_count(film: &Film, every: Option<f64>) -> Result<(), InputError> {
+fn check_count(film: &Film, every: Option<f64>) -> Result<(), InputError> {
     let least = film.division.t_end / MOST_FRAMES;
     match every.filter(|step| *step < least) {
         None => Ok(()),
@@ -147,6 +146,13 @@ pub(super) fn check_count(film: &Film, every: Option<f64>) -> Result<(), InputEr
             Err(InputError::not_allowed("--frame-step", "frame_step", step, allowed))
         }
     }
+}
+
+/// Writes the frames of a film, after every step or every so many τ; an interruption waits for them.
+pub(super) fn write_all_frames(folder: &Path, film: &Film, every: Option<f64>) -> Result<(), CliError> {
+    check_count(film, every)?;
+    interrupt::unbroken(|| write_frames(folder, film, every))?;
+    Ok(())
 }
 
 /// All replicates, each as soon as a worker is free; one at least.

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::cell::{number, positive};
 use super::context::Context;
-use super::divide::check_count;
+use super::divide::write_all_frames;
 use super::error::CliError;
 use super::movies::{DENSE, MovieFile};
 use super::output::answer;
@@ -16,9 +16,7 @@ use super::plot::PlotFile;
 use crate::batch::perturbations::{Disturbed, perturbations};
 use crate::cell::Cue;
 use crate::division::{Division, DivisionInput, Statistics};
-use crate::io::frames::write_frames;
-use crate::perturbation::WATCHED;
-use crate::perturbation::{Perturbation, film_perturbed};
+use crate::perturbation::{Perturbation, WATCHED, film_perturbed};
 use crate::plot::perturbation::{Watched, draw};
 
 /// The options of a start from a stationary shape.
@@ -133,8 +131,7 @@ fn write_files(
     if output.frames.is_some() || output.movie.is_some() {
         let (film, _) = film_perturbed(input, until)?;
         if let Some(folder) = output.frames {
-            check_count(&film, output.every)?;
-            write_frames(folder, &film, output.every)?;
+            write_all_frames(folder, &film, output.every)?;
         }
         if let Some(movie) = output.movie {
             movie.write(&input.cell, &film.with_places(DENSE))?;

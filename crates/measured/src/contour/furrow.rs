@@ -20,10 +20,7 @@ pub struct Furrow {
 /// The furrow of a contour whose long axis lies along the second coordinate: the place that is narrowest beside what is on both
 /// sides of it.
 pub fn furrow(upright: &Contour) -> Furrow {
-    let ends = upright
-        .points()
-        .iter()
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], point| [least.min(point.y), most.max(point.y)]);
+    let ends = upright.ends();
     let step = (ends[1] - ends[0]) / PLACES as f64;
     let place = |k: usize| ends[0] + (k as f64 + 0.5) * step;
     let mut widths = [0.0; PLACES];

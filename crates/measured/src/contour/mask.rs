@@ -57,7 +57,7 @@ fn decode(from: impl Read, file: &str, labels: bool) -> Result<Picture, InputErr
         wanted: "a mask, a PNG picture".to_owned(),
         reason,
     };
-    // The decoder wants to seek; files are as large as a picture, and no larger than it says below.
+    // The decoder has to seek, which cannot be done in a pipe: all is read before, up to two bytes for each pixel that is allowed.
     let mut bytes = Vec::new();
     from.take(2 * MOST_PIXELS as u64).read_to_end(&mut bytes).map_err(|e| refused(e.to_string()))?;
     let mut decoder = Decoder::new_with_limits(std::io::Cursor::new(bytes), Limits { bytes: 16 * MOST_PIXELS });

@@ -21,7 +21,7 @@ use nalgebra::{Matrix2, Point2, Rotation2, SymmetricEigen, Vector2};
 
 /// A share of its area by which a contour may change where loops of it are cut off. More is not a slip of the hand.
 const MOST_CUT: f64 = 0.01;
-/// The largest coordinate of a contour, and the smallest size: beyond, second moments are lost to overflow.
+/// The smallest size of a contour, and its largest coordinate: beyond, second moments are lost to underflow or overflow.
 const SIZES: [f64; 2] = [1e-60, 1e60];
 
 /// A closed contour that does not cross itself, run through anticlockwise. Lengths are in the unit of its source.
@@ -93,7 +93,7 @@ impl Contour {
         if size < SIZES[0] || drawn.abs() <= 1e-9 * size * size {
             return Err(Unusable::NoArea);
         }
-        // Loops run through the other way round would be holes of the even-odd rule, and of the one by winding are pieces of their own.
+        // By the winding number a loop that runs the other way round is a piece of its own, to be weighed against the largest.
         // Corners are put on a grid of 64-bit integers: with 32 bits, outlines of a few points upon each other took seconds.
         let pieces = points.simplify_shape_as::<i64>(FillRule::NonZero);
         let mut rings: Vec<&Vec<[f64; 2]>> = pieces.iter().flatten().collect();
@@ -117,6 +117,12 @@ impl Contour {
     /// Its points.
     pub fn points(&self) -> &[Point2<f64>] {
         &self.points
+    }
+
+    /// Least and largest second coordinate.
+    pub fn ends(&self) -> [f64; 2] {
+        let along = self.points.iter().map(|point| point.y);
+        along.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], y| [least.min(y), most.max(y)])
     }
 
     /// Its edges, each from a point to the next.

@@ -37,11 +37,7 @@ pub fn overlap(a: &Contour, b: &Contour) -> Overlap {
 
 /// By counting the square pixels of a side whose centres lie within.
 pub fn overlap_of_pixels(a: &Contour, b: &Contour, pixel: f64) -> Overlap {
-    let heights = |contour: &Contour| {
-        let ys = contour.points().iter().map(|point| point.y);
-        ys.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], y| [least.min(y), most.max(y)])
-    };
-    let [a_ends, b_ends] = [a, b].map(heights);
+    let [a_ends, b_ends] = [a, b].map(Contour::ends);
     let rows = (a_ends[0].min(b_ends[0]) / pixel).floor() as i64..=(a_ends[1].max(b_ends[1]) / pixel).ceil() as i64;
     let mut counts = [0_i64; 3];
     for row in rows {

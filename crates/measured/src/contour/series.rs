@@ -161,11 +161,8 @@ fn beside(traced: &Traced, laid: &Laid, (modelled, model): (&Modelled, &Laid), l
     let turned = upright.turned();
     let [straight, about] = [&upright, &turned].map(|own| overlap(own, &model.contour));
     let (own, exact) = if about.similarity > straight.similarity { (turned, about) } else { (upright, straight) };
-    let length = |contour: &Contour| {
-        let ys = || contour.points().iter().map(|point| point.y);
-        ys().fold(f64::NEG_INFINITY, f64::max) - ys().fold(f64::INFINITY, f64::min)
-    };
-    let pixel = traced.pixel.map_or(length(&own) / PIXELS, |pixel| pixel / length_scale);
+    let [low, high] = own.ends();
+    let pixel = traced.pixel.map_or((high - low) / PIXELS, |pixel| pixel / length_scale);
     let mut notes = traced.notes.clone();
     if laid.look.elongation < ROUND {
         notes.push("is nearly round: its long axis means little".to_owned());
