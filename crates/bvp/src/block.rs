@@ -9,7 +9,8 @@
 //! Ascher, Mattheij & Russell 1995, ch. 7 (stability of block elimination with row pivoting for separated conditions).
 
 use crate::condense::Condensed;
-use crate::dense::{self, Determinant, Factors, FactorsRef, LANE, Lanes, PivotFailure};
+use crate::dense::{self, Determinant, Factors, FactorsRef, LANE, Lanes, MAX_LANES, PivotFailure};
+use crate::kernels::Kernels;
 use crate::problem::{MAX_ROWS, MAX_UNKNOWN_LANES, MAX_UNKNOWNS};
 
 /// Rows at one end: `rows` conditions with derivatives by y (× n) and by p (× scalars), row-major.
@@ -61,11 +62,12 @@ pub struct BlockFactor {
     intervals: usize,
     /// Rows of the interval at work: carried, transition, border.
     panel: Lanes,
-    /// Factors of every interval, and of the last block.
-    panels: FactorStore,
+    /// Pivots of every interval: their reciprocals and the rows exchanged for them.
+    reciprocal: Vec<f64>,
+    exchange: Vec<u8>,
     last: FactorStore,
-    /// What elimination does to the right-hand sides of an interval, by columns: rows (solved δy_i, carried, border);
-    /// per interval rows × lanes_for(rows).
+    /// What elimination does to the right-hand sides of an interval once its rows are exchanged, by columns of the n pivots: rows
+    /// (solved δy_i, carried, border); per interval n × lanes_for(rows).
     transform: Lanes,
     /// −∂δy_i/∂(δy_{i+1}, δp) by columns, one lane run of n rows each; per interval.
     backward: Lanes,
@@ -130,14 +132,12 @@ impl FactorStore {
     }
 }
 
-/// Widths of the panel, the rows of one interval: carried, transition and border rows, as columns of δy_i, δy_{i+1}, δp,
-/// padding, and an identity that becomes what elimination does to the rows.
+/// Widths of the panel, the rows of one interval: carried, transition and border rows, as columns of δy_i, δy_{i+1} and δp.
+/// Those of δy_i become what elimination does to the rows.
 #[derive(Clone, Copy)]
 struct Panel {
     /// Rows.
     rows: usize,
-    /// Lane at which the identity starts.
-    identity: usize,
     /// Lanes of a row.
     lanes: usize,
 }
@@ -150,27 +150,53 @@ impl BlockFactor {
     ///
     /// # Panics
     /// If there are not as many conditions as unknowns.
-    pub fn factor(&mut self, condensed: &Condensed, conditions: &Conditions<'_>) -> Result<(), PivotFailure> {
+    pub fn factor(
+        &mut self,
+        kernels: &Kernels,
+        condensed: &Condensed,
+        conditions: &Conditions<'_>,
+    ) -> Result<(), PivotFailure> {
         self.reset(condensed, conditions);
-        let panel = self.panel_widths();
         self.begin(conditions);
+        (kernels.eliminate)(self, condensed, conditions.forms)?;
+        self.factor_last(conditions)
+    }
+
+    /// Eliminates the intervals from left to right. Sizes (components, left conditions) are known at compile time unless 0, here
+    /// and below.
+    ///
+    /// # Errors
+    /// If a pivot vanishes.
+    #[inline(always)]
+    pub(crate) fn eliminate<const N: usize, const LEFT: usize>(
+        &mut self,
+        condensed: &Condensed,
+        forms: &[LinearForm<'_>],
+    ) -> Result<(), PivotFailure> {
+        let (n, nl) = self.sizes::<N, LEFT>();
+        let lanes = self.panel_widths().lanes;
         for i in 0..self.intervals {
-            self.load_interval(condensed, conditions, i);
-            dense::eliminate(&mut self.panel, panel.lanes, self.n, self.nl + self.n, &mut self.panels.write(i))?;
-            let factors = self.panels.read(i);
-            dense::back_substitute(&mut self.panel, panel.lanes, self.n, factors.upper, factors.reciprocal);
-            self.store_interval(i);
+            self.load_interval::<N, LEFT>(condensed, forms, i);
+            let pivots = i * n..(i + 1) * n;
+            let (reciprocal, exchange) = (&mut self.reciprocal[pivots.clone()], &mut self.exchange[pivots]);
+            dense::eliminate_in_place(&mut self.panel, lanes, n, nl + n, reciprocal, exchange)?;
+            self.store_interval::<N, LEFT>(i);
             if i + 1 < self.intervals {
-                self.carry_on();
+                self.carry_on::<N, LEFT>();
             }
         }
-        self.factor_last(conditions)
+        Ok(())
+    }
+
+    /// Components and left conditions, known at compile time where the generic parameters are not 0.
+    #[inline(always)]
+    fn sizes<const N: usize, const LEFT: usize>(&self) -> (usize, usize) {
+        if N > 0 { (N, LEFT) } else { (self.n, self.nl) }
     }
 
     fn panel_widths(&self) -> Panel {
         let rows = self.nl + self.n + self.nb;
-        let identity = dense::lanes_for(2 * self.n + self.np);
-        Panel { rows, identity, lanes: identity + dense::lanes_for(rows) }
+        Panel { rows, lanes: dense::lanes_for(2 * self.n + self.np) }
     }
 
     /// Takes over sizes and makes room.
@@ -187,8 +213,9 @@ impl BlockFactor {
         let (tall, height) = (dense::lanes_for(rows), dense::lanes_for(n));
         self.panel.resize(rows * lanes);
         self.panel.fill([0.0; LANE]);
-        self.panels.reset(self.intervals, n, rows);
-        self.transform.resize(self.intervals * rows * tall);
+        self.reciprocal.resize(self.intervals * n, 0.0);
+        self.exchange.resize(self.intervals * n, 0);
+        self.transform.resize(self.intervals * n * tall);
         self.last.reset(1, nf, nf);
         self.backward.resize(self.intervals * nf * height);
         self.forward.resize(self.intervals * height);
@@ -222,75 +249,78 @@ impl BlockFactor {
     }
 
     /// Adds the rows of interval i to those carried on.
-    fn load_interval(&mut self, condensed: &Condensed, conditions: &Conditions<'_>, i: usize) {
-        let (n, np, ni) = (self.n, self.np, self.ni);
-        let Panel { rows, identity, lanes } = self.panel_widths();
-        let ml = condensed.layout.map_lanes;
-        let panel = &mut self.panel[..];
-        let transition = condensed.transition(i);
-        for k in 0..n {
-            let at = (self.nl + k) * lanes;
-            let row = panel[at..at + lanes].as_flattened_mut();
-            row.fill(0.0);
-            let source = transition[k * ml..(k + 1) * ml].as_flattened();
+    #[inline(always)]
+    fn load_interval<const N: usize, const LEFT: usize>(
+        &mut self,
+        condensed: &Condensed,
+        forms: &[LinearForm<'_>],
+        i: usize,
+    ) {
+        let (n, nl) = self.sizes::<N, LEFT>();
+        let (nf, ni) = (n + self.np, self.ni);
+        let (lanes, height) = (self.panel_widths().lanes, dense::lanes_for(n));
+        let transition = &mut self.panel[nl * lanes..(nl + n) * lanes];
+        transition.fill([0.0; LANE]);
+        let columns = condensed.transition(i);
+        for (k, row) in transition.chunks_exact_mut(lanes).enumerate() {
+            let row = row.as_flattened_mut();
             for c in 0..n {
-                row[c] = -source[c];
+                row[c] = -columns[c * height + k / LANE][k % LANE];
             }
             row[n + k] = 1.0;
-            for q in 0..np {
-                row[2 * n + q] = -source[n + q];
+            for c in n..nf {
+                row[n + c] = -columns[c * height + k / LANE][k % LANE];
             }
         }
+        let integral = condensed.integral(i);
         for k in 0..self.nb {
-            let at = (self.nl + n + k) * lanes;
-            let row = panel[at..at + lanes].as_flattened_mut();
+            let at = (nl + n + k) * lanes;
+            let row = self.panel[at..at + lanes].as_flattened_mut();
             if k < ni {
-                let source = condensed.integral(i)[k * ml..(k + 1) * ml].as_flattened();
+                let source = &integral[k * nf..(k + 1) * nf];
                 for c in 0..n {
                     row[c] += source[c];
                 }
-                for q in 0..np {
-                    row[2 * n + q] += source[n + q];
+                for c in n..nf {
+                    row[n + c] += source[c];
                 }
             } else {
                 for c in 0..n {
-                    row[c] += conditions.forms[k - ni].nodes[i * n + c];
+                    row[c] += forms[k - ni].nodes[i * n + c];
                 }
             }
-        }
-        for k in 0..rows {
-            let unit = panel[k * lanes + identity..(k + 1) * lanes].as_flattened_mut();
-            unit.fill(0.0);
-            unit[k] = 1.0;
         }
     }
 
     /// Keeps what solves need of the eliminated interval i.
-    fn store_interval(&mut self, i: usize) {
-        let (n, nf) = (self.n, self.n + self.np);
-        let Panel { rows, identity, lanes } = self.panel_widths();
+    #[inline(always)]
+    fn store_interval<const N: usize, const LEFT: usize>(&mut self, i: usize) {
+        let (n, _) = self.sizes::<N, LEFT>();
+        let nf = n + self.np;
+        let Panel { rows, lanes } = self.panel_widths();
         let (height, tall) = (dense::lanes_for(n), dense::lanes_for(rows));
-        let panel = &self.panel[..];
         let backward = &mut self.backward[i * nf * height..(i + 1) * nf * height];
-        for k in 0..n {
-            let row = panel[k * lanes..(k + 1) * lanes].as_flattened();
-            for c in 0..nf {
-                backward[c * height + k / LANE][k % LANE] = row[n + c];
+        let transform = &mut self.transform[i * n * tall..(i + 1) * n * tall];
+        for (k, row) in self.panel.chunks_exact(lanes).enumerate() {
+            let row = row.as_flattened();
+            let (lane, offset) = (k / LANE, k % LANE);
+            for c in 0..n {
+                transform[c * tall + lane][offset] = row[c];
             }
-        }
-        let transform = &mut self.transform[i * rows * tall..(i + 1) * rows * tall];
-        for k in 0..rows {
-            let row = panel[k * lanes + identity..(k + 1) * lanes].as_flattened();
-            for c in 0..rows {
-                transform[c * tall + k / LANE][k % LANE] = row[c];
+            if k < n {
+                for c in 0..nf {
+                    backward[c * height + lane][offset] = row[n + c];
+                }
             }
         }
     }
 
     /// Moves what is left of the carried and border rows on to the next interval: δy_{i+1} takes the place of δy_i.
     /// Carried rows stand right behind the n pivot rows.
-    fn carry_on(&mut self) {
-        let (n, nl, lanes) = (self.n, self.nl, self.panel_widths().lanes);
+    #[inline(always)]
+    fn carry_on<const N: usize, const LEFT: usize>(&mut self) {
+        let (n, nl) = self.sizes::<N, LEFT>();
+        let lanes = self.panel_widths().lanes;
         let panel = &mut self.panel[..];
         for k in 0..nl + self.nb {
             let from = (n + k) * lanes;
@@ -329,50 +359,78 @@ impl BlockFactor {
 
     /// Solves for node updates (`nodes`, holding on entry c_i of interval i at index i·n, length (N + 1)·n) and scalar
     /// updates. `left`, `right` and `border` are right-hand sides of the condition rows (integrals first in `border`).
-    pub fn solve(&mut self, nodes: &mut [f64], left: &[f64], right: &[f64], border: &[f64], scalars: &mut [f64]) {
+    pub fn solve(
+        &mut self,
+        kernels: &Kernels,
+        nodes: &mut [f64],
+        [left, right, border]: [&[f64]; 3],
+        scalars: &mut [f64],
+    ) {
         let mut carried = [0.0; MAX_UNKNOWNS];
         let mut rest = [0.0; MAX_UNKNOWNS];
         let (carried, rest) = (&mut carried[..self.nl], &mut rest[..self.nb]);
         carried.copy_from_slice(left);
         rest.copy_from_slice(border);
-        self.forward(nodes, carried, rest);
+        (kernels.forward)(self, nodes, carried, rest);
         self.solve_end(carried, right, rest, nodes, scalars);
-        self.backward(nodes, scalars);
+        (kernels.backward)(self, nodes, scalars);
     }
 
     /// [`solve`](Self::solve) for right-hand sides that are zero but for the last conditions.
-    pub fn solve_last(&mut self, nodes: &mut [f64], right: &[f64], border: &[f64], scalars: &mut [f64]) {
+    pub fn solve_last(
+        &mut self,
+        kernels: &Kernels,
+        nodes: &mut [f64],
+        [right, border]: [&[f64]; 2],
+        scalars: &mut [f64],
+    ) {
         self.forward.fill([0.0; LANE]);
         self.solve_end(&[0.0; MAX_UNKNOWNS][..self.nl], right, border, nodes, scalars);
-        self.backward(nodes, scalars);
+        (kernels.backward)(self, nodes, scalars);
     }
 
     /// Eliminates the right-hand sides of all intervals: `carried` and `border` go in as those of the left and border
     /// conditions and come out as those of the last block.
-    fn forward(&mut self, nodes: &[f64], carried: &mut [f64], border: &mut [f64]) {
-        let (n, nl, nb) = (self.n, self.nl, self.nb);
-        let rows = nl + n + nb;
+    #[inline(always)]
+    pub(crate) fn forward<const N: usize, const LEFT: usize>(
+        &mut self,
+        nodes: &[f64],
+        carried: &mut [f64],
+        border: &mut [f64],
+    ) {
+        let (n, nl) = self.sizes::<N, LEFT>();
+        let rows = nl + n + border.len();
         let (height, tall) = (dense::lanes_for(n), dense::lanes_for(rows));
-        let mut lanes = [[0.0; LANE]; dense::lanes_for(MAX_ROWS)];
-        lanes.as_flattened_mut()[..nl].copy_from_slice(carried);
-        lanes.as_flattened_mut()[nl + n..rows].copy_from_slice(border);
-        let (forward, transforms) = (&mut self.forward[..], &self.transform[..]);
+        let (mut before, mut after) = ([0.0; MAX_ROWS], [[0.0; LANE]; MAX_LANES]);
+        before[..nl].copy_from_slice(&carried[..nl]);
+        before[nl + n..rows].copy_from_slice(border);
         for i in 0..self.intervals {
-            lanes.as_flattened_mut()[nl..nl + n].copy_from_slice(&nodes[i * n..(i + 1) * n]);
-            let transform = &transforms[i * rows * tall..(i + 1) * rows * tall];
-            let mut out = [[0.0; LANE]; dense::lanes_for(MAX_ROWS)];
-            let out = &mut out[..tall];
-            dense::add_columns(transform, tall, &lanes.as_flattened()[..rows], 1.0, out);
-            forward[i * height..(i + 1) * height].copy_from_slice(&out[..height]);
+            before[nl..nl + n].copy_from_slice(&nodes[i * n..(i + 1) * n]);
+            for (k, other) in self.exchange[i * n..(i + 1) * n].iter().enumerate() {
+                before.swap(k, *other as usize % MAX_ROWS);
+            }
+            let x = after.as_flattened_mut();
+            x[..n].fill(0.0);
+            x[n..n + nl].copy_from_slice(&before[n..n + nl]);
+            for k in n + nl..rows {
+                x[k] = before[k];
+            }
+            let transform = &self.transform[i * n * tall..(i + 1) * n * tall];
+            for (v, sum) in after[..tall].iter_mut().enumerate() {
+                for (k, factor) in before[..n].iter().enumerate() {
+                    dense::add_scaled(sum, *factor, &transform[k * tall + v]);
+                }
+            }
+            self.forward[i * height..(i + 1) * height].copy_from_slice(&after[..height]);
             // Carried rows move to the front; border rows stay behind the next n.
-            let out = out.as_flattened();
-            let flat = lanes.as_flattened_mut();
-            flat[..nl].copy_from_slice(&out[n..n + nl]);
-            flat[nl + n..rows].copy_from_slice(&out[nl + n..rows]);
+            let x = after.as_flattened();
+            before[..nl].copy_from_slice(&x[n..n + nl]);
+            for k in n + nl..rows {
+                before[k] = x[k];
+            }
         }
-        let x = lanes.as_flattened();
-        carried.copy_from_slice(&x[..nl]);
-        border.copy_from_slice(&x[nl + n..rows]);
+        carried.copy_from_slice(&before[..nl]);
+        border.copy_from_slice(&before[nl + n..rows]);
     }
 
     /// The last node and the scalar unknowns.
@@ -390,17 +448,26 @@ impl BlockFactor {
     }
 
     /// Substitution from the last node to the left.
-    fn backward(&mut self, nodes: &mut [f64], scalars: &[f64]) {
-        let n = self.n;
-        let (nf, height) = (n + scalars.len(), dense::lanes_for(n));
+    #[inline(always)]
+    pub(crate) fn backward<const N: usize, const LEFT: usize>(&mut self, nodes: &mut [f64], scalars: &[f64]) {
+        let (n, _) = self.sizes::<N, LEFT>();
+        let height = dense::lanes_for(n);
         let stride = (n + self.np) * height;
-        let (forward, backward) = (&mut self.forward[..], &self.backward[..]);
         for i in (0..self.intervals).rev() {
-            let here = &mut forward[i * height..(i + 1) * height];
-            let (of_nodes, of_scalars) = backward[i * stride..i * stride + nf * height].split_at(n * height);
-            dense::add_columns(of_nodes, height, &nodes[(i + 1) * n..(i + 2) * n], -1.0, here);
-            dense::add_columns(of_scalars, height, scalars, -1.0, here);
-            nodes[i * n..(i + 1) * n].copy_from_slice(&here.as_flattened()[..n]);
+            let columns = &self.backward[i * stride..(i + 1) * stride];
+            let (to, from) = nodes[i * n..(i + 2) * n].split_at_mut(n);
+            for (v, to) in to.chunks_mut(LANE).enumerate() {
+                let mut sum = self.forward[i * height + v];
+                for c in 0..n {
+                    dense::add_scaled(&mut sum, -from[c], &columns[c * height + v]);
+                }
+                for (c, factor) in scalars.iter().enumerate() {
+                    dense::add_scaled(&mut sum, -factor, &columns[(n + c) * height + v]);
+                }
+                for (value, sum) in to.iter_mut().zip(sum) {
+                    *value = sum;
+                }
+            }
         }
     }
 
@@ -430,27 +497,34 @@ impl BlockFactor {
     /// [`solve`](Self::solve) for the antisymmetric problem; of the solution only its last node if not `everywhere`.
     pub fn solve_antisymmetric(
         &mut self,
+        kernels: &Kernels,
         end: &AntisymmetricEnd,
         nodes: &mut [f64],
-        left: &[f64],
-        right: &[f64],
+        [left, right]: [&[f64]; 2],
         everywhere: bool,
     ) {
         let (mut carried, mut border) = ([0.0; MAX_UNKNOWNS], [0.0; MAX_UNKNOWNS]);
         let carried = &mut carried[..self.nl];
         carried.copy_from_slice(left);
-        self.forward(nodes, carried, &mut border[..self.nb]);
+        let nb = self.nb;
+        (kernels.forward)(self, nodes, carried, &mut border[..nb]);
         self.solve_antisymmetric_end(end, carried, right, nodes);
         if everywhere {
-            self.backward(nodes, &[]);
+            (kernels.backward)(self, nodes, &[]);
         }
     }
 
     /// [`solve_last`](Self::solve_last) for the antisymmetric problem.
-    pub fn solve_antisymmetric_last(&mut self, end: &AntisymmetricEnd, nodes: &mut [f64], right: &[f64]) {
+    pub fn solve_antisymmetric_last(
+        &mut self,
+        kernels: &Kernels,
+        end: &AntisymmetricEnd,
+        nodes: &mut [f64],
+        right: &[f64],
+    ) {
         self.forward.fill([0.0; LANE]);
         self.solve_antisymmetric_end(end, &[0.0; MAX_UNKNOWNS][..self.nl], right, nodes);
-        self.backward(nodes, &[]);
+        (kernels.backward)(self, nodes, &[]);
     }
 
     fn solve_antisymmetric_end(&self, end: &AntisymmetricEnd, carried: &[f64], right: &[f64], nodes: &mut [f64]) {
@@ -465,16 +539,20 @@ impl BlockFactor {
 
     /// Multiplies the determinant of the antisymmetric problem into `det`.
     pub fn accumulate_antisymmetric(&self, end: &AntisymmetricEnd, det: &mut Determinant) {
-        for store in [&self.panels, &end.last] {
-            store.accumulate_determinant(det);
-        }
+        self.accumulate_pivots(det);
+        end.last.accumulate_determinant(det);
     }
 
     /// Multiplies the determinant of the factorised matrix into `det`.
     pub fn accumulate_determinant(&self, det: &mut Determinant) {
         // Moving the right rows ahead of the border rows is a fixed permutation; its sign is left out.
-        for store in [&self.panels, &self.last] {
-            store.accumulate_determinant(det);
+        self.accumulate_pivots(det);
+        self.last.accumulate_determinant(det);
+    }
+
+    fn accumulate_pivots(&self, det: &mut Determinant) {
+        for (r, e) in self.reciprocal.chunks_exact(self.n).zip(self.exchange.chunks_exact(self.n)) {
+            dense::accumulate_determinant(r, e, det);
         }
     }
 }

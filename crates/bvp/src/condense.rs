@@ -6,17 +6,25 @@
 //! * Σ_j [D_ij I − δ_ij h F_NN,i − h² a_ij F_NE,i F_EN,j] δY_N,j
 //!   \[N.3 condensed\] = s_i δy_N + h F_NE,i δy_E + (h F_Np,i + h² F_NE,i Σ_k a_ik F_Ep,k) δp − R_N,i − h F_NE,i Σ_k a_ik R_E,k,
 //!
-//! with s_i = Σ_j D_ij and R the stage residual. Eliminating leaves δy₁ = G δy₀ + B δp + c. The matrix is factorised once;
-//! new residuals R only need triangular solves.
+//! with s_i = Σ_j D_ij and R the stage residual. Eliminating leaves δy₁ = G δy₀ + B δp + c. The matrix is inverted once; a new
+//! residual R, and each column of the map from (δy₀, δp), which is the answer to a residual too, is a product with the inverse.
+//!
+//! Everything that a solve runs over is kept by columns padded to whole lanes, so that every product is a sum of scaled
+//! vectors, without reductions.
 
-use multiversion::multiversion;
+use crate::dense::{self, Determinant, LANE, Lane, Lanes, PivotFailure, add_scaled};
+use crate::gauss::{Gauss, MAX_STAGES};
+use crate::problem::{Dimensions, MAX_UNKNOWNS, PointJacobian};
+use crate::{Direction, Residual};
 
-use crate::dense::{self, Determinant, Factors, LANE, Lane, Lanes, PivotFailure};
-use crate::gauss::Gauss;
-use crate::problem::{Dimensions, MAX_UNKNOWN_LANES, PointJacobian};
+/// Most lanes of the stage unknowns of one interval.
+const MAX_STAGE_LANES: usize = dense::MAX_LANES;
 
-/// Lanes that hold the stage unknowns of one interval: the widest block holds a matrix and its inverse.
-const MAX_STAGE_LANES: usize = dense::MAX_LANES / 2;
+/// Entries of a quad: there are few integrable components.
+const QUAD: usize = 4;
+
+/// Up to four integrable components of one stage.
+type Quad = [f64; QUAD];
 
 /// Shapes of the condensed storage, fixed per problem and stage count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,25 +35,33 @@ pub struct Layout {
     pub m: usize,
     /// Stage unknowns left after integrating: m times the components that are not integrable.
     pub s: usize,
-    /// Lane at which the right-hand sides start.
-    pub rhs_lane: usize,
-    /// Lanes of one row of the stage matrix: itself, its right-hand sides, and columns that become its inverse.
-    pub lanes: usize,
-    /// Lanes of one row of the condensed map: n + scalars columns.
-    pub map_lanes: usize,
+    /// Lanes of the stage unknowns.
+    pub stage_lanes: usize,
+    /// Lanes of all stage values of an interval.
+    pub value_lanes: usize,
+    /// Lanes of a node.
+    pub node_lanes: usize,
+    /// Columns of the map: components and scalar unknowns.
+    pub columns: usize,
 }
 
 impl Layout {
     /// Layout for a problem and a stage count.
     pub fn new(dims: Dimensions, m: usize) -> Layout {
         let s = m * (dims.components - dims.integrable);
-        let rhs_lane = dense::lanes_for(s);
-        let map_lanes = dense::lanes_for(dims.components + dims.scalars);
-        Layout { dims, m, s, rhs_lane, lanes: 2 * rhs_lane + map_lanes, map_lanes }
+        Layout {
+            dims,
+            m,
+            s,
+            stage_lanes: dense::lanes_for(s),
+            value_lanes: dense::lanes_for(m * dims.components),
+            node_lanes: dense::lanes_for(dims.components),
+            columns: dims.components + dims.scalars,
+        }
     }
 }
 
-/// Derivatives at the stages of all intervals, and the factorised stage matrices.
+/// Derivatives at the stages of all intervals, and the condensed intervals.
 #[derive(Clone, Debug)]
 pub struct Condensed {
     /// Shapes.
@@ -60,34 +76,25 @@ pub struct Condensed {
     pub gy: Vec<f64>,
     /// ∂g/∂p at the stages; × integrals × scalars.
     pub gp: Vec<f64>,
-    /// Stage matrix of one interval beside its right-hand sides: s × lanes of scratch.
-    matrix: Lanes,
-    /// Factors of that interval.
-    lower: Lanes,
-    upper: Lanes,
-    /// Pivots of all intervals, for determinants.
+    /// Pivots of all intervals, for determinants; intervals × s.
     reciprocal: Vec<f64>,
     exchange: Vec<u8>,
-    /// Derivatives of the integrable components by the scalars, gathered for one stage: e × scalars of scratch.
-    spread: Vec<f64>,
-    /// Inverse stage matrices by columns; per interval s × lanes_for(s). Applying an inverse is a sum of scaled columns,
-    /// without the serial dependence of triangular solves; Newton corrects its rounding.
+    /// Residual of one column of the map, as scratch; m × n.
+    column: Vec<f64>,
+    /// h F_NE by columns; per interval and stage e × (n − e).
+    onto: Vec<f64>,
+    /// h F_EN by columns, of which each is padded to whole quads; per interval quads of e × stage unknowns.
+    from: Vec<Quad>,
+    /// Inverse stage matrices by columns; per interval s × lanes. Newton corrects their rounding.
     inverse: Lanes,
-    /// δY as a linear map of (δy₀, δp); per interval (m · n) × map_lanes.
+    /// δY by columns of (δy₀, δp); per interval columns × lanes of its stage values.
     map: Lanes,
-    /// [G B] per interval; n × map_lanes.
+    /// [G B] by columns; per interval columns × lanes of a node.
     transition: Lanes,
-    /// Linear form of the integrals per interval: integrals × map_lanes.
-    integral: Lanes,
-}
-
-#[inline(always)]
-fn add_scaled(target: &mut [Lane], factor: f64, source: &[Lane]) {
-    for (x, y) in target.iter_mut().zip(source) {
-        for t in 0..LANE {
-            x[t] += factor * y[t];
-        }
-    }
+    /// Integrals over the interval by (δy₀, δp); per interval and integral its columns.
+    integral: Vec<f64>,
+    /// h b_j ∂g/∂y; per interval and integral lanes of its stage values.
+    weights: Lanes,
 }
 
 impl Condensed {
@@ -100,16 +107,16 @@ impl Condensed {
             fp: Vec::new(),
             gy: Vec::new(),
             gp: Vec::new(),
-            matrix: Lanes::default(),
-            lower: Lanes::default(),
-            upper: Lanes::default(),
             reciprocal: Vec::new(),
             exchange: Vec::new(),
-            spread: Vec::new(),
+            column: Vec::new(),
+            onto: Vec::new(),
+            from: Vec::new(),
             inverse: Lanes::default(),
             map: Lanes::default(),
             transition: Lanes::default(),
-            integral: Lanes::default(),
+            integral: Vec::new(),
+            weights: Lanes::default(),
         }
     }
 
@@ -122,399 +129,406 @@ impl Condensed {
     pub fn reset(&mut self, mesh: &[f64]) {
         let l = self.layout;
         let intervals = mesh.len() - 1;
-        let (n, points) = (l.dims.components, intervals * l.m);
+        let Dimensions { components: n, integrable: e, scalars: np, integrals: ni, .. } = l.dims;
+        let points = intervals * l.m;
         self.h.clear();
         self.h.extend(mesh.windows(2).map(|w| w[1] - w[0]));
         for (v, size) in [
             (&mut self.fy, points * n * n),
-            (&mut self.fp, points * n * l.dims.scalars),
-            (&mut self.gy, points * l.dims.integrals * n),
-            (&mut self.gp, points * l.dims.integrals * l.dims.scalars),
+            (&mut self.fp, points * n * np),
+            (&mut self.gy, points * ni * n),
+            (&mut self.gp, points * ni * np),
         ] {
             v.clear();
             v.resize(size, 0.0);
         }
-        self.matrix.resize(l.s * l.lanes);
-        self.lower.resize(l.s * l.rhs_lane);
-        self.upper.resize(l.s * l.rhs_lane);
-        self.inverse.resize(intervals * l.s * l.rhs_lane);
+        for (lanes, size) in [
+            (&mut self.inverse, intervals * l.s * l.stage_lanes),
+            (&mut self.map, intervals * l.columns * l.value_lanes),
+            (&mut self.transition, intervals * l.columns * l.node_lanes),
+            (&mut self.weights, intervals * ni * l.value_lanes),
+        ] {
+            lanes.resize(size);
+        }
+        self.onto.resize(points * e * (n - e), 0.0);
+        self.from.resize(intervals * e.div_ceil(QUAD) * l.s, [0.0; QUAD]);
         self.reciprocal.resize(intervals * l.s, 0.0);
         self.exchange.resize(intervals * l.s, 0);
-        self.spread.resize(l.dims.integrable * l.dims.scalars, 0.0);
-        self.map.resize(points * n * l.map_lanes);
-        self.transition.resize(intervals * n * l.map_lanes);
-        self.integral.resize(intervals * l.dims.integrals * l.map_lanes);
+        self.integral.resize(intervals * ni * l.columns, 0.0);
+        self.column.resize(l.m * n, 0.0);
     }
 
-    /// Where the derivatives at collocation point `index` go, with f and g.
-    pub fn point_jacobian<'a>(&'a mut self, index: usize, f: &'a mut [f64], g: &'a mut [f64]) -> PointJacobian<'a> {
-        let Dimensions { components: n, scalars: np, integrals: ni, .. } = self.layout.dims;
-        PointJacobian {
-            f,
-            fy: &mut self.fy[index * n * n..(index + 1) * n * n],
-            fp: &mut self.fp[index * n * np..(index + 1) * n * np],
-            g,
-            gy: &mut self.gy[index * ni * n..(index + 1) * ni * n],
-            gp: &mut self.gp[index * ni * np..(index + 1) * ni * np],
-        }
+    /// Where the derivatives at all collocation points go, with f and g.
+    pub fn jacobian<'a>(&'a mut self, f: &'a mut [f64], g: &'a mut [f64]) -> PointJacobian<'a> {
+        PointJacobian { f, fy: &mut self.fy, fp: &mut self.fp, g, gy: &mut self.gy, gp: &mut self.gp }
     }
 
-    /// [G B] of interval i; n rows of `map_lanes` lanes.
+    /// [G B] of interval i by columns, each a node's lanes.
     pub fn transition(&self, i: usize) -> &[Lane] {
-        let size = self.layout.dims.components * self.layout.map_lanes;
-        &self.transition[i * size..(i + 1) * size]
+        part(&self.transition, i, self.layout.columns * self.layout.node_lanes)
     }
 
-    /// Coefficients of (δy₀, δp) in the integrals over interval i.
-    pub fn integral(&self, i: usize) -> &[Lane] {
-        let size = self.layout.dims.integrals * self.layout.map_lanes;
-        &self.integral[i * size..(i + 1) * size]
-    }
-
-    /// Factorises interval i from the derivatives stored for it. Sizes (components, integrable ones, stages, lanes of the
-    /// map) are known at compile time unless 0.
-    ///
-    /// # Errors
-    /// If a pivot of the stage matrix vanishes.
-    #[inline(always)]
-    pub fn factor<const N: usize, const E: usize, const M: usize, const ML: usize>(
-        &mut self,
-        gauss: &Gauss,
-        i: usize,
-    ) -> Result<(), PivotFailure> {
-        let l = self.layout;
-        self.matrix.fill([0.0; LANE]);
-        for stage in 0..self.sizes::<N, E, M>().2 {
-            self.gather_spread::<N, E, M>(gauss, i, stage);
-            self.fill_stage_rows::<N, E, M>(gauss, i, stage);
-        }
-        let stages = i * l.s..(i + 1) * l.s;
-        let mut factors = Factors {
-            lower: &mut self.lower,
-            upper: &mut self.upper,
-            reciprocal: &mut self.reciprocal[stages.clone()],
-            exchange: &mut self.exchange[stages.clone()],
-        };
-        dense::eliminate(&mut self.matrix, l.lanes, l.s, l.s, &mut factors)?;
-        dense::back_substitute(&mut self.matrix, l.lanes, l.s, &self.upper, &self.reciprocal[stages]);
-        self.keep_inverse::<N, E, M>(i);
-        self.map_stages::<N, E, M, ML>(i);
-        self.map_integrable::<N, E, M, ML>(gauss, i);
-        self.finish_transition::<N, E, M, ML>(gauss, i);
-        self.map_integrals::<N, E, M, ML>(gauss, i);
-        Ok(())
-    }
-
-    /// h² Σ_k a_ik F_Ep,k of one stage for every integrable component and scalar.
-    #[inline(always)]
-    fn gather_spread<const N: usize, const E: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize, stage: usize) {
-        let (n, e, m) = self.sizes::<N, E, M>();
-        let (np, h) = (self.layout.dims.scalars, self.h[i]);
-        let fp = &self.fp[i * m * n * np..(i + 1) * m * n * np];
-        let spread = &mut self.spread[..];
-        spread.fill(0.0);
-        for k in 0..e {
-            for j in 0..m {
-                for q in 0..np {
-                    spread[k * np + q] += h * h * gauss.a[stage * m + j] * fp[(j * n + k) * np + q];
-                }
-            }
-        }
-    }
-
-    /// The rows of one stage: its part of the stage matrix, right-hand sides for δy₀ and δp, and the identity.
-    #[inline(always)]
-    fn fill_stage_rows<const N: usize, const E: usize, const M: usize>(
-        &mut self,
-        gauss: &Gauss,
-        i: usize,
-        stage: usize,
-    ) {
-        let l = self.layout;
-        let (n, e, m) = self.sizes::<N, E, M>();
-        let (nn, np) = (n - e, l.dims.scalars);
-        let h = self.h[i];
-        let fy = &self.fy[i * m * n * n..(i + 1) * m * n * n];
-        let fp = &self.fp[i * m * n * np..(i + 1) * m * n * np];
-        let (matrix, spread) = (&mut self.matrix[..], &self.spread[..]);
-        let f = &fy[stage * n * n..(stage + 1) * n * n];
-        let row_sum: f64 = gauss.d_matrix[stage * m..(stage + 1) * m].iter().sum();
-        for alpha in 0..nn {
-            let row_index = stage * nn + alpha;
-            let row = matrix[row_index * l.lanes..(row_index + 1) * l.lanes].as_flattened_mut();
-            let f_row = &f[(e + alpha) * n..(e + alpha + 1) * n];
-            for j in 0..m {
-                let block = &mut row[j * nn..(j + 1) * nn];
-                let scale = h * h * gauss.a[stage * m + j];
-                for k in 0..e {
-                    let weight = -scale * f_row[k];
-                    let f_en = &fy[j * n * n + k * n + e..j * n * n + (k + 1) * n];
-                    for (x, v) in block.iter_mut().zip(f_en) {
-                        *x += weight * v;
-                    }
-                }
-                block[alpha] += gauss.d_matrix[stage * m + j];
-            }
-            for (x, v) in row[stage * nn..(stage + 1) * nn].iter_mut().zip(&f_row[e..]) {
-                *x -= h * v;
-            }
-            row[(l.rhs_lane + l.map_lanes) * LANE + row_index] = 1.0;
-            let rhs = &mut row[l.rhs_lane * LANE..];
-            for k in 0..e {
-                rhs[k] = h * f_row[k];
-            }
-            rhs[e + alpha] = row_sum;
-            for q in 0..np {
-                let mut value = h * fp[(stage * n + e + alpha) * np + q];
-                for k in 0..e {
-                    value += f_row[k] * spread[k * np + q];
-                }
-                rhs[n + q] = value;
-            }
-        }
-    }
-
-    /// Keeps the inverse of the stage matrix of interval i, by columns.
-    #[inline(always)]
-    fn keep_inverse<const N: usize, const E: usize, const M: usize>(&mut self, i: usize) {
-        let l = self.layout;
-        let (n, e, m) = self.sizes::<N, E, M>();
-        let s = m * (n - e);
-        let inverse = &mut self.inverse[i * l.s * l.rhs_lane..(i + 1) * l.s * l.rhs_lane];
-        let from = (l.rhs_lane + l.map_lanes) * LANE;
-        for k in 0..s {
-            let row = &self.matrix[k * l.lanes..(k + 1) * l.lanes].as_flattened()[from..];
-            for c in 0..s {
-                inverse[c * l.rhs_lane + k / LANE][k % LANE] = row[c];
-            }
-        }
-    }
-
-    /// The map δY(δy₀, δp) of a factorised interval: solved for the other components, begun with δy₀ for the integrable.
-    #[inline(always)]
-    fn map_stages<const N: usize, const E: usize, const M: usize, const ML: usize>(&mut self, i: usize) {
-        let l = self.layout;
-        let (n, e, m) = self.sizes::<N, E, M>();
-        let (nn, ml) = (n - e, self.map_lanes::<ML>());
-        let map = &mut self.map[i * m * n * ml..(i + 1) * m * n * ml];
-        for stage in 0..m {
-            for beta in 0..nn {
-                let from = (stage * nn + beta) * l.lanes + l.rhs_lane;
-                let to = (stage * n + e + beta) * ml;
-                map[to..to + ml].copy_from_slice(&self.matrix[from..from + ml]);
-            }
-            for k in 0..e {
-                let row = &mut map[(stage * n + k) * ml..(stage * n + k + 1) * ml];
-                row.fill([0.0; LANE]);
-                row.as_flattened_mut()[k] = 1.0;
-            }
-        }
-    }
-
-    /// Spreads the slopes Q_k = h F_EN δY_N + h F_Ep δp of the integrable components over the stages and the right node.
-    #[inline(always)]
-    fn map_integrable<const N: usize, const E: usize, const M: usize, const ML: usize>(
-        &mut self,
-        gauss: &Gauss,
-        i: usize,
-    ) {
-        let (n, e, m) = self.sizes::<N, E, M>();
-        let (np, h, ml) = (self.layout.dims.scalars, self.h[i], self.map_lanes::<ML>());
-        let map = &mut self.map[i * m * n * ml..(i + 1) * m * n * ml];
-        let transition = &mut self.transition[i * n * ml..(i + 1) * n * ml];
-        transition.fill([0.0; LANE]);
-        let mut slope = [[0.0; LANE]; MAX_UNKNOWN_LANES];
-        for stage in 0..m {
-            let f = &self.fy[(i * m + stage) * n * n..(i * m + stage + 1) * n * n];
-            let fp = &self.fp[(i * m + stage) * n * np..(i * m + stage + 1) * n * np];
-            for k in 0..e {
-                let slope = &mut slope[..ml];
-                slope.fill([0.0; LANE]);
-                for beta in 0..n - e {
-                    let weight = h * f[k * n + e + beta];
-                    if weight != 0.0 {
-                        let from = (stage * n + e + beta) * ml;
-                        add_scaled(slope, weight, &map[from..from + ml]);
-                    }
-                }
-                for q in 0..np {
-                    slope.as_flattened_mut()[n + q] += h * fp[k * np + q];
-                }
-                for j in 0..m {
-                    let to = (j * n + k) * ml;
-                    add_scaled(&mut map[to..to + ml], gauss.a[j * m + stage], slope);
-                }
-                add_scaled(&mut transition[k * ml..(k + 1) * ml], gauss.b[stage], slope);
-            }
-        }
-    }
-
-    /// The transition [G B], of which the slopes of the integrable components are there.
-    #[inline(always)]
-    fn finish_transition<const N: usize, const E: usize, const M: usize, const ML: usize>(
-        &mut self,
-        gauss: &Gauss,
-        i: usize,
-    ) {
-        let (n, e, m) = self.sizes::<N, E, M>();
-        let ml = self.map_lanes::<ML>();
-        let map = &self.map[i * m * n * ml..(i + 1) * m * n * ml];
-        let transition = &mut self.transition[i * n * ml..(i + 1) * n * ml];
-        let rest = 1.0 - gauss.d.iter().sum::<f64>();
-        for k in 0..e {
-            transition[k * ml..(k + 1) * ml].as_flattened_mut()[k] += 1.0;
-        }
-        for beta in 0..n - e {
-            let row = &mut transition[(e + beta) * ml..(e + beta + 1) * ml];
-            row.as_flattened_mut()[e + beta] += rest;
-            for stage in 0..m {
-                let from = (stage * n + e + beta) * ml;
-                add_scaled(row, gauss.d[stage], &map[from..from + ml]);
-            }
-        }
-    }
-
-    /// The rows of the integral conditions: Σ h b_j (∂g/∂y δY_j + ∂g/∂p δp).
-    #[inline(always)]
-    fn map_integrals<const N: usize, const E: usize, const M: usize, const ML: usize>(
-        &mut self,
-        gauss: &Gauss,
-        i: usize,
-    ) {
-        let (n, _, m) = self.sizes::<N, E, M>();
-        let (ni, np) = (self.layout.dims.integrals, self.layout.dims.scalars);
-        let (h, ml) = (self.h[i], self.map_lanes::<ML>());
-        let map = &self.map[i * m * n * ml..(i + 1) * m * n * ml];
-        let integral = &mut self.integral[i * ni * ml..(i + 1) * ni * ml];
-        integral.fill([0.0; LANE]);
-        for stage in 0..m {
-            let point = i * m + stage;
-            for k in 0..ni {
-                let row = &mut integral[k * ml..(k + 1) * ml];
-                for c in 0..n {
-                    let weight = h * gauss.b[stage] * self.gy[(point * ni + k) * n + c];
-                    if weight != 0.0 {
-                        let from = (stage * n + c) * ml;
-                        add_scaled(row, weight, &map[from..from + ml]);
-                    }
-                }
-                for q in 0..np {
-                    row.as_flattened_mut()[n + q] += h * gauss.b[stage] * self.gp[(point * ni + k) * np + q];
-                }
-            }
-        }
-    }
-
-    /// Lanes of a row of the map, known at compile time unless 0.
-    #[inline(always)]
-    fn map_lanes<const ML: usize>(&self) -> usize {
-        if ML > 0 { ML } else { self.layout.map_lanes }
-    }
-
-    /// (n, e, m), known at compile time where the generic parameters are not 0.
-    #[inline(always)]
-    fn sizes<const N: usize, const E: usize, const M: usize>(&self) -> (usize, usize, usize) {
-        let l = self.layout;
-        if N > 0 { (N, E, M) } else { (l.dims.components, l.dims.integrable, l.m) }
-    }
-
-    /// Particular stage values of interval i for stage residuals `r` (m × n), with δy₀ = δp = 0, into `y` (m × n).
-    /// Returns nothing else: [`particular_node`](Self::particular_node) gives c and the integrals follow from `y`.
-    #[inline(always)]
-    pub fn particular_stages<const N: usize, const E: usize, const M: usize>(
-        &self,
-        gauss: &Gauss,
-        i: usize,
-        r: &[f64],
-        y: &mut [f64],
-    ) {
-        let (n, e, m) = self.sizes::<N, E, M>();
-        let l = self.layout;
-        let nn = n - e;
-        let h = self.h[i];
-        let fy = &self.fy[i * m * n * n..(i + 1) * m * n * n];
-        let (r, y) = (&r[..m * n], &mut y[..m * n]);
-        let mut lanes = [[0.0; LANE]; MAX_STAGE_LANES];
-        let x = lanes.as_flattened_mut();
-        for stage in 0..m {
-            for k in 0..e {
-                let mut sum = 0.0;
-                for j in 0..m {
-                    sum -= gauss.a[stage * m + j] * r[j * n + k];
-                }
-                y[stage * n + k] = sum;
-            }
-            for alpha in 0..nn {
-                let f_row = &fy[(stage * n + e + alpha) * n..(stage * n + e + alpha + 1) * n];
-                let mut value = -r[stage * n + e + alpha];
-                for k in 0..e {
-                    value += h * f_row[k] * y[stage * n + k];
-                }
-                x[stage * nn + alpha] = value;
-            }
-        }
-        let mut solved = [[0.0; LANE]; MAX_STAGE_LANES];
-        let solved = &mut solved[..dense::lanes_for(m * nn)];
-        let inverse = &self.inverse[i * l.s * l.rhs_lane..(i + 1) * l.s * l.rhs_lane];
-        // Without stage unknowns there are no columns, and a chunk needs a length all the same.
-        for (column, value) in inverse.chunks_exact(dense::lanes_for(m * nn).max(1)).zip(&x[..m * nn]) {
-            add_scaled(solved, *value, column);
-        }
-        let x = solved.as_flattened();
-        for stage in 0..m {
-            y[stage * n + e..(stage + 1) * n].copy_from_slice(&x[stage * nn..(stage + 1) * nn]);
-        }
-        for stage in 0..m {
-            for k in 0..e {
-                let f_row = &fy[(stage * n + k) * n..(stage * n + k + 1) * n];
-                let mut slope = 0.0;
-                for b in 0..nn {
-                    slope += f_row[e + b] * y[stage * n + e + b];
-                }
-                for j in 0..m {
-                    y[j * n + k] += h * gauss.a[j * m + stage] * slope;
-                }
-            }
-        }
-    }
-
-    /// The constant c = δy₁ for δy₀ = δp = 0 from the particular stage values and the node residual ρ, into `c`.
-    pub fn particular_node(&self, gauss: &Gauss, y: &[f64], rho: &[f64], c: &mut [f64]) {
-        let n = self.layout.dims.components;
-        for k in 0..n {
-            c[k] = rho[k] + (0..self.layout.m).map(|j| gauss.d[j] * y[j * n + k]).sum::<f64>();
-        }
-    }
-
-    /// Adds the map of interval i times (δy₀, δp) to the particular stage values in `y`.
-    pub fn complete_stages(&self, i: usize, dy0: &[f64], dp: &[f64], y: &mut [f64]) {
-        let l = self.layout;
-        let n = l.dims.components;
-        let mut x = [0.0; MAX_UNKNOWN_LANES * LANE];
-        x[..n].copy_from_slice(dy0);
-        x[n..n + dp.len()].copy_from_slice(dp);
-        complete(&self.map[i * l.m * n * l.map_lanes..(i + 1) * l.m * n * l.map_lanes], l.map_lanes, &x, y);
+    /// Coefficients of (δy₀, δp) in the integrals over interval i; integrals × columns.
+    pub fn integral(&self, i: usize) -> &[f64] {
+        part(&self.integral, i, self.layout.dims.integrals * self.layout.columns)
     }
 
     /// Multiplies the determinants of all stage matrices into `det`.
     pub fn accumulate_determinant(&self, det: &mut Determinant) {
-        let l = self.layout;
+        let s = self.layout.s;
         for i in 0..self.intervals() {
-            let stages = i * l.s..(i + 1) * l.s;
-            dense::accumulate_determinant(&self.reciprocal[stages.clone()], &self.exchange[stages], det);
+            dense::accumulate_determinant(part(&self.reciprocal, i, s), part(&self.exchange, i, s), det);
+        }
+    }
+
+    /// Condenses every interval from the derivatives stored for it. Sizes (components, integrable ones, stages) are known at
+    /// compile time unless 0, here and below.
+    ///
+    /// # Errors
+    /// If a pivot of a stage matrix vanishes.
+    #[inline(always)]
+    pub fn condense<const N: usize, const E: usize, const M: usize>(
+        &mut self,
+        gauss: &Gauss,
+    ) -> Result<(), PivotFailure> {
+        for i in 0..self.intervals() {
+            self.gather::<N, E, M>(gauss, i);
+            self.fill_stage_matrix::<N, E, M>(gauss, i);
+            self.invert::<N, E, M>(i)?;
+            self.map_columns::<N, E, M>(gauss, i);
+        }
+        Ok(())
+    }
+
+    /// The couplings h F_NE and h F_EN and the weights of the integrals of interval i.
+    #[inline(always)]
+    fn gather<const N: usize, const E: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize) {
+        let Sizes { n, e, m, nn, s, values, .. } = self.sizes::<N, E, M>();
+        let (h, ni) = (self.h[i], self.layout.dims.integrals);
+        let fy = part(&self.fy, i, m * n * n);
+        let onto = part_mut(&mut self.onto, i, m * e * nn);
+        let from = part_mut(&mut self.from, i, e.div_ceil(QUAD) * s);
+        for stage in 0..m {
+            let f = &fy[stage * n * n..(stage + 1) * n * n];
+            for k in 0..e {
+                for beta in 0..nn {
+                    onto[(stage * e + k) * nn + beta] = h * f[(e + beta) * n + k];
+                    from[k / QUAD * s + stage * nn + beta][k % QUAD] = h * f[k * n + e + beta];
+                }
+            }
+        }
+        let weights = part_mut(&mut self.weights, i, ni * values).as_flattened_mut();
+        for stage in 0..m {
+            let weight = h * gauss.b[stage];
+            for k in 0..ni {
+                let gy = &self.gy[((i * m + stage) * ni + k) * n..((i * m + stage) * ni + k + 1) * n];
+                let to = &mut weights[k * values * LANE + stage * n..][..n];
+                for (w, g) in to.iter_mut().zip(gy) {
+                    *w = weight * g;
+                }
+            }
+        }
+    }
+
+    /// The transpose of the stage matrix of interval i, in the place of its inverse: row (j, β) has the coefficients of
+    /// δY_N,j,β in all equations.
+    #[inline(always)]
+    fn fill_stage_matrix<const N: usize, const E: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize) {
+        let Sizes { n, e, m, nn, s, lanes, .. } = self.sizes::<N, E, M>();
+        let h = self.h[i];
+        let fy = part(&self.fy, i, m * n * n);
+        let (onto, from) = (part(&self.onto, i, m * e * nn), part(&self.from, i, e.div_ceil(QUAD) * s));
+        let matrix = part_mut(&mut self.inverse, i, s * lanes);
+        matrix.fill([0.0; LANE]);
+        for j in 0..m {
+            let rows = &mut matrix[j * nn * lanes..(j + 1) * nn * lanes];
+            for k in 0..e {
+                // What the slope of component k at stage j does to all equations, through its values at all stages.
+                let mut reach = [[0.0; LANE]; MAX_STAGE_LANES];
+                for stage in 0..m {
+                    let onto = &onto[(stage * e + k) * nn..(stage * e + k + 1) * nn];
+                    for alpha in 0..nn {
+                        reach.as_flattened_mut()[stage * nn + alpha] = gauss.a[stage * m + j] * onto[alpha];
+                    }
+                }
+                for beta in 0..nn {
+                    let factor = -from[k / QUAD * s + j * nn + beta][k % QUAD];
+                    for v in 0..lanes {
+                        add_scaled(&mut rows[beta * lanes + v], factor, &reach[v]);
+                    }
+                }
+            }
+            let f = &fy[j * n * n..(j + 1) * n * n];
+            for beta in 0..nn {
+                let row = rows[beta * lanes..(beta + 1) * lanes].as_flattened_mut();
+                for stage in 0..m {
+                    row[stage * nn + beta] += gauss.d_matrix[stage * m + j];
+                }
+                for alpha in 0..nn {
+                    row[j * nn + alpha] -= h * f[(e + alpha) * n + e + beta];
+                }
+            }
+        }
+    }
+
+    /// Inverts the stage matrix of interval i in its place. It stands there by columns, as rows, and so does its inverse.
+    #[inline(always)]
+    fn invert<const N: usize, const E: usize, const M: usize>(&mut self, i: usize) -> Result<(), PivotFailure> {
+        let Sizes { s, lanes, .. } = self.sizes::<N, E, M>();
+        let matrix = part_mut(&mut self.inverse, i, s * lanes);
+        let (reciprocal, exchange) = (part_mut(&mut self.reciprocal, i, s), part_mut(&mut self.exchange, i, s));
+        dense::eliminate_in_place(matrix, lanes, s, s, reciprocal, exchange)?;
+        for k in (0..s).rev() {
+            let other = exchange[k] as usize;
+            if other != k {
+                for row in matrix.chunks_exact_mut(lanes) {
+                    row.as_flattened_mut().swap(k, other);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The map (δy₀, δp) → δY of interval i, its transition and its integrals: each column answers the residual that a unit of
+    /// δy₀ or δp makes.
+    #[inline(always)]
+    fn map_columns<const N: usize, const E: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize) {
+        let sizes = self.sizes::<N, E, M>();
+        let Sizes { n, m, values, .. } = sizes;
+        let Layout { columns, node_lanes, dims: Dimensions { scalars: np, integrals: ni, .. }, .. } = self.layout;
+        let h = self.h[i];
+        let rest = 1.0 - gauss.d[..m].iter().sum::<f64>();
+        let mut residual = std::mem::take(&mut self.column);
+        let mut map = std::mem::take(&mut self.map);
+        let r = &mut residual[..m * n];
+        for c in 0..columns {
+            r.fill(0.0);
+            for stage in 0..m {
+                if c < n {
+                    r[stage * n + c] = -gauss.d_matrix[stage * m..(stage + 1) * m].iter().sum::<f64>();
+                } else {
+                    let fp = &self.fp[(i * m + stage) * n * np..(i * m + stage + 1) * n * np];
+                    for k in 0..n {
+                        r[stage * n + k] = -h * fp[k * np + c - n];
+                    }
+                }
+            }
+            let column = part_mut(part_mut(&mut map, i, columns * values), c, values);
+            let y = &mut column.as_flattened_mut()[..m * n];
+            self.particular_stages(sizes, gauss, i, r, y);
+            let transition = part_mut(part_mut(&mut self.transition, i, columns * node_lanes), c, node_lanes);
+            let transition = &mut transition.as_flattened_mut()[..n];
+            transition.fill(0.0);
+            if c < n {
+                transition[c] = rest;
+            }
+            add_stages(&gauss.d[..m], y, transition);
+            for k in 0..ni {
+                let weights = part(part(&self.weights, i, ni * values), k, values);
+                let mut value = dot(&weights.as_flattened()[..m * n], y);
+                if c >= n {
+                    for stage in 0..m {
+                        value += h * gauss.b[stage] * self.gp[((i * m + stage) * ni + k) * np + c - n];
+                    }
+                }
+                self.integral[(i * ni + k) * columns + c] = value;
+            }
+        }
+        (self.column, self.map) = (residual, map);
+    }
+
+    /// Particular stage values of interval i for stage residuals `r` (m × n), with δy₀ = δp = 0, into `y` (m × n).
+    #[inline(always)]
+    fn particular_stages(&self, sizes: Sizes, gauss: &Gauss, i: usize, r: &[f64], y: &mut [f64]) {
+        let Sizes { n, e, m, nn, s, lanes, .. } = sizes;
+        let (onto, from) = (part(&self.onto, i, m * e * nn), part(&self.from, i, e.div_ceil(QUAD) * s));
+        let a = &gauss.a[..m * m];
+        let (r, y) = (&r[..m * n], &mut y[..m * n]);
+        let mut x = [[0.0; LANE]; MAX_STAGE_LANES];
+        for stage in 0..m {
+            for alpha in 0..nn {
+                x.as_flattened_mut()[stage * nn + alpha] = -r[stage * n + e + alpha];
+            }
+        }
+        for first in (0..e).step_by(QUAD) {
+            let width = (e - first).min(QUAD);
+            let mut slopes = [[0.0; QUAD]; MAX_STAGES];
+            for j in 0..m {
+                for t in 0..width {
+                    slopes[j][t] = -r[j * n + first + t];
+                }
+            }
+            let values = integrated(a, m, &slopes);
+            for stage in 0..m {
+                for t in 0..width {
+                    let (value, k) = (values[stage][t], first + t);
+                    y[stage * n + k] = value;
+                    for alpha in 0..nn {
+                        x.as_flattened_mut()[stage * nn + alpha] += onto[(stage * e + k) * nn + alpha] * value;
+                    }
+                }
+            }
+        }
+        let inverse = part(&self.inverse, i, s * lanes);
+        let mut solved = [[0.0; LANE]; MAX_STAGE_LANES];
+        for v in 0..lanes {
+            for c in 0..s {
+                add_scaled(&mut solved[v], x.as_flattened()[c], &inverse[c * lanes + v]);
+            }
+        }
+        let x = solved.as_flattened();
+        for first in (0..e).step_by(QUAD) {
+            let from = part(from, first / QUAD, s);
+            let mut slopes = [[0.0; QUAD]; MAX_STAGES];
+            for j in 0..m {
+                for beta in 0..nn {
+                    for t in 0..QUAD {
+                        slopes[j][t] += x[j * nn + beta] * from[j * nn + beta][t];
+                    }
+                }
+            }
+            let values = integrated(a, m, &slopes);
+            for stage in 0..m {
+                for t in 0..(e - first).min(QUAD) {
+                    y[stage * n + first + t] += values[stage][t];
+                }
+            }
+        }
+        for stage in 0..m {
+            for alpha in 0..nn {
+                y[stage * n + e + alpha] = x[stage * nn + alpha];
+            }
+        }
+    }
+
+    /// Particular stage values (into `out.stages`) and node constants (into the nodes) of all intervals for a residual; what they
+    /// add to the integrals is taken from `borders`, of which there are as many as integrals or none.
+    #[inline(always)]
+    pub fn particular<const N: usize, const E: usize, const M: usize>(
+        &self,
+        gauss: &Gauss,
+        residual: &Residual,
+        out: &mut Direction,
+        borders: &mut [f64],
+    ) {
+        let sizes = self.sizes::<N, E, M>();
+        let Sizes { n, m, values, .. } = sizes;
+        let ni = self.layout.dims.integrals;
+        for i in 0..self.intervals() {
+            let y = part_mut(&mut out.stages, i, m * n);
+            self.particular_stages(sizes, gauss, i, part(&residual.stages, i, m * n), y);
+            let node = part_mut(&mut out.nodes, i, n);
+            node.copy_from_slice(part(&residual.nodes, i, n));
+            add_stages(&gauss.d[..m], y, node);
+            for (k, border) in borders.iter_mut().enumerate() {
+                *border -= dot(&part(&self.weights, i * ni + k, values).as_flattened()[..m * n], y);
+            }
+        }
+    }
+
+    /// Adds the maps of all intervals, applied to the nodes and scalars of `out`, to its stage values.
+    #[inline(always)]
+    pub fn complete<const N: usize, const E: usize, const M: usize>(&self, out: &mut Direction) {
+        let Sizes { n, m, values, .. } = self.sizes::<N, E, M>();
+        let columns = self.layout.columns;
+        let mut x = [0.0; MAX_UNKNOWNS];
+        x[n..columns].copy_from_slice(&out.scalars);
+        for i in 0..self.intervals() {
+            let map = part(&self.map, i, columns * values);
+            x[..n].copy_from_slice(part(&out.nodes, i, n));
+            for (v, target) in part_mut(&mut out.stages, i, m * n).chunks_mut(LANE).enumerate() {
+                let mut sum = [0.0; LANE];
+                for (factor, column) in x[..columns].iter().zip(map.chunks_exact(values)) {
+                    add_scaled(&mut sum, *factor, &column[v]);
+                }
+                for (y, sum) in target.iter_mut().zip(&sum) {
+                    *y += sum;
+                }
+            }
+        }
+    }
+
+    /// Sizes that are known at compile time where the generic parameters are not 0.
+    #[inline(always)]
+    fn sizes<const N: usize, const E: usize, const M: usize>(&self) -> Sizes {
+        let l = self.layout;
+        let (n, e, m) = if N > 0 { (N, E, M) } else { (l.dims.components, l.dims.integrable, l.m) };
+        let s = m * (n - e);
+        Sizes { n, e, m, nn: n - e, s, lanes: dense::lanes_for(s), values: dense::lanes_for(m * n) }
+    }
+}
+
+/// Sizes that kernels work with.
+#[derive(Clone, Copy)]
+struct Sizes {
+    /// Components.
+    n: usize,
+    /// Integrable components.
+    e: usize,
+    /// Stages.
+    m: usize,
+    /// Components that are not integrable.
+    nn: usize,
+    /// Stage unknowns.
+    s: usize,
+    /// Lanes of the stage unknowns.
+    lanes: usize,
+    /// Lanes of all stage values.
+    values: usize,
+}
+
+#[inline(always)]
+fn part<T>(of: &[T], i: usize, size: usize) -> &[T] {
+    &of[i * size..(i + 1) * size]
+}
+
+#[inline(always)]
+fn part_mut<T>(of: &mut [T], i: usize, size: usize) -> &mut [T] {
+    &mut of[i * size..(i + 1) * size]
+}
+
+#[inline(always)]
+fn multiply_add(target: &mut Lane, a: &Lane, b: &Lane) {
+    for t in 0..LANE {
+        target[t] += a[t] * b[t];
+    }
+}
+
+/// Σ_j a_ij q_j at every stage i, of slopes q.
+#[inline(always)]
+fn integrated(a: &[f64], m: usize, slopes: &[Quad; MAX_STAGES]) -> [Quad; MAX_STAGES] {
+    let mut values = [[0.0; QUAD]; MAX_STAGES];
+    for i in 0..m {
+        for j in 0..m {
+            for t in 0..QUAD {
+                values[i][t] += a[i * m + j] * slopes[j][t];
+            }
+        }
+    }
+    values
+}
+
+/// Adds Σ_j d_j Y_j to the values of a node.
+#[inline(always)]
+fn add_stages(d: &[f64], y: &[f64], node: &mut [f64]) {
+    let n = node.len();
+    for (j, weight) in d.iter().enumerate() {
+        for (value, y) in node.iter_mut().zip(&y[j * n..(j + 1) * n]) {
+            *value += weight * y;
         }
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
-fn complete(map: &[Lane], lanes: usize, x: &[f64], y: &mut [f64]) {
-    for (value, row) in y.iter_mut().zip(map.chunks_exact(lanes)) {
-        let mut sum = [0.0; LANE];
-        for (part, x) in row.iter().zip(x.as_chunks::<LANE>().0) {
-            for t in 0..LANE {
-                sum[t] += part[t] * x[t];
-            }
-        }
-        *value += ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
+/// Σ a b, in eight partial sums whatever the machine.
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sum = [0.0; LANE];
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANE>(), b.as_chunks::<LANE>());
+    for (a, b) in a.iter().zip(b) {
+        multiply_add(&mut sum, a, b);
     }
+    for (t, (a, b)) in a_rest.iter().zip(b_rest).enumerate() {
+        sum[t] += a * b;
+    }
+    ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]))
 }

@@ -14,7 +14,7 @@ pub type Lane = [f64; 8];
 pub const LANE: usize = 8;
 
 /// Most lanes in a row of a block.
-pub const MAX_LANES: usize = 16;
+pub const MAX_LANES: usize = 8;
 
 /// Number of lanes that hold `entries` entries.
 pub const fn lanes_for(entries: usize) -> usize {
@@ -26,6 +26,8 @@ pub const fn lanes_for(entries: usize) -> usize {
 #[derive(Debug, Default)]
 pub struct Lanes {
     values: Vec<f64>,
+    /// Where the first lane starts, which stays so until the next change of length.
+    start: usize,
     len: usize,
 }
 
@@ -38,12 +40,9 @@ impl Lanes {
     pub fn resize(&mut self, len: usize) {
         // Room for the lanes to start up to a lane behind the allocation.
         self.values.resize((len + 1) * LANE, 0.0);
-        self.len = len;
-    }
-
-    fn start(&self) -> usize {
         // The offset may be refused, and is only a matter of speed.
-        Some(self.values.as_ptr().align_offset(BOUNDARY)).filter(|offset| *offset < LANE).unwrap_or(0)
+        self.start = Some(self.values.as_ptr().align_offset(BOUNDARY)).filter(|offset| *offset < LANE).unwrap_or(0);
+        self.len = len;
     }
 }
 
@@ -63,22 +62,14 @@ impl std::ops::Deref for Lanes {
 
     #[inline(always)]
     fn deref(&self) -> &[Lane] {
-        if self.len == 0 {
-            return &[];
-        }
-        let start = self.start();
-        self.values[start..start + self.len * LANE].as_chunks().0
+        self.values[self.start..self.start + self.len * LANE].as_chunks().0
     }
 }
 
 impl std::ops::DerefMut for Lanes {
     #[inline(always)]
     fn deref_mut(&mut self) -> &mut [Lane] {
-        if self.len == 0 {
-            return &mut [];
-        }
-        let start = self.start();
-        self.values[start..start + self.len * LANE].as_chunks_mut().0
+        self.values[self.start..self.start + self.len * LANE].as_chunks_mut().0
     }
 }
 
@@ -151,14 +142,6 @@ fn subtract_row<const L: usize>(row: &mut [Lane; L], factor: f64, pivot: &[Lane;
     }
 }
 
-/// Row operation of the back substitution; here it is the flat loop that becomes vector code.
-#[inline(always)]
-fn subtract_solved<const L: usize>(row: &mut [Lane; L], factor: f64, solved: &[Lane; L]) {
-    for (x, p) in row.as_flattened_mut().iter_mut().zip(solved.as_flattened()) {
-        *x -= factor * p;
-    }
-}
-
 #[inline(always)]
 fn eliminate_rows<const L: usize>(
     rows: &mut [[Lane; L]],
@@ -203,19 +186,6 @@ fn eliminate_rows<const L: usize>(
     Ok(())
 }
 
-#[inline(always)]
-fn back_substitute_rows<const L: usize>(rows: &mut [[Lane; L]], n: usize, upper: &[Lane], reciprocal: &[f64]) {
-    let width = lanes_for(n);
-    for k in (0..n).rev() {
-        rows[k].as_flattened_mut().iter_mut().for_each(|x| *x *= reciprocal[k]);
-        let solved = rows[k];
-        let column = upper[k * width..(k + 1) * width].as_flattened();
-        for (row, &factor) in rows.iter_mut().zip(&column[..k]) {
-            subtract_solved(row, factor, &solved);
-        }
-    }
-}
-
 /// Calls `$body` with `$rows` as arrays of the given number of lanes, known at compile time.
 macro_rules! with_width {
     ($matrix:expr, $lanes:expr, $rows:ident => $body:expr, [$($l:literal)*]) => {
@@ -238,50 +208,73 @@ pub fn eliminate(
     candidates: usize,
     factors: &mut Factors<'_>,
 ) -> Result<(), PivotFailure> {
-    with_width!(matrix, lanes, rows => eliminate_rows(rows, columns, candidates, factors),
-        [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])
+    with_width!(matrix, lanes, rows => eliminate_rows(rows, columns, candidates, factors), [1 2 3 4])
 }
 
-/// Back substitution with the factors left by [`eliminate`] on the columns of the first n rows: afterwards they hold the
-/// solution for every column taken as a right-hand side.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
-pub fn back_substitute(matrix: &mut [Lane], lanes: usize, n: usize, upper: &[Lane], reciprocal: &[f64]) {
-    with_width!(matrix, lanes, rows => back_substitute_rows(&mut rows[..n], n, upper, reciprocal),
-        [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])
-}
-
-/// out + sign · Σ_k factors_k column_k for columns of H lanes.
 #[inline(always)]
-fn add_columns_of<const H: usize>(columns: &[Lane], factors: &[f64], sign: f64, out: &mut [Lane]) {
-    let Some((sum, _)) = out.split_first_chunk_mut::<H>() else { return };
-    let mut total = *sum;
-    for (column, factor) in columns.as_chunks::<H>().0.iter().zip(factors) {
-        let factor = sign * factor;
-        for h in 0..H {
-            for t in 0..LANE {
-                total[h][t] += factor * column[h][t];
+fn eliminate_rows_in_place<const L: usize>(
+    rows: &mut [[Lane; L]],
+    columns: usize,
+    candidates: usize,
+    reciprocal: &mut [f64],
+    exchange: &mut [u8],
+) -> Result<(), PivotFailure> {
+    for k in 0..columns {
+        let (lane, offset) = (k / LANE, k % LANE);
+        let mut best = k;
+        let mut size = rows[k][lane][offset].abs();
+        for (i, row) in rows[..candidates].iter().enumerate().skip(k + 1) {
+            let candidate = row[lane][offset].abs();
+            if candidate > size {
+                size = candidate;
+                best = i;
             }
         }
+        if !(size > 0.0 && size < f64::INFINITY) {
+            return Err(PivotFailure { column: k, non_finite: size.is_nan() || size > 0.0 });
+        }
+        exchange[k] = best as u8;
+        rows.swap(k, best);
+        let scale = 1.0 / rows[k][lane][offset];
+        reciprocal[k] = scale;
+        let mut pivot = rows[k];
+        pivot.as_flattened_mut().iter_mut().for_each(|x| *x *= scale);
+        let (above, rest) = rows.split_at_mut(k);
+        let Some((own, below)) = rest.split_first_mut() else { unreachable!("row k is among the rows") };
+        for row in above.iter_mut().chain(below) {
+            let factor = row[lane][offset];
+            subtract_row(row, factor, &pivot);
+            row[lane][offset] = -factor * scale;
+        }
+        *own = pivot;
+        own[lane][offset] = scale;
     }
-    *sum = total;
+    Ok(())
 }
 
-/// Adds sign · Σ_k factors_k column_k to `out`, for columns of `height` lanes one behind the other and a sign of ±1.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
-pub fn add_columns(columns: &[Lane], height: usize, factors: &[f64], sign: f64, out: &mut [Lane]) {
-    match height {
-        1 => add_columns_of::<1>(columns, factors, sign, out),
-        2 => add_columns_of::<2>(columns, factors, sign, out),
-        3 => add_columns_of::<3>(columns, factors, sign, out),
-        _ => {
-            for (column, factor) in columns.chunks_exact(height).zip(factors) {
-                for (x, c) in out.iter_mut().zip(column) {
-                    for t in 0..LANE {
-                        x[t] += sign * factor * c[t];
-                    }
-                }
-            }
-        }
+/// Gauss–Jordan elimination of the first `columns` columns of the row-major `matrix` (`lanes` lanes a row) from all other rows,
+/// choosing pivots among the first `candidates` rows (rows past them are never pivots: borders). The eliminated columns are
+/// replaced by what elimination does to right-hand sides b: exchange b_k with b_exchange(k) for every k in turn, take the first
+/// `columns` of them by these columns, and keep the other rows' own. A square matrix so becomes its inverse, with columns
+/// exchanged.
+#[inline(always)]
+pub fn eliminate_in_place(
+    matrix: &mut [Lane],
+    lanes: usize,
+    columns: usize,
+    candidates: usize,
+    reciprocal: &mut [f64],
+    exchange: &mut [u8],
+) -> Result<(), PivotFailure> {
+    with_width!(matrix, lanes, rows => eliminate_rows_in_place(rows, columns, candidates, reciprocal, exchange),
+        [1 2 3 4 5 6 7 8])
+}
+
+/// Adds a scaled lane.
+#[inline(always)]
+pub fn add_scaled(target: &mut Lane, factor: f64, source: &Lane) {
+    for t in 0..LANE {
+        target[t] += factor * source[t];
     }
 }
 
@@ -392,23 +385,42 @@ mod tests {
         // A = [[0, 2, 1], [1, 1, 0], [4, 0, 3]] has determinant −10.
         let a = [[0.0, 2.0, 1.0], [1.0, 1.0, 0.0], [4.0, 0.0, 3.0]];
         let x = [1.5, -2.0, 0.25];
-        let mut rows = vec![[0.0; 8]; 6];
+        let mut rows = vec![[0.0; 8]; 3];
         let mut rhs = [[0.0; LANE]];
         for i in 0..3 {
-            rows[2 * i][..3].copy_from_slice(&a[i]);
-            rows[2 * i + 1][0] = (0..3).map(|j| a[i][j] * x[j]).sum();
-            rhs[0][i] = rows[2 * i + 1][0];
+            rows[i][..3].copy_from_slice(&a[i]);
+            rhs[0][i] = (0..3).map(|j| a[i][j] * x[j]).sum();
         }
         let mut store = Store::new(3);
-        eliminate(&mut rows, 2, 3, 3, &mut store.factors()).unwrap();
+        eliminate(&mut rows, 1, 3, 3, &mut store.factors()).unwrap();
         let mut det = Determinant::default();
         accumulate_determinant(&store.reciprocal, &store.exchange, &mut det);
         assert!((det.sign * det.log_abs.exp() + 10.0).abs() < 1e-12);
         solve_vector(store.read(), 3, &mut rhs);
-        back_substitute(&mut rows, 2, 3, &store.upper, &store.reciprocal);
         for i in 0..3 {
-            assert!((rows[2 * i + 1][0] - x[i]).abs() < 1e-14);
             assert!((rhs[0][i] - x[i]).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn elimination_in_place_leaves_the_inverse_with_columns_exchanged() {
+        let a = [[0.0, 2.0, 1.0], [1.0, 1.0, 0.0], [4.0, 0.0, 3.0]];
+        let mut rows = a.map(|row| std::array::from_fn(|k| if k < 3 { row[k] } else { 0.0 })).to_vec();
+        let (mut reciprocal, mut exchange) = ([0.0; 3], [0; 3]);
+        eliminate_in_place(&mut rows, 1, 3, 3, &mut reciprocal, &mut exchange).unwrap();
+        let mut det = Determinant::default();
+        accumulate_determinant(&reciprocal, &exchange, &mut det);
+        assert!((det.sign * det.log_abs.exp() + 10.0).abs() < 1e-12);
+        for k in 0..3 {
+            // Column k of A is the right-hand side whose solution is the unit vector k.
+            let mut b = a.map(|row| row[k]);
+            for (j, other) in exchange.iter().enumerate() {
+                b.swap(j, *other as usize);
+            }
+            for (i, row) in rows.iter().enumerate() {
+                let x: f64 = (0..3).map(|j| row[j] * b[j]).sum();
+                assert!((x - if i == k { 1.0 } else { 0.0 }).abs() < 1e-14);
+            }
         }
     }
 

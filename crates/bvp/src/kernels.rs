@@ -1,28 +1,32 @@
 //! Kernels for sizes known at compile time, for problems that ask for them.
 //!
 //! Most of a Newton step goes into small dense blocks whose sizes follow from the problem. Compiled for sizes that are
-//! known, loops over them are unrolled: with seven components and four stages intervals are condensed in little more than
-//! half the time, and a whole Newton step takes a third less. Neither kind reorders a sum, so that the results are the same
-//! to the last bit.
+//! known, loops over them are unrolled. Neither kind reorders a sum, so that the results are the same to the last bit.
 
 use multiversion::multiversion;
 
+use crate::block::{BlockFactor, LinearForm};
 use crate::condense::{Condensed, Layout};
 use crate::dense::PivotFailure;
 use crate::gauss::Gauss;
 use crate::stages::{self, Interval};
+use crate::{Direction, Residual};
 
-/// The functions that run over the stages of one interval, for any sizes or for given ones.
+/// The functions that run over all intervals, for any sizes or for given ones.
 ///
 /// A problem asks for them in [`BoundaryValueProblem::kernels`](crate::BoundaryValueProblem::kernels). Kernels for other
 /// sizes than the problem has are not used: asking for the wrong ones costs speed, and nothing else.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernels {
-    /// Components, integrable components, stages and lanes; `None` for any.
+    /// Components, integrable components, stages and left conditions; `None` for any.
     sizes: Option<[usize; 4]>,
-    pub(crate) factor: fn(&mut Condensed, &Gauss, usize) -> Result<(), PivotFailure>,
-    pub(crate) particular: fn(&Condensed, &Gauss, usize, &[f64], &mut [f64]),
+    pub(crate) condense: fn(&mut Condensed, &Gauss) -> Result<(), PivotFailure>,
+    pub(crate) particular: fn(&Condensed, &Gauss, &Residual, &mut Direction, &mut [f64]),
+    pub(crate) complete: fn(&Condensed, &mut Direction),
     pub(crate) differences: fn(&Gauss, Interval<'_>, &mut [f64], &mut [f64]),
+    pub(crate) eliminate: fn(&mut BlockFactor, &Condensed, &[LinearForm<'_>]) -> Result<(), PivotFailure>,
+    pub(crate) forward: fn(&mut BlockFactor, &[f64], &mut [f64], &mut [f64]),
+    pub(crate) backward: fn(&mut BlockFactor, &mut [f64], &[f64]),
 }
 
 impl Kernels {
@@ -31,24 +35,27 @@ impl Kernels {
         Kernels { sizes: None, ..Kernels::of::<0, 0, 0, 0>() }
     }
 
-    /// Kernels for N components, of which the first E are integrable, with M stages and with N components and the scalar
-    /// unknowns together in LANES groups of eight, rounded up: N = 7 and 2 scalars make 9 values and 2 groups.
+    /// Kernels for N components, of which the first E are integrable, with M stages and LEFT conditions at the left end.
     ///
     /// ```
     /// use bvp::Kernels;
-    /// let kernels = Kernels::sized::<7, 3, 4, 2>();
+    /// let kernels = Kernels::sized::<7, 3, 4, 4>();
     /// ```
-    pub fn sized<const N: usize, const E: usize, const M: usize, const LANES: usize>() -> Kernels {
-        const { assert!(N > 0 && E <= N && M > 0 && LANES > 0, "sizes of zero stand for any size") };
-        Kernels::of::<N, E, M, LANES>()
+    pub fn sized<const N: usize, const E: usize, const M: usize, const LEFT: usize>() -> Kernels {
+        const { assert!(N > 0 && E <= N && M > 0, "sizes of zero stand for any size") };
+        Kernels::of::<N, E, M, LEFT>()
     }
 
-    fn of<const N: usize, const E: usize, const M: usize, const LANES: usize>() -> Kernels {
+    fn of<const N: usize, const E: usize, const M: usize, const LEFT: usize>() -> Kernels {
         Kernels {
-            sizes: Some([N, E, M, LANES]),
-            factor: factor::<N, E, M, LANES>,
+            sizes: Some([N, E, M, LEFT]),
+            condense: condense::<N, E, M>,
             particular: particular::<N, E, M>,
+            complete: complete::<N, E, M>,
             differences: differences::<M, N>,
+            eliminate: eliminate::<N, LEFT>,
+            forward: forward::<N, LEFT>,
+            backward: backward::<N, LEFT>,
         }
     }
 
@@ -59,29 +66,57 @@ impl Kernels {
 
     /// These kernels if they are for the sizes of `layout`, the general ones otherwise.
     pub(crate) fn suited_to(self, layout: &Layout) -> Kernels {
-        let sizes = [layout.dims.components, layout.dims.integrable, layout.m, layout.map_lanes];
+        let sizes = [layout.dims.components, layout.dims.integrable, layout.m, layout.dims.left];
         if self.sizes.is_none_or(|own| own == sizes) { self } else { Kernels::general() }
     }
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
-fn factor<const N: usize, const E: usize, const M: usize, const LANES: usize>(
+fn condense<const N: usize, const E: usize, const M: usize>(
     condensed: &mut Condensed,
     gauss: &Gauss,
-    i: usize,
 ) -> Result<(), PivotFailure> {
-    condensed.factor::<N, E, M, LANES>(gauss, i)
+    condensed.condense::<N, E, M>(gauss)
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
 fn particular<const N: usize, const E: usize, const M: usize>(
     condensed: &Condensed,
     gauss: &Gauss,
-    i: usize,
-    r: &[f64],
-    y: &mut [f64],
+    residual: &Residual,
+    out: &mut Direction,
+    borders: &mut [f64],
 ) {
-    condensed.particular_stages::<N, E, M>(gauss, i, r, y)
+    condensed.particular::<N, E, M>(gauss, residual, out, borders)
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+fn complete<const N: usize, const E: usize, const M: usize>(condensed: &Condensed, out: &mut Direction) {
+    condensed.complete::<N, E, M>(out)
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+fn eliminate<const N: usize, const LEFT: usize>(
+    block: &mut BlockFactor,
+    condensed: &Condensed,
+    forms: &[LinearForm<'_>],
+) -> Result<(), PivotFailure> {
+    block.eliminate::<N, LEFT>(condensed, forms)
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+fn forward<const N: usize, const LEFT: usize>(
+    block: &mut BlockFactor,
+    nodes: &[f64],
+    carried: &mut [f64],
+    border: &mut [f64],
+) {
+    block.forward::<N, LEFT>(nodes, carried, border)
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+fn backward<const N: usize, const LEFT: usize>(block: &mut BlockFactor, nodes: &mut [f64], scalars: &[f64]) {
+    block.backward::<N, LEFT>(nodes, scalars)
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]

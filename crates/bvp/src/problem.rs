@@ -26,6 +26,9 @@ pub struct Dimensions {
 /// Most unknowns at one point, components and scalars together.
 pub const MAX_UNKNOWNS: usize = 32;
 
+/// Most unknowns at the stages of one interval, those of integrable components left out.
+pub const MAX_STAGE_UNKNOWNS: usize = MAX_LANES * LANE;
+
 /// Most linear conditions beside those of the problem.
 pub const MAX_CONDITIONS: usize = 8;
 
@@ -53,16 +56,13 @@ pub enum TooLarge {
         /// Components and scalar unknowns.
         unknowns: usize,
     },
-    /// The stage equations of an interval, beside their right-hand sides, are wider than the kernels are built for.
+    /// The stage equations of an interval are wider than the kernels are built for.
     #[error(
-        "{stage_unknowns} stage unknowns beside {unknowns} components and scalar unknowns are too many: fewer stages, or \
-         more integrable components"
+        "{stage_unknowns} stage unknowns are more than {MAX_STAGE_UNKNOWNS}: fewer stages, or more integrable components"
     )]
     StageUnknowns {
         /// Stages times components that are not integrable.
         stage_unknowns: usize,
-        /// Components and scalar unknowns.
-        unknowns: usize,
     },
     /// The problem has more conditions than unknowns, or lacks more than [`MAX_CONDITIONS`].
     #[error("{missing} further conditions would make the system square; possible are 0 to {MAX_CONDITIONS}")]
@@ -95,12 +95,11 @@ impl Dimensions {
         if unknowns > MAX_UNKNOWNS {
             return Err(TooLarge::Unknowns { unknowns });
         }
-        // A row of a stage block holds the matrix, its right-hand sides and the identity, each padded to whole lanes.
-        // Blocks of nodes are narrower: with as many conditions as unknowns they need no more than 2 · MAX_UNKNOWNS rows
-        // and columns, and as many lanes for each as MAX_LANES allows.
+        // Blocks of nodes are no wider: with as many conditions as unknowns they need no more than 2 · MAX_UNKNOWNS rows and
+        // columns.
         let stage_unknowns = stages * (components - integrable);
-        if 2 * lanes_for(stage_unknowns) + lanes_for(unknowns) > MAX_LANES {
-            return Err(TooLarge::StageUnknowns { stage_unknowns, unknowns });
+        if stage_unknowns > MAX_STAGE_UNKNOWNS {
+            return Err(TooLarge::StageUnknowns { stage_unknowns });
         }
         let missing = self.missing_conditions();
         if !(0..=MAX_CONDITIONS as isize).contains(&missing) {
@@ -116,7 +115,7 @@ pub(crate) const MAX_ROWS: usize = 2 * MAX_UNKNOWNS;
 /// Lanes that hold all unknowns of one point.
 pub(crate) const MAX_UNKNOWN_LANES: usize = lanes_for(MAX_UNKNOWNS);
 
-const _: () = assert!(2 * MAX_ROWS <= MAX_LANES * LANE, "a row of a block of nodes and of what is done to it");
+const _: () = assert!(MAX_ROWS <= MAX_LANES * LANE, "a row of a block of nodes has no more columns than it may have rows");
 
 /// Where the right-hand side is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,6 +141,31 @@ pub struct PointJacobian<'a> {
     pub gy: &'a mut [f64],
     /// ∂g/∂p; integrals × scalars.
     pub gp: &'a mut [f64],
+}
+
+impl PointJacobian<'_> {
+    /// Of arrays over many points the part of point i, for n components, `scalars` and `integrals`.
+    pub fn at(&mut self, i: usize, n: usize, scalars: usize, integrals: usize) -> PointJacobian<'_> {
+        PointJacobian {
+            f: &mut self.f[i * n..(i + 1) * n],
+            fy: &mut self.fy[i * n * n..(i + 1) * n * n],
+            fp: &mut self.fp[i * n * scalars..(i + 1) * n * scalars],
+            g: &mut self.g[i * integrals..(i + 1) * integrals],
+            gy: &mut self.gy[i * integrals * n..(i + 1) * integrals * n],
+            gp: &mut self.gp[i * integrals * scalars..(i + 1) * integrals * scalars],
+        }
+    }
+}
+
+/// Collocation points one behind the other.
+#[derive(Clone, Copy, Debug)]
+pub struct CollocationPoints<'a> {
+    /// Running index of the first, see [`CollocationPoint::index`].
+    pub first: usize,
+    /// Independent variable at each.
+    pub x: &'a [f64],
+    /// Values at each; points × n.
+    pub y: &'a [f64],
 }
 
 /// Conditions at one end and their derivatives; row-major, zeroed before each call.
@@ -201,6 +225,25 @@ pub trait BoundaryValueProblem {
 
     /// f, g and their derivatives.
     fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>);
+
+    /// [`rhs`](Self::rhs) at many points: f into `f` (points × n), the integrands into `g` (points × integrals). A problem whose
+    /// evaluation is worth it may run over them side by side.
+    fn rhs_many(&self, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64], g: &mut [f64]) {
+        let Dimensions { components: n, integrals: ni, .. } = self.dimensions();
+        for (i, (&x, y)) in points.x.iter().zip(points.y.chunks_exact(n)).enumerate() {
+            let at = CollocationPoint { x, index: points.first + i };
+            self.rhs(at, y, p, &mut f[i * n..(i + 1) * n], &mut g[i * ni..(i + 1) * ni]);
+        }
+    }
+
+    /// [`rhs_jacobian`](Self::rhs_jacobian) at many points, each array holding that of one point behind that of another.
+    fn rhs_jacobian_many(&self, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
+        let Dimensions { components: n, scalars: np, integrals: ni, .. } = self.dimensions();
+        for (i, (&x, y)) in points.x.iter().zip(points.y.chunks_exact(n)).enumerate() {
+            let at = CollocationPoint { x, index: points.first + i };
+            self.rhs_jacobian(at, y, p, &mut out.at(i, n, np, ni));
+        }
+    }
 
     /// Conditions at the left end.
     fn left(&self, y: &[f64], p: &[f64], out: &mut BoundaryJacobian<'_>);

@@ -6,7 +6,7 @@ use crate::dense::{Determinant, PivotFailure};
 use crate::gauss::Gauss;
 use crate::kernels::Kernels;
 use crate::metric;
-use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, MAX_CONDITIONS};
+use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoints, Dimensions, MAX_CONDITIONS};
 use crate::stages::Interval;
 use crate::{Direction, LinearCondition, Solution};
 
@@ -66,9 +66,10 @@ pub struct System {
     kernels: Kernels,
     block: BlockFactor,
     ends: Ends,
-    constants: Vec<f64>,
     borders: Vec<f64>,
-    point: Vec<f64>,
+    /// Collocation points of the last evaluation, and the integrands there.
+    places: Vec<f64>,
+    integrands: Vec<f64>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -101,9 +102,9 @@ impl System {
             kernels: Kernels::general(),
             block: BlockFactor::default(),
             ends: Ends::default(),
-            constants: Vec::new(),
             borders: Vec::new(),
-            point: Vec::new(),
+            places: Vec::new(),
+            integrands: Vec::new(),
         }
     }
 
@@ -153,32 +154,35 @@ impl System {
         let r = &mut self.residual;
         r.stages.resize(intervals * m * n, 0.0);
         r.nodes.resize(intervals * n, 0.0);
-        zeroed(&mut self.point, n + ni);
-        let (f, g) = self.point.split_at_mut(n);
+        self.integrands.resize(intervals * m * ni, 0.0);
+        self.places.clear();
+        for interval in y.mesh.windows(2) {
+            let h = interval[1] - interval[0];
+            self.places.extend(self.gauss.c.iter().map(|c| interval[0] + h * c));
+        }
+        let (f, g) = (&mut r.stages[..], &mut self.integrands[..]);
+        let points = CollocationPoints { first: 0, x: &self.places, y: &y.stages };
+        if derivatives {
+            f.fill(0.0);
+            g.fill(0.0);
+            problem.rhs_jacobian_many(points, &y.scalars, &mut self.condensed.jacobian(f, g));
+        } else {
+            problem.rhs_many(points, &y.scalars, f, g);
+        }
         for i in 0..intervals {
             let h = y.mesh[i + 1] - y.mesh[i];
             for j in 0..m {
-                let index = i * m + j;
-                let at = CollocationPoint { x: y.mesh[i] + h * self.gauss.c[j], index };
-                if derivatives {
-                    f.fill(0.0);
-                    g.fill(0.0);
-                    let mut out = self.condensed.point_jacobian(index, f, g);
-                    problem.rhs_jacobian(at, y.stage(i, j), &y.scalars, &mut out);
-                } else {
-                    problem.rhs(at, y.stage(i, j), &y.scalars, f, g);
-                }
                 for k in 0..ni {
-                    r.border[k] += h * self.gauss.b[j] * g[k];
-                }
-                let rows = &mut r.stages[index * n..(index + 1) * n];
-                for (k, row) in rows.iter_mut().enumerate() {
-                    *row = -h * f[k];
+                    r.border[k] += h * self.gauss.b[j] * self.integrands[(i * m + j) * ni + k];
                 }
             }
             let range = i * m * n..(i + 1) * m * n;
-            let interval = Interval { left: y.node(i), stages: &y.stages[range.clone()], right: y.node(i + 1) };
-            (self.kernels.differences)(&self.gauss, interval, &mut r.stages[range], &mut r.nodes[i * n..(i + 1) * n]);
+            let rows = &mut r.stages[range.clone()];
+            for row in rows.iter_mut() {
+                *row *= -h;
+            }
+            let interval = Interval { left: y.node(i), stages: &y.stages[range], right: y.node(i + 1) };
+            (self.kernels.differences)(&self.gauss, interval, rows, &mut r.nodes[i * n..(i + 1) * n]);
         }
     }
 
@@ -200,10 +204,7 @@ impl System {
 
     /// Condenses all intervals from the derivatives of the last evaluation.
     pub fn condense(&mut self) -> Result<(), PivotFailure> {
-        for i in 0..self.condensed.intervals() {
-            (self.kernels.factor)(&mut self.condensed, &self.gauss, i)?;
-        }
-        Ok(())
+        (self.kernels.condense)(&mut self.condensed, &self.gauss)
     }
 
     /// Factorises the block system of the problem itself, after [`condense`](Self::condense).
@@ -221,20 +222,20 @@ impl System {
             offsets: &e.hp,
             forms: &forms[..conditions.len()],
         };
-        self.block.factor(&self.condensed, &conditions)
+        self.block.factor(&self.kernels, &self.condensed, &conditions)
     }
 
     /// Solves J δ = −residual with the factors at hand.
     pub fn solve(&mut self, residual: &Residual, out: &mut Direction) {
         self.particular(residual, out, true);
-        let System { block, borders, .. } = self;
+        let System { block, borders, kernels, .. } = self;
         // End rows with their signs turned, in the scratch behind the border entries.
         let ni = borders.len();
         borders.extend(residual.left.iter().map(|v| -v));
         borders.extend(residual.right.iter().map(|v| -v));
         let (border, ends) = borders.split_at(ni);
         let (left, right) = ends.split_at(residual.left.len());
-        block.solve(&mut out.nodes, left, right, border, &mut out.scalars);
+        block.solve(kernels, &mut out.nodes, [left, right, border], &mut out.scalars);
         self.complete(out);
     }
 
@@ -255,14 +256,14 @@ impl System {
         zeroed(&mut out.nodes, (self.condensed.intervals() + 1) * dims.components);
         zeroed(&mut out.stages, self.condensed.intervals() * self.gauss.m * dims.components);
         zeroed(&mut out.scalars, dims.scalars);
-        self.block.solve_last(&mut out.nodes, right, border, &mut out.scalars);
+        self.block.solve_last(&self.kernels, &mut out.nodes, [right, border], &mut out.scalars);
         self.complete(out);
     }
 
     /// Particular stage values and node constants for a residual; border right-hand sides into the scratch.
     fn particular(&mut self, residual: &Residual, out: &mut Direction, with_border: bool) {
         let dims = self.dimensions();
-        let (n, m, ni) = (dims.components, self.gauss.m, dims.integrals);
+        let (n, m) = (dims.components, self.gauss.m);
         let intervals = self.condensed.intervals();
         out.nodes.resize((intervals + 1) * n, 0.0);
         out.stages.resize(intervals * m * n, 0.0);
@@ -271,37 +272,13 @@ impl System {
         if with_border {
             self.borders.extend(residual.border.iter().map(|v| -v));
         }
-        zeroed(&mut self.constants, n);
-        for i in 0..intervals {
-            let range = i * m * n..(i + 1) * m * n;
-            let y = &mut out.stages[range.clone()];
-            (self.kernels.particular)(&self.condensed, &self.gauss, i, &residual.stages[range], y);
-            self.condensed.particular_node(&self.gauss, y, &residual.nodes[i * n..(i + 1) * n], &mut self.constants);
-            out.nodes[i * n..(i + 1) * n].copy_from_slice(&self.constants);
-            if with_border {
-                for j in 0..m {
-                    let weight = self.condensed.h[i] * self.gauss.b[j];
-                    let point = i * m + j;
-                    for k in 0..ni {
-                        let gy = &self.condensed.gy[(point * ni + k) * n..(point * ni + k + 1) * n];
-                        let dot: f64 = gy.iter().zip(&y[j * n..(j + 1) * n]).map(|(a, b)| a * b).sum();
-                        self.borders[k] -= weight * dot;
-                    }
-                }
-            }
-        }
+        let integrals = if with_border { dims.integrals } else { 0 };
+        let borders = &mut self.borders[..integrals];
+        (self.kernels.particular)(&self.condensed, &self.gauss, residual, out, borders);
     }
 
     fn complete(&mut self, out: &mut Direction) {
-        let (n, m) = (self.dimensions().components, self.gauss.m);
-        for i in 0..self.condensed.intervals() {
-            self.condensed.complete_stages(
-                i,
-                &out.nodes[i * n..(i + 1) * n],
-                &out.scalars,
-                &mut out.stages[i * m * n..(i + 1) * m * n],
-            );
-        }
+        (self.kernels.complete)(&self.condensed, out);
     }
 
     /// Factorises the antisymmetric problem that belongs to the factorised one on a mirror-symmetric half: the same
@@ -364,10 +341,10 @@ impl System {
         everywhere: bool,
     ) {
         self.particular(residual, out, false);
-        let System { block, borders, .. } = self;
+        let System { block, borders, kernels, .. } = self;
         borders.extend(residual.left.iter().chain(&residual.right).map(|v| -v));
         let (left, right) = borders.split_at(residual.left.len());
-        block.solve_antisymmetric(end, &mut out.nodes, left, right, everywhere);
+        block.solve_antisymmetric(kernels, end, &mut out.nodes, [left, right], everywhere);
     }
 
     /// The solution of the antisymmetric problem for right-hand sides that are zero but for `right` of its right end rows.
@@ -376,7 +353,7 @@ impl System {
         zeroed(&mut out.nodes, (self.condensed.intervals() + 1) * dims.components);
         zeroed(&mut out.stages, self.condensed.intervals() * self.gauss.m * dims.components);
         zeroed(&mut out.scalars, dims.scalars);
-        self.block.solve_antisymmetric_last(end, &mut out.nodes, right);
+        self.block.solve_antisymmetric_last(&self.kernels, end, &mut out.nodes, right);
         self.complete(out);
     }
 

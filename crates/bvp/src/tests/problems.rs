@@ -124,8 +124,8 @@ impl BoundaryValueProblem for Quadratic {
     fn kernels(&self, stages: usize) -> Kernels {
         match stages {
             _ if !self.sized => Kernels::general(),
-            3 => Kernels::sized::<7, 3, 3, 2>(),
-            4 => Kernels::sized::<7, 3, 4, 2>(),
+            3 => Kernels::sized::<7, 3, 3, 4>(),
+            4 => Kernels::sized::<7, 3, 4, 4>(),
             _ => Kernels::general(),
         }
     }

@@ -51,7 +51,7 @@ fn sized_kernels_give_the_bits_of_the_general_ones() {
 #[test]
 fn kernels_for_other_sizes_are_not_used() {
     let layout = |dims| crate::condense::Layout::new(dims, 3);
-    let kernels = Kernels::sized::<7, 3, 3, 2>();
+    let kernels = Kernels::sized::<7, 3, 3, 4>();
     let mut chosen = unrolled().map(|(dims, _)| kernels.suited_to(&layout(dims)).is_sized());
     assert!(chosen.all(|sized| sized));
     for dims in SHAPES.into_iter().filter(|d| d.components != 7) {

@@ -21,6 +21,7 @@
 
 use std::f64::consts::PI;
 
+use super::lanes::Arithmetic;
 use crate::cell::cue::{Field, Term};
 use crate::cell::{Cell, Number, Parameter, RigidityGradient};
 
@@ -76,13 +77,13 @@ impl Domain {
 
 /// Local rates of change entering the equations at one point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Motion {
+pub struct Motion<D = f64> {
     /// 1/Δt of the implicit step (0 for a stationary shape).
-    pub rate: f64,
+    pub rate: D,
     /// Past r: ∂_t r = rate · (r − r_past).
-    pub r_past: f64,
+    pub r_past: D,
     /// Past z.
-    pub z_past: f64,
+    pub z_past: D,
 }
 
 /// The coefficients of the equations at one place of the contour: the constants of the material, modulated by the cue.
@@ -106,6 +107,23 @@ pub struct Local<D> {
     pub xi_s: D,
     /// Effective isotropic activity X_b = gξ_b.
     pub xi_b: D,
+}
+
+impl<D> Local<D> {
+    /// The same with numbers of another kind.
+    pub fn map<E>(self, number: impl Fn(D) -> E) -> Local<E> {
+        Local {
+            kappa: number(self.kappa),
+            kappa_u: number(self.kappa_u),
+            eta_sum: number(self.eta_sum),
+            eta_difference: number(self.eta_difference),
+            friction: number(self.friction),
+            tension: number(self.tension),
+            tension_u: number(self.tension_u),
+            xi_s: number(self.xi_s),
+            xi_b: number(self.xi_b),
+        }
+    }
 }
 
 impl<D: Number> Local<D> {
@@ -145,13 +163,9 @@ impl<D: Number> Local<D> {
     }
 }
 
-/// The constants of one cell, ready for evaluation; generic so that their derivatives can be carried along.
-#[derive(Clone, Debug)]
-pub struct Constants<D> {
-    /// Coefficients where the cue does nothing.
-    pub uniform: Local<D>,
-    /// The cue's terms.
-    pub cue: Vec<Term<D>>,
+/// What of a cell's constants is the same all along the contour.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings<D> {
     /// 1/a² of the shell.
     pub inverse_a2: D,
     /// 1/b² of the shell.
@@ -160,10 +174,35 @@ pub struct Constants<D> {
     pub shell_force: D,
     /// 1/w².
     pub inverse_w2: D,
-    /// Volume of the whole cell, 4πR0³/3.
-    pub volume: D,
     /// Whether ½C²∂_sκ is kept.
     pub rigidity_gradient: bool,
+}
+
+impl<D> Surroundings<D> {
+    /// The same with numbers of another kind.
+    #[inline(always)]
+    pub fn map<E>(self, number: impl Fn(D) -> E) -> Surroundings<E> {
+        Surroundings {
+            inverse_a2: number(self.inverse_a2),
+            inverse_b2: number(self.inverse_b2),
+            shell_force: number(self.shell_force),
+            inverse_w2: number(self.inverse_w2),
+            rigidity_gradient: self.rigidity_gradient,
+        }
+    }
+}
+
+/// The constants of one cell, ready for evaluation; generic so that their derivatives can be carried along.
+#[derive(Clone, Debug)]
+pub struct Constants<D> {
+    /// Coefficients where the cue does nothing.
+    pub uniform: Local<D>,
+    /// The cue's terms.
+    pub cue: Vec<Term<D>>,
+    /// The shell, and what is kept of the equations.
+    pub surroundings: Surroundings<D>,
+    /// Volume of the whole cell, 4πR0³/3.
+    pub volume: D,
 }
 
 impl<D: Number> Constants<D> {
@@ -191,12 +230,14 @@ impl<D: Number> Constants<D> {
                 xi_b: xi_s * at(Parameter::XiRatio),
             },
             cue: cell.cue.terms().iter().enumerate().map(term).collect(),
-            inverse_a2: (b2 * aspect.powi(2)).recip(),
-            inverse_b2: b2.recip(),
-            shell_force: at(Parameter::P0) * inverse_w2 * 2.0,
-            inverse_w2,
+            surroundings: Surroundings {
+                inverse_a2: (b2 * aspect.powi(2)).recip(),
+                inverse_b2: b2.recip(),
+                shell_force: at(Parameter::P0) * inverse_w2 * 2.0,
+                inverse_w2,
+                rigidity_gradient: cell.material.rigidity_gradient == RigidityGradient::Full,
+            },
             volume: r0.powi(3) * (4.0 * PI / 3.0),
-            rigidity_gradient: cell.material.rigidity_gradient == RigidityGradient::Full,
         }
     }
 
@@ -220,8 +261,7 @@ impl<D: Number> Constants<D> {
 
 /// Right-hand side d/du of the seven equations and the integrand of the volume, for any number type.
 ///
-/// `noise` multiplies the activity. This is the readable statement; [`Cortex`](super::Cortex) evaluates the same with
-/// hand-written derivatives, and a test holds the two together.
+/// `noise` multiplies the activity.
 pub fn equations<D: Number>(
     c: &Constants<D>,
     u: f64,
@@ -231,8 +271,24 @@ pub fn equations<D: Number>(
     length: D,
     pressure: D,
 ) -> ([D; COMPONENTS], D) {
+    let Motion { rate, r_past, z_past } = motion;
+    let motion = Motion { rate: D::from(rate), r_past: D::from(r_past), z_past: D::from(z_past) };
+    balances(&c.surroundings, &c.at(u, length), motion, D::from(noise), y, length, pressure)
+}
+
+/// [`equations`] with the coefficients of the place at hand. This is the readable statement;
+/// [`linearised`](super::jacobian::linearised) is the same with hand-written derivatives, and a test holds the two together.
+#[inline(always)]
+pub fn balances<D: Arithmetic>(
+    c: &Surroundings<D>,
+    here: &Local<D>,
+    motion: Motion<D>,
+    noise: D,
+    y: &[D; COMPONENTS],
+    length: D,
+    pressure: D,
+) -> ([D; COMPONENTS], D) {
     let [r, z, m, psi, q, v, t] = *y;
-    let here = c.at(u, length);
     let (sin, cos) = psi.sin_cos();
     let inverse_r = r.recip();
     let c2 = sin * inverse_r;
@@ -251,7 +307,7 @@ pub fn equations<D: Number>(
     let elastic = here.tension * mean - here.kappa * difference * difference * mean * 0.5;
     let mut t_u = (here.friction * v - cot * (t - t_phi)) * length - here.tension_u;
     if c.rigidity_gradient {
-        t_u -= mean * mean * here.kappa_u * 0.5;
+        t_u = t_u - mean * mean * here.kappa_u * 0.5;
     }
     (
         [

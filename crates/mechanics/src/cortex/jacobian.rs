@@ -1,170 +1,152 @@
 //! The equations with hand-written derivatives, for the collocation sweep of Newton's method.
 //!
-//! Gradients are with respect to (r, z, m, ψ, q, v, T), padded to eight entries so that they fill a vector register. Each
-//! step below repeats a line of [`equations`](super::equations::equations) and differentiates it; a test holds the two
-//! together for every field and profile of a cue.
+//! Each line repeats one of [`balances`](super::equations::balances) and differentiates it by what it depends on; a test holds
+//! the two together for every field and profile of a cue.
 
 use std::f64::consts::PI;
 
-use bvp::{CollocationPoint, PointJacobian};
-use nalgebra::SVector;
+use super::equations::{COMPONENTS, Local, Motion, Surroundings};
+use super::lanes::Arithmetic;
 
-use super::Cortex;
-use super::equations::{COMPONENTS, Constants, LENGTH, Local, M, PRESSURE, PSI, Q, R, T, V, Z};
-
-type Gradient = SVector<f64, 8>;
-
-/// A quantity with its gradient.
-type Valued = (f64, Gradient);
-
-/// What the equations at one point share.
-struct Point<'a> {
-    constants: &'a Constants<f64>,
-    here: Local<f64>,
-    y: [f64; COMPONENTS],
-    sin: f64,
-    cos: f64,
-    /// 1/κ.
-    inverse_kappa: f64,
-    /// C = m/κ.
-    mean: f64,
-    c1: Valued,
-    c2: Valued,
-    /// cosψ/r.
-    cot: Valued,
-    v_n: Valued,
+/// The equations at one place and their derivatives. Those not named here are zero.
+#[derive(Clone, Copy, Debug)]
+pub struct Linearised<D> {
+    /// Right-hand sides f.
+    pub f: [D; COMPONENTS],
+    /// ∂f/∂L but for what widths in L_h add.
+    pub by_length: [D; COMPONENTS],
+    /// ∂(r′, z′)/∂ψ.
+    pub geometry: [D; 2],
+    /// ∂ψ′/∂(r, m, ψ).
+    pub turning: [D; 3],
+    /// ∂q′/∂(r, z, m, ψ, q, v, T).
+    pub normal: [D; COMPONENTS],
+    /// ∂v′/∂(r, z, m, ψ, q, v, T).
+    pub flow: [D; COMPONENTS],
+    /// ∂T′/∂(r, z, m, ψ, q, v, T).
+    pub tangential: [D; COMPONENTS],
+    /// Integrand of the volume, and its derivatives by r, ψ and L.
+    pub volume: [D; 4],
 }
 
-fn gradient(entries: [(usize, f64); 3]) -> Gradient {
-    let mut out = Gradient::zeros();
-    for (component, value) in entries {
-        out[component] += value;
-    }
-    out
-}
-
-/// S_uu and T_φφ.
-fn stresses(point: &Point<'_>, noise: f64) -> [Valued; 2] {
-    let Point { here, inverse_kappa, mean, c2, cot, v_n, .. } = point;
-    let (v, t) = (point.y[V], point.y[T]);
-    let s_phi = cot.0 * v + c2.0 * v_n.0;
-    let mut d_s_phi = cot.1 * v + c2.1 * v_n.0 + v_n.1 * c2.0;
-    d_s_phi[V] += cot.0;
-    let (xi_s, xi_b) = (here.xi_s * noise, here.xi_b * noise);
-    let (along, around) = (0.5 * xi_s + xi_b, xi_b - 0.5 * xi_s);
-    let inverse_sum = 1.0 / here.eta_sum;
-    let s_u = (t - along * mean + xi_s * c2.0 - here.eta_difference * s_phi) * inverse_sum;
-    let mut d_s_u = c2.1 * (xi_s * inverse_sum) + d_s_phi * (-here.eta_difference * inverse_sum);
-    d_s_u[M] -= along * inverse_kappa * inverse_sum;
-    d_s_u[T] += inverse_sum;
-    let t_phi = here.eta_difference * s_u + here.eta_sum * s_phi + around * mean + xi_s * c2.0;
-    let mut d_t_phi = d_s_u * here.eta_difference + d_s_phi * here.eta_sum + c2.1 * xi_s;
-    d_t_phi[M] += around * inverse_kappa;
-    [(s_u, d_s_u), (t_phi, d_t_phi)]
-}
-
-/// q_s without the pressure: the normal force balance.
-fn normal(point: &Point<'_>, t_phi: &Valued) -> Valued {
-    let Point { constants: c, here, inverse_kappa, mean, c1, c2, cot, sin, cos, .. } = point;
-    let [r, z, _, _, q, _, t] = point.y;
-    let inside = ((z * z * c.inverse_a2 + r * r * c.inverse_b2 - 1.0) * c.inverse_w2).exp();
-    let push = c.shell_force * inside;
-    let slope = r * sin * c.inverse_b2 + z * cos * c.inverse_a2;
-    let difference = c1.0 - c2.0;
-    let stretch = here.tension - 0.5 * here.kappa * difference * difference;
-    let shear = -here.kappa * difference * mean;
-    let value = c1.0 * t + c2.0 * t_phi.0 + stretch * mean - cot.0 * q + push * slope;
-    let mut d = c1.1 * (t + shear) + c2.1 * (t_phi.0 - shear) + t_phi.1 * c2.0 + cot.1 * -q;
-    d[M] += stretch * inverse_kappa;
-    d[T] += c1.0;
-    d[Q] -= cot.0;
-    d[R] += push * (2.0 * r * c.inverse_b2 * c.inverse_w2 * slope + sin * c.inverse_b2);
-    d[Z] += push * (2.0 * z * c.inverse_a2 * c.inverse_w2 * slope + cos * c.inverse_a2);
-    d[PSI] += push * (r * cos * c.inverse_b2 - z * sin * c.inverse_a2);
-    (value, d)
-}
-
-/// T_s without the terms of a varying κ and γ: the tangential force balance.
-fn tangential(point: &Point<'_>, t_phi: &Valued) -> Valued {
-    let Point { here, cot, .. } = point;
-    let (v, t) = (point.y[V], point.y[T]);
-    let mut d = cot.1 * (t_phi.0 - t) + t_phi.1 * cot.0;
-    d[V] += here.friction;
-    d[T] -= cot.0;
-    (here.friction * v - cot.0 * (t - t_phi.0), d)
-}
-
-/// f, ∂f/∂y, ∂f/∂(L, p), g and its derivatives at one collocation point.
-#[inline]
-pub fn jacobian(cortex: &Cortex, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
-    let (length, pressure) = (p[LENGTH], p[PRESSURE]);
-    let scalars = super::problem::SHAPE_SCALARS + cortex.free.len();
-    let constants = cortex.constants();
-    let y: [f64; COMPONENTS] = std::array::from_fn(|k| y[k]);
-    let [r, z, m, psi, q, ..] = y;
-    let here = constants.at(at.x, length);
-    let motion = cortex.motion(at);
+/// What the balances of forces share at one place, in units of arclength; names are those of
+/// [`balances`](super::equations::balances), with `_r`, `_z`, `_m`, `_psi`, `_v` and `_t` for derivatives.
+#[inline(always)]
+pub fn linearised<D: Arithmetic>(
+    c: &Surroundings<D>,
+    here: &Local<D>,
+    motion: Motion<D>,
+    noise: D,
+    y: &[D; COMPONENTS],
+    length: D,
+    pressure: D,
+) -> Linearised<D> {
+    let [r, z, m, psi, q, v, t] = *y;
     let (sin, cos) = psi.sin_cos();
-    let inverse_r = 1.0 / r;
-    let inverse_kappa = 1.0 / here.kappa;
+    let (inverse_r, inverse_kappa) = (r.recip(), here.kappa.recip());
     let (c2, cot, mean) = (sin * inverse_r, cos * inverse_r, m / here.kappa);
+    let (c2_r, cot_r) = (-(c2 * inverse_r), -(cot * inverse_r));
+    let c1 = mean - c2;
     let (dr, dz) = (motion.rate * (r - motion.r_past), motion.rate * (z - motion.z_past));
-    let point = Point {
-        constants,
-        here,
-        y,
-        sin,
-        cos,
-        inverse_kappa,
-        mean,
-        c1: (mean - c2, gradient([(R, c2 * inverse_r), (M, inverse_kappa), (PSI, -cot)])),
-        c2: (c2, gradient([(R, -c2 * inverse_r), (PSI, cot), (V, 0.0)])),
-        cot: (cot, gradient([(R, -cot * inverse_r), (PSI, -c2), (V, 0.0)])),
-        v_n: (
-            sin * dr + cos * dz,
-            gradient([(R, motion.rate * sin), (Z, motion.rate * cos), (PSI, cos * dr - sin * dz)]),
-        ),
-    };
-    let [s_u, t_phi] = stresses(&point, cortex.noise_at(at));
-    let (q_s, d_q) = normal(&point, &t_phi);
-    let (t_s, d_t) = tangential(&point, &t_phi);
-    let v_s = s_u.0 - point.c1.0 * point.v_n.0;
-    let d_v = s_u.1 + point.c1.1 * -point.v_n.0 + point.v_n.1 * -point.c1.0;
-    let band = if constants.rigidity_gradient { 0.5 * here.kappa_u } else { 0.0 };
+    let v_n = sin * dr + cos * dz;
+    let (n_r, n_z, n_psi) = (motion.rate * sin, motion.rate * cos, cos * dr - sin * dz);
 
-    let n = COMPONENTS;
-    let f_s = [cos, -sin, q, point.c1.0, q_s - pressure, v_s, t_s];
-    for k in 0..n {
-        out.f[k] = length * f_s[k];
-        out.fp[k * scalars + LENGTH] = f_s[k];
+    // S_φφ, S_uu and T_φφ.
+    let s_phi = cot * v + c2 * v_n;
+    let s_r = cot_r * v + c2_r * v_n + c2 * n_r;
+    let s_z = c2 * n_z;
+    let s_psi = cot * v_n - c2 * v + c2 * n_psi;
+    let (xi_s, xi_b) = (here.xi_s * noise, here.xi_b * noise);
+    let (along, around) = (xi_s * 0.5 + xi_b, xi_b - xi_s * 0.5);
+    let u_t = here.eta_sum.recip();
+    let mixing = here.eta_difference * u_t;
+    let s_u = (t - along * mean + xi_s * c2 - here.eta_difference * s_phi) * u_t;
+    let pull = xi_s * u_t;
+    let (u_r, u_z, u_m) = (pull * c2_r - mixing * s_r, -(mixing * s_z), -(along * inverse_kappa * u_t));
+    let (u_psi, u_v) = (pull * cot - mixing * s_psi, -(mixing * cot));
+    let t_phi = here.eta_difference * s_u + here.eta_sum * s_phi + around * mean + xi_s * c2;
+    let t_r = here.eta_difference * u_r + here.eta_sum * s_r + xi_s * c2_r;
+    let t_z = here.eta_difference * u_z + here.eta_sum * s_z;
+    let t_m = here.eta_difference * u_m + around * inverse_kappa;
+    let t_psi = here.eta_difference * u_psi + here.eta_sum * s_psi + xi_s * cot;
+    let t_v = here.eta_difference * u_v + here.eta_sum * cot;
+    let t_t = mixing;
+
+    // The normal balance, without the pressure.
+    let (by_a2, by_b2) = (z * c.inverse_a2, r * c.inverse_b2);
+    let inside = ((z * by_a2 + r * by_b2 - 1.0) * c.inverse_w2).exp();
+    let push = c.shell_force * inside;
+    let slope = by_b2 * sin + by_a2 * cos;
+    let steeper = slope * c.inverse_w2 * 2.0;
+    let difference = c1 - c2;
+    let stretch = here.tension - here.kappa * difference * difference * 0.5;
+    let shear = -(here.kappa * difference * mean);
+    let (first, second) = (t + shear, t_phi - shear);
+    let q_s = c1 * t + c2 * t_phi + stretch * mean - cot * q + push * slope;
+    let normal = [
+        c2_r * (second - first) + t_r * c2 - cot_r * q + push * (by_b2 * steeper + sin * c.inverse_b2),
+        t_z * c2 + push * (by_a2 * steeper + cos * c.inverse_a2),
+        inverse_kappa * (first + stretch) + t_m * c2,
+        cot * (second - first) + t_psi * c2 + c2 * q + push * (by_b2 * cos - by_a2 * sin),
+        -cot,
+        t_v * c2,
+        t_t * c2 + c1,
+    ];
+
+    // The tangential balance, without the terms of a varying κ and γ, and the flow.
+    let t_s = here.friction * v - cot * (t - t_phi);
+    let hoop = t_phi - t;
+    let mut tangential = [
+        (cot_r * hoop + t_r * cot) * length,
+        t_z * cot * length,
+        t_m * cot * length,
+        (t_psi * cot - c2 * hoop) * length,
+        D::from(0.0),
+        (t_v * cot + here.friction) * length,
+        (t_t * cot - cot) * length,
+    ];
+    let v_s = s_u - c1 * v_n;
+    let flow = [
+        u_r + c2_r * v_n - c1 * n_r,
+        u_z - c1 * n_z,
+        u_m - inverse_kappa * v_n,
+        u_psi + cot * v_n - c1 * n_psi,
+        D::from(0.0),
+        u_v,
+        u_t,
+    ];
+    let mut t_u = t_s * length - here.tension_u;
+    if c.rigidity_gradient {
+        let band = mean * here.kappa_u;
+        t_u = t_u - band * mean * 0.5;
+        tangential[2] = tangential[2] - band * inverse_kappa;
     }
-    out.f[T] -= band * mean * mean + here.tension_u;
-    out.fp[Q * scalars + PRESSURE] = -length;
-    out.fy[R * n + PSI] = -length * sin;
-    out.fy[Z * n + PSI] = -length * cos;
-    out.fy[M * n + Q] = length;
-    for (row, d) in [(PSI, &point.c1.1), (Q, &d_q), (V, &d_v), (T, &d_t)] {
-        for k in 0..n {
-            out.fy[row * n + k] = length * d[k];
-        }
+    let by_length = [cos, -sin, q, c1, q_s - pressure, v_s, t_s];
+    let mut f = by_length.map(|slope| length * slope);
+    f[COMPONENTS - 1] = t_u;
+    let area = r * sin * PI;
+    Linearised {
+        f,
+        by_length,
+        geometry: [-(length * sin), -(length * cos)],
+        turning: [-(length * c2_r), length * inverse_kappa, -(length * cot)],
+        normal: normal.map(|d| length * d),
+        flow: flow.map(|d| length * d),
+        tangential,
+        volume: [length * r * area, length * area * 2.0, length * r * r * cos * PI, r * area],
     }
-    out.fy[T * n + M] -= 2.0 * band * mean * inverse_kappa;
-    out.g[0] = PI * length * r * r * sin;
-    out.gy[R] = 2.0 * PI * length * r * sin;
-    out.gy[PSI] = PI * length * r * r * cos;
-    out.gp[LENGTH] = PI * r * r * sin;
 }
 
 #[cfg(test)]
 mod tests {
-    use bvp::BoundaryValueProblem;
+    use bvp::{BoundaryValueProblem, CollocationPoint, PointJacobian};
     use num_dual::Dual64;
 
-    use super::*;
+    use super::COMPONENTS;
     use crate::cell::cue::{Field, Quantity};
     use crate::cell::{Cell, Cue, Material, Parameter};
-    use crate::cortex::Domain;
-    use crate::cortex::equations::{Motion, equations};
+    use crate::cortex::equations::{Motion, PSI, R, equations};
+    use crate::cortex::{Cortex, Domain};
 
     /// Numbers in [0, 1), the same on every run.
     fn stream() -> impl FnMut() -> f64 {

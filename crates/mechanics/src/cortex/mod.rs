@@ -3,7 +3,9 @@
 //! | file | what it says |
 //! |---|---|
 //! | [`equations`] | the force balance, once, for any number type |
-//! | `jacobian` | the same with hand-written derivatives, for speed |
+//! | [`jacobian`] | the same with hand-written derivatives, for speed |
+//! | [`lanes`] | numbers whose loops become vector code |
+//! | `sweep` | both at many points side by side |
 //! | [`problem`] | the boundary-value problem [`Cortex`] that is solved |
 //! | [`derivatives`] | second and third derivatives, for singular points |
 //! | [`symmetry`] | parity under the mirror u → 1 − u, halves unfolded |
@@ -14,10 +16,12 @@
 pub mod derivatives;
 pub mod equations;
 pub mod forces;
-mod jacobian;
+pub mod jacobian;
+pub mod lanes;
 pub mod observables;
 pub mod problem;
 pub mod resolution;
+mod sweep;
 pub mod symmetry;
 
 pub use equations::Domain;

@@ -2,17 +2,22 @@
 
 use std::f64::consts::PI;
 
-use bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Kernels, PointJacobian};
+use bvp::{
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, Dimensions, Kernels, PointJacobian,
+};
 use num_dual::Dual64;
 
 use super::equations::{COMPONENTS, Constants, Domain, LENGTH, M, Motion, PRESSURE, PSI, Q, R, T, V, equations};
-use super::jacobian::jacobian;
+use super::sweep;
 use super::symmetry::{CENTRE, ODD};
 use crate::cell::cue::{Term, Width};
 use crate::cell::{Cell, Parameter};
 
 /// The first three components, r, z and m, are integrable in the sense of [`Dimensions::integrable`].
 const INTEGRABLE: usize = 3;
+
+/// Conditions at the pole where u = 0, and as many at the other end.
+const LEFT: usize = 4;
 
 /// Number of scalar unknowns before the free parameters: L and p.
 pub const SHAPE_SCALARS: usize = 2;
@@ -169,8 +174,8 @@ impl BoundaryValueProblem for Cortex {
     #[inline(never)]
     fn kernels(&self, stages: usize) -> Kernels {
         match stages {
-            3 => Kernels::sized::<COMPONENTS, INTEGRABLE, 3, 2>(),
-            4 => Kernels::sized::<COMPONENTS, INTEGRABLE, 4, 2>(),
+            3 => Kernels::sized::<COMPONENTS, INTEGRABLE, 3, LEFT>(),
+            4 => Kernels::sized::<COMPONENTS, INTEGRABLE, 4, LEFT>(),
             _ => Kernels::general(),
         }
     }
@@ -186,17 +191,26 @@ impl BoundaryValueProblem for Cortex {
     }
 
     fn rhs(&self, at: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], g: &mut [f64]) {
-        let state: [f64; COMPONENTS] = std::array::from_fn(|k| y[k]);
-        let (value, volume) =
-            equations(&self.constants, at.x, self.motion(at), self.noise_at(at), &state, p[LENGTH], p[PRESSURE]);
-        f.copy_from_slice(&value);
-        g[0] = volume;
+        self.rhs_many(CollocationPoints { first: at.index, x: &[at.x], y }, p, f, g);
     }
 
     fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
-        jacobian(self, at, y, p, out);
-        if !self.sensitivities.is_empty() || self.along_length.is_some() {
-            self.scalar_columns(at, y, p, out.fp);
+        self.rhs_jacobian_many(CollocationPoints { first: at.index, x: &[at.x], y }, p, out);
+    }
+
+    fn rhs_many(&self, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64], g: &mut [f64]) {
+        sweep::rhs_many(self, points, p, f, g);
+    }
+
+    fn rhs_jacobian_many(&self, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
+        sweep::jacobian_many(self, points, p, out);
+        if self.sensitivities.is_empty() && self.along_length.is_none() {
+            return;
+        }
+        let scalars = SHAPE_SCALARS + self.free.len();
+        let values = points.x.iter().zip(points.y.chunks_exact(COMPONENTS));
+        for (i, ((&x, y), fp)) in values.zip(out.fp.chunks_exact_mut(COMPONENTS * scalars)).enumerate() {
+            self.scalar_columns(CollocationPoint { x, index: points.first + i }, y, p, fp);
         }
     }
 
