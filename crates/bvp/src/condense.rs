@@ -139,8 +139,8 @@ impl Condensed {
             (&mut self.gy, points * ni * n),
             (&mut self.gp, points * ni * np),
         ] {
-            v.clear();
             v.resize(size, 0.0);
+            v.fill(0.0);
         }
         for (lanes, size) in [
             (&mut self.inverse, intervals * l.s * l.stage_lanes),

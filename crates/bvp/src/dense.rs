@@ -266,6 +266,9 @@ pub fn eliminate_in_place(
     reciprocal: &mut [f64],
     exchange: &mut [u8],
 ) -> Result<(), PivotFailure> {
+    if columns == 0 {
+        return Ok(());
+    }
     with_width!(matrix, lanes, rows => eliminate_rows_in_place(rows, columns, candidates, reciprocal, exchange),
         [1 2 3 4 5 6 7 8])
 }

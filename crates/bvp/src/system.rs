@@ -82,8 +82,8 @@ struct Ends {
 }
 
 fn zeroed(v: &mut Vec<f64>, len: usize) {
-    v.clear();
     v.resize(len, 0.0);
+    v.fill(0.0);
 }
 
 impl System {

@@ -31,7 +31,7 @@ fn every_limit_is_refused_by_name() {
 #[test]
 #[should_panic(expected = "stage unknowns")]
 fn a_workspace_is_not_made_for_what_does_not_fit() {
-    System::new(dims(16, 0, 0, 8, 8), 4);
+    System::new(dims(17, 0, 0, 9, 8), 4);
 }
 
 #[test]
