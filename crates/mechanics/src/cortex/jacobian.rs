@@ -145,7 +145,7 @@ mod tests {
     use super::COMPONENTS;
     use crate::cell::cue::{Field, Quantity};
     use crate::cell::{Cell, Cue, Material, Parameter};
-    use crate::cortex::equations::{Motion, PSI, R, equations};
+    use crate::cortex::equations::{Constants, Motion, PSI, R, equations};
     use crate::cortex::{Cortex, Domain};
 
     /// Numbers in [0, 1), the same on every run.

@@ -6,7 +6,7 @@ use super::Cortex;
 use super::equations::{LENGTH, M, PSI, R};
 
 /// Part of its mean that the mesh monitor never falls below.
-const FLOOR: f64 = 0.2;
+const FLOOR: f64 = 0.1;
 /// Growth of the interval width per interval that the monitor allows.
 const GRADING: f64 = 1.0;
 

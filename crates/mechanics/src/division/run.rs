@@ -29,7 +29,9 @@ const PUBLISHED_NECK_STEP: f64 = 0.08;
 /// Below this neck radius, relative to R0, the neck closes faster than anything else happens.
 const CLOSING: f64 = 0.5;
 /// Local error of the odd part relative to its size, in units of the time tolerance.
-const ODD_TOLERANCE: f64 = 50.0;
+const ODD_TOLERANCE: f64 = 150.0;
+/// A step is at most this many times as long as the one before.
+const MOST_GROWTH: f64 = 2.0;
 /// An odd part below this, relative to R0, is rounding and is not resolved: without noise there is nothing else at first.
 const ODD_ROUNDING: f64 = 1e-12;
 
@@ -330,8 +332,7 @@ impl Run {
                         / self.factor.powi(order as i32 + 1);
                     if error <= 1.0 || stepper.levels.len() == 1 {
                         let power = 1.0 / (order as f64 + 1.0);
-                        let most = if stepper.levels.len() <= MAX_ORDER { 2.0 } else { 1.6 };
-                        self.accept(stepper, (0.85 * error.max(1e-8).powf(-power)).clamp(0.3, most));
+                        self.accept(stepper, (0.85 * error.max(1e-8).powf(-power)).clamp(0.3, MOST_GROWTH));
                         return Ok(());
                     }
                     (0.85 * error.powf(-1.0 / (order as f64 + 1.0))).clamp(0.2, 0.8)

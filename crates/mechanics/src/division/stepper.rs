@@ -17,11 +17,20 @@ use crate::cortex::{Cortex, resolution};
 
 /// Share of the mesh monitor (about the turning of the contour, in radians) of one interval at the default resolution
 /// of 48.
-const SHARE: f64 = 0.85;
+const SHARE: f64 = 1.0;
 /// Part of that share a new mesh uses, so that the shape can sharpen before the mesh must move again.
 const ROOM: f64 = 0.85;
 /// Most intervals a mesh may grow to.
 const MAX_INTERVALS: usize = 1024;
+
+/// The iteration of a step. A factorisation costs as much as a dozen solves, so that slow chord steps are preferred to a new one.
+const NEWTON: Newton = Newton {
+    tolerance: 3e-7,
+    max_factorisations: 6,
+    max_iterations: 24,
+    min_damping: 1e-3,
+    chord_contraction: 0.5,
+};
 
 /// Highest order of the formulas.
 pub const MAX_ORDER: usize = 4;
@@ -129,7 +138,7 @@ impl Stepper {
             weights: Vec::new(),
             spare: Vec::new(),
             scratch: NewtonScratch::default(),
-            newton: Newton { tolerance: 3e-8, max_factorisations: 6, max_iterations: 24, ..Newton::default() },
+            newton: NEWTON,
             weight: Vec::new(),
             grid: Vec::new(),
             factored_rate: None,
