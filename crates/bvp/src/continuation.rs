@@ -97,6 +97,14 @@ const CLOSED_GAP: f64 = 1e-6;
 /// A rejected step is tried again at this fraction of its length.
 pub(crate) const SHORTER: f64 = 0.4;
 
+/// Where the factors of the last point have served for a step, they are tried for steps longer by this factor; where they have
+/// not, for shorter ones alone.
+const REACH_GROWTH: f64 = 1.2;
+const REACH_LOSS: f64 = 0.5;
+/// Most corrections with them, and how much of one the next may be: all together they cost half a factorisation.
+const CHORD_STEPS: usize = 7;
+const CHORD_CONTRACTION: f64 = 0.5;
+
 /// After so many rejections the tangent they start from is in doubt.
 const DOUBTFUL: usize = 2;
 
@@ -152,6 +160,8 @@ struct Attempt {
     cosine: f64,
     /// Sign of the bordered determinant.
     orientation: f64,
+    /// The factors are those of the point itself.
+    exact: bool,
 }
 
 /// Where a followed branch ended.
@@ -194,7 +204,7 @@ pub type MeshMonitor<P> = fn(&P, &Solution, &mut Vec<f64>);
 pub struct Continuation<P> {
     /// The problem; its last scalar unknown is the parameter λ. One condition short of square.
     pub problem: P,
-    /// Factors of the last corrector, i.e. of a point near the newest, with the plane condition.
+    /// Factors of a point near the newest, with a plane condition: see [`factorise_newest`](Continuation::factorise_newest).
     pub system: System,
     /// Settings.
     pub settings: ContinuationSettings,
@@ -211,6 +221,10 @@ pub struct Continuation<P> {
     trial: Solution,
     tangent: Direction,
     weight: Vec<f64>,
+    /// The factors in `system` are those of the newest point.
+    exact: bool,
+    /// Steps up to this length are corrected with the factors of the point that they start from.
+    reach: f64,
 }
 
 impl<P: BoundaryValueProblem> Continuation<P> {
@@ -269,11 +283,14 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             scratch: NewtonScratch::default(),
             conditions: vec![LinearCondition::default()],
             weight: Vec::new(),
+            exact: false,
+            reach: f64::INFINITY,
         }
     }
 
     /// Turns round.
     pub fn reverse(&mut self) {
+        self.exact = false;
         self.state.tangent.scale(-1.0);
         self.state.direction = -self.state.direction;
         self.state.history.clear();
@@ -312,7 +329,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
 
     /// Makes the point of an attempt the newest.
     fn accept(&mut self, step: f64, attempt: Attempt, rejected: usize) -> Advance {
-        let Attempt { report, cosine, orientation } = attempt;
+        let Attempt { report, cosine, orientation, exact } = attempt;
+        self.exact = exact;
         let parameter = self.state.parameter();
         self.state.orientation = orientation;
         std::mem::swap(&mut self.state.tangent, &mut self.tangent);
@@ -320,14 +338,14 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.state.arclength += step;
         self.state.points += 1;
         self.state.history.push(self.state.arclength, &self.state.solution);
-        self.state.step = step * growth(report, cosine, self.settings.min_cosine);
+        self.state.step = step * growth(report, exact, cosine, self.settings.min_cosine);
         self.work += Work { steps: 1, rejected, ..Work::default() };
         self.work += report;
         let passed_fold = self.confirm_direction(self.state.parameter() - parameter);
         Advance { passed_fold, report, rejected }
     }
 
-    /// The tangent at the newest point with the factors of the point itself.
+    /// The tangent at the newest point with the factors of the point itself, which are then those of its own plane.
     fn exact_tangent(&mut self) -> Result<(), PivotFailure> {
         self.factorise_newest()?;
         let Continuation { system, metric, state, tangent, .. } = self;
@@ -337,17 +355,23 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         Ok(())
     }
 
-    /// Factorises the system at the newest point itself. The corrector leaves the factors of its prediction, close enough to
-    /// converge with but, where a step changes the solution by a large part of itself, not to judge by.
+    /// Factorises the system at the newest point itself, unless the last step has. A corrector that needed factors of its own
+    /// leaves those of its prediction, close enough to converge with but, where a step changes the solution by a large part of
+    /// itself, not to judge by.
     ///
     /// # Errors
     /// If a pivot vanishes.
     pub fn factorise_newest(&mut self) -> Result<(), PivotFailure> {
+        if self.exact {
+            return Ok(());
+        }
         let Continuation { problem, system, metric, state, conditions, .. } = self;
         metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]);
         system.evaluate(problem, &state.solution, conditions, true);
         system.condense()?;
-        system.factor_blocks(conditions)
+        system.factor_blocks(conditions)?;
+        self.exact = true;
+        Ok(())
     }
 
     /// Whether dλ/ds has changed sign. The corrector's factors belong to a prediction, so a change is confirmed with
@@ -364,13 +388,36 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     }
 
     /// A corrected point at distance `step` in `trial`, and its tangent in `tangent`.
+    ///
+    /// A short step is corrected with the factors of the point that it starts from. That leaves one factorisation for the point
+    /// found, whose tangent and determinants are then exact. A longer one needs factors of its own, which serve for its tangent.
     fn attempt(&mut self, step: f64) -> Result<Attempt, StepFailure> {
         self.predict(step);
-        let Continuation { problem, system, settings, metric, state, scratch, conditions, trial, tangent, .. } = self;
+        let reuse = std::mem::take(&mut self.exact) && step <= self.reach;
+        let Continuation { problem, system, settings, metric, state, scratch, conditions, trial, .. } = self;
         // The plane is set by the point and not by the prediction, or steps would drift with the extrapolation.
         metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]);
         conditions[0].value += step;
-        let report = settings.newton.solve(system, scratch, problem, trial, conditions, false)?;
+        let chord = Newton { max_iterations: CHORD_STEPS, chord_contraction: CHORD_CONTRACTION, ..settings.newton };
+        let reused =
+            if reuse { chord.solve_with_factors(system, scratch, problem, trial, conditions) } else { None };
+        let report = match reused {
+            Some(report) => {
+                system.evaluate(problem, trial, conditions, true);
+                system.condense()?;
+                system.factor_blocks(conditions)?;
+                NewtonReport { factorisations: 1, ..report }
+            }
+            None => settings.newton.solve(system, scratch, problem, trial, conditions, false)?,
+        };
+        let exact = reused.is_some();
+        self.reach = match (reuse, exact) {
+            (true, true) => self.reach.max(REACH_GROWTH * step),
+            (true, false) => REACH_LOSS * step,
+            // Where the branch has become straighter they may serve again.
+            (false, _) => self.reach * REACH_GROWTH,
+        };
+        let Continuation { system, settings, metric, state, trial, tangent, .. } = self;
         metric::null_direction(system, 0, tangent);
         metric.normalise(&trial.mesh, tangent);
         let cosine = metric.dot(&trial.mesh, tangent, &state.tangent);
@@ -381,7 +428,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         if orientation * self.state.orientation < 0.0 && step > CLOSED_GAP {
             return Err(StepFailure::OtherBranch);
         }
-        Ok(Attempt { report, cosine, orientation })
+        Ok(Attempt { report, cosine, orientation, exact })
     }
 
     /// The point at distance `step` by extrapolation, in `trial`.
@@ -435,6 +482,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
 
     /// Carries the run over to another mesh.
     pub fn move_to(&mut self, grid: &[f64]) {
+        self.exact = false;
         let gauss = &self.system.gauss;
         metric::transfer_direction(gauss, &self.state.solution.mesh, grid, &mut self.state.tangent);
         self.metric.normalise(grid, &mut self.state.tangent);
@@ -494,6 +542,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
 
     /// Corrects `y` onto the branch in the plane through it across `direction`. Left as it is if that fails.
     pub fn correct_across(&mut self, y: &mut Solution, direction: &Direction) {
+        self.exact = false;
         self.metric.plane_through(y, direction, &mut self.conditions[0]);
         self.trial.clone_from(y);
         let Continuation { problem, system, settings, scratch, conditions, trial, .. } = self;
@@ -507,6 +556,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// # Errors
     /// [`ContinuationError::Lost`] if the corrector fails there.
     pub fn at(&mut self, value: f64) -> Result<Solution, ContinuationError> {
+        self.exact = false;
         let mut y = self.state.solution.clone();
         if let Some((before, earlier)) = self.state.history.before_newest() {
             let last = y.scalars.len() - 1;
@@ -531,9 +581,10 @@ fn patient(newton: Newton) -> Newton {
 }
 
 /// Factor on the next step from the corrector's work and from the angle turned.
-fn growth(report: NewtonReport, cosine: f64, min_cosine: f64) -> f64 {
+fn growth(report: NewtonReport, exact: bool, cosine: f64, min_cosine: f64) -> f64 {
+    let easy = if exact { 5 } else { 3 };
     let by_work: f64 = match (report.factorisations, report.iterations) {
-        (1, ..=3) => 1.5,
+        (1, iterations) if iterations <= easy => 1.5,
         (1, _) => 1.15,
         (2, _) => 0.8,
         _ => 0.6,

@@ -134,6 +134,20 @@ impl Newton {
         }
         iteration.run()
     }
+
+    /// Chord steps alone, with the factors already in `system`. None if they do not converge, with `y` as it was.
+    pub fn solve_with_factors<P: BoundaryValueProblem>(
+        &self,
+        system: &mut System,
+        scratch: &mut NewtonScratch,
+        problem: &mut P,
+        y: &mut Solution,
+        conditions: &[LinearCondition],
+    ) -> Option<NewtonReport> {
+        let report = NewtonReport::default();
+        let mut iteration = Iteration { settings: self, system, scratch, problem, y, conditions, report };
+        iteration.chord().then_some(iteration.report)
+    }
 }
 
 /// Chord steps go on from a correction at most this fraction of the one before.
