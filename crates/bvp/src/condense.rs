@@ -139,8 +139,7 @@ impl Condensed {
             (&mut self.gy, points * ni * n),
             (&mut self.gp, points * ni * np),
         ] {
-            v.resize(size, 0.0);
-            v.fill(0.0);
+            dense::zeroed(v, size);
         }
         for (lanes, size) in [
             (&mut self.inverse, intervals * l.s * l.stage_lanes),
@@ -299,24 +298,28 @@ impl Condensed {
         let h = self.h[i];
         let rest = 1.0 - gauss.d[..m].iter().sum::<f64>();
         let mut residual = std::mem::take(&mut self.column);
-        let mut map = std::mem::take(&mut self.map);
+        let (mut map, mut transitions) = (std::mem::take(&mut self.map), std::mem::take(&mut self.transition));
+        let mut integrals = std::mem::take(&mut self.integral);
+        let stages = self.stages(sizes, gauss, i);
+        let weights = part(&self.weights, i, ni * values);
+        let (fp, gp) = (part(&self.fp, i, m * n * np), part(&self.gp, i, m * ni * np));
+        let integral = part_mut(&mut integrals, i, ni * columns);
         let r = &mut residual[..m * n];
-        for c in 0..columns {
+        let of_columns = part_mut(&mut map, i, columns * values).chunks_exact_mut(values);
+        let of_nodes = part_mut(&mut transitions, i, columns * node_lanes).chunks_exact_mut(node_lanes);
+        for (c, (column, transition)) in of_columns.zip(of_nodes).enumerate() {
             r.fill(0.0);
             for stage in 0..m {
                 if c < n {
                     r[stage * n + c] = -gauss.d_matrix[stage * m..(stage + 1) * m].iter().sum::<f64>();
                 } else {
-                    let fp = &self.fp[(i * m + stage) * n * np..(i * m + stage + 1) * n * np];
                     for k in 0..n {
-                        r[stage * n + k] = -h * fp[k * np + c - n];
+                        r[stage * n + k] = -h * fp[(stage * n + k) * np + c - n];
                     }
                 }
             }
-            let column = part_mut(part_mut(&mut map, i, columns * values), c, values);
             let y = &mut column.as_flattened_mut()[..m * n];
-            self.particular_stages(sizes, gauss, i, r, y);
-            let transition = part_mut(part_mut(&mut self.transition, i, columns * node_lanes), c, node_lanes);
+            stages.particular(r, y);
             let transition = &mut transition.as_flattened_mut()[..n];
             transition.fill(0.0);
             if c < n {
@@ -324,80 +327,29 @@ impl Condensed {
             }
             add_stages(&gauss.d[..m], y, transition);
             for k in 0..ni {
-                let weights = part(part(&self.weights, i, ni * values), k, values);
-                let mut value = dot(&weights.as_flattened()[..m * n], y);
+                let mut value = dense::dot(&part(weights, k, values).as_flattened()[..m * n], y);
                 if c >= n {
                     for stage in 0..m {
-                        value += h * gauss.b[stage] * self.gp[((i * m + stage) * ni + k) * np + c - n];
+                        value += h * gauss.b[stage] * gp[(stage * ni + k) * np + c - n];
                     }
                 }
-                self.integral[(i * ni + k) * columns + c] = value;
+                integral[k * columns + c] = value;
             }
         }
+        (self.transition, self.integral) = (transitions, integrals);
         (self.column, self.map) = (residual, map);
     }
 
-    /// Particular stage values of interval i for stage residuals `r` (m × n), with δy₀ = δp = 0, into `y` (m × n).
+    /// What the stages of interval i are solved with.
     #[inline(always)]
-    fn particular_stages(&self, sizes: Sizes, gauss: &Gauss, i: usize, r: &[f64], y: &mut [f64]) {
-        let Sizes { n, e, m, nn, s, lanes, .. } = sizes;
-        let (onto, from) = (part(&self.onto, i, m * e * nn), part(&self.from, i, e.div_ceil(QUAD) * s));
-        let a = &gauss.a[..m * m];
-        let (r, y) = (&r[..m * n], &mut y[..m * n]);
-        let mut x = [[0.0; LANE]; MAX_STAGE_LANES];
-        for stage in 0..m {
-            for alpha in 0..nn {
-                x.as_flattened_mut()[stage * nn + alpha] = -r[stage * n + e + alpha];
-            }
-        }
-        for first in (0..e).step_by(QUAD) {
-            let width = (e - first).min(QUAD);
-            let mut slopes = [[0.0; QUAD]; MAX_STAGES];
-            for j in 0..m {
-                for t in 0..width {
-                    slopes[j][t] = -r[j * n + first + t];
-                }
-            }
-            let values = integrated(a, m, &slopes);
-            for stage in 0..m {
-                for t in 0..width {
-                    let (value, k) = (values[stage][t], first + t);
-                    y[stage * n + k] = value;
-                    for alpha in 0..nn {
-                        x.as_flattened_mut()[stage * nn + alpha] += onto[(stage * e + k) * nn + alpha] * value;
-                    }
-                }
-            }
-        }
-        let inverse = part(&self.inverse, i, s * lanes);
-        let mut solved = [[0.0; LANE]; MAX_STAGE_LANES];
-        for v in 0..lanes {
-            for c in 0..s {
-                add_scaled(&mut solved[v], x.as_flattened()[c], &inverse[c * lanes + v]);
-            }
-        }
-        let x = solved.as_flattened();
-        for first in (0..e).step_by(QUAD) {
-            let from = part(from, first / QUAD, s);
-            let mut slopes = [[0.0; QUAD]; MAX_STAGES];
-            for j in 0..m {
-                for beta in 0..nn {
-                    for t in 0..QUAD {
-                        slopes[j][t] += x[j * nn + beta] * from[j * nn + beta][t];
-                    }
-                }
-            }
-            let values = integrated(a, m, &slopes);
-            for stage in 0..m {
-                for t in 0..(e - first).min(QUAD) {
-                    y[stage * n + first + t] += values[stage][t];
-                }
-            }
-        }
-        for stage in 0..m {
-            for alpha in 0..nn {
-                y[stage * n + e + alpha] = x[stage * nn + alpha];
-            }
+    fn stages<'a>(&'a self, sizes: Sizes, gauss: &'a Gauss, i: usize) -> Stages<'a> {
+        let Sizes { e, m, nn, s, lanes, .. } = sizes;
+        Stages {
+            sizes,
+            a: &gauss.a[..m * m],
+            onto: part(&self.onto, i, m * e * nn),
+            from: part(&self.from, i, e.div_ceil(QUAD) * s),
+            inverse: part(&self.inverse, i, s * lanes),
         }
     }
 
@@ -416,12 +368,12 @@ impl Condensed {
         let ni = self.layout.dims.integrals;
         for i in 0..self.intervals() {
             let y = part_mut(&mut out.stages, i, m * n);
-            self.particular_stages(sizes, gauss, i, part(&residual.stages, i, m * n), y);
+            self.stages(sizes, gauss, i).particular(part(&residual.stages, i, m * n), y);
             let node = part_mut(&mut out.nodes, i, n);
             node.copy_from_slice(part(&residual.nodes, i, n));
             add_stages(&gauss.d[..m], y, node);
             for (k, border) in borders.iter_mut().enumerate() {
-                *border -= dot(&part(&self.weights, i * ni + k, values).as_flattened()[..m * n], y);
+                *border -= dense::dot(&part(&self.weights, i * ni + k, values).as_flattened()[..m * n], y);
             }
         }
     }
@@ -458,6 +410,83 @@ impl Condensed {
     }
 }
 
+/// What the stages of one interval are solved with.
+#[derive(Clone, Copy)]
+struct Stages<'a> {
+    sizes: Sizes,
+    /// Runge–Kutta matrix; m × m.
+    a: &'a [f64],
+    /// See [`Condensed::onto`].
+    onto: &'a [f64],
+    /// See [`Condensed::from`].
+    from: &'a [Quad],
+    /// See [`Condensed::inverse`].
+    inverse: &'a [Lane],
+}
+
+impl Stages<'_> {
+    /// Stage values for stage residuals `r` (m × n), with δy₀ = δp = 0, into `y` (m × n).
+    #[inline(always)]
+    fn particular(&self, r: &[f64], y: &mut [f64]) {
+        let Stages { sizes: Sizes { n, e, m, nn, s, lanes, .. }, a, onto, from, inverse } = *self;
+        let (r, y) = (&r[..m * n], &mut y[..m * n]);
+        let mut x = [[0.0; LANE]; MAX_STAGE_LANES];
+        for stage in 0..m {
+            for alpha in 0..nn {
+                x.as_flattened_mut()[stage * nn + alpha] = -r[stage * n + e + alpha];
+            }
+        }
+        for first in (0..e).step_by(QUAD) {
+            let width = (e - first).min(QUAD);
+            let mut slopes = [[0.0; QUAD]; MAX_STAGES];
+            for j in 0..m {
+                for t in 0..width {
+                    slopes[j][t] = -r[j * n + first + t];
+                }
+            }
+            let values = integrated(a, m, &slopes);
+            for stage in 0..m {
+                for t in 0..width {
+                    let (value, k) = (values[stage][t], first + t);
+                    y[stage * n + k] = value;
+                    for alpha in 0..nn {
+                        x.as_flattened_mut()[stage * nn + alpha] += onto[(stage * e + k) * nn + alpha] * value;
+                    }
+                }
+            }
+        }
+        let mut solved = [[0.0; LANE]; MAX_STAGE_LANES];
+        for v in 0..lanes {
+            for c in 0..s {
+                add_scaled(&mut solved[v], x.as_flattened()[c], &inverse[c * lanes + v]);
+            }
+        }
+        let x = solved.as_flattened();
+        for first in (0..e).step_by(QUAD) {
+            let from = part(from, first / QUAD, s);
+            let mut slopes = [[0.0; QUAD]; MAX_STAGES];
+            for j in 0..m {
+                for beta in 0..nn {
+                    for t in 0..QUAD {
+                        slopes[j][t] += x[j * nn + beta] * from[j * nn + beta][t];
+                    }
+                }
+            }
+            let values = integrated(a, m, &slopes);
+            for stage in 0..m {
+                for t in 0..(e - first).min(QUAD) {
+                    y[stage * n + first + t] += values[stage][t];
+                }
+            }
+        }
+        for stage in 0..m {
+            for alpha in 0..nn {
+                y[stage * n + e + alpha] = x[stage * nn + alpha];
+            }
+        }
+    }
+}
+
 /// Sizes that kernels work with.
 #[derive(Clone, Copy)]
 struct Sizes {
@@ -487,13 +516,6 @@ fn part_mut<T>(of: &mut [T], i: usize, size: usize) -> &mut [T] {
     &mut of[i * size..(i + 1) * size]
 }
 
-#[inline(always)]
-fn multiply_add(target: &mut Lane, a: &Lane, b: &Lane) {
-    for t in 0..LANE {
-        target[t] += a[t] * b[t];
-    }
-}
-
 /// Σ_j a_ij q_j at every stage i, of slopes q.
 #[inline(always)]
 fn integrated(a: &[f64], m: usize, slopes: &[Quad; MAX_STAGES]) -> [Quad; MAX_STAGES] {
@@ -517,18 +539,4 @@ fn add_stages(d: &[f64], y: &[f64], node: &mut [f64]) {
             *value += weight * y;
         }
     }
-}
-
-/// Σ a b, in eight partial sums whatever the machine.
-#[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sum = [0.0; LANE];
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANE>(), b.as_chunks::<LANE>());
-    for (a, b) in a.iter().zip(b) {
-        multiply_add(&mut sum, a, b);
-    }
-    for (t, (a, b)) in a_rest.iter().zip(b_rest).enumerate() {
-        sum[t] += a * b;
-    }
-    ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]))
 }

@@ -399,8 +399,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]);
         conditions[0].value += step;
         let chord = Newton { max_iterations: CHORD_STEPS, chord_contraction: CHORD_CONTRACTION, ..settings.newton };
-        let reused =
-            if reuse { chord.solve_with_factors(system, scratch, problem, trial, conditions) } else { None };
+        let reused = if reuse { chord.solve_with_factors(system, scratch, problem, trial, conditions) } else { None };
         let report = match reused {
             Some(report) => {
                 system.evaluate(problem, trial, conditions, true);

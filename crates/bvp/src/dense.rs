@@ -223,7 +223,7 @@ fn eliminate_rows_in_place<const L: usize>(
         let (lane, offset) = (k / LANE, k % LANE);
         let mut best = k;
         let mut size = rows[k][lane][offset].abs();
-        for (i, row) in rows[..candidates].iter().enumerate().skip(k + 1) {
+        for (i, row) in (k + 1..).zip(&rows[k + 1..candidates]) {
             let candidate = row[lane][offset].abs();
             if candidate > size {
                 size = candidate;
@@ -271,6 +271,28 @@ pub fn eliminate_in_place(
     }
     with_width!(matrix, lanes, rows => eliminate_rows_in_place(rows, columns, candidates, reciprocal, exchange),
         [1 2 3 4 5 6 7 8])
+}
+
+/// Σ a b, in eight partial sums whatever the machine.
+#[inline(always)]
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sum = [0.0; LANE];
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANE>(), b.as_chunks::<LANE>());
+    for (a, b) in a.iter().zip(b) {
+        for t in 0..LANE {
+            sum[t] += a[t] * b[t];
+        }
+    }
+    for (t, (a, b)) in a_rest.iter().zip(b_rest).enumerate() {
+        sum[t] += a * b;
+    }
+    ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]))
+}
+
+/// Makes `v` so many zeros. A kilobyte at a time: more are cleared by string instructions, which are slow to begin with.
+pub fn zeroed(v: &mut Vec<f64>, len: usize) {
+    v.resize(len, 0.0);
+    v.chunks_mut(128).for_each(|part| part.fill(0.0));
 }
 
 /// Adds a scaled lane.

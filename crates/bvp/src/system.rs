@@ -2,7 +2,7 @@
 
 use crate::block::{AntisymmetricEnd, BlockFactor, Conditions, EndRows, LinearForm};
 use crate::condense::Condensed;
-use crate::dense::{Determinant, PivotFailure};
+use crate::dense::{Determinant, PivotFailure, zeroed};
 use crate::gauss::Gauss;
 use crate::kernels::Kernels;
 use crate::metric;
@@ -79,11 +79,6 @@ struct Ends {
     ry: Vec<f64>,
     rp: Vec<f64>,
     hp: Vec<f64>,
-}
-
-fn zeroed(v: &mut Vec<f64>, len: usize) {
-    v.resize(len, 0.0);
-    v.fill(0.0);
 }
 
 impl System {

@@ -18,6 +18,7 @@ mod limits;
 pub mod noise;
 mod oscillation;
 pub mod outcome;
+mod rest;
 pub mod run;
 pub mod sensitivity;
 pub mod slow;

@@ -1,13 +1,13 @@
 //! One division from the passive shape to pinch-off or rest.
 
-use bvp::newton::NewtonScratch;
-use bvp::{Gauss, Newton, Solution, System, Work, mesh};
+use bvp::{Gauss, Solution, Work};
 
 use super::DivisionInput;
 use super::limits;
 use super::noise;
 use super::oscillation::Oscillation;
 use super::outcome::{Division, DivisionError, Outcome, StepFailure};
+use super::rest::Rest;
 use super::sensitivity::{Sensitivity, Tangent};
 use super::slow;
 use super::start::{FIRST_MESH, Start, check};
@@ -15,8 +15,7 @@ use super::stepper::{MAX_ORDER, Stepper, parity_norm};
 use crate::cell::{Cell, Numerics, Parameter, Scheme};
 use crate::cortex::equations::{COMPONENTS, LENGTH, PSI, R, Z, noise_factor};
 use crate::cortex::observables::{self, Neck, PINCH_OFF};
-use crate::cortex::{Cortex, Domain};
-use crate::stability::Stability;
+use crate::cortex::Cortex;
 
 /// The first step is not made shorter than about this, in τ.
 const SHORTEST_FIRST_STEP: f64 = 1e-9;
@@ -40,8 +39,6 @@ const ROUNDING: f64 = 1e-9;
 
 /// A shape slower than this, relative to R0 and in 1/τ, may be at rest.
 const REST_SPEED: f64 = 1e-2;
-/// Largest L² distance to a stationary state, relative to R0, at which its stability decides.
-const REST_DISTANCE: f64 = 2e-3;
 /// A saddle that grows more slowly than this, in 1/τ, is left on a finer mesh: its growth rate must be right.
 const NEAR_CRITICAL: f64 = 0.1;
 /// Below this, in 1/τ, a growth rate is looked at on finer and finer meshes until it is known to a hundredth.
@@ -212,17 +209,6 @@ struct Run {
     tangent: Option<Tangent>,
     /// The length of the contour so far.
     oscillation: Oscillation,
-}
-
-/// A stationary shape next to that of the cell, on a finer mesh than the division's.
-struct Rest {
-    /// The cell's own shape on that mesh.
-    here: Solution,
-    stationary: Solution,
-    /// Its leading growth rate, in 1/τ.
-    growth_rate: f64,
-    /// How many times every interval of the division's mesh is halved.
-    halvings: u32,
 }
 
 impl Run {
@@ -408,10 +394,10 @@ impl Run {
             return None;
         }
         self.next_rest_check = t + REST_INTERVAL;
-        let mut rest = self.stationary_near(stepper, 1)?;
+        let mut rest = Rest::near(stepper, 1, self.parity)?;
         // The mesh of the division is coarse; near the critical radius its growth rate may have the wrong sign.
         while rest.growth_rate.abs() < CRITICAL && rest.halvings < MOST_HALVINGS {
-            let finer = self.stationary_near(stepper, rest.halvings + 1)?;
+            let finer = Rest::near(stepper, rest.halvings + 1, self.parity)?;
             let change = (finer.growth_rate - rest.growth_rate).abs();
             rest = finer;
             if change < 0.01 * rest.growth_rate.abs() {
@@ -419,26 +405,6 @@ impl Run {
             }
         }
         (rest.growth_rate != 0.0 && rest.growth_rate.is_finite()).then_some(rest)
-    }
-
-    /// The stationary state next to the shape, on the division's mesh with every interval halved so many times.
-    fn stationary_near(&self, stepper: &Stepper, halvings: u32) -> Option<Rest> {
-        let here = &stepper.levels[0].y;
-        let grid = (0..halvings).fold(here.mesh.clone(), |grid, _| mesh::halved(&grid));
-        let mut cortex = Cortex::new(&stepper.cortex.cell, Domain::Full, &[]);
-        let start = here.on_mesh(&stepper.system.gauss, &grid);
-        let mut y = start.clone();
-        let mut system = System::new(Cortex::dimensions_for(0), y.m);
-        Newton::default().solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false).ok()?;
-        let distance = parity_norm(&system.gauss, &y.mesh, |i| {
-            let at = |s: &Solution, c: usize| s.stages[i * COMPONENTS + c];
-            [at(&y, R) - at(&start, R), at(&y, Z) - at(&start, Z)]
-        });
-        if distance.even.hypot(distance.odd) > REST_DISTANCE * cortex.cell.r0 {
-            return None;
-        }
-        let growth_rate = Stability::new(y.m).leading(&cortex, &y).ok()?.growth_rate();
-        Some(Rest { here: start, stationary: y, growth_rate, halvings })
     }
 
     /// At a saddle: waits for it to be left or, where that would take too long, leaps over the wait.
@@ -494,7 +460,7 @@ impl Run {
 
     /// A cell that has not divided in the time that it was watched, with the growth rate of the shape that it has come to.
     fn watched(&self, stepper: &Stepper) -> Division {
-        let growth_rate = self.stationary_near(stepper, 0).map(|rest| rest.growth_rate);
+        let growth_rate = Rest::near(stepper, 0, self.parity).map(|rest| rest.growth_rate);
         Division { growth_rate, ..self.division(stepper, Outcome::Failed) }
     }
 

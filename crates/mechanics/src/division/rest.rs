@@ -1,0 +1,81 @@
+//! Whether a shape is at rest: the stationary state next to it, and whether that is stable.
+
+use bvp::newton::NewtonScratch;
+use bvp::{Newton, Solution, System, mesh};
+
+use super::stepper::{Stepper, parity_norm};
+use crate::cortex::equations::{COMPONENTS, R, Z};
+use crate::cortex::symmetry::unfold;
+use crate::cortex::{Cortex, Domain};
+use crate::stability::Stability;
+
+/// Largest L² distance to a stationary state, relative to R0, at which its stability decides.
+const REST_DISTANCE: f64 = 2e-3;
+
+/// A stationary shape next to that of the cell, on a finer mesh than the division's.
+pub struct Rest {
+    /// The cell's own shape on that mesh.
+    pub here: Solution,
+    /// The stationary shape.
+    pub stationary: Solution,
+    /// Its leading growth rate, in 1/τ.
+    pub growth_rate: f64,
+    /// How many times every interval of the division's mesh is halved.
+    pub halvings: u32,
+}
+
+impl Rest {
+    /// The stationary state next to the newest shape, on the division's mesh with every interval halved so many times. Next to
+    /// a nearly mirror-symmetric shape a mirror-symmetric one is looked for first, on half of the contour.
+    pub fn near(stepper: &Stepper, halvings: u32, nearly_symmetric: bool) -> Option<Rest> {
+        let newest = &stepper.levels[0].y;
+        let grid = (0..halvings).fold(newest.mesh.clone(), |grid, _| mesh::halved(&grid));
+        let here = newest.on_mesh(&stepper.system.gauss, &grid);
+        let halved = nearly_symmetric && stepper.cortex.cell.is_mirror_symmetric() && grid.len() % 2 == 1;
+        let symmetric = if halved { beside(stepper, &here, Domain::Half) } else { None };
+        let (stationary, growth_rate) = match symmetric {
+            Some(found) => found,
+            None => beside(stepper, &here, Domain::Full)?,
+        };
+        Some(Rest { here, stationary, growth_rate, halvings })
+    }
+}
+
+/// The stationary state beside the shape `here`, solved for on a domain, with its leading growth rate; none if it is too far.
+fn beside(stepper: &Stepper, here: &Solution, domain: Domain) -> Option<(Solution, f64)> {
+    let mut cortex = Cortex::new(&stepper.cortex.cell, domain, &[]);
+    let mut y = match domain {
+        Domain::Full => here.clone(),
+        Domain::Half => first_half(here),
+    };
+    let mut system = System::new(Cortex::dimensions_for(0), y.m);
+    Newton::default().solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false).ok()?;
+    let whole = match domain {
+        Domain::Full => y.clone(),
+        Domain::Half => unfold(&y),
+    };
+    let distance = parity_norm(&system.gauss, &here.mesh, |i| {
+        let moved = |c: usize| whole.stages[i * COMPONENTS + c] - here.stages[i * COMPONENTS + c];
+        [moved(R), moved(Z)]
+    });
+    if distance.even.hypot(distance.odd) > REST_DISTANCE * cortex.cell.r0 {
+        return None;
+    }
+    let growth_rate = Stability::new(y.m).leading(&cortex, &y).ok()?.growth_rate();
+    Some((whole, growth_rate))
+}
+
+/// The half up to u = ½ of a shape on a mirror-symmetric mesh of an even number of intervals.
+fn first_half(whole: &Solution) -> Solution {
+    let intervals = whole.intervals() / 2;
+    let mut mesh = whole.mesh[..=intervals].to_vec();
+    mesh[intervals] = Domain::Half.end();
+    Solution {
+        components: whole.components,
+        m: whole.m,
+        mesh,
+        nodes: whole.nodes[..(intervals + 1) * COMPONENTS].to_vec(),
+        stages: whole.stages[..intervals * whole.m * COMPONENTS].to_vec(),
+        scalars: whole.scalars.clone(),
+    }
+}
