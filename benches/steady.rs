@@ -2,7 +2,8 @@
 //!
 //! `cargo bench --bench steady`; `cargo bench --bench steady -- branch` for the first lines alone. These follow one
 //! branch on the half domain, 40 intervals of 3 Gauss points, tolerance 1e-8, R0 = 2.00, from ξ_s = 0 past the fold: with
-//! steps as long as they may be, and with those of `benches/baseline/auto/compare.py`, which runs AUTO-07p beside it.
+//! steps as long as they may be, and with those of `benches/baseline/auto/compare.py`, which runs AUTO-07p beside it; with the
+//! latter also on 20 intervals of 4 points, whose fold is as close as AUTO's.
 
 use bvp::SymmetryBreaking;
 use furrow::cell::{Cell, Cue, Numerics, Parameter};
@@ -34,19 +35,29 @@ fn best<T>(runs: usize, mut work: impl FnMut() -> T) -> (f64, T) {
     (least, result.expect("at least one run"))
 }
 
-/// Half domain of 40 intervals of 3 Gauss points, tolerance 1e-8.
-fn branch_settings(max_step: f64) -> (Numerics, BranchOptions) {
-    let numerics = Numerics { intervals: 80, stages: 3, ..Numerics::default() };
+/// A mesh of the half domain: intervals, and Gauss points of each.
+type Mesh = [usize; 2];
+
+/// That of the comparison with AUTO.
+const SAME: Mesh = [40, 3];
+/// One with a fold as close as AUTO's on that mesh.
+const AS_CLOSE: Mesh = [20, 4];
+/// One with a fold to ten digits.
+const FINE: Mesh = [80, 5];
+
+/// Tolerance 1e-8.
+fn branch_settings(max_step: f64, [intervals, stages]: Mesh) -> (Numerics, BranchOptions) {
+    let numerics = Numerics { intervals: 2 * intervals, stages, ..Numerics::default() };
     let mut options = BranchOptions::default();
     options.settings.newton.tolerance = 1e-8;
     options.settings.max_step = max_step;
     (numerics, options)
 }
 
-/// Follows the branch past its fold with the pitchfork test at every point, which takes a factorisation of its own; points,
+/// Follows the branch past its fold with the pitchfork test at every point, which takes the factors of the point itself; points,
 /// Newton iterations and their factorisations.
-fn branch(max_step: f64) -> (usize, [usize; 2]) {
-    let (numerics, BranchOptions { settings, .. }) = branch_settings(max_step);
+fn branch(max_step: f64, mesh: Mesh) -> (usize, [usize; 2]) {
+    let (numerics, BranchOptions { settings, .. }) = branch_settings(max_step, mesh);
     let mut watch = SymmetryBreaking::default();
     let mut branch = primary::start(&Cell::new(2.0), &numerics, &settings).expect("a passive shape");
     branch
@@ -61,22 +72,29 @@ fn branch(max_step: f64) -> (usize, [usize; 2]) {
 
 fn main() {
     let short = 0.187;
-    for max_step in [3.0, short] {
-        let (ms, (points, [iterations, factorisations])) = best(7, || branch(max_step));
+    for (max_step, mesh) in [(3.0, SAME), (short, SAME), (short, AS_CLOSE)] {
+        let (ms, (points, [iterations, factorisations])) = best(7, || branch(max_step, mesh));
         println!(
-            "symmetric branch past its fold, 40 x 3: {points} points, {iterations} Newton iterations with \
+            "symmetric branch past its fold, {} x {}: {points} points, {iterations} Newton iterations with \
              {factorisations} factorisations, {ms:.2} ms, {:.3} ms a point",
+            mesh[0],
+            mesh[1],
             ms / (points - 1) as f64
         );
     }
     if std::env::args().any(|argument| argument == "branch") {
-        let (numerics, options) = branch_settings(short);
-        let passive = || primary::start(&Cell::new(2.0), &numerics, &options.settings);
-        println!("of this the passive shape from nothing: {:.2} ms", best(7, passive).0);
-        let branch = primary::follow(&Cell::new(2.0), &numerics, &options, |event| event.kind() != PointKind::Fold);
-        for event in branch.expect("the branch passes its fold").events {
-            let (kind, point) = (event.kind(), event.point());
-            println!("{kind} at xi_s = {:.8}, L = {:.8}, p = {:.8}", point.xi_s, point.length, point.pressure);
+        for mesh in [SAME, AS_CLOSE, FINE] {
+            let (numerics, options) = branch_settings(short, mesh);
+            let passive = || primary::start(&Cell::new(2.0), &numerics, &options.settings);
+            println!("{} x {}: of this the passive shape from nothing: {:.2} ms", mesh[0], mesh[1], best(7, passive).0);
+            let branch = primary::follow(&Cell::new(2.0), &numerics, &options, |event| event.kind() != PointKind::Fold);
+            for event in branch.expect("the branch passes its fold").events {
+                let (kind, point) = (event.kind(), event.point());
+                println!(
+                    "{} x {}: {kind} at xi_s = {:.9}, L = {:.9}, p = {:.9}",
+                    mesh[0], mesh[1], point.xi_s, point.length, point.pressure
+                );
+            }
         }
         return;
     }

@@ -3,7 +3,7 @@
     python compare.py [--rounds 10] [--bench PATH] [--core N]
 
 Half domain, 40 intervals of 3 Gauss points, tolerance 1e-8, R0 = 2.00, eps = 0.87, from the passive shape at xi_s = 0
-to the first point past the fold, 69 points. Builds AUTO's program with AUTO's own makefile in a temporary directory and
+to the first point past the fold, 69 points; furrow also on 20 intervals of 4 points, where its fold is as close. Builds AUTO's program with AUTO's own makefile in a temporary directory and
 furrow's bench with cargo, then lets both take turns. All times are CPU times: of the AUTO process less those of a run
 that stops at its first point (start, input, first direction), of furrow's thread inside the process. In brackets:
 how many of the iterations factorised.
@@ -28,6 +28,8 @@ AUTO = os.environ.get("AUTO_DIR", "/usr/lib/auto-07p")
 REFERENCE = os.path.join(ROOT, "../shared/reference/folds.csv")
 MISSING = "{}; on Debian: apt-get install auto-07p gfortran (elsewhere set AUTO_DIR to AUTO's directory)"
 POINTS = 69
+# Meshes of furrow: that of AUTO, one whose fold is as close as AUTO's on that, and one whose fold counts as exact.
+SAME, AS_CLOSE, FINE = "40 x 3", "20 x 4", "80 x 5"
 
 EIGHT = {"NDIM": 8, "NBC": 10, "NINT": 0}
 SEVEN = {"NDIM": 7, "NBC": 8, "NINT": 1}
@@ -137,18 +139,22 @@ def build_furrow():
 
 
 def furrow(bench):
-    """Runs furrow's bench once: the line with AUTO's steps, and what is located on the branch."""
+    """Runs furrow's bench once: for every mesh the line with AUTO's steps, and what is located on the branch."""
     text = subprocess.run([bench, "branch"], capture_output=True, text=True, check=True).stdout
-    lines = re.findall(r"(\d+) points, (\d+) Newton iterations with (\d+) factorisations, ([\d.]+) ms", text)
-    points, work, factored, ms = min(lines, key=lambda line: abs(int(line[0]) - POINTS))
-    passive = float(re.search(r"passive shape from nothing: ([\d.]+) ms", text)[1])
-    located = {
-        kind: [float(value) for value in values]
-        for kind, *values in re.findall(r"(\w+) at xi_s = ([-\d.]+), L = ([\d.]+), p = ([-\d.]+)", text)
-    }
-    if abs(int(points) - POINTS) > 1:
-        raise SystemExit(f"furrow took {points} points where AUTO takes {POINTS}: change the bench's step")
-    return {"points": int(points), "work": f"{work} ({factored})", "ms": float(ms), "passive": passive, **located}
+    out = {}
+    lines = r"fold, (\d+ x \d+): (\d+) points, (\d+) Newton iterations with (\d+) factorisations, ([\d.]+) ms"
+    for mesh, points, work, factored, ms in re.findall(lines, text):
+        # Two lines are of the first mesh: the one with AUTO's steps is nearer to its number of points.
+        if mesh not in out or abs(int(points) - POINTS) < abs(out[mesh]["points"] - POINTS):
+            out[mesh] = {"points": int(points), "work": f"{work} ({factored})", "ms": float(ms)}
+    for mesh, ms in re.findall(r"(\d+ x \d+): of this the passive shape from nothing: ([\d.]+) ms", text):
+        out.setdefault(mesh, {})["passive"] = float(ms)
+    for mesh, kind, *values in re.findall(r"(\d+ x \d+): (\w+) at xi_s = ([-\d.]+), L = ([\d.]+), p = ([-\d.]+)", text):
+        out[mesh][kind] = [float(value) for value in values]
+    for mesh, result in out.items():
+        if abs(result.get("points", POINTS) - POINTS) > 1:
+            raise SystemExit(f"furrow took {result['points']} points on {mesh}, AUTO takes {POINTS}: change the bench's step")
+    return out
 
 
 def reference_fold():
@@ -177,39 +183,53 @@ def main():
         variants = prepare_auto(place)
         mine, theirs = [], [[] for _ in variants]
         for _ in range(a.rounds):
-            result = furrow(bench)
-            mine.append((result["ms"], result["passive"]))
+            mine.append(furrow(bench))
             # furrow's bench takes the least of seven runs; so here.
             for times, variant in zip(theirs, variants):
                 least = [min(auto(place, variant[key]) for _ in range(7)) for key in ("all", "first")]
                 times.append((least[0] - least[1]) / (POINTS - 1))
     finally:
         shutil.rmtree(place)
-    steps = result["points"] - 1
-    whole = [ms / steps for ms, _ in mine]
-    alone = [(ms - passive) / steps for ms, passive in mine]
+    result = mine[-1]
+    timed = [mesh for mesh in (SAME, AS_CLOSE) if "ms" in result[mesh]]
+
+    def a_point(mesh, passive):
+        """ms a point on a mesh in every round, with or without the passive shape."""
+        rounds = (taken[mesh] for taken in mine)
+        return [(r["ms"] - (0 if passive else r["passive"])) / (r["points"] - 1) for r in rounds]
+
     print(f"AUTO's user file: {compiled}")
     print("| | points | Newton iterations (factorisations) | ms a point, least | median | AUTO over furrow, least | median |")
     print("|---|---|---|---|---|---|---|")
-    rows = (("furrow, pitchfork test included", alone), ("furrow, with the passive shape from nothing", whole))
-    for name, own in rows:
-        print(f"| {name} | {steps + 1} | {result['work']} | {min(own):.3f} | {statistics.median(own):.3f} | | |")
+    for mesh in timed:
+        for name, passive in (("pitchfork test included", False), ("with the passive shape from nothing", True)):
+            own, taken = a_point(mesh, passive), result[mesh]
+            print(
+                f"| furrow, {mesh}, {name} | {taken['points']} | {taken['work']} | {min(own):.3f} "
+                f"| {statistics.median(own):.3f} | | |"
+            )
     for variant, times in zip(variants, theirs):
-        ratios = min(times) / min(alone), statistics.median(t / o for t, o in zip(times, alone))
+        shown = []
+        for mesh in timed:
+            own = a_point(mesh, False)
+            shown.append((min(times) / min(own), statistics.median(t / o for t, o in zip(times, own))))
+        least, median = (" / ".join(f"{pair[k]:.1f}" for pair in shown) for k in (0, 1))
         print(
             f"| AUTO, {variant['name']} | {POINTS} | {variant['work']} | {min(times):.3f} "
-            f"| {statistics.median(times):.3f} | {ratios[0]:.1f} | {ratios[1]:.1f} |"
+            f"| {statistics.median(times):.3f} | {least} | {median} |"
         )
+    print(f"ratios: furrow on {' / '.join(timed)}, AUTO on {SAME}")
     fold = next(variant["fold"] for variant in variants if variant["fold"])
-    names = ("xi_s", "L", "p")
-    print("fold, AUTO minus furrow: " + ", ".join(f"{n} {x - y:+.1e}" for n, x, y in zip(names, fold, result["fold"])))
+    exact = result[FINE]["fold"]
+    for name, values in ((f"AUTO {SAME}", fold), *((f"furrow {mesh}", result[mesh]["fold"]) for mesh in timed)):
+        off = ", ".join(f"{n} {x - y:+.1e}" for n, x, y in zip(("xi_s", "L", "p"), values, exact))
+        print(f"fold of {name} minus that of furrow {FINE}: {off}")
     expected = reference_fold()
     if expected is None:
         print("no reference table of folds: not compared with it")
     else:
-        off = [value - expected for value in (fold[0], result["fold"][0])]
-        print(f"xi_s of the fold minus the reference's {expected}: AUTO {off[0]:+.1e}, furrow {off[1]:+.1e}")
-    print(f"furrow's pitchfork on the way, which AUTO does not look for: xi_s = {result['pitchfork'][0]:.6f}")
+        print(f"xi_s of that fold minus the reference's {expected}, which has five decimals: {exact[0] - expected:+.1e}")
+    print(f"furrow's pitchfork on the way, which AUTO does not look for: xi_s = {result[SAME]['pitchfork'][0]:.6f}")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 //! Meshes: equidistribution of a monitor, defect of a solution.
 
-use crate::gauss::Gauss;
-use crate::problem::{BoundaryValueProblem, CollocationPoint};
+use crate::gauss::{Gauss, MAX_STAGES};
+use crate::problem::{BoundaryValueProblem, CollocationPoints};
 use crate::solution::Solution;
 
 /// n equal intervals on [from, to].
@@ -51,31 +51,35 @@ pub fn defect<P: BoundaryValueProblem>(gauss: &Gauss, problem: &mut P, y: &Solut
     let dims = problem.dimensions();
     problem.prepare(&y.scalars);
     let (n, m) = (y.components, y.m);
-    let (mut value, mut slope, mut f, mut g) = (vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![0.0; dims.integrals]);
-    (0..y.intervals())
-        .map(|i| {
-            let h = y.mesh[i + 1] - y.mesh[i];
-            let mut largest: f64 = 0.0;
-            for k in 1..=m {
-                let theta = if k < m { 0.5 * (gauss.c[k - 1] + gauss.c[k]) } else { 0.5 * gauss.c[0] };
-                y.eval_in(gauss, i, theta, &mut value);
-                y.slope_in(gauss, i, theta, &mut slope);
-                f.fill(0.0);
-                problem.rhs(
-                    CollocationPoint { x: y.mesh[i] + theta * h, index: i * m },
-                    &value,
-                    &y.scalars,
-                    &mut f,
-                    &mut g,
-                );
-                for c in 0..n {
-                    let part = h * (slope[c] - f[c]).abs() / (1.0 + value[c].abs());
-                    largest = if part.is_nan() { f64::INFINITY } else { largest.max(part) };
-                }
-            }
-            largest
+    let points = y.intervals() * m;
+    let (mut x, mut values, mut slopes) = (Vec::with_capacity(points), vec![0.0; points * n], vec![0.0; points * n]);
+    for i in 0..y.intervals() {
+        for k in 1..=m {
+            let theta = if k < m { 0.5 * (gauss.c[k - 1] + gauss.c[k]) } else { 0.5 * gauss.c[0] };
+            x.push(y.mesh[i] + theta * (y.mesh[i + 1] - y.mesh[i]));
+        }
+    }
+    let [mut basis, mut slope] = [[0.0; MAX_STAGES + 1]; 2];
+    for k in 0..m {
+        let theta = (x[k] - y.mesh[0]) / (y.mesh[1] - y.mesh[0]);
+        gauss.basis(theta, &mut basis[..=m]);
+        gauss.basis_derivative(theta, &mut slope[..=m]);
+        for i in 0..y.intervals() {
+            let point = (i * m + k) * n..(i * m + k + 1) * n;
+            y.combine(i, &basis, &mut values[point.clone()]);
+            y.combine(i, &slope, &mut slopes[point]);
+        }
+    }
+    let (mut f, mut g) = (vec![0.0; points * n], vec![0.0; points * dims.integrals]);
+    problem.rhs_many(CollocationPoints { first: 0, x: &x, y: &values }, &y.scalars, &mut f, &mut g);
+    let largest = |i: usize| {
+        let h = y.mesh[i + 1] - y.mesh[i];
+        (i * m * n..(i + 1) * m * n).fold(0.0f64, |largest, c| {
+            let part = (slopes[c] - h * f[c]).abs() / (1.0 + values[c].abs());
+            if part.is_nan() { f64::INFINITY } else { largest.max(part) }
         })
-        .collect()
+    };
+    (0..y.intervals()).map(largest).collect()
 }
 
 /// Monitor for [`equidistribute`] from the defect: proportional to defect^(1/(m+1)) per unit length, bounded below by a

@@ -124,7 +124,7 @@ pub struct CollocationPoint {
     /// Independent variable.
     pub x: f64,
     /// Running index interval · m + stage of the collocation point, for data tabulated at the stages. Where a defect is
-    /// sampled, between the stages, it is that of the first stage of the interval.
+    /// sampled, between the stages, it is that of a stage of the same interval.
     pub index: usize,
 }
 

@@ -123,7 +123,8 @@ impl Solution {
         }
     }
 
-    fn combine(&self, i: usize, basis: &[f64], out: &mut [f64]) {
+    /// basis₀ y₀ + Σ_j basis_j Y_j of interval i.
+    pub(crate) fn combine(&self, i: usize, basis: &[f64], out: &mut [f64]) {
         let y0 = self.node(i);
         for (c, o) in out.iter_mut().enumerate() {
             *o = basis[0] * y0[c];

@@ -296,6 +296,7 @@ pub fn shell_axes(cortex: &Cortex) -> [f64; 2] {
 mod tests {
     use super::*;
     use crate::cell::{Cell, Cue};
+    use crate::division::stepper::SOLVED_TO;
     use crate::division::{DivisionInput, divide_observed};
     use std::f64::consts::PI;
 
@@ -315,8 +316,8 @@ mod tests {
         )
     }
 
-    /// A shape is solved for to a few 1e-8 of itself, and so its velocities, which are differences of shapes, to that times the
-    /// rate of the step.
+    /// A shape is solved for to a few 1e-7 of itself, and so its velocities, which are differences of shapes, to that times the
+    /// rate of the step; forces are sums of several terms of either.
     #[test]
     fn normal_forces_sum_to_zero_at_every_collocation_point_of_a_division() {
         for cell in [Cell::new(2.0), cued()] {
@@ -324,7 +325,7 @@ mod tests {
                 let places = profile(frame.cortex, frame.gauss, frame.shape);
                 for place in &places[1..places.len() - 1] {
                     let largest = place.normal.parts().iter().fold(1.0, |m: f64, part| m.max(part.abs()));
-                    let solved_to = 1e-6 * largest + 1e-7 * frame.cortex.rate;
+                    let solved_to = SOLVED_TO * (30.0 * largest + 3.0 * frame.cortex.rate);
                     assert!(place.normal.residual().abs() < solved_to, "{} {place:?}", place.normal.residual());
                 }
             })

@@ -13,9 +13,9 @@ use super::slow;
 use super::start::{FIRST_MESH, Start, check};
 use super::stepper::{MAX_ORDER, Stepper, parity_norm};
 use crate::cell::{Cell, Numerics, Parameter, Scheme};
+use crate::cortex::Cortex;
 use crate::cortex::equations::{COMPONENTS, LENGTH, PSI, R, Z, noise_factor};
 use crate::cortex::observables::{self, Neck, PINCH_OFF};
-use crate::cortex::Cortex;
 
 /// The first step is not made shorter than about this, in τ.
 const SHORTEST_FIRST_STEP: f64 = 1e-9;

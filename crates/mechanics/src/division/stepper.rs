@@ -23,6 +23,9 @@ const ROOM: f64 = 0.85;
 /// Most intervals a mesh may grow to.
 const MAX_INTERVALS: usize = 1024;
 
+/// Every step is solved to this, relative to 1 + |value|: a hundredth of the error that it may make in time.
+pub const SOLVED_TO: f64 = 3e-7;
+
 /// The iteration of a step. A factorisation costs as much as a dozen solves, so that slow chord steps are preferred to a new one.
 const NEWTON: Newton =
     Newton { tolerance: 3e-7, max_factorisations: 6, max_iterations: 24, min_damping: 1e-3, chord_contraction: 0.5 };
