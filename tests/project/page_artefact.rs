@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-#[path = "../crates/page/build.rs"]
+#[path = "../../crates/page/build.rs"]
 #[allow(dead_code)]
 mod build_script;
 
 use build_script::{PAGE_SOURCES, page_fingerprint};
 
 /// What the page carries. A change to the code that it is built from must bring a new one: `crates/page/build.sh`.
-const MODULE: &str = include_str!("../crates/page/furrow.wasm.txt");
+const MODULE: &str = include_str!("../../crates/page/furrow.wasm.txt");
 
 #[test]
 fn the_module_in_the_page_belongs_to_the_sources() {

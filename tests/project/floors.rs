@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-#[path = "floors/picture.rs"]
 mod picture;
 
 /// The modules of the library from the lowest floor to the highest.
@@ -219,7 +218,7 @@ fn imports_of_floors(root: &Path) -> BTreeSet<(&'static str, &'static str)> {
     found
 }
 
-/// The picture in the documentation is drawn from the sources. `FURROW_DRAW=1 cargo test --test floors` draws it anew.
+/// The picture in the documentation is drawn from the sources. `FURROW_DRAW=1 cargo test --test project floors` draws it anew.
 #[test]
 fn the_picture_of_the_floors_is_that_of_the_code() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -245,7 +244,7 @@ fn the_picture_of_the_floors_is_that_of_the_code() {
     let kept = fs::read_to_string(&file).unwrap_or_default().replace('\r', "");
     assert!(
         kept == drawn,
-        "docs/floors.svg is not that of the code: FURROW_DRAW=1 cargo test --test floors draws it anew"
+        "docs/floors.svg is not that of the code: FURROW_DRAW=1 cargo test --test project floors draws it anew"
     );
 }
 

@@ -119,7 +119,9 @@ fn other_process_command(role: &str, cache: &Path) -> Command {
 }
 
 fn as_other_process(command: &mut Command, role: &str, cache: &Path) {
-    command.args(["--exact", "other_process", "--nocapture", "--test-threads=1"]);
+    // By its path in this binary, which is that of this file without the binary's own name.
+    let (_, file) = module_path!().split_once("::").unwrap();
+    command.args(["--exact", &format!("{file}::other_process"), "--nocapture", "--test-threads=1"]);
     command.env(ROLE, role).env(CACHE, cache).stdout(Stdio::piped()).stderr(Stdio::null());
 }
 

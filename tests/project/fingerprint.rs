@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-#[path = "../crates/embryo/build.rs"]
+#[path = "../../crates/embryo/build.rs"]
 #[allow(dead_code)]
 mod build_script;
 

@@ -1,11 +1,9 @@
 //! `furrow compare`: the model beside measured embryos.
 
-mod common;
-
 use std::fmt::Write;
 use std::path::Path;
 
-use common::{answer, refusal};
+use crate::common::{answer, refusal};
 use serde_json::Value;
 
 /// Solved divisions are kept between the tests.

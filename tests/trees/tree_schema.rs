@@ -1,10 +1,8 @@
 //! The JSON Schema of `tree.json` that is published, `docs/tree.schema.json`, is held to the trees that are written.
 
-mod common;
-
 use std::collections::{BTreeMap, BTreeSet};
 
-use common::{division, fake, grown, small_tree_file};
+use crate::common::{division, fake, grown, small_tree_file};
 use furrow::cell::{Cell, Cue};
 use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
 use furrow::io::TREE_SCHEMA;
@@ -137,7 +135,7 @@ fn documents() -> Vec<Value> {
 }
 
 /// Holds documents against a schema. It knows the words that ours is made of and no others, and is stricter than a validator: a
-/// field that the schema does not name is wrong. An independent validator is asked in `tests/exchange.rs`, where there is one.
+/// field that the schema does not name is wrong. An independent validator is asked in `tests/trees/exchange.rs`, where there is one.
 struct Validator {
     root: Value,
     /// Which properties and alternatives of the schema have been met, by where they stand in it.

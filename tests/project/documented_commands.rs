@@ -10,20 +10,23 @@ use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
 
 /// Commands that are not run, by how they begin, and why. Their options are looked up all the same.
 const NOT_RUN: &[(&str, &str)] = &[
-    ("fit", "a search takes minutes: tests/help.rs and tests/fit.rs run short ones"),
-    ("calibrate data/statements.ron", "judging all statements takes long, 100 sets longer: tests/ensemble.rs"),
-    ("tree --constants constants.csv", "a hundred trees, of constants that an ensemble writes: tests/ensemble.rs"),
-    ("sweep studies/", "a minute or less each, but not in a test: tests/sweep.rs runs small ones"),
-    ("sweep sizes.ron", "150 divisions: tests/sweep.rs runs small ones"),
+    ("fit", "a search takes minutes: tests/command/help.rs and tests/studies/fit.rs run short ones"),
+    ("calibrate data/statements.ron", "judging all statements takes long, 100 sets longer: tests/studies/ensemble.rs"),
+    (
+        "tree --constants constants.csv",
+        "a hundred trees, of constants that an ensemble writes: tests/studies/ensemble.rs",
+    ),
+    ("sweep studies/", "a minute or less each, but not in a test: tests/studies/sweep.rs runs small ones"),
+    ("sweep sizes.ron", "150 divisions: tests/studies/sweep.rs runs small ones"),
     ("tree lineages/c_elegans.ron lineages/c_elegans_*.ron", "the star is the shell's, and eight trees take long"),
-    ("phase --vary r0 --from 1.6 --to 2.4 --points 9", "63 divisions: tests/help.rs runs smaller diagrams"),
+    ("phase --vary r0 --from 1.6 --to 2.4 --points 9", "63 divisions: tests/command/help.rs runs smaller diagrams"),
     ("boundary --vary r0 --from 1.5 --to 5.4 --no-folds --write", "writes what is compiled in"),
     ("compare volumes my-volumes.csv", "the reader's own table"),
-    ("compare volumes --constants constants.csv", "constants that an ensemble writes: tests/compare.rs"),
-    ("divide --r0 17um --cue polar --lineage my.ron", "a file of the reader's own: tests/own_lineage.rs"),
+    ("compare volumes --constants constants.csv", "constants that an ensemble writes: tests/studies/compare.rs"),
+    ("divide --r0 17um --cue polar --lineage my.ron", "a file of the reader's own: tests/trees/own_lineage.rs"),
     ("tree <(generate)", "the file is what the reader's own program writes"),
-    ("movies", "four movies: tests/help.rs runs an example"),
-    ("reproduce", "all figures take minutes: tests/reproduction.rs computes the quick ones"),
+    ("movies", "four movies: tests/command/help.rs runs an example"),
+    ("reproduce", "all figures take minutes: tests/studies/reproduction.rs computes the quick ones"),
 ];
 
 /// A command as it is written somewhere.

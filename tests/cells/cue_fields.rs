@@ -1,7 +1,6 @@
 //! Cues on every field: against independent reference runs, and their mirror images.
 
-mod tables;
-
+use crate::tables;
 use furrow::cell::cue::Field;
 use furrow::cell::cue::profile::NAMES;
 use furrow::cell::{Cell, Cue, Numerics};

@@ -1,7 +1,6 @@
 //! Divisions against independent reference runs, and the properties every division must have.
 
-mod tables;
-
+use crate::tables;
 use furrow::cell::{Cell, Cue};
 use furrow::division::{Division, DivisionInput, Outcome, divide, noise};
 

@@ -1,10 +1,8 @@
 //! Pictures, movies and frames of what the commands compute.
 
-mod common;
-
 use std::fs;
 
-use common::{answer, refusal};
+use crate::common::{answer, refusal};
 use serde_json::Value;
 
 /// Commands that draw, quick ones, each with words that its picture must have.

@@ -1,7 +1,6 @@
 //! The lineage file: the built-in one against the published counts, and the text of every complaint.
 
-mod tables;
-
+use crate::tables;
 use furrow::lineage::{C_ELEGANS, Lineage};
 
 fn complaint(text: &str) -> String {

@@ -7,7 +7,7 @@ use furrow::study::reproduce::Value;
 use furrow::study::reproduce::paper::{Statement, statements};
 use serde_json::Value as Json;
 
-const PAGE: &str = include_str!("../docs/reproduction.md");
+const PAGE: &str = include_str!("../../docs/reproduction.md");
 
 /// What takes a few seconds. The rest is divisions by the thousand: `the_whole_page_is_current`.
 const QUICK: [&str; 12] = ["1", "2C", "5", "6", "7", "S2", "S3", "S4", "S5", "Table S3", "movies", "2C-F"];

@@ -1,7 +1,6 @@
 //! Stationary shapes at a given activity, found from the passive shape.
 
-mod tables;
-
+use crate::tables;
 use furrow::cell::{Cell, Cue, Numerics};
 use furrow::shapes::{BranchOptions, StationaryError, primary, stationary};
 use furrow::stability::Stability;

@@ -1,7 +1,6 @@
 //! Stationary shapes against independent reference values.
 
-mod tables;
-
+use crate::tables;
 use bvp::newton::{Newton, NewtonScratch};
 use bvp::{Gauss, System};
 use furrow::cell::{Cell, Numerics};

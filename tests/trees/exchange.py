@@ -2,7 +2,7 @@
 
     python exchange.py PACKAGE [--installed]
 
-Run by tests/exchange.rs in a folder with t/tree.json and the exports. With --installed it finds out whether the package is there.
+Run by tests/trees/exchange.rs in a folder with t/tree.json and the exports. With --installed it finds out whether the package is there.
 """
 
 import csv

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-#[path = "../fuzz/targets/mod.rs"]
+#[path = "../../fuzz/targets/mod.rs"]
 mod readers;
 
 /// Every file of a target's corpus, in the order of their names; there must be some.
@@ -92,7 +92,8 @@ fn no_target_is_left_out() {
         names.sort();
         names
     };
-    let here = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hostile_corpus.rs")).unwrap();
+    let here =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/project/hostile_corpus.rs")).unwrap();
     let targets = names("targets");
     assert_eq!(names("fuzz_targets"), targets);
     assert_eq!(names("corpus"), targets);

@@ -3,13 +3,11 @@
 //! Images of embryos are not public. What is measured here is made of a simulated division itself: its contours, moved, turned,
 //! scaled and blurred by known amounts, which the comparison has to find again.
 
-mod common;
-
 use std::fmt::Write;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use common::{answer, furrow, refusal};
+use crate::common::{answer, furrow, refusal};
 use furrow::io::frames::read_frames;
 use rand_mt::Mt64;
 use serde_json::Value;

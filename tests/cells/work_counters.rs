@@ -1,7 +1,7 @@
 //! The work each kind of division takes, held in snapshots: a change that costs steps or factorisations shows here,
 //! whatever the machine and its load.
 //!
-//! After a change that is meant to alter the work, `INSTA_UPDATE=always cargo test --test work_counters` writes the new
+//! After a change that is meant to alter the work, `INSTA_UPDATE=always cargo test --test cells work_counters` writes the new
 //! numbers to `tests/snapshots/`, where the difference is to be read before it is committed.
 
 use std::fmt::Write;

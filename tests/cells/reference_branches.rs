@@ -1,7 +1,6 @@
 //! Thresholds, folds and branches against independent reference values, and the printed thresholds of the paper.
 
-mod tables;
-
+use crate::tables;
 use bvp::Gauss;
 use furrow::cell::{Cell, Numerics};
 use furrow::cortex::{Cortex, Domain};

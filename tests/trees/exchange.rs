@@ -1,16 +1,14 @@
 //! `furrow export`, by the command: what it writes, what it refuses, and that other programs read the exports of the real tree as
 //! the tree that was grown.
 
-mod common;
-
 use std::path::Path;
 use std::process::Command;
 
-use common::answer;
+use crate::common::answer;
 
 /// Runs a command that must refuse its input, and gives what it says, which is short.
 fn refusal(folder: &Path, arguments: &[&str]) -> String {
-    let said = common::refusal(folder, arguments);
+    let said = crate::common::refusal(folder, arguments);
     assert!(said.len() < 600, "{said}");
     said
 }
@@ -116,10 +114,10 @@ fn python() -> String {
     std::env::var("FURROW_PYTHON").unwrap_or_else(|_| "python3".to_owned())
 }
 
-/// Runs one part of `tests/exchange.py` on the exports of the real tree. Where the package that it asks is not installed that is
+/// Runs one part of `tests/trees/exchange.py` on the exports of the real tree. Where the package that it asks is not installed that is
 /// said, and nothing is checked; with `FURROW_PYTHON` set a missing package is a failure.
 fn ask(part: &str, exports: &[(&str, &[&str])]) {
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/exchange.py");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/trees/exchange.py");
     let asked = Command::new(python()).args([script, part, "--installed"]).output();
     let missing = match &asked {
         Ok(output) if output.status.success() => None,

@@ -1,0 +1,22 @@
+//! Lineages: who carries which cue, growth, ends, the solved divisions that are kept, and the files that trees are written to.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../tables/mod.rs"]
+mod tables;
+
+mod embryo;
+mod exchange;
+mod growth;
+mod lineage_cues;
+mod lineage_file;
+mod newick;
+mod own_lineage;
+mod random_trees;
+mod robustness;
+mod scenarios;
+mod store_processes;
+mod tree_file;
+mod tree_identity;
+mod tree_scale;
+mod tree_schema;
