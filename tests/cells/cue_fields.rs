@@ -1,6 +1,6 @@
 //! Cues on every field: against independent reference runs, and their mirror images.
 
-use crate::tables;
+use crate::common::tables;
 use furrow::cell::cue::Field;
 use furrow::cell::cue::profile::NAMES;
 use furrow::cell::{Cell, Cue, Numerics};

@@ -1,11 +1,13 @@
 //! Divisions that start from a stationary shape (figure S5): what is stable is come back to, what is not is left, at the rate
 //! that the spectrum says.
 
-use std::process::{Command, Output};
+use std::process::Output;
 
 use furrow::cell::{Cell, Numerics};
 use furrow::division::{DivisionInput, Outcome};
 use furrow::perturbation::{Perturbation, perturbed};
+
+use crate::common::command::{self, HERE};
 
 const GERMLINE: &str = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1";
 
@@ -82,7 +84,7 @@ fn it_is_watched_to_the_end() {
 }
 
 fn furrow(arguments: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_furrow")).args(arguments.split(' ')).arg("--no-cache").output().unwrap()
+    command::furrow(HERE, &arguments.split(' ').chain(["--no-cache"]).collect::<Vec<_>>())
 }
 
 #[test]

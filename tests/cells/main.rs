@@ -1,7 +1,7 @@
 //! Single cells: their shapes and thresholds, what is stable, how they divide, and what an independent computation says of all of it.
 
-#[path = "../tables/mod.rs"]
-mod tables;
+#[path = "../common/mod.rs"]
+mod common;
 
 mod boundary;
 mod branch_ends;

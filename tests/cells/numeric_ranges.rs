@@ -1,14 +1,16 @@
 //! Numbers with which nothing can be computed are refused ahead, and the advice of errors helps.
 
-use std::process::{Command, Output};
+use std::process::Output;
 
 use furrow::cell::{Cell, Numerics};
 use furrow::division::{DivisionInput, divide};
 use furrow::io::Settings;
 use furrow::lineage::Lineage;
 
+use crate::common::command::{self, HERE};
+
 fn furrow(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_furrow")).args(arguments).arg("--no-cache").output().unwrap()
+    command::furrow(HERE, &[arguments, &["--no-cache"]].concat())
 }
 
 fn set(list: &[&str]) -> Result<Settings, String> {

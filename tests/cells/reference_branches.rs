@@ -1,6 +1,6 @@
 //! Thresholds, folds and branches against independent reference values, and the printed thresholds of the paper.
 
-use crate::tables;
+use crate::common::tables;
 use bvp::Gauss;
 use furrow::cell::{Cell, Numerics};
 use furrow::cortex::{Cortex, Domain};

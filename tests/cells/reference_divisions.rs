@@ -1,6 +1,6 @@
 //! Divisions against independent reference runs, and the properties every division must have.
 
-use crate::tables;
+use crate::common::tables;
 use furrow::cell::{Cell, Cue};
 use furrow::division::{Division, DivisionInput, Outcome, divide, noise};
 

@@ -1,6 +1,6 @@
 //! Stationary shapes against independent reference values.
 
-use crate::tables;
+use crate::common::tables;
 use bvp::newton::{Newton, NewtonScratch};
 use bvp::{Gauss, System};
 use furrow::cell::{Cell, Numerics};

@@ -1,6 +1,5 @@
 //! Searches for critical radii take a bounded number of steps, the same on every machine, and end when they are told to.
 
-use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use furrow::cell::{Cell, Numerics};
@@ -8,6 +7,8 @@ use furrow::io::parse_cue;
 use furrow::lineage::{Ends, Lineage};
 use furrow::shapes::critical::{MOST_SEARCHED, critical_radius_within};
 use furrow::shapes::{CriticalRadii, Effort, ShapeError};
+
+use crate::common::command::furrow;
 
 /// Cells whose search takes some thousand steps, and finds a radius that no cell of a tree comes near.
 const LONG: [&str; 8] =
@@ -67,9 +68,7 @@ fn an_interrupted_search_ends_at_once_and_is_not_remembered() {
 
 fn tree(arguments: &[&str]) -> (serde_json::Value, String) {
     let folder = tempfile::tempdir().unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_furrow"));
-    command.args(["tree", "--json", "--no-cache"]).args(arguments).current_dir(folder.path());
-    let output = command.output().unwrap();
+    let output = furrow(folder.path(), &[&["tree", "--json", "--no-cache"], arguments].concat());
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success(), "{said}");
     (serde_json::from_slice(&output.stdout).unwrap(), said)

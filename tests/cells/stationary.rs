@@ -1,6 +1,6 @@
 //! Stationary shapes at a given activity, found from the passive shape.
 
-use crate::tables;
+use crate::common::tables;
 use furrow::cell::{Cell, Cue, Numerics};
 use furrow::shapes::{BranchOptions, StationaryError, primary, stationary};
 use furrow::stability::Stability;

@@ -1,27 +1,10 @@
 //! The command as users meet it: exit codes, the text of complaints, JSON keys, files.
 
-use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output};
 
-fn furrow(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_furrow")).args(arguments).output().unwrap()
-}
+use serde_json::Value;
 
-/// Runs a command that must refuse its input, and returns what it says.
-fn refusal(arguments: &[&str]) -> String {
-    let output = furrow(arguments);
-    let stderr = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{stderr}");
-    assert!(output.stdout.is_empty());
-    stderr
-}
-
-fn json(arguments: &[&str]) -> Value {
-    let output = furrow(arguments);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
+use crate::common::command::{HERE, furrow, json, refusal};
 
 fn write(folder: &Path, name: &str, text: &str) -> String {
     let path = folder.join(name);
@@ -44,14 +27,15 @@ fn numbers_out_of_range_name_option_field_and_value() {
         (&["tree", "--r0-step", "-1"], "--r0-step: r0_step = -1: must be from 0 to 0.5"),
         (&["tree", "no-such-file.ron"], "no-such-file.ron: cannot be read: No such file or directory (os error 2)"),
     ] {
-        assert_eq!(refusal(arguments), format!("furrow: error: {complaint}\n"));
+        assert_eq!(refusal(HERE, arguments), format!("furrow: error: {complaint}\n"));
     }
-    let unknown = refusal(&["tree", "--set", "radius=3"]);
+    let unknown = refusal(HERE, &["tree", "--set", "radius=3"]);
     assert!(unknown.starts_with("furrow: error: --set: key = \"radius\": must be one of kappa, eta_b,"), "{unknown}");
     assert!(
-        refusal(&["tree", "--threads", "0"]).contains("invalid value '0' for '--threads <N>': 0 is not in 1..=1024")
+        refusal(HERE, &["tree", "--threads", "0"])
+            .contains("invalid value '0' for '--threads <N>': 0 is not in 1..=1024")
     );
-    assert!(refusal(&["divide", "--r0", "big"]).contains("invalid value 'big' for '--r0 <R>'"));
+    assert!(refusal(HERE, &["divide", "--r0", "big"]).contains("invalid value 'big' for '--r0 <R>'"));
 }
 
 /// A cue that is refused is told by its part, its value and what is allowed, in every command that takes one.
@@ -83,7 +67,7 @@ fn cues_that_are_none_are_refused() {
             "--cue: cue[1].friction.amplitude = 1.5: must be above -1 and below 1",
         ),
     ] {
-        assert_eq!(refusal(arguments), format!("furrow: error: {complaint}\n"));
+        assert_eq!(refusal(HERE, arguments), format!("furrow: error: {complaint}\n"));
     }
 }
 
@@ -97,10 +81,10 @@ fn configuration_file_complaints() {
         ("Config(\n  physics: (epsilon 0.8))", ":2:21: physics: expected a colon, found 0.8"),
     ] {
         let file = write(folder.path(), "c.ron", text);
-        assert_eq!(refusal(&["tree", "--config", &file]), format!("furrow: error: {file}{complaint}\n"));
+        assert_eq!(refusal(HERE, &["tree", "--config", &file]), format!("furrow: error: {file}{complaint}\n"));
     }
     let file = write(folder.path(), "c.ron", "Config(physics: (radius: 2))");
-    let complaint = refusal(&["tree", "--config", &file]);
+    let complaint = refusal(HERE, &["tree", "--config", &file]);
     assert!(complaint.contains("c.ron:1:18: physics: unknown field \"radius\": must be one of kappa"), "{complaint}");
 }
 
@@ -120,7 +104,7 @@ fn lineage_file_complaints() {
         (founders("(name: \"A\""), ":3:1: founders[0].name: expected a comma or the closing bracket, found ]"),
     ] {
         let file = write(folder.path(), "l.ron", &text);
-        let said = refusal(&["tree", &file]);
+        let said = refusal(HERE, &["tree", &file]);
         assert_eq!(said, format!("furrow: error: {file}{complaint}\n"));
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing but the input may be left");
@@ -128,10 +112,10 @@ fn lineage_file_complaints() {
 
 #[test]
 fn divide_answers() {
-    let cued = json(&["divide", "--r0", "5.4", "--cue", "germline", "--no-cache", "--json"]);
+    let cued = json(HERE, &["divide", "--r0", "5.4", "--cue", "germline", "--no-cache"]);
     assert_eq!(cued["outcome"], "asymmetric");
     for spelled in ["kappa:u0=0.465,omega=0.0577,amplitude=0.1", "kappa:band, amplitude=1e-1, omega=0.0577, u0=0.465"] {
-        assert_eq!(cued, json(&["divide", "--r0", "5.4", "--cue", spelled, "--no-cache", "--json"]));
+        assert_eq!(cued, json(HERE, &["divide", "--r0", "5.4", "--cue", spelled, "--no-cache"]));
     }
     for key in ["chi", "u_furrow", "t_end", "steps", "newton_iterations", "chi_mean", "chi_sd"] {
         assert!(cued[key].is_number(), "{key}");
@@ -140,7 +124,7 @@ fn divide_answers() {
     assert!((volume / 5.4f64.powi(3) - 1.0).abs() < 1e-12, "{volume}");
 
     let several =
-        json(&["divide", "--r0", "2.5", "--replicates", "3", "--seed", "7", "--no-cache", "--json", "--threads", "2"]);
+        json(HERE, &["divide", "--r0", "2.5", "--replicates", "3", "--seed", "7", "--no-cache", "--threads", "2"]);
     assert_eq!(several["outcome"], "symmetric");
     let seeds: Vec<u64> =
         several["replicates"].as_array().unwrap().iter().map(|r| r["seed"].as_u64().unwrap()).collect();
@@ -152,7 +136,7 @@ fn divide_answers() {
 fn divide_frames() {
     let folder = tempfile::tempdir().unwrap();
     let frames = folder.path().join("frames");
-    let output = furrow(&["divide", "--r0", "2.5", "--no-cache", "--frames", frames.to_str().unwrap()]);
+    let output = furrow(HERE, &["divide", "--r0", "2.5", "--no-cache", "--frames", frames.to_str().unwrap()]);
     assert!(output.status.success());
     let index: Value = serde_json::from_str(&std::fs::read_to_string(frames.join("frames.json")).unwrap()).unwrap();
     let entries = index.as_array().unwrap();
@@ -182,13 +166,13 @@ fn tree_writes_the_same_files_cold_warm_and_on_more_threads() {
     let cache = folder.path().join("store");
     let grow = |name: &str, threads: &str, cached: bool| -> (Value, String) {
         let out = folder.path().join(name);
-        let mut arguments = vec!["tree", &lineage, "--json", "--threads", threads, "--out", out.to_str().unwrap()];
+        let mut arguments = vec!["tree", &lineage, "--threads", threads, "--out", out.to_str().unwrap()];
         if cached {
             arguments.extend(["--cache", cache.to_str().unwrap()]);
         } else {
             arguments.push("--no-cache");
         }
-        let answer = json(&arguments);
+        let answer = json(HERE, &arguments);
         for file in ["tree.nwk", "tree.svg", "report.html", "run.json"] {
             assert!(out.join(file).is_file(), "{file}");
         }
@@ -212,25 +196,25 @@ fn tree_writes_the_same_files_cold_warm_and_on_more_threads() {
 fn cache_command() {
     let folder = tempfile::tempdir().unwrap();
     let cache = folder.path().to_str().unwrap();
-    assert!(furrow(&["divide", "--r0", "2.5", "--cache", cache]).status.success());
-    let stat = json(&["cache", "stat", "--json", "--cache", cache]);
+    assert!(furrow(HERE, &["divide", "--r0", "2.5", "--cache", cache]).status.success());
+    let stat = json(HERE, &["cache", "stat", "--cache", cache]);
     assert_eq!((&stat["entries"], &stat["corrupt"]), (&Value::from(1), &Value::from(0)));
     assert!(stat["bytes"].as_u64().unwrap() > 0);
-    assert!(furrow(&["cache", "clear", "--cache", cache]).status.success());
-    assert_eq!(json(&["cache", "stat", "--json", "--cache", cache])["entries"], 0);
+    assert!(furrow(HERE, &["cache", "clear", "--cache", cache]).status.success());
+    assert_eq!(json(HERE, &["cache", "stat", "--cache", cache])["entries"], 0);
     let file = write(folder.path(), "file", "");
     assert_eq!(
-        refusal(&["divide", "--r0", "2.5", "--cache", &file]),
+        refusal(HERE, &["divide", "--r0", "2.5", "--cache", &file]),
         format!("furrow: error: the cache {file} is not a folder\n")
     );
 }
 
 #[test]
 fn completions_and_manual() {
-    let script = String::from_utf8(furrow(&["completions", "bash"]).stdout).unwrap();
+    let script = String::from_utf8(furrow(HERE, &["completions", "bash"]).stdout).unwrap();
     assert!(script.contains("--replicates"));
     let folder = tempfile::tempdir().unwrap();
-    assert!(furrow(&["man", "--out", folder.path().to_str().unwrap()]).status.success());
+    assert!(furrow(HERE, &["man", "--out", folder.path().to_str().unwrap()]).status.success());
     assert!(std::fs::read_to_string(folder.path().join("furrow-tree.1")).unwrap().contains("LINEAGE.ron"));
 }
 
@@ -244,14 +228,14 @@ fn tree_takes_the_cell_of_its_options() {
     let out = out.to_str().unwrap();
     let cell = ["--r0", "2.5", "--epsilon", "0.8", "--xi", "22"];
     let tree = |more: &[&str]| {
-        let answer = json(&[&["tree", &lineage, "--out", out, "--no-cache", "--json"], more].concat());
+        let answer = json(HERE, &[&["tree", &lineage, "--out", out, "--no-cache"], more].concat());
         let written = std::fs::read_to_string(Path::new(out).join("tree.json")).unwrap();
         (answer, serde_json::from_str::<Value>(&written).unwrap())
     };
     let (answer, file) = tree(&cell);
     assert_eq!(answer["founders"][0]["r0"], 2.5);
     assert_eq!((&file["cell"]["epsilon"], &file["cell"]["xi_s"]), (&Value::from(0.8), &Value::from(22.0)));
-    let alone = json(&[&["divide", "--no-cache", "--json"], &cell[..]].concat());
+    let alone = json(HERE, &[&["divide", "--no-cache"], &cell[..]].concat());
     assert_eq!(file["cells"][0]["t_end"], alone["t_end"]);
     assert_eq!(tree(&[]).0["founders"][0]["r0"], 5.0, "without the option the lineage's radius counts");
     for (option, complaint) in [
@@ -259,6 +243,6 @@ fn tree_takes_the_cell_of_its_options() {
         ("--epsilon=1.5", "--epsilon: epsilon = 1.5: must be above 0 and below 1"),
         ("--xi=nan", "--xi: xi_s = NaN: must be a finite number"),
     ] {
-        assert_eq!(refusal(&["tree", option]), format!("furrow: error: {complaint}\n"));
+        assert_eq!(refusal(HERE, &["tree", option]), format!("furrow: error: {complaint}\n"));
     }
 }

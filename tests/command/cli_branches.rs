@@ -3,41 +3,24 @@
 use furrow::cell::{Cell, Numerics};
 use furrow::shapes::critical::Stored;
 use serde_json::Value;
-use std::process::{Command, Output};
 
-fn furrow(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_furrow")).args(arguments).output().unwrap()
-}
-
-fn json(arguments: &[&str]) -> Value {
-    let output = furrow(arguments);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn complaint(arguments: &[&str], code: i32) -> String {
-    let output = furrow(arguments);
-    let stderr = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(code), "{stderr}");
-    assert!(output.stdout.is_empty());
-    stderr
-}
+use crate::common::command::{HERE, failure, json, refusal};
 
 #[test]
 fn pitchfork_has_its_keys() {
-    let found = json(&["pitchfork", "--r0", "1.64", "--json"]);
+    let found = json(HERE, &["pitchfork", "--r0", "1.64"]);
     assert!((found["xi_s"].as_f64().unwrap() - 25.79676).abs() < 1e-5);
     assert_eq!(found["criticality"], "subcritical");
     assert!(found["coefficient"].as_f64().unwrap() < 0.0);
     assert!((found["H"].as_f64().unwrap() - 2.752701).abs() < 1e-6);
     assert!(found["residual"].as_f64().unwrap() < 1e-7);
-    let elsewhere = json(&["pitchfork", "--r0", "2.22", "--epsilon", "0.64", "--json"]);
+    let elsewhere = json(HERE, &["pitchfork", "--r0", "2.22", "--epsilon", "0.64"]);
     assert!((elsewhere["xi_s"].as_f64().unwrap() - 6.24541).abs() < 1e-5);
 }
 
 #[test]
 fn branch_has_its_keys_and_loses_stability_at_the_pitchfork() {
-    let found = json(&["branch", "--r0", "2", "--xi-max", "30", "--json"]);
+    let found = json(HERE, &["branch", "--r0", "2", "--xi-max", "30"]);
     let points = found["points"].as_array().unwrap();
     for key in ["branch", "xi_s", "H", "L", "stable", "delta_u"] {
         assert!(points[1].get(key).is_some(), "{key}");
@@ -63,7 +46,7 @@ fn branch_has_its_keys_and_loses_stability_at_the_pitchfork() {
 /// The cued branch is stable up to its fold, leans to one side from the start, and the boundary names the same fold.
 #[test]
 fn the_branch_of_a_cued_cell_is_stable_up_to_its_fold() {
-    let found = json(&["branch", "--r0", "2.2", "--cue", "germline", "--json"]);
+    let found = json(HERE, &["branch", "--r0", "2.2", "--cue", "germline"]);
     let fold = &found["events"][0];
     assert_eq!((fold["kind"].as_str(), fold["branch"].as_str()), (Some("fold"), Some("cued")));
     let points = found["points"].as_array().unwrap();
@@ -72,14 +55,14 @@ fn the_branch_of_a_cued_cell_is_stable_up_to_its_fold() {
     assert!(points[top..].iter().all(|p| p["stable"] == false), "a narrow neck is never stable");
     assert_eq!(found["ends"][0]["reason"], "pinched");
     let range = ["--from", "2.2", "--to", "2.3"];
-    let boundary = json(&[&["boundary", "--vary", "r0", "--cue", "germline", "--json"], &range[..]].concat());
+    let boundary = json(HERE, &[&["boundary", "--vary", "r0", "--cue", "germline"], &range[..]].concat());
     let [a, b] = [&fold["xi_s"], &boundary["folds"][0]["xi_s"]].map(|xi| xi.as_f64().unwrap());
     assert!((a - b).abs() < 1e-6, "{a} {b}");
 }
 
 #[test]
 fn boundary_has_its_keys() {
-    let found = json(&["boundary", "--vary", "r0", "--from", "1.6", "--to", "2.2", "--critical", "--json"]);
+    let found = json(HERE, &["boundary", "--vary", "r0", "--from", "1.6", "--to", "2.2", "--critical"]);
     let pitchfork = found["pitchfork"].as_array().unwrap();
     for key in ["r0", "epsilon", "xi_s", "criticality"] {
         assert!(pitchfork[0].get(key).is_some(), "{key}");
@@ -92,19 +75,21 @@ fn boundary_has_its_keys() {
     );
     assert!(found["folds"].as_array().unwrap().len() > 2);
     assert!((found["critical"].as_f64().unwrap() - 1.7063248).abs() < 1e-6);
-    let cued = json(&[
-        "boundary",
-        "--vary",
-        "r0",
-        "--from",
-        "1.8",
-        "--to",
-        "2",
-        "--critical",
-        "--json",
-        "--cue",
-        "kappa:u0=0.465,omega=0.0577,amplitude=0.1",
-    ]);
+    let cued = json(
+        HERE,
+        &[
+            "boundary",
+            "--vary",
+            "r0",
+            "--from",
+            "1.8",
+            "--to",
+            "2",
+            "--critical",
+            "--cue",
+            "kappa:u0=0.465,omega=0.0577,amplitude=0.1",
+        ],
+    );
     assert!((cued["critical"].as_f64().unwrap() - 1.9051312).abs() < 1e-6);
 }
 
@@ -115,7 +100,7 @@ fn a_stored_boundary_is_written_whole() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("boundary.json");
     let path = path.to_str().unwrap();
-    json(&["boundary", "--vary", "r0", "--from", "1.5", "--to", "5.4", "--no-folds", "--json", "--write", path]);
+    json(HERE, &["boundary", "--vary", "r0", "--from", "1.5", "--to", "5.4", "--no-folds", "--write", path]);
     let read = |path: &str| {
         let text = std::fs::read_to_string(path).unwrap();
         Stored::parse(&text, path, &Cell::new(1.0), &Numerics::default()).unwrap()
@@ -147,7 +132,7 @@ fn a_stored_boundary_is_written_whole() {
 #[test]
 fn boundaries_over_other_parameters() {
     let boundary = |vary: &str, [from, to]: [&str; 2], cue: &str| {
-        json(&["boundary", "--vary", vary, "--from", from, "--to", to, "--r0", "2.2", "--cue", cue, "--json"])
+        json(HERE, &["boundary", "--vary", vary, "--from", from, "--to", to, "--r0", "2.2", "--cue", cue])
     };
     let wider = boundary("w", ["0.14", "0.15"], "none");
     let pitchfork = wider["pitchfork"].as_array().unwrap();
@@ -158,7 +143,7 @@ fn boundaries_over_other_parameters() {
     assert!(stronger["pitchfork"].as_array().unwrap().is_empty());
     assert_eq!((&folds[0]["value"], &folds.last().unwrap()["value"]), (&0.05.into(), &0.15.into()));
     // The fold of the germline cue itself, of amplitude 0.1, lies between the two: stronger cues raise it.
-    let germline = json(&["branch", "--r0", "2.2", "--cue", "germline", "--json"]);
+    let germline = json(HERE, &["branch", "--r0", "2.2", "--cue", "germline"]);
     let fold = germline["events"][0]["xi_s"].as_f64().unwrap();
     let sides = [&folds[0], folds.last().unwrap()].map(|point| point["xi_s"].as_f64().unwrap());
     assert!(sides[0] < fold && fold < sides[1], "{sides:?} {fold}");
@@ -180,9 +165,9 @@ fn bad_input_is_named() {
         ),
         (&["boundary", "--vary", "r0", "--from", "2", "--to", "2"], "--to: to = 2: must be different from --from"),
     ] {
-        assert_eq!(complaint(arguments, 2), format!("furrow: error: {expected}\n"));
+        assert_eq!(refusal(HERE, arguments), format!("furrow: error: {expected}\n"));
     }
-    let none = complaint(&["pitchfork", "--r0", "2", "--xi-max", "5"], 1);
+    let none = failure(HERE, &["pitchfork", "--r0", "2", "--xi-max", "5"], 1);
     assert!(none.contains("no pitchfork for xi_s up to 5; raise --xi-max"), "{none}");
 }
 
@@ -215,13 +200,13 @@ fn what_cannot_vary_is_named() {
             "--vary: vary = xi_s: must be another parameter: curves and diagrams run over ξ_s as it is",
         ),
     ] {
-        assert_eq!(complaint(arguments, 2), format!("furrow: error: {expected}\n"));
+        assert_eq!(refusal(HERE, arguments), format!("furrow: error: {expected}\n"));
     }
     let names = "xi_ratio, gain, r0, epsilon, aspect, p0, w, kappa, eta_b, eta_s, friction, tension, \
                  cue.u0, cue.omega, cue.amplitude";
     for (name, nearest) in [("widht", ""), ("eta_d", "; did you mean eta_b?")] {
         let arguments = ["boundary", "--vary", name, "--from", "5", "--to", "8", "--r0", "2"];
         let expected = format!("furrow: error: --vary: vary = {name:?}: must be one of {names}{nearest}\n");
-        assert_eq!(complaint(&arguments, 2), expected);
+        assert_eq!(refusal(HERE, &arguments), expected);
     }
 }

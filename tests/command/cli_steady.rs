@@ -1,24 +1,15 @@
 //! `furrow steady`, `phase` and `calibrate` as users meet them.
 
 use serde_json::Value;
-use std::process::{Command, Output};
 
-fn furrow(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_furrow")).args(arguments).arg("--no-cache").output().unwrap()
-}
+use crate::common::command::{self, HERE};
 
 fn failure(arguments: &[&str], code: i32) -> String {
-    let output = furrow(arguments);
-    let stderr = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(code), "{stderr}");
-    assert!(output.stdout.is_empty());
-    stderr
+    command::failure(HERE, &[arguments, &["--no-cache"]].concat(), code)
 }
 
 fn json(arguments: &[&str]) -> Value {
-    let output = furrow(&[arguments, &["--json"]].concat());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
+    command::json(HERE, &[arguments, &["--no-cache"]].concat())
 }
 
 #[test]
@@ -32,7 +23,7 @@ fn steady_answers() {
     let active = json(&["steady", "--r0", "2", "--xi", "25"]);
     assert_eq!(active["stable"], false);
     assert!(active["growth_rate"].as_f64().unwrap() > 0.0);
-    let stdout = String::from_utf8(furrow(&["steady", "--r0", "2", "--xi", "25"]).stdout).unwrap();
+    let stdout = command::answer(HERE, &["steady", "--r0", "2", "--xi", "25", "--no-cache"]);
     assert!(stdout.starts_with("R0 = 2, ε = 0.87, ξ_s = 25: unstable\n"), "{stdout}");
 }
 

@@ -1,12 +1,14 @@
 //! `furrow explore`: the page that computes, without a tree.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::Value;
 
+use crate::common::command::furrow;
+
 fn explore(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_furrow")).arg("explore").args(arguments).current_dir(folder).output().unwrap()
+    furrow(folder, &[&["explore"], arguments].concat())
 }
 
 /// What the scripts of a page are told.

@@ -1,7 +1,8 @@
 //! The help pages: every example runs as it stands, every option has its group.
 
 use std::path::Path;
-use std::process::{Command, Output};
+
+use crate::common::command::{HERE, furrow};
 
 const COMMANDS: [&str; 21] = [
     "tree",
@@ -27,13 +28,9 @@ const COMMANDS: [&str; 21] = [
     "man",
 ];
 
-fn furrow(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_furrow")).args(arguments).current_dir(folder).output().unwrap()
-}
-
 fn help(command: &str) -> String {
     let arguments = command.split_whitespace().chain(["--help"]).collect::<Vec<_>>();
-    let output = furrow(Path::new("."), &arguments);
+    let output = furrow(HERE, &arguments);
     assert!(output.status.success(), "{command}");
     String::from_utf8(output.stdout).unwrap()
 }
@@ -202,7 +199,7 @@ fn the_strength_of_the_shell_is_called_p0() {
     for text in [help("tree"), help("calibrate"), help("boundary")] {
         assert!(!text.contains("P0"), "{text}");
     }
-    let refused = furrow(Path::new("."), &["steady", "--r0", "2", "--set", "P0=-1"]);
+    let refused = furrow(HERE, &["steady", "--r0", "2", "--set", "P0=-1"]);
     assert_eq!(
         String::from_utf8(refused.stderr).unwrap(),
         "furrow: error: --set: physics.p0 = -1: must be a finite number above 0\n"

@@ -5,18 +5,7 @@ use std::process::{Command, Output};
 
 use furrow::lineage::Lineage;
 
-fn furrow(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_furrow")).args(arguments).output().unwrap()
-}
-
-/// Runs a command that must refuse its input, and returns what it says.
-fn refusal(arguments: &[&str]) -> String {
-    let output = furrow(arguments);
-    let stderr = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{stderr}");
-    assert!(output.stdout.is_empty());
-    stderr
-}
+use crate::common::command::{HERE, furrow, refusal};
 
 fn write(folder: &Path, name: &str, text: &str) -> String {
     let path = folder.join(name);
@@ -152,19 +141,23 @@ fn malformed_ron_names_field_what_stands_there_and_what_is_expected() {
 /// A file of another kind is called that.
 #[test]
 fn other_files_are_no_lineages() {
-    let said = refusal(&["tree", concat!(env!("CARGO_MANIFEST_DIR"), "/README.md")]);
+    let said = refusal(HERE, &["tree", concat!(env!("CARGO_MANIFEST_DIR"), "/README.md")]);
     assert!(
         said.ends_with("README.md: is not a lineage file: it begins with \"# furrow\", and a lineage file is RON that begins with Lineage(\n"),
         "{said}"
     );
     let folder = tempfile::tempdir().unwrap();
     let config = write(folder.path(), "c.ron", "// mine\nConfig(physics: (epsilon: 0.8))");
-    assert!(refusal(&["tree", &config]).contains("is not a lineage file: it begins with \"Config(physics"));
-    assert!(refusal(&["calibrate", &config]).contains("is not a file of targets: it begins with \"Config(physics"));
+    assert!(refusal(HERE, &["tree", &config]).contains("is not a lineage file: it begins with \"Config(physics"));
+    assert!(
+        refusal(HERE, &["calibrate", &config]).contains("is not a file of targets: it begins with \"Config(physics")
+    );
     let empty = write(folder.path(), "e.ron", " /* nothing */ \n");
-    assert!(refusal(&["steady", "--r0", "2", "--config", &empty]).contains("is not a configuration: it is empty"));
+    assert!(
+        refusal(HERE, &["steady", "--r0", "2", "--config", &empty]).contains("is not a configuration: it is empty")
+    );
     assert_eq!(
-        refusal(&["tree", folder.path().to_str().unwrap()]),
+        refusal(HERE, &["tree", folder.path().to_str().unwrap()]),
         format!("furrow: error: {}: cannot be read: it is a folder, not a file\n", folder.path().display())
     );
 }
@@ -176,9 +169,9 @@ fn a_byte_order_mark_is_passed_over() {
     assert_eq!(Lineage::parse(text, "x").unwrap(), Lineage::parse(&text[3..], "x").unwrap());
     let folder = tempfile::tempdir().unwrap();
     let config = write(folder.path(), "c.ron", "\u{feff}Config(physics: (epsilon: 0.8))");
-    assert!(furrow(&["steady", "--r0", "2", "--xi", "1", "--config", &config]).status.success());
+    assert!(furrow(HERE, &["steady", "--r0", "2", "--xi", "1", "--config", &config]).status.success());
     let targets = write(folder.path(), "t.ron", "\u{feff}Targets(unknowns: [], thresholds: [])");
-    assert!(refusal(&["calibrate", &targets]).contains("unknowns = []: must be at least one parameter"));
+    assert!(refusal(HERE, &["calibrate", &targets]).contains("unknowns = []: must be at least one parameter"));
 }
 
 /// Names land in drawings and pages, which are XML.
@@ -203,7 +196,7 @@ fn a_cue_of_a_lineage_without_cues() {
     let folder = tempfile::tempdir().unwrap();
     let file = write(folder.path(), "l.ron", "Lineage(name: \"x\", founders: [(name: \"A\")])");
     assert_eq!(
-        refusal(&["divide", "--r0", "2", "--cue", "polar", "--lineage", &file]),
+        refusal(HERE, &["divide", "--r0", "2", "--cue", "polar", "--lineage", &file]),
         "furrow: error: --cue: cue = \"polar\": must be none or terms FIELD:PROFILE,key=value,.. joined by +\n"
     );
     let said = complaint("Lineage(name: \"x\", founders: [(name: \"A\", cue: \"polar\")])");
@@ -217,13 +210,13 @@ fn settings_in_the_wrong_section_and_numbers_that_are_none() {
         ("numerics.eps=0.8", "key = \"numerics.eps\": must be physics.eps or eps alone"),
         ("numerics.xi_b=1", "key = \"numerics.xi_b\": must be physics.xi_b or xi_b alone"),
     ] {
-        let said = refusal(&["steady", "--r0", "2", "--set", setting]);
+        let said = refusal(HERE, &["steady", "--r0", "2", "--set", setting]);
         assert_eq!(said, format!("furrow: error: --set: {complaint}\n"));
     }
-    let misspelt = refusal(&["steady", "--r0", "2", "--set", "numerics.intervls=96"]);
+    let misspelt = refusal(HERE, &["steady", "--r0", "2", "--set", "numerics.intervls=96"]);
     assert!(misspelt.ends_with("; did you mean intervals?\n"), "{misspelt}");
     for option in ["--epsilon", "--max-step", "--xi-max"] {
-        let said = refusal(&["branch", "--r0=2", &format!("{option}=absent")]);
+        let said = refusal(HERE, &["branch", "--r0=2", &format!("{option}=absent")]);
         assert!(said.contains("'absent'") && said.contains(": must be a number, as 0.87 or 1e-3\n"), "{said}");
     }
 }
@@ -243,14 +236,14 @@ fn pipes_are_read_and_endless_ones_are_left() {
     assert_eq!(Lineage::read(&pipe).unwrap(), Lineage::parse(text, "x").unwrap());
     writer.join().unwrap();
     assert_eq!(
-        refusal(&["tree", "/dev/zero"]),
+        refusal(HERE, &["tree", "/dev/zero"]),
         "furrow: error: /dev/zero: cannot be read: it is longer than 64 MB, the most that is read of a file\n"
     );
     // As long as it says, with nothing in it: its length alone is looked at.
     let long = folder.path().join("long.ron");
     std::fs::File::create(&long).unwrap().set_len(100 << 20).unwrap();
     assert_eq!(
-        refusal(&["tree", long.to_str().unwrap()]),
+        refusal(HERE, &["tree", long.to_str().unwrap()]),
         format!(
             "furrow: error: {}: cannot be read: it has 100 MB, which is longer than 64 MB, the most that is read of a file\n",
             long.display()
@@ -263,7 +256,7 @@ fn pipes_are_read_and_endless_ones_are_left() {
 #[test]
 fn an_endless_table_is_left() {
     assert_eq!(
-        refusal(&["compare", "volumes", "/dev/zero"]),
+        refusal(HERE, &["compare", "volumes", "/dev/zero"]),
         "furrow: error: /dev/zero:1:1: this is no text: it has a byte 0\n"
     );
 }
@@ -283,7 +276,7 @@ fn messages_have_no_control_characters() {
         if command == "sweep" {
             arguments.extend(["--out", out.to_str().unwrap()]);
         }
-        let said = refusal(&arguments);
+        let said = refusal(HERE, &arguments);
         assert!(said.starts_with(&format!("furrow: error: {path}:1:")), "{said:?}");
         assert!(!said.trim_end().contains(char::is_control), "{said:?}");
     }
@@ -298,7 +291,7 @@ fn a_sweep_of_too_many_values_is_refused_at_once() {
         .map(|name| format!("(parameter: \"{name}\", sample: (from: 0.5, to: 0.9, count: 10000000))"))
         .collect();
     let path = write(folder.path(), "many.ron", &format!("Sweep(kind: division, axes: [{}])", axes.join(",")));
-    let said = refusal(&["sweep", &path, "--out", folder.path().join("out").to_str().unwrap()]);
+    let said = refusal(HERE, &["sweep", &path, "--out", folder.path().join("out").to_str().unwrap()]);
     assert!(said.ends_with("must be axes of 20000000 values at most, all together\n"), "{said}");
 }
 
@@ -307,14 +300,14 @@ fn a_sweep_of_too_many_values_is_refused_at_once() {
 fn numbers_beyond_all_sizes() {
     for size in ["1e308", "1e-308", "1e7", "1e-7"] {
         for command in ["divide", "pitchfork", "tree", "explore"] {
-            let said = refusal(&[command, "--r0", size]);
+            let said = refusal(HERE, &[command, "--r0", size]);
             assert!(said.contains("must be a finite number above 0, from 1e-6 to 1e6"), "{said}");
         }
     }
     // An activity that is no normal number is as good as none.
-    let output = furrow(&["steady", "--r0", "2", "--xi", "1e-308", "--json"]);
+    let output = furrow(HERE, &["steady", "--r0", "2", "--xi", "1e-308", "--json"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let zero = furrow(&["steady", "--r0", "2", "--xi", "0", "--json"]);
+    let zero = furrow(HERE, &["steady", "--r0", "2", "--xi", "0", "--json"]);
     let length = |output: &Output| serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()["L"].as_f64();
     assert_eq!(length(&output), length(&zero));
 }

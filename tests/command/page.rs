@@ -4,22 +4,17 @@
 //! folder for pictures of the pages, `FURROW_LARGE_REPORT` a report of many cells, whose opening is then timed.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
 use serde_json::{Value, json};
+
+use crate::common::command::{self, answer};
 
 /// The preset's first cell, as far as a test must repeat it.
 const P0: [&str; 4] = ["--r0", "5.4", "--cue", "germline"];
 
-fn furrow(folder: &Path, arguments: &[&str]) -> Output {
-    let output = Command::new(env!("CARGO_BIN_EXE_furrow")).args(arguments).current_dir(folder).output().unwrap();
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    output
-}
-
-fn answer(folder: &Path, arguments: &[&str]) -> Value {
-    let arguments = [arguments, &["--json", "--cache", "cache"]].concat();
-    serde_json::from_slice(&furrow(folder, &arguments).stdout).unwrap()
+fn told(folder: &Path, arguments: &[&str]) -> Value {
+    command::json(folder, &[arguments, &["--cache", "cache"]].concat())
 }
 
 /// The first of some programs that starts.
@@ -36,11 +31,11 @@ fn browser() -> Option<[String; 2]> {
 
 /// What the page must say, by the command line.
 fn expected(folder: &Path) -> Value {
-    furrow(folder, &["tree", "--out", "out", "--cache", "cache"]);
-    furrow(folder, &["explore", "--out", "explore.html"]);
+    answer(folder, &["tree", "--out", "out", "--cache", "cache"]);
+    answer(folder, &["explore", "--out", "explore.html"]);
     let tree: Value = serde_json::from_slice(&std::fs::read(folder.join("out/tree.json")).unwrap()).unwrap();
     let slider = |epsilon: f64| {
-        let found = answer(folder, &[&["divide", "--epsilon", &epsilon.to_string()][..], &P0].concat());
+        let found = told(folder, &[&["divide", "--epsilon", &epsilon.to_string()][..], &P0].concat());
         json!({ "epsilon": epsilon, "outcome": found["outcome"], "chi": found["chi"] })
     };
     let sliders = [slider(0.9), slider(0.92)];
@@ -52,7 +47,7 @@ fn expected(folder: &Path) -> Value {
         "large": std::env::var("FURROW_LARGE_REPORT").ok(),
         "p0": { "outcome": p0["outcome"], "chi": p0["chi"] },
         "sliders": sliders,
-        "none": answer(folder, &["tree", "--cue", "none", "--out", "none"]),
+        "none": told(folder, &["tree", "--cue", "none", "--out", "none"]),
     })
 }
 
@@ -75,7 +70,7 @@ fn the_module_divides_and_grows_as_the_command_line_does() {
     // The second has a founder with physics of its own, µm, and cues by rules.
     for lineage in ["lineages/c_elegans.ron", "lineages/template.ron"] {
         let lineage = Path::new(env!("CARGO_MANIFEST_DIR")).join(lineage);
-        furrow(folder.path(), &["tree", &lineage.display().to_string(), "--force", "--cache", "cache"]);
+        answer(folder.path(), &["tree", &lineage.display().to_string(), "--force", "--cache", "cache"]);
         run_script(&node, "module.mjs", &[module.clone(), folder.path().join("furrow-out/tree.json")]);
     }
 }

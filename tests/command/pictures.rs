@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{answer, refusal};
+use crate::common::command::{answer, refusal};
 use serde_json::Value;
 
 /// Commands that draw, quick ones, each with words that its picture must have.

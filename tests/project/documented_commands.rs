@@ -4,9 +4,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
+
+use crate::common::command::furrow;
 
 /// Commands that are not run, by how they begin, and why. Their options are looked up all the same.
 const NOT_RUN: &[(&str, &str)] = &[
@@ -98,10 +99,6 @@ fn pages_below(folder: &Path) -> Vec<PathBuf> {
     }
     found.sort();
     found
-}
-
-fn furrow(folder: &Path, arguments: &[String]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_furrow")).args(arguments).current_dir(folder).output().unwrap()
 }
 
 /// The options that the help page of a command names, by the words the command begins with.

@@ -3,15 +3,14 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use crate::common::{answer, refusal};
+use crate::common::command::{self, answer, refusal};
 use serde_json::Value;
 
 /// Solved divisions are kept between the tests.
 const CACHE: [&str; 2] = ["--cache", concat!(env!("CARGO_TARGET_TMPDIR"), "/compare-cache")];
 
 fn json(arguments: &[&str], folder: &Path) -> Value {
-    let printed = answer(folder, &[arguments, &CACHE, &["--json"]].concat());
-    serde_json::from_str(&printed).unwrap()
+    command::json(folder, &[arguments, &CACHE].concat())
 }
 
 /// Volumes of a few embryos: the wild type's first two divisions, and one with an equal first.

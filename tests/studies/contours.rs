@@ -7,7 +7,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use crate::common::{answer, furrow, refusal};
+use crate::common::command::{answer, furrow, json, refusal};
 use furrow::io::frames::read_frames;
 use rand_mt::Mt64;
 use serde_json::Value;
@@ -84,8 +84,8 @@ fn table(rings: &[Vec<[f64; 2]>]) -> String {
 
 fn compared(folder: &Path, files: &[&str], more: &[&str]) -> Value {
     let folder_of_frames = frames().join("frames");
-    let head = ["compare", "contour", "--json", "--frames", folder_of_frames.to_str().unwrap()];
-    serde_json::from_str(&answer(folder, &[&head, files, more].concat())).unwrap()
+    let head = ["compare", "contour", "--frames", folder_of_frames.to_str().unwrap()];
+    json(folder, &[&head, files, more].concat())
 }
 
 /// Each is found to be its own frame, by a scale that is right, turned as it was turned.

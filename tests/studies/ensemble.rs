@@ -1,13 +1,13 @@
 //! Constants that are not known: which sets of them agree with what the paper prints, and what follows for the lineage.
 
 use std::path::Path;
-use std::process::Command;
 
 use furrow::calibration::{Targets, calibrate, with_values};
 use furrow::cell::{Cell, Numerics, Parameter};
 use furrow::lineage::{Lineage, TreeSettings};
 use furrow::study::{Constants, ensemble, judge, ranges};
-use serde_json::Value;
+
+use crate::common::command::json;
 
 /// Coarse meshes are enough here: thresholds are right to 1e-5.
 fn numerics() -> Numerics {
@@ -108,12 +108,7 @@ fn ranges_of_one_set_are_its_tree() {
 fn the_command_samples_and_grows() {
     let folder = tempfile::tempdir().unwrap();
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/statements.ron");
-    let run = |arguments: &[&str]| -> Value {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_furrow"));
-        let output = command.current_dir(folder.path()).args(arguments).arg("--json").output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        serde_json::from_slice(&output.stdout).unwrap()
-    };
+    let run = |arguments: &[&str]| json(folder.path(), arguments);
     let targets = file.to_str().unwrap();
     let sample =
         run(&["calibrate", targets, "--ensemble", "2", "--seed", "3", "--out", "c.csv", "--set", "intervals=32"]);

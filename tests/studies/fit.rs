@@ -1,7 +1,5 @@
 //! What would make it the embryo: constants, activities and a cue from what was observed.
 
-use std::process::Command;
-
 use furrow::batch::{Memo, Quantisation};
 use furrow::cell::{Cell, Cue, Parameter};
 use furrow::division::{DivisionInput, divide};
@@ -9,6 +7,8 @@ use furrow::lineage::{Ends, Grower, Lineage, ObservedRounds, Rounds, TreeSetting
 use furrow::settings::Settings;
 use furrow::shapes::CriticalRadii;
 use furrow::study::fit::{Effort, Evaluated, FittedConstants, Reading, Targets, activities, fit_constants, fit_cue};
+
+use crate::common::command::{HERE, refusal};
 
 /// A clone of one small founder, so that a tree takes a few divisions.
 const CLONE: &str =
@@ -160,10 +160,6 @@ fn the_preset_of_the_embryo_keeps_what_it_was_fitted_to() {
 
 #[test]
 fn the_command_line_names_what_is_wrong() {
-    let fit = |args: &[&str]| {
-        let out = Command::new(env!("CARGO_BIN_EXE_furrow")).arg("fit").args(args).output().unwrap();
-        (out.status.code(), String::from_utf8_lossy(&out.stderr).into_owned())
-    };
     for (args, expected) in [
         (&["activity", "--xi-from", "30", "--xi-to", "20"][..], "xi_s = 20"),
         (&["cue", "--cue", "none"], "cue = none"),
@@ -172,7 +168,7 @@ fn the_command_line_names_what_is_wrong() {
         (&["constants", "--preset", "sulston1984"], "sulston1983"),
         (&["sizes"], "invalid value 'sizes'"),
     ] {
-        let (code, said) = fit(args);
-        assert!(code == Some(2) && said.contains(expected), "{args:?}: {code:?} {said}");
+        let said = refusal(HERE, &[&["fit"], args].concat());
+        assert!(said.contains(expected), "{args:?}: {said}");
     }
 }

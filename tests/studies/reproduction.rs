@@ -1,11 +1,13 @@
 //! The paper reproduced: the page that ships is current, and what is known to differ is said to.
 
-use std::process::{Command, Output};
+use std::process::Output;
 
 use furrow::report::reproduction::value;
 use furrow::study::reproduce::Value;
 use furrow::study::reproduce::paper::{Statement, statements};
 use serde_json::Value as Json;
+
+use crate::common::command;
 
 const PAGE: &str = include_str!("../../docs/reproduction.md");
 
@@ -13,7 +15,7 @@ const PAGE: &str = include_str!("../../docs/reproduction.md");
 const QUICK: [&str; 12] = ["1", "2C", "5", "6", "7", "S2", "S3", "S4", "S5", "Table S3", "movies", "2C-F"];
 
 fn furrow(folder: &std::path::Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_furrow")).args(arguments).arg("--no-cache").current_dir(folder).output().unwrap()
+    command::furrow(folder, &[arguments, &["--no-cache"]].concat())
 }
 
 /// The page that the command writes of some figures.

@@ -4,6 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use crate::common::command::answer;
+
 const SWEEP: &str =
     r#"Sweep(kind: division, axes: [(parameter: "r0", range: (from: 1.5, to: 1.8, count: 8))], replicates: 2)"#;
 
@@ -33,15 +35,11 @@ fn succeeded(output: &Output) {
     assert!(output.status.success(), "{}\n{}", said(&output.stdout), said(&output.stderr));
 }
 
-fn furrow(folder: &Path, arguments: &[&str]) {
-    succeeded(&Command::new(env!("CARGO_BIN_EXE_furrow")).args(arguments).current_dir(folder).output().unwrap());
-}
-
 /// A folder with a sweep, solved as a whole.
 fn solved() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("s.ron"), SWEEP).unwrap();
-    furrow(folder.path(), &["sweep", "s.ron", "--out", "whole", "--no-cache"]);
+    answer(folder.path(), &["sweep", "s.ron", "--out", "whole", "--no-cache"]);
     folder
 }
 
@@ -82,7 +80,7 @@ fn an_array_of_slurm_solves_the_parts() {
     command.args(["--wait", "--array=1-3", "--time=5", "--mem=100", &workflow("slurm-array.sh"), "s.ron", "out", "3"]);
     command.env("FURROW", env!("CARGO_BIN_EXE_furrow")).current_dir(folder.path());
     succeeded(&command.output().unwrap());
-    furrow(folder.path(), &["merge", "out/parts/1", "out/parts/2", "out/parts/3", "--out", "out"]);
+    answer(folder.path(), &["merge", "out/parts/1", "out/parts/2", "out/parts/3", "--out", "out"]);
     is_whole(folder.path(), "out");
 }
 
@@ -107,7 +105,7 @@ fn the_script_of_the_array_solves_one_part_and_says_how_it_is_called() {
     for part in ["1", "2"] {
         succeeded(&run(part, &["s.ron", "out", "2"]));
     }
-    furrow(folder.path(), &["merge", "out/parts/1", "out/parts/2", "--out", "out"]);
+    answer(folder.path(), &["merge", "out/parts/1", "out/parts/2", "--out", "out"]);
     is_whole(folder.path(), "out");
     assert_eq!(run("1", &["s.ron"]).status.code(), Some(2));
     let output = run("", &["s.ron", "out", "2"]);

@@ -4,11 +4,11 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::common::answer;
+use crate::common::command::{self, answer};
 
 /// Runs a command that must refuse its input, and gives what it says, which is short.
 fn refusal(folder: &Path, arguments: &[&str]) -> String {
-    let said = crate::common::refusal(folder, arguments);
+    let said = command::refusal(folder, arguments);
     assert!(said.len() < 600, "{said}");
     said
 }

@@ -1,6 +1,6 @@
 //! Growth, rounds and files of a tree, with a stand-in for the division solver.
 
-use crate::common::{division, fake};
+use crate::common::stand_in::{division, fake};
 use furrow::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use furrow::cell::Cell;
 use furrow::division::{Division, DivisionError, DivisionInput, Outcome};

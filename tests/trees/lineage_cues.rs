@@ -1,6 +1,6 @@
 //! Who carries which cue in a lineage: founders' cues and rules, rules of the file, their complaints, and the table's column.
 
-use crate::common::fake;
+use crate::common::stand_in::fake;
 use furrow::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow::cell::Cue;
 use furrow::io::{FounderRow, founder_rows};

@@ -1,6 +1,6 @@
 //! The lineage file: the built-in one against the published counts, and the text of every complaint.
 
-use crate::tables;
+use crate::common::tables;
 use furrow::lineage::{C_ELEGANS, Lineage};
 
 fn complaint(text: &str) -> String {

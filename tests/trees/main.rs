@@ -2,8 +2,6 @@
 
 #[path = "../common/mod.rs"]
 mod common;
-#[path = "../tables/mod.rs"]
-mod tables;
 
 mod embryo;
 mod exchange;

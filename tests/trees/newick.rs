@@ -1,6 +1,6 @@
 //! Newick, out and in: what is written is read back as the same tree, and nothing that is read ends the program.
 
-use crate::common::{fake, grown};
+use crate::common::stand_in::{fake, grown};
 use furrow::io::exchange::{BranchLengths, COLUMNS, Exported, Format, export};
 use furrow::io::{Newick, NewickNode, newick};
 use furrow::lineage::{Lineage, Tree};

@@ -2,23 +2,21 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use furrow::lineage::{Lineage, TEMPLATE};
 use serde_json::Value;
 
+use crate::common::command;
+
 /// Exit code, stdout and stderr of the command in a folder.
 fn furrow(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_furrow"));
-    let output = command.current_dir(folder).args(arguments).arg("--no-cache").output().unwrap();
+    let output = command::furrow(folder, &[arguments, &["--no-cache"]].concat());
     let text = |bytes| String::from_utf8(bytes).unwrap();
     (output.status.code(), text(output.stdout), text(output.stderr))
 }
 
 fn json(folder: &Path, arguments: &[&str]) -> Value {
-    let (code, out, err) = furrow(folder, &[arguments, &["--json"]].concat());
-    assert_eq!(code, Some(0), "{err}");
-    serde_json::from_str(&out).unwrap()
+    command::json(folder, &[arguments, &["--no-cache"]].concat())
 }
 
 fn tree(text: &str, arguments: &[&str]) -> (String, Value) {

@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use furrow::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow::division::divide;
@@ -10,6 +9,8 @@ use furrow::lineage::{Length, Lineage, Tree, TreeSettings};
 use furrow::report;
 use furrow::study::scenarios::{Scenario, Source, combine, grow};
 use serde_json::Value;
+
+use crate::common::command::furrow;
 
 const CUES: [&str; 3] = ["germline", "none", "tension:gradient,amplitude=0.3"];
 const NAMES: [&str; 3] = ["shallow-germline", "shallow-none", "shallow-cue-3"];
@@ -24,8 +25,7 @@ fn folder() -> tempfile::TempDir {
 
 /// Exit code, stdout and stderr of `furrow tree` in a folder.
 fn tree(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_furrow"));
-    let output = command.current_dir(folder).arg("tree").args(arguments).arg("--no-cache").output().unwrap();
+    let output = furrow(folder, &[&["tree"], arguments, &["--no-cache"]].concat());
     let text = |bytes| String::from_utf8(bytes).unwrap();
     (output.status.code(), text(output.stdout), text(output.stderr))
 }

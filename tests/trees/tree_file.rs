@@ -1,6 +1,6 @@
 //! `tree.json` read back: whatever a file holds is a whole tree, or refused in one message.
 
-use crate::common::small_tree_file;
+use crate::common::stand_in::small_tree_file;
 use furrow::lineage::Tree;
 use proptest::prelude::*;
 use serde_json::{Value, json};

@@ -8,11 +8,12 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
+use crate::common::command::command;
+
 fn start(folder: &Path, name: &str, threads: &str, cache: Option<&str>) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_furrow"));
-    command.args(["tree", "--json", "--threads", threads, "--out"]).arg(folder.join(name));
+    let mut command = command(folder, &["tree", "--json", "--threads", threads, "--out", name]);
     match cache {
-        Some(cache) => command.arg("--cache").arg(folder.join(cache)),
+        Some(cache) => command.args(["--cache", cache]),
         None => command.arg("--no-cache"),
     };
     command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()

@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use crate::common::division;
+use crate::common::stand_in::division;
 use furrow::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow::division::{DivisionInput, Outcome};
 use furrow::io::{newick, write_atomically};

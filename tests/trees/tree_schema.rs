@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::common::{division, fake, grown, small_tree_file};
+use crate::common::stand_in::{division, fake, grown, small_tree_file};
 use furrow::cell::{Cell, Cue};
 use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
 use furrow::io::TREE_SCHEMA;

@@ -1,5 +1,4 @@
 //! Reference tables and helpers shared by tests.
-#![allow(dead_code)]
 
 use std::collections::HashMap;
 use std::path::PathBuf;
