@@ -1,7 +1,7 @@
 //! What would make it the embryo: constants, activities and a cue from what was observed.
 
 use furrow::batch::{Memo, Quantisation};
-use furrow::cell::{Cell, Cue, Parameter};
+use furrow::cell::{Cell, Cue, Numerics, Parameter};
 use furrow::division::{DivisionInput, divide};
 use furrow::lineage::{Ends, Grower, Lineage, ObservedRounds, Rounds, TreeSettings, founder_rounds};
 use furrow::settings::Settings;
@@ -16,7 +16,9 @@ const CLONE: &str =
 
 fn clone() -> (Lineage, TreeSettings) {
     let lineage = Lineage::parse(CLONE, "clone.ron").unwrap();
-    (lineage, TreeSettings { cell: Cell::new(2.4), ..TreeSettings::default() })
+    // Trees are held against each other, all of them on one coarse mesh.
+    let numerics = Numerics { intervals: 32, ..Numerics::default() };
+    (lineage, TreeSettings { cell: Cell::new(2.4), numerics, ..TreeSettings::default() })
 }
 
 fn targets(text: &str, lineage: &Lineage) -> Targets {

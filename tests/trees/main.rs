@@ -16,5 +16,4 @@ mod scenarios;
 mod store_processes;
 mod tree_file;
 mod tree_identity;
-mod tree_scale;
 mod tree_schema;

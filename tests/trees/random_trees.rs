@@ -2,7 +2,7 @@
 //! its division tells too.
 
 use furrow::batch::{Memo, Quantisation, SchedulerOptions};
-use furrow::cell::Cell;
+use furrow::cell::{Cell, Numerics};
 use furrow::division::divide;
 use furrow::lineage::{EndReason, Ends, Grower, Lineage, Tree, TreeSettings};
 use furrow::shapes::CriticalRadii;
@@ -48,7 +48,9 @@ fn every_tree_is_whole_and_equals_that_of_all_its_divisions() {
         };
         let cue = cue(&mut random);
         let lineage = Lineage::c_elegans().unwrap().with_cues_replaced("random", &cue.parse().unwrap());
-        let settings = TreeSettings { cell, seed: number, ..TreeSettings::default() };
+        // Both trees on one coarse mesh: it is each other that they are held against.
+        let numerics = Numerics { intervals: 32, ..Numerics::default() };
+        let settings = TreeSettings { cell, numerics, seed: number, ..TreeSettings::default() };
         let rule = Ends::new(CriticalRadii::new(&settings.numerics));
         let (ahead, all) = (grow(&lineage, &settings, &|cell| rule.of(cell)), grow(&lineage, &settings, &|_| None));
         let fates = |tree: &Tree| -> Vec<_> {

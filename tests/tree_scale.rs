@@ -1,9 +1,11 @@
 //! A tree of more than 100,000 cells, all of them answered by the memo: grown, written, read back. The only test of its process, so
 //! that the memory measured is its own.
 
+mod common;
+
 use std::time::Instant;
 
-use crate::common::stand_in::division;
+use common::stand_in::division;
 use furrow::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow::division::{DivisionInput, Outcome};
 use furrow::io::{newick, write_atomically};
