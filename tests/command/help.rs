@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::common::command::{HERE, furrow};
+use crate::common::command::{HERE, furrow, keep_what_is_solved};
 
 const COMMANDS: [&str; 21] = [
     "tree",
@@ -49,8 +49,12 @@ fn run_examples(command: &str) {
 
 fn run_examples_in(folder: &tempfile::TempDir, command: &str) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    // What is solved is kept in the folder and goes with it.
-    std::fs::create_dir(folder.path().join("cache")).unwrap();
+    // Its examples clear the cache.
+    if command == "cache" {
+        std::fs::create_dir(folder.path().join("cache")).unwrap();
+    } else {
+        keep_what_is_solved(folder.path());
+    }
     for name in ["data/thresholds.ron", "lineages/c_elegans.ron", "studies/cue-position.ron"] {
         let copy = folder.path().join(name);
         std::fs::create_dir(copy.parent().unwrap()).unwrap();

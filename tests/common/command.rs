@@ -9,6 +9,18 @@ use serde_json::Value;
 /// The folder that tests run in themselves, which is that of the package.
 pub const HERE: &str = ".";
 
+/// Where tests that are not about solving keep what they have solved, for each other and for the next run.
+pub const CACHE: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/cache");
+
+/// Makes [`CACHE`] the cache of whatever is run in a folder without an option that names another.
+pub fn keep_what_is_solved(folder: &Path) {
+    std::fs::create_dir_all(CACHE).unwrap();
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(CACHE, folder.join("cache")).unwrap();
+    #[cfg(not(unix))]
+    std::fs::create_dir(folder.join("cache")).unwrap();
+}
+
 /// The command in a folder, not yet started.
 pub fn command(folder: impl AsRef<Path>, arguments: &[impl AsRef<OsStr>]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_furrow"));

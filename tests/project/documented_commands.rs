@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
 
-use crate::common::command::furrow;
+use crate::common::command::{furrow, keep_what_is_solved};
 
 /// Commands that are not run, by how they begin, and why. Their options are looked up all the same.
 const NOT_RUN: &[(&str, &str)] = &[
@@ -145,9 +145,8 @@ fn copy_folder(from: &Path, to: &Path) {
 /// A folder with what the repository has and what the text tells the reader to write.
 fn reader() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    for name in ["cache", "docs"] {
-        fs::create_dir(folder.path().join(name)).unwrap();
-    }
+    keep_what_is_solved(folder.path());
+    fs::create_dir(folder.path().join("docs")).unwrap();
     for name in ["data", "lineages", "studies"] {
         copy_folder(&root().join(name), &folder.path().join(name));
     }

@@ -3,14 +3,14 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use crate::common::command::{self, answer, refusal};
+use crate::common::command::{self, CACHE, answer, refusal};
 use serde_json::Value;
 
 /// Solved divisions are kept between the tests.
-const CACHE: [&str; 2] = ["--cache", concat!(env!("CARGO_TARGET_TMPDIR"), "/compare-cache")];
+const KEPT: [&str; 2] = ["--cache", CACHE];
 
 fn json(arguments: &[&str], folder: &Path) -> Value {
-    command::json(folder, &[arguments, &CACHE].concat())
+    command::json(folder, &[arguments, &KEPT].concat())
 }
 
 /// Volumes of a few embryos: the wild type's first two divisions, and one with an equal first.
@@ -178,7 +178,7 @@ fn only_most_rounds_make_the_papers_sentence_true() {
         (Some(10.0), Some(9.0))
     );
     // A tree from a file says the same.
-    answer(folder.path(), &[&["tree", "--out", "t"][..], &CACHE].concat());
+    answer(folder.path(), &[&["tree", "--out", "t"][..], &KEPT].concat());
     assert_eq!(json(&["compare", "counts", "t/tree.json"], folder.path()), found);
 }
 

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::common::command::{self, answer};
+use crate::common::command::{self, CACHE, answer};
 
 /// Runs a command that must refuse its input, and gives what it says, which is short.
 fn refusal(folder: &Path, arguments: &[&str]) -> String {
@@ -16,7 +16,7 @@ fn refusal(folder: &Path, arguments: &[&str]) -> String {
 /// A folder with the tree of the built-in founders in `t`.
 fn grown() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    answer(folder.path(), &["tree", "--out", "t", "--no-cache"]);
+    answer(folder.path(), &["tree", "--out", "t", "--cache", CACHE]);
     folder
 }
 
