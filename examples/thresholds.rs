@@ -1,7 +1,7 @@
 //! Where a cell's symmetric furrow loses its stability, over the radius: ξ_s*(R0), its criticality, and the radius below
 //! which a cell of the preset's activity does not divide.
 //!
-//! `cargo run --release --example pitchfork`
+//! `cargo run --release --example thresholds`
 
 use furrow::cell::{Cell, Numerics};
 use furrow::shapes::{BranchOptions, critical_radius, pitchfork};
