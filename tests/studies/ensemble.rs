@@ -97,6 +97,11 @@ fn ranges_of_one_set_are_its_tree() {
     let ems = one.founders.iter().find(|founder| founder.name == "EMS").unwrap();
     assert_eq!(ems.rounds.unwrap().max.p50, 10.0);
     assert_eq!(ems.within_one_round.unwrap().max, Some(1.0));
+    // None of the sets is 0, and not −0, in files.
+    let near = one.founders.iter().filter_map(|founder| founder.within_one_round);
+    let shares = near.flat_map(|near| [near.min, near.mean, near.max]).flatten();
+    let none: Vec<f64> = shares.filter(|share| *share == 0.0).collect();
+    assert!(!none.is_empty() && none.iter().all(|share| share.is_sign_positive()), "{none:?}");
     // EMS 10 of 9 observed, P4 0 of 1.
     assert_eq!(one.paper_sentence, Some(1.0));
     let two = ranges(&lineage, &settings, &[set(1.5, 1.0), set(1.4, 0.0)], 2, None).unwrap();
