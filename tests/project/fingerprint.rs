@@ -2,8 +2,9 @@
 
 use std::{fs, path::Path};
 
+// The page's, in page_artefact.rs, has it too.
 #[path = "../../crates/embryo/build.rs"]
-#[allow(dead_code)]
+#[allow(dead_code, clippy::duplicate_mod)]
 mod build_script;
 
 use build_script::{SOLVER_SOURCES, code, solver_files};
