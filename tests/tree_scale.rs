@@ -5,7 +5,7 @@ mod common;
 
 use std::time::Instant;
 
-use common::division;
+use common::stand_in::division;
 use furrow::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow::division::{DivisionInput, Outcome};
 use furrow::io::{newick, write_atomically};

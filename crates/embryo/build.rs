@@ -10,7 +10,7 @@ use std::{
 /// What a division is computed by, and how it is kept: files, and folders with all that is in them.
 ///
 /// A change to the code of any of them gives a new fingerprint, a change to its comments or tests does not. Whatever the
-/// files here import must be here too; `tests/fingerprint.rs` checks it.
+/// files here import must be here too; `tests/project/fingerprint.rs` checks it.
 pub const SOLVER_SOURCES: [&str; 10] = [
     "crates/bvp/src",
     "crates/embryo/src/batch/division.rs",

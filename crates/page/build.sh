@@ -2,7 +2,7 @@
 # Builds what runs inside the report, crates/page/furrow.wasm.txt, from the sources as they are. Runs from any folder.
 #
 # The file has two lines: the fingerprint of the sources it belongs to, and the module, compressed and in base64.
-# `tests/page_artefact.rs` refuses one that belongs to other sources; this is then the one command to run.
+# `tests/project/page_artefact.rs` refuses one that belongs to other sources; this is then the one command to run.
 #
 #   crates/page/build.sh [FILE]     writes FILE in place of crates/page/furrow.wasm.txt
 set -eu

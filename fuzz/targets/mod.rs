@@ -1,5 +1,5 @@
 //! What is tried of every reader: one function a reader, which takes any bytes and panics where the reader does wrong. The
-//! fuzzers call them with bytes of their own, `tests/hostile_corpus.rs` with the files in `fuzz/corpus`.
+//! fuzzers call them with bytes of their own, `tests/project/hostile_corpus.rs` with the files in `fuzz/corpus`.
 
 // Each fuzzer is a program of its own that calls one of these.
 #![allow(dead_code)]

@@ -2,7 +2,7 @@
 //
 //   node report.mjs CHROMIUM EXPECTED.json [FOLDER for screenshots]
 //
-// EXPECTED.json is what the command line says of the same things; see tests/page.rs. Prints measures, ends with 1 if anything differs.
+// EXPECTED.json is what the command line says of the same things; see tests/command/page.rs. Prints measures, ends with 1 if anything differs.
 
 import fs from "node:fs";
 import path from "node:path";

@@ -196,6 +196,15 @@ pub(super) fn grow_alone(
     Grower { lineage, settings, ends, memo, options }.grow(divide)
 }
 
+/// How much of the weight of all trees those have for which something holds.
+fn share(trees: &[Grown], holds: impl Fn(&Grown) -> bool) -> f64 {
+    // From 0 on: `sum` gives −0 where there is nothing to add, and files would say so.
+    let weight = |of: &dyn Fn(&Grown) -> bool| {
+        trees.iter().filter(|tree| of(tree)).fold(0.0, |weight, tree| weight + tree.weight)
+    };
+    weight(&holds) / weight(&|_| true)
+}
+
 fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[Grown]) -> LineageRanges {
     let total: f64 = trees.iter().map(|tree| tree.weight).sum();
     let founder = |k: usize| {
@@ -212,15 +221,14 @@ fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[Grown]) -> LineageR
                 terminal: rounds(|r| f64::from(r.terminal))?,
             })
         };
-        let divides: f64 = trees.iter().filter(|tree| tree.founders[k].2).map(|tree| tree.weight).sum();
         let terminal: Vec<f64> = trees
             .iter()
             .map(|tree| tree.founders[k].0.as_ref().map_or(0.0, |rounds| f64::from(rounds.terminal)))
             .collect();
         let near = |of: fn(&Rounds) -> f64, observed: Option<f64>| {
             let observed = observed?;
-            let is_near = |tree: &&Grown| tree.founders[k].0.as_ref().is_some_and(|r| (of(r) - observed).abs() <= 1.0);
-            Some(trees.iter().filter(is_near).map(|tree| tree.weight).sum::<f64>() / total)
+            let is_near = |tree: &Grown| tree.founders[k].0.as_ref().is_some_and(|r| (of(r) - observed).abs() <= 1.0);
+            Some(share(trees, is_near))
         };
         let within_one_round = lineage.founders[k].observed.map(|observed| WithinOne {
             min: near(|r| f64::from(r.min), observed.min.map(f64::from)),
@@ -232,7 +240,7 @@ fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[Grown]) -> LineageR
             name: lineage.founders[k].name.clone(),
             rounds: all(),
             chi: Range::of(trees.iter().filter_map(|tree| Some((tree.founders[k].1?, tree.weight))).collect()),
-            divides: divides / total,
+            divides: share(trees, |tree| tree.founders[k].2),
             depends_on: strongest(sets, &terminal),
         }
     };
@@ -255,8 +263,7 @@ fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[Grown]) -> LineageR
         let near = |tree: &Grown, (k, most): (usize, u32)| {
             tree.founders[k].0.as_ref().is_some_and(|rounds| rounds.max.abs_diff(most) <= 1)
         };
-        let holds = trees.iter().filter(|tree| both.iter().all(|one| near(tree, *one)));
-        Some(holds.map(|tree| tree.weight).sum::<f64>() / total + 0.0)
+        Some(share(trees, |tree| both.iter().all(|one| near(tree, *one))))
     };
     let count = lineage.founders.len();
     LineageRanges {

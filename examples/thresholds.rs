@@ -1,0 +1,18 @@
+//! Where a cell's symmetric furrow loses its stability, over the radius: ξ_s*(R0), its criticality, and the radius below
+//! which a cell of the preset's activity does not divide.
+//!
+//! `cargo run --release --example thresholds`
+
+use furrow::cell::{Cell, Numerics};
+use furrow::shapes::{BranchOptions, critical_radius, pitchfork};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let (numerics, options) = (Numerics::default(), BranchOptions::default());
+    for r0 in [1.64, 2.0, 3.0, 5.4] {
+        let found = pitchfork::first(&Cell::new(r0), &numerics, &options)?;
+        println!("R0 = {r0}: ξ_s* = {:.6}, {}", found.point.xi_s, found.criticality());
+    }
+    let critical = critical_radius(&Cell::new(1.0), &numerics)?;
+    println!("ξ_s* = 25 at R0 = {:.7}", critical.r0);
+    Ok(())
+}

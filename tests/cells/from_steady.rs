@@ -1,0 +1,125 @@
+//! Divisions that start from a stationary shape (figure S5): what is stable is come back to, what is not is left, at the rate
+//! that the spectrum says.
+
+use std::process::Output;
+
+use furrow::cell::{Cell, Numerics};
+use furrow::division::{DivisionInput, Outcome};
+use furrow::perturbation::{Perturbation, perturbed};
+
+use crate::common::command::{self, HERE};
+
+const GERMLINE: &str = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1";
+
+fn at(r0: f64, xi_s: f64) -> DivisionInput {
+    DivisionInput::new(Cell { xi_s, ..Cell::new(r0) })
+}
+
+fn watched(input: &DivisionInput) -> Perturbation {
+    perturbed(input, 40.0).unwrap()
+}
+
+/// The pitchfork of R0 = 2 is at ξ_s = 22.057.
+#[test]
+fn distances_grow_and_decay_at_the_leading_rate() {
+    for (xi_s, window) in [(23.0, [1e-4, 3e-2]), (22.6, [3e-6, 1e-2]), (24.5, [1e-4, 3e-2]), (26.9, [1e-3, 1e-1])] {
+        let grown = watched(&at(2.0, xi_s));
+        let rate = grown.rate_between(window[0], window[1]).unwrap();
+        println!("{xi_s}: {rate} beside {}", grown.start_growth_rate);
+        assert!((rate / grown.start_growth_rate - 1.0).abs() < 0.01 && !grown.returned());
+    }
+    for (xi_s, window) in [(20.0, [1e-12, 1e-7]), (21.0, [1e-12, 1e-7]), (21.9, [1e-7, 5e-6])] {
+        let decayed = watched(&at(2.0, xi_s));
+        let rate = decayed.rate_between(window[0], window[1]).unwrap();
+        println!("{xi_s}: {rate} beside {}", decayed.start_growth_rate);
+        assert!((rate / decayed.start_growth_rate - 1.0).abs() < 0.01 && decayed.returned());
+    }
+}
+
+/// On both sides of the threshold, with and without a cue, below the critical radius and above; with noise of any seed.
+#[test]
+fn what_returns_is_what_is_stable() {
+    let cued = |r0: f64, xi_s: f64| {
+        let input = at(r0, xi_s);
+        DivisionInput { cell: input.cell.clone().with_cue(GERMLINE.parse().unwrap()), ..input }
+    };
+    let mut both = [0, 0];
+    for input in [at(2.0, 22.0), at(2.0, 22.12), at(1.64, 25.0), at(1.64, 25.9), at(2.5, 14.0), cued(2.2, 20.0)] {
+        for seed in 0..3 {
+            let found = watched(&DivisionInput { seed, ..input.clone() });
+            let rate = found.start_growth_rate;
+            assert_eq!(found.returned(), rate < 0.0, "R0 = {}, seed {seed}: {rate}", input.cell.r0);
+            both[usize::from(found.returned())] += 1;
+        }
+    }
+    assert!(both[0] >= 6 && both[1] >= 6, "{both:?}");
+}
+
+/// What leaves divides like a cell that has come up to the saddle from the passive shape.
+#[test]
+fn what_leaves_divides_as_from_the_passive_shape() {
+    let input = at(2.0, 25.0);
+    let from_steady = watched(&input).division;
+    let from_passive = furrow::division::divide(&input).unwrap();
+    println!("{:?} beside {:?}", from_steady.chi, from_passive.chi);
+    assert_eq!(from_steady.outcome, Outcome::Asymmetric);
+    assert!((from_steady.chi.unwrap() - from_passive.chi.unwrap()).abs() < 2e-3);
+    // Halved steps change nothing.
+    let numerics = Numerics { step_factor: 0.5, ..Numerics::default() };
+    let halved = watched(&DivisionInput { numerics, ..input }).division;
+    println!("{:?} with halved steps", halved.chi);
+    assert!((from_steady.chi.unwrap() - halved.chi.unwrap()).abs() < 2e-3);
+    assert!((from_steady.t_end / halved.t_end - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn it_is_watched_to_the_end() {
+    let found = perturbed(&at(2.0, 20.0), 7.5).unwrap();
+    assert!((found.distances.last().unwrap()[0] - 7.5).abs() < 1e-8);
+    assert_eq!(found.distances[0], [0.0, 0.0]);
+    assert!(found.distances.windows(2).all(|pair| pair[1][0] > pair[0][0]));
+    assert!((found.division.growth_rate.unwrap() - found.start_growth_rate).abs() < 1e-3);
+    // Off the centre by now, and still on its way.
+    assert!(perturbed(&at(2.0, 23.0), 45.0).unwrap().division.growth_rate.is_none());
+}
+
+fn furrow(arguments: &str) -> Output {
+    command::furrow(HERE, &arguments.split(' ').chain(["--no-cache"]).collect::<Vec<_>>())
+}
+
+#[test]
+fn the_answer_has_what_a_division_has_and_distances() {
+    let run = |threads: &str| {
+        furrow(&format!("divide --r0 2 --xi 26 --from-steady --replicates 3 --json --threads {threads}"))
+    };
+    let output = run("2");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(output.stdout, run("1").stdout);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    for key in ["outcome", "chi", "u_furrow", "t_end", "daughters", "steps", "newton_iterations", "chi_mean", "chi_sd"]
+    {
+        assert!(!json[key].is_null(), "{key}");
+    }
+    assert!(json["start_growth_rate"].as_f64().unwrap() > 0.0);
+    assert_eq!(json["returned"], false);
+    assert_eq!(json["dis"][0], serde_json::json!([0.0, 0.0]));
+    let replicates = json["replicates"].as_array().unwrap();
+    assert_eq!(replicates.len(), 3);
+    assert!(replicates.iter().all(|replicate| replicate["dis"].as_array().unwrap().len() > 100));
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    for (arguments, code, said) in [
+        ("divide --r0 2 --until 3", 2, "--from-steady"),
+        ("divide --r0 2 --from-steady --until -1", 2, "--until: until = -1: must be a finite number above 0"),
+        ("divide --r0 2 --from-steady --until 1e-4", 2, "until = 0.0001"),
+        ("divide --r0 2 --xi 28 --from-steady", 1, "lower --xi, or leave out --from-steady"),
+    ] {
+        let output = furrow(arguments);
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(code), "{arguments}: {stderr}");
+        assert!(stderr.contains(said), "{arguments}: {stderr}");
+        assert!(output.stdout.is_empty());
+    }
+}

@@ -1,0 +1,25 @@
+//! Single cells: their shapes and thresholds, what is stable, how they divide, and what an independent computation says of all of it.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod boundary;
+mod branch_ends;
+mod calibrate;
+mod cue_fields;
+mod figures;
+mod from_steady;
+mod numeric_ranges;
+mod phase;
+mod physics;
+mod published_scheme;
+mod reference_branches;
+mod reference_divisions;
+mod reference_steady;
+mod search_effort;
+mod sensitivities;
+mod slow_cells;
+mod stability;
+mod stationary;
+mod symmetric_cues;
+mod work_counters;

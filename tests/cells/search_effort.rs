@@ -1,0 +1,99 @@
+//! Searches for critical radii take a bounded number of steps, the same on every machine, and end when they are told to.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use furrow::cell::{Cell, Numerics};
+use furrow::io::parse_cue;
+use furrow::lineage::{Ends, Lineage};
+use furrow::shapes::critical::{MOST_SEARCHED, critical_radius_within};
+use furrow::shapes::{CriticalRadii, Effort, ShapeError};
+
+use crate::common::command::furrow;
+
+/// Cells whose search takes some thousand steps, and finds a radius that no cell of a tree comes near.
+const LONG: [&str; 8] =
+    ["--set", "epsilon=0.6", "--set", "xi=35", "--set", "r0=3", "--cue", "tension:gradient,amplitude=0.05"];
+
+fn long() -> Cell {
+    let cue = parse_cue(LONG[7], &Lineage::load(None).unwrap()).unwrap();
+    Cell { epsilon: 0.6, xi_s: 35.0, ..Cell::new(3.0) }.with_cue(cue)
+}
+
+#[test]
+fn a_search_ends_where_its_effort_does() {
+    let numerics = Numerics::default();
+    for most in [0, 10, 100] {
+        let effort = Effort::new(most, None);
+        let error = critical_radius_within(&long(), &numerics, &effort).unwrap_err();
+        assert!(matches!(error, ShapeError::Effort { steps, .. } if steps == most), "{error}");
+        // The step that passes the limit is the last; one along a branch may count for as many as it took attempts.
+        assert!(effort.spent() > most && effort.spent() < most + 40, "{} of {most}", effort.spent());
+    }
+    // A plain cell of another size of shell takes a fraction of what is allowed, and as much with a limit as without.
+    let plain = Cell { epsilon: 0.8, ..Cell::new(1.0) };
+    let (free, bounded) = (Effort::unlimited(), Effort::new(MOST_SEARCHED, None));
+    let found = critical_radius_within(&plain, &numerics, &free).unwrap();
+    assert_eq!(critical_radius_within(&plain, &numerics, &bounded).unwrap(), found);
+    assert_eq!(bounded.spent(), free.spent());
+    assert!((20..MOST_SEARCHED / 4).contains(&free.spent()), "{}", free.spent());
+}
+
+#[test]
+fn radii_are_searched_for_with_bounded_effort_and_once() {
+    let numerics = Numerics::default();
+    let radii = CriticalRadii::new(&numerics);
+    assert!(!radii.knows(&long()));
+    let error = radii.ends(&long()).unwrap_err();
+    assert!(matches!(error, ShapeError::Effort { steps: MOST_SEARCHED, .. }), "{error}");
+    assert!(radii.knows(&long()));
+    assert!(radii.knows(&Cell::new(2.0)), "the preset's radius is stored");
+}
+
+#[test]
+fn an_interrupted_search_ends_at_once_and_is_not_remembered() {
+    static FLAG: AtomicBool = AtomicBool::new(true);
+    let cell = Cell { epsilon: 0.8, ..Cell::new(1.0) };
+    let effort = Effort::new(usize::MAX, Some(&FLAG));
+    assert_eq!(critical_radius_within(&cell, &Numerics::default(), &effort), Err(ShapeError::Interrupted));
+    assert_eq!(effort.spent(), 0);
+
+    let rule = Ends::new(CriticalRadii::new(&Numerics::default()).interrupted_by(&FLAG));
+    assert_eq!(rule.of(&cell), None);
+    assert!(rule.unknown().is_empty() && !rule.knows(&cell));
+    FLAG.store(false, Ordering::Relaxed);
+    // Critical is 1.065.
+    assert!(rule.of(&cell).is_some());
+    assert!(rule.of(&Cell { r0: 1.1, ..cell }).is_none());
+}
+
+fn tree(arguments: &[&str]) -> (serde_json::Value, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let output = furrow(folder.path(), &[&["tree", "--json", "--no-cache"], arguments].concat());
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{said}");
+    (serde_json::from_slice(&output.stdout).unwrap(), said)
+}
+
+/// Cells whose search is given up are left to their divisions, which one line says, and the tree is that of the dynamics.
+#[test]
+fn a_search_given_up_is_told_once_and_changes_no_tree() {
+    let (searched, said) = tree(&LONG);
+    let (dynamics, silence) = tree(&[&LONG[..], &["--dynamics"]].concat());
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert!(said.contains("the search for a critical radius was given up"), "{said}");
+    assert_eq!(silence, "");
+    for key in ["founders", "cells", "generations", "ended", "divisions_solved"] {
+        assert_eq!(searched[key], dynamics[key], "{key}");
+    }
+}
+
+/// A first cell that does not divide is told by its own division, with no search.
+#[test]
+fn no_radius_is_searched_for_where_nothing_divides() {
+    let (answer, said) = tree(&["--set", "epsilon=0.92"]);
+    assert_eq!((&answer["cells"], &answer["divisions_solved"]), (&1.into(), &1.into()));
+    assert_eq!(said, "");
+    // The preset's radii are stored: no division is needed where they tell.
+    let (answer, _) = tree(&["--set", "r0=1.5", "--cue", "none"]);
+    assert_eq!((&answer["cells"], &answer["divisions_solved"]), (&1.into(), &0.into()));
+}

@@ -1,0 +1,93 @@
+//! The page that computes, and the module in it by itself: what they say is what the command line says.
+//!
+//! Skipped, and said so, where there is no `node` or no Chromium (`FURROW_CHROMIUM` names one). `FURROW_SCREENSHOTS` names a
+//! folder for pictures of the pages, `FURROW_LARGE_REPORT` a report of many cells, whose opening is then timed.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::{Value, json};
+
+use crate::common::command::{self, answer};
+
+/// The preset's first cell, as far as a test must repeat it.
+const P0: [&str; 4] = ["--r0", "5.4", "--cue", "germline"];
+
+fn told(folder: &Path, arguments: &[&str]) -> Value {
+    command::json(folder, &[arguments, &["--cache", "cache"]].concat())
+}
+
+/// The first of some programs that starts.
+fn program(candidates: impl IntoIterator<Item = String>) -> Option<String> {
+    candidates.into_iter().find(|name| Command::new(name).arg("--version").output().is_ok_and(|o| o.status.success()))
+}
+
+/// Node and Chromium, if there are both.
+fn browser() -> Option<[String; 2]> {
+    let named = std::env::var("FURROW_CHROMIUM").ok();
+    let usual = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"].map(str::to_owned);
+    Some([program(["node".to_owned()])?, program(named.into_iter().chain(usual))?])
+}
+
+/// What the page must say, by the command line.
+fn expected(folder: &Path) -> Value {
+    answer(folder, &["tree", "--out", "out", "--cache", "cache"]);
+    answer(folder, &["explore", "--out", "explore.html"]);
+    let tree: Value = serde_json::from_slice(&std::fs::read(folder.join("out/tree.json")).unwrap()).unwrap();
+    let slider = |epsilon: f64| {
+        let found = told(folder, &[&["divide", "--epsilon", &epsilon.to_string()][..], &P0].concat());
+        json!({ "epsilon": epsilon, "outcome": found["outcome"], "chi": found["chi"] })
+    };
+    let sliders = [slider(0.9), slider(0.92)];
+    assert_ne!(sliders[0]["outcome"], sliders[1]["outcome"]);
+    let p0 = &tree["cells"][0];
+    json!({
+        "report": folder.join("out/report.html"),
+        "explorer": folder.join("explore.html"),
+        "large": std::env::var("FURROW_LARGE_REPORT").ok(),
+        "p0": { "outcome": p0["outcome"], "chi": p0["chi"] },
+        "sliders": sliders,
+        "none": told(folder, &["tree", "--cue", "none", "--out", "none"]),
+    })
+}
+
+/// Runs a script of `tests/browser/` and prints its measures.
+fn run_script(node: &str, script: &str, arguments: &[PathBuf]) {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser").join(script);
+    let output = Command::new(node).arg(script).args(arguments).output().unwrap();
+    println!("{}", String::from_utf8_lossy(&output.stdout));
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn the_module_divides_and_grows_as_the_command_line_does() {
+    let Some(node) = program(["node".to_owned()]) else {
+        println!("skipped: the module of the page is not tried, for there is no node here");
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let module = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/page/furrow.wasm.txt");
+    // The second has a founder with physics of its own, µm, and cues by rules.
+    for lineage in ["lineages/c_elegans.ron", "lineages/template.ron"] {
+        let lineage = Path::new(env!("CARGO_MANIFEST_DIR")).join(lineage);
+        answer(folder.path(), &["tree", &lineage.display().to_string(), "--force", "--cache", "cache"]);
+        run_script(&node, "module.mjs", &[module.clone(), folder.path().join("furrow-out/tree.json")]);
+    }
+}
+
+#[test]
+fn the_page_says_what_the_command_line_says() {
+    let Some([node, chromium]) = browser() else {
+        println!("skipped: the page is not tried in a browser, for there is no node or no Chromium here");
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("expected.json");
+    std::fs::write(&file, expected(folder.path()).to_string()).unwrap();
+    let mut arguments = vec![PathBuf::from(chromium), file];
+    if let Some(shots) = std::env::var_os("FURROW_SCREENSHOTS").map(PathBuf::from) {
+        std::fs::create_dir_all(&shots).unwrap();
+        arguments.push(shots);
+    }
+    run_script(&node, "report.mjs", &arguments);
+}

@@ -1,0 +1,54 @@
+//! A stand-in for the division solver, so that growth is tested apart from mechanics.
+
+use furrow::batch::{Memo, Quantisation, SchedulerOptions};
+use furrow::cell::Cell;
+use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
+use furrow::lineage::{EndReason, Grower, Lineage, Tree, TreeSettings};
+
+/// Symmetric above R0 = 2.25, asymmetric with χ = 0.88 down to 1.7, failed below; with a cue χ = 0.2 above 1.7.
+pub fn fake(input: &DivisionInput) -> Result<Division, DivisionError> {
+    let cued = !input.cell.cue.is_none();
+    Ok(match input.cell.r0 {
+        r0 if r0 < 1.7 => division(r0, Outcome::Failed, 0.0),
+        r0 if cued => division(r0, Outcome::Asymmetric, 0.2),
+        r0 if r0 < 2.25 => division(r0, Outcome::Asymmetric, -0.88),
+        r0 => division(r0, Outcome::Symmetric, 0.0),
+    })
+}
+
+/// A division with the given signed χ.
+pub fn division(r0: f64, outcome: Outcome, chi_signed: f64) -> Division {
+    let divided = outcome != Outcome::Failed;
+    let radius = |share: f64| r0 * share.cbrt();
+    Division {
+        outcome,
+        chi: divided.then_some(chi_signed.abs()),
+        chi_signed: divided.then_some(chi_signed),
+        u_furrow: divided.then_some(0.5 - 0.2 * chi_signed),
+        t_end: 1.0 + 1.0 / r0,
+        daughters: divided.then(|| [radius(0.5 * (1.0 - chi_signed)), radius(0.5 * (1.0 + chi_signed))]),
+        growth_rate: (!divided).then_some(-0.25),
+        slow_growth_rate: None,
+        volume_drift: 0.0,
+        work: bvp::Work { steps: 1, iterations: 1, factorisations: 1, ..bvp::Work::default() },
+    }
+}
+
+/// A tree grown on one thread by a stand-in for the solver.
+pub fn grown(
+    lineage: &Lineage,
+    ends: &dyn Fn(&Cell) -> Option<EndReason>,
+    solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
+) -> Tree {
+    let memo = Memo::new(Quantisation::DEFAULT);
+    let options = SchedulerOptions { threads: 1, ..SchedulerOptions::default() };
+    let settings = TreeSettings::default();
+    Grower { lineage, settings, ends, memo: &memo, options }.grow(solve).unwrap().0
+}
+
+/// `tree.json` of the founders of C. elegans and a few generations below them.
+pub fn small_tree_file() -> String {
+    let mut lineage = Lineage::c_elegans().unwrap();
+    lineage.limits.max_depth = 4;
+    grown(&lineage, &|_| None, fake).to_json().unwrap()
+}

@@ -1,0 +1,176 @@
+//! What would make it the embryo: constants, activities and a cue from what was observed.
+
+use furrow::batch::{Memo, Quantisation};
+use furrow::cell::{Cell, Cue, Numerics, Parameter};
+use furrow::division::{DivisionInput, divide};
+use furrow::lineage::{Ends, Grower, Lineage, ObservedRounds, Rounds, TreeSettings, founder_rounds};
+use furrow::settings::Settings;
+use furrow::shapes::CriticalRadii;
+use furrow::study::fit::{Effort, Evaluated, FittedConstants, Reading, Targets, activities, fit_constants, fit_cue};
+
+use crate::common::command::{HERE, refusal};
+
+/// A clone of one small founder, so that a tree takes a few divisions.
+const CLONE: &str =
+    r#"Lineage(name: "clone", founders: [(name: "Q", observed: (min: 2, mean: 2.5, max: 3, terminal: 6))])"#;
+
+fn clone() -> (Lineage, TreeSettings) {
+    let lineage = Lineage::parse(CLONE, "clone.ron").unwrap();
+    // Trees are held against each other, all of them on one coarse mesh.
+    let numerics = Numerics { intervals: 32, ..Numerics::default() };
+    (lineage, TreeSettings { cell: Cell::new(2.4), numerics, ..TreeSettings::default() })
+}
+
+fn targets(text: &str, lineage: &Lineage) -> Targets {
+    let targets: Targets = furrow::input::parse_document(text, "x.ron", "targets", "Fit").unwrap();
+    targets.check("x.ron", lineage).unwrap();
+    targets
+}
+
+fn rounds_at(lineage: &Lineage, settings: &TreeSettings, xi_s: f64) -> Rounds {
+    let settings = TreeSettings { cell: Cell { xi_s, ..settings.cell.clone() }, ..settings.clone() };
+    let rule = Ends::new(CriticalRadii::new(&settings.numerics));
+    let ends = |cell: &Cell| rule.of(cell);
+    let memo = Memo::new(Quantisation::DEFAULT);
+    let options = furrow::batch::SchedulerOptions { threads: 1, ..Default::default() };
+    let (tree, _) = Grower { lineage, settings, ends: &ends, memo: &memo, options }.grow(divide).unwrap();
+    founder_rounds(&tree)[0].rounds.unwrap()
+}
+
+#[test]
+fn constants_are_found_and_the_same_at_any_number_of_threads() {
+    let (mut lineage, settings) = clone();
+    // What the clone would count at another activity than its own.
+    let aim = rounds_at(&lineage, &settings, 32.0);
+    let counts =
+        ObservedRounds { mean: Some(aim.mean), max: Some(aim.max), terminal: Some(aim.terminal), ..Default::default() };
+    lineage.founders[0].observed = Some(counts);
+    let text = r#"Fit(
+        unknowns: [(parameter: xi_s, from: 24, to: 36)], founders: ["Q"],
+        thresholds: [(r0: 2.0, epsilon: 0.87, xi_s: 22.006)],
+    )"#;
+    let targets = targets(text, &lineage);
+    let effort = Effort { particles: 4, moves: 2, seed: 1 };
+    let found: Vec<FittedConstants> = [1, 2]
+        .into_iter()
+        .map(|threads| {
+            let memo = Memo::new(Quantisation::DEFAULT);
+            fit_constants(&lineage, &targets, &settings, &memo, effort, threads, None, None).unwrap()
+        })
+        .collect();
+    assert_eq!(found[0], found[1]);
+    let FittedConstants { best, start, front, sharpness, .. } = &found[0];
+    assert!(best.misfit < start.misfit && best.parts.rounds <= 0.5, "{best:?}");
+    // The gain takes up what the one threshold is off by, and shapes depend on the product alone.
+    assert!(best.thresholds_rms.unwrap() < 1e-12, "{best:?}");
+    let [from, to] = [sharpness[0].from, sharpness[0].to];
+    let xi_s = best.cell().xi_s;
+    assert!(from <= xi_s && xi_s <= to, "{from} {xi_s} {to}");
+    // Nothing on the front is beaten in both, and its first is the best.
+    assert_eq!(front[0].misfit, best.misfit);
+    let rms = |e: &Evaluated| e.thresholds_rms.unwrap();
+    assert!(front.windows(2).all(|pair| pair[0].misfit < pair[1].misfit && rms(&pair[1]) < rms(&pair[0])));
+    // The tree of the constants found is the one they were judged by.
+    let again = rounds_at(&lineage, &TreeSettings { cell: best.cell().clone(), ..settings.clone() }, xi_s);
+    assert_eq!(Some(again), best.founders[0].rounds);
+}
+
+#[test]
+fn rounds_are_the_observed_ones_inside_an_activity_interval_and_not_beyond_it() {
+    let (lineage, settings) = clone();
+    let memo = Memo::new(Quantisation::DEFAULT);
+    let (found, trees) = activities(&lineage, &settings, &memo, Reading::Max, [10.0, 60.0], 1, None).unwrap();
+    let [from, to] = found[0].xi_s.unwrap();
+    assert!(trees > 10 && from < to, "{found:?}");
+    let rounds = |xi_s: f64| rounds_at(&lineage, &settings, xi_s).max;
+    assert_eq!((rounds(from), rounds(to)), (3, 3));
+    // Ends are halved five times from neighbours 10 % apart.
+    assert_ne!(rounds(from * 0.995), 3);
+    assert_ne!(rounds(to * 1.005), 3);
+}
+
+#[test]
+fn a_cue_that_gave_the_data_is_found_and_what_they_leave_open_is_said() {
+    let text = r#"Lineage(name: "one", cues: {"c": kappa(u0: 0.465, omega: 0.0577, amplitude: 0.1)},
+        founders: [(name: "P0", cue: "c")])"#;
+    let lineage = Lineage::parse(text, "one.ron").unwrap();
+    let settings = TreeSettings { cell: Cell::new(3.9), ..TreeSettings::default() };
+    let given = divide(&DivisionInput::new(Cell::new(3.9).with_cue(Cue::published()))).unwrap().chi.unwrap();
+    let text = format!(
+        r#"Fit(unknowns: [(parameter: p0, from: 0.1, to: 0.2)], founders: [], chi: [(cell: "P0", mean: {given}, sd: 0.01)])"#
+    );
+    let targets = targets(&text, &lineage);
+    let effort = Effort { particles: 5, moves: 3, seed: 2 };
+    let found = fit_cue(&lineage, &targets, &settings, &Cue::published(), effort, 2, None).unwrap();
+    assert!(found.chi_squared < 0.1, "{found:?}");
+    assert_eq!(found.numbers.len(), 3);
+    // One number was measured: one combination of three is held, at most.
+    let combinations = found.combinations.as_ref().unwrap();
+    assert!(combinations.iter().filter(|held| held.determined).count() <= 1, "{combinations:?}");
+    // The cue as printed gives the χ printed beside it.
+    let cell = Cell::new(3.9).with_cue(found.cue.parse().unwrap());
+    assert_eq!(divide(&DivisionInput::new(cell)).unwrap().chi, found.residuals[0].computed);
+}
+
+#[test]
+fn targets_that_cannot_be_met_are_refused_by_name() {
+    let lineage = Lineage::c_elegans().unwrap();
+    let unknowns = "unknowns: [(parameter: p0, from: 0.1, to: 0.2)]";
+    for (text, expected) in [
+        (format!("Fit({unknowns}, founders: [\"Ab\"])"), "founders[0] = \"Ab\""),
+        ("Fit(unknowns: [], founders: [])".to_owned(), "unknowns = []"),
+        ("Fit(unknowns: [(parameter: p0, from: 0.2, to: 0.1)], founders: [])".to_owned(), "unknowns[0].to = 0.1"),
+        (
+            "Fit(unknowns: [(parameter: gain, from: 0.2, to: 0.3)], founders: [])".to_owned(),
+            "unknowns[0].parameter = gain",
+        ),
+        (format!("Fit({unknowns}, founders: [], chi: [(cell: \"P0\", mean: 1.2, sd: 0.1)])"), "chi.mean of P0 = 1.2"),
+        (format!("Fit({unknowns}, founders: [], weights: (chi: -1))"), "weights.chi = -1"),
+    ] {
+        let targets: Targets = furrow::input::parse_document(&text, "x.ron", "targets", "Fit").unwrap();
+        let said = targets.check("x.ron", &lineage).unwrap_err().to_string();
+        assert!(said.contains(expected), "{said}");
+    }
+    Targets::embryo().unwrap().check("built in", &lineage).unwrap();
+}
+
+#[test]
+fn the_preset_of_the_embryo_keeps_what_it_was_fitted_to() {
+    let cell = Settings::preset("sulston1983").unwrap().cell;
+    let lineage = Lineage::c_elegans().unwrap();
+    let settings = TreeSettings { cell: cell.clone(), ..TreeSettings::default() };
+    let rule = Ends::new(CriticalRadii::new(&settings.numerics));
+    let ends = |cell: &Cell| rule.of(cell);
+    let memo = Memo::new(Quantisation::DEFAULT);
+    let options = furrow::batch::SchedulerOptions::default();
+    let grower = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options };
+    let (tree, _) = grower.grow(divide).unwrap();
+    let rows = founder_rounds(&tree);
+    let of = |name: &str| lineage.founders.iter().position(|founder| founder.name == name).unwrap();
+    let off = |name: &str| {
+        let observed = lineage.founders[of(name)].observed.unwrap().mean.unwrap();
+        (rows[of(name)].rounds.unwrap().mean - observed).abs()
+    };
+    let mean = ["AB", "MS", "C", "D"].map(off).iter().sum::<f64>() / 4.0;
+    assert!(mean <= 0.24, "{mean}");
+    let fate = |name: &str| &tree.cell(tree.founder_cell(of(name)).unwrap()).fate;
+    assert_eq!(fate("AB").outcome(), Some(furrow::division::Outcome::Symmetric));
+    assert!((fate("P0").chi().unwrap() - 0.180).abs() <= 0.04);
+    // The activity is given at a gain: both are of the preset.
+    assert!(Parameter::XiS.get(&cell) > 25.0);
+}
+
+#[test]
+fn the_command_line_names_what_is_wrong() {
+    for (args, expected) in [
+        (&["activity", "--xi-from", "30", "--xi-to", "20"][..], "xi_s = 20"),
+        (&["cue", "--cue", "none"], "cue = none"),
+        (&["cue", "--out", "x.ron"], "given with constants alone"),
+        (&["constants", "--targets", "no-such.ron"], "no-such.ron"),
+        (&["constants", "--preset", "sulston1984"], "sulston1983"),
+        (&["sizes"], "invalid value 'sizes'"),
+    ] {
+        let said = refusal(HERE, &[&["fit"], args].concat());
+        assert!(said.contains(expected), "{args:?}: {said}");
+    }
+}

@@ -1,0 +1,19 @@
+//! Lineages: who carries which cue, growth, ends, the solved divisions that are kept, and the files that trees are written to.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod embryo;
+mod exchange;
+mod growth;
+mod lineage_cues;
+mod lineage_file;
+mod newick;
+mod own_lineage;
+mod random_trees;
+mod robustness;
+mod scenarios;
+mod store_processes;
+mod tree_file;
+mod tree_identity;
+mod tree_schema;

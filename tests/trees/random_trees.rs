@@ -1,0 +1,67 @@
+//! Trees of random cells, confinements, activities and cues: every one is whole, and what is told ahead of a cell's division
+//! its division tells too.
+
+use furrow::batch::{Memo, Quantisation, SchedulerOptions};
+use furrow::cell::{Cell, Numerics};
+use furrow::division::divide;
+use furrow::lineage::{EndReason, Ends, Grower, Lineage, Tree, TreeSettings};
+use furrow::shapes::CriticalRadii;
+use rand_mt::Mt64;
+
+/// Uniform in [from, to).
+fn between(random: &mut Mt64, from: f64, to: f64) -> f64 {
+    from + (to - from) * (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+}
+
+fn one_of<'a>(random: &mut Mt64, list: &[&'a str]) -> &'a str {
+    list[(random.next_u64() % list.len() as u64) as usize]
+}
+
+/// A cue of one term, of any field and profile.
+fn cue(random: &mut Mt64) -> String {
+    let fields = ["kappa", "activity", "xi_s", "xi_b", "eta_b", "eta_s", "viscosity", "friction", "tension"];
+    let (field, profile) = (one_of(random, &fields), one_of(random, &["band", "step", "gradient"]));
+    let amplitude = between(random, 0.05, 0.3) * if random.next_u64() & 1 == 0 { 1.0 } else { -1.0 };
+    let place = match profile {
+        "gradient" => String::new(),
+        _ => format!("u0={},omega={},", between(random, 0.3, 0.7), between(random, 0.04, 0.15)),
+    };
+    format!("{field}:{profile},{place}amplitude={amplitude}")
+}
+
+fn grow(lineage: &Lineage, settings: &TreeSettings, ends: &dyn Fn(&Cell) -> Option<EndReason>) -> Tree {
+    let memo = Memo::new(Quantisation::DEFAULT);
+    let grower =
+        Grower { lineage, settings: settings.clone(), ends, memo: &memo, options: SchedulerOptions::default() };
+    grower.grow(divide).unwrap().0
+}
+
+#[test]
+fn every_tree_is_whole_and_equals_that_of_all_its_divisions() {
+    let mut random = Mt64::new(20261121);
+    let (mut cells, mut slow) = (0, 0);
+    for number in 0..6 {
+        let cell = Cell {
+            epsilon: between(&mut random, 0.8, 0.9),
+            xi_s: between(&mut random, 20.0, 30.0),
+            ..Cell::new(between(&mut random, 4.0, 7.0))
+        };
+        let cue = cue(&mut random);
+        let lineage = Lineage::c_elegans().unwrap().with_cues_replaced("random", &cue.parse().unwrap());
+        // Both trees on one coarse mesh: it is each other that they are held against.
+        let numerics = Numerics { intervals: 32, ..Numerics::default() };
+        let settings = TreeSettings { cell, numerics, seed: number, ..TreeSettings::default() };
+        let rule = Ends::new(CriticalRadii::new(&settings.numerics));
+        let (ahead, all) = (grow(&lineage, &settings, &|cell| rule.of(cell)), grow(&lineage, &settings, &|_| None));
+        let fates = |tree: &Tree| -> Vec<_> {
+            tree.cells().map(|id| tree.cell(id)).map(|c| (c.name.clone(), c.r0.to_bits(), c.fate.outcome())).collect()
+        };
+        assert_eq!(fates(&ahead), fates(&all), "{:?}, {cue}", settings.cell);
+        assert!(fates(&all).iter().all(|(.., outcome)| outcome.is_some()), "{:?}, {cue}", settings.cell);
+        let waited = |id| all.cell(id).fate.division.as_ref().is_some_and(|d| d.slow_growth_rate.is_some());
+        cells += all.len();
+        slow += all.cells().filter(|id| waited(*id)).count();
+    }
+    println!("{cells} cells, {slow} of them slow");
+    assert!(cells > 600, "{cells}");
+}
