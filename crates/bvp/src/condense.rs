@@ -276,7 +276,7 @@ impl Condensed {
         let Sizes { s, lanes, .. } = self.sizes::<N, E, M>();
         let matrix = part_mut(&mut self.inverse, i, s * lanes);
         let (reciprocal, exchange) = (part_mut(&mut self.reciprocal, i, s), part_mut(&mut self.exchange, i, s));
-        dense::eliminate_in_place(matrix, lanes, s, s, reciprocal, exchange)?;
+        dense::eliminate_square_in_place(matrix, lanes, reciprocal, exchange)?;
         for k in (0..s).rev() {
             let other = exchange[k] as usize;
             if other != k {
@@ -305,9 +305,8 @@ impl Condensed {
         let (fp, gp) = (part(&self.fp, i, m * n * np), part(&self.gp, i, m * ni * np));
         let integral = part_mut(&mut integrals, i, ni * columns);
         let r = &mut residual[..m * n];
-        let of_columns = part_mut(&mut map, i, columns * values).chunks_exact_mut(values);
-        let of_nodes = part_mut(&mut transitions, i, columns * node_lanes).chunks_exact_mut(node_lanes);
-        for (c, (column, transition)) in of_columns.zip(of_nodes).enumerate() {
+        let map_here = part_mut(&mut map, i, columns * values);
+        for (c, column) in map_here.chunks_exact_mut(values).enumerate() {
             r.fill(0.0);
             for stage in 0..m {
                 if c < n {
@@ -318,8 +317,12 @@ impl Condensed {
                     }
                 }
             }
-            let y = &mut column.as_flattened_mut()[..m * n];
-            stages.particular(r, y);
+            stages.particular(r, &mut column.as_flattened_mut()[..m * n]);
+        }
+        // In a loop of its own: what was just written in parts is waited for if it is read as a whole.
+        let of_nodes = part_mut(&mut transitions, i, columns * node_lanes).chunks_exact_mut(node_lanes);
+        for (c, (column, transition)) in map_here.chunks_exact(values).zip(of_nodes).enumerate() {
+            let y = &column.as_flattened()[..m * n];
             let transition = &mut transition.as_flattened_mut()[..n];
             transition.fill(0.0);
             if c < n {
@@ -369,6 +372,9 @@ impl Condensed {
         for i in 0..self.intervals() {
             let y = part_mut(&mut out.stages, i, m * n);
             self.stages(sizes, gauss, i).particular(part(&residual.stages, i, m * n), y);
+        }
+        for i in 0..self.intervals() {
+            let y = part(&out.stages, i, m * n);
             let node = part_mut(&mut out.nodes, i, n);
             node.copy_from_slice(part(&residual.nodes, i, n));
             add_stages(&gauss.d[..m], y, node);

@@ -71,7 +71,8 @@ impl Kernels {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+// Its blocks of four fill half of the widest registers: for those it would be slower.
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn condense<const N: usize, const E: usize, const M: usize>(
     condensed: &mut Condensed,
     gauss: &Gauss,
@@ -79,7 +80,7 @@ fn condense<const N: usize, const E: usize, const M: usize>(
     condensed.condense::<N, E, M>(gauss)
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
 fn particular<const N: usize, const E: usize, const M: usize>(
     condensed: &Condensed,
     gauss: &Gauss,

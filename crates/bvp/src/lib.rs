@@ -57,7 +57,7 @@ pub use problem::{
     BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, Dimensions, PointJacobian, TooLarge,
 };
 pub use singularity::{SingularError, Singularity};
-pub use solution::Solution;
+pub use solution::{Solution, Transfer};
 pub use solver::{Settings, SolveError, Solved, solve};
 pub use symmetry_breaking::{MirrorSymmetric, SymmetryBreaking};
 pub use system::{Residual, System};

@@ -112,17 +112,6 @@ impl Solution {
         self.combine(i, &basis, out);
     }
 
-    /// The polynomial of degree m + 1 through both nodes and the stages of interval i at θ ∈ [0, 1].
-    fn eval_between_nodes(&self, gauss: &Gauss, i: usize, theta: f64, out: &mut [f64]) {
-        let mut basis = [0.0; MAX_STAGES + 2];
-        gauss.basis_between_nodes(theta, &mut basis);
-        self.combine(i, &basis, out);
-        let (weight, right) = (basis[self.m + 1], self.node(i + 1));
-        for (c, o) in out.iter_mut().enumerate() {
-            *o += weight * right[c];
-        }
-    }
-
     /// basis₀ y₀ + Σ_j basis_j Y_j of interval i.
     pub(crate) fn combine(&self, i: usize, basis: &[f64], out: &mut [f64]) {
         let y0 = self.node(i);
@@ -155,41 +144,81 @@ impl Solution {
 
     /// [`on_mesh`](Self::on_mesh) into storage that is reused.
     pub fn transfer_into(&self, gauss: &Gauss, mesh: &[f64], out: &mut Solution) {
-        let n = self.components;
-        out.components = n;
-        out.m = self.m;
-        out.mesh.clear();
-        out.mesh.extend_from_slice(mesh);
-        out.scalars.clear();
-        out.scalars.extend_from_slice(&self.scalars);
-        out.nodes.resize(mesh.len() * n, 0.0);
-        out.stages.resize((mesh.len() - 1) * self.m * n, 0.0);
-        let last = self.intervals() - 1;
-        let mut from = 0;
-        let mut put = |x: f64, value: &mut [f64]| {
-            while from < last && x > self.mesh[from + 1] {
-                from += 1;
+        Transfer::new(gauss, &self.mesh, mesh).apply(self, out);
+    }
+}
+
+/// How values on one mesh are carried over to another: see [`Solution::on_mesh`]. Made once for all solutions on a mesh.
+///
+/// # Examples
+/// ```
+/// use bvp::{Gauss, Solution, Transfer, mesh};
+/// let gauss = Gauss::new(4);
+/// let from = mesh::uniform(0.0, 3.0, 12);
+/// let transfer = Transfer::new(&gauss, &from, &mesh::halved(&from));
+/// let y = Solution::from_fn(&gauss, &from, 1, &[], |x, y| y[0] = x.sin());
+/// let mut finer = y.clone();
+/// transfer.apply(&y, &mut finer);
+/// assert_eq!(finer, y.on_mesh(&gauss, &mesh::halved(&from)));
+/// ```
+#[derive(Clone, Debug)]
+pub struct Transfer {
+    mesh: Vec<f64>,
+    /// For every node and stage of the new mesh, in order, the interval of the old one and the weights of its left node, its stages
+    /// and its right node.
+    places: Vec<(usize, [f64; MAX_STAGES + 2])>,
+}
+
+impl Transfer {
+    /// From one mesh to another of the same range.
+    pub fn new(gauss: &Gauss, from: &[f64], to: &[f64]) -> Transfer {
+        let last = from.len() - 2;
+        let mut interval = 0;
+        let mut place = |x: f64| {
+            while interval < last && x > from[interval + 1] {
+                interval += 1;
             }
-            // A node of the old mesh keeps its superconvergent value.
-            if x == self.mesh[from + 1] {
-                value.copy_from_slice(self.node(from + 1));
+            let mut weights = [0.0; MAX_STAGES + 2];
+            if x == from[interval + 1] {
+                // A node of the old mesh keeps its superconvergent value.
+                weights[gauss.m + 1] = 1.0;
             } else {
-                self.eval_between_nodes(
-                    gauss,
-                    from,
-                    (x - self.mesh[from]) / (self.mesh[from + 1] - self.mesh[from]),
-                    value,
-                );
+                let theta = (x - from[interval]) / (from[interval + 1] - from[interval]);
+                gauss.basis_between_nodes(theta, &mut weights);
             }
+            (interval, weights)
         };
-        for i in 0..mesh.len() {
-            put(mesh[i], &mut out.nodes[i * n..(i + 1) * n]);
-            if i + 1 < mesh.len() {
-                let h = mesh[i + 1] - mesh[i];
-                for j in 0..self.m {
-                    let k = i * self.m + j;
-                    put(mesh[i] + h * gauss.c[j], &mut out.stages[k * n..(k + 1) * n]);
-                }
+        let mut places = Vec::with_capacity((to.len() - 1) * (gauss.m + 1) + 1);
+        for (i, &x) in to.iter().enumerate() {
+            places.push(place(x));
+            if let Some(next) = to.get(i + 1) {
+                places.extend(gauss.c.iter().map(|c| place(x + (next - x) * c)));
+            }
+        }
+        Transfer { mesh: to.to_vec(), places }
+    }
+
+    /// Carries values over.
+    pub fn apply(&self, from: &Solution, to: &mut Solution) {
+        let (n, m) = (from.components, from.m);
+        (to.components, to.m) = (n, m);
+        to.mesh.clone_from(&self.mesh);
+        to.scalars.clone_from(&from.scalars);
+        to.nodes.resize(self.mesh.len() * n, 0.0);
+        to.stages.resize((self.mesh.len() - 1) * m * n, 0.0);
+        for (k, (interval, weights)) in self.places.iter().enumerate() {
+            let (i, j) = (k / (m + 1), k % (m + 1));
+            let out = match j.checked_sub(1) {
+                None => &mut to.nodes[i * n..(i + 1) * n],
+                Some(j) => &mut to.stages[(i * m + j) * n..(i * m + j + 1) * n],
+            };
+            if weights[m + 1] == 1.0 {
+                out.copy_from_slice(from.node(interval + 1));
+                continue;
+            }
+            from.combine(*interval, weights, out);
+            for (o, right) in out.iter_mut().zip(from.node(interval + 1)) {
+                *o += weights[m + 1] * right;
             }
         }
     }

@@ -10,7 +10,7 @@
 //! Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, Springer 1993, ch. III.5 (variable steps).
 
 use bvp::newton::NewtonScratch;
-use bvp::{Gauss, Newton, NewtonError, NewtonReport, Solution, System, Work, mesh};
+use bvp::{Gauss, Newton, NewtonError, NewtonReport, Solution, System, Transfer, Work, mesh};
 
 use crate::cortex::equations::{COMPONENTS, R, Z};
 use crate::cortex::{Cortex, resolution};
@@ -296,9 +296,9 @@ impl Stepper {
             }
         }
         self.spare.push(source);
-        let gauss = &self.system.gauss;
+        let transfer = Transfer::new(&self.system.gauss, &self.levels[0].y.mesh, &self.grid);
         for level in &mut self.levels {
-            level.y.transfer_into(gauss, &self.grid, &mut self.trial.y);
+            transfer.apply(&level.y, &mut self.trial.y);
             std::mem::swap(&mut level.y, &mut self.trial.y);
         }
         self.work.remeshings += 1;
