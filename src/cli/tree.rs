@@ -249,12 +249,7 @@ pub struct Grown {
 ///
 /// With `dynamics` the division of every cell is computed, those below the critical radius of their cue included; where they
 /// are `profiled`, what they took is told.
-pub fn grown(
-    scenarios: &[Scenario],
-    dynamics: bool,
-    profiled: bool,
-    context: &Context,
-) -> Result<Grown, CliError> {
+pub fn grown(scenarios: &[Scenario], dynamics: bool, profiled: bool, context: &Context) -> Result<Grown, CliError> {
     // Scenarios have the same numerics, and what all cells share is the same.
     let Some(Scenario { settings, .. }) = scenarios.first() else { return Ok(Grown::default()) };
     let memo = context.memo()?;

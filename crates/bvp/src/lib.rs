@@ -55,7 +55,9 @@ pub use meter::{Clock, Meter, Share, Spent};
 pub use metric::Metric;
 pub use minimally_augmented::{AugmentedReport, MinimallyAugmented};
 pub use newton::{Newton, NewtonError, NewtonReport};
-pub use problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, Dimensions, PointJacobian, TooLarge};
+pub use problem::{
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, Dimensions, PointJacobian, TooLarge,
+};
 pub use singularity::{SingularError, Singularity};
 pub use solution::Solution;
 pub use solver::{Settings, SolveError, Solved, solve};

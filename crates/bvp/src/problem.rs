@@ -115,7 +115,8 @@ pub(crate) const MAX_ROWS: usize = 2 * MAX_UNKNOWNS;
 /// Lanes that hold all unknowns of one point.
 pub(crate) const MAX_UNKNOWN_LANES: usize = lanes_for(MAX_UNKNOWNS);
 
-const _: () = assert!(MAX_ROWS <= MAX_LANES * LANE, "a row of a block of nodes has no more columns than it may have rows");
+const _: () =
+    assert!(MAX_ROWS <= MAX_LANES * LANE, "a row of a block of nodes has no more columns than it may have rows");
 
 /// Where the right-hand side is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,9 +5,7 @@ use std::time::Instant;
 
 use bvp::Clock;
 
-use crate::division::{
-    Division, DivisionError, DivisionInput, Film, Outcome, Profile, divide_profiled, film_profiled,
-};
+use crate::division::{Division, DivisionError, DivisionInput, Film, Outcome, Profile, divide_profiled, film_profiled};
 
 /// How many of the slowest divisions are kept.
 pub const SLOWEST: usize = 5;

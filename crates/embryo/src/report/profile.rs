@@ -111,7 +111,7 @@ impl ProfileReport {
         };
         let Phases { start, first_step, steps, meshes, rest_checks, observers, other } = self.sum.phases;
         let mut phase = |name: &str, Phase { times, seconds }: Phase| row(name, seconds, Some(times), None);
-        phase("start", start);
+        phase("start (passive shape)", start);
         phase("first step", Phase { times: first_step.times, seconds: first_step.seconds });
         phase("other steps", Phase { times: steps.times, seconds: steps.seconds });
         let Stepping { kernels, rest, .. } = steps;

@@ -69,8 +69,7 @@ impl Group {
     /// The arguments of the equations at point i.
     #[inline(always)]
     fn at(&self, i: usize, shared: &Shared) -> (Local<Each>, Motion<Each>, Each, [Each; COMPONENTS]) {
-        let motion =
-            Motion { rate: Each(shared.rate), r_past: Each(self.past[0][i]), z_past: Each(self.past[1][i]) };
+        let motion = Motion { rate: Each(shared.rate), r_past: Each(self.past[0][i]), z_past: Each(self.past[1][i]) };
         (self.local.each(i), motion, Each(self.noise[i]), std::array::from_fn(|k| Each(self.y[k][i])))
     }
 }

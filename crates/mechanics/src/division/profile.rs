@@ -336,7 +336,8 @@ mod tests {
             assert_eq!(phases.first_step.times + phases.steps.times, division.work.steps);
             assert_eq!(phases.observers.times, division.work.steps, "the start, and all steps but the noisy first");
             assert_eq!(phases.meshes.times, division.work.remeshings);
-            assert_eq!(phases.rest_checks.times > 0, division.growth_rate.is_some());
+            let rests = division.growth_rate.is_some();
+            assert!(phases.rest_checks.times > 0 || !rests, "what rests was looked at");
             assert_eq!(profile.work, division.work);
         }
     }

@@ -24,13 +24,8 @@ const ROOM: f64 = 0.85;
 const MAX_INTERVALS: usize = 1024;
 
 /// The iteration of a step. A factorisation costs as much as a dozen solves, so that slow chord steps are preferred to a new one.
-const NEWTON: Newton = Newton {
-    tolerance: 3e-7,
-    max_factorisations: 6,
-    max_iterations: 24,
-    min_damping: 1e-3,
-    chord_contraction: 0.5,
-};
+const NEWTON: Newton =
+    Newton { tolerance: 3e-7, max_factorisations: 6, max_iterations: 24, min_damping: 1e-3, chord_contraction: 0.5 };
 
 /// Highest order of the formulas.
 pub const MAX_ORDER: usize = 4;
