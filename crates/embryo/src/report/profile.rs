@@ -156,3 +156,53 @@ impl ProfileReport {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::Profiles;
+    use crate::cell::Cell;
+    use crate::division::DivisionInput;
+
+    fn report(divisions: usize, seconds: f64) -> ProfileReport {
+        let steps = Stepping { times: 7, seconds: 0.5 * seconds, rest: -1e-18, ..Stepping::default() };
+        let phases = Phases { steps, ..Phases::default() };
+        let sum = Profile { divisions, seconds, phases, ..Profile::default() };
+        ProfileReport { sum, slowest: Vec::new() }
+    }
+
+    /// The line of a row, without its name.
+    fn row<'a>(text: &'a str, name: &str) -> Vec<&'a str> {
+        let line = text.lines().find_map(|line| line.strip_prefix(name)).unwrap();
+        line.split_whitespace().collect()
+    }
+
+    #[test]
+    fn times_have_the_unit_that_suits_them_and_shares_of_the_whole() {
+        let (short, long) = (report(1, 0.5).text(), report(3, 20.0).text());
+        assert!(short.starts_with("profile of one division\n"), "{short}");
+        assert_eq!(row(&short, "phase"), ["ms", "%", "times", "intervals"]);
+        assert_eq!(row(&short, "other steps"), ["250.00", "50.0", "7"]);
+        assert_eq!(row(&short, "  prediction, errors, neck"), ["0.00", "0.0"], "no -0.0");
+        assert_eq!(row(&long, "phase")[0], "s");
+        assert_eq!(row(&long, "whole"), ["20.00", "100.0"]);
+        assert!(long.starts_with("profile of 3 divisions that were computed\n") && long.contains("\nslowest "));
+        assert!(!short.contains("slowest"));
+    }
+
+    #[test]
+    fn without_divisions_or_without_a_clock_nothing_is_divided_by_nothing() {
+        assert_eq!(report(0, 0.0).text(), "profile: no division was computed\n");
+        let profiles = Profiles::new(None);
+        for r0 in [1.6, 2.5] {
+            profiles.divide(&DivisionInput::new(Cell::new(r0))).unwrap();
+        }
+        let report = ProfileReport::new(profiles.taken(), |one| format!("R0 = {}", one.input.cell.r0));
+        let text = report.text();
+        assert_eq!(row(&text, "whole"), ["0.00", "0.0"]);
+        assert!(!text.contains("NaN"), "{text}");
+        assert_eq!(row(&text, "R0 = 2.5").last(), Some(&"symmetric"));
+        assert_eq!(row(&text, "  condensing")[3], report.sum.phases.steps.kernels.condensing.intervals.to_string());
+        assert_eq!(serde_json::to_value(&report).unwrap()["slowest"][0]["name"], "R0 = 2.5");
+    }
+}
