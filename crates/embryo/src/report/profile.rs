@@ -44,7 +44,7 @@ pub struct SlowDivision {
 /// From so many seconds on times are in seconds, below in milliseconds.
 const IN_SECONDS: f64 = 10.0;
 
-/// Widths of the first column, and of those that follow.
+/// Width of the first column.
 const NAME: usize = 28;
 
 impl ProfileReport {
@@ -135,16 +135,18 @@ impl ProfileReport {
 
     fn slow_divisions(&self, out: &mut String) {
         let (unit, scale) = self.unit();
+        // Scenarios may have long names.
+        let wide = self.slowest.iter().map(|one| one.name.chars().count()).fold(NAME, usize::max);
         let _ = writeln!(
             out,
-            "\n{:NAME$} {unit:>9} {:>6} {:>8} {:>10} {:>14} {:>9}  outcome",
+            "\n{:wide$} {unit:>9} {:>6} {:>8} {:>10} {:>14} {:>9}  outcome",
             "slowest", "%", "steps", "iterations", "factorisations", "intervals"
         );
         for one in &self.slowest {
             let share = if self.sum.seconds > 0.0 { 100.0 * one.seconds / self.sum.seconds } else { 0.0 };
             let _ = writeln!(
                 out,
-                "{:NAME$} {:9.2} {share:6.1} {:8} {:10} {:14} {:9.1}  {}",
+                "{:wide$} {:9.2} {share:6.1} {:8} {:10} {:14} {:9.1}  {}",
                 one.name,
                 scale * one.seconds,
                 one.work.steps,
