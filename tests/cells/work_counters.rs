@@ -7,11 +7,22 @@
 use std::fmt::Write;
 
 use furrow::cell::{Cell, Cue, Numerics, Parameter};
-use furrow::division::{Division, DivisionInput, divide};
+use furrow::division::{Division, DivisionInput, divide, divide_profiled};
 use furrow::shapes::{BranchOptions, curves, primary};
 
 fn division(r0: f64, cue: Cue) -> Division {
     divide(&DivisionInput::new(Cell::new(r0).with_cue(cue))).unwrap()
+}
+
+/// One division of each kind.
+fn kinds() -> [(&'static str, f64, Cue); 5] {
+    [
+        ("symmetric, R0 = 2.5", 2.5, Cue::none()),
+        ("asymmetric, R0 = 2.0", 2.0, Cue::none()),
+        ("failed, R0 = 1.6", 1.6, Cue::none()),
+        ("cued, R0 = 5.4", 5.4, Cue::published()),
+        ("two furrows, R0 = 5.4", 5.4, Cue::none()),
+    ]
 }
 
 /// Changing R0 by one to a hundred thousand units in the last place leaves every count below as it is, but moves single
@@ -21,19 +32,30 @@ fn division(r0: f64, cue: Cue) -> Division {
 fn work_of_each_kind_of_division() {
     let mut table =
         String::from("division                 outcome      steps rejected factorisations remeshings newton~\n");
-    for (kind, r0, cue) in [
-        ("symmetric, R0 = 2.5", 2.5, Cue::none()),
-        ("asymmetric, R0 = 2.0", 2.0, Cue::none()),
-        ("failed, R0 = 1.6", 1.6, Cue::none()),
-        ("cued, R0 = 5.4", 5.4, Cue::published()),
-        ("two furrows, R0 = 5.4", 5.4, Cue::none()),
-    ] {
+    for (kind, r0, cue) in kinds() {
         let d = division(r0, cue);
         let outcome = format!("{:?}", d.outcome);
         let bvp::Work { steps, rejected, iterations, factorisations, remeshings } = d.work;
         let newton = (iterations + 25) / 50 * 50;
         writeln!(table, "{kind:24} {outcome:11} {steps:6} {rejected:8} {factorisations:14} {remeshings:10} {newton:7}")
             .unwrap();
+    }
+    insta::assert_snapshot!(table);
+}
+
+/// What a factorisation and an iteration cost is the intervals that they run over. Those that are solved go with Newton
+/// iterations, and are given to the nearest thousand, a tenth or so of a division's.
+#[test]
+fn intervals_of_each_kind_of_division() {
+    let mut table = String::from("division                 least mean most condensed solved~ looks for rest\n");
+    for (kind, r0, cue) in kinds() {
+        let (division, profile) = divide_profiled(&DivisionInput::new(Cell::new(r0).with_cue(cue)), None);
+        assert_eq!(division.unwrap().work, profile.work);
+        let (intervals, condensed) = (profile.intervals, profile.condensed());
+        let solved = (profile.solved() + 500) / 1000 * 1000;
+        let looks = profile.phases.rest_checks.times;
+        let (least, mean, most) = (intervals.least, intervals.mean(), intervals.most);
+        writeln!(table, "{kind:24} {least:5} {mean:4.1} {most:4} {condensed:9} {solved:7} {looks:14}").unwrap();
     }
     insta::assert_snapshot!(table);
 }

@@ -5,6 +5,7 @@ use crate::condense::Condensed;
 use crate::dense::{Determinant, PivotFailure, zeroed};
 use crate::gauss::Gauss;
 use crate::kernels::Kernels;
+use crate::meter::Meter;
 use crate::metric;
 use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoints, Dimensions, MAX_CONDITIONS};
 use crate::stages::Interval;
@@ -63,6 +64,8 @@ pub struct System {
     pub(crate) condensed: Condensed,
     /// Residual of the last evaluation.
     pub residual: Residual,
+    /// What was done with it so far.
+    pub meter: Meter,
     kernels: Kernels,
     block: BlockFactor,
     ends: Ends,
@@ -94,6 +97,7 @@ impl System {
             gauss: Gauss::new(m),
             condensed: Condensed::new(dims, m),
             residual: Residual::default(),
+            meter: Meter::default(),
             kernels: Kernels::general(),
             block: BlockFactor::default(),
             ends: Ends::default(),
@@ -116,6 +120,7 @@ impl System {
         conditions: &[LinearCondition],
         derivatives: bool,
     ) {
+        let since = self.meter.now();
         problem.prepare(&y.scalars);
         self.kernels = problem.kernels(self.gauss.m).suited_to(&self.condensed.layout);
         if derivatives {
@@ -128,6 +133,10 @@ impl System {
         for (row, condition) in border.iter_mut().zip(conditions) {
             *row = metric::evaluate(condition, y) - condition.value;
         }
+        self.meter.count(since, y.intervals(), |spent| match derivatives {
+            true => &mut spent.derivatives,
+            false => &mut spent.residuals,
+        });
     }
 
     /// The parts h(p) of the integral conditions, with room for linear conditions behind them.
@@ -199,11 +208,15 @@ impl System {
 
     /// Condenses all intervals from the derivatives of the last evaluation.
     pub fn condense(&mut self) -> Result<(), PivotFailure> {
-        (self.kernels.condense)(&mut self.condensed, &self.gauss)
+        let since = self.meter.now();
+        let condensed = (self.kernels.condense)(&mut self.condensed, &self.gauss);
+        self.meter.count(since, self.condensed.intervals(), |spent| &mut spent.condensing);
+        condensed
     }
 
     /// Factorises the block system of the problem itself, after [`condense`](Self::condense).
     pub fn factor_blocks(&mut self, conditions: &[LinearCondition]) -> Result<(), PivotFailure> {
+        let since = self.meter.now();
         let dims = self.dimensions();
         let e = &self.ends;
         // At most a handful of linear conditions: the small vector of views lives on the stack.
@@ -217,11 +230,14 @@ impl System {
             offsets: &e.hp,
             forms: &forms[..conditions.len()],
         };
-        self.block.factor(&self.kernels, &self.condensed, &conditions)
+        let factored = self.block.factor(&self.kernels, &self.condensed, &conditions);
+        self.meter.count(since, self.condensed.intervals(), |spent| &mut spent.elimination);
+        factored
     }
 
     /// Solves J δ = −residual with the factors at hand.
     pub fn solve(&mut self, residual: &Residual, out: &mut Direction) {
+        let since = self.meter.now();
         self.particular(residual, out, true);
         let System { block, borders, kernels, .. } = self;
         // End rows with their signs turned, in the scratch behind the border entries.
@@ -232,6 +248,7 @@ impl System {
         let (left, right) = ends.split_at(residual.left.len());
         block.solve(kernels, &mut out.nodes, [left, right, border], &mut out.scalars);
         self.complete(out);
+        self.meter.count(since, self.condensed.intervals(), |spent| &mut spent.solves);
     }
 
     /// Solves with the residual of the last evaluation.

@@ -48,5 +48,5 @@ fn trees_of(lineages: Vec<Lineage>, context: &Context) -> Result<Vec<Tree>, CliE
         lineage,
     };
     let scenarios: Vec<Scenario> = lineages.into_iter().map(scenario).collect();
-    Ok(grown(&scenarios, false, context)?.0)
+    Ok(grown(&scenarios, false, false, context)?.trees)
 }

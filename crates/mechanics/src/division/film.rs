@@ -4,7 +4,9 @@ use bvp::{Gauss, Solution};
 
 use super::DivisionInput;
 use super::outcome::{Division, DivisionError};
-use super::run::{Frame, divide_observed};
+use super::profile::Watch;
+use super::run::{Frame, run};
+use super::start::Start;
 use crate::cortex::equations::{LENGTH, PRESSURE};
 use crate::cortex::forces::{self, Place};
 use crate::cortex::observables::{self, Neck};
@@ -72,8 +74,13 @@ impl Still {
 /// # Errors
 /// [`DivisionError`], as [`divide`](super::divide).
 pub fn film(input: &DivisionInput) -> Result<Film, DivisionError> {
+    record(input, &mut Watch::default())
+}
+
+/// [`film`] with a watch.
+pub(super) fn record(input: &DivisionInput, watch: &mut Watch) -> Result<Film, DivisionError> {
     let mut recording = Recording::default();
-    let division = divide_observed(input, |frame| recording.keep(frame))?;
+    let (division, _) = run(input, &Start::Passive, &mut |frame| recording.keep(frame), &[], watch)?;
     Ok(recording.film(input, division))
 }
 

@@ -7,6 +7,7 @@ use super::limits;
 use super::noise;
 use super::oscillation::Oscillation;
 use super::outcome::{Division, DivisionError, Outcome, StepFailure};
+use super::profile::Watch;
 use super::rest::Rest;
 use super::sensitivity::{Sensitivity, Tangent};
 use super::slow;
@@ -75,7 +76,7 @@ pub struct Frame<'a> {
 /// # Errors
 /// [`DivisionError`], naming the cell and what was tried.
 pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
-    Ok(run(input, &Start::Passive, &mut |_| {}, &[])?.0)
+    Ok(run(input, &Start::Passive, &mut |_| {}, &[], &mut Watch::default())?.0)
 }
 
 /// [`divide`] with an observer called with the start shape and after every accepted step.
@@ -83,7 +84,7 @@ pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
 /// # Errors
 /// See [`divide`].
 pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)) -> Result<Division, DivisionError> {
-    Ok(run(input, &Start::Passive, &mut observe, &[])?.0)
+    Ok(run(input, &Start::Passive, &mut observe, &[], &mut Watch::default())?.0)
 }
 
 /// [`divide`] with the exact derivatives of the outcome by each of `parameters`, by the tangent of every time step: see
@@ -110,7 +111,7 @@ pub fn divide_with_sensitivities(
     input: &DivisionInput,
     parameters: &[Parameter],
 ) -> Result<(Division, Option<Vec<Sensitivity>>), DivisionError> {
-    run(input, &Start::Passive, &mut |_| {}, parameters)
+    run(input, &Start::Passive, &mut |_| {}, parameters, &mut Watch::default())
 }
 
 /// The division itself, which is compiled here once and not with everyone who observes it.
@@ -119,26 +120,35 @@ pub(crate) fn run(
     start: &Start<'_>,
     observe: &mut dyn FnMut(Frame<'_>),
     parameters: &[Parameter],
+    watch: &mut Watch,
 ) -> Result<(Division, Option<Vec<Sensitivity>>), DivisionError> {
     let DivisionInput { cell, numerics, seed } = input;
     check(cell)?;
     let mut stepper = start.stepper(cell, numerics)?;
+    watch.started(&mut stepper);
     let tangent = (!parameters.is_empty()).then(|| Tangent::of_start(&stepper, parameters));
     let (shape, gauss) = (&stepper.levels[0].y, &stepper.system.gauss);
     observe(Frame { t: 0.0, shape, neck: None, cortex: &start.cortex(cell), gauss });
+    watch.observed();
     let parity = cell.is_mirror_symmetric();
     if start.until().is_none() {
         stepper.adapt(parity, FIRST_MESH);
     }
+    watch.meshed(&stepper);
     stepper.extrapolates = numerics.scheme == Scheme::Converged;
     let mut run = Run::new(numerics, parity, tangent);
-    run.first_step(&mut stepper, noise::coefficients(*seed, numerics.noise))?;
+    let first = run.first_step(&mut stepper, noise::coefficients(*seed, numerics.noise));
+    watch.stepped(&mut stepper, run.steps, run.rejected);
+    first?;
     loop {
         run.shorten(start, stepper.levels[0].t);
-        run.advance(&mut stepper)?;
+        let advanced = run.advance(&mut stepper);
+        watch.stepped(&mut stepper, run.steps, run.rejected);
+        advanced?;
         let newest = &stepper.levels[0];
         let (cortex, gauss) = (&stepper.cortex, &stepper.system.gauss);
         observe(Frame { t: newest.t, shape: &newest.y, neck: run.neck, cortex, gauss });
+        watch.observed();
         if let Some(neck) = run.neck
             && neck.radius < PINCH_OFF * cell.r0
         {
@@ -150,14 +160,17 @@ pub(crate) fn run(
             if stepper.levels[0].t >= until * (1.0 - ROUNDING) {
                 return Ok((run.watched(&stepper), None));
             }
-            run.prepare_mesh(&mut stepper);
+            run.prepare_mesh(&mut stepper, watch);
             continue;
         }
-        if let Some(rest) = run.rest(&mut stepper) {
+        let rest = run.rest(&mut stepper);
+        watch.rested(run.looks);
+        if let Some(rest) = rest {
             if rest.growth_rate < 0.0 || run.is_attractor(&rest) {
                 return Ok((run.failed(&stepper, rest.growth_rate), None));
             }
             run.stay(&mut stepper, &rest);
+            watch.rested(run.looks);
         }
         let newest = &stepper.levels[0];
         if let Some(period) = run.oscillation.note(newest.t, newest.y.scalars[LENGTH]) {
@@ -175,7 +188,7 @@ pub(crate) fn run(
             }
             return Err(run.undecided(cell));
         }
-        run.prepare_mesh(&mut stepper);
+        run.prepare_mesh(&mut stepper, watch);
     }
 }
 
@@ -191,6 +204,8 @@ struct Run {
     fixed: Option<f64>,
     steps: usize,
     rejected: usize,
+    /// Slow shapes that were looked at for whether they rest.
+    looks: usize,
     drift: f64,
     neck: Option<Neck>,
     neck_rate: f64,
@@ -223,6 +238,7 @@ impl Run {
             fixed: (numerics.scheme == Scheme::Published).then_some(numerics.dt),
             steps: 0,
             rejected: 0,
+            looks: 0,
             drift: 0.0,
             neck: None,
             neck_rate: 0.0,
@@ -380,8 +396,10 @@ impl Run {
         }
     }
 
-    fn prepare_mesh(&self, stepper: &mut Stepper) {
+    fn prepare_mesh(&self, stepper: &mut Stepper, watch: &mut Watch) {
+        watch.other();
         stepper.adapt(self.parity, 1.5);
+        watch.meshed(stepper);
     }
 
     /// The stationary state that the shape has come near to, if it has.
@@ -394,6 +412,7 @@ impl Run {
             return None;
         }
         self.next_rest_check = t + REST_INTERVAL;
+        self.looks += 1;
         let mut rest = Rest::near(stepper, 1, self.parity)?;
         // The mesh of the division is coarse; near the critical radius its growth rate may have the wrong sign.
         while rest.growth_rate.abs() < CRITICAL && rest.halvings < MOST_HALVINGS {
