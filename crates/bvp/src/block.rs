@@ -416,10 +416,12 @@ impl BlockFactor {
                 x[k] = before[k];
             }
             let transform = &self.transform[i * n * tall..(i + 1) * n * tall];
-            for (v, sum) in after[..tall].iter_mut().enumerate() {
-                for (k, factor) in before[..n].iter().enumerate() {
-                    dense::add_scaled(sum, *factor, &transform[k * tall + v]);
+            for v in 0..tall {
+                let mut sum = after[v];
+                for k in 0..n {
+                    dense::add_scaled(&mut sum, before[k], &transform[k * tall + v]);
                 }
+                after[v] = sum;
             }
             self.forward[i * height..(i + 1) * height].copy_from_slice(&after[..height]);
             // Carried rows move to the front; border rows stay behind the next n.

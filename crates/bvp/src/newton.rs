@@ -153,6 +153,9 @@ impl Newton {
 /// Chord steps go on from a correction at most this fraction of the one before.
 const LEAST_CONTRACTION: f64 = 0.5;
 
+/// A correction below this changes no scaling by more than a hundredth.
+const SMALL: f64 = 1e-2;
+
 /// What one call of [`Newton::solve`] works on.
 struct Iteration<'a, P> {
     settings: &'a Newton,
@@ -255,7 +258,8 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
             if contraction > settings.chord_contraction || report.iterations >= settings.max_iterations {
                 return false;
             }
-            let before = correction.norm(y);
+            // Small corrections leave the scaling as it is.
+            let before = if size < SMALL { size } else { correction.norm(y) };
             system.evaluate(*problem, y, conditions, false);
             system.solve_own(correction);
             report.iterations += 1;
@@ -292,8 +296,9 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
         system.evaluate(*problem, y, conditions, false);
         system.solve_own(&mut scratch.trial_step);
         report.iterations += 1;
-        let contraction = scratch.trial_step.norm(saved) / size;
         report.last_correction = scratch.trial_step.norm(y);
+        let in_the_same = if size < SMALL { report.last_correction } else { scratch.trial_step.norm(saved) };
+        let contraction = in_the_same / size;
         if contraction <= settings.chord_contraction && self.chord_from(contraction) {
             return true;
         }

@@ -30,6 +30,8 @@ const PUBLISHED_NECK_STEP: f64 = 0.08;
 const CLOSING: f64 = 0.5;
 /// Local error of the odd part relative to its size, in units of the time tolerance.
 const ODD_TOLERANCE: f64 = 150.0;
+/// Steps are this much shorter than what their error asks for: a step rejected costs as much as one made.
+const SAFETY: f64 = 0.8;
 /// A step is at most this many times as long as the one before.
 const MOST_GROWTH: f64 = 2.0;
 /// An odd part below this, relative to R0, is rounding and is not resolved: without noise there is nothing else at first.
@@ -334,10 +336,10 @@ impl Run {
                         / self.factor.powi(order as i32 + 1);
                     if error <= 1.0 || stepper.levels.len() == 1 {
                         let power = 1.0 / (order as f64 + 1.0);
-                        self.accept(stepper, (0.85 * error.max(1e-8).powf(-power)).clamp(0.3, MOST_GROWTH));
+                        self.accept(stepper, (SAFETY * error.max(1e-8).powf(-power)).clamp(0.3, MOST_GROWTH));
                         return Ok(());
                     }
-                    (0.85 * error.powf(-1.0 / (order as f64 + 1.0))).clamp(0.2, 0.8)
+                    (SAFETY * error.powf(-1.0 / (order as f64 + 1.0))).clamp(0.2, 0.8)
                 }
                 Err(_) => 0.4,
             };

@@ -144,7 +144,8 @@ impl<D: Number> Profile<D> {
     pub fn at(&self, u: f64, length: D) -> [D; 3] {
         match *self {
             Profile::Band { u0, omega } => {
-                let inverse = omega.in_u(length).powi(-2);
+                let inverse = omega.in_u(length).recip();
+                let inverse = inverse * inverse;
                 let d = -u0 + u;
                 let f = (-(d * d * inverse)).exp();
                 let slope = d * inverse * -2.0;
