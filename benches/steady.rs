@@ -5,11 +5,13 @@
 //! steps as long as they may be, and with those of `benches/baseline/auto/compare.py`, which runs AUTO-07p beside it; with the
 //! latter also on 20 intervals of 4 points, whose fold is as close as AUTO's.
 
-use bvp::SymmetryBreaking;
+use bvp::{Continuation, SymmetryBreaking, Work};
 use furrow::cell::{Cell, Cue, Numerics, Parameter};
+use furrow::cortex::Cortex;
 use furrow::division::{DivisionInput, Outcome, divide};
+use furrow::shapes::branch::error_monitor;
 use furrow::shapes::critical::{self, STARTS};
-use furrow::shapes::{BranchOptions, PointKind, curves, pitchfork, primary};
+use furrow::shapes::{BranchOptions, curves, pitchfork, primary};
 
 /// Processor time of this thread in ms; wall time where the system does not tell.
 fn now() -> f64 {
@@ -51,15 +53,16 @@ fn branch_settings(max_step: f64, [intervals, stages]: Mesh) -> (Numerics, Branc
     let mut options = BranchOptions::default();
     options.settings.newton.tolerance = 1e-8;
     options.settings.max_step = max_step;
+    options.settings.remesh_above = 1.3;
     (numerics, options)
 }
 
-/// Follows the branch past its fold with the pitchfork test at every point, which takes the factors of the point itself; points,
-/// Newton iterations and their factorisations.
-fn branch(max_step: f64, mesh: Mesh) -> (usize, [usize; 2]) {
+/// Follows the branch past its fold with the pitchfork test at every point, which takes the factors of the point itself.
+fn branch(max_step: f64, mesh: Mesh) -> Continuation<Cortex> {
     let (numerics, BranchOptions { settings, .. }) = branch_settings(max_step, mesh);
     let mut watch = SymmetryBreaking::default();
     let mut branch = primary::start(&Cell::new(2.0), &numerics, &settings).expect("a passive shape");
+    branch.monitor = Some(error_monitor);
     branch
         .follow([0.0, 40.0], 600, |branch, _| {
             branch.factorise_newest().expect("a regular point");
@@ -67,13 +70,14 @@ fn branch(max_step: f64, mesh: Mesh) -> (usize, [usize; 2]) {
             branch.state.parameter_slope() > 0.0
         })
         .expect("the branch passes its fold");
-    (branch.state.points, [branch.work.iterations, branch.work.factorisations])
+    branch
 }
 
 fn main() {
     let short = 0.187;
     for (max_step, mesh) in [(3.0, SAME), (short, SAME), (short, AS_CLOSE)] {
-        let (ms, (points, [iterations, factorisations])) = best(7, || branch(max_step, mesh));
+        let (ms, branch) = best(7, || branch(max_step, mesh));
+        let (points, Work { iterations, factorisations, .. }) = (branch.state.points, branch.work);
         println!(
             "symmetric branch past its fold, {} x {}: {points} points, {iterations} Newton iterations with \
              {factorisations} factorisations, {ms:.2} ms, {:.3} ms a point",
@@ -87,9 +91,9 @@ fn main() {
             let (numerics, options) = branch_settings(short, mesh);
             let passive = || primary::start(&Cell::new(2.0), &numerics, &options.settings);
             println!("{} x {}: of this the passive shape from nothing: {:.2} ms", mesh[0], mesh[1], best(7, passive).0);
-            let branch = primary::follow(&Cell::new(2.0), &numerics, &options, |event| event.kind() != PointKind::Fold);
-            for event in branch.expect("the branch passes its fold").events {
-                let (kind, point) = (event.kind(), event.point());
+            let fold = primary::fold_near(&mut branch(short, mesh)).expect("a fold").point;
+            let pitchfork = pitchfork::first(&Cell::new(2.0), &numerics, &options).expect("a pitchfork").point;
+            for (kind, point) in [("fold", fold), ("pitchfork", pitchfork)] {
                 println!(
                     "{} x {}: {kind} at xi_s = {:.9}, L = {:.9}, p = {:.9}",
                     mesh[0], mesh[1], point.xi_s, point.length, point.pressure

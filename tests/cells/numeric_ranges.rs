@@ -118,7 +118,7 @@ fn activities_that_cannot_work_are_refused() {
 fn the_advice_of_errors_helps() {
     let preset = Numerics::default();
     let failing = [
-        (2.0, Numerics { step_factor: 0.05, ..preset }, "larger step_factor", Numerics { step_factor: 0.1, ..preset }),
+        (2.0, Numerics { step_factor: 0.01, ..preset }, "larger step_factor", Numerics { step_factor: 0.1, ..preset }),
         (
             2.0,
             Numerics { time_tolerance: 1e-12, ..preset },

@@ -338,7 +338,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.state.arclength += step;
         self.state.points += 1;
         self.state.history.push(self.state.arclength, &self.state.solution);
-        self.state.step = step * growth(report, exact, cosine, self.settings.min_cosine);
+        self.state.step = step * growth(report, cosine, self.settings.min_cosine);
         self.work += Work { steps: 1, rejected, ..Work::default() };
         self.work += report;
         let passed_fold = self.confirm_direction(self.state.parameter() - parameter);
@@ -580,10 +580,9 @@ fn patient(newton: Newton) -> Newton {
 }
 
 /// Factor on the next step from the corrector's work and from the angle turned.
-fn growth(report: NewtonReport, exact: bool, cosine: f64, min_cosine: f64) -> f64 {
-    let easy = if exact { 5 } else { 3 };
+fn growth(report: NewtonReport, cosine: f64, min_cosine: f64) -> f64 {
     let by_work: f64 = match (report.factorisations, report.iterations) {
-        (1, iterations) if iterations <= easy => 1.5,
+        (1, ..=3) => 1.5,
         (1, _) => 1.15,
         (2, _) => 0.8,
         _ => 0.6,

@@ -1,7 +1,7 @@
 //! Whether a shape is at rest: the stationary state next to it, and whether that is stable.
 
 use bvp::newton::NewtonScratch;
-use bvp::{Newton, Solution, System, mesh};
+use bvp::{Gauss, Newton, Solution, System, mesh};
 
 use super::stepper::{Stepper, parity_norm};
 use crate::cortex::equations::{COMPONENTS, R, Z};
@@ -11,6 +11,14 @@ use crate::stability::Stability;
 
 /// Largest L² distance to a stationary state, relative to R0, at which its stability decides.
 const REST_DISTANCE: f64 = 2e-3;
+
+/// Symmetric shapes that grow or decay more slowly than this, in 1/τ, may have asymmetric ones as near to them.
+const CLEAR: f64 = 1e-3;
+
+/// The first iteration for it. From so near it takes one factorisation. Next to a singular point it takes more, and goes on; what
+/// has gone away by then had nothing near it.
+const NEARBY: Newton =
+    Newton { tolerance: 1e-9, max_factorisations: 2, max_iterations: 12, min_damping: 0.1, chord_contraction: 0.3 };
 
 /// A stationary shape next to that of the cell, on a finer mesh than the division's.
 pub struct Rest {
@@ -25,17 +33,21 @@ pub struct Rest {
 }
 
 impl Rest {
-    /// The stationary state next to the newest shape, on the division's mesh with every interval halved so many times. Next to
-    /// a nearly mirror-symmetric shape a mirror-symmetric one is looked for first, on half of the contour.
+    /// The stationary state next to the newest shape, on the division's mesh with every interval halved so many times. Where a
+    /// mirror-symmetric one may be near enough it is looked for first, on half of the contour.
     pub fn near(stepper: &Stepper, halvings: u32, nearly_symmetric: bool) -> Option<Rest> {
         let newest = &stepper.levels[0].y;
         let grid = (0..halvings).fold(newest.mesh.clone(), |grid, _| mesh::halved(&grid));
         let here = newest.on_mesh(&stepper.system.gauss, &grid);
-        let halved = nearly_symmetric && stepper.cortex.cell.is_mirror_symmetric() && grid.len() % 2 == 1;
-        let symmetric = if halved { beside(stepper, &here, Domain::Half) } else { None };
+        let cell = &stepper.cortex.cell;
+        let on_half = nearly_symmetric && cell.is_mirror_symmetric() && grid.len() % 2 == 1 && {
+            let value = |i: usize| [here.stages[i * COMPONENTS + R], here.stages[i * COMPONENTS + Z]];
+            parity_norm(&stepper.system.gauss, &here.mesh, value).odd < REST_DISTANCE * cell.r0
+        };
+        let symmetric = if on_half { beside(stepper, &here, Domain::Half) } else { None };
         let (stationary, growth_rate) = match symmetric {
-            Some(found) => found,
-            None => beside(stepper, &here, Domain::Full)?,
+            Some(found) if found.1.abs() > CLEAR => found,
+            _ => beside(stepper, &here, Domain::Full)?,
         };
         Some(Rest { here, stationary, growth_rate, halvings })
     }
@@ -48,19 +60,24 @@ fn beside(stepper: &Stepper, here: &Solution, domain: Domain) -> Option<(Solutio
         Domain::Full => here.clone(),
         Domain::Half => first_half(here),
     };
-    let mut system = System::new(Cortex::dimensions_for(0), y.m);
-    Newton::default().solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false).ok()?;
-    let whole = match domain {
-        Domain::Full => y.clone(),
-        Domain::Half => unfold(&y),
+    let (mut system, mut scratch) = (System::new(Cortex::dimensions_for(0), y.m), NewtonScratch::default());
+    let gauss = Gauss::new(y.m);
+    let near = |y: &Solution| {
+        let whole = match domain {
+            Domain::Full => y.clone(),
+            Domain::Half => unfold(y),
+        };
+        let distance = parity_norm(&gauss, &here.mesh, |i| {
+            let moved = |c: usize| whole.stages[i * COMPONENTS + c] - here.stages[i * COMPONENTS + c];
+            [moved(R), moved(Z)]
+        });
+        (distance.even.hypot(distance.odd) <= REST_DISTANCE * stepper.cortex.cell.r0).then_some(whole)
     };
-    let distance = parity_norm(&system.gauss, &here.mesh, |i| {
-        let moved = |c: usize| whole.stages[i * COMPONENTS + c] - here.stages[i * COMPONENTS + c];
-        [moved(R), moved(Z)]
-    });
-    if distance.even.hypot(distance.odd) > REST_DISTANCE * cortex.cell.r0 {
-        return None;
+    if NEARBY.solve(&mut system, &mut scratch, &mut cortex, &mut y, &[], false).is_err() {
+        near(&y)?;
+        Newton::default().solve(&mut system, &mut scratch, &mut cortex, &mut y, &[], false).ok()?;
     }
+    let whole = near(&y)?;
     let growth_rate = Stability::new(y.m).leading(&cortex, &y).ok()?.growth_rate();
     Some((whole, growth_rate))
 }

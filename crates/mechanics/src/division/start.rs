@@ -61,6 +61,7 @@ impl Start<'_> {
             }
             Start::Stationary { shape, .. } => {
                 let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, (*shape).clone());
+                stepper.exacting();
                 stepper.adapt(cell.is_mirror_symmetric(), FIRST_MESH);
                 settle(&mut stepper)?;
                 Ok(stepper)

@@ -33,7 +33,7 @@ impl Default for BranchOptions {
         BranchOptions {
             xi: [0.0, 100.0],
             points: 400,
-            settings: ContinuationSettings { first_step: 0.3, max_step: 3.0, remesh_above: 1.3, ..Default::default() },
+            settings: ContinuationSettings { first_step: 0.3, max_step: 3.0, ..Default::default() },
             growth_rates: false,
             contours: false,
         }
@@ -292,13 +292,30 @@ pub fn metric(r0: f64, free: &[Parameter]) -> Metric {
     Metric { components, scalars }
 }
 
-/// Share of the turning of the contour and of the cue's slopes in the mesh monitor of branches: a coarse mesh does not see in
-/// its defect what lies between its points.
+/// The mesh monitor of branches. Their meshes seldom move, so that what is located on them changes smoothly with a cell's numbers,
+/// to the last digits: calibrations and sensitivities rely on it.
+pub fn mesh_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f64>) {
+    resolution::monitor(cortex, y, false, weight);
+}
+
+/// Share of what [`mesh_monitor`] sees in [`error_monitor`]: a coarse mesh does not see in its defect what lies between its points.
 const SEEN: f64 = 0.3;
 
-/// The mesh monitor of branches, N.9: equal parts of the estimated error, by the defect, with some regard for what
-/// [`resolution::monitor`] sees. Each has mean 1.
-pub fn mesh_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f64>) {
+/// A mesh monitor for branches that asks for equal parts of the estimated error, by the defect. With
+/// [`remesh_above`](ContinuationSettings::remesh_above) at 1.3 folds are a few times closer on the same number of intervals, but no
+/// longer smooth in the cell's numbers below that error, since meshes move in leaps.
+///
+/// # Examples
+/// ```
+/// use mechanics::cell::{Cell, Numerics};
+/// use mechanics::shapes::{BranchOptions, branch::error_monitor, primary};
+/// let (cell, mut settings) = (Cell::new(2.0), BranchOptions::default().settings);
+/// settings.remesh_above = 1.3;
+/// let mut branch = primary::start(&cell, &Numerics::default(), &settings)?;
+/// branch.monitor = Some(error_monitor);
+/// # Ok::<(), mechanics::shapes::ShapeError>(())
+/// ```
+pub fn error_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f64>) {
     resolution::monitor(cortex, y, false, weight);
     let defects = mesh::defect(&Gauss::new(y.m), &mut cortex.clone(), y);
     let mut by_defect = Vec::with_capacity(defects.len());
