@@ -11,15 +11,15 @@ use super::scenarios;
 use crate::batch::Summary;
 use crate::batch::scheduler::workers;
 use crate::cell::{Cell, Cue, CueError};
-use crate::division::{DivisionInput, divide};
 use crate::input::InputError;
 use crate::io::earlier::{Replaced, TREE_FILES, other_tree};
 use crate::io::files::FileSet;
 use crate::io::{FounderRow, Provenance, founder_rows, newick};
-use crate::lineage::{EndReason, Ends, Lineage, Tree, TreeSettings, expected_work};
+use crate::lineage::{EndReason, Lineage, Tree, TreeSettings};
 use crate::report;
 use crate::settings::Settings;
-use crate::shapes::{CriticalRadii, ShapeError};
+use crate::shapes::ShapeError;
+use crate::study::Grown;
 use crate::study::scenarios::Scenario;
 use clap::Args;
 use serde::Serialize;
@@ -228,34 +228,14 @@ pub fn bad_cue(error: CueError) -> InputError {
 ///
 /// With `dynamics` the division of every cell is computed, those below the critical radius of their cue included.
 pub fn grown(scenarios: &[Scenario], dynamics: bool, context: &Context) -> Result<(Vec<Tree>, Summary), CliError> {
-    // Scenarios have the same numerics, and what all cells share is the same.
-    let Some(Scenario { settings, .. }) = scenarios.first() else { return Ok(Default::default()) };
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let show = |progress| line.show(progress);
-    let rule = Ends::new(CriticalRadii::new(&settings.numerics).interrupted_by(interrupt::flag()));
-    let plain = settings.cell.clone().with_cue(Cue::none());
-    // The order of the work is no reason to search for a radius, which growth does when it comes to such cells.
-    let order = |input: &DivisionInput| {
-        let critical = if rule.knows(&plain) { rule.critical_radius(&plain) } else { None };
-        critical.map_or(input.cell.r0, |critical| expected_work(critical)(input))
-    };
-    let mut options = context.scheduling(&show);
-    if !dynamics {
-        options.expected_work = &order;
-    }
-    // The first cells are asked about first. The division of one costs less than a search, and where it fails there is no other.
-    let first = std::cell::Cell::new(scenarios.len());
-    let by_dynamics = |cell: &Cell| {
-        let is_first = first.replace(first.get().saturating_sub(1)) > 0;
-        is_first && !rule.knows(cell) || dynamics
-    };
-    let ends = |cell: &Cell| if by_dynamics(cell) { None } else { rule.of(cell) };
-    let grown = crate::study::scenarios::grow(scenarios, &ends, &memo, options, divide);
+    let grown = crate::study::grown(scenarios, dynamics, &memo, context.scheduling(&show), interrupt::flag());
     drop(line);
-    let (trees, summary) = grown?;
+    let Grown { trees, summary, unknown } = grown?;
     warn_of_store(&summary.warnings);
-    warn_of_searches(&rule);
+    warn_of_searches(unknown);
     for (tree, scenario) in trees.iter().zip(scenarios) {
         warn_of_undecided(tree, &scenario.name);
     }
@@ -279,9 +259,9 @@ fn warn_of_undecided(tree: &Tree, scenario: &str) {
 }
 
 /// Says which cells have no critical radius; in one warning, which were not searched for to the end.
-fn warn_of_searches(rule: &Ends) {
+fn warn_of_searches(unknown: Vec<(Cue, ShapeError)>) {
     let mut given_up = Vec::new();
-    for (cue, error) in rule.unknown() {
+    for (cue, error) in unknown {
         if let ShapeError::Effort { .. } = error {
             given_up.push(cue.to_string());
         }

@@ -7,6 +7,7 @@
 //! | [`shard`] | which part of the points one machine takes |
 //! | [`run`], [`table`] | solving the points; columns and rows, as CSV and as JSON lines |
 //! | [`scenarios`] | lineages and cues side by side |
+//! | [`growth`] | their trees, grown in one run |
 //! | [`mod@judge`] | whether constants agree with what is known |
 //! | [`mod@ensemble`] | a sample of the constants that do |
 //! | [`constants`] | sets of constants as a table |
@@ -21,6 +22,7 @@ pub mod constants;
 pub mod ensemble;
 #[cfg(not(target_family = "wasm"))]
 pub mod fit;
+pub mod growth;
 pub mod judge;
 pub mod points;
 pub mod ranges;
@@ -34,6 +36,7 @@ pub mod table;
 
 pub use constants::{Constants, read_constants, write_constants};
 pub use ensemble::{Ensemble, EnsembleError, Member, ensemble};
+pub use growth::{Grown, grown};
 pub use judge::{Exclusion, Judgement, judge};
 pub use points::{Axes, Axis, AxisValue, Point, Target};
 pub use ranges::{LineageRanges, Range, ranges};
