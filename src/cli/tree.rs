@@ -10,17 +10,16 @@ use super::progress::ProgressLine;
 use super::scenarios;
 use crate::batch::Summary;
 use crate::batch::scheduler::workers;
-use crate::cell::{Cell, Cue, CueError};
+use crate::cell::{Cue, CueError};
 use crate::input::InputError;
 use crate::io::earlier::{Replaced, TREE_FILES, other_tree};
 use crate::io::files::FileSet;
 use crate::io::{FounderRow, Provenance, founder_rows, newick};
 use crate::lineage::{EndReason, Lineage, Tree, TreeSettings};
 use crate::report;
-use crate::settings::Settings;
 use crate::shapes::ShapeError;
-use crate::study::Grown;
 use crate::study::scenarios::Scenario;
+use crate::study::{Grown, tree_settings};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -201,22 +200,10 @@ pub fn prepared(
     given.check_divisions("settings")?;
     if cell.r0.is_some() {
         // What the option says counts, also where the lineage gives its first cell a radius.
-        let first = lineage.first();
-        lineage.founders[first].r0 = None;
+        lineage.forget_first_radius();
     }
-    let settings = of_tree(given, &lineage, seed, context);
+    let settings = tree_settings(given, &lineage, seed, context.quantisation);
     Ok((lineage, settings))
-}
-
-/// The parameters of a tree's divisions: its first cell is as large as its lineage says, if it says so.
-pub fn of_tree(given: Settings, lineage: &Lineage, seed: u64, context: &Context) -> TreeSettings {
-    let r0 = lineage.given_r0(lineage.first()).unwrap_or(given.cell.r0);
-    TreeSettings {
-        cell: Cell { r0, ..given.cell },
-        numerics: given.numerics,
-        seed,
-        r0_step: context.quantisation.relative_step(),
-    }
 }
 
 /// What is wrong with a cue of the command line.

@@ -10,9 +10,10 @@ use clap::{Args, Subcommand};
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
-use super::tree::{grown, of_tree};
+use super::tree::grown;
 use crate::lineage::{Lineage, Tree};
 use crate::study::scenarios::Scenario;
+use crate::study::tree_settings;
 
 /// Holds the model beside measured embryos
 #[derive(Debug, Args)]
@@ -44,7 +45,7 @@ fn trees_of(lineages: Vec<Lineage>, context: &Context) -> Result<Vec<Tree>, CliE
         name: String::new(),
         label: String::new(),
         cue: None,
-        settings: of_tree(context.settings.clone(), &lineage, 0, context),
+        settings: tree_settings(context.settings.clone(), &lineage, 0, context.quantisation),
         lineage,
     };
     let scenarios: Vec<Scenario> = lineages.into_iter().map(scenario).collect();

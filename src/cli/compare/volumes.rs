@@ -20,7 +20,6 @@ use crate::cli::interrupt;
 use crate::cli::output::{answer, writable_folder};
 use crate::cli::plot::PlotArgs;
 use crate::cli::progress::ProgressLine;
-use crate::cli::tree::of_tree;
 use crate::input::{InputError, read_text};
 use crate::lineage::{Lineage, TreeSettings};
 use crate::plot::comparison::{self, Comparison};
@@ -28,7 +27,7 @@ use crate::study::compare::volumes::{
     Band, Beside, GroupBeside, Modelled, Regression, Scale, ScaleFrom, SizeCurve, bands, beside, modelled, regression,
     scale, size_curves, with_first_division_of,
 };
-use crate::study::{Range, read_constants};
+use crate::study::{Range, read_constants, tree_settings};
 
 /// Size asymmetries of measured divisions beside the model's
 ///
@@ -134,7 +133,7 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     };
     let measured = read(args)?;
     let lineage = Lineage::load(args.lineage.as_deref())?;
-    let settings: TreeSettings = of_tree(context.settings.clone(), &lineage, 0, context);
+    let settings: TreeSettings = tree_settings(context.settings.clone(), &lineage, 0, context.quantisation);
     let (free, firsts) = model(&lineage, &settings, &measured.groups, context)?;
     let all = &measured.found.divisions;
     let mut groups = beside(measured.groups.clone(), all, &free, &firsts, args.bins.as_deref());

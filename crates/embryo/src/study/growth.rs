@@ -3,11 +3,19 @@
 use std::sync::atomic::AtomicBool;
 
 use super::scenarios::{Scenario, grow};
-use crate::batch::{Memo, SchedulerOptions, Summary};
+use crate::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use crate::cell::{Cell, Cue};
 use crate::division::{DivisionInput, divide};
-use crate::lineage::{Ends, GrowError, Tree, expected_work};
+use crate::lineage::{Ends, GrowError, Lineage, Tree, TreeSettings, expected_work};
+use crate::settings::Settings;
 use crate::shapes::{CriticalRadii, ShapeError};
+
+/// The parameters of a tree's divisions from those that are given: its first cell is as large as its lineage says, if it says so.
+pub fn tree_settings(given: Settings, lineage: &Lineage, seed: u64, quantisation: Quantisation) -> TreeSettings {
+    let r0 = lineage.given_r0(lineage.first()).unwrap_or(given.cell.r0);
+    let (cell, numerics) = (Cell { r0, ..given.cell }, given.numerics);
+    TreeSettings { cell, numerics, seed, r0_step: quantisation.relative_step() }
+}
 
 /// Trees that were grown in one run.
 #[derive(Debug, Default)]

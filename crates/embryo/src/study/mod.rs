@@ -8,6 +8,7 @@
 //! | [`run`], [`table`] | solving the points; columns and rows, as CSV and as JSON lines |
 //! | [`scenarios`] | lineages and cues side by side |
 //! | [`growth`] | their trees, grown in one run |
+//! | [`mod@diagram`] | the stationary shapes of one cell over ξ_s |
 //! | [`mod@judge`] | whether constants agree with what is known |
 //! | [`mod@ensemble`] | a sample of the constants that do |
 //! | [`constants`] | sets of constants as a table |
@@ -19,6 +20,7 @@
 mod check;
 pub mod compare;
 pub mod constants;
+pub mod diagram;
 pub mod ensemble;
 #[cfg(not(target_family = "wasm"))]
 pub mod fit;
@@ -35,8 +37,9 @@ pub mod sweep;
 pub mod table;
 
 pub use constants::{Constants, read_constants, write_constants};
+pub use diagram::{Diagram, diagram};
 pub use ensemble::{Ensemble, EnsembleError, Member, ensemble};
-pub use growth::{Grown, grown};
+pub use growth::{Grown, grown, tree_settings};
 pub use judge::{Exclusion, Judgement, judge};
 pub use points::{Axes, Axis, AxisValue, Point, Target};
 pub use ranges::{LineageRanges, Range, ranges};

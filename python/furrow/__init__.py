@@ -1,0 +1,69 @@
+"""furrow predicts, from mechanics alone, how an embryo's cells divide.
+
+>>> import furrow
+>>> zygote = furrow.Cell(r0=5.4, cue="germline")
+>>> division = zygote.divide()
+>>> round(division.chi, 3)
+0.209
+
+Lengths are in L_h, times in τ, activities in κ0/L_h; ξ_s is the published one. The guide of furrow says what the parameters mean,
+and the book how they are computed: here are the same names.
+"""
+
+from __future__ import annotations
+
+from ._cell import Cell, Value
+from ._errors import InputError, Interrupted, NoOutcome
+from ._furrow import Memo, __version__, parameter_names, presets, solver_fingerprint
+from ._memo import memo, use_store
+from ._results import (
+    PLACE_COLUMNS,
+    Branch,
+    Contour,
+    Curve,
+    Division,
+    Event,
+    Frame,
+    Frames,
+    Pitchfork,
+    Replicates,
+    Steady,
+)
+from ._sweep import Sweep, sweep
+from ._tree import Founder, Scenarios, Tree, read_tree, tree
+
+#: What decides the results of divisions: two furrows with the same one give the same, and share a store.
+solver_fingerprint: str = solver_fingerprint
+
+__all__ = [
+    "PLACE_COLUMNS",
+    "Branch",
+    "Cell",
+    "Contour",
+    "Curve",
+    "Division",
+    "Event",
+    "Founder",
+    "Frame",
+    "Frames",
+    "InputError",
+    "Interrupted",
+    "Memo",
+    "NoOutcome",
+    "Pitchfork",
+    "Replicates",
+    "Scenarios",
+    "Steady",
+    "Sweep",
+    "Tree",
+    "Value",
+    "__version__",
+    "memo",
+    "parameter_names",
+    "presets",
+    "read_tree",
+    "solver_fingerprint",
+    "sweep",
+    "tree",
+    "use_store",
+]
