@@ -6,12 +6,14 @@
 >>> round(division.chi, 3)
 0.209
 
-Lengths are in L_h, times in τ, activities in κ0/L_h; ξ_s is the published one. The guide of furrow says what the parameters mean,
-and the book how they are computed: here are the same names.
+Lengths are in L_h, times in τ, activities in κ0/L_h; ξ_s is the published one. The guide of furrow says what the
+parameters mean, and the book how they are computed: here are the same names. Two furrows with the same
+``solver_fingerprint`` give the same divisions to the last bit, and share a store.
 """
 
 from __future__ import annotations
 
+from . import compare
 from ._cell import Cell, Value
 from ._errors import InputError, Interrupted, NoOutcome
 from ._furrow import Memo, __version__, parameter_names, presets, solver_fingerprint
@@ -29,16 +31,16 @@ from ._results import (
     Replicates,
     Steady,
 )
+from ._studies import Calibration, Constants, Ranges, calibrate, ensemble
 from ._sweep import Sweep, sweep
 from ._tree import Founder, Scenarios, Tree, read_tree, tree
-
-#: What decides the results of divisions: two furrows with the same one give the same, and share a store.
-solver_fingerprint: str = solver_fingerprint
 
 __all__ = [
     "PLACE_COLUMNS",
     "Branch",
+    "Calibration",
     "Cell",
+    "Constants",
     "Contour",
     "Curve",
     "Division",
@@ -51,6 +53,7 @@ __all__ = [
     "Memo",
     "NoOutcome",
     "Pitchfork",
+    "Ranges",
     "Replicates",
     "Scenarios",
     "Steady",
@@ -58,6 +61,9 @@ __all__ = [
     "Tree",
     "Value",
     "__version__",
+    "calibrate",
+    "compare",
+    "ensemble",
     "memo",
     "parameter_names",
     "presets",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex, Union, overload
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex, overload
 
 import numpy as np
 
@@ -31,13 +31,12 @@ from ._tables import shown as shown_value
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-    from typing_extensions import TypeAlias
+    from typing import TypeAlias
 
     from ._furrow import Memo
 
 #: A number, a number of numpy, or the word that some parameters have as their value.
-Value: TypeAlias = Union[SupportsFloat, SupportsIndex, str]
+Value: TypeAlias = SupportsFloat | SupportsIndex | str
 
 #: The columns that change their sign in a mirror; all others keep it but psi.
 _ODD = ("z", "v", "active_t")
@@ -50,10 +49,10 @@ def _lineage(lineage: str | os.PathLike[str] | None) -> str | None:
 class Cell:
     """A cell: its size, its confinement, its activity, its cue, its material and shell, and how it is computed.
 
-    ``r0`` is the radius R0 of the sphere with its volume, in L_h (or ``"17um"`` where the lineage has units). Every other parameter
-    goes by the name that ``furrow --set`` knows: ``epsilon``, ``xi_s``, ``aspect``, ``intervals`` and so on; :meth:`parameters` lists
-    them. ``cue`` is one as on the command line: ``"none"``, ``"germline"`` or another that the lineage names, or terms such as
-    ``"kappa:u0=0.465,omega=0.0577,amplitude=0.1"``.
+    ``r0`` is the radius R0 of the sphere with its volume, in L_h (or ``"17um"`` where the lineage has units). Every other
+    parameter goes by the name that ``furrow --set`` knows: ``epsilon``, ``xi_s``, ``aspect``, ``intervals`` and so on;
+    :meth:`parameters` lists them. ``cue`` is one as on the command line: ``"none"``, ``"germline"`` or another that the
+    lineage names, or terms such as ``"kappa:u0=0.465,omega=0.0577,amplitude=0.1"``.
 
     >>> import furrow
     >>> cell = furrow.Cell(r0=2.0, xi_s=15.0)
@@ -64,6 +63,9 @@ class Cell:
     """
 
     __slots__ = ("_inputs", "_known")
+
+    _inputs: _furrow.Inputs
+    _known: dict[str, Any] | None
 
     def __init__(
         self,
@@ -199,8 +201,9 @@ class Cell:
     ) -> Division | Replicates:
         """Computes its division, from the passive shape to pinch-off or to rest.
 
-        ``seed`` is that of the noise in the first step. ``frames=True`` keeps the shape after every step, ``frames=0.2`` one every
-        0.2 τ. With ``replicates=N`` it is divided with the seeds from ``seed`` on, on all cores or on ``threads``. What the memo knows is not solved again.
+        ``seed`` is that of the noise in the first step. ``frames=True`` keeps the shape after every step, ``frames=0.2``
+        one every 0.2 τ. With ``replicates=N`` it is divided with the seeds from ``seed`` on, on all cores or on
+        ``threads``. What the memo knows is not solved again.
 
         >>> import furrow
         >>> division = furrow.Cell(r0=5.4, cue="germline").divide()

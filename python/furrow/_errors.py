@@ -38,7 +38,8 @@ class InputError(ValueError):
 
 
 class NoOutcome(RuntimeError):
-    """Good input that nothing came of: a cell that has no such shape, or that neither divides nor rests. The message says what helps."""
+    """Good input that nothing came of: a cell that has no such shape, or that neither divides nor rests. The message says
+    what helps."""
 
 
 class Interrupted(KeyboardInterrupt):

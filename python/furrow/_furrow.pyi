@@ -92,3 +92,45 @@ def sweep(
     threads: int,
     progress: _Told = None,
 ) -> tuple[dict[str, Any], list[tuple[int, str]], str, tuple[int, int]]: ...
+def calibrate(text: str | None, file: str | None, parameters: Mapping[str, Any], preset: str, config: str | None) -> str: ...
+def ensemble(
+    text: str | None,
+    file: str | None,
+    count: int,
+    seed: int,
+    parameters: Mapping[str, Any],
+    preset: str,
+    config: str | None,
+    threads: int,
+) -> str: ...
+def ranges(
+    lineage: tuple[str, str | None],
+    cues: list[str],
+    text: str | None,
+    file: str | None,
+    parameters: Mapping[str, Any],
+    memo: Memo,
+    preset: str,
+    config: str | None,
+    seed: int,
+    threads: int,
+) -> str: ...
+def compare_counts(tree: GrownTree) -> str: ...
+def compare_volumes(
+    files: list[str],
+    text: str | None,
+    voxel: float | None,
+    group: str | None,
+    lineage: str | None,
+    constants: tuple[str | None, str | None] | None,
+    length: float | None,
+    parameters: Mapping[str, Any],
+    memo: Memo,
+    preset: str,
+    config: str | None,
+    threads: int,
+    progress: _Told = None,
+) -> str: ...
+def compare_contours(
+    measured: list[NDArray[np.float64]], model: list[tuple[float, NDArray[np.float64]]], length: float | None
+) -> str: ...

@@ -6,17 +6,20 @@ import threading
 
 from ._furrow import Memo
 
-_lock = threading.Lock()
-_shared: Memo | None = None
+
+class _Shared:
+    """The memo, once there is one."""
+
+    lock = threading.Lock()
+    memo: Memo | None = None
 
 
 def memo() -> Memo:
     """The memo of this process: every division that it has solved, and those of a store if :func:`use_store` named one."""
-    global _shared
-    with _lock:
-        if _shared is None:
-            _shared = Memo()
-        return _shared
+    with _Shared.lock:
+        if _Shared.memo is None:
+            _Shared.memo = Memo()
+        return _Shared.memo
 
 
 def use_store(folder: str | None, r0_step: float | None = None) -> Memo:
@@ -26,8 +29,7 @@ def use_store(folder: str | None, r0_step: float | None = None) -> Memo:
     """
     from ._checks import path_of
 
-    global _shared
     fresh = Memo(None if folder is None else path_of("store", folder), r0_step)
-    with _lock:
-        _shared = fresh
+    with _Shared.lock:
+        _Shared.memo = fresh
     return fresh

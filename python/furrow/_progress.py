@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from typing_extensions import TypeAlias
+    from typing import TypeAlias
 
 #: None for a bar where tqdm is installed and the output is for a person, False for none, True for one in any case, or a function
 #: that is told how many are done and how many there are.
-Progress: TypeAlias = Union[bool, Callable[[int, int], object], None]
+Progress: TypeAlias = bool | Callable[[int, int], object] | None
 
 
 @contextmanager

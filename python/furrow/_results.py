@@ -91,7 +91,8 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Frames(Sequence[Frame]):
-    """The shapes of a dividing cell. Numbers of all frames are arrays; ``frames[k]`` is one of them, whose contour is a view."""
+    """The shapes of a dividing cell. Numbers of all frames are arrays; ``frames[k]`` is one of them, whose contour is a
+    view."""
 
     t: Array  #: Times, in τ.
     length: Array  #: Contour lengths, in L_h.
@@ -367,7 +368,8 @@ class Curve(Result):
 
 @dataclass(frozen=True, eq=False)
 class Branch(Result):
-    """The stationary shapes of a cell over ξ_s: ``branch["symmetric"]``, ``branch["asymmetric"]``, and what happens along them."""
+    """The stationary shapes of a cell over ξ_s: ``branch["symmetric"]``, ``branch["asymmetric"]``, and what happens along
+    them."""
 
     cell: Cell = field(repr=False)  #: The cell.
     curves: tuple[Curve, ...]  #: The branches.

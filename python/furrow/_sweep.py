@@ -22,11 +22,10 @@ if TYPE_CHECKING:
 
 
 class Sweep(Mapping[str, Any]):
-    """The table of a sweep: columns by name, first those of the axes. Numbers are arrays, with NaN where there is none; words are lists."""
+    """The table of a sweep: columns by name, first those of the axes. Numbers are arrays, with NaN where there is none;
+    words are lists."""
 
-    def __init__(
-        self, columns: Mapping[str, Any], undecided: Mapping[int, str], csv: str, solved: int, reused: int
-    ) -> None:
+    def __init__(self, columns: Mapping[str, Any], undecided: Mapping[int, str], csv: str, solved: int, reused: int) -> None:
         self._columns = dict(columns)
         #: Why points are undecided, by the number of their row.
         self.undecided = dict(undecided)
@@ -95,9 +94,7 @@ def _ron(value: object) -> str:
     return repr(number)
 
 
-def _text(
-    kind: str, axes: Mapping[str, Iterable[Any]], cue: str | None, replicates: int, seed: int, lineage: str | None
-) -> str:
+def _text(kind: str, axes: Mapping[str, Iterable[Any]], cue: str | None, replicates: int, seed: int, lineage: str | None) -> str:
     if not isinstance(axes, Mapping):
         raise refused("axes", axes, "names of parameters with their values, as {'r0': [1.6, 2.0]}")
     written = []
@@ -136,9 +133,9 @@ def sweep(
 ) -> Sweep:
     """Computes many points over axes of parameters, each input once, on all cores.
 
-    Either ``file`` is a sweep file, or ``axes`` says which parameters take which values, the first varying slowest; their names are
-    those that ``furrow --set`` knows, ``cue``, or ``cue.amplitude`` and the like. ``kind`` is ``division``, ``tree``, ``pitchfork`` or
-    ``critical``. With ``out`` the files of ``furrow sweep`` are written into that folder.
+    Either ``file`` is a sweep file, or ``axes`` says which parameters take which values, the first varying slowest; their
+    names are those that ``furrow --set`` knows, ``cue``, or ``cue.amplitude`` and the like. ``kind`` is ``division``,
+    ``tree``, ``pitchfork`` or ``critical``. With ``out`` the files of ``furrow sweep`` are written into that folder.
 
     >>> import furrow
     >>> sizes = furrow.sweep(axes={"r0": [1.5, 2.0, 2.5]})

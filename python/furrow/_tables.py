@@ -15,7 +15,8 @@ def frame(columns: Mapping[str, Any]) -> pd.DataFrame:
         import pandas as pd
     except ImportError as error:
         raise ImportError("to_pandas needs pandas: pip install pandas") from error
-    return pd.DataFrame(dict(columns))
+    table: pd.DataFrame = pd.DataFrame(dict(columns))
+    return table
 
 
 def html_table(rows: list[tuple[str, str]], caption: str) -> str:

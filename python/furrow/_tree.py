@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, SupportsIndex, overload
+from typing import TYPE_CHECKING, Any, Literal, SupportsIndex, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -167,7 +167,8 @@ class Tree:
         return self._grown.newick()
 
     def export(self, format: str, lengths: str = "time") -> str | dict[str, str]:
-        """The tree for other programs: ``newick``, ``nhx``, ``nexus``, ``csv``, ``lineagetree``, ``graphml``, or ``itol``, which is several files by name.
+        """The tree for other programs: ``newick``, ``nhx``, ``nexus``, ``csv``, ``lineagetree``, ``graphml``, or
+        ``itol``, which is several files by name.
 
         ``lengths`` are those of the branches: ``time``, ``generation`` or ``none``.
         """
@@ -213,7 +214,8 @@ class Tree:
         return graph
 
     def to_lineagetree(self) -> LineageTree:
-        """A tree of the package LineageTree: cells by their numbers, at the time point of their generation, with radius, volume and labels."""
+        """A tree of the package LineageTree: cells by their numbers, at the time point of their generation, with radius,
+        volume and labels."""
         try:
             from lineagetree import LineageTree
         except ImportError as error:
@@ -238,7 +240,8 @@ class Tree:
         )
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes ``tree.json``, or by the ending of the path Newick (``.nwk``), a drawing (``.svg``) or the page that computes (``.html``)."""
+        """Writes ``tree.json``, or by the ending of the path Newick (``.nwk``), a drawing (``.svg``) or the page that
+        computes (``.html``)."""
         file = Path(path_of("path", path))
         texts = {".json": self.to_json, ".nwk": self.newick, ".svg": self._grown.svg, ".html": self._grown.html}
         if file.suffix not in texts:
@@ -322,7 +325,8 @@ class Scenarios(Mapping[str, Tree]):
         import pandas as pd
 
         tables = {name: tree.founders_to_pandas() for name, tree in self.items()}
-        return pd.concat(tables, names=["scenario"]).reset_index("scenario").reset_index(drop=True)
+        table: pd.DataFrame = pd.concat(tables, names=["scenario"]).reset_index("scenario").reset_index(drop=True)
+        return table
 
     def __repr__(self) -> str:
         return f"<furrow.Scenarios {', '.join(self)}>"
@@ -330,7 +334,6 @@ class Scenarios(Mapping[str, Tree]):
     def _repr_html_(self) -> str:
         parts = [tree._founders_html(f"{name}: {len(tree)} cells") for name, tree in self.items()]
         return f"<div style='display:flex;gap:2em;flex-wrap:wrap'>{''.join(parts)}</div>"
-
 
 
 @overload
@@ -393,6 +396,7 @@ def tree(
     constants: str | os.PathLike[str] | Constants,
     r0: Value | None = None,
     seed: SupportsIndex = 0,
+    dynamics: Literal[False] = False,
     preset: str = "gao2026",
     config: str | os.PathLike[str] | None = None,
     memo: Memo | None = None,
@@ -418,11 +422,12 @@ def tree(
 ) -> Tree | Scenarios | Ranges:
     """Grows a lineage from one cell: every division is solved, its daughters divide next, until none can.
 
-    ``lineage`` is a lineage file, its text, or None for the built-in C. elegans founders. ``cue`` replaces every cue that it gives.
-    With ``cues``, or several lineages, every combination is grown in one run and the answer is :class:`Scenarios`. With
-    ``constants``, a table as ``furrow calibrate --ensemble`` writes it or what :func:`furrow.ensemble` gave, it is grown with every set of
-    them, and the answer is :class:`Ranges`. ``r0`` is the radius of the first cell, and further keywords are parameters by the names that
-    ``furrow --set`` knows. ``dynamics=True`` computes the division of every cell, those below the critical radius included.
+    ``lineage`` is a lineage file, its text, or None for the built-in C. elegans founders. ``cue`` replaces every cue that
+    it gives. With ``cues``, or several lineages, every combination is grown in one run and the answer is
+    :class:`Scenarios`. With ``constants``, a table as ``furrow calibrate --ensemble`` writes it or what
+    :func:`furrow.ensemble` gave, it is grown with every set of them, and the answer is :class:`Ranges`. ``r0`` is the
+    radius of the first cell, and further keywords are parameters by the names that ``furrow --set`` knows.
+    ``dynamics=True`` computes the division of every cell, those below the critical radius included.
 
     >>> import furrow
     >>> worm = furrow.tree()
@@ -445,6 +450,8 @@ def tree(
 
         if several:
             raise refused("constants", constants, "given with one lineage and at most one cue")
+        if dynamics:
+            raise refused("dynamics", dynamics, "False with constants")
         with shown(progress, "sets") as tell:
             return ranges_of(labelled, wanted, constants, given, known, preset, where, seed, threads, tell)
     with shown(progress, "divisions") as tell:

@@ -150,6 +150,13 @@ fn input(py: Python<'_>, error: &InputError) -> PyErr {
     }
 }
 
+/// Bad input of a kind that the library never sees, as a list in place of a number.
+pub fn refused(py: Python<'_>, field: &str, value: &Bound<'_, PyAny>, allowed: &str) -> PyErr {
+    let kind = value.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
+    let message = format!("furrow: {field} is of the type {kind}: must be {allowed}");
+    exception(py, "InputError", (message, field, value, allowed, "furrow"))
+}
+
 /// What should not happen: a result that has no form as text.
 pub fn unwritable(error: impl Display) -> PyErr {
     PyRuntimeError::new_err(error.to_string())

@@ -7,12 +7,11 @@ use furrow::division::DivisionInput;
 use furrow::input::{InputError, shown};
 use furrow::lineage::{Length, Lineage};
 use furrow::settings::{self, Settings, canonical_name};
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyInt, PyString};
 use serde::{Deserialize, Serialize};
 
-use crate::errors::{Error, raised, unwritable};
+use crate::errors::{Error, raised, refused, unwritable};
 
 /// What errors call the arguments of a call.
 pub const ARGUMENTS: &str = "furrow";
@@ -23,15 +22,12 @@ pub type Pairs = Vec<(String, String)>;
 /// A value as the text that a parameter is set by.
 ///
 /// # Errors
-/// TypeError for what is neither a number nor a word.
+/// InputError for what is neither a number nor a word.
 pub fn value_text(name: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
     if let Ok(text) = value.cast::<PyString>() {
         return Ok(text.to_str()?.trim().to_owned());
     }
-    let refused = || {
-        let kind = value.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
-        PyTypeError::new_err(format!("{name} must be a number or a word, not {kind}"))
-    };
+    let refused = || refused(value.py(), name, value, "a number, or a word where the parameter has words");
     if value.is_instance_of::<PyBool>() {
         return Err(refused());
     }

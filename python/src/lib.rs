@@ -10,12 +10,16 @@
 //! | [`cells`] | one cell: its division, its stationary shapes, its threshold |
 //! | [`trees`] | lineages |
 //! | [`sweeps`] | many points |
+//! | [`studies`] | constants from thresholds, lineages over sets of them |
+//! | [`comparisons`] | the model beside measured embryos |
 
 mod cells;
 mod columns;
+mod comparisons;
 mod errors;
 mod inputs;
 mod memo;
+mod studies;
 mod supervise;
 mod sweeps;
 mod trees;
@@ -40,5 +44,11 @@ fn _furrow(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(trees::grow, module)?)?;
     module.add_function(wrap_pyfunction!(trees::read_tree, module)?)?;
     module.add_function(wrap_pyfunction!(sweeps::sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(studies::calibrate, module)?)?;
+    module.add_function(wrap_pyfunction!(studies::ensemble, module)?)?;
+    module.add_function(wrap_pyfunction!(studies::ranges, module)?)?;
+    module.add_function(wrap_pyfunction!(comparisons::compare_counts, module)?)?;
+    module.add_function(wrap_pyfunction!(comparisons::compare_volumes, module)?)?;
+    module.add_function(wrap_pyfunction!(comparisons::compare_contours, module)?)?;
     Ok(())
 }

@@ -25,7 +25,7 @@ use crate::lineage::{Lineage, TreeSettings};
 use crate::plot::comparison::{self, Comparison};
 use crate::study::compare::volumes::{
     Band, Beside, GroupBeside, Modelled, Regression, Scale, ScaleFrom, SizeCurve, bands, beside, modelled, regression,
-    scale, size_curves, with_first_division_of,
+    scale, size_curves, with_first_divisions,
 };
 use crate::study::{Range, read_constants, tree_settings};
 
@@ -86,9 +86,6 @@ fn wanted_scale(text: &str) -> Result<WantedScale, String> {
         _ => Ok(WantedScale::Length(number(text)?)),
     }
 }
-
-/// Groups with whose own first division a tree is grown.
-const MOST_GROUPS: usize = 50;
 
 /// What is told of so much that was skipped, a line each.
 const MOST_SKIPPED: usize = 10;
@@ -203,9 +200,7 @@ fn model(
     groups: &[GroupSummary],
     context: &Context,
 ) -> Result<(Cells, BTreeMap<String, Cells>), CliError> {
-    let with_first =
-        |group: &GroupSummary| Some((group.group.clone(), with_first_division_of(lineage, group, settings.cell.r0)?));
-    let given: Vec<(String, Lineage)> = groups.iter().filter_map(with_first).take(MOST_GROUPS).collect();
+    let given = with_first_divisions(lineage, groups, settings.cell.r0);
     let lineages = std::iter::once(lineage.clone()).chain(given.iter().map(|(_, lineage)| lineage.clone())).collect();
     let mut trees = trees_of(lineages, context)?.into_iter().map(|tree| modelled(&tree));
     let free = trees.next().unwrap_or_default();

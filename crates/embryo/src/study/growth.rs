@@ -17,6 +17,18 @@ pub fn tree_settings(given: Settings, lineage: &Lineage, seed: u64, quantisation
     TreeSettings { cell, numerics, seed, r0_step: quantisation.relative_step() }
 }
 
+/// Lineages to be grown with the same parameters, as scenarios without names.
+pub fn scenarios_of(lineages: Vec<Lineage>, given: &Settings, quantisation: Quantisation) -> Vec<Scenario> {
+    let scenario = |lineage: Lineage| Scenario {
+        name: String::new(),
+        label: String::new(),
+        cue: None,
+        settings: tree_settings(given.clone(), &lineage, 0, quantisation),
+        lineage,
+    };
+    lineages.into_iter().map(scenario).collect()
+}
+
 /// Trees that were grown in one run.
 #[derive(Debug, Default)]
 pub struct Grown {

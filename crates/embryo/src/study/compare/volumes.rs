@@ -117,6 +117,15 @@ pub fn with_first_division_of(lineage: &Lineage, group: &GroupSummary, r0: f64) 
     Some(lineage)
 }
 
+/// Groups with whose own first division a tree is grown.
+const MOST_GROUPS: usize = 50;
+
+/// The lineages of [`with_first_division_of`] by group, of the first fifty groups that have one.
+pub fn with_first_divisions(lineage: &Lineage, groups: &[GroupSummary], r0: f64) -> Vec<(String, Lineage)> {
+    let with_first = |group: &GroupSummary| Some((group.group.clone(), with_first_division_of(lineage, group, r0)?));
+    groups.iter().filter_map(with_first).take(MOST_GROUPS).collect()
+}
+
 /// Measured groups beside the model: `free` is the tree grown from the zygote, `given` those with each group's first division.
 /// Of groups that are known by their means alone there are no `divisions`, and no bins.
 pub fn beside(
