@@ -7,6 +7,7 @@ import os
 from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex, overload
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _furrow
 from ._checks import path_of, refused, seed_of, text_of, threads_of, whole
@@ -135,6 +136,16 @@ class Cell:
         """The cue as it is written."""
         return self._inputs.cue
 
+    def cue_at(self, u: ArrayLike, length: SupportsFloat) -> dict[str, NDArray[np.float64]]:
+        """What its cue comes to at places u of a contour of a length: for each field that it changes Σ A f(u)."""
+        at = np.ascontiguousarray(u, dtype=np.float64)
+        if at.ndim != 1:
+            raise refused("u", u, "places in a row")
+        sums: dict[str, NDArray[np.float64]] = {}
+        for name, values in self._inputs.cue_at(at, _number("length", length)):
+            sums[name] = sums[name] + values if name in sums else values
+        return sums
+
     def __getattr__(self, name: str) -> Any:
         if not name.startswith("_"):
             known = self.parameters()
@@ -173,6 +184,7 @@ class Cell:
         seed: SupportsIndex = 0,
         *,
         frames: bool | float = False,
+        places: SupportsIndex | None = None,
         replicates: None = None,
         memo: Memo | None = None,
         threads: SupportsIndex | None = None,
@@ -184,6 +196,7 @@ class Cell:
         seed: SupportsIndex = 0,
         *,
         frames: Literal[False] = False,
+        places: None = None,
         replicates: SupportsIndex,
         memo: Memo | None = None,
         threads: SupportsIndex | None = None,
@@ -194,6 +207,7 @@ class Cell:
         seed: SupportsIndex = 0,
         *,
         frames: bool | float = False,
+        places: SupportsIndex | None = None,
         replicates: SupportsIndex | None = None,
         memo: Memo | None = None,
         threads: SupportsIndex | None = None,
@@ -202,8 +216,9 @@ class Cell:
         """Computes its division, from the passive shape to pinch-off or to rest.
 
         ``seed`` is that of the noise in the first step. ``frames=True`` keeps the shape after every step, ``frames=0.2``
-        one every 0.2 τ. With ``replicates=N`` it is divided with the seeds from ``seed`` on, on all cores or on
-        ``threads``. What the memo knows is not solved again.
+        one every 0.2 τ, at the collocation points of its mesh or at so many ``places`` of each of its intervals. With
+        ``replicates=N`` it is divided with the seeds from ``seed`` on, on all cores or on ``threads``. What the memo
+        knows is not solved again.
 
         >>> import furrow
         >>> division = furrow.Cell(r0=5.4, cue="germline").divide()
@@ -226,18 +241,21 @@ class Cell:
             found = json.loads(text)
         solved, undecided = found
         if replicates is None:
-            return division(self, first, solved[0][1], self._frames(first, frames))
+            return division(self, first, solved[0][1], self._frames(first, frames, places))
         return Replicates(tuple(division(self, seed, record) for seed, record in solved), dict(undecided))
 
-    def _frames(self, seed: int, frames: bool | float) -> Frames | None:
+    def _frames(self, seed: int, frames: bool | float, places: SupportsIndex | None) -> Frames | None:
         if frames is False:
+            if places is not None:
+                raise refused("places", places, "given with frames")
             return None
         try:
             every = None if frames is True else float(frames)
         except (TypeError, ValueError):
             raise refused("frames", frames, "True, False or a number of τ") from None
-        _, of, ends, places, shell = _furrow.film(self._inputs, seed, every)
-        return Frames(**of, shell=(shell[0], shell[1]), _places=places, _ends=ends)
+        count = None if places is None else whole("places", places, 1, 64)
+        _, of, ends, columns, shell = _furrow.film(self._inputs, seed, every, count)
+        return Frames(**of, shell=(shell[0], shell[1]), _places=columns, _ends=ends)
 
     def steady(self) -> Steady:
         """The stationary shape at its activity, on the branch of the passive shape, and its growth rates.

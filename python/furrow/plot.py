@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from ._cell import Cell
     from ._results import Branch, Division, Frame, Frames
     from ._studies import Ranges
     from ._tree import Tree
@@ -94,16 +95,40 @@ def title_of(division: Division) -> str:
     return f"R₀ = {cell.r0:g}, ε = {cell.epsilon:g}, $ξ_s$ = {cell.xi_s:g}{cue}: {became}"
 
 
-def contour(axes: Axes, frame: Frame, shell: tuple[float, float] | None = None) -> Axes:
-    """A cell in its shell, anterior left."""
+def contour(axes: Axes, frame: Frame, shell: tuple[float, float] | None = None, cell: Cell | None = None) -> Axes:
+    """A cell in its shell, anterior left; with ``cell`` its cue, along the outside."""
     r, z = frame.contour.r, frame.contour.z
     if shell is not None:
         angle = np.linspace(0.0, 2.0 * np.pi, 200)
         axes.plot(shell[0] * np.cos(angle), shell[1] * np.sin(angle), color=SHELL, linestyle="--", linewidth=1.0)
     axes.fill(np.concatenate((z, z[::-1])), np.concatenate((r, -r[::-1])), facecolor=CYTOPLASM, edgecolor=INK, linewidth=1.6)
+    if cell is not None and cell.cue != "none":
+        _cue(axes, frame, cell)
     axes.set_aspect("equal")
     axes.axis("off")
     return axes
+
+
+def _cue(axes: Axes, frame: Frame, cell: Cell) -> None:
+    """The cue, as a strip along the outside of the contour that is as strong as the cue is there."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgba
+
+    # Evenly along the contour, however its mesh is.
+    u = np.linspace(0.0, 1.0, 401)
+    r, z, psi = (np.interp(u, frame.contour["u"], frame.contour[name]) for name in ("r", "z", "psi"))
+    strength = sum(np.abs(values) for values in cell.cue_at(u, frame.length).values())
+    strength = strength / np.max(strength)
+    # The outward normal is (sin ψ, cos ψ) along (r, z).
+    wide = 0.012 * frame.length / np.pi
+    inner, outer = ((r + k * wide * np.sin(psi), z + k * wide * np.cos(psi)) for k in (0.5, 2.5))
+    strips, colours = [], []
+    for k in np.flatnonzero(strength[:-1] > 0.08):
+        corners = [(inner, k), (inner, k + 1), (outer, k + 1), (outer, k)]
+        for side in (1.0, -1.0):
+            strips.append([(line[1][at], side * line[0][at]) for line, at in corners])
+            colours.append(to_rgba(CUE, float(strength[k])))
+    axes.add_collection(PolyCollection(strips, facecolors=colours, edgecolors="none", zorder=3))
 
 
 def division(found: Division) -> Figure:
@@ -119,7 +144,7 @@ def division(found: Division) -> Figure:
     grid = figure.add_gridspec(2, 1, height_ratios=(1.0, 2.2))
     row = grid[0].subgridspec(1, STILLS)
     for k, frame in enumerate(_stills(frames)):
-        axes = contour(figure.add_subplot(row[k]), frame, frames.shell)
+        axes = contour(figure.add_subplot(row[k]), frame, frames.shell, found.cell if k else None)
         axes.set_title(f"t = {frame.t:.3g} τ", y=-0.22, fontsize=9, color=MUTED)
     charts = grid[1].subgridspec(1, 2, width_ratios=(0.82, 1.0))
     _over_time(style(figure.add_subplot(charts[0])), found, frames)
@@ -224,7 +249,7 @@ def _branch_legend(axes: Axes, found: Branch) -> None:
     for kind, marker in (("pitchfork", "o"), ("fold", "D")):
         if any(event.kind == kind for event in found.events):
             keys.append(Line2D([], [], color=INK, marker=marker, linestyle="none", label=kind))
-    axes.legend(handles=keys, frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(keys), fontsize=9)
+    axes.legend(handles=keys, frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=9)
 
 
 def rounds(tree: Tree) -> Figure:
@@ -277,6 +302,7 @@ def _rounds_figure(title: str, names: Sequence[str], sets: Sequence[tuple[str, s
     style(above).set_ylabel("rounds")
     style(below).set_ylabel("terminal cells")
     below.set_yscale("log")
+    below.yaxis.set_major_formatter("{x:g}")
     below.set_xticks(np.arange(len(names)), names)
     handles, labels = above.get_legend_handles_labels()
     above.legend(handles, labels, frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(sets), fontsize=9)
@@ -299,26 +325,34 @@ def volumes(found: VolumesComparison) -> Figure:
     """Measured χ by mother, with the standard deviation, and the model's beside it."""
     names = list(dict.fromkeys(mother.mother for mother in found.mothers))
     groups = list(dict.fromkeys(mother.group for mother in found.mothers))
-    figure = _figure(max(6.4, 0.62 * len(names) + 2.0), 4.4)
+    figure = _figure(min(max(6.4, (0.35 + 0.11 * len(groups)) * len(names) + 2.0), 24.0), 4.4)
     axes = style(figure.subplots())
     hues = [OBSERVED, *SERIES[1:3], *SERIES[4:]]
+    # Side by side about the mother's name: its groups, and the model last.
+    step = 0.7 / (len(groups) + 1)
+
+    def beside(k: int, mothers: Sequence[str]) -> Numbers:
+        return np.array([names.index(name) for name in mothers], dtype=np.float64) + step * (k - 0.5 * len(groups))
+
     for k, group in enumerate(groups):
         rows = [mother for mother in found.mothers if mother.group == group]
-        x = np.array([names.index(row.mother) for row in rows], dtype=np.float64) + 0.16 * (k - 0.5 * len(groups))
+        x = beside(k, [row.mother for row in rows])
         sd = np.array([np.nan if row.sd is None else row.sd for row in rows])
-        label = f"measured, {group}" if group else "measured"
-        axes.errorbar(x, [row.measured for row in rows], yerr=sd, fmt="o", color=hues[k % len(hues)], markersize=5, label=label)
+        label, colour = f"measured, {group}" if group else "measured", hues[k % len(hues)]
+        axes.errorbar(x, [row.measured for row in rows], yerr=sd, fmt="o", color=colour, markersize=5, label=label)
     first = {mother.mother: mother for mother in reversed(found.mothers)}
     rows = [first[name] for name in names]
+    x = beside(len(groups), names)
+    for place, row in zip(x, rows, strict=True):
+        if row.band is not None:
+            axes.plot([place, place], row.band[::2], color=MODEL, linewidth=6, alpha=0.35, solid_capstyle="butt")
     chi = np.array([np.nan if row.model is None else row.model for row in rows])
-    x = np.arange(len(names), dtype=np.float64) + 0.16 * (0.5 * len(groups))
-    axes.plot(x, chi, marker="D", linestyle="none", color=MODEL, markersize=6, label="model")
-    bands = [(place, row.band) for place, row in zip(x, rows, strict=True) if row.band is not None]
-    for place, band in bands:
-        axes.plot([place, place], [band[0], band[2]], color=MODEL, linewidth=6, alpha=0.35, solid_capstyle="butt")
+    axes.plot(x, chi, marker="D", linestyle="none", color=MODEL, markersize=5, label="model")
+    for edge in np.arange(len(names) - 1) + 0.5:
+        axes.axvline(edge, color=FAINT, linewidth=0.8)
+    axes.grid(False, axis="x")
     axes.set_xticks(np.arange(len(names)), names, rotation=45 if len(names) > 12 else 0)
-    axes.set(xlabel="mother", ylabel=LABELS["chi"])
-    axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+    axes.set(xlim=(-0.5, len(names) - 0.5), xlabel="mother", ylabel=LABELS["chi"])
     axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(groups) + 1, fontsize=9)
     return figure
 
@@ -327,7 +361,7 @@ def contours(found: ContoursComparison) -> Figure:
     """Measured outlines upon the model's, the first six and those spread evenly among more."""
     count = min(len(found.laid), 6)
     chosen = np.unique(np.linspace(0, len(found.laid) - 1, count).round().astype(int))
-    figure = _figure(1.9 * len(chosen) + 0.4, 3.0)
+    figure = _figure(2.1 * len(chosen) + 0.3, 2.3)
     for axes, k in zip(figure.subplots(1, len(chosen), squeeze=False)[0], chosen, strict=True):
         outline, model = found.laid[int(k)]
         # The long axis lies along the second coordinate, and here from left to right.

@@ -66,8 +66,14 @@ type Filmed<'py> = (String, Bound<'py, PyDict>, Bound<'py, PyArray1<i64>>, Bound
 
 /// Computes a division and keeps its shapes, after every step or every so many τ.
 #[pyfunction]
-#[pyo3(signature = (inputs, seed, every=None))]
-pub fn film<'py>(py: Python<'py>, inputs: &Inputs, seed: u64, every: Option<f64>) -> PyResult<Filmed<'py>> {
+#[pyo3(signature = (inputs, seed, every=None, places=None))]
+pub fn film<'py>(
+    py: Python<'py>,
+    inputs: &Inputs,
+    seed: u64,
+    every: Option<f64>,
+    places: Option<usize>,
+) -> PyResult<Filmed<'py>> {
     let input = inputs.division(seed).map_err(|error| raised(py, error, 0))?;
     if let Some(step) = every.filter(|step| !(step.is_finite() && *step > 0.0)) {
         let error = InputError::not_allowed(ARGUMENTS, "frames", step, "True, False or a finite number of τ above 0");
@@ -75,6 +81,10 @@ pub fn film<'py>(py: Python<'py>, inputs: &Inputs, seed: u64, every: Option<f64>
     }
     let (division, stills, shell) = supervised(py, Interrupt::Leaves, None, move |_| {
         let film = film_of(&input)?;
+        let film = match places {
+            Some(count) => film.with_places(count),
+            None => film,
+        };
         check_step(ARGUMENTS, &film, every)?;
         Ok((film.division.clone(), stills(&film, every), film.shell()))
     })?;

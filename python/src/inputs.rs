@@ -7,6 +7,7 @@ use furrow::division::DivisionInput;
 use furrow::input::{InputError, shown};
 use furrow::lineage::{Length, Lineage};
 use furrow::settings::{self, Settings, canonical_name};
+use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyInt, PyString};
 use serde::{Deserialize, Serialize};
@@ -159,6 +160,18 @@ impl Inputs {
     #[getter]
     fn cue(&self) -> String {
         self.cell.cue.to_string()
+    }
+
+    /// What each term of the cue comes to at places of a contour of a length: the name of its field, and A f(u) at each.
+    fn cue_at<'py>(
+        &self,
+        py: Python<'py>,
+        u: PyReadonlyArray1<'py, f64>,
+        length: f64,
+    ) -> Vec<(&'static str, Bound<'py, PyArray1<f64>>)> {
+        let at = |term: &furrow::cell::cue::Term| u.as_array().iter().map(|u| term.at(*u, length)[0]).collect();
+        let terms = self.cell.cue.terms().iter();
+        terms.map(|term| (term.field.name(), PyArray1::from_vec(py, at(term)))).collect()
     }
 
     /// The same cell seen in a mirror.
