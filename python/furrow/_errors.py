@@ -46,8 +46,8 @@ class Interrupted(KeyboardInterrupt):
     """Ctrl-C stopped a run. What it had solved is in the memo, so that the same call goes on from there."""
 
     def __init__(self, solved: int = 0) -> None:
-        one = "division or point" if solved == 1 else "divisions or points"
-        super().__init__(f"interrupted; {solved} {one} solved so far are kept, and the same call goes on from there")
+        kept = f"; what was solved so far ({solved}) is kept, and the same call goes on from there" if solved else ""
+        super().__init__(f"interrupted{kept}")
         #: Divisions, or points of a sweep, that were solved before.
         self.solved = solved
 

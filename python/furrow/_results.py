@@ -350,7 +350,7 @@ class Curve(Result):
 
     @property
     def stable(self) -> NDArray[np.bool_]:
-        """Whether each shape is stable."""
+        """Whether each shape is stable; not where its growth rate was not found."""
         return self.growth_rate < 0.0
 
     def __len__(self) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, SupportsIndex
 
@@ -132,7 +132,6 @@ def ranges_of(
     config: str | None,
     seed: SupportsIndex,
     threads: SupportsIndex | None,
-    _tell: Callable[[int, int], object] | None,
 ) -> Ranges:
     """A lineage over sets of constants; for :func:`furrow.tree`."""
     text, file = table_of(constants)

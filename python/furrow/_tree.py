@@ -452,8 +452,7 @@ def tree(
             raise refused("constants", constants, "given with one lineage and at most one cue")
         if dynamics:
             raise refused("dynamics", dynamics, "False with constants")
-        with shown(progress, "sets") as tell:
-            return ranges_of(labelled, wanted, constants, given, known, preset, where, seed, threads, tell)
+        return ranges_of(labelled, wanted, constants, given, known, preset, where, seed, threads)
     with shown(progress, "divisions") as tell:
         named, work = _furrow.grow(
             labelled,

@@ -120,7 +120,7 @@ def _cue(axes: Axes, frame: Frame, cell: Cell) -> None:
     strength = sum(np.abs(values) for values in cell.cue_at(u, frame.length).values())
     strength = strength / np.max(strength)
     # The outward normal is (sin ψ, cos ψ) along (r, z).
-    wide = 0.012 * frame.length / np.pi
+    wide = 0.016 * frame.length / np.pi
     inner, outer = ((r + k * wide * np.sin(psi), z + k * wide * np.cos(psi)) for k in (0.5, 2.5))
     strips, colours = [], []
     for k in np.flatnonzero(strength[:-1] > 0.08):

@@ -38,6 +38,13 @@ pub fn divide(
 ) -> PyResult<String> {
     let input = inputs.division(seed).map_err(|error| raised(py, error, 0))?;
     let memo = Arc::clone(&memo.solved);
+    // What is known needs no thread that Ctrl-C could stop.
+    if count == 1
+        && let Some(division) = py.detach(|| memo.known(&input))
+    {
+        let found: (_, [(u64, String); 0]) = ([(seed, division)], []);
+        return serde_json::to_string(&found).map_err(unwritable);
+    }
     // Of a single division nothing is kept before it has ended, which it does by itself and for the memo.
     let interrupt = if count == 1 { Interrupt::Leaves } else { Interrupt::Tells };
     let found = supervised(py, interrupt, progress, move |watch| {

@@ -146,9 +146,10 @@ impl Inputs {
         let settings = self.settings();
         let mut map = serde_json::Map::new();
         for (_, name, text) in settings::listing(&settings) {
-            let value = match text.parse::<f64>() {
-                Ok(number) => serde_json::from_str(&text).unwrap_or_else(|_| number.into()),
-                Err(_) => serde_json::Value::from(text),
+            let value = match (name, text.parse::<f64>()) {
+                ("stages" | "intervals", Ok(number)) => serde_json::Value::from(number as u64),
+                (_, Ok(number)) => number.into(),
+                (_, Err(_)) => text.into(),
             };
             map.insert(name.to_owned(), value);
         }

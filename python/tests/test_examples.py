@@ -1,0 +1,82 @@
+"""Examples run, are typed, and the stubs say what is there; a cluster gives what one machine gives."""
+
+from __future__ import annotations
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY
+
+import furrow
+
+PYTHON = REPOSITORY / "python"
+EXAMPLES = sorted((PYTHON / "examples").glob("*.py"))
+
+
+def load(path: Path):
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[path.stem] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_examples_run(capsys):
+    load(PYTHON / "examples" / "founders.py").main()
+    printed = capsys.readouterr().out
+    assert "285 cells, of which 143 are terminal" in printed and "AB: 6.80 rounds, observed 9.05" in printed
+    load(PYTHON / "examples" / "own_cue.py").main()
+    printed = capsys.readouterr().out
+    assert printed.count("χ = ") == 11 and "omega = -1" in printed
+
+
+def test_a_cluster_gives_what_one_machine_gives(cli, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    spread_dask = load(PYTHON / "examples" / "spread_dask.py")
+    sizes = np.linspace(1.6, 3.0, 30)
+    cells = [furrow.Cell(r0=float(r0), cue="germline") for r0 in sizes]
+    # Workers that are processes of their own: cells and divisions travel as they would between machines.
+    cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
+    with cluster, distributed.Client(cluster) as client:
+        # What is loaded by path is not importable there.
+        distributed_pickle = pytest.importorskip("cloudpickle")
+        distributed_pickle.register_pickle_by_value(spread_dask)
+        divisions = spread_dask.spread(cells, client)
+    listed = ", ".join(repr(cell.r0) for cell in cells)
+    text = f'Sweep(kind: division, axes: [(parameter: "r0", list: [{listed}])], cue: "germline")'
+    (tmp_path / "sweep.ron").write_text(text)
+    cli.text("sweep", "sweep.ron", "--out", "out")
+    rows = [line.split(",") for line in (tmp_path / "out" / "results.csv").read_text().splitlines()[1:]]
+    assert len(rows) == len(divisions) == 30
+    for row, division in zip(rows, divisions, strict=True):
+        assert row[1] == division.outcome
+        assert row[2] == "" if division.chi is None else float(row[2]) == division.chi
+        assert float(row[4]) == division.t_end
+
+
+def test_joblib_spreads_cells():
+    joblib = pytest.importorskip("joblib")
+    cells = [furrow.Cell(r0) for r0 in (2.0, 2.4, 2.8)]
+    found = joblib.Parallel(n_jobs=2)(joblib.delayed(cell.divide)() for cell in cells)
+    assert [division.chi for division in found] == [cell.divide().chi for cell in cells]
+
+
+def test_types_are_right():
+    pytest.importorskip("mypy")
+    checked = ["furrow", *(str(path.relative_to(PYTHON)) for path in EXAMPLES), "benches/cost.py"]
+    for arguments in (["mypy", "--strict", *checked], ["mypy.stubtest", "furrow._furrow"]):
+        done = subprocess.run([sys.executable, "-m", *arguments], cwd=PYTHON, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_style():
+    pytest.importorskip("ruff")
+    for arguments in (["check"], ["format", "--check"]):
+        done = subprocess.run(
+            [sys.executable, "-m", "ruff", *arguments, "."], cwd=PYTHON, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
