@@ -28,7 +28,7 @@ def spread(cells: Sequence[furrow.Cell], client: Client) -> list[furrow.Division
 def main(count: int = 1000) -> None:
     """Divides cells of many sizes."""
     cells = [furrow.Cell(r0=float(r0), cue="germline") for r0 in np.linspace(1.8, 5.4, count)]
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0") as cluster, Client(cluster) as client:
         divisions = spread(cells, client)
     alone = furrow.sweep(axes={"r0": [cell.r0 for cell in cells]}, cue="germline")
     chi = np.array([np.nan if division.chi is None else division.chi for division in divisions])

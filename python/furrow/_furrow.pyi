@@ -2,16 +2,41 @@
 
 import os
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
+
+__all__ = [
+    "GrownTree",
+    "Inputs",
+    "Memo",
+    "__version__",
+    "branch",
+    "calibrate",
+    "compare_contours",
+    "compare_counts",
+    "compare_volumes",
+    "divide",
+    "ensemble",
+    "film",
+    "grow",
+    "parameter_names",
+    "pitchfork",
+    "presets",
+    "ranges",
+    "read_tree",
+    "solver_fingerprint",
+    "steady",
+    "sweep",
+]
 
 __version__: str
 solver_fingerprint: str
 
 _Told = Callable[[int, int], object] | None
 
+@final
 class Inputs:
     def __new__(
         cls,
@@ -31,6 +56,7 @@ class Inputs:
     @staticmethod
     def from_json(text: str) -> Inputs: ...
 
+@final
 class Memo:
     """Divisions that are solved already. With a store, a folder, they outlive the process and are shared with others, the command
     line among them."""
@@ -43,6 +69,7 @@ class Memo:
     @property
     def r0_step(self) -> float: ...
 
+@final
 class GrownTree:
     def __len__(self) -> int: ...
     def to_json(self) -> str: ...

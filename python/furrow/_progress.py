@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -41,7 +42,10 @@ def shown(progress: Progress, unit: str) -> Iterator[Callable[[int, int], object
 
 def _bar(progress: bool | None, unit: str) -> Any:
     try:
-        from tqdm.auto import tqdm
+        with warnings.catch_warnings():
+            # In a notebook without its widgets the bar is one of text, which is nothing to warn of.
+            warnings.simplefilter("ignore")
+            from tqdm.auto import tqdm
     except ImportError:
         return None
     # With None it is quiet where nobody looks at a terminal. A run of less than half a second needs no bar.

@@ -166,10 +166,7 @@ except KeyboardInterrupt:
     ("call", "keeps"),
     [
         ("furrow.sweep(axes={'r0': [1.8 + 0.001 * k for k in range(20000)]}, memo=memo)", True),
-        (
-            'furrow.tree(\'(name: "S", founders: [(name: "S", r0: 60)], limits: (max_cells: 200000, max_depth: 60))\', memo=memo, dynamics=True)',
-            True,
-        ),
+        (f"furrow.tree({LARGE!r}, memo=memo, dynamics=True)", True),
         ("furrow.Cell(2.2).divide(replicates=20000, memo=memo)", True),
         ("furrow.sweep(axes={'epsilon': [0.6 + 1e-5 * k for k in range(20000)]}, kind='pitchfork', r0=2.2)", False),
     ],

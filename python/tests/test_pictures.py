@@ -45,7 +45,7 @@ def test_a_branch_is_dashed_where_it_is_unstable():
     reach = max(line.get_xdata().max() for line in solid if line.get_color() == plot.SYMMETRIC)
     assert reach < branch.pitchforks[0].xi_s
     assert "pitchfork" in texts(figure) and len(figure.axes) == 2
-    assert len(furrow.Cell(2, cue="germline").branch(xi_max=10).plot().axes) == 2
+    assert len(furrow.Cell(2, cue="germline").branch(xi_max=10).plot().axes) == 1
 
 
 def test_rounds_and_ranges():
