@@ -19,6 +19,9 @@ pub struct Memo {
     folder: Option<PathBuf>,
 }
 
+/// What a memo is made of again elsewhere: its class and the arguments of it.
+type Reduced<'py> = (Bound<'py, PyAny>, (Option<PathBuf>, f64));
+
 #[pymethods]
 impl Memo {
     /// An empty memo; with `store` one over a folder. `r0_step` is the relative step to which R0 is rounded before a division is looked up.
@@ -64,7 +67,7 @@ impl Memo {
     }
 
     /// A memo arrives elsewhere empty, on the same store if it has one.
-    fn __reduce__<'py>(slf: &Bound<'py, Memo>) -> PyResult<(Bound<'py, PyAny>, (Option<PathBuf>, f64))> {
+    fn __reduce__<'py>(slf: &Bound<'py, Memo>) -> PyResult<Reduced<'py>> {
         let memo = slf.get();
         Ok((slf.get_type().into_any(), (memo.folder.clone(), memo.r0_step())))
     }

@@ -18,7 +18,6 @@ use super::progress::ProgressLine;
 use crate::batch::{Failure, Replicates, Unsolved, replicates};
 use crate::cell::Cue;
 use crate::division::{Division, DivisionInput, Film, Statistics, film};
-use crate::input::InputError;
 use crate::io::frames::{INDEX, check_step, write_frames};
 use crate::lineage::Units;
 
