@@ -167,6 +167,11 @@ class Result:
         """The result as plain numbers, words and lists, which JSON can hold."""
         return {f.name: _plain(getattr(self, f.name)) for f in fields(self) if f.name != "frames"}  # type: ignore[arg-type]
 
+    def to_pandas(self) -> pd.DataFrame:
+        """One row with all that is a single number or word."""
+        values = self.to_dict().items()
+        return frame({name: [value] for name, value in values if not isinstance(value, (dict, list))})
+
     def _rows(self) -> list[tuple[str, str]]:
         values = ((name, value) for name, value in self.to_dict().items() if not isinstance(value, (dict, list)))
         return [(name, shown(value)) for name, value in values]

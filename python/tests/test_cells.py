@@ -170,6 +170,24 @@ def test_the_memo_is_shared_and_a_store_outlives_it(tmp_path):
     assert furrow.memo() is furrow.memo()
 
 
+def test_results_are_tables():
+    pandas = pytest.importorskip("pandas")
+    division = furrow.Cell(r0=2.5).divide()
+    assert division.to_pandas()["chi"].tolist() == [division.chi]
+    assert json.loads(json.dumps(division.to_dict()))["cell"]["r0"] == 2.5
+    branch = furrow.Cell(r0=2).branch(xi_max=24)
+    table = branch.to_pandas()
+    assert isinstance(table, pandas.DataFrame) and len(table) == sum(len(curve) for curve in branch.curves)
+    assert json.loads(json.dumps(branch.to_dict()))["events"][0]["kind"] == "pitchfork"
+    steady = furrow.Cell(r0=2, xi_s=12).steady()
+    assert len(steady.contour.to_pandas()) == len(steady.contour)
+    assert json.loads(json.dumps(steady.to_dict()))["stable"] is True
+    frames = furrow.Cell(r0=2.5).divide(frames=0.5).frames
+    assert frames.to_pandas()["t"].tolist() == frames.t.tolist()
+    for shown in (division, branch, steady, furrow.Cell(r0=2)):
+        assert "<table>" in shown._repr_html_()
+
+
 def test_a_cue_is_told_place_by_place():
     cell = furrow.Cell(4, cue="kappa:u0=0.4,omega=0.1,amplitude=0.2+tension:gradient,amplitude=0.5")
     found = cell.cue_at([0.0, 0.4, 1.0], length=10)
