@@ -17,5 +17,5 @@ if ! $pip install "maturin>=1.8,<2" "numpy>=1.24"; then
     exit 0
 fi
 $pip install "./python[test]"
-# What is tried is what was installed, not the folder it was made from.
-exec "$environment/bin/python" -m pytest -q -p no:cacheprovider python/tests "$@"
+# What is tried is what was installed, not the folder it was made from; the examples in its documentation too.
+exec "$environment/bin/python" -m pytest -q -p no:cacheprovider -c python/pyproject.toml --rootdir python --pyargs furrow python/tests "$@"

@@ -65,18 +65,21 @@ def test_joblib_spreads_cells():
     assert [division.chi for division in found] == [cell.divide().chi for cell in cells]
 
 
-def test_types_are_right():
+def run(*arguments: str, folder: Path) -> None:
+    done = subprocess.run([sys.executable, "-m", *arguments], cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_types_are_right(tmp_path):
     pytest.importorskip("mypy")
-    checked = ["furrow", *(str(path.relative_to(PYTHON)) for path in EXAMPLES), "benches/cost.py"]
-    for arguments in (["mypy", "--strict", *checked], ["mypy.stubtest", "--ignore-disjoint-bases", "furrow._furrow"]):
-        done = subprocess.run([sys.executable, "-m", *arguments], cwd=PYTHON, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stdout + done.stderr
+    examples = (str(path.relative_to(PYTHON)) for path in EXAMPLES)
+    run("mypy", "--strict", "furrow", *examples, "benches/cost.py", folder=PYTHON)
+    # From elsewhere, so that what is looked at is the package that is installed.
+    settings = ("--mypy-config-file", str(PYTHON / "pyproject.toml"))
+    run("mypy.stubtest", "--ignore-disjoint-bases", *settings, "furrow._furrow", folder=tmp_path)
 
 
 def test_style():
     pytest.importorskip("ruff")
-    for arguments in (["check"], ["format", "--check"]):
-        done = subprocess.run(
-            [sys.executable, "-m", "ruff", *arguments, "."], cwd=PYTHON, capture_output=True, text=True, check=False
-        )
-        assert done.returncode == 0, done.stdout + done.stderr
+    run("ruff", "check", ".", folder=PYTHON)
+    run("ruff", "format", "--check", ".", folder=PYTHON)
