@@ -3,15 +3,15 @@
 //!
 //! | file | what it says |
 //! |---|---|
-//! | [`errors`] | the library's errors as Python's exceptions |
-//! | [`supervise`] | work off the interpreter's lock, which Ctrl-C stops |
-//! | [`inputs`] | a cell and its numerics, checked |
-//! | [`memo`] | divisions that are solved already |
-//! | [`cells`] | one cell: its division, its stationary shapes, its threshold |
-//! | [`trees`] | lineages |
-//! | [`sweeps`] | many points |
-//! | [`studies`] | constants from thresholds, lineages over sets of them |
-//! | [`comparisons`] | the model beside measured embryos |
+//! | `errors` | the library's errors as Python's exceptions |
+//! | `supervise` | work off the interpreter's lock, which Ctrl-C stops |
+//! | `inputs` | a cell and its numerics, checked |
+//! | `memo` | divisions that are solved already |
+//! | `cells` | one cell: its division, its stationary shapes, its threshold |
+//! | `trees` | lineages |
+//! | `sweeps` | many points |
+//! | `studies` | constants from thresholds, lineages over sets of them |
+//! | `comparisons` | the model beside measured embryos |
 
 mod cells;
 mod columns;
