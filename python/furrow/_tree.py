@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from ._furrow import GrownTree, Memo
     from ._studies import Constants, Ranges
 
-#: Cells of which a notebook draws the whole tree; of larger ones it gets the founders' table alone.
-MOST_DRAWN = 3000
+#: Cells of which a notebook draws the whole tree, half a megabyte at most; of larger ones it gets the founders' table alone.
+MOST_DRAWN = 1000
 
 
 @dataclass(frozen=True)
@@ -275,12 +275,16 @@ class Tree:
 
     def _repr_svg_(self) -> str | None:
         # A notebook keeps what it shows: of a tree of more cells a drawing is megabytes and no cell of it to be told.
-        return self._grown.svg() if len(self) <= MOST_DRAWN else None
+        if len(self) > MOST_DRAWN:
+            return None
+        return self._grown.svg()
 
     def _repr_html_(self) -> str:
         drawing = self._repr_svg_()
         if drawing is None:
             return self._founders_html(f"{self.organism}: {len(self)} cells, too many to be drawn here")
+        # As wide as the notebook at most; by itself the drawing has a width of its own.
+        drawing = drawing.replace("<svg ", '<svg style="max-width:100%;height:auto" ', 1)
         return f'<div style="max-width:100%;overflow:auto">{drawing}</div>'
 
     def _founders_html(self, caption: str) -> str:

@@ -30,7 +30,7 @@ def shown(notebook) -> list[dict]:
 def test_the_papers_figures():
     notebook = executed("figures.ipynb")
     lines = [line for cell in notebook.cells if cell.cell_type == "code" for line in cell.source.splitlines() if line.strip()]
-    assert len(lines) <= 25
+    assert len(lines) <= 20
     data = shown(notebook)
     assert sum("image/png" in one for one in data) == 4
     assert any("image/svg+xml" in one for one in data)
