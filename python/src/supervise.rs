@@ -48,9 +48,9 @@ impl Watch {
         self.counts.of.store(solved + memo_hits + running + queued, Ordering::Relaxed);
     }
 
-    /// Takes in where a sweep stands.
-    pub fn points(&self, standing: Standing) {
-        self.counts.solved.store(standing.done, Ordering::Relaxed);
+    /// Takes in where a sweep stands, and whether what it has done is kept: divisions are, shapes are not.
+    pub fn points(&self, standing: Standing, kept: bool) {
+        self.counts.solved.store(if kept { standing.done } else { 0 }, Ordering::Relaxed);
         self.counts.done.store(standing.done, Ordering::Relaxed);
         self.counts.of.store(standing.of, Ordering::Relaxed);
     }

@@ -7,7 +7,7 @@ use furrow::input::InputError;
 use furrow::io::sweep_files::SweepTable;
 use furrow::settings::Settings;
 use furrow::study::table::csv_text;
-use furrow::study::{Done, Row, Run, Sweep};
+use furrow::study::{Done, Kind, Row, Run, Sweep};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -43,7 +43,8 @@ pub fn sweep<'py>(
     let (sweep, done) = supervised(py, Interrupt::Tells, progress, move |watch| {
         let base = Settings::load(&preset, config.as_deref(), &[])?;
         let sweep = read(text.as_deref(), file.as_deref(), &base, &pairs)?;
-        let show = |standing| watch.points(standing);
+        let kept = matches!(sweep.kind, Kind::Division | Kind::Tree);
+        let show = |standing| watch.points(standing, kept);
         let run = Run { sweep: &sweep, shard: None, memo: &memo, threads, interrupt: watch.stop(), progress: &show };
         let mut done = run.solve()?;
         if done.interrupted {
