@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import operator
 import os
-from typing import TYPE_CHECKING, SupportsIndex
+from typing import SupportsIndex
 
 from ._errors import InputError
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 #: What errors call the arguments of a call.
 ARGUMENTS = "furrow"
@@ -63,10 +60,3 @@ def text_of(field: str, value: object) -> str:
     if not isinstance(value, str):
         raise refused(field, value, "a text")
     return value
-
-
-def names_of(parameters: Mapping[str, object], known: frozenset[str]) -> None:
-    """Refuses what is no keyword of a call, by the nearest that is; parameters themselves are checked by the library."""
-    for name in parameters:
-        if name in known:
-            raise refused("parameter", name, "given but once")
