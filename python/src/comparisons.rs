@@ -1,18 +1,14 @@
 //! The model beside measured embryos.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use furrow::batch::SchedulerOptions;
 use furrow::input::{InputError, read_text};
-use furrow::lineage::TreeSettings;
 use furrow::study::compare::counts::counts as counted;
-use furrow::study::compare::volumes::{
-    Beside, GroupBeside, Modelled, Scale, ScaleFrom, bands, beside, modelled, scale, with_first_divisions,
-};
-use furrow::study::{grown, read_constants, scenarios_of, tree_settings};
+use furrow::study::compare::volumes::{GroupBeside, Scale, ScaleFrom, add_bands, beside, model, scale};
+use furrow::study::{Constants, grown, read_constants, scenarios_of, tree_settings};
 use measured::contour::Contour;
 use measured::contour::polygons::Traced;
 use measured::contour::series::{self, Series, series as laid_beside};
@@ -125,18 +121,15 @@ impl VolumesPlan {
         self.settings.check_activity(ARGUMENTS)?;
         self.settings.check_divisions(ARGUMENTS)?;
         let settings = tree_settings(self.settings.clone(), &lineage, 0, memo.quantisation());
-        let given = with_first_divisions(&lineage, &summed, settings.cell.r0);
-        let lineages =
-            std::iter::once(lineage.clone()).chain(given.iter().map(|(_, lineage)| lineage.clone())).collect();
         let show = |progress| watch.divisions(progress);
         let options = SchedulerOptions { threads: self.threads, progress: Some(&show), ..SchedulerOptions::default() };
-        let scenarios = scenarios_of(lineages, &self.settings, memo.quantisation());
-        let mut trees =
-            grown(&scenarios, false, memo, options, watch.stop())?.trees.into_iter().map(|tree| modelled(&tree));
-        let free = trees.next().unwrap_or_default();
-        let firsts: BTreeMap<String, _> = given.into_iter().map(|(group, _)| group).zip(trees).collect();
+        let (free, firsts) = model(&lineage, settings.cell.r0, &summed, |lineages| {
+            let scenarios = scenarios_of(lineages, &self.settings, memo.quantisation());
+            grown(&scenarios, false, memo, options, watch.stop()).map(|grown| grown.trees)
+        })?;
         let mut groups = beside(summed, &found.divisions, &free, &firsts, None);
-        self.add_bands(&mut groups, &lineage, &settings, &free, watch)?;
+        let sets = self.sets()?;
+        add_bands(&mut groups, &free, &lineage, &settings, &sets, self.threads, Some(watch.stop()))?;
         let bins = volume_bins(&found.divisions, None);
         let length_scale = match self.length {
             Some(length) => Some(Scale { length, from: ScaleFrom::Given }),
@@ -154,29 +147,13 @@ impl VolumesPlan {
         })
     }
 
-    /// The ranges of χ over sets of constants, where there are such.
-    fn add_bands(
-        &self,
-        groups: &mut [GroupBeside],
-        lineage: &furrow::lineage::Lineage,
-        settings: &TreeSettings,
-        free: &BTreeMap<String, Modelled>,
-        watch: &Watch,
-    ) -> Result<(), Error> {
-        let sets = match &self.constants {
-            None => return Ok(()),
-            Some((Some(text), _)) => read_constants(text, "constants")?,
-            Some((None, Some(file))) => read_constants(&read_text(file)?, &file.display().to_string())?,
-            Some((None, None)) => return Ok(()),
-        };
-        let mother = |event: &Beside| event.measured.mother.clone();
-        let mothers: BTreeSet<String> = groups.iter().flat_map(|group| &group.events).map(mother).collect();
-        let mothers: Vec<String> = mothers.into_iter().filter(|mother| free.contains_key(mother)).collect();
-        let bands = bands(lineage, settings, &sets, &mothers, self.threads, Some(watch.stop()))?;
-        for event in groups.iter_mut().flat_map(|group| &mut group.events) {
-            event.band = bands.get(&event.measured.mother).copied();
+    /// Sets of constants, where there are such.
+    fn sets(&self) -> Result<Vec<Constants>, InputError> {
+        match &self.constants {
+            Some((Some(text), _)) => read_constants(text, "constants"),
+            Some((None, Some(file))) => read_constants(&read_text(file)?, &file.display().to_string()),
+            Some((None, None)) | None => Ok(Vec::new()),
         }
-        Ok(())
     }
 }
 
