@@ -11,12 +11,11 @@ use super::context::Context;
 use super::error::CliError;
 use super::output::{answer, csv_rows, writable_file};
 use super::plot::PlotArgs;
-use crate::cell::{Cell, Cue, Numerics};
+use crate::cell::Cue;
 use crate::plot::{self, branch::Named};
-use crate::shapes::asymmetric::{self, AsymmetricBranch, Scaling};
-use crate::shapes::{
-    Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, PointKind, ShapeError, ShapePoint, primary,
-};
+use crate::shapes::asymmetric::Scaling;
+use crate::shapes::{Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, PointKind, ShapePoint};
+use crate::study::diagram;
 
 /// Follows the mirror-symmetric and the asymmetric stationary shapes over ξ_s, with their folds and pitchforks; with a cue that
 /// tells the poles apart, the shapes that grow out of the passive one
@@ -179,16 +178,21 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
         ends: Vec::new(),
         stopped_by: Vec::new(),
     };
-    let branches = follow(&cell, &context.settings.numerics, &options)?;
-    document.scaling = branches.scaling;
-    for (name, branch) in &branches.found {
+    let found = diagram(&cell, &context.settings.numerics, &options)?;
+    document.scaling = found.scaling.map(|s: Scaling| ScalingAnswer {
+        exponent: s.exponent,
+        prefactor: s.prefactor,
+        coefficient: s.coefficient,
+        points: s.points,
+    });
+    for (name, branch) in &found.branches {
         document.add(name, branch);
     }
     if let Some(file) = &args.csv {
         csv_rows(file, &COLUMNS, &document.points)?;
     }
     if let Some(picture) = picture {
-        let named: Vec<Named<'_>> = branches.found.iter().map(|(name, branch)| Named { name, branch }).collect();
+        let named: Vec<Named<'_>> = found.branches.iter().map(|(name, branch)| Named { name, branch }).collect();
         picture.write(&plot::branch::draw(&cell, &named))?;
     }
     if context.json {
@@ -196,30 +200,6 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     } else {
         answer(&document.text(args.points))
     }
-}
-
-/// The branches of a cell under their names.
-struct Branches {
-    found: Vec<(&'static str, Branch)>,
-    scaling: Option<ScalingAnswer>,
-}
-
-/// The primary branch and, of a mirror-symmetric cell, the asymmetric one of its first pitchfork.
-fn follow(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Result<Branches, ShapeError> {
-    let branch = primary::follow(cell, numerics, options, |_| true)?;
-    let asymmetric = branch.pitchforks().next().map(|pitchfork| asymmetric::follow(pitchfork, cell, options));
-    let mut found = vec![(if cell.is_mirror_symmetric() { "symmetric" } else { "cued" }, branch)];
-    let mut scaling = None;
-    if let Some(AsymmetricBranch { branch, scaling: of }) = asymmetric {
-        found.push(("asymmetric", branch));
-        scaling = of.map(|s: Scaling| ScalingAnswer {
-            exponent: s.exponent,
-            prefactor: s.prefactor,
-            coefficient: s.coefficient,
-            points: s.points,
-        });
-    }
-    Ok(Branches { found, scaling })
 }
 
 impl Answer {

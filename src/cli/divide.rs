@@ -19,8 +19,7 @@ use crate::batch::profiles::seconds;
 use crate::batch::{Failure, Memo, Profiled, Profiles, Replicates, Unsolved, replicates_by};
 use crate::cell::Cue;
 use crate::division::{Division, DivisionError, DivisionInput, Film, Statistics, divide, film};
-use crate::input::InputError;
-use crate::io::frames::{INDEX, write_frames};
+use crate::io::frames::{INDEX, check_step, write_frames};
 use crate::lineage::Units;
 use crate::report::ProfileReport;
 
@@ -145,24 +144,9 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     }
 }
 
-/// Most frames that are written at even times.
-const MOST_FRAMES: f64 = 100_000.0;
-
-/// Refuses a step that gives more frames than anybody looks at, as of a cell that waits for thousands of τ.
-fn check_count(film: &Film, every: Option<f64>) -> Result<(), InputError> {
-    let least = film.division.t_end / MOST_FRAMES;
-    match every.filter(|step| *step < least) {
-        None => Ok(()),
-        Some(step) => {
-            let allowed = format!("at least {least:.3e}: the division takes {:.3} τ", film.division.t_end);
-            Err(InputError::not_allowed("--frame-step", "frame_step", step, allowed))
-        }
-    }
-}
-
 /// Writes the frames of a film, after every step or every so many τ; an interruption waits for them.
 pub(super) fn write_all_frames(folder: &Path, film: &Film, every: Option<f64>) -> Result<(), CliError> {
-    check_count(film, every)?;
+    check_step("--frame-step", film, every)?;
     interrupt::unbroken(|| write_frames(folder, film, every))?;
     Ok(())
 }

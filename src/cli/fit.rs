@@ -13,7 +13,7 @@ use super::interrupt;
 use super::output::{answer, writable_file};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
-use super::tree::{bad_cue, of_tree};
+use super::tree::bad_cue;
 use crate::cell::Parameter;
 use crate::input::{InputError, parse_document, read_text};
 use crate::io::write_atomically;
@@ -22,6 +22,7 @@ use crate::study::fit::{
     ChiResidual, Effort, Evaluated, FittedConstants, FittedCue, FounderActivity, Reading, Targets, activities,
     fit_constants, fit_cue,
 };
+use crate::study::tree_settings;
 
 /// Finds what would make the lineage the observed one: constants of the whole, activities of founders, or a cue
 ///
@@ -109,7 +110,7 @@ pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
     let settings = &context.settings;
     settings.check_divisions("settings")?;
     settings.check_activity("settings")?;
-    let settings = of_tree(settings.clone(), &lineage, 0, context);
+    let settings = tree_settings(settings.clone(), &lineage, 0, context.quantisation);
     if args.out.is_some() && args.what != What::Constants {
         let allowed = "given with constants alone";
         return Err(InputError::not_allowed("--out", "out", format!("{:?}", args.out), allowed).into());

@@ -18,11 +18,11 @@ use crate::input::InputError;
 use crate::io::earlier::{Replaced, TREE_FILES, other_tree};
 use crate::io::files::FileSet;
 use crate::io::{FounderRow, Provenance, founder_rows, newick};
-use crate::lineage::{EndReason, Ends, Lineage, Tree, TreeCell, TreeSettings, expected_work};
+use crate::lineage::{EndReason, Lineage, Tree, TreeCell, TreeSettings};
 use crate::report::{self, ProfileReport};
-use crate::settings::Settings;
-use crate::shapes::{CriticalRadii, ShapeError};
+use crate::shapes::ShapeError;
 use crate::study::scenarios::Scenario;
+use crate::study::{self, tree_settings};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -212,22 +212,10 @@ pub fn prepared(
     given.check_divisions("settings")?;
     if cell.r0.is_some() {
         // What the option says counts, also where the lineage gives its first cell a radius.
-        let first = lineage.first();
-        lineage.founders[first].r0 = None;
+        lineage.forget_first_radius();
     }
-    let settings = of_tree(given, &lineage, seed, context);
+    let settings = tree_settings(given, &lineage, seed, context.quantisation);
     Ok((lineage, settings))
-}
-
-/// The parameters of a tree's divisions: its first cell is as large as its lineage says, if it says so.
-pub fn of_tree(given: Settings, lineage: &Lineage, seed: u64, context: &Context) -> TreeSettings {
-    let r0 = lineage.given_r0(lineage.first()).unwrap_or(given.cell.r0);
-    TreeSettings {
-        cell: Cell { r0, ..given.cell },
-        numerics: given.numerics,
-        seed,
-        r0_step: context.quantisation.relative_step(),
-    }
 }
 
 /// What is wrong with a cue of the command line.
@@ -250,36 +238,17 @@ pub struct Grown {
 /// With `dynamics` the division of every cell is computed, those below the critical radius of their cue included; where they
 /// are `profiled`, what they took is told.
 pub fn grown(scenarios: &[Scenario], dynamics: bool, profiled: bool, context: &Context) -> Result<Grown, CliError> {
-    // Scenarios have the same numerics, and what all cells share is the same.
-    let Some(Scenario { settings, .. }) = scenarios.first() else { return Ok(Grown::default()) };
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let show = |progress| line.show(progress);
-    let rule = Ends::new(CriticalRadii::new(&settings.numerics).interrupted_by(interrupt::flag()));
-    let plain = settings.cell.clone().with_cue(Cue::none());
-    // The order of the work is no reason to search for a radius, which growth does when it comes to such cells.
-    let order = |input: &DivisionInput| {
-        let critical = if rule.knows(&plain) { rule.critical_radius(&plain) } else { None };
-        critical.map_or(input.cell.r0, |critical| expected_work(critical)(input))
-    };
-    let mut options = context.scheduling(&show);
-    if !dynamics {
-        options.expected_work = &order;
-    }
-    // The first cells are asked about first. The division of one costs less than a search, and where it fails there is no other.
-    let first = std::cell::Cell::new(scenarios.len());
-    let by_dynamics = |cell: &Cell| {
-        let is_first = first.replace(first.get().saturating_sub(1)) > 0;
-        is_first && !rule.knows(cell) || dynamics
-    };
-    let ends = |cell: &Cell| if by_dynamics(cell) { None } else { rule.of(cell) };
     let profiles = profiled.then(|| Profiles::new(Some(seconds)));
     let solve = |input: &DivisionInput| computed(input, profiles.as_ref());
-    let grown = crate::study::scenarios::grow(scenarios, &ends, &memo, options, solve);
+    let (options, flag) = (context.scheduling(&show), interrupt::flag());
+    let grown = study::grown_by(scenarios, dynamics, &memo, options, flag, solve);
     drop(line);
-    let (trees, summary) = grown?;
+    let study::Grown { trees, summary, unknown } = grown?;
     warn_of_store(&summary.warnings);
-    warn_of_searches(&rule);
+    warn_of_searches(unknown);
     for (tree, scenario) in trees.iter().zip(scenarios) {
         warn_of_undecided(tree, &scenario.name);
     }
@@ -322,9 +291,9 @@ fn warn_of_undecided(tree: &Tree, scenario: &str) {
 }
 
 /// Says which cells have no critical radius; in one warning, which were not searched for to the end.
-fn warn_of_searches(rule: &Ends) {
+fn warn_of_searches(unknown: Vec<(Cue, ShapeError)>) {
     let mut given_up = Vec::new();
-    for (cue, error) in rule.unknown() {
+    for (cue, error) in unknown {
         if let ShapeError::Effort { .. } = error {
             given_up.push(cue.to_string());
         }

@@ -10,8 +10,13 @@ use serde_json::Value;
 /// All packages of the workspace and what they depend on, with all features and on all platforms.
 fn packages() -> Vec<Value> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let arguments = ["metadata", "--format-version", "1", "--all-features", "--locked", "--offline"];
-    let output = Command::new(cargo).args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap();
+    let arguments = ["metadata", "--format-version", "1", "--all-features", "--locked"];
+    let ask = |more: &[&str]| {
+        Command::new(&cargo).args(arguments).args(more).current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap()
+    };
+    // What the program is built from is here; what other members of the workspace need, that for Python, may have to be fetched.
+    let here = ask(&["--offline"]);
+    let output = if here.status.success() { here } else { ask(&[]) };
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
     metadata["packages"].as_array().unwrap().clone()

@@ -10,9 +10,9 @@ use clap::{Args, Subcommand};
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
-use super::tree::{grown, of_tree};
+use super::tree::grown;
 use crate::lineage::{Lineage, Tree};
-use crate::study::scenarios::Scenario;
+use crate::study::scenarios_of;
 
 /// Holds the model beside measured embryos
 #[derive(Debug, Args)]
@@ -40,13 +40,6 @@ pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
 /// Trees of several lineages with the parameters of the command, in one run.
 fn trees_of(lineages: Vec<Lineage>, context: &Context) -> Result<Vec<Tree>, CliError> {
     context.settings.check_divisions("settings")?;
-    let scenario = |lineage: Lineage| Scenario {
-        name: String::new(),
-        label: String::new(),
-        cue: None,
-        settings: of_tree(context.settings.clone(), &lineage, 0, context),
-        lineage,
-    };
-    let scenarios: Vec<Scenario> = lineages.into_iter().map(scenario).collect();
+    let scenarios = scenarios_of(lineages, &context.settings, context.quantisation);
     Ok(grown(&scenarios, false, false, context)?.trees)
 }

@@ -1,6 +1,5 @@
 //! `furrow compare volumes`: size asymmetries beside the measured ones.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs::File;
 use std::path::PathBuf;
@@ -20,15 +19,14 @@ use crate::cli::interrupt;
 use crate::cli::output::{answer, writable_folder};
 use crate::cli::plot::PlotArgs;
 use crate::cli::progress::ProgressLine;
-use crate::cli::tree::of_tree;
 use crate::input::{InputError, read_text};
 use crate::lineage::{Lineage, TreeSettings};
 use crate::plot::comparison::{self, Comparison};
 use crate::study::compare::volumes::{
-    Band, Beside, GroupBeside, Modelled, Regression, Scale, ScaleFrom, SizeCurve, bands, beside, modelled, regression,
-    scale, size_curves, with_first_division_of,
+    Band, Beside, GroupBeside, Modelled, Regression, Scale, ScaleFrom, SizeCurve, add_bands, beside, model, regression,
+    scale, size_curves,
 };
-use crate::study::{Range, read_constants};
+use crate::study::{Range, read_constants, tree_settings};
 
 /// Size asymmetries of measured divisions beside the model's
 ///
@@ -88,9 +86,6 @@ fn wanted_scale(text: &str) -> Result<WantedScale, String> {
     }
 }
 
-/// Groups with whose own first division a tree is grown.
-const MOST_GROUPS: usize = 50;
-
 /// What is told of so much that was skipped, a line each.
 const MOST_SKIPPED: usize = 10;
 
@@ -134,19 +129,13 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     };
     let measured = read(args)?;
     let lineage = Lineage::load(args.lineage.as_deref())?;
-    let settings: TreeSettings = of_tree(context.settings.clone(), &lineage, 0, context);
-    let (free, firsts) = model(&lineage, &settings, &measured.groups, context)?;
+    let settings: TreeSettings = tree_settings(context.settings.clone(), &lineage, 0, context.quantisation);
+    let grow = |lineages| trees_of(lineages, context);
+    let (free, firsts) = model(&lineage, settings.cell.r0, &measured.groups, grow)?;
     let all = &measured.found.divisions;
     let mut groups = beside(measured.groups.clone(), all, &free, &firsts, args.bins.as_deref());
-    if !sets.is_empty() {
-        let mothers: BTreeSet<String> = groups.iter().flat_map(|group| &group.events).map(mother).collect();
-        let mothers: Vec<String> = mothers.into_iter().filter(|mother| free.contains_key(mother)).collect();
-        let flag = Some(interrupt::flag());
-        let bands = bands(&lineage, &settings, &sets, &mothers, context.threads, flag)?;
-        for event in groups.iter_mut().flat_map(|group| &mut group.events) {
-            event.band = bands.get(&event.measured.mother).copied();
-        }
-    }
+    let flag = Some(interrupt::flag());
+    add_bands(&mut groups, &free, &lineage, &settings, &sets, context.threads, flag)?;
     let bins = volume_bins(all, args.bins.as_deref());
     let length_scale = match args.length_scale {
         Some(WantedScale::Length(length)) => Some(Scale { length, from: ScaleFrom::Given }),
@@ -188,29 +177,6 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
         }))?;
     }
     answer(&if context.json { json } else { volumes_text(&answer_of) })
-}
-
-fn mother(event: &Beside) -> String {
-    event.measured.mother.clone()
-}
-
-/// χ of every cell by its name.
-type Cells = BTreeMap<String, Modelled>;
-
-/// The tree grown from its zygote, and for each group the one with the first division as that group measures it.
-fn model(
-    lineage: &Lineage,
-    settings: &TreeSettings,
-    groups: &[GroupSummary],
-    context: &Context,
-) -> Result<(Cells, BTreeMap<String, Cells>), CliError> {
-    let with_first =
-        |group: &GroupSummary| Some((group.group.clone(), with_first_division_of(lineage, group, settings.cell.r0)?));
-    let given: Vec<(String, Lineage)> = groups.iter().filter_map(with_first).take(MOST_GROUPS).collect();
-    let lineages = std::iter::once(lineage.clone()).chain(given.iter().map(|(_, lineage)| lineage.clone())).collect();
-    let mut trees = trees_of(lineages, context)?.into_iter().map(|tree| modelled(&tree));
-    let free = trees.next().unwrap_or_default();
-    Ok((free, given.into_iter().map(|(group, _)| group).zip(trees).collect()))
 }
 
 /// What the model says of cells as large as the measured mothers, for a picture; nothing where it is not known how large these

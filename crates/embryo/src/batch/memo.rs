@@ -12,7 +12,7 @@ use super::{
     key::{Key, PrefixState, SolverVersion},
     quantisation::Quantisation,
     store::{Claim, Claimed, Store},
-    task::Task,
+    task::{Record, Task},
 };
 
 /// Records solved so far or being solved, shared by any number of runs and threads.
@@ -107,6 +107,31 @@ impl<T: Task> Memo<T> {
     /// The key of a canonical task.
     pub fn key(&self, canonical: &T) -> Key {
         Key::new(canonical, self.solver)
+    }
+
+    /// The record of a task if the memo or its store knows it, for who wants nothing solved.
+    ///
+    /// ```
+    /// use furrow::batch::{Memo, Quantisation};
+    /// use furrow::cell::Cell;
+    /// use furrow::division::DivisionInput;
+    ///
+    /// let memo: Memo<DivisionInput> = Memo::new(Quantisation::DEFAULT);
+    /// assert_eq!(memo.known(&DivisionInput::new(Cell::new(2.0))), None);
+    /// ```
+    pub fn known(&self, task: &T) -> Option<T::Record> {
+        let canonical = self.canonical(task);
+        let key = self.key(&canonical);
+        // No guard is held while the store is asked.
+        let here = self.table.get(&key).map(|slot| match slot.value() {
+            Slot::Solved(record) => Some(Arc::clone(record)),
+            Slot::InFlight(_) => None,
+        });
+        let record = match here {
+            Some(here) => here?,
+            None => self.store.as_ref()?.get(&key)?,
+        };
+        Some(record.scaled(task.size() / canonical.size()))
     }
 
     /// Records known.

@@ -73,6 +73,25 @@ pub fn stills(film: &Film, every: Option<f64>) -> Vec<Still> {
     }
 }
 
+/// Most frames at even times.
+const MOST_FRAMES: f64 = 100_000.0;
+
+/// Refuses a step that gives more frames than anybody looks at, as of a cell that waits for thousands of τ; errors say it came
+/// from `source_name`.
+///
+/// # Errors
+/// Says which step is long enough.
+pub fn check_step(source_name: &str, film: &Film, every: Option<f64>) -> Result<(), InputError> {
+    let least = film.division.t_end / MOST_FRAMES;
+    match every.filter(|step| *step < least) {
+        None => Ok(()),
+        Some(step) => {
+            let allowed = format!("at least {least:.3e}: the division takes {:.3} τ", film.division.t_end);
+            Err(InputError::not_allowed(source_name, "frame_step", step, allowed))
+        }
+    }
+}
+
 /// Writes the frames of a division into `folder`: `frame_NNNN.csv` with the [`COLUMNS`], a row at each collocation point and at
 /// both poles, and `frames.json` with the time of each and what is read off it. Without `every` there is a frame after each
 /// step, with it one every so many τ, and the last shape.

@@ -236,6 +236,14 @@ impl Lineage {
         }
     }
 
+    /// Drops the radius that the file gives the first cell, where another one is to count.
+    pub fn forget_first_radius(&mut self) {
+        let first = self.first();
+        if let Some(founder) = self.founders.get_mut(first) {
+            founder.r0 = None;
+        }
+    }
+
     /// The founder that divides into a founder; none for the first cell.
     pub fn mother(&self, founder: usize) -> Option<usize> {
         let name = self.founders[founder].mother.as_ref()?;

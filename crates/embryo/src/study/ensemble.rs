@@ -15,6 +15,7 @@
 //! Cappé, Guillin, Marin & Robert, "Population Monte Carlo", J. Comput. Graph. Stat. 13 (2004) 907.
 
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{DMatrix, DVector};
 use rand_mt::Mt64;
@@ -84,6 +85,9 @@ pub enum EnsembleError {
     /// The workers could not be started.
     #[error("cannot start worker threads: {0}")]
     Workers(String),
+    /// It was interrupted.
+    #[error("interrupted")]
+    Interrupted,
 }
 
 /// A Student t distribution.
@@ -226,6 +230,22 @@ pub fn ensemble(
     seed: u64,
     threads: usize,
 ) -> Result<Ensemble, EnsembleError> {
+    ensemble_until(targets, cell, numerics, count, seed, threads, &AtomicBool::new(false))
+}
+
+/// As [`ensemble`], until the flag is set.
+///
+/// # Errors
+/// [`EnsembleError`].
+pub fn ensemble_until(
+    targets: &Targets,
+    cell: &Cell,
+    numerics: &Numerics,
+    count: usize,
+    seed: u64,
+    threads: usize,
+    stop: &AtomicBool,
+) -> Result<Ensemble, EnsembleError> {
     let start = targets.unknowns.iter().map(|u| (u.parameter, u.start.unwrap_or(u.parameter.get(cell)))).collect();
     let posterior = Posterior { targets, cell, numerics, start };
     let pool = rayon::ThreadPoolBuilder::new()
@@ -235,18 +255,22 @@ pub fn ensemble(
     let mut proposal = posterior.laplace()?;
     let mut draws = 0u64;
     let mut excluded = BTreeMap::new();
-    let mut judge_all = |proposal: &Proposal, many: usize| -> Vec<Judged> {
-        let one = |index: u64| posterior.judged(proposal, proposal.draw(seed, index));
-        let found: Vec<Judged> = pool.install(|| (draws..draws + many as u64).into_par_iter().map(one).collect());
+    let mut judge_all = |proposal: &Proposal, many: usize| -> Result<Vec<Judged>, EnsembleError> {
+        let one = |index: u64| match stop.load(Ordering::Relaxed) {
+            true => Err(EnsembleError::Interrupted),
+            false => Ok(posterior.judged(proposal, proposal.draw(seed, index))),
+        };
+        let found: Vec<Judged> =
+            pool.install(|| (draws..draws + many as u64).into_par_iter().map(one).collect::<Result<_, _>>())?;
         draws += many as u64;
         for exclusion in found.iter().filter_map(|draw| draw.judgement.excluded.first()) {
             *excluded.entry(exclusion.datum.clone()).or_insert(0) += 1;
         }
-        found
+        Ok(found)
     };
     let many = (DRAWS[0] * count).max(DRAWS[1]);
     for _ in 0..ROUNDS {
-        let found = judge_all(&proposal, many);
+        let found = judge_all(&proposal, many)?;
         if let Some(better) = fitted(&found, &weights(&found)) {
             proposal = better;
         }
@@ -254,7 +278,7 @@ pub fn ensemble(
     let mut kept: Vec<Judged> = Vec::new();
     let mut tried = 0;
     while kept.len() < count && tried < MOST * count {
-        kept.extend(judge_all(&proposal, many).into_iter().filter(|draw| draw.judgement.is_admissible()));
+        kept.extend(judge_all(&proposal, many)?.into_iter().filter(|draw| draw.judgement.is_admissible()));
         tried += many;
     }
     kept.truncate(count);

@@ -7,6 +7,8 @@
 //! | [`shard`] | which part of the points one machine takes |
 //! | [`run`], [`table`] | solving the points; columns and rows, as CSV and as JSON lines |
 //! | [`scenarios`] | lineages and cues side by side |
+//! | [`growth`] | their trees, grown in one run |
+//! | [`mod@diagram`] | the stationary shapes of one cell over ξ_s |
 //! | [`mod@judge`] | whether constants agree with what is known |
 //! | [`mod@ensemble`] | a sample of the constants that do |
 //! | [`constants`] | sets of constants as a table |
@@ -18,9 +20,11 @@
 mod check;
 pub mod compare;
 pub mod constants;
+pub mod diagram;
 pub mod ensemble;
 #[cfg(not(target_family = "wasm"))]
 pub mod fit;
+pub mod growth;
 pub mod judge;
 pub mod points;
 pub mod ranges;
@@ -33,7 +37,9 @@ pub mod sweep;
 pub mod table;
 
 pub use constants::{Constants, read_constants, write_constants};
-pub use ensemble::{Ensemble, EnsembleError, Member, ensemble};
+pub use diagram::{Diagram, diagram};
+pub use ensemble::{Ensemble, EnsembleError, Member, ensemble, ensemble_until};
+pub use growth::{Grown, grown, grown_by, scenarios_of, tree_settings};
 pub use judge::{Exclusion, Judgement, judge};
 pub use points::{Axes, Axis, AxisValue, Point, Target};
 pub use ranges::{LineageRanges, Range, ranges};

@@ -149,8 +149,7 @@ impl Sweep {
     pub(super) fn lineage_at(&self, cell: &Cell) -> Lineage {
         let mut lineage = self.lineage.clone();
         if self.axes.0.iter().any(|axis| axis.target == Target::Field("r0")) {
-            let first = lineage.first();
-            lineage.founders[first].r0 = None;
+            lineage.forget_first_radius();
         }
         if self.cue.is_none() && self.axes.0.iter().all(|axis| axis.target != Target::Cue) {
             return lineage;

@@ -4,7 +4,7 @@
 //! first division as a group of embryos measures it, AB and P1 are as large as in these, and what the model says of their
 //! descendants can be held against embryos whose first division was changed.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::atomic::AtomicBool;
 
 use measured::events::{Division, GroupSummary, MotherSummary, by_group};
@@ -117,6 +117,31 @@ pub fn with_first_division_of(lineage: &Lineage, group: &GroupSummary, r0: f64) 
     Some(lineage)
 }
 
+/// Groups with whose own first division a tree is grown.
+const MOST_GROUPS: usize = 50;
+
+/// χ of every cell of a tree by its name.
+pub type Cells = BTreeMap<String, Modelled>;
+
+/// What the model says of groups of embryos: by the tree grown from a zygote of radius `r0`, and for each group by the one
+/// [with its own first division](with_first_division_of), of the first fifty that have such. `grow` grows the trees of lineages.
+///
+/// # Errors
+/// Those of `grow`.
+pub fn model<E>(
+    lineage: &Lineage,
+    r0: f64,
+    groups: &[GroupSummary],
+    grow: impl FnOnce(Vec<Lineage>) -> Result<Vec<Tree>, E>,
+) -> Result<(Cells, BTreeMap<String, Cells>), E> {
+    let with_first = |group: &GroupSummary| Some((group.group.clone(), with_first_division_of(lineage, group, r0)?));
+    let given: Vec<(String, Lineage)> = groups.iter().filter_map(with_first).take(MOST_GROUPS).collect();
+    let lineages = std::iter::once(lineage.clone()).chain(given.iter().map(|(_, lineage)| lineage.clone())).collect();
+    let mut trees = grow(lineages)?.into_iter().map(|tree| modelled(&tree));
+    let free = trees.next().unwrap_or_default();
+    Ok((free, given.into_iter().map(|(group, _)| group).zip(trees).collect()))
+}
+
 /// Measured groups beside the model: `free` is the tree grown from the zygote, `given` those with each group's first division.
 /// Of groups that are known by their means alone there are no `divisions`, and no bins.
 pub fn beside(
@@ -199,6 +224,32 @@ pub fn bands(
         (mother.clone(), Band { chi: Range::of(divided), divides })
     };
     Ok(mothers.iter().enumerate().map(of).collect())
+}
+
+/// Gives all mothers that the tree from the zygote, `free`, has their χ over sets of constants; nothing where there are no sets.
+///
+/// # Errors
+/// As [`bands`].
+pub fn add_bands(
+    groups: &mut [GroupBeside],
+    free: &Cells,
+    lineage: &Lineage,
+    settings: &TreeSettings,
+    sets: &[Constants],
+    threads: usize,
+    interrupt: Option<&AtomicBool>,
+) -> Result<(), GrowError> {
+    if sets.is_empty() {
+        return Ok(());
+    }
+    let mothers: BTreeSet<String> =
+        groups.iter().flat_map(|group| &group.events).map(|event| event.measured.mother.clone()).collect();
+    let mothers: Vec<String> = mothers.into_iter().filter(|mother| free.contains_key(mother)).collect();
+    let bands = bands(lineage, settings, sets, &mothers, threads, interrupt)?;
+    for event in groups.iter_mut().flat_map(|group| &mut group.events) {
+        event.band = bands.get(&event.measured.mother).copied();
+    }
+    Ok(())
 }
 
 /// How many of a table's units one L_h is.

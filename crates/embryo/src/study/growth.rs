@@ -1,0 +1,97 @@
+//! Growing trees as their users want them: cells below the critical radius of their cue do not divide, and the rest is computed.
+
+use std::sync::atomic::AtomicBool;
+
+use super::scenarios::{Scenario, grow};
+use crate::batch::{Memo, Quantisation, SchedulerOptions, Summary};
+use crate::cell::{Cell, Cue};
+use crate::division::{Division, DivisionError, DivisionInput, divide};
+use crate::lineage::{Ends, GrowError, Lineage, Tree, TreeSettings, expected_work};
+use crate::settings::Settings;
+use crate::shapes::{CriticalRadii, ShapeError};
+
+/// The parameters of a tree's divisions from those that are given: its first cell is as large as its lineage says, if it says so.
+pub fn tree_settings(given: Settings, lineage: &Lineage, seed: u64, quantisation: Quantisation) -> TreeSettings {
+    let r0 = lineage.given_r0(lineage.first()).unwrap_or(given.cell.r0);
+    let (cell, numerics) = (Cell { r0, ..given.cell }, given.numerics);
+    TreeSettings { cell, numerics, seed, r0_step: quantisation.relative_step() }
+}
+
+/// Lineages to be grown with the same parameters, as scenarios without names.
+pub fn scenarios_of(lineages: Vec<Lineage>, given: &Settings, quantisation: Quantisation) -> Vec<Scenario> {
+    let scenario = |lineage: Lineage| Scenario {
+        name: String::new(),
+        label: String::new(),
+        cue: None,
+        settings: tree_settings(given.clone(), &lineage, 0, quantisation),
+        lineage,
+    };
+    lineages.into_iter().map(scenario).collect()
+}
+
+/// Trees that were grown in one run.
+#[derive(Debug, Default)]
+pub struct Grown {
+    /// One for each scenario, in their order.
+    pub trees: Vec<Tree>,
+    /// What growing them took.
+    pub summary: Summary,
+    /// Cues for which no critical radius was found, so that the divisions of their cells told instead, and why.
+    pub unknown: Vec<(Cue, ShapeError)>,
+}
+
+/// Grows all scenarios in one run, which shares what is solved and the workers.
+///
+/// With `dynamics` the division of every cell is computed, those below the critical radius of their cue included. `interrupt`
+/// ends searches for critical radii as well as divisions, in place of the one of `options`.
+///
+/// # Errors
+/// As [`Grower::grow`](crate::lineage::Grower::grow).
+pub fn grown(
+    scenarios: &[Scenario],
+    dynamics: bool,
+    memo: &Memo<DivisionInput>,
+    options: SchedulerOptions<'_, DivisionInput>,
+    interrupt: &'static AtomicBool,
+) -> Result<Grown, GrowError> {
+    grown_by(scenarios, dynamics, memo, options, interrupt, divide)
+}
+
+/// [`grown`] with divisions computed by `solve`, which may note what they take.
+///
+/// # Errors
+/// As [`grown`].
+pub fn grown_by<S>(
+    scenarios: &[Scenario],
+    dynamics: bool,
+    memo: &Memo<DivisionInput>,
+    options: SchedulerOptions<'_, DivisionInput>,
+    interrupt: &'static AtomicBool,
+    solve: S,
+) -> Result<Grown, GrowError>
+where
+    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
+{
+    // Scenarios have the same numerics, and what all cells share is the same.
+    let Some(Scenario { settings, .. }) = scenarios.first() else { return Ok(Grown::default()) };
+    let rule = Ends::new(CriticalRadii::new(&settings.numerics).interrupted_by(interrupt));
+    let plain = settings.cell.clone().with_cue(Cue::none());
+    // The order of the work is no reason to search for a radius, which growth does when it comes to such cells.
+    let order = |input: &DivisionInput| {
+        let critical = if rule.knows(&plain) { rule.critical_radius(&plain) } else { None };
+        critical.map_or(input.cell.r0, |critical| expected_work(critical)(input))
+    };
+    let mut options = SchedulerOptions { interrupt: Some(interrupt), ..options };
+    if !dynamics {
+        options.expected_work = &order;
+    }
+    // The first cells are asked about first. The division of one costs less than a search, and where it fails there is no other.
+    let first = std::cell::Cell::new(scenarios.len());
+    let by_dynamics = |cell: &Cell| {
+        let is_first = first.replace(first.get().saturating_sub(1)) > 0;
+        is_first && !rule.knows(cell) || dynamics
+    };
+    let ends = |cell: &Cell| if by_dynamics(cell) { None } else { rule.of(cell) };
+    let (trees, summary) = grow(scenarios, &ends, memo, options, solve)?;
+    Ok(Grown { trees, summary, unknown: rule.unknown() })
+}

@@ -1,0 +1,75 @@
+"""furrow predicts, from mechanics alone, how an embryo's cells divide.
+
+>>> import furrow
+>>> zygote = furrow.Cell(r0=5.4, cue="germline")
+>>> division = zygote.divide()
+>>> round(division.chi, 3)
+0.209
+
+Lengths are in L_h, times in τ, activities in κ0/L_h; ξ_s is the published one. The guide of furrow says what the
+parameters mean, and the book how they are computed: here are the same names. Two furrows with the same
+``solver_fingerprint`` give the same divisions to the last bit, and share a store.
+"""
+
+from __future__ import annotations
+
+from . import compare
+from ._cell import Cell, Value
+from ._errors import InputError, Interrupted, NoOutcome
+from ._furrow import Memo, __version__, parameter_names, presets, solver_fingerprint
+from ._memo import memo, use_store
+from ._results import (
+    PLACE_COLUMNS,
+    Branch,
+    Contour,
+    Curve,
+    Division,
+    Event,
+    Frame,
+    Frames,
+    Pitchfork,
+    Replicates,
+    Steady,
+)
+from ._studies import Calibration, Constants, Ranges, calibrate, ensemble
+from ._sweep import Sweep, sweep
+from ._tree import Founder, Scenarios, Tree, read_tree, tree
+
+__all__ = [
+    "PLACE_COLUMNS",
+    "Branch",
+    "Calibration",
+    "Cell",
+    "Constants",
+    "Contour",
+    "Curve",
+    "Division",
+    "Event",
+    "Founder",
+    "Frame",
+    "Frames",
+    "InputError",
+    "Interrupted",
+    "Memo",
+    "NoOutcome",
+    "Pitchfork",
+    "Ranges",
+    "Replicates",
+    "Scenarios",
+    "Steady",
+    "Sweep",
+    "Tree",
+    "Value",
+    "__version__",
+    "calibrate",
+    "compare",
+    "ensemble",
+    "memo",
+    "parameter_names",
+    "presets",
+    "read_tree",
+    "solver_fingerprint",
+    "sweep",
+    "tree",
+    "use_store",
+]

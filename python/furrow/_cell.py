@@ -1,0 +1,329 @@
+"""One cell, and what is computed of it."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, SupportsIndex, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _furrow
+from ._checks import path_of, refused, seed_of, text_of, threads_of, whole
+from ._errors import InputError
+from ._memo import memo as shared_memo
+from ._progress import Progress, shown
+from ._results import (
+    PLACE_COLUMNS,
+    Branch,
+    Contour,
+    Curve,
+    Division,
+    Event,
+    Frames,
+    Pitchfork,
+    Replicates,
+    Steady,
+    division,
+)
+from ._tables import html_table
+from ._tables import shown as shown_value
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from typing import TypeAlias
+
+    from ._furrow import Memo
+
+#: A number, a number of numpy, or the word that some parameters have as their value.
+Value: TypeAlias = SupportsFloat | SupportsIndex | str
+
+#: The columns that change their sign in a mirror; all others keep it but psi.
+_ODD = ("z", "v", "active_t")
+
+
+def _lineage(lineage: str | os.PathLike[str] | None) -> str | None:
+    return None if lineage is None else path_of("lineage", lineage)
+
+
+class Cell:
+    """A cell: its size, its confinement, its activity, its cue, its material and shell, and how it is computed.
+
+    ``r0`` is the radius R0 of the sphere with its volume, in L_h (or ``"17um"`` where the lineage has units). Every other
+    parameter goes by the name that ``furrow --set`` knows: ``epsilon``, ``xi_s``, ``aspect``, ``intervals`` and so on;
+    :meth:`parameters` lists them. ``cue`` is one as on the command line: ``"none"``, ``"germline"`` or another that the
+    lineage names, or terms such as ``"kappa:u0=0.465,omega=0.0577,amplitude=0.1"``.
+
+    >>> import furrow
+    >>> cell = furrow.Cell(r0=2.0, xi_s=15.0)
+    >>> cell.epsilon, cell.xi_s
+    (0.87, 15.0)
+
+    Cells are immutable, compare by value, and can be pickled.
+    """
+
+    __slots__ = ("_inputs", "_known")
+
+    _inputs: _furrow.Inputs
+    _known: dict[str, Any] | None
+
+    def __init__(
+        self,
+        r0: Value,
+        *,
+        cue: str = "none",
+        preset: str = "gao2026",
+        config: str | os.PathLike[str] | None = None,
+        lineage: str | os.PathLike[str] | None = None,
+        **parameters: Value,
+    ) -> None:
+        given: dict[str, Value] = {"r0": r0, **parameters}
+        try:
+            inputs = _furrow.Inputs(
+                given,
+                text_of("cue", cue),
+                text_of("preset", preset),
+                None if config is None else path_of("config", config),
+                _lineage(lineage),
+            )
+        except InputError as error:
+            # What the caller gave, and not the text that it was taken for.
+            if error.field in given:
+                error.value = given[error.field]
+            raise
+        self._hold(inputs)
+
+    def _hold(self, inputs: _furrow.Inputs) -> None:
+        object.__setattr__(self, "_inputs", inputs)
+        object.__setattr__(self, "_known", None)
+
+    @classmethod
+    def _of(cls, inputs: _furrow.Inputs) -> Cell:
+        cell = cls.__new__(cls)
+        cell._hold(inputs)
+        return cell
+
+    def parameters(self) -> dict[str, Any]:
+        """Every parameter by its name, and the cue."""
+        known = self._known
+        if known is None:
+            known = json.loads(self._inputs.parameters())
+            object.__setattr__(self, "_known", known)
+        return dict(known)
+
+    to_dict = parameters
+
+    def replace(self, *, cue: str | None = None, **parameters: Value) -> Cell:
+        """The same cell with other values of some parameters."""
+        now = self.parameters()
+        carried = now.pop("cue")
+        if "xi_b" in parameters:
+            now.pop("xi_ratio")
+        return Cell(**{**now, **parameters}, cue=carried if cue is None else cue)
+
+    def mirrored(self) -> Cell:
+        """Its mirror image under u → 1 − u."""
+        return Cell._of(self._inputs.mirrored())
+
+    @property
+    def is_mirror_symmetric(self) -> bool:
+        """Whether nothing tells one pole from the other."""
+        return self._inputs.is_mirror_symmetric()
+
+    @property
+    def cue(self) -> str:
+        """The cue as it is written."""
+        return self._inputs.cue
+
+    def cue_at(self, u: ArrayLike, length: SupportsFloat) -> dict[str, NDArray[np.float64]]:
+        """What its cue comes to at places u of a contour of a length: for each field that it changes Σ A f(u)."""
+        at = np.ascontiguousarray(u, dtype=np.float64)
+        if at.ndim != 1:
+            raise refused("u", u, "places in a row")
+        sums: dict[str, NDArray[np.float64]] = {}
+        for name, values in self._inputs.cue_at(at, _number("length", length)):
+            sums[name] = sums[name] + values if name in sums else values
+        return sums
+
+    def __getattr__(self, name: str) -> Any:
+        if not name.startswith("_"):
+            known = self.parameters()
+            if name in known:
+                return known[name]
+        raise AttributeError(f"a cell has no {name!r}")
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a cell does not change: cell.replace({name}=…) is another one")
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *self.parameters()})
+
+    def __eq__(self, other: object) -> bool:
+        return self._inputs == other._inputs if isinstance(other, Cell) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._inputs.to_json())
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return (_from_json, (self._inputs.to_json(),))
+
+    def __repr__(self) -> str:
+        now, default = self.parameters(), _defaults()
+        changed = [f"{name}={value!r}" for name, value in now.items() if name != "r0" and value != default[name]]
+        return f"furrow.Cell({', '.join(['r0=' + repr(now['r0']), *changed])})"
+
+    def _repr_html_(self) -> str:
+        now = self.parameters()
+        names = ("r0", "epsilon", "xi_s", "cue")
+        return html_table([(name, shown_value(now[name])) for name in names], "Cell")
+
+    @overload
+    def divide(
+        self,
+        seed: SupportsIndex = 0,
+        *,
+        frames: bool | float = False,
+        places: SupportsIndex | None = None,
+        replicates: None = None,
+        memo: Memo | None = None,
+        threads: SupportsIndex | None = None,
+        progress: Progress = None,
+    ) -> Division: ...
+    @overload
+    def divide(
+        self,
+        seed: SupportsIndex = 0,
+        *,
+        frames: Literal[False] = False,
+        places: None = None,
+        replicates: SupportsIndex,
+        memo: Memo | None = None,
+        threads: SupportsIndex | None = None,
+        progress: Progress = None,
+    ) -> Replicates: ...
+    def divide(
+        self,
+        seed: SupportsIndex = 0,
+        *,
+        frames: bool | float = False,
+        places: SupportsIndex | None = None,
+        replicates: SupportsIndex | None = None,
+        memo: Memo | None = None,
+        threads: SupportsIndex | None = None,
+        progress: Progress = None,
+    ) -> Division | Replicates:
+        """Computes its division, from the passive shape to pinch-off or to rest.
+
+        ``seed`` is that of the noise in the first step. ``frames=True`` keeps the shape after every step, ``frames=0.2``
+        one every 0.2 τ, at the collocation points of its mesh or at so many ``places`` of each of its intervals. With
+        ``replicates=N`` it is divided with the seeds from ``seed`` on, on all cores or on ``threads``. What the memo
+        knows is not solved again.
+
+        >>> import furrow
+        >>> division = furrow.Cell(r0=5.4, cue="germline").divide()
+        >>> division.outcome, round(division.chi, 3)
+        ('asymmetric', 0.209)
+
+        Raises :class:`~furrow.InputError` for numerics or an activity with which divisions cannot be computed, and
+        :class:`~furrow.NoOutcome` where the cell neither divides nor rests.
+        """
+        first = seed_of(seed)
+        known = shared_memo() if memo is None else memo
+        count = 1 if replicates is None else whole("replicates", replicates, 1, 1_000_000)
+        if replicates is not None and frames is not False:
+            raise refused("frames", frames, "False with replicates")
+        if count == 1:
+            found = json.loads(_furrow.divide(self._inputs, known, first, 1, 1))
+        else:
+            with shown(progress, "divisions") as tell:
+                text = _furrow.divide(self._inputs, known, first, count, threads_of(threads), tell)
+            found = json.loads(text)
+        solved, undecided = found
+        if replicates is None:
+            return division(self, first, solved[0][1], self._frames(first, frames, places))
+        return Replicates(tuple(division(self, seed, record) for seed, record in solved), dict(undecided))
+
+    def _frames(self, seed: int, frames: bool | float, places: SupportsIndex | None) -> Frames | None:
+        if frames is False:
+            if places is not None:
+                raise refused("places", places, "given with frames")
+            return None
+        try:
+            every = None if frames is True else float(frames)
+        except (TypeError, ValueError):
+            raise refused("frames", frames, "True, False or a number of τ") from None
+        count = None if places is None else whole("places", places, 1, 64)
+        _, of, ends, columns, shell = _furrow.film(self._inputs, seed, every, count)
+        return Frames(**of, shell=(shell[0], shell[1]), _places=columns, _ends=ends)
+
+    def steady(self) -> Steady:
+        """The stationary shape at its activity, on the branch of the passive shape, and its growth rates.
+
+        Raises :class:`~furrow.NoOutcome` where there is none, as of a cell that must divide.
+        """
+        text, places = _furrow.steady(self._inputs)
+        found = json.loads(text)
+        rates = found.pop("growth_rates")
+        return Steady(
+            cell=self,
+            growth_rates=np.array([complex(re, im) for re, im, _ in rates]),
+            parities=tuple(parity for _, _, parity in rates),
+            folds_passed=tuple(found.pop("folds_passed")),
+            contour=Contour(_whole(places)),
+            **found,
+        )
+
+    def pitchfork(self, xi_max: SupportsFloat = 100.0) -> Pitchfork:
+        """The first pitchfork of its mirror-symmetric shapes, for ξ_s up to ``xi_max``.
+
+        Raises :class:`~furrow.NoOutcome` where there is none, as with a cue that tells the poles apart.
+        """
+        return Pitchfork(cell=self, **json.loads(_furrow.pitchfork(self._inputs, _number("xi_max", xi_max))))
+
+    def branch(self, xi_max: SupportsFloat = 100.0, max_step: SupportsFloat = 1.0) -> Branch:
+        """Its stationary shapes over ξ_s up to ``xi_max``, the asymmetric ones included, with their folds and pitchforks."""
+        text, points = _furrow.branch(self._inputs, _number("xi_max", xi_max), _number("max_step", max_step))
+        found = json.loads(text)
+        ends = {end["branch"]: end["why"] for end in found["ends"]}
+        scaling = found["scaling"] or (None, None)
+        return Branch(
+            cell=self,
+            curves=tuple(Curve(name=name, ended=ends[name], **columns) for name, columns in points.items()),
+            events=tuple(Event(**event) for event in found["events"]),
+            exponent=scaling[0],
+            prefactor=scaling[1],
+        )
+
+
+def _number(field: str, value: SupportsFloat) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise refused(field, value, "a number") from None
+
+
+def _from_json(text: str) -> Cell:
+    return Cell._of(_furrow.Inputs.from_json(text))
+
+
+def _defaults() -> dict[str, Any]:
+    return dict(json.loads(_furrow.Inputs({}).parameters()))
+
+
+def _whole(places: Mapping[str, Any]) -> dict[str, Any]:
+    """A contour from pole to pole; that of a mirror-symmetric shape is computed to its equator alone."""
+    if places["u"][-1] > 0.75:
+        return dict(places)
+    whole = {}
+    for name in PLACE_COLUMNS:
+        half = places[name]
+        other = half[-2::-1]
+        if name == "u":
+            other = 1.0 - other
+        elif name == "psi":
+            other = np.pi - other
+        elif name in _ODD:
+            other = -other
+        whole[name] = np.concatenate((half, other))
+    return whole

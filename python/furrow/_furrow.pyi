@@ -1,0 +1,164 @@
+"""The part of furrow that is compiled. Its names are not for users, who have those of ``furrow``."""
+
+import os
+from collections.abc import Callable, Mapping
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "GrownTree",
+    "Inputs",
+    "Memo",
+    "__version__",
+    "branch",
+    "calibrate",
+    "compare_contours",
+    "compare_counts",
+    "compare_volumes",
+    "divide",
+    "ensemble",
+    "film",
+    "grow",
+    "parameter_names",
+    "pitchfork",
+    "presets",
+    "ranges",
+    "read_tree",
+    "solver_fingerprint",
+    "steady",
+    "sweep",
+]
+
+__version__: str
+solver_fingerprint: str
+
+_Told = Callable[[int, int], object] | None
+
+@final
+class Inputs:
+    def __new__(
+        cls,
+        parameters: Mapping[str, Any],
+        cue: str = "none",
+        preset: str = "gao2026",
+        config: str | None = None,
+        lineage: str | None = None,
+    ) -> Inputs: ...
+    def parameters(self) -> str: ...
+    @property
+    def cue(self) -> str: ...
+    def cue_at(self, u: NDArray[np.float64], length: float) -> list[tuple[str, NDArray[np.float64]]]: ...
+    def mirrored(self) -> Inputs: ...
+    def is_mirror_symmetric(self) -> bool: ...
+    def to_json(self) -> str: ...
+    @staticmethod
+    def from_json(text: str) -> Inputs: ...
+
+@final
+class Memo:
+    """Divisions that are solved already. With a store, a folder, they outlive the process and are shared with others, the command
+    line among them."""
+
+    def __new__(cls, store: str | os.PathLike[str] | None = None, r0_step: float | None = None) -> Memo: ...
+    def __len__(self) -> int: ...
+    def __bool__(self) -> bool: ...
+    @property
+    def store(self) -> os.PathLike[str] | None: ...
+    @property
+    def r0_step(self) -> float: ...
+
+@final
+class GrownTree:
+    def __len__(self) -> int: ...
+    def to_json(self) -> str: ...
+    @staticmethod
+    def from_json(text: str) -> GrownTree: ...
+    @property
+    def organism(self) -> str: ...
+    def founders(self) -> str: ...
+    def table(self) -> str: ...
+    def ended(self) -> str: ...
+    def colours(self) -> list[tuple[str, str]]: ...
+    def newick(self) -> str: ...
+    def svg(self) -> str: ...
+    def html(self) -> str: ...
+    def export(self, format: str, lengths: str) -> list[tuple[str, str]]: ...
+    def cells(self) -> dict[str, Any]: ...
+
+def parameter_names() -> list[tuple[str, str]]: ...
+def presets() -> list[str]: ...
+def divide(inputs: Inputs, memo: Memo, seed: int, count: int, threads: int, progress: _Told = None) -> str: ...
+def film(
+    inputs: Inputs, seed: int, every: float | None = None, places: int | None = None
+) -> tuple[str, dict[str, NDArray[np.float64]], NDArray[np.int64], dict[str, NDArray[np.float64]], list[float]]: ...
+def steady(inputs: Inputs) -> tuple[str, dict[str, NDArray[np.float64]]]: ...
+def pitchfork(inputs: Inputs, xi_max: float) -> str: ...
+def branch(inputs: Inputs, xi_max: float, max_step: float) -> tuple[str, dict[str, dict[str, NDArray[np.float64]]]]: ...
+def grow(
+    lineages: list[tuple[str, str | None]],
+    cues: list[str],
+    parameters: Mapping[str, Any],
+    memo: Memo,
+    preset: str,
+    config: str | None,
+    seed: int,
+    dynamics: bool,
+    threads: int,
+    progress: _Told = None,
+) -> tuple[list[tuple[str, str, str | None, GrownTree]], str]: ...
+def read_tree(file: str) -> GrownTree: ...
+def sweep(
+    text: str | None,
+    file: str | None,
+    parameters: Mapping[str, Any],
+    memo: Memo,
+    preset: str,
+    config: str | None,
+    out: str | None,
+    threads: int,
+    progress: _Told = None,
+) -> tuple[dict[str, Any], list[tuple[int, str]], str, tuple[int, int]]: ...
+def calibrate(text: str | None, file: str | None, parameters: Mapping[str, Any], preset: str, config: str | None) -> str: ...
+def ensemble(
+    text: str | None,
+    file: str | None,
+    count: int,
+    seed: int,
+    parameters: Mapping[str, Any],
+    preset: str,
+    config: str | None,
+    threads: int,
+) -> str: ...
+def ranges(
+    lineage: tuple[str, str | None],
+    cues: list[str],
+    text: str | None,
+    file: str | None,
+    parameters: Mapping[str, Any],
+    memo: Memo,
+    preset: str,
+    config: str | None,
+    seed: int,
+    threads: int,
+) -> str: ...
+def compare_counts(tree: GrownTree) -> str: ...
+def compare_volumes(
+    files: list[str],
+    text: str | None,
+    voxel: float | None,
+    group: str | None,
+    lineage: str | None,
+    constants: tuple[str | None, str | None] | None,
+    length: float | None,
+    parameters: Mapping[str, Any],
+    memo: Memo,
+    preset: str,
+    config: str | None,
+    threads: int,
+    progress: _Told = None,
+) -> str: ...
+def compare_contours(
+    measured: list[NDArray[np.float64]], model: list[tuple[float, NDArray[np.float64]]], length: float | None
+) -> str: ...

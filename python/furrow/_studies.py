@@ -1,0 +1,207 @@
+"""Constants from thresholds, as many sets of them as agree with what is known, and a lineage over these."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, SupportsIndex
+
+import numpy as np
+
+from . import _furrow
+from ._checks import path_of, refused, seed_of, text_of, threads_of, whole
+from ._results import Array, Result
+from ._tables import frame
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from ._cell import Value
+    from ._furrow import Memo
+
+
+@dataclass(frozen=True)
+class Calibration(Result):
+    """The constants that meet thresholds best, and what the thresholds leave open."""
+
+    parameters: dict[str, float]  #: The unknowns with their values.
+    residuals: tuple[
+        dict[str, float], ...
+    ]  #: Each threshold: ``r0``, ``epsilon``, ``xi_s`` given, ``computed``, ``relative`` deviation.
+    rms: float  #: Root mean square of the relative deviations.
+    combinations: tuple[dict[str, Any], ...]  #: Combinations of constants, by how much the thresholds tell of them.
+    iterations: int  #: Steps of the search.
+    excluded: tuple[dict[str, str], ...]  #: Statements of the targets that are not true of these constants.
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain numbers, words and lists."""
+        return {**super().to_dict(), "parameters": dict(self.parameters)}
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row a threshold."""
+        return frame({name: [row[name] for row in self.residuals] for name in self.residuals[0]})
+
+
+@dataclass(frozen=True, eq=False)
+class Constants:
+    """Sets of constants that agree with what is known, with their weights: what ``furrow.tree(constants=…)`` takes."""
+
+    parameters: tuple[str, ...]  #: Names of the constants.
+    values: Array = field(repr=False)  #: One row a set.
+    weights: Array = field(repr=False)  #: The share of each; they sum to 1.
+    effective_sample_size: float  #: How many independent sets they are worth.
+    draws: int  #: Sets that were judged.
+    excluded: Mapping[str, int]  #: How many of them each statement excluded.
+    csv: str = field(repr=False)  #: The table, as ``furrow tree --constants`` reads it.
+
+    def __len__(self) -> int:
+        return len(self.weights)
+
+    def __getitem__(self, name: str) -> Array:
+        try:
+            column: Array = self.values[:, self.parameters.index(name)]
+        except ValueError:
+            raise KeyError(name) from None
+        return column
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain numbers, words and lists."""
+        columns = {name: self[name].tolist() for name in self.parameters}
+        return {**columns, "weight": self.weights.tolist()}
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row a set."""
+        return frame({**{name: self[name] for name in self.parameters}, "weight": self.weights})
+
+
+class Ranges:
+    """A lineage over sets of constants: of every count the median and the range that holds 90 % of the weight."""
+
+    def __init__(self, found: Mapping[str, Any]) -> None:
+        self._found = dict(found)
+
+    @property
+    def founders(self) -> Sequence[Mapping[str, Any]]:
+        """Founders: ``name``, ``rounds`` (``min``, ``mean``, ``max``, ``terminal`` and others, each with ``p5``, ``p50``,
+        ``p95``), ``chi`` likewise."""
+        founders: list[Mapping[str, Any]] = self._found["founders"]
+        return founders
+
+    @property
+    def members(self) -> int:
+        """Sets of constants."""
+        return int(self._found["members"])
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of what ``furrow tree --constants --json`` prints."""
+        return dict(self._found)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row a founder, three columns a count."""
+        rows: list[dict[str, Any]] = []
+        for founder in self.founders:
+            row: dict[str, Any] = {"name": founder["name"]}
+            counts = {**(founder["rounds"] or {}), "chi": founder["chi"]}
+            for name, count in counts.items():
+                for quantile in ("p5", "p50", "p95"):
+                    row[f"{name}_{quantile}"] = None if count is None else count[quantile]
+            rows.append(row)
+        names = dict.fromkeys(name for row in rows for name in row)
+        return frame({name: [row.get(name) for row in rows] for name in names})
+
+    def __repr__(self) -> str:
+        return f"<furrow.Ranges of {len(self.founders)} founders over {self.members} sets of constants>"
+
+    def plot(self, *, path: str | None = None) -> Figure:
+        """Rounds of the founders with their ranges; needs matplotlib."""
+        from . import plot
+
+        return plot.saved(plot.ranges(self), path)
+
+
+def ranges_of(
+    labelled: list[tuple[str, str | None]],
+    cues: list[str],
+    constants: str | os.PathLike[str] | Constants,
+    given: Mapping[str, Any],
+    memo: Memo,
+    preset: str,
+    config: str | None,
+    seed: SupportsIndex,
+    threads: SupportsIndex | None,
+) -> Ranges:
+    """A lineage over sets of constants; for :func:`furrow.tree`."""
+    text, file = table_of(constants)
+    found = _furrow.ranges(
+        labelled[0], cues, text, file, given, memo, text_of("preset", preset), config, seed_of(seed), threads_of(threads)
+    )
+    return Ranges(json.loads(found))
+
+
+def table_of(constants: str | os.PathLike[str] | Constants) -> tuple[str | None, str | None]:
+    """Sets of constants as the text of their table, or as its file."""
+    if isinstance(constants, Constants):
+        return constants.csv, None
+    return None, path_of("constants", constants)
+
+
+def _targets(targets: str | os.PathLike[str]) -> tuple[str | None, str | None]:
+    if isinstance(targets, str) and (targets.lstrip().startswith("(") or "Targets(" in targets):
+        return targets, None
+    if targets is None:
+        raise refused("targets", targets, "a file of targets, or its text")
+    return None, path_of("targets", targets)
+
+
+def calibrate(
+    targets: str | os.PathLike[str],
+    *,
+    preset: str = "gao2026",
+    config: str | os.PathLike[str] | None = None,
+    **parameters: Value,
+) -> Calibration:
+    """Finds constants from measured thresholds, and says what these leave open.
+
+    ``targets`` is a file as ``data/thresholds.ron``, or its text; keywords are parameters from which the search starts.
+    """
+    text, file = _targets(targets)
+    where = None if config is None else path_of("config", config)
+    found = json.loads(_furrow.calibrate(text, file, parameters, text_of("preset", preset), where))
+    return Calibration(
+        parameters=found["parameters"],
+        residuals=tuple(found["residuals"]),
+        rms=found["rms"],
+        combinations=tuple(found["combinations"]),
+        iterations=found["iterations"],
+        excluded=tuple(found["excluded"]),
+    )
+
+
+def ensemble(
+    targets: str | os.PathLike[str],
+    members: SupportsIndex,
+    *,
+    seed: SupportsIndex = 0,
+    preset: str = "gao2026",
+    config: str | os.PathLike[str] | None = None,
+    threads: SupportsIndex | None = None,
+    **parameters: Value,
+) -> Constants:
+    """Samples so many sets of constants that agree with the targets: what ``furrow.tree(constants=…)`` takes."""
+    text, file = _targets(targets)
+    where = None if config is None else path_of("config", config)
+    count = whole("members", members, 1, 100_000)
+    name = text_of("preset", preset)
+    found = json.loads(_furrow.ensemble(text, file, count, seed_of(seed), parameters, name, where, threads_of(threads)))
+    return Constants(
+        parameters=tuple(found["parameters"]),
+        values=np.array(found["values"], dtype=np.float64),
+        weights=np.array(found["weights"], dtype=np.float64),
+        effective_sample_size=found["effective_sample_size"],
+        draws=found["draws"],
+        excluded=found["excluded"],
+        csv=found["csv"],
+    )

@@ -1,0 +1,164 @@
+"""Many points: divisions, trees, thresholds or critical radii over axes of parameters."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, SupportsIndex
+
+import numpy as np
+
+from . import _furrow
+from ._checks import path_of, refused, seed_of, text_of, threads_of, whole
+from ._memo import memo as shared_memo
+from ._progress import Progress, shown
+from ._tables import frame
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from ._cell import Value
+    from ._furrow import Memo
+
+
+class Sweep(Mapping[str, Any]):
+    """The table of a sweep: columns by name, first those of the axes. Numbers are arrays, with NaN where there is none;
+    words are lists."""
+
+    def __init__(self, columns: Mapping[str, Any], undecided: Mapping[int, str], csv: str, solved: int, reused: int) -> None:
+        self._columns = dict(columns)
+        #: Why points are undecided, by the number of their row.
+        self.undecided = dict(undecided)
+        #: The table as ``furrow sweep`` writes it to ``results.csv``, byte by byte.
+        self.csv = csv
+        #: Divisions, or shapes, that were solved for it.
+        self.solved = solved
+        #: Those that were known already, or solved for another point.
+        self.reused = reused
+
+    def __getitem__(self, name: str) -> Any:
+        return self._columns[name]
+
+    def __iter__(self) -> Any:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    @property
+    def points(self) -> int:
+        """How many rows there are."""
+        return len(next(iter(self._columns.values()), ()))
+
+    def to_dict(self) -> dict[str, list[Any]]:
+        """Columns as plain lists."""
+        return {name: list(np.asarray(column, dtype=object)) for name, column in self.items()}
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row a point."""
+        return frame(self)
+
+    def __repr__(self) -> str:
+        return f"<furrow.Sweep of {self.points} points: {', '.join(self)}>"
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        most = 20
+        head = "".join(f"<th>{escape(name)}</th>" for name in self)
+        rows = ["".join(f"<td>{escape(_cell(self[name][k]))}</td>" for name in self) for k in range(min(most, self.points))]
+        body = "".join(f"<tr>{row}</tr>" for row in rows)
+        more = f"<p>and {self.points - most} further points</p>" if self.points > most else ""
+        return f"<table><tr>{head}</tr>{body}</table>{more}"
+
+
+def _cell(value: object) -> str:
+    if value is None or (isinstance(value, float) and np.isnan(value)):
+        return ""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _ron(value: object) -> str:
+    """A value of an axis as a sweep file has it."""
+    if isinstance(value, str):
+        plain = "".join(c if c.isprintable() and c not in '"\\' else f"\\u{{{ord(c):x}}}" for c in value)
+        return f'"{plain}"'
+    if isinstance(value, (bool, np.bool_)):
+        raise refused("axes", value, "numbers or words")
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        raise refused("axes", value, "numbers or words") from None
+    if not np.isfinite(number):
+        raise refused("axes", value, "finite numbers or words")
+    return repr(number)
+
+
+def _text(kind: str, axes: Mapping[str, Iterable[Any]], cue: str | None, replicates: int, seed: int, lineage: str | None) -> str:
+    if not isinstance(axes, Mapping):
+        raise refused("axes", axes, "names of parameters with their values, as {'r0': [1.6, 2.0]}")
+    written = []
+    for name, values in axes.items():
+        if isinstance(values, str) or not isinstance(values, Iterable):
+            raise refused(f"axes[{name!r}]", values, "a list of values")
+        written.append(f"(parameter: {_ron(text_of('axes', name))}, list: [{', '.join(_ron(v) for v in values)}])")
+    parts = [f"kind: {kind}", f"axes: [{', '.join(written)}]", f"replicates: {replicates}", f"seed: {seed}"]
+    if cue is not None:
+        parts.append(f"cue: Some({_ron(text_of('cue', cue))})")
+    if lineage is not None:
+        parts.append(f"lineage: Some({_ron(lineage)})")
+    return f"Sweep({', '.join(parts)})"
+
+
+#: What can be computed at every point.
+KINDS: Sequence[str] = ("division", "tree", "pitchfork", "critical")
+
+
+def sweep(
+    file: str | os.PathLike[str] | None = None,
+    *,
+    axes: Mapping[str, Iterable[Any]] | None = None,
+    kind: str = "division",
+    cue: str | None = None,
+    replicates: SupportsIndex = 1,
+    seed: SupportsIndex = 0,
+    lineage: str | os.PathLike[str] | None = None,
+    out: str | os.PathLike[str] | None = None,
+    preset: str = "gao2026",
+    config: str | os.PathLike[str] | None = None,
+    memo: Memo | None = None,
+    threads: SupportsIndex | None = None,
+    progress: Progress = None,
+    **parameters: Value,
+) -> Sweep:
+    """Computes many points over axes of parameters, each input once, on all cores.
+
+    Either ``file`` is a sweep file, or ``axes`` says which parameters take which values, the first varying slowest; their
+    names are those that ``furrow --set`` knows, ``cue``, or ``cue.amplitude`` and the like. ``kind`` is ``division``,
+    ``tree``, ``pitchfork`` or ``critical``. With ``out`` the files of ``furrow sweep`` are written into that folder.
+
+    >>> import furrow
+    >>> sizes = furrow.sweep(axes={"r0": [1.5, 2.0, 2.5]})
+    >>> sizes["outcome"]
+    ['failed', 'asymmetric', 'symmetric']
+    """
+    known = shared_memo() if memo is None else memo
+    text = None
+    if file is None:
+        if axes is None:
+            raise refused("axes", None, "given where no file is")
+        if kind not in KINDS:
+            raise refused("kind", kind, f"one of {', '.join(KINDS)}")
+        place = None if lineage is None else path_of("lineage", lineage)
+        most = 1_000_000
+        text = _text(kind, axes, cue, whole("replicates", replicates, 1, most), seed_of(seed), place)
+    elif axes is not None or cue is not None or lineage is not None or replicates != 1 or seed != 0 or kind != "division":
+        raise refused("file", file, "given without axes, kind, cue, replicates, seed and lineage, which it says itself")
+    where = None if file is None else path_of("file", file)
+    settings = None if config is None else path_of("config", config)
+    folder = None if out is None else path_of("out", out)
+    with shown(progress, "points") as tell:
+        columns, why, csv, (solved, reused) = _furrow.sweep(
+            text, where, parameters, known, text_of("preset", preset), settings, folder, threads_of(threads), tell
+        )
+    return Sweep(columns, dict(why), csv, solved, reused)

@@ -1,0 +1,492 @@
+"""Lineages: the tree that grows from one cell, and several of them side by side."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, SupportsIndex, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _furrow
+from ._checks import path_of, refused, seed_of, text_of, threads_of
+from ._memo import memo as shared_memo
+from ._progress import Progress, shown
+from ._results import Array
+from ._tables import frame, html_table
+
+if TYPE_CHECKING:
+    import networkx as nx
+    import pandas as pd
+    from lineagetree import LineageTree
+    from matplotlib.figure import Figure
+
+    from ._cell import Value
+    from ._furrow import GrownTree, Memo
+    from ._studies import Constants, Ranges
+
+#: Cells of which a notebook draws the whole tree, half a megabyte at most; of larger ones it gets the founders' table alone.
+MOST_DRAWN = 1000
+
+
+@dataclass(frozen=True)
+class Rounds:
+    """Rounds of division from a founder to its terminal cells."""
+
+    min: float  #: Fewest.
+    mean: float  #: Mean over terminal cells.
+    max: float  #: Most.
+    full_doublings: int  #: Generations in which every cell divided.
+    symmetric_doublings: int | None = None  #: Those in which every cell divided into equal halves.
+    terminal: int | None = None  #: Terminal cells.
+
+
+@dataclass(frozen=True)
+class Founder:
+    """A founder: its cell, its own division, its rounds and the observed ones."""
+
+    name: str  #: Name.
+    r0: float | None  #: Radius, in L_h; None if it was never born.
+    cue: str  #: Name of its cue.
+    outcome: str | None  #: How its own division ended.
+    chi: float | None  #: Its asymmetry.
+    rounds: Rounds | None  #: Rounds grown.
+    observed: Rounds | None  #: Rounds observed.
+
+
+def _rounds(found: Mapping[str, Any] | None) -> Rounds | None:
+    if found is None:
+        return None
+    return Rounds(
+        min=found["min"],
+        mean=found["mean"],
+        max=found["max"],
+        full_doublings=found["full_doublings"],
+        symmetric_doublings=found.get("symmetric"),
+        terminal=found.get("terminal"),
+    )
+
+
+class Tree:
+    """A grown lineage. Numbers of all cells are arrays in breadth-first order: ``tree.r0``, ``tree.chi``, ``tree["t_end"]``.
+
+    What could not be, as χ of a cell that did not divide, is NaN.
+    """
+
+    def __init__(self, grown: GrownTree, work: Mapping[str, Any] | None = None) -> None:
+        self._grown = grown
+        self._cells: dict[str, Any] | None = None
+        #: Divisions that were solved for it.
+        self.divisions_solved: int = 0 if work is None else work["divisions_solved"]
+        #: Divisions that were known already.
+        self.memo_hits: int = 0 if work is None else work["memo_hits"]
+        #: What is to be known of the run, as a store that cannot be written.
+        self.warnings: tuple[str, ...] = () if work is None else tuple(work["warnings"])
+
+    def __len__(self) -> int:
+        return len(self._grown)
+
+    @property
+    def cells(self) -> Mapping[str, Any]:
+        """All columns by name: numbers as arrays, words as lists."""
+        if self._cells is None:
+            self._cells = self._grown.cells()
+        return self._cells
+
+    def __getitem__(self, column: str) -> Any:
+        return self.cells[column]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the cells."""
+        return list(self.cells["name"])
+
+    @property
+    def r0(self) -> Array:
+        """Their radii, in L_h."""
+        return self._numbers("r0")
+
+    @property
+    def chi(self) -> Array:
+        """χ of their divisions."""
+        return self._numbers("chi")
+
+    @property
+    def generation(self) -> NDArray[np.int64]:
+        """Divisions from the first cell."""
+        generation: NDArray[np.int64] = self.cells["generation"]
+        return generation
+
+    @property
+    def mother(self) -> NDArray[np.int64]:
+        """The number of each cell's mother, -1 of the first."""
+        mother: NDArray[np.int64] = self.cells["mother"]
+        return mother
+
+    def _numbers(self, name: str) -> Array:
+        column: Array = self.cells[name]
+        return column
+
+    @property
+    def organism(self) -> str:
+        """What grew."""
+        return self._grown.organism
+
+    @property
+    def founders(self) -> tuple[Founder, ...]:
+        """The founders' table."""
+
+        def row(found: Mapping[str, Any]) -> Founder:
+            return Founder(
+                name=found["name"],
+                r0=found["r0"],
+                cue=found["cue"],
+                outcome=found["outcome"],
+                chi=found["chi"],
+                rounds=_rounds(found["rounds"]),
+                observed=_rounds(found["observed"]),
+            )
+
+        return tuple(row(found) for found in json.loads(self._grown.founders()))
+
+    @property
+    def ended(self) -> dict[str, int]:
+        """Cells without daughters, by why they have none."""
+        return dict(json.loads(self._grown.ended()))
+
+    def table(self) -> str:
+        """The founders' table as ``furrow tree`` prints it."""
+        return self._grown.table()
+
+    def newick(self) -> str:
+        """The tree as Newick."""
+        return self._grown.newick()
+
+    def export(self, format: str, lengths: str = "time") -> str | dict[str, str]:
+        """The tree for other programs: ``newick``, ``nhx``, ``nexus``, ``csv``, ``lineagetree``, ``graphml``, or
+        ``itol``, which is several files by name.
+
+        ``lengths`` are those of the branches: ``time``, ``generation`` or ``none``.
+        """
+        files = self._grown.export(text_of("format", format), text_of("lengths", lengths))
+        return files[0][1] if len(files) == 1 and not files[0][0] else dict(files)
+
+    def to_json(self) -> str:
+        """The text of ``tree.json``, as ``furrow tree`` writes it; :func:`furrow.read_tree` reads it."""
+        return self._grown.to_json()
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of ``tree.json``."""
+        return dict(json.loads(self._grown.to_json()))
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row a cell."""
+        return frame(self.cells)
+
+    def founders_to_pandas(self) -> pd.DataFrame:
+        """One row a founder: its rounds beside the observed ones."""
+        rows: dict[str, list[Any]] = {}
+        for founder in self.founders:
+            row: dict[str, Any] = {name: getattr(founder, name) for name in ("name", "r0", "cue", "outcome", "chi")}
+            for whose, rounds in (("model", founder.rounds), ("observed", founder.observed)):
+                for name in ("min", "mean", "max", "full_doublings", "terminal"):
+                    row[f"{whose}_{name}"] = None if rounds is None else getattr(rounds, name)
+            for name, value in row.items():
+                rows.setdefault(name, []).append(value)
+        return frame(rows)
+
+    def to_networkx(self) -> nx.DiGraph[str]:
+        """A graph from mothers to daughters, whose nodes are the cells' names with all that is known of them."""
+        try:
+            import networkx as nx
+        except ImportError as error:
+            raise ImportError("to_networkx needs networkx: pip install networkx") from error
+        graph: nx.DiGraph[str] = nx.DiGraph(organism=self.organism)
+        cells, names = self.cells, self.names
+        columns = {name: column for name, column in cells.items() if name not in ("name", "mother")}
+        for k, name in enumerate(names):
+            graph.add_node(name, **{key: _scalar(column[k]) for key, column in columns.items()})
+        graph.add_edges_from((names[mother], names[k]) for k, mother in enumerate(self.mother) if mother >= 0)
+        return graph
+
+    def to_lineagetree(self) -> LineageTree:
+        """A tree of the package LineageTree: cells by their numbers, at the time point of their generation, with radius,
+        volume and labels."""
+        try:
+            from lineagetree import LineageTree
+        except ImportError as error:
+            raise ImportError("to_lineagetree needs LineageTree: pip install LineageTree") from error
+        names = self.names
+        successor: dict[int, list[int]] = {k: [] for k in range(len(self))}
+        for k, mother in enumerate(self.mother):
+            if mother >= 0:
+                successor[int(mother)].append(k)
+
+        def numbers(column: str) -> dict[int, float]:
+            return {k: float(value) for k, value in enumerate(self.cells[column])}
+
+        return LineageTree(
+            successor=successor,
+            time={k: int(generation) for k, generation in enumerate(self.generation)},
+            name=self.organism,
+            label=dict(enumerate(names)),
+            r0=numbers("r0"),
+            volume_fraction=numbers("volume_fraction"),
+            chi=numbers("chi"),
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes ``tree.json``, or by the ending of the path Newick (``.nwk``), a drawing (``.svg``) or the page that
+        computes (``.html``)."""
+        file = Path(path_of("path", path))
+        texts = {".json": self.to_json, ".nwk": self.newick, ".svg": self._grown.svg, ".html": self._grown.html}
+        if file.suffix not in texts:
+            raise refused("path", str(path), f"a file that ends in {', '.join(texts)}")
+        file.write_text(texts[file.suffix](), encoding="utf-8")
+
+    def plot(self, *, path: str | None = None) -> Figure:
+        """Rounds of the founders beside the observed ones; needs matplotlib."""
+        from . import plot
+
+        return plot.saved(plot.rounds(self), path)
+
+    def colours(self) -> dict[str, str]:
+        """The colour of each founder in all drawings."""
+        return dict(self._grown.colours())
+
+    def __eq__(self, other: object) -> bool:
+        return self.to_json() == other.to_json() if isinstance(other, Tree) else NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[object, ...]:
+        work = {"divisions_solved": self.divisions_solved, "memo_hits": self.memo_hits, "warnings": self.warnings}
+        return (Tree, (self._grown, work))
+
+    def __str__(self) -> str:
+        return self.table()
+
+    def __repr__(self) -> str:
+        return f"<furrow.Tree of {len(self)} cells of {self.organism}>"
+
+    def _repr_svg_(self) -> str | None:
+        # A notebook keeps what it shows: of a tree of more cells a drawing is megabytes and no cell of it to be told.
+        if len(self) > MOST_DRAWN:
+            return None
+        return self._grown.svg()
+
+    def _repr_html_(self) -> str:
+        drawing = self._repr_svg_()
+        if drawing is None:
+            return self._founders_html(f"{self.organism}: {len(self)} cells, too many to be drawn here")
+        # As wide as the notebook at most; by itself the drawing has a width of its own.
+        drawing = drawing.replace("<svg ", '<svg style="max-width:100%;height:auto" ', 1)
+        return f'<div style="max-width:100%;overflow:auto">{drawing}</div>'
+
+    def _founders_html(self, caption: str) -> str:
+        def row(founder: Founder) -> tuple[str, str]:
+            if founder.rounds is None:
+                return founder.name, "never born"
+            chi = "" if founder.chi is None else f", χ = {founder.chi:.3f}"
+            rounds = founder.rounds
+            return founder.name, f"{founder.outcome}{chi}; {rounds.min} to {rounds.max} rounds, {rounds.terminal} cells"
+
+        return html_table([row(founder) for founder in self.founders], caption)
+
+
+def _scalar(value: Any) -> Any:
+    """A number of numpy as Python's."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+class Scenarios(Mapping[str, Tree]):
+    """Several trees, grown in one run, by their names."""
+
+    def __init__(self, trees: Mapping[str, Tree], cues: Mapping[str, str | None]) -> None:
+        self._trees = dict(trees)
+        #: The cue of each, as it was asked for; None where it is the lineage's own.
+        self.cues = dict(cues)
+
+    def __getitem__(self, name: str) -> Tree:
+        return self._trees[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._trees)
+
+    def __len__(self) -> int:
+        return len(self._trees)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All trees as plain numbers, words and lists."""
+        return {name: tree.to_dict() for name, tree in self.items()}
+
+    def to_pandas(self) -> pd.DataFrame:
+        """The founders' tables of all, one below the other."""
+        import pandas as pd
+
+        tables = {name: tree.founders_to_pandas() for name, tree in self.items()}
+        table: pd.DataFrame = pd.concat(tables, names=["scenario"]).reset_index("scenario").reset_index(drop=True)
+        return table
+
+    def __repr__(self) -> str:
+        return f"<furrow.Scenarios {', '.join(self)}>"
+
+    def _repr_html_(self) -> str:
+        parts = [tree._founders_html(f"{name}: {len(tree)} cells") for name, tree in self.items()]
+        return f"<div style='display:flex;gap:2em;flex-wrap:wrap'>{''.join(parts)}</div>"
+
+
+@overload
+def tree(
+    lineage: str | os.PathLike[str] | None = None,
+    *,
+    cue: str | None = None,
+    cues: None = None,
+    constants: None = None,
+    r0: Value | None = None,
+    seed: SupportsIndex = 0,
+    dynamics: bool = False,
+    preset: str = "gao2026",
+    config: str | os.PathLike[str] | None = None,
+    memo: Memo | None = None,
+    threads: SupportsIndex | None = None,
+    progress: Progress = None,
+    **parameters: Value,
+) -> Tree: ...
+@overload
+def tree(
+    lineage: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] | None = None,
+    *,
+    cue: None = None,
+    cues: Sequence[str],
+    constants: None = None,
+    r0: Value | None = None,
+    seed: SupportsIndex = 0,
+    dynamics: bool = False,
+    preset: str = "gao2026",
+    config: str | os.PathLike[str] | None = None,
+    memo: Memo | None = None,
+    threads: SupportsIndex | None = None,
+    progress: Progress = None,
+    **parameters: Value,
+) -> Scenarios: ...
+@overload
+def tree(
+    lineage: Sequence[os.PathLike[str]] | list[str],
+    *,
+    cue: None = None,
+    cues: Sequence[str] | None = None,
+    constants: None = None,
+    r0: Value | None = None,
+    seed: SupportsIndex = 0,
+    dynamics: bool = False,
+    preset: str = "gao2026",
+    config: str | os.PathLike[str] | None = None,
+    memo: Memo | None = None,
+    threads: SupportsIndex | None = None,
+    progress: Progress = None,
+    **parameters: Value,
+) -> Scenarios: ...
+@overload
+def tree(
+    lineage: str | os.PathLike[str] | None = None,
+    *,
+    cue: str | None = None,
+    cues: None = None,
+    constants: str | os.PathLike[str] | Constants,
+    r0: Value | None = None,
+    seed: SupportsIndex = 0,
+    dynamics: Literal[False] = False,
+    preset: str = "gao2026",
+    config: str | os.PathLike[str] | None = None,
+    memo: Memo | None = None,
+    threads: SupportsIndex | None = None,
+    progress: Progress = None,
+    **parameters: Value,
+) -> Ranges: ...
+def tree(
+    lineage: Any = None,
+    *,
+    cue: str | None = None,
+    cues: Sequence[str] | None = None,
+    constants: Any = None,
+    r0: Value | None = None,
+    seed: SupportsIndex = 0,
+    dynamics: bool = False,
+    preset: str = "gao2026",
+    config: str | os.PathLike[str] | None = None,
+    memo: Memo | None = None,
+    threads: SupportsIndex | None = None,
+    progress: Progress = None,
+    **parameters: Value,
+) -> Tree | Scenarios | Ranges:
+    """Grows a lineage from one cell: every division is solved, its daughters divide next, until none can.
+
+    ``lineage`` is a lineage file, its text, or None for the built-in C. elegans founders. ``cue`` replaces every cue that
+    it gives. With ``cues``, or several lineages, every combination is grown in one run and the answer is
+    :class:`Scenarios`. With ``constants``, a table as ``furrow calibrate --ensemble`` writes it or what
+    :func:`furrow.ensemble` gave, it is grown with every set of them, and the answer is :class:`Ranges`. ``r0`` is the
+    radius of the first cell, and further keywords are parameters by the names that ``furrow --set`` knows.
+    ``dynamics=True`` computes the division of every cell, those below the critical radius included.
+
+    >>> import furrow
+    >>> worm = furrow.tree()
+    >>> len(worm), worm.founders[0].name, round(worm.founders[0].chi, 3)
+    (285, 'P0', 0.209)
+    """
+    known = shared_memo() if memo is None else memo
+    given = dict(parameters) if r0 is None else {"r0": r0, **parameters}
+    several = cues is not None or (not isinstance(lineage, (str, os.PathLike)) and lineage is not None)
+    lineages = [lineage] if lineage is None or isinstance(lineage, (str, os.PathLike)) else list(lineage)
+    if cue is not None and cues is not None:
+        raise refused("cues", list(cues), "given without cue")
+    if isinstance(cues, str):
+        raise refused("cues", cues, "a list of cues; a single one is given as cue")
+    wanted = [cue] if cue is not None else [] if cues is None else list(cues)
+    labelled = [_labelled(one) for one in lineages]
+    where = None if config is None else path_of("config", config)
+    if constants is not None:
+        from ._studies import ranges_of
+
+        if several:
+            raise refused("constants", constants, "given with one lineage and at most one cue")
+        if dynamics:
+            raise refused("dynamics", dynamics, "False with constants")
+        return ranges_of(labelled, wanted, constants, given, known, preset, where, seed, threads)
+    with shown(progress, "divisions") as tell:
+        named, work = _furrow.grow(
+            labelled,
+            [text_of("cue", text) for text in wanted],
+            given,
+            known,
+            text_of("preset", preset),
+            where,
+            seed_of(seed),
+            bool(dynamics),
+            threads_of(threads),
+            tell,
+        )
+    took = json.loads(work)
+    if not several:
+        return Tree(named[0][3], took)
+    trees = {name: Tree(grown, took) for name, _, _, grown in named}
+    return Scenarios(trees, {name: cue for name, _, cue, _ in named})
+
+
+def _labelled(lineage: str | os.PathLike[str] | None) -> tuple[str, str | None]:
+    """What a lineage is called, and its file or text."""
+    if lineage is None:
+        return "c_elegans", None
+    if isinstance(lineage, str) and (lineage.lstrip().startswith("(") or "Lineage(" in lineage):
+        return "lineage", lineage
+    path = path_of("lineage", lineage)
+    return Path(path).stem or "lineage", path
+
+
+def read_tree(path: str | os.PathLike[str]) -> Tree:
+    """Reads a ``tree.json``, as ``furrow tree`` and :meth:`Tree.save` write it."""
+    return Tree(_furrow.read_tree(path_of("path", path)))

@@ -1,0 +1,376 @@
+"""Pictures by matplotlib, in the style of those that the command line draws: the same colours, words and meanings.
+
+Every function gives a :class:`matplotlib.figure.Figure`, to be changed or saved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from ._cell import Cell
+    from ._results import Branch, Division, Frame, Frames
+    from ._studies import Ranges
+    from ._tree import Tree
+    from .compare import ContoursComparison, VolumesComparison
+
+    Numbers: TypeAlias = NDArray[np.floating[Any]]
+
+INK = "#1a1a1a"
+MUTED = "#555555"
+FAINT = "#d9d9d9"
+SYMMETRIC = "#0072b2"
+ASYMMETRIC = "#d55e00"
+FAILED = "#999999"
+MODEL = "#009e73"
+OBSERVED = INK
+CUE = "#e69f00"
+SHELL = "#8c8c8c"
+CYTOPLASM = "#eaf4fa"
+SERIES = ("#000000", "#e69f00", "#56b4e9", "#009e73", "#cc79a7", "#0072b2", "#d55e00")
+FORCES = {"active": "#cc79a7", "viscous": "#56b4e9", "elastic": "#009e73", "pressure": "#1a1a1a", "shell": "#e69f00"}
+OUTCOMES = {"symmetric": SYMMETRIC, "asymmetric": ASYMMETRIC, "failed": FAILED}
+BRANCHES = {"symmetric": SYMMETRIC, "asymmetric": ASYMMETRIC, "cued": MODEL}
+
+#: What parameters are called along an axis, with their units.
+LABELS = {
+    "r0": "radius R₀ ($L_h$)",
+    "epsilon": "volume fraction ε",
+    "xi_s": "activity $ξ_s$ ($κ_0/L_h$)",
+    "chi": "size asymmetry χ",
+    "t": "time (τ)",
+    "H": "elongation H",
+    "aspect": "shell, a/b",
+    "w": "shell width w",
+    "p0": "shell strength $p_0$",
+    "gain": "gain g",
+}
+
+#: Contours that a picture of a division shows.
+STILLS = 6
+
+
+def _figure(width: float, height: float) -> Figure:
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise ImportError("pictures need matplotlib: pip install matplotlib") from error
+    # Not by way of pyplot, which keeps every figure and would show it a second time in a notebook.
+    return Figure(figsize=(width, height), layout="constrained", facecolor="white")
+
+
+def saved(figure: Figure, path: str | None) -> Figure:
+    """The figure, written to a file if one is named."""
+    if path is not None:
+        figure.savefig(path, dpi=150)
+    return figure
+
+
+def style(axes: Axes) -> Axes:
+    """An axis as all of furrow's pictures have them."""
+    axes.grid(True, color=FAINT, linewidth=0.8)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    for side in ("left", "bottom"):
+        axes.spines[side].set_color(MUTED)
+    axes.tick_params(colors=MUTED, labelcolor=INK)
+    axes.xaxis.label.set_color(INK)
+    axes.yaxis.label.set_color(INK)
+    return axes
+
+
+def title_of(division: Division) -> str:
+    """What became of which cell."""
+    cell = division.cell
+    cue = "" if cell.cue == "none" else f", cue {cell.cue}"
+    became = "stays at rest" if division.chi is None else f"{division.outcome}, χ = {division.chi:.3f}"
+    return f"R₀ = {cell.r0:g}, ε = {cell.epsilon:g}, $ξ_s$ = {cell.xi_s:g}{cue}: {became}"
+
+
+def contour(axes: Axes, frame: Frame, shell: tuple[float, float] | None = None, cell: Cell | None = None) -> Axes:
+    """A cell in its shell, anterior left; with ``cell`` its cue, along the outside."""
+    r, z = frame.contour.r, frame.contour.z
+    if shell is not None:
+        angle = np.linspace(0.0, 2.0 * np.pi, 200)
+        axes.plot(shell[0] * np.cos(angle), shell[1] * np.sin(angle), color=SHELL, linestyle="--", linewidth=1.0)
+    axes.fill(np.concatenate((z, z[::-1])), np.concatenate((r, -r[::-1])), facecolor=CYTOPLASM, edgecolor=INK, linewidth=1.6)
+    if cell is not None and cell.cue != "none":
+        _cue(axes, frame, cell)
+    axes.set_aspect("equal")
+    axes.axis("off")
+    return axes
+
+
+def _cue(axes: Axes, frame: Frame, cell: Cell) -> None:
+    """The cue, as a strip along the outside of the contour that is as strong as the cue is there."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgba
+
+    # Evenly along the contour, however its mesh is.
+    u = np.linspace(0.0, 1.0, 401)
+    r, z, psi = (np.interp(u, frame.contour["u"], frame.contour[name]) for name in ("r", "z", "psi"))
+    strength = sum(np.abs(values) for values in cell.cue_at(u, frame.length).values())
+    strength = strength / np.max(strength)
+    # The outward normal is (sin ψ, cos ψ) along (r, z).
+    wide = 0.016 * frame.length / np.pi
+    inner, outer = ((r + k * wide * np.sin(psi), z + k * wide * np.cos(psi)) for k in (0.5, 2.5))
+    strips, colours = [], []
+    for k in np.flatnonzero(strength[:-1] > 0.08):
+        corners = [(inner, k), (inner, k + 1), (outer, k + 1), (outer, k)]
+        for side in (1.0, -1.0):
+            strips.append([(line[1][at], side * line[0][at]) for line, at in corners])
+            colours.append(to_rgba(CUE, float(strength[k])))
+    axes.add_collection(PolyCollection(strips, facecolors=colours, edgecolors="none", zorder=3))
+
+
+def division(found: Division) -> Figure:
+    """A cell as it divides: its contours in their shell, the neck and the asymmetry over time, and the normal forces
+    half-way."""
+    frames = found.frames
+    if frames is None:
+        from ._checks import refused
+
+        raise refused("frames", False, "True, in cell.divide(frames=True), for a picture of a division")
+    figure = _figure(11.0, 6.4)
+    figure.suptitle(title_of(found), color=INK, fontsize=11, x=0.01, ha="left")
+    grid = figure.add_gridspec(2, 1, height_ratios=(1.0, 2.2))
+    row = grid[0].subgridspec(1, STILLS)
+    for k, frame in enumerate(_stills(frames)):
+        axes = contour(figure.add_subplot(row[k]), frame, frames.shell, found.cell if k else None)
+        axes.set_title(f"t = {frame.t:.3g} τ", y=-0.22, fontsize=9, color=MUTED)
+    charts = grid[1].subgridspec(1, 2, width_ratios=(0.82, 1.0))
+    _over_time(style(figure.add_subplot(charts[0])), found, frames)
+    _balance(style(figure.add_subplot(charts[1])), _half_way(frames))
+    return figure
+
+
+def _stills(frames: Frames) -> list[Frame]:
+    """Frames between which the neck closes by about equal parts, or of a cell that stays at rest the contour grows."""
+    widest = float(frames[0].contour.r.max())
+    waist = np.where(np.isnan(frames.neck_radius), widest, frames.neck_radius) / widest
+    grown = np.log(frames.length / frames.length[0])
+    progress = np.maximum.accumulate(0.5 * grown + 1.0 - np.minimum(waist, 1.0))
+    wanted = np.linspace(progress[0], progress[-1], STILLS)
+    return [frames[min(int(k), len(frames) - 1)] for k in np.searchsorted(progress, wanted - 1e-12)]
+
+
+def _half_way(frames: Frames) -> Frame:
+    """The cell when its neck is half as wide as the cell was; of one that stays at rest the last shape."""
+    narrow = np.flatnonzero(frames.neck_radius < 0.5 * frames[0].contour.r.max())
+    return frames[int(narrow[0])] if len(narrow) else frames[-1]
+
+
+def _over_time(axes: Axes, found: Division, frames: Frames) -> None:
+    axes.plot(frames.t, frames.neck_radius / found.cell.r0, color=SYMMETRIC, linewidth=2.0, label="neck radius / R₀")
+    axes.plot(frames.t, frames.chi, color=ASYMMETRIC, linewidth=2.0, label="asymmetry χ about the neck")
+    axes.set(xlabel=LABELS["t"], ylabel="neck radius / R₀,  χ", xlim=(0.0, float(frames.t[-1])))
+    axes.set_ylim(bottom=0.0)
+    axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, fontsize=9)
+
+
+def _balance(axes: Axes, frame: Frame) -> None:
+    u = frame.contour["u"]
+    forces = {name: frame.contour[f"{name}_n"] for name in FORCES}
+    for name, force in forces.items():
+        axes.plot(u, force, color=FORCES[name], linewidth=1.8, label=name)
+    # At the neck forces are far larger, and would hide all others: nine tenths of the contour are shown.
+    sizes = np.interp(np.linspace(0, 1, 201), u, np.max(np.abs(np.stack(list(forces.values()))), axis=0))
+    most = max(1.24 * float(np.quantile(sizes, 0.9)), 1e-6)
+    axes.set(xlim=(0.0, 1.0), ylim=(-most, most), xlabel="place u, posterior 0, anterior 1")
+    axes.set_ylabel(f"normal force at t = {frame.t:.3g} τ ($κ_0/L_h^3$)")
+    axes.axhline(0.0, color=MUTED, linewidth=0.8)
+    axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, fontsize=9, columnspacing=1.2)
+    peaks = {name: float(force[np.argmax(np.abs(force))]) for name, force in forces.items()}
+    beyond = [f"{name} {peak:+.0f}".replace("-", "−") for name, peak in peaks.items() if abs(peak) > most]
+    if beyond:
+        text = "\n".join(["at the neck", *beyond])
+        axes.text(0.02, 0.97, text, transform=axes.transAxes, va="top", fontsize=9, color=MUTED)
+
+
+def branch(found: Branch) -> Figure:
+    """A bifurcation diagram: elongation and furrow position over activity, dashed where shapes are unstable."""
+    breaks = any(np.abs(curve.delta_u).max(initial=0.0) > 1e-6 for curve in found.curves)
+    figure = _figure(8.4, 7.0 if breaks else 4.2)
+    cue = "" if found.cell.cue == "none" else f", cue {found.cell.cue}"
+    title = f"Stationary shapes at R₀ = {found.cell.r0:g}, ε = {found.cell.epsilon:g}{cue}"
+    figure.suptitle(title, color=INK, fontsize=11, x=0.01, ha="left")
+    shown = (("H", LABELS["H"]), ("delta_u", "furrow position δu"))[: 2 if breaks else 1]
+    charts = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, (name, label) in zip(charts, shown, strict=True):
+        style(axes).set_ylabel(label)
+        for curve in found.curves:
+            _stability(axes, curve.xi_s, getattr(curve, name), curve.stable, BRANCHES.get(curve.name, INK))
+        _events(axes, found, name)
+    charts[-1].set_xlabel(LABELS["xi_s"])
+    _branch_legend(charts[0], found)
+    return figure
+
+
+def _stability(axes: Axes, x: Numbers, y: Numbers, stable: Any, colour: str) -> None:
+    """A curve, solid where shapes are stable; pieces overlap by one point, so that there are no gaps."""
+    ends = np.flatnonzero(np.diff(stable.astype(int))) + 1
+    for begin, end in zip([0, *ends], [*ends, len(x)], strict=True):
+        piece = slice(max(int(begin) - 1, 0), int(end))
+        dashes = "-" if stable[begin] else (0, (3.5, 2.3))
+        axes.plot(x[piece], y[piece], color=colour, linestyle=dashes, linewidth=2.2)
+
+
+def _events(axes: Axes, found: Branch, name: str) -> None:
+    for event in found.events:
+        curve = found[event.branch]
+        y = event.H if name == "H" else _nearest(curve.xi_s, curve.H, curve.delta_u, event.xi_s, event.H)
+        marker = "o" if event.kind == "pitchfork" else "D"
+        axes.plot([event.xi_s], [y], marker=marker, color=INK, markersize=7, zorder=3)
+
+
+def _nearest(xi_s: Numbers, elongation: Numbers, values: Numbers, at: float, height: float) -> float:
+    """The value of a curve at the point nearest to an event, by activity and elongation."""
+    away = (xi_s - at) ** 2 / max(float(np.ptp(xi_s)), 1e-9) ** 2
+    away = away + (elongation - height) ** 2 / max(float(np.ptp(elongation)), 1e-9) ** 2
+    return float(values[int(np.argmin(away))])
+
+
+def _branch_legend(axes: Axes, found: Branch) -> None:
+    from matplotlib.lines import Line2D
+
+    keys = [
+        Line2D([], [], color=BRANCHES.get(curve.name, INK), linewidth=2.2, label=f"{curve.name} shapes") for curve in found.curves
+    ]
+    keys.append(Line2D([], [], color=INK, linewidth=2.2, label="stable"))
+    keys.append(Line2D([], [], color=INK, linewidth=2.2, linestyle=(0, (3.5, 2.3)), label="unstable"))
+    for kind, marker in (("pitchfork", "o"), ("fold", "D")):
+        if any(event.kind == kind for event in found.events):
+            keys.append(Line2D([], [], color=INK, marker=marker, linestyle="none", label=kind))
+    axes.legend(handles=keys, frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=9)
+
+
+def rounds(tree: Tree) -> Figure:
+    """Rounds of division from each founder, the model's beside the observed, and how many cells there are in the end."""
+    names = [founder.name for founder in tree.founders]
+    model = [founder.rounds for founder in tree.founders]
+    seen = [founder.observed for founder in tree.founders]
+    sets = [("model", MODEL, model)]
+    if any(seen):
+        sets.append(("observed", OBSERVED, seen))
+
+    def three(of: Any, name: str) -> tuple[float, float, float] | None:
+        value = None if of is None else getattr(of, name)
+        return None if value is None else (value, value, value)
+
+    bars = [(label, colour, [_bar(of, three) for of in rows]) for label, colour, rows in sets]
+    return _rounds_figure(f"{tree.organism}: rounds of division from each founder", names, bars)
+
+
+def ranges(found: Ranges) -> Figure:
+    """Rounds of division from each founder over sets of constants: medians, and the ranges that hold 90 % of the weight."""
+    names = [str(founder["name"]) for founder in found.founders]
+
+    def three(of: Any, name: str) -> tuple[float, float, float] | None:
+        value = None if of is None else of[name]
+        return None if value is None else (value["p5"], value["p50"], value["p95"])
+
+    bars = [(f"model, median and 5–95 % of {found.members} sets", MODEL, [_bar(f["rounds"], three) for f in found.founders])]
+    return _rounds_figure("rounds of division from each founder", names, bars)
+
+
+def _bar(of: Any, three: Any) -> dict[str, tuple[float, float, float] | None]:
+    return {name: three(of, name) for name in ("min", "mean", "max", "terminal")}
+
+
+def _rounds_figure(title: str, names: Sequence[str], sets: Sequence[tuple[str, str, list[dict[str, Any]]]]) -> Figure:
+    figure = _figure(max(7.0, 0.75 * len(names) + 2.0), 6.2)
+    figure.suptitle(title, color=INK, fontsize=11, x=0.01, ha="left")
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.6, 1.0))
+    for k, (label, colour, bars) in enumerate(sets):
+        offset = 0.24 * (k - 0.5 * (len(sets) - 1))
+        x = np.arange(len(names)) + offset
+        for place, bar in zip(x, bars, strict=True):
+            if bar["min"] is not None and bar["max"] is not None:
+                above.plot(
+                    [place, place], [bar["min"][1], bar["max"][1]], color=colour, linewidth=6, alpha=0.35, solid_capstyle="butt"
+                )
+        _points(above, x, [bar["mean"] for bar in bars], colour, label)
+        _points(below, x, [bar["terminal"] for bar in bars], colour, label)
+    style(above).set_ylabel("rounds")
+    style(below).set_ylabel("terminal cells")
+    below.set_yscale("log")
+    below.yaxis.set_major_formatter("{x:g}")
+    below.set_xticks(np.arange(len(names)), names)
+    handles, labels = above.get_legend_handles_labels()
+    above.legend(handles, labels, frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(sets), fontsize=9)
+    above.set_title("bars from the fewest to the most rounds, discs at the mean", fontsize=9, color=MUTED, loc="right")
+    return figure
+
+
+def _points(axes: Axes, x: Numbers, values: Sequence[tuple[float, float, float] | None], colour: str, label: str) -> None:
+    kept = [(place, value) for place, value in zip(x, values, strict=True) if value is not None]
+    if not kept:
+        return
+    y = np.array([value[1] for _, value in kept])
+    errors = np.array([[value[1] - value[0], value[2] - value[1]] for _, value in kept]).T
+    axes.errorbar(
+        [place for place, _ in kept], y, yerr=errors if errors.any() else None, fmt="o", color=colour, markersize=6, label=label
+    )
+
+
+def volumes(found: VolumesComparison) -> Figure:
+    """Measured χ by mother, with the standard deviation, and the model's beside it."""
+    names = list(dict.fromkeys(mother.mother for mother in found.mothers))
+    groups = list(dict.fromkeys(mother.group for mother in found.mothers))
+    figure = _figure(min(max(6.4, (0.35 + 0.11 * len(groups)) * len(names) + 2.0), 24.0), 4.4)
+    axes = style(figure.subplots())
+    hues = [OBSERVED, *SERIES[1:3], *SERIES[4:]]
+    # Side by side about the mother's name: its groups, and the model last.
+    step = 0.7 / (len(groups) + 1)
+
+    def beside(k: int, mothers: Sequence[str]) -> Numbers:
+        return np.array([names.index(name) for name in mothers], dtype=np.float64) + step * (k - 0.5 * len(groups))
+
+    for k, group in enumerate(groups):
+        rows = [mother for mother in found.mothers if mother.group == group]
+        x = beside(k, [row.mother for row in rows])
+        sd = np.array([np.nan if row.sd is None else row.sd for row in rows])
+        label, colour = f"measured, {group}" if group else "measured", hues[k % len(hues)]
+        axes.errorbar(x, [row.measured for row in rows], yerr=sd, fmt="o", color=colour, markersize=5, label=label)
+    first = {mother.mother: mother for mother in reversed(found.mothers)}
+    rows = [first[name] for name in names]
+    x = beside(len(groups), names)
+    for place, row in zip(x, rows, strict=True):
+        if row.band is not None:
+            axes.plot([place, place], row.band[::2], color=MODEL, linewidth=6, alpha=0.35, solid_capstyle="butt")
+    chi = np.array([np.nan if row.model is None else row.model for row in rows])
+    axes.plot(x, chi, marker="D", linestyle="none", color=MODEL, markersize=5, label="model")
+    for edge in np.arange(len(names) - 1) + 0.5:
+        axes.axvline(edge, color=FAINT, linewidth=0.8)
+    axes.grid(False, axis="x")
+    axes.set_xticks(np.arange(len(names)), names, rotation=45 if len(names) > 12 else 0)
+    axes.set(xlim=(-0.5, len(names) - 0.5), xlabel="mother", ylabel=LABELS["chi"])
+    axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(groups) + 1, fontsize=9)
+    return figure
+
+
+def contours(found: ContoursComparison) -> Figure:
+    """Measured outlines upon the model's, the first six and those spread evenly among more."""
+    count = min(len(found.laid), 6)
+    chosen = np.unique(np.linspace(0, len(found.laid) - 1, count).round().astype(int))
+    figure = _figure(2.1 * len(chosen) + 0.3, 2.3)
+    for axes, k in zip(figure.subplots(1, len(chosen), squeeze=False)[0], chosen, strict=True):
+        outline, model = found.laid[int(k)]
+        # The long axis lies along the second coordinate, and here from left to right.
+        axes.fill(model[:, 1], model[:, 0], facecolor=CYTOPLASM, edgecolor=MODEL, linewidth=1.6, label="model")
+        axes.fill(outline[:, 1], outline[:, 0], facecolor="none", edgecolor=OBSERVED, linewidth=1.4, label="measured")
+        axes.set_aspect("equal")
+        axes.axis("off")
+        one = found.contours[int(k)]
+        axes.set_title(f"t = {one['t']:.3g} τ\n|A∩B|/|A| = {one['overlap']['similarity']:.3f}", fontsize=9, color=MUTED)
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, frameon=False, loc="outside lower left", ncols=2, fontsize=9)
+    return figure

@@ -1,0 +1,329 @@
+//! One cell: its division, its stationary shapes, its threshold.
+
+use std::sync::Arc;
+
+use furrow::batch::{Replicates, SchedulerOptions, replicates};
+use furrow::cortex::forces::Place;
+use furrow::division::{Division, Still, film as film_of};
+use furrow::input::InputError;
+use furrow::io::frames::{COLUMNS, check_step, stills};
+use furrow::shapes::{
+    BranchEnd, BranchEvent, BranchOptions, Criticality, PointKind, pitchfork as pitchforks, stationary,
+};
+use furrow::stability::Parity;
+use furrow::study::{Diagram, diagram};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde::Serialize;
+
+use crate::columns::{columns, or_nan};
+use crate::errors::{Error, raised, unwritable};
+use crate::inputs::{ARGUMENTS, Inputs};
+use crate::memo::Memo;
+use crate::supervise::{Interrupt, supervised};
+
+/// Divisions of one cell with noise of the seeds from `seed` on: the divisions with their seeds, and the seeds of those that could
+/// not be computed with the reasons, as JSON.
+#[pyfunction]
+#[pyo3(signature = (inputs, memo, seed, count, threads, progress=None))]
+pub fn divide(
+    py: Python<'_>,
+    inputs: &Inputs,
+    memo: &Memo,
+    seed: u64,
+    count: usize,
+    threads: usize,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<String> {
+    let input = inputs.division(seed).map_err(|error| raised(py, error, 0))?;
+    let memo = Arc::clone(&memo.solved);
+    // What is known needs no thread that Ctrl-C could stop.
+    if count == 1
+        && let Some(division) = py.detach(|| memo.known(&input))
+    {
+        let found: (_, [(u64, String); 0]) = ([(seed, division)], []);
+        return serde_json::to_string(&found).map_err(unwritable);
+    }
+    // Of a single division nothing is kept before it has ended, which it does by itself and for the memo.
+    let interrupt = if count == 1 { Interrupt::Leaves } else { Interrupt::Tells };
+    let found = supervised(py, interrupt, progress, move |watch| {
+        let show = |progress| watch.divisions(progress);
+        let stop = Some(watch.stop()).filter(|_| count > 1);
+        let options =
+            SchedulerOptions { threads, interrupt: stop, progress: Some(&show), ..SchedulerOptions::default() };
+        let Replicates { divisions, mut undecided, .. } = replicates(&input, count, &memo, &options)?;
+        if divisions.len() + undecided.len() < count {
+            return Err(Error::Interrupted);
+        }
+        if divisions.is_empty()
+            && let Some(first) = undecided.pop()
+        {
+            return Err(first.failure.into());
+        }
+        let undecided = undecided.iter().map(|job| (seed.wrapping_add(job.id as u64), job.failure.to_string()));
+        Ok((divisions, undecided.collect::<Vec<(u64, String)>>()))
+    })?;
+    serde_json::to_string(&found).map_err(unwritable)
+}
+
+/// A division with its shapes: how it ended as JSON, what is read off each shape, and where its places begin and end in the columns
+/// of all places, one after the other.
+type Filmed<'py> = (String, Bound<'py, PyDict>, Bound<'py, PyArray1<i64>>, Bound<'py, PyDict>, [f64; 2]);
+
+/// Computes a division and keeps its shapes, after every step or every so many τ.
+#[pyfunction]
+#[pyo3(signature = (inputs, seed, every=None, places=None))]
+pub fn film<'py>(
+    py: Python<'py>,
+    inputs: &Inputs,
+    seed: u64,
+    every: Option<f64>,
+    places: Option<usize>,
+) -> PyResult<Filmed<'py>> {
+    let input = inputs.division(seed).map_err(|error| raised(py, error, 0))?;
+    if let Some(step) = every.filter(|step| !(step.is_finite() && *step > 0.0)) {
+        let error = InputError::not_allowed(ARGUMENTS, "frames", step, "True, False or a finite number of τ above 0");
+        return Err(raised(py, error.into(), 0));
+    }
+    let (division, stills, shell) = supervised(py, Interrupt::Leaves, None, move |_| {
+        let film = film_of(&input)?;
+        let film = match places {
+            Some(count) => film.with_places(count),
+            None => film,
+        };
+        check_step(ARGUMENTS, &film, every)?;
+        Ok((film.division.clone(), stills(&film, every), film.shell()))
+    })?;
+    let (of_frames, ends, places) = py.detach(|| {
+        (frame_columns(&stills), ends(&stills), place_columns(stills.iter().flat_map(|still| &still.places)))
+    });
+    let text = division_json(&division)?;
+    Ok((text, columns(py, of_frames)?, PyArray1::from_vec(py, ends), columns(py, places)?, shell))
+}
+
+fn division_json(division: &Division) -> PyResult<String> {
+    serde_json::to_string(division).map_err(unwritable)
+}
+
+/// What is read off each frame.
+fn frame_columns(stills: &[Still]) -> Vec<(&'static str, Vec<f64>)> {
+    let column = |of: fn(&Still) -> f64| stills.iter().map(of).collect();
+    vec![
+        ("t", column(|still| still.t)),
+        ("neck_radius", column(|still| or_nan(still.neck.map(|neck| neck.radius)))),
+        ("neck_u", column(|still| or_nan(still.neck.map(|neck| neck.u)))),
+        ("length", column(|still| still.length)),
+        ("pressure", column(|still| still.pressure)),
+        ("chi", column(|still| or_nan(still.neck.map(|_| still.asymmetry.abs())))),
+    ]
+}
+
+/// Where the places of each frame end, the first beginning at 0.
+fn ends(stills: &[Still]) -> Vec<i64> {
+    let mut end = 0;
+    let behind = stills.iter().map(|still| {
+        end += still.places.len() as i64;
+        end
+    });
+    behind.collect()
+}
+
+/// Places as columns, under the names that they have in files.
+fn place_columns<'a>(places: impl Iterator<Item = &'a Place>) -> Vec<(&'static str, Vec<f64>)> {
+    let names = COLUMNS.map(|(name, _)| name);
+    let mut columns = names.map(|_| Vec::with_capacity(places.size_hint().0));
+    for p in places {
+        let head = [p.u, p.r, p.z, p.psi, p.c_uu, p.c_pp, p.t_uu, p.t_pp, p.v, p.v_n, p.active_tangential];
+        let row = head.into_iter().chain(p.normal.parts()).chain([p.normal.residual()]);
+        columns.iter_mut().zip(row).for_each(|(column, number)| column.push(number));
+    }
+    names.into_iter().zip(columns).collect()
+}
+
+/// A stationary shape, as JSON.
+#[derive(Serialize)]
+#[allow(non_snake_case)]
+struct Steady {
+    L: f64,
+    p: f64,
+    H: f64,
+    r_eq: f64,
+    stable: bool,
+    growth_rate: f64,
+    /// Real and imaginary part, and parity.
+    growth_rates: Vec<(f64, f64, &'static str)>,
+    folds_passed: Vec<f64>,
+}
+
+/// The stationary shape at one activity, on the branch of the passive shape, and its growth rates: JSON, and the places of its
+/// contour.
+#[pyfunction]
+pub fn steady<'py>(py: Python<'py>, inputs: &Inputs) -> PyResult<(String, Bound<'py, PyDict>)> {
+    inputs.settings().check_activity(ARGUMENTS).map_err(|error| raised(py, error.into(), 0))?;
+    let Inputs { cell, numerics } = inputs.clone();
+    let (found, places) = supervised(py, Interrupt::Leaves, None, move |_| {
+        let shape = stationary(&cell, &numerics).map_err(Error::no_outcome)?;
+        let spectrum = shape.spectrum().map_err(Error::no_outcome)?;
+        let parity = |parity| match parity {
+            Parity::Even => "even",
+            Parity::Odd => "odd",
+            Parity::Mixed => "mixed",
+        };
+        let found = Steady {
+            L: shape.length(),
+            p: shape.pressure(),
+            H: shape.elongation(),
+            r_eq: shape.equator_radius(),
+            stable: spectrum.is_stable(),
+            growth_rate: spectrum.growth_rate(),
+            growth_rates: spectrum.values.iter().map(|v| (v.re, v.im, parity(v.parity))).collect(),
+            folds_passed: shape.folds.clone(),
+        };
+        let gauss = bvp::Gauss::new(numerics.stages);
+        Ok((found, place_columns(furrow::cortex::forces::profile(&shape.cortex, &gauss, &shape.solution).iter())))
+    })?;
+    Ok((serde_json::to_string(&found).map_err(unwritable)?, columns(py, places)?))
+}
+
+/// A pitchfork, as JSON.
+#[derive(Serialize)]
+#[allow(non_snake_case)]
+struct Threshold {
+    xi_s: f64,
+    criticality: Criticality,
+    coefficient: f64,
+    H: f64,
+    L: f64,
+    p: f64,
+    residual: f64,
+    iterations: usize,
+}
+
+fn range(xi_max: f64) -> Result<[f64; 2], Error> {
+    if xi_max.is_finite() && xi_max > 0.0 {
+        return Ok([0.0, xi_max]);
+    }
+    Err(InputError::not_allowed(ARGUMENTS, "xi_max", xi_max, "a finite number above 0").into())
+}
+
+/// The first pitchfork of the mirror-symmetric shapes, as JSON.
+#[pyfunction]
+pub fn pitchfork(py: Python<'_>, inputs: &Inputs, xi_max: f64) -> PyResult<String> {
+    let xi = range(xi_max).map_err(|error| raised(py, error, 0))?;
+    let Inputs { cell, numerics } = inputs.clone();
+    let found = supervised(py, Interrupt::Leaves, None, move |_| {
+        let options = BranchOptions { xi, ..BranchOptions::default() };
+        let found = pitchforks::first(&cell, &numerics, &options).map_err(Error::no_outcome)?;
+        Ok(Threshold {
+            xi_s: found.point.xi_s,
+            criticality: found.criticality(),
+            coefficient: found.coefficient,
+            H: found.point.elongation,
+            L: found.point.length,
+            p: found.point.pressure,
+            residual: found.report.correction,
+            iterations: found.report.iterations,
+        })
+    })?;
+    serde_json::to_string(&found).map_err(unwritable)
+}
+
+/// What happens along a branch.
+#[derive(Serialize)]
+#[allow(non_snake_case)]
+struct Event {
+    kind: PointKind,
+    branch: &'static str,
+    xi_s: f64,
+    H: f64,
+    L: f64,
+    criticality: Option<Criticality>,
+    coefficient: Option<f64>,
+    maximum: Option<bool>,
+}
+
+impl Event {
+    fn of(branch: &'static str, event: &BranchEvent) -> Event {
+        let (point, pitchfork) = (event.point(), event.pitchfork());
+        Event {
+            kind: event.kind(),
+            branch,
+            xi_s: point.xi_s,
+            H: point.elongation,
+            L: point.length,
+            criticality: pitchfork.map(|p| p.criticality()),
+            coefficient: pitchfork.map(|p| p.coefficient),
+            maximum: event.fold().map(|fold| fold.maximum),
+        }
+    }
+}
+
+/// Where a branch ends and why.
+#[derive(Serialize)]
+struct End {
+    branch: &'static str,
+    reason: &'static str,
+    why: String,
+    neck: Option<f64>,
+}
+
+/// Branches without their points, as JSON.
+#[derive(Serialize)]
+struct Branches {
+    events: Vec<Event>,
+    /// Exponent, prefactor, coefficient and number of points of |Δu| = prefactor |ξ_s − ξ_s*|^exponent.
+    scaling: Option<(f64, f64, f64, usize)>,
+    ends: Vec<End>,
+}
+
+/// The branches of a cell: JSON, and the points of each by its name.
+#[pyfunction]
+pub fn branch<'py>(
+    py: Python<'py>,
+    inputs: &Inputs,
+    xi_max: f64,
+    max_step: f64,
+) -> PyResult<(String, Bound<'py, PyDict>)> {
+    let xi = range(xi_max).map_err(|error| raised(py, error, 0))?;
+    if !(max_step.is_finite() && max_step > 0.0) {
+        let error = InputError::not_allowed(ARGUMENTS, "max_step", max_step, "a finite number above 0");
+        return Err(raised(py, error.into(), 0));
+    }
+    let Inputs { cell, numerics } = inputs.clone();
+    let found = supervised(py, Interrupt::Leaves, None, move |_| {
+        let options = BranchOptions { xi, growth_rates: true, ..BranchOptions::default() }.with_max_step(max_step);
+        diagram(&cell, &numerics, &options).map_err(Error::no_outcome)
+    })?;
+    let points = PyDict::new(py);
+    for (name, branch) in &found.branches {
+        let column = |of: fn(&furrow::shapes::ShapePoint) -> f64| branch.points.iter().map(of).collect();
+        let of = vec![
+            ("xi_s", column(|p| p.xi_s)),
+            ("H", column(|p| p.elongation)),
+            ("L", column(|p| p.length)),
+            ("p", column(|p| p.pressure)),
+            ("r_eq", column(|p| p.equator_radius)),
+            ("growth_rate", column(|p| or_nan(p.growth_rate))),
+            ("delta_u", column(|p| p.delta_u)),
+        ];
+        points.set_item(name, columns(py, of)?)?;
+    }
+    Ok((serde_json::to_string(&described(&found)).map_err(unwritable)?, points))
+}
+
+fn described(found: &Diagram) -> Branches {
+    let events =
+        found.branches.iter().flat_map(|(name, branch)| branch.events.iter().map(|event| Event::of(name, event)));
+    let ends = found.branches.iter().map(|(name, branch)| End {
+        branch: name,
+        reason: branch.ended.name(),
+        why: branch.ended.to_string(),
+        neck: match branch.ended {
+            BranchEnd::Pinched(neck) => Some(neck),
+            _ => None,
+        },
+    });
+    let scaling = found.scaling.as_ref().map(|s| (s.exponent, s.prefactor, s.coefficient, s.points));
+    Branches { events: events.collect(), scaling, ends: ends.collect() }
+}

@@ -1,0 +1,54 @@
+//! What Python calls. Everything here is thin: values are checked and computed by the library, results go over as numpy arrays that
+//! take the memory they were computed in, or as JSON, and `python/furrow/` makes of them what users see.
+//!
+//! | file | what it says |
+//! |---|---|
+//! | `errors` | the library's errors as Python's exceptions |
+//! | `supervise` | work off the interpreter's lock, which Ctrl-C stops |
+//! | `inputs` | a cell and its numerics, checked |
+//! | `memo` | divisions that are solved already |
+//! | `cells` | one cell: its division, its stationary shapes, its threshold |
+//! | `trees` | lineages |
+//! | `sweeps` | many points |
+//! | `studies` | constants from thresholds, lineages over sets of them |
+//! | `comparisons` | the model beside measured embryos |
+
+mod cells;
+mod columns;
+mod comparisons;
+mod errors;
+mod inputs;
+mod memo;
+mod studies;
+mod supervise;
+mod sweeps;
+mod trees;
+
+use pyo3::prelude::*;
+
+/// The part of `furrow` that is compiled.
+#[pymodule]
+fn _furrow(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("solver_fingerprint", format!("{:016x}", furrow::batch::SolverVersion::current().number()))?;
+    module.add_class::<inputs::Inputs>()?;
+    module.add_class::<memo::Memo>()?;
+    module.add_class::<trees::GrownTree>()?;
+    module.add_function(wrap_pyfunction!(inputs::parameter_names, module)?)?;
+    module.add_function(wrap_pyfunction!(inputs::presets, module)?)?;
+    module.add_function(wrap_pyfunction!(cells::divide, module)?)?;
+    module.add_function(wrap_pyfunction!(cells::film, module)?)?;
+    module.add_function(wrap_pyfunction!(cells::steady, module)?)?;
+    module.add_function(wrap_pyfunction!(cells::pitchfork, module)?)?;
+    module.add_function(wrap_pyfunction!(cells::branch, module)?)?;
+    module.add_function(wrap_pyfunction!(trees::grow, module)?)?;
+    module.add_function(wrap_pyfunction!(trees::read_tree, module)?)?;
+    module.add_function(wrap_pyfunction!(sweeps::sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(studies::calibrate, module)?)?;
+    module.add_function(wrap_pyfunction!(studies::ensemble, module)?)?;
+    module.add_function(wrap_pyfunction!(studies::ranges, module)?)?;
+    module.add_function(wrap_pyfunction!(comparisons::compare_counts, module)?)?;
+    module.add_function(wrap_pyfunction!(comparisons::compare_volumes, module)?)?;
+    module.add_function(wrap_pyfunction!(comparisons::compare_contours, module)?)?;
+    Ok(())
+}

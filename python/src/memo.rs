@@ -1,0 +1,79 @@
+//! Divisions that are solved already, shared by calls and threads.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use furrow::batch::{Memo as Solved, Quantisation, SolverVersion, Store};
+use furrow::division::DivisionInput;
+use furrow::input::InputError;
+use pyo3::prelude::*;
+
+use crate::errors::{Error, raised};
+
+/// Divisions that are solved already. With a store, a folder, they outlive the process and are shared with others, the command
+/// line among them.
+#[pyclass(frozen, module = "furrow._furrow")]
+pub struct Memo {
+    /// What is known.
+    pub solved: Arc<Solved<DivisionInput>>,
+    folder: Option<PathBuf>,
+}
+
+/// What a memo is made of again elsewhere: its class and the arguments of it.
+type Reduced<'py> = (Bound<'py, PyAny>, (Option<PathBuf>, f64));
+
+#[pymethods]
+impl Memo {
+    /// An empty memo; with `store` one over a folder. `r0_step` is the relative step to which R0 is rounded before a division is looked up.
+    #[new]
+    #[pyo3(signature = (store=None, r0_step=None))]
+    fn new(py: Python<'_>, store: Option<PathBuf>, r0_step: Option<f64>) -> PyResult<Memo> {
+        let opened = || -> Result<Solved<DivisionInput>, Error> {
+            let quantisation = match r0_step {
+                None => Quantisation::DEFAULT,
+                Some(step) => Quantisation::with_relative_step(step)
+                    .map_err(|step| InputError::not_allowed("memo", "r0_step", step, "from 0 to 0.5"))?,
+            };
+            let memo = Solved::new(quantisation);
+            Ok(match &store {
+                Some(folder) => memo.with_store(Store::open(folder, SolverVersion::current())?),
+                None => memo,
+            })
+        };
+        let solved = py.detach(opened).map_err(|error| raised(py, error, 0))?;
+        Ok(Memo { solved: Arc::new(solved), folder: store })
+    }
+
+    /// Divisions known to this process.
+    fn __len__(&self) -> usize {
+        self.solved.len()
+    }
+
+    /// A memo is one even when it knows nothing yet.
+    fn __bool__(&self) -> bool {
+        true
+    }
+
+    /// The folder it is kept in.
+    #[getter]
+    fn store(&self) -> Option<PathBuf> {
+        self.folder.clone()
+    }
+
+    /// Relative step to which R0 is rounded; 0 if it is not.
+    #[getter]
+    fn r0_step(&self) -> f64 {
+        self.solved.quantisation().relative_step()
+    }
+
+    /// A memo arrives elsewhere empty, on the same store if it has one.
+    fn __reduce__<'py>(slf: &Bound<'py, Memo>) -> PyResult<Reduced<'py>> {
+        let memo = slf.get();
+        Ok((slf.get_type().into_any(), (memo.folder.clone(), memo.r0_step())))
+    }
+
+    fn __repr__(&self) -> String {
+        let store = self.folder.as_ref().map_or(String::new(), |folder| format!(" on the store {folder:?}"));
+        format!("<furrow.Memo of {} divisions{store}>", self.solved.len())
+    }
+}

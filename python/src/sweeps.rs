@@ -1,0 +1,96 @@
+//! Many points: divisions, trees, thresholds or critical radii over axes of parameters.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use furrow::input::InputError;
+use furrow::io::sweep_files::SweepTable;
+use furrow::settings::Settings;
+use furrow::study::table::csv_text;
+use furrow::study::{Done, Kind, Row, Run, Sweep};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use serde_json::Value;
+
+use crate::columns::or_nan;
+use crate::errors::{Error, unwritable};
+use crate::inputs::{ARGUMENTS, Pairs, pairs};
+use crate::memo::Memo;
+use crate::supervise::{Interrupt, supervised};
+
+/// A table: its columns by name in their order, numbers as arrays and words as lists; the reasons why points are undecided by the
+/// number of their row; the text of its CSV; what solving it took.
+type Table<'py> = (Bound<'py, PyDict>, Vec<(usize, String)>, String, (usize, usize));
+
+/// Solves a sweep that is given as a file or as its text. With `out` its files are written there.
+#[pyfunction]
+#[pyo3(signature = (text, file, parameters, memo, preset, config, out, threads, progress=None))]
+pub fn sweep<'py>(
+    py: Python<'py>,
+    text: Option<String>,
+    file: Option<PathBuf>,
+    parameters: &Bound<'py, PyDict>,
+    memo: &Memo,
+    preset: String,
+    config: Option<PathBuf>,
+    out: Option<PathBuf>,
+    threads: usize,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Table<'py>> {
+    let pairs = pairs(parameters)?;
+    let memo = Arc::clone(&memo.solved);
+    let (sweep, done) = supervised(py, Interrupt::Tells, progress, move |watch| {
+        let base = Settings::load(&preset, config.as_deref(), &[])?;
+        let sweep = read(text.as_deref(), file.as_deref(), &base, &pairs)?;
+        let kept = matches!(sweep.kind, Kind::Division | Kind::Tree);
+        let show = |standing| watch.points(standing, kept);
+        let run = Run { sweep: &sweep, shard: None, memo: &memo, threads, interrupt: watch.stop(), progress: &show };
+        let mut done = run.solve()?;
+        if done.interrupted {
+            return Err(Error::Interrupted);
+        }
+        if let Some(folder) = out {
+            let failed = |error: furrow::io::sweep_files::SweepFilesError| Error::System(error.to_string());
+            let rows = std::mem::take(&mut done.rows);
+            let table = SweepTable::new(&sweep, memo.quantisation(), None, rows).map_err(failed)?;
+            table.write(&folder).map_err(failed)?;
+            done.rows = table.rows;
+        }
+        Ok((sweep, done))
+    })?;
+    let Done { rows, solved, reused, .. } = done;
+    let names = sweep.columns();
+    let csv = csv_text(&names, &rows).map_err(unwritable)?;
+    let csv = String::from_utf8(csv).map_err(unwritable)?;
+    let dict = PyDict::new(py);
+    for (place, name) in names.iter().enumerate() {
+        dict.set_item(name, column(py, &rows, place)?)?;
+    }
+    let why = rows.iter().enumerate().filter_map(|(k, row)| Some((k, row.why.clone()?))).collect();
+    Ok((dict, why, csv, (solved, reused)))
+}
+
+fn read(text: Option<&str>, file: Option<&Path>, base: &Settings, pairs: &Pairs) -> Result<Sweep, InputError> {
+    let overrides: Vec<String> = pairs.iter().map(|(name, value)| format!("{name}={value}")).collect();
+    match (text, file) {
+        (Some(text), _) => Sweep::parse(text, ARGUMENTS, base, &overrides),
+        (None, Some(file)) => Sweep::read(file, base, &overrides),
+        (None, None) => Err(InputError::not_allowed(ARGUMENTS, "sweep", "None", "a file, or axes")),
+    }
+}
+
+/// One column: an array where it has numbers alone, what is missing as NaN, else a list.
+fn column<'py>(py: Python<'py>, rows: &[Row], place: usize) -> PyResult<Bound<'py, PyAny>> {
+    let cells = || rows.iter().map(|row| row.cells.get(place).unwrap_or(&Value::Null));
+    if cells().any(|cell| cell.is_string()) {
+        let words = cells().map(|cell| match cell {
+            Value::Null => None,
+            Value::String(text) => Some(text.clone()),
+            other => Some(other.to_string()),
+        });
+        return Ok(PyList::new(py, words.collect::<Vec<_>>())?.into_any());
+    }
+    let numbers = cells().map(|cell| or_nan(cell.as_f64())).collect();
+    Ok(PyArray1::from_vec(py, numbers).into_any())
+}

@@ -1,0 +1,195 @@
+"""One cell from Python and from the command line: the same to the last bit."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+
+import numpy as np
+import pytest
+
+import furrow
+
+
+@pytest.mark.parametrize(
+    ("arguments", "cell", "seed"),
+    [
+        (("--r0", "5.4", "--cue", "germline"), {"r0": 5.4, "cue": "germline"}, 0),
+        (("--r0", "2", "--seed", "7"), {"r0": 2}, 7),
+        (("--r0", "1.5"), {"r0": 1.5}, 0),
+        (("--r0", "3", "--set", "scheme=published", "--xi", "24"), {"r0": 3, "scheme": "published", "xi": 24}, 0),
+        (("--r0", "4", "--preset", "sulston1983", "--set", "xi_b=-3"), {"r0": 4, "preset": "sulston1983", "xi_b": -3}, 0),
+    ],
+)
+def test_divisions_are_those_of_the_command_line(cli, memo, arguments, cell, seed):
+    theirs = cli.json("divide", *arguments)
+    ours = furrow.Cell(**cell).divide(seed, memo=memo)
+    for name in ("outcome", "chi", "chi_signed", "u_furrow", "t_end", "growth_rate", "steps", "newton_iterations"):
+        assert getattr(ours, name) == theirs.get(name), name
+    assert ours.daughters == (None if "daughters" not in theirs else tuple(theirs["daughters"]))
+    assert ours.divided == (theirs["outcome"] != "failed")
+
+
+def test_frames_are_those_of_the_command_line(cli, tmp_path):
+    cli.text("divide", "--r0", "4", "--cue", "germline", "--frames", "out")
+    listed = json.loads((tmp_path / "out" / "frames.json").read_text())
+    frames = furrow.Cell(r0=4, cue="germline").divide(frames=True).frames
+    assert frames.t.tolist() == [frame["t"] for frame in listed]
+    for k in (0, 20, len(listed) - 1):
+        with (tmp_path / "out" / listed[k]["file"]).open() as file:
+            rows = list(csv.DictReader(file))
+        for name in furrow.PLACE_COLUMNS:
+            assert frames[k].contour[name].tolist() == [float(row[name]) for row in rows], (k, name)
+        assert frames[k].neck_radius == listed[k]["neck_radius"]
+
+
+def test_frames_are_views_of_what_was_computed():
+    frames = furrow.Cell(r0=2.5).divide(frames=True).frames
+    assert frames[3].contour.r.base is frames[4].contour.r.base is not None
+    assert len(frames[-3:]) == 3
+    assert frames.at(0.3).t == frames.t[np.argmin(abs(frames.t - 0.3))]
+    assert sum(len(frame.contour) for frame in frames) == len(frames[0].contour.r.base)
+    with pytest.raises(IndexError):
+        frames[len(frames)]
+    even = furrow.Cell(r0=2.5).divide(frames=0.25).frames
+    assert even.t[:3].tolist() == [0.0, 0.25, 0.5]
+    dense = furrow.Cell(r0=2.5).divide(frames=0.25, places=12).frames
+    assert len(dense[0].contour) > 2 * len(even[0].contour)
+
+
+def test_forces_balance_along_a_contour():
+    contour = furrow.Cell(r0=4, cue="germline").divide(frames=0.3).frames[1].contour
+    parts = sum(contour[f"{name}_n"] for name in ("active", "viscous", "elastic", "pressure", "shell"))
+    np.testing.assert_allclose(parts, contour["residual_n"], atol=1e-9)
+    assert contour["u"][0] == 0.0 and contour["u"][-1] == 1.0
+    # The pole u = 0 is the posterior one, at z > 0.
+    assert contour.z[0] > 0 > contour.z[-1]
+
+
+def test_stationary_shapes_are_those_of_the_command_line(cli):
+    theirs = cli.json("steady", "--r0", "2", "--xi", "15", "--epsilon", "0.8")
+    ours = furrow.Cell(r0=2, xi_s=15, epsilon=0.8).steady()
+    for name in ("L", "p", "H", "r_eq", "stable", "growth_rate"):
+        assert getattr(ours, name) == theirs[name], name
+    assert [rate.real for rate in ours.growth_rates] == [rate["re"] for rate in theirs["growth_rates"]]
+    assert list(ours.parities) == [rate["parity"] for rate in theirs["growth_rates"]]
+
+
+def test_a_symmetric_contour_is_whole_and_mirrored():
+    cell = furrow.Cell(r0=2, xi_s=15)
+    contour = cell.steady().contour
+    np.testing.assert_array_equal(contour.r, contour.r[::-1])
+    np.testing.assert_allclose(contour.z, -contour.z[::-1], atol=1e-12)
+    np.testing.assert_allclose(contour["u"], 1 - contour["u"][::-1], atol=1e-15)
+    assert np.all(np.diff(contour["u"]) > 0) and np.all(np.diff(contour["psi"]) > 0)
+    # Its volume is the cell's.
+    volume = -np.trapezoid(np.pi * contour.r**2, contour.z)
+    assert math.isclose(volume, 4 / 3 * math.pi * cell.r0**3, rel_tol=1e-3)
+    # A cue breaks the symmetry, and the shape is computed whole.
+    bent = furrow.Cell(r0=2, xi_s=15, cue="germline").steady().contour
+    assert bent["u"][-1] == 1.0 and abs(bent.z[0] + bent.z[-1]) > 1e-6
+
+
+def test_thresholds_are_those_of_the_command_line(cli):
+    theirs = cli.json("pitchfork", "--r0", "2.22", "--epsilon", "0.64")
+    ours = furrow.Cell(r0=2.22, epsilon=0.64).pitchfork()
+    for name in ("xi_s", "criticality", "coefficient", "H", "L", "p"):
+        assert getattr(ours, name) == theirs[name], name
+
+
+def test_branches_are_those_of_the_command_line(cli):
+    theirs = cli.json("branch", "--r0", "2", "--xi-max", "30")
+    ours = furrow.Cell(r0=2).branch(xi_max=30)
+    for curve in ours.curves:
+        points = [point for point in theirs["points"] if point["branch"] == curve.name]
+        assert curve.xi_s.tolist() == [point["xi_s"] for point in points]
+        assert curve.H.tolist() == [point["H"] for point in points]
+        assert curve.stable.tolist() == [point.get("stable", False) for point in points]
+    assert [(e.kind, e.xi_s) for e in ours.events] == [(e["kind"], e["xi_s"]) for e in theirs["events"]]
+    assert ours.exponent == theirs["scaling"]["exponent"]
+    assert len(ours.pitchforks) == 1 and len(ours.folds) == 2
+    with pytest.raises(KeyError):
+        ours["cued"]
+
+
+def test_parameters_go_by_the_names_of_the_command_line():
+    for name, section in furrow.parameter_names():
+        assert section in ("physics", "numerics")
+        if name != "xi_b":
+            assert name in furrow.Cell(r0=2).parameters()
+    assert furrow.Cell(2, xi=20) == furrow.Cell(2, xi_s=20.0)
+    assert furrow.Cell(2, g=0.4).gain == 0.4
+    assert isinstance(furrow.Cell(2).r0, float) and isinstance(furrow.Cell(2).intervals, int)
+    assert furrow.Cell(2, xi_b=-5).xi_ratio == -0.2
+    assert furrow.Cell("17um", lineage='(base: "c_elegans", units: (length_um: 3.2))').r0 == 17 / 3.2
+    assert furrow.Cell(np.float64(2), intervals=np.int64(64)).intervals == 64
+    assert furrow.Cell(2, rigidity_gradient="dropped").rigidity_gradient == "dropped"
+
+
+def test_a_cell_is_a_value():
+    cell = furrow.Cell(r0=2.0, cue="germline", w=0.15)
+    assert cell == furrow.Cell(r0=2, w=0.15, cue="kappa:u0=0.465,omega=0.0577,amplitude=0.1")
+    assert len({cell, cell.replace(), cell.replace(r0=3)}) == 2
+    assert cell.replace(epsilon=0.8).epsilon == 0.8 and cell.replace(epsilon=0.8).w == 0.15
+    assert cell.replace(cue="none").cue == "none"
+    bent = cell.replace(cue="kappa:u0=0.375,omega=0.1,amplitude=0.1")
+    assert bent.mirrored() != bent and bent.mirrored().mirrored() == bent
+    assert not bent.is_mirror_symmetric and cell.replace(cue="none").is_mirror_symmetric
+    assert eval(repr(cell)) == cell
+    with pytest.raises(AttributeError):
+        cell.r0 = 3
+    with pytest.raises(AttributeError):
+        cell.radius  # noqa: B018
+
+
+def test_a_mirrored_cell_divides_mirrored(memo):
+    cell = furrow.Cell(r0=4, cue="germline")
+    here, there = cell.divide(memo=memo), cell.mirrored().divide(memo=memo)
+    assert math.isclose(here.chi_signed, -there.chi_signed, rel_tol=1e-3)
+
+
+def test_replicates_are_those_of_the_command_line(cli, memo):
+    theirs = cli.json("divide", "--r0", "2", "--replicates", "3", "--seed", "4")
+    ours = furrow.Cell(r0=2).divide(4, replicates=3, memo=memo)
+    assert [d.chi for d in ours] == [d["chi"] for d in theirs["replicates"]]
+    assert [d.seed for d in ours] == [4, 5, 6] and ours.undecided == {}
+    assert math.isclose(ours.chi_mean, theirs["chi_mean"], rel_tol=1e-14)
+    assert math.isclose(ours.chi_sd, theirs["chi_sd"], rel_tol=1e-9)
+    assert len(memo) == 3
+
+
+def test_the_memo_is_shared_and_a_store_outlives_it(tmp_path):
+    store = tmp_path / "store"
+    first = furrow.Memo(store)
+    division = furrow.Cell(r0=2.5).divide(memo=first)
+    assert len(first) == 1 and str(first.store) == str(store)
+    again = furrow.Memo(store)
+    assert furrow.Cell(r0=2.5).divide(memo=again) == division
+    assert len(furrow.Memo(store)) == 0 and furrow.Memo(r0_step=0).r0_step == 0
+    assert furrow.memo() is furrow.memo()
+
+
+def test_results_are_tables():
+    pandas = pytest.importorskip("pandas")
+    division = furrow.Cell(r0=2.5).divide()
+    assert division.to_pandas()["chi"].tolist() == [division.chi]
+    assert json.loads(json.dumps(division.to_dict()))["cell"]["r0"] == 2.5
+    branch = furrow.Cell(r0=2).branch(xi_max=24)
+    table = branch.to_pandas()
+    assert isinstance(table, pandas.DataFrame) and len(table) == sum(len(curve) for curve in branch.curves)
+    assert json.loads(json.dumps(branch.to_dict()))["events"][0]["kind"] == "pitchfork"
+    steady = furrow.Cell(r0=2, xi_s=12).steady()
+    assert len(steady.contour.to_pandas()) == len(steady.contour)
+    assert json.loads(json.dumps(steady.to_dict()))["stable"] is True
+    frames = furrow.Cell(r0=2.5).divide(frames=0.5).frames
+    assert frames.to_pandas()["t"].tolist() == frames.t.tolist()
+    for shown in (division, branch, steady, furrow.Cell(r0=2)):
+        assert "<table>" in shown._repr_html_()
+
+
+def test_a_cue_is_told_place_by_place():
+    cell = furrow.Cell(4, cue="kappa:u0=0.4,omega=0.1,amplitude=0.2+tension:gradient,amplitude=0.5")
+    found = cell.cue_at([0.0, 0.4, 1.0], length=10)
+    np.testing.assert_allclose(found["kappa"], 0.2 * np.exp(-((np.array([0.0, 0.4, 1.0]) - 0.4) ** 2) / 0.01))
+    np.testing.assert_allclose(found["tension"], [0.5, 0.1, -0.5])

@@ -1,0 +1,45 @@
+"""The notebooks run from first to last, and show what they should. They are kept without outputs, which would be stale."""
+
+from __future__ import annotations
+
+import pytest
+from conftest import REPOSITORY
+
+nbclient = pytest.importorskip("nbclient")
+nbformat = pytest.importorskip("nbformat")
+pytest.importorskip("ipykernel")
+pytest.importorskip("matplotlib")
+pytest.importorskip("pandas")
+
+FOLDER = REPOSITORY / "python" / "notebooks"
+
+
+def executed(name: str):
+    notebook = nbformat.read(FOLDER / name, as_version=4)
+    assert not any(cell.get("outputs") for cell in notebook.cells), "kept without outputs: clear them"
+    nbclient.NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(FOLDER)}}).execute()
+    return notebook
+
+
+def shown(notebook) -> list[dict]:
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    assert not [output for output in outputs if output.get("name") == "stderr"]
+    return [output.get("data", {"text/plain": output.get("text", "")}) for output in outputs]
+
+
+def test_the_papers_figures():
+    notebook = executed("figures.ipynb")
+    lines = [line for cell in notebook.cells if cell.cell_type == "code" for line in cell.source.splitlines() if line.strip()]
+    assert len(lines) <= 20
+    data = shown(notebook)
+    assert sum("image/png" in one for one in data) == 4
+    assert any("image/svg+xml" in one for one in data)
+    assert any("22.0569" in one.get("text/html", "") for one in data)
+    assert any("285 cells" in one.get("text/plain", "") for one in data)
+
+
+def test_ones_own_cue():
+    data = shown(executed("own_cue.ipynb"))
+    assert sum("image/png" in one for one in data) == 2
+    assert any("c_elegans-cue-2" in one.get("text/html", "") for one in data)
+    assert any("one L_h is" in one.get("text/plain", "") for one in data)

@@ -1,0 +1,149 @@
+"""Trees from Python and from the command line, and what other libraries make of them."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from conftest import without_commit
+
+import furrow
+
+
+@pytest.fixture(scope="module")
+def worm() -> furrow.Tree:
+    return furrow.tree(memo=furrow.Memo())
+
+
+def test_the_tree_is_that_of_the_command_line(cli, worm, tmp_path):
+    printed = cli.text("tree", "--out", "out")
+    table = worm.table()
+    assert printed.startswith(table) and "P0        5.400  germline  asymmetric   0.209" in table
+    assert without_commit((tmp_path / "out" / "tree.json").read_text()) == without_commit(worm.to_json())
+    assert (tmp_path / "out" / "tree.nwk").read_text() == worm.newick()
+    theirs = cli.json("tree", "--out", "out")
+    assert [founder.chi for founder in worm.founders] == [founder["chi"] for founder in theirs["founders"]]
+    assert worm.founders[1].rounds.mean == theirs["founders"][1]["rounds"]["mean"]
+    assert worm.founders[1].rounds.symmetric_doublings == 4
+    assert str(worm) == table
+
+
+def test_columns_are_of_all_cells(worm):
+    assert len(worm) == len(worm.names) == len(worm.r0) == 285
+    assert worm.names[0] == "P0" and worm.mother[0] == -1
+    born = worm.mother[1:]
+    assert np.all(worm.generation[1:] == worm.generation[born] + 1)
+    # Volumes are handed down whole.
+    for mother in np.unique(born):
+        assert np.isclose(worm["volume_fraction"][1:][born == mother].sum(), worm["volume_fraction"][mother])
+    assert worm["outcome"].count("failed") == sum(worm.ended.values()) == 143
+    assert np.isnan(worm.chi[[outcome == "failed" for outcome in worm["outcome"]]]).all()
+
+
+def test_scenarios_are_those_of_the_command_line(cli, tmp_path, memo):
+    cues = ["none", "tension:gradient,amplitude=0.3"]
+    cli.text("tree", "--cue", cues[0], "--cue", cues[1], "--out", "out")
+    found = furrow.tree(cues=cues, memo=memo)
+    assert list(found) == ["c_elegans-none", "c_elegans-cue-2"]
+    assert found.cues == dict(zip(found, cues, strict=True))
+    for name, tree in found.items():
+        theirs = (tmp_path / "out" / name / "tree.json").read_text()
+        assert without_commit(theirs) == without_commit(tree.to_json())
+    assert found["c_elegans-none"] == furrow.tree(cue="none", memo=memo)
+    assert "c_elegans-cue-2: " in found._repr_html_()
+
+
+def test_a_lineage_of_ones_own(cli, tmp_path, memo):
+    text = 'Lineage(name: "mine", founders: [(name: "S", r0: 2.4)])'
+    (tmp_path / "mine.ron").write_text(text)
+    cli.text("tree", "mine.ron", "--out", "out", "--dynamics", "--seed", "3", "--set", "epsilon=0.86")
+    keywords = {"seed": 3, "epsilon": 0.86, "dynamics": True, "memo": memo}
+    theirs = without_commit((tmp_path / "out" / "tree.json").read_text())
+    for lineage in (tmp_path / "mine.ron", str(tmp_path / "mine.ron"), text):
+        assert without_commit(furrow.tree(lineage, **keywords).to_json()) == theirs
+    other = furrow.tree(text, r0=2.3, memo=memo)
+    assert other.r0[0] == 2.3
+    both = furrow.tree([tmp_path / "mine.ron", text.replace("2.4", "2.5")], memo=memo)
+    assert [tree.r0[0] for tree in both.values()] == [2.4, 2.5]
+
+
+def test_a_tree_is_a_graph(worm):
+    networkx = pytest.importorskip("networkx")
+    graph = worm.to_networkx()
+    assert networkx.is_arborescence(graph) and graph.number_of_nodes() == 285
+    assert set(graph.successors("P0")) == {"AB", "P1"}
+    assert graph.nodes["AB"]["r0"] == worm.r0[worm.names.index("AB")]
+    assert graph.nodes["AB"]["outcome"] == "symmetric"
+    # What is written is read again: no number of numpy is in the way.
+    text = "\n".join(networkx.generate_graphml(networkx.DiGraph(graph.edges)))
+    assert networkx.parse_graphml(text).number_of_edges() == 284
+
+
+def test_a_tree_is_one_of_lineagetree(worm):
+    pytest.importorskip("lineagetree")
+    found = worm.to_lineagetree()
+    assert len(found.nodes) == 285 and len(found.leaves) == 143
+    roots = list(found.roots)
+    assert [found.label[root] for root in roots] == ["P0"]
+    assert sorted(found.label[cell] for cell in found.successor[roots[0]]) == ["AB", "P1"]
+    assert found.time[worm.names.index("ABa")] == 2
+
+
+def test_newick_has_every_cell(worm):
+    newick = worm.newick()
+    assert newick.count(",") == 142 and newick.rstrip().endswith(";")
+    assert worm.export("newick", "generation").count(":1") >= 284
+    assert set(worm.export("itol")) > {"tree.nwk"} or isinstance(worm.export("itol"), dict)
+    with pytest.raises(furrow.InputError) as refused:
+        worm.export("nexuss")
+    assert refused.value.field == "format" and "nexus" in refused.value.allowed
+
+
+def test_tables_for_pandas(worm):
+    pytest.importorskip("pandas")
+    cells = worm.to_pandas()
+    assert cells.shape[0] == 285 and cells["r0"].to_numpy().tolist() == worm.r0.tolist()
+    founders = worm.founders_to_pandas().set_index("name")
+    assert founders.loc["AB", "model_terminal"] == 80 and founders.loc["AB", "observed_terminal"] == 487
+    both = furrow.tree(cues=["germline", "none"]).to_pandas()
+    assert both.groupby("scenario").size().tolist() == [11, 11]
+
+
+def test_files_are_read_again(worm, tmp_path):
+    worm.save(tmp_path / "tree.json")
+    assert furrow.read_tree(tmp_path / "tree.json") == worm
+    for name, begins in (("tree.svg", "<svg"), ("tree.nwk", "("), ("tree.html", "<!")):
+        worm.save(tmp_path / name)
+        assert (tmp_path / name).read_text().startswith(begins)
+    with pytest.raises(furrow.InputError):
+        worm.save(tmp_path / "tree.xlsx")
+    (tmp_path / "tree.json").write_text(worm.to_json()[:1000])
+    with pytest.raises(furrow.InputError, match=r"tree\.json"):
+        furrow.read_tree(tmp_path / "tree.json")
+
+
+def test_what_a_notebook_shows_is_bounded(worm, memo):
+    drawing = worm._repr_svg_()
+    assert drawing.startswith("<svg") and "ABa" in drawing
+    assert drawing[5:] in worm._repr_html_() and len(worm._repr_html_()) < 300_000
+    large = furrow.tree('(name: "large", founders: [(name: "S", r0: 20)], limits: (max_cells: 1001, max_depth: 40))', memo=memo)
+    assert len(large) > 1000
+    assert large._repr_svg_() is None
+    shown = large._repr_html_()
+    assert len(shown) < 2000 and "too many to be drawn" in shown
+
+
+def test_to_dict_is_what_json_can_hold(worm):
+    assert json.loads(json.dumps(worm.to_dict()))["cells"][0]["name"] == "P0"
+
+
+def test_ranges_over_constants(cli, tmp_path):
+    table = "aspect,p0,w,gain,weight\n1.5,0.123,0.1445,0.5,0.75\n1.49,0.122,0.144,0.5,0.25\n"
+    (tmp_path / "constants.csv").write_text(table)
+    theirs = cli.json("tree", "--constants", "constants.csv")
+    ours = furrow.tree(constants=tmp_path / "constants.csv")
+    theirs.pop("elapsed_s")
+    assert ours.to_dict() == theirs and ours.members == 2
+    frame = ours.to_pandas().set_index("name")
+    assert frame.loc["AB", "terminal_p50"] == 80
