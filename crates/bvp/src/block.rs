@@ -412,9 +412,7 @@ impl BlockFactor {
             let x = after.as_flattened_mut();
             x[..n].fill(0.0);
             x[n..n + nl].copy_from_slice(&before[n..n + nl]);
-            for k in n + nl..rows {
-                x[k] = before[k];
-            }
+            x[n + nl..rows].copy_from_slice(&before[n + nl..rows]);
             let transform = &self.transform[i * n * tall..(i + 1) * n * tall];
             for v in 0..tall {
                 let mut sum = after[v];
@@ -427,9 +425,7 @@ impl BlockFactor {
             // Carried rows move to the front; border rows stay behind the next n.
             let x = after.as_flattened();
             before[..nl].copy_from_slice(&x[n..n + nl]);
-            for k in n + nl..rows {
-                before[k] = x[k];
-            }
+            before[n + nl..rows].copy_from_slice(&x[n + nl..rows]);
         }
         carried.copy_from_slice(&before[..nl]);
         border.copy_from_slice(&before[nl + n..rows]);
