@@ -30,7 +30,7 @@ const DRAWN: [(&[&str], &[&str]); 6] = [
         ],
         &["stays at rest", "symmetric", "pitchfork"],
     ),
-    (&["divide", "--r0", "4", "--cue", "germline"], &["χ = 0.155", "pressure", "neck radius", "t = 0.00 τ"]),
+    (&["divide", "--r0", "4", "--cue", "germline"], &["χ = 0.15", "pressure", "neck radius", "t = 0.00 τ"]),
     (&["tree", "--xi", "20", "--r0", "2.4", "--out", "tree"], &["observed", "EMS", "terminal cells"]),
     (&["sweep", "sweep.ron", "--out", "sweep"], &["size asymmetry χ", "ε = 0.8", "ε = 0.87"]),
 ];

@@ -56,11 +56,13 @@ impl Start<'_> {
                 let (half, report) = passive(cell, numerics)
                     .map_err(|source| DivisionError::NoPassiveShape { cell: CellName::of(cell), source })?;
                 let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, unfold(&half));
+                stepper.solve_for(numerics.time_tolerance);
                 stepper.count(report);
                 Ok(stepper)
             }
             Start::Stationary { shape, .. } => {
                 let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, (*shape).clone());
+                stepper.solve_for(numerics.time_tolerance);
                 stepper.exacting();
                 stepper.adapt(cell.is_mirror_symmetric(), FIRST_MESH);
                 settle(&mut stepper)?;

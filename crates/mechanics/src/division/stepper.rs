@@ -23,9 +23,13 @@ const ROOM: f64 = 0.85;
 /// Most intervals a mesh may grow to.
 const MAX_INTERVALS: usize = 1024;
 
-/// Every step is solved to this, relative to 1 + |value|: a fraction of the error that it may make in time, and volumes are kept to
-/// a tenth of it.
+/// Every step is solved to this, relative to 1 + |value|, at the preset's time tolerance, and to less where that is less: to a small
+/// part of the error that it may make in time. Volumes are kept to a tenth of it.
 pub const SOLVED_TO: f64 = 1e-7;
+/// The same as a part of the time tolerance.
+const SOLVED_SHARE: f64 = 2.5e-3;
+/// Steps of a large cell, or short ones, cannot be solved to less: velocities are differences of shapes over the step.
+const ROUNDING: f64 = 1e-8;
 
 /// The iteration of a step. A factorisation costs as much as a dozen solves, so that slow chord steps are preferred to a new one.
 const NEWTON: Newton = Newton {
@@ -151,9 +155,14 @@ impl Stepper {
         }
     }
 
+    /// Solves steps as exactly as a time tolerance asks for.
+    pub fn solve_for(&mut self, time_tolerance: f64) {
+        self.newton.tolerance = (SOLVED_SHARE * time_tolerance).clamp(ROUNDING, SOLVED_TO);
+    }
+
     /// Solves steps more exactly, on a finer mesh: for small disturbances of a shape that does not change.
     pub fn exacting(&mut self) {
-        self.newton.tolerance = 0.3 * SOLVED_TO;
+        self.newton.tolerance *= 0.3;
         self.share *= 0.7;
     }
 
