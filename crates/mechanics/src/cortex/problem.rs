@@ -1,13 +1,14 @@
 //! The boundary-value problem of one cell: a stationary shape, or one implicit time step.
 
 use std::f64::consts::PI;
+use std::sync::{Mutex, PoisonError};
 
 use bvp::{
     BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, Dimensions, Kernels, PointJacobian,
 };
 use num_dual::Dual64;
 
-use super::equations::{COMPONENTS, Constants, Domain, LENGTH, M, Motion, PRESSURE, PSI, Q, R, T, V, equations};
+use super::equations::{COMPONENTS, Constants, Domain, LENGTH, Local, M, Motion, PRESSURE, PSI, Q, R, T, V, equations};
 use super::sweep;
 use super::symmetry::{CENTRE, ODD};
 use crate::cell::cue::{Term, Width};
@@ -53,6 +54,26 @@ pub struct Cortex {
     sensitivities: Vec<Constants<Dual64>>,
     /// The constants as numbers that carry derivatives, where the contour's length enters by the cue's widths.
     along_length: Option<Constants<Dual64>>,
+    /// The coefficients where the equations were evaluated last.
+    known: Shelf,
+}
+
+/// Where [`Known`] coefficients are kept, apart from what the problem is: whoever evaluates it may fill it.
+#[derive(Debug, Default)]
+struct Shelf(Mutex<Known>);
+
+impl Clone for Shelf {
+    fn clone(&self) -> Shelf {
+        Shelf::default()
+    }
+}
+
+/// Coefficients at places along the contour, which a cue takes an exponential for, and which stay as they are as long as the mesh
+/// does and the contour's length has no part in them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Known {
+    x: Vec<f64>,
+    local: Vec<Local<f64>>,
 }
 
 impl Cortex {
@@ -68,6 +89,7 @@ impl Cortex {
             constants: Constants::new(cell, |_, v| v),
             sensitivities: Vec::new(),
             along_length: None,
+            known: Shelf::default(),
         };
         cortex.refresh();
         cortex
@@ -111,6 +133,19 @@ impl Cortex {
         let by_length = |term: &Term| term.amplitude != 0.0 && matches!(term.profile.width(), Some(Width::Length(_)));
         let by_length = self.cell.cue.terms().iter().any(by_length);
         self.along_length = by_length.then(|| Constants::new(&self.cell, |_, v| Dual64::from_re(v)));
+        self.known = Shelf::default();
+    }
+
+    /// The coefficients at the places `x` on a contour of length `length`, for a `use_of` them.
+    pub(super) fn with_coefficients<T>(&self, x: &[f64], length: f64, use_of: impl FnOnce(&[Local<f64>]) -> T) -> T {
+        let known = &mut *self.known.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if self.along_length.is_some() || known.x != x {
+            known.x.clear();
+            known.x.extend_from_slice(x);
+            known.local.clear();
+            known.local.extend(x.iter().map(|&x| self.constants.at(x, length)));
+        }
+        use_of(&known.local)
     }
 
     /// The rates of change at a collocation point.

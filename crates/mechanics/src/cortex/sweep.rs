@@ -44,7 +44,7 @@ impl Group {
     }
 
     /// Reads the group that starts at point `from`; behind the last point it is repeated.
-    fn read(&mut self, cortex: &Cortex, points: CollocationPoints<'_>, from: usize, length: f64) {
+    fn read(&mut self, cortex: &Cortex, points: CollocationPoints<'_>, from: usize, local: &[Local<f64>]) {
         let last = points.x.len() - 1;
         for i in 0..GROUP {
             let point = (from + i).min(last);
@@ -60,8 +60,8 @@ impl Group {
             if !cortex.noise.is_empty() {
                 self.noise[i] = cortex.noise_at(at);
             }
-            if !cortex.constants().cue.is_empty() {
-                self.local.put(i, cortex.constants().at(at.x, length));
+            if let Some(here) = local.get(point) {
+                self.local.put(i, *here);
             }
         }
     }
@@ -160,17 +160,24 @@ fn linearise(group: &Group, shared: &Shared, out: &mut [Values; NUMBERS]) {
 pub(super) fn rhs_many(cortex: &Cortex, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64], g: &mut [f64]) {
     let (mut group, shared) = (Group::of(cortex), Shared::of(cortex, p));
     let mut out = [[0.0; GROUP]; COMPONENTS + 1];
-    let parts = f.chunks_mut(GROUP * COMPONENTS).zip(g.chunks_mut(GROUP));
-    for (j, (f, g)) in parts.enumerate() {
-        group.read(cortex, points, j * GROUP, shared.length);
-        evaluate(&group, &shared, &mut out);
-        for (i, (f, g)) in f.chunks_exact_mut(COMPONENTS).zip(g).enumerate() {
-            for k in 0..COMPONENTS {
-                f[k] = out[k][i];
+    with_cue(cortex, points.x, shared.length, |local| {
+        let parts = f.chunks_mut(GROUP * COMPONENTS).zip(g.chunks_mut(GROUP));
+        for (j, (f, g)) in parts.enumerate() {
+            group.read(cortex, points, j * GROUP, local);
+            evaluate(&group, &shared, &mut out);
+            for (i, (f, g)) in f.chunks_exact_mut(COMPONENTS).zip(g).enumerate() {
+                for k in 0..COMPONENTS {
+                    f[k] = out[k][i];
+                }
+                *g = out[COMPONENTS][i];
             }
-            *g = out[COMPONENTS][i];
         }
-    }
+    });
+}
+
+/// The coefficients at all points where there is a cue, none where there is not.
+fn with_cue(cortex: &Cortex, x: &[f64], length: f64, use_of: impl FnOnce(&[Local<f64>])) {
+    if cortex.constants().cue.is_empty() { use_of(&[]) } else { cortex.with_coefficients(x, length, use_of) }
 }
 
 /// f, g and their derivatives by the components, L and p at all points, but for what widths in L_h add to ∂f/∂L. What is zero
@@ -179,13 +186,15 @@ pub(super) fn jacobian_many(cortex: &Cortex, points: CollocationPoints<'_>, p: &
     let (mut group, shared) = (Group::of(cortex), Shared::of(cortex, p));
     let scalars = SHAPE_SCALARS + cortex.free.len();
     let mut numbers = [[0.0; GROUP]; NUMBERS];
-    for from in (0..points.x.len()).step_by(GROUP) {
-        group.read(cortex, points, from, shared.length);
-        linearise(&group, &shared, &mut numbers);
-        for i in 0..GROUP.min(points.x.len() - from) {
-            scatter(&numbers, i, shared.length, scalars, &mut out.at(from + i, COMPONENTS, scalars, 1));
+    with_cue(cortex, points.x, shared.length, |local| {
+        for from in (0..points.x.len()).step_by(GROUP) {
+            group.read(cortex, points, from, local);
+            linearise(&group, &shared, &mut numbers);
+            for i in 0..GROUP.min(points.x.len() - from) {
+                scatter(&numbers, i, shared.length, scalars, &mut out.at(from + i, COMPONENTS, scalars, 1));
+            }
         }
-    }
+    });
 }
 
 /// Puts the numbers of point i of a group into their places.

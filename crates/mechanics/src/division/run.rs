@@ -16,6 +16,7 @@ use super::stepper::{MAX_ORDER, Stepper, parity_norm};
 use crate::cell::{Cell, Numerics, Parameter, Scheme};
 use crate::cortex::Cortex;
 use crate::cortex::equations::{COMPONENTS, LENGTH, PSI, R, Z, noise_factor};
+use crate::cortex::lanes::sin_cos;
 use crate::cortex::observables::{self, Neck, PINCH_OFF};
 
 /// The first step is not made shorter than about this, in τ.
@@ -376,13 +377,14 @@ impl Run {
         self.dt *= growth;
         let y = &stepper.levels[0].y;
         let gauss = &stepper.system.gauss;
-        let volume: f64 = (0..y.intervals() * y.m)
-            .map(|i| {
-                let s = &y.stages[i * COMPONENTS..(i + 1) * COMPONENTS];
-                let h = y.mesh[i / y.m + 1] - y.mesh[i / y.m];
-                h * gauss.b[i % y.m] * std::f64::consts::PI * y.scalars[LENGTH] * s[R] * s[R] * s[PSI].sin()
-            })
-            .sum();
+        let mut area = 0.0;
+        for (k, interval) in y.mesh.windows(2).enumerate() {
+            for (j, b) in gauss.b.iter().enumerate() {
+                let s = y.stage(k, j);
+                area += (interval[1] - interval[0]) * b * s[R] * s[R] * sin_cos(s[PSI]).0;
+            }
+        }
+        let volume = std::f64::consts::PI * y.scalars[LENGTH] * area;
         self.drift = self.drift.max((volume / stepper.cortex.constants().volume - 1.0).abs());
         let neck = observables::neck(gauss, y);
         if let (Some(new), Some(old)) = (neck, self.neck) {

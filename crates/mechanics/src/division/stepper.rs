@@ -83,14 +83,16 @@ pub struct ParityNorm {
 
 /// Parity norms of (r, z) combinations at the stages of a mirror-symmetric mesh; `value(i)` gives (r, z) at stage i.
 pub fn parity_norm(gauss: &Gauss, mesh: &[f64], value: impl Fn(usize) -> [f64; 2]) -> ParityNorm {
-    let m = gauss.m;
-    let points = (mesh.len() - 1) * m;
+    let last = (mesh.len() - 1) * gauss.m - 1;
     let (mut even, mut odd) = (0.0, 0.0);
-    for i in 0..points {
-        let weight = (mesh[i / m + 1] - mesh[i / m]) * gauss.b[i % m];
-        let ([r, z], [rm, zm]) = (value(i), value(points - 1 - i));
-        even += weight * 0.25 * ((r + rm).powi(2) + (z - zm).powi(2));
-        odd += weight * 0.25 * ((r - rm).powi(2) + (z + zm).powi(2));
+    for (k, interval) in mesh.windows(2).enumerate() {
+        for (j, b) in gauss.b.iter().enumerate() {
+            let i = k * gauss.m + j;
+            let weight = (interval[1] - interval[0]) * b * 0.25;
+            let ([r, z], [rm, zm]) = (value(i), value(last - i));
+            even += weight * ((r + rm) * (r + rm) + (z - zm) * (z - zm));
+            odd += weight * ((r - rm) * (r - rm) + (z + zm) * (z + zm));
+        }
     }
     ParityNorm { even: even.sqrt(), odd: odd.sqrt() }
 }
