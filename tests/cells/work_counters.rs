@@ -75,8 +75,8 @@ fn work_of_branches_and_curves() {
         let branch = primary::follow(&cell, &numerics, &BranchOptions::default(), |_| true).unwrap();
         within("branch", [branch.points.len(), branch.work.iterations], allowed);
     }
-    // (86 to 104, 120), (95 to 113, 117), (162 to 210, 222), (210, 213): what a step corrects here is near rounding.
-    for (range, pitchforks, folds) in [([1.5, 5.4], [115, 132], [125, 130]), ([5.4, 1.5], [231, 244], [231, 234])] {
+    // (86 to 104, 120), (95 to 113, 117), (162 to 210, 222), (210 to 244, 247): what a step corrects here is near rounding.
+    for (range, pitchforks, folds) in [([1.5, 5.4], [115, 132], [125, 130]), ([5.4, 1.5], [231, 244], [268, 272])] {
         let curve = curves::pitchfork_curve(&Cell::new(2.0), &numerics, Parameter::R0, range).unwrap();
         within("pitchforks", [curve.points.len(), curve.iterations], pitchforks);
         let curve = curves::fold_curves(&Cell::new(2.0), &numerics, Parameter::R0, range).unwrap().remove(0);
