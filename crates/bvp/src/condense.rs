@@ -307,17 +307,17 @@ impl Condensed {
         let r = &mut residual[..m * n];
         let map_here = part_mut(&mut map, i, columns * values);
         for (c, column) in map_here.chunks_exact_mut(values).enumerate() {
-            let y = &mut column.as_flattened_mut()[..m * n];
-            if c < n {
-                stages.unit(c, gauss, y);
-                continue;
-            }
+            r.fill(0.0);
             for stage in 0..m {
-                for k in 0..n {
-                    r[stage * n + k] = -h * fp[(stage * n + k) * np + c - n];
+                if c < n {
+                    r[stage * n + c] = -gauss.d_matrix[stage * m..(stage + 1) * m].iter().sum::<f64>();
+                } else {
+                    for k in 0..n {
+                        r[stage * n + k] = -h * fp[(stage * n + k) * np + c - n];
+                    }
                 }
             }
-            stages.particular(r, y);
+            stages.particular(r, &mut column.as_flattened_mut()[..m * n]);
         }
         // In a loop of its own: what was just written in parts is waited for if it is read as a whole.
         let of_nodes = part_mut(&mut transitions, i, columns * node_lanes).chunks_exact_mut(node_lanes);
@@ -434,7 +434,7 @@ impl Stages<'_> {
     /// Stage values for stage residuals `r` (m × n), with δy₀ = δp = 0, into `y` (m × n).
     #[inline(always)]
     fn particular(&self, r: &[f64], y: &mut [f64]) {
-        let Stages { sizes: Sizes { n, e, m, nn, .. }, a, onto, .. } = *self;
+        let Stages { sizes: Sizes { n, e, m, nn, s, lanes, .. }, a, onto, from, inverse } = *self;
         let (r, y) = (&r[..m * n], &mut y[..m * n]);
         let mut x = [[0.0; LANE]; MAX_STAGE_LANES];
         for stage in 0..m {
@@ -461,34 +461,6 @@ impl Stages<'_> {
                 }
             }
         }
-        self.finish(&x, y);
-    }
-
-    /// Stage values for a unit of component c of δy₀ and δp = 0: an integrable one is then a unit at all stages, any other the
-    /// residual −s_i of its own equation.
-    #[inline(always)]
-    fn unit(&self, c: usize, gauss: &Gauss, y: &mut [f64]) {
-        let Stages { sizes: Sizes { n, e, m, nn, .. }, onto, .. } = *self;
-        let mut x = [[0.0; LANE]; MAX_STAGE_LANES];
-        y.fill(0.0);
-        for stage in 0..m {
-            if c < e {
-                y[stage * n + c] = 1.0;
-                for alpha in 0..nn {
-                    x.as_flattened_mut()[stage * nn + alpha] = onto[(stage * e + c) * nn + alpha];
-                }
-            } else {
-                x.as_flattened_mut()[stage * nn + c - e] =
-                    gauss.d_matrix[stage * m..(stage + 1) * m].iter().sum::<f64>();
-            }
-        }
-        self.finish(&x, y);
-    }
-
-    /// The stage values for the right-hand side `x` of the condensed equations, added to those of the integrable components in `y`.
-    #[inline(always)]
-    fn finish(&self, x: &[Lane; MAX_STAGE_LANES], y: &mut [f64]) {
-        let Stages { sizes: Sizes { n, e, m, nn, s, lanes, .. }, a, from, inverse, .. } = *self;
         let mut solved = [[0.0; LANE]; MAX_STAGE_LANES];
         for v in 0..lanes {
             for c in 0..s {
