@@ -252,7 +252,7 @@ def test_progress_is_told(memo):
 
 def test_progress_is_a_bar_where_tqdm_is_installed(memo, capsys):
     pytest.importorskip("tqdm")
-    furrow.sweep(axes={"r0": np.linspace(2.0, 3.0, 80)}, memo=memo, progress=True)
+    furrow.sweep(axes={"r0": np.linspace(2.0, 3.0, 600)}, memo=memo, progress=True)
     assert "points" in capsys.readouterr().err
     furrow.sweep(axes={"r0": np.linspace(2.0, 3.0, 80)}, memo=furrow.Memo(), progress=False)
     assert capsys.readouterr().err == ""
