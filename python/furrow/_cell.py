@@ -267,8 +267,8 @@ class Cell:
         rates = found.pop("growth_rates")
         return Steady(
             cell=self,
-            growth_rates=np.array([complex(re, im) for re, im, _ in rates]),
-            parities=tuple(parity for _, _, parity in rates),
+            growth_rates=np.array([complex(rate["re"], rate["im"]) for rate in rates]),
+            parities=tuple(rate["parity"] for rate in rates),
             folds_passed=tuple(found.pop("folds_passed")),
             contour=Contour(_whole(places)),
             **found,

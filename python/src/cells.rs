@@ -7,10 +7,8 @@ use furrow::cortex::forces::Place;
 use furrow::division::{Division, Still, film as film_of};
 use furrow::input::InputError;
 use furrow::io::frames::{COLUMNS, check_step, stills};
-use furrow::shapes::{
-    BranchEnd, BranchEvent, BranchOptions, Criticality, PointKind, pitchfork as pitchforks, stationary,
-};
-use furrow::stability::Parity;
+use furrow::report::{EventReport, StationaryReport, ThresholdReport};
+use furrow::shapes::{BranchEnd, BranchOptions, pitchfork as pitchforks, stationary};
 use furrow::study::{Diagram, diagram};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -141,21 +139,6 @@ fn place_columns<'a>(places: impl Iterator<Item = &'a Place>) -> Vec<(&'static s
     names.into_iter().zip(columns).collect()
 }
 
-/// A stationary shape, as JSON.
-#[derive(Serialize)]
-#[allow(non_snake_case)]
-struct Steady {
-    L: f64,
-    p: f64,
-    H: f64,
-    r_eq: f64,
-    stable: bool,
-    growth_rate: f64,
-    /// Real and imaginary part, and parity.
-    growth_rates: Vec<(f64, f64, &'static str)>,
-    folds_passed: Vec<f64>,
-}
-
 /// The stationary shape at one activity, on the branch of the passive shape, and its growth rates: JSON, and the places of its
 /// contour.
 #[pyfunction]
@@ -165,39 +148,11 @@ pub fn steady<'py>(py: Python<'py>, inputs: &Inputs) -> PyResult<(String, Bound<
     let (found, places) = supervised(py, Interrupt::Leaves, None, move |_| {
         let shape = stationary(&cell, &numerics).map_err(Error::no_outcome)?;
         let spectrum = shape.spectrum().map_err(Error::no_outcome)?;
-        let parity = |parity| match parity {
-            Parity::Even => "even",
-            Parity::Odd => "odd",
-            Parity::Mixed => "mixed",
-        };
-        let found = Steady {
-            L: shape.length(),
-            p: shape.pressure(),
-            H: shape.elongation(),
-            r_eq: shape.equator_radius(),
-            stable: spectrum.is_stable(),
-            growth_rate: spectrum.growth_rate(),
-            growth_rates: spectrum.values.iter().map(|v| (v.re, v.im, parity(v.parity))).collect(),
-            folds_passed: shape.folds.clone(),
-        };
+        let found = StationaryReport::new(&shape, &spectrum);
         let gauss = bvp::Gauss::new(numerics.stages);
         Ok((found, place_columns(furrow::cortex::forces::profile(&shape.cortex, &gauss, &shape.solution).iter())))
     })?;
     Ok((serde_json::to_string(&found).map_err(unwritable)?, columns(py, places)?))
-}
-
-/// A pitchfork, as JSON.
-#[derive(Serialize)]
-#[allow(non_snake_case)]
-struct Threshold {
-    xi_s: f64,
-    criticality: Criticality,
-    coefficient: f64,
-    H: f64,
-    L: f64,
-    p: f64,
-    residual: f64,
-    iterations: usize,
 }
 
 fn range(xi_max: f64) -> Result<[f64; 2], Error> {
@@ -215,48 +170,9 @@ pub fn pitchfork(py: Python<'_>, inputs: &Inputs, xi_max: f64) -> PyResult<Strin
     let found = supervised(py, Interrupt::Leaves, None, move |_| {
         let options = BranchOptions { xi, ..BranchOptions::default() };
         let found = pitchforks::first(&cell, &numerics, &options).map_err(Error::no_outcome)?;
-        Ok(Threshold {
-            xi_s: found.point.xi_s,
-            criticality: found.criticality(),
-            coefficient: found.coefficient,
-            H: found.point.elongation,
-            L: found.point.length,
-            p: found.point.pressure,
-            residual: found.report.correction,
-            iterations: found.report.iterations,
-        })
+        Ok(ThresholdReport::new(&found))
     })?;
     serde_json::to_string(&found).map_err(unwritable)
-}
-
-/// What happens along a branch.
-#[derive(Serialize)]
-#[allow(non_snake_case)]
-struct Event {
-    kind: PointKind,
-    branch: &'static str,
-    xi_s: f64,
-    H: f64,
-    L: f64,
-    criticality: Option<Criticality>,
-    coefficient: Option<f64>,
-    maximum: Option<bool>,
-}
-
-impl Event {
-    fn of(branch: &'static str, event: &BranchEvent) -> Event {
-        let (point, pitchfork) = (event.point(), event.pitchfork());
-        Event {
-            kind: event.kind(),
-            branch,
-            xi_s: point.xi_s,
-            H: point.elongation,
-            L: point.length,
-            criticality: pitchfork.map(|p| p.criticality()),
-            coefficient: pitchfork.map(|p| p.coefficient),
-            maximum: event.fold().map(|fold| fold.maximum),
-        }
-    }
 }
 
 /// Where a branch ends and why.
@@ -271,7 +187,7 @@ struct End {
 /// Branches without their points, as JSON.
 #[derive(Serialize)]
 struct Branches {
-    events: Vec<Event>,
+    events: Vec<EventReport>,
     /// Exponent, prefactor, coefficient and number of points of |Δu| = prefactor |ξ_s − ξ_s*|^exponent.
     scaling: Option<(f64, f64, f64, usize)>,
     ends: Vec<End>,
@@ -313,8 +229,10 @@ pub fn branch<'py>(
 }
 
 fn described(found: &Diagram) -> Branches {
-    let events =
-        found.branches.iter().flat_map(|(name, branch)| branch.events.iter().map(|event| Event::of(name, event)));
+    let events = found
+        .branches
+        .iter()
+        .flat_map(|(name, branch)| branch.events.iter().map(|event| EventReport::new(name, event)));
     let ends = found.branches.iter().map(|(name, branch)| End {
         branch: name,
         reason: branch.ended.name(),

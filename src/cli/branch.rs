@@ -13,8 +13,9 @@ use super::output::{answer, csv_rows, writable_file};
 use super::plot::PlotArgs;
 use crate::cell::Cue;
 use crate::plot::{self, branch::Named};
+use crate::report::EventReport;
 use crate::shapes::asymmetric::Scaling;
-use crate::shapes::{Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, PointKind, ShapePoint};
+use crate::shapes::{Branch, BranchEnd, BranchOptions, ShapePoint};
 use crate::study::diagram;
 
 /// Follows the mirror-symmetric and the asymmetric stationary shapes over ξ_s, with their folds and pitchforks; with a cue that
@@ -80,39 +81,6 @@ impl PointAnswer {
     }
 }
 
-#[derive(Serialize)]
-#[allow(non_snake_case)]
-struct EventAnswer {
-    kind: PointKind,
-    branch: &'static str,
-    xi_s: f64,
-    H: f64,
-    L: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    criticality: Option<Criticality>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    coefficient: Option<f64>,
-    /// Of folds: whether ξ_s is largest here along the branch.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    maximum: Option<bool>,
-}
-
-impl EventAnswer {
-    fn new(branch: &'static str, event: &BranchEvent) -> EventAnswer {
-        let (point, pitchfork) = (event.point(), event.pitchfork());
-        EventAnswer {
-            kind: event.kind(),
-            branch,
-            xi_s: point.xi_s,
-            H: point.elongation,
-            L: point.length,
-            criticality: pitchfork.map(|p| p.criticality()),
-            coefficient: pitchfork.map(|p| p.coefficient),
-            maximum: event.fold().map(|fold| fold.maximum),
-        }
-    }
-}
-
 /// Why a branch is followed no further than its last point.
 #[derive(Serialize)]
 struct EndAnswer {
@@ -141,7 +109,7 @@ struct Answer {
     epsilon: f64,
     cue: Cue,
     points: Vec<PointAnswer>,
-    events: Vec<EventAnswer>,
+    events: Vec<EventReport>,
     /// Of the asymmetric branch of the first pitchfork.
     #[serde(skip_serializing_if = "Option::is_none")]
     scaling: Option<ScalingAnswer>,
@@ -216,7 +184,7 @@ impl Answer {
         let (reason, why) = (branch.ended.name(), branch.ended.to_string());
         self.ends.push(EndAnswer { branch: name, xi_s, reason, neck, why });
         self.points.extend(branch.points.iter().map(|p| PointAnswer::new(name, p)));
-        self.events.extend(branch.events.iter().map(|event| EventAnswer::new(name, event)));
+        self.events.extend(branch.events.iter().map(|event| EventReport::new(name, event)));
         self.steps += branch.work.steps;
         self.newton_iterations += branch.work.iterations;
     }

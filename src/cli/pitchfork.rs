@@ -8,7 +8,8 @@ use super::context::Context;
 use super::error::CliError;
 use super::output::answer;
 use crate::cell::Cue;
-use crate::shapes::{BranchOptions, Criticality, pitchfork};
+use crate::report::ThresholdReport;
+use crate::shapes::{BranchOptions, pitchfork};
 
 /// Locates the first pitchfork of the mirror-symmetric shapes and says on which side the asymmetric ones lie
 #[derive(Debug, Args)]
@@ -26,22 +27,12 @@ pub struct PitchforkArgs {
 
 /// What `--json` prints; lengths in L_h, activities in κ0/L_h.
 #[derive(Serialize)]
-#[allow(non_snake_case)]
 struct Answer {
     r0: f64,
     epsilon: f64,
     cue: Cue,
-    /// Threshold ξ_s*.
-    xi_s: f64,
-    criticality: Criticality,
-    /// c of ξ_s = ξ_s* + c (u_furrow − ½)² along the asymmetric branch; positive: supercritical.
-    coefficient: f64,
-    H: f64,
-    L: f64,
-    p: f64,
-    /// Size of the last Newton correction.
-    residual: f64,
-    iterations: usize,
+    #[serde(flatten)]
+    found: ThresholdReport,
 }
 
 pub fn run(args: &PitchforkArgs, mut context: Context) -> Result<(), CliError> {
@@ -49,25 +40,14 @@ pub fn run(args: &PitchforkArgs, mut context: Context) -> Result<(), CliError> {
     let xi_max = positive("--xi-max", "xi_max", args.xi_max)?;
     let options = BranchOptions { xi: [0.0, xi_max], ..BranchOptions::default() };
     let found = pitchfork::first(&cell, &context.settings.numerics, &options)?;
-    let document = Answer {
-        r0: cell.r0,
-        epsilon: cell.epsilon,
-        cue: cell.cue,
-        xi_s: found.point.xi_s,
-        criticality: found.criticality(),
-        coefficient: found.coefficient,
-        H: found.point.elongation,
-        L: found.point.length,
-        p: found.point.pressure,
-        residual: found.report.correction,
-        iterations: found.report.iterations,
-    };
+    let document = Answer { r0: cell.r0, epsilon: cell.epsilon, cue: cell.cue, found: ThresholdReport::new(&found) };
     if context.json {
         return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
     }
+    let Answer { r0, epsilon, found, .. } = &document;
     answer(&format!(
         "R0 = {}, ε = {}: pitchfork at ξ_s* = {:.8} ({}), H = {:.6}\n\
          ξ_s = ξ_s* + c (u_furrow − ½)² with c = {:.4} on the asymmetric branch\n",
-        document.r0, document.epsilon, document.xi_s, document.criticality, document.H, document.coefficient
+        r0, epsilon, found.xi_s, found.criticality, found.H, found.coefficient
     ))
 }

@@ -10,8 +10,9 @@ use super::context::Context;
 use super::error::CliError;
 use super::output::answer;
 use crate::cell::Cue;
+use crate::report::StationaryReport;
 use crate::shapes::{StationaryShape, stationary};
-use crate::stability::{Parity, Spectrum};
+use crate::stability::Spectrum;
 
 /// Computes the stationary shape at one activity, on the branch of the passive shape, and its growth rates
 #[derive(Debug, Args)]
@@ -25,31 +26,15 @@ pub struct SteadyArgs {
     cell: ActiveCellArgs,
 }
 
-/// A growth rate as printed.
-#[derive(Serialize)]
-struct Rate {
-    re: f64,
-    im: f64,
-    parity: &'static str,
-}
-
 /// What `--json` prints; lengths in L_h, p in κ0/L_h³, growth rates in 1/τ.
 #[derive(Serialize)]
-#[allow(non_snake_case)]
 struct Answer {
     r0: f64,
     epsilon: f64,
     xi_s: f64,
     cue: Cue,
-    L: f64,
-    p: f64,
-    H: f64,
-    r_eq: f64,
-    stable: bool,
-    growth_rate: f64,
-    growth_rates: Vec<Rate>,
-    /// Activities at which the branch turned back before it came here.
-    folds_passed: Vec<f64>,
+    #[serde(flatten)]
+    found: StationaryReport,
 }
 
 pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
@@ -66,39 +51,29 @@ pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
 
 fn describe(shape: &StationaryShape, spectrum: &Spectrum) -> Answer {
     let cell = &shape.cortex.cell;
-    let name = |parity| match parity {
-        Parity::Even => "even",
-        Parity::Odd => "odd",
-        Parity::Mixed => "mixed",
-    };
     Answer {
         r0: cell.r0,
         epsilon: cell.epsilon,
         xi_s: cell.xi_s,
         cue: cell.cue.clone(),
-        L: shape.length(),
-        p: shape.pressure(),
-        H: shape.elongation(),
-        r_eq: shape.equator_radius(),
-        stable: spectrum.is_stable(),
-        growth_rate: spectrum.growth_rate(),
-        growth_rates: spectrum.values.iter().map(|v| Rate { re: v.re, im: v.im, parity: name(v.parity) }).collect(),
-        folds_passed: shape.folds.clone(),
+        found: StationaryReport::new(shape, spectrum),
     }
 }
 
 fn text(d: &Answer) -> String {
     let mut out = String::new();
-    let verdict = if d.stable { "stable" } else { "unstable" };
+    let found = &d.found;
+    let verdict = if found.stable { "stable" } else { "unstable" };
     let _ = writeln!(out, "R0 = {}, ε = {}, ξ_s = {}: {verdict}", d.r0, d.epsilon, d.xi_s);
-    let _ = writeln!(out, "L = {:.6}, p = {:.6}, H = {:.6}, equator radius {:.6}", d.L, d.p, d.H, d.r_eq);
+    let _ =
+        writeln!(out, "L = {:.6}, p = {:.6}, H = {:.6}, equator radius {:.6}", found.L, found.p, found.H, found.r_eq);
     let _ = writeln!(out, "growth rates (1/τ):");
-    for rate in &d.growth_rates {
+    for rate in &found.growth_rates {
         let imaginary = if rate.im == 0.0 { String::new() } else { format!(" {:+.6}i", rate.im) };
         let _ = writeln!(out, "  {:>14.6}{imaginary}  {}", rate.re, rate.parity);
     }
-    if !d.folds_passed.is_empty() {
-        let folds: Vec<String> = d.folds_passed.iter().map(|x| format!("{x:.5}")).collect();
+    if !found.folds_passed.is_empty() {
+        let folds: Vec<String> = found.folds_passed.iter().map(|x| format!("{x:.5}")).collect();
         let _ = writeln!(out, "reached after folds at ξ_s = {}", folds.join(", "));
     }
     out

@@ -142,6 +142,25 @@ fn subtract_row<const L: usize>(row: &mut [Lane; L], factor: f64, pivot: &[Lane;
     }
 }
 
+/// The row with the largest entry in column k, from row k to before `candidates`.
+#[inline(always)]
+fn pivot_row<const L: usize>(rows: &[[Lane; L]], k: usize, candidates: usize) -> Result<usize, PivotFailure> {
+    let (lane, offset) = (k / LANE, k % LANE);
+    let mut best = k;
+    let mut size = rows[k][lane][offset].abs();
+    for (i, row) in (k + 1..).zip(&rows[k + 1..candidates]) {
+        let candidate = row[lane][offset].abs();
+        if candidate > size {
+            size = candidate;
+            best = i;
+        }
+    }
+    if size > 0.0 && size < f64::INFINITY {
+        return Ok(best);
+    }
+    Err(PivotFailure { column: k, non_finite: size.is_nan() || size > 0.0 })
+}
+
 #[inline(always)]
 fn eliminate_rows<const L: usize>(
     rows: &mut [[Lane; L]],
@@ -153,18 +172,7 @@ fn eliminate_rows<const L: usize>(
     let width = lanes_for(columns);
     for k in 0..columns {
         let (lane, offset) = (k / LANE, k % LANE);
-        let mut best = k;
-        let mut size = rows[k][lane][offset].abs();
-        for (i, row) in rows.iter().enumerate().take(candidates).skip(k + 1) {
-            let candidate = row[lane][offset].abs();
-            if candidate > size {
-                size = candidate;
-                best = i;
-            }
-        }
-        if !(size > 0.0 && size < f64::INFINITY) {
-            return Err(PivotFailure { column: k, non_finite: size.is_nan() || size > 0.0 });
-        }
+        let best = pivot_row(rows, k, candidates)?;
         factors.exchange[k] = best as u8;
         rows.swap(k, best);
         let pivot = rows[k];
@@ -221,18 +229,7 @@ fn eliminate_rows_in_place<const L: usize>(
 ) -> Result<(), PivotFailure> {
     for k in 0..columns {
         let (lane, offset) = (k / LANE, k % LANE);
-        let mut best = k;
-        let mut size = rows[k][lane][offset].abs();
-        for (i, row) in (k + 1..).zip(&rows[k + 1..candidates]) {
-            let candidate = row[lane][offset].abs();
-            if candidate > size {
-                size = candidate;
-                best = i;
-            }
-        }
-        if !(size > 0.0 && size < f64::INFINITY) {
-            return Err(PivotFailure { column: k, non_finite: size.is_nan() || size > 0.0 });
-        }
+        let best = pivot_row(rows, k, candidates)?;
         exchange[k] = best as u8;
         rows.swap(k, best);
         let scale = 1.0 / rows[k][lane][offset];

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::metric::evaluate;
-use crate::{Gauss, LinearCondition, Solution};
+use crate::{Gauss, LinearCondition, Solution, Transfer};
 
 /// Solutions at known positions along a curve, all on one mesh, for predicting the next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -92,9 +92,11 @@ impl History {
 
     /// Carries all points over to another mesh.
     pub fn transfer(&mut self, gauss: &Gauss, mesh: &[f64]) {
+        let Some((_, first)) = self.points.first() else { return };
+        let transfer = Transfer::new(gauss, &first.mesh, mesh);
         for (_, y) in &mut self.points {
             let mut moved = y.clone();
-            y.transfer_into(gauss, mesh, &mut moved);
+            transfer.apply(y, &mut moved);
             *y = moved;
         }
     }

@@ -1,7 +1,7 @@
 //! Whether a shape is at rest: the stationary state next to it, and whether that is stable.
 
 use bvp::newton::NewtonScratch;
-use bvp::{Gauss, Newton, Solution, System, mesh};
+use bvp::{Newton, Solution, System, mesh};
 
 use super::stepper::{Stepper, parity_norm};
 use crate::cortex::equations::{COMPONENTS, R, Z};
@@ -61,13 +61,12 @@ fn beside(stepper: &Stepper, here: &Solution, domain: Domain) -> Option<(Solutio
         Domain::Half => first_half(here),
     };
     let (mut system, mut scratch) = (System::new(Cortex::dimensions_for(0), y.m), NewtonScratch::default());
-    let gauss = Gauss::new(y.m);
     let near = |y: &Solution| {
         let whole = match domain {
             Domain::Full => y.clone(),
             Domain::Half => unfold(y),
         };
-        let distance = parity_norm(&gauss, &here.mesh, |i| {
+        let distance = parity_norm(&stepper.system.gauss, &here.mesh, |i| {
             let moved = |c: usize| whole.stages[i * COMPONENTS + c] - here.stages[i * COMPONENTS + c];
             [moved(R), moved(Z)]
         });
