@@ -55,7 +55,10 @@ fn name(cell: &Cell) -> String {
 }
 
 fn solve(cell: &Cell, noise: f64) -> Division {
-    let numerics = Numerics { noise, ..Numerics::default() };
+    solve_with(cell, Numerics { noise, ..Numerics::default() })
+}
+
+fn solve_with(cell: &Cell, numerics: Numerics) -> Division {
     let input = DivisionInput { numerics, ..DivisionInput::new(cell.clone()) };
     divide(&input).unwrap_or_else(|e| panic!("{}: {e}", name(cell)))
 }
@@ -82,17 +85,16 @@ fn volume_is_kept() {
 /// Numbers that should be 0, of one cell after another: none is far from it, and most are near.
 ///
 /// What is exact in physics differs here in roundings, and those by far less than this. But where one of two divisions
-/// rejects a step that the other takes, the paths part, and what is left is the error of the time stepping, whose tolerance
-/// is 5e-5.
+/// rejects a step that the other takes, the paths part, and what is left is the error of the time stepping.
 fn vanish(found: &[(String, [f64; 2])]) {
     let size = |[chi, t]: [f64; 2]| chi.max(t);
     for (name, found) in found {
-        assert!(size(*found) < 3e-4, "{name}: {found:?}");
+        assert!(size(*found) < 5e-5, "{name}: {found:?}");
     }
     let mut sizes: Vec<f64> = found.iter().map(|(_, found)| size(*found)).collect();
     sizes.sort_by(f64::total_cmp);
     println!("{} cells: largest {:.1e}, median {:.1e}", sizes.len(), sizes[sizes.len() - 1], sizes[sizes.len() / 2]);
-    assert!(sizes[sizes.len() / 2] < 5e-6, "{sizes:?}");
+    assert!(sizes[sizes.len() / 2] < 5e-7, "{sizes:?}");
 }
 
 /// Without noise, which has a side of its own, and to rounding: nothing in the solver has a side.
@@ -113,7 +115,8 @@ fn mirror_images_divide_as_mirror_images() {
 
 /// How far χ and t_end of a cell are from those of another that physics cannot tell from it.
 fn unlike(cell: &Cell, other: &Cell) -> (String, [f64; 2]) {
-    let [a, b] = [cell, other].map(|cell| solve(cell, NOISE));
+    let numerics = Numerics { noise: NOISE, time_tolerance: 4e-6, ..Numerics::default() };
+    let [a, b] = [cell, other].map(|cell| solve_with(cell, numerics));
     assert_eq!(a.outcome, b.outcome, "{}", name(cell));
     let chi = a.chi_signed.zip(b.chi_signed).map_or(0.0, |(a, b)| (a - b).abs());
     (name(cell), [chi, (b.t_end / a.t_end - 1.0).abs()])

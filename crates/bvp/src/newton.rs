@@ -10,6 +10,7 @@
 //! # References
 //! Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2004, ch. 3.
 
+use crate::dense::PivotFailure;
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
 use crate::{Direction, LinearCondition, System};
@@ -47,6 +48,10 @@ pub struct Newton {
     pub max_iterations: usize,
     /// Smallest damping factor.
     pub min_damping: f64,
+    /// How many times larger than the monotonicity test asks for the next correction may be: 1 is the test itself. More of it
+    /// lets full steps pass that the test would shorten though they lead to the root, as where a few entries are far
+    /// larger than all others.
+    pub leniency: f64,
     /// Chord steps continue while each is at most this fraction of the one before.
     pub chord_contraction: f64,
 }
@@ -58,6 +63,7 @@ impl Default for Newton {
             max_factorisations: 30,
             max_iterations: 100,
             min_damping: 1e-3,
+            leniency: 1.0,
             chord_contraction: 0.3,
         }
     }
@@ -100,6 +106,16 @@ pub enum NewtonError {
         /// Linear solves done.
         iterations: usize,
     },
+}
+
+impl NewtonError {
+    /// Of a failed factorisation after so many linear solves.
+    pub fn of_pivot(failure: PivotFailure, iterations: usize) -> NewtonError {
+        match failure.non_finite {
+            true => NewtonError::NonFinite { iterations },
+            false => NewtonError::Singular { column: failure.column, iterations },
+        }
+    }
 }
 
 /// Scratch of [`Newton::solve`], reused between calls.
@@ -153,6 +169,10 @@ impl Newton {
 /// Chord steps go on from a correction at most this fraction of the one before.
 const LEAST_CONTRACTION: f64 = 0.5;
 
+/// A correction whose square is at most this part of the tolerance is the last if its contraction says so: what it leaves is of
+/// second order in it.
+const SQUARED: f64 = 0.1;
+
 /// A correction below this changes no scaling by more than a hundredth.
 const SMALL: f64 = 1e-2;
 
@@ -201,10 +221,8 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
         system.evaluate(*problem, y, conditions, true);
         report.factorisations += 1;
         let iterations = report.iterations;
-        system.condense().and_then(|()| system.factor_blocks(conditions)).map_err(|failure| match failure.non_finite {
-            true => NewtonError::NonFinite { iterations },
-            false => NewtonError::Singular { column: failure.column, iterations },
-        })
+        let factored = system.condense().and_then(|()| system.factor_blocks(conditions));
+        factored.map_err(|failure| NewtonError::of_pivot(failure, iterations))
     }
 
     /// Accepts y + λδ with the largest λ that passes the monotonicity test, δ being the correction `step` of norm `size`;
@@ -223,7 +241,7 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
             report.iterations += 1;
             // In the scaling of y, that of `size`, however large the trial has become.
             let next = trial_step.norm(y);
-            if next <= (1.0 - 0.25 * lambda) * size {
+            if next <= settings.leniency * (1.0 - 0.25 * lambda) * size {
                 std::mem::swap(*y, trial);
                 report.last_correction = trial_step.norm(y);
                 return Ok((lambda == 1.0).then_some(next / size));
@@ -252,7 +270,9 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
             correction.apply(1.0, y);
             // After the pending correction the error is about θ/(1 − θ) of it. That is so where the contraction is that
             // of small corrections: the quotient of one by a step that was larger than the solution is no rate.
-            if size <= settings.tolerance.sqrt() && size * contraction / (1.0 - contraction) <= settings.tolerance {
+            if size * size <= SQUARED * settings.tolerance
+                && size * contraction / (1.0 - contraction) <= settings.tolerance
+            {
                 return true;
             }
             if contraction > settings.chord_contraction || report.iterations >= settings.max_iterations {

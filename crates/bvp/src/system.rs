@@ -3,11 +3,13 @@
 use crate::block::{AntisymmetricEnd, BlockFactor, Conditions, EndRows, LinearForm};
 use crate::condense::Condensed;
 use crate::dense::{Determinant, PivotFailure, zeroed};
-use crate::gauss::Gauss;
+use crate::gauss::{Gauss, MAX_STAGES};
 use crate::kernels::Kernels;
 use crate::meter::Meter;
 use crate::metric;
-use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoints, Dimensions, MAX_CONDITIONS};
+use crate::problem::{
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoints, Dimensions, MAX_CONDITIONS, MAX_UNKNOWNS,
+};
 use crate::stages::Interval;
 use crate::{Direction, LinearCondition, Solution};
 
@@ -304,15 +306,32 @@ impl System {
         vanishing: &[usize],
         end: &mut AntisymmetricEnd,
     ) -> Result<Determinant, PivotFailure> {
+        let rows = self.vanishing_rows(vanishing, end);
+        let result = self.factor_antisymmetric_rows(EndRows { ry: &rows, rp: &[], rows: vanishing.len() }, end);
+        end.rows = rows;
+        result
+    }
+
+    /// The same without the determinant, which takes a logarithm for every pivot.
+    ///
+    /// # Errors
+    /// A pivot that is zero or not finite.
+    pub fn eliminate_antisymmetric(&self, vanishing: &[usize], end: &mut AntisymmetricEnd) -> Result<(), PivotFailure> {
+        let rows = self.vanishing_rows(vanishing, end);
+        let result = self.block.factor_antisymmetric(EndRows { ry: &rows, rp: &[], rows: vanishing.len() }, end);
+        end.rows = rows;
+        result
+    }
+
+    /// The rows of components that vanish, in the storage that is kept for them.
+    fn vanishing_rows(&self, vanishing: &[usize], end: &mut AntisymmetricEnd) -> Vec<f64> {
         let n = self.dimensions().components;
         let mut rows = std::mem::take(&mut end.rows);
         zeroed(&mut rows, vanishing.len() * n);
         for (k, &component) in vanishing.iter().enumerate() {
             rows[k * n + component] = 1.0;
         }
-        let result = self.factor_antisymmetric_rows(EndRows { ry: &rows, rp: &[], rows: vanishing.len() }, end);
-        end.rows = rows;
-        result
+        rows
     }
 
     /// The same for any right end rows.
@@ -333,11 +352,40 @@ impl System {
         }
     }
 
+    /// Adds J δ to `out`, J being the antisymmetric problem where the system was evaluated last with derivatives, whatever factors
+    /// are at hand: what is left of a residual after a correction with older ones.
+    pub fn apply_antisymmetric(&mut self, end: &AntisymmetricEnd, direction: &Direction, out: &mut Residual) {
+        let since = self.meter.now();
+        let (n, m) = (self.dimensions().components, self.gauss.m);
+        let mut scratch = [0.0; (MAX_STAGES + 1) * MAX_UNKNOWNS];
+        let (rows, node) = scratch[..(m + 1) * n].split_at_mut(m * n);
+        for (i, h) in self.condensed.h.iter().enumerate() {
+            let stages = &direction.stages[i * m * n..(i + 1) * m * n];
+            for (j, (rows, y)) in rows.chunks_exact_mut(n).zip(stages.chunks_exact(n)).enumerate() {
+                let f = self.condensed.fy[(i * m + j) * n * n..(i * m + j + 1) * n * n].chunks_exact(n);
+                for (row, f) in rows.iter_mut().zip(f) {
+                    *row = -h * product(f, y);
+                }
+            }
+            let [left, right] = [i, i + 1].map(|k| &direction.nodes[k * n..(k + 1) * n]);
+            (self.kernels.differences)(&self.gauss, Interval { left, stages, right }, rows, node);
+            add(&mut out.stages[i * m * n..(i + 1) * m * n], rows);
+            add(&mut out.nodes[i * n..(i + 1) * n], node);
+        }
+        let (first, last) = (&direction.nodes[..n], &direction.nodes[direction.nodes.len() - n..]);
+        for (rows, y, out) in [(&self.ends.ly, first, &mut out.left), (&end.rows, last, &mut out.right)] {
+            out.iter_mut().zip(rows.chunks_exact(n)).for_each(|(out, row)| *out += product(row, y));
+        }
+        self.meter.count(since, self.condensed.intervals(), |spent| &mut spent.residuals);
+    }
+
     /// Solves the antisymmetric problem factorised by [`factor_antisymmetric`](Self::factor_antisymmetric) for stage and
     /// node residuals and right-hand sides of its end rows.
     pub fn solve_antisymmetric(&mut self, end: &AntisymmetricEnd, residual: &Residual, out: &mut Direction) {
+        let since = self.meter.now();
         self.solve_antisymmetric_nodes(end, residual, out, true);
         self.complete(out);
+        self.meter.count(since, self.condensed.intervals(), |spent| &mut spent.solves);
     }
 
     /// The last node alone of [`solve_antisymmetric`](Self::solve_antisymmetric), in its place in `out`.
@@ -379,13 +427,30 @@ impl System {
 
     /// A zero residual of the right shape for the mesh of the last evaluation, to be filled as a right-hand side.
     pub fn zero_residual(&self) -> Residual {
-        let zeros = |v: &Vec<f64>| vec![0.0; v.len()];
-        Residual {
-            stages: zeros(&self.residual.stages),
-            nodes: zeros(&self.residual.nodes),
-            left: zeros(&self.residual.left),
-            right: zeros(&self.residual.right),
-            border: zeros(&self.residual.border),
+        let mut zero = Residual::default();
+        self.zero_residual_into(&mut zero);
+        zero
+    }
+
+    /// The same, into one at hand.
+    pub fn zero_residual_into(&self, zero: &mut Residual) {
+        let like = &self.residual;
+        for (to, from) in [
+            (&mut zero.stages, &like.stages),
+            (&mut zero.nodes, &like.nodes),
+            (&mut zero.left, &like.left),
+            (&mut zero.right, &like.right),
+            (&mut zero.border, &like.border),
+        ] {
+            zeroed(to, from.len());
         }
     }
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn add(to: &mut [f64], terms: &[f64]) {
+    to.iter_mut().zip(terms).for_each(|(to, term)| *to += term);
 }

@@ -71,6 +71,20 @@ fn antisymmetric_problems_are_solved_as_the_dense_ones() {
 }
 
 #[test]
+fn what_a_solution_leaves_of_a_residual_is_nothing() {
+    for_every_antisymmetric(|case, right, _, end, _, random| {
+        let mut r = antisymmetric_residual(case, right, random);
+        let (mut update, mut end) = (Direction::default(), end.clone());
+        case.system.solve_antisymmetric(&end, &r, &mut update);
+        end.rows = right.to_vec();
+        let scale = update.nodes.iter().chain(&update.stages).fold(1.0, |scale: f64, v| scale.max(v.abs()));
+        case.system.apply_antisymmetric(&end, &update, &mut r);
+        let left = equations(&r).iter().fold(0.0, |left: f64, v| left.max(v.abs()));
+        assert!(left < 1e-11 * scale, "{left} of {scale}");
+    });
+}
+
+#[test]
 fn the_last_node_of_an_antisymmetric_problem_alone_is_that_of_the_whole() {
     for_every_antisymmetric(|case, right, _, end, _, random| {
         let r = antisymmetric_residual(case, right, random);

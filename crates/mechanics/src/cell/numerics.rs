@@ -51,7 +51,7 @@ impl Default for Numerics {
             scheme: Scheme::Converged,
             dt: 0.1,
             first_step: 1e-3,
-            time_tolerance: 4e-5,
+            time_tolerance: 1.6e-5,
             step_factor: 1.0,
             t_max: 10_000.0,
             noise: 0.01,

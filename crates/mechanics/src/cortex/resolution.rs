@@ -6,7 +6,7 @@ use super::Cortex;
 use super::equations::{LENGTH, M, PSI, R};
 
 /// What is added to the mesh monitor everywhere, as a part of its mean.
-const FLOOR: f64 = 0.1;
+const FLOOR: f64 = 0.3;
 /// Growth of the interval width per interval that the monitor allows.
 const GRADING: f64 = 1.0;
 
@@ -23,8 +23,8 @@ fn steepness(cortex: &Cortex, from: f64, to: f64, length: f64) -> f64 {
     cortex.constants().cue.iter().map(term).sum()
 }
 
-/// Mesh monitor per interval, N.7: turning of the contour |c1| + |c2| and the slopes of the cue, over a floor of a
-/// tenth of their mean, so that no region is left empty. `symmetric` averages it with its mirror image on a mirror-symmetric mesh.
+/// Mesh monitor per interval, N.7: turning of the contour |c1| + |c2| and the slopes of the cue, over a floor of
+/// three tenths of their mean, so that no region is left empty. `symmetric` averages it with its mirror image on a mirror-symmetric mesh.
 pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<f64>) {
     let length = y.scalars[LENGTH];
     let end = y.mesh[y.intervals()] - y.mesh[0];

@@ -4,6 +4,8 @@
 //! |---|---|
 //! | [`run`] | one division: noise, steps, pinch-off or rest |
 //! | [`stepper`] | backward differentiation formulas on a moving mesh |
+//! | `halves` | their steps on half of the contour, while the shape is nearly mirror-symmetric |
+//! | `step_size` | how long the next step is |
 //! | `start` | what it starts from |
 //! | [`noise`] | the seeded noise of the first step |
 //! | [`sensitivity`] | how the outcome changes with parameters, by the tangent of every step |
@@ -15,6 +17,7 @@
 //! | [`statistics`] | what several divisions say together |
 
 pub mod film;
+mod halves;
 mod limits;
 pub mod noise;
 mod oscillation;
@@ -26,6 +29,7 @@ pub mod sensitivity;
 pub mod slow;
 pub(crate) mod start;
 pub mod statistics;
+mod step_size;
 pub mod stepper;
 
 pub use film::{Film, Still, film};

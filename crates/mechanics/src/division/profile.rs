@@ -245,7 +245,7 @@ impl Watch {
 
     /// A step is accepted, or given up. The first is one by itself.
     pub(super) fn stepped(&mut self, stepper: &mut Stepper, steps: usize, rejected: usize) {
-        let kernels = std::mem::take(&mut stepper.system.meter.spent);
+        let kernels = stepper.take_spent();
         let seconds = self.lap();
         let before = self.profile.work.steps;
         let times = steps - before;
@@ -330,7 +330,14 @@ mod tests {
                     assert_eq!(share.seconds, share.calls as f64);
                 }
                 assert_eq!(condensing.calls, elimination.calls);
-                assert_eq!(residuals.calls + derivatives.calls, solves.calls, "each is solved for once");
+                // Each is solved for once, but for the derivatives about which a step on halves solves for its antisymmetric part.
+                let unsolved = residuals.calls + derivatives.calls - solves.calls;
+                let symmetric = input.cell.is_mirror_symmetric();
+                assert!(if symmetric {
+                    unsolved <= division.work.steps + division.work.rejected
+                } else {
+                    unsolved == 0
+                });
                 assert!(stepping.rest > 0.0);
             }
             assert_eq!(phases.first_step.times + phases.steps.times, division.work.steps);
@@ -356,6 +363,7 @@ mod tests {
             assert_eq!(steps, counts.work.steps);
             assert!(least <= most && (least * steps..=most * steps).contains(&sum));
             let factorisations = counts.kernels().condensing.calls;
+            let least = if input.cell.is_mirror_symmetric() { least / 2 } else { least };
             assert!((least * factorisations..=most * factorisations).contains(&counts.condensed()));
         }
     }

@@ -9,6 +9,19 @@ use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
 use crate::stability::Stability;
 
+/// A shape slower than this, relative to R0 and in 1/τ, may be at rest.
+const REST_SPEED: f64 = 1e-2;
+/// Time between two looks for a stationary state, in τ.
+pub const REST_INTERVAL: f64 = 0.5;
+/// A slow shape that seems to be farther from rest than this, relative to R0, is passed over: it has left a saddle, or not come near.
+const SURELY_TOO_FAR: f64 = 2.0 * REST_DISTANCE;
+/// How many in a row are passed over at most: what it seems is of one mode alone.
+const MOST_PASSED_OVER: usize = 20;
+/// Below this, in 1/τ, a growth rate is looked at on finer and finer meshes until it is known to a hundredth.
+const CRITICAL: f64 = 5e-4;
+/// Most halvings of a mesh for it.
+const MOST_HALVINGS: u32 = 4;
+
 /// Largest L² distance to a stationary state, relative to R0, at which its stability decides.
 const REST_DISTANCE: f64 = 2e-3;
 
@@ -17,8 +30,14 @@ const CLEAR: f64 = 1e-3;
 
 /// The first iteration for it. From so near it takes one factorisation. Next to a singular point it takes more, and goes on; what
 /// has gone away by then had nothing near it.
-const NEARBY: Newton =
-    Newton { tolerance: 1e-9, max_factorisations: 2, max_iterations: 12, min_damping: 0.1, chord_contraction: 0.3 };
+const NEARBY: Newton = Newton {
+    tolerance: 1e-9,
+    max_factorisations: 2,
+    max_iterations: 12,
+    min_damping: 0.1,
+    leniency: 1.0,
+    chord_contraction: 0.3,
+};
 
 /// A stationary shape next to that of the cell, on a finer mesh than the division's.
 pub struct Rest {
@@ -30,6 +49,49 @@ pub struct Rest {
     pub growth_rate: f64,
     /// How many times every interval of the division's mesh is halved.
     pub halvings: u32,
+}
+
+/// Looks at slow shapes in the course of a division for whether they rest.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Looks {
+    /// Shapes that were looked at.
+    pub taken: usize,
+    /// When to look next, in τ.
+    pub next: f64,
+    /// Slow shapes since the last look that seemed too far from rest.
+    passed_over: usize,
+}
+
+impl Looks {
+    /// The stationary state that the shape has come near to, if it has.
+    ///
+    /// A slow shape is only a hint: near a saddle it is slow too. The stationary state next to it is solved for, and its
+    /// leading growth rate decides.
+    pub fn at(&mut self, stepper: &Stepper, nearly_symmetric: bool) -> Option<Rest> {
+        let t = stepper.levels[0].t;
+        if t < self.next || stepper.speed() > REST_SPEED {
+            return None;
+        }
+        self.next = t + REST_INTERVAL;
+        let far = stepper.distance_to_rest().is_some_and(|distance| distance > SURELY_TOO_FAR);
+        if far && self.passed_over < MOST_PASSED_OVER {
+            self.passed_over += 1;
+            return None;
+        }
+        self.passed_over = 0;
+        self.taken += 1;
+        let mut rest = Rest::near(stepper, 1, nearly_symmetric)?;
+        // The mesh of the division is coarse; near the critical radius its growth rate may have the wrong sign.
+        while rest.growth_rate.abs() < CRITICAL && rest.halvings < MOST_HALVINGS {
+            let finer = Rest::near(stepper, rest.halvings + 1, nearly_symmetric)?;
+            let change = (finer.growth_rate - rest.growth_rate).abs();
+            rest = finer;
+            if change < 0.01 * rest.growth_rate.abs() {
+                break;
+            }
+        }
+        (rest.growth_rate != 0.0 && rest.growth_rate.is_finite()).then_some(rest)
+    }
 }
 
 impl Rest {

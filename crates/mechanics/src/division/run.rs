@@ -8,10 +8,11 @@ use super::noise;
 use super::oscillation::Oscillation;
 use super::outcome::{Division, DivisionError, Outcome, StepFailure};
 use super::profile::Watch;
-use super::rest::Rest;
+use super::rest::{Looks, REST_INTERVAL, Rest};
 use super::sensitivity::{Sensitivity, Tangent};
 use super::slow;
 use super::start::{FIRST_MESH, Start, check};
+use super::step_size::StepSize;
 use super::stepper::{MAX_ORDER, Stepper, parity_norm};
 use crate::cell::{Cell, Numerics, Parameter, Scheme};
 use crate::cortex::Cortex;
@@ -28,29 +29,24 @@ const NECK_STEP: f64 = 0.4;
 /// The same in the published scheme, whose error nothing else controls.
 const PUBLISHED_NECK_STEP: f64 = 0.08;
 /// Below this neck radius, relative to R0, the neck closes faster than anything else happens.
-const CLOSING: f64 = 0.5;
+const CLOSING: f64 = 0.3;
+/// Size of the antisymmetric part of a shape, relative to R0, up to which it does not act back on the symmetric part: what its square
+/// does to the volume stays below 1e-8 of it.
+const NEARLY_SYMMETRIC: f64 = 1.5e-5;
+/// The same while the neck closes, when that has no time to add up.
+const NEARLY_SYMMETRIC_CLOSING: f64 = 4e-5;
+/// Errors that are allowed then, in units of the time tolerance: they move the time of pinch-off alone.
+const CLOSING_TOLERANCE: f64 = 4.0;
 /// Local error of the odd part relative to its size, in units of the time tolerance.
-const ODD_TOLERANCE: f64 = 150.0;
-/// Steps are this much shorter than what their error asks for: a step rejected costs as much as one made.
-const SAFETY: f64 = 0.8;
-/// A step is at most this many times as long as the one before.
-const MOST_GROWTH: f64 = 2.0;
+const ODD_TOLERANCE: f64 = 375.0;
 /// An odd part below this, relative to R0, is rounding and is not resolved: without noise there is nothing else at first.
 const ODD_ROUNDING: f64 = 1e-12;
 
 /// A time that falls short of another by less than this part of it is that time.
 const ROUNDING: f64 = 1e-9;
 
-/// A shape slower than this, relative to R0 and in 1/τ, may be at rest.
-const REST_SPEED: f64 = 1e-2;
 /// A saddle that grows more slowly than this, in 1/τ, is left on a finer mesh: its growth rate must be right.
 const NEAR_CRITICAL: f64 = 0.1;
-/// Below this, in 1/τ, a growth rate is looked at on finer and finer meshes until it is known to a hundredth.
-const CRITICAL: f64 = 1e-4;
-/// Most halvings of a mesh for it.
-const MOST_HALVINGS: u32 = 4;
-/// Time between two looks for a stationary state, in τ.
-const REST_INTERVAL: f64 = 0.5;
 /// What grows needs several times 1/σ to leave a saddle.
 const STAY: f64 = 5.0;
 /// How often a shape is found at a saddle before the mesh is taken to hold it there.
@@ -143,6 +139,11 @@ pub(crate) fn run(
     let first = run.first_step(&mut stepper, noise::coefficients(*seed, numerics.noise));
     watch.stepped(&mut stepper, run.steps, run.rejected);
     first?;
+    // Without noise there is no antisymmetric part but for roundings, which are to grow as they do on the whole contour.
+    if parity && numerics.scheme == Scheme::Converged && numerics.noise != 0.0 {
+        stepper.nearly_symmetric = NEARLY_SYMMETRIC;
+        stepper.halve();
+    }
     loop {
         run.shorten(start, stepper.levels[0].t);
         let advanced = run.advance(&mut stepper);
@@ -166,14 +167,14 @@ pub(crate) fn run(
             run.prepare_mesh(&mut stepper, watch);
             continue;
         }
-        let rest = run.rest(&mut stepper);
-        watch.rested(run.looks);
+        let rest = run.looks.at(&stepper, run.parity);
+        watch.rested(run.looks.taken);
         if let Some(rest) = rest {
             if rest.growth_rate < 0.0 || run.is_attractor(&rest) {
                 return Ok((run.failed(&stepper, rest.growth_rate), None));
             }
             run.stay(&mut stepper, &rest);
-            watch.rested(run.looks);
+            watch.rested(run.looks.taken);
         }
         let newest = &stepper.levels[0];
         if let Some(period) = run.oscillation.note(newest.t, newest.y.scalars[LENGTH]) {
@@ -203,16 +204,15 @@ struct Run {
     parity: bool,
     odd_floor: f64,
     dt: f64,
+    step_size: StepSize,
     /// The step of the published scheme.
     fixed: Option<f64>,
     steps: usize,
     rejected: usize,
-    /// Slow shapes that were looked at for whether they rest.
-    looks: usize,
+    looks: Looks,
     drift: f64,
     neck: Option<Neck>,
     neck_rate: f64,
-    next_rest_check: f64,
     /// Largest time of the numerics, in τ.
     longest: f64,
     /// Most steps.
@@ -238,14 +238,14 @@ impl Run {
             parity,
             odd_floor: 0.0,
             dt: numerics.first_step,
+            step_size: StepSize::default(),
             fixed: (numerics.scheme == Scheme::Published).then_some(numerics.dt),
             steps: 0,
             rejected: 0,
-            looks: 0,
+            looks: Looks::default(),
             drift: 0.0,
             neck: None,
             neck_rate: 0.0,
-            next_rest_check: 0.0,
             longest: numerics.t_max,
             most_steps: limits::most_steps(numerics),
             t_max: numerics.t_max,
@@ -336,11 +336,11 @@ impl Run {
                     let error = self.error_ratio(a.error.even, a.error.odd, a.odd_size, r0)
                         / self.factor.powi(order as i32 + 1);
                     if error <= 1.0 || stepper.levels.len() == 1 {
-                        let power = 1.0 / (order as f64 + 1.0);
-                        self.accept(stepper, (SAFETY * error.max(1e-8).powf(-power)).clamp(0.3, MOST_GROWTH));
+                        let growth = self.step_size.growth(self.dt, error, order);
+                        self.accept(stepper, growth);
                         return Ok(());
                     }
-                    (SAFETY * error.powf(-1.0 / (order as f64 + 1.0))).clamp(0.2, 0.8)
+                    StepSize::shrinkage(error, order)
                 }
                 Err(_) => 0.4,
             };
@@ -357,11 +357,16 @@ impl Run {
         }
     }
 
+    fn closes(&self, r0: f64) -> bool {
+        self.neck.is_some_and(|neck| neck.radius < CLOSING * r0)
+    }
+
     /// Error of a step in units of what is allowed: N.14 while the shape is nearly mirror-symmetric.
     fn error_ratio(&self, even: f64, odd: f64, odd_size: f64, r0: f64) -> f64 {
-        let absolute = even.hypot(odd) / (self.tolerance * r0);
         // Once the neck closes the outcome is decided and no odd mode has time to grow.
-        let closing = self.neck.is_some_and(|n| n.radius < CLOSING * r0);
+        let closing = self.closes(r0);
+        let tolerance = self.tolerance * if closing { CLOSING_TOLERANCE } else { 1.0 };
+        let absolute = even.hypot(odd) / (tolerance * r0);
         if self.parity && !closing {
             absolute.max(odd / (ODD_TOLERANCE * self.tolerance * odd_size.max(self.odd_floor)))
         } else {
@@ -398,6 +403,11 @@ impl Run {
             let size = parity_norm(gauss, &y.mesh, |i| [y.stages[i * COMPONENTS + R], y.stages[i * COMPONENTS + Z]]);
             self.parity = size.odd < 0.05 * size.even;
         }
+        if self.closes(stepper.cortex.cell.r0) {
+            stepper.nearly_symmetric = NEARLY_SYMMETRIC_CLOSING;
+            // Whatever was slow is behind it.
+            stepper.coarsen();
+        }
     }
 
     fn prepare_mesh(&self, stepper: &mut Stepper, watch: &mut Watch) {
@@ -406,40 +416,16 @@ impl Run {
         watch.meshed(stepper);
     }
 
-    /// The stationary state that the shape has come near to, if it has.
-    ///
-    /// A slow shape is only a hint: near a saddle it is slow too. The stationary state next to it is solved for, and its
-    /// leading growth rate decides.
-    fn rest(&mut self, stepper: &mut Stepper) -> Option<Rest> {
-        let (t, speed) = (stepper.levels[0].t, stepper.speed());
-        if speed > REST_SPEED || t < self.next_rest_check {
-            return None;
-        }
-        self.next_rest_check = t + REST_INTERVAL;
-        self.looks += 1;
-        let mut rest = Rest::near(stepper, 1, self.parity)?;
-        // The mesh of the division is coarse; near the critical radius its growth rate may have the wrong sign.
-        while rest.growth_rate.abs() < CRITICAL && rest.halvings < MOST_HALVINGS {
-            let finer = Rest::near(stepper, rest.halvings + 1, self.parity)?;
-            let change = (finer.growth_rate - rest.growth_rate).abs();
-            rest = finer;
-            if change < 0.01 * rest.growth_rate.abs() {
-                break;
-            }
-        }
-        (rest.growth_rate != 0.0 && rest.growth_rate.is_finite()).then_some(rest)
-    }
-
     /// At a saddle: waits for it to be left or, where that would take too long, leaps over the wait.
     fn stay(&mut self, stepper: &mut Stepper, rest: &Rest) {
         let (growth, t) = (rest.growth_rate, stepper.levels[0].t);
-        self.next_rest_check = t + (STAY / growth).max(REST_INTERVAL);
+        self.looks.next = t + (STAY / growth).max(REST_INTERVAL);
         self.stays += 1;
         // What does not leave in the time it should take is held by the mesh.
         if growth < NEAR_CRITICAL || self.stays > PATIENCE {
             stepper.refine(rest.halvings);
         }
-        if self.next_rest_check > self.longest && self.slow_growth_rate.is_none() {
+        if self.looks.next > self.longest && self.slow_growth_rate.is_none() {
             self.leap(stepper, rest);
         }
         // As slow as it grows it comes to rest elsewhere, off-centre by a little.
@@ -454,8 +440,9 @@ impl Run {
         let t = stepper.levels[0].t + departure.waited;
         stepper.start_again(t, departure.shape);
         self.dt = FIRST_LEAP.min(0.01 / growth);
+        self.step_size.forget();
         self.parity = stepper.cortex.cell.is_mirror_symmetric();
-        self.next_rest_check = t + STAY / growth;
+        self.looks.next = t + STAY / growth;
     }
 
     fn undecided(&self, cell: &Cell) -> DivisionError {

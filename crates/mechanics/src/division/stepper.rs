@@ -10,14 +10,15 @@
 //! Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, Springer 1993, ch. III.5 (variable steps).
 
 use bvp::newton::NewtonScratch;
-use bvp::{Gauss, Newton, NewtonError, NewtonReport, Solution, System, Transfer, Work, mesh};
+use bvp::{Gauss, Newton, NewtonError, NewtonReport, Solution, Spent, System, Transfer, Work, mesh};
 
+use super::halves::Halves;
 use crate::cortex::equations::{COMPONENTS, R, Z};
-use crate::cortex::{Cortex, resolution};
+use crate::cortex::{Cortex, resolution, symmetry};
 
 /// Share of the mesh monitor (about the turning of the contour, in radians) of one interval at the default resolution
 /// of 48.
-const SHARE: f64 = 1.0;
+const SHARE: f64 = 1.1;
 /// Part of that share a new mesh uses, so that the shape can sharpen before the mesh must move again.
 const ROOM: f64 = 0.85;
 /// Most intervals a mesh may grow to.
@@ -27,18 +28,23 @@ const MAX_INTERVALS: usize = 1024;
 /// part of the error that it may make in time. Volumes are kept to a tenth of it.
 pub const SOLVED_TO: f64 = 1e-7;
 /// The same as a part of the time tolerance.
-const SOLVED_SHARE: f64 = 2.5e-3;
+const SOLVED_SHARE: f64 = 6.25e-3;
 /// Steps of a large cell, or short ones, cannot be solved to less: velocities are differences of shapes over the step.
 const ROUNDING: f64 = 1e-8;
 
 /// The iteration of a step. A factorisation costs as much as a dozen solves, so that slow chord steps are preferred to a new one.
+/// While a neck closes, forces there are far larger than all else and grow at first on the way to the solution.
 const NEWTON: Newton = Newton {
     tolerance: SOLVED_TO,
     max_factorisations: 6,
     max_iterations: 24,
     min_damping: 1e-3,
+    leniency: 2.0,
     chord_contraction: 0.5,
 };
+
+/// Factors serve for steps whose rate is at most so much another, relative to it.
+const SAME_RATE: f64 = 0.25;
 
 /// Highest order of the formulas.
 pub const MAX_ORDER: usize = 4;
@@ -50,6 +56,8 @@ pub struct Level {
     pub t: f64,
     /// The full state.
     pub y: Solution,
+    /// Size of its antisymmetric part; infinite where it is not known.
+    pub odd_size: f64,
 }
 
 /// Weights of the values at `times` in the derivative at `times[0]` of the interpolating polynomial.
@@ -120,6 +128,9 @@ pub struct Stepper {
     pub extrapolates: bool,
     /// Work of all attempts; steps are counted by the caller.
     pub work: Work,
+    /// Size of the antisymmetric part of a shape, relative to R0, below which the step from there may be solved on
+    /// [halves](Self::halve).
+    pub nearly_symmetric: f64,
     /// Weights of the shapes in the rate of change of the newest, newest first: those of the formula last attempted.
     pub weights: Vec<f64>,
     spare: Vec<Level>,
@@ -128,9 +139,11 @@ pub struct Stepper {
     newton: Newton,
     weight: Vec<f64>,
     grid: Vec<f64>,
-    factored_rate: Option<f64>,
+    /// Whether the factors at hand are those of halves, and the rate they belong to.
+    factored: Option<(bool, f64)>,
     share: f64,
     halvings: u32,
+    halves: Option<Halves>,
 }
 
 impl Stepper {
@@ -141,20 +154,47 @@ impl Stepper {
         Stepper {
             cortex,
             system,
-            trial: Level { t: 0.0, y: start.clone() },
-            levels: vec![Level { t: 0.0, y: start }],
+            trial: Level { t: 0.0, y: start.clone(), odd_size: f64::INFINITY },
+            levels: vec![Level { t: 0.0, y: start, odd_size: f64::INFINITY }],
             extrapolates: true,
             work: Work::default(),
+            nearly_symmetric: 0.0,
             weights: Vec::new(),
             spare: Vec::new(),
             scratch: NewtonScratch::default(),
             newton: NEWTON,
             weight: Vec::new(),
             grid: Vec::new(),
-            factored_rate: None,
+            factored: None,
             share: SHARE * 48.0 / resolution as f64,
             halvings: 0,
+            halves: None,
         }
+    }
+
+    /// Solves steps on half of the contour from now on wherever the shape of this mirror-symmetric cell is
+    /// [nearly symmetric](Self::nearly_symmetric).
+    pub fn halve(&mut self) {
+        let mut halves = Halves::new(&self.cortex, &self.levels[0].y);
+        halves.system.meter.clock = self.system.meter.clock;
+        self.halves = Some(halves);
+    }
+
+    /// Whether the next step is solved on halves.
+    fn solves_halves(&self) -> bool {
+        let newest = &self.levels[0];
+        self.halves.is_some()
+            && newest.odd_size < self.nearly_symmetric * self.cortex.cell.r0
+            && symmetry::is_mirrored(&newest.y.mesh)
+    }
+
+    /// What was done in linearised systems since this was asked last.
+    pub fn take_spent(&mut self) -> Spent {
+        let systems = std::iter::once(&mut self.system).chain(self.halves.as_mut().map(|halves| &mut halves.system));
+        systems.fold(Spent::default(), |mut all, system| {
+            all += std::mem::take(&mut system.meter.spent);
+            all
+        })
     }
 
     /// Solves steps as exactly as a time tolerance asks for.
@@ -177,13 +217,13 @@ impl Stepper {
     /// Forgets all but the newest shape: the next step is of first order.
     pub fn restart(&mut self) {
         self.spare.extend(self.levels.drain(1..));
-        self.factored_rate = None;
+        self.factored = None;
     }
 
     /// Goes on from another shape at time t.
     pub fn start_again(&mut self, t: f64, shape: Solution) {
         self.restart();
-        self.levels[0] = Level { t, y: shape };
+        self.levels[0] = Level { t, y: shape, odd_size: f64::INFINITY };
     }
 
     /// Attempts a step of size dt with order at most `order`; [`accept`](Self::accept) makes it count.
@@ -216,19 +256,27 @@ impl Stepper {
         self.cortex.rate = alpha[0];
         self.trial.t = t;
         extrapolate(&self.levels[..known], &predict[..known], &mut self.trial.y);
-        let reuse = self.factored_rate.is_some_and(|rate| (alpha[0] / rate - 1.0).abs() < 0.25);
-        let solved =
-            self.newton.solve(&mut self.system, &mut self.scratch, &mut self.cortex, &mut self.trial.y, &[], reuse);
+        let halved = self.solves_halves();
+        let near = |(of_halves, rate): (bool, f64)| of_halves == halved && (alpha[0] / rate - 1.0).abs() < SAME_RATE;
+        let reuse = self.factored.is_some_and(near);
+        let solved = match &mut self.halves {
+            Some(halves) if halved => halves.solve(&self.newton, &self.cortex, &mut self.trial.y, reuse),
+            _ => {
+                self.newton.solve(&mut self.system, &mut self.scratch, &mut self.cortex, &mut self.trial.y, &[], reuse)
+            }
+        };
         let report = match solved {
             Ok(report) => report,
             Err(error) => {
-                self.factored_rate = None;
+                self.factored = None;
                 self.work.iterations += self.newton.max_factorisations;
+                // The next attempt is on the whole contour.
+                self.levels[0].odd_size = f64::INFINITY;
                 return Err(error);
             }
         };
         if report.factorisations > 0 {
-            self.factored_rate = Some(alpha[0]);
+            self.factored = Some((halved, alpha[0]));
         }
         self.count(report);
         let share = dt / (t - times[known]);
@@ -244,6 +292,7 @@ impl Stepper {
         });
         let odd_size =
             parity_norm(gauss, &self.trial.y.mesh, |i| [new[i * COMPONENTS + R], new[i * COMPONENTS + Z]]).odd;
+        self.trial.odd_size = odd_size;
         Ok(Attempt { error, odd_size, report })
     }
 
@@ -264,27 +313,44 @@ impl Stepper {
     /// L² speed of the shape at fixed u over the last step, relative to R0; infinite before two levels are known.
     pub fn speed(&self) -> f64 {
         let [new, old, ..] = &self.levels[..] else { return f64::INFINITY };
-        let norm = parity_norm(&self.system.gauss, &new.y.mesh, |i| {
-            [
-                new.y.stages[i * COMPONENTS + R] - old.y.stages[i * COMPONENTS + R],
-                new.y.stages[i * COMPONENTS + Z] - old.y.stages[i * COMPONENTS + Z],
-            ]
-        });
-        norm.even.hypot(norm.odd) / ((new.t - old.t) * self.cortex.cell.r0)
+        self.rate_of_change(|i, k| (new.y.stages[i + k] - old.y.stages[i + k]) / (new.t - old.t))
     }
 
-    /// Makes meshes finer than at first by so many halvings from the next [`adapt`](Self::adapt) on; never coarser again.
+    /// About how far the shape is from where it would be at rest, in L² and relative to R0. A mode of rate σ, real or not, that
+    /// decays towards it or leaves it by, has σ times that for its speed, and σ times its speed for its acceleration. None before
+    /// three levels are known.
+    pub fn distance_to_rest(&self) -> Option<f64> {
+        let [new, old, older, ..] = &self.levels[..] else { return None };
+        let velocity = |a: &Level, b: &Level, i: usize| (a.y.stages[i] - b.y.stages[i]) / (a.t - b.t);
+        let between = 0.5 * (new.t - older.t);
+        let acceleration =
+            self.rate_of_change(|i, k| (velocity(new, old, i + k) - velocity(old, older, i + k)) / between);
+        Some(self.speed().powi(2) / acceleration)
+    }
+
+    /// L² over u, relative to R0, of a change whose component k at the stage that begins at i is given.
+    fn rate_of_change(&self, change: impl Fn(usize, usize) -> f64) -> f64 {
+        let norm = parity_norm(&self.system.gauss, &self.levels[0].y.mesh, |i| {
+            [change(i * COMPONENTS, R), change(i * COMPONENTS, Z)]
+        });
+        norm.even.hypot(norm.odd) / self.cortex.cell.r0
+    }
+
+    /// Makes meshes finer than at first by so many halvings from the next [`adapt`](Self::adapt) on, if they are not yet.
     pub fn refine(&mut self, halvings: u32) {
-        for _ in self.halvings..halvings {
-            self.share *= 0.5;
-        }
         self.halvings = self.halvings.max(halvings);
+    }
+
+    /// Makes meshes as fine as at first again.
+    pub fn coarsen(&mut self) {
+        self.halvings = 0;
     }
 
     /// Even number of intervals that keeps each one's share of the monitor below `room` of its limit.
     fn wanted_intervals(&self, mesh: &[f64], room: f64) -> usize {
         let total: f64 = mesh.windows(2).zip(&self.weight).map(|(x, w)| (x[1] - x[0]) * w).sum();
-        let wanted = (total / (room * self.share)).ceil() as usize;
+        let share = self.share * 0.5f64.powi(self.halvings as i32);
+        let wanted = (total / (room * share)).ceil() as usize;
         (2 * wanted.div_ceil(2)).clamp(8, MAX_INTERVALS)
     }
 
@@ -325,7 +391,7 @@ impl Stepper {
             std::mem::swap(&mut level.y, &mut self.trial.y);
         }
         self.work.remeshings += 1;
-        self.factored_rate = None;
+        self.factored = None;
     }
 }
 
