@@ -9,6 +9,7 @@ use bvp::{
 use num_dual::Dual64;
 
 use super::equations::{COMPONENTS, Constants, Domain, LENGTH, Local, M, Motion, PRESSURE, PSI, Q, R, T, V, equations};
+use super::lanes::sin_cos;
 use super::sweep;
 use super::symmetry::{CENTRE, ODD};
 use crate::cell::cue::{Term, Width};
@@ -161,7 +162,7 @@ impl Cortex {
     /// right-hand sides of q′, v′ and T′. The equations are linear in v_n.
     pub fn response_to_normal_velocity(&self, u: f64, y: &[f64], length: f64) -> [f64; COMPONENTS] {
         let here = self.constants.at(u, length);
-        let (sin, cos) = y[PSI].sin_cos();
+        let (sin, cos) = sin_cos(y[PSI]);
         let c2 = sin / y[R];
         let c1 = y[M] / here.kappa - c2;
         let d_s_u = -here.eta_difference * c2 / here.eta_sum;

@@ -2,7 +2,7 @@
 //!
 //! While the antisymmetric part of a shape is small it does not act back on the symmetric one. That solves the step by itself, on
 //! half of the contour with the conditions of the mirror (M.14); the antisymmetric part solves the step linearised about it, with
-//! those of M.15: N.17. Both have the same intervals, so that one elimination serves both. What is left out is of second order in the
+//! those of M.15: N.16. Both have the same intervals, so that one elimination serves both. What is left out is of second order in the
 //! antisymmetric part, which has its own error in the step-size control.
 //!
 //! Neither needs the factors of this step: the symmetric part is found by chord steps with those of a step before, and the

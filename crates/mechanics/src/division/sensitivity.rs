@@ -2,7 +2,7 @@
 //!
 //! A step solves F(y; past, p) = 0 for the new shape y. Its derivative by a parameter p follows the shape from step to step,
 //!
-//! * \[N.15 tangent\] ∂F/∂y · dy/dp = −∂F/∂p − ∂F/∂past · d(past)/dp,
+//! * \[N.17 tangent\] ∂F/∂y · dy/dp = −∂F/∂p − ∂F/∂past · d(past)/dp,
 //!
 //! with the Jacobian that Newton's method has at the solution: one more factorisation a step, and one solve for each
 //! parameter. The past is the combination of former shapes that the backward differentiation formula says, and its

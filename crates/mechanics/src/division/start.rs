@@ -1,7 +1,9 @@
 //! What a division starts from: the passive shape, or a stationary shape of the active cell.
 
+use std::cell::RefCell;
+
 use bvp::newton::NewtonScratch;
-use bvp::{Newton, Solution};
+use bvp::{Newton, NewtonError, NewtonReport, Solution};
 
 use super::outcome::DivisionError;
 use super::stepper::Stepper;
@@ -53,9 +55,9 @@ impl Start<'_> {
         let cortex = Cortex::new(&active, Domain::Full, &[]);
         match self {
             Start::Passive => {
-                let (half, report) = passive(cell, numerics)
+                let (whole, report) = passive_whole(cell, numerics)
                     .map_err(|source| DivisionError::NoPassiveShape { cell: CellName::of(cell), source })?;
-                let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, unfold(&half));
+                let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, whole);
                 stepper.solve_for(numerics.time_tolerance);
                 stepper.count(report);
                 Ok(stepper)
@@ -94,6 +96,39 @@ impl Start<'_> {
             Start::Stationary { longest_step, .. } => longest_step,
         }
     }
+}
+
+/// A passive shape, with what belongs to it and to it alone.
+struct Known {
+    cell: Cell,
+    stages: usize,
+    intervals: usize,
+    whole: Solution,
+    report: NewtonReport,
+}
+
+thread_local! {
+    static LAST: RefCell<Option<Known>> = const { RefCell::new(None) };
+}
+
+/// The passive shape on the whole contour, and the work that it takes. Cells that differ in seed, activity or cue alone have the same,
+/// and come one after the other: replicates, and the rows of a diagram. The last one is kept for each thread; whether it is at
+/// hand changes nothing but the time.
+fn passive_whole(cell: &Cell, numerics: &Numerics) -> Result<(Solution, NewtonReport), NewtonError> {
+    let Numerics { stages, intervals, .. } = *numerics;
+    let cell = cell.passive();
+    let known = LAST.with_borrow(|last| {
+        let last =
+            last.as_ref().filter(|last| (last.stages, last.intervals) == (stages, intervals) && last.cell == cell);
+        last.map(|last| (last.whole.clone(), last.report))
+    });
+    if let Some(known) = known {
+        return Ok(known);
+    }
+    let (half, report) = passive(&cell, numerics)?;
+    let whole = unfold(&half);
+    LAST.set(Some(Known { cell, stages, intervals, whole: whole.clone(), report }));
+    Ok((whole, report))
 }
 
 /// Makes the start shape stationary on the mesh of the division: carried over from another mesh it is so to the accuracy of

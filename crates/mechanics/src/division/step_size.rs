@@ -2,7 +2,7 @@
 //!
 //! The error of a step of order k goes with its length to the power k + 1, which gives the length that makes the error what is
 //! allowed. Where steps become shorter and shorter, as while a neck closes, that is always too long, and every other step would be
-//! rejected; so the change of the error over the last two steps is continued, and the shorter of both lengths taken, N.16.
+//! rejected; so the change of the error over the last two steps is continued, and the shorter of both lengths taken, N.15.
 //!
 //! # References
 //! Gustafsson, *ACM Transactions on Mathematical Software* 20 (1994) 496; Hairer & Wanner, *Solving Ordinary Differential

@@ -238,47 +238,12 @@ impl Stepper {
         }
         let mut alpha = [0.0; MAX_ORDER + 2];
         derivative_weights(&times[..=order], &mut alpha);
-        self.weights.clear();
-        self.weights.extend_from_slice(&alpha[..=order]);
         let mut predict = [0.0; MAX_ORDER + 2];
         extrapolation_weights(&times[1..=known], t, &mut predict);
-        let points = self.levels[0].y.stages.len() / COMPONENTS;
-        self.cortex.past.clear();
-        self.cortex.past.extend((0..points).map(|i| {
-            let mut past = [0.0; 2];
-            for (level, weight) in self.levels.iter().zip(&alpha[1..=order]) {
-                let s = &level.y.stages[i * COMPONENTS..(i + 1) * COMPONENTS];
-                past[0] -= weight * s[R];
-                past[1] -= weight * s[Z];
-            }
-            [past[0] / alpha[0], past[1] / alpha[0]]
-        }));
-        self.cortex.rate = alpha[0];
+        self.state(&alpha[..=order]);
         self.trial.t = t;
         extrapolate(&self.levels[..known], &predict[..known], &mut self.trial.y);
-        let halved = self.solves_halves();
-        let near = |(of_halves, rate): (bool, f64)| of_halves == halved && (alpha[0] / rate - 1.0).abs() < SAME_RATE;
-        let reuse = self.factored.is_some_and(near);
-        let solved = match &mut self.halves {
-            Some(halves) if halved => halves.solve(&self.newton, &self.cortex, &mut self.trial.y, reuse),
-            _ => {
-                self.newton.solve(&mut self.system, &mut self.scratch, &mut self.cortex, &mut self.trial.y, &[], reuse)
-            }
-        };
-        let report = match solved {
-            Ok(report) => report,
-            Err(error) => {
-                self.factored = None;
-                self.work.iterations += self.newton.max_factorisations;
-                // The next attempt is on the whole contour.
-                self.levels[0].odd_size = f64::INFINITY;
-                return Err(error);
-            }
-        };
-        if report.factorisations > 0 {
-            self.factored = Some((halved, alpha[0]));
-        }
-        self.count(report);
+        let report = self.solve_trial()?;
         let share = dt / (t - times[known]);
         let gauss = &self.system.gauss;
         let new = &self.trial.y.stages;
@@ -294,6 +259,52 @@ impl Stepper {
             parity_norm(gauss, &self.trial.y.mesh, |i| [new[i * COMPONENTS + R], new[i * COMPONENTS + Z]]).odd;
         self.trial.odd_size = odd_size;
         Ok(Attempt { error, odd_size, report })
+    }
+
+    /// States the step with these weights of the shapes in the rate of change, newest first: its rate and its past.
+    fn state(&mut self, weights: &[f64]) {
+        self.weights.clear();
+        self.weights.extend_from_slice(weights);
+        let points = self.levels[0].y.stages.len() / COMPONENTS;
+        self.cortex.past.clear();
+        self.cortex.past.extend((0..points).map(|i| {
+            let mut past = [0.0; 2];
+            for (level, weight) in self.levels.iter().zip(&weights[1..]) {
+                let s = &level.y.stages[i * COMPONENTS..(i + 1) * COMPONENTS];
+                past[0] -= weight * s[R];
+                past[1] -= weight * s[Z];
+            }
+            [past[0] / weights[0], past[1] / weights[0]]
+        }));
+        self.cortex.rate = weights[0];
+    }
+
+    /// Solves the step that is stated from the trial shape and into it, on halves if it may be, and with the factors at hand if
+    /// they are of such a step and of nearly its rate.
+    fn solve_trial(&mut self) -> Result<NewtonReport, NewtonError> {
+        let (halved, rate) = (self.solves_halves(), self.cortex.rate);
+        let near = |(of_halves, other): (bool, f64)| of_halves == halved && (rate / other - 1.0).abs() < SAME_RATE;
+        let reuse = self.factored.is_some_and(near);
+        let Stepper { newton, system, scratch, cortex, trial, halves, .. } = self;
+        let solved = match halves {
+            Some(halves) if halved => halves.solve(newton, cortex, &mut trial.y, reuse),
+            _ => newton.solve(system, scratch, cortex, &mut trial.y, &[], reuse),
+        };
+        match solved {
+            Ok(report) => {
+                if report.factorisations > 0 {
+                    self.factored = Some((halved, rate));
+                }
+                self.count(report);
+            }
+            Err(_) => {
+                self.factored = None;
+                self.work.iterations += self.newton.max_factorisations;
+                // The next attempt is on the whole contour.
+                self.levels[0].odd_size = f64::INFINITY;
+            }
+        }
+        solved
     }
 
     /// Makes the attempted step the newest level.
