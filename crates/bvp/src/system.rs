@@ -306,10 +306,8 @@ impl System {
         vanishing: &[usize],
         end: &mut AntisymmetricEnd,
     ) -> Result<Determinant, PivotFailure> {
-        let rows = self.vanishing_rows(vanishing, end);
-        let result = self.factor_antisymmetric_rows(EndRows { ry: &rows, rp: &[], rows: vanishing.len() }, end);
-        end.rows = rows;
-        result
+        let eliminated = self.eliminate_antisymmetric(vanishing, end);
+        self.antisymmetric_determinant(eliminated, end)
     }
 
     /// The same without the determinant, which takes a logarithm for every pivot.
@@ -317,34 +315,38 @@ impl System {
     /// # Errors
     /// A pivot that is zero or not finite.
     pub fn eliminate_antisymmetric(&self, vanishing: &[usize], end: &mut AntisymmetricEnd) -> Result<(), PivotFailure> {
-        let rows = self.vanishing_rows(vanishing, end);
-        let result = self.block.factor_antisymmetric(EndRows { ry: &rows, rp: &[], rows: vanishing.len() }, end);
-        end.rows = rows;
-        result
-    }
-
-    /// The rows of components that vanish, in the storage that is kept for them.
-    fn vanishing_rows(&self, vanishing: &[usize], end: &mut AntisymmetricEnd) -> Vec<f64> {
         let n = self.dimensions().components;
         let mut rows = std::mem::take(&mut end.rows);
         zeroed(&mut rows, vanishing.len() * n);
         for (k, &component) in vanishing.iter().enumerate() {
             rows[k * n + component] = 1.0;
         }
-        rows
+        let result = self.block.factor_antisymmetric(EndRows { ry: &rows, rp: &[], rows: vanishing.len() }, end);
+        end.rows = rows;
+        result
     }
 
-    /// The same for any right end rows.
+    /// [`factor_antisymmetric`](Self::factor_antisymmetric) for any right end rows, as tests hold it against dense matrices.
+    #[cfg(test)]
     pub(crate) fn factor_antisymmetric_rows(
         &self,
         right: EndRows<'_>,
         end: &mut AntisymmetricEnd,
     ) -> Result<Determinant, PivotFailure> {
-        let result = self.block.factor_antisymmetric(right, end);
+        let eliminated = self.block.factor_antisymmetric(right, end);
+        self.antisymmetric_determinant(eliminated, end)
+    }
+
+    /// The determinant of the antisymmetric problem whose elimination ended so.
+    fn antisymmetric_determinant(
+        &self,
+        eliminated: Result<(), PivotFailure>,
+        end: &AntisymmetricEnd,
+    ) -> Result<Determinant, PivotFailure> {
         let mut det = Determinant::default();
         self.condensed.accumulate_determinant(&mut det);
         self.block.accumulate_antisymmetric(end, &mut det);
-        match result {
+        match eliminated {
             Ok(()) => Ok(det),
             // Exactly singular in the last block: the zero itself.
             Err(failure) if !failure.non_finite => Ok(Determinant { sign: 0.0, log_abs: f64::NEG_INFINITY }),

@@ -13,10 +13,10 @@ use super::sensitivity::{Sensitivity, Tangent};
 use super::slow;
 use super::start::{FIRST_MESH, Start, check};
 use super::step_size::StepSize;
-use super::stepper::{MAX_ORDER, Stepper, parity_norm};
+use super::stepper::{MAX_ORDER, Stepper};
 use crate::cell::{Cell, Numerics, Parameter, Scheme};
 use crate::cortex::Cortex;
-use crate::cortex::equations::{COMPONENTS, LENGTH, PSI, R, Z, noise_factor};
+use crate::cortex::equations::{LENGTH, PSI, R, noise_factor};
 use crate::cortex::lanes::sin_cos;
 use crate::cortex::observables::{self, Neck, PINCH_OFF};
 
@@ -30,13 +30,13 @@ const NECK_STEP: f64 = 0.4;
 const PUBLISHED_NECK_STEP: f64 = 0.08;
 /// Below this neck radius, relative to R0, the neck closes faster than anything else happens.
 const CLOSING: f64 = 0.3;
+/// Errors that are allowed then, in units of the time tolerance: they move the time of pinch-off alone.
+const CLOSING_TOLERANCE: f64 = 4.0;
 /// Size of the antisymmetric part of a shape, relative to R0, up to which it does not act back on the symmetric part: what its square
 /// does to the volume stays below 1e-8 of it.
 const NEARLY_SYMMETRIC: f64 = 1.5e-5;
 /// The same while the neck closes, when that has no time to add up.
 const NEARLY_SYMMETRIC_CLOSING: f64 = 4e-5;
-/// Errors that are allowed then, in units of the time tolerance: they move the time of pinch-off alone.
-const CLOSING_TOLERANCE: f64 = 4.0;
 /// Local error of the odd part relative to its size, in units of the time tolerance.
 const ODD_TOLERANCE: f64 = 375.0;
 /// An odd part below this, relative to R0, is rounding and is not resolved: without noise there is nothing else at first.
@@ -399,10 +399,7 @@ impl Run {
             }
         }
         self.neck = neck;
-        if self.parity {
-            let size = parity_norm(gauss, &y.mesh, |i| [y.stages[i * COMPONENTS + R], y.stages[i * COMPONENTS + Z]]);
-            self.parity = size.odd < 0.05 * size.even;
-        }
+        self.parity &= stepper.levels[0].size.is_some_and(|size| size.odd < 0.05 * size.even);
         if self.closes(stepper.cortex.cell.r0) {
             stepper.nearly_symmetric = NEARLY_SYMMETRIC_CLOSING;
             // Whatever was slow is behind it.

@@ -56,8 +56,8 @@ pub struct Level {
     pub t: f64,
     /// The full state.
     pub y: Solution,
-    /// Size of its antisymmetric part; infinite where it is not known.
-    pub odd_size: f64,
+    /// Size of (r, z) by parity where the shape is one that a step has led to.
+    pub size: Option<ParityNorm>,
 }
 
 /// Weights of the values at `times` in the derivative at `times[0]` of the interpolating polynomial.
@@ -154,8 +154,8 @@ impl Stepper {
         Stepper {
             cortex,
             system,
-            trial: Level { t: 0.0, y: start.clone(), odd_size: f64::INFINITY },
-            levels: vec![Level { t: 0.0, y: start, odd_size: f64::INFINITY }],
+            trial: Level { t: 0.0, y: start.clone(), size: None },
+            levels: vec![Level { t: 0.0, y: start, size: None }],
             extrapolates: true,
             work: Work::default(),
             nearly_symmetric: 0.0,
@@ -184,7 +184,7 @@ impl Stepper {
     fn solves_halves(&self) -> bool {
         let newest = &self.levels[0];
         self.halves.is_some()
-            && newest.odd_size < self.nearly_symmetric * self.cortex.cell.r0
+            && newest.size.is_some_and(|size| size.odd < self.nearly_symmetric * self.cortex.cell.r0)
             && symmetry::is_mirrored(&newest.y.mesh)
     }
 
@@ -223,7 +223,7 @@ impl Stepper {
     /// Goes on from another shape at time t.
     pub fn start_again(&mut self, t: f64, shape: Solution) {
         self.restart();
-        self.levels[0] = Level { t, y: shape, odd_size: f64::INFINITY };
+        self.levels[0] = Level { t, y: shape, size: None };
     }
 
     /// Attempts a step of size dt with order at most `order`; [`accept`](Self::accept) makes it count.
@@ -255,10 +255,9 @@ impl Stepper {
             }
             [d[0] * share, d[1] * share]
         });
-        let odd_size =
-            parity_norm(gauss, &self.trial.y.mesh, |i| [new[i * COMPONENTS + R], new[i * COMPONENTS + Z]]).odd;
-        self.trial.odd_size = odd_size;
-        Ok(Attempt { error, odd_size, report })
+        let size = parity_norm(gauss, &self.trial.y.mesh, |i| [new[i * COMPONENTS + R], new[i * COMPONENTS + Z]]);
+        self.trial.size = Some(size);
+        Ok(Attempt { error, odd_size: size.odd, report })
     }
 
     /// States the step with these weights of the shapes in the rate of change, newest first: its rate and its past.
@@ -301,7 +300,7 @@ impl Stepper {
                 self.factored = None;
                 self.work.iterations += self.newton.max_factorisations;
                 // The next attempt is on the whole contour.
-                self.levels[0].odd_size = f64::INFINITY;
+                self.levels[0].size = None;
             }
         }
         solved
