@@ -1,5 +1,5 @@
-//! The branch diagram of one cell as a table: the symmetric and the asymmetric stationary shapes over ξ_s with their
-//! stability, and what happens on the way.
+//! Prints the branch diagram of one cell: symmetric and asymmetric stationary shapes over ξ_s, their stability, folds and
+//! pitchforks.
 //!
 //! `cargo run --release --example branch_diagram -- 2.22 0.64`
 

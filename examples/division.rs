@@ -1,4 +1,4 @@
-//! One division, in five lines: the C. elegans zygote with its published cue.
+//! Computes one division: the C. elegans zygote with its published cue.
 //!
 //! `cargo run --release --example division`
 

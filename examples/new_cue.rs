@@ -1,9 +1,7 @@
-//! A cue that nobody has tried: contractility steps up towards one pole while friction falls along the axis, with a width
-//! that keeps its size in L_h while cells shrink. Its division, its mirror image's, and what bounds cells that carry it.
+//! A new cue: activity steps up towards one pole, with a width that is fixed in L_h, while friction falls along the axis.
+//! Computes the division of a cell with it, the mirror image, and the critical radius.
 //!
-//! A cue is data: any sum of fields and profiles. A field that is not there yet is one variant in `cell/cue/field.rs` and its
-//! place in `Local::modulate` of `cortex/equations.rs`, both in `crates/mechanics/src`; a profile is one variant in
-//! `cell/cue/profile.rs` with its formula. Text, files, keys, errors, meshes and derivatives take both from there.
+//! A cue is any sum of fields and profiles. CONTRIBUTING.md says how to add a field or a profile.
 //!
 //! `cargo run --release --example new_cue`
 

@@ -1,5 +1,4 @@
-//! A lineage of one's own: two founders, one of them with a cue that only large cells of the first generations carry,
-//! grown until mechanics ends every branch.
+//! Grows a custom lineage with two founders. One of them has a cue that only large cells of the first generations carry.
 //!
 //! `cargo run --release --example own_lineage`
 

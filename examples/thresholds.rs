@@ -1,5 +1,5 @@
-//! Where a cell's symmetric furrow loses its stability, over the radius: ξ_s*(R0), its criticality, and the radius below
-//! which a cell of the preset's activity does not divide.
+//! Prints the threshold ξ_s*(R0) at which the symmetric furrow loses stability, its criticality, and the critical radius at
+//! the preset's activity.
 //!
 //! `cargo run --release --example thresholds`
 

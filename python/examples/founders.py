@@ -1,4 +1,4 @@
-"""The founders of C. elegans, grown from their zygote, and the tree for other programs."""
+"""The founders of C. elegans, grown from the zygote, and exports of the tree."""
 
 from __future__ import annotations
 

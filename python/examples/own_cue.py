@@ -1,4 +1,4 @@
-"""How a division depends on one's own cue: where it has to be for the daughters to differ as measured."""
+"""How a division depends on the position of a custom cue."""
 
 from __future__ import annotations
 

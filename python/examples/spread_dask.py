@@ -1,6 +1,6 @@
-"""Divisions spread over the workers of a Dask cluster: cells and results go over the wire by pickle.
+"""Distributes divisions over the workers of a Dask cluster; cells and results are pickled.
 
-A LocalCluster stands for any other; on one machine ``furrow.sweep`` needs no cluster. Needs ``pip install distributed``.
+The example uses a LocalCluster; on one machine ``furrow.sweep`` needs no cluster. Needs ``pip install distributed``.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ import furrow
 
 
 def divide(cell: furrow.Cell) -> furrow.Division:
-    """What a worker does; it keeps what it has solved in its own memo."""
+    """The task of a worker, which has its own memo."""
     return cell.divide()
 
 
 def spread(cells: Sequence[furrow.Cell], client: Client) -> list[furrow.Division]:
-    """The division of every cell, in their order."""
-    # Many cells to a task, so that the scheduler has less to do.
+    """The division of every cell, in order."""
+    # Several cells per task reduce the scheduler's overhead.
     found: list[furrow.Division] = client.gather(client.map(divide, cells, batch_size=25))
     return found
 

@@ -1,4 +1,4 @@
-"""furrow predicts, from mechanics alone, how an embryo's cells divide.
+"""furrow predicts from mechanics how the cells of an embryo divide.
 
 >>> import furrow
 >>> zygote = furrow.Cell(r0=5.4, cue="germline")
@@ -6,9 +6,9 @@
 >>> round(division.chi, 3)
 0.209
 
-Lengths are in L_h, times in τ, activities in κ0/L_h; ξ_s is the published one. The guide of furrow says what the
-parameters mean, and the book how they are computed: here are the same names. Two furrows with the same
-``solver_fingerprint`` give the same divisions to the last bit, and share a store.
+Lengths are in L_h, times in τ, activities in κ0/L_h; ξ_s is the published activity. Parameters have the names of the
+command line, which GUIDE.md explains. Installations with the same ``solver_fingerprint`` give bit-identical divisions
+and share cached ones.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""One cell, and what is computed of it."""
+"""A cell and the computations for it."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ if TYPE_CHECKING:
 
     from ._furrow import Memo
 
-#: A number, a number of numpy, or the word that some parameters have as their value.
+#: A number (also of numpy), or a word for parameters whose values are words.
 Value: TypeAlias = SupportsFloat | SupportsIndex | str
 
-#: The columns that change their sign in a mirror; all others keep it but psi.
+#: The columns that change sign under u → 1 − u; psi becomes π − psi.
 _ODD = ("z", "v", "active_t")
 
 
@@ -48,12 +48,12 @@ def _lineage(lineage: str | os.PathLike[str] | None) -> str | None:
 
 
 class Cell:
-    """A cell: its size, its confinement, its activity, its cue, its material and shell, and how it is computed.
+    """A cell: size, confinement, activity, cue, material, shell and numerics.
 
-    ``r0`` is the radius R0 of the sphere with its volume, in L_h (or ``"17um"`` where the lineage has units). Every other
-    parameter goes by the name that ``furrow --set`` knows: ``epsilon``, ``xi_s``, ``aspect``, ``intervals`` and so on;
-    :meth:`parameters` lists them. ``cue`` is one as on the command line: ``"none"``, ``"germline"`` or another that the
-    lineage names, or terms such as ``"kappa:u0=0.465,omega=0.0577,amplitude=0.1"``.
+    ``r0`` is the radius R0 of the sphere with the cell's volume, in L_h (or ``"17um"`` if the lineage has units). Other
+    parameters have the names of ``furrow --set``: ``epsilon``, ``xi_s``, ``aspect``, ``intervals`` and so on;
+    :meth:`parameters` lists them. ``cue`` has the syntax of the command line: ``"none"``, ``"germline"`` or another name
+    that the lineage defines, or terms such as ``"kappa:u0=0.465,omega=0.0577,amplitude=0.1"``.
 
     >>> import furrow
     >>> cell = furrow.Cell(r0=2.0, xi_s=15.0)
@@ -88,7 +88,7 @@ class Cell:
                 _lineage(lineage),
             )
         except InputError as error:
-            # What the caller gave, and not the text that it was taken for.
+            # Report the caller's value, not its text form.
             if error.field in given:
                 error.value = given[error.field]
             raise
@@ -105,7 +105,7 @@ class Cell:
         return cell
 
     def parameters(self) -> dict[str, Any]:
-        """Every parameter by its name, and the cue."""
+        """All parameters by name, with the cue."""
         known = self._known
         if known is None:
             known = json.loads(self._inputs.parameters())
@@ -115,7 +115,7 @@ class Cell:
     to_dict = parameters
 
     def replace(self, *, cue: str | None = None, **parameters: Value) -> Cell:
-        """The same cell with other values of some parameters."""
+        """A copy with different values of some parameters."""
         now = self.parameters()
         carried = now.pop("cue")
         if "xi_b" in parameters:
@@ -123,24 +123,24 @@ class Cell:
         return Cell(**{**now, **parameters}, cue=carried if cue is None else cue)
 
     def mirrored(self) -> Cell:
-        """Its mirror image under u → 1 − u."""
+        """The mirror image under u → 1 − u."""
         return Cell._of(self._inputs.mirrored())
 
     @property
     def is_mirror_symmetric(self) -> bool:
-        """Whether nothing tells one pole from the other."""
+        """Whether the cell is mirror-symmetric."""
         return self._inputs.is_mirror_symmetric()
 
     @property
     def cue(self) -> str:
-        """The cue as it is written."""
+        """The cue as text."""
         return self._inputs.cue
 
     def cue_at(self, u: ArrayLike, length: SupportsFloat) -> dict[str, NDArray[np.float64]]:
-        """What its cue comes to at places u of a contour of a length: for each field that it changes Σ A f(u)."""
+        """The cue at arclength fractions ``u`` of a contour of this length: Σ A f(u) for each field that it changes."""
         at = np.ascontiguousarray(u, dtype=np.float64)
         if at.ndim != 1:
-            raise refused("u", u, "places in a row")
+            raise refused("u", u, "a one-dimensional array")
         sums: dict[str, NDArray[np.float64]] = {}
         for name, values in self._inputs.cue_at(at, _number("length", length)):
             sums[name] = sums[name] + values if name in sums else values
@@ -213,20 +213,19 @@ class Cell:
         threads: SupportsIndex | None = None,
         progress: Progress = None,
     ) -> Division | Replicates:
-        """Computes its division, from the passive shape to pinch-off or to rest.
+        """Computes the division, from the passive shape to pinch-off or rest.
 
-        ``seed`` is that of the noise in the first step. ``frames=True`` keeps the shape after every step, ``frames=0.2``
-        one every 0.2 τ, at the collocation points of its mesh or at so many ``places`` of each of its intervals. With
-        ``replicates=N`` it is divided with the seeds from ``seed`` on, on all cores or on ``threads``. What the memo
-        knows is not solved again.
+        ``seed`` seeds the noise of the first step. ``frames=True`` keeps the shape after every step, ``frames=0.2``
+        one every 0.2 τ, at the collocation points or at ``places`` points per mesh interval. ``replicates=N`` computes
+        N divisions with consecutive seeds, on all cores or ``threads``. Divisions in the memo are not solved again.
 
         >>> import furrow
         >>> division = furrow.Cell(r0=5.4, cue="germline").divide()
         >>> division.outcome, round(division.chi, 3)
         ('asymmetric', 0.209)
 
-        Raises :class:`~furrow.InputError` for numerics or an activity with which divisions cannot be computed, and
-        :class:`~furrow.NoOutcome` where the cell neither divides nor rests.
+        Raises :class:`~furrow.InputError` for numerics or an activity outside the range of divisions, and
+        :class:`~furrow.NoOutcome` if the cell neither divides nor rests.
         """
         first = seed_of(seed)
         known = shared_memo() if memo is None else memo
@@ -258,9 +257,9 @@ class Cell:
         return Frames(**of, shell=(shell[0], shell[1]), _places=columns, _ends=ends)
 
     def steady(self) -> Steady:
-        """The stationary shape at its activity, on the branch of the passive shape, and its growth rates.
+        """The stationary shape at the cell's activity, on the branch of the passive shape, and its growth rates.
 
-        Raises :class:`~furrow.NoOutcome` where there is none, as of a cell that must divide.
+        Raises :class:`~furrow.NoOutcome` if there is none, as for a cell that must divide.
         """
         text, places = _furrow.steady(self._inputs)
         found = json.loads(text)
@@ -275,14 +274,14 @@ class Cell:
         )
 
     def pitchfork(self, xi_max: SupportsFloat = 100.0) -> Pitchfork:
-        """The first pitchfork of its mirror-symmetric shapes, for ξ_s up to ``xi_max``.
+        """The first pitchfork of the mirror-symmetric shapes, for ξ_s up to ``xi_max``.
 
-        Raises :class:`~furrow.NoOutcome` where there is none, as with a cue that tells the poles apart.
+        Raises :class:`~furrow.NoOutcome` if there is none, as with a cue that breaks the mirror symmetry.
         """
         return Pitchfork(cell=self, **json.loads(_furrow.pitchfork(self._inputs, _number("xi_max", xi_max))))
 
     def branch(self, xi_max: SupportsFloat = 100.0, max_step: SupportsFloat = 1.0) -> Branch:
-        """Its stationary shapes over ξ_s up to ``xi_max``, the asymmetric ones included, with their folds and pitchforks."""
+        """Symmetric and asymmetric stationary shapes over ξ_s up to ``xi_max``, with folds and pitchforks."""
         text, points = _furrow.branch(self._inputs, _number("xi_max", xi_max), _number("max_step", max_step))
         found = json.loads(text)
         ends = {end["branch"]: end["why"] for end in found["ends"]}
@@ -312,7 +311,7 @@ def _defaults() -> dict[str, Any]:
 
 
 def _whole(places: Mapping[str, Any]) -> dict[str, Any]:
-    """A contour from pole to pole; that of a mirror-symmetric shape is computed to its equator alone."""
+    """A contour from pole to pole; that of a mirror-symmetric shape is computed up to its equator."""
     if places["u"][-1] > 0.75:
         return dict(places)
     whole = {}

@@ -1,4 +1,4 @@
-"""Arguments that are no parameters of a cell, checked."""
+"""Validates call arguments."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import SupportsIndex
 
 from ._errors import InputError
 
-#: What errors call the arguments of a call.
+#: The source that errors name for call arguments.
 ARGUMENTS = "furrow"
 
 
 def refused(field: str, value: object, allowed: str) -> InputError:
-    """The error for an argument."""
+    """The error for an invalid argument."""
     shown = repr(value)
     if len(shown) > 60:
         shown = shown[:57] + "..."
@@ -21,7 +21,7 @@ def refused(field: str, value: object, allowed: str) -> InputError:
 
 
 def whole(field: str, value: SupportsIndex, least: int, most: int) -> int:
-    """A whole number within a range."""
+    """An integer within a range."""
     allowed = f"a whole number from {least} to {most}"
     if isinstance(value, bool):
         raise refused(field, value, allowed)
@@ -40,7 +40,7 @@ def seed_of(value: SupportsIndex) -> int:
 
 
 def threads_of(value: SupportsIndex | None) -> int:
-    """How many threads solve; 0 for one of each core."""
+    """The number of threads; 0 for one per core."""
     return 0 if value is None else whole("threads", value, 1, 1024)
 
 
@@ -56,7 +56,7 @@ def path_of(field: str, value: str | os.PathLike[str]) -> str:
 
 
 def text_of(field: str, value: object) -> str:
-    """A text."""
+    """A string."""
     if not isinstance(value, str):
         raise refused(field, value, "a text")
     return value

@@ -1,10 +1,10 @@
-"""What goes wrong, as exceptions."""
+"""Exceptions."""
 
 from __future__ import annotations
 
 
 class InputError(ValueError):
-    """Bad input: which field, its value, and what is allowed.
+    """Invalid input, with the field, its value and what is allowed.
 
     >>> import furrow
     >>> try:
@@ -23,13 +23,13 @@ class InputError(ValueError):
         source: str | None = None,
     ) -> None:
         super().__init__(message)
-        #: Name of the parameter or of the field of a file; None where a file as a whole is bad.
+        #: Name of the parameter or of the field of a file; None if the whole file is invalid.
         self.field = field
         #: Its value.
         self.value = value
-        #: What is allowed in its place.
+        #: What is allowed.
         self.allowed = allowed
-        #: The file it stands in, or ``furrow`` for an argument.
+        #: The file, or ``furrow`` for an argument.
         self.source = source
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -38,17 +38,17 @@ class InputError(ValueError):
 
 
 class NoOutcome(RuntimeError):
-    """Good input that nothing came of: a cell that has no such shape, or that neither divides nor rests. The message says
-    what helps."""
+    """Valid input without a result: the cell has no such shape, or neither divides nor rests. The message says what
+    helps."""
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C stopped a run. What it had solved is in the memo, so that the same call goes on from there."""
+    """Ctrl-C stopped a run. Finished divisions are in the memo, so the same call resumes."""
 
     def __init__(self, solved: int = 0) -> None:
-        kept = f"; what was solved so far ({solved}) is kept, and the same call goes on from there" if solved else ""
+        kept = f"; {solved} finished results are kept, and the same call resumes" if solved else ""
         super().__init__(f"interrupted{kept}")
-        #: Divisions, or points of a sweep, that were solved before.
+        #: Divisions, or points of a sweep, that were finished.
         self.solved = solved
 
     def __reduce__(self) -> tuple[object, ...]:

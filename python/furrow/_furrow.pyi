@@ -1,4 +1,4 @@
-"""The part of furrow that is compiled. Its names are not for users, who have those of ``furrow``."""
+"""The compiled part of furrow. Use the names in ``furrow`` instead."""
 
 import os
 from collections.abc import Callable, Mapping
@@ -58,8 +58,8 @@ class Inputs:
 
 @final
 class Memo:
-    """Divisions that are solved already. With a store, a folder, they outlive the process and are shared with others, the command
-    line among them."""
+    """Solved divisions. With a store, which is a cache folder, they persist and are shared with other processes, including the
+    command line."""
 
     def __new__(cls, store: str | os.PathLike[str] | None = None, r0_step: float | None = None) -> Memo: ...
     def __len__(self) -> int: ...

@@ -1,4 +1,4 @@
-"""The memo that calls share where they are not given another."""
+"""The default memo, shared by all calls."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from ._furrow import Memo
 
 
 class _Shared:
-    """The memo, once there is one."""
+    """The memo, once created."""
 
     lock = threading.Lock()
     memo: Memo | None = None
 
 
 def memo() -> Memo:
-    """The memo of this process: every division that it has solved, and those of a store if :func:`use_store` named one."""
+    """The memo of this process: all divisions that it has solved, and those of the store set by :func:`use_store`."""
     with _Shared.lock:
         if _Shared.memo is None:
             _Shared.memo = Memo()
@@ -23,9 +23,9 @@ def memo() -> Memo:
 
 
 def use_store(folder: str | None, r0_step: float | None = None) -> Memo:
-    """Keeps divisions in a folder from now on, as the command line does in its cache, or with None in memory alone.
+    """Stores divisions in a cache folder from now on, or with None only in memory.
 
-    Gives the memo that all calls share from now on. The command line uses the same folder with ``--cache``.
+    Returns the memo that all calls share from now on. ``furrow --cache`` uses the same folder.
     """
     from ._checks import path_of
 

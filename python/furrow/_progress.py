@@ -1,4 +1,4 @@
-"""How far a run is, as a bar of tqdm where that is installed."""
+"""Progress, as a tqdm bar if tqdm is installed."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from typing import TypeAlias
 
-#: None for a bar where tqdm is installed and the output is for a person, False for none, True for one in any case, or a function
-#: that is told how many are done and how many there are.
+#: None for a bar if tqdm is installed and the output is a terminal or notebook; False for no bar; True for a bar in any case; or
+#: a function called with the numbers of finished and of all tasks.
 Progress: TypeAlias = bool | Callable[[int, int], object] | None
 
 
 @contextmanager
 def shown(progress: Progress, unit: str) -> Iterator[Callable[[int, int], object] | None]:
-    """What a run tells where it is."""
+    """The function that a run calls with its progress."""
     if progress is False:
         yield None
         return
@@ -43,10 +43,10 @@ def shown(progress: Progress, unit: str) -> Iterator[Callable[[int, int], object
 def _bar(progress: bool | None, unit: str) -> Any:
     try:
         with warnings.catch_warnings():
-            # In a notebook without its widgets the bar is one of text, which is nothing to warn of.
+            # In a notebook without widgets tqdm warns and draws a text bar, which is fine.
             warnings.simplefilter("ignore")
             from tqdm.auto import tqdm
     except ImportError:
         return None
-    # With None it is quiet where nobody looks at a terminal. A run of less than half a second needs no bar.
+    # `disable=None` draws no bar without a terminal. Runs of less than half a second need no bar.
     return tqdm(unit=f" {unit}", disable=None if progress is None else False, leave=False, delay=0.5)

@@ -1,4 +1,4 @@
-"""What comes of one cell: its division with its shapes, its stationary shapes, its threshold."""
+"""Results for one cell: divisions with their shapes, stationary shapes, thresholds."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ PLACE_COLUMNS: Mapping[str, str] = {
     "elastic_n": "elastic normal force: bending and passive tension",
     "pressure_n": "pressure",
     "shell_n": "force of the shell",
-    "residual_n": "sum of the five, 0 of an exact solution",
+    "residual_n": "sum of the five, 0 for an exact solution",
 }
 
 
 @dataclass(frozen=True, eq=False)
 class Contour:
-    """A shape, place by place from pole to pole: ``contour["r"]`` and the other columns of :data:`PLACE_COLUMNS`."""
+    """A shape, point by point from pole to pole: ``contour["r"]`` and the other columns of :data:`PLACE_COLUMNS`."""
 
     columns: Mapping[str, Array] = field(repr=False)
 
@@ -65,11 +65,11 @@ class Contour:
 
     @property
     def points(self) -> Array:
-        """(r, z) of every place."""
+        """(r, z) of every point."""
         return np.column_stack((self.r, self.z))
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row a place."""
+        """One row per point."""
         return frame(self.columns)
 
     def __repr__(self) -> str:
@@ -84,22 +84,22 @@ class Frame:
     length: float  #: Contour length L, in L_h.
     pressure: float  #: Pressure p, in κ0/L_h³.
     neck_radius: float | None  #: Radius of the neck, in L_h; None without a waist.
-    neck_u: float | None  #: Where it is.
-    chi: float | None  #: |V_above − V_below|/V of the parts on both sides of the neck.
+    neck_u: float | None  #: Arclength fraction of the neck.
+    chi: float | None  #: |V_above − V_below|/V of the parts above and below the neck.
     contour: Contour  #: The shape.
 
 
 @dataclass(frozen=True, eq=False)
 class Frames(Sequence[Frame]):
-    """The shapes of a dividing cell. Numbers of all frames are arrays; ``frames[k]`` is one of them, whose contour is a
+    """The shapes of a dividing cell. Numbers of all frames are arrays; ``frames[k]`` is one frame, whose contour is a
     view."""
 
     t: Array  #: Times, in τ.
     length: Array  #: Contour lengths, in L_h.
     pressure: Array  #: Pressures, in κ0/L_h³.
     neck_radius: Array  #: Radii of the neck, in L_h; NaN without a waist.
-    neck_u: Array  #: Where it is.
-    chi: Array  #: Asymmetry of the parts on both sides of the neck; NaN without a waist.
+    neck_u: Array  #: Arclength fractions of the neck.
+    chi: Array  #: Asymmetry of the parts above and below the neck; NaN without a waist.
     shell: tuple[float, float]  #: Half axes of the shell along z and across, in L_h.
     _places: Mapping[str, Array] = field(repr=False)
     _ends: NDArray[np.int64] = field(repr=False)
@@ -137,11 +137,11 @@ class Frames(Sequence[Frame]):
         return (self[k] for k in range(len(self)))
 
     def at(self, t: float) -> Frame:
-        """The frame nearest to a time."""
+        """The frame closest to a time."""
         return self[int(np.argmin(np.abs(self.t - t)))]
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row a frame; the places of one are ``frames[k].contour.to_pandas()``."""
+        """One row per frame; ``frames[k].contour.to_pandas()`` has the points of one."""
         names = ("t", "length", "pressure", "neck_radius", "neck_u", "chi")
         return frame({name: getattr(self, name) for name in names})
 
@@ -150,7 +150,7 @@ class Frames(Sequence[Frame]):
 
 
 def _plain(value: Any) -> Any:
-    """A value as JSON could hold it."""
+    """A value that JSON can represent."""
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, (list, tuple)):
@@ -161,14 +161,14 @@ def _plain(value: Any) -> Any:
 
 
 class Result:
-    """What all results can do."""
+    """Methods of all results."""
 
     def to_dict(self) -> dict[str, Any]:
-        """The result as plain numbers, words and lists, which JSON can hold."""
+        """The result as numbers, strings and lists for JSON."""
         return {f.name: _plain(getattr(self, f.name)) for f in fields(self) if f.name != "frames"}  # type: ignore[arg-type]
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row with all that is a single number or word."""
+        """One row with every scalar value."""
         values = self.to_dict().items()
         return frame({name: [value] for name, value in values if not isinstance(value, (dict, list))})
 
@@ -182,40 +182,40 @@ class Result:
 
 @dataclass(frozen=True)
 class Division(Result):
-    """How a division ended, and what it took."""
+    """The outcome of a division and its cost."""
 
     cell: Cell = field(repr=False)  #: The cell that divided.
     seed: int  #: Seed of the noise in its first step.
     outcome: str  #: ``symmetric``, ``asymmetric`` or ``failed``.
     chi: float | None  #: Size asymmetry χ = |V1 − V2|/V; None if it failed.
-    chi_signed: float | None  #: Positive where the daughter at the pole u = 0 is the smaller.
+    chi_signed: float | None  #: Positive if the daughter at the pole u = 0 is smaller.
     u_furrow: float | None  #: Furrow position in arclength fraction from the pole u = 0.
     t_end: float  #: Time of pinch-off or of rest, in τ.
     daughters: tuple[float, float] | None  #: Radii R0 of the daughters below and above the furrow, in L_h.
     growth_rate: float | None  #: Leading growth rate of the shape at rest, in 1/τ.
-    slow_growth_rate: float | None  #: Of a cell that waits at a stationary shape: the rate at which it leaves it, in 1/τ.
+    slow_growth_rate: float | None  #: For a cell that waits near a stationary shape: the growth rate there, in 1/τ.
     volume_drift: float  #: Largest relative deviation of the volume.
     steps: int  #: Time steps.
-    rejected: int  #: Steps tried and not taken.
+    rejected: int  #: Rejected steps.
     newton_iterations: int  #: Newton iterations.
     factorisations: int  #: Factorisations of a Jacobian.
     remeshings: int  #: Changes of the mesh.
-    frames: Frames | None = field(default=None, repr=False, compare=False)  #: Its shapes, if they were asked for.
+    frames: Frames | None = field(default=None, repr=False, compare=False)  #: Its shapes, if requested.
 
     @property
     def divided(self) -> bool:
-        """Whether there are daughters."""
+        """Whether the cell divided."""
         return self.outcome != "failed"
 
     def plot(self, *, path: str | None = None) -> Figure:
-        """Its contours, its asymmetry and the balance of forces; needs matplotlib, and frames."""
+        """Contours, asymmetry and the balance of forces; needs matplotlib and frames."""
         from . import plot
 
         return plot.saved(plot.division(self), path)
 
 
 def division(cell: Cell, seed: int, record: Mapping[str, Any], frames: Frames | None = None) -> Division:
-    """The result of a record of the library."""
+    """The result from a record of the library."""
     daughters = record.get("daughters")
     return Division(
         cell=cell,
@@ -240,10 +240,10 @@ def division(cell: Cell, seed: int, record: Mapping[str, Any], frames: Frames | 
 
 @dataclass(frozen=True, eq=False)
 class Replicates(Sequence[Division]):
-    """Divisions of one cell with noise of different seeds."""
+    """Divisions of one cell with different noise seeds."""
 
-    divisions: tuple[Division, ...]  #: In the order of their seeds.
-    undecided: Mapping[int, str]  #: Why those of other seeds could not be computed.
+    divisions: tuple[Division, ...]  #: In order of seeds.
+    undecided: Mapping[int, str]  #: Reasons why other seeds could not be computed.
 
     def __len__(self) -> int:
         return len(self.divisions)
@@ -257,27 +257,27 @@ class Replicates(Sequence[Division]):
 
     @property
     def chi(self) -> Array:
-        """χ of each; NaN where it failed."""
+        """χ of each division; NaN if it failed."""
         return np.array([np.nan if d.chi is None else d.chi for d in self.divisions])
 
     @property
     def chi_mean(self) -> float | None:
-        """Mean χ of those that divided."""
+        """Mean χ of the cells that divided."""
         chi = self.chi[~np.isnan(self.chi)]
         return float(chi.mean()) if len(chi) else None
 
     @property
     def chi_sd(self) -> float | None:
-        """Standard deviation of χ of those that divided, of two at least."""
+        """Standard deviation of χ of the cells that divided; None for fewer than two."""
         chi = self.chi[~np.isnan(self.chi)]
         return float(chi.std(ddof=1)) if len(chi) > 1 else None
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain numbers, words and lists."""
+        """The result as numbers, strings and lists."""
         return {"divisions": [d.to_dict() for d in self.divisions], "undecided": dict(self.undecided)}
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row a division."""
+        """One row per division."""
         names = [f.name for f in fields(Division) if f.name not in ("cell", "frames", "daughters")]
         return frame({name: [getattr(d, name) for d in self.divisions] for name in names})
 
@@ -297,13 +297,13 @@ class Steady(Result):
     r_eq: float  #: Radius at the equator, in L_h.
     stable: bool  #: Whether every disturbance decays.
     growth_rate: float  #: Largest real part of the growth rates, in 1/τ.
-    growth_rates: NDArray[np.complex128] = field(repr=False)  #: The rightmost, by falling real part.
+    growth_rates: NDArray[np.complex128] = field(repr=False)  #: The rightmost ones, by decreasing real part.
     parities: tuple[str, ...] = field(repr=False)  #: Whether each mode is ``even``, ``odd`` or ``mixed`` under u → 1 − u.
-    folds_passed: tuple[float, ...]  #: Activities at which the branch turned back before it came here.
-    contour: Contour = field(repr=False)  #: The shape, with what acts on it.
+    folds_passed: tuple[float, ...]  #: Activities of the folds passed on the branch before this shape.
+    contour: Contour = field(repr=False)  #: The shape, with the forces on it.
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain numbers, words and lists; growth rates as pairs of real and imaginary part."""
+        """The result as numbers, strings and lists; growth rates as pairs of real and imaginary part."""
         plain = super().to_dict()
         plain["growth_rates"] = [[rate.real, rate.imag] for rate in self.growth_rates]
         plain["contour"] = {name: column.tolist() for name, column in self.contour.columns.items()}
@@ -331,12 +331,12 @@ class Event(Result):
 
     kind: str  #: ``fold`` or ``pitchfork``.
     branch: str  #: Name of the branch.
-    xi_s: float  #: Where it is.
-    H: float  #: Elongation there.
-    L: float  #: Contour length there.
-    criticality: str | None = None  #: Of a pitchfork.
-    coefficient: float | None = None  #: Of a pitchfork.
-    maximum: bool | None = None  #: Of a fold: whether ξ_s is largest there along the branch.
+    xi_s: float  #: Activity ξ_s.
+    H: float  #: Elongation.
+    L: float  #: Contour length, in L_h.
+    criticality: str | None = None  #: For a pitchfork.
+    coefficient: float | None = None  #: For a pitchfork.
+    maximum: bool | None = None  #: For a fold: whether ξ_s has a maximum there along the branch.
 
 
 @dataclass(frozen=True, eq=False)
@@ -349,20 +349,20 @@ class Curve(Result):
     L: Array = field(repr=False)  #: Contour length, in L_h.
     p: Array = field(repr=False)  #: Pressure, in κ0/L_h³.
     r_eq: Array = field(repr=False)  #: Radius at the equator, in L_h.
-    growth_rate: Array = field(repr=False)  #: Largest growth rate, in 1/τ; NaN where it was not found.
+    growth_rate: Array = field(repr=False)  #: Largest growth rate, in 1/τ; NaN if not found.
     delta_u: Array = field(repr=False)  #: Furrow position u_furrow − ½.
-    ended: str  #: Why it is followed no further.
+    ended: str  #: Why the continuation stopped.
 
     @property
     def stable(self) -> NDArray[np.bool_]:
-        """Whether each shape is stable; not where its growth rate was not found."""
+        """Whether each shape is stable; False if its growth rate was not found."""
         return self.growth_rate < 0.0
 
     def __len__(self) -> int:
         return len(self.xi_s)
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row a shape."""
+        """One row per shape."""
         names = ("xi_s", "H", "L", "p", "r_eq", "growth_rate", "delta_u")
         columns: dict[str, Any] = {name: getattr(self, name) for name in names}
         return frame({"branch": [self.name] * len(self), **columns, "stable": self.stable})
@@ -373,13 +373,13 @@ class Curve(Result):
 
 @dataclass(frozen=True, eq=False)
 class Branch(Result):
-    """The stationary shapes of a cell over ξ_s: ``branch["symmetric"]``, ``branch["asymmetric"]``, and what happens along
-    them."""
+    """The stationary shapes of a cell over ξ_s: ``branch["symmetric"]``, ``branch["asymmetric"]`` and their folds and
+    pitchforks."""
 
     cell: Cell = field(repr=False)  #: The cell.
     curves: tuple[Curve, ...]  #: The branches.
     events: tuple[Event, ...]  #: Their folds and pitchforks.
-    exponent: float | None = None  #: Of |Δu| = prefactor |ξ_s − ξ_s*|^exponent near the pitchfork.
+    exponent: float | None = None  #: Exponent in |Δu| = prefactor |ξ_s − ξ_s*|^exponent near the pitchfork.
     prefactor: float | None = None  #: Its prefactor.
 
     def __getitem__(self, name: str) -> Curve:
@@ -399,7 +399,7 @@ class Branch(Result):
         return tuple(event for event in self.events if event.kind == "fold")
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row a shape of any branch."""
+        """One row per shape of any branch."""
         import pandas as pd
 
         return pd.concat([curve.to_pandas() for curve in self.curves], ignore_index=True)

@@ -1,4 +1,4 @@
-"""Constants from thresholds, as many sets of them as agree with what is known, and a lineage over these."""
+"""Constants fitted to thresholds, ensembles of constants, and lineages over an ensemble."""
 
 from __future__ import annotations
 
@@ -25,36 +25,36 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Calibration(Result):
-    """The constants that meet thresholds best, and what the thresholds leave open."""
+    """The constants that fit thresholds best, and what the thresholds leave open."""
 
-    parameters: dict[str, float]  #: The unknowns with their values.
+    parameters: dict[str, float]  #: The fitted values.
     residuals: tuple[
         dict[str, float], ...
     ]  #: Each threshold: ``r0``, ``epsilon``, ``xi_s`` given, ``computed``, ``relative`` deviation.
     rms: float  #: Root mean square of the relative deviations.
-    combinations: tuple[dict[str, Any], ...]  #: Combinations of constants, by how much the thresholds tell of them.
+    combinations: tuple[dict[str, Any], ...]  #: Combinations of constants, by how well the thresholds determine them.
     iterations: int  #: Steps of the search.
-    excluded: tuple[dict[str, str], ...]  #: Statements of the targets that are not true of these constants.
+    excluded: tuple[dict[str, str], ...]  #: Statements of the targets that these constants violate.
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain numbers, words and lists."""
+        """The result as numbers, strings and lists."""
         return {**super().to_dict(), "parameters": dict(self.parameters)}
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row a threshold."""
+        """One row per threshold."""
         return frame({name: [row[name] for row in self.residuals] for name in self.residuals[0]})
 
 
 @dataclass(frozen=True, eq=False)
 class Constants:
-    """Sets of constants that agree with what is known, with their weights: what ``furrow.tree(constants=…)`` takes."""
+    """Weighted sets of constants that agree with the targets, for ``furrow.tree(constants=…)``."""
 
     parameters: tuple[str, ...]  #: Names of the constants.
-    values: Array = field(repr=False)  #: One row a set.
-    weights: Array = field(repr=False)  #: The share of each; they sum to 1.
-    effective_sample_size: float  #: How many independent sets they are worth.
-    draws: int  #: Sets that were judged.
-    excluded: Mapping[str, int]  #: How many of them each statement excluded.
+    values: Array = field(repr=False)  #: One row per set.
+    weights: Array = field(repr=False)  #: Weights that sum to 1.
+    effective_sample_size: float  #: The equivalent number of independent sets.
+    draws: int  #: Sets that were tried.
+    excluded: Mapping[str, int]  #: The number of sets that each statement excluded.
     csv: str = field(repr=False)  #: The table, as ``furrow tree --constants`` reads it.
 
     def __len__(self) -> int:
@@ -68,17 +68,17 @@ class Constants:
         return column
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain numbers, words and lists."""
+        """The result as numbers, strings and lists."""
         columns = {name: self[name].tolist() for name in self.parameters}
         return {**columns, "weight": self.weights.tolist()}
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row a set."""
+        """One row per set."""
         return frame({**{name: self[name] for name in self.parameters}, "weight": self.weights})
 
 
 class Ranges:
-    """A lineage over sets of constants: of every count the median and the range that holds 90 % of the weight."""
+    """A lineage over sets of constants: median and 90 % range of every count."""
 
     def __init__(self, found: Mapping[str, Any]) -> None:
         self._found = dict(found)
@@ -86,21 +86,21 @@ class Ranges:
     @property
     def founders(self) -> Sequence[Mapping[str, Any]]:
         """Founders: ``name``, ``rounds`` (``min``, ``mean``, ``max``, ``terminal`` and others, each with ``p5``, ``p50``,
-        ``p95``), ``chi`` likewise."""
+        ``p95``) and ``chi`` with the same quantiles."""
         founders: list[Mapping[str, Any]] = self._found["founders"]
         return founders
 
     @property
     def members(self) -> int:
-        """Sets of constants."""
+        """The number of sets of constants."""
         return int(self._found["members"])
 
     def to_dict(self) -> dict[str, Any]:
-        """All of what ``furrow tree --constants --json`` prints."""
+        """The output of ``furrow tree --constants --json``."""
         return dict(self._found)
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row a founder, three columns a count."""
+        """One row per founder, three columns per count."""
         rows: list[dict[str, Any]] = []
         for founder in self.founders:
             row: dict[str, Any] = {"name": founder["name"]}
@@ -142,7 +142,7 @@ def ranges_of(
 
 
 def table_of(constants: str | os.PathLike[str] | Constants) -> tuple[str | None, str | None]:
-    """Sets of constants as the text of their table, or as its file."""
+    """Sets of constants as a table in text, or as its file."""
     if isinstance(constants, Constants):
         return constants.csv, None
     return None, path_of("constants", constants)
@@ -163,9 +163,9 @@ def calibrate(
     config: str | os.PathLike[str] | None = None,
     **parameters: Value,
 ) -> Calibration:
-    """Finds constants from measured thresholds, and says what these leave open.
+    """Fits constants to thresholds and reports what these leave open.
 
-    ``targets`` is a file as ``data/thresholds.ron``, or its text; keywords are parameters from which the search starts.
+    ``targets`` is a file such as ``data/thresholds.ron`` or its text; keywords are parameters at which the search starts.
     """
     text, file = _targets(targets)
     where = None if config is None else path_of("config", config)
@@ -190,7 +190,7 @@ def ensemble(
     threads: SupportsIndex | None = None,
     **parameters: Value,
 ) -> Constants:
-    """Samples so many sets of constants that agree with the targets: what ``furrow.tree(constants=…)`` takes."""
+    """Samples ``members`` sets of constants that agree with the targets, for ``furrow.tree(constants=…)``."""
     text, file = _targets(targets)
     where = None if config is None else path_of("config", config)
     count = whole("members", members, 1, 100_000)

@@ -1,4 +1,4 @@
-"""Many points: divisions, trees, thresholds or critical radii over axes of parameters."""
+"""Sweeps: divisions, trees, thresholds or critical radii over axes of parameters."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ if TYPE_CHECKING:
 
 
 class Sweep(Mapping[str, Any]):
-    """The table of a sweep: columns by name, first those of the axes. Numbers are arrays, with NaN where there is none;
-    words are lists."""
+    """The table of a sweep: columns by name, first those of the axes. Numbers are arrays with NaN for missing values;
+    strings are lists."""
 
     def __init__(self, columns: Mapping[str, Any], undecided: Mapping[int, str], csv: str, solved: int, reused: int) -> None:
         self._columns = dict(columns)
-        #: Why points are undecided, by the number of their row.
+        #: Why points are undecided, by row number.
         self.undecided = dict(undecided)
-        #: The table as ``furrow sweep`` writes it to ``results.csv``, byte by byte.
+        #: The table, byte-identical to ``results.csv`` of ``furrow sweep``.
         self.csv = csv
-        #: Divisions, or shapes, that were solved for it.
+        #: Divisions or shapes solved.
         self.solved = solved
-        #: Those that were known already, or solved for another point.
+        #: Divisions or shapes reused from the memo or another point.
         self.reused = reused
 
     def __getitem__(self, name: str) -> Any:
@@ -47,7 +47,7 @@ class Sweep(Mapping[str, Any]):
 
     @property
     def points(self) -> int:
-        """How many rows there are."""
+        """The number of rows."""
         return len(next(iter(self._columns.values()), ()))
 
     def to_dict(self) -> dict[str, list[Any]]:
@@ -55,7 +55,7 @@ class Sweep(Mapping[str, Any]):
         return {name: list(np.asarray(column, dtype=object)) for name, column in self.items()}
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row a point."""
+        """One row per point."""
         return frame(self)
 
     def __repr__(self) -> str:
@@ -79,7 +79,7 @@ def _cell(value: object) -> str:
 
 
 def _ron(value: object) -> str:
-    """A value of an axis as a sweep file has it."""
+    """A value of an axis in the syntax of a sweep file."""
     if isinstance(value, str):
         plain = "".join(c if c.isprintable() and c not in '"\\' else f"\\u{{{ord(c):x}}}" for c in value)
         return f'"{plain}"'
@@ -110,7 +110,7 @@ def _text(kind: str, axes: Mapping[str, Iterable[Any]], cue: str | None, replica
     return f"Sweep({', '.join(parts)})"
 
 
-#: What can be computed at every point.
+#: What a sweep can compute at its points.
 KINDS: Sequence[str] = ("division", "tree", "pitchfork", "critical")
 
 
@@ -131,11 +131,11 @@ def sweep(
     progress: Progress = None,
     **parameters: Value,
 ) -> Sweep:
-    """Computes many points over axes of parameters, each input once, on all cores.
+    """Computes many points over axes of parameters, equal inputs once, on all cores.
 
-    Either ``file`` is a sweep file, or ``axes`` says which parameters take which values, the first varying slowest; their
-    names are those that ``furrow --set`` knows, ``cue``, or ``cue.amplitude`` and the like. ``kind`` is ``division``,
-    ``tree``, ``pitchfork`` or ``critical``. With ``out`` the files of ``furrow sweep`` are written into that folder.
+    Give either ``file``, a sweep file, or ``axes``, a mapping of parameters to values, the first varying slowest. Names
+    are those of ``furrow --set``, ``cue``, or ``cue.amplitude`` and the like. ``kind`` is ``division``, ``tree``,
+    ``pitchfork`` or ``critical``. With ``out`` the files of ``furrow sweep`` are written to that folder.
 
     >>> import furrow
     >>> sizes = furrow.sweep(axes={"r0": [1.5, 2.0, 2.5]})
@@ -146,7 +146,7 @@ def sweep(
     text = None
     if file is None:
         if axes is None:
-            raise refused("axes", None, "given where no file is")
+            raise refused("axes", None, "given if there is no file")
         if kind not in KINDS:
             raise refused("kind", kind, f"one of {', '.join(KINDS)}")
         place = None if lineage is None else path_of("lineage", lineage)

@@ -20,7 +20,7 @@ def frame(columns: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def html_table(rows: list[tuple[str, str]], caption: str) -> str:
-    """Names and values as a small table of HTML."""
+    """Names and values as a small HTML table."""
     from html import escape
 
     cells = "".join(f"<tr><th style='text-align:left'>{escape(k)}</th><td>{escape(v)}</td></tr>" for k, v in rows)
@@ -28,7 +28,7 @@ def html_table(rows: list[tuple[str, str]], caption: str) -> str:
 
 
 def shown(value: object) -> str:
-    """A number as people read it."""
+    """A value formatted for display."""
     if value is None:
         return "–"
     if isinstance(value, float):

@@ -1,4 +1,4 @@
-"""Lineages: the tree that grows from one cell, and several of them side by side."""
+"""Lineages: the tree grown from one cell, and several trees side by side."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ._furrow import GrownTree, Memo
     from ._studies import Constants, Ranges
 
-#: Cells of which a notebook draws the whole tree, half a megabyte at most; of larger ones it gets the founders' table alone.
+#: The largest tree that a notebook draws (half a megabyte); for larger ones it shows the founders' table.
 MOST_DRAWN = 1000
 
 
@@ -41,20 +41,20 @@ class Rounds:
     mean: float  #: Mean over terminal cells.
     max: float  #: Most.
     full_doublings: int  #: Generations in which every cell divided.
-    symmetric_doublings: int | None = None  #: Those in which every cell divided into equal halves.
+    symmetric_doublings: int | None = None  #: Generations in which every cell divided equally.
     terminal: int | None = None  #: Terminal cells.
 
 
 @dataclass(frozen=True)
 class Founder:
-    """A founder: its cell, its own division, its rounds and the observed ones."""
+    """A founder: its cell, its own division, its rounds and the observed rounds."""
 
     name: str  #: Name.
-    r0: float | None  #: Radius, in L_h; None if it was never born.
+    r0: float | None  #: Radius, in L_h; None if it was not born.
     cue: str  #: Name of its cue.
-    outcome: str | None  #: How its own division ended.
-    chi: float | None  #: Its asymmetry.
-    rounds: Rounds | None  #: Rounds grown.
+    outcome: str | None  #: Outcome of its own division.
+    chi: float | None  #: Size asymmetry of its division.
+    rounds: Rounds | None  #: Rounds in the model.
     observed: Rounds | None  #: Rounds observed.
 
 
@@ -74,17 +74,17 @@ def _rounds(found: Mapping[str, Any] | None) -> Rounds | None:
 class Tree:
     """A grown lineage. Numbers of all cells are arrays in breadth-first order: ``tree.r0``, ``tree.chi``, ``tree["t_end"]``.
 
-    What could not be, as χ of a cell that did not divide, is NaN.
+    Missing values, such as χ of a cell that did not divide, are NaN.
     """
 
     def __init__(self, grown: GrownTree, work: Mapping[str, Any] | None = None) -> None:
         self._grown = grown
         self._cells: dict[str, Any] | None = None
-        #: Divisions that were solved for it.
+        #: Divisions solved.
         self.divisions_solved: int = 0 if work is None else work["divisions_solved"]
-        #: Divisions that were known already.
+        #: Divisions reused from the memo.
         self.memo_hits: int = 0 if work is None else work["memo_hits"]
-        #: What is to be known of the run, as a store that cannot be written.
+        #: Warnings of the run, such as a cache that cannot be written.
         self.warnings: tuple[str, ...] = () if work is None else tuple(work["warnings"])
 
     def __len__(self) -> int:
@@ -92,7 +92,7 @@ class Tree:
 
     @property
     def cells(self) -> Mapping[str, Any]:
-        """All columns by name: numbers as arrays, words as lists."""
+        """All columns by name: numbers as arrays, strings as lists."""
         if self._cells is None:
             self._cells = self._grown.cells()
         return self._cells
@@ -107,12 +107,12 @@ class Tree:
 
     @property
     def r0(self) -> Array:
-        """Their radii, in L_h."""
+        """Radii of the cells, in L_h."""
         return self._numbers("r0")
 
     @property
     def chi(self) -> Array:
-        """χ of their divisions."""
+        """χ of the divisions."""
         return self._numbers("chi")
 
     @property
@@ -123,7 +123,7 @@ class Tree:
 
     @property
     def mother(self) -> NDArray[np.int64]:
-        """The number of each cell's mother, -1 of the first."""
+        """The number of each cell's mother, -1 for the first cell."""
         mother: NDArray[np.int64] = self.cells["mother"]
         return mother
 
@@ -133,7 +133,7 @@ class Tree:
 
     @property
     def organism(self) -> str:
-        """What grew."""
+        """Name of the organism."""
         return self._grown.organism
 
     @property
@@ -155,7 +155,7 @@ class Tree:
 
     @property
     def ended(self) -> dict[str, int]:
-        """Cells without daughters, by why they have none."""
+        """Numbers of cells without daughters, by reason."""
         return dict(json.loads(self._grown.ended()))
 
     def table(self) -> str:
@@ -167,28 +167,28 @@ class Tree:
         return self._grown.newick()
 
     def export(self, format: str, lengths: str = "time") -> str | dict[str, str]:
-        """The tree for other programs: ``newick``, ``nhx``, ``nexus``, ``csv``, ``lineagetree``, ``graphml``, or
-        ``itol``, which is several files by name.
+        """The tree in a format for other programs: ``newick``, ``nhx``, ``nexus``, ``csv``, ``lineagetree``, ``graphml``, or
+        ``itol``, which gives several files by name.
 
-        ``lengths`` are those of the branches: ``time``, ``generation`` or ``none``.
+        ``lengths`` are the branch lengths: ``time``, ``generation`` or ``none``.
         """
         files = self._grown.export(text_of("format", format), text_of("lengths", lengths))
         return files[0][1] if len(files) == 1 and not files[0][0] else dict(files)
 
     def to_json(self) -> str:
-        """The text of ``tree.json``, as ``furrow tree`` writes it; :func:`furrow.read_tree` reads it."""
+        """The text of ``tree.json``; :func:`furrow.read_tree` reads it."""
         return self._grown.to_json()
 
     def to_dict(self) -> dict[str, Any]:
-        """All of ``tree.json``."""
+        """The content of ``tree.json``."""
         return dict(json.loads(self._grown.to_json()))
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row a cell."""
+        """One row per cell."""
         return frame(self.cells)
 
     def founders_to_pandas(self) -> pd.DataFrame:
-        """One row a founder: its rounds beside the observed ones."""
+        """One row per founder: its rounds and the observed rounds."""
         rows: dict[str, list[Any]] = {}
         for founder in self.founders:
             row: dict[str, Any] = {name: getattr(founder, name) for name in ("name", "r0", "cue", "outcome", "chi")}
@@ -200,7 +200,7 @@ class Tree:
         return frame(rows)
 
     def to_networkx(self) -> nx.DiGraph[str]:
-        """A graph from mothers to daughters, whose nodes are the cells' names with all that is known of them."""
+        """A directed graph from mothers to daughters, with cell names as nodes and all columns as attributes."""
         try:
             import networkx as nx
         except ImportError as error:
@@ -214,8 +214,8 @@ class Tree:
         return graph
 
     def to_lineagetree(self) -> LineageTree:
-        """A tree of the package LineageTree: cells by their numbers, at the time point of their generation, with radius,
-        volume and labels."""
+        """A tree of the package LineageTree: cells by number, with the generation as time point, and with radius, volume and
+        labels."""
         try:
             from lineagetree import LineageTree
         except ImportError as error:
@@ -240,8 +240,8 @@ class Tree:
         )
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes ``tree.json``, or by the ending of the path Newick (``.nwk``), a drawing (``.svg``) or the page that
-        computes (``.html``)."""
+        """Writes ``tree.json``, or by file extension Newick (``.nwk``), a drawing (``.svg``) or the interactive page
+        (``.html``)."""
         file = Path(path_of("path", path))
         texts = {".json": self.to_json, ".nwk": self.newick, ".svg": self._grown.svg, ".html": self._grown.html}
         if file.suffix not in texts:
@@ -249,7 +249,7 @@ class Tree:
         file.write_text(texts[file.suffix](), encoding="utf-8")
 
     def plot(self, *, path: str | None = None) -> Figure:
-        """Rounds of the founders beside the observed ones; needs matplotlib."""
+        """Rounds of the founders and the observed rounds; needs matplotlib."""
         from . import plot
 
         return plot.saved(plot.rounds(self), path)
@@ -274,7 +274,7 @@ class Tree:
         return f"<furrow.Tree of {len(self)} cells of {self.organism}>"
 
     def _repr_svg_(self) -> str | None:
-        # A notebook keeps what it shows: of a tree of more cells a drawing is megabytes and no cell of it to be told.
+        # A notebook stores what it shows: drawings of larger trees are megabytes and illegible.
         if len(self) > MOST_DRAWN:
             return None
         return self._grown.svg()
@@ -283,7 +283,7 @@ class Tree:
         drawing = self._repr_svg_()
         if drawing is None:
             return self._founders_html(f"{self.organism}: {len(self)} cells, too many to be drawn here")
-        # As wide as the notebook at most; by itself the drawing has a width of its own.
+        # The drawing has a fixed width; limit it to that of the notebook.
         drawing = drawing.replace("<svg ", '<svg style="max-width:100%;height:auto" ', 1)
         return f'<div style="max-width:100%;overflow:auto">{drawing}</div>'
 
@@ -299,16 +299,16 @@ class Tree:
 
 
 def _scalar(value: Any) -> Any:
-    """A number of numpy as Python's."""
+    """A numpy scalar as a Python number."""
     return value.item() if isinstance(value, np.generic) else value
 
 
 class Scenarios(Mapping[str, Tree]):
-    """Several trees, grown in one run, by their names."""
+    """Several trees, grown in one run, by name."""
 
     def __init__(self, trees: Mapping[str, Tree], cues: Mapping[str, str | None]) -> None:
         self._trees = dict(trees)
-        #: The cue of each, as it was asked for; None where it is the lineage's own.
+        #: The cue of each as given; None for the lineage's own cues.
         self.cues = dict(cues)
 
     def __getitem__(self, name: str) -> Tree:
@@ -321,11 +321,11 @@ class Scenarios(Mapping[str, Tree]):
         return len(self._trees)
 
     def to_dict(self) -> dict[str, Any]:
-        """All trees as plain numbers, words and lists."""
+        """All trees as numbers, strings and lists."""
         return {name: tree.to_dict() for name, tree in self.items()}
 
     def to_pandas(self) -> pd.DataFrame:
-        """The founders' tables of all, one below the other."""
+        """The founders' tables of all trees, concatenated."""
         import pandas as pd
 
         tables = {name: tree.founders_to_pandas() for name, tree in self.items()}
@@ -424,14 +424,14 @@ def tree(
     progress: Progress = None,
     **parameters: Value,
 ) -> Tree | Scenarios | Ranges:
-    """Grows a lineage from one cell: every division is solved, its daughters divide next, until none can.
+    """Grows a lineage from one cell: solves every division, then those of the daughters, until no cell can divide.
 
-    ``lineage`` is a lineage file, its text, or None for the built-in C. elegans founders. ``cue`` replaces every cue that
-    it gives. With ``cues``, or several lineages, every combination is grown in one run and the answer is
-    :class:`Scenarios`. With ``constants``, a table as ``furrow calibrate --ensemble`` writes it or what
-    :func:`furrow.ensemble` gave, it is grown with every set of them, and the answer is :class:`Ranges`. ``r0`` is the
-    radius of the first cell, and further keywords are parameters by the names that ``furrow --set`` knows.
-    ``dynamics=True`` computes the division of every cell, those below the critical radius included.
+    ``lineage`` is a lineage file, its text, or None for the built-in C. elegans founders. ``cue`` replaces every cue of
+    the lineage. With ``cues``, or several lineages, every combination is grown in one run and the result is
+    :class:`Scenarios`. With ``constants``, a table written by ``furrow calibrate --ensemble`` or the result of
+    :func:`furrow.ensemble`, the lineage is grown with every set and the result is :class:`Ranges`. ``r0`` is the
+    radius of the first cell; other keywords are parameters with the names of ``furrow --set``. ``dynamics=True``
+    computes the division of every cell, including those below the critical radius.
 
     >>> import furrow
     >>> worm = furrow.tree()
@@ -478,7 +478,7 @@ def tree(
 
 
 def _labelled(lineage: str | os.PathLike[str] | None) -> tuple[str, str | None]:
-    """What a lineage is called, and its file or text."""
+    """The name of a lineage, and its file or text."""
     if lineage is None:
         return "c_elegans", None
     if isinstance(lineage, str) and (lineage.lstrip().startswith("(") or "Lineage(" in lineage):
@@ -488,5 +488,5 @@ def _labelled(lineage: str | os.PathLike[str] | None) -> tuple[str, str | None]:
 
 
 def read_tree(path: str | os.PathLike[str]) -> Tree:
-    """Reads a ``tree.json``, as ``furrow tree`` and :meth:`Tree.save` write it."""
+    """Reads a ``tree.json`` written by ``furrow tree`` or :meth:`Tree.save`."""
     return Tree(_furrow.read_tree(path_of("path", path)))

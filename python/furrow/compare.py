@@ -1,4 +1,4 @@
-"""The model beside measured embryos."""
+"""Compares the model with measured embryos."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ Table: TypeAlias = Union[str, "os.PathLike[str]", Sequence[Union[str, "os.PathLi
 
 
 class Counts(Mapping[str, Any]):
-    """Rounds of a tree beside the observed ones, by every reading of "rounds": all of what ``furrow compare counts
-    --json`` prints."""
+    """Rounds of a tree and the observed rounds, for every definition of "rounds": the output of ``furrow compare counts
+    --json``."""
 
     def __init__(self, found: Mapping[str, Any]) -> None:
         self._found = dict(found)
@@ -53,11 +53,11 @@ class Counts(Mapping[str, Any]):
         return len(self._found)
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain numbers, words and lists."""
+        """The result as numbers, strings and lists."""
         return dict(self._found)
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row a founder, a stage of the observed embryo and a reading."""
+        """One row per founder, stage of the observed embryo and definition of rounds."""
         rows = [
             (stage["cells"], founder["founder"], reading, count["model"], count["observed"], count["within_one"])
             for stage in self["stages"]
@@ -69,16 +69,16 @@ class Counts(Mapping[str, Any]):
 
 
 def counts(tree: Tree) -> Counts:
-    """Rounds of a tree beside those of C. elegans (Sulston et al. 1983), by every reading of "rounds" and at several
-    stages."""
+    """Compares rounds of a tree with those of C. elegans (Sulston et al. 1983), for every definition of "rounds" and at
+    several stages."""
     if not isinstance(tree, Tree):
-        raise refused("tree", tree, "a tree, as furrow.tree() grows it")
+        raise refused("tree", tree, "a tree from furrow.tree()")
     return Counts(json.loads(_furrow.compare_counts(tree._grown)))
 
 
 @dataclass(frozen=True)
 class Mother:
-    """Divisions of one mother in the embryos of a group, beside the model's."""
+    """Divisions of one mother in the embryos of a group, and in the model."""
 
     group: str  #: The group.
     mother: str  #: The mother.
@@ -87,32 +87,32 @@ class Mother:
     sd: float | None  #: Its standard deviation.
     measured_signed: float  #: Mean of χ as first minus second named daughter.
     model: float | None  #: χ in the tree grown from the zygote; None if it does not divide there.
-    model_outcome: str | None  #: How it divides there.
-    given_first: float | None  #: χ in the tree with AB and P1 as large as the group measures them.
+    model_outcome: str | None  #: Its outcome there.
+    given_first: float | None  #: χ in the tree with the measured sizes of AB and P1.
     band: tuple[float, float, float] | None = None  #: χ over sets of constants: 5 %, median, 95 %.
 
 
 @dataclass(frozen=True, eq=False)
 class VolumesComparison:
-    """Size asymmetries of measured divisions beside the model's."""
+    """Size asymmetries of measured divisions and of the model."""
 
     mothers: tuple[Mother, ...] = field(repr=False)  #: By group and mother.
-    used: int  #: Volumes that could be used.
-    skipped: tuple[dict[str, Any], ...] = field(repr=False)  #: Those that could not, and why.
+    used: int  #: Number of volumes used.
+    skipped: tuple[dict[str, Any], ...] = field(repr=False)  #: Volumes that could not be used, with reasons.
     length_scale: float | None  #: One L_h, in the cube root of the tables' unit.
     _found: Mapping[str, Any] = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
-        """All that was found, as plain numbers, words and lists."""
+        """The full result as numbers, strings and lists."""
         return dict(self._found)
 
     def to_pandas(self) -> pd.DataFrame:
-        """One row a mother of a group."""
+        """One row per group and mother."""
         names = list(Mother.__dataclass_fields__)
         return frame({name: [getattr(mother, name) for mother in self.mothers] for name in names})
 
     def plot(self, *, path: str | None = None) -> Figure:
-        """Measured χ by mother, the model's beside them; needs matplotlib."""
+        """Measured and computed χ by mother; needs matplotlib."""
         from . import plot
 
         return plot.saved(plot.volumes(self), path)
@@ -133,11 +133,11 @@ def volumes(
     progress: Progress = None,
     **parameters: Value,
 ) -> VolumesComparison:
-    """Size asymmetries of measured divisions beside the model's.
+    """Compares size asymmetries of measured divisions with the model.
 
     ``table`` has the columns ``embryo``, ``cell`` and ``volume`` (or ``volume_um3``, ``volume_voxels``,
-    ``relative_volume``) and, if wanted, ``group``, ``frame`` and ``n``: a file, several files, a DataFrame or columns by
-    name. Without it the model is held beside published means.
+    ``relative_volume``) and optionally ``group``, ``frame`` and ``n``. It is a file, several files, a DataFrame or columns
+    by name. Without it the model is compared with published means.
     """
     known = shared_memo() if memo is None else memo
     files, text = _table(table)
@@ -209,7 +209,7 @@ def _table(table: Table | None) -> tuple[list[str], str | None]:
         out = io.StringIO()
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow(columns)
-        # With all digits, as float has them.
+        # str of a float has all its digits.
         writer.writerows(zip(*columns.values(), strict=True))
         return [], out.getvalue()
     if isinstance(table, Iterable):
@@ -219,7 +219,7 @@ def _table(table: Table | None) -> tuple[list[str], str | None]:
 
 @dataclass(frozen=True, eq=False)
 class ContoursComparison:
-    """Measured outlines beside those of a division."""
+    """Measured outlines and those of a division."""
 
     similarity: float  #: Mean of |A∩B|/|A|, A the measured.
     similarity_sd: float | None  #: Its standard deviation.
@@ -228,15 +228,15 @@ class ContoursComparison:
         repr=False
     )  #: Each outline: the model's time ``t``, ``frame``, ``overlap`` and more.
     laid: tuple[tuple[NDArray[np.float64], NDArray[np.float64]], ...] = field(repr=False)
-    """Both outlines of each pair as they were laid upon each other, in L_h, the long axis along the second coordinate."""
+    """Both outlines of each pair, overlaid, in L_h, with the long axis along the second coordinate."""
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain numbers, words and lists, without the outlines."""
+        """The result as numbers, strings and lists, without the outlines."""
         names = ("similarity", "similarity_sd", "length_scale")
         return {**{name: getattr(self, name) for name in names}, "contours": list(self.contours)}
 
     def plot(self, *, path: str | None = None) -> Figure:
-        """The outlines upon each other; needs matplotlib."""
+        """The overlaid outlines; needs matplotlib."""
         from . import plot
 
         return plot.saved(plot.contours(self), path)
@@ -248,10 +248,10 @@ def contours(
     *,
     length_scale: SupportsFloat | None = None,
 ) -> ContoursComparison:
-    """Outlines of a dividing cell, arrays of (x, y), beside those of a division with frames.
+    """Compares outlines of a dividing cell, arrays of (x, y), with those of a division with frames.
 
-    Each is laid upon the frame whose furrow is as deep, by centroid and long axis. All are sections through the axis of
-    one cell.
+    Each outline is overlaid, by centroid and long axis, on the frame with the same furrow depth. All are sections
+    through the axis of one cell.
     """
     frames: Iterable[Frame] | None = model.frames if isinstance(model, Division) else model
     if frames is None:

@@ -1,6 +1,6 @@
-"""Pictures by matplotlib, in the style of those that the command line draws: the same colours, words and meanings.
+"""Matplotlib figures in the style of the command line's: the same colours and labels.
 
-Every function gives a :class:`matplotlib.figure.Figure`, to be changed or saved.
+Every function returns a :class:`matplotlib.figure.Figure` that you can change or save.
 """
 
 from __future__ import annotations
@@ -67,14 +67,14 @@ def _figure(width: float, height: float) -> Figure:
 
 
 def saved(figure: Figure, path: str | None) -> Figure:
-    """The figure, written to a file if one is named."""
+    """The figure, written to ``path`` if given."""
     if path is not None:
         figure.savefig(path, dpi=150)
     return figure
 
 
 def style(axes: Axes) -> Axes:
-    """An axis as all of furrow's pictures have them."""
+    """Applies the common style to an axis."""
     axes.grid(True, color=FAINT, linewidth=0.8)
     axes.set_axisbelow(True)
     for side in ("top", "right"):
@@ -88,7 +88,7 @@ def style(axes: Axes) -> Axes:
 
 
 def title_of(division: Division) -> str:
-    """What became of which cell."""
+    """The title: the cell and its outcome."""
     cell = division.cell
     cue = "" if cell.cue == "none" else f", cue {cell.cue}"
     became = "stays at rest" if division.chi is None else f"{division.outcome}, χ = {division.chi:.3f}"
@@ -96,7 +96,7 @@ def title_of(division: Division) -> str:
 
 
 def contour(axes: Axes, frame: Frame, shell: tuple[float, float] | None = None, cell: Cell | None = None) -> Axes:
-    """A cell in its shell, anterior left; with ``cell`` its cue, along the outside."""
+    """A cell in its shell, anterior left; with ``cell``, its cue along the outside."""
     r, z = frame.contour.r, frame.contour.z
     if shell is not None:
         angle = np.linspace(0.0, 2.0 * np.pi, 200)
@@ -110,11 +110,11 @@ def contour(axes: Axes, frame: Frame, shell: tuple[float, float] | None = None, 
 
 
 def _cue(axes: Axes, frame: Frame, cell: Cell) -> None:
-    """The cue, as a strip along the outside of the contour that is as strong as the cue is there."""
+    """The cue as a strip along the outside of the contour, with its local strength as opacity."""
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgba
 
-    # Evenly along the contour, however its mesh is.
+    # Evenly along the contour, independent of the mesh.
     u = np.linspace(0.0, 1.0, 401)
     r, z, psi = (np.interp(u, frame.contour["u"], frame.contour[name]) for name in ("r", "z", "psi"))
     strength = sum(np.abs(values) for values in cell.cue_at(u, frame.length).values())
@@ -132,8 +132,7 @@ def _cue(axes: Axes, frame: Frame, cell: Cell) -> None:
 
 
 def division(found: Division) -> Figure:
-    """A cell as it divides: its contours in their shell, the neck and the asymmetry over time, and the normal forces
-    half-way."""
+    """A division: contours in their shell, neck and asymmetry over time, and the normal forces half-way."""
     frames = found.frames
     if frames is None:
         from ._checks import refused
@@ -153,7 +152,7 @@ def division(found: Division) -> Figure:
 
 
 def _stills(frames: Frames) -> list[Frame]:
-    """Frames between which the neck closes by about equal parts, or of a cell that stays at rest the contour grows."""
+    """Frames between which the neck closes, or the contour of a resting cell grows, by about equal amounts."""
     widest = float(frames[0].contour.r.max())
     waist = np.where(np.isnan(frames.neck_radius), widest, frames.neck_radius) / widest
     grown = np.log(frames.length / frames.length[0])
@@ -163,7 +162,7 @@ def _stills(frames: Frames) -> list[Frame]:
 
 
 def _half_way(frames: Frames) -> Frame:
-    """The cell when its neck is half as wide as the cell was; of one that stays at rest the last shape."""
+    """The frame with a neck half as wide as the cell was; for a resting cell the last frame."""
     narrow = np.flatnonzero(frames.neck_radius < 0.5 * frames[0].contour.r.max())
     return frames[int(narrow[0])] if len(narrow) else frames[-1]
 
@@ -215,7 +214,7 @@ def branch(found: Branch) -> Figure:
 
 
 def _stability(axes: Axes, x: Numbers, y: Numbers, stable: Any, colour: str) -> None:
-    """A curve, solid where shapes are stable; pieces overlap by one point, so that there are no gaps."""
+    """A curve, solid where shapes are stable; pieces overlap by one point to avoid gaps."""
     ends = np.flatnonzero(np.diff(stable.astype(int))) + 1
     for begin, end in zip([0, *ends], [*ends, len(x)], strict=True):
         piece = slice(max(int(begin) - 1, 0), int(end))
@@ -253,7 +252,7 @@ def _branch_legend(axes: Axes, found: Branch) -> None:
 
 
 def rounds(tree: Tree) -> Figure:
-    """Rounds of division from each founder, the model's beside the observed, and how many cells there are in the end."""
+    """Rounds of division and terminal cells of each founder, in the model and observed."""
     names = [founder.name for founder in tree.founders]
     model = [founder.rounds for founder in tree.founders]
     seen = [founder.observed for founder in tree.founders]
@@ -270,7 +269,7 @@ def rounds(tree: Tree) -> Figure:
 
 
 def ranges(found: Ranges) -> Figure:
-    """Rounds of division from each founder over sets of constants: medians, and the ranges that hold 90 % of the weight."""
+    """Rounds of division of each founder over sets of constants: medians and 90 % ranges."""
     names = [str(founder["name"]) for founder in found.founders]
 
     def three(of: Any, name: str) -> tuple[float, float, float] | None:
@@ -322,7 +321,7 @@ def _points(axes: Axes, x: Numbers, values: Sequence[tuple[float, float, float] 
 
 
 def volumes(found: VolumesComparison) -> Figure:
-    """Measured χ by mother, with the standard deviation, and the model's beside it."""
+    """Measured χ by mother, with the standard deviation, and the model's χ."""
     names = list(dict.fromkeys(mother.mother for mother in found.mothers))
     groups = list(dict.fromkeys(mother.group for mother in found.mothers))
     figure = _figure(min(max(6.4, (0.35 + 0.11 * len(groups)) * len(names) + 2.0), 24.0), 4.4)
@@ -358,7 +357,7 @@ def volumes(found: VolumesComparison) -> Figure:
 
 
 def contours(found: ContoursComparison) -> Figure:
-    """Measured outlines upon the model's, the first six and those spread evenly among more."""
+    """Measured outlines over the model's; at most six, evenly spread."""
     count = min(len(found.laid), 6)
     chosen = np.unique(np.linspace(0, len(found.laid) - 1, count).round().astype(int))
     figure = _figure(2.1 * len(chosen) + 0.3, 2.3)

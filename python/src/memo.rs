@@ -10,8 +10,8 @@ use pyo3::prelude::*;
 
 use crate::errors::{Error, raised};
 
-/// Divisions that are solved already. With a store, a folder, they outlive the process and are shared with others, the command
-/// line among them.
+/// Solved divisions. With a store, which is a cache folder, they persist and are shared with other processes, including the
+/// command line.
 #[pyclass(frozen, module = "furrow._furrow")]
 pub struct Memo {
     /// What is known.
