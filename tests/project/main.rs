@@ -1,11 +1,9 @@
-//! The project itself: its floors, its dependencies, the commands that its documents name, what fuzzers found.
+//! The project itself: its documents, the fingerprint of the solver, what fuzzers found.
 
 #[path = "../common/mod.rs"]
 mod common;
 
-mod dependencies;
-mod documented_commands;
+mod documents;
 mod fingerprint;
-mod floors;
 mod hostile_corpus;
 mod page_artefact;
