@@ -8,14 +8,14 @@ use serde::Serialize;
 use super::context::Context;
 use super::error::CliError;
 use super::output::{answer, writable_folder};
-use super::tree::{Grown, RunRecord, TreeArgs, bad_cue, commit, grown, prepared, profile_text};
+use super::tree::{Grown, RunRecord, TreeArgs, bad_cue, commit, grown, prepared};
 use crate::batch::Summary;
 use crate::input::InputError;
 use crate::io::earlier::{Replaced, SCENARIO_FILES, SCENARIOS_FILES, other_scenarios};
 use crate::io::files::FileSet;
 use crate::io::{FounderRow, founder_rows, newick, scenarios_csv};
 use crate::lineage::Tree;
-use crate::report::{self, ProfileReport};
+use crate::report;
 use crate::study::scenarios::{Scenario, ScenarioError, Source, combine};
 
 /// What `--json` prints.
@@ -26,9 +26,6 @@ struct Answer<'a> {
     memo_hits: usize,
     elapsed_s: f64,
     out: String,
-    /// What the divisions took, where that is asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    profile: Option<&'a ProfileReport>,
 }
 
 #[derive(Serialize)]
@@ -52,7 +49,7 @@ pub fn run(args: &TreeArgs, context: &Context, start: Instant) -> Result<(), Cli
         writable_folder("--out", "out", &args.out.join(&scenario.name), &SCENARIO_FILES)?;
     }
     let replaced = other_scenarios(&args.out, &scenarios, args.dynamics);
-    let grown = grown(&scenarios, args.dynamics, args.profile, context)?;
+    let grown = grown(&scenarios, args.dynamics, context)?;
     let Grown { trees, summary, .. } = &grown;
     write_files(args, context, &scenarios, trees, summary, start, replaced.as_ref())?;
     let named: Vec<(&str, &Tree)> = scenarios.iter().map(|scenario| scenario.name.as_str()).zip(trees).collect();
@@ -96,17 +93,16 @@ fn respond(
     args: &TreeArgs,
     context: &Context,
     scenarios: &[Scenario],
-    Grown { trees, summary, profile }: &Grown,
+    Grown { trees, summary }: &Grown,
     elapsed_s: f64,
 ) -> Result<(), CliError> {
     if !context.json {
         return answer(&format!(
-            "{}{} divisions solved, {} memo hits, {elapsed_s:.2} s; files in {}\n{}",
+            "{}{} divisions solved, {} memo hits, {elapsed_s:.2} s; files in {}\n",
             report::scenarios_table(scenarios, trees),
             summary.solved,
             summary.memo_hits,
-            args.out.display(),
-            profile_text(profile.as_ref())
+            args.out.display()
         ));
     }
     let of = scenarios.iter().zip(trees).map(|(scenario, tree)| {
@@ -128,7 +124,6 @@ fn respond(
         memo_hits: summary.memo_hits,
         elapsed_s,
         out: args.out.display().to_string(),
-        profile: profile.as_ref(),
     };
     answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
 }
