@@ -4,14 +4,13 @@ pub mod earlier;
 pub mod exchange;
 pub mod files;
 pub mod frames;
-pub mod newick;
 pub mod provenance;
 pub mod scenarios_csv;
 pub mod sweep_files;
 pub mod tree_json;
 
 pub use files::write_atomically;
-pub use newick::{Newick, NewickNode, newick};
+pub use exchange::newick;
 pub use provenance::Provenance;
 pub use scenarios_csv::scenarios_csv;
 pub use tree_json::{FounderRow, TREE_SCHEMA, TreeFileError, founder_rows};
