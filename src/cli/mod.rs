@@ -112,7 +112,6 @@ enum Command {
     NewLineage(new_lineage::NewLineageArgs),
     Cache(cache::CacheArgs),
     Completions(shell::CompletionsArgs),
-    Man(shell::ManArgs),
 }
 
 /// Runs the command line of this process. Exit code 0: done; 1: the computation failed; 2: bad input.

@@ -8,15 +8,20 @@ use serde::Serialize;
 use super::context::Context;
 use super::error::CliError;
 use super::output::{answer, writable_folder};
-use super::tree::{Grown, RunRecord, TreeArgs, bad_cue, commit, grown, prepared};
+use super::tree::{Grown, RunRecord, TreeArgs, bad_cue, grown, prepared};
 use crate::batch::Summary;
 use crate::input::InputError;
-use crate::io::earlier::{Replaced, SCENARIO_FILES, SCENARIOS_FILES, other_scenarios};
 use crate::io::files::FileSet;
 use crate::io::{FounderRow, founder_rows, newick, scenarios_csv};
 use crate::lineage::Tree;
 use crate::report;
 use crate::study::scenarios::{Scenario, ScenarioError, Source, combine};
+
+/// The files beside the folders of scenarios.
+const SCENARIOS_FILES: [&str; 3] = ["scenarios.csv", "report.html", "run.json"];
+
+/// The files in the folder of each scenario.
+const SCENARIO_FILES: [&str; 3] = ["tree.nwk", "tree.json", "tree.svg"];
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -48,10 +53,9 @@ pub fn run(args: &TreeArgs, context: &Context, start: Instant) -> Result<(), Cli
     for scenario in &scenarios {
         writable_folder("--out", "out", &args.out.join(&scenario.name), &SCENARIO_FILES)?;
     }
-    let replaced = other_scenarios(&args.out, &scenarios, args.dynamics);
     let grown = grown(&scenarios, args.dynamics, context)?;
     let Grown { trees, summary, .. } = &grown;
-    write_files(args, context, &scenarios, trees, summary, start, replaced.as_ref())?;
+    write_files(args, context, &scenarios, trees, summary, start)?;
     let named: Vec<(&str, &Tree)> = scenarios.iter().map(|scenario| scenario.name.as_str()).zip(trees).collect();
     if let (Some(picture), Some(drawing)) = (picture, crate::plot::rounds::draw_scenarios(&named)) {
         picture.write(&drawing)?;
@@ -135,7 +139,6 @@ fn write_files(
     trees: &[Tree],
     summary: &Summary,
     start: Instant,
-    replaced: Option<&Replaced>,
 ) -> Result<(), CliError> {
     let mut files = FileSet::new(&args.out);
     for (Scenario { name, .. }, tree) in scenarios.iter().zip(trees) {
@@ -150,5 +153,5 @@ fn write_files(
     let cells = trees.iter().map(Tree::len).sum();
     let record = RunRecord::of(args, context, summary, start, cells, Some(names));
     files.stage("run.json", record.text()?.as_bytes())?;
-    commit(files, replaced, args.force)
+    Ok(files.commit()?)
 }

@@ -12,7 +12,6 @@ use crate::batch::scheduler::workers;
 use crate::batch::Summary;
 use crate::cell::{Cell, Cue, CueError};
 use crate::input::InputError;
-use crate::io::earlier::{Replaced, TREE_FILES, other_tree};
 use crate::io::files::FileSet;
 use crate::io::{FounderRow, Provenance, founder_rows, newick};
 use crate::lineage::{EndReason, Lineage, Tree, TreeCell, TreeSettings};
@@ -45,12 +44,9 @@ pub struct TreeArgs {
     pub lineage: Vec<PathBuf>,
     #[command(flatten)]
     pub cell: FirstCellArgs,
-    /// Folder for the files; those of another tree in it are kept in a folder earlier-N there
+    /// Folder for the files; those of an earlier tree in it are overwritten
     #[arg(help_heading = "Output", long, value_name = "DIR", default_value = "furrow-out")]
     pub out: PathBuf,
-    /// Replaces the files of a tree that was grown from other inputs, and does not keep them
-    #[arg(help_heading = "Output", long)]
-    pub force: bool,
     /// Seed of the noise in the first step of every division
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
@@ -67,6 +63,9 @@ pub struct TreeArgs {
     #[command(flatten)]
     pub plot: PlotArgs,
 }
+
+/// The files of a tree.
+const TREE_FILES: [&str; 5] = ["tree.nwk", "tree.json", "tree.svg", "report.html", "run.json"];
 
 /// Undecided cells that are warned of one by one.
 const MOST_WARNINGS: usize = 5;
@@ -174,12 +173,11 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         return super::ensemble::grow_over(file, &lineage, &settings, context, picture.as_ref());
     }
     writable_folder("--out", "out", &args.out, &TREE_FILES)?;
-    let replaced = other_tree(&args.out, &lineage, &settings, args.dynamics);
     let only = Scenario { name: String::new(), label: String::new(), cue: None, lineage, settings };
     let Grown { trees, summary } = grown(&[only], args.dynamics, context)?;
     for tree in &trees {
         let rows = founder_rows(tree);
-        write_files(args, context, tree, &rows, &summary, start, replaced.as_ref())?;
+        write_files(args, context, tree, &rows, &summary, start)?;
         if let Some(picture) = &picture {
             picture.write(&crate::plot::rounds::draw(tree))?;
         }
@@ -310,7 +308,6 @@ fn write_files(
     rows: &[FounderRow],
     summary: &Summary,
     start: Instant,
-    replaced: Option<&Replaced>,
 ) -> Result<(), CliError> {
     let mut files = FileSet::new(&args.out);
     files.stage("tree.nwk", newick(tree).as_bytes())?;
@@ -319,18 +316,5 @@ fn write_files(
     files.stage("report.html", report::html(tree, rows).as_bytes())?;
     let record = RunRecord::of(args, context, summary, start, tree.len(), None);
     files.stage("run.json", record.text()?.as_bytes())?;
-    commit(files, replaced, args.force)
-}
-
-/// Puts files in place, after those that they would replace were moved aside; by `force` these go.
-pub fn commit(files: FileSet, replaced: Option<&Replaced>, force: bool) -> Result<(), CliError> {
-    match replaced {
-        None => Ok(files.commit()?),
-        Some(Replaced { files: there, .. }) if force => Ok(files.commit_in_place_of(there)?),
-        Some(Replaced { files: there, why }) => {
-            let aside = files.commit_keeping(there)?;
-            tracing::warn!("the files of another tree are kept in {}: {why}", aside.display());
-            Ok(())
-        }
-    }
+    Ok(files.commit()?)
 }

@@ -103,25 +103,6 @@ impl FileSet {
         Ok(aside)
     }
 
-    /// Gives all files their names, and removes those of these `names` that are not among them, with the folders that are
-    /// empty then: what a run replaces does not stay beside it in part.
-    ///
-    /// # Errors
-    /// As [`commit`](Self::commit). A file that cannot be removed stays.
-    pub fn commit_in_place_of<N: AsRef<Path>>(self, names: &[N]) -> Result<(), WriteError> {
-        let folder = self.folder.clone();
-        let mut others: Vec<PathBuf> = names.iter().map(|name| folder.join(name)).collect();
-        others.retain(|other| self.staged.iter().all(|(_, path)| path != other));
-        self.commit()?;
-        for other in others {
-            let _ = fs::remove_file(&other);
-            if folder_of(&other) != folder {
-                let _ = fs::remove_dir(folder_of(&other));
-            }
-        }
-        Ok(())
-    }
-
     /// Gives all files their names, in the order in which they were staged.
     ///
     /// # Errors

@@ -1,6 +1,5 @@
 //! Files: trees, studies and run records out, and in again.
 
-pub mod earlier;
 pub mod exchange;
 pub mod files;
 pub mod frames;
