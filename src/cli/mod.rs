@@ -6,6 +6,7 @@ mod cache;
 mod calibrate;
 mod cell;
 mod compare;
+mod completions;
 mod context;
 mod divide;
 mod ensemble;
@@ -25,7 +26,6 @@ mod plot;
 mod progress;
 mod reproduce;
 mod scenarios;
-mod shell;
 mod steady;
 mod sweep;
 mod tree;
@@ -111,7 +111,7 @@ enum Command {
     Explore(explore::ExploreArgs),
     NewLineage(new_lineage::NewLineageArgs),
     Cache(cache::CacheArgs),
-    Completions(shell::CompletionsArgs),
+    Completions(completions::CompletionsArgs),
 }
 
 /// Runs the command line of this process. Exit code 0: done; 1: the computation failed; 2: bad input.
@@ -161,7 +161,6 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Explore(args) => explore::run(&args, &Context::new(&cli.globals)?),
         Command::NewLineage(args) => new_lineage::run(&args),
         Command::Cache(args) => cache::run(&args, &cli.globals),
-        Command::Completions(args) => shell::completions(&args, &mut Cli::command()),
-        Command::Man(args) => shell::man(&args, Cli::command()),
+        Command::Completions(args) => completions::run(&args, &mut Cli::command()),
     }
 }
