@@ -11,7 +11,7 @@ use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::from_steady::{self, FromSteadyArgs, Output};
 use super::interrupt;
-use super::movies::{DENSE, MovieArgs};
+use super::movie::{DENSE, MovieArgs};
 use super::output::{answer, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;

@@ -10,7 +10,7 @@ use super::cell::{number, positive};
 use super::context::Context;
 use super::divide::write_all_frames;
 use super::error::CliError;
-use super::movies::{DENSE, MovieFile};
+use super::movie::{DENSE, MovieFile};
 use super::output::answer;
 use super::plot::PlotFile;
 use crate::batch::perturbations::{Disturbed, perturbations};

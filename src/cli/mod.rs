@@ -17,7 +17,7 @@ mod fit;
 mod from_steady;
 mod interrupt;
 mod merge;
-mod movies;
+mod movie;
 mod new_lineage;
 mod output;
 mod phase;
@@ -95,7 +95,6 @@ struct Globals {
 enum Command {
     Tree(tree::TreeArgs),
     Divide(divide::DivideArgs),
-    Movies(movies::MoviesArgs),
     Steady(steady::SteadyArgs),
     Branch(branch::BranchArgs),
     Pitchfork(pitchfork::PitchforkArgs),
@@ -145,7 +144,6 @@ fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
         Command::Tree(args) => tree::run(&args, &Context::new(&cli.globals)?),
         Command::Divide(args) => divide::run(&args, Context::new(&cli.globals)?),
-        Command::Movies(args) => movies::run(&args, Context::new(&cli.globals)?),
         Command::Steady(args) => steady::run(&args, Context::new(&cli.globals)?),
         Command::Branch(args) => branch::run(&args, Context::new(&cli.globals)?),
         Command::Pitchfork(args) => pitchfork::run(&args, Context::new(&cli.globals)?),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::common::command::{HERE, furrow, keep_what_is_solved};
 
-const COMMANDS: [&str; 20] = [
+const COMMANDS: [&str; 19] = [
     "tree",
     "divide",
     "steady",
@@ -20,7 +20,6 @@ const COMMANDS: [&str; 20] = [
     "sweep",
     "merge",
     "export",
-    "movies",
     "cache",
     "reproduce",
     "explore",
@@ -72,7 +71,7 @@ fn run_examples_in(folder: &tempfile::TempDir, command: &str) {
 
 #[test]
 fn examples_of_quick_commands_run() {
-    ["", "divide", "steady", "explore", "movies", "cache", "completions"].into_iter().for_each(run_examples);
+    ["", "divide", "steady", "explore", "cache", "completions"].into_iter().for_each(run_examples);
 }
 
 #[test]

@@ -26,7 +26,6 @@ const NOT_RUN: &[(&str, &str)] = &[
     ("compare volumes --constants constants.csv", "constants that an ensemble writes: tests/studies/compare.rs"),
     ("divide --r0 17um --cue polar --lineage my.ron", "a file of the reader's own: tests/trees/own_lineage.rs"),
     ("tree <(generate)", "the file is what the reader's own program writes"),
-    ("movies", "four movies: tests/command/help.rs runs an example"),
     ("reproduce", "all figures take minutes: tests/studies/reproduction.rs computes the quick ones"),
 ];
 
