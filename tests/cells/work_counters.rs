@@ -46,8 +46,10 @@ fn work_of_each_kind_of_division() {
 /// The cost of a factorisation or an iteration grows with the intervals of the mesh: those of all steps but the first, noisy one.
 #[test]
 fn intervals_of_each_kind_of_division() {
-    let mut table = String::from("division                 least mean most
-");
+    let mut table = String::from(
+        "division                 least mean most
+",
+    );
     for (kind, r0, cue) in kinds() {
         let mut intervals = Vec::new();
         let input = DivisionInput::new(Cell::new(r0).with_cue(cue));

@@ -216,4 +216,3 @@ fn a_division_moves_in_every_format() {
     assert_eq!(text.matches("<animate ").count(), 4);
     assert!(text.contains("asymmetric, χ = 0.15") && text.matches("display=\"inline\"").count() == 1);
 }
-

@@ -8,8 +8,8 @@ pub mod scenarios_csv;
 pub mod sweep_files;
 pub mod tree_json;
 
-pub use files::write_atomically;
 pub use exchange::newick;
+pub use files::write_atomically;
 pub use provenance::Provenance;
 pub use scenarios_csv::scenarios_csv;
 pub use tree_json::{FounderRow, TREE_SCHEMA, TreeFileError, founder_rows};

@@ -1,18 +1,15 @@
 //! The lineage file: founders, cues, naming, limits, and the observed counts they are set beside.
 
 use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::base;
-use super::check::Check;
 use super::observed::ObservedRounds;
 use super::physics::FounderPhysics;
 use super::units::{Length, Units};
 use crate::cell::cue::{Field, split_terms};
 use crate::cell::{Cue, CueError};
-use crate::input::{InputError, did_you_mean, listed, parse_document, read_text, shown};
+use crate::input::{did_you_mean, listed, shown};
 
 /// The built-in lineage file, `lineages/c_elegans.ron`.
 pub const C_ELEGANS: &str = include_str!("../../../../lineages/c_elegans.ron");
@@ -170,49 +167,6 @@ pub struct Lineage {
 }
 
 impl Lineage {
-    /// The built-in C. elegans founders.
-    pub fn c_elegans() -> Result<Lineage, InputError> {
-        Lineage::parse(C_ELEGANS, "c_elegans.ron (built in)")
-    }
-
-    /// Reads and checks a lineage file.
-    pub fn read(path: &Path) -> Result<Lineage, InputError> {
-        Lineage::parse(&read_text(path)?, &path.display().to_string())
-    }
-
-    /// The lineage of a file if one is given, else the built-in one.
-    pub fn load(path: Option<&Path>) -> Result<Lineage, InputError> {
-        path.map_or_else(Lineage::c_elegans, Lineage::read)
-    }
-
-    /// Reads and checks a lineage from RON text; `file` is what errors call it. A text with `base: "c_elegans"` says what
-    /// differs from the built-in lineage of that name:
-    ///
-    /// ```
-    /// use furrow::lineage::Lineage;
-    ///
-    /// let text = r#"(base: "c_elegans", founders: [(name: "P1", cue: "none")])"#;
-    /// let lineage = Lineage::parse(text, "mine.ron")?;
-    /// assert_eq!(lineage.founders.len(), Lineage::c_elegans()?.founders.len());
-    /// # Ok::<(), furrow::input::InputError>(())
-    /// ```
-    pub fn parse(text: &str, file: &str) -> Result<Lineage, InputError> {
-        let lineage = match base::read(text, file)? {
-            Some(lineage) => lineage,
-            None => parse_document(text, file, "a lineage file", "Lineage")?,
-        };
-        Check { lineage: &lineage, text, file }.run()?;
-        Ok(lineage)
-    }
-
-    /// Checks a lineage that was not read by [`parse`](Self::parse); `file` is what errors call where it comes from.
-    ///
-    /// # Errors
-    /// Names the founder, cue or field, its value and what is allowed.
-    pub fn check(&self, file: &str) -> Result<(), InputError> {
-        Check { lineage: self, text: "", file }.run()
-    }
-
     /// The first cell: the founder without a mother (an index into `founders`).
     pub fn first(&self) -> usize {
         self.founders.iter().position(|f| f.mother.is_none()).unwrap_or(0)

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use super::definition::{Lineage, ListedDaughters, Place};
 use super::tree::{CellId, EndReason, Fate, Side, Tree, TreeCell, TreeSettings};
 use crate::batch::{Job, Memo, SchedulerError, SchedulerOptions, Summary, Unsolved, scheduler};
-use crate::cell::{Cell, Cue};
+use crate::cell::Cell;
 use crate::division::{Division, DivisionError, DivisionInput};
 
 /// Why a tree could not be grown.
@@ -60,18 +60,23 @@ pub struct Grower<'a> {
 /// A cell in the order of growth, which depends on timing.
 #[derive(Clone, Debug)]
 struct GrowingCell {
-    name: String,
-    founder: usize,
+    /// The cell, whose fate is set when the layout reaches it.
+    cell: TreeCell,
     is_founder: bool,
     /// Rounds below the founder.
     round: u32,
-    generation: u32,
-    fraction: f64,
-    r0: f64,
-    cue: Cue,
     fate: Option<Fate>,
     /// The anterior daughter; the posterior one follows it.
     daughters: Option<usize>,
+}
+
+impl GrowingCell {
+    fn new(lineage: &Lineage, name: String, place: Place, volume_fraction: f64, is_founder: bool) -> GrowingCell {
+        let Place { founder, round, generation, r0 } = place;
+        let (cue, fate) = (lineage.cue_at(place), Fate::default());
+        let cell = TreeCell { name, founder, generation, r0, volume_fraction, cue, fate };
+        GrowingCell { cell, is_founder, round, fate: None, daughters: None }
+    }
 }
 
 struct Growth<'a> {
@@ -99,18 +104,8 @@ impl Grower<'_> {
     fn first(&self) -> GrowingCell {
         let founder = self.lineage.first();
         let r0 = self.lineage.given_r0(founder).unwrap_or(self.settings.cell.r0);
-        GrowingCell {
-            name: self.lineage.founders[founder].name.clone(),
-            founder,
-            is_founder: true,
-            round: 0,
-            generation: 0,
-            fraction: 1.0,
-            r0,
-            cue: self.lineage.cue_at(Place { founder, round: 0, generation: 0, r0 }),
-            fate: None,
-            daughters: None,
-        }
+        let place = Place { founder, round: 0, generation: 0, r0 };
+        GrowingCell::new(self.lineage, self.lineage.founders[founder].name.clone(), place, 1.0, true)
     }
 }
 
@@ -189,17 +184,17 @@ impl Growth<'_> {
     /// The division a cell needs; none if its fate is known without, and then it is noted.
     fn job(&mut self, index: usize) -> Option<Job<DivisionInput>> {
         let TreeSettings { cell: first, numerics, seed, .. } = &self.grower.settings;
-        let growing = &mut self.cells[index];
+        let TreeCell { founder, generation, r0, ref cue, .. } = self.cells[index].cell;
         let limits = self.grower.lineage.limits;
-        let mut cell = Cell { r0: growing.r0, cue: growing.cue.clone(), ..first.clone() };
-        self.grower.lineage.founders[growing.founder].physics.apply(&mut cell);
-        let ended = if growing.generation >= limits.max_depth {
+        let mut cell = Cell { r0, cue: cue.clone(), ..first.clone() };
+        self.grower.lineage.founders[founder].physics.apply(&mut cell);
+        let ended = if generation >= limits.max_depth {
             Some(EndReason::MaxDepth { max_depth: limits.max_depth })
         } else {
             (self.grower.ends)(&cell)
         };
         if let Some(reason) = ended {
-            growing.fate = Some(Fate::ended(reason));
+            self.cells[index].fate = Some(Fate::ended(reason));
             return None;
         }
         Some(Job { id: index, task: DivisionInput { cell, numerics: *numerics, seed: *seed } })
@@ -222,7 +217,7 @@ impl Growth<'_> {
     /// Where nothing tells one pole from the other the mechanics give χ, and the side is chance: drawn for each cell from
     /// the seed and its name, so that one record serves many cells and the tree is the same every time.
     fn oriented(&self, index: usize, division: &Division) -> Division {
-        let cell = &self.cells[index];
+        let cell = &self.cells[index].cell;
         let smaller_posterior = division.chi_signed.is_some_and(|chi| chi > 0.0);
         if cell.cue.is_mirror_symmetric() && smaller_posterior != draws_posterior(self.grower.settings.seed, &cell.name)
         {
@@ -239,8 +234,8 @@ impl Growth<'_> {
     /// Anterior and posterior daughter of a cell, if it divides.
     fn offspring(&self, index: usize, fate: &Fate) -> Option<[GrowingCell; 2]> {
         let mother = &self.cells[index];
-        let volumes = fate.daughter_volumes(mother.fraction)?;
-        let founders = self.listed[mother.founder].filter(|_| mother.is_founder).map(|listed| {
+        let volumes = fate.daughter_volumes(mother.cell.volume_fraction)?;
+        let founders = self.listed[mother.cell.founder].filter(|_| mother.is_founder).map(|listed| {
             match volumes[0].total_cmp(&volumes[1]) {
                 std::cmp::Ordering::Equal => [listed.first(), listed.second()],
                 std::cmp::Ordering::Greater => [listed.larger, listed.smaller],
@@ -257,26 +252,20 @@ impl Growth<'_> {
     /// A daughter of a volume given as a part of the first cell's; `founder` is the founder that it is, if it is one.
     fn daughter(&self, mother_index: usize, side: Side, fraction: f64, founder: Option<usize>) -> GrowingCell {
         let (lineage, mother) = (self.grower.lineage, &self.cells[mother_index]);
-        let first_r0 = self.cells[0].r0;
+        let first_r0 = self.cells[0].cell.r0;
         // V = 4πR0³/3, so R0 of the daughter follows from its share of the first cell's volume.
         let (mut r0, mut fraction) = (first_r0 * fraction.cbrt(), fraction);
         if let Some(given) = founder.and_then(|founder| lineage.given_r0(founder)) {
             (r0, fraction) = (given, (given / first_r0).powi(3));
         }
         let round = if founder.is_some() { 0 } else { mother.round + 1 };
-        let (generation, of) = (mother.generation + 1, founder.unwrap_or(mother.founder));
-        GrowingCell {
-            name: self.daughter_name(mother, side, founder),
-            founder: of,
-            is_founder: founder.is_some(),
+        let place = Place {
+            founder: founder.unwrap_or(mother.cell.founder),
             round,
-            generation,
-            fraction,
+            generation: mother.cell.generation + 1,
             r0,
-            cue: lineage.cue_at(Place { founder: of, round, generation, r0 }),
-            fate: None,
-            daughters: None,
-        }
+        };
+        GrowingCell::new(lineage, self.daughter_name(mother, side, founder), place, fraction, founder.is_some())
     }
 
     /// Name of a daughter: the founder's, or its mother's and a letter.
@@ -285,9 +274,9 @@ impl Growth<'_> {
         if let Some(founder) = founder {
             return lineage.founders[founder].name.clone();
         }
-        let (anterior, posterior) = lineage.letters(mother.founder, mother.round as usize + 1);
-        let mut name = String::with_capacity(mother.name.len() + 1);
-        name.push_str(&mother.name);
+        let (anterior, posterior) = lineage.letters(mother.cell.founder, mother.round as usize + 1);
+        let mut name = String::with_capacity(mother.cell.name.len() + 1);
+        name.push_str(&mother.cell.name);
         name.push(if side == Side::Anterior { anterior } else { posterior });
         name
     }
@@ -295,7 +284,7 @@ impl Growth<'_> {
     /// The tree in breadth-first order, cut at the limit of cells.
     fn lay_out(mut self, solve: Solve<'_>) -> Result<Tree, GrowError> {
         let max_cells = self.grower.lineage.limits.max_cells;
-        let first = self.cell_of(0);
+        let first = self.cells[0].cell.clone();
         let mut tree = Tree::new(self.grower.lineage.clone(), self.grower.settings.clone(), first);
         let mut queue: VecDeque<(CellId, usize)> = VecDeque::from([(tree.first(), 0)]);
         while let Some((id, index)) = queue.pop_front() {
@@ -312,7 +301,7 @@ impl Growth<'_> {
             if let Some(anterior) = self.cells[index].daughters {
                 if tree.len() + 2 <= max_cells {
                     for (daughter, side) in [(anterior, Side::Anterior), (anterior + 1, Side::Posterior)] {
-                        let cell = self.cell_of(daughter);
+                        let cell = self.cells[daughter].cell.clone();
                         let daughter_id = tree.add(id, side, cell, self.cells[daughter].is_founder);
                         queue.push_back((daughter_id, daughter));
                     }
@@ -339,20 +328,6 @@ impl Growth<'_> {
             self.divide(index, &division);
         }
         Ok(())
-    }
-
-    fn cell_of(&self, index: usize) -> TreeCell {
-        let cell = &self.cells[index];
-        TreeCell {
-            name: cell.name.clone(),
-            founder: cell.founder,
-            generation: cell.generation,
-            r0: cell.r0,
-            volume_fraction: cell.fraction,
-            cue: cell.cue.clone(),
-            // Noted when the layout reaches the cell.
-            fate: Fate::default(),
-        }
     }
 }
 

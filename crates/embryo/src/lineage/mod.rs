@@ -10,7 +10,6 @@
 //! | [`tree`] | the tree grown |
 //! | [`rounds`] | rounds of division per founder |
 
-mod base;
 mod check;
 mod clash;
 pub mod definition;
@@ -18,6 +17,7 @@ pub mod ends;
 pub mod grow;
 pub mod observed;
 pub mod physics;
+mod read;
 pub mod rounds;
 pub mod tree;
 pub mod units;

@@ -1,7 +1,7 @@
 //! Pictures and tables of what was computed.
 
-mod beside;
 pub mod html;
+mod observed_table;
 mod page;
 pub mod reproduction;
 pub mod scenarios_page;

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use super::beside::{MODEL, OBSERVED, founder_lines, observed_texts};
 use super::escape;
-use super::html::parameters;
+use super::html::{group, parameters};
+use super::observed_table::{OBSERVED_BESIDE, SCENARIO, founder_lines};
 use super::summary::TreeSummary;
 use super::svg::{colours, small};
 use crate::lineage::Tree;
@@ -89,40 +89,33 @@ fn table(out: &mut String, scenarios: &[Scenario], trees: &[Tree]) {
     let observed = lines.iter().any(|line| line.observed.is_some());
     out.push_str("<h2>Rounds of division per founder</h2>\n<div class=\"wrap\"><table><thead><tr><th></th>");
     for (k, scenario) in scenarios.iter().enumerate() {
-        let _ = write!(out, "<th colspan=\"{}\" class=\"s l\">{} {}</th>", MODEL.len(), k + 1, escape(&scenario.name));
+        let _ =
+            write!(out, "<th colspan=\"{}\" class=\"s l\">{} {}</th>", SCENARIO.len(), k + 1, escape(&scenario.name));
     }
     if observed {
-        let _ = write!(out, "<th colspan=\"{}\" class=\"s l\">observed</th>", OBSERVED.len());
+        let _ = write!(out, "<th colspan=\"{}\" class=\"s l\">observed</th>", OBSERVED_BESIDE.len());
     }
     out.push_str("</tr>\n<tr><th>founder</th>");
-    // The first column of a group stands off from the one before.
-    let heading = |out: &mut String, names: &[&str]| {
-        for (k, name) in names.iter().enumerate() {
-            let _ = write!(out, "<th{}>{name}</th>", if k == 0 { " class=\"s\"" } else { "" });
-        }
-    };
-    scenarios.iter().for_each(|_| heading(out, &MODEL));
+    scenarios.iter().for_each(|_| group(out, "th", SCENARIO.iter()));
     if observed {
-        heading(out, &OBSERVED);
+        group(out, "th", OBSERVED_BESIDE.iter());
     }
     out.push_str("</tr></thead><tbody>\n");
-    let cell = |out: &mut String, first: bool, differs: bool, text: &str| {
-        let class = match (first, differs) {
-            (true, true) => " class=\"s d\"",
-            (true, false) => " class=\"s\"",
-            (false, true) => " class=\"d\"",
-            (false, false) => "",
-        };
-        let _ = write!(out, "<td{class}>{text}</td>");
-    };
     for line in &lines {
         let _ = write!(out, "<tr><td>{}</td>", escape(&line.name));
         for entry in &line.entries {
-            let texts = entry.texts.iter().zip(entry.differs).enumerate();
-            texts.for_each(|(k, (text, differs))| cell(out, k == 0, differs, text));
+            for (k, (text, differs)) in entry.texts.iter().zip(entry.differs).enumerate() {
+                let class = match (k, differs) {
+                    (0, true) => " class=\"s d\"",
+                    (0, false) => " class=\"s\"",
+                    (_, true) => " class=\"d\"",
+                    (_, false) => "",
+                };
+                let _ = write!(out, "<td{class}>{text}</td>");
+            }
         }
         if observed {
-            observed_texts(line.observed).iter().enumerate().for_each(|(k, text)| cell(out, k == 0, false, text));
+            group(out, "td", (0..OBSERVED_BESIDE.len()).map(|k| line.observed_text(k)));
         }
         out.push_str("</tr>\n");
     }

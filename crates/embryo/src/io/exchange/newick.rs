@@ -127,7 +127,8 @@ mod tests {
 
     #[test]
     fn names_with_reserved_characters_are_quoted() {
-        for (name, written) in [("AB.p-1", "AB.p-1"), ("Q_1", "'Q_1'"), ("a b", "'a b'"), ("it's", "'it''s'"), ("(µ)", "'(µ)'")]
+        for (name, written) in
+            [("AB.p-1", "AB.p-1"), ("Q_1", "'Q_1'"), ("a b", "'a b'"), ("it's", "'it''s'"), ("(µ)", "'(µ)'")]
         {
             let mut out = String::new();
             push_name(&mut out, name);

@@ -1,14 +1,61 @@
-//! Lineage files that say what differs from another: `base: "c_elegans"`, and then only that.
+//! Reading a lineage file, whole or as what differs from another: `base: "c_elegans"`.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
+use super::check::Check;
 use super::definition::{C_ELEGANS, CueRule, Founder, Limits, Lineage, unique};
 use super::units::Units;
 use crate::cell::Cue;
-use crate::input::{InputError, did_you_mean, parse_document, parse_ron, shown};
+use crate::input::{InputError, did_you_mean, parse_document, parse_ron, read_text, shown};
+
+impl Lineage {
+    /// The built-in C. elegans founders.
+    pub fn c_elegans() -> Result<Lineage, InputError> {
+        Lineage::parse(C_ELEGANS, "c_elegans.ron (built in)")
+    }
+
+    /// Reads and checks a lineage file.
+    pub fn read(path: &Path) -> Result<Lineage, InputError> {
+        Lineage::parse(&read_text(path)?, &path.display().to_string())
+    }
+
+    /// The lineage of a file if one is given, else the built-in one.
+    pub fn load(path: Option<&Path>) -> Result<Lineage, InputError> {
+        path.map_or_else(Lineage::c_elegans, Lineage::read)
+    }
+
+    /// Reads and checks a lineage from RON text; `file` is what errors call it. A text with `base: "c_elegans"` says what
+    /// differs from the built-in lineage of that name:
+    ///
+    /// ```
+    /// use furrow::lineage::Lineage;
+    ///
+    /// let text = r#"(base: "c_elegans", founders: [(name: "P1", cue: "none")])"#;
+    /// let lineage = Lineage::parse(text, "mine.ron")?;
+    /// assert_eq!(lineage.founders.len(), Lineage::c_elegans()?.founders.len());
+    /// # Ok::<(), furrow::input::InputError>(())
+    /// ```
+    pub fn parse(text: &str, file: &str) -> Result<Lineage, InputError> {
+        let lineage = match with_base(text, file)? {
+            Some(lineage) => lineage,
+            None => parse_document(text, file, "a lineage file", "Lineage")?,
+        };
+        Check { lineage: &lineage, text, file }.run()?;
+        Ok(lineage)
+    }
+
+    /// Checks a lineage that was not read by [`parse`](Self::parse); `file` is what errors call where it comes from.
+    ///
+    /// # Errors
+    /// Names the founder, cue or field, its value and what is allowed.
+    pub fn check(&self, file: &str) -> Result<(), InputError> {
+        Check { lineage: self, text: "", file }.run()
+    }
+}
 
 /// Lineages that may be a base, by name. They are built in, so that what a file says does not depend on other files.
 const BASES: [(&str, &str); 1] = [("c_elegans", C_ELEGANS)];
@@ -25,15 +72,10 @@ struct Probe {
 #[serde(rename = "Lineage", deny_unknown_fields)]
 struct Differing {
     base: String,
-    #[serde(default)]
     name: Option<String>,
-    #[serde(default)]
     citation: Option<String>,
-    #[serde(default)]
     naming: Option<(char, char)>,
-    #[serde(default)]
     units: Option<Units>,
-    #[serde(default)]
     limits: Option<Limits>,
     /// Beside those of the base, or in place of those of the same name.
     #[serde(default, deserialize_with = "unique")]
@@ -50,7 +92,7 @@ struct Differing {
 ///
 /// # Errors
 /// As [`Lineage::parse`].
-pub(super) fn read(text: &str, file: &str) -> Result<Option<Lineage>, InputError> {
+fn with_base(text: &str, file: &str) -> Result<Option<Lineage>, InputError> {
     // Files are read twice only where the word occurs. What is no good RON is complained of by whoever reads it next.
     if !text.contains("base") || !parse_ron::<Probe>(text, file).is_ok_and(|probe| probe.base.is_some()) {
         return Ok(None);
