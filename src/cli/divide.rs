@@ -12,7 +12,7 @@ use super::error::CliError;
 use super::from_steady::{self, FromSteadyArgs, Output};
 use super::interrupt;
 use super::movie::{DENSE, MovieArgs};
-use super::output::{answer, writable_folder};
+use super::output::{print, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use crate::batch::{Failure, Replicates, Unsolved, replicates};
@@ -125,11 +125,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         statistics: Statistics::of(divisions.iter().map(|(_, division)| division)),
         undecided: undecided.len(),
     };
-    if context.json {
-        answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
-    } else {
-        answer(&text(&document, &context.units))
-    }
+    print(context.json, &document, || text(&document, &context.units))
 }
 
 /// Writes the frames of a film, after every step or every so many τ; an interruption waits for them.

@@ -7,14 +7,15 @@ use serde::Serialize;
 
 use super::context::Context;
 use super::error::CliError;
-use super::output::{answer, writable_folder};
-use super::tree::{Grown, RunRecord, TreeArgs, bad_cue, grown, prepared};
+use super::output::{answer, print_json, writable_folder};
+use super::tree::{RunRecord, TreeArgs, bad_cue, grown, prepared};
 use crate::batch::Summary;
 use crate::input::InputError;
 use crate::io::files::FileSet;
 use crate::io::{FounderRow, founder_rows, newick, scenarios_csv};
 use crate::lineage::Tree;
 use crate::report;
+use crate::study::Grown;
 use crate::study::scenarios::{Scenario, ScenarioError, Source, combine};
 
 /// The files beside the folders of scenarios.
@@ -97,7 +98,7 @@ fn respond(
     args: &TreeArgs,
     context: &Context,
     scenarios: &[Scenario],
-    Grown { trees, summary }: &Grown,
+    Grown { trees, summary, .. }: &Grown,
     elapsed_s: f64,
 ) -> Result<(), CliError> {
     if !context.json {
@@ -129,7 +130,7 @@ fn respond(
         elapsed_s,
         out: args.out.display().to_string(),
     };
-    answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
+    print_json(&document)
 }
 
 fn write_files(

@@ -4,21 +4,21 @@ use super::cell::FirstCellArgs;
 use super::context::{Context, warn_of_store, warning_text};
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, writable_folder};
+use super::output::{answer, print_json, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use super::scenarios;
 use crate::batch::Summary;
 use crate::batch::scheduler::workers;
-use crate::cell::{Cell, Cue, CueError};
+use crate::cell::{Cue, CueError};
 use crate::input::InputError;
 use crate::io::files::FileSet;
 use crate::io::{FounderRow, Provenance, founder_rows, newick};
-use crate::lineage::{EndReason, Lineage, Tree, TreeCell, TreeSettings};
+use crate::lineage::{Lineage, TerminalReason, Tree, TreeSettings};
 use crate::report;
 use crate::shapes::ShapeError;
 use crate::study::scenarios::Scenario;
-use crate::study::{self, tree_settings};
+use crate::study::{self, Grown, tree_settings};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -174,7 +174,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     }
     writable_folder("--out", "out", &args.out, &TREE_FILES)?;
     let only = Scenario { name: String::new(), label: String::new(), cue: None, lineage, settings };
-    let Grown { trees, summary } = grown(&[only], args.dynamics, context)?;
+    let Grown { trees, summary, .. } = grown(&[only], args.dynamics, context)?;
     for tree in &trees {
         let rows = founder_rows(tree);
         write_files(args, context, tree, &rows, &summary, start)?;
@@ -209,14 +209,6 @@ pub fn bad_cue(error: CueError) -> InputError {
     InputError::not_allowed("--cue", error.field, error.value, error.allowed)
 }
 
-/// Trees and what growing them took.
-#[derive(Default)]
-pub struct Grown {
-    /// One for each scenario.
-    pub trees: Vec<Tree>,
-    pub summary: Summary,
-}
-
 /// Grows all scenarios in one run, and says what the user should know of it.
 ///
 /// With `dynamics` the division of every cell is computed, those below the critical radius of their cue included.
@@ -227,20 +219,20 @@ pub fn grown(scenarios: &[Scenario], dynamics: bool, context: &Context) -> Resul
     let (options, flag) = (context.scheduling(&show), interrupt::flag());
     let grown = study::grown(scenarios, dynamics, &memo, options, flag);
     drop(line);
-    let study::Grown { trees, summary, unknown } = grown?;
-    warn_of_store(&summary.warnings);
-    warn_of_searches(unknown);
-    for (tree, scenario) in trees.iter().zip(scenarios) {
+    let grown = grown?;
+    warn_of_store(&grown.summary.warnings);
+    warn_of_searches(&grown.unknown);
+    for (tree, scenario) in grown.trees.iter().zip(scenarios) {
         warn_of_undecided(tree, &scenario.name);
     }
-    Ok(Grown { trees, summary })
+    Ok(grown)
 }
 
 /// Says which cells are undecided: their branches end there, the rest of the tree stands.
 fn warn_of_undecided(tree: &Tree, scenario: &str) {
     let place = if scenario.is_empty() { String::new() } else { format!("{scenario}: ") };
     let undecided = tree.cells().map(|id| tree.cell(id)).filter_map(|cell| match &cell.fate.ended {
-        Some(EndReason::Undecided { why }) => Some((cell, why)),
+        Some(TerminalReason::Undecided { why }) => Some((cell, why)),
         _ => None,
     });
     for (k, (cell, why)) in undecided.enumerate() {
@@ -253,7 +245,7 @@ fn warn_of_undecided(tree: &Tree, scenario: &str) {
 }
 
 /// Says which cells have no critical radius; in one warning, which were not searched for to the end.
-fn warn_of_searches(unknown: Vec<(Cue, ShapeError)>) {
+fn warn_of_searches(unknown: &[(Cue, ShapeError)]) {
     let mut given_up = Vec::new();
     for (cue, error) in unknown {
         if let ShapeError::Effort { .. } = error {
@@ -290,7 +282,7 @@ fn respond(
             elapsed_s,
             out: args.out.display().to_string(),
         };
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+        return print_json(&document);
     }
     answer(&format!(
         "{}{} divisions solved, {} memo hits, {elapsed_s:.2} s; files in {}\n",

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::definition::{Lineage, ListedDaughters, Place};
-use super::tree::{CellId, EndReason, Fate, Side, Tree, TreeCell, TreeSettings};
+use super::tree::{CellId, Fate, Side, TerminalReason, Tree, TreeCell, TreeSettings};
 use crate::batch::{Job, Memo, SchedulerError, SchedulerOptions, Summary, Unsolved, scheduler};
 use crate::cell::Cell;
 use crate::division::{Division, DivisionError, DivisionInput};
@@ -50,7 +50,7 @@ pub struct Grower<'a> {
     /// Parameters of all divisions.
     pub settings: TreeSettings,
     /// Ends branches ahead of their division; `&|_| None` leaves it to the dynamics.
-    pub ends: &'a dyn Fn(&Cell) -> Option<EndReason>,
+    pub ends: &'a dyn Fn(&Cell) -> Option<TerminalReason>,
     /// Remembers divisions.
     pub memo: &'a Memo<DivisionInput>,
     /// Threads, interruption, progress, order of work; for the last see [`expected_work`](super::expected_work).
@@ -189,7 +189,7 @@ impl Growth<'_> {
         let mut cell = Cell { r0, cue: cue.clone(), ..first.clone() };
         self.grower.lineage.founders[founder].physics.apply(&mut cell);
         let ended = if generation >= limits.max_depth {
-            Some(EndReason::MaxDepth { max_depth: limits.max_depth })
+            Some(TerminalReason::MaxDepth { max_depth: limits.max_depth })
         } else {
             (self.grower.ends)(&cell)
         };
@@ -228,7 +228,7 @@ impl Growth<'_> {
 
     /// Ends the branch of a cell whose division could not be computed.
     fn note_undecided(&mut self, index: usize, why: String) {
-        self.cells[index].fate = Some(Fate::ended(EndReason::Undecided { why }));
+        self.cells[index].fate = Some(Fate::ended(TerminalReason::Undecided { why }));
     }
 
     /// Anterior and posterior daughter of a cell, if it divides.
@@ -294,7 +294,7 @@ impl Growth<'_> {
                 if room {
                     self.settle(index, solve)?
                 } else {
-                    self.cells[index].fate = Some(Fate::ended(EndReason::MaxCells { max_cells }))
+                    self.cells[index].fate = Some(Fate::ended(TerminalReason::MaxCells { max_cells }))
                 }
             }
             let Some(mut fate) = self.cells[index].fate.take() else { continue };
@@ -306,7 +306,7 @@ impl Growth<'_> {
                         queue.push_back((daughter_id, daughter));
                     }
                 } else {
-                    fate = Fate::ended(EndReason::MaxCells { max_cells });
+                    fate = Fate::ended(TerminalReason::MaxCells { max_cells });
                 }
             }
             tree.cell_mut(id).fate = fate;

@@ -12,7 +12,7 @@ use crate::shapes::critical::{BoundaryKind, End};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 #[serde(tag = "reason", rename_all = "snake_case", deny_unknown_fields)]
-pub enum EndReason {
+pub enum TerminalReason {
     /// Its division was computed and came to rest, undivided, in a stable shape.
     AtRest {
         /// Leading growth rate of perturbations of that shape, in 1/τ (negative: stable).
@@ -45,49 +45,51 @@ pub enum EndReason {
     },
 }
 
-impl EndReason {
+impl TerminalReason {
     /// True if a limit stopped the cell and mechanics did not.
     pub fn is_limit(&self) -> bool {
-        matches!(self, EndReason::MaxDepth { .. } | EndReason::MaxCells { .. })
+        matches!(self, TerminalReason::MaxDepth { .. } | TerminalReason::MaxCells { .. })
     }
 
     /// True if mechanics says that the cell cannot divide.
     fn is_mechanical(&self) -> bool {
-        !self.is_limit() && !matches!(self, EndReason::Undecided { .. })
+        !self.is_limit() && !matches!(self, TerminalReason::Undecided { .. })
     }
 
     /// The reason's name in files.
     pub fn name(&self) -> &'static str {
         match self {
-            EndReason::AtRest { .. } => "at_rest",
-            EndReason::BelowPitchfork { .. } => "below_pitchfork",
-            EndReason::BelowCuedFold { .. } => "below_cued_fold",
-            EndReason::Undecided { .. } => "undecided",
-            EndReason::MaxDepth { .. } => "max_depth",
-            EndReason::MaxCells { .. } => "max_cells",
+            TerminalReason::AtRest { .. } => "at_rest",
+            TerminalReason::BelowPitchfork { .. } => "below_pitchfork",
+            TerminalReason::BelowCuedFold { .. } => "below_cued_fold",
+            TerminalReason::Undecided { .. } => "undecided",
+            TerminalReason::MaxDepth { .. } => "max_depth",
+            TerminalReason::MaxCells { .. } => "max_cells",
         }
     }
 }
 
-impl std::fmt::Display for EndReason {
+impl std::fmt::Display for TerminalReason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            EndReason::AtRest { growth_rate: Some(s) } => write!(f, "failed: at rest, stable (growth rate {s:.3}/τ)"),
-            EndReason::AtRest { growth_rate: None } => write!(f, "failed: at rest"),
-            EndReason::BelowPitchfork { r0_c } => write!(f, "below the pitchfork boundary R0_c = {r0_c:.4}"),
-            EndReason::BelowCuedFold { r0 } => write!(f, "below the fold of the cued branch, R0 = {r0:.4}"),
-            EndReason::Undecided { why } => write!(f, "undecided: {why}"),
-            EndReason::MaxDepth { max_depth } => write!(f, "limit: {max_depth} generations"),
-            EndReason::MaxCells { max_cells } => write!(f, "limit: {max_cells} cells"),
+            TerminalReason::AtRest { growth_rate: Some(s) } => {
+                write!(f, "failed: at rest, stable (growth rate {s:.3}/τ)")
+            }
+            TerminalReason::AtRest { growth_rate: None } => write!(f, "failed: at rest"),
+            TerminalReason::BelowPitchfork { r0_c } => write!(f, "below the pitchfork boundary R0_c = {r0_c:.4}"),
+            TerminalReason::BelowCuedFold { r0 } => write!(f, "below the fold of the cued branch, R0 = {r0:.4}"),
+            TerminalReason::Undecided { why } => write!(f, "undecided: {why}"),
+            TerminalReason::MaxDepth { max_depth } => write!(f, "limit: {max_depth} generations"),
+            TerminalReason::MaxCells { max_cells } => write!(f, "limit: {max_cells} cells"),
         }
     }
 }
 
-impl From<End> for EndReason {
-    fn from(end: End) -> EndReason {
+impl From<End> for TerminalReason {
+    fn from(end: End) -> TerminalReason {
         match end.kind {
-            BoundaryKind::CuedFold => EndReason::BelowCuedFold { r0: end.critical_r0 },
-            _ => EndReason::BelowPitchfork { r0_c: end.critical_r0 },
+            BoundaryKind::CuedFold => TerminalReason::BelowCuedFold { r0: end.critical_r0 },
+            _ => TerminalReason::BelowPitchfork { r0_c: end.critical_r0 },
         }
     }
 }
@@ -98,19 +100,19 @@ pub struct Fate {
     /// Its division; none where it need not be computed, or a limit stopped the cell.
     pub division: Option<Division>,
     /// Why there are no daughters; none if there are.
-    pub ended: Option<EndReason>,
+    pub ended: Option<TerminalReason>,
 }
 
 impl Fate {
     /// The fate that a computed division gives.
     pub fn of(division: &Division) -> Fate {
         let failed = division.outcome == Outcome::Failed;
-        let ended = failed.then_some(EndReason::AtRest { growth_rate: division.growth_rate });
+        let ended = failed.then_some(TerminalReason::AtRest { growth_rate: division.growth_rate });
         Fate { division: Some(division.clone()), ended }
     }
 
     /// The fate of a cell whose division need not be computed: it cannot divide (outcome failed), or a limit stops it.
-    pub fn ended(reason: EndReason) -> Fate {
+    pub fn ended(reason: TerminalReason) -> Fate {
         Fate { division: None, ended: Some(reason) }
     }
 

@@ -6,7 +6,7 @@ use super::scenarios::{Scenario, grow};
 use crate::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use crate::cell::{Cell, Cue};
 use crate::division::{DivisionInput, divide};
-use crate::lineage::{Ends, GrowError, Lineage, Tree, TreeSettings, expected_work};
+use crate::lineage::{GrowError, Lineage, Thresholds, Tree, TreeSettings, expected_work};
 use crate::settings::Settings;
 use crate::shapes::{CriticalRadii, ShapeError};
 
@@ -56,7 +56,7 @@ pub fn grown(
 ) -> Result<Grown, GrowError> {
     // Scenarios have the same numerics, and what all cells share is the same.
     let Some(Scenario { settings, .. }) = scenarios.first() else { return Ok(Grown::default()) };
-    let rule = Ends::new(CriticalRadii::new(&settings.numerics).interrupted_by(interrupt));
+    let rule = Thresholds::new(CriticalRadii::new(&settings.numerics).interrupted_by(interrupt));
     let plain = settings.cell.clone().with_cue(Cue::none());
     // The order of the work is no reason to search for a radius, which growth does when it comes to such cells.
     let order = |input: &DivisionInput| {

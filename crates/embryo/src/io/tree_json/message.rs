@@ -14,7 +14,7 @@ const WORDS: [(&str, &str); 7] = [
     ("u64", "a whole number, 0 or above"),
     ("usize", "a whole number, 0 or above"),
     ("a tuple of size 2", "a list of two"),
-    ("internally tagged enum EndReason", "null or an object with a reason"),
+    ("internally tagged enum TerminalReason", "null or an object with a reason"),
     ("ident", "null, true or false"),
 ];
 

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::provenance::Provenance;
 use crate::cell::{Cell, Cue, Numerics};
 use crate::division::Outcome;
-use crate::lineage::{CellId, EndReason, Lineage, ObservedRounds, Place, Rounds, Side, Tree, founder_rounds};
+use crate::lineage::{CellId, Lineage, ObservedRounds, Place, Rounds, Side, TerminalReason, Tree, founder_rounds};
 
 /// Name of the format.
 pub const SCHEMA: &str = "furrow.tree";
@@ -122,7 +122,7 @@ struct Record<'a> {
     t_end: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     slow_growth_rate: Option<f64>,
-    ended: Option<EndReason>,
+    ended: Option<TerminalReason>,
 }
 
 impl<'a> Record<'a> {

@@ -11,7 +11,7 @@ use super::{Record, SCHEMA, SCHEMA_VERSION};
 use crate::cell::{Cell, Cue, Numerics};
 use crate::division::{Division, Outcome};
 use crate::input::{InputError, forbidden, read_text_up_to, shown};
-use crate::lineage::{CellId, EndReason, Fate, Lineage, Side, Tree, TreeCell, TreeSettings};
+use crate::lineage::{CellId, Fate, Lineage, Side, TerminalReason, Tree, TreeCell, TreeSettings};
 use crate::settings::Settings;
 
 /// The longest file of a tree that is read, in bytes: 512 MB, which the million cells take that a lineage grows to unless it
@@ -319,7 +319,7 @@ impl Record<'_> {
     /// The cell's fate; what a tree file does not keep of a division, the work it took, is zero.
     fn fate(&self) -> Fate {
         let growth_rate = match self.ended {
-            Some(EndReason::AtRest { growth_rate }) => growth_rate,
+            Some(TerminalReason::AtRest { growth_rate }) => growth_rate,
             _ => None,
         };
         let division = self.outcome.zip(self.t_end).map(|(outcome, t_end)| {

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use super::tree::EndReason;
+use super::tree::TerminalReason;
 use crate::cell::{Cell, Cue};
 use crate::shapes::{CriticalRadii, ShapeError};
 
@@ -10,19 +10,19 @@ use crate::shapes::{CriticalRadii, ShapeError};
 ///
 /// A kind of cell whose critical radius cannot be found is left to its dynamics: its divisions tell.
 #[derive(Debug)]
-pub struct Ends {
+pub struct Thresholds {
     radii: CriticalRadii,
     unknown: RefCell<Vec<(Cue, ShapeError)>>,
 }
 
-impl Ends {
+impl Thresholds {
     /// By the given radii.
-    pub fn new(radii: CriticalRadii) -> Ends {
-        Ends { radii, unknown: RefCell::default() }
+    pub fn new(radii: CriticalRadii) -> Thresholds {
+        Thresholds { radii, unknown: RefCell::default() }
     }
 
     /// Why a cell cannot divide; `None` if it can, or if only its division tells.
-    pub fn of(&self, cell: &Cell) -> Option<EndReason> {
+    pub fn of(&self, cell: &Cell) -> Option<TerminalReason> {
         self.radii
             .ends(cell)
             .unwrap_or_else(|error| {
@@ -34,7 +34,7 @@ impl Ends {
                 }
                 None
             })
-            .map(EndReason::from)
+            .map(TerminalReason::from)
     }
 
     /// Whether an answer about cells like this one takes no search for a radius.
