@@ -12,7 +12,7 @@ use tempfile::{NamedTempFile, TempPath};
 pub struct WriteError {
     /// The file.
     pub path: String,
-    /// What the system said.
+    /// The error of the system.
     pub source: io::Error,
 }
 
@@ -116,11 +116,11 @@ impl FileSet {
     }
 }
 
-/// Whether files of these names can be written into a folder, which need not exist yet. Nothing is left behind: folders made
-/// to find out are removed again.
+/// Whether files of these names can be written into a folder, which need not exist yet. Folders that the check creates are
+/// removed again.
 ///
 /// # Errors
-/// What the system says, as [`WriteError`] of the folder or the file.
+/// [`WriteError`] of the folder or the file.
 pub fn check_folder(folder: &Path, names: &[&str]) -> Result<(), WriteError> {
     let missing: Vec<&Path> =
         folder.ancestors().take_while(|f| !f.as_os_str().is_empty() && fs::symlink_metadata(f).is_err()).collect();
@@ -148,8 +148,7 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Whether a file can have this name: no folder has it, nor a device or a pipe, which a rename would put a file in the place of,
-/// and the system takes it.
+/// Whether a file can have this name: it is free or that of a regular file. A rename would replace a device or a pipe.
 fn can_be_a_file(path: &Path) -> io::Result<()> {
     match fs::metadata(path) {
         Ok(there) if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),

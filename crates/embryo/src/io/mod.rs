@@ -14,5 +14,4 @@ pub use provenance::Provenance;
 pub use scenarios_csv::scenarios_csv;
 pub use tree_json::{FounderRow, TREE_SCHEMA, TreeFileError, founder_rows};
 
-/// Parameters of a run are a floor of their own; whoever reads files needs them too.
 pub use crate::settings::{Settings, parse_cue};

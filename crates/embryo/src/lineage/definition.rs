@@ -149,7 +149,7 @@ pub struct Lineage {
     /// Letters added to the mother's name for the (anterior, posterior) daughter.
     #[serde(default = "default_naming")]
     pub naming: (char, char),
-    /// What one L_h and one τ are in this embryo.
+    /// L_h and τ of this embryo.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub units: Option<Units>,
     /// Limits.
@@ -158,7 +158,7 @@ pub struct Lineage {
     /// Cues by name. `none` always exists.
     #[serde(default, deserialize_with = "unique")]
     pub cues: BTreeMap<String, Cue>,
-    /// Cues of the cells whose founder says nothing of its own, the first rule that applies. Generations are counted from
+    /// Cues of cells whose founder gives none, the first rule that applies. Generations are counted from
     /// the first cell.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cue_rules: Vec<CueRule>,
@@ -172,7 +172,7 @@ impl Lineage {
         self.founders.iter().position(|f| f.mother.is_none()).unwrap_or(0)
     }
 
-    /// What one L_h and one τ are; nothing is known of them where the file does not say.
+    /// L_h and τ; both unknown where the file does not give them.
     pub fn units(&self) -> Units {
         self.units.unwrap_or_default()
     }
@@ -228,7 +228,7 @@ impl Lineage {
         self.cue(self.cue_name_at(place)).unwrap_or_default()
     }
 
-    /// Whether a founder says that it or descendants of it carry a cue.
+    /// Whether a founder gives itself or descendants a cue.
     pub fn gives_cue(&self, founder: usize) -> bool {
         let founder = &self.founders[founder];
         let acts = |name: &String| self.cues.get(name).is_some_and(|cue| !cue.is_none());
@@ -248,7 +248,7 @@ impl Lineage {
     pub fn with_cues_replaced(mut self, name: &str, cue: &Cue) -> Lineage {
         let mut name = name.to_owned();
         if name != "none" {
-            // The name of another cue is left to it.
+            // Another cue keeps its name.
             while self.cues.get(&name).is_some_and(|other| other != cue) {
                 name.push('*');
             }
@@ -324,7 +324,7 @@ fn replace(given: &mut String, name: &str) {
     }
 }
 
-/// Reads cues by name, refusing a name that stands twice: which of the two is meant cannot be told.
+/// Reads cues by name, and refuses duplicate names.
 pub(super) fn unique<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, Cue>, D::Error> {
     struct Cues;
     impl<'de> serde::de::Visitor<'de> for Cues {

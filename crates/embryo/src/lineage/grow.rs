@@ -23,10 +23,10 @@ pub enum GrowError {
     },
 }
 
-/// What a tree is grown with.
+/// The inputs of a tree.
 ///
 /// # Examples
-/// A cell without a cue and all that descends from it, every division computed and none twice:
+/// A cell without a cue and its descendants, every division computed once:
 ///
 /// ```
 /// use furrow::batch::{Memo, Quantisation, SchedulerOptions};
@@ -86,9 +86,8 @@ struct Growth<'a> {
 }
 
 impl Grower<'_> {
-    /// Grows the tree, solving with `solve` (on the workers, with R0 quantised as the memo says) what the memo does not
-    /// know. The tree depends on the inputs alone, whatever the number of threads and the state of the memo; the
-    /// [`Summary`] tells the work done.
+    /// Grows the tree. Workers compute divisions that the memo lacks with `solve`, at the memo's rounding of R0. The tree
+    /// depends on the inputs alone, not on the number of threads or the state of the memo; the [`Summary`] counts the work.
     ///
     /// # Errors
     /// A division that could not be computed, or interruption.
@@ -109,9 +108,9 @@ impl Grower<'_> {
     }
 }
 
-/// Grows several trees in one run: all their cells stand in one queue, so that no worker is idle while any tree has a division
-/// to solve, and a division that several trees need is solved once. Every tree is the one that its grower grows alone; the
-/// [`Summary`] tells the work of all. Memo and options are those of the first grower.
+/// Grows several trees in one run. All their cells share a queue, so that no worker is idle while any tree has a division to
+/// solve, and a division that several trees need is solved once. Every tree is the same as grown alone; the [`Summary`]
+/// counts the work of all. Memo and options are those of the first grower.
 ///
 /// # Errors
 /// As [`Grower::grow`].
@@ -122,14 +121,14 @@ where
     grow_all(growers, &solve)
 }
 
-/// What solves a division.
+/// Computes a division.
 type Solve<'a> = &'a (dyn Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync);
 
-/// [`grow_together`], compiled here once and not with everyone who brings a solver.
+/// [`grow_together`], not generic, so that it is compiled once.
 fn grow_all(growers: &[Grower<'_>], solve: Solve<'_>) -> Result<(Vec<Tree>, Summary), GrowError> {
     let Some(Grower { memo, options, .. }) = growers.first() else { return Ok(Default::default()) };
     let mut growths: Vec<Growth<'_>> = growers.iter().map(Growth::of).collect();
-    // The scheduler's number of a job tells the cell and the tree it is in.
+    // The scheduler's number of a job encodes the cell and its tree.
     let trees = growths.len();
     let numbered = |tree: usize, job: Job<DivisionInput>| Job { id: job.id * trees + tree, ..job };
     let mut roots = Vec::with_capacity(trees);
@@ -145,7 +144,7 @@ fn grow_all(growers: &[Grower<'_>], solve: Solve<'_>) -> Result<(Vec<Tree>, Summ
     Ok((trees?, summary))
 }
 
-/// The summary of a run that was not broken off. Jobs without a record are undecided, and `undecided` is told each of them.
+/// The summary of a run that was not interrupted. Jobs without a record are passed to `undecided`.
 fn completed(
     run: Result<Summary, SchedulerError<DivisionError>>,
     mut undecided: impl FnMut(usize, String),
@@ -174,14 +173,14 @@ impl<'a> Growth<'a> {
 }
 
 impl Growth<'_> {
-    /// What follows from a cell's division. What lies beyond the limit of cells is settled in the layout, in an order that
-    /// timing has no part in.
+    /// The jobs that follow from a cell's division. Cells beyond the limit are settled in the layout, in an order that does
+    /// not depend on timing.
     fn expand(&mut self, index: usize, division: &Division) -> Vec<Job<DivisionInput>> {
         let max_cells = self.grower.lineage.limits.max_cells;
         if self.cells.len() + 2 > max_cells { vec![] } else { self.divide(index, division) }
     }
 
-    /// The division a cell needs; none if its fate is known without, and then it is noted.
+    /// The division a cell needs; none if its fate is known without it, which is then set.
     fn job(&mut self, index: usize) -> Option<Job<DivisionInput>> {
         let TreeSettings { cell: first, numerics, seed, .. } = &self.grower.settings;
         let TreeCell { founder, generation, r0, ref cue, .. } = self.cells[index].cell;
@@ -200,7 +199,7 @@ impl Growth<'_> {
         Some(Job { id: index, task: DivisionInput { cell, numerics: *numerics, seed: *seed } })
     }
 
-    /// Notes a cell's division, adds its daughters and returns the divisions they need.
+    /// Sets a cell's fate, adds its daughters and returns the divisions they need.
     fn divide(&mut self, index: usize, division: &Division) -> Vec<Job<DivisionInput>> {
         let fate = Fate::of(&self.oriented(index, division));
         let pair = self.offspring(index, &fate);
@@ -214,8 +213,8 @@ impl Growth<'_> {
 
     /// The division with its smaller daughter on the side where it is in this cell.
     ///
-    /// Where nothing tells one pole from the other the mechanics give χ, and the side is chance: drawn for each cell from
-    /// the seed and its name, so that one record serves many cells and the tree is the same every time.
+    /// Where the poles are alike the mechanics give χ and the side is random: drawn for each cell from the seed and its name,
+    /// so that one record serves many cells and the tree is reproducible.
     fn oriented(&self, index: usize, division: &Division) -> Division {
         let cell = &self.cells[index].cell;
         let smaller_posterior = division.chi_signed.is_some_and(|chi| chi > 0.0);

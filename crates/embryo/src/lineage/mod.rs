@@ -1,13 +1,13 @@
 //! Lineages: founders, which cells divide, the tree that grows and its rounds per founder beside the observed ones.
 //!
-//! | file | what it says |
+//! | file | contents |
 //! |---|---|
-//! | [`definition`] | the lineage file: founders, cues and who carries them, names, limits, observed counts; a file may say what differs from a built-in one |
-//! | [`observed`], [`physics`], [`units`] | what was observed of a founder, what it changes of the physics, µm and minutes |
-//! | [`grow`] | growth: volumes are handed down, every cell's division is solved as soon as its mother's is |
+//! | [`definition`] | the lineage file: founders, cues, names, limits, observed counts |
+//! | [`observed`], [`physics`], [`units`] | observed counts and parameters of a founder, µm and minutes |
+//! | [`grow`] | growth: daughters inherit volumes; a division starts as soon as the mother's is solved |
 //! | [`thresholds`] | which cells are too small to divide |
 //! | [`priority`] | which divisions are solved first |
-//! | [`tree`] | the tree grown |
+//! | [`tree`] | the grown tree |
 //! | [`rounds`] | rounds of division per founder |
 
 mod check;

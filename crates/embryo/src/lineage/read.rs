@@ -28,8 +28,8 @@ impl Lineage {
         path.map_or_else(Lineage::c_elegans, Lineage::read)
     }
 
-    /// Reads and checks a lineage from RON text; `file` is what errors call it. A text with `base: "c_elegans"` says what
-    /// differs from the built-in lineage of that name:
+    /// Reads and checks a lineage from RON text; `file` is what errors call it. A text with `base: "c_elegans"` overrides
+    /// the built-in lineage of that name:
     ///
     /// ```
     /// use furrow::lineage::Lineage;
@@ -57,17 +57,17 @@ impl Lineage {
     }
 }
 
-/// Lineages that may be a base, by name. They are built in, so that what a file says does not depend on other files.
+/// Built-in lineages that may be a base, by name.
 const BASES: [(&str, &str); 1] = [("c_elegans", C_ELEGANS)];
 
-/// What tells whether a file has a base; all else is passed over.
+/// Whether a file has a base; other fields are ignored.
 #[derive(Deserialize)]
 #[serde(rename = "Lineage")]
 struct Probe {
     base: Option<IgnoredAny>,
 }
 
-/// A file with a base. What it does not say is the base's.
+/// A file with a base, whose values are kept where the file sets none.
 #[derive(Deserialize)]
 #[serde(rename = "Lineage", deny_unknown_fields)]
 struct Differing {
@@ -88,12 +88,12 @@ struct Differing {
     founders: Vec<Founder>,
 }
 
-/// The lineage of a text that names a base; `None` if it names none. It is still to be checked.
+/// The unchecked lineage of a text that names a base; `None` if it names none.
 ///
 /// # Errors
 /// As [`Lineage::parse`].
 fn with_base(text: &str, file: &str) -> Result<Option<Lineage>, InputError> {
-    // Files are read twice only where the word occurs. What is no good RON is complained of by whoever reads it next.
+    // Files are parsed twice only where the word occurs. The second parse reports malformed RON.
     if !text.contains("base") || !parse_ron::<Probe>(text, file).is_ok_and(|probe| probe.base.is_some()) {
         return Ok(None);
     }
@@ -126,7 +126,7 @@ impl Differing {
         for founder in founders {
             match base.founders[..of_base].iter().position(|other| other.name == founder.name) {
                 None => base.founders.push(founder),
-                // As in a file without a base, where the check that follows would find the name twice.
+                // A file without a base is refused for this by the check.
                 Some(k) if std::mem::replace(&mut changed[k], true) => {
                     let field = format!("founder {}", shown(&founder.name));
                     return Err(InputError::not_allowed(file, field, "(given twice)", "given once"));
@@ -138,9 +138,9 @@ impl Differing {
     }
 }
 
-/// Puts what a founder of a file says in the place of what the base says of it.
+/// Overrides a founder of the base.
 fn replace(founder: &mut Founder, with: Founder) {
-    // Taken apart without `..`: a new field does not compile until it has its place.
+    // Without `..`: a new field does not compile until it is handled.
     let Founder { name: _, mother, daughter, cue, inherit, cue_rules, r0, physics, letters, observed } = with;
     founder.mother = mother.or(founder.mother.take());
     founder.daughter = daughter.or(founder.daughter);

@@ -51,7 +51,7 @@ impl TerminalReason {
         matches!(self, TerminalReason::MaxDepth { .. } | TerminalReason::MaxCells { .. })
     }
 
-    /// True if mechanics says that the cell cannot divide.
+    /// True if the cell cannot divide by mechanics.
     fn is_mechanical(&self) -> bool {
         !self.is_limit() && !matches!(self, TerminalReason::Undecided { .. })
     }
@@ -94,7 +94,7 @@ impl From<End> for TerminalReason {
     }
 }
 
-/// What becomes of a cell: its division, if one was computed, and why it has no daughters, if it has none.
+/// The fate of a cell: its division, if one was computed, and why it has no daughters, if it has none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fate {
     /// Its division; none where it need not be computed, or a limit stopped the cell.
@@ -155,7 +155,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// As words before what else is said of the cell.
+    /// As an adjective in drawings.
     pub fn adjective(self) -> &'static str {
         match self {
             Side::Anterior => "anterior, ",
@@ -179,7 +179,7 @@ pub struct TreeCell {
     pub volume_fraction: f64,
     /// Polarity cue.
     pub cue: Cue,
-    /// What becomes of it.
+    /// Its fate.
     pub fate: Fate,
 }
 
@@ -194,10 +194,10 @@ impl CellId {
     }
 }
 
-/// What all divisions of a tree share.
+/// Parameters of all divisions of a tree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeSettings {
-    /// The first cell: its radius, and the confinement, activity, material and shell of all. Cues are the lineage's.
+    /// Radius of the first cell; confinement, activity, material and shell of all. Cues are the lineage's.
     pub cell: Cell,
     /// Discretisation.
     pub numerics: Numerics,
@@ -229,7 +229,7 @@ pub const ZYGOTE: f64 = 5.4;
 /// [`Grower`](super::Grower) grows one.
 #[derive(Clone, Debug)]
 pub struct Tree {
-    /// What it was grown from.
+    /// Its lineage.
     pub lineage: Lineage,
     /// Parameters of its divisions.
     pub settings: TreeSettings,
@@ -261,8 +261,8 @@ impl Tree {
         Tree { lineage, settings, nodes: vec![Node::new(first, None)], founder_cells }
     }
 
-    /// Adds a daughter, after all cells of earlier generations and after its anterior sister. `is_founder` tells that it
-    /// is the founder `cell.founder` itself.
+    /// Adds a daughter, after all cells of earlier generations and after its anterior sister. `is_founder`: it is the
+    /// founder `cell.founder` itself.
     pub fn add(&mut self, mother: CellId, side: Side, cell: TreeCell, is_founder: bool) -> CellId {
         let id = CellId(self.nodes.len());
         if is_founder {

@@ -1,4 +1,4 @@
-//! The report: one self-contained page, and the same page without a tree.
+//! The report, one self-contained page, and the same page without a tree.
 
 use super::escape;
 use super::observed_table::{MODEL, decimals, observed_columns};
@@ -47,7 +47,7 @@ pub fn html(tree: &Tree, rows: &[FounderRow]) -> String {
     .html()
 }
 
-/// The page that computes, without a tree: cells at will, and a lineage to be grown in it.
+/// The page that computes, without a tree: any cell you choose, and a lineage to grow.
 pub fn explorer(lineage: &Lineage, settings: &TreeSettings) -> String {
     let name = escape(&lineage.name);
     let mut below = String::new();
@@ -109,7 +109,7 @@ fn founders(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
     out.push_str("</p></section>\n");
 }
 
-/// Cells of a group of columns, of which the first stands off from the group before.
+/// Cells of a group of columns, with a border before the first.
 pub(super) fn group<T: std::fmt::Display>(out: &mut String, tag: &str, texts: impl Iterator<Item = T>) {
     for (k, text) in texts.enumerate() {
         let _ = write!(out, "<{tag}{}>{text}</{tag}>", if k == 0 { " class=\"s\"" } else { "" });

@@ -1,4 +1,4 @@
-//! Pictures and tables of what was computed.
+//! Tables, the lineage's drawing and pages.
 
 pub mod html;
 mod observed_table;

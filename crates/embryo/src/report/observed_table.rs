@@ -16,7 +16,7 @@ pub const MODEL: [Column<Rounds>; 6] = [
     ("cells", 5, |r| r.terminal.to_string()),
 ];
 
-/// Observed counts; what is not known is empty.
+/// Observed counts; unknown ones are empty.
 pub const OBSERVED: [Column<ObservedRounds>; 5] = [
     ("min", 3, |o| whole(o.min)),
     ("mean", 6, |o| o.mean.map_or(String::new(), |mean| decimals(Some(mean), 2))),

@@ -1,4 +1,4 @@
-//! Several scenarios on one self-contained page: small drawings beside one another, and the table.
+//! Several scenarios on one self-contained page: small drawings and the table.
 
 use std::fmt::Write;
 
@@ -16,7 +16,7 @@ table{border-collapse:collapse;font-variant-numeric:tabular-nums}th,td{padding:.
 th{font-weight:600;color:#444}td:first-child,th:first-child,td.l,th.l{text-align:left}td.s,th.s{border-left:2px solid #bbb}\
 .dot{display:inline-block;width:.7em;height:.7em;border-radius:50%;margin-right:.45em}.tree{overflow-x:auto;border:1px solid #e6e8eb}.tree svg{display:block;width:100%;min-width:1100px;height:auto}\
 code,pre{font:13px/1.45 Menlo,Consolas,monospace}pre{background:#f6f7f9;padding:.8rem;overflow-x:auto}.wrap{overflow-x:auto}";
-/// What is particular to this page. Drawings are as wide as their place and as high as that makes them.
+/// Style of the drawings' grid.
 const GRID: &str = ".grid{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,380px),1fr));gap:1rem}figure{margin:0;border:1px solid #e6e8eb;padding:.5rem;min-width:0}\
 figcaption{font-size:.87rem;overflow-wrap:anywhere}figcaption span{color:#666}figure svg{display:block;width:100%;height:auto}td.d{font-weight:600;background:#fff3d6}";
 
@@ -59,7 +59,7 @@ fn palette(trees: &[Tree]) -> Palette<'_> {
     palette
 }
 
-/// The colours of the founders, and what discs mean.
+/// The legend: colours of the founders, and discs.
 fn dots(out: &mut String, palette: &Palette<'_>) {
     out.push_str("<p class=\"sub\">");
     for (name, colour) in palette {

@@ -9,8 +9,8 @@ use crate::study::scenarios::Scenario;
 /// Columns of a terminal that the table keeps to, by wrapping into blocks of scenarios.
 const PAGE: usize = 120;
 
-/// Founders down, scenarios across: fewest, mean and most rounds, χ of the founder's division, terminal cells; what was
-/// observed beside. Where a number is another than in the first scenario a star stands behind it.
+/// Founders down, scenarios across: fewest, mean and most rounds, χ of the founder's division, terminal cells, and observed
+/// counts. A star marks a number that differs from the first scenario's.
 pub fn scenarios_table(scenarios: &[Scenario], trees: &[Tree]) -> String {
     let mut out = String::new();
     list(&mut out, scenarios, trees);
@@ -28,7 +28,7 @@ pub fn scenarios_table(scenarios: &[Scenario], trees: &[Tree]) -> String {
     out
 }
 
-/// The scenarios, numbered, with what each is made of and how many cells it has.
+/// The numbered scenarios, with cue or lineage and number of cells.
 fn list(out: &mut String, scenarios: &[Scenario], trees: &[Tree]) {
     let widest = |texts: &mut dyn Iterator<Item = usize>| texts.max().unwrap_or(0);
     let name = widest(&mut scenarios.iter().map(|scenario| scenario.name.chars().count()));
@@ -54,7 +54,7 @@ fn list(out: &mut String, scenarios: &[Scenario], trees: &[Tree]) {
     }
 }
 
-/// Widths of the columns, a blank before each included, and behind each number of a scenario the place of its star.
+/// Widths of the columns, with a blank before each and room for the star of a scenario's numbers.
 struct Widths {
     founder: usize,
     model: [usize; 5],
@@ -96,7 +96,7 @@ impl Widths {
     }
 }
 
-/// The scenarios of a range, and what was observed.
+/// The scenarios of a range, and the observed counts.
 fn block(out: &mut String, lines: &[FounderLine], titles: &[String], shown: std::ops::Range<usize>, widths: &Widths) {
     let observed = widths.observed_width() > 0;
     let scenario = widths.scenario_width() - 1;

@@ -7,7 +7,7 @@ use crate::io::FounderRow;
 use crate::lineage::Tree;
 use std::fmt::Write;
 
-/// A number with six decimals at most, and none that say nothing.
+/// A number rounded to six decimals.
 pub(super) fn short(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }
@@ -62,7 +62,7 @@ pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
     out
 }
 
-/// The columns of a table, each behind a blank.
+/// The columns of a table, each after a blank.
 fn texts<T>(columns: &[Column<T>], text: impl Fn(&Column<T>) -> String) -> String {
     columns.iter().map(|column| format!(" {:>1$}", text(column), column.1)).collect()
 }
@@ -117,7 +117,7 @@ fn rounds(out: &mut String, rows: &[FounderRow]) {
     out.push('\n');
 }
 
-/// What the cues are that the table names.
+/// The cues that the table names.
 fn cues(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
     let used = |name: &String| rows.iter().any(|row| row.cue == *name || row.cued_descendants.contains_key(name));
     let mut any = false;
@@ -130,7 +130,7 @@ fn cues(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
     }
 }
 
-/// What founders change of the physics.
+/// Parameters that founders change.
 fn physics(out: &mut String, tree: &Tree) {
     let mut any = false;
     for founder in tree.lineage.founders.iter().filter(|founder| !founder.physics.is_empty()) {

@@ -10,7 +10,7 @@ use crate::lineage::{CellId, Tree};
 /// Colours of χ = 0 and of χ = 1, from light to dark, so that print and colour-blind readers tell them apart.
 const CHI_COLOURS: [[u8; 3]; 2] = [[0xff, 0xe8, 0xa3], [0x27, 0x1c, 0x6b]];
 
-/// Colour of founders that none is given for.
+/// Colour of founders without a given colour.
 const GREY: &str = "#808080";
 
 /// The files of a folder for iTOL:

@@ -21,11 +21,11 @@ pub const SCHEMA: &str = "furrow.tree";
 /// Version of the format; it is raised when a field changes its meaning or goes.
 pub const SCHEMA_VERSION: u32 = 2;
 
-/// What a `tree.json` holds, as a JSON Schema (draft 2020-12), `docs/tree.schema.json`. A later furrow may add fields without
-/// another version, and the schema lets them pass.
+/// The JSON Schema (draft 2020-12) of `tree.json`, `docs/tree.schema.json`. A later furrow may add fields without another
+/// version; the schema allows them.
 pub const TREE_SCHEMA: &str = include_str!("../../../../../docs/tree.schema.json");
 
-/// A founder in the table that sets its rounds beside the observed ones.
+/// A row of the founders' table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FounderRow {
     /// Name.
@@ -49,7 +49,7 @@ pub struct FounderRow {
     pub rounds: Option<Rounds>,
     /// Rounds observed.
     pub observed: Option<ObservedRounds>,
-    /// The same under the name that it had when the worm was the only animal.
+    /// The same, under its former name.
     pub sulston: Option<ObservedRounds>,
 }
 
