@@ -6,7 +6,7 @@ use furrow::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow::cell::Cell;
 use furrow::division::divide;
 use furrow::io::{founder_rows, newick};
-use furrow::lineage::{Ends, Grower, Lineage, TreeSettings};
+use furrow::lineage::{Grower, Lineage, Thresholds, TreeSettings};
 use furrow::report::founders_table;
 use furrow::shapes::CriticalRadii;
 
@@ -25,7 +25,7 @@ const LINEAGE: &str = r#"Lineage(
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let lineage = Lineage::parse(LINEAGE, "two founders")?;
     let settings = TreeSettings { cell: Cell::new(4.0), ..TreeSettings::default() };
-    let rule = Ends::new(CriticalRadii::new(&settings.numerics));
+    let rule = Thresholds::new(CriticalRadii::new(&settings.numerics));
     let memo = Memo::new(Quantisation::DEFAULT);
     let ends = |cell: &Cell| rule.of(cell);
     let grower = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options: SchedulerOptions::default() };

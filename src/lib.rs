@@ -52,7 +52,7 @@
 //! | [`Lineage`](lineage::Lineage), [`Grower`](lineage::Grower) | who founds and who carries which cue, the tree that grows |
 //! | [`Settings`](settings::Settings) | parameters as users write them |
 //! | [`Sweep`](study::Sweep), [`study::Run`], [`scenarios::combine`](study::scenarios::combine) | many points, their solving, trees side by side |
-//! | [`io::exchange::export`], [`Newick`](io::Newick) | a tree for other programs, a tree of other programs |
+//! | [`io::exchange::export`] | a tree for other programs |
 //!
 //! # References
 //! Gao, Guan, Tang & Ma, "Cell size and confinement drive asymmetric cell division through a cortical instability",

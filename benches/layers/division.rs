@@ -1,18 +1,15 @@
 //! One division of each kind.
 
 use divan::black_box;
-use furrow::batch::profiles::{Profiles, seconds};
 use furrow::cell::{Cell, Cue};
 use furrow::division::{Division, DivisionInput, divide};
-use furrow::report::ProfileReport;
 
 fn division(r0: f64, cue: Cue) -> Division {
     divide(&DivisionInput::new(Cell::new(black_box(r0)).with_cue(cue))).unwrap()
 }
 
-/// The work of one division of each kind, and what its time goes into: the numbers of `furrow divide --profile`.
+/// The work of one division of each kind.
 pub fn print_work() {
-    let profiles = Profiles::new(Some(seconds));
     println!("division           outcome        chi steps rejected newton factorisations remeshings newton/step");
     for (kind, r0, cue) in [
         ("symmetric 2.5", 2.5, Cue::none()),
@@ -21,7 +18,7 @@ pub fn print_work() {
         ("cued 5.4", 5.4, Cue::published()),
         ("two furrows 5.4", 5.4, Cue::none()),
     ] {
-        let d = profiles.divide(&DivisionInput::new(Cell::new(r0).with_cue(cue))).unwrap();
+        let d = division(r0, cue);
         println!(
             "{kind:18} {:10} {:>7} {:5} {:8} {:6} {:14} {:10} {:11.2}",
             format!("{:?}", d.outcome),
@@ -34,12 +31,7 @@ pub fn print_work() {
             d.work.iterations as f64 / d.work.steps as f64,
         );
     }
-    let name = |one: &furrow::batch::Profiled| format!("R0 = {}, {} cue", one.input.cell.r0, cue_of(&one.input.cell));
-    println!("\n{}", ProfileReport::new(profiles.taken(), name).text());
-}
-
-fn cue_of(cell: &Cell) -> &'static str {
-    if cell.cue.is_none() { "no" } else { "with its" }
+    println!();
 }
 
 #[divan::bench]

@@ -9,7 +9,6 @@ pub mod constants;
 pub mod contours;
 pub mod cue;
 pub mod lineage;
-pub mod newick;
 pub mod store;
 pub mod sweep;
 pub mod targets;

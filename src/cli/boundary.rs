@@ -10,7 +10,7 @@ use super::cell::number;
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, csv_rows, writable_file};
+use super::output::{answer, csv_rows, print_json, writable_file};
 use super::plot::PlotArgs;
 use super::vary::{Varied, VaryArgs};
 use crate::cell::{Cue, Parameter};
@@ -187,7 +187,7 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
         picture.write(&plot::boundary::draw(&drawn))?;
     }
     if context.json {
-        answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
+        print_json(&document)
     } else if args.points {
         answer(&document.list())
     } else {

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::cell::{CellArgs, number, positive};
 use super::context::Context;
 use super::error::CliError;
-use super::output::{answer, csv_rows, writable_file};
+use super::output::{csv_rows, print, writable_file};
 use super::plot::PlotArgs;
 use crate::cell::Cue;
 use crate::plot::{self, branch::Named};
@@ -163,11 +163,7 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
         let named: Vec<Named<'_>> = found.branches.iter().map(|(name, branch)| Named { name, branch }).collect();
         picture.write(&plot::branch::draw(&cell, &named))?;
     }
-    if context.json {
-        answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
-    } else {
-        answer(&document.text(args.points))
-    }
+    print(context.json, &document, || document.text(args.points))
 }
 
 impl Answer {

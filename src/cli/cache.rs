@@ -3,7 +3,7 @@
 use super::Globals;
 use super::context::{cache_folder, start_logs};
 use super::error::CliError;
-use super::output::answer;
+use super::output::{answer, print_json};
 use crate::batch::SolverVersion;
 use crate::batch::store::upkeep;
 use crate::division::Division;
@@ -46,7 +46,7 @@ pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
         Action::Clear => upkeep::clear::<Division>(&folder, solver)?,
     };
     if globals.json {
-        answer(&format!("{}\n", serde_json::to_string_pretty(&report)?))?;
+        print_json(&report)?;
     } else {
         let mut text = format!(
             "{}{}: {} entries, {} of other versions, {} bytes, {} corrupt\n",

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::ensemble::{SampleFiles, sample};
 use super::error::CliError;
-use super::output::answer;
+use super::output::{answer, print_json};
 use super::plot::PlotArgs;
 use crate::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
 use crate::input::{parse_document, read_text};
@@ -74,7 +74,7 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
             iterations: found.iterations,
             excluded,
         };
-        answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
+        print_json(&document)
     } else {
         answer(&text(&found, &excluded))
     }

@@ -11,17 +11,15 @@ use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::from_steady::{self, FromSteadyArgs, Output};
 use super::interrupt;
-use super::movies::{DENSE, MovieArgs};
-use super::output::{answer, writable_folder};
+use super::movie::{DENSE, MovieArgs};
+use super::output::{print, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
-use crate::batch::profiles::seconds;
-use crate::batch::{Failure, Memo, Profiled, Profiles, Replicates, Unsolved, replicates_by};
+use crate::batch::{Failure, Replicates, Unsolved, replicates};
 use crate::cell::Cue;
-use crate::division::{Division, DivisionError, DivisionInput, Film, Statistics, divide, film};
+use crate::division::{Division, DivisionInput, Film, Statistics, film};
 use crate::io::frames::{INDEX, check_step, write_frames};
 use crate::lineage::Units;
-use crate::report::ProfileReport;
 
 /// Computes one division, from the passive shape to pinch-off or rest
 ///
@@ -32,7 +30,7 @@ Examples:
   furrow divide --r0 2.5 --plot division.svg
   furrow divide --r0 5.4 --cue germline --json --movie zygote.gif --movie-frames 5
   furrow divide --r0 2 --xi 23 --from-steady --plot distance.svg
-  furrow divide --r0 2 --replicates 3 --profile --frames contours --frame-step 0.2")]
+  furrow divide --r0 2 --replicates 3 --frames contours --frame-step 0.2")]
 pub struct DivideArgs {
     #[command(flatten)]
     cell: ActiveCellArgs,
@@ -48,11 +46,6 @@ pub struct DivideArgs {
     /// Writes a frame every so many τ instead of after every step
     #[arg(help_heading = "Output", long, value_name = "TAU", requires = "frames", allow_negative_numbers = true, value_parser = number)]
     frame_step: Option<f64>,
-    /// Tells what the time of the divisions went into: phases, steps, iterations, factorisations, mesh intervals
-    ///
-    /// What is known from the cache took no time: with this option all divisions are computed.
-    #[arg(help_heading = "Output", long, conflicts_with = "from_steady")]
-    profile: bool,
     #[command(flatten)]
     from: FromSteadyArgs,
     #[command(flatten)]
@@ -88,9 +81,6 @@ struct Answer<'a> {
     statistics: Statistics,
     /// Replicates that could not be computed, and are left out.
     undecided: usize,
-    /// What the divisions took, where that is asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    profile: Option<ProfileReport>,
 }
 
 pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
@@ -107,11 +97,10 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         let output = Output { frames: args.frames.as_deref(), every, picture, movie };
         return from_steady::run(&args.from, &context, &input, args.replicates as usize, output);
     }
-    let profiles = args.profile.then(|| Profiles::new(Some(seconds)));
-    let Replicates { divisions, undecided, .. } = solve(args, &context, &input, profiles.as_ref())?;
+    let Replicates { divisions, undecided, .. } = solve(args, &context, &input)?;
     if args.frames.is_some() || picture.is_some() || movie.is_some() {
         interrupt::at_once();
-        let film = profiles.as_ref().map_or_else(|| film(&input), |profiles| profiles.film(&input))?;
+        let film = film(&input)?;
         if let Some(folder) = &args.frames {
             write_all_frames(folder, &film, every)?;
         }
@@ -135,13 +124,8 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         replicates: (0..divisions.len()).map(replicate).collect(),
         statistics: Statistics::of(divisions.iter().map(|(_, division)| division)),
         undecided: undecided.len(),
-        profile: profiles.map(|profiles| ProfileReport::new(profiles.taken(), name_of_replicate)),
     };
-    if context.json {
-        answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
-    } else {
-        answer(&text(&document, &context.units))
-    }
+    print(context.json, &document, || text(&document, &context.units))
 }
 
 /// Writes the frames of a film, after every step or every so many τ; an interruption waits for them.
@@ -151,30 +135,14 @@ pub(super) fn write_all_frames(folder: &Path, film: &Film, every: Option<f64>) -
     Ok(())
 }
 
-/// A division, and what it took where that is asked for.
-pub fn computed(input: &DivisionInput, profiles: Option<&Profiles>) -> Result<Division, DivisionError> {
-    profiles.map_or_else(|| divide(input), |profiles| profiles.divide(input))
-}
-
-/// What tells one of the slowest divisions from the others.
-fn name_of_replicate(one: &Profiled) -> String {
-    format!("seed {}{}", one.input.seed, if one.film { ", as a film" } else { "" })
-}
-
 /// All replicates, each as soon as a worker is free; one at least.
-fn solve(
-    args: &DivideArgs,
-    context: &Context,
-    input: &DivisionInput,
-    profiles: Option<&Profiles>,
-) -> Result<Replicates, CliError> {
-    // What is profiled is computed, also if it is known.
-    let memo = if profiles.is_some() { Memo::new(context.quantisation) } else { context.memo()? };
+fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Replicates, CliError> {
+    let memo = context.memo()?;
     interrupt::gently();
     let line = ProgressLine::new(context.progress && args.replicates > 1);
     let show = |progress| line.show(progress);
     let count = args.replicates as usize;
-    let solved = replicates_by(input, count, &memo, &context.scheduling(&show), |input| computed(input, profiles));
+    let solved = replicates(input, count, &memo, &context.scheduling(&show));
     drop(line);
     let mut found = solved?;
     warn_of_store(&found.summary.warnings);
@@ -232,9 +200,6 @@ fn text(document: &Answer<'_>, units: &Units) -> String {
             let _ = write!(out, ", χ = {mean:.4} ± {sd:.4} (sd)");
         }
         out.push('\n');
-    }
-    if let Some(profile) = &document.profile {
-        let _ = write!(out, "\n{}", profile.text());
     }
     out
 }

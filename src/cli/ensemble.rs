@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, writable_file};
+use super::output::{answer, print_json, writable_file};
 use super::plot::PlotFile;
 use crate::calibration::Targets;
 use crate::input::read_text;
@@ -85,7 +85,7 @@ pub fn sample(
         constants: (0..found.parameters.len()).filter_map(constants).collect(),
     };
     if context.json {
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+        return print_json(&document);
     }
     let table = if out.is_some() { String::new() } else { format!("\n{table}") };
     answer(&format!("{}{table}", ensemble_text(&found, &document, out)))
@@ -142,7 +142,7 @@ pub fn grow_over(
     }
     if context.json {
         let document = RangesAnswer { ranges: &found, elapsed_s };
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+        return print_json(&document);
     }
     answer(&ranges_text(lineage, &found, elapsed_s))
 }

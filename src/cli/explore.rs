@@ -7,7 +7,7 @@ use clap::Args;
 use super::cell::FirstCellArgs;
 use super::context::Context;
 use super::error::CliError;
-use super::output::{answer, writable_file};
+use super::output::{answer, print_json, writable_file};
 use super::tree::prepared;
 use crate::io::write_atomically;
 use crate::report;
@@ -50,7 +50,7 @@ pub fn run(args: &ExploreArgs, context: &Context) -> Result<(), CliError> {
     let out = args.out.display().to_string();
     if context.json {
         let document = Answer { out, bytes: page.len() };
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+        return print_json(&document);
     }
     answer(&format!("{out} written, {} kB; open it in a browser\n", page.len() / 1000))
 }

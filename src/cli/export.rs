@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::Globals;
 use super::context::start_logs;
 use super::error::CliError;
-use super::output::{answer, writable_file, writable_folder};
+use super::output::{answer, print_json, writable_file, writable_folder};
 use crate::input::InputError;
 use crate::io::exchange::{BranchLengths, Exported, Format, ITOL_FILES, export};
 use crate::io::files::FileSet;
@@ -168,7 +168,7 @@ fn respond(tree: &Tree, format: Format, out: &Path, files: Vec<&str>, json: bool
     let ends = tree.cells().filter(|id| tree.daughter_count(*id) == 0).count();
     let document = Answer { format: format.name(), cells: tree.len(), ends, out: out.display().to_string(), files };
     if json {
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+        return print_json(&document);
     }
     let files = if document.files.is_empty() { String::new() } else { format!(": {}", document.files.join(", ")) };
     answer(&format!(

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, writable_file};
+use super::output::{answer, print_json, writable_file};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use super::tree::bad_cue;
@@ -217,7 +217,7 @@ fn constants(
         seed: args.seed,
         elapsed_s,
     };
-    answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
+    print_json(&document)
 }
 
 fn residuals<'a>(best: &'a Evaluated, targets: &'a Targets) -> Vec<Residual<'a>> {
@@ -353,7 +353,7 @@ fn activity(
     let elapsed_s = start.elapsed().as_secs_f64();
     if context.json {
         let document = ActivityAnswer { rounds: reading, founders: &found, trees, elapsed_s };
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+        return print_json(&document);
     }
     answer(&format!("{}\n{trees} trees, {elapsed_s:.0} s\n", activity_text(&found, reading, settings)))
 }
@@ -420,7 +420,7 @@ fn cue(
     let elapsed_s = start.elapsed().as_secs_f64();
     if context.json {
         let document = CueAnswer { found: &found, seed: args.seed, elapsed_s };
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+        return print_json(&document);
     }
     let out_of_sample = targets.out_of_sample.as_ref().map_or("", |out| &out.name);
     answer(&format!("{}{} cues tried, {elapsed_s:.0} s\n", cue_text(&found, out_of_sample), found.tried))

@@ -10,8 +10,8 @@ use super::cell::{number, positive};
 use super::context::Context;
 use super::divide::write_all_frames;
 use super::error::CliError;
-use super::movies::{DENSE, MovieFile};
-use super::output::answer;
+use super::movie::{DENSE, MovieFile};
+use super::output::print;
 use super::plot::PlotFile;
 use crate::batch::perturbations::{Disturbed, perturbations};
 use crate::cell::Cue;
@@ -115,11 +115,7 @@ pub fn run(
         statistics: Statistics::of(watched.iter().map(|(_, perturbation)| &perturbation.division)),
         undecided: failures.len(),
     };
-    if context.json {
-        answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
-    } else {
-        answer(&text(&document))
-    }
+    print(context.json, &document, || text(&document))
 }
 
 fn write_files(

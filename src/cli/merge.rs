@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::Globals;
 use super::context::start_logs;
 use super::error::CliError;
-use super::output::{answer, writable_folder};
+use super::output::{print, writable_folder};
 use crate::input::InputError;
 use crate::io::sweep_files::{SWEEP_FILES, merge};
 
@@ -55,8 +55,7 @@ pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
     let points = table.rows.len();
     let document =
         Answer { points, solved: 0, reused: points, parts: args.parts.len(), out: args.out.display().to_string() };
-    if globals.json {
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
-    }
-    answer(&format!("{points} points of {} parts; files in {}\n", document.parts, document.out))
+    print(globals.json, &document, || {
+        format!("{points} points of {} parts; files in {}\n", document.parts, document.out)
+    })
 }

@@ -6,6 +6,7 @@ mod cache;
 mod calibrate;
 mod cell;
 mod compare;
+mod completions;
 mod context;
 mod divide;
 mod ensemble;
@@ -16,7 +17,7 @@ mod fit;
 mod from_steady;
 mod interrupt;
 mod merge;
-mod movies;
+mod movie;
 mod new_lineage;
 mod output;
 mod phase;
@@ -25,7 +26,6 @@ mod plot;
 mod progress;
 mod reproduce;
 mod scenarios;
-mod shell;
 mod steady;
 mod sweep;
 mod tree;
@@ -95,7 +95,6 @@ struct Globals {
 enum Command {
     Tree(tree::TreeArgs),
     Divide(divide::DivideArgs),
-    Movies(movies::MoviesArgs),
     Steady(steady::SteadyArgs),
     Branch(branch::BranchArgs),
     Pitchfork(pitchfork::PitchforkArgs),
@@ -111,8 +110,7 @@ enum Command {
     Explore(explore::ExploreArgs),
     NewLineage(new_lineage::NewLineageArgs),
     Cache(cache::CacheArgs),
-    Completions(shell::CompletionsArgs),
-    Man(shell::ManArgs),
+    Completions(completions::CompletionsArgs),
 }
 
 /// Runs the command line of this process. Exit code 0: done; 1: the computation failed; 2: bad input.
@@ -146,7 +144,6 @@ fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
         Command::Tree(args) => tree::run(&args, &Context::new(&cli.globals)?),
         Command::Divide(args) => divide::run(&args, Context::new(&cli.globals)?),
-        Command::Movies(args) => movies::run(&args, Context::new(&cli.globals)?),
         Command::Steady(args) => steady::run(&args, Context::new(&cli.globals)?),
         Command::Branch(args) => branch::run(&args, Context::new(&cli.globals)?),
         Command::Pitchfork(args) => pitchfork::run(&args, Context::new(&cli.globals)?),
@@ -162,7 +159,6 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Explore(args) => explore::run(&args, &Context::new(&cli.globals)?),
         Command::NewLineage(args) => new_lineage::run(&args),
         Command::Cache(args) => cache::run(&args, &cli.globals),
-        Command::Completions(args) => shell::completions(&args, &mut Cli::command()),
-        Command::Man(args) => shell::man(&args, Cli::command()),
+        Command::Completions(args) => completions::run(&args, &mut Cli::command()),
     }
 }

@@ -42,6 +42,16 @@ pub fn answer(text: &str) -> Result<(), CliError> {
     Ok(())
 }
 
+/// Prints the answer: one JSON document, or text.
+pub fn print<T: Serialize>(json: bool, document: &T, text: impl FnOnce() -> String) -> Result<(), CliError> {
+    if json { print_json(document) } else { answer(&text()) }
+}
+
+/// Prints a JSON document.
+pub fn print_json<T: Serialize>(document: &T) -> Result<(), CliError> {
+    answer(&format!("{}\n", serde_json::to_string_pretty(document)?))
+}
+
 /// Says something on stderr. `eprintln!` would end the program where stderr is full or closed, and with it the run whose
 /// files are still to be written.
 pub fn say(text: &str) {

@@ -9,7 +9,7 @@ use super::cell::number;
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
-use super::output::answer;
+use super::output::{answer, print_json};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use super::vary::{Varied, VaryArgs};
@@ -88,7 +88,7 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
             cells: &diagram.cells,
             columns: &diagram.columns,
         };
-        answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
+        print_json(&document)
     } else {
         answer(&text(&plane, &diagram))
     }

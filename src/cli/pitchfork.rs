@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::cell::{CellArgs, number, positive};
 use super::context::Context;
 use super::error::CliError;
-use super::output::answer;
+use super::output::{answer, print_json};
 use crate::cell::Cue;
 use crate::report::ThresholdReport;
 use crate::shapes::{BranchOptions, pitchfork};
@@ -42,7 +42,7 @@ pub fn run(args: &PitchforkArgs, mut context: Context) -> Result<(), CliError> {
     let found = pitchfork::first(&cell, &context.settings.numerics, &options)?;
     let document = Answer { r0: cell.r0, epsilon: cell.epsilon, cue: cell.cue, found: ThresholdReport::new(&found) };
     if context.json {
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+        return print_json(&document);
     }
     let Answer { r0, epsilon, found, .. } = &document;
     answer(&format!(

@@ -7,16 +7,22 @@ use serde::Serialize;
 
 use super::context::Context;
 use super::error::CliError;
-use super::output::{answer, writable_folder};
-use super::tree::{Grown, RunRecord, TreeArgs, bad_cue, commit, grown, prepared, profile_text};
+use super::output::{answer, print_json, writable_folder};
+use super::tree::{RunRecord, TreeArgs, bad_cue, grown, prepared};
 use crate::batch::Summary;
 use crate::input::InputError;
-use crate::io::earlier::{Replaced, SCENARIO_FILES, SCENARIOS_FILES, other_scenarios};
 use crate::io::files::FileSet;
 use crate::io::{FounderRow, founder_rows, newick, scenarios_csv};
 use crate::lineage::Tree;
-use crate::report::{self, ProfileReport};
+use crate::report;
+use crate::study::Grown;
 use crate::study::scenarios::{Scenario, ScenarioError, Source, combine};
+
+/// The files beside the folders of scenarios.
+const SCENARIOS_FILES: [&str; 3] = ["scenarios.csv", "report.html", "run.json"];
+
+/// The files in the folder of each scenario.
+const SCENARIO_FILES: [&str; 3] = ["tree.nwk", "tree.json", "tree.svg"];
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -26,9 +32,6 @@ struct Answer<'a> {
     memo_hits: usize,
     elapsed_s: f64,
     out: String,
-    /// What the divisions took, where that is asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    profile: Option<&'a ProfileReport>,
 }
 
 #[derive(Serialize)]
@@ -51,10 +54,9 @@ pub fn run(args: &TreeArgs, context: &Context, start: Instant) -> Result<(), Cli
     for scenario in &scenarios {
         writable_folder("--out", "out", &args.out.join(&scenario.name), &SCENARIO_FILES)?;
     }
-    let replaced = other_scenarios(&args.out, &scenarios, args.dynamics);
-    let grown = grown(&scenarios, args.dynamics, args.profile, context)?;
+    let grown = grown(&scenarios, args.dynamics, context)?;
     let Grown { trees, summary, .. } = &grown;
-    write_files(args, context, &scenarios, trees, summary, start, replaced.as_ref())?;
+    write_files(args, context, &scenarios, trees, summary, start)?;
     let named: Vec<(&str, &Tree)> = scenarios.iter().map(|scenario| scenario.name.as_str()).zip(trees).collect();
     if let (Some(picture), Some(drawing)) = (picture, crate::plot::rounds::draw_scenarios(&named)) {
         picture.write(&drawing)?;
@@ -96,17 +98,16 @@ fn respond(
     args: &TreeArgs,
     context: &Context,
     scenarios: &[Scenario],
-    Grown { trees, summary, profile }: &Grown,
+    Grown { trees, summary, .. }: &Grown,
     elapsed_s: f64,
 ) -> Result<(), CliError> {
     if !context.json {
         return answer(&format!(
-            "{}{} divisions solved, {} memo hits, {elapsed_s:.2} s; files in {}\n{}",
+            "{}{} divisions solved, {} memo hits, {elapsed_s:.2} s; files in {}\n",
             report::scenarios_table(scenarios, trees),
             summary.solved,
             summary.memo_hits,
-            args.out.display(),
-            profile_text(profile.as_ref())
+            args.out.display()
         ));
     }
     let of = scenarios.iter().zip(trees).map(|(scenario, tree)| {
@@ -128,9 +129,8 @@ fn respond(
         memo_hits: summary.memo_hits,
         elapsed_s,
         out: args.out.display().to_string(),
-        profile: profile.as_ref(),
     };
-    answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
+    print_json(&document)
 }
 
 fn write_files(
@@ -140,7 +140,6 @@ fn write_files(
     trees: &[Tree],
     summary: &Summary,
     start: Instant,
-    replaced: Option<&Replaced>,
 ) -> Result<(), CliError> {
     let mut files = FileSet::new(&args.out);
     for (Scenario { name, .. }, tree) in scenarios.iter().zip(trees) {
@@ -155,5 +154,5 @@ fn write_files(
     let cells = trees.iter().map(Tree::len).sum();
     let record = RunRecord::of(args, context, summary, start, cells, Some(names));
     files.stage("run.json", record.text()?.as_bytes())?;
-    commit(files, replaced, args.force)
+    Ok(files.commit()?)
 }

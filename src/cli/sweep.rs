@@ -10,7 +10,7 @@ use super::Globals;
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, writable_folder};
+use super::output::{answer, print_json, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use crate::io::Settings;
@@ -106,7 +106,7 @@ pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(),
         out: args.out.display().to_string(),
     };
     if context.json {
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+        return print_json(&document);
     }
     let part = args.shard.map_or(String::new(), |shard| format!(" of part {shard}"));
     answer(&format!(

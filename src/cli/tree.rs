@@ -2,27 +2,23 @@
 
 use super::cell::FirstCellArgs;
 use super::context::{Context, warn_of_store, warning_text};
-use super::divide::computed;
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, writable_folder};
+use super::output::{answer, print_json, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use super::scenarios;
-use crate::batch::profiles::seconds;
+use crate::batch::Summary;
 use crate::batch::scheduler::workers;
-use crate::batch::{Profiled, Profiles, Summary};
-use crate::cell::{Cell, Cue, CueError};
-use crate::division::DivisionInput;
+use crate::cell::{Cue, CueError};
 use crate::input::InputError;
-use crate::io::earlier::{Replaced, TREE_FILES, other_tree};
 use crate::io::files::FileSet;
 use crate::io::{FounderRow, Provenance, founder_rows, newick};
-use crate::lineage::{EndReason, Lineage, Tree, TreeCell, TreeSettings};
-use crate::report::{self, ProfileReport};
+use crate::lineage::{Lineage, TerminalReason, Tree, TreeSettings};
+use crate::report;
 use crate::shapes::ShapeError;
 use crate::study::scenarios::Scenario;
-use crate::study::{self, tree_settings};
+use crate::study::{self, Grown, tree_settings};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -39,7 +35,7 @@ use std::time::Instant;
 #[command(after_help = "\
 Examples:
   furrow tree
-  furrow tree --cue none --xi 26 --out no-cue --plot rounds.svg --profile
+  furrow tree --cue none --xi 26 --out no-cue --plot rounds.svg
   furrow tree --cue germline --cue none --cue tension:gradient,amplitude=0.3 --out cues
   furrow tree lineages/c_elegans.ron --r0 3.5 --epsilon 0.85 --json")]
 pub struct TreeArgs {
@@ -48,12 +44,9 @@ pub struct TreeArgs {
     pub lineage: Vec<PathBuf>,
     #[command(flatten)]
     pub cell: FirstCellArgs,
-    /// Folder for the files; those of another tree in it are kept in a folder earlier-N there
+    /// Folder for the files; those of an earlier tree in it are overwritten
     #[arg(help_heading = "Output", long, value_name = "DIR", default_value = "furrow-out")]
     pub out: PathBuf,
-    /// Replaces the files of a tree that was grown from other inputs, and does not keep them
-    #[arg(help_heading = "Output", long)]
-    pub force: bool,
     /// Seed of the noise in the first step of every division
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
@@ -67,15 +60,12 @@ pub struct TreeArgs {
     /// Computes the division of every cell, those below the critical radius of their cue included
     #[arg(help_heading = "Numerics", long)]
     pub dynamics: bool,
-    /// Tells what the time of the divisions went into: phases, steps, iterations, factorisations, mesh intervals
-    ///
-    /// Of all divisions that were computed, and of the slowest of them. What is known from the cache took no time: --no-cache has
-    /// all divisions computed.
-    #[arg(help_heading = "Output", long, conflicts_with = "constants")]
-    pub profile: bool,
     #[command(flatten)]
     pub plot: PlotArgs,
 }
+
+/// The files of a tree.
+const TREE_FILES: [&str; 5] = ["tree.nwk", "tree.json", "tree.svg", "report.html", "run.json"];
 
 /// Undecided cells that are warned of one by one.
 const MOST_WARNINGS: usize = 5;
@@ -92,9 +82,6 @@ struct Answer<'a> {
     memo_hits: usize,
     elapsed_s: f64,
     out: String,
-    /// What the divisions took, where that is asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    profile: Option<&'a ProfileReport>,
 }
 
 /// `run.json`: what this run did, which need not be the same another time.
@@ -186,16 +173,15 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         return super::ensemble::grow_over(file, &lineage, &settings, context, picture.as_ref());
     }
     writable_folder("--out", "out", &args.out, &TREE_FILES)?;
-    let replaced = other_tree(&args.out, &lineage, &settings, args.dynamics);
     let only = Scenario { name: String::new(), label: String::new(), cue: None, lineage, settings };
-    let Grown { trees, summary, profile } = grown(&[only], args.dynamics, args.profile, context)?;
+    let Grown { trees, summary, .. } = grown(&[only], args.dynamics, context)?;
     for tree in &trees {
         let rows = founder_rows(tree);
-        write_files(args, context, tree, &rows, &summary, start, replaced.as_ref())?;
+        write_files(args, context, tree, &rows, &summary, start)?;
         if let Some(picture) = &picture {
             picture.write(&crate::plot::rounds::draw(tree))?;
         }
-        respond(args, context, tree, &rows, &summary, start.elapsed().as_secs_f64(), profile.as_ref())?;
+        respond(args, context, tree, &rows, &summary, start.elapsed().as_secs_f64())?;
     }
     Ok(())
 }
@@ -223,62 +209,30 @@ pub fn bad_cue(error: CueError) -> InputError {
     InputError::not_allowed("--cue", error.field, error.value, error.allowed)
 }
 
-/// Trees and what growing them took.
-#[derive(Default)]
-pub struct Grown {
-    /// One for each scenario.
-    pub trees: Vec<Tree>,
-    pub summary: Summary,
-    /// Where it is asked for.
-    pub profile: Option<ProfileReport>,
-}
-
 /// Grows all scenarios in one run, and says what the user should know of it.
 ///
-/// With `dynamics` the division of every cell is computed, those below the critical radius of their cue included; where they
-/// are `profiled`, what they took is told.
-pub fn grown(scenarios: &[Scenario], dynamics: bool, profiled: bool, context: &Context) -> Result<Grown, CliError> {
+/// With `dynamics` the division of every cell is computed, those below the critical radius of their cue included.
+pub fn grown(scenarios: &[Scenario], dynamics: bool, context: &Context) -> Result<Grown, CliError> {
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let show = |progress| line.show(progress);
-    let profiles = profiled.then(|| Profiles::new(Some(seconds)));
-    let solve = |input: &DivisionInput| computed(input, profiles.as_ref());
     let (options, flag) = (context.scheduling(&show), interrupt::flag());
-    let grown = study::grown_by(scenarios, dynamics, &memo, options, flag, solve);
+    let grown = study::grown(scenarios, dynamics, &memo, options, flag);
     drop(line);
-    let study::Grown { trees, summary, unknown } = grown?;
-    warn_of_store(&summary.warnings);
-    warn_of_searches(unknown);
-    for (tree, scenario) in trees.iter().zip(scenarios) {
+    let grown = grown?;
+    warn_of_store(&grown.summary.warnings);
+    warn_of_searches(&grown.unknown);
+    for (tree, scenario) in grown.trees.iter().zip(scenarios) {
         warn_of_undecided(tree, &scenario.name);
     }
-    let named = |one: &Profiled| name_in(&trees, scenarios, context, one);
-    let profile = profiles.map(|profiles| ProfileReport::new(profiles.taken(), named));
-    Ok(Grown { trees, summary, profile })
-}
-
-/// The first cell of the trees that has divided like this, with its scenario if there are several; its size where a cell
-/// is the mirror image of what was computed.
-fn name_in(trees: &[Tree], scenarios: &[Scenario], context: &Context, one: &Profiled) -> String {
-    let same = |tree: &Tree, id| {
-        let TreeCell { r0, cue, founder, .. } = tree.cell(id);
-        let mut cell = Cell { r0: context.quantisation.apply(*r0), cue: cue.clone(), ..tree.settings.cell.clone() };
-        tree.lineage.founders[*founder].physics.apply(&mut cell);
-        cell == one.input.cell
-    };
-    let found = trees.iter().zip(scenarios).find_map(|(tree, Scenario { name, .. })| {
-        let id = tree.cells().find(|id| same(tree, *id))?;
-        let place = if name.is_empty() { String::new() } else { format!("{name}: ") };
-        Some(format!("{place}{}, R0 = {:.4}", tree.cell(id).name, one.input.cell.r0))
-    });
-    found.unwrap_or_else(|| format!("R0 = {:.4}", one.input.cell.r0))
+    Ok(grown)
 }
 
 /// Says which cells are undecided: their branches end there, the rest of the tree stands.
 fn warn_of_undecided(tree: &Tree, scenario: &str) {
     let place = if scenario.is_empty() { String::new() } else { format!("{scenario}: ") };
     let undecided = tree.cells().map(|id| tree.cell(id)).filter_map(|cell| match &cell.fate.ended {
-        Some(EndReason::Undecided { why }) => Some((cell, why)),
+        Some(TerminalReason::Undecided { why }) => Some((cell, why)),
         _ => None,
     });
     for (k, (cell, why)) in undecided.enumerate() {
@@ -291,7 +245,7 @@ fn warn_of_undecided(tree: &Tree, scenario: &str) {
 }
 
 /// Says which cells have no critical radius; in one warning, which were not searched for to the end.
-fn warn_of_searches(unknown: Vec<(Cue, ShapeError)>) {
+fn warn_of_searches(unknown: &[(Cue, ShapeError)]) {
     let mut given_up = Vec::new();
     for (cue, error) in unknown {
         if let ShapeError::Effort { .. } = error {
@@ -314,7 +268,6 @@ fn respond(
     rows: &[FounderRow],
     summary: &Summary,
     elapsed_s: f64,
-    profile: Option<&ProfileReport>,
 ) -> Result<(), CliError> {
     let counts = report::TreeSummary::of(tree);
     if context.json {
@@ -328,23 +281,16 @@ fn respond(
             memo_hits: summary.memo_hits,
             elapsed_s,
             out: args.out.display().to_string(),
-            profile,
         };
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
+        return print_json(&document);
     }
     answer(&format!(
-        "{}{} divisions solved, {} memo hits, {elapsed_s:.2} s; files in {}\n{}",
+        "{}{} divisions solved, {} memo hits, {elapsed_s:.2} s; files in {}\n",
         report::founders_table(tree, rows),
         summary.solved,
         summary.memo_hits,
-        args.out.display(),
-        profile_text(profile)
+        args.out.display()
     ))
-}
-
-/// A profile behind an answer, if it is asked for.
-pub fn profile_text(profile: Option<&ProfileReport>) -> String {
-    profile.map_or(String::new(), |profile| format!("\n{}", profile.text()))
 }
 
 fn write_files(
@@ -354,7 +300,6 @@ fn write_files(
     rows: &[FounderRow],
     summary: &Summary,
     start: Instant,
-    replaced: Option<&Replaced>,
 ) -> Result<(), CliError> {
     let mut files = FileSet::new(&args.out);
     files.stage("tree.nwk", newick(tree).as_bytes())?;
@@ -363,18 +308,5 @@ fn write_files(
     files.stage("report.html", report::html(tree, rows).as_bytes())?;
     let record = RunRecord::of(args, context, summary, start, tree.len(), None);
     files.stage("run.json", record.text()?.as_bytes())?;
-    commit(files, replaced, args.force)
-}
-
-/// Puts files in place, after those that they would replace were moved aside; by `force` these go.
-pub fn commit(files: FileSet, replaced: Option<&Replaced>, force: bool) -> Result<(), CliError> {
-    match replaced {
-        None => Ok(files.commit()?),
-        Some(Replaced { files: there, .. }) if force => Ok(files.commit_in_place_of(there)?),
-        Some(Replaced { files: there, why }) => {
-            let aside = files.commit_keeping(there)?;
-            tracing::warn!("the files of another tree are kept in {}: {why}", aside.display());
-            Ok(())
-        }
-    }
+    Ok(files.commit()?)
 }

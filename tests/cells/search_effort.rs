@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use furrow::cell::{Cell, Numerics};
 use furrow::io::parse_cue;
-use furrow::lineage::{Ends, Lineage};
+use furrow::lineage::{Lineage, Thresholds};
 use furrow::shapes::critical::{MOST_SEARCHED, critical_radius_within};
 use furrow::shapes::{CriticalRadii, Effort, ShapeError};
 
@@ -57,7 +57,7 @@ fn an_interrupted_search_ends_at_once_and_is_not_remembered() {
     assert_eq!(critical_radius_within(&cell, &Numerics::default(), &effort), Err(ShapeError::Interrupted));
     assert_eq!(effort.spent(), 0);
 
-    let rule = Ends::new(CriticalRadii::new(&Numerics::default()).interrupted_by(&FLAG));
+    let rule = Thresholds::new(CriticalRadii::new(&Numerics::default()).interrupted_by(&FLAG));
     assert_eq!(rule.of(&cell), None);
     assert!(rule.unknown().is_empty() && !rule.knows(&cell));
     FLAG.store(false, Ordering::Relaxed);

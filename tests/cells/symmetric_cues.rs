@@ -5,7 +5,7 @@ use furrow::cell::cue::Quantity;
 use furrow::cell::{Cell, Cue, Numerics, Parameter};
 use furrow::cortex::{Cortex, Domain, symmetry};
 use furrow::division::{DivisionInput, Outcome, divide};
-use furrow::lineage::{Ends, Grower, Lineage, Tree, TreeSettings};
+use furrow::lineage::{Grower, Lineage, Thresholds, Tree, TreeSettings};
 use furrow::shapes::at_rest::Edge;
 use furrow::shapes::critical::BoundaryKind;
 use furrow::shapes::{
@@ -57,7 +57,7 @@ fn grow(cue: &Cue, by_critical_radius: bool) -> (Tree, usize) {
     lineage.limits.max_depth = 6;
     let memo = Memo::new(Quantisation::DEFAULT);
     let options = SchedulerOptions { threads: 2, ..SchedulerOptions::default() };
-    let rule = Ends::new(CriticalRadii::new(&Numerics::default()));
+    let rule = Thresholds::new(CriticalRadii::new(&Numerics::default()));
     let ends = |cell: &Cell| if by_critical_radius { rule.of(cell) } else { None };
     let settings = TreeSettings::default();
     let grown = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options }.grow(divide);

@@ -210,12 +210,9 @@ fn cache_command() {
 }
 
 #[test]
-fn completions_and_manual() {
+fn completions() {
     let script = String::from_utf8(furrow(HERE, &["completions", "bash"]).stdout).unwrap();
     assert!(script.contains("--replicates"));
-    let folder = tempfile::tempdir().unwrap();
-    assert!(furrow(HERE, &["man", "--out", folder.path().to_str().unwrap()]).status.success());
-    assert!(std::fs::read_to_string(folder.path().join("furrow-tree.1")).unwrap().contains("LINEAGE.ron"));
 }
 
 /// `tree` takes the cell's options as `divide` does, and what they say counts over the lineage's own radius.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::common::command::{HERE, furrow, keep_what_is_solved};
 
-const COMMANDS: [&str; 21] = [
+const COMMANDS: [&str; 19] = [
     "tree",
     "divide",
     "steady",
@@ -20,12 +20,10 @@ const COMMANDS: [&str; 21] = [
     "sweep",
     "merge",
     "export",
-    "movies",
     "cache",
     "reproduce",
     "explore",
     "completions",
-    "man",
 ];
 
 fn help(command: &str) -> String {
@@ -73,7 +71,7 @@ fn run_examples_in(folder: &tempfile::TempDir, command: &str) {
 
 #[test]
 fn examples_of_quick_commands_run() {
-    ["", "divide", "steady", "explore", "movies", "cache", "completions", "man"].into_iter().for_each(run_examples);
+    ["", "divide", "steady", "explore", "cache", "completions"].into_iter().for_each(run_examples);
 }
 
 #[test]

@@ -13,4 +13,3 @@ mod inputs;
 mod outputs;
 mod page;
 mod pictures;
-mod profile;

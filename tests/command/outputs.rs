@@ -1,4 +1,4 @@
-//! No run is lost: streams that are full or closed, places that cannot be written, full disks, earlier runs, Ctrl-C.
+//! No run is lost: streams that are full or closed, places that cannot be written, full disks, runs before, Ctrl-C.
 
 use std::fs::{self, File};
 use std::path::Path;
@@ -163,45 +163,20 @@ fn a_full_disk_leaves_all_files_of_a_run_or_none() {
 }
 
 #[test]
-fn another_tree_is_not_replaced_unasked() {
+fn an_earlier_tree_is_overwritten_and_other_files_stay() {
     let folder = tempfile::tempdir().unwrap();
     shallow(folder.path());
     let out = folder.path().join("furrow-out");
     fs::create_dir(&out).unwrap();
     fs::write(out.join("notes.txt"), "mine").unwrap();
-    // Twice: the same tree is replaced by itself.
-    for _ in 0..2 {
-        let (code, said) = run(folder.path(), &TREE);
-        assert_eq!((code, said.as_str()), (Some(0), ""));
-    }
-    let tree = fs::read_to_string(out.join("tree.json")).unwrap();
-    let others = [
-        (&["--set", "epsilon=0.8"][..], "cell.epsilon = 0.87 there, 0.8 now"),
-        (&["--seed", "3"], "seed = 0 there, 3 now"),
-        (&["--dynamics"], "dynamics = false there, true now"),
-        (&["--cue", "none"], "another lineage.founders"),
-        (
-            &["--set", "stages=3", "--set", "xi=24"],
-            "cell.xi_s = 25.0 there, 24.0 now; numerics.stages = 4 there, 3 now",
-        ),
-    ];
-    for (number, (other, difference)) in others.into_iter().enumerate() {
-        let kept = out.join(format!("earlier-{}", number + 1));
-        let (code, said) = run(folder.path(), &[&TREE[..], other].concat());
-        assert_eq!(code, Some(0), "{said}");
-        assert!(said.contains(&format!("kept in furrow-out/earlier-{}: it was grown from", number + 1)), "{said}");
-        assert!(said.contains(difference), "{said}");
-        assert_eq!(fs::read_to_string(kept.join("tree.json")).unwrap(), tree);
-        let (code, said) = run(folder.path(), &[&TREE[..], &["--force"]].concat());
-        assert_eq!((code, said.as_str()), (Some(0), ""));
-        assert_eq!(fs::read_to_string(out.join("tree.json")).unwrap(), tree);
-    }
-    // Files that nobody knows the origin of are kept as well.
-    fs::remove_file(out.join("tree.json")).unwrap();
-    let (code, said) = run(folder.path(), &TREE);
-    assert_eq!(code, Some(0), "{said}");
-    assert!(said.contains("tree.nwk, tree.svg, report.html, run.json, without a tree.json that says"), "{said}");
-    assert!(out.join("earlier-6/run.json").exists());
+    let tree = |other: &[&str]| {
+        assert_eq!(run(folder.path(), &[&TREE[..], other].concat()), (Some(0), String::new()));
+        assert_eq!(names(&out), [&["notes.txt"], &TREE_FILES[..]].concat());
+        fs::read_to_string(out.join("tree.json")).unwrap()
+    };
+    let first = tree(&[]);
+    assert_ne!(tree(&["--set", "epsilon=0.8"]), first);
+    assert_eq!(tree(&[]), first);
     assert_eq!(fs::read_to_string(out.join("notes.txt")).unwrap(), "mine");
 }
 

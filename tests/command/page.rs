@@ -70,7 +70,7 @@ fn the_module_divides_and_grows_as_the_command_line_does() {
     // The second has a founder with physics of its own, µm, and cues by rules.
     for lineage in ["lineages/c_elegans.ron", "lineages/template.ron"] {
         let lineage = Path::new(env!("CARGO_MANIFEST_DIR")).join(lineage);
-        answer(folder.path(), &["tree", &lineage.display().to_string(), "--force", "--cache", "cache"]);
+        answer(folder.path(), &["tree", &lineage.display().to_string(), "--cache", "cache"]);
         run_script(&node, "module.mjs", &[module.clone(), folder.path().join("furrow-out/tree.json")]);
     }
 }

@@ -216,14 +216,3 @@ fn a_division_moves_in_every_format() {
     assert_eq!(text.matches("<animate ").count(), 4);
     assert!(text.contains("asymmetric, χ = 0.15") && text.matches("display=\"inline\"").count() == 1);
 }
-
-#[test]
-fn the_four_kinds_of_division_are_one_command() {
-    let folder = tempfile::tempdir().unwrap();
-    let answer = answer(folder.path(), &["movies", "--out", "m", "--format", "svg", "--frames", "2", "--json"]);
-    let answer: Value = serde_json::from_str(&answer).unwrap();
-    let outcomes: Vec<&str> =
-        answer["movies"].as_array().unwrap().iter().map(|movie| movie["outcome"].as_str().unwrap()).collect();
-    assert_eq!(outcomes, ["symmetric", "asymmetric", "failed", "asymmetric"]);
-    assert_eq!(fs::read_dir(folder.path().join("m")).unwrap().count(), 4);
-}

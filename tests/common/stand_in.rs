@@ -3,7 +3,7 @@
 use furrow::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow::cell::Cell;
 use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
-use furrow::lineage::{EndReason, Grower, Lineage, Tree, TreeSettings};
+use furrow::lineage::{Grower, Lineage, TerminalReason, Tree, TreeSettings};
 
 /// Symmetric above R0 = 2.25, asymmetric with χ = 0.88 down to 1.7, failed below; with a cue χ = 0.2 above 1.7.
 pub fn fake(input: &DivisionInput) -> Result<Division, DivisionError> {
@@ -37,7 +37,7 @@ pub fn division(r0: f64, outcome: Outcome, chi_signed: f64) -> Division {
 /// A tree grown on one thread by a stand-in for the solver.
 pub fn grown(
     lineage: &Lineage,
-    ends: &dyn Fn(&Cell) -> Option<EndReason>,
+    ends: &dyn Fn(&Cell) -> Option<TerminalReason>,
     solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
 ) -> Tree {
     let memo = Memo::new(Quantisation::DEFAULT);

@@ -56,11 +56,6 @@ fn cues_and_settings() {
 }
 
 #[test]
-fn newick_files() {
-    try_all("newick", readers::newick::check);
-}
-
-#[test]
 fn tree_files() {
     try_all("tree_json", readers::tree_json::check);
 }

@@ -3,7 +3,7 @@
 use furrow::batch::{Memo, Quantisation};
 use furrow::cell::{Cell, Cue, Numerics, Parameter};
 use furrow::division::{DivisionInput, divide};
-use furrow::lineage::{Ends, Grower, Lineage, ObservedRounds, Rounds, TreeSettings, founder_rounds};
+use furrow::lineage::{Grower, Lineage, ObservedRounds, Rounds, Thresholds, TreeSettings, founder_rounds};
 use furrow::settings::Settings;
 use furrow::shapes::CriticalRadii;
 use furrow::study::fit::{Effort, Evaluated, FittedConstants, Reading, Targets, activities, fit_constants, fit_cue};
@@ -29,7 +29,7 @@ fn targets(text: &str, lineage: &Lineage) -> Targets {
 
 fn rounds_at(lineage: &Lineage, settings: &TreeSettings, xi_s: f64) -> Rounds {
     let settings = TreeSettings { cell: Cell { xi_s, ..settings.cell.clone() }, ..settings.clone() };
-    let rule = Ends::new(CriticalRadii::new(&settings.numerics));
+    let rule = Thresholds::new(CriticalRadii::new(&settings.numerics));
     let ends = |cell: &Cell| rule.of(cell);
     let memo = Memo::new(Quantisation::DEFAULT);
     let options = furrow::batch::SchedulerOptions { threads: 1, ..Default::default() };
@@ -139,7 +139,7 @@ fn the_preset_of_the_embryo_keeps_what_it_was_fitted_to() {
     let cell = Settings::preset("sulston1983").unwrap().cell;
     let lineage = Lineage::c_elegans().unwrap();
     let settings = TreeSettings { cell: cell.clone(), ..TreeSettings::default() };
-    let rule = Ends::new(CriticalRadii::new(&settings.numerics));
+    let rule = Thresholds::new(CriticalRadii::new(&settings.numerics));
     let ends = |cell: &Cell| rule.of(cell);
     let memo = Memo::new(Quantisation::DEFAULT);
     let options = furrow::batch::SchedulerOptions::default();

@@ -4,11 +4,11 @@ use furrow::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use furrow::cell::{Cell, Numerics};
 use furrow::division::{DivisionInput, Outcome, divide};
 use furrow::io::founder_rows;
-use furrow::lineage::{EndReason, Ends, Grower, Lineage, Tree, TreeSettings};
+use furrow::lineage::{Grower, Lineage, TerminalReason, Thresholds, Tree, TreeSettings};
 use furrow::report::TreeSummary;
 use furrow::shapes::CriticalRadii;
 
-fn grow(memo: &Memo<DivisionInput>, threads: usize, ends: &dyn Fn(&Cell) -> Option<EndReason>) -> (Tree, Summary) {
+fn grow(memo: &Memo<DivisionInput>, threads: usize, ends: &dyn Fn(&Cell) -> Option<TerminalReason>) -> (Tree, Summary) {
     let lineage = Lineage::c_elegans().unwrap();
     let settings = TreeSettings { r0_step: memo.quantisation().relative_step(), ..TreeSettings::default() };
     let options = SchedulerOptions { threads, ..SchedulerOptions::default() };
@@ -16,7 +16,7 @@ fn grow(memo: &Memo<DivisionInput>, threads: usize, ends: &dyn Fn(&Cell) -> Opti
 }
 
 fn by_boundary(memo: &Memo<DivisionInput>, threads: usize) -> Tree {
-    let ends = Ends::new(CriticalRadii::new(&Numerics::default()));
+    let ends = Thresholds::new(CriticalRadii::new(&Numerics::default()));
     let tree = grow(memo, threads, &|cell| ends.of(cell)).0;
     assert!(ends.unknown().is_empty(), "{:?}", ends.unknown());
     tree
@@ -56,8 +56,8 @@ fn the_embryo() {
         match &short.fate.ended {
             None => assert_eq!(short.fate, long.fate),
             Some(reason) => {
-                assert!(matches!(reason, EndReason::BelowPitchfork { .. }), "{}: {reason:?}", short.name);
-                assert!(matches!(long.fate.ended, Some(EndReason::AtRest { .. })), "{}", long.name);
+                assert!(matches!(reason, TerminalReason::BelowPitchfork { .. }), "{}: {reason:?}", short.name);
+                assert!(matches!(long.fate.ended, Some(TerminalReason::AtRest { .. })), "{}", long.name);
             }
         }
     }

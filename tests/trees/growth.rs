@@ -5,12 +5,12 @@ use furrow::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use furrow::cell::Cell;
 use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
 use furrow::io::{founder_rows, newick};
-use furrow::lineage::{EndReason, GrowError, Grower, Lineage, Tree, TreeSettings};
+use furrow::lineage::{GrowError, Grower, Lineage, TerminalReason, Tree, TreeSettings};
 
 fn grow_with(
     lineage: &Lineage,
     threads: usize,
-    ends: &dyn Fn(&Cell) -> Option<EndReason>,
+    ends: &dyn Fn(&Cell) -> Option<TerminalReason>,
     solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
 ) -> Result<(Tree, Summary), GrowError> {
     let memo = Memo::new(Quantisation::DEFAULT);
@@ -73,7 +73,7 @@ fn rounds_of_a_known_tree() {
     let sum: u32 = (1..=chain).sum::<u32>() + chain;
     assert!((rounds.mean - (3.0 + f64::from(sum) / f64::from(chain + 1))).abs() < 1e-12);
     assert!(tree.cells().all(|n| tree.daughters(n).is_some()
-        || tree.cell(n).fate.ended == Some(EndReason::AtRest { growth_rate: Some(-0.25) })));
+        || tree.cell(n).fate.ended == Some(TerminalReason::AtRest { growth_rate: Some(-0.25) })));
 }
 
 #[test]
@@ -137,17 +137,18 @@ fn limits_end_a_tree_that_does_not() {
     let tree = grown(&limited(5, 1_000_000), 2);
     assert_eq!(tree.len(), 63);
     let leaf = tree.cells().next_back().unwrap();
-    assert_eq!(tree.cell(leaf).fate.ended, Some(EndReason::MaxDepth { max_depth: 5 }));
+    assert_eq!(tree.cell(leaf).fate.ended, Some(TerminalReason::MaxDepth { max_depth: 5 }));
     assert_eq!(tree.cell(leaf).fate.outcome(), None);
     let one = grown(&limited(60, 101), 1);
     assert_eq!(one.len(), 101);
     assert_eq!(one.to_json().unwrap(), grown(&limited(60, 101), 4).to_json().unwrap());
-    assert!(one.cells().any(|n| one.cell(n).fate.ended == Some(EndReason::MaxCells { max_cells: 101 })));
+    assert!(one.cells().any(|n| one.cell(n).fate.ended == Some(TerminalReason::MaxCells { max_cells: 101 })));
 }
 
 #[test]
 fn boundary_ends_branches_without_solving() {
-    let ends = |cell: &Cell| (cell.cue.is_none() && cell.r0 < 1.7).then_some(EndReason::BelowPitchfork { r0_c: 1.7 });
+    let ends =
+        |cell: &Cell| (cell.cue.is_none() && cell.r0 < 1.7).then_some(TerminalReason::BelowPitchfork { r0_c: 1.7 });
     let lineage = Lineage::parse("Lineage(name: \"x\", founders: [(name: \"Q\", r0: 4.0)])", "x.ron").unwrap();
     let solve = |input: &DivisionInput| {
         assert!(input.cell.r0 >= 1.7);
@@ -155,7 +156,7 @@ fn boundary_ends_branches_without_solving() {
     };
     let (tree, _) = grow_with(&lineage, 2, &ends, solve).unwrap();
     for node in tree.cells().filter(|n| tree.daughters(*n).is_none()) {
-        assert_eq!(tree.cell(node).fate.ended, Some(EndReason::BelowPitchfork { r0_c: 1.7 }));
+        assert_eq!(tree.cell(node).fate.ended, Some(TerminalReason::BelowPitchfork { r0_c: 1.7 }));
         assert_eq!(tree.cell(node).fate.outcome(), Some(Outcome::Failed));
     }
 }
@@ -176,7 +177,7 @@ fn cells_that_cannot_be_computed_are_undecided() {
             .cells()
             .map(|id| tree.cell(id))
             .filter_map(|cell| match &cell.fate.ended {
-                Some(EndReason::Undecided { why }) => Some((cell.name.as_str(), why.clone())),
+                Some(TerminalReason::Undecided { why }) => Some((cell.name.as_str(), why.clone())),
                 _ => None,
             })
             .collect();

@@ -4,7 +4,7 @@
 use furrow::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow::cell::{Cell, Numerics};
 use furrow::division::divide;
-use furrow::lineage::{EndReason, Ends, Grower, Lineage, Tree, TreeSettings};
+use furrow::lineage::{Grower, Lineage, TerminalReason, Thresholds, Tree, TreeSettings};
 use furrow::shapes::CriticalRadii;
 use rand_mt::Mt64;
 
@@ -29,7 +29,7 @@ fn cue(random: &mut Mt64) -> String {
     format!("{field}:{profile},{place}amplitude={amplitude}")
 }
 
-fn grow(lineage: &Lineage, settings: &TreeSettings, ends: &dyn Fn(&Cell) -> Option<EndReason>) -> Tree {
+fn grow(lineage: &Lineage, settings: &TreeSettings, ends: &dyn Fn(&Cell) -> Option<TerminalReason>) -> Tree {
     let memo = Memo::new(Quantisation::DEFAULT);
     let grower =
         Grower { lineage, settings: settings.clone(), ends, memo: &memo, options: SchedulerOptions::default() };
@@ -51,7 +51,7 @@ fn every_tree_is_whole_and_equals_that_of_all_its_divisions() {
         // Both trees on one coarse mesh: it is each other that they are held against.
         let numerics = Numerics { intervals: 32, ..Numerics::default() };
         let settings = TreeSettings { cell, numerics, seed: number, ..TreeSettings::default() };
-        let rule = Ends::new(CriticalRadii::new(&settings.numerics));
+        let rule = Thresholds::new(CriticalRadii::new(&settings.numerics));
         let (ahead, all) = (grow(&lineage, &settings, &|cell| rule.of(cell)), grow(&lineage, &settings, &|_| None));
         let fates = |tree: &Tree| -> Vec<_> {
             tree.cells().map(|id| tree.cell(id)).map(|c| (c.name.clone(), c.r0.to_bits(), c.fate.outcome())).collect()

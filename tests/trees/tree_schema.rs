@@ -7,7 +7,7 @@ use furrow::cell::{Cell, Cue};
 use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
 use furrow::io::TREE_SCHEMA;
 use furrow::lineage::{
-    CueRule, Daughter, EndReason, Founder, FounderPhysics, Length, Limits, Lineage, ObservedRounds, Tree, Units,
+    CueRule, Daughter, Founder, FounderPhysics, Length, Limits, Lineage, ObservedRounds, TerminalReason, Tree, Units,
 };
 use serde_json::{Value, json};
 
@@ -110,8 +110,8 @@ fn documents() -> Vec<Value> {
         false => fake(input),
     };
     let below = |cell: &Cell| match (cell.cue.is_none(), cell.r0 < 1.7) {
-        (true, true) => Some(EndReason::BelowPitchfork { r0_c: 1.7 }),
-        (false, true) => Some(EndReason::BelowCuedFold { r0: 1.7 }),
+        (true, true) => Some(TerminalReason::BelowPitchfork { r0_c: 1.7 }),
+        (false, true) => Some(TerminalReason::BelowCuedFold { r0: 1.7 }),
         _ => None,
     };
     let lineage = everything();

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | [`problem`], [`gauss`], [`mesh`], [`solution`], [`direction`] | what is solved, and on what |
 //! | `dense`, `stages`, `condense`, `block` (private), [`Kernels`] | the kernels: stages are condensed, blocks eliminated in O(N), borders included |
-//! | [`meter`], [`system`], [`newton`] | the linearised system of one problem with what is done to it, and damped Newton with Jacobian reuse |
+//! | [`system`], [`newton`] | the linearised system of one problem, and damped Newton with Jacobian reuse |
 //! | [`solver`] | a problem solved to an accuracy, on meshes of its own choice |
 //! | [`metric`], [`predictor`], [`continuation`], [`work`] | branches by pseudo-arclength, and what they cost |
 //! | [`derivatives`], [`singularity`], [`fold`], [`symmetry_breaking`] | what vanishes at a fold, at a pitchfork |
@@ -24,7 +24,6 @@ pub mod gauss;
 mod kernels;
 pub mod locate;
 pub mod mesh;
-pub mod meter;
 pub mod metric;
 pub mod minimally_augmented;
 pub mod newton;
@@ -51,7 +50,6 @@ pub use direction::{Direction, LinearCondition};
 pub use fold::Fold;
 pub use gauss::Gauss;
 pub use kernels::Kernels;
-pub use meter::{Clock, Meter, Share, Spent};
 pub use metric::Metric;
 pub use minimally_augmented::{AugmentedReport, MinimallyAugmented};
 pub use newton::{Newton, NewtonError, NewtonReport};

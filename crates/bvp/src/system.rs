@@ -5,7 +5,6 @@ use crate::condense::Condensed;
 use crate::dense::{Determinant, PivotFailure, zeroed};
 use crate::gauss::{Gauss, MAX_STAGES};
 use crate::kernels::Kernels;
-use crate::meter::Meter;
 use crate::metric;
 use crate::problem::{
     BoundaryJacobian, BoundaryValueProblem, CollocationPoints, Dimensions, MAX_CONDITIONS, MAX_UNKNOWNS,
@@ -66,8 +65,6 @@ pub struct System {
     pub(crate) condensed: Condensed,
     /// Residual of the last evaluation.
     pub residual: Residual,
-    /// What was done with it so far.
-    pub meter: Meter,
     kernels: Kernels,
     block: BlockFactor,
     ends: Ends,
@@ -99,7 +96,6 @@ impl System {
             gauss: Gauss::new(m),
             condensed: Condensed::new(dims, m),
             residual: Residual::default(),
-            meter: Meter::default(),
             kernels: Kernels::general(),
             block: BlockFactor::default(),
             ends: Ends::default(),
@@ -122,7 +118,6 @@ impl System {
         conditions: &[LinearCondition],
         derivatives: bool,
     ) {
-        let since = self.meter.now();
         problem.prepare(&y.scalars);
         self.kernels = problem.kernels(self.gauss.m).suited_to(&self.condensed.layout);
         if derivatives {
@@ -135,10 +130,6 @@ impl System {
         for (row, condition) in border.iter_mut().zip(conditions) {
             *row = metric::evaluate(condition, y) - condition.value;
         }
-        self.meter.count(since, y.intervals(), |spent| match derivatives {
-            true => &mut spent.derivatives,
-            false => &mut spent.residuals,
-        });
     }
 
     /// The parts h(p) of the integral conditions, with room for linear conditions behind them.
@@ -210,15 +201,11 @@ impl System {
 
     /// Condenses all intervals from the derivatives of the last evaluation.
     pub fn condense(&mut self) -> Result<(), PivotFailure> {
-        let since = self.meter.now();
-        let condensed = (self.kernels.condense)(&mut self.condensed, &self.gauss);
-        self.meter.count(since, self.condensed.intervals(), |spent| &mut spent.condensing);
-        condensed
+        (self.kernels.condense)(&mut self.condensed, &self.gauss)
     }
 
     /// Factorises the block system of the problem itself, after [`condense`](Self::condense).
     pub fn factor_blocks(&mut self, conditions: &[LinearCondition]) -> Result<(), PivotFailure> {
-        let since = self.meter.now();
         let dims = self.dimensions();
         let e = &self.ends;
         // At most a handful of linear conditions: the small vector of views lives on the stack.
@@ -232,14 +219,11 @@ impl System {
             offsets: &e.hp,
             forms: &forms[..conditions.len()],
         };
-        let factored = self.block.factor(&self.kernels, &self.condensed, &conditions);
-        self.meter.count(since, self.condensed.intervals(), |spent| &mut spent.elimination);
-        factored
+        self.block.factor(&self.kernels, &self.condensed, &conditions)
     }
 
     /// Solves J δ = −residual with the factors at hand.
     pub fn solve(&mut self, residual: &Residual, out: &mut Direction) {
-        let since = self.meter.now();
         self.particular(residual, out, true);
         let System { block, borders, kernels, .. } = self;
         // End rows with their signs turned, in the scratch behind the border entries.
@@ -250,7 +234,6 @@ impl System {
         let (left, right) = ends.split_at(residual.left.len());
         block.solve(kernels, &mut out.nodes, [left, right, border], &mut out.scalars);
         self.complete(out);
-        self.meter.count(since, self.condensed.intervals(), |spent| &mut spent.solves);
     }
 
     /// Solves with the residual of the last evaluation.
@@ -357,7 +340,6 @@ impl System {
     /// Adds J δ to `out`, J being the antisymmetric problem where the system was evaluated last with derivatives, whatever factors
     /// are at hand: what is left of a residual after a correction with older ones.
     pub fn apply_antisymmetric(&mut self, end: &AntisymmetricEnd, direction: &Direction, out: &mut Residual) {
-        let since = self.meter.now();
         let (n, m) = (self.dimensions().components, self.gauss.m);
         let mut scratch = [0.0; (MAX_STAGES + 1) * MAX_UNKNOWNS];
         let (rows, node) = scratch[..(m + 1) * n].split_at_mut(m * n);
@@ -378,16 +360,13 @@ impl System {
         for (rows, y, out) in [(&self.ends.ly, first, &mut out.left), (&end.rows, last, &mut out.right)] {
             out.iter_mut().zip(rows.chunks_exact(n)).for_each(|(out, row)| *out += product(row, y));
         }
-        self.meter.count(since, self.condensed.intervals(), |spent| &mut spent.residuals);
     }
 
     /// Solves the antisymmetric problem factorised by [`factor_antisymmetric`](Self::factor_antisymmetric) for stage and
     /// node residuals and right-hand sides of its end rows.
     pub fn solve_antisymmetric(&mut self, end: &AntisymmetricEnd, residual: &Residual, out: &mut Direction) {
-        let since = self.meter.now();
         self.solve_antisymmetric_nodes(end, residual, out, true);
         self.complete(out);
-        self.meter.count(since, self.condensed.intervals(), |spent| &mut spent.solves);
     }
 
     /// The last node alone of [`solve_antisymmetric`](Self::solve_antisymmetric), in its place in `out`.

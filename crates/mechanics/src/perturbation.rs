@@ -13,7 +13,6 @@ use crate::cortex::Domain;
 use crate::cortex::equations::{COMPONENTS, R, Z};
 use crate::cortex::symmetry::unfold;
 use crate::division::film::Recording;
-use crate::division::profile::Watch;
 use crate::division::run::run;
 use crate::division::start::Start;
 use crate::division::{Division, DivisionError, DivisionInput, Film, Frame, Outcome};
@@ -148,7 +147,7 @@ fn watch(
         observe(frame);
     };
     let start = Start::Stationary { shape, until, longest_step };
-    let (division, _) = run(input, &start, &mut note, &[], &mut Watch::default())?;
+    let (division, _) = run(input, &start, &mut note, &[])?;
     Ok(Perturbation { division, distances, start_growth_rate })
 }
 

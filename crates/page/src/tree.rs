@@ -1,7 +1,7 @@
 //! A founder tree grown anew, by the same functions as `furrow tree`, so that the counts are the same.
 
 use embryo::batch::{Memo, Progress, Quantisation, SchedulerOptions};
-use embryo::lineage::{Ends, Grower, Lineage, TreeSettings, expected_work};
+use embryo::lineage::{Grower, Lineage, Thresholds, TreeSettings, expected_work};
 use mechanics::cell::{Cell, Cue, Numerics};
 use mechanics::division::{DivisionInput, divide};
 use mechanics::shapes::CriticalRadii;
@@ -32,7 +32,7 @@ pub fn regrow(request: &[u8], tell: &dyn Fn(usize, usize)) -> Result<Answer, Pag
         lineage = lineage.carrying(&cue)?;
     }
     let memo = Memo::new(Quantisation::with_relative_step(r0_step).unwrap_or(Quantisation::DEFAULT));
-    let rule = Ends::new(CriticalRadii::new(&numerics));
+    let rule = Thresholds::new(CriticalRadii::new(&numerics));
     // The first cell of a kind whose radius would have to be searched for is left to its division, as `furrow tree` does.
     let first = std::cell::Cell::new(true);
     let ends = |cell: &Cell| {

@@ -8,7 +8,7 @@ use clap::Args;
 use super::trees_of;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
-use crate::cli::output::answer;
+use crate::cli::output::print;
 use crate::cli::plot::PlotArgs;
 use crate::input::{InputError, read_text};
 use crate::lineage::{Lineage, Tree};
@@ -45,10 +45,7 @@ pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
     if let Some(picture) = picture {
         picture.write(&crate::plot::rounds::draw(&tree))?;
     }
-    if context.json {
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&found)?));
-    }
-    answer(&counts_text(&found))
+    print(context.json, &found, || counts_text(&found))
 }
 
 fn counts_text(found: &Counts) -> String {

@@ -3,7 +3,7 @@
 //!
 //! What is computed is a [`Task`], what comes of it a [`Record`]; [`division`] says what these are for cells that divide,
 //! [`mod@replicates`], [`mod@perturbations`] and [`phase`] solve many of them,
-//! [`profiles`] says what that took, and these alone know of cells. [`scheduler::run`] asks the [`Memo`] for the record of every task; the
+//! and these alone know of cells. [`scheduler::run`] asks the [`Memo`] for the record of every task; the
 //! memo asks the [`Store`], which shares a folder with other processes.
 
 pub mod division;
@@ -11,7 +11,6 @@ pub mod key;
 pub mod memo;
 pub mod perturbations;
 pub mod phase;
-pub mod profiles;
 pub mod quantisation;
 pub mod replicates;
 pub mod scheduler;
@@ -24,9 +23,8 @@ mod stick;
 pub use key::{Key, SolverVersion};
 pub use memo::{Failure, Memo};
 pub use phase::{PhaseDiagram, PhasePlane};
-pub use profiles::{Profiled, Profiles};
 pub use quantisation::Quantisation;
-pub use replicates::{Replicates, replicates, replicates_by};
+pub use replicates::{Replicates, replicates};
 pub use scheduler::{Job, Progress, SchedulerError, SchedulerOptions, Summary, Unsolved};
 pub use store::{Store, StoreError, StoreWarning};
 pub use task::{Record, Task};

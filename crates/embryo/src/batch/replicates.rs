@@ -40,27 +40,10 @@ pub fn replicates(
     memo: &Memo<DivisionInput>,
     options: &SchedulerOptions<'_, DivisionInput>,
 ) -> Result<Replicates, SchedulerError<DivisionError>> {
-    replicates_by(input, count, memo, options, divide)
-}
-
-/// [`replicates`] whose divisions are computed by `solve`, as of one who watches them.
-///
-/// # Errors
-/// See [`replicates`].
-pub fn replicates_by<S>(
-    input: &DivisionInput,
-    count: usize,
-    memo: &Memo<DivisionInput>,
-    options: &SchedulerOptions<'_, DivisionInput>,
-    solve: S,
-) -> Result<Replicates, SchedulerError<DivisionError>>
-where
-    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
-{
     let seed = |id: usize| input.seed.wrapping_add(id as u64);
     let jobs = (0..count).map(|id| Job { id, task: DivisionInput { seed: seed(id), ..input.clone() } }).collect();
     let mut divisions = vec![None; count];
-    let run = scheduler::run(jobs, memo, options, solve, |id, division| {
+    let run = scheduler::run(jobs, memo, options, divide, |id, division| {
         divisions[id] = Some(division.clone());
         vec![]
     });

@@ -1,4 +1,4 @@
-//! A dividing cell, frame by frame: its contour, how it is curved, what acts on it.
+//! Frames of a dividing cell: its contour, curvatures and forces.
 
 use super::files::{FileSet, WriteError};
 use crate::division::{Film, Still};
@@ -76,8 +76,7 @@ pub fn stills(film: &Film, every: Option<f64>) -> Vec<Still> {
 /// Most frames at even times.
 const MOST_FRAMES: f64 = 100_000.0;
 
-/// Refuses a step that gives more frames than anybody looks at, as of a cell that waits for thousands of τ; errors say it came
-/// from `source_name`.
+/// Refuses a step that gives more than 100 000 frames, as of a cell that waits for thousands of τ. Errors name `source_name`.
 ///
 /// # Errors
 /// Says which step is long enough.
@@ -93,10 +92,10 @@ pub fn check_step(source_name: &str, film: &Film, every: Option<f64>) -> Result<
 }
 
 /// Writes the frames of a division into `folder`: `frame_NNNN.csv` with the [`COLUMNS`], a row at each collocation point and at
-/// both poles, and `frames.json` with the time of each and what is read off it. Without `every` there is a frame after each
-/// step, with it one every so many τ, and the last shape.
+/// both poles, and `frames.json` with the time and the neck of each. Without `every` there is a frame after each step, with it
+/// one every so many τ, and the last shape.
 ///
-/// All of them or none: they replace the frames of an earlier division, of which none are left once the new are in place.
+/// They replace the frames of an earlier division.
 ///
 /// # Errors
 /// [`FramesError`].
@@ -148,7 +147,7 @@ pub struct FrameContour {
     pub points: Vec<[f64; 2]>,
 }
 
-/// What is read of the list of frames.
+/// The fields that are read of an entry.
 #[derive(Deserialize)]
 struct Listed {
     file: String,
@@ -208,7 +207,7 @@ fn read_contour(text: &str, file: &str) -> Result<Vec<[f64; 2]>, InputError> {
         .collect()
 }
 
-/// Removes frames of an earlier division, from a number on; nothing that is not named exactly like one.
+/// Removes frames of an earlier division, from a number on. Other files stay.
 fn remove_from(folder: &Path, first: usize) -> Result<(), WriteError> {
     let failed = |source| WriteError { path: folder.display().to_string(), source };
     for entry in std::fs::read_dir(folder).map_err(failed)? {

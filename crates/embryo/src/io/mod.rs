@@ -1,20 +1,17 @@
 //! Files: trees, studies and run records out, and in again.
 
-pub mod earlier;
 pub mod exchange;
 pub mod files;
 pub mod frames;
-pub mod newick;
 pub mod provenance;
 pub mod scenarios_csv;
 pub mod sweep_files;
 pub mod tree_json;
 
+pub use exchange::newick;
 pub use files::write_atomically;
-pub use newick::{Newick, NewickNode, newick};
 pub use provenance::Provenance;
 pub use scenarios_csv::scenarios_csv;
 pub use tree_json::{FounderRow, TREE_SCHEMA, TreeFileError, founder_rows};
 
-/// Parameters of a run are a floor of their own; whoever reads files needs them too.
 pub use crate::settings::{Settings, parse_cue};

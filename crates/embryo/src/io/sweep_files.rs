@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde_json::Value;
 
-use super::earlier::differences;
 use super::files::{FileSet, WriteError};
 use super::provenance::Provenance;
 use crate::batch::{Quantisation, SolverVersion};
@@ -246,6 +245,24 @@ fn what_differs(there: &Value, now: &Value) -> String {
     let more = if found.len() > NAMED { format!("; and {} more", found.len() - NAMED) } else { String::new() };
     found.truncate(NAMED);
     format!("{}{more}", found.join("; "))
+}
+
+/// Names the fields in which two values differ, each with both of its values where they are short.
+fn differences(name: &str, there: &Value, now: &Value, found: &mut Vec<String>) {
+    match (there, now) {
+        _ if there == now => {}
+        (Value::Object(a), Value::Object(b)) => {
+            let added = b.keys().filter(|key| !a.contains_key(*key));
+            for key in a.keys().chain(added) {
+                let of = |map: &serde_json::Map<String, Value>| map.get(key).cloned().unwrap_or_default();
+                differences(&format!("{name}.{key}"), &of(a), &of(b), found);
+            }
+        }
+        _ if there.is_array() || there.is_object() || now.is_array() || now.is_object() => {
+            found.push(format!("another {name}"));
+        }
+        _ => found.push(format!("{name} = {there} there, {now} now")),
+    }
 }
 
 /// Puts the parts of a sweep together: the same table as of the whole sweep, byte for byte.

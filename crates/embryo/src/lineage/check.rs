@@ -1,4 +1,4 @@
-//! Checks of a lineage file: what is wrong is named with its place, its value and what is allowed.
+//! Checks of a lineage file. Errors name place, value and what is allowed.
 
 use std::collections::HashMap;
 
@@ -16,8 +16,8 @@ pub(super) struct Check<'a> {
 }
 
 impl Check<'_> {
-    /// `file:line` of the founder of a name that stands `nth`, from 0, in the file, where the line can be told. It reads
-    /// the whole text, and so is for errors alone.
+    /// `file:line` of the `nth` founder of a name, from 0, where the line is found. It searches the whole text: for errors
+    /// only.
     fn place_of(&self, founder: &str, nth: usize) -> String {
         let quoted = format!("\"{founder}\"");
         let is_named = |(_, line): &(usize, &str)| {
@@ -39,7 +39,7 @@ impl Check<'_> {
         InputError::not_allowed(self.place(&f.name), format!("founder {}: {field}", shown(&f.name)), value, allowed)
     }
 
-    /// What is written into drawings and pages has no characters that these cannot hold.
+    /// Names in drawings and pages must be valid XML text.
     fn printable(&self, field: &str, text: &str) -> Result<(), InputError> {
         match forbidden(text) {
             None => Ok(()),
@@ -50,7 +50,7 @@ impl Check<'_> {
         }
     }
 
-    /// Everything that can be wrong with a lineage that is good RON.
+    /// Checks a lineage that was parsed.
     pub fn run(&self) -> Result<(), InputError> {
         let lineage = self.lineage;
         let limits = lineage.limits;
@@ -105,7 +105,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    /// What is allowed in place of the name of a cue that there is not.
+    /// Checks that a cue exists; the error lists those that do.
     fn known_cue(&self, name: &str) -> Result<(), String> {
         if self.lineage.cue(name).is_some() {
             return Ok(());

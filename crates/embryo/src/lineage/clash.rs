@@ -1,12 +1,11 @@
-//! Names that two cells may come to share: a founder's own, and one that the naming rule gives below another founder.
+//! Founders' names that the naming rule may also give to another cell.
 
-/// The first clash found: founders (above, other) where the name of `other` is that of `above` with letters behind it that
-/// the naming rule gives to its descendants. The daughters of a founder that `has_listed` ones are named by the list, so
-/// there the rule gives none. `letters` are those of a founder's descendants, by generation from 1.
+/// The first clash: founders (above, other) where the name of `other` is that of `above` followed by letters that the naming
+/// rule gives to its descendants. Where a founder `has_listed` daughters, the list names them and not the rule. `letters`
+/// are those of a founder's descendants, by generation from 1.
 ///
-/// In sorted order, what begins with a name stands right behind it. So one pass keeps the names that the present one begins
-/// with, each beginning with the one before, and the letters asked for are no more than the names' characters: a letter
-/// that does not fit stands before the next of these names ends, or that one would have been refused itself.
+/// In sorted order, names that begin with a name follow it directly. One pass keeps the prefixes of the present name, each a
+/// prefix of the next, so that no more letters are read than the names have.
 pub(super) fn first(
     names: &[&str],
     has_listed: &[bool],

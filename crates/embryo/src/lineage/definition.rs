@@ -1,18 +1,15 @@
 //! The lineage file: founders, cues, naming, limits, and the observed counts they are set beside.
 
 use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::base;
-use super::check::Check;
 use super::observed::ObservedRounds;
 use super::physics::FounderPhysics;
 use super::units::{Length, Units};
 use crate::cell::cue::{Field, split_terms};
 use crate::cell::{Cue, CueError};
-use crate::input::{InputError, did_you_mean, listed, parse_document, read_text, shown};
+use crate::input::{did_you_mean, listed, shown};
 
 /// The built-in lineage file, `lineages/c_elegans.ron`.
 pub const C_ELEGANS: &str = include_str!("../../../../lineages/c_elegans.ron");
@@ -152,7 +149,7 @@ pub struct Lineage {
     /// Letters added to the mother's name for the (anterior, posterior) daughter.
     #[serde(default = "default_naming")]
     pub naming: (char, char),
-    /// What one L_h and one τ are in this embryo.
+    /// L_h and τ of this embryo.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub units: Option<Units>,
     /// Limits.
@@ -161,7 +158,7 @@ pub struct Lineage {
     /// Cues by name. `none` always exists.
     #[serde(default, deserialize_with = "unique")]
     pub cues: BTreeMap<String, Cue>,
-    /// Cues of the cells whose founder says nothing of its own, the first rule that applies. Generations are counted from
+    /// Cues of cells whose founder gives none, the first rule that applies. Generations are counted from
     /// the first cell.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cue_rules: Vec<CueRule>,
@@ -170,55 +167,12 @@ pub struct Lineage {
 }
 
 impl Lineage {
-    /// The built-in C. elegans founders.
-    pub fn c_elegans() -> Result<Lineage, InputError> {
-        Lineage::parse(C_ELEGANS, "c_elegans.ron (built in)")
-    }
-
-    /// Reads and checks a lineage file.
-    pub fn read(path: &Path) -> Result<Lineage, InputError> {
-        Lineage::parse(&read_text(path)?, &path.display().to_string())
-    }
-
-    /// The lineage of a file if one is given, else the built-in one.
-    pub fn load(path: Option<&Path>) -> Result<Lineage, InputError> {
-        path.map_or_else(Lineage::c_elegans, Lineage::read)
-    }
-
-    /// Reads and checks a lineage from RON text; `file` is what errors call it. A text with `base: "c_elegans"` says what
-    /// differs from the built-in lineage of that name:
-    ///
-    /// ```
-    /// use furrow::lineage::Lineage;
-    ///
-    /// let text = r#"(base: "c_elegans", founders: [(name: "P1", cue: "none")])"#;
-    /// let lineage = Lineage::parse(text, "mine.ron")?;
-    /// assert_eq!(lineage.founders.len(), Lineage::c_elegans()?.founders.len());
-    /// # Ok::<(), furrow::input::InputError>(())
-    /// ```
-    pub fn parse(text: &str, file: &str) -> Result<Lineage, InputError> {
-        let lineage = match base::read(text, file)? {
-            Some(lineage) => lineage,
-            None => parse_document(text, file, "a lineage file", "Lineage")?,
-        };
-        Check { lineage: &lineage, text, file }.run()?;
-        Ok(lineage)
-    }
-
-    /// Checks a lineage that was not read by [`parse`](Self::parse); `file` is what errors call where it comes from.
-    ///
-    /// # Errors
-    /// Names the founder, cue or field, its value and what is allowed.
-    pub fn check(&self, file: &str) -> Result<(), InputError> {
-        Check { lineage: self, text: "", file }.run()
-    }
-
     /// The first cell: the founder without a mother (an index into `founders`).
     pub fn first(&self) -> usize {
         self.founders.iter().position(|f| f.mother.is_none()).unwrap_or(0)
     }
 
-    /// What one L_h and one τ are; nothing is known of them where the file does not say.
+    /// L_h and τ; both unknown where the file does not give them.
     pub fn units(&self) -> Units {
         self.units.unwrap_or_default()
     }
@@ -274,7 +228,7 @@ impl Lineage {
         self.cue(self.cue_name_at(place)).unwrap_or_default()
     }
 
-    /// Whether a founder says that it or descendants of it carry a cue.
+    /// Whether a founder gives itself or descendants a cue.
     pub fn gives_cue(&self, founder: usize) -> bool {
         let founder = &self.founders[founder];
         let acts = |name: &String| self.cues.get(name).is_some_and(|cue| !cue.is_none());
@@ -294,7 +248,7 @@ impl Lineage {
     pub fn with_cues_replaced(mut self, name: &str, cue: &Cue) -> Lineage {
         let mut name = name.to_owned();
         if name != "none" {
-            // The name of another cue is left to it.
+            // Another cue keeps its name.
             while self.cues.get(&name).is_some_and(|other| other != cue) {
                 name.push('*');
             }
@@ -370,7 +324,7 @@ fn replace(given: &mut String, name: &str) {
     }
 }
 
-/// Reads cues by name, refusing a name that stands twice: which of the two is meant cannot be told.
+/// Reads cues by name, and refuses duplicate names.
 pub(super) fn unique<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, Cue>, D::Error> {
     struct Cues;
     impl<'de> serde::de::Visitor<'de> for Cues {

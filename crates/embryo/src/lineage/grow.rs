@@ -3,9 +3,9 @@
 use std::collections::VecDeque;
 
 use super::definition::{Lineage, ListedDaughters, Place};
-use super::tree::{CellId, EndReason, Fate, Side, Tree, TreeCell, TreeSettings};
+use super::tree::{CellId, Fate, Side, TerminalReason, Tree, TreeCell, TreeSettings};
 use crate::batch::{Job, Memo, SchedulerError, SchedulerOptions, Summary, Unsolved, scheduler};
-use crate::cell::{Cell, Cue};
+use crate::cell::Cell;
 use crate::division::{Division, DivisionError, DivisionInput};
 
 /// Why a tree could not be grown.
@@ -23,10 +23,10 @@ pub enum GrowError {
     },
 }
 
-/// What a tree is grown with.
+/// The inputs of a tree.
 ///
 /// # Examples
-/// A cell without a cue and all that descends from it, every division computed and none twice:
+/// A cell without a cue and its descendants, every division computed once:
 ///
 /// ```
 /// use furrow::batch::{Memo, Quantisation, SchedulerOptions};
@@ -50,7 +50,7 @@ pub struct Grower<'a> {
     /// Parameters of all divisions.
     pub settings: TreeSettings,
     /// Ends branches ahead of their division; `&|_| None` leaves it to the dynamics.
-    pub ends: &'a dyn Fn(&Cell) -> Option<EndReason>,
+    pub ends: &'a dyn Fn(&Cell) -> Option<TerminalReason>,
     /// Remembers divisions.
     pub memo: &'a Memo<DivisionInput>,
     /// Threads, interruption, progress, order of work; for the last see [`expected_work`](super::expected_work).
@@ -60,18 +60,23 @@ pub struct Grower<'a> {
 /// A cell in the order of growth, which depends on timing.
 #[derive(Clone, Debug)]
 struct GrowingCell {
-    name: String,
-    founder: usize,
+    /// The cell, whose fate is set when the layout reaches it.
+    cell: TreeCell,
     is_founder: bool,
     /// Rounds below the founder.
     round: u32,
-    generation: u32,
-    fraction: f64,
-    r0: f64,
-    cue: Cue,
     fate: Option<Fate>,
     /// The anterior daughter; the posterior one follows it.
     daughters: Option<usize>,
+}
+
+impl GrowingCell {
+    fn new(lineage: &Lineage, name: String, place: Place, volume_fraction: f64, is_founder: bool) -> GrowingCell {
+        let Place { founder, round, generation, r0 } = place;
+        let (cue, fate) = (lineage.cue_at(place), Fate::default());
+        let cell = TreeCell { name, founder, generation, r0, volume_fraction, cue, fate };
+        GrowingCell { cell, is_founder, round, fate: None, daughters: None }
+    }
 }
 
 struct Growth<'a> {
@@ -81,9 +86,8 @@ struct Growth<'a> {
 }
 
 impl Grower<'_> {
-    /// Grows the tree, solving with `solve` (on the workers, with R0 quantised as the memo says) what the memo does not
-    /// know. The tree depends on the inputs alone, whatever the number of threads and the state of the memo; the
-    /// [`Summary`] tells the work done.
+    /// Grows the tree. Workers compute divisions that the memo lacks with `solve`, at the memo's rounding of R0. The tree
+    /// depends on the inputs alone, not on the number of threads or the state of the memo; the [`Summary`] counts the work.
     ///
     /// # Errors
     /// A division that could not be computed, or interruption.
@@ -99,24 +103,14 @@ impl Grower<'_> {
     fn first(&self) -> GrowingCell {
         let founder = self.lineage.first();
         let r0 = self.lineage.given_r0(founder).unwrap_or(self.settings.cell.r0);
-        GrowingCell {
-            name: self.lineage.founders[founder].name.clone(),
-            founder,
-            is_founder: true,
-            round: 0,
-            generation: 0,
-            fraction: 1.0,
-            r0,
-            cue: self.lineage.cue_at(Place { founder, round: 0, generation: 0, r0 }),
-            fate: None,
-            daughters: None,
-        }
+        let place = Place { founder, round: 0, generation: 0, r0 };
+        GrowingCell::new(self.lineage, self.lineage.founders[founder].name.clone(), place, 1.0, true)
     }
 }
 
-/// Grows several trees in one run: all their cells stand in one queue, so that no worker is idle while any tree has a division
-/// to solve, and a division that several trees need is solved once. Every tree is the one that its grower grows alone; the
-/// [`Summary`] tells the work of all. Memo and options are those of the first grower.
+/// Grows several trees in one run. All their cells share a queue, so that no worker is idle while any tree has a division to
+/// solve, and a division that several trees need is solved once. Every tree is the same as grown alone; the [`Summary`]
+/// counts the work of all. Memo and options are those of the first grower.
 ///
 /// # Errors
 /// As [`Grower::grow`].
@@ -127,14 +121,14 @@ where
     grow_all(growers, &solve)
 }
 
-/// What solves a division.
+/// Computes a division.
 type Solve<'a> = &'a (dyn Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync);
 
-/// [`grow_together`], compiled here once and not with everyone who brings a solver.
+/// [`grow_together`], not generic, so that it is compiled once.
 fn grow_all(growers: &[Grower<'_>], solve: Solve<'_>) -> Result<(Vec<Tree>, Summary), GrowError> {
     let Some(Grower { memo, options, .. }) = growers.first() else { return Ok(Default::default()) };
     let mut growths: Vec<Growth<'_>> = growers.iter().map(Growth::of).collect();
-    // The scheduler's number of a job tells the cell and the tree it is in.
+    // The scheduler's number of a job encodes the cell and its tree.
     let trees = growths.len();
     let numbered = |tree: usize, job: Job<DivisionInput>| Job { id: job.id * trees + tree, ..job };
     let mut roots = Vec::with_capacity(trees);
@@ -150,7 +144,7 @@ fn grow_all(growers: &[Grower<'_>], solve: Solve<'_>) -> Result<(Vec<Tree>, Summ
     Ok((trees?, summary))
 }
 
-/// The summary of a run that was not broken off. Jobs without a record are undecided, and `undecided` is told each of them.
+/// The summary of a run that was not interrupted. Jobs without a record are passed to `undecided`.
 fn completed(
     run: Result<Summary, SchedulerError<DivisionError>>,
     mut undecided: impl FnMut(usize, String),
@@ -179,33 +173,33 @@ impl<'a> Growth<'a> {
 }
 
 impl Growth<'_> {
-    /// What follows from a cell's division. What lies beyond the limit of cells is settled in the layout, in an order that
-    /// timing has no part in.
+    /// The jobs that follow from a cell's division. Cells beyond the limit are settled in the layout, in an order that does
+    /// not depend on timing.
     fn expand(&mut self, index: usize, division: &Division) -> Vec<Job<DivisionInput>> {
         let max_cells = self.grower.lineage.limits.max_cells;
         if self.cells.len() + 2 > max_cells { vec![] } else { self.divide(index, division) }
     }
 
-    /// The division a cell needs; none if its fate is known without, and then it is noted.
+    /// The division a cell needs; none if its fate is known without it, which is then set.
     fn job(&mut self, index: usize) -> Option<Job<DivisionInput>> {
         let TreeSettings { cell: first, numerics, seed, .. } = &self.grower.settings;
-        let growing = &mut self.cells[index];
+        let TreeCell { founder, generation, r0, ref cue, .. } = self.cells[index].cell;
         let limits = self.grower.lineage.limits;
-        let mut cell = Cell { r0: growing.r0, cue: growing.cue.clone(), ..first.clone() };
-        self.grower.lineage.founders[growing.founder].physics.apply(&mut cell);
-        let ended = if growing.generation >= limits.max_depth {
-            Some(EndReason::MaxDepth { max_depth: limits.max_depth })
+        let mut cell = Cell { r0, cue: cue.clone(), ..first.clone() };
+        self.grower.lineage.founders[founder].physics.apply(&mut cell);
+        let ended = if generation >= limits.max_depth {
+            Some(TerminalReason::MaxDepth { max_depth: limits.max_depth })
         } else {
             (self.grower.ends)(&cell)
         };
         if let Some(reason) = ended {
-            growing.fate = Some(Fate::ended(reason));
+            self.cells[index].fate = Some(Fate::ended(reason));
             return None;
         }
         Some(Job { id: index, task: DivisionInput { cell, numerics: *numerics, seed: *seed } })
     }
 
-    /// Notes a cell's division, adds its daughters and returns the divisions they need.
+    /// Sets a cell's fate, adds its daughters and returns the divisions they need.
     fn divide(&mut self, index: usize, division: &Division) -> Vec<Job<DivisionInput>> {
         let fate = Fate::of(&self.oriented(index, division));
         let pair = self.offspring(index, &fate);
@@ -219,10 +213,10 @@ impl Growth<'_> {
 
     /// The division with its smaller daughter on the side where it is in this cell.
     ///
-    /// Where nothing tells one pole from the other the mechanics give χ, and the side is chance: drawn for each cell from
-    /// the seed and its name, so that one record serves many cells and the tree is the same every time.
+    /// Where the poles are alike the mechanics give χ and the side is random: drawn for each cell from the seed and its name,
+    /// so that one record serves many cells and the tree is reproducible.
     fn oriented(&self, index: usize, division: &Division) -> Division {
-        let cell = &self.cells[index];
+        let cell = &self.cells[index].cell;
         let smaller_posterior = division.chi_signed.is_some_and(|chi| chi > 0.0);
         if cell.cue.is_mirror_symmetric() && smaller_posterior != draws_posterior(self.grower.settings.seed, &cell.name)
         {
@@ -233,14 +227,14 @@ impl Growth<'_> {
 
     /// Ends the branch of a cell whose division could not be computed.
     fn note_undecided(&mut self, index: usize, why: String) {
-        self.cells[index].fate = Some(Fate::ended(EndReason::Undecided { why }));
+        self.cells[index].fate = Some(Fate::ended(TerminalReason::Undecided { why }));
     }
 
     /// Anterior and posterior daughter of a cell, if it divides.
     fn offspring(&self, index: usize, fate: &Fate) -> Option<[GrowingCell; 2]> {
         let mother = &self.cells[index];
-        let volumes = fate.daughter_volumes(mother.fraction)?;
-        let founders = self.listed[mother.founder].filter(|_| mother.is_founder).map(|listed| {
+        let volumes = fate.daughter_volumes(mother.cell.volume_fraction)?;
+        let founders = self.listed[mother.cell.founder].filter(|_| mother.is_founder).map(|listed| {
             match volumes[0].total_cmp(&volumes[1]) {
                 std::cmp::Ordering::Equal => [listed.first(), listed.second()],
                 std::cmp::Ordering::Greater => [listed.larger, listed.smaller],
@@ -257,26 +251,20 @@ impl Growth<'_> {
     /// A daughter of a volume given as a part of the first cell's; `founder` is the founder that it is, if it is one.
     fn daughter(&self, mother_index: usize, side: Side, fraction: f64, founder: Option<usize>) -> GrowingCell {
         let (lineage, mother) = (self.grower.lineage, &self.cells[mother_index]);
-        let first_r0 = self.cells[0].r0;
+        let first_r0 = self.cells[0].cell.r0;
         // V = 4πR0³/3, so R0 of the daughter follows from its share of the first cell's volume.
         let (mut r0, mut fraction) = (first_r0 * fraction.cbrt(), fraction);
         if let Some(given) = founder.and_then(|founder| lineage.given_r0(founder)) {
             (r0, fraction) = (given, (given / first_r0).powi(3));
         }
         let round = if founder.is_some() { 0 } else { mother.round + 1 };
-        let (generation, of) = (mother.generation + 1, founder.unwrap_or(mother.founder));
-        GrowingCell {
-            name: self.daughter_name(mother, side, founder),
-            founder: of,
-            is_founder: founder.is_some(),
+        let place = Place {
+            founder: founder.unwrap_or(mother.cell.founder),
             round,
-            generation,
-            fraction,
+            generation: mother.cell.generation + 1,
             r0,
-            cue: lineage.cue_at(Place { founder: of, round, generation, r0 }),
-            fate: None,
-            daughters: None,
-        }
+        };
+        GrowingCell::new(lineage, self.daughter_name(mother, side, founder), place, fraction, founder.is_some())
     }
 
     /// Name of a daughter: the founder's, or its mother's and a letter.
@@ -285,9 +273,9 @@ impl Growth<'_> {
         if let Some(founder) = founder {
             return lineage.founders[founder].name.clone();
         }
-        let (anterior, posterior) = lineage.letters(mother.founder, mother.round as usize + 1);
-        let mut name = String::with_capacity(mother.name.len() + 1);
-        name.push_str(&mother.name);
+        let (anterior, posterior) = lineage.letters(mother.cell.founder, mother.round as usize + 1);
+        let mut name = String::with_capacity(mother.cell.name.len() + 1);
+        name.push_str(&mother.cell.name);
         name.push(if side == Side::Anterior { anterior } else { posterior });
         name
     }
@@ -295,7 +283,7 @@ impl Growth<'_> {
     /// The tree in breadth-first order, cut at the limit of cells.
     fn lay_out(mut self, solve: Solve<'_>) -> Result<Tree, GrowError> {
         let max_cells = self.grower.lineage.limits.max_cells;
-        let first = self.cell_of(0);
+        let first = self.cells[0].cell.clone();
         let mut tree = Tree::new(self.grower.lineage.clone(), self.grower.settings.clone(), first);
         let mut queue: VecDeque<(CellId, usize)> = VecDeque::from([(tree.first(), 0)]);
         while let Some((id, index)) = queue.pop_front() {
@@ -305,19 +293,19 @@ impl Growth<'_> {
                 if room {
                     self.settle(index, solve)?
                 } else {
-                    self.cells[index].fate = Some(Fate::ended(EndReason::MaxCells { max_cells }))
+                    self.cells[index].fate = Some(Fate::ended(TerminalReason::MaxCells { max_cells }))
                 }
             }
             let Some(mut fate) = self.cells[index].fate.take() else { continue };
             if let Some(anterior) = self.cells[index].daughters {
                 if tree.len() + 2 <= max_cells {
                     for (daughter, side) in [(anterior, Side::Anterior), (anterior + 1, Side::Posterior)] {
-                        let cell = self.cell_of(daughter);
+                        let cell = self.cells[daughter].cell.clone();
                         let daughter_id = tree.add(id, side, cell, self.cells[daughter].is_founder);
                         queue.push_back((daughter_id, daughter));
                     }
                 } else {
-                    fate = Fate::ended(EndReason::MaxCells { max_cells });
+                    fate = Fate::ended(TerminalReason::MaxCells { max_cells });
                 }
             }
             tree.cell_mut(id).fate = fate;
@@ -339,20 +327,6 @@ impl Growth<'_> {
             self.divide(index, &division);
         }
         Ok(())
-    }
-
-    fn cell_of(&self, index: usize) -> TreeCell {
-        let cell = &self.cells[index];
-        TreeCell {
-            name: cell.name.clone(),
-            founder: cell.founder,
-            generation: cell.generation,
-            r0: cell.r0,
-            volume_fraction: cell.fraction,
-            cue: cell.cue.clone(),
-            // Noted when the layout reaches the cell.
-            fate: Fate::default(),
-        }
     }
 }
 

@@ -1,34 +1,34 @@
 //! Lineages: founders, which cells divide, the tree that grows and its rounds per founder beside the observed ones.
 //!
-//! | file | what it says |
+//! | file | contents |
 //! |---|---|
-//! | [`definition`] | the lineage file: founders, cues and who carries them, names, limits, observed counts; a file may say what differs from a built-in one |
-//! | [`observed`], [`physics`], [`units`] | what was observed of a founder, what it changes of the physics, µm and minutes |
-//! | [`grow`] | growth: volumes are handed down, every cell's division is solved as soon as its mother's is |
-//! | [`ends`] | which cells cannot divide, told ahead of their division |
-//! | [`work`] | in which order divisions are solved |
-//! | [`tree`] | the tree grown |
+//! | [`definition`] | the lineage file: founders, cues, names, limits, observed counts |
+//! | [`observed`], [`physics`], [`units`] | observed counts and parameters of a founder, µm and minutes |
+//! | [`grow`] | growth: daughters inherit volumes; a division starts as soon as the mother's is solved |
+//! | [`thresholds`] | which cells are too small to divide |
+//! | [`priority`] | which divisions are solved first |
+//! | [`tree`] | the grown tree |
 //! | [`rounds`] | rounds of division per founder |
 
-mod base;
 mod check;
 mod clash;
 pub mod definition;
-pub mod ends;
 pub mod grow;
 pub mod observed;
 pub mod physics;
+pub mod priority;
+mod read;
 pub mod rounds;
+pub mod thresholds;
 pub mod tree;
 pub mod units;
-pub mod work;
 
 pub use definition::{C_ELEGANS, CueRule, Daughter, Founder, Limits, Lineage, ListedDaughters, Place, TEMPLATE};
-pub use ends::Ends;
 pub use grow::{GrowError, Grower, grow_together};
 pub use observed::ObservedRounds;
 pub use physics::FounderPhysics;
+pub use priority::expected_work;
 pub use rounds::{FounderRounds, Rounds, founder_rounds};
-pub use tree::{CellId, EndReason, Fate, Side, Tree, TreeCell, TreeSettings};
+pub use thresholds::Thresholds;
+pub use tree::{CellId, Fate, Side, TerminalReason, Tree, TreeCell, TreeSettings};
 pub use units::{Length, Units};
-pub use work::expected_work;

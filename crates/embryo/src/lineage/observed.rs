@@ -1,4 +1,4 @@
-//! What was observed of a founder's descendants.
+//! Observed rounds of a founder's descendants.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! What of the physics a founder changes for its own part of the lineage.
+//! Parameters that a founder changes for its part of the lineage.
 
 use serde::{Deserialize, Serialize};
 
@@ -47,9 +47,9 @@ pub struct FounderPhysics {
 }
 
 impl FounderPhysics {
-    /// What it sets.
+    /// The parameters that it sets.
     pub fn values(&self) -> impl Iterator<Item = (Parameter, f64)> + use<> {
-        // Taken apart without `..`: a new field does not compile until it has its parameter.
+        // Without `..`: a new field does not compile until it has its parameter.
         let FounderPhysics { xi_s, xi_ratio, gain, epsilon, aspect, p0, w, kappa, eta_b, eta_s, friction, tension } =
             *self;
         let all = [

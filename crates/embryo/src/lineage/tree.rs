@@ -1,8 +1,5 @@
 //! The lineage tree.
 
-use petgraph::Direction;
-use petgraph::graph::{DiGraph, NodeIndex};
-use petgraph::visit::EdgeRef;
 use serde::{Deserialize, Serialize};
 
 use super::definition::Lineage;
@@ -15,7 +12,7 @@ use crate::shapes::critical::{BoundaryKind, End};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 #[serde(tag = "reason", rename_all = "snake_case", deny_unknown_fields)]
-pub enum EndReason {
+pub enum TerminalReason {
     /// Its division was computed and came to rest, undivided, in a stable shape.
     AtRest {
         /// Leading growth rate of perturbations of that shape, in 1/τ (negative: stable).
@@ -48,72 +45,74 @@ pub enum EndReason {
     },
 }
 
-impl EndReason {
+impl TerminalReason {
     /// True if a limit stopped the cell and mechanics did not.
     pub fn is_limit(&self) -> bool {
-        matches!(self, EndReason::MaxDepth { .. } | EndReason::MaxCells { .. })
+        matches!(self, TerminalReason::MaxDepth { .. } | TerminalReason::MaxCells { .. })
     }
 
-    /// True if mechanics says that the cell cannot divide.
+    /// True if the cell cannot divide by mechanics.
     fn is_mechanical(&self) -> bool {
-        !self.is_limit() && !matches!(self, EndReason::Undecided { .. })
+        !self.is_limit() && !matches!(self, TerminalReason::Undecided { .. })
     }
 
     /// The reason's name in files.
     pub fn name(&self) -> &'static str {
         match self {
-            EndReason::AtRest { .. } => "at_rest",
-            EndReason::BelowPitchfork { .. } => "below_pitchfork",
-            EndReason::BelowCuedFold { .. } => "below_cued_fold",
-            EndReason::Undecided { .. } => "undecided",
-            EndReason::MaxDepth { .. } => "max_depth",
-            EndReason::MaxCells { .. } => "max_cells",
+            TerminalReason::AtRest { .. } => "at_rest",
+            TerminalReason::BelowPitchfork { .. } => "below_pitchfork",
+            TerminalReason::BelowCuedFold { .. } => "below_cued_fold",
+            TerminalReason::Undecided { .. } => "undecided",
+            TerminalReason::MaxDepth { .. } => "max_depth",
+            TerminalReason::MaxCells { .. } => "max_cells",
         }
     }
 }
 
-impl std::fmt::Display for EndReason {
+impl std::fmt::Display for TerminalReason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            EndReason::AtRest { growth_rate: Some(s) } => write!(f, "failed: at rest, stable (growth rate {s:.3}/τ)"),
-            EndReason::AtRest { growth_rate: None } => write!(f, "failed: at rest"),
-            EndReason::BelowPitchfork { r0_c } => write!(f, "below the pitchfork boundary R0_c = {r0_c:.4}"),
-            EndReason::BelowCuedFold { r0 } => write!(f, "below the fold of the cued branch, R0 = {r0:.4}"),
-            EndReason::Undecided { why } => write!(f, "undecided: {why}"),
-            EndReason::MaxDepth { max_depth } => write!(f, "limit: {max_depth} generations"),
-            EndReason::MaxCells { max_cells } => write!(f, "limit: {max_cells} cells"),
+            TerminalReason::AtRest { growth_rate: Some(s) } => {
+                write!(f, "failed: at rest, stable (growth rate {s:.3}/τ)")
+            }
+            TerminalReason::AtRest { growth_rate: None } => write!(f, "failed: at rest"),
+            TerminalReason::BelowPitchfork { r0_c } => write!(f, "below the pitchfork boundary R0_c = {r0_c:.4}"),
+            TerminalReason::BelowCuedFold { r0 } => write!(f, "below the fold of the cued branch, R0 = {r0:.4}"),
+            TerminalReason::Undecided { why } => write!(f, "undecided: {why}"),
+            TerminalReason::MaxDepth { max_depth } => write!(f, "limit: {max_depth} generations"),
+            TerminalReason::MaxCells { max_cells } => write!(f, "limit: {max_cells} cells"),
         }
     }
 }
 
-impl From<End> for EndReason {
-    fn from(end: End) -> EndReason {
+impl From<End> for TerminalReason {
+    fn from(end: End) -> TerminalReason {
         match end.kind {
-            BoundaryKind::CuedFold => EndReason::BelowCuedFold { r0: end.critical_r0 },
-            _ => EndReason::BelowPitchfork { r0_c: end.critical_r0 },
+            BoundaryKind::CuedFold => TerminalReason::BelowCuedFold { r0: end.critical_r0 },
+            _ => TerminalReason::BelowPitchfork { r0_c: end.critical_r0 },
         }
     }
 }
 
-/// What becomes of a cell: its division, if one was computed, and why it has no daughters, if it has none.
+/// The fate of a cell: its division, if one was computed, and why it has no daughters, if it has none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fate {
     /// Its division; none where it need not be computed, or a limit stopped the cell.
     pub division: Option<Division>,
     /// Why there are no daughters; none if there are.
-    pub ended: Option<EndReason>,
+    pub ended: Option<TerminalReason>,
 }
 
 impl Fate {
     /// The fate that a computed division gives.
     pub fn of(division: &Division) -> Fate {
         let failed = division.outcome == Outcome::Failed;
-        let ended = failed.then_some(EndReason::AtRest { growth_rate: division.growth_rate });
+        let ended = failed.then_some(TerminalReason::AtRest { growth_rate: division.growth_rate });
         Fate { division: Some(division.clone()), ended }
     }
 
     /// The fate of a cell whose division need not be computed: it cannot divide (outcome failed), or a limit stops it.
-    pub fn ended(reason: EndReason) -> Fate {
+    pub fn ended(reason: TerminalReason) -> Fate {
         Fate { division: None, ended: Some(reason) }
     }
 
@@ -156,7 +155,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// As words before what else is said of the cell.
+    /// As an adjective in drawings.
     pub fn adjective(self) -> &'static str {
         match self {
             Side::Anterior => "anterior, ",
@@ -180,7 +179,7 @@ pub struct TreeCell {
     pub volume_fraction: f64,
     /// Polarity cue.
     pub cue: Cue,
-    /// What becomes of it.
+    /// Its fate.
     pub fate: Fate,
 }
 
@@ -193,16 +192,12 @@ impl CellId {
     pub fn index(self) -> usize {
         self.0
     }
-
-    fn node(self) -> NodeIndex {
-        NodeIndex::new(self.0)
-    }
 }
 
-/// What all divisions of a tree share.
+/// Parameters of all divisions of a tree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeSettings {
-    /// The first cell: its radius, and the confinement, activity, material and shell of all. Cues are the lineage's.
+    /// Radius of the first cell; confinement, activity, material and shell of all. Cues are the lineage's.
     pub cell: Cell,
     /// Discretisation.
     pub numerics: Numerics,
@@ -227,42 +222,56 @@ impl Default for TreeSettings {
 /// Radius R0 of the C. elegans zygote P0, in L_h (Table S3).
 pub const ZYGOTE: f64 = 5.4;
 
-/// A grown lineage. Cells are held in breadth-first order, the anterior daughter before the posterior, whatever the order
+/// A grown lineage. Cells are in breadth-first order, the anterior daughter before the posterior, whatever the order
 /// in which they were solved.
 ///
 /// # Examples
 /// [`Grower`](super::Grower) grows one.
 #[derive(Clone, Debug)]
 pub struct Tree {
-    /// What it was grown from.
+    /// Its lineage.
     pub lineage: Lineage,
     /// Parameters of its divisions.
     pub settings: TreeSettings,
-    /// Edges from mother to daughter.
-    graph: DiGraph<TreeCell, Side>,
+    nodes: Vec<Node>,
     founder_cells: Vec<Option<CellId>>,
+}
+
+#[derive(Clone, Debug)]
+struct Node {
+    cell: TreeCell,
+    /// The mother, and which of her daughters this is; none for the first cell.
+    mother: Option<(CellId, Side)>,
+    /// Anterior and posterior.
+    daughters: [Option<CellId>; 2],
+    daughter_count: usize,
+}
+
+impl Node {
+    fn new(cell: TreeCell, mother: Option<(CellId, Side)>) -> Node {
+        Node { cell, mother, daughters: [None; 2], daughter_count: 0 }
+    }
 }
 
 impl Tree {
     /// A tree of the first cell alone.
     pub fn new(lineage: Lineage, settings: TreeSettings, first: TreeCell) -> Tree {
         let mut founder_cells = vec![None; lineage.founders.len()];
-        let mut graph = DiGraph::new();
-        let founder = first.founder;
-        founder_cells[founder] = Some(CellId(graph.add_node(first).index()));
-        Tree { lineage, settings, graph, founder_cells }
+        founder_cells[first.founder] = Some(CellId(0));
+        Tree { lineage, settings, nodes: vec![Node::new(first, None)], founder_cells }
     }
 
-    /// Adds a daughter, after all cells of earlier generations and after its anterior sister. `is_founder` tells that it
-    /// is the founder `cell.founder` itself.
+    /// Adds a daughter, after all cells of earlier generations and after its anterior sister. `is_founder`: it is the
+    /// founder `cell.founder` itself.
     pub fn add(&mut self, mother: CellId, side: Side, cell: TreeCell, is_founder: bool) -> CellId {
-        let founder = cell.founder;
-        let node = self.graph.add_node(cell);
-        self.graph.add_edge(mother.node(), node, side);
-        let id = CellId(node.index());
+        let id = CellId(self.nodes.len());
         if is_founder {
-            self.founder_cells[founder] = Some(id);
+            self.founder_cells[cell.founder] = Some(id);
         }
+        self.nodes.push(Node::new(cell, Some((mother, side))));
+        let above = &mut self.nodes[mother.0];
+        above.daughters[usize::from(side == Side::Posterior)] = Some(id);
+        above.daughter_count += 1;
         id
     }
 
@@ -273,51 +282,47 @@ impl Tree {
 
     /// Number of cells, all generations together.
     pub fn len(&self) -> usize {
-        self.graph.node_count()
+        self.nodes.len()
     }
 
     /// A tree has at least its first cell.
     pub fn is_empty(&self) -> bool {
-        self.graph.node_count() == 0
+        self.nodes.is_empty()
     }
 
     /// All cells in breadth-first order.
     pub fn cells(&self) -> impl DoubleEndedIterator<Item = CellId> + ExactSizeIterator + use<> {
-        (0..self.graph.node_count()).map(CellId)
+        (0..self.nodes.len()).map(CellId)
     }
 
     /// A cell.
     pub fn cell(&self, id: CellId) -> &TreeCell {
-        &self.graph[id.node()]
+        &self.nodes[id.0].cell
     }
 
     pub(super) fn cell_mut(&mut self, id: CellId) -> &mut TreeCell {
-        &mut self.graph[id.node()]
+        &mut self.nodes[id.0].cell
     }
 
     /// A cell's mother.
     pub fn mother(&self, id: CellId) -> Option<CellId> {
-        let mut mothers = self.graph.neighbors_directed(id.node(), Direction::Incoming);
-        mothers.next().map(|node| CellId(node.index()))
+        self.nodes[id.0].mother.map(|(mother, _)| mother)
     }
 
     /// Which daughter of its mother a cell is.
     pub fn side(&self, id: CellId) -> Option<Side> {
-        self.graph.edges_directed(id.node(), Direction::Incoming).next().map(|edge| *edge.weight())
+        self.nodes[id.0].mother.map(|(_, side)| side)
     }
 
     /// The anterior and posterior daughter.
     pub fn daughters(&self, id: CellId) -> Option<[CellId; 2]> {
-        let mut daughters = [None, None];
-        for edge in self.graph.edges(id.node()) {
-            daughters[(*edge.weight() == Side::Posterior) as usize] = Some(CellId(edge.target().index()));
-        }
-        Some([daughters[0]?, daughters[1]?])
+        let [anterior, posterior] = self.nodes[id.0].daughters;
+        Some([anterior?, posterior?])
     }
 
     /// How many daughters a cell has been given; 0 or 2 in a whole tree.
     pub fn daughter_count(&self, id: CellId) -> usize {
-        self.graph.edges(id.node()).count()
+        self.nodes[id.0].daughter_count
     }
 
     /// The cell of a founder (an index into the lineage's founders); none if it was never born.

@@ -1,10 +1,10 @@
-//! Micrometres and minutes beside L_h and τ, where a lineage file says how long these are.
+//! Micrometres and minutes, where a lineage file gives L_h and τ.
 
 use serde::{Deserialize, Serialize};
 
 use crate::input::InputError;
 
-/// What one L_h and one τ are in an embryo. The paper prints neither, so that they are the user's to give.
+/// L_h and τ of an embryo. The paper prints neither: users give them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Units {
@@ -27,12 +27,12 @@ impl Units {
         self.time_min.map(|unit| unit * time)
     }
 
-    /// A length in L_h as text, with µm behind it where they are known: ` (17.06 µm)`.
+    /// A length in L_h as text, followed by µm where L_h is known: ` (17.06 µm)`.
     pub fn in_micrometres(&self, length: f64) -> String {
         self.micrometres(length).map_or(String::new(), |length| format!(" ({length:.2} µm)"))
     }
 
-    /// A time in τ as text, with minutes behind it where they are known: ` (3.10 min)`.
+    /// A time in τ as text, followed by minutes where τ is known: ` (3.10 min)`.
     pub fn in_minutes(&self, time: f64) -> String {
         self.minutes(time).map_or(String::new(), |time| format!(" ({time:.2} min)"))
     }
@@ -70,7 +70,7 @@ impl Length {
     /// The length in L_h.
     ///
     /// # Errors
-    /// Says what is missing where it is in µm and nothing tells how long L_h is.
+    /// The length is in µm, and L_h is not given.
     pub fn in_units(self, units: &Units) -> Result<f64, String> {
         match (self, units.length_um) {
             (Length::Natural(length), _) => Ok(length),

@@ -1,10 +1,11 @@
-//! The report: one self-contained page, and the same page without a tree.
+//! The report, one self-contained page, and the same page without a tree.
 
 use super::escape;
+use super::observed_table::{MODEL, decimals, observed_columns};
 use super::page::{Page, data};
 use super::summary::TreeSummary;
 use super::svg::{colours, svg};
-use super::table::{cue_text, decimals, observed_columns, outcome_name};
+use super::table::{cue_text, outcome_name};
 use crate::io::{FounderRow, Provenance};
 use crate::lineage::{Lineage, Tree, TreeSettings};
 use crate::settings::{Settings, listing};
@@ -46,7 +47,7 @@ pub fn html(tree: &Tree, rows: &[FounderRow]) -> String {
     .html()
 }
 
-/// The page that computes, without a tree: cells at will, and a lineage to be grown in it.
+/// The page that computes, without a tree: any cell you choose, and a lineage to grow.
 pub fn explorer(lineage: &Lineage, settings: &TreeSettings) -> String {
     let name = escape(&lineage.name);
     let mut below = String::new();
@@ -70,7 +71,7 @@ fn founders(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
     let _ = write!(
         out,
         "<section class=\"card\"><h2>Rounds of division per founder</h2>\n<div class=\"wrap\"><table><thead><tr><th colspan=\"{}\"></th><th colspan=\"6\" class=\"s l\">model</th>{}</tr>\
-         <tr><th>founder</th><th>R0</th>{}<th class=\"l\">cue</th><th class=\"l\">its division</th><th>χ</th><th class=\"s\">min</th><th>mean</th><th>max</th><th>full doublings</th><th>symmetric</th><th>terminal cells</th>",
+         <tr><th>founder</th><th>R0</th>{}<th class=\"l\">cue</th><th class=\"l\">its division</th><th>χ</th>",
         if in_um { 6 } else { 5 },
         match observed.len() {
             0 => String::new(),
@@ -78,16 +79,8 @@ fn founders(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
         },
         if in_um { "<th>R0, µm</th>" } else { "" },
     );
-    // The first column of a group stands off from the one before.
-    let class = |k: usize| if k == 0 { " class=\"s\"" } else { "" };
-    for (k, (name, ..)) in observed.iter().enumerate() {
-        let name = match *name {
-            "full" => "full doublings",
-            "cells" => "terminal cells",
-            name => name,
-        };
-        let _ = write!(out, "<th{}>{name}</th>", class(k));
-    }
+    group(out, "th", MODEL.iter().map(|(name, ..)| in_full(name)));
+    group(out, "th", observed.iter().map(|(name, ..)| in_full(name)));
     out.push_str("</tr></thead><tbody>\n");
     for (row, colour) in rows.iter().zip(colours(&tree.lineage)) {
         let _ = write!(
@@ -100,19 +93,11 @@ fn founders(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
             outcome_name(row.outcome),
             decimals(row.chi, 3)
         );
-        match row.rounds {
-            Some(r) => {
-                let _ = write!(
-                    out,
-                    "<td class=\"s\">{}</td><td>{:.2}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>",
-                    r.min, r.mean, r.max, r.full_doublings, r.symmetric, r.terminal
-                );
-            }
+        match &row.rounds {
+            Some(rounds) => group(out, "td", MODEL.iter().map(|(_, _, text)| text(rounds))),
             None => out.push_str("<td class=\"s l\" colspan=\"6\">not born</td>"),
         }
-        for (k, (_, _, text)) in observed.iter().enumerate() {
-            let _ = write!(out, "<td{}>{}</td>", class(k), text(row));
-        }
+        group(out, "td", observed.iter().map(|(_, _, text)| row.observed.as_ref().map_or(String::new(), text)));
         out.push_str("</tr>\n");
     }
     out.push_str("</tbody></table></div>\n<p>Rounds are divisions from the founder to a terminal cell: fewest, mean and most over its terminal cells. Full doublings are the generations, counted from the founder, in which every cell divided; symmetric, those in which every cell divided into equal halves. Size asymmetry χ = |V₁ − V₂|/V.");
@@ -122,6 +107,23 @@ fn founders(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
         let _ = write!(out, " {what}: {}.", escape(citation.trim_end_matches('.')));
     }
     out.push_str("</p></section>\n");
+}
+
+/// Cells of a group of columns, with a border before the first.
+pub(super) fn group<T: std::fmt::Display>(out: &mut String, tag: &str, texts: impl Iterator<Item = T>) {
+    for (k, text) in texts.enumerate() {
+        let _ = write!(out, "<{tag}{}>{text}</{tag}>", if k == 0 { " class=\"s\"" } else { "" });
+    }
+}
+
+/// The heading of a column of counts in full.
+fn in_full(heading: &'static str) -> &'static str {
+    match heading {
+        "full" => "full doublings",
+        "sym" => "symmetric",
+        "cells" => "terminal cells",
+        heading => heading,
+    }
 }
 
 fn generations(out: &mut String, summary: &TreeSummary) {

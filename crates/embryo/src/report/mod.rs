@@ -1,9 +1,8 @@
-//! Pictures and tables of what was computed.
+//! Tables, the lineage's drawing and pages.
 
-mod beside;
 pub mod html;
+mod observed_table;
 mod page;
-pub mod profile;
 pub mod reproduction;
 pub mod scenarios_page;
 pub mod scenarios_table;
@@ -13,7 +12,6 @@ pub mod svg;
 pub mod table;
 
 pub use html::{explorer, html};
-pub use profile::ProfileReport;
 pub use scenarios_page::scenarios_page;
 pub use scenarios_table::scenarios_table;
 pub use shapes::{EventReport, StationaryReport, ThresholdReport};

@@ -1,7 +1,7 @@
-//! The frame of a page that computes: its style, its scripts, the solver they run, and what it is written with.
+//! The frame of a page that computes: style, scripts, the solver and its data.
 //!
-//! All of it is in `page/` beside this file and stands in the page as it is, one script behind the other, so that a page is one
-//! file which needs no network. The solver is the module that `crates/page` builds.
+//! The files of `page/` are embedded unchanged, so that a page is one file and needs no network. `crates/page` builds the
+//! solver.
 
 use std::fmt::Write;
 
@@ -15,9 +15,9 @@ use crate::shapes::critical::Stored;
 const STYLE: &str = include_str!("page/page.css");
 const LINEAGE: &str = include_str!("page/lineage.html");
 const WHAT_IF: &str = include_str!("page/whatif.html");
-/// What the worker runs, which has the solver to itself.
+/// The script of the worker, which runs the solver.
 const WORKER: &str = include_str!("page/worker.js");
-/// In the order in which they stand in the page: what is used comes before its user.
+/// In the order of the page: definitions come before their use.
 const SCRIPTS: [&str; 9] = [
     include_str!("page/solver.js"),
     include_str!("page/data.js"),
@@ -32,22 +32,22 @@ const SCRIPTS: [&str; 9] = [
 /// The solver: the fingerprint of the sources it was built from on the first line, gzipped and in base64 on the second.
 const MODULE: &str = include_str!("../../../page/furrow.wasm.txt");
 
-/// A page may run what stands in it and fetch nothing.
+/// A page runs its own scripts and fetches nothing.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:; img-src data:";
 
-/// What differs from page to page, as HTML.
+/// The parts that differ from page to page, as HTML.
 pub struct Page {
     /// Title of the document.
     pub title: String,
     /// Heading of the page.
     pub heading: String,
-    /// What stands below the heading.
+    /// Below the heading.
     pub top: String,
-    /// What is shown in place of the lineage where scripts do not run.
+    /// In place of the lineage where scripts do not run.
     pub still: String,
-    /// What stands at the end.
+    /// At the end.
     pub below: String,
-    /// What scripts are told, as JSON.
+    /// Data of the scripts, as JSON.
     pub data: String,
 }
 
@@ -77,7 +77,7 @@ impl Page {
     }
 }
 
-/// What every division of a page has in common; a tree is grown anew from it.
+/// Parameters of all divisions of a page; it grows trees from them.
 #[derive(Serialize)]
 struct Head<'a> {
     lineage: &'a Lineage,
@@ -110,7 +110,7 @@ struct Told<'a> {
     edge: Option<Edge>,
 }
 
-/// What scripts are told, as JSON: parameters, colours of founders, the edge of division, and the text of `tree.json`.
+/// Data of the scripts, as JSON: parameters, colours of founders, the edge of division, and the text of `tree.json`.
 pub fn data(lineage: &Lineage, settings: &TreeSettings, tree: Option<String>) -> String {
     let TreeSettings { cell, numerics, seed, r0_step } = settings;
     let told = Told {
@@ -120,7 +120,7 @@ pub fn data(lineage: &Lineage, settings: &TreeSettings, tree: Option<String>) ->
     };
     let told = serde_json::to_string(&told).unwrap_or_else(|_| "{}".to_owned());
     let tree = tree.unwrap_or_else(|| "null".to_owned());
-    // One object of both; neither is parsed again. No name in it may end the element that it stands in.
+    // One object of both, without parsing either again. `<` is escaped: a name could close the script element.
     let told = told.strip_suffix('}').unwrap_or_default();
     format!("{told},\"tree\":{tree}}}").replace('<', "\\u003c")
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::study::reproduce::{Item, Reproduction, Value, Verdict};
 
-/// What stands where there is nothing.
+/// An empty cell of the table.
 const NOTHING: &str = "-";
 
 /// The page that ships as `docs/reproduction.md`, of the constants that `constants` names. It has no times: equal inputs give
@@ -67,7 +67,7 @@ pub fn row(item: &Item) -> String {
     format!("| {} |\n", cells.map(|cell| cell.replace('|', "\\|")).join(" | "))
 }
 
-/// What the published scheme gives, and whether it agrees where the converged result does not.
+/// The result of the published scheme, and whether it agrees where the converged result does not.
 fn published(item: &Item) -> String {
     let told = match (item.verdict, item.published_scheme_agrees) {
         (Verdict::Differs, Some(true)) => " (agrees)",

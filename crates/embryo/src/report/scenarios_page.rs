@@ -1,10 +1,10 @@
-//! Several scenarios on one self-contained page: small drawings beside one another, and the table.
+//! Several scenarios on one self-contained page: small drawings and the table.
 
 use std::fmt::Write;
 
-use super::beside::{MODEL, OBSERVED, founder_lines, observed_texts};
 use super::escape;
-use super::html::parameters;
+use super::html::{group, parameters};
+use super::observed_table::{OBSERVED_BESIDE, SCENARIO, founder_lines};
 use super::summary::TreeSummary;
 use super::svg::{colours, small};
 use crate::lineage::Tree;
@@ -16,7 +16,7 @@ table{border-collapse:collapse;font-variant-numeric:tabular-nums}th,td{padding:.
 th{font-weight:600;color:#444}td:first-child,th:first-child,td.l,th.l{text-align:left}td.s,th.s{border-left:2px solid #bbb}\
 .dot{display:inline-block;width:.7em;height:.7em;border-radius:50%;margin-right:.45em}.tree{overflow-x:auto;border:1px solid #e6e8eb}.tree svg{display:block;width:100%;min-width:1100px;height:auto}\
 code,pre{font:13px/1.45 Menlo,Consolas,monospace}pre{background:#f6f7f9;padding:.8rem;overflow-x:auto}.wrap{overflow-x:auto}";
-/// What is particular to this page. Drawings are as wide as their place and as high as that makes them.
+/// Style of the drawings' grid.
 const GRID: &str = ".grid{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,380px),1fr));gap:1rem}figure{margin:0;border:1px solid #e6e8eb;padding:.5rem;min-width:0}\
 figcaption{font-size:.87rem;overflow-wrap:anywhere}figcaption span{color:#666}figure svg{display:block;width:100%;height:auto}td.d{font-weight:600;background:#fff3d6}";
 
@@ -59,7 +59,7 @@ fn palette(trees: &[Tree]) -> Palette<'_> {
     palette
 }
 
-/// The colours of the founders, and what discs mean.
+/// The legend: colours of the founders, and discs.
 fn dots(out: &mut String, palette: &Palette<'_>) {
     out.push_str("<p class=\"sub\">");
     for (name, colour) in palette {
@@ -89,40 +89,33 @@ fn table(out: &mut String, scenarios: &[Scenario], trees: &[Tree]) {
     let observed = lines.iter().any(|line| line.observed.is_some());
     out.push_str("<h2>Rounds of division per founder</h2>\n<div class=\"wrap\"><table><thead><tr><th></th>");
     for (k, scenario) in scenarios.iter().enumerate() {
-        let _ = write!(out, "<th colspan=\"{}\" class=\"s l\">{} {}</th>", MODEL.len(), k + 1, escape(&scenario.name));
+        let _ =
+            write!(out, "<th colspan=\"{}\" class=\"s l\">{} {}</th>", SCENARIO.len(), k + 1, escape(&scenario.name));
     }
     if observed {
-        let _ = write!(out, "<th colspan=\"{}\" class=\"s l\">observed</th>", OBSERVED.len());
+        let _ = write!(out, "<th colspan=\"{}\" class=\"s l\">observed</th>", OBSERVED_BESIDE.len());
     }
     out.push_str("</tr>\n<tr><th>founder</th>");
-    // The first column of a group stands off from the one before.
-    let heading = |out: &mut String, names: &[&str]| {
-        for (k, name) in names.iter().enumerate() {
-            let _ = write!(out, "<th{}>{name}</th>", if k == 0 { " class=\"s\"" } else { "" });
-        }
-    };
-    scenarios.iter().for_each(|_| heading(out, &MODEL));
+    scenarios.iter().for_each(|_| group(out, "th", SCENARIO.iter()));
     if observed {
-        heading(out, &OBSERVED);
+        group(out, "th", OBSERVED_BESIDE.iter());
     }
     out.push_str("</tr></thead><tbody>\n");
-    let cell = |out: &mut String, first: bool, differs: bool, text: &str| {
-        let class = match (first, differs) {
-            (true, true) => " class=\"s d\"",
-            (true, false) => " class=\"s\"",
-            (false, true) => " class=\"d\"",
-            (false, false) => "",
-        };
-        let _ = write!(out, "<td{class}>{text}</td>");
-    };
     for line in &lines {
         let _ = write!(out, "<tr><td>{}</td>", escape(&line.name));
         for entry in &line.entries {
-            let texts = entry.texts.iter().zip(entry.differs).enumerate();
-            texts.for_each(|(k, (text, differs))| cell(out, k == 0, differs, text));
+            for (k, (text, differs)) in entry.texts.iter().zip(entry.differs).enumerate() {
+                let class = match (k, differs) {
+                    (0, true) => " class=\"s d\"",
+                    (0, false) => " class=\"s\"",
+                    (_, true) => " class=\"d\"",
+                    (_, false) => "",
+                };
+                let _ = write!(out, "<td{class}>{text}</td>");
+            }
         }
         if observed {
-            observed_texts(line.observed).iter().enumerate().for_each(|(k, text)| cell(out, k == 0, false, text));
+            group(out, "td", (0..OBSERVED_BESIDE.len()).map(|k| line.observed_text(k)));
         }
         out.push_str("</tr>\n");
     }

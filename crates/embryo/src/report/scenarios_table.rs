@@ -2,15 +2,15 @@
 
 use std::fmt::Write;
 
-use super::beside::{FounderLine, MODEL, OBSERVED, founder_lines, observed_texts};
+use super::observed_table::{FounderLine, OBSERVED_BESIDE, SCENARIO, founder_lines};
 use crate::lineage::Tree;
 use crate::study::scenarios::Scenario;
 
 /// Columns of a terminal that the table keeps to, by wrapping into blocks of scenarios.
 const PAGE: usize = 120;
 
-/// Founders down, scenarios across: fewest, mean and most rounds, χ of the founder's division, terminal cells; what was
-/// observed beside. Where a number is another than in the first scenario a star stands behind it.
+/// Founders down, scenarios across: fewest, mean and most rounds, χ of the founder's division, terminal cells, and observed
+/// counts. A star marks a number that differs from the first scenario's.
 pub fn scenarios_table(scenarios: &[Scenario], trees: &[Tree]) -> String {
     let mut out = String::new();
     list(&mut out, scenarios, trees);
@@ -28,7 +28,7 @@ pub fn scenarios_table(scenarios: &[Scenario], trees: &[Tree]) -> String {
     out
 }
 
-/// The scenarios, numbered, with what each is made of and how many cells it has.
+/// The numbered scenarios, with cue or lineage and number of cells.
 fn list(out: &mut String, scenarios: &[Scenario], trees: &[Tree]) {
     let widest = |texts: &mut dyn Iterator<Item = usize>| texts.max().unwrap_or(0);
     let name = widest(&mut scenarios.iter().map(|scenario| scenario.name.chars().count()));
@@ -54,7 +54,7 @@ fn list(out: &mut String, scenarios: &[Scenario], trees: &[Tree]) {
     }
 }
 
-/// Widths of the columns, a blank before each included, and behind each number of a scenario the place of its star.
+/// Widths of the columns, with a blank before each and room for the star of a scenario's numbers.
 struct Widths {
     founder: usize,
     model: [usize; 5],
@@ -68,13 +68,13 @@ impl Widths {
         };
         let model = |k: usize| {
             let texts = lines.iter().flat_map(|line| &line.entries).map(|entry| 1 + entry.texts[k].chars().count());
-            1 + widest(MODEL[k], &mut texts.into_iter())
+            1 + widest(SCENARIO[k], &mut texts.into_iter())
         };
         let observed = |k: usize| {
-            let texts = lines.iter().map(|line| observed_texts(line.observed)[k].chars().count());
-            1 + widest(OBSERVED[k], &mut texts.into_iter())
+            let texts = lines.iter().map(|line| line.observed_text(k).chars().count());
+            1 + widest(OBSERVED_BESIDE[k], &mut texts.into_iter())
         };
-        let any = lines.iter().any(|line| observed_texts(line.observed).iter().any(|text| !text.is_empty()));
+        let any = lines.iter().any(|line| (0..OBSERVED_BESIDE.len()).any(|k| !line.observed_text(k).is_empty()));
         Widths {
             founder: 1 + widest("founder", &mut lines.iter().map(|line| line.name.chars().count())),
             model: std::array::from_fn(model),
@@ -96,7 +96,7 @@ impl Widths {
     }
 }
 
-/// The scenarios of a range, and what was observed.
+/// The scenarios of a range, and the observed counts.
 fn block(out: &mut String, lines: &[FounderLine], titles: &[String], shown: std::ops::Range<usize>, widths: &Widths) {
     let observed = widths.observed_width() > 0;
     let scenario = widths.scenario_width() - 1;
@@ -106,13 +106,16 @@ fn block(out: &mut String, lines: &[FounderLine], titles: &[String], shown: std:
     for title in &titles[shown.clone()] {
         let _ = write!(heading, "| {:1$}", shortened(title, scenario - 1), scenario - 1);
         columns.push('|');
-        MODEL.iter().zip(widths.model).for_each(|(name, width)| columns.push_str(&format!("{name:>width$}")));
+        SCENARIO.iter().zip(widths.model).for_each(|(name, width)| columns.push_str(&format!("{name:>width$}")));
         let _ = write!(rule, "+{}", "-".repeat(scenario));
     }
     if observed {
         heading.push_str("| observed");
         columns.push('|');
-        OBSERVED.iter().zip(widths.observed).for_each(|(name, width)| columns.push_str(&format!("{name:>width$}")));
+        OBSERVED_BESIDE
+            .iter()
+            .zip(widths.observed)
+            .for_each(|(name, width)| columns.push_str(&format!("{name:>width$}")));
         let _ = write!(rule, "+{}", "-".repeat(widths.observed_width() - 1));
     }
     for line in [&heading, &columns, &rule] {
@@ -128,8 +131,9 @@ fn block(out: &mut String, lines: &[FounderLine], titles: &[String], shown: std:
         }
         if observed {
             text.push('|');
-            let texts = observed_texts(line.observed);
-            texts.iter().zip(widths.observed).for_each(|(cell, width)| text.push_str(&format!("{cell:>width$}")));
+            for (k, width) in widths.observed.into_iter().enumerate() {
+                let _ = write!(text, "{:>width$}", line.observed_text(k));
+            }
         }
         let _ = writeln!(out, "{}", text.trim_end());
     }

@@ -1,4 +1,4 @@
-//! What is told of stationary shapes, their folds and pitchforks: the keys are those of files, of `--json` and of Python.
+//! Records of stationary shapes, folds and pitchforks, with the keys of files, `--json` and Python.
 //!
 //! Lengths are in L_h, p in κ0/L_h³, activities in κ0/L_h, growth rates in 1/τ.
 #![allow(non_snake_case)]

@@ -26,7 +26,7 @@ pub struct TreeSummary {
     pub generations: Vec<Generation>,
     /// Cells without daughters by the name of the reason.
     pub ended: BTreeMap<&'static str, usize>,
-    /// Cells that waited at a threshold of division for longer than the time allowed, and were followed beyond it.
+    /// Cells just above a threshold of division, whose wait there was skipped.
     pub slow: usize,
 }
 

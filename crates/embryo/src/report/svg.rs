@@ -25,7 +25,7 @@ struct Frame {
     discs: [f64; 2],
     /// Size of founders' names.
     font: f64,
-    /// Whether names stand with the asymmetry of the division.
+    /// Whether names show the asymmetry of the division.
     asymmetry: bool,
 }
 
@@ -44,7 +44,7 @@ static FULL: Frame = Frame {
     asymmetry: true,
 };
 
-/// One of several on a page. Fewer ends are drawn: at this size more could not be told apart.
+/// One of several on a page, with fewer ends: more would not be visible at this size.
 static SMALL: Frame = Frame {
     max_ends: 600,
     left: 40.0,

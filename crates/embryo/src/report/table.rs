@@ -1,17 +1,13 @@
 //! The founders' table as text.
 
+use super::observed_table::{Column, MODEL, decimals, observed_columns};
 use super::summary::TreeSummary;
 use crate::division::Outcome;
 use crate::io::FounderRow;
 use crate::lineage::Tree;
 use std::fmt::Write;
 
-/// A number with three decimals, or a dash.
-pub(super) fn decimals(value: Option<f64>, digits: usize) -> String {
-    value.map_or("-".to_owned(), |v| format!("{v:.digits$}"))
-}
-
-/// A number with six decimals at most, and none that say nothing.
+/// A number rounded to six decimals.
 pub(super) fn short(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }
@@ -66,28 +62,12 @@ pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
     out
 }
 
-/// A column of the table: its heading, over all its cells, and the text of each founder.
-type Column = (&'static str, usize, fn(&FounderRow) -> String);
-
-/// The columns of observed rounds.
-const OBSERVED: [Column; 5] = [
-    ("min", 3, |row| whole(row.observed.and_then(|o| o.min))),
-    ("mean", 6, |row| row.observed.and_then(|o| o.mean).map_or(String::new(), |mean| format!("{mean:.2}"))),
-    ("max", 3, |row| whole(row.observed.and_then(|o| o.max))),
-    ("full", 4, |row| whole(row.observed.and_then(|o| o.full_doublings))),
-    ("cells", 5, |row| whole(row.observed.and_then(|o| o.terminal))),
-];
-
-fn whole(value: Option<u32>) -> String {
-    value.map_or(String::new(), |value| value.to_string())
+/// The columns of a table, each after a blank.
+fn texts<T>(columns: &[Column<T>], text: impl Fn(&Column<T>) -> String) -> String {
+    columns.iter().map(|column| format!(" {:>1$}", text(column), column.1)).collect()
 }
 
-/// The columns of observed rounds in which some founder has a number.
-pub(super) fn observed_columns(rows: &[FounderRow]) -> Vec<Column> {
-    OBSERVED.into_iter().filter(|(_, _, text)| rows.iter().any(|row| !text(row).is_empty())).collect()
-}
-
-/// Rounds of the founders: what they are, what the model says and, where there is any of it, what was observed.
+/// Rounds of the founders: the model's and, if there are any, the observed ones.
 fn rounds(out: &mut String, rows: &[FounderRow]) {
     let name_width = rows.iter().map(|r| r.name.chars().count()).max().unwrap_or(0).max(7);
     let cues: Vec<String> = rows.iter().map(cue_text).collect();
@@ -96,10 +76,7 @@ fn rounds(out: &mut String, rows: &[FounderRow]) {
     let observed = observed_columns(rows);
     let blank = name_width + cue_width + 30 + if in_um { 8 } else { 0 };
     let um = |text: &str| if in_um { format!("  {text:>6}") } else { String::new() };
-    let of_observed = |text: &dyn Fn(&Column) -> String| -> String {
-        let cells: String = observed.iter().map(|column| format!(" {:>1$}", text(column), column.1)).collect();
-        if observed.is_empty() { String::new() } else { format!(" |{cells}") }
-    };
+    let beside = |text: String| if observed.is_empty() { String::new() } else { format!(" |{text}") };
     let line = |out: &mut String, text: String| {
         let _ = writeln!(out, "{}", text.trim_end());
     };
@@ -108,23 +85,22 @@ fn rounds(out: &mut String, rows: &[FounderRow]) {
     line(
         out,
         format!(
-            "{:name_width$}      R0{}  {:cue_width$}  division         χ | min   mean max full sym cells{}",
+            "{:name_width$}      R0{}  {:cue_width$}  division         χ |{}{}",
             "founder",
             um("µm"),
             "cue",
-            of_observed(&|column| column.0.to_owned())
+            texts(&MODEL, |column| column.0.to_owned()),
+            beside(texts(&observed, |column| column.0.to_owned()))
         ),
     );
     let width: usize = observed.iter().map(|column| column.1 + 1).sum();
     let ruled = if observed.is_empty() { String::new() } else { format!("+{}", "-".repeat(width)) };
     line(out, format!("{}+-----------------------------{ruled}", "-".repeat(blank)));
     for (row, cue) in rows.iter().zip(&cues) {
-        let model = row.rounds.map_or(format!(" {:28}", "not born"), |r| {
-            format!(
-                " {:>3} {:>6.2} {:>3} {:>4} {:>3} {:>5}",
-                r.min, r.mean, r.max, r.full_doublings, r.symmetric, r.terminal
-            )
-        });
+        let model = match &row.rounds {
+            Some(rounds) => texts(&MODEL, |column| column.2(rounds)),
+            None => format!(" {:28}", "not born"),
+        };
         line(
             out,
             format!(
@@ -134,14 +110,14 @@ fn rounds(out: &mut String, rows: &[FounderRow]) {
                 um(&decimals(row.r0_um, 2)),
                 outcome_name(row.outcome),
                 decimals(row.chi, 3),
-                of_observed(&|column| column.2(row))
+                beside(texts(&observed, |column| row.observed.as_ref().map_or(String::new(), column.2)))
             ),
         );
     }
     out.push('\n');
 }
 
-/// What the cues are that the table names.
+/// The cues that the table names.
 fn cues(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
     let used = |name: &String| rows.iter().any(|row| row.cue == *name || row.cued_descendants.contains_key(name));
     let mut any = false;
@@ -154,7 +130,7 @@ fn cues(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
     }
 }
 
-/// What founders change of the physics.
+/// Parameters that founders change.
 fn physics(out: &mut String, tree: &Tree) {
     let mut any = false;
     for founder in tree.lineage.founders.iter().filter(|founder| !founder.physics.is_empty()) {

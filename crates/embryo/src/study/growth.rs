@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 use super::scenarios::{Scenario, grow};
 use crate::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use crate::cell::{Cell, Cue};
-use crate::division::{Division, DivisionError, DivisionInput, divide};
-use crate::lineage::{Ends, GrowError, Lineage, Tree, TreeSettings, expected_work};
+use crate::division::{DivisionInput, divide};
+use crate::lineage::{GrowError, Lineage, Thresholds, Tree, TreeSettings, expected_work};
 use crate::settings::Settings;
 use crate::shapes::{CriticalRadii, ShapeError};
 
@@ -54,27 +54,9 @@ pub fn grown(
     options: SchedulerOptions<'_, DivisionInput>,
     interrupt: &'static AtomicBool,
 ) -> Result<Grown, GrowError> {
-    grown_by(scenarios, dynamics, memo, options, interrupt, divide)
-}
-
-/// [`grown`] with divisions computed by `solve`, which may note what they take.
-///
-/// # Errors
-/// As [`grown`].
-pub fn grown_by<S>(
-    scenarios: &[Scenario],
-    dynamics: bool,
-    memo: &Memo<DivisionInput>,
-    options: SchedulerOptions<'_, DivisionInput>,
-    interrupt: &'static AtomicBool,
-    solve: S,
-) -> Result<Grown, GrowError>
-where
-    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
-{
     // Scenarios have the same numerics, and what all cells share is the same.
     let Some(Scenario { settings, .. }) = scenarios.first() else { return Ok(Grown::default()) };
-    let rule = Ends::new(CriticalRadii::new(&settings.numerics).interrupted_by(interrupt));
+    let rule = Thresholds::new(CriticalRadii::new(&settings.numerics).interrupted_by(interrupt));
     let plain = settings.cell.clone().with_cue(Cue::none());
     // The order of the work is no reason to search for a radius, which growth does when it comes to such cells.
     let order = |input: &DivisionInput| {
@@ -92,6 +74,6 @@ where
         is_first && !rule.knows(cell) || dynamics
     };
     let ends = |cell: &Cell| if by_dynamics(cell) { None } else { rule.of(cell) };
-    let (trees, summary) = grow(scenarios, &ends, memo, options, solve)?;
+    let (trees, summary) = grow(scenarios, &ends, memo, options, divide)?;
     Ok(Grown { trees, summary, unknown: rule.unknown() })
 }

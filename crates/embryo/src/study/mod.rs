@@ -39,7 +39,7 @@ pub mod table;
 pub use constants::{Constants, read_constants, write_constants};
 pub use diagram::{Diagram, diagram};
 pub use ensemble::{Ensemble, EnsembleError, Member, ensemble, ensemble_until};
-pub use growth::{Grown, grown, grown_by, scenarios_of, tree_settings};
+pub use growth::{Grown, grown, scenarios_of, tree_settings};
 pub use judge::{Exclusion, Judgement, judge};
 pub use points::{Axes, Axis, AxisValue, Point, Target};
 pub use ranges::{LineageRanges, Range, ranges};

@@ -10,7 +10,9 @@ use super::constants::Constants;
 use crate::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use crate::cell::{Cell, Parameter};
 use crate::division::{DivisionInput, divide};
-use crate::lineage::{EndReason, Ends, GrowError, Grower, Lineage, Rounds, Tree, TreeSettings, founder_rounds};
+use crate::lineage::{
+    GrowError, Grower, Lineage, Rounds, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
+};
 use crate::shapes::CriticalRadii;
 
 /// Weighted quantiles of a number over the sets of constants.
@@ -159,7 +161,7 @@ pub fn each_tree<T: Send>(
         }
         let settings = TreeSettings { cell: set.of(&settings.cell), ..settings.clone() };
         let quantisation = Quantisation::with_relative_step(settings.r0_step).unwrap_or(Quantisation::DEFAULT);
-        let rule = Ends::new(CriticalRadii::new(&settings.numerics));
+        let rule = Thresholds::new(CriticalRadii::new(&settings.numerics));
         let memo = Memo::new(quantisation);
         let (tree, summary) = grow_alone(lineage, settings, &|cell| rule.of(cell), &memo, interrupt)?;
         Ok(read(set, &tree, &summary))
@@ -188,7 +190,7 @@ fn grown(set: &Constants, tree: &Tree, summary: &Summary) -> Grown {
 pub(super) fn grow_alone(
     lineage: &Lineage,
     settings: TreeSettings,
-    ends: &dyn Fn(&Cell) -> Option<EndReason>,
+    ends: &dyn Fn(&Cell) -> Option<TerminalReason>,
     memo: &Memo<DivisionInput>,
     interrupt: Option<&AtomicBool>,
 ) -> Result<(Tree, Summary), GrowError> {

@@ -16,7 +16,7 @@ use crate::batch::{
 };
 use crate::cell::Cell;
 use crate::division::{Division, DivisionError, DivisionInput, Statistics, divide};
-use crate::lineage::{EndReason, Ends, GrowError, Grower, Tree, TreeSettings, founder_rounds};
+use crate::lineage::{GrowError, Grower, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds};
 use crate::shapes::critical::{BoundaryKind, critical_radius_within};
 use crate::shapes::{BranchOptions, CriticalRadii, Effort, PointKind, ShapeError, pitchfork};
 
@@ -237,12 +237,12 @@ impl Run<'_> {
         let (numbers, firsts) = self.distinct(points);
         let mut done = Done::default();
         let mut results = Vec::new();
-        let mut rule: Option<(crate::cell::Numerics, Ends)> = None;
+        let mut rule: Option<(crate::cell::Numerics, Thresholds)> = None;
         for (place, point) in firsts.iter().enumerate() {
             (self.progress)(Standing { done: place, of: firsts.len() });
             let numerics = point.input.numerics;
             if rule.as_ref().is_none_or(|(of, _)| *of != numerics) {
-                rule = Some((numerics, Ends::new(CriticalRadii::new(&numerics).interrupted_by(self.interrupt))));
+                rule = Some((numerics, Thresholds::new(CriticalRadii::new(&numerics).interrupted_by(self.interrupt))));
             }
             let Some((_, ends)) = &rule else { continue };
             match self.tree(&point.input, ends, &mut done) {
@@ -255,7 +255,7 @@ impl Run<'_> {
         Ok(done)
     }
 
-    fn tree(&self, input: &DivisionInput, ends: &Ends, done: &mut Done) -> Result<Tree, GrowError> {
+    fn tree(&self, input: &DivisionInput, ends: &Thresholds, done: &mut Done) -> Result<Tree, GrowError> {
         let settings = TreeSettings {
             cell: input.cell.clone(),
             numerics: input.numerics,
@@ -294,7 +294,7 @@ fn division_results(divisions: &[Option<Division>]) -> Vec<Value> {
 /// How many cells of a tree are undecided, and why the first is.
 fn undecided_cells(tree: &Tree) -> Option<String> {
     let mut cells = tree.cells().filter_map(|id| match &tree.cell(id).fate.ended {
-        Some(EndReason::Undecided { why }) => Some((&tree.cell(id).name, why)),
+        Some(TerminalReason::Undecided { why }) => Some((&tree.cell(id).name, why)),
         _ => None,
     });
     let (name, why) = cells.next()?;

@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, HashSet};
 use crate::batch::{Memo, SchedulerOptions, Summary};
 use crate::cell::{Cell, CueError};
 use crate::division::{Division, DivisionError, DivisionInput};
-use crate::lineage::{EndReason, GrowError, Grower, Length, Lineage, Tree, TreeSettings, grow_together};
+use crate::lineage::{GrowError, Grower, Length, Lineage, TerminalReason, Tree, TreeSettings, grow_together};
 
 /// Names that scenarios do not get: those of the files that stand beside their folders.
 const TAKEN: [&str; 6] = ["scenarios.csv", "report.html", "run.json", "tree.json", "tree.nwk", "tree.svg"];
@@ -111,7 +111,7 @@ pub fn combine(sources: &[Source], cues: &[&str]) -> Result<Vec<Scenario>, Scena
 /// As [`Grower::grow`].
 pub fn grow<S>(
     scenarios: &[Scenario],
-    ends: &dyn Fn(&Cell) -> Option<EndReason>,
+    ends: &dyn Fn(&Cell) -> Option<TerminalReason>,
     memo: &Memo<DivisionInput>,
     options: SchedulerOptions<'_, DivisionInput>,
     solve: S,

@@ -5,11 +5,9 @@
 //! | [`surface`] | the surface of revolution as facets, turned and projected |
 //! | [`picture`] | one frame |
 //! | [`encode`] | frames as GIF, animated PNG or animated SVG |
-//! | [`supplement`] | the four kinds of division that are shown beside the paper |
 
 pub mod encode;
 pub mod picture;
-pub mod supplement;
 pub mod surface;
 
 pub use encode::{Movie, MovieFormat};

@@ -4,7 +4,6 @@ use bvp::{Gauss, Solution};
 
 use super::DivisionInput;
 use super::outcome::{Division, DivisionError};
-use super::profile::Watch;
 use super::run::{Frame, run};
 use super::start::Start;
 use crate::cortex::equations::{LENGTH, PRESSURE};
@@ -74,13 +73,8 @@ impl Still {
 /// # Errors
 /// [`DivisionError`], as [`divide`](super::divide).
 pub fn film(input: &DivisionInput) -> Result<Film, DivisionError> {
-    record(input, &mut Watch::default())
-}
-
-/// [`film`] with a watch.
-pub(super) fn record(input: &DivisionInput, watch: &mut Watch) -> Result<Film, DivisionError> {
     let mut recording = Recording::default();
-    let (division, _) = run(input, &Start::Passive, &mut |frame| recording.keep(frame), &[], watch)?;
+    let (division, _) = run(input, &Start::Passive, &mut |frame| recording.keep(frame), &[])?;
     Ok(recording.film(input, division))
 }
 

@@ -12,7 +12,6 @@
 //! | [`slow`] | cells that wait at a stationary shape for longer than can be waited for |
 //! | `oscillation` | cells that wander from side to side for ever |
 //! | [`outcome`] | how a division ended: [`Division`], the one record of it |
-//! | [`profile`] | what its work goes into: time by phases, counts |
 //! | [`film`](mod@film) | a division that is kept, with what acts on every shape |
 //! | [`statistics`] | what several divisions say together |
 
@@ -22,7 +21,6 @@ mod limits;
 pub mod noise;
 mod oscillation;
 pub mod outcome;
-pub mod profile;
 mod rest;
 pub mod run;
 pub mod sensitivity;
@@ -34,7 +32,6 @@ pub mod stepper;
 
 pub use film::{Film, Still, film};
 pub use outcome::{Division, DivisionError, Outcome};
-pub use profile::{Profile, divide_profiled, film_profiled};
 pub use run::{Frame, divide, divide_observed, divide_with_sensitivities};
 pub use sensitivity::Sensitivity;
 pub use statistics::Statistics;

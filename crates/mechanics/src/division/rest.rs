@@ -54,8 +54,6 @@ pub struct Rest {
 /// Looks at slow shapes in the course of a division for whether they rest.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Looks {
-    /// Shapes that were looked at.
-    pub taken: usize,
     /// When to look next, in τ.
     pub next: f64,
     /// Slow shapes since the last look that seemed too far from rest.
@@ -79,7 +77,6 @@ impl Looks {
             return None;
         }
         self.passed_over = 0;
-        self.taken += 1;
         let mut rest = Rest::near(stepper, 1, nearly_symmetric)?;
         // The mesh of the division is coarse; near the critical radius its growth rate may have the wrong sign.
         while rest.growth_rate.abs() < CRITICAL && rest.halvings < MOST_HALVINGS {

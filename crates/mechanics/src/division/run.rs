@@ -7,7 +7,6 @@ use super::limits;
 use super::noise;
 use super::oscillation::Oscillation;
 use super::outcome::{Division, DivisionError, Outcome, StepFailure};
-use super::profile::Watch;
 use super::rest::{Looks, REST_INTERVAL, Rest};
 use super::sensitivity::{Sensitivity, Tangent};
 use super::slow;
@@ -75,7 +74,7 @@ pub struct Frame<'a> {
 /// # Errors
 /// [`DivisionError`], naming the cell and what was tried.
 pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
-    Ok(run(input, &Start::Passive, &mut |_| {}, &[], &mut Watch::default())?.0)
+    Ok(run(input, &Start::Passive, &mut |_| {}, &[])?.0)
 }
 
 /// [`divide`] with an observer called with the start shape and after every accepted step.
@@ -83,7 +82,7 @@ pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
 /// # Errors
 /// See [`divide`].
 pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)) -> Result<Division, DivisionError> {
-    Ok(run(input, &Start::Passive, &mut observe, &[], &mut Watch::default())?.0)
+    Ok(run(input, &Start::Passive, &mut observe, &[])?.0)
 }
 
 /// [`divide`] with the exact derivatives of the outcome by each of `parameters`, by the tangent of every time step: see
@@ -110,7 +109,7 @@ pub fn divide_with_sensitivities(
     input: &DivisionInput,
     parameters: &[Parameter],
 ) -> Result<(Division, Option<Vec<Sensitivity>>), DivisionError> {
-    run(input, &Start::Passive, &mut |_| {}, parameters, &mut Watch::default())
+    run(input, &Start::Passive, &mut |_| {}, parameters)
 }
 
 /// The division itself, which is compiled here once and not with everyone who observes it.
@@ -119,26 +118,20 @@ pub(crate) fn run(
     start: &Start<'_>,
     observe: &mut dyn FnMut(Frame<'_>),
     parameters: &[Parameter],
-    watch: &mut Watch,
 ) -> Result<(Division, Option<Vec<Sensitivity>>), DivisionError> {
     let DivisionInput { cell, numerics, seed } = input;
     check(cell)?;
     let mut stepper = start.stepper(cell, numerics)?;
-    watch.started(&mut stepper);
     let tangent = (!parameters.is_empty()).then(|| Tangent::of_start(&stepper, parameters));
     let (shape, gauss) = (&stepper.levels[0].y, &stepper.system.gauss);
     observe(Frame { t: 0.0, shape, neck: None, cortex: &start.cortex(cell), gauss });
-    watch.observed();
     let parity = cell.is_mirror_symmetric();
     if start.until().is_none() {
         stepper.adapt(parity, FIRST_MESH);
     }
-    watch.meshed(&stepper);
     stepper.extrapolates = numerics.scheme == Scheme::Converged;
     let mut run = Run::new(numerics, parity, tangent);
-    let first = run.first_step(&mut stepper, noise::coefficients(*seed, numerics.noise));
-    watch.stepped(&mut stepper, run.steps, run.rejected);
-    first?;
+    run.first_step(&mut stepper, noise::coefficients(*seed, numerics.noise))?;
     // Without noise there is no antisymmetric part but for roundings, which are to grow as they do on the whole contour.
     if parity && numerics.scheme == Scheme::Converged && numerics.noise != 0.0 {
         stepper.nearly_symmetric = NEARLY_SYMMETRIC;
@@ -146,13 +139,10 @@ pub(crate) fn run(
     }
     loop {
         run.shorten(start, stepper.levels[0].t);
-        let advanced = run.advance(&mut stepper);
-        watch.stepped(&mut stepper, run.steps, run.rejected);
-        advanced?;
+        run.advance(&mut stepper)?;
         let newest = &stepper.levels[0];
         let (cortex, gauss) = (&stepper.cortex, &stepper.system.gauss);
         observe(Frame { t: newest.t, shape: &newest.y, neck: run.neck, cortex, gauss });
-        watch.observed();
         if let Some(neck) = run.neck
             && neck.radius < PINCH_OFF * cell.r0
         {
@@ -164,17 +154,14 @@ pub(crate) fn run(
             if stepper.levels[0].t >= until * (1.0 - ROUNDING) {
                 return Ok((run.watched(&stepper), None));
             }
-            run.prepare_mesh(&mut stepper, watch);
+            run.prepare_mesh(&mut stepper);
             continue;
         }
-        let rest = run.looks.at(&stepper, run.parity);
-        watch.rested(run.looks.taken);
-        if let Some(rest) = rest {
+        if let Some(rest) = run.looks.at(&stepper, run.parity) {
             if rest.growth_rate < 0.0 || run.is_attractor(&rest) {
                 return Ok((run.failed(&stepper, rest.growth_rate), None));
             }
             run.stay(&mut stepper, &rest);
-            watch.rested(run.looks.taken);
         }
         let newest = &stepper.levels[0];
         if let Some(period) = run.oscillation.note(newest.t, newest.y.scalars[LENGTH]) {
@@ -192,7 +179,7 @@ pub(crate) fn run(
             }
             return Err(run.undecided(cell));
         }
-        run.prepare_mesh(&mut stepper, watch);
+        run.prepare_mesh(&mut stepper);
     }
 }
 
@@ -407,10 +394,8 @@ impl Run {
         }
     }
 
-    fn prepare_mesh(&self, stepper: &mut Stepper, watch: &mut Watch) {
-        watch.other();
+    fn prepare_mesh(&self, stepper: &mut Stepper) {
         stepper.adapt(self.parity, 1.5);
-        watch.meshed(stepper);
     }
 
     /// At a saddle: waits for it to be left or, where that would take too long, leaps over the wait.

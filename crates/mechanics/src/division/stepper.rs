@@ -10,7 +10,7 @@
 //! Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, Springer 1993, ch. III.5 (variable steps).
 
 use bvp::newton::NewtonScratch;
-use bvp::{Gauss, Newton, NewtonError, NewtonReport, Solution, Spent, System, Transfer, Work, mesh};
+use bvp::{Gauss, Newton, NewtonError, NewtonReport, Solution, System, Transfer, Work, mesh};
 
 use super::halves::Halves;
 use crate::cortex::equations::{COMPONENTS, R, Z};
@@ -175,9 +175,7 @@ impl Stepper {
     /// Solves steps on half of the contour from now on wherever the shape of this mirror-symmetric cell is
     /// [nearly symmetric](Self::nearly_symmetric).
     pub fn halve(&mut self) {
-        let mut halves = Halves::new(&self.cortex, &self.levels[0].y);
-        halves.system.meter.clock = self.system.meter.clock;
-        self.halves = Some(halves);
+        self.halves = Some(Halves::new(&self.cortex, &self.levels[0].y));
     }
 
     /// Whether the next step is solved on halves.
@@ -186,15 +184,6 @@ impl Stepper {
         self.halves.is_some()
             && newest.size.is_some_and(|size| size.odd < self.nearly_symmetric * self.cortex.cell.r0)
             && symmetry::is_mirrored(&newest.y.mesh)
-    }
-
-    /// What was done in linearised systems since this was asked last.
-    pub fn take_spent(&mut self) -> Spent {
-        let systems = std::iter::once(&mut self.system).chain(self.halves.as_mut().map(|halves| &mut halves.system));
-        systems.fold(Spent::default(), |mut all, system| {
-            all += std::mem::take(&mut system.meter.spent);
-            all
-        })
     }
 
     /// Solves steps as exactly as a time tolerance asks for.

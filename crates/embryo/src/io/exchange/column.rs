@@ -1,10 +1,8 @@
-//! What is known of a cell, as columns of a table: one list for all formats.
-
-use std::borrow::Cow;
+//! What the formats share: the columns of a cell, branch lengths, the leaves.
 
 use crate::lineage::{CellId, Place, Side, Tree};
 
-/// What kind of values a column has.
+/// Type of the values of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Words.
@@ -15,125 +13,116 @@ pub enum Kind {
     Number,
 }
 
-/// One value of a column.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Value<'a> {
-    /// A word, or a sentence.
-    Text(Cow<'a, str>),
-    /// A whole number.
-    Count(u32),
-    /// A number.
-    Number(f64),
-}
-
-impl std::fmt::Display for Value<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Value::Text(text) => f.write_str(text),
-            Value::Count(count) => write!(f, "{count}"),
-            Value::Number(number) => write!(f, "{number}"),
-        }
-    }
-}
-
-/// Something that is known of cells. The name of a cell is no column: every format has a place of its own for it.
+/// A property of cells. The name of a cell is no column: every format has a place of its own for it.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
     /// Name of the column.
     pub name: &'static str,
-    /// What kind of values it has.
+    /// Type of its values.
     pub kind: Kind,
-    /// Whether it stands in the comments of Newick and Nexus too. What the brackets tell already does not, nor do sentences.
+    /// Whether the comments of Newick and Nexus have it too: not if the brackets say it already, nor if it is a sentence.
     pub note: bool,
     /// Its value for a cell, if there is one.
-    pub of: for<'a> fn(&'a Tree, CellId) -> Option<Value<'a>>,
+    pub of: fn(&Tree, CellId) -> Option<String>,
+}
+
+const fn column(name: &'static str, kind: Kind, note: bool, of: fn(&Tree, CellId) -> Option<String>) -> Column {
+    Column { name, kind, note, of }
 }
 
 /// All columns, in the order in which they are written.
 pub const COLUMNS: [Column; 17] = [
-    Column { name: "mother", kind: Kind::Text, note: false, of: |tree, id| text(&tree.cell(tree.mother(id)?).name) },
-    Column { name: "daughter", kind: Kind::Text, note: false, of: daughter },
-    Column { name: "founder", kind: Kind::Text, note: true, of: |tree, id| text(tree.founder_name(id)) },
-    Column { name: "generation", kind: Kind::Count, note: true, of: |tree, id| count(tree.cell(id).generation) },
-    Column { name: "r0", kind: Kind::Number, note: true, of: |tree, id| number(tree.cell(id).r0) },
-    Column {
-        name: "volume_fraction",
-        kind: Kind::Number,
-        note: true,
-        of: |tree, id| number(tree.cell(id).volume_fraction),
-    },
-    Column { name: "cue", kind: Kind::Text, note: true, of: |tree, id| text(cue_name(tree, id)) },
-    Column {
-        name: "cue_terms",
-        kind: Kind::Text,
-        note: false,
-        of: |tree, id| Some(Value::Text(tree.cell(id).cue.to_string().into())),
-    },
-    Column { name: "outcome", kind: Kind::Text, note: true, of: |tree, id| text(tree.cell(id).fate.outcome()?.name()) },
-    Column { name: "chi", kind: Kind::Number, note: true, of: |tree, id| number(tree.cell(id).fate.chi()?) },
-    Column {
-        name: "chi_signed",
-        kind: Kind::Number,
-        note: true,
-        of: |tree, id| number(tree.cell(id).fate.division.as_ref()?.chi_signed?),
-    },
-    Column {
-        name: "u_furrow",
-        kind: Kind::Number,
-        note: true,
-        of: |tree, id| number(tree.cell(id).fate.division.as_ref()?.u_furrow?),
-    },
-    Column { name: "t_end", kind: Kind::Number, note: true, of: |tree, id| number(tree.cell(id).fate.t_end()?) },
-    Column {
-        name: "slow_growth_rate",
-        kind: Kind::Number,
-        note: true,
-        of: |tree, id| number(tree.cell(id).fate.division.as_ref()?.slow_growth_rate?),
-    },
-    Column {
-        name: "ended",
-        kind: Kind::Text,
-        note: true,
-        of: |tree, id| text(tree.cell(id).fate.ended.as_ref()?.name()),
-    },
-    Column { name: "ended_why", kind: Kind::Text, note: false, of: ended_why },
-    Column { name: "birth_chi", kind: Kind::Number, note: false, of: birth_chi },
+    column("mother", Kind::Text, false, |tree, id| Some(tree.cell(tree.mother(id)?).name.clone())),
+    column("daughter", Kind::Text, false, daughter),
+    column("founder", Kind::Text, true, |tree, id| Some(tree.founder_name(id).to_owned())),
+    column("generation", Kind::Count, true, |tree, id| Some(tree.cell(id).generation.to_string())),
+    column("r0", Kind::Number, true, |tree, id| Some(tree.cell(id).r0.to_string())),
+    column("volume_fraction", Kind::Number, true, |tree, id| Some(tree.cell(id).volume_fraction.to_string())),
+    column("cue", Kind::Text, true, cue_name),
+    column("cue_terms", Kind::Text, false, |tree, id| Some(tree.cell(id).cue.to_string())),
+    column("outcome", Kind::Text, true, |tree, id| Some(tree.cell(id).fate.outcome()?.name().to_owned())),
+    column("chi", Kind::Number, true, chi),
+    column("chi_signed", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division.as_ref()?.chi_signed)),
+    column("u_furrow", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division.as_ref()?.u_furrow)),
+    column("t_end", Kind::Number, true, |tree, id| number(tree.cell(id).fate.t_end())),
+    column("slow_growth_rate", Kind::Number, true, |tree, id| {
+        number(tree.cell(id).fate.division.as_ref()?.slow_growth_rate)
+    }),
+    column("ended", Kind::Text, true, |tree, id| Some(tree.cell(id).fate.ended.as_ref()?.name().to_owned())),
+    column("ended_why", Kind::Text, false, ended_why),
+    column("birth_chi", Kind::Number, false, birth_chi),
 ];
 
-fn text(text: &str) -> Option<Value<'_>> {
-    Some(Value::Text(Cow::Borrowed(text)))
+fn number(number: Option<f64>) -> Option<String> {
+    number.map(|number| number.to_string())
 }
 
-fn count<'a>(count: u32) -> Option<Value<'a>> {
-    Some(Value::Count(count))
-}
-
-fn number<'a>(number: f64) -> Option<Value<'a>> {
-    Some(Value::Number(number))
-}
-
-fn daughter(tree: &Tree, id: CellId) -> Option<Value<'_>> {
-    text(match tree.side(id)? {
-        Side::Anterior => "anterior",
-        Side::Posterior => "posterior",
-    })
-}
-
-/// The name that the lineage gives a cell's cue.
-fn cue_name(tree: &Tree, id: CellId) -> &str {
-    let cell = tree.cell(id);
-    let born = tree.founder_cell(cell.founder).map_or(cell.generation, |born| tree.cell(born).generation);
-    let round = cell.generation.saturating_sub(born);
-    tree.lineage.cue_name_at(Place { founder: cell.founder, round, generation: cell.generation, r0: cell.r0 })
-}
-
-/// Why a cell has no daughters, in one line: what a file says of an undecided cell may hold anything.
-fn ended_why(tree: &Tree, id: CellId) -> Option<Value<'_>> {
-    let why = tree.cell(id).fate.ended.as_ref()?.to_string();
-    Some(Value::Text(why.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()))
+fn chi(tree: &Tree, id: CellId) -> Option<String> {
+    number(tree.cell(id).fate.chi())
 }
 
 /// χ of the division that a cell was born from.
-fn birth_chi(tree: &Tree, id: CellId) -> Option<Value<'_>> {
-    number(tree.cell(tree.mother(id)?).fate.chi()?)
+pub(super) fn birth_chi(tree: &Tree, id: CellId) -> Option<String> {
+    chi(tree, tree.mother(id)?)
+}
+
+fn daughter(tree: &Tree, id: CellId) -> Option<String> {
+    let side = match tree.side(id)? {
+        Side::Anterior => "anterior",
+        Side::Posterior => "posterior",
+    };
+    Some(side.to_owned())
+}
+
+/// The name that the lineage gives a cell's cue.
+fn cue_name(tree: &Tree, id: CellId) -> Option<String> {
+    let cell = tree.cell(id);
+    let born = tree.founder_cell(cell.founder).map_or(cell.generation, |born| tree.cell(born).generation);
+    let round = cell.generation.saturating_sub(born);
+    let place = Place { founder: cell.founder, round, generation: cell.generation, r0: cell.r0 };
+    Some(tree.lineage.cue_name_at(place).to_owned())
+}
+
+/// Why a cell has no daughters, in one line: what a file says of an undecided cell may contain line breaks.
+fn ended_why(tree: &Tree, id: CellId) -> Option<String> {
+    let why = tree.cell(id).fate.ended.as_ref()?.to_string();
+    Some(why.chars().map(|c| if c.is_control() { ' ' } else { c }).collect())
+}
+
+/// Length of the branch that leads to a cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BranchLengths {
+    /// The time in τ from the cell's birth to its pinch-off, or to its rest; none where no division was computed. A cell just
+    /// above the threshold of division takes thousands of τ: drawn to scale, all else is a point.
+    #[default]
+    Time,
+    /// One, and 0 for the first cell: the distance of a cell from it is its generation. Every branch has a length then, as some
+    /// programs demand.
+    Generation,
+    /// No lengths.
+    None,
+}
+
+impl BranchLengths {
+    /// The length of a cell's branch.
+    pub fn of(self, tree: &Tree, cell: CellId) -> Option<f64> {
+        match self {
+            BranchLengths::Time => tree.cell(cell).fate.t_end(),
+            BranchLengths::Generation => Some(if cell == tree.first() { 0.0 } else { 1.0 }),
+            BranchLengths::None => None,
+        }
+    }
+}
+
+/// The cells without daughters, from anterior to posterior.
+pub(super) fn leaves(tree: &Tree) -> Vec<CellId> {
+    let mut leaves = Vec::new();
+    let mut stack = vec![tree.first()];
+    while let Some(id) = stack.pop() {
+        match tree.daughters(id) {
+            Some([anterior, posterior]) => stack.extend([posterior, anterior]),
+            None => leaves.push(id),
+        }
+    }
+    leaves
 }

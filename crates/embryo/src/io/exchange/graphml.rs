@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{BranchLengths, COLUMNS, Kind};
+use super::column::{BranchLengths, COLUMNS, Kind};
 use crate::lineage::Tree;
 
 /// A directed graph with an edge from each mother to each of her daughters. Nodes are called as the cells, and have all
@@ -27,7 +27,7 @@ pub(super) fn graphml(tree: &Tree, lengths: BranchLengths) -> String {
         let _ = write!(out, "<node id=\"{}\">", escape(&tree.cell(id).name));
         for column in &COLUMNS {
             if let Some(value) = (column.of)(tree, id) {
-                let _ = write!(out, "<data key=\"{}\">{}</data>", column.name, escape(&value.to_string()));
+                let _ = write!(out, "<data key=\"{}\">{}</data>", column.name, escape(&value));
             }
         }
         out.push_str("</node>\n");

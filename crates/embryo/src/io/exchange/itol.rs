@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::super::newick::{newick_with, push_length};
-use super::{BranchLengths, COLUMNS};
+use super::column::{self, BranchLengths};
+use super::newick;
 use crate::lineage::{CellId, Tree};
 
 /// Colours of χ = 0 and of χ = 1, from light to dark, so that print and colour-blind readers tell them apart.
 const CHI_COLOURS: [[u8; 3]; 2] = [[0xff, 0xe8, 0xa3], [0x27, 0x1c, 0x6b]];
 
-/// Colour of founders that none is given for.
+/// Colour of founders without a given colour.
 const GREY: &str = "#808080";
 
 /// The files of a folder for iTOL:
@@ -21,17 +21,16 @@ const GREY: &str = "#808080";
 /// | `founders.txt` | a strip in the colour of each cell's founder, branches in the same colours |
 /// | `birth_chi.txt` | a gradient: χ of the division that each cell was born from |
 /// | `chi.txt` | a disc at each cell that divides, as dark as its χ |
-/// | `labels.txt` | labels with the cell's radius and, of an end, why it is one |
+/// | `labels.txt` | labels with the cell's radius and, of a leaf, why it is one |
 pub const ITOL_FILES: [&str; 5] = ["tree.nwk", "founders.txt", "birth_chi.txt", "chi.txt", "labels.txt"];
 
 /// The text of each of [`ITOL_FILES`].
 pub(super) fn itol(tree: &Tree, lengths: BranchLengths, colours: &[&str]) -> Vec<(&'static str, String)> {
-    let newick = newick_with(tree, |cell, out| push_length(out, lengths.of(tree, cell)));
-    let texts = [format!("{newick}\n"), founders(tree, colours), birth_chi(tree), chi(tree), labels(tree)];
+    let texts = [newick::plain(tree, lengths), founders(tree, colours), birth_chi(tree), chi(tree), labels(tree)];
     ITOL_FILES.into_iter().zip(texts).collect()
 }
 
-/// The lines of a file: what it is, settings, then data, all with tabs between, which no name has in it.
+/// The lines of a file: kind, settings, then data, with tabs between: no name contains one.
 fn file(kind: &str, settings: &[(&str, String)], data: impl Iterator<Item = String>) -> String {
     let mut out = format!("{kind}\nSEPARATOR TAB\n");
     for (name, value) in settings {
@@ -73,10 +72,7 @@ fn birth_chi(tree: &Tree) -> String {
         ("COLOR_MIN", hex(CHI_COLOURS[0])),
         ("COLOR_MAX", hex(CHI_COLOURS[1])),
     ];
-    let line = |id: CellId| {
-        let chi = COLUMNS.iter().find(|column| column.name == "birth_chi").and_then(|column| (column.of)(tree, id))?;
-        Some(format!("{}\t{chi}", tree.cell(id).name))
-    };
+    let line = |id: CellId| Some(format!("{}\t{}", tree.cell(id).name, column::birth_chi(tree, id)?));
     file("DATASET_GRADIENT", &settings, tree.cells().filter_map(line))
 }
 

@@ -1,28 +1,16 @@
-//! The tree for other programs: formats, what a cell has to say in them, and what its branch is as long as.
-//!
-//! | format | file |
-//! |---|---|
-//! | Newick, NHX | `notes` (plain Newick: [`newick()`](super::newick())) |
-//! | Nexus | `notes` |
-//! | annotations for iTOL | `itol` |
-//! | cells as CSV | `cells_csv` |
-//! | numeric CSV of LineageTree | `lineage_tree` |
-//! | GraphML | `graphml` |
+//! Trees for other programs.
 
-mod cells_csv;
 mod column;
 mod graphml;
 mod itol;
-mod lengths;
-mod lineage_tree;
-mod notes;
+mod newick;
+mod tables;
 
-pub use column::{COLUMNS, Column, Kind, Value};
+pub use column::{BranchLengths, COLUMNS, Column, Kind};
 pub use itol::ITOL_FILES;
-pub use lengths::BranchLengths;
+pub use newick::newick;
 
-use super::newick::{newick_with, push_length};
-use crate::lineage::{CellId, Tree};
+use crate::lineage::Tree;
 
 /// A format that other programs read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,17 +18,17 @@ use crate::lineage::{CellId, Tree};
 pub enum Format {
     /// Plain Newick: names and branch lengths.
     Newick,
-    /// Newick with what each cell has to say in `[&&NHX:key=value:…]` behind it.
+    /// Newick with the columns of each cell in `[&&NHX:key=value:…]` behind it.
     Nhx,
     /// A Nexus file of one tree, with `[&key=value,…]` behind each name, as FigTree reads it.
     Nexus,
     /// A folder of a Newick file and annotations of it for iTOL.
     Itol,
-    /// One row a cell, with all that is known of it.
+    /// One row a cell, with all columns.
     Csv,
     /// The numeric CSV of the Python package LineageTree, one row a cell at the time point of its generation.
     LineageTree,
-    /// A directed graph from mothers to daughters, with all that is known of each cell.
+    /// A directed graph from mothers to daughters, with all columns of each cell.
     GraphMl,
 }
 
@@ -62,14 +50,14 @@ impl Format {
         }
     }
 
-    /// Whether its branches have lengths that can be chosen. The CSV of cells holds all that a length can be, and the time
-    /// points of LineageTree are whole numbers, of which generations alone come one after the other.
+    /// Whether its branch lengths can be chosen. The CSV of cells has all lengths as columns; LineageTree needs consecutive
+    /// whole numbers, which are the generations.
     pub fn has_lengths(self) -> bool {
         !matches!(self, Format::Csv | Format::LineageTree)
     }
 }
 
-/// What a tree is in another format.
+/// A tree in another format.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Exported {
     /// The text of one file.
@@ -78,8 +66,8 @@ pub enum Exported {
     Folder(Vec<(&'static str, String)>),
 }
 
-/// A tree in another format. `lengths` are those of the branches where the format [has such](Format::has_lengths); `colours`
-/// are those of the founders, as `#rrggbb`, for the formats that have colours (grey if there are too few).
+/// A tree in another format. `lengths` are those of the branches where the format [has them](Format::has_lengths); `colours`
+/// are those of the founders, as `#rrggbb`, for the formats with colours (grey if there are too few).
 ///
 /// ```
 /// use furrow::cell::Cue;
@@ -95,28 +83,12 @@ pub enum Exported {
 /// ```
 pub fn export(tree: &Tree, format: Format, lengths: BranchLengths, colours: &[&str]) -> Exported {
     Exported::File(match format {
-        Format::Newick => {
-            let text = newick_with(tree, |cell, out| push_length(out, lengths.of(tree, cell)));
-            format!("{text}\n")
-        }
-        Format::Nhx => notes::nhx(tree, lengths),
-        Format::Nexus => notes::nexus(tree, lengths),
-        Format::Csv => cells_csv::cells_csv(tree),
-        Format::LineageTree => lineage_tree::lineage_tree_csv(tree),
+        Format::Newick => newick::plain(tree, lengths),
+        Format::Nhx => newick::nhx(tree, lengths),
+        Format::Nexus => newick::nexus(tree, lengths),
+        Format::Csv => tables::cells_csv(tree),
+        Format::LineageTree => tables::lineage_tree_csv(tree),
         Format::GraphMl => graphml::graphml(tree, lengths),
         Format::Itol => return Exported::Folder(itol::itol(tree, lengths, colours)),
     })
-}
-
-/// The cells without daughters, from anterior to posterior.
-fn ends(tree: &Tree) -> Vec<CellId> {
-    let mut ends = Vec::new();
-    let mut stack = vec![tree.first()];
-    while let Some(id) = stack.pop() {
-        match tree.daughters(id) {
-            Some([anterior, posterior]) => stack.extend([posterior, anterior]),
-            None => ends.push(id),
-        }
-    }
-    ends
 }

@@ -1,20 +1,20 @@
-//! What is wrong with a JSON document, told with the field it is in and in words that users know.
+//! Errors in a JSON document, with the path of the field and in words that users know.
 
 use std::fmt::Write;
 
 use super::TreeFileError;
 
-/// Most characters of a message; what is longer quotes something that is not helped by its whole length.
+/// Longest message, in characters.
 const LONGEST_MESSAGE: usize = 300;
 
-/// Words of the parser, and what they are called here.
+/// Words of the parser, and plain ones in their place.
 const WORDS: [(&str, &str); 7] = [
     ("f64", "a number"),
     ("u32", "a whole number, 0 to 4294967295"),
     ("u64", "a whole number, 0 or above"),
     ("usize", "a whole number, 0 or above"),
     ("a tuple of size 2", "a list of two"),
-    ("internally tagged enum EndReason", "null or an object with a reason"),
+    ("internally tagged enum TerminalReason", "null or an object with a reason"),
     ("ident", "null, true or false"),
 ];
 
@@ -46,7 +46,7 @@ fn in_our_words(message: &str) -> String {
     }
 }
 
-/// A message without control characters, which a terminal would obey, and not beyond all bounds: parsers quote what they find.
+/// A message of bounded length without control characters: parsers quote what they read.
 fn printable(message: &str) -> String {
     let mut out = String::new();
     let length = message.chars().count();
@@ -68,7 +68,7 @@ fn offset(text: &str, line: usize, column: usize) -> usize {
     (before + column.saturating_sub(1)).min(text.len())
 }
 
-/// What is open at a place of a document.
+/// An object or list that is open at a place of a document.
 enum Open<'a> {
     /// An object, the key that was read last, and whether another is expected.
     Object { key: &'a str, expects_key: bool },

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::provenance::Provenance;
 use crate::cell::{Cell, Cue, Numerics};
 use crate::division::Outcome;
-use crate::lineage::{CellId, EndReason, Lineage, ObservedRounds, Place, Rounds, Side, Tree, founder_rounds};
+use crate::lineage::{CellId, Lineage, ObservedRounds, Place, Rounds, Side, TerminalReason, Tree, founder_rounds};
 
 /// Name of the format.
 pub const SCHEMA: &str = "furrow.tree";
@@ -21,11 +21,11 @@ pub const SCHEMA: &str = "furrow.tree";
 /// Version of the format; it is raised when a field changes its meaning or goes.
 pub const SCHEMA_VERSION: u32 = 2;
 
-/// What a `tree.json` holds, as a JSON Schema (draft 2020-12), `docs/tree.schema.json`. A later furrow may add fields without
-/// another version, and the schema lets them pass.
+/// The JSON Schema (draft 2020-12) of `tree.json`, `docs/tree.schema.json`. A later furrow may add fields without another
+/// version; the schema allows them.
 pub const TREE_SCHEMA: &str = include_str!("../../../../../docs/tree.schema.json");
 
-/// A founder in the table that sets its rounds beside the observed ones.
+/// A row of the founders' table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FounderRow {
     /// Name.
@@ -49,7 +49,7 @@ pub struct FounderRow {
     pub rounds: Option<Rounds>,
     /// Rounds observed.
     pub observed: Option<ObservedRounds>,
-    /// The same under the name that it had when the worm was the only animal.
+    /// The same, under its former name.
     pub sulston: Option<ObservedRounds>,
 }
 
@@ -122,7 +122,7 @@ struct Record<'a> {
     t_end: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     slow_growth_rate: Option<f64>,
-    ended: Option<EndReason>,
+    ended: Option<TerminalReason>,
 }
 
 impl<'a> Record<'a> {

@@ -1,4 +1,4 @@
-//! Reading `tree.json`: whatever a file holds is a whole tree of the lineage that it names, or refused with what is wrong where.
+//! Reading `tree.json`: a file is a whole tree of its lineage, or an error with its place.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -11,7 +11,7 @@ use super::{Record, SCHEMA, SCHEMA_VERSION};
 use crate::cell::{Cell, Cue, Numerics};
 use crate::division::{Division, Outcome};
 use crate::input::{InputError, forbidden, read_text_up_to, shown};
-use crate::lineage::{CellId, EndReason, Fate, Lineage, Side, Tree, TreeCell, TreeSettings};
+use crate::lineage::{CellId, Fate, Lineage, Side, TerminalReason, Tree, TreeCell, TreeSettings};
 use crate::settings::Settings;
 
 /// The longest file of a tree that is read, in bytes: 512 MB, which the million cells take that a lineage grows to unless it
@@ -39,7 +39,7 @@ pub enum TreeFileError {
         /// The file's version.
         version: u32,
     },
-    /// The parameters or the lineage are none that a tree can be grown from.
+    /// The parameters or the lineage are invalid.
     #[error(transparent)]
     Inputs(#[from] InputError),
     /// The cells do not form a tree of the file's lineage.
@@ -79,7 +79,7 @@ struct Document<'a> {
     cells: Vec<Record<'a>>,
 }
 
-/// What tells whether a document is ours, where it has not all that ours have.
+/// Schema and version, of a document that lacks other fields.
 #[derive(Deserialize)]
 struct Heading<'a> {
     #[serde(borrow)]
@@ -106,11 +106,11 @@ impl Tree {
         Tree::from_json(&text).map_err(|error| error.in_file(path))
     }
 
-    /// Reads the text of `tree.json` back. What is read is whole: cells in breadth-first order, each with no daughters and the
-    /// reason for it, or with an anterior and a posterior one and the division that gave them; founders where the lineage has them.
+    /// Reads the text of `tree.json`. A tree is whole: cells are in breadth-first order, each without daughters and with the
+    /// reason, or with an anterior and a posterior one and the division; founders are where the lineage has them.
     ///
     /// # Errors
-    /// Malformed JSON, another schema, parameters or a lineage that nothing is grown from, or cells that do not form a tree.
+    /// Malformed JSON, another schema, invalid parameters or lineage, or cells that do not form a tree.
     pub fn from_json(text: &str) -> Result<Tree, TreeFileError> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let another = |schema: &str, version| match schema == SCHEMA && version == SCHEMA_VERSION {
@@ -139,13 +139,13 @@ impl Tree {
     }
 }
 
-/// What is wrong with a cell, with what is allowed.
+/// The error of a cell, with what is allowed.
 type Complaint = String;
 
-/// A cell is put below its mother when all is known to be right with it.
+/// Adds cells to a tree after checking them.
 struct Builder<'a> {
     founders: HashMap<String, usize>,
-    /// Given away to the tree with its first cell.
+    /// Moved into the tree with its first cell.
     inputs: Option<(Lineage, TreeSettings)>,
     tree: Option<Tree>,
     nodes: HashMap<Cow<'a, str>, CellId>,
@@ -262,7 +262,7 @@ fn follows(tree: &Tree, mother: CellId, record: &Record<'_>, founder: usize) -> 
     }
 }
 
-/// Whether the values of a cell are such as a cell has.
+/// Checks the values of a cell.
 fn in_range(record: &Record<'_>) -> Result<(), Complaint> {
     if record.name.is_empty() || forbidden(&record.name).is_some() {
         return Err("name: must not be empty, nor have control characters".to_owned());
@@ -316,10 +316,10 @@ fn whole(tree: &Tree, id: CellId) -> Result<(), Complaint> {
 }
 
 impl Record<'_> {
-    /// The cell's fate; what a tree file does not keep of a division, the work it took, is zero.
+    /// The cell's fate. A tree file does not keep the work of a division, which is zero.
     fn fate(&self) -> Fate {
         let growth_rate = match self.ended {
-            Some(EndReason::AtRest { growth_rate }) => growth_rate,
+            Some(TerminalReason::AtRest { growth_rate }) => growth_rate,
             _ => None,
         };
         let division = self.outcome.zip(self.t_end).map(|(outcome, t_end)| {

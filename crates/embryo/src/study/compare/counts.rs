@@ -107,7 +107,7 @@ pub struct StageCounts {
 
 /// How often cells of a founder end for a reason.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Ends {
+pub struct Thresholds {
     /// The founder.
     pub founder: String,
     /// Its terminal cells by reason.
@@ -124,7 +124,7 @@ pub struct Counts {
     /// The paper's sentence by every reading.
     pub sentence: Vec<Sentence>,
     /// Which cells ended where, and why.
-    pub ends: Vec<Ends>,
+    pub ends: Vec<Thresholds>,
     /// Divisions on the way P0, P1, P2, P3, P4 in the model, and in the embryo to Z2 and Z3.
     pub germline: [u32; 2],
 }
@@ -194,7 +194,7 @@ fn germline_divisions(tree: &Tree) -> u32 {
 }
 
 /// Which cells ended where, and why; by the founder that they descend from directly.
-fn ends(tree: &Tree) -> Vec<Ends> {
+fn ends(tree: &Tree) -> Vec<Thresholds> {
     let of = |k: usize| {
         let (mut ended, mut radii) = (BTreeMap::new(), Vec::new());
         for id in tree.cells() {
@@ -206,7 +206,7 @@ fn ends(tree: &Tree) -> Vec<Ends> {
         }
         let smallest = radii.iter().copied().reduce(f64::min);
         let r0 = smallest.zip(radii.iter().copied().reduce(f64::max)).map(|(least, most)| [least, most]);
-        Ends { founder: tree.lineage.founders[k].name.clone(), ended, r0 }
+        Thresholds { founder: tree.lineage.founders[k].name.clone(), ended, r0 }
     };
     (0..tree.lineage.founders.len()).map(of).filter(|ends| !ends.ended.is_empty()).collect()
 }

@@ -13,7 +13,7 @@ use super::{FitError, is_set};
 use crate::batch::{Memo, scheduler};
 use crate::cell::Cell;
 use crate::division::DivisionInput;
-use crate::lineage::{Ends, GrowError, Lineage, ObservedRounds, Rounds, TreeSettings, founder_rounds};
+use crate::lineage::{GrowError, Lineage, ObservedRounds, Rounds, Thresholds, TreeSettings, founder_rounds};
 use crate::shapes::CriticalRadii;
 use crate::study::ranges::grow_alone;
 
@@ -89,7 +89,7 @@ struct Search<'a> {
     reading: Reading,
     founder: usize,
     /// The critical radii that are stored.
-    ends: Ends,
+    ends: Thresholds,
     /// Trees grown for all founders.
     trees: &'a AtomicUsize,
 }
@@ -212,7 +212,7 @@ pub fn activities(
     let trees = &AtomicUsize::new(0);
     let one = |founder: usize| -> Option<Result<FounderActivity, GrowError>> {
         let observed = lineage.founders[founder].observed.and_then(|o| reading.observed(&o))?;
-        let ends = Ends::new(CriticalRadii::new(&settings.numerics));
+        let ends = Thresholds::new(CriticalRadii::new(&settings.numerics));
         Some(Search { lineage, settings, memo, interrupt, reading, founder, ends, trees }.run(observed, range))
     };
     let founders = lineage.founders.len();

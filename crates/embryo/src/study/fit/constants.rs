@@ -28,7 +28,7 @@ use crate::batch::{Memo, scheduler};
 use crate::calibration::Threshold;
 use crate::cell::{Cell, Parameter};
 use crate::division::{DivisionInput, Outcome};
-use crate::lineage::{Ends, FounderRounds, Lineage, Rounds, Tree, TreeSettings, founder_rounds};
+use crate::lineage::{FounderRounds, Lineage, Rounds, Thresholds, Tree, TreeSettings, founder_rounds};
 use crate::shapes::{BranchOptions, CriticalRadii, pitchfork};
 use crate::study::ranges::grow_alone;
 
@@ -196,7 +196,7 @@ impl Judge<'_> {
 
     fn judge(&self, cell: &Cell) -> Option<Evaluated> {
         let settings = TreeSettings { cell: cell.clone(), ..self.settings.clone() };
-        let ends = Ends::new(CriticalRadii::new(&settings.numerics));
+        let ends = Thresholds::new(CriticalRadii::new(&settings.numerics));
         let (tree, _) = grow_alone(self.lineage, settings, &|cell| ends.of(cell), self.memo, self.interrupt).ok()?;
         let founders = self.founders(&tree);
         let parts = self.parts(&founders);

@@ -6,7 +6,7 @@ use super::lab::{Finding, Found, Lab, LabError, Shown};
 use super::paper::Statement;
 use crate::cell::{Cell, Cue};
 use crate::division::{DivisionInput, Outcome, divide};
-use crate::lineage::{Ends, Grower, Length, Lineage, Tree, TreeSettings, founder_rounds};
+use crate::lineage::{Grower, Length, Lineage, Thresholds, Tree, TreeSettings, founder_rounds};
 use crate::shapes::CriticalRadii;
 use crate::study::compare::counts::counts;
 
@@ -23,7 +23,7 @@ fn grow(lab: &Lab<'_>, lineage: &Lineage) -> Result<Tree, LabError> {
         seed: 0,
         r0_step: lab.memo.quantisation().relative_step(),
     };
-    let rule = Ends::new(CriticalRadii::new(&numerics).interrupted_by(lab.interrupt));
+    let rule = Thresholds::new(CriticalRadii::new(&numerics).interrupted_by(lab.interrupt));
     let ends = |cell: &Cell| rule.of(cell);
     let grower = Grower { lineage, settings, ends: &ends, memo: lab.memo, options: lab.options() };
     let (tree, _) = grower.grow(divide)?;

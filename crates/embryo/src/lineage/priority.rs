@@ -1,4 +1,4 @@
-//! How much work hangs on a cell, so that what holds up the most is begun first.
+//! Expected work below a cell, by which divisions are ordered.
 
 use crate::division::DivisionInput;
 
@@ -11,15 +11,15 @@ const SLOW: f64 = 2.5;
 const HALF: f64 = 0.793_700_525_984_099_7;
 /// Radius of the larger daughter at χ = 0.8, 0.9^{1/3}.
 const LARGER: f64 = 0.965_489_384_605_629_7;
-/// Far more divisions than any chain has; with it infinite radii end too.
+/// Longer than any chain; it bounds the loop for infinite radii.
 const LONGEST_CHAIN: usize = 64;
 
 /// Expected work of a cell and the longest chain of divisions below it, in units of a symmetric division, for cells that
 /// come to rest undivided below the radius `critical`.
 ///
 /// Large cells halve. Below the upper edge of the asymmetric window a division costs two to three times as much and
-/// leaves a daughter hardly smaller than its mother, so that the chains through the window are the longest: what leads
-/// there is to be begun first. Cues are left out of account; this is for the order of work, which changes no result.
+/// leaves a daughter hardly smaller than its mother, so that the longest chains lead through the window and are begun
+/// first. Cues are ignored. The order of work changes no result.
 pub fn expected_work(critical: f64) -> impl Fn(&DivisionInput) -> f64 {
     move |input| {
         let mut work = 1.0;

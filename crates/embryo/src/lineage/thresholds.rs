@@ -1,40 +1,40 @@
-//! Which cells cannot divide, told ahead of their division.
+//! Which cells cannot divide, known before their division is computed.
 
 use std::cell::RefCell;
 
-use super::tree::EndReason;
+use super::tree::TerminalReason;
 use crate::cell::{Cell, Cue};
 use crate::shapes::{CriticalRadii, ShapeError};
 
-/// The rule that ends branches: a cell below the critical radius of its kind does not divide.
+/// The rule that ends branches: a cell below the critical radius of its cue and constants does not divide.
 ///
-/// A kind of cell whose critical radius cannot be found is left to its dynamics: its divisions tell.
+/// Where no critical radius is found, divisions are computed.
 #[derive(Debug)]
-pub struct Ends {
+pub struct Thresholds {
     radii: CriticalRadii,
     unknown: RefCell<Vec<(Cue, ShapeError)>>,
 }
 
-impl Ends {
+impl Thresholds {
     /// By the given radii.
-    pub fn new(radii: CriticalRadii) -> Ends {
-        Ends { radii, unknown: RefCell::default() }
+    pub fn new(radii: CriticalRadii) -> Thresholds {
+        Thresholds { radii, unknown: RefCell::default() }
     }
 
-    /// Why a cell cannot divide; `None` if it can, or if only its division tells.
-    pub fn of(&self, cell: &Cell) -> Option<EndReason> {
+    /// Why a cell cannot divide; `None` if it can, or if its division must be computed.
+    pub fn of(&self, cell: &Cell) -> Option<TerminalReason> {
         self.radii
             .ends(cell)
             .unwrap_or_else(|error| {
                 let mut unknown = self.unknown.borrow_mut();
-                // An interrupted search says nothing of the cue, and the growth that asked is about to end.
+                // An interrupted search is no property of the cue.
                 let told = error != ShapeError::Interrupted;
                 if told && !unknown.iter().any(|(cue, _)| *cue == cell.cue) {
                     unknown.push((cell.cue.clone(), error));
                 }
                 None
             })
-            .map(EndReason::from)
+            .map(TerminalReason::from)
     }
 
     /// Whether an answer about cells like this one takes no search for a radius.
@@ -44,7 +44,7 @@ impl Ends {
 
     /// The radius below which cells like `cell`, but without a cue, do not divide, where it is known.
     pub fn critical_radius(&self, cell: &Cell) -> Option<f64> {
-        // There is no cell so small that it divides, so that this one is told its boundary.
+        // The smallest cell is below any boundary.
         let smallest = Cell { r0: f64::MIN_POSITIVE, cue: Cue::none(), ..cell.clone() };
         self.radii.ends(&smallest).ok()?.map(|end| end.critical_r0)
     }

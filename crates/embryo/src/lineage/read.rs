@@ -1,39 +1,81 @@
-//! Lineage files that say what differs from another: `base: "c_elegans"`, and then only that.
+//! Reading a lineage file, whole or as what differs from another: `base: "c_elegans"`.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
+use super::check::Check;
 use super::definition::{C_ELEGANS, CueRule, Founder, Limits, Lineage, unique};
 use super::units::Units;
 use crate::cell::Cue;
-use crate::input::{InputError, did_you_mean, parse_document, parse_ron, shown};
+use crate::input::{InputError, did_you_mean, parse_document, parse_ron, read_text, shown};
 
-/// Lineages that may be a base, by name. They are built in, so that what a file says does not depend on other files.
+impl Lineage {
+    /// The built-in C. elegans founders.
+    pub fn c_elegans() -> Result<Lineage, InputError> {
+        Lineage::parse(C_ELEGANS, "c_elegans.ron (built in)")
+    }
+
+    /// Reads and checks a lineage file.
+    pub fn read(path: &Path) -> Result<Lineage, InputError> {
+        Lineage::parse(&read_text(path)?, &path.display().to_string())
+    }
+
+    /// The lineage of a file if one is given, else the built-in one.
+    pub fn load(path: Option<&Path>) -> Result<Lineage, InputError> {
+        path.map_or_else(Lineage::c_elegans, Lineage::read)
+    }
+
+    /// Reads and checks a lineage from RON text; `file` is what errors call it. A text with `base: "c_elegans"` overrides
+    /// the built-in lineage of that name:
+    ///
+    /// ```
+    /// use furrow::lineage::Lineage;
+    ///
+    /// let text = r#"(base: "c_elegans", founders: [(name: "P1", cue: "none")])"#;
+    /// let lineage = Lineage::parse(text, "mine.ron")?;
+    /// assert_eq!(lineage.founders.len(), Lineage::c_elegans()?.founders.len());
+    /// # Ok::<(), furrow::input::InputError>(())
+    /// ```
+    pub fn parse(text: &str, file: &str) -> Result<Lineage, InputError> {
+        let lineage = match with_base(text, file)? {
+            Some(lineage) => lineage,
+            None => parse_document(text, file, "a lineage file", "Lineage")?,
+        };
+        Check { lineage: &lineage, text, file }.run()?;
+        Ok(lineage)
+    }
+
+    /// Checks a lineage that was not read by [`parse`](Self::parse); `file` is what errors call where it comes from.
+    ///
+    /// # Errors
+    /// Names the founder, cue or field, its value and what is allowed.
+    pub fn check(&self, file: &str) -> Result<(), InputError> {
+        Check { lineage: self, text: "", file }.run()
+    }
+}
+
+/// Built-in lineages that may be a base, by name.
 const BASES: [(&str, &str); 1] = [("c_elegans", C_ELEGANS)];
 
-/// What tells whether a file has a base; all else is passed over.
+/// Whether a file has a base; other fields are ignored.
 #[derive(Deserialize)]
 #[serde(rename = "Lineage")]
 struct Probe {
     base: Option<IgnoredAny>,
 }
 
-/// A file with a base. What it does not say is the base's.
+/// A file with a base, whose values are kept where the file sets none.
 #[derive(Deserialize)]
 #[serde(rename = "Lineage", deny_unknown_fields)]
 struct Differing {
     base: String,
-    #[serde(default)]
     name: Option<String>,
-    #[serde(default)]
     citation: Option<String>,
-    #[serde(default)]
     naming: Option<(char, char)>,
-    #[serde(default)]
     units: Option<Units>,
-    #[serde(default)]
     limits: Option<Limits>,
     /// Beside those of the base, or in place of those of the same name.
     #[serde(default, deserialize_with = "unique")]
@@ -46,12 +88,12 @@ struct Differing {
     founders: Vec<Founder>,
 }
 
-/// The lineage of a text that names a base; `None` if it names none. It is still to be checked.
+/// The unchecked lineage of a text that names a base; `None` if it names none.
 ///
 /// # Errors
 /// As [`Lineage::parse`].
-pub(super) fn read(text: &str, file: &str) -> Result<Option<Lineage>, InputError> {
-    // Files are read twice only where the word occurs. What is no good RON is complained of by whoever reads it next.
+fn with_base(text: &str, file: &str) -> Result<Option<Lineage>, InputError> {
+    // Files are parsed twice only where the word occurs. The second parse reports malformed RON.
     if !text.contains("base") || !parse_ron::<Probe>(text, file).is_ok_and(|probe| probe.base.is_some()) {
         return Ok(None);
     }
@@ -84,7 +126,7 @@ impl Differing {
         for founder in founders {
             match base.founders[..of_base].iter().position(|other| other.name == founder.name) {
                 None => base.founders.push(founder),
-                // As in a file without a base, where the check that follows would find the name twice.
+                // A file without a base is refused for this by the check.
                 Some(k) if std::mem::replace(&mut changed[k], true) => {
                     let field = format!("founder {}", shown(&founder.name));
                     return Err(InputError::not_allowed(file, field, "(given twice)", "given once"));
@@ -96,9 +138,9 @@ impl Differing {
     }
 }
 
-/// Puts what a founder of a file says in the place of what the base says of it.
+/// Overrides a founder of the base.
 fn replace(founder: &mut Founder, with: Founder) {
-    // Taken apart without `..`: a new field does not compile until it has its place.
+    // Without `..`: a new field does not compile until it is handled.
     let Founder { name: _, mother, daughter, cue, inherit, cue_rules, r0, physics, letters, observed } = with;
     founder.mother = mother.or(founder.mother.take());
     founder.daughter = daughter.or(founder.daughter);

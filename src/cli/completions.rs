@@ -1,0 +1,23 @@
+//! `furrow completions`.
+
+use super::error::CliError;
+use super::output::answer;
+use clap::Args;
+
+/// Prints a completion script for a shell
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow completions bash
+  furrow completions zsh")]
+pub struct CompletionsArgs {
+    /// The shell
+    #[arg(value_name = "SHELL")]
+    shell: clap_complete::Shell,
+}
+
+pub fn run(args: &CompletionsArgs, command: &mut clap::Command) -> Result<(), CliError> {
+    let mut script = vec![];
+    clap_complete::generate(args.shell, command, "furrow", &mut script);
+    answer(&String::from_utf8_lossy(&script))
+}
