@@ -9,9 +9,10 @@ use serde::Serialize;
 use super::cell::{CellArgs, number, positive};
 use super::context::Context;
 use super::error::CliError;
-use super::output::{answer, csv_rows, writable_file};
+use super::output::{csv_of, print_as, writable_file};
 use super::plot::PlotArgs;
 use crate::cell::Cue;
+use crate::io::write_atomically;
 use crate::plot::{self, branch::Named};
 use crate::report::EventReport;
 use crate::shapes::asymmetric::Scaling;
@@ -46,7 +47,7 @@ pub struct BranchArgs {
 }
 
 /// The columns of `--csv`.
-const COLUMNS: [&str; 9] = ["branch", "xi_s", "H", "L", "p", "r_eq", "stable", "growth_rate", "delta_u"];
+const HEADER: &str = "branch,xi_s,H,L,p,r_eq,stable,growth_rate,delta_u";
 
 #[derive(Serialize)]
 #[allow(non_snake_case)]
@@ -124,16 +125,14 @@ struct Answer {
 pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
     let picture = args.plot.file()?;
-    if let Some(file) = &args.csv {
-        writable_file("--csv", "csv", file)?;
-    }
+    writable_file("--csv", args.csv.as_deref())?;
     let options = BranchOptions {
-        contours: picture.is_some(),
-        xi: [0.0, positive("--xi-max", "xi_max", args.xi_max)?],
+        contours: picture.is_wanted(),
+        xi: [0.0, positive("--xi-max", args.xi_max)?],
         growth_rates: true,
         ..BranchOptions::default()
     };
-    let options = options.with_max_step(positive("--max-step", "max_step", args.max_step)?);
+    let options = options.with_max_step(positive("--max-step", args.max_step)?);
     let mut document = Answer {
         r0: cell.r0,
         epsilon: cell.epsilon,
@@ -157,17 +156,11 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
         document.add(name, branch);
     }
     if let Some(file) = &args.csv {
-        csv_rows(file, &COLUMNS, &document.points)?;
+        write_atomically(file, &csv_of(HEADER, &document.points)?)?;
     }
-    if let Some(picture) = picture {
-        let named: Vec<Named<'_>> = found.branches.iter().map(|(name, branch)| Named { name, branch }).collect();
-        picture.write(&plot::branch::draw(&cell, &named))?;
-    }
-    if context.json {
-        answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
-    } else {
-        answer(&document.text(args.points))
-    }
+    let named: Vec<Named<'_>> = found.branches.iter().map(|(name, branch)| Named { name, branch }).collect();
+    picture.write(|| plot::branch::draw(&cell, &named))?;
+    print_as(context.json, &document, || document.text(args.points))
 }
 
 impl Answer {

@@ -1,9 +1,8 @@
 //! `furrow cache`: the store of solved divisions.
 
-use super::Globals;
-use super::context::{cache_folder, start_logs};
+use super::context::{Globals, cache_folder, start_logs};
 use super::error::CliError;
-use super::output::answer;
+use super::output::print_as;
 use crate::batch::SolverVersion;
 use crate::batch::store::upkeep;
 use crate::division::Division;
@@ -45,9 +44,7 @@ pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
         Action::Stat | Action::Verify { repair: false } => upkeep::verify::<Division>(&folder, solver)?,
         Action::Clear => upkeep::clear::<Division>(&folder, solver)?,
     };
-    if globals.json {
-        answer(&format!("{}\n", serde_json::to_string_pretty(&report)?))?;
-    } else {
+    print_as(globals.json, &report, || {
         let mut text = format!(
             "{}{}: {} entries, {} of other versions, {} bytes, {} corrupt\n",
             if matches!(args.action, Action::Clear) { "cleared " } else { "" },
@@ -62,12 +59,10 @@ pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
                 let _ = writeln!(text, "corrupt: {} at byte {}", damaged.file.display(), damaged.offset);
             }
         }
-        answer(&text)?;
-    }
+        text
+    })?;
     match args.action {
-        Action::Verify { repair: false } if report.corrupt > 0 => {
-            Err(CliError::CorruptCache { corrupt: report.corrupt })
-        }
+        Action::Verify { repair: false } if report.corrupt > 0 => Err(CliError::CorruptCache(report.corrupt)),
         _ => Ok(()),
     }
 }

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::ensemble::{SampleFiles, sample};
 use super::error::CliError;
-use super::output::answer;
+use super::output::print_as;
 use super::plot::PlotArgs;
 use crate::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
 use crate::input::{parse_document, read_text};
@@ -39,15 +39,15 @@ pub struct CalibrateArgs {
 
 /// What `--json` prints.
 #[derive(Serialize)]
-struct Answer {
+struct Answer<'a> {
     parameters: Map<String, Value>,
-    residuals: Vec<ThresholdResidual>,
+    residuals: &'a [ThresholdResidual],
     rms: f64,
     /// In the order of `parameters`.
-    combinations: Vec<Combination>,
+    combinations: &'a [Combination],
     iterations: usize,
     /// Statements of the targets that are not true of these constants.
-    excluded: Vec<Exclusion>,
+    excluded: &'a [Exclusion],
 }
 
 pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
@@ -56,28 +56,22 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
     targets.check(&file)?;
     let picture = args.plot.file()?;
     if let Some(count) = args.ensemble {
-        let files = SampleFiles { table: args.out.as_deref(), picture: picture.as_ref() };
+        let files = SampleFiles { table: args.out.as_deref(), picture: &picture };
         return sample(&targets, context, count as usize, args.seed, &files);
     }
     let found = calibrate(&targets, &context.settings.cell, &context.settings.numerics)?;
     let excluded = judge(&targets, &found.cell, &context.settings.numerics, true).excluded;
-    if let Some(picture) = picture {
-        picture.write(&crate::plot::calibration::draw(&targets, &found, &excluded))?;
-    }
-    if context.json {
-        let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), Value::from(*value)));
-        let document = Answer {
-            parameters: parameters.collect(),
-            residuals: found.residuals,
-            rms: found.rms,
-            combinations: found.combinations,
-            iterations: found.iterations,
-            excluded,
-        };
-        answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
-    } else {
-        answer(&text(&found, &excluded))
-    }
+    picture.write(|| crate::plot::calibration::draw(&targets, &found, &excluded))?;
+    let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), Value::from(*value)));
+    let document = Answer {
+        parameters: parameters.collect(),
+        residuals: &found.residuals,
+        rms: found.rms,
+        combinations: &found.combinations,
+        iterations: found.iterations,
+        excluded: &excluded,
+    };
+    print_as(context.json, &document, || text(&found, &excluded))
 }
 
 fn text(found: &Calibration, excluded: &[Exclusion]) -> String {

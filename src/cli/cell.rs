@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::context::Context;
 use crate::cell::Cell;
@@ -152,14 +153,24 @@ pub fn natural(option: &str, given: Length, units: &Units) -> Result<f64, InputE
     given.in_units(units).map_err(|allowed| InputError::not_allowed(option, "r0", given, allowed))
 }
 
+/// Reads one of several values by its name.
+pub fn one_of<T>(values: impl IntoIterator<Item = (&'static str, T)>) -> impl TypedValueParser<Value = T>
+where
+    T: Clone + Send + Sync + 'static,
+{
+    let values: Vec<_> = values.into_iter().collect();
+    let names = PossibleValuesParser::new(values.iter().map(|(name, _)| *name));
+    names.try_map(move |given| {
+        values.iter().find(|(name, _)| *name == given).map(|(_, value)| value.clone()).ok_or("unknown name")
+    })
+}
+
 /// A finite number above 0 from an option.
 ///
 /// # Errors
 /// Names the option, its value and what is allowed.
-pub fn positive(option: &str, field: &str, value: f64) -> Result<f64, InputError> {
-    if value.is_finite() && value > 0.0 {
-        Ok(value)
-    } else {
-        Err(InputError::not_allowed(option, field, value, "a finite number above 0"))
-    }
+pub fn positive(option: &str, value: f64) -> Result<f64, InputError> {
+    let field = option.trim_start_matches('-').replace('-', "_");
+    let refused = || InputError::not_allowed(option, field, value, "a finite number above 0");
+    (value.is_finite() && value > 0.0).then_some(value).ok_or_else(refused)
 }

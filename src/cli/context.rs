@@ -1,6 +1,6 @@
 //! What commands share: parameters, memo, the way to schedule and to log.
 
-use super::Globals;
+use super::cell::number;
 use super::error::CliError;
 use super::interrupt;
 use super::output::Stderr;
@@ -9,8 +9,46 @@ use crate::division::DivisionInput;
 use crate::input::InputError;
 use crate::io::Settings;
 use crate::lineage::Units;
+use clap::Args;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+
+/// Options of all commands.
+#[derive(Clone, Debug, Args)]
+pub struct Globals {
+    /// Constants to begin with: gao2026, from the thresholds that the paper prints, or sulston1983, from the rounds of the
+    /// C. elegans founders
+    #[arg(help_heading = "Parameters", long, global = true, value_name = "NAME", default_value = "gao2026")]
+    pub preset: String,
+    /// Parameters in RON, as in `Config(physics: (epsilon: 0.8), numerics: (stages: 4))`; what it does not name keeps
+    /// the value of the preset
+    #[arg(help_heading = "Parameters", long, global = true, value_name = "FILE.ron")]
+    pub config: Option<PathBuf>,
+    /// Sets one parameter, after the file; repeatable
+    #[arg(help_heading = "Parameters", long, global = true, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Threads that solve; default one for each core
+    #[arg(help_heading = "Run", long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Folder that keeps solved divisions; default `cache` here if there is one, else the user's cache folder
+    #[arg(help_heading = "Run", long, global = true, value_name = "DIR", conflicts_with = "no_cache")]
+    pub cache: Option<PathBuf>,
+    /// Neither reads nor keeps solved divisions
+    #[arg(help_heading = "Run", long, global = true)]
+    pub no_cache: bool,
+    /// Relative step to which R0 is rounded before a division is looked up or solved; 0 for none
+    #[arg(help_heading = "Numerics", long, global = true, value_name = "STEP", allow_negative_numbers = true, value_parser = number)]
+    pub r0_step: Option<f64>,
+    /// Prints one JSON document
+    #[arg(help_heading = "Output", long, global = true)]
+    pub json: bool,
+    /// No progress and no warnings
+    #[arg(help_heading = "Output", long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Says more on stderr; twice says most
+    #[arg(help_heading = "Output", short, long, global = true, action = clap::ArgAction::Count)]
+    pub verbose: u8,
+}
 
 /// Parameters and services of a command.
 pub struct Context {
@@ -113,7 +151,7 @@ fn default_folder() -> Result<PathBuf, CliError> {
     }
     etcetera::choose_base_strategy()
         .map(|strategy| strategy.cache_dir().join("furrow"))
-        .map_err(|error| CliError::NoCacheFolder { reason: error.to_string() })
+        .map_err(|error| CliError::NoCacheFolder(error.to_string()))
 }
 
 /// The cache folder in force.

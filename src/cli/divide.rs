@@ -1,7 +1,7 @@
 //! `furrow divide`: one division.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
@@ -9,17 +9,17 @@ use serde::Serialize;
 use super::cell::{ActiveCellArgs, number, positive};
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
-use super::from_steady::{self, FromSteadyArgs, Output};
+use super::from_steady::{self, FromSteadyArgs, Output, write_all_frames};
 use super::interrupt;
 use super::movies::{DENSE, MovieArgs};
-use super::output::{answer, writable_folder};
+use super::output::{print_as, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use crate::batch::profiles::seconds;
 use crate::batch::{Failure, Memo, Profiled, Profiles, Replicates, Unsolved, replicates_by};
 use crate::cell::Cue;
-use crate::division::{Division, DivisionError, DivisionInput, Film, Statistics, divide, film};
-use crate::io::frames::{INDEX, check_step, write_frames};
+use crate::division::{Division, DivisionError, DivisionInput, Statistics, divide, film};
+use crate::io::frames::INDEX;
 use crate::lineage::Units;
 use crate::report::ProfileReport;
 
@@ -97,10 +97,8 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
     context.settings.check_divisions("settings")?;
     let input = DivisionInput { cell, numerics: context.settings.numerics, seed: args.seed };
-    if let Some(folder) = &args.frames {
-        writable_folder("--frames", "frames", folder, &[INDEX])?;
-    }
-    let every = args.frame_step.map(|step| positive("--frame-step", "frame_step", step)).transpose()?;
+    writable_folder("--frames", args.frames.as_deref(), &[INDEX])?;
+    let every = args.frame_step.map(|step| positive("--frame-step", step)).transpose()?;
     let picture = args.plot.file()?;
     let movie = args.movie.file()?;
     if args.from.from_steady {
@@ -109,19 +107,13 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     }
     let profiles = args.profile.then(|| Profiles::new(Some(seconds)));
     let Replicates { divisions, undecided, .. } = solve(args, &context, &input, profiles.as_ref())?;
-    if args.frames.is_some() || picture.is_some() || movie.is_some() {
-        interrupt::at_once();
+    if args.frames.is_some() || picture.is_wanted() || movie.is_wanted() {
+        interrupt::abort();
         let film = profiles.as_ref().map_or_else(|| film(&input), |profiles| profiles.film(&input))?;
-        if let Some(folder) = &args.frames {
-            write_all_frames(folder, &film, every)?;
-        }
+        write_all_frames(args.frames.as_deref(), &film, every)?;
         let film = film.with_places(DENSE);
-        if let Some(picture) = picture {
-            picture.write(&crate::plot::division::draw(&input.cell, &film))?;
-        }
-        if let Some(movie) = movie {
-            movie.write(&input.cell, &film)?;
-        }
+        picture.write(|| crate::plot::division::draw(&input.cell, &film))?;
+        movie.write(&input.cell, &film)?;
     }
     let replicate = |k: usize| Replicate { seed: divisions[k].0, division: &divisions[k].1 };
     let document = Answer {
@@ -137,18 +129,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         undecided: undecided.len(),
         profile: profiles.map(|profiles| ProfileReport::new(profiles.taken(), name_of_replicate)),
     };
-    if context.json {
-        answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
-    } else {
-        answer(&text(&document, &context.units))
-    }
-}
-
-/// Writes the frames of a film, after every step or every so many τ; an interruption waits for them.
-pub(super) fn write_all_frames(folder: &Path, film: &Film, every: Option<f64>) -> Result<(), CliError> {
-    check_step("--frame-step", film, every)?;
-    interrupt::unbroken(|| write_frames(folder, film, every))?;
-    Ok(())
+    print_as(context.json, &document, || text(&document, &context.units))
 }
 
 /// A division, and what it took where that is asked for.
@@ -170,7 +151,7 @@ fn solve(
 ) -> Result<Replicates, CliError> {
     // What is profiled is computed, also if it is known.
     let memo = if profiles.is_some() { Memo::new(context.quantisation) } else { context.memo()? };
-    interrupt::gently();
+    interrupt::finish();
     let line = ProgressLine::new(context.progress && args.replicates > 1);
     let show = |progress| line.show(progress);
     let count = args.replicates as usize;
@@ -185,8 +166,8 @@ fn solve(
         && let Some(Unsolved { failure, .. }) = found.undecided.pop()
     {
         return Err(match failure {
-            Failure::Unsolved(error) => CliError::Division(error),
-            failure => CliError::Replicate(failure),
+            Failure::Unsolved(error) => error.into(),
+            failure => failure.into(),
         });
     }
     for Unsolved { id, failure, .. } in &found.undecided {

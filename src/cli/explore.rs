@@ -7,7 +7,7 @@ use clap::Args;
 use super::cell::FirstCellArgs;
 use super::context::Context;
 use super::error::CliError;
-use super::output::{answer, writable_file};
+use super::output::{print_as, writable_file};
 use super::tree::prepared;
 use crate::io::write_atomically;
 use crate::report;
@@ -44,13 +44,10 @@ struct Answer {
 
 pub fn run(args: &ExploreArgs, context: &Context) -> Result<(), CliError> {
     let (lineage, settings) = prepared(&args.cell, args.seed, context, args.lineage.as_deref())?;
-    writable_file("--out", "out", &args.out)?;
+    writable_file("--out", args.out.as_path())?;
     let page = report::explorer(&lineage, &settings);
     write_atomically(&args.out, page.as_bytes())?;
     let out = args.out.display().to_string();
-    if context.json {
-        let document = Answer { out, bytes: page.len() };
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
-    }
-    answer(&format!("{out} written, {} kB; open it in a browser\n", page.len() / 1000))
+    let text = format!("{out} written, {} kB; open it in a browser\n", page.len() / 1000);
+    print_as(context.json, &Answer { out, bytes: page.len() }, || text)
 }

@@ -7,10 +7,11 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
+use super::cell::one_of;
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, writable_file};
+use super::output::{print_as, writable_file};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use super::tree::bad_cue;
@@ -48,8 +49,8 @@ pub struct FitArgs {
     #[arg(help_heading = "Targets", long, value_name = "TARGETS.ron")]
     targets: Option<PathBuf>,
     /// Which reading of rounds activities are to meet
-    #[arg(help_heading = "Activity", long, value_name = "READING", default_value = "mean")]
-    rounds: RoundsArg,
+    #[arg(help_heading = "Activity", long, value_name = "READING", default_value = "mean", value_parser = one_of(READINGS))]
+    rounds: Reading,
     /// The smallest activity ξ_s tried
     #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 4.0, value_parser = super::cell::number)]
     xi_from: f64,
@@ -87,22 +88,8 @@ enum What {
     Cue,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum RoundsArg {
-    Min,
-    Mean,
-    Max,
-}
-
-impl From<RoundsArg> for Reading {
-    fn from(rounds: RoundsArg) -> Reading {
-        match rounds {
-            RoundsArg::Min => Reading::Min,
-            RoundsArg::Mean => Reading::Mean,
-            RoundsArg::Max => Reading::Max,
-        }
-    }
-}
+/// Readings of "rounds" by the names of the option.
+const READINGS: [(&str, Reading); 3] = [("min", Reading::Min), ("mean", Reading::Mean), ("max", Reading::Max)];
 
 pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
@@ -117,7 +104,7 @@ pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
     }
     if args.what != What::Cue {
         // Divisions of trees are kept, those of a cue that is tried are not.
-        interrupt::gently();
+        interrupt::finish();
     }
     match args.what {
         What::Constants => constants(args, context, &lineage, &settings, start),
@@ -176,30 +163,17 @@ fn constants(
 ) -> Result<(), CliError> {
     let targets = targets(args, lineage)?;
     let picture = args.plot.file()?;
-    if let Some(file) = &args.out {
-        writable_file("--out", "out", file)?;
-    }
+    writable_file("--out", args.out.as_deref())?;
     let line = ProgressLine::new(context.progress);
-    let show = |tried: usize, misfit: f64| line.say(format!("{tried} sets of constants, least misfit {misfit:.3}"));
+    let show = |tried: usize, misfit: f64| line.message(format!("{tried} sets of constants, least misfit {misfit:.3}"));
     let (memo, flag) = (context.memo()?, Some(interrupt::flag()));
     let found = fit_constants(lineage, &targets, settings, &memo, effort(args), context.threads, flag, Some(&show))?;
     drop(line);
     if let Some(file) = &args.out {
         write_atomically(file, config(&found.best).as_bytes())?;
     }
-    if let Some(picture) = picture {
-        picture.write(&crate::plot::fit::draw_constants(&found))?;
-    }
+    picture.write(|| crate::plot::fit::draw_constants(&found))?;
     let elapsed_s = start.elapsed().as_secs_f64();
-    if !context.json {
-        let written =
-            args.out.as_ref().map_or(String::new(), |file| format!("; --config {} takes them", file.display()));
-        return answer(&format!(
-            "{}{} sets of constants tried, {elapsed_s:.0} s{written}\n",
-            constants_text(&found, &targets),
-            found.tried
-        ));
-    }
     let number = |(parameter, value): &(Parameter, f64)| (parameter.to_string(), (*value).into());
     let sharpness = found.sharpness.iter().zip(&found.plateau).map(|(sharp, (_, plateau))| {
         serde_json::json!({ "parameter": sharp.parameter.to_string(), "from": sharp.from, "to": sharp.to,
@@ -217,7 +191,15 @@ fn constants(
         seed: args.seed,
         elapsed_s,
     };
-    answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
+    print_as(context.json, &document, || {
+        let written =
+            args.out.as_ref().map_or(String::new(), |file| format!("; use them with --config {}", file.display()));
+        format!(
+            "{}{} sets of constants tried, {elapsed_s:.0} s{written}\n",
+            constants_text(&found, &targets),
+            found.tried
+        )
+    })
 }
 
 fn residuals<'a>(best: &'a Evaluated, targets: &'a Targets) -> Vec<Residual<'a>> {
@@ -344,18 +326,15 @@ fn activity(
         let allowed = format!("above --xi-from = {}", range[0]);
         return Err(InputError::not_allowed("--xi-to", "xi_s", range[1], allowed).into());
     }
-    let (memo, flag, reading) = (context.memo()?, Some(interrupt::flag()), Reading::from(args.rounds));
+    let (memo, flag, reading) = (context.memo()?, Some(interrupt::flag()), args.rounds);
     let picture = args.plot.file()?;
     let (found, trees) = activities(lineage, settings, &memo, reading, range, context.threads, flag)?;
-    if let Some(picture) = picture {
-        picture.write(&crate::plot::fit::draw_activities(&found, settings.cell.xi_s))?;
-    }
+    picture.write(|| crate::plot::fit::draw_activities(&found, settings.cell.xi_s))?;
     let elapsed_s = start.elapsed().as_secs_f64();
-    if context.json {
-        let document = ActivityAnswer { rounds: reading, founders: &found, trees, elapsed_s };
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
-    }
-    answer(&format!("{}\n{trees} trees, {elapsed_s:.0} s\n", activity_text(&found, reading, settings)))
+    let document = ActivityAnswer { rounds: reading, founders: &found, trees, elapsed_s };
+    print_as(context.json, &document, || {
+        format!("{}\n{trees} trees, {elapsed_s:.0} s\n", activity_text(&found, reading, settings))
+    })
 }
 
 fn activity_text(found: &[FounderActivity], reading: Reading, settings: &TreeSettings) -> String {
@@ -414,16 +393,13 @@ fn cue(
     let flag = Some(interrupt::flag());
     let picture = args.plot.file()?;
     let found = fit_cue(lineage, &targets, settings, &template, effort(args), context.threads, flag)?;
-    if let Some(picture) = picture {
-        picture.write(&crate::plot::fit::draw_cue(&found))?;
-    }
+    picture.write(|| crate::plot::fit::draw_cue(&found))?;
     let elapsed_s = start.elapsed().as_secs_f64();
-    if context.json {
-        let document = CueAnswer { found: &found, seed: args.seed, elapsed_s };
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
-    }
-    let out_of_sample = targets.out_of_sample.as_ref().map_or("", |out| &out.name);
-    answer(&format!("{}{} cues tried, {elapsed_s:.0} s\n", cue_text(&found, out_of_sample), found.tried))
+    let document = CueAnswer { found: &found, seed: args.seed, elapsed_s };
+    print_as(context.json, &document, || {
+        let out_of_sample = targets.out_of_sample.as_ref().map_or("", |out| &out.name);
+        format!("{}{} cues tried, {elapsed_s:.0} s\n", cue_text(&found, out_of_sample), found.tried)
+    })
 }
 
 fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {

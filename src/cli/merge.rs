@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 
-use super::Globals;
-use super::context::start_logs;
+use super::context::{Globals, start_logs};
 use super::error::CliError;
-use super::output::{answer, writable_folder};
+use super::output::{print_as, writable_folder};
 use crate::input::InputError;
 use crate::io::sweep_files::{SWEEP_FILES, merge};
 
@@ -47,7 +46,7 @@ pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
         let allowed = "another folder than those of the parts";
         return Err(InputError::not_allowed("--out", "out", format!("{part:?}"), allowed).into());
     }
-    writable_folder("--out", "out", &args.out, &SWEEP_FILES)?;
+    writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
     let table = merge(&args.parts)?;
     if let Some((aside, what)) = table.write(&args.out)? {
         tracing::warn!("the files of another sweep are kept in {}: {what}", aside.display());
@@ -55,8 +54,7 @@ pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
     let points = table.rows.len();
     let document =
         Answer { points, solved: 0, reused: points, parts: args.parts.len(), out: args.out.display().to_string() };
-    if globals.json {
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
-    }
-    answer(&format!("{points} points of {} parts; files in {}\n", document.parts, document.out))
+    print_as(globals.json, &document, || {
+        format!("{points} points of {} parts; files in {}\n", document.parts, document.out)
+    })
 }

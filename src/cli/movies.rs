@@ -2,13 +2,14 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 
+use super::cell::one_of;
 use super::context::Context;
 use super::error::CliError;
-use super::interrupt;
-use super::output::{answer, file_of_kind, writable_folder, write_unbroken};
+use super::interrupt::{self, write_deferred};
+use super::output::{file_of_format, print_as, writable_folder};
 use crate::cell::Cell;
 use crate::division::{DivisionInput, Film, Outcome, film};
 use crate::input::InputError;
@@ -30,35 +31,39 @@ pub struct MovieArgs {
     movie_frames: Option<u32>,
 }
 
-/// Where a movie goes, and as what.
+/// The file and format of a movie, if one is asked for, and its frames.
 #[derive(Debug)]
 pub struct MovieFile {
-    path: PathBuf,
-    format: MovieFormat,
-    frames: usize,
+    file: Option<(PathBuf, MovieFormat)>,
+    frames: Option<u32>,
 }
 
 impl MovieArgs {
-    /// The file, if one is asked for, before the work that it is to show.
+    /// Checks the file before the work that it shows.
     ///
     /// # Errors
-    /// Its name says of no kind of movie, or it cannot be written.
-    pub fn file(&self) -> Result<Option<MovieFile>, InputError> {
-        let Some(path) = &self.movie else { return Ok(None) };
+    /// Its extension is no format of movies, or it cannot be written.
+    pub fn file(&self) -> Result<MovieFile, InputError> {
         let allowed = "a file whose name ends in .gif, .png, .apng or .svg";
-        let (path, format) = file_of_kind("--movie", "movie", path, MovieFormat::of(path), allowed)?;
-        let frames = self.movie_frames.map_or(format.usual_frames(), |frames| frames as usize);
-        Ok(Some(MovieFile { path, format, frames }))
+        let file = self.movie.as_ref().map(|path| file_of_format("--movie", path, MovieFormat::of(path), allowed));
+        Ok(MovieFile { file: file.transpose()?, frames: self.movie_frames })
     }
 }
 
 impl MovieFile {
-    /// Writes the movie of a division; a file of that name is replaced, whole or not at all.
+    /// Whether one is asked for.
+    pub fn is_wanted(&self) -> bool {
+        self.file.is_some()
+    }
+
+    /// Writes the movie of a division, if one is asked for; an existing file is replaced, whole or not at all.
     ///
     /// # Errors
     /// It cannot be drawn or written.
     pub fn write(&self, cell: &Cell, film: &Film) -> Result<(), CliError> {
-        write_unbroken(&self.path, &Movie { cell, film, frames: self.frames }.bytes(self.format)?)
+        let Some((path, format)) = &self.file else { return Ok(()) };
+        let frames = self.frames.map_or(format.usual_frames(), |frames| frames as usize);
+        write_deferred(path, &Movie { cell, film, frames }.bytes(*format)?)
     }
 }
 
@@ -75,30 +80,17 @@ pub struct MoviesArgs {
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: PathBuf,
     /// Kind of the files
-    #[arg(help_heading = "Output", long, value_name = "KIND", value_enum, default_value_t = Kind::Gif)]
-    format: Kind,
+    #[arg(help_heading = "Output", long, value_name = "KIND", default_value = "gif",
+        value_parser = one_of(FORMATS.map(|format| (format.0, format))))]
+    format: (&'static str, MovieFormat),
     /// Frames of each, at even times; default 80, of SVG 20
     #[arg(help_heading = "Output", long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=2000))]
     frames: Option<u32>,
 }
 
-/// Kinds of movies by the extension of their files.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Kind {
-    Gif,
-    Png,
-    Svg,
-}
-
-impl Kind {
-    fn format(self) -> (MovieFormat, &'static str) {
-        match self {
-            Kind::Gif => (MovieFormat::Gif, "gif"),
-            Kind::Png => (MovieFormat::Png, "png"),
-            Kind::Svg => (MovieFormat::Svg, "svg"),
-        }
-    }
-}
+/// Formats of movies by the extension of their files.
+const FORMATS: [(&str, MovieFormat); 3] =
+    [("gif", MovieFormat::Gif), ("png", MovieFormat::Png), ("svg", MovieFormat::Svg)];
 
 /// One movie in the answer.
 #[derive(Serialize)]
@@ -120,11 +112,11 @@ struct Answer {
 
 pub fn run(args: &MoviesArgs, context: Context) -> Result<(), CliError> {
     context.settings.check_divisions("settings")?;
-    let (format, extension) = args.format.format();
+    let (extension, format) = args.format;
     let frames = args.frames.map_or(format.usual_frames(), |frames| frames as usize);
     let scenes = scenes(&context.settings.cell);
     let names: Vec<String> = scenes.iter().map(|scene| format!("{}.{extension}", scene.name)).collect();
-    writable_folder("--out", "out", &args.out, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
+    writable_folder("--out", args.out.as_path(), &names.iter().map(String::as_str).collect::<Vec<_>>())?;
     let mut files = FileSet::new(&args.out);
     let mut movies = Vec::new();
     for (scene, file) in scenes.into_iter().zip(names) {
@@ -135,15 +127,13 @@ pub fn run(args: &MoviesArgs, context: Context) -> Result<(), CliError> {
         let (outcome, chi) = (film.division.outcome, film.division.chi);
         movies.push(Shown { file, shows: scene.shows, r0: scene.cell.r0, cue, outcome, chi });
     }
-    interrupt::unbroken(|| files.commit())?;
+    interrupt::defer(|| files.commit())?;
     let document = Answer { movies, out: args.out.display().to_string() };
-    if context.json {
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
-    }
     let line = |shown: &Shown| {
         let chi = shown.chi.map_or(String::new(), |chi| format!(", χ = {chi:.3}"));
         format!("{:<18} R0 = {}: {}{chi}; {}\n", shown.file, shown.r0, shown.outcome, shown.shows)
     };
-    let lines: String = document.movies.iter().map(line).collect();
-    answer(&format!("{lines}files in {}\n", document.out))
+    print_as(context.json, &document, || {
+        document.movies.iter().map(line).chain([format!("files in {}\n", document.out)]).collect()
+    })
 }

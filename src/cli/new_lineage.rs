@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::error::CliError;
-use super::output::answer;
+use super::output::print;
 use crate::input::InputError;
 use crate::io::write_atomically;
 use crate::lineage::TEMPLATE;
@@ -25,5 +25,5 @@ pub fn run(args: &NewLineageArgs) -> Result<(), CliError> {
     }
     write_atomically(&args.file, TEMPLATE.as_bytes())?;
     let file = args.file.display();
-    answer(&format!("{file} written; change it, then: furrow tree {file}\n"))
+    print(&format!("{file} written; change it, then: furrow tree {file}\n"))
 }

@@ -9,7 +9,7 @@ use super::cell::number;
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
-use super::output::answer;
+use super::output::print_as;
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use super::vary::{Varied, VaryArgs};
@@ -78,20 +78,10 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
         seed: args.seed,
     };
     let diagram = solve(&context, &plane)?;
-    if let Some(picture) = picture {
-        picture.write(&plot::phase::draw(&plane, &diagram, &edges(&plane, range)))?;
-    }
-    if context.json {
-        let document = Answer {
-            vary: parameter.to_string(),
-            cue: &plane.cell.cue,
-            cells: &diagram.cells,
-            columns: &diagram.columns,
-        };
-        answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
-    } else {
-        answer(&text(&plane, &diagram))
-    }
+    picture.write(|| plot::phase::draw(&plane, &diagram, &edges(&plane, range)))?;
+    let PhaseDiagram { cells, columns, .. } = &diagram;
+    let document = Answer { vary: parameter.to_string(), cue: &plane.cell.cue, cells, columns };
+    print_as(context.json, &document, || text(&plane, &diagram))
 }
 
 /// The curves that bound the outcomes, for the picture; without them it has the edges at each value across.
@@ -119,7 +109,7 @@ fn solve(context: &Context, plane: &PhasePlane) -> Result<PhaseDiagram, CliError
     let line = ProgressLine::new(context.progress);
     let show = |progress| {
         // The shapes at rest, computed before, are not kept: divisions are.
-        interrupt::gently();
+        interrupt::finish();
         line.show(progress);
     };
     let diagram = plane.compute(&memo, &context.scheduling(&show));

@@ -7,8 +7,9 @@ use serde::Serialize;
 
 use super::context::Context;
 use super::error::CliError;
-use super::output::{answer, writable_folder};
-use super::tree::{Grown, RunRecord, TreeArgs, bad_cue, commit, grown, prepared, profile_text};
+use super::interrupt;
+use super::output::{print_as, to_json, writable_folder};
+use super::tree::{Grown, RunRecord, TreeArgs, bad_cue, commit, grown, prepared, run_text};
 use crate::batch::Summary;
 use crate::input::InputError;
 use crate::io::earlier::{Replaced, SCENARIO_FILES, SCENARIOS_FILES, other_scenarios};
@@ -44,20 +45,26 @@ struct AnswerScenario<'a> {
     slow_cells: usize,
 }
 
-pub fn run(args: &TreeArgs, context: &Context, start: Instant) -> Result<(), CliError> {
+pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
+    let start = Instant::now();
+    interrupt::finish();
+    if let Some(file) = &args.constants {
+        let allowed = "given with one lineage and at most one --cue";
+        return Err(InputError::not_allowed("--constants", "constants", format!("{file:?}"), allowed).into());
+    }
     let picture = args.plot.file()?;
     let scenarios = read(args, context)?;
-    writable_folder("--out", "out", &args.out, &SCENARIOS_FILES)?;
+    writable_folder("--out", args.out.as_path(), &SCENARIOS_FILES)?;
     for scenario in &scenarios {
-        writable_folder("--out", "out", &args.out.join(&scenario.name), &SCENARIO_FILES)?;
+        writable_folder("--out", args.out.join(&scenario.name).as_path(), &SCENARIO_FILES)?;
     }
     let replaced = other_scenarios(&args.out, &scenarios, args.dynamics);
     let grown = grown(&scenarios, args.dynamics, args.profile, context)?;
     let Grown { trees, summary, .. } = &grown;
     write_files(args, context, &scenarios, trees, summary, start, replaced.as_ref())?;
     let named: Vec<(&str, &Tree)> = scenarios.iter().map(|scenario| scenario.name.as_str()).zip(trees).collect();
-    if let (Some(picture), Some(drawing)) = (picture, crate::plot::rounds::draw_scenarios(&named)) {
-        picture.write(&drawing)?;
+    if let Some(drawing) = crate::plot::rounds::draw_scenarios(&named) {
+        picture.write(|| drawing)?;
     }
     respond(args, context, &scenarios, &grown, start.elapsed().as_secs_f64())
 }
@@ -99,16 +106,6 @@ fn respond(
     Grown { trees, summary, profile }: &Grown,
     elapsed_s: f64,
 ) -> Result<(), CliError> {
-    if !context.json {
-        return answer(&format!(
-            "{}{} divisions solved, {} memo hits, {elapsed_s:.2} s; files in {}\n{}",
-            report::scenarios_table(scenarios, trees),
-            summary.solved,
-            summary.memo_hits,
-            args.out.display(),
-            profile_text(profile.as_ref())
-        ));
-    }
     let of = scenarios.iter().zip(trees).map(|(scenario, tree)| {
         let counts = report::TreeSummary::of(tree);
         AnswerScenario {
@@ -130,7 +127,9 @@ fn respond(
         out: args.out.display().to_string(),
         profile: profile.as_ref(),
     };
-    answer(&format!("{}\n", serde_json::to_string_pretty(&document)?))
+    print_as(context.json, &document, || {
+        report::scenarios_table(scenarios, trees) + &run_text(args, summary, elapsed_s, profile.as_ref())
+    })
 }
 
 fn write_files(
@@ -154,6 +153,6 @@ fn write_files(
     let names = scenarios.iter().map(|scenario| scenario.name.as_str()).collect();
     let cells = trees.iter().map(Tree::len).sum();
     let record = RunRecord::of(args, context, summary, start, cells, Some(names));
-    files.stage("run.json", record.text()?.as_bytes())?;
+    files.stage("run.json", to_json(&record)?.as_bytes())?;
     commit(files, replaced, args.force)
 }

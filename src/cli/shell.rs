@@ -1,7 +1,7 @@
 //! `furrow completions` and `furrow man`.
 
 use super::error::CliError;
-use super::output::{answer, writable_folder};
+use super::output::{print, writable_folder};
 use crate::io::files::FileSet;
 use clap::Args;
 use std::path::PathBuf;
@@ -33,7 +33,7 @@ pub struct ManArgs {
 pub fn completions(args: &CompletionsArgs, command: &mut clap::Command) -> Result<(), CliError> {
     let mut script = vec![];
     clap_complete::generate(args.shell, command, "furrow", &mut script);
-    answer(&String::from_utf8_lossy(&script))
+    print(&String::from_utf8_lossy(&script))
 }
 
 pub fn man(args: &ManArgs, mut command: clap::Command) -> Result<(), CliError> {
@@ -44,9 +44,9 @@ pub fn man(args: &ManArgs, mut command: clap::Command) -> Result<(), CliError> {
     };
     command.build();
     let Some(folder) = &args.out else {
-        return answer(&String::from_utf8_lossy(&page(command)?));
+        return print(&String::from_utf8_lossy(&page(command)?));
     };
-    writable_folder("--out", "out", folder, &[])?;
+    writable_folder("--out", folder.as_path(), &[])?;
     let mut files = FileSet::new(folder);
     for sub in command.get_subcommands().filter(|sub| sub.get_name() != "help") {
         let name = format!("furrow-{}", sub.get_name());

@@ -6,11 +6,10 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use super::Globals;
-use super::context::{Context, warn_of_store};
+use super::context::{Context, Globals, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, writable_folder};
+use super::output::{print_as, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use crate::io::Settings;
@@ -56,11 +55,11 @@ struct Answer {
 
 pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(), CliError> {
     let start = Instant::now();
-    interrupt::gently();
+    interrupt::finish();
     // What the sweep file says comes between the configuration file and the settings of the command line.
     let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &globals.set)?;
-    writable_folder("--out", "out", &args.out, &SWEEP_FILES)?;
+    writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
     let picture = args.plot.file()?;
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
@@ -90,12 +89,10 @@ pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(),
         );
     }
     let table = SweepTable::new(&sweep, memo.quantisation(), args.shard, rows)?;
-    if let Some((aside, what)) = interrupt::unbroken(|| table.write(&args.out))? {
+    if let Some((aside, what)) = interrupt::defer(|| table.write(&args.out))? {
         tracing::warn!("the files of another sweep are kept in {}: {what}", aside.display());
     }
-    if let Some(picture) = picture {
-        picture.write(&crate::plot::sweep::draw(&sweep, &table.rows))?;
-    }
+    picture.write(|| crate::plot::sweep::draw(&sweep, &table.rows))?;
     let document = Answer {
         points: table.rows.len(),
         solved,
@@ -105,12 +102,9 @@ pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(),
         elapsed_s: start.elapsed().as_secs_f64(),
         out: args.out.display().to_string(),
     };
-    if context.json {
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
-    }
-    let part = args.shard.map_or(String::new(), |shard| format!(" of part {shard}"));
-    answer(&format!(
-        "{} points{part}: {solved} solved, {reused} reused, {:.2} s; files in {}\n",
-        document.points, document.elapsed_s, document.out
-    ))
+    print_as(context.json, &document, || {
+        let part = args.shard.map_or(String::new(), |shard| format!(" of part {shard}"));
+        let Answer { points, elapsed_s, out, .. } = &document;
+        format!("{points} points{part}: {solved} solved, {reused} reused, {elapsed_s:.2} s; files in {out}\n")
+    })
 }

@@ -5,10 +5,9 @@ use super::context::{Context, warn_of_store, warning_text};
 use super::divide::computed;
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, writable_folder};
+use super::output::{print_as, to_json, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
-use super::scenarios;
 use crate::batch::profiles::seconds;
 use crate::batch::scheduler::workers;
 use crate::batch::{Profiled, Profiles, Summary};
@@ -63,7 +62,7 @@ pub struct TreeArgs {
     pub cue: Vec<String>,
     /// Grows the lineage with every set of constants of a table, and prints the ranges of its counts; writes no files
     #[arg(help_heading = "Cell", long, value_name = "FILE.csv")]
-    constants: Option<PathBuf>,
+    pub constants: Option<PathBuf>,
     /// Computes the division of every cell, those below the critical radius of their cue included
     #[arg(help_heading = "Numerics", long)]
     pub dynamics: bool,
@@ -160,41 +159,34 @@ impl<'a> RunRecord<'a> {
             warnings: summary.warnings.iter().map(warning_text).collect(),
         }
     }
+}
 
-    /// As the text of `run.json`.
-    pub fn text(&self) -> Result<String, CliError> {
-        Ok(format!("{}\n", serde_json::to_string_pretty(self)?))
+impl TreeArgs {
+    /// Whether several trees are grown and set side by side.
+    pub fn has_scenarios(&self) -> bool {
+        self.lineage.len() > 1 || self.cue.len() > 1
     }
 }
 
 pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
-    interrupt::gently();
-    if args.lineage.len() > 1 || args.cue.len() > 1 {
-        if let Some(file) = &args.constants {
-            let allowed = "given with one lineage and at most one --cue";
-            return Err(InputError::not_allowed("--constants", "constants", format!("{file:?}"), allowed).into());
-        }
-        return scenarios::run(args, context, start);
-    }
+    interrupt::finish();
     let picture = args.plot.file()?;
     let (mut lineage, settings) = prepared(&args.cell, args.seed, context, args.lineage.first().map(PathBuf::as_path))?;
     if let Some(text) = args.cue.first() {
         lineage = lineage.carrying(text).map_err(bad_cue)?;
     }
     if let Some(file) = &args.constants {
-        return super::ensemble::grow_over(file, &lineage, &settings, context, picture.as_ref());
+        return super::ensemble::grow_over(file, &lineage, &settings, context, &picture);
     }
-    writable_folder("--out", "out", &args.out, &TREE_FILES)?;
+    writable_folder("--out", args.out.as_path(), &TREE_FILES)?;
     let replaced = other_tree(&args.out, &lineage, &settings, args.dynamics);
     let only = Scenario { name: String::new(), label: String::new(), cue: None, lineage, settings };
     let Grown { trees, summary, profile } = grown(&[only], args.dynamics, args.profile, context)?;
     for tree in &trees {
         let rows = founder_rows(tree);
         write_files(args, context, tree, &rows, &summary, start, replaced.as_ref())?;
-        if let Some(picture) = &picture {
-            picture.write(&crate::plot::rounds::draw(tree))?;
-        }
+        picture.write(|| crate::plot::rounds::draw(tree))?;
         respond(args, context, tree, &rows, &summary, start.elapsed().as_secs_f64(), profile.as_ref())?;
     }
     Ok(())
@@ -317,33 +309,35 @@ fn respond(
     profile: Option<&ProfileReport>,
 ) -> Result<(), CliError> {
     let counts = report::TreeSummary::of(tree);
-    if context.json {
-        let document = Answer {
-            founders: rows,
-            cells: tree.len(),
-            generations: counts.generations.len(),
-            ended: &counts.ended,
-            slow_cells: counts.slow,
-            divisions_solved: summary.solved,
-            memo_hits: summary.memo_hits,
-            elapsed_s,
-            out: args.out.display().to_string(),
-            profile,
-        };
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&document)?));
-    }
-    answer(&format!(
-        "{}{} divisions solved, {} memo hits, {elapsed_s:.2} s; files in {}\n{}",
-        report::founders_table(tree, rows),
+    let document = Answer {
+        founders: rows,
+        cells: tree.len(),
+        generations: counts.generations.len(),
+        ended: &counts.ended,
+        slow_cells: counts.slow,
+        divisions_solved: summary.solved,
+        memo_hits: summary.memo_hits,
+        elapsed_s,
+        out: args.out.display().to_string(),
+        profile,
+    };
+    let text = || report::founders_table(tree, rows) + &run_text(args, summary, elapsed_s, profile);
+    print_as(context.json, &document, text)
+}
+
+/// What a run took and where its files are.
+pub fn run_text(args: &TreeArgs, summary: &Summary, elapsed_s: f64, profile: Option<&ProfileReport>) -> String {
+    format!(
+        "{} divisions solved, {} memo hits, {elapsed_s:.2} s; files in {}\n{}",
         summary.solved,
         summary.memo_hits,
         args.out.display(),
         profile_text(profile)
-    ))
+    )
 }
 
 /// A profile behind an answer, if it is asked for.
-pub fn profile_text(profile: Option<&ProfileReport>) -> String {
+fn profile_text(profile: Option<&ProfileReport>) -> String {
     profile.map_or(String::new(), |profile| format!("\n{}", profile.text()))
 }
 
@@ -362,7 +356,7 @@ fn write_files(
     files.stage("tree.svg", report::svg(tree).as_bytes())?;
     files.stage("report.html", report::html(tree, rows).as_bytes())?;
     let record = RunRecord::of(args, context, summary, start, tree.len(), None);
-    files.stage("run.json", record.text()?.as_bytes())?;
+    files.stage("run.json", to_json(&record)?.as_bytes())?;
     commit(files, replaced, args.force)
 }
 

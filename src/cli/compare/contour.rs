@@ -15,7 +15,7 @@ use super::files;
 use crate::cli::cell::number;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
-use crate::cli::output::{answer, writable_folder};
+use crate::cli::output::{print, to_json, writable_folder};
 use crate::cli::plot::PlotArgs;
 use crate::input::InputError;
 use crate::io::frames::read_frames;
@@ -65,23 +65,19 @@ pub fn run(args: &ContourArgs, context: &Context) -> Result<(), CliError> {
         return Err(InputError::not_allowed("--length-scale", "length_scale", length, allowed).into());
     }
     let picture = args.plot.file()?;
-    if let Some(out) = &args.out {
-        writable_folder("--out", "out", out, &files::CONTOUR_NAMES)?;
-    }
+    writable_folder("--out", args.out.as_deref(), &files::CONTOUR_NAMES)?;
     let model = modelled(&args.frames)?;
     let found = read(args)?;
     let Some(series) = series(&found.traced, &model, args.length_scale) else {
         return Err(nothing_to_compare(args, &found, model.is_empty()).into());
     };
     let document = Answer { series: &series, used: found.traced.len(), skipped: &found.left_out };
-    let json = format!("{}\n", serde_json::to_string_pretty(&document)?);
+    let json = to_json(&document)?;
     if let Some(out) = &args.out {
         files::write_contours(out, &series, &json)?;
     }
-    if let Some(picture) = picture {
-        picture.write(&crate::plot::contours::draw(&series))?;
-    }
-    answer(&if context.json { json } else { text(&series, &found.left_out) })
+    picture.write(|| crate::plot::contours::draw(&series))?;
+    print(&if context.json { json } else { text(&series, &found.left_out) })
 }
 
 /// The contours of a simulated division, both sides of the axis.

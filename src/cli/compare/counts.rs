@@ -8,7 +8,7 @@ use clap::Args;
 use super::trees_of;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
-use crate::cli::output::answer;
+use crate::cli::output::print_as;
 use crate::cli::plot::PlotArgs;
 use crate::input::{InputError, read_text};
 use crate::lineage::{Lineage, Tree};
@@ -42,13 +42,8 @@ pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
         None => trees_of(vec![Lineage::load(None)?], context)?.remove(0),
     };
     let found = counts(&tree)?;
-    if let Some(picture) = picture {
-        picture.write(&crate::plot::rounds::draw(&tree))?;
-    }
-    if context.json {
-        return answer(&format!("{}\n", serde_json::to_string_pretty(&found)?));
-    }
-    answer(&counts_text(&found))
+    picture.write(|| crate::plot::rounds::draw(&tree))?;
+    print_as(context.json, &found, || counts_text(&found))
 }
 
 fn counts_text(found: &Counts) -> String {

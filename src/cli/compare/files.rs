@@ -29,17 +29,7 @@ struct ChiRow<'a> {
     model_chi_given_first: Option<f64>,
 }
 
-const CHI: [&str; 9] = [
-    "group",
-    "mother",
-    "n",
-    "chi_mean",
-    "chi_sd",
-    "chi_signed_mean",
-    "chi_signed_sd",
-    "model_chi",
-    "model_chi_given_first",
-];
+const CHI: &str = "group,mother,n,chi_mean,chi_sd,chi_signed_mean,chi_signed_sd,model_chi,model_chi_given_first";
 
 /// A row of `divisions.csv`.
 #[derive(Serialize)]
@@ -54,8 +44,7 @@ struct DivisionRow<'a> {
     chi_signed: f64,
 }
 
-const DIVISION: [&str; 8] =
-    ["group", "embryo", "mother", "first", "second", "volume_first", "volume_second", "chi_signed"];
+const DIVISION: &str = "group,embryo,mother,first,second,volume_first,volume_second,chi_signed";
 
 /// A row of `bins.csv`: a bin, and its test beside the one of larger cells.
 #[derive(Serialize)]
@@ -70,7 +59,7 @@ struct BinRow {
     stars: Option<&'static str>,
 }
 
-const BIN: [&str; 8] = ["from", "to", "n", "chi_mean", "chi_sd", "u", "p", "stars"];
+const BIN: &str = "from,to,n,chi_mean,chi_sd,u,p,stars";
 
 /// Writes all of them, or none. `json` is what `--json` prints.
 pub fn write(
@@ -116,12 +105,7 @@ pub fn write(
             stars: test.map(|test| test.stars),
         }
     });
-    let tables = [
-        csv_of(&CHI, &chi.collect::<Vec<_>>())?,
-        csv_of(&DIVISION, &division.collect::<Vec<_>>())?,
-        csv_of(&BIN, &bin.collect::<Vec<_>>())?,
-        json.as_bytes().to_vec(),
-    ];
+    let tables = [csv_of(CHI, chi)?, csv_of(DIVISION, division)?, csv_of(BIN, bin)?, json.as_bytes().to_vec()];
     write_all(folder, &NAMES, tables)
 }
 
@@ -149,24 +133,7 @@ struct ContourRow<'a> {
     jaccard: f64,
 }
 
-const CONTOUR: [&str; 16] = [
-    "file",
-    "contour",
-    "stage",
-    "depth",
-    "model_depth",
-    "elongation",
-    "model_elongation",
-    "area",
-    "centroid_x",
-    "centroid_y",
-    "angle",
-    "frame",
-    "t",
-    "similarity",
-    "similarity_pixels",
-    "jaccard",
-];
+const CONTOUR: &str = "file,contour,stage,depth,model_depth,elongation,model_elongation,area,centroid_x,centroid_y,angle,frame,t,similarity,similarity_pixels,jaccard";
 
 fn contour_row(beside: &Beside) -> ContourRow<'_> {
     let Beside { measured, model, overlap, pixels, centroid, .. } = beside;
@@ -192,8 +159,8 @@ fn contour_row(beside: &Beside) -> ContourRow<'_> {
 
 /// Writes them, or none. `json` is what `--json` prints.
 pub fn write_contours(folder: &Path, series: &Series, json: &str) -> Result<(), CliError> {
-    let rows: Vec<ContourRow<'_>> = series.contours.iter().map(contour_row).collect();
-    write_all(folder, &CONTOUR_NAMES, [csv_of(&CONTOUR, &rows)?, json.as_bytes().to_vec()])
+    let rows = series.contours.iter().map(contour_row);
+    write_all(folder, &CONTOUR_NAMES, [csv_of(CONTOUR, rows)?, json.as_bytes().to_vec()])
 }
 
 fn write_all<const N: usize>(folder: &Path, names: &[&str; N], tables: [Vec<u8>; N]) -> Result<(), CliError> {

@@ -29,7 +29,7 @@ enum What {
 }
 
 pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
-    interrupt::gently();
+    interrupt::finish();
     match &args.what {
         What::Counts(args) => counts::run(args, context),
         What::Volumes(args) => volumes::run(args, context),

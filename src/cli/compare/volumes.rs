@@ -16,7 +16,7 @@ use crate::cli::cell::number;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::interrupt;
-use crate::cli::output::{answer, writable_folder};
+use crate::cli::output::{print, to_json, writable_folder};
 use crate::cli::plot::PlotArgs;
 use crate::cli::progress::ProgressLine;
 use crate::input::{InputError, read_text};
@@ -120,9 +120,7 @@ struct Measured {
 pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     check(args)?;
     let picture = args.plot.file()?;
-    if let Some(out) = &args.out {
-        writable_folder("--out", "out", out, &files::NAMES)?;
-    }
+    writable_folder("--out", args.out.as_deref(), &files::NAMES)?;
     let sets = match &args.constants {
         Some(file) => read_constants(&read_text(file)?, &file.display().to_string())?,
         None => Vec::new(),
@@ -159,24 +157,17 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
         regressions: regressions(args, &groups)?,
         groups: &groups,
     };
-    let json = format!("{}\n", serde_json::to_string_pretty(&answer_of)?);
+    let json = to_json(&answer_of)?;
     if let Some(out) = &args.out {
         files::write(out, &groups, all, (&answer_of.bins, &answer_of.tests), &json)?;
     }
-    if let Some(picture) = picture {
+    if picture.is_wanted() {
         let unit = unit.map_or(String::new(), |unit| format!("({})", unit.symbol()));
-        let (bins, length) = (&answer_of.bins, length_scale.map(|scale| scale.length));
+        let (groups, bins, length) = (&groups, &answer_of.bins, length_scale.map(|scale| scale.length));
         let curves = curves(&lineage, &settings, all, length, context)?;
-        picture.write(&comparison::draw(&Comparison {
-            groups: &groups,
-            divisions: all,
-            bins,
-            unit,
-            length,
-            curves,
-        }))?;
+        picture.write(|| comparison::draw(&Comparison { groups, divisions: all, bins, unit, length, curves }))?;
     }
-    answer(&if context.json { json } else { volumes_text(&answer_of) })
+    print(&if context.json { json } else { volumes_text(&answer_of) })
 }
 
 /// What the model says of cells as large as the measured mothers, for a picture; nothing where it is not known how large these
