@@ -21,8 +21,9 @@ use crate::shapes::critical::{self, Stored};
 use crate::shapes::curves::{self, Curve, CurveEnd, CurvePoint};
 use crate::shapes::{Criticality, PointKind};
 
-/// Continues what bounds division over a parameter: the pitchfork and the folds of mirror-symmetric shapes; with a cue that
-/// tells the poles apart, the fold that ends the stable shapes
+/// Continues the boundary of division over a parameter: the pitchfork and the folds of mirror-symmetric shapes
+///
+/// With a cue without mirror symmetry the boundary is the fold that ends the stable shapes.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -36,19 +37,19 @@ pub struct BoundaryArgs {
     /// Activity ξ_s of --critical
     #[arg(help_heading = "Cell", long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
     xi: Option<f64>,
-    /// Also solves for the value at which the boundary lies at the cell's own activity
+    /// Solves for the value at which the boundary lies at the cell's own activity
     #[arg(help_heading = "Output", long)]
     critical: bool,
-    /// Leaves out the folds of the symmetric shapes
+    /// Skips the folds of the symmetric shapes
     #[arg(help_heading = "Output", long)]
     no_folds: bool,
     /// Stores the boundary over R0, with the critical radii of all cues of the lineage
     #[arg(help_heading = "Output", long, value_name = "FILE.json")]
     write: Option<PathBuf>,
-    /// Prints every point of the curves, not only where they begin, end and change
+    /// Prints every point of the curves instead of a summary
     #[arg(help_heading = "Output", long)]
     points: bool,
-    /// Writes every point of the curves
+    /// Writes every point of the curves as CSV
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
     #[command(flatten)]
@@ -58,7 +59,7 @@ pub struct BoundaryArgs {
 /// The columns of `--csv`.
 const HEADER: &str = "curve,r0,epsilon,value,xi_s,H,criticality,coefficient";
 
-/// A row of `--csv`: a point, and what it is of.
+/// A row of `--csv`: a point and its curve.
 #[derive(Serialize)]
 struct CsvRow<'a> {
     curve: &'a str,

@@ -19,8 +19,9 @@ use crate::shapes::asymmetric::Scaling;
 use crate::shapes::{Branch, BranchEnd, BranchOptions, ShapePoint};
 use crate::study::diagram;
 
-/// Follows the mirror-symmetric and the asymmetric stationary shapes over ξ_s, with their folds and pitchforks; with a cue that
-/// tells the poles apart, the shapes that grow out of the passive one
+/// Continues symmetric and asymmetric stationary shapes over ξ_s, with their folds and pitchforks
+///
+/// With a cue without mirror symmetry it continues the shapes that start at the passive one.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -33,13 +34,13 @@ pub struct BranchArgs {
     /// Largest ξ_s
     #[arg(help_heading = "Numerics", long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true, value_parser = number)]
     xi_max: f64,
-    /// Largest step along a branch, in its arclength
+    /// Largest step along a branch, in arclength
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true, value_parser = number)]
     max_step: f64,
-    /// Prints every point of the branches, not only what happens along them
+    /// Prints every point of the branches, not only folds and pitchforks
     #[arg(help_heading = "Output", long)]
     points: bool,
-    /// Writes every point of the branches
+    /// Writes every point of the branches as CSV
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
     #[command(flatten)]
@@ -82,7 +83,7 @@ impl PointAnswer {
     }
 }
 
-/// Why a branch is followed no further than its last point.
+/// Why a branch ends.
 #[derive(Serialize)]
 struct EndAnswer {
     branch: &'static str,

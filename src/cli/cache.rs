@@ -9,7 +9,7 @@ use crate::division::Division;
 use clap::{Args, Subcommand};
 use std::fmt::Write;
 
-/// Looks after the store of solved divisions
+/// Inspects, verifies or clears the cache
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -23,15 +23,15 @@ pub struct CacheArgs {
 
 #[derive(Clone, Copy, Debug, Subcommand)]
 enum Action {
-    /// Counts what is stored
+    /// Counts the entries
     Stat,
     /// Checks every entry and lists the damaged ones (exit code 1 if there are any)
     Verify {
-        /// Gives up the damaged entries, so that they are not reported again (exit code 0 then)
+        /// Removes the damaged entries (exit code 0)
         #[arg(long)]
         repair: bool,
     },
-    /// Removes all stored divisions, of every version
+    /// Removes all entries, of every version
     Clear,
 }
 

@@ -14,23 +14,23 @@ use serde_json::{Map, Value};
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Finds material and shell constants from measured thresholds, and says what the thresholds leave open
+/// Fits material and shell constants to measured thresholds and shows which combinations stay undetermined
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   furrow calibrate data/thresholds.ron --set intervals=32
   furrow calibrate data/thresholds.ron --set stages=3 --set intervals=32 --plot calibrate.svg --json")]
 pub struct CalibrateArgs {
-    /// Unknowns and thresholds in RON, as in data/thresholds.ron
+    /// File of unknowns and thresholds, such as data/thresholds.ron
     #[arg(value_name = "TARGETS.ron")]
     targets: PathBuf,
-    /// Samples so many sets of constants that agree with the targets, instead of the one that fits best
+    /// Samples N sets of constants that agree with the targets, instead of finding the best fit
     #[arg(help_heading = "Ensemble", long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     ensemble: Option<u32>,
     /// Seed of the sample
     #[arg(help_heading = "Ensemble", long, value_name = "S", default_value_t = 0, requires = "ensemble")]
     seed: u64,
-    /// File for the sample, as furrow tree --constants reads it; default stdout
+    /// File for the sample, for furrow tree --constants; default stdout
     #[arg(help_heading = "Ensemble", long, value_name = "FILE.csv", requires = "ensemble")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -46,7 +46,7 @@ struct Answer<'a> {
     /// In the order of `parameters`.
     combinations: &'a [Combination],
     iterations: usize,
-    /// Statements of the targets that are not true of these constants.
+    /// Statements of the targets that these constants contradict.
     excluded: &'a [Exclusion],
 }
 
@@ -85,11 +85,11 @@ fn text(found: &Calibration, excluded: &[Exclusion]) -> String {
         let _ = writeln!(out, "{:>8} {:>8} {:>12} {:>12.6} {percent:>8.4} %", r.r0, r.epsilon, r.xi_s, r.computed);
     }
     let _ = writeln!(out, "rms deviation {:.3e}, {} steps", found.rms, found.iterations);
-    let _ = writeln!(out, "\nchange of the thresholds per change of the constants, both relative, by combination:");
+    let _ = writeln!(out, "\nrelative change of the thresholds per relative change of the constants, by combination:");
     for c in &found.combinations {
         let parts: Vec<String> =
             c.components.iter().zip(&found.parameters).map(|(x, (p, _))| format!("{x:+.3} {p}")).collect();
-        let verdict = if c.determined { "" } else { "  (left open)" };
+        let verdict = if c.determined { "" } else { "  (undetermined)" };
         let _ = writeln!(out, "{:>10.2e}  {}{verdict}", c.singular_value, parts.join(" "));
     }
     for Exclusion { datum, given, computed } in excluded {

@@ -25,7 +25,7 @@ use crate::report::ProfileReport;
 
 /// Computes one division, from the passive shape to pinch-off or rest
 ///
-/// With --from-steady from a stationary shape of the active cell, which the noise of the first step disturbs.
+/// With --from-steady the division starts from a stationary shape of the active cell, disturbed by the noise of the first step.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -39,13 +39,13 @@ pub struct DivideArgs {
     /// Seed of the noise in the first step
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     seed: u64,
-    /// Divisions with seeds S, S+1, ...
+    /// Number of divisions, with seeds S, S+1, ...
     #[arg(help_heading = "Numerics", long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     replicates: u32,
-    /// Writes contour, curvatures, tensions, velocities and forces of the first replicate into this folder, after every step
+    /// Writes contours, curvatures, tensions, velocities and forces of the first replicate into a folder, after every step
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     frames: Option<PathBuf>,
-    /// Writes a frame every so many τ instead of after every step
+    /// Writes a frame every TAU τ instead of after every step
     #[arg(help_heading = "Output", long, value_name = "TAU", requires = "frames", allow_negative_numbers = true, value_parser = number)]
     frame_step: Option<f64>,
     /// Tells what the time of the divisions went into: phases, steps, iterations, factorisations, mesh intervals
@@ -61,7 +61,7 @@ pub struct DivideArgs {
     movie: MovieArgs,
 }
 
-/// One replicate in the answer.
+/// One replicate in the result.
 #[derive(Serialize)]
 struct Replicate<'a> {
     seed: u64,
@@ -142,7 +142,7 @@ fn name_of_replicate(one: &Profiled) -> String {
     format!("seed {}{}", one.input.seed, if one.film { ", as a film" } else { "" })
 }
 
-/// All replicates, each as soon as a worker is free; one at least.
+/// Solves all replicates; at least one succeeds.
 fn solve(
     args: &DivideArgs,
     context: &Context,

@@ -12,9 +12,9 @@ use super::tree::prepared;
 use crate::io::write_atomically;
 use crate::report;
 
-/// Writes a page that computes divisions in a browser: cells at will, and the founders' tree under another cue
+/// Writes a web page that computes divisions in the browser: any cell you choose, and the founders' tree under another cue
 ///
-/// The page is one file and needs no network. `furrow tree` writes the same with its tree in it, as report.html.
+/// The page is one file and works offline. `furrow tree` writes the same page with its tree, as report.html.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -22,12 +22,12 @@ Examples:
   furrow explore --r0 3 --epsilon 0.8 --out small.html
   furrow explore lineages/c_elegans.ron --set aspect=1.3 --json")]
 pub struct ExploreArgs {
-    /// Founders and cues of the tree that the page grows; default the built-in C. elegans founders
+    /// Founders and cues of the page's tree; default the built-in C. elegans founders
     #[arg(value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
     #[command(flatten)]
     cell: FirstCellArgs,
-    /// File to write; one that exists is replaced
+    /// Output file; an existing file is replaced
     #[arg(help_heading = "Output", long, value_name = "FILE.html", default_value = "explore.html")]
     out: PathBuf,
     /// Seed of the noise in the first step of every division

@@ -18,9 +18,9 @@ use crate::report::founder_colours;
 
 /// Writes a grown tree in the formats of other programs
 ///
-/// newick, nhx and nexus are trees with names on inner nodes, the last two with what is known of each cell beside them; csv
-/// has the cells one a row; lineagetree is the numeric CSV of the Python package of that name; graphml is a graph; itol is a
-/// folder of a tree and its annotations for the page of that name.
+/// newick, nhx and nexus are trees with named inner nodes; nhx and nexus add the data of each cell. csv has one row per cell.
+/// lineagetree is the numeric CSV of the Python package LineageTree. graphml is a graph. itol is a folder with a tree and its
+/// annotations for itol.embl.de.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -29,26 +29,26 @@ Examples:
   furrow export furrow-out/tree.json --to itol --out itol
   furrow export --schema")]
 pub struct ExportArgs {
-    /// The tree.json of a grown tree
+    /// The tree.json that furrow tree wrote
     #[arg(value_name = "TREE.json", required_unless_present = "schema")]
     tree: Option<PathBuf>,
     /// Format
     #[arg(help_heading = "Output", long, value_name = "FORMAT", required_unless_present = "schema",
         value_parser = one_of(Format::ALL.map(|format| (format.name(), format))))]
     to: Option<Format>,
-    /// File to write, of itol the folder; without it the export goes to stdout
+    /// Output file, or for itol a folder; default stdout
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// What branches are as long as: time from birth to division in τ (default), one per generation, or no lengths. Cells just
-    /// above the threshold of division take thousands of τ, beside which all else is too short to be seen
+    /// Branch lengths: time from birth to division in τ (default), one per generation, or none. Cells just above the threshold
+    /// of division take thousands of τ and dwarf all other branches
     #[arg(help_heading = "Output", long, value_name = "LENGTHS", value_parser = one_of(LENGTHS))]
     branch_lengths: Option<BranchLengths>,
-    /// Prints the JSON Schema of tree.json in place of an export
+    /// Prints the JSON Schema of tree.json
     #[arg(help_heading = "Output", long, conflicts_with_all = ["tree", "to", "out", "branch_lengths"])]
     schema: bool,
 }
 
-/// What branches are as long as, by the names of the option.
+/// Branch lengths by the names of the option.
 const LENGTHS: [(&str, BranchLengths); 3] =
     [("time", BranchLengths::Time), ("generation", BranchLengths::Generation), ("none", BranchLengths::None)];
 
@@ -87,7 +87,7 @@ pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
     respond(&tree, format, out, files, globals.json)
 }
 
-/// What does not go together is refused before the tree is read.
+/// Refuses conflicting options before the tree is read.
 fn check(args: &ExportArgs, format: Format, globals: &Globals) -> Result<(), InputError> {
     if let Some(lengths) = args.branch_lengths.filter(|_| !format.has_lengths()) {
         let why = match format {

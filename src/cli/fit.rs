@@ -25,12 +25,12 @@ use crate::study::fit::{
 };
 use crate::study::tree_settings;
 
-/// Finds what would make the lineage the observed one: constants of the whole, activities of founders, or a cue
+/// Fits constants, activities or a cue to observations
 ///
-/// constants: one set of constants that brings rounds and terminal cells of founders nearest to the observed ones and χ of
-/// the germline nearest to the measured; beside it the front between that and the published thresholds.
-/// activity: which activity every founder by itself would need for its observed rounds.
-/// cue: which cue gives the measured χ of the germline, and what the measurements leave open.
+/// constants: one set of constants for the observed rounds and terminal cells of founders and the measured χ of the germline, with
+/// the Pareto front between this fit and the published thresholds.
+/// activity: for each founder by itself, the activity that gives its observed rounds.
+/// cue: the cue that gives the measured χ of the germline, and which combinations of its numbers stay undetermined.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -39,25 +39,25 @@ Examples:
   furrow fit cue --preset sulston1983
   furrow fit cue --cue activity:step,u0=0.5,omega=0.1,amplitude=0.1 --particles 4 --moves 1")]
 pub struct FitArgs {
-    /// What is to be found
+    /// What to fit
     #[arg(value_name = "WHAT", default_value = "constants")]
     what: What,
     /// Founders with their observed rounds; default the built-in C. elegans founders
     #[arg(help_heading = "Targets", long, value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
-    /// What constants and cues are held against, as data/embryo.ron; that is built in
+    /// Observations that constants and cues are fitted to; default the built-in data/embryo.ron
     #[arg(help_heading = "Targets", long, value_name = "TARGETS.ron")]
     targets: Option<PathBuf>,
-    /// Which reading of rounds activities are to meet
+    /// Which count of rounds activities are fitted to
     #[arg(help_heading = "Activity", long, value_name = "READING", default_value = "mean", value_parser = one_of(READINGS))]
     rounds: Reading,
-    /// The smallest activity ξ_s tried
+    /// Lower limit of the activity ξ_s
     #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 4.0, value_parser = super::cell::number)]
     xi_from: f64,
-    /// The largest
+    /// Upper limit of the activity ξ_s
     #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 100.0, value_parser = super::cell::number)]
     xi_to: f64,
-    /// A cue of the kind that is searched for: its terms stay, their numbers do not
+    /// Start of the search: the terms of this cue are kept, their numbers are fitted
     #[arg(
         help_heading = "Cue",
         long,
@@ -65,16 +65,16 @@ pub struct FitArgs {
         default_value = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1"
     )]
     cue: String,
-    /// Particles of the swarm that searches
+    /// Particles of the swarm
     #[arg(help_heading = "Search", long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     particles: u32,
-    /// Times that they move
+    /// Moves of the swarm
     #[arg(help_heading = "Search", long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     moves: u32,
     /// Seed of the search
     #[arg(help_heading = "Search", long, value_name = "S", default_value_t = 0)]
     seed: u64,
-    /// File for the constants found, as --config reads it
+    /// File for the fitted constants, for --config
     #[arg(help_heading = "Output", long, value_name = "FILE.ron")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -99,7 +99,7 @@ pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
     settings.check_activity("settings")?;
     let settings = tree_settings(settings.clone(), &lineage, 0, context.quantisation);
     if args.out.is_some() && args.what != What::Constants {
-        let allowed = "given with constants alone";
+        let allowed = "used only with constants";
         return Err(InputError::not_allowed("--out", "out", format!("{:?}", args.out), allowed).into());
     }
     if args.what != What::Cue {
@@ -383,7 +383,7 @@ fn cue(
     let targets = targets(args, lineage)?;
     let template = lineage.parse_cue(&args.cue).map_err(bad_cue)?;
     if template.is_none() {
-        let allowed = "a cue with a term, whose numbers are searched for";
+        let allowed = "a cue with at least one term";
         return Err(InputError::not_allowed("--cue", "cue", &args.cue, allowed).into());
     }
     if targets.chi.is_empty() {
@@ -405,7 +405,7 @@ fn cue(
 fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
     let mut out = format!("cue {}\n\n", found.cue);
     for number in &found.numbers {
-        let sd = number.sd.map_or("not held by the data".to_owned(), |sd| format!("± {sd:.4}"));
+        let sd = number.sd.map_or("undetermined".to_owned(), |sd| format!("± {sd:.4}"));
         let [from, to] = number.searched;
         let _ = writeln!(out, "{:<18} {:>9.4} {sd}  (searched {from}..{to})", number.name, number.value);
     }
@@ -421,13 +421,13 @@ fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
     let _ = writeln!(out, "\nχ² = {:.2} over {} divisions", found.chi_squared, found.residuals.len());
     table(&mut out, &found.residuals);
     match &found.combinations {
-        None => out += "\nan outcome near the best is not smooth: what the data hold is not told\n",
+        None => out += "\nsensitivities skipped (not smooth)\n",
         Some(combinations) => {
             out += "\nstandard deviations of χ per unit step (by logarithm, or in u), by combination:\n";
             for held in combinations {
                 let parts: Vec<String> =
                     held.components.iter().zip(&found.numbers).map(|(x, n)| format!("{x:+.3} {}", n.name)).collect();
-                let open = if held.determined { "" } else { "  (left open)" };
+                let open = if held.determined { "" } else { "  (undetermined)" };
                 let _ = writeln!(out, "{:>10.2}  {}{open}", held.singular_value, parts.join(" "));
             }
         }

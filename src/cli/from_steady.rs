@@ -23,13 +23,13 @@ use crate::plot::perturbation::{Watched, draw};
 /// The options of a start from a stationary shape.
 #[derive(Debug, Args)]
 pub struct FromSteadyArgs {
-    /// Starts from the stationary shape at the cell's activity; a cell that has not divided in the end is `failed`
+    /// Starts from the stationary shape at the cell's activity; the outcome of a cell that does not divide is `failed`
     ///
-    /// It is the first such shape on the branch that grows out of the passive one, stable or not. The noise of the first step
-    /// disturbs it, and its distance from there, ‖r − r0‖ + ‖z − z0‖ (L² over u), is told over time.
+    /// This is the first such shape on the branch that starts at the passive shape, stable or not. The noise of the first step
+    /// disturbs it. The result has its distance from the start over time, ‖r − r0‖ + ‖z − z0‖ (L² over u).
     #[arg(help_heading = "Numerics", long)]
     pub from_steady: bool,
-    /// How long it is watched with --from-steady, in τ
+    /// Time limit with --from-steady, in τ
     #[arg(help_heading = "Numerics", long, value_name = "TAU", requires = "from_steady", allow_negative_numbers = true,
         default_value_t = WATCHED, value_parser = number)]
     until: f64,
@@ -43,19 +43,19 @@ pub struct Output<'a> {
     pub movie: MovieFile,
 }
 
-/// One replicate in the answer.
+/// One replicate in the result.
 #[derive(Serialize)]
 struct Replicate<'a> {
     seed: u64,
     #[serde(flatten)]
     division: &'a Division,
-    /// Whether the cell has come back to where it started.
+    /// Whether the cell returned to its start.
     returned: bool,
     /// [t, dis(t)].
     dis: &'a [[f64; 2]],
 }
 
-/// What `--json` prints: as of a division, with what is told of the start.
+/// What `--json` prints: as of a division, with data of the start.
 #[derive(Serialize)]
 struct Answer<'a> {
     r0: f64,

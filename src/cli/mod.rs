@@ -36,9 +36,9 @@ use context::{Context, Globals};
 pub use error::CliError;
 use std::process::ExitCode;
 
-/// Predicts from mechanics how an embryo's cells divide: how unequally, how many rounds, and when a lineage stops.
+/// Predicts cell divisions of embryos from mechanics: how unequal they are, how many rounds there are, and when a lineage stops.
 ///
-/// Lengths are in L_h, times in τ, activities in κ0/L_h; ξ_s is the published one.
+/// Lengths are in L_h, times in τ, activities in κ0/L_h. ξ_s is the activity as published.
 #[derive(Debug, Parser)]
 #[command(name = "furrow", version, arg_required_else_help = true, propagate_version = true)]
 #[command(after_help = "\

@@ -23,10 +23,10 @@ pub const DENSE: usize = 6;
 /// The options of a movie.
 #[derive(Debug, Args)]
 pub struct MovieArgs {
-    /// Shows the first replicate as a movie: GIF, animated PNG or animated SVG by the file's extension
+    /// Writes a movie of the first replicate: GIF, animated PNG or animated SVG by the file's extension
     #[arg(help_heading = "Output", long = "movie", value_name = "FILE.gif|.png|.svg")]
     movie: Option<PathBuf>,
-    /// Frames of the movie, at even times; default 80, of SVG 20
+    /// Frames of the movie, evenly spaced in time; default 80, for SVG 20
     #[arg(help_heading = "Output", long, value_name = "N", requires = "movie", value_parser = clap::value_parser!(u32).range(2..=2000))]
     movie_frames: Option<u32>,
 }
@@ -67,23 +67,23 @@ impl MovieFile {
     }
 }
 
-/// Writes four movies: cells that divide into equal halves, into unequal ones, not at all, and with a cue
+/// Writes four movies: a symmetric division, an asymmetric one, a cell that does not divide, and one with a cue
 ///
-/// They differ in size and cue alone; constants are those of the preset, and of --config and --set.
+/// The cells differ only in size and cue.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   furrow movies --out movies --frames 4
   furrow movies --out drawn --format svg --frames 3")]
 pub struct MoviesArgs {
-    /// Folder for the movies
+    /// Output folder
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: PathBuf,
-    /// Kind of the files
+    /// File format
     #[arg(help_heading = "Output", long, value_name = "KIND", default_value = "gif",
         value_parser = one_of(FORMATS.map(|format| (format.0, format))))]
     format: (&'static str, MovieFormat),
-    /// Frames of each, at even times; default 80, of SVG 20
+    /// Frames of each movie, evenly spaced in time; default 80, for SVG 20
     #[arg(help_heading = "Output", long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=2000))]
     frames: Option<u32>,
 }
@@ -92,7 +92,7 @@ pub struct MoviesArgs {
 const FORMATS: [(&str, MovieFormat); 3] =
     [("gif", MovieFormat::Gif), ("png", MovieFormat::Png), ("svg", MovieFormat::Svg)];
 
-/// One movie in the answer.
+/// One movie in the result.
 #[derive(Serialize)]
 struct Shown {
     file: String,

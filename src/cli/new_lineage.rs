@@ -10,10 +10,10 @@ use crate::input::InputError;
 use crate::io::write_atomically;
 use crate::lineage::TEMPLATE;
 
-/// Writes a commented lineage file to begin with; it grows as it stands
+/// Writes a commented lineage file as a starting point
 #[derive(Debug, Args)]
 pub struct NewLineageArgs {
-    /// File to write; one that exists is left alone
+    /// Output file; an existing file is not overwritten
     #[arg(value_name = "FILE.ron")]
     file: PathBuf,
 }

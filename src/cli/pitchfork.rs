@@ -11,7 +11,7 @@ use crate::cell::Cue;
 use crate::report::ThresholdReport;
 use crate::shapes::{BranchOptions, pitchfork};
 
-/// Locates the first pitchfork of the mirror-symmetric shapes and says on which side the asymmetric ones lie
+/// Locates the first pitchfork of the mirror-symmetric shapes and its criticality
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -20,7 +20,7 @@ Examples:
 pub struct PitchforkArgs {
     #[command(flatten)]
     cell: CellArgs,
-    /// Largest ξ_s searched
+    /// Upper limit of ξ_s in the search
     #[arg(help_heading = "Numerics", long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true, value_parser = number)]
     xi_max: f64,
 }

@@ -20,12 +20,11 @@ use crate::study::reproduce::paper::selected;
 use crate::study::reproduce::{Item, Lab, LabError, Panel, Reproduction, Shown, Verdict, reproduce};
 use crate::study::table::csv_text;
 
-/// Computes what the paper says, figure by figure, and tells what agrees and what differs
+/// Recomputes the paper figure by figure and lists what agrees and what differs
 ///
-/// A figure is one of the paper's, as 2A, S5, `Table S3` or `Movie 1`; a panel of several that are one row, as 2D; or a whole,
-/// as 2 or movies. Without one all of them are computed, which takes a minute or two. Sizes,
-/// confinement, activity and cues of single cells are the paper's; the constants, and all of lineages, are those of the preset,
-/// and of --config and --set.
+/// FIGURE is a figure, panel, table or movie of the paper, such as 2A, S5, `Table S3` or `Movie 1`, or a group, such as 2 or movies.
+/// All of them take a minute or two. Sizes, confinement, activity and cues of single cells are the paper's; the constants, and
+/// everything of lineages, come from --preset, --config and --set.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -36,10 +35,10 @@ pub struct ReproduceArgs {
     /// Figures, tables and movies of the paper; default all
     #[arg(value_name = "FIGURE")]
     figures: Vec<String>,
-    /// Folder for pictures, tables, reproduction.md, results.csv and reproduce.json
+    /// Output folder for pictures, tables, reproduction.md, results.csv and reproduce.json
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Kind of the pictures
+    /// File format of the pictures
     #[arg(help_heading = "Output", long, value_name = "KIND", default_value = "svg", requires = "out",
         value_parser = one_of(FORMATS.map(|format| (format.0, format))))]
     format: (&'static str, Format),
@@ -53,7 +52,7 @@ const FORMATS: [(&str, Format); 2] = [("svg", Format::Svg), ("png", Format::Png)
 
 /// The columns of results.csv.
 const HEADER: &str = "figure,id,quantity,paper,computed,published_scheme,rel_error,pass,verdict,criterion,note,seconds";
-/// What stands beside the pictures.
+/// Files other than pictures and tables of panels.
 const FILES: [&str; 3] = ["reproduction.md", "reproduce.json", "results.csv"];
 
 /// What `--json` prints.
@@ -120,7 +119,7 @@ pub fn run(args: &ReproduceArgs, context: &Context, globals: &Globals) -> Result
     if context.json { print(&json) } else { print(&text(&found, &constants)) }
 }
 
-/// What the constants in force are called.
+/// A name for the constants in use.
 fn constants(globals: &Globals) -> String {
     let file = globals.config.as_ref().map(|_| "a configuration file".to_owned());
     let parts: Vec<String> =

@@ -10,9 +10,8 @@ use super::error::CliError;
 use super::interrupt;
 use super::output::{print_as, to_json, writable_folder};
 use super::tree::{Grown, RunRecord, TreeArgs, bad_cue, commit, grown, prepared, run_text};
-use crate::batch::Summary;
 use crate::input::InputError;
-use crate::io::earlier::{Replaced, SCENARIO_FILES, SCENARIOS_FILES, other_scenarios};
+use crate::io::earlier::{SCENARIO_FILES, SCENARIOS_FILES, other_scenarios};
 use crate::io::files::FileSet;
 use crate::io::{FounderRow, founder_rows, newick, scenarios_csv};
 use crate::lineage::Tree;
@@ -59,14 +58,52 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         writable_folder("--out", args.out.join(&scenario.name).as_path(), &SCENARIO_FILES)?;
     }
     let replaced = other_scenarios(&args.out, &scenarios, args.dynamics);
-    let grown = grown(&scenarios, args.dynamics, args.profile, context)?;
-    let Grown { trees, summary, .. } = &grown;
-    write_files(args, context, &scenarios, trees, summary, start, replaced.as_ref())?;
-    let named: Vec<(&str, &Tree)> = scenarios.iter().map(|scenario| scenario.name.as_str()).zip(trees).collect();
+    let Grown { trees, summary, profile } = grown(&scenarios, args.dynamics, args.profile, context)?;
+    let mut files = FileSet::new(&args.out);
+    for (Scenario { name, .. }, tree) in scenarios.iter().zip(&trees) {
+        let [nwk, json, svg] = SCENARIO_FILES.map(|file| format!("{name}/{file}"));
+        files.stage(&nwk, newick(tree).as_bytes())?;
+        files.stage(&json, tree.to_json()?.as_bytes())?;
+        files.stage(&svg, report::svg(tree).as_bytes())?;
+    }
+    files.stage("scenarios.csv", scenarios_csv(&scenarios, &trees).as_bytes())?;
+    files.stage("report.html", report::scenarios_page(&scenarios, &trees).as_bytes())?;
+    let names: Vec<&str> = scenarios.iter().map(|scenario| scenario.name.as_str()).collect();
+    let named: Vec<(&str, &Tree)> = names.iter().copied().zip(&trees).collect();
+    let record = RunRecord::of(args, context, &summary, start, trees.iter().map(Tree::len).sum(), Some(names));
+    files.stage("run.json", to_json(&record)?.as_bytes())?;
+    commit(files, replaced.as_ref(), args.force)?;
     if let Some(drawing) = crate::plot::rounds::draw_scenarios(&named) {
         picture.write(|| drawing)?;
     }
-    respond(args, context, &scenarios, &grown, start.elapsed().as_secs_f64())
+    let document = Answer {
+        scenarios: scenarios.iter().zip(&trees).map(|(scenario, tree)| AnswerScenario::new(scenario, tree)).collect(),
+        divisions_solved: summary.solved,
+        memo_hits: summary.memo_hits,
+        elapsed_s: start.elapsed().as_secs_f64(),
+        out: args.out.display().to_string(),
+        profile: profile.as_ref(),
+    };
+    print_as(context.json, &document, || {
+        let run = run_text(args, &summary, document.elapsed_s, profile.as_ref());
+        report::scenarios_table(&scenarios, &trees) + &run
+    })
+}
+
+impl<'a> AnswerScenario<'a> {
+    fn new(scenario: &'a Scenario, tree: &Tree) -> AnswerScenario<'a> {
+        let counts = report::TreeSummary::of(tree);
+        AnswerScenario {
+            name: &scenario.name,
+            lineage: &scenario.label,
+            cue: scenario.cue.as_deref(),
+            founders: founder_rows(tree),
+            cells: tree.len(),
+            generations: counts.generations.len(),
+            ended: counts.ended,
+            slow_cells: counts.slow,
+        }
+    }
 }
 
 /// Every lineage file with every cue.
@@ -85,7 +122,7 @@ fn read(args: &TreeArgs, context: &Context) -> Result<Vec<Scenario>, CliError> {
         ScenarioError::Cue(error) => bad_cue(error).into(),
         ScenarioError::Same { first, second } => {
             let option = if args.cue.len() > 1 { "--cue" } else { "LINEAGE.ron" };
-            let allowed = format!("scenarios that differ; it is the same as {first}, and each is named but once");
+            let allowed = format!("a different scenario; it duplicates {first}");
             InputError::not_allowed("tree", option, second, allowed).into()
         }
     })
@@ -97,62 +134,4 @@ fn label(file: Option<&Path>) -> String {
         None => "c_elegans".to_owned(),
         Some(file) => file.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned()),
     }
-}
-
-fn respond(
-    args: &TreeArgs,
-    context: &Context,
-    scenarios: &[Scenario],
-    Grown { trees, summary, profile }: &Grown,
-    elapsed_s: f64,
-) -> Result<(), CliError> {
-    let of = scenarios.iter().zip(trees).map(|(scenario, tree)| {
-        let counts = report::TreeSummary::of(tree);
-        AnswerScenario {
-            name: &scenario.name,
-            lineage: &scenario.label,
-            cue: scenario.cue.as_deref(),
-            founders: founder_rows(tree),
-            cells: tree.len(),
-            generations: counts.generations.len(),
-            ended: counts.ended,
-            slow_cells: counts.slow,
-        }
-    });
-    let document = Answer {
-        scenarios: of.collect(),
-        divisions_solved: summary.solved,
-        memo_hits: summary.memo_hits,
-        elapsed_s,
-        out: args.out.display().to_string(),
-        profile: profile.as_ref(),
-    };
-    print_as(context.json, &document, || {
-        report::scenarios_table(scenarios, trees) + &run_text(args, summary, elapsed_s, profile.as_ref())
-    })
-}
-
-fn write_files(
-    args: &TreeArgs,
-    context: &Context,
-    scenarios: &[Scenario],
-    trees: &[Tree],
-    summary: &Summary,
-    start: Instant,
-    replaced: Option<&Replaced>,
-) -> Result<(), CliError> {
-    let mut files = FileSet::new(&args.out);
-    for (Scenario { name, .. }, tree) in scenarios.iter().zip(trees) {
-        let [nwk, json, svg] = SCENARIO_FILES.map(|file| format!("{name}/{file}"));
-        files.stage(&nwk, newick(tree).as_bytes())?;
-        files.stage(&json, tree.to_json()?.as_bytes())?;
-        files.stage(&svg, report::svg(tree).as_bytes())?;
-    }
-    files.stage("scenarios.csv", scenarios_csv(scenarios, trees).as_bytes())?;
-    files.stage("report.html", report::scenarios_page(scenarios, trees).as_bytes())?;
-    let names = scenarios.iter().map(|scenario| scenario.name.as_str()).collect();
-    let cells = trees.iter().map(Tree::len).sum();
-    let record = RunRecord::of(args, context, summary, start, cells, Some(names));
-    files.stage("run.json", to_json(&record)?.as_bytes())?;
-    commit(files, replaced, args.force)
 }

@@ -18,14 +18,14 @@ pub struct CompletionsArgs {
     shell: clap_complete::Shell,
 }
 
-/// Prints the manual page, or writes those of all commands into a folder
+/// Prints the manual page, or writes the pages of all commands into a folder
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   furrow man
   furrow man --out pages")]
 pub struct ManArgs {
-    /// Folder for one page a command
+    /// Output folder, one page per command
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
 }

@@ -18,21 +18,21 @@ use crate::study::{Done, Run, Shard, Standing, Sweep};
 
 /// Computes divisions, trees, pitchforks or critical radii over axes of parameters
 ///
-/// Writes results.csv (one row a point, the first axis varying slowest), the same rows in results.jsonl, and sweep.json
-/// with all that decides them.
+/// Writes results.csv (one row per point, the first axis varies slowest), the same rows in results.jsonl, and all inputs in
+/// sweep.json. Interrupted sweeps resume.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   furrow sweep studies/cue-position.ron --out cue-position --shard 1/50
   furrow sweep studies/cue-position.ron --out part-2 --shard 2/50 --plot part.svg --json")]
 pub struct SweepArgs {
-    /// Kind, axes and all that is not the preset's
+    /// Sweep file: kind, axes and settings
     #[arg(value_name = "SWEEP.ron")]
     sweep: PathBuf,
-    /// Folder for the files; those of another sweep in it are kept in a folder earlier-N there
+    /// Output folder; files of another sweep in it are moved to a folder earlier-N inside
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: PathBuf,
-    /// Solves only the points whose hash gives part K of N; see furrow merge
+    /// Solves only part K of N, chosen by the points' hashes; see furrow merge
     #[arg(help_heading = "Run", long, value_name = "K/N")]
     shard: Option<Shard>,
     #[command(flatten)]
@@ -82,7 +82,7 @@ pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(),
     if let Some(first) = undecided.first().and_then(|place| rows.get(*place)) {
         let why = first.why.as_deref().unwrap_or_default();
         tracing::warn!(
-            "{} of {} points are undecided, wholly or in part; of the first, index {}: {why}",
+            "{} of {} points are undecided, wholly or in part; the first has index {}: {why}",
             undecided.len(),
             rows.len(),
             first.index
@@ -90,7 +90,7 @@ pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(),
     }
     let table = SweepTable::new(&sweep, memo.quantisation(), args.shard, rows)?;
     if let Some((aside, what)) = interrupt::defer(|| table.write(&args.out))? {
-        tracing::warn!("the files of another sweep are kept in {}: {what}", aside.display());
+        tracing::warn!("the files of another sweep were moved to {}: {what}", aside.display());
     }
     picture.write(|| crate::plot::sweep::draw(&sweep, &table.rows))?;
     let document = Answer {

@@ -27,13 +27,13 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Grows a lineage from one cell: every division is solved, its daughters divide next, until none can
+/// Grows a lineage from one cell, division by division, until no cell can divide
 ///
-/// Prints the rounds of division per founder beside the observed ones and writes tree.nwk, tree.json, tree.svg,
-/// report.html and run.json.
+/// Prints the rounds of division of each founder next to the observed ones. Writes tree.nwk, tree.json, tree.svg, report.html and
+/// run.json.
 ///
-/// Of several lineages, or with several --cue, every combination is a scenario. All are grown in one run and set side by side;
-/// scenarios.csv, report.html and run.json are written, and the tree of each in a folder of its name.
+/// With several lineages or several --cue, every combination is a scenario. One run grows and compares all of them, writes
+/// scenarios.csv, report.html and run.json, and writes each tree into a folder with the scenario's name.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -42,28 +42,28 @@ Examples:
   furrow tree --cue germline --cue none --cue tension:gradient,amplitude=0.3 --out cues
   furrow tree lineages/c_elegans.ron --r0 3.5 --epsilon 0.85 --json")]
 pub struct TreeArgs {
-    /// Founders, cues and limits; default the built-in C. elegans founders. Several are set side by side
+    /// Lineage files: founders, cues and limits; default the built-in C. elegans founders. Several are compared
     #[arg(value_name = "LINEAGE.ron")]
     pub lineage: Vec<PathBuf>,
     #[command(flatten)]
     pub cell: FirstCellArgs,
-    /// Folder for the files; those of another tree in it are kept in a folder earlier-N there
+    /// Output folder; files of another tree in it are moved to a folder earlier-N inside
     #[arg(help_heading = "Output", long, value_name = "DIR", default_value = "furrow-out")]
     pub out: PathBuf,
-    /// Replaces the files of a tree that was grown from other inputs, and does not keep them
+    /// Overwrites the files of another tree instead of moving them
     #[arg(help_heading = "Output", long)]
     pub force: bool,
     /// Seed of the noise in the first step of every division
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
-    /// Replaces every cue that the lineage gives: none, a name in the lineage file, or terms
-    /// FIELD:PROFILE,key=value,.. joined by +. Several are set side by side
+    /// Replaces all cues of the lineage by: none, a name in the lineage file, or terms
+    /// FIELD:PROFILE,key=value,.. joined by +. Several are compared
     #[arg(help_heading = "Cell", long, value_name = "CUE")]
     pub cue: Vec<String>,
-    /// Grows the lineage with every set of constants of a table, and prints the ranges of its counts; writes no files
+    /// Grows the lineage with every set of constants in a table and prints the ranges of the counts; writes no files
     #[arg(help_heading = "Cell", long, value_name = "FILE.csv")]
     pub constants: Option<PathBuf>,
-    /// Computes the division of every cell, those below the critical radius of their cue included
+    /// Computes the division of every cell, including cells below the critical radius of their cue
     #[arg(help_heading = "Numerics", long)]
     pub dynamics: bool,
     /// Tells what the time of the divisions went into: phases, steps, iterations, factorisations, mesh intervals
@@ -76,7 +76,7 @@ pub struct TreeArgs {
     pub plot: PlotArgs,
 }
 
-/// Undecided cells that are warned of one by one.
+/// Undecided cells that get a warning each.
 const MOST_WARNINGS: usize = 5;
 
 /// What `--json` prints.
@@ -96,7 +96,7 @@ struct Answer<'a> {
     profile: Option<&'a ProfileReport>,
 }
 
-/// `run.json`: what this run did, which need not be the same another time.
+/// `run.json`: what this run did; it differs between runs.
 #[derive(Serialize)]
 pub struct RunRecord<'a> {
     schema: &'static str,
@@ -184,15 +184,36 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let only = Scenario { name: String::new(), label: String::new(), cue: None, lineage, settings };
     let Grown { trees, summary, profile } = grown(&[only], args.dynamics, args.profile, context)?;
     for tree in &trees {
-        let rows = founder_rows(tree);
-        write_files(args, context, tree, &rows, &summary, start, replaced.as_ref())?;
+        let (rows, counts) = (founder_rows(tree), report::TreeSummary::of(tree));
+        let mut files = FileSet::new(&args.out);
+        files.stage("tree.nwk", newick(tree).as_bytes())?;
+        files.stage("tree.json", tree.to_json()?.as_bytes())?;
+        files.stage("tree.svg", report::svg(tree).as_bytes())?;
+        files.stage("report.html", report::html(tree, &rows).as_bytes())?;
+        let record = RunRecord::of(args, context, &summary, start, tree.len(), None);
+        files.stage("run.json", to_json(&record)?.as_bytes())?;
+        commit(files, replaced.as_ref(), args.force)?;
         picture.write(|| crate::plot::rounds::draw(tree))?;
-        respond(args, context, tree, &rows, &summary, start.elapsed().as_secs_f64(), profile.as_ref())?;
+        let document = Answer {
+            founders: &rows,
+            cells: tree.len(),
+            generations: counts.generations.len(),
+            ended: &counts.ended,
+            slow_cells: counts.slow,
+            divisions_solved: summary.solved,
+            memo_hits: summary.memo_hits,
+            elapsed_s: start.elapsed().as_secs_f64(),
+            out: args.out.display().to_string(),
+            profile: profile.as_ref(),
+        };
+        print_as(context.json, &document, || {
+            report::founders_table(tree, &rows) + &run_text(args, &summary, document.elapsed_s, profile.as_ref())
+        })?;
     }
     Ok(())
 }
 
-/// The lineage of a file, or the built-in one, and the parameters of its divisions, the first cell's as `cell` gives them.
+/// The lineage of a file, or the built-in one, with the parameters of its divisions.
 pub fn prepared(
     cell: &FirstCellArgs,
     seed: u64,
@@ -210,12 +231,12 @@ pub fn prepared(
     Ok((lineage, settings))
 }
 
-/// What is wrong with a cue of the command line.
+/// An invalid `--cue`.
 pub fn bad_cue(error: CueError) -> InputError {
     InputError::not_allowed("--cue", error.field, error.value, error.allowed)
 }
 
-/// Trees and what growing them took.
+/// Grown trees and a summary of the run.
 #[derive(Default)]
 pub struct Grown {
     /// One for each scenario.
@@ -225,7 +246,7 @@ pub struct Grown {
     pub profile: Option<ProfileReport>,
 }
 
-/// Grows all scenarios in one run, and says what the user should know of it.
+/// Grows all scenarios in one run and logs warnings.
 ///
 /// With `dynamics` the division of every cell is computed, those below the critical radius of their cue included; where they
 /// are `profiled`, what they took is told.
@@ -266,7 +287,7 @@ fn name_in(trees: &[Tree], scenarios: &[Scenario], context: &Context, one: &Prof
     found.unwrap_or_else(|| format!("R0 = {:.4}", one.input.cell.r0))
 }
 
-/// Says which cells are undecided: their branches end there, the rest of the tree stands.
+/// Warns of undecided cells. Their branches end there; the rest of the tree is valid.
 fn warn_of_undecided(tree: &Tree, scenario: &str) {
     let place = if scenario.is_empty() { String::new() } else { format!("{scenario}: ") };
     let undecided = tree.cells().map(|id| tree.cell(id)).filter_map(|cell| match &cell.fate.ended {
@@ -275,14 +296,14 @@ fn warn_of_undecided(tree: &Tree, scenario: &str) {
     });
     for (k, (cell, why)) in undecided.enumerate() {
         if k == MOST_WARNINGS {
-            tracing::warn!("{place}further cells are undecided; tree.json says which");
+            tracing::warn!("{place}further cells are undecided: see tree.json");
             return;
         }
         tracing::warn!("{place}cell {} (R0 = {}) is undecided, and its branch ends there: {why}", cell.name, cell.r0);
     }
 }
 
-/// Says which cells have no critical radius; in one warning, which were not searched for to the end.
+/// Logs cues without a critical radius; one warning names those whose search was given up.
 fn warn_of_searches(unknown: Vec<(Cue, ShapeError)>) {
     let mut given_up = Vec::new();
     for (cue, error) in unknown {
@@ -299,32 +320,6 @@ fn warn_of_searches(unknown: Vec<(Cue, ShapeError)>) {
     }
 }
 
-fn respond(
-    args: &TreeArgs,
-    context: &Context,
-    tree: &Tree,
-    rows: &[FounderRow],
-    summary: &Summary,
-    elapsed_s: f64,
-    profile: Option<&ProfileReport>,
-) -> Result<(), CliError> {
-    let counts = report::TreeSummary::of(tree);
-    let document = Answer {
-        founders: rows,
-        cells: tree.len(),
-        generations: counts.generations.len(),
-        ended: &counts.ended,
-        slow_cells: counts.slow,
-        divisions_solved: summary.solved,
-        memo_hits: summary.memo_hits,
-        elapsed_s,
-        out: args.out.display().to_string(),
-        profile,
-    };
-    let text = || report::founders_table(tree, rows) + &run_text(args, summary, elapsed_s, profile);
-    print_as(context.json, &document, text)
-}
-
 /// What a run took and where its files are.
 pub fn run_text(args: &TreeArgs, summary: &Summary, elapsed_s: f64, profile: Option<&ProfileReport>) -> String {
     format!(
@@ -332,42 +327,18 @@ pub fn run_text(args: &TreeArgs, summary: &Summary, elapsed_s: f64, profile: Opt
         summary.solved,
         summary.memo_hits,
         args.out.display(),
-        profile_text(profile)
+        profile.map_or(String::new(), |profile| format!("\n{}", profile.text()))
     )
 }
 
-/// A profile behind an answer, if it is asked for.
-fn profile_text(profile: Option<&ProfileReport>) -> String {
-    profile.map_or(String::new(), |profile| format!("\n{}", profile.text()))
-}
-
-fn write_files(
-    args: &TreeArgs,
-    context: &Context,
-    tree: &Tree,
-    rows: &[FounderRow],
-    summary: &Summary,
-    start: Instant,
-    replaced: Option<&Replaced>,
-) -> Result<(), CliError> {
-    let mut files = FileSet::new(&args.out);
-    files.stage("tree.nwk", newick(tree).as_bytes())?;
-    files.stage("tree.json", tree.to_json()?.as_bytes())?;
-    files.stage("tree.svg", report::svg(tree).as_bytes())?;
-    files.stage("report.html", report::html(tree, rows).as_bytes())?;
-    let record = RunRecord::of(args, context, summary, start, tree.len(), None);
-    files.stage("run.json", to_json(&record)?.as_bytes())?;
-    commit(files, replaced, args.force)
-}
-
-/// Puts files in place, after those that they would replace were moved aside; by `force` these go.
+/// Commits files. Files of another tree are moved aside, or with `force` overwritten.
 pub fn commit(files: FileSet, replaced: Option<&Replaced>, force: bool) -> Result<(), CliError> {
     match replaced {
         None => Ok(files.commit()?),
         Some(Replaced { files: there, .. }) if force => Ok(files.commit_in_place_of(there)?),
         Some(Replaced { files: there, why }) => {
             let aside = files.commit_keeping(there)?;
-            tracing::warn!("the files of another tree are kept in {}: {why}", aside.display());
+            tracing::warn!("the files of another tree were moved to {}: {why}", aside.display());
             Ok(())
         }
     }

@@ -189,7 +189,7 @@ fn another_tree_is_not_replaced_unasked() {
         let kept = out.join(format!("earlier-{}", number + 1));
         let (code, said) = run(folder.path(), &[&TREE[..], other].concat());
         assert_eq!(code, Some(0), "{said}");
-        assert!(said.contains(&format!("kept in furrow-out/earlier-{}: it was grown from", number + 1)), "{said}");
+        assert!(said.contains(&format!("moved to furrow-out/earlier-{}: it was grown from", number + 1)), "{said}");
         assert!(said.contains(difference), "{said}");
         assert_eq!(fs::read_to_string(kept.join("tree.json")).unwrap(), tree);
         let (code, said) = run(folder.path(), &[&TREE[..], &["--force"]].concat());
@@ -306,7 +306,7 @@ fn ctrl_c_ends_what_follows_a_division() {
         assert_eq!(output.status.code(), Some(1));
         let said = String::from_utf8(output.stderr).unwrap();
         let last = said.lines().last().unwrap_or_default();
-        let kept = "; divisions solved so far are kept in the cache (unless --no-cache)";
+        let kept = "; solved divisions are kept in the cache (unless --no-cache)";
         assert_eq!(last.strip_suffix(kept).unwrap_or(last), "furrow: error: interrupted", "{said}");
         assert_eq!(names(folder.path()), [""; 0]);
     }
@@ -341,7 +341,7 @@ fn ctrl_c_stops_a_tree_whatever_becomes_of_stderr() {
         if told {
             let said = String::from_utf8(output.stderr).unwrap();
             assert!(
-                said.contains("finishing what is under way") && said.contains("error: interrupted after"),
+                said.contains("finishing the divisions that have begun") && said.contains("error: interrupted after"),
                 "{said}"
             );
         }

@@ -20,11 +20,11 @@ use crate::cli::plot::PlotArgs;
 use crate::input::InputError;
 use crate::io::frames::read_frames;
 
-/// Measured outlines of a dividing cell beside those of a simulated division
+/// Compares measured outlines of a dividing cell with those of a simulated division
 ///
-/// Contours are tables of points (CSV: columns x and y, and contour if there are several) or masks (PNG: the cell in one colour,
-/// or with --label in a picture of labels), all of sections through the axis of one cell. Each is laid upon the frame of the division
-/// whose furrow is as deep, by centroid and long axis; the similarity index is |A∩B|/|A|, A the measured.
+/// Contours are tables of points (CSV with columns x and y, and contour if there are several) or masks (PNG with the cell in one colour,
+/// or with --label a label image), all of sections through the axis of one cell. Each is aligned by centroid and long axis with the
+/// frame of the division whose furrow is as deep. The similarity index is |A∩B|/|A|, where A is measured.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -34,16 +34,16 @@ pub struct ContourArgs {
     /// Measured contours: CSV tables of points, PNG masks
     #[arg(value_name = "MEASURED", required = true)]
     measured: Vec<PathBuf>,
-    /// Folder of the frames of a division, as furrow divide --frames writes them
+    /// Folder of frames, written by furrow divide --frames
     #[arg(help_heading = "Model", long, value_name = "DIR")]
     frames: PathBuf,
-    /// One L_h, in the unit of the contours (of masks in pixels); default such that areas agree, all contours taken together
+    /// Length of L_h in the unit of the contours (pixels for masks); default such that the areas of all contours together agree
     #[arg(help_heading = "Model", long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = number)]
     length_scale: Option<f64>,
-    /// The cell's label in masks that are pictures of labels
+    /// The cell's label, for masks that are label images
     #[arg(help_heading = "Contours", long, value_name = "N")]
     label: Option<u16>,
-    /// Folder for contours.csv and compare.json
+    /// Output folder for contours.csv and compare.json
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -105,7 +105,7 @@ fn read(args: &ContourArgs) -> Result<Contours, InputError> {
         if opened.metadata().map_err(unreadable)?.is_dir() {
             return Err(unreadable(std::io::Error::other("it is a folder, not a file")));
         }
-        // What a file is it says itself: the names of pictures are not always right.
+        // The signature decides, since extensions of pictures may be wrong.
         let mut first = Vec::new();
         (&mut opened).take(SIGNATURE.len() as u64).read_to_end(&mut first).map_err(unreadable)?;
         let is_mask = first == SIGNATURE;

@@ -14,7 +14,7 @@ use crate::input::{InputError, read_text};
 use crate::lineage::{Lineage, Tree};
 use crate::study::compare::counts::{Counts, READINGS, counts};
 
-/// Rounds of division per founder beside the observed ones, by every reading of "rounds" and at several stages
+/// Compares rounds of division with the observed ones, by every definition of "rounds" and at several stages
 ///
 /// Observed are the rounds of C. elegans at hatching and in embryos of 349 and 549 cells (Sulston et al. 1983). Says by which
 /// reading rounds are within one of the observed, whether the paper's sentence on rounds holds, and where cells ended and why.

@@ -14,7 +14,7 @@ use super::tree::grown;
 use crate::lineage::{Lineage, Tree};
 use crate::study::scenarios_of;
 
-/// Holds the model beside measured embryos
+/// Compares the model with measured embryos
 #[derive(Debug, Args)]
 pub struct CompareArgs {
     #[command(subcommand)]
