@@ -1,7 +1,7 @@
 //! `furrow calibrate`: constants from thresholds.
 
 use super::context::Context;
-use super::ensemble::{SampleFiles, sample};
+use super::ensemble::sample;
 use super::error::CliError;
 use super::output::print_as;
 use super::plot::PlotArgs;
@@ -56,8 +56,7 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
     targets.check(&file)?;
     let picture = args.plot.file()?;
     if let Some(count) = args.ensemble {
-        let files = SampleFiles { table: args.out.as_deref(), picture: &picture };
-        return sample(&targets, context, count as usize, args.seed, &files);
+        return sample(&targets, context, count as usize, args.seed, args.out.as_deref(), &picture);
     }
     let found = calibrate(&targets, &context.settings.cell, &context.settings.numerics)?;
     let excluded = judge(&targets, &found.cell, &context.settings.numerics, true).excluded;

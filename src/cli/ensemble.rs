@@ -36,23 +36,15 @@ struct EnsembleAnswer {
     constants: BTreeMap<String, Range>,
 }
 
-/// Where a sample goes.
-pub struct SampleFiles<'a> {
-    /// Its table.
-    pub table: Option<&'a Path>,
-    /// Its picture.
-    pub picture: &'a Picture,
-}
-
 /// Samples constants and writes them as a table.
 pub fn sample(
     targets: &Targets,
     context: &Context,
     count: usize,
     seed: u64,
-    files: &SampleFiles<'_>,
+    out: Option<&Path>,
+    picture: &Picture,
 ) -> Result<(), CliError> {
-    let out = files.table;
     writable_file("--out", out)?;
     let settings = &context.settings;
     let found = ensemble(targets, &settings.cell, &settings.numerics, count, seed, context.threads)?;
@@ -68,7 +60,7 @@ pub fn sample(
     if let Some(file) = out {
         write_atomically(file, table.as_bytes())?;
     }
-    files.picture.write(|| crate::plot::calibration::draw_ensemble(&found))?;
+    picture.write(|| crate::plot::calibration::draw_ensemble(&found))?;
     let constants = |k: usize| {
         let values = found.members.iter().map(|member| (member.values[k], member.weight)).collect();
         Some((found.parameters[k].to_string(), Range::of(values)?))

@@ -138,14 +138,6 @@ fn pictures(files: &mut FileSet, found: &Reproduction, (extension, format): (&st
     Ok(())
 }
 
-/// A point of a disturbed shape's way.
-#[derive(Serialize)]
-struct Distance<'a> {
-    shape: &'a str,
-    t: f64,
-    dis: f64,
-}
-
 /// The numbers behind a picture, where they are not those of a single cell.
 fn table(panel: &Panel) -> Result<Option<Vec<u8>>, CliError> {
     Ok(match &panel.shown {
@@ -153,7 +145,7 @@ fn table(panel: &Panel) -> Result<Option<Vec<u8>>, CliError> {
         Shown::Map(map) => Some(csv_of("x,xi_s,outcome,chi,by", &map.diagram.cells)?),
         Shown::Perturbations(_, watched) => {
             let rows = watched.iter().flat_map(|(shape, found)| {
-                found.distances.iter().map(move |[t, dis]| Distance { shape, t: *t, dis: *dis })
+                found.distances.iter().map(move |[t, dis]| serde_json::json!({ "shape": shape, "t": t, "dis": dis }))
             });
             Some(csv_of("shape,t,dis", rows)?)
         }
