@@ -9,8 +9,8 @@ use serde::Serialize;
 use super::cell::number;
 use super::context::Context;
 use super::error::CliError;
-use super::interrupt;
-use super::output::{answer, csv_rows, print_json, writable_file};
+use super::interrupt::write_deferred;
+use super::output::{csv_of, print_as, to_json, writable_file};
 use super::plot::PlotArgs;
 use super::vary::{Varied, VaryArgs};
 use crate::cell::{Cue, Parameter};
@@ -21,8 +21,9 @@ use crate::shapes::critical::{self, Stored};
 use crate::shapes::curves::{self, Curve, CurveEnd, CurvePoint};
 use crate::shapes::{Criticality, PointKind};
 
-/// Continues what bounds division over a parameter: the pitchfork and the folds of mirror-symmetric shapes; with a cue that
-/// tells the poles apart, the fold that ends the stable shapes
+/// Continues the boundary of division over a parameter: the pitchfork and the folds of mirror-symmetric shapes
+///
+/// With a cue without mirror symmetry the boundary is the fold that ends the stable shapes.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -36,19 +37,19 @@ pub struct BoundaryArgs {
     /// Activity ξ_s of --critical
     #[arg(help_heading = "Cell", long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
     xi: Option<f64>,
-    /// Also solves for the value at which the boundary lies at the cell's own activity
+    /// Solves for the value at which the boundary lies at the cell's own activity
     #[arg(help_heading = "Output", long)]
     critical: bool,
-    /// Leaves out the folds of the symmetric shapes
+    /// Skips the folds of the symmetric shapes
     #[arg(help_heading = "Output", long)]
     no_folds: bool,
     /// Stores the boundary over R0, with the critical radii of all cues of the lineage
     #[arg(help_heading = "Output", long, value_name = "FILE.json")]
     write: Option<PathBuf>,
-    /// Prints every point of the curves, not only where they begin, end and change
+    /// Prints every point of the curves instead of a summary
     #[arg(help_heading = "Output", long)]
     points: bool,
-    /// Writes every point of the curves
+    /// Writes every point of the curves as CSV
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
     #[command(flatten)]
@@ -56,9 +57,9 @@ pub struct BoundaryArgs {
 }
 
 /// The columns of `--csv`.
-const COLUMNS: [&str; 8] = ["curve", "r0", "epsilon", "value", "xi_s", "H", "criticality", "coefficient"];
+const HEADER: &str = "curve,r0,epsilon,value,xi_s,H,criticality,coefficient";
 
-/// A row of `--csv`: a point, and what it is of.
+/// A row of `--csv`: a point and its curve.
 #[derive(Serialize)]
 struct CsvRow<'a> {
     curve: &'a str,
@@ -146,8 +147,7 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     if let Some(path) = &args.write {
         let cues: Vec<Cue> = args.vary.cue.lineage()?.cues.into_values().filter(|cue| !cue.is_none()).collect();
         let stored = Stored::compute(cell, numerics, &[vec![Cue::none()], cues].concat(), *range)?;
-        let text = format!("{}\n", serde_json::to_string_pretty(&stored)?);
-        interrupt::unbroken(|| write_atomically(path, text.as_bytes()))?;
+        write_deferred(path, to_json(&stored)?.as_bytes())?;
     }
     let (kind, mut found) = curves::boundary_curves(cell, numerics, *parameter, *range)?;
     let (pitchfork, folds) = match kind {
@@ -171,28 +171,14 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     let document = Answer::new(&varied, &pitchfork, &folds, critical);
     if let Some(file) = &args.csv {
         let named = document.named();
-        let rows: Vec<CsvRow<'_>> = named.iter().map(|(curve, point)| CsvRow { curve, point }).collect();
-        csv_rows(file, &COLUMNS, &rows)?;
+        write_atomically(file, &csv_of(HEADER, named.iter().map(|(curve, point)| CsvRow { curve, point }))?)?;
     }
-    if let Some(picture) = picture {
-        let drawn = Boundary {
-            cell,
-            parameter: *parameter,
-            range: *range,
-            pitchfork: &pitchfork,
-            folds: &folds,
-            cusps: &cusps(&folds),
-            critical,
-        };
-        picture.write(&plot::boundary::draw(&drawn))?;
-    }
-    if context.json {
-        print_json(&document)
-    } else if args.points {
-        answer(&document.list())
-    } else {
-        answer(&document.text())
-    }
+    let (parameter, range, cusps) = (*parameter, *range, cusps(&folds));
+    picture.write(|| {
+        let (pitchfork, folds, cusps) = (&pitchfork, &folds[..], &cusps[..]);
+        plot::boundary::draw(&Boundary { cell, parameter, range, pitchfork, folds, cusps, critical })
+    })?;
+    print_as(context.json, &document, || if args.points { document.list() } else { document.text() })
 }
 
 /// The cusps of fold curves, each of which two curves lead to.
@@ -227,10 +213,8 @@ impl BoundaryArgs {
             let allowed = "r0: what is stored is a boundary over R0";
             return Err(InputError::not_allowed("--write", "vary", varied.parameter, allowed));
         }
-        if let Some(file) = &self.csv {
-            writable_file("--csv", "csv", file)?;
-        }
-        self.write.as_ref().map_or(Ok(()), |file| writable_file("--write", "write", file))
+        writable_file("--csv", self.csv.as_deref())?;
+        writable_file("--write", self.write.as_deref())
     }
 }
 

@@ -9,17 +9,19 @@ use serde::Serialize;
 use super::cell::{CellArgs, number, positive};
 use super::context::Context;
 use super::error::CliError;
-use super::output::{csv_rows, print, writable_file};
+use super::output::{csv_of, print_as, writable_file};
 use super::plot::PlotArgs;
 use crate::cell::Cue;
+use crate::io::write_atomically;
 use crate::plot::{self, branch::Named};
 use crate::report::EventReport;
 use crate::shapes::asymmetric::Scaling;
 use crate::shapes::{Branch, BranchEnd, BranchOptions, ShapePoint};
 use crate::study::diagram;
 
-/// Follows the mirror-symmetric and the asymmetric stationary shapes over ξ_s, with their folds and pitchforks; with a cue that
-/// tells the poles apart, the shapes that grow out of the passive one
+/// Continues symmetric and asymmetric stationary shapes over ξ_s, with their folds and pitchforks
+///
+/// With a cue without mirror symmetry it continues the shapes that start at the passive one.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -32,13 +34,13 @@ pub struct BranchArgs {
     /// Largest ξ_s
     #[arg(help_heading = "Numerics", long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true, value_parser = number)]
     xi_max: f64,
-    /// Largest step along a branch, in its arclength
+    /// Largest step along a branch, in arclength
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true, value_parser = number)]
     max_step: f64,
-    /// Prints every point of the branches, not only what happens along them
+    /// Prints every point of the branches, not only folds and pitchforks
     #[arg(help_heading = "Output", long)]
     points: bool,
-    /// Writes every point of the branches
+    /// Writes every point of the branches as CSV
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
     #[command(flatten)]
@@ -46,7 +48,7 @@ pub struct BranchArgs {
 }
 
 /// The columns of `--csv`.
-const COLUMNS: [&str; 9] = ["branch", "xi_s", "H", "L", "p", "r_eq", "stable", "growth_rate", "delta_u"];
+const HEADER: &str = "branch,xi_s,H,L,p,r_eq,stable,growth_rate,delta_u";
 
 #[derive(Serialize)]
 #[allow(non_snake_case)]
@@ -81,7 +83,7 @@ impl PointAnswer {
     }
 }
 
-/// Why a branch is followed no further than its last point.
+/// Why a branch ends.
 #[derive(Serialize)]
 struct EndAnswer {
     branch: &'static str,
@@ -124,16 +126,14 @@ struct Answer {
 pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
     let picture = args.plot.file()?;
-    if let Some(file) = &args.csv {
-        writable_file("--csv", "csv", file)?;
-    }
+    writable_file("--csv", args.csv.as_deref())?;
     let options = BranchOptions {
-        contours: picture.is_some(),
-        xi: [0.0, positive("--xi-max", "xi_max", args.xi_max)?],
+        contours: picture.is_wanted(),
+        xi: [0.0, positive("--xi-max", args.xi_max)?],
         growth_rates: true,
         ..BranchOptions::default()
     };
-    let options = options.with_max_step(positive("--max-step", "max_step", args.max_step)?);
+    let options = options.with_max_step(positive("--max-step", args.max_step)?);
     let mut document = Answer {
         r0: cell.r0,
         epsilon: cell.epsilon,
@@ -157,13 +157,11 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
         document.add(name, branch);
     }
     if let Some(file) = &args.csv {
-        csv_rows(file, &COLUMNS, &document.points)?;
+        write_atomically(file, &csv_of(HEADER, &document.points)?)?;
     }
-    if let Some(picture) = picture {
-        let named: Vec<Named<'_>> = found.branches.iter().map(|(name, branch)| Named { name, branch }).collect();
-        picture.write(&plot::branch::draw(&cell, &named))?;
-    }
-    print(context.json, &document, || document.text(args.points))
+    let named: Vec<Named<'_>> = found.branches.iter().map(|(name, branch)| Named { name, branch }).collect();
+    picture.write(|| plot::branch::draw(&cell, &named))?;
+    print_as(context.json, &document, || document.text(args.points))
 }
 
 impl Answer {

@@ -1,16 +1,15 @@
 //! `furrow cache`: the store of solved divisions.
 
-use super::Globals;
-use super::context::{cache_folder, start_logs};
+use super::context::{Globals, cache_folder, start_logs};
 use super::error::CliError;
-use super::output::{answer, print_json};
+use super::output::print_as;
 use crate::batch::SolverVersion;
 use crate::batch::store::upkeep;
 use crate::division::Division;
 use clap::{Args, Subcommand};
 use std::fmt::Write;
 
-/// Looks after the store of solved divisions
+/// Inspects, verifies or clears the cache
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -24,15 +23,15 @@ pub struct CacheArgs {
 
 #[derive(Clone, Copy, Debug, Subcommand)]
 enum Action {
-    /// Counts what is stored
+    /// Counts the entries
     Stat,
     /// Checks every entry and lists the damaged ones (exit code 1 if there are any)
     Verify {
-        /// Gives up the damaged entries, so that they are not reported again (exit code 0 then)
+        /// Removes the damaged entries (exit code 0)
         #[arg(long)]
         repair: bool,
     },
-    /// Removes all stored divisions, of every version
+    /// Removes all entries, of every version
     Clear,
 }
 
@@ -45,9 +44,7 @@ pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
         Action::Stat | Action::Verify { repair: false } => upkeep::verify::<Division>(&folder, solver)?,
         Action::Clear => upkeep::clear::<Division>(&folder, solver)?,
     };
-    if globals.json {
-        print_json(&report)?;
-    } else {
+    print_as(globals.json, &report, || {
         let mut text = format!(
             "{}{}: {} entries, {} of other versions, {} bytes, {} corrupt\n",
             if matches!(args.action, Action::Clear) { "cleared " } else { "" },
@@ -62,12 +59,10 @@ pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
                 let _ = writeln!(text, "corrupt: {} at byte {}", damaged.file.display(), damaged.offset);
             }
         }
-        answer(&text)?;
-    }
+        text
+    })?;
     match args.action {
-        Action::Verify { repair: false } if report.corrupt > 0 => {
-            Err(CliError::CorruptCache { corrupt: report.corrupt })
-        }
+        Action::Verify { repair: false } if report.corrupt > 0 => Err(CliError::CorruptCache(report.corrupt)),
         _ => Ok(()),
     }
 }

@@ -1,9 +1,9 @@
 //! `furrow calibrate`: constants from thresholds.
 
 use super::context::Context;
-use super::ensemble::{SampleFiles, sample};
+use super::ensemble::sample;
 use super::error::CliError;
-use super::output::{answer, print_json};
+use super::output::print_as;
 use super::plot::PlotArgs;
 use crate::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
 use crate::input::{parse_document, read_text};
@@ -14,23 +14,23 @@ use serde_json::{Map, Value};
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Finds material and shell constants from measured thresholds, and says what the thresholds leave open
+/// Fits material and shell constants to measured thresholds and shows which combinations stay undetermined
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   furrow calibrate data/thresholds.ron --set intervals=32
   furrow calibrate data/thresholds.ron --set stages=3 --set intervals=32 --plot calibrate.svg --json")]
 pub struct CalibrateArgs {
-    /// Unknowns and thresholds in RON, as in data/thresholds.ron
+    /// File of unknowns and thresholds, such as data/thresholds.ron
     #[arg(value_name = "TARGETS.ron")]
     targets: PathBuf,
-    /// Samples so many sets of constants that agree with the targets, instead of the one that fits best
+    /// Samples N sets of constants that agree with the targets, instead of finding the best fit
     #[arg(help_heading = "Ensemble", long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     ensemble: Option<u32>,
     /// Seed of the sample
     #[arg(help_heading = "Ensemble", long, value_name = "S", default_value_t = 0, requires = "ensemble")]
     seed: u64,
-    /// File for the sample, as furrow tree --constants reads it; default stdout
+    /// File for the sample, for furrow tree --constants; default stdout
     #[arg(help_heading = "Ensemble", long, value_name = "FILE.csv", requires = "ensemble")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -39,15 +39,15 @@ pub struct CalibrateArgs {
 
 /// What `--json` prints.
 #[derive(Serialize)]
-struct Answer {
+struct Answer<'a> {
     parameters: Map<String, Value>,
-    residuals: Vec<ThresholdResidual>,
+    residuals: &'a [ThresholdResidual],
     rms: f64,
     /// In the order of `parameters`.
-    combinations: Vec<Combination>,
+    combinations: &'a [Combination],
     iterations: usize,
-    /// Statements of the targets that are not true of these constants.
-    excluded: Vec<Exclusion>,
+    /// Statements of the targets that these constants contradict.
+    excluded: &'a [Exclusion],
 }
 
 pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
@@ -56,28 +56,21 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
     targets.check(&file)?;
     let picture = args.plot.file()?;
     if let Some(count) = args.ensemble {
-        let files = SampleFiles { table: args.out.as_deref(), picture: picture.as_ref() };
-        return sample(&targets, context, count as usize, args.seed, &files);
+        return sample(&targets, context, count as usize, args.seed, args.out.as_deref(), &picture);
     }
     let found = calibrate(&targets, &context.settings.cell, &context.settings.numerics)?;
     let excluded = judge(&targets, &found.cell, &context.settings.numerics, true).excluded;
-    if let Some(picture) = picture {
-        picture.write(&crate::plot::calibration::draw(&targets, &found, &excluded))?;
-    }
-    if context.json {
-        let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), Value::from(*value)));
-        let document = Answer {
-            parameters: parameters.collect(),
-            residuals: found.residuals,
-            rms: found.rms,
-            combinations: found.combinations,
-            iterations: found.iterations,
-            excluded,
-        };
-        print_json(&document)
-    } else {
-        answer(&text(&found, &excluded))
-    }
+    picture.write(|| crate::plot::calibration::draw(&targets, &found, &excluded))?;
+    let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), Value::from(*value)));
+    let document = Answer {
+        parameters: parameters.collect(),
+        residuals: &found.residuals,
+        rms: found.rms,
+        combinations: &found.combinations,
+        iterations: found.iterations,
+        excluded: &excluded,
+    };
+    print_as(context.json, &document, || text(&found, &excluded))
 }
 
 fn text(found: &Calibration, excluded: &[Exclusion]) -> String {
@@ -91,11 +84,11 @@ fn text(found: &Calibration, excluded: &[Exclusion]) -> String {
         let _ = writeln!(out, "{:>8} {:>8} {:>12} {:>12.6} {percent:>8.4} %", r.r0, r.epsilon, r.xi_s, r.computed);
     }
     let _ = writeln!(out, "rms deviation {:.3e}, {} steps", found.rms, found.iterations);
-    let _ = writeln!(out, "\nchange of the thresholds per change of the constants, both relative, by combination:");
+    let _ = writeln!(out, "\nrelative change of the thresholds per relative change of the constants, by combination:");
     for c in &found.combinations {
         let parts: Vec<String> =
             c.components.iter().zip(&found.parameters).map(|(x, (p, _))| format!("{x:+.3} {p}")).collect();
-        let verdict = if c.determined { "" } else { "  (left open)" };
+        let verdict = if c.determined { "" } else { "  (undetermined)" };
         let _ = writeln!(out, "{:>10.2e}  {}{verdict}", c.singular_value, parts.join(" "));
     }
     for Exclusion { datum, given, computed } in excluded {

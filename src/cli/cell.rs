@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::context::Context;
 use crate::cell::Cell;
@@ -17,11 +18,11 @@ pub struct CueArgs {
     /// Polarity cue: none, a name in the lineage file, or terms FIELD:PROFILE,key=value,.. joined by +
     ///
     /// Fields: kappa, activity, xi_s, xi_b, eta_b, eta_s, viscosity, friction, tension. Profiles: band (u0, omega,
-    /// amplitude; may be left out), step (the same), gradient (amplitude). A width omega is in u, or with Lh behind it in
-    /// L_h.
+    /// amplitude; may be left out), step (the same), gradient (amplitude). The width omega is in u, or with
+    /// the suffix Lh in L_h.
     #[arg(long, value_name = "CUE", default_value = "none")]
     pub cue: String,
-    /// Lineage file whose cues have names here; default the built-in one
+    /// Lineage file with named cues; default the built-in one
     #[arg(long, value_name = "LINEAGE.ron")]
     pub lineage: Option<PathBuf>,
 }
@@ -40,10 +41,10 @@ impl CueArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct CellArgs {
-    /// Radius R0 of the sphere with the cell's volume, in L_h; or in µm, as 17um, where the lineage file has units
+    /// Radius R0 of the sphere with the cell's volume, in L_h; or in µm, such as 17um, if the lineage file has units
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
     r0: Length,
-    /// Volume of the cell over that of its shell, ε
+    /// Volume of the cell over the volume of its shell, ε
     #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
     epsilon: Option<f64>,
     #[command(flatten)]
@@ -72,7 +73,7 @@ impl CellArgs {
 pub struct ActiveCellArgs {
     #[command(flatten)]
     cell: CellArgs,
-    /// Activity ξ_s, as published; default 25, the preset's, unless --config or --set say otherwise
+    /// Activity ξ_s, as published; default 25, the preset's, unless --config or --set changes it
     #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
     xi: Option<f64>,
 }
@@ -96,11 +97,11 @@ impl ActiveCellArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct FirstCellArgs {
-    /// Radius R0 of the first cell, in L_h, in place of the lineage's own; default 5.4, the preset's; or in µm, as 17um, where
-    /// the lineage file has units
+    /// Radius R0 of the first cell, in L_h, or in µm, such as 17um, if the lineage file has units; default the lineage's own, else
+    /// 5.4, the preset's
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
     pub r0: Option<Length>,
-    /// Volume of every cell over that of its shell, ε; default 0.87, the preset's
+    /// Volume of every cell over the volume of its shell, ε; default 0.87, the preset's
     #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
     epsilon: Option<f64>,
     /// Activity ξ_s of every cell, as published; default 25, the preset's
@@ -131,7 +132,7 @@ impl FirstCellArgs {
 /// Reads the number of an option.
 ///
 /// # Errors
-/// Says what is allowed; the option and what was given are told by whoever calls.
+/// Says what is allowed; clap adds the option and the value.
 pub fn number(text: &str) -> Result<f64, String> {
     text.trim().parse().map_err(|_| "must be a number, as 0.87 or 1e-3".to_owned())
 }
@@ -152,14 +153,24 @@ pub fn natural(option: &str, given: Length, units: &Units) -> Result<f64, InputE
     given.in_units(units).map_err(|allowed| InputError::not_allowed(option, "r0", given, allowed))
 }
 
+/// Reads one of several values by its name.
+pub fn one_of<T>(values: impl IntoIterator<Item = (&'static str, T)>) -> impl TypedValueParser<Value = T>
+where
+    T: Clone + Send + Sync + 'static,
+{
+    let values: Vec<_> = values.into_iter().collect();
+    let names = PossibleValuesParser::new(values.iter().map(|(name, _)| *name));
+    names.try_map(move |given| {
+        values.iter().find(|(name, _)| *name == given).map(|(_, value)| value.clone()).ok_or("unknown name")
+    })
+}
+
 /// A finite number above 0 from an option.
 ///
 /// # Errors
 /// Names the option, its value and what is allowed.
-pub fn positive(option: &str, field: &str, value: f64) -> Result<f64, InputError> {
-    if value.is_finite() && value > 0.0 {
-        Ok(value)
-    } else {
-        Err(InputError::not_allowed(option, field, value, "a finite number above 0"))
-    }
+pub fn positive(option: &str, value: f64) -> Result<f64, InputError> {
+    let field = option.trim_start_matches('-').replace('-', "_");
+    let refused = || InputError::not_allowed(option, field, value, "a finite number above 0");
+    (value.is_finite() && value > 0.0).then_some(value).ok_or_else(refused)
 }

@@ -1,7 +1,7 @@
 //! `furrow completions`.
 
 use super::error::CliError;
-use super::output::answer;
+use super::output::print;
 use clap::Args;
 
 /// Prints a completion script for a shell
@@ -19,5 +19,5 @@ pub struct CompletionsArgs {
 pub fn run(args: &CompletionsArgs, command: &mut clap::Command) -> Result<(), CliError> {
     let mut script = vec![];
     clap_complete::generate(args.shell, command, "furrow", &mut script);
-    answer(&String::from_utf8_lossy(&script))
+    print(&String::from_utf8_lossy(&script))
 }

@@ -1,6 +1,6 @@
 //! What commands share: parameters, memo, the way to schedule and to log.
 
-use super::Globals;
+use super::cell::number;
 use super::error::CliError;
 use super::interrupt;
 use super::output::Stderr;
@@ -9,20 +9,58 @@ use crate::division::DivisionInput;
 use crate::input::InputError;
 use crate::io::Settings;
 use crate::lineage::Units;
+use clap::Args;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+
+/// Options of all commands.
+#[derive(Clone, Debug, Args)]
+pub struct Globals {
+    /// Preset of constants: gao2026, from the thresholds that the paper prints, or sulston1983, from the rounds of the
+    /// C. elegans founders
+    #[arg(help_heading = "Parameters", long, global = true, value_name = "NAME", default_value = "gao2026")]
+    pub preset: String,
+    /// Parameters in RON, as in `Config(physics: (epsilon: 0.8), numerics: (stages: 4))`; keys that are not set
+    /// keep the preset's values
+    #[arg(help_heading = "Parameters", long, global = true, value_name = "FILE.ron")]
+    pub config: Option<PathBuf>,
+    /// Sets one parameter and overrides --config; repeatable
+    #[arg(help_heading = "Parameters", long, global = true, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Number of solver threads; default one per core
+    #[arg(help_heading = "Run", long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Cache folder for solved divisions; default `cache` in the working folder if it exists, else the user's cache folder
+    #[arg(help_heading = "Run", long, global = true, value_name = "DIR", conflicts_with = "no_cache")]
+    pub cache: Option<PathBuf>,
+    /// Disables the cache
+    #[arg(help_heading = "Run", long, global = true)]
+    pub no_cache: bool,
+    /// Relative step to which R0 is rounded before a division is looked up or solved; 0 disables rounding
+    #[arg(help_heading = "Numerics", long, global = true, value_name = "STEP", allow_negative_numbers = true, value_parser = number)]
+    pub r0_step: Option<f64>,
+    /// Prints the result as one JSON document
+    #[arg(help_heading = "Output", long, global = true)]
+    pub json: bool,
+    /// Hides progress and warnings
+    #[arg(help_heading = "Output", long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Prints more log messages; twice prints most
+    #[arg(help_heading = "Output", short, long, global = true, action = clap::ArgAction::Count)]
+    pub verbose: u8,
+}
 
 /// Parameters and services of a command.
 pub struct Context {
     /// Checked parameters.
     pub settings: Settings,
-    /// What one L_h and one τ are, as the lineage file of the command says.
+    /// Units of L_h and τ, from the lineage file.
     pub units: Units,
     /// How R0 is rounded.
     pub quantisation: Quantisation,
     /// Threads; 0 is one for each core.
     pub threads: usize,
-    /// Whether the answer is JSON.
+    /// Whether the result is printed as JSON.
     pub json: bool,
     /// Whether progress may be shown.
     pub progress: bool,
@@ -53,7 +91,7 @@ impl Context {
         })
     }
 
-    /// The memo, over the cache folder unless that is refused or, by default, not to be had.
+    /// The memo, backed by the cache folder unless the cache is disabled or the default folder cannot be used.
     pub fn memo(&self) -> Result<Memo<DivisionInput>, CliError> {
         let memo = Memo::new(self.quantisation);
         if self.no_cache {
@@ -68,7 +106,7 @@ impl Context {
                 match opened {
                     Ok(store) => store,
                     Err(error) => {
-                        tracing::warn!("solved divisions are not kept: {error}");
+                        tracing::warn!("the cache is disabled, solved divisions are not kept: {error}");
                         return Ok(memo);
                     }
                 }
@@ -88,23 +126,23 @@ impl Context {
     }
 }
 
-/// A warning of the store, with the command that helps.
+/// A warning of the cache, with the command that helps.
 pub fn warning_text(warning: &StoreWarning) -> String {
     match warning {
         StoreWarning::Damaged { entries, .. } => {
-            let they_are = if *entries == 1 { "it is" } else { "they are" };
-            format!("{warning}; {they_are} given up for good by `furrow cache verify --repair`")
+            let them = if *entries == 1 { "it" } else { "them" };
+            format!("{warning}; `furrow cache verify --repair` removes {them}")
         }
         _ => warning.to_string(),
     }
 }
 
-/// Logs what the user should know about the store.
+/// Logs warnings of the cache.
 pub fn warn_of_store(warnings: &[StoreWarning]) {
     warnings.iter().for_each(|warning| tracing::warn!("{}", warning_text(warning)));
 }
 
-/// The cache folder where none is named: `cache` in the working folder if there is one, else the user's.
+/// The default cache folder: `cache` in the working folder if there is one, else the user's.
 fn default_folder() -> Result<PathBuf, CliError> {
     use etcetera::BaseStrategy;
     let here = Path::new("cache");
@@ -113,7 +151,7 @@ fn default_folder() -> Result<PathBuf, CliError> {
     }
     etcetera::choose_base_strategy()
         .map(|strategy| strategy.cache_dir().join("furrow"))
-        .map_err(|error| CliError::NoCacheFolder { reason: error.to_string() })
+        .map_err(|error| CliError::NoCacheFolder(error.to_string()))
 }
 
 /// The cache folder in force.
@@ -124,7 +162,7 @@ pub fn cache_folder(globals: &Globals) -> Result<PathBuf, CliError> {
     }
 }
 
-/// Sends logs to stderr, warnings and worse unless told otherwise.
+/// Sends logs to stderr, by default warnings and errors.
 pub fn start_logs(globals: &Globals) {
     use tracing::level_filters::LevelFilter;
     let level = match (globals.quiet, globals.verbose) {

@@ -1,7 +1,7 @@
 //! `furrow divide`: one division.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
@@ -9,21 +9,21 @@ use serde::Serialize;
 use super::cell::{ActiveCellArgs, number, positive};
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
-use super::from_steady::{self, FromSteadyArgs, Output};
+use super::from_steady::{self, FromSteadyArgs, Output, write_all_frames};
 use super::interrupt;
 use super::movie::{DENSE, MovieArgs};
-use super::output::{print, writable_folder};
+use super::output::{print_as, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use crate::batch::{Failure, Replicates, Unsolved, replicates};
 use crate::cell::Cue;
-use crate::division::{Division, DivisionInput, Film, Statistics, film};
-use crate::io::frames::{INDEX, check_step, write_frames};
+use crate::division::{Division, DivisionInput, Statistics, film};
+use crate::io::frames::INDEX;
 use crate::lineage::Units;
 
 /// Computes one division, from the passive shape to pinch-off or rest
 ///
-/// With --from-steady from a stationary shape of the active cell, which the noise of the first step disturbs.
+/// With --from-steady the division starts from a stationary shape of the active cell, disturbed by the noise of the first step.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -37,13 +37,13 @@ pub struct DivideArgs {
     /// Seed of the noise in the first step
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     seed: u64,
-    /// Divisions with seeds S, S+1, ...
+    /// Number of divisions, with seeds S, S+1, ...
     #[arg(help_heading = "Numerics", long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     replicates: u32,
-    /// Writes contour, curvatures, tensions, velocities and forces of the first replicate into this folder, after every step
+    /// Writes contours, curvatures, tensions, velocities and forces of the first replicate into a folder, after every step
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     frames: Option<PathBuf>,
-    /// Writes a frame every so many τ instead of after every step
+    /// Writes a frame every TAU τ instead of after every step
     #[arg(help_heading = "Output", long, value_name = "TAU", requires = "frames", allow_negative_numbers = true, value_parser = number)]
     frame_step: Option<f64>,
     #[command(flatten)]
@@ -54,7 +54,7 @@ pub struct DivideArgs {
     movie: MovieArgs,
 }
 
-/// One replicate in the answer.
+/// One replicate in the result.
 #[derive(Serialize)]
 struct Replicate<'a> {
     seed: u64,
@@ -87,10 +87,8 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
     context.settings.check_divisions("settings")?;
     let input = DivisionInput { cell, numerics: context.settings.numerics, seed: args.seed };
-    if let Some(folder) = &args.frames {
-        writable_folder("--frames", "frames", folder, &[INDEX])?;
-    }
-    let every = args.frame_step.map(|step| positive("--frame-step", "frame_step", step)).transpose()?;
+    writable_folder("--frames", args.frames.as_deref(), &[INDEX])?;
+    let every = args.frame_step.map(|step| positive("--frame-step", step)).transpose()?;
     let picture = args.plot.file()?;
     let movie = args.movie.file()?;
     if args.from.from_steady {
@@ -98,19 +96,13 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         return from_steady::run(&args.from, &context, &input, args.replicates as usize, output);
     }
     let Replicates { divisions, undecided, .. } = solve(args, &context, &input)?;
-    if args.frames.is_some() || picture.is_some() || movie.is_some() {
-        interrupt::at_once();
+    if args.frames.is_some() || picture.is_wanted() || movie.is_wanted() {
+        interrupt::abort();
         let film = film(&input)?;
-        if let Some(folder) = &args.frames {
-            write_all_frames(folder, &film, every)?;
-        }
+        write_all_frames(args.frames.as_deref(), &film, every)?;
         let film = film.with_places(DENSE);
-        if let Some(picture) = picture {
-            picture.write(&crate::plot::division::draw(&input.cell, &film))?;
-        }
-        if let Some(movie) = movie {
-            movie.write(&input.cell, &film)?;
-        }
+        picture.write(|| crate::plot::division::draw(&input.cell, &film))?;
+        movie.write(&input.cell, &film)?;
     }
     let replicate = |k: usize| Replicate { seed: divisions[k].0, division: &divisions[k].1 };
     let document = Answer {
@@ -125,20 +117,17 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         statistics: Statistics::of(divisions.iter().map(|(_, division)| division)),
         undecided: undecided.len(),
     };
-    print(context.json, &document, || text(&document, &context.units))
+    print_as(context.json, &document, || text(&document, &context.units))
 }
 
-/// Writes the frames of a film, after every step or every so many τ; an interruption waits for them.
-pub(super) fn write_all_frames(folder: &Path, film: &Film, every: Option<f64>) -> Result<(), CliError> {
-    check_step("--frame-step", film, every)?;
-    interrupt::unbroken(|| write_frames(folder, film, every))?;
-    Ok(())
-}
-
-/// All replicates, each as soon as a worker is free; one at least.
-fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Replicates, CliError> {
+/// Solves all replicates; at least one succeeds.
+fn solve(
+    args: &DivideArgs,
+    context: &Context,
+    input: &DivisionInput,
+) -> Result<Replicates, CliError> {
     let memo = context.memo()?;
-    interrupt::gently();
+    interrupt::finish();
     let line = ProgressLine::new(context.progress && args.replicates > 1);
     let show = |progress| line.show(progress);
     let count = args.replicates as usize;
@@ -153,8 +142,8 @@ fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<
         && let Some(Unsolved { failure, .. }) = found.undecided.pop()
     {
         return Err(match failure {
-            Failure::Unsolved(error) => CliError::Division(error),
-            failure => CliError::Replicate(failure),
+            Failure::Unsolved(error) => error.into(),
+            failure => failure.into(),
         });
     }
     for Unsolved { id, failure, .. } in &found.undecided {

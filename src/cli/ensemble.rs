@@ -10,8 +10,8 @@ use serde::Serialize;
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, print_json, writable_file};
-use super::plot::PlotFile;
+use super::output::{print_as, writable_file};
+use super::plot::Picture;
 use crate::calibration::Targets;
 use crate::input::read_text;
 use crate::io::write_atomically;
@@ -36,26 +36,16 @@ struct EnsembleAnswer {
     constants: BTreeMap<String, Range>,
 }
 
-/// Where a sample goes.
-pub struct SampleFiles<'a> {
-    /// Its table.
-    pub table: Option<&'a Path>,
-    /// Its picture.
-    pub picture: Option<&'a PlotFile>,
-}
-
 /// Samples constants and writes them as a table.
 pub fn sample(
     targets: &Targets,
     context: &Context,
     count: usize,
     seed: u64,
-    files: &SampleFiles<'_>,
+    out: Option<&Path>,
+    picture: &Picture,
 ) -> Result<(), CliError> {
-    let out = files.table;
-    if let Some(file) = out {
-        writable_file("--out", "out", file)?;
-    }
+    writable_file("--out", out)?;
     let settings = &context.settings;
     let found = ensemble(targets, &settings.cell, &settings.numerics, count, seed, context.threads)?;
     let sets: Vec<Constants> = found
@@ -70,9 +60,7 @@ pub fn sample(
     if let Some(file) = out {
         write_atomically(file, table.as_bytes())?;
     }
-    if let Some(picture) = files.picture {
-        picture.write(&crate::plot::calibration::draw_ensemble(&found))?;
-    }
+    picture.write(|| crate::plot::calibration::draw_ensemble(&found))?;
     let constants = |k: usize| {
         let values = found.members.iter().map(|member| (member.values[k], member.weight)).collect();
         Some((found.parameters[k].to_string(), Range::of(values)?))
@@ -84,11 +72,10 @@ pub fn sample(
         excluded: found.excluded.iter().map(|(datum, sets)| Excluded { datum: datum.clone(), sets: *sets }).collect(),
         constants: (0..found.parameters.len()).filter_map(constants).collect(),
     };
-    if context.json {
-        return print_json(&document);
-    }
-    let table = if out.is_some() { String::new() } else { format!("\n{table}") };
-    answer(&format!("{}{table}", ensemble_text(&found, &document, out)))
+    print_as(context.json, &document, || {
+        let table = if out.is_some() { String::new() } else { format!("\n{table}") };
+        format!("{}{table}", ensemble_text(&found, &document, out))
+    })
 }
 
 fn ensemble_text(found: &Ensemble, document: &EnsembleAnswer, out: Option<&Path>) -> String {
@@ -131,20 +118,15 @@ pub fn grow_over(
     lineage: &Lineage,
     settings: &TreeSettings,
     context: &Context,
-    picture: Option<&PlotFile>,
+    picture: &Picture,
 ) -> Result<(), CliError> {
     let start = std::time::Instant::now();
     let sets = read_constants(&read_text(file)?, &file.display().to_string())?;
     let found = ranges(lineage, settings, &sets, context.threads, Some(interrupt::flag()))?;
     let elapsed_s = start.elapsed().as_secs_f64();
-    if let Some(picture) = picture {
-        picture.write(&crate::plot::rounds::draw_ranges(lineage, &found))?;
-    }
-    if context.json {
-        let document = RangesAnswer { ranges: &found, elapsed_s };
-        return print_json(&document);
-    }
-    answer(&ranges_text(lineage, &found, elapsed_s))
+    picture.write(|| crate::plot::rounds::draw_ranges(lineage, &found))?;
+    let document = RangesAnswer { ranges: &found, elapsed_s };
+    print_as(context.json, &document, || ranges_text(lineage, &found, elapsed_s))
 }
 
 fn ranges_text(lineage: &Lineage, found: &LineageRanges, elapsed_s: f64) -> String {

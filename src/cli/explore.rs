@@ -7,14 +7,14 @@ use clap::Args;
 use super::cell::FirstCellArgs;
 use super::context::Context;
 use super::error::CliError;
-use super::output::{answer, print_json, writable_file};
+use super::output::{print_as, writable_file};
 use super::tree::prepared;
 use crate::io::write_atomically;
 use crate::report;
 
-/// Writes a page that computes divisions in a browser: cells at will, and the founders' tree under another cue
+/// Writes a web page that computes divisions in the browser: any cell you choose, and the founders' tree under another cue
 ///
-/// The page is one file and needs no network. `furrow tree` writes the same with its tree in it, as report.html.
+/// The page is one file and works offline. `furrow tree` writes the same page with its tree, as report.html.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -22,12 +22,12 @@ Examples:
   furrow explore --r0 3 --epsilon 0.8 --out small.html
   furrow explore lineages/c_elegans.ron --set aspect=1.3 --json")]
 pub struct ExploreArgs {
-    /// Founders and cues of the tree that the page grows; default the built-in C. elegans founders
+    /// Founders and cues of the page's tree; default the built-in C. elegans founders
     #[arg(value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
     #[command(flatten)]
     cell: FirstCellArgs,
-    /// File to write; one that exists is replaced
+    /// Output file; an existing file is replaced
     #[arg(help_heading = "Output", long, value_name = "FILE.html", default_value = "explore.html")]
     out: PathBuf,
     /// Seed of the noise in the first step of every division
@@ -44,13 +44,10 @@ struct Answer {
 
 pub fn run(args: &ExploreArgs, context: &Context) -> Result<(), CliError> {
     let (lineage, settings) = prepared(&args.cell, args.seed, context, args.lineage.as_deref())?;
-    writable_file("--out", "out", &args.out)?;
+    writable_file("--out", args.out.as_path())?;
     let page = report::explorer(&lineage, &settings);
     write_atomically(&args.out, page.as_bytes())?;
     let out = args.out.display().to_string();
-    if context.json {
-        let document = Answer { out, bytes: page.len() };
-        return print_json(&document);
-    }
-    answer(&format!("{out} written, {} kB; open it in a browser\n", page.len() / 1000))
+    let text = format!("{out} written, {} kB; open it in a browser\n", page.len() / 1000);
+    print_as(context.json, &Answer { out, bytes: page.len() }, || text)
 }

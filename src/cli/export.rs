@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 
-use super::Globals;
-use super::context::start_logs;
+use super::cell::one_of;
+use super::context::{Globals, start_logs};
 use super::error::CliError;
-use super::output::{answer, print_json, writable_file, writable_folder};
+use super::output::{print, print_as, writable_file, writable_folder};
 use crate::input::InputError;
 use crate::io::exchange::{BranchLengths, Exported, Format, ITOL_FILES, export};
 use crate::io::files::FileSet;
@@ -18,9 +18,9 @@ use crate::report::founder_colours;
 
 /// Writes a grown tree in the formats of other programs
 ///
-/// newick, nhx and nexus are trees with names on inner nodes, the last two with what is known of each cell beside them; csv
-/// has the cells one a row; lineagetree is the numeric CSV of the Python package of that name; graphml is a graph; itol is a
-/// folder of a tree and its annotations for the page of that name.
+/// newick, nhx and nexus are trees with named inner nodes; nhx and nexus add the data of each cell. csv has one row per cell.
+/// lineagetree is the numeric CSV of the Python package LineageTree. graphml is a graph. itol is a folder with a tree and its
+/// annotations for itol.embl.de.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -29,77 +29,28 @@ Examples:
   furrow export furrow-out/tree.json --to itol --out itol
   furrow export --schema")]
 pub struct ExportArgs {
-    /// The tree.json of a grown tree
+    /// The tree.json that furrow tree wrote
     #[arg(value_name = "TREE.json", required_unless_present = "schema")]
     tree: Option<PathBuf>,
     /// Format
-    #[arg(help_heading = "Output", long, value_name = "FORMAT", required_unless_present = "schema")]
-    to: Option<FormatName>,
-    /// File to write, of itol the folder; without it the export goes to stdout
+    #[arg(help_heading = "Output", long, value_name = "FORMAT", required_unless_present = "schema",
+        value_parser = one_of(Format::ALL.map(|format| (format.name(), format))))]
+    to: Option<Format>,
+    /// Output file, or for itol a folder; default stdout
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// What branches are as long as: time from birth to division in τ (default), one per generation, or no lengths. Cells just
-    /// above the threshold of division take thousands of τ, beside which all else is too short to be seen
-    #[arg(help_heading = "Output", long, value_name = "LENGTHS")]
-    branch_lengths: Option<Lengths>,
-    /// Prints the JSON Schema of tree.json in place of an export
+    /// Branch lengths: time from birth to division in τ (default), one per generation, or none. Cells just above the threshold
+    /// of division take thousands of τ and dwarf all other branches
+    #[arg(help_heading = "Output", long, value_name = "LENGTHS", value_parser = one_of(LENGTHS))]
+    branch_lengths: Option<BranchLengths>,
+    /// Prints the JSON Schema of tree.json
     #[arg(help_heading = "Output", long, conflicts_with_all = ["tree", "to", "out", "branch_lengths"])]
     schema: bool,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum FormatName {
-    Newick,
-    Nhx,
-    Nexus,
-    Itol,
-    Csv,
-    #[value(name = "lineagetree")]
-    LineageTree,
-    #[value(name = "graphml")]
-    GraphMl,
-}
-
-impl From<FormatName> for Format {
-    fn from(name: FormatName) -> Format {
-        match name {
-            FormatName::Newick => Format::Newick,
-            FormatName::Nhx => Format::Nhx,
-            FormatName::Nexus => Format::Nexus,
-            FormatName::Itol => Format::Itol,
-            FormatName::Csv => Format::Csv,
-            FormatName::LineageTree => Format::LineageTree,
-            FormatName::GraphMl => Format::GraphMl,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Lengths {
-    Time,
-    Generation,
-    None,
-}
-
-impl Lengths {
-    fn name(self) -> &'static str {
-        match self {
-            Lengths::Time => "time",
-            Lengths::Generation => "generation",
-            Lengths::None => "none",
-        }
-    }
-}
-
-impl From<Lengths> for BranchLengths {
-    fn from(lengths: Lengths) -> BranchLengths {
-        match lengths {
-            Lengths::Time => BranchLengths::Time,
-            Lengths::Generation => BranchLengths::Generation,
-            Lengths::None => BranchLengths::None,
-        }
-    }
-}
+/// Branch lengths by the names of the option.
+const LENGTHS: [(&str, BranchLengths); 3] =
+    [("time", BranchLengths::Time), ("generation", BranchLengths::Generation), ("none", BranchLengths::None)];
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -113,14 +64,12 @@ struct Answer<'a> {
 
 pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
     start_logs(globals);
-    let (Some(file), Some(name)) = (&args.tree, args.to) else { return answer(TREE_SCHEMA) };
-    let format = Format::from(name);
+    let (Some(file), Some(format)) = (&args.tree, args.to) else { return print(TREE_SCHEMA) };
     check(args, format, globals)?;
     let tree = Tree::read(file)?;
-    let lengths = args.branch_lengths.map_or(BranchLengths::default(), BranchLengths::from);
-    let exported = export(&tree, format, lengths, &founder_colours(&tree.lineage));
+    let exported = export(&tree, format, args.branch_lengths.unwrap_or_default(), &founder_colours(&tree.lineage));
     let (out, files) = match (&exported, &args.out) {
-        (Exported::File(text), None) => return answer(text),
+        (Exported::File(text), None) => return print(text),
         (Exported::File(text), Some(out)) => {
             write_atomically(out, text.as_bytes())?;
             (out, vec![])
@@ -138,15 +87,16 @@ pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
     respond(&tree, format, out, files, globals.json)
 }
 
-/// What does not go together is refused before the tree is read.
+/// Refuses conflicting options before the tree is read.
 fn check(args: &ExportArgs, format: Format, globals: &Globals) -> Result<(), InputError> {
     if let Some(lengths) = args.branch_lengths.filter(|_| !format.has_lengths()) {
         let why = match format {
             Format::Csv => "it has a column for each",
             _ => "its time points are generations",
         };
+        let name = LENGTHS.iter().find(|(_, known)| *known == lengths).map_or("", |(name, _)| *name);
         let allowed = format!("left out with --to {}: {why}", format.name());
-        return Err(InputError::not_allowed("--branch-lengths", "branch_lengths", lengths.name(), allowed));
+        return Err(InputError::not_allowed("--branch-lengths", "branch_lengths", name, allowed));
     }
     match (&args.out, format) {
         (None, Format::Itol) => Err(needs_folder()),
@@ -155,8 +105,8 @@ fn check(args: &ExportArgs, format: Format, globals: &Globals) -> Result<(), Inp
             Err(InputError::not_allowed("--out", "out", "(not given)", allowed))
         }
         (None, _) => Ok(()),
-        (Some(folder), Format::Itol) => writable_folder("--out", "out", folder, &ITOL_FILES),
-        (Some(file), _) => writable_file("--out", "out", file),
+        (Some(folder), Format::Itol) => writable_folder("--out", folder.as_path(), &ITOL_FILES),
+        (Some(file), _) => writable_file("--out", file.as_path()),
     }
 }
 
@@ -167,12 +117,9 @@ fn needs_folder() -> InputError {
 fn respond(tree: &Tree, format: Format, out: &Path, files: Vec<&str>, json: bool) -> Result<(), CliError> {
     let ends = tree.cells().filter(|id| tree.daughter_count(*id) == 0).count();
     let document = Answer { format: format.name(), cells: tree.len(), ends, out: out.display().to_string(), files };
-    if json {
-        return print_json(&document);
-    }
-    let files = if document.files.is_empty() { String::new() } else { format!(": {}", document.files.join(", ")) };
-    answer(&format!(
-        "{} cells, {ends} of them ends of branches, as {} in {}{files}\n",
-        document.cells, document.format, document.out
-    ))
+    print_as(json, &document, || {
+        let Answer { format, cells, out, files, .. } = &document;
+        let files = if files.is_empty() { String::new() } else { format!(": {}", files.join(", ")) };
+        format!("{cells} cells, {ends} of them ends of branches, as {format} in {out}{files}\n")
+    })
 }

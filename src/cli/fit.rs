@@ -7,10 +7,11 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
+use super::cell::one_of;
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, print_json, writable_file};
+use super::output::{print_as, writable_file};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use super::tree::bad_cue;
@@ -24,12 +25,12 @@ use crate::study::fit::{
 };
 use crate::study::tree_settings;
 
-/// Finds what would make the lineage the observed one: constants of the whole, activities of founders, or a cue
+/// Fits constants, activities or a cue to observations
 ///
-/// constants: one set of constants that brings rounds and terminal cells of founders nearest to the observed ones and χ of
-/// the germline nearest to the measured; beside it the front between that and the published thresholds.
-/// activity: which activity every founder by itself would need for its observed rounds.
-/// cue: which cue gives the measured χ of the germline, and what the measurements leave open.
+/// constants: one set of constants for the observed rounds and terminal cells of founders and the measured χ of the germline, with
+/// the Pareto front between this fit and the published thresholds.
+/// activity: for each founder by itself, the activity that gives its observed rounds.
+/// cue: the cue that gives the measured χ of the germline, and which combinations of its numbers stay undetermined.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -38,25 +39,25 @@ Examples:
   furrow fit cue --preset sulston1983
   furrow fit cue --cue activity:step,u0=0.5,omega=0.1,amplitude=0.1 --particles 4 --moves 1")]
 pub struct FitArgs {
-    /// What is to be found
+    /// What to fit
     #[arg(value_name = "WHAT", default_value = "constants")]
     what: What,
     /// Founders with their observed rounds; default the built-in C. elegans founders
     #[arg(help_heading = "Targets", long, value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
-    /// What constants and cues are held against, as data/embryo.ron; that is built in
+    /// Observations that constants and cues are fitted to; default the built-in data/embryo.ron
     #[arg(help_heading = "Targets", long, value_name = "TARGETS.ron")]
     targets: Option<PathBuf>,
-    /// Which reading of rounds activities are to meet
-    #[arg(help_heading = "Activity", long, value_name = "READING", default_value = "mean")]
-    rounds: RoundsArg,
-    /// The smallest activity ξ_s tried
+    /// Which count of rounds activities are fitted to
+    #[arg(help_heading = "Activity", long, value_name = "READING", default_value = "mean", value_parser = one_of(READINGS))]
+    rounds: Reading,
+    /// Lower limit of the activity ξ_s
     #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 4.0, value_parser = super::cell::number)]
     xi_from: f64,
-    /// The largest
+    /// Upper limit of the activity ξ_s
     #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 100.0, value_parser = super::cell::number)]
     xi_to: f64,
-    /// A cue of the kind that is searched for: its terms stay, their numbers do not
+    /// Start of the search: the terms of this cue are kept, their numbers are fitted
     #[arg(
         help_heading = "Cue",
         long,
@@ -64,16 +65,16 @@ pub struct FitArgs {
         default_value = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1"
     )]
     cue: String,
-    /// Particles of the swarm that searches
+    /// Particles of the swarm
     #[arg(help_heading = "Search", long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     particles: u32,
-    /// Times that they move
+    /// Moves of the swarm
     #[arg(help_heading = "Search", long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     moves: u32,
     /// Seed of the search
     #[arg(help_heading = "Search", long, value_name = "S", default_value_t = 0)]
     seed: u64,
-    /// File for the constants found, as --config reads it
+    /// File for the fitted constants, for --config
     #[arg(help_heading = "Output", long, value_name = "FILE.ron")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -87,22 +88,8 @@ enum What {
     Cue,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum RoundsArg {
-    Min,
-    Mean,
-    Max,
-}
-
-impl From<RoundsArg> for Reading {
-    fn from(rounds: RoundsArg) -> Reading {
-        match rounds {
-            RoundsArg::Min => Reading::Min,
-            RoundsArg::Mean => Reading::Mean,
-            RoundsArg::Max => Reading::Max,
-        }
-    }
-}
+/// Readings of "rounds" by the names of the option.
+const READINGS: [(&str, Reading); 3] = [("min", Reading::Min), ("mean", Reading::Mean), ("max", Reading::Max)];
 
 pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
@@ -112,12 +99,12 @@ pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
     settings.check_activity("settings")?;
     let settings = tree_settings(settings.clone(), &lineage, 0, context.quantisation);
     if args.out.is_some() && args.what != What::Constants {
-        let allowed = "given with constants alone";
+        let allowed = "used only with constants";
         return Err(InputError::not_allowed("--out", "out", format!("{:?}", args.out), allowed).into());
     }
     if args.what != What::Cue {
         // Divisions of trees are kept, those of a cue that is tried are not.
-        interrupt::gently();
+        interrupt::finish();
     }
     match args.what {
         What::Constants => constants(args, context, &lineage, &settings, start),
@@ -176,30 +163,17 @@ fn constants(
 ) -> Result<(), CliError> {
     let targets = targets(args, lineage)?;
     let picture = args.plot.file()?;
-    if let Some(file) = &args.out {
-        writable_file("--out", "out", file)?;
-    }
+    writable_file("--out", args.out.as_deref())?;
     let line = ProgressLine::new(context.progress);
-    let show = |tried: usize, misfit: f64| line.say(format!("{tried} sets of constants, least misfit {misfit:.3}"));
+    let show = |tried: usize, misfit: f64| line.message(format!("{tried} sets of constants, least misfit {misfit:.3}"));
     let (memo, flag) = (context.memo()?, Some(interrupt::flag()));
     let found = fit_constants(lineage, &targets, settings, &memo, effort(args), context.threads, flag, Some(&show))?;
     drop(line);
     if let Some(file) = &args.out {
         write_atomically(file, config(&found.best).as_bytes())?;
     }
-    if let Some(picture) = picture {
-        picture.write(&crate::plot::fit::draw_constants(&found))?;
-    }
+    picture.write(|| crate::plot::fit::draw_constants(&found))?;
     let elapsed_s = start.elapsed().as_secs_f64();
-    if !context.json {
-        let written =
-            args.out.as_ref().map_or(String::new(), |file| format!("; --config {} takes them", file.display()));
-        return answer(&format!(
-            "{}{} sets of constants tried, {elapsed_s:.0} s{written}\n",
-            constants_text(&found, &targets),
-            found.tried
-        ));
-    }
     let number = |(parameter, value): &(Parameter, f64)| (parameter.to_string(), (*value).into());
     let sharpness = found.sharpness.iter().zip(&found.plateau).map(|(sharp, (_, plateau))| {
         serde_json::json!({ "parameter": sharp.parameter.to_string(), "from": sharp.from, "to": sharp.to,
@@ -217,7 +191,15 @@ fn constants(
         seed: args.seed,
         elapsed_s,
     };
-    print_json(&document)
+    print_as(context.json, &document, || {
+        let written =
+            args.out.as_ref().map_or(String::new(), |file| format!("; use them with --config {}", file.display()));
+        format!(
+            "{}{} sets of constants tried, {elapsed_s:.0} s{written}\n",
+            constants_text(&found, &targets),
+            found.tried
+        )
+    })
 }
 
 fn residuals<'a>(best: &'a Evaluated, targets: &'a Targets) -> Vec<Residual<'a>> {
@@ -344,18 +326,15 @@ fn activity(
         let allowed = format!("above --xi-from = {}", range[0]);
         return Err(InputError::not_allowed("--xi-to", "xi_s", range[1], allowed).into());
     }
-    let (memo, flag, reading) = (context.memo()?, Some(interrupt::flag()), Reading::from(args.rounds));
+    let (memo, flag, reading) = (context.memo()?, Some(interrupt::flag()), args.rounds);
     let picture = args.plot.file()?;
     let (found, trees) = activities(lineage, settings, &memo, reading, range, context.threads, flag)?;
-    if let Some(picture) = picture {
-        picture.write(&crate::plot::fit::draw_activities(&found, settings.cell.xi_s))?;
-    }
+    picture.write(|| crate::plot::fit::draw_activities(&found, settings.cell.xi_s))?;
     let elapsed_s = start.elapsed().as_secs_f64();
-    if context.json {
-        let document = ActivityAnswer { rounds: reading, founders: &found, trees, elapsed_s };
-        return print_json(&document);
-    }
-    answer(&format!("{}\n{trees} trees, {elapsed_s:.0} s\n", activity_text(&found, reading, settings)))
+    let document = ActivityAnswer { rounds: reading, founders: &found, trees, elapsed_s };
+    print_as(context.json, &document, || {
+        format!("{}\n{trees} trees, {elapsed_s:.0} s\n", activity_text(&found, reading, settings))
+    })
 }
 
 fn activity_text(found: &[FounderActivity], reading: Reading, settings: &TreeSettings) -> String {
@@ -404,7 +383,7 @@ fn cue(
     let targets = targets(args, lineage)?;
     let template = lineage.parse_cue(&args.cue).map_err(bad_cue)?;
     if template.is_none() {
-        let allowed = "a cue with a term, whose numbers are searched for";
+        let allowed = "a cue with at least one term";
         return Err(InputError::not_allowed("--cue", "cue", &args.cue, allowed).into());
     }
     if targets.chi.is_empty() {
@@ -414,22 +393,19 @@ fn cue(
     let flag = Some(interrupt::flag());
     let picture = args.plot.file()?;
     let found = fit_cue(lineage, &targets, settings, &template, effort(args), context.threads, flag)?;
-    if let Some(picture) = picture {
-        picture.write(&crate::plot::fit::draw_cue(&found))?;
-    }
+    picture.write(|| crate::plot::fit::draw_cue(&found))?;
     let elapsed_s = start.elapsed().as_secs_f64();
-    if context.json {
-        let document = CueAnswer { found: &found, seed: args.seed, elapsed_s };
-        return print_json(&document);
-    }
-    let out_of_sample = targets.out_of_sample.as_ref().map_or("", |out| &out.name);
-    answer(&format!("{}{} cues tried, {elapsed_s:.0} s\n", cue_text(&found, out_of_sample), found.tried))
+    let document = CueAnswer { found: &found, seed: args.seed, elapsed_s };
+    print_as(context.json, &document, || {
+        let out_of_sample = targets.out_of_sample.as_ref().map_or("", |out| &out.name);
+        format!("{}{} cues tried, {elapsed_s:.0} s\n", cue_text(&found, out_of_sample), found.tried)
+    })
 }
 
 fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
     let mut out = format!("cue {}\n\n", found.cue);
     for number in &found.numbers {
-        let sd = number.sd.map_or("not held by the data".to_owned(), |sd| format!("± {sd:.4}"));
+        let sd = number.sd.map_or("undetermined".to_owned(), |sd| format!("± {sd:.4}"));
         let [from, to] = number.searched;
         let _ = writeln!(out, "{:<18} {:>9.4} {sd}  (searched {from}..{to})", number.name, number.value);
     }
@@ -445,13 +421,13 @@ fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
     let _ = writeln!(out, "\nχ² = {:.2} over {} divisions", found.chi_squared, found.residuals.len());
     table(&mut out, &found.residuals);
     match &found.combinations {
-        None => out += "\nan outcome near the best is not smooth: what the data hold is not told\n",
+        None => out += "\nsensitivities skipped (not smooth)\n",
         Some(combinations) => {
             out += "\nstandard deviations of χ per unit step (by logarithm, or in u), by combination:\n";
             for held in combinations {
                 let parts: Vec<String> =
                     held.components.iter().zip(&found.numbers).map(|(x, n)| format!("{x:+.3} {}", n.name)).collect();
-                let open = if held.determined { "" } else { "  (left open)" };
+                let open = if held.determined { "" } else { "  (undetermined)" };
                 let _ = writeln!(out, "{:>10.2}  {}{open}", held.singular_value, parts.join(" "));
             }
         }

@@ -8,27 +8,28 @@ use serde::Serialize;
 
 use super::cell::{number, positive};
 use super::context::Context;
-use super::divide::write_all_frames;
 use super::error::CliError;
+use super::interrupt;
 use super::movie::{DENSE, MovieFile};
-use super::output::print;
-use super::plot::PlotFile;
+use super::output::print_as;
+use super::plot::Picture;
 use crate::batch::perturbations::{Disturbed, perturbations};
 use crate::cell::Cue;
-use crate::division::{Division, DivisionInput, Statistics};
+use crate::division::{Division, DivisionInput, Film, Statistics};
+use crate::io::frames::{check_step, write_frames};
 use crate::perturbation::{Perturbation, WATCHED, film_perturbed};
 use crate::plot::perturbation::{Watched, draw};
 
 /// The options of a start from a stationary shape.
 #[derive(Debug, Args)]
 pub struct FromSteadyArgs {
-    /// Starts from the stationary shape at the cell's activity; a cell that has not divided in the end is `failed`
+    /// Starts from the stationary shape at the cell's activity; the outcome of a cell that does not divide is `failed`
     ///
-    /// It is the first such shape on the branch that grows out of the passive one, stable or not. The noise of the first step
-    /// disturbs it, and its distance from there, ‖r − r0‖ + ‖z − z0‖ (L² over u), is told over time.
+    /// This is the first such shape on the branch that starts at the passive shape, stable or not. The noise of the first step
+    /// disturbs it. The result has its distance from the start over time, ‖r − r0‖ + ‖z − z0‖ (L² over u).
     #[arg(help_heading = "Numerics", long)]
     pub from_steady: bool,
-    /// How long it is watched with --from-steady, in τ
+    /// Time limit with --from-steady, in τ
     #[arg(help_heading = "Numerics", long, value_name = "TAU", requires = "from_steady", allow_negative_numbers = true,
         default_value_t = WATCHED, value_parser = number)]
     until: f64,
@@ -38,23 +39,23 @@ pub struct FromSteadyArgs {
 pub struct Output<'a> {
     pub frames: Option<&'a Path>,
     pub every: Option<f64>,
-    pub picture: Option<PlotFile>,
-    pub movie: Option<MovieFile>,
+    pub picture: Picture,
+    pub movie: MovieFile,
 }
 
-/// One replicate in the answer.
+/// One replicate in the result.
 #[derive(Serialize)]
 struct Replicate<'a> {
     seed: u64,
     #[serde(flatten)]
     division: &'a Division,
-    /// Whether the cell has come back to where it started.
+    /// Whether the cell returned to its start.
     returned: bool,
     /// [t, dis(t)].
     dis: &'a [[f64; 2]],
 }
 
-/// What `--json` prints: as of a division, with what is told of the start.
+/// What `--json` prints: as of a division, with data of the start.
 #[derive(Serialize)]
 struct Answer<'a> {
     r0: f64,
@@ -80,7 +81,7 @@ pub fn run(
     count: usize,
     output: Output<'_>,
 ) -> Result<(), CliError> {
-    let until = positive("--until", "until", args.until)?;
+    let until = positive("--until", args.until)?;
     let (mut watched, mut failures): (Vec<(u64, Perturbation)>, Vec<_>) = (Vec::new(), Vec::new());
     for Disturbed { seed, found } in perturbations(input, count, until, context.threads)? {
         match found {
@@ -115,7 +116,7 @@ pub fn run(
         statistics: Statistics::of(watched.iter().map(|(_, perturbation)| &perturbation.division)),
         undecided: failures.len(),
     };
-    print(context.json, &document, || text(&document))
+    print_as(context.json, &document, || text(&document))
 }
 
 fn write_files(
@@ -124,21 +125,21 @@ fn write_files(
     watched: &[(u64, Perturbation)],
     output: Output<'_>,
 ) -> Result<(), CliError> {
-    if output.frames.is_some() || output.movie.is_some() {
+    if output.frames.is_some() || output.movie.is_wanted() {
         let (film, _) = film_perturbed(input, until)?;
-        if let Some(folder) = output.frames {
-            write_all_frames(folder, &film, output.every)?;
-        }
-        if let Some(movie) = output.movie {
-            movie.write(&input.cell, &film.with_places(DENSE))?;
-        }
+        write_all_frames(output.frames, &film, output.every)?;
+        output.movie.write(&input.cell, &film.with_places(DENSE))?;
     }
-    if let Some(picture) = output.picture {
-        let named: Vec<Watched<'_>> =
-            watched.iter().map(|(seed, p)| Watched { name: format!("seed {seed}"), perturbation: p }).collect();
-        picture.write(&draw(&input.cell, &named))?;
-    }
-    Ok(())
+    let named: Vec<Watched<'_>> =
+        watched.iter().map(|(seed, p)| Watched { name: format!("seed {seed}"), perturbation: p }).collect();
+    output.picture.write(|| draw(&input.cell, &named))
+}
+
+/// Writes the frames of a film into a folder, if one is given, after every step or every so many τ; an interruption waits for them.
+pub fn write_all_frames(folder: Option<&Path>, film: &Film, every: Option<f64>) -> Result<(), CliError> {
+    let Some(folder) = folder else { return Ok(()) };
+    check_step("--frame-step", film, every)?;
+    Ok(interrupt::defer(|| write_frames(folder, film, every))?)
 }
 
 fn text(document: &Answer<'_>) -> String {

@@ -1,67 +1,73 @@
-//! What Ctrl-C does: it ends a command at once, unless divisions are under way that are worth finishing.
+//! What Ctrl-C does: it stops the command at once, unless the command finishes divisions that have begun.
 
-use super::output::say;
+use super::error::CliError;
+use super::output::eprint;
+use crate::io::write_atomically;
+use std::path::Path;
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Set by Ctrl-C.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-/// Whether the command looks at [`INTERRUPTED`] itself.
-static GENTLY: AtomicBool = AtomicBool::new(false);
+/// Whether the command checks [`INTERRUPTED`] itself.
+static FINISH: AtomicBool = AtomicBool::new(false);
 
-/// Begins to listen to Ctrl-C, which from now on ends the command at once: a computation that keeps nothing on the way has
-/// nothing to finish.
+/// Starts to listen. Until [`finish`] is called Ctrl-C stops the command at once: it has nothing to keep.
 pub fn listen() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         if let Err(error) = ctrlc::set_handler(interrupt) {
-            tracing::debug!("Ctrl-C will stop without a word: {error}");
+            tracing::debug!("Ctrl-C will stop without a message: {error}");
         }
     });
 }
 
-/// From now on the first Ctrl-C only sets [`flag`]. For commands that solve divisions.
-pub fn gently() {
-    GENTLY.store(true, Ordering::SeqCst);
+/// From now on the first Ctrl-C only sets [`flag`]: divisions that have begun are finished and kept.
+pub fn finish() {
+    FINISH.store(true, Ordering::SeqCst);
 }
 
-/// From now on Ctrl-C ends the command at once again; one that has come meanwhile does so here. For what follows the divisions
-/// and keeps nothing on the way, as pictures.
-pub fn at_once() {
-    GENTLY.store(false, Ordering::SeqCst);
+/// From now on Ctrl-C stops the command at once again; an earlier one does so here.
+pub fn abort() {
+    FINISH.store(false, Ordering::SeqCst);
     if INTERRUPTED.load(Ordering::SeqCst) {
-        end();
+        exit();
     }
 }
 
-/// Does something that is not to be broken off, such as writing a file.
-pub fn unbroken<T>(work: impl FnOnce() -> T) -> T {
-    let gently = GENTLY.swap(true, Ordering::SeqCst);
+/// Defers an interruption until the work, such as writing files, is done.
+pub fn defer<T>(work: impl FnOnce() -> T) -> T {
+    let finish = FINISH.swap(true, Ordering::SeqCst);
     let done = work();
-    GENTLY.store(gently, Ordering::SeqCst);
-    if !gently && INTERRUPTED.load(Ordering::SeqCst) {
-        end();
+    FINISH.store(finish, Ordering::SeqCst);
+    if !finish && INTERRUPTED.load(Ordering::SeqCst) {
+        exit();
     }
     done
 }
 
-/// What Ctrl-C sets: divisions under way are finished and kept, none is begun.
+/// Writes a file whole; an interruption waits for it.
+pub fn write_deferred(file: &Path, bytes: &[u8]) -> Result<(), CliError> {
+    Ok(defer(|| write_atomically(file, bytes))?)
+}
+
+/// What Ctrl-C sets.
 pub fn flag() -> &'static AtomicBool {
     &INTERRUPTED
 }
 
 fn interrupt() {
     let again = INTERRUPTED.swap(true, Ordering::SeqCst);
-    if !GENTLY.load(Ordering::SeqCst) {
-        end();
+    if !FINISH.load(Ordering::SeqCst) {
+        exit();
     }
     if again {
         std::process::exit(130);
     }
-    say("finishing what is under way; interrupt again to stop at once");
+    eprint("finishing the divisions that have begun; interrupt again to stop at once");
 }
 
-fn end() -> ! {
-    say("error: interrupted");
+fn exit() -> ! {
+    eprint("error: interrupted");
     std::process::exit(1);
 }

@@ -5,31 +5,30 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 
-use super::Globals;
-use super::context::start_logs;
+use super::context::{Globals, start_logs};
 use super::error::CliError;
-use super::output::{print, writable_folder};
+use super::output::{print_as, writable_folder};
 use crate::input::InputError;
 use crate::io::sweep_files::{SWEEP_FILES, merge};
 
-/// Puts the parts of a sweep together: the same files as of the whole sweep, byte for byte
+/// Merges the parts of a sweep into the files of the whole sweep, byte for byte
 ///
-/// Parts that are missing, of different sweeps or of different versions of furrow are refused.
+/// Fails if parts are missing or come from different sweeps or versions of furrow.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   furrow merge part-1 part-2 --out whole
   furrow merge part-1 part-2 --out whole --json")]
 pub struct MergeArgs {
-    /// Folders that furrow sweep --shard has written, of all parts
+    /// Folders of all parts, written by furrow sweep --shard
     #[arg(value_name = "DIR", required = true)]
     parts: Vec<PathBuf>,
-    /// Folder for the files of the whole sweep
+    /// Output folder
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: PathBuf,
 }
 
-/// What `--json` prints: as of a sweep, of which everything was solved before.
+/// What `--json` prints: as of a sweep without anything new to solve.
 #[derive(Serialize)]
 struct Answer {
     points: usize,
@@ -47,15 +46,15 @@ pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
         let allowed = "another folder than those of the parts";
         return Err(InputError::not_allowed("--out", "out", format!("{part:?}"), allowed).into());
     }
-    writable_folder("--out", "out", &args.out, &SWEEP_FILES)?;
+    writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
     let table = merge(&args.parts)?;
     if let Some((aside, what)) = table.write(&args.out)? {
-        tracing::warn!("the files of another sweep are kept in {}: {what}", aside.display());
+        tracing::warn!("the files of another sweep were moved to {}: {what}", aside.display());
     }
     let points = table.rows.len();
     let document =
         Answer { points, solved: 0, reused: points, parts: args.parts.len(), out: args.out.display().to_string() };
-    print(globals.json, &document, || {
+    print_as(globals.json, &document, || {
         format!("{points} points of {} parts; files in {}\n", document.parts, document.out)
     })
 }

@@ -1,4 +1,4 @@
-//! The command line: arguments in, answers to stdout, all else to stderr. One file a command.
+//! The command line: one file a command. Results go to stdout, messages to stderr.
 
 mod boundary;
 mod branch;
@@ -31,15 +31,14 @@ mod sweep;
 mod tree;
 mod vary;
 
-use clap::{Args, CommandFactory, Parser, Subcommand};
-use context::Context;
+use clap::{CommandFactory, Parser, Subcommand};
+use context::{Context, Globals};
 pub use error::CliError;
-use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Predicts from mechanics how an embryo's cells divide: how unequally, how many rounds, and when a lineage stops.
+/// Predicts cell divisions of embryos from mechanics: how unequal they are, how many rounds there are, and when a lineage stops.
 ///
-/// Lengths are in L_h, times in τ, activities in κ0/L_h; ξ_s is the published one.
+/// Lengths are in L_h, times in τ, activities in κ0/L_h. ξ_s is the activity as published.
 #[derive(Debug, Parser)]
 #[command(name = "furrow", version, arg_required_else_help = true, propagate_version = true)]
 #[command(after_help = "\
@@ -52,43 +51,6 @@ struct Cli {
     globals: Globals,
     #[command(subcommand)]
     command: Command,
-}
-
-/// Options of all commands.
-#[derive(Clone, Debug, Args)]
-struct Globals {
-    /// Constants to begin with: gao2026, from the thresholds that the paper prints, or sulston1983, from the rounds of the
-    /// C. elegans founders
-    #[arg(help_heading = "Parameters", long, global = true, value_name = "NAME", default_value = "gao2026")]
-    preset: String,
-    /// Parameters in RON, as in `Config(physics: (epsilon: 0.8), numerics: (stages: 4))`; what it does not name keeps
-    /// the value of the preset
-    #[arg(help_heading = "Parameters", long, global = true, value_name = "FILE.ron")]
-    config: Option<PathBuf>,
-    /// Sets one parameter, after the file; repeatable
-    #[arg(help_heading = "Parameters", long, global = true, value_name = "KEY=VALUE")]
-    set: Vec<String>,
-    /// Threads that solve; default one for each core
-    #[arg(help_heading = "Run", long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-    /// Folder that keeps solved divisions; default `cache` here if there is one, else the user's cache folder
-    #[arg(help_heading = "Run", long, global = true, value_name = "DIR", conflicts_with = "no_cache")]
-    cache: Option<PathBuf>,
-    /// Neither reads nor keeps solved divisions
-    #[arg(help_heading = "Run", long, global = true)]
-    no_cache: bool,
-    /// Relative step to which R0 is rounded before a division is looked up or solved; 0 for none
-    #[arg(help_heading = "Numerics", long, global = true, value_name = "STEP", allow_negative_numbers = true, value_parser = cell::number)]
-    r0_step: Option<f64>,
-    /// Prints one JSON document
-    #[arg(help_heading = "Output", long, global = true)]
-    json: bool,
-    /// No progress and no warnings
-    #[arg(help_heading = "Output", long, global = true, conflicts_with = "verbose")]
-    quiet: bool,
-    /// Says more on stderr; twice says most
-    #[arg(help_heading = "Output", short, long, global = true, action = clap::ArgAction::Count)]
-    verbose: u8,
 }
 
 #[derive(Debug, Subcommand)]
@@ -113,28 +75,33 @@ enum Command {
     Completions(completions::CompletionsArgs),
 }
 
+/// The commands and their arguments.
+pub fn command() -> clap::Command {
+    Cli::command()
+}
+
 /// Runs the command line of this process. Exit code 0: done; 1: the computation failed; 2: bad input.
 pub fn main() -> ExitCode {
     survive_full_disks();
     let done = match Cli::try_parse() {
         Ok(cli) => run(cli),
-        Err(said) => output::explain(&said),
+        Err(error) => output::print_usage(&error),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        // Whoever reads the answer has enough of it.
-        Err(CliError::Answer(e)) if e.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        // The reader of a pipe has closed it.
+        Err(CliError::Stdout(e)) if e.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
             if !matches!(error, CliError::Usage) {
-                output::say(&format!("error: {error}"));
+                output::eprint(&format!("error: {error}"));
             }
             ExitCode::from(error.exit_code())
         }
     }
 }
 
-/// A write beyond the largest size a file may have fails like one to a full disk. By default the signal that comes with it
-/// would end the process, temporary files left where they are; with a handler, whatever it does, it does not.
+/// Makes a write beyond the limit on file sizes fail like one to a full disk. Without a handler the signal would kill the process,
+/// which would leave its temporary files behind.
 fn survive_full_disks() {
     #[cfg(unix)]
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
@@ -142,6 +109,7 @@ fn survive_full_disks() {
 
 fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
+        Command::Tree(args) if args.has_scenarios() => scenarios::run(&args, &Context::new(&cli.globals)?),
         Command::Tree(args) => tree::run(&args, &Context::new(&cli.globals)?),
         Command::Divide(args) => divide::run(&args, Context::new(&cli.globals)?),
         Command::Steady(args) => steady::run(&args, Context::new(&cli.globals)?),

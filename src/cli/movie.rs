@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::error::CliError;
-use super::output::{file_of_kind, write_unbroken};
+use super::interrupt::write_deferred;
+use super::output::file_of_format;
 use crate::cell::Cell;
 use crate::division::Film;
 use crate::input::InputError;
@@ -17,42 +18,46 @@ pub const DENSE: usize = 6;
 /// The options of a movie.
 #[derive(Debug, Args)]
 pub struct MovieArgs {
-    /// Shows the first replicate as a movie: GIF, animated PNG or animated SVG by the file's extension
+    /// Writes a movie of the first replicate: GIF, animated PNG or animated SVG by the file's extension
     #[arg(help_heading = "Output", long = "movie", value_name = "FILE.gif|.png|.svg")]
     movie: Option<PathBuf>,
-    /// Frames of the movie, at even times; default 80, of SVG 20
+    /// Frames of the movie, evenly spaced in time; default 80, for SVG 20
     #[arg(help_heading = "Output", long, value_name = "N", requires = "movie", value_parser = clap::value_parser!(u32).range(2..=2000))]
     movie_frames: Option<u32>,
 }
 
-/// Where a movie goes, and as what.
+/// The file and format of a movie, if one is asked for, and its frames.
 #[derive(Debug)]
 pub struct MovieFile {
-    path: PathBuf,
-    format: MovieFormat,
-    frames: usize,
+    file: Option<(PathBuf, MovieFormat)>,
+    frames: Option<u32>,
 }
 
 impl MovieArgs {
-    /// The file, if one is asked for, before the work that it is to show.
+    /// Checks the file before the work that it shows.
     ///
     /// # Errors
-    /// Its name says of no kind of movie, or it cannot be written.
-    pub fn file(&self) -> Result<Option<MovieFile>, InputError> {
-        let Some(path) = &self.movie else { return Ok(None) };
+    /// Its extension is no format of movies, or it cannot be written.
+    pub fn file(&self) -> Result<MovieFile, InputError> {
         let allowed = "a file whose name ends in .gif, .png, .apng or .svg";
-        let (path, format) = file_of_kind("--movie", "movie", path, MovieFormat::of(path), allowed)?;
-        let frames = self.movie_frames.map_or(format.usual_frames(), |frames| frames as usize);
-        Ok(Some(MovieFile { path, format, frames }))
+        let file = self.movie.as_ref().map(|path| file_of_format("--movie", path, MovieFormat::of(path), allowed));
+        Ok(MovieFile { file: file.transpose()?, frames: self.movie_frames })
     }
 }
 
 impl MovieFile {
-    /// Writes the movie of a division; a file of that name is replaced, whole or not at all.
+    /// Whether one is asked for.
+    pub fn is_wanted(&self) -> bool {
+        self.file.is_some()
+    }
+
+    /// Writes the movie of a division, if one is asked for; an existing file is replaced, whole or not at all.
     ///
     /// # Errors
     /// It cannot be drawn or written.
     pub fn write(&self, cell: &Cell, film: &Film) -> Result<(), CliError> {
-        write_unbroken(&self.path, &Movie { cell, film, frames: self.frames }.bytes(self.format)?)
+        let Some((path, format)) = &self.file else { return Ok(()) };
+        let frames = self.frames.map_or(format.usual_frames(), |frames| frames as usize);
+        write_deferred(path, &Movie { cell, film, frames }.bytes(*format)?)
     }
 }

@@ -5,15 +5,15 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::error::CliError;
-use super::output::answer;
+use super::output::print;
 use crate::input::InputError;
 use crate::io::write_atomically;
 use crate::lineage::TEMPLATE;
 
-/// Writes a commented lineage file to begin with; it grows as it stands
+/// Writes a commented lineage file as a starting point
 #[derive(Debug, Args)]
 pub struct NewLineageArgs {
-    /// File to write; one that exists is left alone
+    /// Output file; an existing file is not overwritten
     #[arg(value_name = "FILE.ron")]
     file: PathBuf,
 }
@@ -25,5 +25,5 @@ pub fn run(args: &NewLineageArgs) -> Result<(), CliError> {
     }
     write_atomically(&args.file, TEMPLATE.as_bytes())?;
     let file = args.file.display();
-    answer(&format!("{file} written; change it, then: furrow tree {file}\n"))
+    print(&format!("{file} written; change it, then: furrow tree {file}\n"))
 }

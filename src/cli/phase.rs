@@ -9,7 +9,7 @@ use super::cell::number;
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, print_json};
+use super::output::print_as;
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use super::vary::{Varied, VaryArgs};
@@ -22,7 +22,7 @@ use crate::shapes::PointKind;
 use crate::shapes::at_rest::Edge;
 use crate::shapes::curves;
 
-/// Maps outcomes over a parameter and ξ_s: at rest by the exact edges of the stable shapes, χ by divisions elsewhere
+/// Maps outcomes over a parameter and ξ_s: rest from the exact edges of stable shapes, χ from divisions elsewhere
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -32,7 +32,7 @@ Examples:
 pub struct PhaseArgs {
     #[command(flatten)]
     vary: VaryArgs,
-    /// Values across
+    /// Number of values of the parameter
     #[arg(help_heading = "Diagram", long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     points: u32,
     /// First ξ_s
@@ -41,7 +41,7 @@ pub struct PhaseArgs {
     /// Last ξ_s
     #[arg(help_heading = "Diagram", long, value_name = "X", default_value_t = 30.0, allow_negative_numbers = true, value_parser = number)]
     xi_to: f64,
-    /// Values of ξ_s
+    /// Number of values of ξ_s
     #[arg(help_heading = "Diagram", long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     xi_points: u32,
     /// Seed of the noise in the first step
@@ -78,23 +78,13 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
         seed: args.seed,
     };
     let diagram = solve(&context, &plane)?;
-    if let Some(picture) = picture {
-        picture.write(&plot::phase::draw(&plane, &diagram, &edges(&plane, range)))?;
-    }
-    if context.json {
-        let document = Answer {
-            vary: parameter.to_string(),
-            cue: &plane.cell.cue,
-            cells: &diagram.cells,
-            columns: &diagram.columns,
-        };
-        print_json(&document)
-    } else {
-        answer(&text(&plane, &diagram))
-    }
+    picture.write(|| plot::phase::draw(&plane, &diagram, &edges(&plane, range)))?;
+    let PhaseDiagram { cells, columns, .. } = &diagram;
+    let document = Answer { vary: parameter.to_string(), cue: &plane.cell.cue, cells, columns };
+    print_as(context.json, &document, || text(&plane, &diagram))
 }
 
-/// The curves that bound the outcomes, for the picture; without them it has the edges at each value across.
+/// The curves that bound the outcomes, for the picture; without them it shows the edges at each value of the parameter.
 fn edges(plane: &PhasePlane, [from, to]: [f64; 2]) -> Edges {
     if from == to || plane.across.len() < 2 {
         return Edges::default();
@@ -108,18 +98,18 @@ fn edges(plane: &PhasePlane, [from, to]: [f64; 2]) -> Edges {
         _ => Ok(Edges { pitchforks: Vec::new(), folds: found }),
     });
     found.unwrap_or_else(|error| {
-        tracing::warn!("the picture has the edges at each value across, and no curves through them: {error}");
+        tracing::warn!("the picture shows the edges at each value, without curves: {error}");
         Edges::default()
     })
 }
 
-/// The diagram; what could not be computed is told by warnings.
+/// Computes the diagram; logs what could not be computed.
 fn solve(context: &Context, plane: &PhasePlane) -> Result<PhaseDiagram, CliError> {
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let show = |progress| {
         // The shapes at rest, computed before, are not kept: divisions are.
-        interrupt::gently();
+        interrupt::finish();
         line.show(progress);
     };
     let diagram = plane.compute(&memo, &context.scheduling(&show));

@@ -6,12 +6,12 @@ use serde::Serialize;
 use super::cell::{CellArgs, number, positive};
 use super::context::Context;
 use super::error::CliError;
-use super::output::{answer, print_json};
+use super::output::print_as;
 use crate::cell::Cue;
 use crate::report::ThresholdReport;
 use crate::shapes::{BranchOptions, pitchfork};
 
-/// Locates the first pitchfork of the mirror-symmetric shapes and says on which side the asymmetric ones lie
+/// Locates the first pitchfork of the mirror-symmetric shapes and its criticality
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -20,7 +20,7 @@ Examples:
 pub struct PitchforkArgs {
     #[command(flatten)]
     cell: CellArgs,
-    /// Largest ξ_s searched
+    /// Upper limit of ξ_s in the search
     #[arg(help_heading = "Numerics", long, value_name = "X", default_value_t = 100.0, allow_negative_numbers = true, value_parser = number)]
     xi_max: f64,
 }
@@ -37,17 +37,16 @@ struct Answer {
 
 pub fn run(args: &PitchforkArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
-    let xi_max = positive("--xi-max", "xi_max", args.xi_max)?;
+    let xi_max = positive("--xi-max", args.xi_max)?;
     let options = BranchOptions { xi: [0.0, xi_max], ..BranchOptions::default() };
     let found = pitchfork::first(&cell, &context.settings.numerics, &options)?;
     let document = Answer { r0: cell.r0, epsilon: cell.epsilon, cue: cell.cue, found: ThresholdReport::new(&found) };
-    if context.json {
-        return print_json(&document);
-    }
-    let Answer { r0, epsilon, found, .. } = &document;
-    answer(&format!(
-        "R0 = {}, ε = {}: pitchfork at ξ_s* = {:.8} ({}), H = {:.6}\n\
-         ξ_s = ξ_s* + c (u_furrow − ½)² with c = {:.4} on the asymmetric branch\n",
-        r0, epsilon, found.xi_s, found.criticality, found.H, found.coefficient
-    ))
+    print_as(context.json, &document, || {
+        let Answer { r0, epsilon, found, .. } = &document;
+        format!(
+            "R0 = {r0}, ε = {epsilon}: pitchfork at ξ_s* = {:.8} ({}), H = {:.6}\n\
+             ξ_s = ξ_s* + c (u_furrow − ½)² with c = {:.4} on the asymmetric branch\n",
+            found.xi_s, found.criticality, found.H, found.coefficient
+        )
+    })
 }

@@ -5,44 +5,49 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::error::CliError;
-use super::output::{file_of_kind, write_unbroken};
+use super::interrupt::write_deferred;
+use super::output::file_of_format;
 use crate::drawing::{Drawing, Format};
 use crate::input::InputError;
 
 /// The option of all commands that draw.
 #[derive(Debug, Args)]
 pub struct PlotArgs {
-    /// Draws what is computed, as SVG or PNG by the file's extension
-    #[arg(help_heading = "Output", long = "plot", value_name = "FILE.svg|.png")]
+    /// Draws the result, as SVG or PNG by the file's extension
+    #[arg(help_heading = "Output", long, value_name = "FILE.svg|.png")]
     plot: Option<PathBuf>,
 }
 
-/// Where a picture goes, and as what.
+/// The file and format of a picture, if one is asked for.
 #[derive(Debug)]
-pub struct PlotFile {
-    path: PathBuf,
-    format: Format,
-}
+pub struct Picture(Option<(PathBuf, Format)>);
 
 impl PlotArgs {
-    /// The file, if one is asked for, before the work that it is to show.
+    /// Checks the file before the work that it shows.
     ///
     /// # Errors
-    /// It is neither SVG nor PNG by its name, or cannot be written.
-    pub fn file(&self) -> Result<Option<PlotFile>, InputError> {
-        let Some(path) = &self.plot else { return Ok(None) };
+    /// Its extension is neither SVG nor PNG, or it cannot be written.
+    pub fn file(&self) -> Result<Picture, InputError> {
         let allowed = "a file whose name ends in .svg or .png";
-        let (path, format) = file_of_kind("--plot", "plot", path, Format::of(path), allowed)?;
-        Ok(Some(PlotFile { path, format }))
+        let file = self.plot.as_ref().map(|path| file_of_format("--plot", path, Format::of(path), allowed));
+        Ok(Picture(file.transpose()?))
     }
 }
 
-impl PlotFile {
-    /// Writes a picture; a file of that name is replaced, whole or not at all.
+impl Picture {
+    /// Whether one is asked for.
+    pub fn is_wanted(&self) -> bool {
+        self.0.is_some()
+    }
+
+    /// Draws and writes the picture, if one is asked for; an existing file is replaced, whole or not at all.
     ///
     /// # Errors
     /// It cannot be drawn or written.
-    pub fn write(&self, drawing: &Drawing) -> Result<(), CliError> {
-        write_unbroken(&self.path, &drawing.bytes(self.format)?)
+    pub fn write(&self, draw: impl FnOnce() -> Drawing) -> Result<(), CliError> {
+        match &self.0 {
+            Some((path, format)) => write_deferred(path, &draw().bytes(*format)?),
+            None => Ok(()),
+        }
     }
 }

@@ -33,8 +33,8 @@ impl ProgressLine {
         }
     }
 
-    /// Shows what is said of a run in words.
-    pub fn say(&self, text: String) {
+    /// Shows a message.
+    pub fn message(&self, text: String) {
         if !self.bar.is_hidden() {
             self.bar.set_message(text);
         }

@@ -3,29 +3,28 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 
-use super::Globals;
-use super::context::{Context, warn_of_store};
+use super::cell::one_of;
+use super::context::{Context, Globals, warn_of_store};
 use super::error::CliError;
-use super::interrupt;
-use super::output::{answer, csv_of, writable_file, writable_folder, write_unbroken};
+use super::interrupt::{self, write_deferred};
+use super::output::{csv_of, print, to_json, writable_file, writable_folder};
 use super::progress::ProgressLine;
 use crate::drawing::Format;
 use crate::io::files::FileSet;
 use crate::plot::reproduction::draw;
 use crate::report::reproduction::{markdown, text};
 use crate::study::reproduce::paper::selected;
-use crate::study::reproduce::{Item, Lab, Panel, Reproduction, Shown, Verdict, reproduce};
+use crate::study::reproduce::{Item, Lab, LabError, Panel, Reproduction, Shown, Verdict, reproduce};
 use crate::study::table::csv_text;
 
-/// Computes what the paper says, figure by figure, and tells what agrees and what differs
+/// Recomputes the paper figure by figure and lists what agrees and what differs
 ///
-/// A figure is one of the paper's, as 2A, S5, `Table S3` or `Movie 1`; a panel of several that are one row, as 2D; or a whole,
-/// as 2 or movies. Without one all of them are computed, which takes a minute or two. Sizes,
-/// confinement, activity and cues of single cells are the paper's; the constants, and all of lineages, are those of the preset,
-/// and of --config and --set.
+/// FIGURE is a figure, panel, table or movie of the paper, such as 2A, S5, `Table S3` or `Movie 1`, or a group, such as 2 or movies.
+/// All of them take a minute or two. Sizes, confinement, activity and cues of single cells are the paper's; the constants, and
+/// everything of lineages, come from --preset, --config and --set.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -36,40 +35,24 @@ pub struct ReproduceArgs {
     /// Figures, tables and movies of the paper; default all
     #[arg(value_name = "FIGURE")]
     figures: Vec<String>,
-    /// Folder for pictures, tables, reproduction.md, results.csv and reproduce.json
+    /// Output folder for pictures, tables, reproduction.md, results.csv and reproduce.json
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Kind of the pictures
-    #[arg(help_heading = "Output", long, value_name = "KIND", value_enum, default_value_t = Kind::Svg, requires = "out")]
-    format: Kind,
+    /// File format of the pictures
+    #[arg(help_heading = "Output", long, value_name = "KIND", default_value = "svg", requires = "out",
+        value_parser = one_of(FORMATS.map(|format| (format.0, format))))]
+    format: (&'static str, Format),
     /// Writes the table as Markdown
     #[arg(help_heading = "Output", long, value_name = "FILE.md")]
     table: Option<PathBuf>,
 }
 
-/// Kinds of pictures by the extension of their files.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Kind {
-    Svg,
-    Png,
-}
+/// Formats of pictures by the extension of their files.
+const FORMATS: [(&str, Format); 2] = [("svg", Format::Svg), ("png", Format::Png)];
 
 /// The columns of results.csv.
-const COLUMNS: [&str; 12] = [
-    "figure",
-    "id",
-    "quantity",
-    "paper",
-    "computed",
-    "published_scheme",
-    "rel_error",
-    "pass",
-    "verdict",
-    "criterion",
-    "note",
-    "seconds",
-];
-/// What stands beside the pictures.
+const HEADER: &str = "figure,id,quantity,paper,computed,published_scheme,rel_error,pass,verdict,criterion,note,seconds";
+/// Files other than pictures and tables of panels.
 const FILES: [&str; 3] = ["reproduction.md", "reproduce.json", "results.csv"];
 
 /// What `--json` prints.
@@ -87,16 +70,12 @@ struct Answer<'a> {
 
 pub fn run(args: &ReproduceArgs, context: &Context, globals: &Globals) -> Result<(), CliError> {
     let start = Instant::now();
-    interrupt::gently();
+    interrupt::finish();
     let statements = selected(&args.figures)?;
     context.settings.check_divisions("settings")?;
     context.settings.check_activity("settings")?;
-    if let Some(folder) = &args.out {
-        writable_folder("--out", "out", folder, &FILES)?;
-    }
-    if let Some(file) = &args.table {
-        writable_file("--table", "table", file)?;
-    }
+    writable_folder("--out", args.out.as_deref(), &FILES)?;
+    writable_file("--table", args.table.as_deref())?;
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let lab = Lab {
@@ -104,11 +83,15 @@ pub fn run(args: &ReproduceArgs, context: &Context, globals: &Globals) -> Result
         memo: &memo,
         threads: context.threads,
         interrupt: interrupt::flag(),
-        progress: &|figure: &str| line.say(format!("figure {figure}")),
+        progress: &|figure: &str| line.message(format!("figure {figure}")),
     };
     let found = reproduce(&lab, &statements);
     drop(line);
-    let found = found?;
+    let found = found.map_err(|error| match error {
+        LabError::Input(error) => error.into(),
+        LabError::Workers(error) => error.into(),
+        _ => CliError::Interrupted,
+    })?;
     warn_of_store(&found.warnings);
     let constants = constants(globals);
     let document = Answer {
@@ -120,23 +103,23 @@ pub fn run(args: &ReproduceArgs, context: &Context, globals: &Globals) -> Result
         elapsed_s: start.elapsed().as_secs_f64(),
         out: args.out.as_ref().map(|folder| folder.display().to_string()),
     };
-    let json = format!("{}\n", serde_json::to_string_pretty(&document)?);
+    let json = to_json(&document)?;
     let page = markdown(&found, &constants);
     if let Some(file) = &args.table {
-        write_unbroken(file, page.as_bytes())?;
+        write_deferred(file, page.as_bytes())?;
     }
     if let Some(folder) = &args.out {
         let mut files = FileSet::new(folder);
         files.stage("reproduction.md", page.as_bytes())?;
         files.stage("reproduce.json", json.as_bytes())?;
-        files.stage("results.csv", &csv_of(&COLUMNS, &found.items)?)?;
+        files.stage("results.csv", &csv_of(HEADER, &found.items)?)?;
         pictures(&mut files, &found, args.format)?;
-        interrupt::unbroken(|| files.commit())?;
+        interrupt::defer(|| files.commit())?;
     }
-    if context.json { answer(&json) } else { answer(&text(&found, &constants)) }
+    if context.json { print(&json) } else { print(&text(&found, &constants)) }
 }
 
-/// What the constants in force are called.
+/// A name for the constants in use.
 fn constants(globals: &Globals) -> String {
     let file = globals.config.as_ref().map(|_| "a configuration file".to_owned());
     let parts: Vec<String> =
@@ -145,11 +128,7 @@ fn constants(globals: &Globals) -> String {
 }
 
 /// A picture of every panel, and a table of those that are drawn from one.
-fn pictures(files: &mut FileSet, found: &Reproduction, kind: Kind) -> Result<(), CliError> {
-    let (format, extension) = match kind {
-        Kind::Svg => (Format::Svg, "svg"),
-        Kind::Png => (Format::Png, "png"),
-    };
+fn pictures(files: &mut FileSet, found: &Reproduction, (extension, format): (&str, Format)) -> Result<(), CliError> {
     for panel in &found.panels {
         files.stage(&format!("{}.{extension}", panel.name), &draw(panel).bytes(format)?)?;
         if let Some(table) = table(panel)? {
@@ -159,27 +138,16 @@ fn pictures(files: &mut FileSet, found: &Reproduction, kind: Kind) -> Result<(),
     Ok(())
 }
 
-/// A point of a disturbed shape's way.
-#[derive(Serialize)]
-struct Distance<'a> {
-    shape: &'a str,
-    t: f64,
-    dis: f64,
-}
-
 /// The numbers behind a picture, where they are not those of a single cell.
 fn table(panel: &Panel) -> Result<Option<Vec<u8>>, CliError> {
     Ok(match &panel.shown {
         Shown::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows)?),
-        Shown::Map(map) => Some(csv_of(&["x", "xi_s", "outcome", "chi", "by"], &map.diagram.cells)?),
+        Shown::Map(map) => Some(csv_of("x,xi_s,outcome,chi,by", &map.diagram.cells)?),
         Shown::Perturbations(_, watched) => {
-            let rows: Vec<Distance<'_>> = watched
-                .iter()
-                .flat_map(|(shape, found)| {
-                    found.distances.iter().map(move |[t, dis]| Distance { shape, t: *t, dis: *dis })
-                })
-                .collect();
-            Some(csv_of(&["shape", "t", "dis"], &rows)?)
+            let rows = watched.iter().flat_map(|(shape, found)| {
+                found.distances.iter().map(move |[t, dis]| serde_json::json!({ "shape": shape, "t": t, "dis": dis }))
+            });
+            Some(csv_of("shape,t,dis", rows)?)
         }
         _ => None,
     })

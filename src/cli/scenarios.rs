@@ -7,9 +7,9 @@ use serde::Serialize;
 
 use super::context::Context;
 use super::error::CliError;
-use super::output::{answer, print_json, writable_folder};
-use super::tree::{RunRecord, TreeArgs, bad_cue, grown, prepared};
-use crate::batch::Summary;
+use super::interrupt;
+use super::output::{print_as, to_json, writable_folder};
+use super::tree::{RunRecord, TreeArgs, bad_cue, grown, prepared, run_text};
 use crate::input::InputError;
 use crate::io::files::FileSet;
 use crate::io::{FounderRow, founder_rows, newick, scenarios_csv};
@@ -18,11 +18,11 @@ use crate::report;
 use crate::study::Grown;
 use crate::study::scenarios::{Scenario, ScenarioError, Source, combine};
 
-/// The files beside the folders of scenarios.
-const SCENARIOS_FILES: [&str; 3] = ["scenarios.csv", "report.html", "run.json"];
-
-/// The files in the folder of each scenario.
+/// The files of one scenario, in a folder of its name.
 const SCENARIO_FILES: [&str; 3] = ["tree.nwk", "tree.json", "tree.svg"];
+
+/// The files beside the scenarios' folders.
+const SCENARIOS_FILES: [&str; 3] = ["scenarios.csv", "report.html", "run.json"];
 
 /// What `--json` prints.
 #[derive(Serialize)]
@@ -47,21 +47,63 @@ struct AnswerScenario<'a> {
     slow_cells: usize,
 }
 
-pub fn run(args: &TreeArgs, context: &Context, start: Instant) -> Result<(), CliError> {
+pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
+    let start = Instant::now();
+    interrupt::finish();
+    if let Some(file) = &args.constants {
+        let allowed = "given with one lineage and at most one --cue";
+        return Err(InputError::not_allowed("--constants", "constants", format!("{file:?}"), allowed).into());
+    }
     let picture = args.plot.file()?;
     let scenarios = read(args, context)?;
-    writable_folder("--out", "out", &args.out, &SCENARIOS_FILES)?;
+    writable_folder("--out", args.out.as_path(), &SCENARIOS_FILES)?;
     for scenario in &scenarios {
-        writable_folder("--out", "out", &args.out.join(&scenario.name), &SCENARIO_FILES)?;
+        writable_folder("--out", args.out.join(&scenario.name).as_path(), &SCENARIO_FILES)?;
     }
-    let grown = grown(&scenarios, args.dynamics, context)?;
-    let Grown { trees, summary, .. } = &grown;
-    write_files(args, context, &scenarios, trees, summary, start)?;
-    let named: Vec<(&str, &Tree)> = scenarios.iter().map(|scenario| scenario.name.as_str()).zip(trees).collect();
-    if let (Some(picture), Some(drawing)) = (picture, crate::plot::rounds::draw_scenarios(&named)) {
-        picture.write(&drawing)?;
+    let Grown { trees, summary, .. } = grown(&scenarios, args.dynamics, context)?;
+    let mut files = FileSet::new(&args.out);
+    for (Scenario { name, .. }, tree) in scenarios.iter().zip(&trees) {
+        let [nwk, json, svg] = SCENARIO_FILES.map(|file| format!("{name}/{file}"));
+        files.stage(&nwk, newick(tree).as_bytes())?;
+        files.stage(&json, tree.to_json()?.as_bytes())?;
+        files.stage(&svg, report::svg(tree).as_bytes())?;
     }
-    respond(args, context, &scenarios, &grown, start.elapsed().as_secs_f64())
+    files.stage("scenarios.csv", scenarios_csv(&scenarios, &trees).as_bytes())?;
+    files.stage("report.html", report::scenarios_page(&scenarios, &trees).as_bytes())?;
+    let names: Vec<&str> = scenarios.iter().map(|scenario| scenario.name.as_str()).collect();
+    let named: Vec<(&str, &Tree)> = names.iter().copied().zip(&trees).collect();
+    let record = RunRecord::of(args, context, &summary, start, trees.iter().map(Tree::len).sum(), Some(names));
+    files.stage("run.json", to_json(&record)?.as_bytes())?;
+    files.commit()?;
+    if let Some(drawing) = crate::plot::rounds::draw_scenarios(&named) {
+        picture.write(|| drawing)?;
+    }
+    let document = Answer {
+        scenarios: scenarios.iter().zip(&trees).map(|(scenario, tree)| AnswerScenario::new(scenario, tree)).collect(),
+        divisions_solved: summary.solved,
+        memo_hits: summary.memo_hits,
+        elapsed_s: start.elapsed().as_secs_f64(),
+        out: args.out.display().to_string(),
+    };
+    print_as(context.json, &document, || {
+        report::scenarios_table(&scenarios, &trees) + &run_text(args, &summary, document.elapsed_s)
+    })
+}
+
+impl<'a> AnswerScenario<'a> {
+    fn new(scenario: &'a Scenario, tree: &Tree) -> AnswerScenario<'a> {
+        let counts = report::TreeSummary::of(tree);
+        AnswerScenario {
+            name: &scenario.name,
+            lineage: &scenario.label,
+            cue: scenario.cue.as_deref(),
+            founders: founder_rows(tree),
+            cells: tree.len(),
+            generations: counts.generations.len(),
+            ended: counts.ended,
+            slow_cells: counts.slow,
+        }
+    }
 }
 
 /// Every lineage file with every cue.
@@ -80,7 +122,7 @@ fn read(args: &TreeArgs, context: &Context) -> Result<Vec<Scenario>, CliError> {
         ScenarioError::Cue(error) => bad_cue(error).into(),
         ScenarioError::Same { first, second } => {
             let option = if args.cue.len() > 1 { "--cue" } else { "LINEAGE.ron" };
-            let allowed = format!("scenarios that differ; it is the same as {first}, and each is named but once");
+            let allowed = format!("a different scenario; it duplicates {first}");
             InputError::not_allowed("tree", option, second, allowed).into()
         }
     })
@@ -92,67 +134,4 @@ fn label(file: Option<&Path>) -> String {
         None => "c_elegans".to_owned(),
         Some(file) => file.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned()),
     }
-}
-
-fn respond(
-    args: &TreeArgs,
-    context: &Context,
-    scenarios: &[Scenario],
-    Grown { trees, summary, .. }: &Grown,
-    elapsed_s: f64,
-) -> Result<(), CliError> {
-    if !context.json {
-        return answer(&format!(
-            "{}{} divisions solved, {} memo hits, {elapsed_s:.2} s; files in {}\n",
-            report::scenarios_table(scenarios, trees),
-            summary.solved,
-            summary.memo_hits,
-            args.out.display()
-        ));
-    }
-    let of = scenarios.iter().zip(trees).map(|(scenario, tree)| {
-        let counts = report::TreeSummary::of(tree);
-        AnswerScenario {
-            name: &scenario.name,
-            lineage: &scenario.label,
-            cue: scenario.cue.as_deref(),
-            founders: founder_rows(tree),
-            cells: tree.len(),
-            generations: counts.generations.len(),
-            ended: counts.ended,
-            slow_cells: counts.slow,
-        }
-    });
-    let document = Answer {
-        scenarios: of.collect(),
-        divisions_solved: summary.solved,
-        memo_hits: summary.memo_hits,
-        elapsed_s,
-        out: args.out.display().to_string(),
-    };
-    print_json(&document)
-}
-
-fn write_files(
-    args: &TreeArgs,
-    context: &Context,
-    scenarios: &[Scenario],
-    trees: &[Tree],
-    summary: &Summary,
-    start: Instant,
-) -> Result<(), CliError> {
-    let mut files = FileSet::new(&args.out);
-    for (Scenario { name, .. }, tree) in scenarios.iter().zip(trees) {
-        let [nwk, json, svg] = SCENARIO_FILES.map(|file| format!("{name}/{file}"));
-        files.stage(&nwk, newick(tree).as_bytes())?;
-        files.stage(&json, tree.to_json()?.as_bytes())?;
-        files.stage(&svg, report::svg(tree).as_bytes())?;
-    }
-    files.stage("scenarios.csv", scenarios_csv(scenarios, trees).as_bytes())?;
-    files.stage("report.html", report::scenarios_page(scenarios, trees).as_bytes())?;
-    let names = scenarios.iter().map(|scenario| scenario.name.as_str()).collect();
-    let cells = trees.iter().map(Tree::len).sum();
-    let record = RunRecord::of(args, context, summary, start, cells, Some(names));
-    files.stage("run.json", record.text()?.as_bytes())?;
-    Ok(files.commit()?)
 }

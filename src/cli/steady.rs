@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::cell::ActiveCellArgs;
 use super::context::Context;
 use super::error::CliError;
-use super::output::print;
+use super::output::print_as;
 use crate::cell::Cue;
 use crate::report::StationaryReport;
 use crate::shapes::{StationaryShape, stationary};
@@ -42,7 +42,7 @@ pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
     let shape = stationary(&cell, &context.settings.numerics)?;
     let spectrum = shape.spectrum()?;
     let document = describe(&shape, &spectrum);
-    print(context.json, &document, || text(&document))
+    print_as(context.json, &document, || text(&document))
 }
 
 fn describe(shape: &StationaryShape, spectrum: &Spectrum) -> Answer {

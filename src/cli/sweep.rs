@@ -6,11 +6,10 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use super::Globals;
-use super::context::{Context, warn_of_store};
+use super::context::{Context, Globals, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, print_json, writable_folder};
+use super::output::{print_as, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use crate::io::Settings;
@@ -19,21 +18,21 @@ use crate::study::{Done, Run, Shard, Standing, Sweep};
 
 /// Computes divisions, trees, pitchforks or critical radii over axes of parameters
 ///
-/// Writes results.csv (one row a point, the first axis varying slowest), the same rows in results.jsonl, and sweep.json
-/// with all that decides them.
+/// Writes results.csv (one row per point, the first axis varies slowest), the same rows in results.jsonl, and all inputs in
+/// sweep.json. Interrupted sweeps resume.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
   furrow sweep studies/cue-position.ron --out cue-position --shard 1/50
   furrow sweep studies/cue-position.ron --out part-2 --shard 2/50 --plot part.svg --json")]
 pub struct SweepArgs {
-    /// Kind, axes and all that is not the preset's
+    /// Sweep file: kind, axes and settings
     #[arg(value_name = "SWEEP.ron")]
     sweep: PathBuf,
-    /// Folder for the files; those of another sweep in it are kept in a folder earlier-N there
+    /// Output folder; files of another sweep in it are moved to a folder earlier-N inside
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: PathBuf,
-    /// Solves only the points whose hash gives part K of N; see furrow merge
+    /// Solves only part K of N, chosen by the points' hashes; see furrow merge
     #[arg(help_heading = "Run", long, value_name = "K/N")]
     shard: Option<Shard>,
     #[command(flatten)]
@@ -56,11 +55,11 @@ struct Answer {
 
 pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(), CliError> {
     let start = Instant::now();
-    interrupt::gently();
+    interrupt::finish();
     // What the sweep file says comes between the configuration file and the settings of the command line.
     let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &globals.set)?;
-    writable_folder("--out", "out", &args.out, &SWEEP_FILES)?;
+    writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
     let picture = args.plot.file()?;
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
@@ -83,19 +82,17 @@ pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(),
     if let Some(first) = undecided.first().and_then(|place| rows.get(*place)) {
         let why = first.why.as_deref().unwrap_or_default();
         tracing::warn!(
-            "{} of {} points are undecided, wholly or in part; of the first, index {}: {why}",
+            "{} of {} points are undecided, wholly or in part; the first has index {}: {why}",
             undecided.len(),
             rows.len(),
             first.index
         );
     }
     let table = SweepTable::new(&sweep, memo.quantisation(), args.shard, rows)?;
-    if let Some((aside, what)) = interrupt::unbroken(|| table.write(&args.out))? {
-        tracing::warn!("the files of another sweep are kept in {}: {what}", aside.display());
+    if let Some((aside, what)) = interrupt::defer(|| table.write(&args.out))? {
+        tracing::warn!("the files of another sweep were moved to {}: {what}", aside.display());
     }
-    if let Some(picture) = picture {
-        picture.write(&crate::plot::sweep::draw(&sweep, &table.rows))?;
-    }
+    picture.write(|| crate::plot::sweep::draw(&sweep, &table.rows))?;
     let document = Answer {
         points: table.rows.len(),
         solved,
@@ -105,12 +102,9 @@ pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(),
         elapsed_s: start.elapsed().as_secs_f64(),
         out: args.out.display().to_string(),
     };
-    if context.json {
-        return print_json(&document);
-    }
-    let part = args.shard.map_or(String::new(), |shard| format!(" of part {shard}"));
-    answer(&format!(
-        "{} points{part}: {solved} solved, {reused} reused, {:.2} s; files in {}\n",
-        document.points, document.elapsed_s, document.out
-    ))
+    print_as(context.json, &document, || {
+        let part = args.shard.map_or(String::new(), |shard| format!(" of part {shard}"));
+        let Answer { points, elapsed_s, out, .. } = &document;
+        format!("{points} points{part}: {solved} solved, {reused} reused, {elapsed_s:.2} s; files in {out}\n")
+    })
 }

@@ -4,12 +4,11 @@ use super::cell::FirstCellArgs;
 use super::context::{Context, warn_of_store, warning_text};
 use super::error::CliError;
 use super::interrupt;
-use super::output::{answer, print_json, writable_folder};
+use super::output::{print_as, to_json, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
-use super::scenarios;
-use crate::batch::Summary;
 use crate::batch::scheduler::workers;
+use crate::batch::Summary;
 use crate::cell::{Cue, CueError};
 use crate::input::InputError;
 use crate::io::files::FileSet;
@@ -24,13 +23,13 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Grows a lineage from one cell: every division is solved, its daughters divide next, until none can
+/// Grows a lineage from one cell, division by division, until no cell can divide
 ///
-/// Prints the rounds of division per founder beside the observed ones and writes tree.nwk, tree.json, tree.svg,
-/// report.html and run.json.
+/// Prints the rounds of division of each founder next to the observed ones. Writes tree.nwk, tree.json, tree.svg, report.html and
+/// run.json.
 ///
-/// Of several lineages, or with several --cue, every combination is a scenario. All are grown in one run and set side by side;
-/// scenarios.csv, report.html and run.json are written, and the tree of each in a folder of its name.
+/// With several lineages or several --cue, every combination is a scenario. One run grows and compares all of them, writes
+/// scenarios.csv, report.html and run.json, and writes each tree into a folder with the scenario's name.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -39,25 +38,25 @@ Examples:
   furrow tree --cue germline --cue none --cue tension:gradient,amplitude=0.3 --out cues
   furrow tree lineages/c_elegans.ron --r0 3.5 --epsilon 0.85 --json")]
 pub struct TreeArgs {
-    /// Founders, cues and limits; default the built-in C. elegans founders. Several are set side by side
+    /// Lineage files: founders, cues and limits; default the built-in C. elegans founders. Several are compared
     #[arg(value_name = "LINEAGE.ron")]
     pub lineage: Vec<PathBuf>,
     #[command(flatten)]
     pub cell: FirstCellArgs,
-    /// Folder for the files; those of an earlier tree in it are overwritten
+    /// Output folder; files of an earlier tree in it are overwritten
     #[arg(help_heading = "Output", long, value_name = "DIR", default_value = "furrow-out")]
     pub out: PathBuf,
     /// Seed of the noise in the first step of every division
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
-    /// Replaces every cue that the lineage gives: none, a name in the lineage file, or terms
-    /// FIELD:PROFILE,key=value,.. joined by +. Several are set side by side
+    /// Replaces all cues of the lineage by: none, a name in the lineage file, or terms
+    /// FIELD:PROFILE,key=value,.. joined by +. Several are compared
     #[arg(help_heading = "Cell", long, value_name = "CUE")]
     pub cue: Vec<String>,
-    /// Grows the lineage with every set of constants of a table, and prints the ranges of its counts; writes no files
+    /// Grows the lineage with every set of constants in a table and prints the ranges of the counts; writes no files
     #[arg(help_heading = "Cell", long, value_name = "FILE.csv")]
-    constants: Option<PathBuf>,
-    /// Computes the division of every cell, those below the critical radius of their cue included
+    pub constants: Option<PathBuf>,
+    /// Computes the division of every cell, including cells below the critical radius of their cue
     #[arg(help_heading = "Numerics", long)]
     pub dynamics: bool,
     #[command(flatten)]
@@ -67,7 +66,7 @@ pub struct TreeArgs {
 /// The files of a tree.
 const TREE_FILES: [&str; 5] = ["tree.nwk", "tree.json", "tree.svg", "report.html", "run.json"];
 
-/// Undecided cells that are warned of one by one.
+/// Undecided cells that get a warning each.
 const MOST_WARNINGS: usize = 5;
 
 /// What `--json` prints.
@@ -84,7 +83,7 @@ struct Answer<'a> {
     out: String,
 }
 
-/// `run.json`: what this run did, which need not be the same another time.
+/// `run.json`: what this run did; it differs between runs.
 #[derive(Serialize)]
 pub struct RunRecord<'a> {
     schema: &'static str,
@@ -147,46 +146,59 @@ impl<'a> RunRecord<'a> {
             warnings: summary.warnings.iter().map(warning_text).collect(),
         }
     }
+}
 
-    /// As the text of `run.json`.
-    pub fn text(&self) -> Result<String, CliError> {
-        Ok(format!("{}\n", serde_json::to_string_pretty(self)?))
+impl TreeArgs {
+    /// Whether several trees are grown and set side by side.
+    pub fn has_scenarios(&self) -> bool {
+        self.lineage.len() > 1 || self.cue.len() > 1
     }
 }
 
 pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
-    interrupt::gently();
-    if args.lineage.len() > 1 || args.cue.len() > 1 {
-        if let Some(file) = &args.constants {
-            let allowed = "given with one lineage and at most one --cue";
-            return Err(InputError::not_allowed("--constants", "constants", format!("{file:?}"), allowed).into());
-        }
-        return scenarios::run(args, context, start);
-    }
+    interrupt::finish();
     let picture = args.plot.file()?;
     let (mut lineage, settings) = prepared(&args.cell, args.seed, context, args.lineage.first().map(PathBuf::as_path))?;
     if let Some(text) = args.cue.first() {
         lineage = lineage.carrying(text).map_err(bad_cue)?;
     }
     if let Some(file) = &args.constants {
-        return super::ensemble::grow_over(file, &lineage, &settings, context, picture.as_ref());
+        return super::ensemble::grow_over(file, &lineage, &settings, context, &picture);
     }
-    writable_folder("--out", "out", &args.out, &TREE_FILES)?;
+    writable_folder("--out", args.out.as_path(), &TREE_FILES)?;
     let only = Scenario { name: String::new(), label: String::new(), cue: None, lineage, settings };
     let Grown { trees, summary, .. } = grown(&[only], args.dynamics, context)?;
     for tree in &trees {
-        let rows = founder_rows(tree);
-        write_files(args, context, tree, &rows, &summary, start)?;
-        if let Some(picture) = &picture {
-            picture.write(&crate::plot::rounds::draw(tree))?;
-        }
-        respond(args, context, tree, &rows, &summary, start.elapsed().as_secs_f64())?;
+        let (rows, counts) = (founder_rows(tree), report::TreeSummary::of(tree));
+        let mut files = FileSet::new(&args.out);
+        files.stage("tree.nwk", newick(tree).as_bytes())?;
+        files.stage("tree.json", tree.to_json()?.as_bytes())?;
+        files.stage("tree.svg", report::svg(tree).as_bytes())?;
+        files.stage("report.html", report::html(tree, &rows).as_bytes())?;
+        let record = RunRecord::of(args, context, &summary, start, tree.len(), None);
+        files.stage("run.json", to_json(&record)?.as_bytes())?;
+        files.commit()?;
+        picture.write(|| crate::plot::rounds::draw(tree))?;
+        let document = Answer {
+            founders: &rows,
+            cells: tree.len(),
+            generations: counts.generations.len(),
+            ended: &counts.ended,
+            slow_cells: counts.slow,
+            divisions_solved: summary.solved,
+            memo_hits: summary.memo_hits,
+            elapsed_s: start.elapsed().as_secs_f64(),
+            out: args.out.display().to_string(),
+        };
+        print_as(context.json, &document, || {
+            report::founders_table(tree, &rows) + &run_text(args, &summary, document.elapsed_s)
+        })?;
     }
     Ok(())
 }
 
-/// The lineage of a file, or the built-in one, and the parameters of its divisions, the first cell's as `cell` gives them.
+/// The lineage of a file, or the built-in one, with the parameters of its divisions.
 pub fn prepared(
     cell: &FirstCellArgs,
     seed: u64,
@@ -204,12 +216,12 @@ pub fn prepared(
     Ok((lineage, settings))
 }
 
-/// What is wrong with a cue of the command line.
+/// An invalid `--cue`.
 pub fn bad_cue(error: CueError) -> InputError {
     InputError::not_allowed("--cue", error.field, error.value, error.allowed)
 }
 
-/// Grows all scenarios in one run, and says what the user should know of it.
+/// Grows all scenarios in one run and logs warnings.
 ///
 /// With `dynamics` the division of every cell is computed, those below the critical radius of their cue included.
 pub fn grown(scenarios: &[Scenario], dynamics: bool, context: &Context) -> Result<Grown, CliError> {
@@ -228,7 +240,7 @@ pub fn grown(scenarios: &[Scenario], dynamics: bool, context: &Context) -> Resul
     Ok(grown)
 }
 
-/// Says which cells are undecided: their branches end there, the rest of the tree stands.
+/// Warns of undecided cells. Their branches end there; the rest of the tree is valid.
 fn warn_of_undecided(tree: &Tree, scenario: &str) {
     let place = if scenario.is_empty() { String::new() } else { format!("{scenario}: ") };
     let undecided = tree.cells().map(|id| tree.cell(id)).filter_map(|cell| match &cell.fate.ended {
@@ -237,14 +249,14 @@ fn warn_of_undecided(tree: &Tree, scenario: &str) {
     });
     for (k, (cell, why)) in undecided.enumerate() {
         if k == MOST_WARNINGS {
-            tracing::warn!("{place}further cells are undecided; tree.json says which");
+            tracing::warn!("{place}further cells are undecided: see tree.json");
             return;
         }
         tracing::warn!("{place}cell {} (R0 = {}) is undecided, and its branch ends there: {why}", cell.name, cell.r0);
     }
 }
 
-/// Says which cells have no critical radius; in one warning, which were not searched for to the end.
+/// Logs cues without a critical radius; one warning names those whose search was given up.
 fn warn_of_searches(unknown: &[(Cue, ShapeError)]) {
     let mut given_up = Vec::new();
     for (cue, error) in unknown {
@@ -261,52 +273,8 @@ fn warn_of_searches(unknown: &[(Cue, ShapeError)]) {
     }
 }
 
-fn respond(
-    args: &TreeArgs,
-    context: &Context,
-    tree: &Tree,
-    rows: &[FounderRow],
-    summary: &Summary,
-    elapsed_s: f64,
-) -> Result<(), CliError> {
-    let counts = report::TreeSummary::of(tree);
-    if context.json {
-        let document = Answer {
-            founders: rows,
-            cells: tree.len(),
-            generations: counts.generations.len(),
-            ended: &counts.ended,
-            slow_cells: counts.slow,
-            divisions_solved: summary.solved,
-            memo_hits: summary.memo_hits,
-            elapsed_s,
-            out: args.out.display().to_string(),
-        };
-        return print_json(&document);
-    }
-    answer(&format!(
-        "{}{} divisions solved, {} memo hits, {elapsed_s:.2} s; files in {}\n",
-        report::founders_table(tree, rows),
-        summary.solved,
-        summary.memo_hits,
-        args.out.display()
-    ))
-}
-
-fn write_files(
-    args: &TreeArgs,
-    context: &Context,
-    tree: &Tree,
-    rows: &[FounderRow],
-    summary: &Summary,
-    start: Instant,
-) -> Result<(), CliError> {
-    let mut files = FileSet::new(&args.out);
-    files.stage("tree.nwk", newick(tree).as_bytes())?;
-    files.stage("tree.json", tree.to_json()?.as_bytes())?;
-    files.stage("tree.svg", report::svg(tree).as_bytes())?;
-    files.stage("report.html", report::html(tree, rows).as_bytes())?;
-    let record = RunRecord::of(args, context, summary, start, tree.len(), None);
-    files.stage("run.json", record.text()?.as_bytes())?;
-    Ok(files.commit()?)
+/// What a run took and where its files are.
+pub fn run_text(args: &TreeArgs, summary: &Summary, elapsed_s: f64) -> String {
+    let Summary { solved, memo_hits, .. } = summary;
+    format!("{solved} divisions solved, {memo_hits} memo hits, {elapsed_s:.2} s; files in {}\n", args.out.display())
 }

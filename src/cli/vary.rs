@@ -13,20 +13,20 @@ use crate::lineage::Length;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct VaryArgs {
-    /// Parameter that varies: r0, epsilon, or any other name that --set knows for a cell; of a cue, cue.amplitude and the
-    /// like
+    /// Parameter that varies: r0, epsilon, or any other parameter of a cell in --set; for a cue cue.u0, cue.omega or
+    /// cue.amplitude
     #[arg(long, value_name = "NAME")]
     vary: String,
-    /// Its first value
+    /// First value of the parameter
     #[arg(long, value_name = "A", allow_negative_numbers = true, value_parser = number)]
     from: f64,
-    /// Its last value
+    /// Last value of the parameter
     #[arg(long, value_name = "B", allow_negative_numbers = true, value_parser = number)]
     to: f64,
-    /// Radius R0 where another parameter varies
+    /// Radius R0, if another parameter varies
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
     r0: Option<Length>,
-    /// Volume fraction ε where another parameter varies
+    /// Volume fraction ε, if another parameter varies
     #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
     epsilon: Option<f64>,
     #[command(flatten)]

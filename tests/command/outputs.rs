@@ -281,7 +281,7 @@ fn ctrl_c_ends_what_follows_a_division() {
         assert_eq!(output.status.code(), Some(1));
         let said = String::from_utf8(output.stderr).unwrap();
         let last = said.lines().last().unwrap_or_default();
-        let kept = "; divisions solved so far are kept in the cache (unless --no-cache)";
+        let kept = "; solved divisions are kept in the cache (unless --no-cache)";
         assert_eq!(last.strip_suffix(kept).unwrap_or(last), "furrow: error: interrupted", "{said}");
         assert_eq!(names(folder.path()), [""; 0]);
     }
@@ -316,7 +316,7 @@ fn ctrl_c_stops_a_tree_whatever_becomes_of_stderr() {
         if told {
             let said = String::from_utf8(output.stderr).unwrap();
             assert!(
-                said.contains("finishing what is under way") && said.contains("error: interrupted after"),
+                said.contains("finishing the divisions that have begun") && said.contains("error: interrupted after"),
                 "{said}"
             );
         }

@@ -165,7 +165,7 @@ fn the_command_line_names_what_is_wrong() {
     for (args, expected) in [
         (&["activity", "--xi-from", "30", "--xi-to", "20"][..], "xi_s = 20"),
         (&["cue", "--cue", "none"], "cue = none"),
-        (&["cue", "--out", "x.ron"], "given with constants alone"),
+        (&["cue", "--out", "x.ron"], "used only with constants"),
         (&["constants", "--targets", "no-such.ron"], "no-such.ron"),
         (&["constants", "--preset", "sulston1984"], "sulston1983"),
         (&["sizes"], "invalid value 'sizes'"),

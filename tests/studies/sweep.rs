@@ -290,7 +290,7 @@ fn files_of_another_sweep_are_kept() {
     assert!(!at.join("out/earlier-1").exists());
     write(at, "s.ron", &text.replace("1.5", "1.6"));
     let output = furrow(at, &["sweep", "s.ron", "--out", "out", "--no-cache"]);
-    assert!(String::from_utf8(output.stderr).unwrap().contains("another sweep are kept in out/earlier-1"));
+    assert!(String::from_utf8(output.stderr).unwrap().contains("another sweep were moved to out/earlier-1"));
     assert_eq!(files(at, "out/earlier-1"), first);
     assert_ne!(files(at, "out"), first);
 }

@@ -167,9 +167,9 @@ fn bad_scenarios_are_refused_before_the_work() {
         err
     };
     let same = said(&["shallow.ron", "--cue", "none", "--cue", "tension:gradient,amplitude=0"]);
-    let expected = "--cue = shallow with the cue tension:gradient,amplitude=0: must be scenarios that differ; it is the same as shallow with the cue none";
+    let expected = "--cue = shallow with the cue tension:gradient,amplitude=0: must be a different scenario; it duplicates shallow with the cue none";
     assert!(same.contains(expected), "{same}");
-    assert!(said(&["shallow.ron", "shallow.ron"]).contains("it is the same as shallow, and each is named but once"));
+    assert!(said(&["shallow.ron", "shallow.ron"]).contains("it duplicates shallow"));
     assert!(said(&["--cue", "none", "--cue", "germlin"]).contains("did you mean"));
     assert!(said(&["shallow.ron", "missing.ron"]).contains("missing.ron: cannot be read"));
     fs::create_dir_all(folder.path().join("taken/shallow-none/tree.json")).unwrap();

@@ -15,16 +15,16 @@ use super::files;
 use crate::cli::cell::number;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
-use crate::cli::output::{answer, writable_folder};
+use crate::cli::output::{print, to_json, writable_folder};
 use crate::cli::plot::PlotArgs;
 use crate::input::InputError;
 use crate::io::frames::read_frames;
 
-/// Measured outlines of a dividing cell beside those of a simulated division
+/// Compares measured outlines of a dividing cell with those of a simulated division
 ///
-/// Contours are tables of points (CSV: columns x and y, and contour if there are several) or masks (PNG: the cell in one colour,
-/// or with --label in a picture of labels), all of sections through the axis of one cell. Each is laid upon the frame of the division
-/// whose furrow is as deep, by centroid and long axis; the similarity index is |A∩B|/|A|, A the measured.
+/// Contours are tables of points (CSV with columns x and y, and contour if there are several) or masks (PNG with the cell in one colour,
+/// or with --label a label image), all of sections through the axis of one cell. Each is aligned by centroid and long axis with the
+/// frame of the division whose furrow is as deep. The similarity index is |A∩B|/|A|, where A is measured.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -34,16 +34,16 @@ pub struct ContourArgs {
     /// Measured contours: CSV tables of points, PNG masks
     #[arg(value_name = "MEASURED", required = true)]
     measured: Vec<PathBuf>,
-    /// Folder of the frames of a division, as furrow divide --frames writes them
+    /// Folder of frames, written by furrow divide --frames
     #[arg(help_heading = "Model", long, value_name = "DIR")]
     frames: PathBuf,
-    /// One L_h, in the unit of the contours (of masks in pixels); default such that areas agree, all contours taken together
+    /// Length of L_h in the unit of the contours (pixels for masks); default such that the areas of all contours together agree
     #[arg(help_heading = "Model", long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = number)]
     length_scale: Option<f64>,
-    /// The cell's label in masks that are pictures of labels
+    /// The cell's label, for masks that are label images
     #[arg(help_heading = "Contours", long, value_name = "N")]
     label: Option<u16>,
-    /// Folder for contours.csv and compare.json
+    /// Output folder for contours.csv and compare.json
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -65,23 +65,19 @@ pub fn run(args: &ContourArgs, context: &Context) -> Result<(), CliError> {
         return Err(InputError::not_allowed("--length-scale", "length_scale", length, allowed).into());
     }
     let picture = args.plot.file()?;
-    if let Some(out) = &args.out {
-        writable_folder("--out", "out", out, &files::CONTOUR_NAMES)?;
-    }
+    writable_folder("--out", args.out.as_deref(), &files::CONTOUR_NAMES)?;
     let model = modelled(&args.frames)?;
     let found = read(args)?;
     let Some(series) = series(&found.traced, &model, args.length_scale) else {
         return Err(nothing_to_compare(args, &found, model.is_empty()).into());
     };
     let document = Answer { series: &series, used: found.traced.len(), skipped: &found.left_out };
-    let json = format!("{}\n", serde_json::to_string_pretty(&document)?);
+    let json = to_json(&document)?;
     if let Some(out) = &args.out {
         files::write_contours(out, &series, &json)?;
     }
-    if let Some(picture) = picture {
-        picture.write(&crate::plot::contours::draw(&series))?;
-    }
-    answer(&if context.json { json } else { text(&series, &found.left_out) })
+    picture.write(|| crate::plot::contours::draw(&series))?;
+    print(&if context.json { json } else { text(&series, &found.left_out) })
 }
 
 /// The contours of a simulated division, both sides of the axis.
@@ -109,7 +105,7 @@ fn read(args: &ContourArgs) -> Result<Contours, InputError> {
         if opened.metadata().map_err(unreadable)?.is_dir() {
             return Err(unreadable(std::io::Error::other("it is a folder, not a file")));
         }
-        // What a file is it says itself: the names of pictures are not always right.
+        // The signature decides, since extensions of pictures may be wrong.
         let mut first = Vec::new();
         (&mut opened).take(SIGNATURE.len() as u64).read_to_end(&mut first).map_err(unreadable)?;
         let is_mask = first == SIGNATURE;

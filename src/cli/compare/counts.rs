@@ -8,13 +8,13 @@ use clap::Args;
 use super::trees_of;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
-use crate::cli::output::print;
+use crate::cli::output::print_as;
 use crate::cli::plot::PlotArgs;
 use crate::input::{InputError, read_text};
 use crate::lineage::{Lineage, Tree};
 use crate::study::compare::counts::{Counts, READINGS, counts};
 
-/// Rounds of division per founder beside the observed ones, by every reading of "rounds" and at several stages
+/// Compares rounds of division with the observed ones, by every definition of "rounds" and at several stages
 ///
 /// Observed are the rounds of C. elegans at hatching and in embryos of 349 and 549 cells (Sulston et al. 1983). Says by which
 /// reading rounds are within one of the observed, whether the paper's sentence on rounds holds, and where cells ended and why.
@@ -42,10 +42,8 @@ pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
         None => trees_of(vec![Lineage::load(None)?], context)?.remove(0),
     };
     let found = counts(&tree)?;
-    if let Some(picture) = picture {
-        picture.write(&crate::plot::rounds::draw(&tree))?;
-    }
-    print(context.json, &found, || counts_text(&found))
+    picture.write(|| crate::plot::rounds::draw(&tree))?;
+    print_as(context.json, &found, || counts_text(&found))
 }
 
 fn counts_text(found: &Counts) -> String {

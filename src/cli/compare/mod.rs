@@ -14,7 +14,7 @@ use super::tree::grown;
 use crate::lineage::{Lineage, Tree};
 use crate::study::scenarios_of;
 
-/// Holds the model beside measured embryos
+/// Compares the model with measured embryos
 #[derive(Debug, Args)]
 pub struct CompareArgs {
     #[command(subcommand)]
@@ -29,7 +29,7 @@ enum What {
 }
 
 pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
-    interrupt::gently();
+    interrupt::finish();
     match &args.what {
         What::Counts(args) => counts::run(args, context),
         What::Volumes(args) => volumes::run(args, context),

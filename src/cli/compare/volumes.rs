@@ -16,7 +16,7 @@ use crate::cli::cell::number;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::interrupt;
-use crate::cli::output::{answer, writable_folder};
+use crate::cli::output::{print, to_json, writable_folder};
 use crate::cli::plot::PlotArgs;
 use crate::cli::progress::ProgressLine;
 use crate::input::{InputError, read_text};
@@ -28,12 +28,11 @@ use crate::study::compare::volumes::{
 };
 use crate::study::{Range, read_constants, tree_settings};
 
-/// Size asymmetries of measured divisions beside the model's
+/// Compares size asymmetries of measured divisions with the model's
 ///
-/// Tables of volumes are long ones, with columns embryo, cell and volume (or volume_um3, volume_voxels, relative_volume) and,
-/// if wanted, group, frame and n; or grids of frames by cells of one embryo each, in voxels, as SampleNN_Volume.csv. Without a
-/// table the model is held beside published means. The model says χ twice: grown from its zygote, and with AB and P1 as large
-/// as each group measures them.
+/// A table is long, with columns embryo, cell and volume (or volume_um3, volume_voxels, relative_volume) and optionally group, frame
+/// and n, or a grid of frames by cells of one embryo in voxels, such as SampleNN_Volume.csv. Without a table the model is compared
+/// with published means. The model's χ is computed twice: grown from its zygote, and with the measured sizes of AB and P1.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -43,29 +42,29 @@ pub struct VolumesArgs {
     /// Tables of cell volumes, CSV
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Tables of a second condition, for the regression of one on the other
+    /// Tables of a second condition, for a regression
     #[arg(help_heading = "Tables", long, value_name = "FILE", requires = "files")]
     against: Vec<PathBuf>,
-    /// Edge of a voxel, in µm: volumes in voxels become µm³
+    /// Edge of a voxel in µm, which converts voxels to µm³
     #[arg(help_heading = "Tables", long, value_name = "UM", value_parser = number)]
     voxel: Option<f64>,
-    /// Two groups to regress on each other, as wt,ctrl
+    /// Two groups to regress on each other, such as wt,ctrl
     #[arg(help_heading = "Statistics", long, value_name = "X,Y")]
     regress: Option<String>,
-    /// Edges of the bins of the mother's volume, rising, as 100,1000,10000; default decades
+    /// Edges of the bins of the mother's volume, ascending, such as 100,1000,10000; default decades
     #[arg(help_heading = "Statistics", long, value_name = "V,V,..", value_delimiter = ',', value_parser = number)]
     bins: Option<Vec<f64>>,
     /// One L_h, in the cube root of the tables' unit (µm of µm³), or fit: by all mothers; default such that P0 is as large as
     /// measured, and by all mothers where P0 is not
     #[arg(help_heading = "Statistics", long, value_name = "LENGTH|fit", allow_negative_numbers = true, value_parser = wanted_scale)]
     length_scale: Option<WantedScale>,
-    /// Sets of constants, as calibrate --ensemble writes them: over these, χ of the model has a range
+    /// Sets of constants from calibrate --ensemble, which give the model's χ a range
     #[arg(help_heading = "Model", long, value_name = "FILE.csv")]
     constants: Option<PathBuf>,
     /// Lineage that the model grows; default the built-in C. elegans founders
     #[arg(help_heading = "Model", long, value_name = "LINEAGE.ron")]
     lineage: Option<PathBuf>,
-    /// Folder for chi.csv, divisions.csv, bins.csv and compare.json
+    /// Output folder for chi.csv, divisions.csv, bins.csv and compare.json
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -120,9 +119,7 @@ struct Measured {
 pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     check(args)?;
     let picture = args.plot.file()?;
-    if let Some(out) = &args.out {
-        writable_folder("--out", "out", out, &files::NAMES)?;
-    }
+    writable_folder("--out", args.out.as_deref(), &files::NAMES)?;
     let sets = match &args.constants {
         Some(file) => read_constants(&read_text(file)?, &file.display().to_string())?,
         None => Vec::new(),
@@ -159,24 +156,17 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
         regressions: regressions(args, &groups)?,
         groups: &groups,
     };
-    let json = format!("{}\n", serde_json::to_string_pretty(&answer_of)?);
+    let json = to_json(&answer_of)?;
     if let Some(out) = &args.out {
         files::write(out, &groups, all, (&answer_of.bins, &answer_of.tests), &json)?;
     }
-    if let Some(picture) = picture {
+    if picture.is_wanted() {
         let unit = unit.map_or(String::new(), |unit| format!("({})", unit.symbol()));
-        let (bins, length) = (&answer_of.bins, length_scale.map(|scale| scale.length));
+        let (groups, bins, length) = (&groups, &answer_of.bins, length_scale.map(|scale| scale.length));
         let curves = curves(&lineage, &settings, all, length, context)?;
-        picture.write(&comparison::draw(&Comparison {
-            groups: &groups,
-            divisions: all,
-            bins,
-            unit,
-            length,
-            curves,
-        }))?;
+        picture.write(|| comparison::draw(&Comparison { groups, divisions: all, bins, unit, length, curves }))?;
     }
-    answer(&if context.json { json } else { volumes_text(&answer_of) })
+    print(&if context.json { json } else { volumes_text(&answer_of) })
 }
 
 /// What the model says of cells as large as the measured mothers, for a picture; nothing where it is not known how large these
