@@ -10,7 +10,7 @@ use crate::{Dimensions, Gauss, Solution, System};
 use crate::{Direction, LinearCondition, Residual};
 
 /// Sizes with and without each kind of unknown and condition, up to two linear conditions, more conditions at one end
-/// than components, no conditions at one end, all components integrable, and sizes beyond one lane.
+/// than components, no conditions at one end, all components quadratures, and sizes beyond one lane.
 pub const SHAPES: [Dimensions; 18] = [
     dims(1, 0, 0, 1, 0, 0),
     dims(1, 0, 0, 0, 1, 0),
@@ -32,15 +32,15 @@ pub const SHAPES: [Dimensions; 18] = [
     dims(3, 3, 0, 1, 2, 0),
 ];
 
-const fn dims(
+pub const fn dims(
     components: usize,
-    integrable: usize,
+    quadratures: usize,
     scalars: usize,
     left: usize,
     right: usize,
     integrals: usize,
 ) -> Dimensions {
-    Dimensions { components, integrable, scalars, left, right, integrals }
+    Dimensions { components, quadratures, scalars, left, right, integrals }
 }
 
 /// A random problem at random values, with the factors of both kinds.
@@ -63,17 +63,17 @@ impl Case {
         Case { problem, y, conditions, system, dense }
     }
 
-    /// ln of the factor by which the dense determinant exceeds the condensed one: integrating the e integrable
-    /// components out divides by the determinant of their stage equations, D for each of them on every interval.
-    pub fn integrated_out(&self) -> f64 {
+    /// ln of the factor by which the dense determinant exceeds the condensed one: eliminating the e quadrature
+    /// components divides by the determinant of their stage equations, D for each of them on every interval.
+    pub fn eliminated(&self) -> f64 {
         let gauss = Gauss::new(self.y.m);
         let stage = super::dense::Matrix { n: gauss.m, a: gauss.d_matrix }.factor();
-        (self.y.intervals() * self.problem.dims.integrable) as f64 * stage.determinant.log_abs
+        (self.y.intervals() * self.problem.dims.quadratures) as f64 * stage.determinant.log_abs
     }
 
-    /// Asserts that ln|det| is that of a dense matrix but for the components integrated out.
+    /// Asserts that ln|det| is that of a dense matrix but for the quadrature components.
     pub fn assert_determinant(&self, dense: &Factorised, condensed: Determinant) {
-        let difference = dense.determinant.log_abs - condensed.log_abs - self.integrated_out();
+        let difference = dense.determinant.log_abs - condensed.log_abs - self.eliminated();
         assert!(difference.abs() <= dense.determinant_tolerance(), "{:?}: {difference:.1e}", self.problem.dims);
     }
 }

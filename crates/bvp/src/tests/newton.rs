@@ -1,7 +1,7 @@
 //! Newton's iteration: how it fails, how fast it converges, what it reports.
 
 use super::dense::unknowns;
-use super::problems::{Counted, Initial, SecondOrder, factored, solved};
+use super::problems::{Counted, Initial, bratu, factored, solved};
 use super::{distance, largest};
 use crate::Direction;
 use crate::newton::NewtonScratch;
@@ -50,10 +50,10 @@ fn a_vanishing_stage_pivot_is_singular() {
 #[test]
 fn a_problem_without_solution_stalls() {
     // Beyond the fold at 3.5138 the residual has a smallest value that is not zero.
-    let outcome = solve(Newton::default(), &mut SecondOrder::bratu(5.0), &mut constant(2, 8, M, 0.0));
+    let outcome = solve(Newton::default(), &mut bratu(5.0), &mut constant(2, 8, M, 0.0));
     let Err(NewtonError::Stalled { iterations, correction }) = outcome else { panic!("{outcome:?}") };
     assert!(iterations > 1 && correction > Newton::default().tolerance);
-    assert!(solve(Newton::default(), &mut SecondOrder::bratu(3.0), &mut constant(2, 8, M, 0.0)).is_ok());
+    assert!(solve(Newton::default(), &mut bratu(3.0), &mut constant(2, 8, M, 0.0)).is_ok());
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn undamped<P: BoundaryValueProblem>(problem: &mut P, mut y: Solution, most: usi
 fn newton_steps_shrink_quadratically() {
     // ln δ doubles from step to step once it is well below 0: with δ_{k+1} = C δ_k² the order seen differs from 2 by
     // ln C / ln δ_k. Steps below 1e-12 are roundings.
-    let sizes = undamped(&mut SecondOrder::bratu(2.0), constant(2, 6, M, 0.0), 10);
+    let sizes = undamped(&mut bratu(2.0), constant(2, 6, M, 0.0), 10);
     let seen: Vec<f64> = sizes.iter().copied().filter(|s| *s > 1e-12).collect();
     assert!(seen.len() >= 4 && sizes.len() <= 7, "{sizes:?}");
     let [.., a, b, c] = seen[..] else { unreachable!() };
@@ -115,7 +115,7 @@ fn newton_steps_shrink_quadratically() {
 fn each_factorisation_serves_for_two_steps_of_order_three_together() {
     // A Newton step and one simplified step with the same factors are Shamanskii's method, of order three (Kelley,
     // Iterative Methods for Linear and Nonlinear Equations, SIAM 1995, ch. 5). No further chord steps are allowed.
-    let mut problem = SecondOrder::bratu(2.0);
+    let mut problem = bratu(2.0);
     let exact = solved(&mut problem, M, &mesh::uniform(0.0, 1.0, 6));
     let newton = Newton { chord_contraction: 0.0, tolerance: 1e-14, ..Newton::default() };
     let errors: Vec<f64> = (0..3)
@@ -151,7 +151,7 @@ fn a_start_from_which_undamped_steps_grow_needs_damping() {
 fn the_report_counts_solves_and_factorisations() {
     // Every linear solve follows one sweep over the mesh, every factorisation one sweep with derivatives.
     for (intervals, parameter) in [(4, 0.5), (6, 2.0), (8, 3.4)] {
-        let mut problem = Counted::new(SecondOrder::bratu(parameter));
+        let mut problem = Counted::new(bratu(parameter));
         let report = solve(Newton::default(), &mut problem, &mut constant(2, intervals, M, 0.0)).unwrap();
         assert_eq!(report.iterations, problem.sweeps);
         assert_eq!(report.factorisations * intervals * M, problem.derivatives.get());
@@ -174,7 +174,7 @@ fn a_linear_problem_takes_one_factorisation_and_one_check() {
 #[test]
 fn the_correction_reported_bounds_the_error_left() {
     for parameter in [0.5, 2.0, 3.4] {
-        let mut problem = SecondOrder::bratu(parameter);
+        let mut problem = bratu(parameter);
         let exact = solved(&mut problem, M, &mesh::uniform(0.0, 1.0, 6));
         let newton = Newton { tolerance: 1e-5, ..Newton::default() };
         let mut y = constant(2, 6, M, 0.0);
@@ -186,7 +186,7 @@ fn the_correction_reported_bounds_the_error_left() {
 
 /// The workspace with factors of the Bratu problem at `parameter`, and its solution there.
 fn factors_nearby(parameter: f64) -> (System, Solution) {
-    let mut problem = SecondOrder::bratu(parameter);
+    let mut problem = bratu(parameter);
     let y = solved(&mut problem, M, &mesh::uniform(0.0, 1.0, 6));
     (factored(&mut problem, &y, &[]), y)
 }
@@ -194,7 +194,7 @@ fn factors_nearby(parameter: f64) -> (System, Solution) {
 #[test]
 fn old_factors_do_for_a_nearby_problem() {
     let (mut system, mut y) = factors_nearby(2.0);
-    let mut problem = Counted::new(SecondOrder::bratu(2.01));
+    let mut problem = Counted::new(bratu(2.01));
     let newton = Newton::default();
     let report = newton.solve(&mut system, &mut NewtonScratch::default(), &mut problem, &mut y, &[], true).unwrap();
     assert_eq!((report.factorisations, problem.derivatives.get()), (0, 0));
@@ -208,7 +208,7 @@ fn old_factors_do_for_a_nearby_problem() {
 fn old_factors_that_do_not_contract_leave_no_trace() {
     // At 3.5 the derivatives differ so much from those at 0.1 that chord steps do not contract.
     let (mut system, start) = factors_nearby(0.1);
-    let mut problem = SecondOrder::bratu(3.5);
+    let mut problem = bratu(3.5);
     let mut scratch = NewtonScratch::default();
     let mut y = start.clone();
     let only_chords = Newton { max_factorisations: 0, ..Newton::default() };
@@ -228,7 +228,7 @@ fn old_factors_that_do_not_contract_leave_no_trace() {
 fn old_factors_at_a_solution_take_one_solve() {
     let (mut system, mut y) = factors_nearby(2.0);
     let mut scratch = NewtonScratch::default();
-    let mut problem = SecondOrder::bratu(2.0);
+    let mut problem = bratu(2.0);
     let report = Newton::default().solve(&mut system, &mut scratch, &mut problem, &mut y, &[], true).unwrap();
     assert_eq!((report.factorisations, report.iterations), (0, 1));
 }

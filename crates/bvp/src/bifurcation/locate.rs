@@ -1,10 +1,13 @@
 //! From a bracket on a branch to the singular point inside it.
 
 use crate::continuation::Continuation;
-use crate::derivatives::Directional;
+use crate::direction::LinearCondition;
 use crate::metric;
-use crate::{AugmentedReport, MinimallyAugmented, SingularError, Singularity};
-use crate::{LinearCondition, Solution};
+use crate::problem::Directional;
+use crate::solution::Solution;
+
+use super::minimally_augmented::{AugmentedReport, MinimallyAugmented};
+use super::singularity::{SingularError, Singularity};
 
 /// A singular point found, with the factors at it.
 #[derive(Clone, Debug)]

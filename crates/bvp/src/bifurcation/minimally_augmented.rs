@@ -13,9 +13,16 @@
 //! # References
 //! Govaerts, *Numerical Methods for Bifurcations of Dynamical Equilibria*, SIAM 2000, ch. 3–4 (bordered test scalars).
 
-use crate::derivatives::Directional;
+use std::ops::AddAssign;
+
+use crate::direction::{Direction, LinearCondition};
+use crate::linear::System;
 use crate::metric::{self, Metric};
-use crate::{Direction, LinearCondition, SingularError, Singularity, Solution, System};
+use crate::newton::Work;
+use crate::problem::Directional;
+use crate::solution::Solution;
+
+use super::singularity::{SingularError, Singularity};
 
 /// Newton on the extended system for a problem with one or two free parameters (its last scalar unknowns).
 ///
@@ -25,9 +32,9 @@ use crate::{Direction, LinearCondition, SingularError, Singularity, Solution, Sy
 ///
 /// ```
 /// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
-/// # use oscillator::Oscillator;
+/// # use oscillator::{Force, Oscillator};
 /// use bvp::{Continuation, ContinuationSettings, Fold, Metric, MinimallyAugmented};
-/// let problem = Oscillator { force: |u| [u.exp(); 4], right: 0 };
+/// let problem = Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 };
 /// let (guess, metric) = (problem.zero(1.0, 20, 4, 0.0), Metric::unit(2, 1));
 /// let settings = ContinuationSettings::default();
 /// let mut branch = Continuation::start(problem.clone(), guess, metric.clone(), settings, true)?;
@@ -75,6 +82,14 @@ pub struct AugmentedReport {
     pub correction: f64,
     /// |g| before the last correction, relative to its slope along the branch: the distance still to go.
     pub distance: f64,
+}
+
+impl AddAssign<AugmentedReport> for Work {
+    /// Every iteration has a factorisation of its own.
+    fn add_assign(&mut self, report: AugmentedReport) {
+        self.iterations += report.iterations;
+        self.factorisations += report.iterations;
+    }
 }
 
 /// Only after corrections below this may the last one be taken on trust: directions and slopes, and the normal form that
@@ -149,7 +164,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
         system.factor_blocks(conditions)?;
         system.solve_own(step);
         for (k, direction) in basis.iter_mut().enumerate().take(conditions.len()) {
-            metric::null_direction(system, k, direction);
+            system.null_direction(k, direction);
         }
         reference.clone_from(&basis[0]);
         metric.normalise(&y.mesh, reference);

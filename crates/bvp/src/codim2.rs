@@ -1,17 +1,19 @@
 //! Curves of singular points in two parameters.
 //!
-//! A [`TwoParameterCurve`] holds a problem whose last two scalar unknowns (λ, μ) are free and a singularity g. Its points are the
+//! A [`Codim2Curve`] holds a problem whose last two scalar unknowns (λ, μ) are free and a singularity g. Its points are the
 //! roots of (F, g), one condition short; the closing condition is the plane of pseudo-arclength continuation, or a value
 //! for any one scalar unknown: that is how a critical point is solved for directly by the value of another
 //! parameter.
 
-use crate::Direction;
+use crate::bifurcation::{AugmentedReport, MinimallyAugmented, SingularError, Singularity};
+use crate::continuation::predictor::History;
 use crate::continuation::{MeshMonitor, SHORTER};
-use crate::derivatives::Directional;
+use crate::direction::{Direction, LinearCondition};
+use crate::mesh;
 use crate::metric::{self, Metric};
-use crate::predictor::History;
-use crate::{AugmentedReport, MinimallyAugmented, SingularError, Singularity};
-use crate::{LinearCondition, Solution, Work, mesh};
+use crate::newton::Work;
+use crate::problem::Directional;
+use crate::solution::Solution;
 
 /// Settings of a curve.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,20 +84,21 @@ pub enum CurveError {
 /// A curve of singular points being followed.
 ///
 /// # Examples
-/// The folds of u″ + λ exp(u/(1 + μu)) = 0, u(0) = u(1) = 0 from that of Bratu's problem at μ = 0 to μ = 0.1. `Gelfand` is
-/// in `examples/problems/gelfand.rs`, on the half [0, ½].
+/// The folds of u″ + λ exp(u/(1 + μu)) = 0, u(0) = u(1) = 0 from that of Bratu's problem at μ = 0 to μ = 0.1. `Oscillator`
+/// is in `examples/problems/oscillator.rs`; here it is on the half [0, ½].
 ///
 /// ```
-/// # mod gelfand { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/gelfand.rs")); }
-/// # use gelfand::Gelfand;
-/// use bvp::{CurveSettings, Direction, Fold, Gauss, Metric, Solution, TwoParameterCurve, mesh};
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::{Force, Oscillator};
+/// use bvp::{Codim2Curve, CurveSettings, Direction, Fold, Gauss, Metric, Solution, mesh};
 /// let (gauss, mesh) = (Gauss::new(4), mesh::uniform(0.0, 0.5, 12));
 /// // At the fold u is about 1.19 at ½, and all of it grows along the branch.
 /// let bump = |x: f64, y: &mut [f64]| y.copy_from_slice(&[4.75 * x * (1.0 - x), 4.75 * (1.0 - 2.0 * x)]);
 /// let guess = Solution::from_fn(&gauss, &mesh, 2, &[3.5, 0.0], bump);
 /// let tangent = Direction { nodes: guess.nodes.clone(), stages: guess.stages.clone(), scalars: vec![0.0; 2] };
 /// let (metric, settings) = (Metric::unit(2, 2), CurveSettings::default());
-/// let mut curve = TwoParameterCurve::start(Gelfand, Fold::new(0), guess, metric, &tangent, settings, true)?;
+/// let problem = Oscillator { force: Force::With(oscillator::gelfand), right: 1 };
+/// let mut curve = Codim2Curve::start(problem, Fold::new(0), guess, metric, &tangent, settings, true)?;
 /// assert!((curve.parameters()[0] - 3.513830719).abs() < 1e-8);
 /// curve.follow_to(1, 0.1, 100, |_, _| true)?;
 /// assert_eq!(curve.parameters()[1], 0.1);
@@ -103,7 +106,7 @@ pub enum CurveError {
 /// # Ok::<(), bvp::CurveError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct TwoParameterCurve<P, S> {
+pub struct Codim2Curve<P, S> {
     /// Factors, directions and the singularity at the newest point.
     pub augmented: MinimallyAugmented<P, S>,
     /// The newest point.
@@ -130,7 +133,7 @@ pub struct TwoParameterCurve<P, S> {
     weight: Vec<f64>,
 }
 
-impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> {
+impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
     /// Starts at the singular point near `guess` with the μ of `guess`, towards larger μ if `upwards`. `branch_tangent`
     /// is the tangent of the branch the point is on.
     ///
@@ -146,7 +149,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
         upwards: bool,
     ) -> Result<Self, CurveError> {
         let augmented = MinimallyAugmented::new(problem, singularity, guess.m, metric, branch_tangent);
-        let mut curve = TwoParameterCurve {
+        let mut curve = Codim2Curve {
             augmented,
             trial: guess.clone(),
             solution: guess,

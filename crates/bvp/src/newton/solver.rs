@@ -5,8 +5,14 @@
 //! Ascher, Mattheij & Russell 1995, ch. 9 (mesh selection). Kierzenka & Shampine, ACM Trans. Math. Softw. 27, 299 (2001)
 //! (control of the defect).
 
-use crate::newton::NewtonScratch;
-use crate::{BoundaryValueProblem, Newton, NewtonError, Solution, System, TooLarge, Work, mesh};
+use crate::dimensions::TooLarge;
+use crate::linear::System;
+use crate::mesh;
+use crate::problem::BoundaryValueProblem;
+use crate::solution::Solution;
+
+use super::iteration::{Newton, NewtonError, NewtonScratch};
+use super::work::Work;
 
 /// Settings of [`solve`].
 #[derive(Clone, Debug, PartialEq)]
@@ -110,7 +116,7 @@ const NEWTON_SHARE: f64 = 1e-2;
 ///
 /// impl BoundaryValueProblem for Example {
 ///     fn dimensions(&self) -> Dimensions {
-///         Dimensions { components: 2, integrable: 1, scalars: 0, left: 1, right: 1, integrals: 0 }
+///         Dimensions { components: 2, quadratures: 1, scalars: 0, left: 1, right: 1, integrals: 0 }
 ///     }
 ///     fn rhs(&self, _: CollocationPoint, y: &[f64], _: &[f64], f: &mut [f64], _: &mut [f64]) {
 ///         f.copy_from_slice(&[y[1], 1.5 * y[0] * y[0]]);

@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::direction::LinearCondition;
+use crate::gauss::Gauss;
 use crate::metric::evaluate;
-use crate::{Gauss, LinearCondition, Solution, Transfer};
+use crate::solution::{Solution, Transfer};
 
 /// Solutions at known positions along a curve, all on one mesh, for predicting the next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -10,10 +10,15 @@
 use serde::{Deserialize, Serialize};
 
 use crate::dense::PivotFailure;
+use crate::direction::{Direction, LinearCondition};
+use crate::linear::System;
+use crate::mesh;
 use crate::metric::{self, Metric};
-use crate::newton::{Newton, NewtonError, NewtonReport, NewtonScratch};
-use crate::predictor::History;
-use crate::{BoundaryValueProblem, Direction, LinearCondition, Solution, System, Work, mesh};
+use crate::newton::{Newton, NewtonError, NewtonReport, NewtonScratch, Work};
+use crate::problem::BoundaryValueProblem;
+use crate::solution::Solution;
+
+use super::predictor::History;
 
 /// Settings of a continuation.
 #[derive(Clone, Debug, PartialEq)]
@@ -167,7 +172,7 @@ struct Attempt {
 /// Where a followed branch ended.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
-pub enum Ended {
+pub enum Termination {
     /// λ left its range; the last point lies on the bound.
     ParameterBound(f64),
     /// The largest number of points is reached.
@@ -187,14 +192,14 @@ pub type MeshMonitor<P> = fn(&P, &Solution, &mut Vec<f64>);
 ///
 /// ```
 /// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
-/// # use oscillator::Oscillator;
-/// use bvp::{Continuation, ContinuationSettings, Ended, Metric};
-/// let problem = Oscillator { force: |u| [u.exp(); 4], right: 0 };
+/// # use oscillator::{Force, Oscillator};
+/// use bvp::{Continuation, ContinuationSettings, Termination, Metric};
+/// let problem = Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 };
 /// let guess = problem.zero(1.0, 20, 4, 0.0);
 /// let settings = ContinuationSettings::default();
 /// let mut branch = Continuation::start(problem, guess, Metric::unit(2, 1), settings, true)?;
 /// let ended = branch.follow([0.0, 2.0], 100, |_, advance| !advance.passed_fold)?;
-/// assert_eq!(ended, Ended::ParameterBound(2.0));
+/// assert_eq!(ended, Termination::ParameterBound(2.0));
 /// let mut y = [0.0; 2];
 /// branch.state.solution.eval(&branch.system.gauss, 0.5, &mut y);
 /// let cosh = (0.5 * y[0]).exp();
@@ -251,7 +256,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             .solve(&mut system, &mut scratch, &mut problem, &mut solution, &conditions, false)
             .map_err(|source| ContinuationError::Start { parameter, source })?;
         let mut tangent = Direction::default();
-        metric::null_direction(&mut system, 0, &mut tangent);
+        system.null_direction(0, &mut tangent);
         metric.normalise(&solution.mesh, &mut tangent);
         if !upwards {
             tangent.scale(-1.0);
@@ -349,7 +354,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     fn exact_tangent(&mut self) -> Result<(), PivotFailure> {
         self.factorise_newest()?;
         let Continuation { system, metric, state, tangent, .. } = self;
-        metric::null_direction(system, 0, tangent);
+        system.null_direction(0, tangent);
         metric.normalise(&state.solution.mesh, tangent);
         std::mem::swap(&mut state.tangent, tangent);
         Ok(())
@@ -417,7 +422,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             (false, _) => self.reach * REACH_GROWTH,
         };
         let Continuation { system, settings, metric, state, trial, tangent, .. } = self;
-        metric::null_direction(system, 0, tangent);
+        system.null_direction(0, tangent);
         metric.normalise(&trial.mesh, tangent);
         let cosine = metric.dot(&trial.mesh, tangent, &state.tangent);
         if cosine < settings.min_cosine {
@@ -501,7 +506,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         range: [f64; 2],
         limit: usize,
         mut visit: impl FnMut(&mut Self, Advance) -> bool,
-    ) -> Result<Ended, ContinuationError> {
+    ) -> Result<Termination, ContinuationError> {
         for _ in 0..limit {
             let advance = self.advance()?;
             let parameter = self.state.parameter();
@@ -509,13 +514,13 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                 let bound = parameter.clamp(range[0], range[1]);
                 self.land_on(bound)?;
                 visit(self, advance);
-                return Ok(Ended::ParameterBound(bound));
+                return Ok(Termination::ParameterBound(bound));
             }
             if !visit(self, advance) {
-                return Ok(Ended::Stopped);
+                return Ok(Termination::Stopped);
             }
         }
-        Ok(Ended::PointLimit(limit))
+        Ok(Termination::PointLimit(limit))
     }
 
     /// Replaces the newest point by the one with λ = `value` between the last two.

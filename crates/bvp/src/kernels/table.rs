@@ -5,12 +5,13 @@
 
 use multiversion::multiversion;
 
-use crate::block::{BlockFactor, LinearForm};
-use crate::condense::{Condensed, Layout};
 use crate::dense::PivotFailure;
+use crate::direction::{Direction, LinearCondition, Residual};
 use crate::gauss::Gauss;
-use crate::stages::{self, Interval};
-use crate::{Direction, Residual};
+
+use super::block::BlockFactor;
+use super::condense::{Condensed, Layout};
+use super::stages::{self, Interval};
 
 /// The functions that run over all intervals, for any sizes or for given ones.
 ///
@@ -18,13 +19,13 @@ use crate::{Direction, Residual};
 /// sizes than the problem has are not used: asking for the wrong ones costs speed, and nothing else.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernels {
-    /// Components, integrable components, stages and left conditions; `None` for any.
+    /// Components, quadrature components, stages and left conditions; `None` for any.
     sizes: Option<[usize; 4]>,
     pub(crate) condense: fn(&mut Condensed, &Gauss) -> Result<(), PivotFailure>,
     pub(crate) particular: fn(&Condensed, &Gauss, &Residual, &mut Direction, &mut [f64]),
     pub(crate) complete: fn(&Condensed, &mut Direction),
     pub(crate) differences: fn(&Gauss, Interval<'_>, &mut [f64], &mut [f64]),
-    pub(crate) eliminate: fn(&mut BlockFactor, &Condensed, &[LinearForm<'_>]) -> Result<(), PivotFailure>,
+    pub(crate) eliminate: fn(&mut BlockFactor, &Condensed, &[LinearCondition]) -> Result<(), PivotFailure>,
     pub(crate) forward: fn(&mut BlockFactor, &[f64], &mut [f64], &mut [f64]),
     pub(crate) backward: fn(&mut BlockFactor, &mut [f64], &[f64]),
 }
@@ -35,7 +36,7 @@ impl Kernels {
         Kernels { sizes: None, ..Kernels::of::<0, 0, 0, 0>() }
     }
 
-    /// Kernels for N components, of which the first E are integrable, with M stages and LEFT conditions at the left end.
+    /// Kernels for N components, of which the first E are quadratures, with M stages and LEFT conditions at the left end.
     ///
     /// ```
     /// use bvp::Kernels;
@@ -66,7 +67,7 @@ impl Kernels {
 
     /// These kernels if they are for the sizes of `layout`, the general ones otherwise.
     pub(crate) fn suited_to(self, layout: &Layout) -> Kernels {
-        let sizes = [layout.dims.components, layout.dims.integrable, layout.m, layout.dims.left];
+        let sizes = [layout.dims.components, layout.dims.quadratures, layout.m, layout.dims.left];
         if self.sizes.is_none_or(|own| own == sizes) { self } else { Kernels::general() }
     }
 }
@@ -100,9 +101,9 @@ fn complete<const N: usize, const E: usize, const M: usize>(condensed: &Condense
 fn eliminate<const N: usize, const LEFT: usize>(
     block: &mut BlockFactor,
     condensed: &Condensed,
-    forms: &[LinearForm<'_>],
+    conditions: &[LinearCondition],
 ) -> Result<(), PivotFailure> {
-    block.eliminate::<N, LEFT>(condensed, forms)
+    block.eliminate::<N, LEFT>(condensed, conditions)
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]

@@ -11,9 +11,10 @@
 //! Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2004, ch. 3.
 
 use crate::dense::PivotFailure;
+use crate::direction::{Direction, LinearCondition};
+use crate::linear::System;
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
-use crate::{Direction, LinearCondition, System};
 
 /// Settings of the iteration.
 ///
@@ -23,9 +24,9 @@ use crate::{Direction, LinearCondition, System};
 ///
 /// ```
 /// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
-/// # use oscillator::Oscillator;
+/// # use oscillator::{Force, Oscillator};
 /// use bvp::{BoundaryValueProblem, LinearCondition, Newton, System, metric};
-/// let mut problem = Oscillator { force: |u| [u.exp(); 4], right: 0 };
+/// let mut problem = Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 };
 /// let mut y = problem.zero(1.0, 20, 4, 1.0);
 /// let mut conditions = vec![LinearCondition::default()];
 /// metric::scalar_condition(&y, 0, 1.0, &mut conditions[0]);
