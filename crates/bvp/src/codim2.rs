@@ -380,13 +380,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
         let Some(monitor) = self.monitor else { return };
         let y = &self.solution;
         monitor(&self.augmented.problem, y, &mut self.weight);
-        // A monitor that is not finite moves nothing.
-        let imbalance = mesh::imbalance(&y.mesh, &self.weight);
-        if imbalance <= self.settings.remesh_above || !imbalance.is_finite() {
-            return;
-        }
-        let mut grid = Vec::new();
-        mesh::equidistribute(&y.mesh, &self.weight, y.intervals(), &mut grid);
+        let Some(grid) = mesh::rebalanced(&y.mesh, &self.weight, self.settings.remesh_above) else { return };
         let gauss = self.augmented.system.gauss.clone();
         metric::transfer_direction(&gauss, &y.mesh, &grid, &mut self.tangent);
         self.augmented.move_to(&y.mesh, &grid);

@@ -14,6 +14,14 @@ pub struct LinearCondition {
     pub value: f64,
 }
 
+impl LinearCondition {
+    /// Σ w_i·y_i + w_p·p.
+    pub(crate) fn form(&self, nodes: &[f64], scalars: &[f64]) -> f64 {
+        let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
+        dot(&self.nodes, nodes) + dot(&self.scalars, scalars)
+    }
+}
+
 /// Residuals of all equations; also a general right-hand side: the system solved is J δ = −residual.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Residual {

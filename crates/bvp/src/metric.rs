@@ -73,8 +73,7 @@ impl Metric {
 
 /// Value of the linear form of a condition at a solution.
 pub fn evaluate(condition: &LinearCondition, y: &Solution) -> f64 {
-    let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
-    dot(&condition.nodes, &y.nodes) + dot(&condition.scalars, &y.scalars)
+    condition.form(&y.nodes, &y.scalars)
 }
 
 /// The condition that scalar unknown `index` takes a value.

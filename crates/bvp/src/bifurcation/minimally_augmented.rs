@@ -171,13 +171,10 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
         Ok(singularity.evaluate(system, problem, &basis[0])?)
     }
 
-    fn slope(&mut self, y: &Solution, along: Along) -> f64 {
+    /// g′ along null direction `k`, or along δ₀.
+    fn slope(&mut self, y: &Solution, k: Option<usize>) -> f64 {
         let MinimallyAugmented { problem, singularity, system, basis, step, .. } = self;
-        let d = match along {
-            Along::Step => &*step,
-            Along::Basis(k) => &basis[k],
-        };
-        singularity.derivative(system, problem, y, &basis[0], d)
+        singularity.derivative(system, problem, y, &basis[0], k.map_or(step, |k| &basis[k]))
     }
 
     /// Moves `y` onto the singular point. With two free parameters `closing` is needed.
@@ -212,13 +209,13 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
     ) -> Result<(), SingularError> {
         let g = self.linearise(y).map_err(|_| SingularError::Singular { iterations: report.iterations })?;
         report.iterations += 1;
-        let constant = g + self.slope(y, Along::Step);
-        self.slopes[0] = self.slope(y, Along::Basis(0));
+        let constant = g + self.slope(y, None);
+        self.slopes[0] = self.slope(y, Some(0));
         report.distance = (g / self.slopes[0]).abs();
         let shares = match closing {
             None => [-constant / self.slopes[0], 0.0],
             Some(closing) => {
-                self.slopes[1] = self.slope(y, Along::Basis(1));
+                self.slopes[1] = self.slope(y, Some(1));
                 self.closed_by(closing, y, constant)
             }
         };
@@ -239,10 +236,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
 
     /// Shares of both null directions in the correction: g′ along it is −`constant`, and it fulfils `closing`.
     fn closed_by(&self, closing: &LinearCondition, y: &Solution, constant: f64) -> [f64; 2] {
-        let form = |d: &Direction| {
-            let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
-            dot(&closing.nodes, &d.nodes) + dot(&closing.scalars, &d.scalars)
-        };
+        let form = |d: &Direction| closing.form(&d.nodes, &d.scalars);
         let rest = metric::evaluate(closing, y) + form(&self.step) - closing.value;
         let [a, b] = self.slopes;
         let (c, d) = (form(&self.basis[0]), form(&self.basis[1]));
@@ -267,7 +261,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
     /// [`SingularError`] if a pivot vanishes.
     pub fn refresh(&mut self, y: &Solution) -> Result<(), SingularError> {
         self.linearise(y)?;
-        self.slopes[0] = self.slope(y, Along::Basis(0));
+        self.slopes[0] = self.slope(y, Some(0));
         Ok(())
     }
 
@@ -279,10 +273,4 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
         self.metric.normalise(&y.mesh, &mut direction);
         direction
     }
-}
-
-#[derive(Clone, Copy)]
-enum Along {
-    Step,
-    Basis(usize),
 }

@@ -10,6 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::dense::PivotFailure;
+use crate::dimensions::TooLarge;
 use crate::direction::{Direction, LinearCondition};
 use crate::linear::System;
 use crate::mesh;
@@ -75,6 +76,9 @@ pub enum StepFailure {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContinuationError {
+    /// The problem does not fit the kernels.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
     /// No first point.
     #[error("no first point at parameter {parameter}: {source}")]
     Start {
@@ -236,7 +240,10 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// Starts at the solution near `guess` with the λ of `guess`, towards larger λ if `upwards`.
     ///
     /// # Errors
-    /// [`ContinuationError::Start`] if there is no such solution.
+    /// [`ContinuationError::Start`] if there is no such solution, [`ContinuationError::TooLarge`] if [`Dimensions::check`]
+    /// fails.
+    ///
+    /// [`Dimensions::check`]: crate::Dimensions::check
     pub fn start(
         mut problem: P,
         guess: Solution,
@@ -245,6 +252,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         upwards: bool,
     ) -> Result<Self, ContinuationError> {
         let dims = problem.dimensions();
+        dims.check(guess.m)?;
         let mut system = System::new(dims, guess.m);
         let mut scratch = NewtonScratch::default();
         let mut conditions = vec![LinearCondition::default()];
@@ -474,14 +482,9 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                 mesh::defect_monitor(&y.mesh, &defect, y.m, &mut self.weight);
             }
         }
-        // A monitor that is not finite moves nothing.
-        let imbalance = mesh::imbalance(&y.mesh, &self.weight);
-        if imbalance <= self.settings.remesh_above || !imbalance.is_finite() {
-            return;
+        if let Some(grid) = mesh::rebalanced(&y.mesh, &self.weight, self.settings.remesh_above) {
+            self.move_to(&grid);
         }
-        let mut grid = Vec::new();
-        mesh::equidistribute(&y.mesh, &self.weight, y.intervals(), &mut grid);
-        self.move_to(&grid);
     }
 
     /// Carries the run over to another mesh.

@@ -30,21 +30,28 @@ fn steep() -> Initial {
     Initial { rate: -1.0, condition: |y| ((1e3 * y).atan(), 1e3 / (1.0 + 1e6 * y * y)) }
 }
 
+/// Errors that leave the start as it is: rate, condition, start with one stage or M, error.
 #[test]
-fn a_vanishing_pivot_is_singular() {
-    // y(0) is in no condition. The first row to be carried over is zero, whatever the interval does to it.
-    let mut problem = Initial { rate: 0.0, condition: |_| (1.0, 0.0) };
-    let mut y = constant(1, 2, 1, 0.5);
-    assert_eq!(solve(Newton::default(), &mut problem, &mut y), Err(NewtonError::Singular { column: 0, iterations: 0 }));
-    assert_eq!(y, constant(1, 2, 1, 0.5));
-}
-
-#[test]
-fn a_vanishing_stage_pivot_is_singular() {
-    // With one stage D = 2: the stage equation (2 − h f′) δY = … is singular for f′ = 4 and h = 1/2, exactly.
-    let mut problem = Initial { rate: 4.0, condition: |y| (y - 1.0, 1.0) };
-    let outcome = solve(Newton::default(), &mut problem, &mut constant(1, 2, 1, 0.5));
-    assert_eq!(outcome, Err(NewtonError::Singular { column: 0, iterations: 0 }));
+fn singular_systems_and_what_is_not_a_number_are_told_apart() {
+    let singular = NewtonError::Singular { column: 0, iterations: 0 };
+    let non_finite = |iterations| NewtonError::NonFinite { iterations };
+    let cases: [(f64, fn(f64) -> (f64, f64), usize, f64, NewtonError); 5] = [
+        // y(0) is in no condition. The first row to be carried over is zero, whatever the interval does to it.
+        (0.0, |_| (1.0, 0.0), 1, 0.5, singular),
+        // With one stage D = 2: the stage equation (2 − h f′) δY = … is singular for f′ = 4 and h = 1/2, exactly.
+        (4.0, |y| (y - 1.0, 1.0), 1, 0.5, singular),
+        // In a derivative, met while factorising.
+        (1.0, |_| (1.0, f64::NAN), M, 0.0, non_finite(0)),
+        // In a residual, met after the first solve.
+        (1.0, |_| (f64::NAN, 1.0), M, 0.0, non_finite(1)),
+        // At every damped step: after the first solve factors 1, 1/2 … 1/512 are tried, the last one above 1/1000.
+        (1.0, |y| (if y > 0.0 { f64::NAN } else { y - 1.0 }, 1.0), M, 0.0, non_finite(11)),
+    ];
+    for (rate, condition, stages, start, error) in cases {
+        let mut y = constant(1, 2, stages, start);
+        assert_eq!(solve(Newton::default(), &mut Initial { rate, condition }, &mut y), Err(error));
+        assert_eq!(y, constant(1, 2, stages, start), "no step was accepted");
+    }
 }
 
 #[test]
@@ -69,23 +76,6 @@ fn limits_of_work_stall() {
         assert!(matches!(outcome, Err(NewtonError::Stalled { .. })), "{limit}: {outcome:?}");
         assert_eq!(problem.derivatives.get(), (limit - 1) * 2 * M);
     }
-}
-
-#[test]
-fn what_is_not_a_number_is_said_to_be_so() {
-    let non_finite = |iterations| Err(NewtonError::NonFinite { iterations });
-    let newton = Newton::default();
-    // In a derivative, met while factorising.
-    let mut derivative = Initial { rate: 1.0, condition: |_| (1.0, f64::NAN) };
-    assert_eq!(solve(newton, &mut derivative, &mut constant(1, 2, M, 0.0)), non_finite(0));
-    // In a residual, met after the first solve.
-    let mut residual = Initial { rate: 1.0, condition: |_| (f64::NAN, 1.0) };
-    assert_eq!(solve(newton, &mut residual, &mut constant(1, 2, M, 0.0)), non_finite(1));
-    // At every damped step: after the first solve factors 1, 1/2 … 1/512 are tried, the last one above 1/1000.
-    let mut ahead = Initial { rate: 1.0, condition: |y| (if y > 0.0 { f64::NAN } else { y - 1.0 }, 1.0) };
-    let mut y = constant(1, 2, M, 0.0);
-    assert_eq!(solve(newton, &mut ahead, &mut y), non_finite(11));
-    assert_eq!(y, constant(1, 2, M, 0.0), "no step was accepted");
 }
 
 /// Sizes of undamped Newton steps until they are below 1e-13, at most `most`, by the linear system alone.
