@@ -302,7 +302,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
     /// The point between the last two at which the curve turns in scalar unknown `index`, and its arclength, by
     /// bisection on the tangent; `None` if a corrector fails on the way. The curve itself stays where it is.
     pub fn turning_point(&mut self, index: usize) -> Option<Solution> {
-        let (mut low, _) = self.history.before_newest()?;
+        let (mut low, _) = self.history.back(1)?;
         let mut high = self.arclength;
         let side = self.tangent.scalars[index].signum();
         let mut y = self.solution.clone();
@@ -326,7 +326,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
     pub fn at(&mut self, index: usize, value: f64) -> Result<(Solution, AugmentedReport), CurveError> {
         let mut y = self.solution.clone();
         let slope = self.tangent.scalars[index];
-        match self.history.before_newest() {
+        match self.history.back(1) {
             Some((before, earlier)) if (earlier.scalars[index] - value) * (y.scalars[index] - value) <= 0.0 => {
                 let share = (value - earlier.scalars[index]) / (y.scalars[index] - earlier.scalars[index]);
                 self.history.extrapolate(before + share * (self.arclength - before), &mut y);

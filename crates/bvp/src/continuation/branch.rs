@@ -532,19 +532,23 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// [`ContinuationError::Lost`] if the corrector fails there.
     pub fn land_on(&mut self, value: f64) -> Result<(), ContinuationError> {
         let y = self.at(value)?;
-        if let Some((position, earlier)) = self.state.history.before_newest() {
-            let last = y.scalars.len() - 1;
-            let span = self.state.parameter() - earlier.scalars[last];
-            if span != 0.0 {
-                let share = ((value - earlier.scalars[last]) / span).clamp(0.0, 1.0);
-                self.state.arclength = position + share * (self.state.arclength - position);
-            }
+        if let Some((before, share)) = self.between_last_points(value) {
+            self.state.arclength = before + share.clamp(0.0, 1.0) * (self.state.arclength - before);
         }
         self.state.solution = y;
         self.exact_tangent().map_err(|failure| self.lost(value, failure.into()))?;
         // The points before stay, so that what lies between them and the new one can still be located.
         self.state.history.replace_newest(self.state.arclength, &self.state.solution);
         Ok(())
+    }
+
+    /// Arclength of the point before the newest, and the place of λ = `value` between the two by linear interpolation: 0 at
+    /// that point, 1 at the newest. None if λ is the same at both.
+    fn between_last_points(&self, value: f64) -> Option<(f64, f64)> {
+        let (arclength, earlier) = self.state.history.back(1)?;
+        let before = earlier.scalars[earlier.scalars.len() - 1];
+        let span = self.state.parameter() - before;
+        (span != 0.0).then(|| (arclength, (value - before) / span))
     }
 
     /// Corrects `y` onto the branch in the plane through it across `direction`. Left as it is if that fails.
@@ -565,13 +569,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     pub fn at(&mut self, value: f64) -> Result<Solution, ContinuationError> {
         self.exact = false;
         let mut y = self.state.solution.clone();
-        if let Some((before, earlier)) = self.state.history.before_newest() {
-            let last = y.scalars.len() - 1;
-            let span = self.state.parameter() - earlier.scalars[last];
-            if span != 0.0 {
-                let share = (value - earlier.scalars[last]) / span;
-                self.state.history.extrapolate(before + share * (self.state.arclength - before), &mut y);
-            }
+        if let Some((before, share)) = self.between_last_points(value) {
+            self.state.history.extrapolate(before + share * (self.state.arclength - before), &mut y);
         }
         let last = y.scalars.len() - 1;
         metric::scalar_condition(&y, last, value, &mut self.conditions[0]);

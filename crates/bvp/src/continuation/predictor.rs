@@ -61,11 +61,6 @@ impl History {
         self.points.clear();
     }
 
-    /// The point before the newest.
-    pub fn before_newest(&self) -> Option<(f64, &Solution)> {
-        self.back(1)
-    }
-
     /// The point `k` before the newest, the newest itself for 0.
     pub fn back(&self, k: usize) -> Option<(f64, &Solution)> {
         self.points.len().checked_sub(k + 1).map(|k| (self.points[k].0, &self.points[k].1))

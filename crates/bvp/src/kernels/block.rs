@@ -146,7 +146,7 @@ impl BlockFactor {
     }
 
     fn reset(&mut self, condensed: &Condensed, conditions: usize) {
-        let Dimensions { components: n, scalars: np, left: nl, right: nr, integrals: ni, .. } = condensed.layout.dims;
+        let Dimensions { components: n, scalars: np, left: nl, right: nr, integrals: ni, .. } = condensed.dims;
         let nb = ni + conditions;
         let nf = n + np;
         assert_eq!(nl + nr + nb, nf, "as many conditions as unknowns");

@@ -26,32 +26,13 @@ const QUAD: usize = 4;
 /// Up to four quadrature components of one stage.
 type Quad = [f64; QUAD];
 
-/// Shapes of the condensed storage, fixed per problem and stage count.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Layout {
+/// Derivatives at the stages of all intervals, and the condensed intervals.
+#[derive(Clone, Debug, Default)]
+pub struct Condensed {
     /// Sizes of the problem.
     pub dims: Dimensions,
     /// Stages m.
     pub m: usize,
-}
-
-impl Layout {
-    /// Columns of the map: components and scalar unknowns.
-    fn columns(&self) -> usize {
-        self.dims.components + self.dims.scalars
-    }
-
-    /// Lanes of a node.
-    fn node_lanes(&self) -> usize {
-        dense::lanes_for(self.dims.components)
-    }
-}
-
-/// Derivatives at the stages of all intervals, and the condensed intervals.
-#[derive(Clone, Debug, Default)]
-pub struct Condensed {
-    /// Shapes.
-    pub layout: Layout,
     /// Interval widths h.
     pub h: Vec<f64>,
     /// ∂f/∂y at the stages; (interval · m + stage) × n × n.
@@ -86,7 +67,17 @@ pub struct Condensed {
 impl Condensed {
     /// Empty storage for a problem and a stage count.
     pub fn new(dims: Dimensions, m: usize) -> Condensed {
-        Condensed { layout: Layout { dims, m }, ..Condensed::default() }
+        Condensed { dims, m, ..Condensed::default() }
+    }
+
+    /// Columns of the map: components and scalar unknowns.
+    fn columns(&self) -> usize {
+        self.dims.components + self.dims.scalars
+    }
+
+    /// Lanes of a node.
+    fn node_lanes(&self) -> usize {
+        dense::lanes_for(self.dims.components)
     }
 
     /// Number of intervals.
@@ -96,8 +87,8 @@ impl Condensed {
 
     /// Sizes the storage for a mesh and zeroes the derivatives.
     pub fn reset(&mut self, mesh: &[f64]) {
-        let (intervals, columns, node_lanes) = (mesh.len() - 1, self.layout.columns(), self.layout.node_lanes());
-        let Dimensions { scalars: np, integrals: ni, .. } = self.layout.dims;
+        let (intervals, columns, node_lanes) = (mesh.len() - 1, self.columns(), self.node_lanes());
+        let Dimensions { scalars: np, integrals: ni, .. } = self.dims;
         let Sizes { n, e, m, nn, s, lanes, values } = self.sizes::<0, 0, 0>();
         let points = intervals * m;
         self.h.clear();
@@ -124,12 +115,12 @@ impl Condensed {
 
     /// [G B] of interval i by columns, each a node's lanes.
     pub fn transition(&self, i: usize) -> &[Lane] {
-        part(&self.transition, i, self.layout.columns() * self.layout.node_lanes())
+        part(&self.transition, i, self.columns() * self.node_lanes())
     }
 
     /// Coefficients of (δy₀, δp) in the integrals over interval i; integrals × columns.
     pub fn integral(&self, i: usize) -> &[f64] {
-        part(&self.integral, i, self.layout.dims.integrals * self.layout.columns())
+        part(&self.integral, i, self.dims.integrals * self.columns())
     }
 
     /// Multiplies the determinants of all stage matrices into `det`.
@@ -163,7 +154,7 @@ impl Condensed {
     #[inline(always)]
     fn gather<const N: usize, const E: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize) {
         let Sizes { n, e, m, nn, s, values, .. } = self.sizes::<N, E, M>();
-        let (h, ni) = (self.h[i], self.layout.dims.integrals);
+        let (h, ni) = (self.h[i], self.dims.integrals);
         let fy = part(&self.fy, i, m * n * n);
         let onto = part_mut(&mut self.onto, i, m * e * nn);
         let from = part_mut(&mut self.from, i, e.div_ceil(QUAD) * s);
@@ -254,8 +245,8 @@ impl Condensed {
     fn map_columns<const N: usize, const E: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize) {
         let sizes = self.sizes::<N, E, M>();
         let Sizes { n, m, values, .. } = sizes;
-        let (columns, node_lanes) = (self.layout.columns(), self.layout.node_lanes());
-        let Dimensions { scalars: np, integrals: ni, .. } = self.layout.dims;
+        let (columns, node_lanes) = (self.columns(), self.node_lanes());
+        let Dimensions { scalars: np, integrals: ni, .. } = self.dims;
         let h = self.h[i];
         let rest = 1.0 - gauss.d[..m].iter().sum::<f64>();
         let mut residual = std::mem::take(&mut self.column);
@@ -329,7 +320,7 @@ impl Condensed {
     ) {
         let sizes = self.sizes::<N, E, M>();
         let Sizes { n, m, values, .. } = sizes;
-        let ni = self.layout.dims.integrals;
+        let ni = self.dims.integrals;
         for i in 0..self.intervals() {
             let y = part_mut(&mut out.stages, i, m * n);
             self.stages(sizes, gauss, i).particular(part(&residual.stages, i, m * n), y);
@@ -349,7 +340,7 @@ impl Condensed {
     #[inline(always)]
     pub fn complete<const N: usize, const E: usize, const M: usize>(&self, out: &mut Direction) {
         let Sizes { n, m, values, .. } = self.sizes::<N, E, M>();
-        let columns = self.layout.columns();
+        let columns = self.columns();
         let mut x = [0.0; MAX_UNKNOWNS];
         x[n..columns].copy_from_slice(&out.scalars);
         for i in 0..self.intervals() {
@@ -370,8 +361,8 @@ impl Condensed {
     /// Sizes that are known at compile time where the generic parameters are not 0.
     #[inline(always)]
     fn sizes<const N: usize, const E: usize, const M: usize>(&self) -> Sizes {
-        let l = self.layout;
-        let (n, e, m) = if N > 0 { (N, E, M) } else { (l.dims.components, l.dims.quadratures, l.m) };
+        let Dimensions { components, quadratures, .. } = self.dims;
+        let (n, e, m) = if N > 0 { (N, E, M) } else { (components, quadratures, self.m) };
         let s = m * (n - e);
         Sizes { n, e, m, nn: n - e, s, lanes: dense::lanes_for(s), values: dense::lanes_for(m * n) }
     }

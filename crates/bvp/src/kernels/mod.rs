@@ -10,6 +10,3 @@ pub(crate) use block::{BlockFactor, EndJacobian};
 pub(crate) use condense::Condensed;
 pub(crate) use stages::Interval;
 pub use table::Kernels;
-
-#[cfg(test)]
-pub(crate) use condense::Layout;

@@ -6,11 +6,12 @@
 use multiversion::multiversion;
 
 use crate::dense::PivotFailure;
+use crate::dimensions::Dimensions;
 use crate::direction::{Direction, LinearCondition, Residual};
 use crate::gauss::Gauss;
 
 use super::block::BlockFactor;
-use super::condense::{Condensed, Layout};
+use super::condense::Condensed;
 use super::stages::{self, Interval};
 
 /// The functions that run over all intervals, for any sizes or for given ones.
@@ -65,9 +66,9 @@ impl Kernels {
         self.sizes.is_some()
     }
 
-    /// These kernels if they are for the sizes of `layout`, the general ones otherwise.
-    pub(crate) fn suited_to(self, layout: &Layout) -> Kernels {
-        let sizes = [layout.dims.components, layout.dims.quadratures, layout.m, layout.dims.left];
+    /// These kernels if they are for these sizes and m stages, the general ones otherwise.
+    pub(crate) fn suited_to(self, dims: Dimensions, m: usize) -> Kernels {
+        let sizes = [dims.components, dims.quadratures, m, dims.left];
         if self.sizes.is_none_or(|own| own == sizes) { self } else { Kernels::general() }
     }
 }

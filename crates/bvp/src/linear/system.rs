@@ -82,7 +82,7 @@ impl System {
 
     /// Sizes of the problem this workspace is for.
     pub fn dimensions(&self) -> Dimensions {
-        self.condensed.layout.dims
+        self.condensed.dims
     }
 
     /// Evaluates the residual of `problem` at `y`, and with `derivatives` also all derivatives.
@@ -95,14 +95,14 @@ impl System {
     ) {
         let since = self.meter.now();
         problem.prepare(&y.scalars);
-        self.kernels = problem.kernels(self.gauss.m).suited_to(&self.condensed.layout);
+        self.kernels = problem.kernels(self.gauss.m).suited_to(self.condensed.dims, self.gauss.m);
         if derivatives {
             self.condensed.reset(&y.mesh);
         }
         self.evaluate_offsets(problem, y, conditions.len());
         self.evaluate_intervals(problem, y, derivatives);
         self.evaluate_ends(problem, y);
-        let border = &mut self.residual.border[self.condensed.layout.dims.integrals..];
+        let border = &mut self.residual.border[self.condensed.dims.integrals..];
         for (row, condition) in border.iter_mut().zip(conditions) {
             *row = metric::evaluate(condition, y) - condition.value;
         }

@@ -4,7 +4,6 @@ use super::dense::unknowns_of_direction;
 use super::linear::{Case, SHAPES, random_residual};
 use super::problems::factored;
 use super::{Random, distance, largest};
-use crate::kernels::Layout;
 use crate::{Dimensions, Direction, Kernels};
 
 /// Sizes that [`Quadratic`](super::problems::Quadratic) has kernels for: 7 components of which 3 are quadratures, 3 or 4
@@ -32,7 +31,7 @@ fn sized_kernels_give_the_bits_of_the_general_ones() {
 #[test]
 fn kernels_for_other_sizes_are_not_used() {
     let kernels = Kernels::sized::<7, 3, 3, 4>();
-    let sized = |dims: Dimensions| kernels.suited_to(&Layout { dims, m: 3 }).is_sized();
+    let sized = |dims: Dimensions| kernels.suited_to(dims, 3).is_sized();
     assert!(unrolled().all(|(dims, _)| sized(dims)));
     assert!(!SHAPES.into_iter().filter(|d| d.components != 7).any(sized));
 }
