@@ -54,7 +54,7 @@ const ORDER: usize = 7;
 /// Tolerance of points asked for by value.
 const ROUNDING: f64 = 1e-12;
 
-/// Why a curve cannot go on.
+/// Why following a curve failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CurveError {
@@ -68,7 +68,7 @@ pub enum CurveError {
         first: f64,
         /// Second free parameter.
         second: f64,
-        /// What the solver said last.
+        /// Last error of the solver.
         source: SingularError,
     },
     /// A value of an unknown is not on the curve in the number of steps allowed.
@@ -119,14 +119,14 @@ pub struct Codim2Curve<P, S> {
     pub step: f64,
     /// Settings.
     pub settings: CurveSettings,
-    /// What the mesh follows; by default it stays.
+    /// Monitor that the mesh equidistributes; by default the mesh stays.
     pub monitor: Option<MeshMonitor<P>>,
     /// Work so far.
     pub work: Work,
     history: History,
     /// Length and first correction of the newest step.
     last: Option<[f64; 2]>,
-    /// Largest first correction seen that a shorter step did not make smaller.
+    /// Largest first correction that a shorter step did not reduce.
     roundings: f64,
     closing: LinearCondition,
     trial: Solution,
@@ -184,7 +184,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
         [self.solution.scalars[n - 2], self.solution.scalars[n - 1]]
     }
 
-    /// Turns round.
+    /// Reverses the direction.
     pub fn reverse(&mut self) {
         self.tangent.scale(-1.0);
         self.history.clear();
@@ -192,14 +192,14 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
         self.step = self.settings.first_step;
     }
 
-    /// Turns to the side on which scalar unknown `index` comes nearer to `value`.
+    /// Reverses the direction if scalar unknown `index` would move away from `value`.
     pub fn head_for(&mut self, index: usize, value: f64) {
         if (value - self.solution.scalars[index]) * self.tangent.scalars[index] < 0.0 {
             self.reverse();
         }
     }
 
-    /// Goes one step on.
+    /// Takes one step.
     ///
     /// # Errors
     /// [`CurveError::Lost`]; the state is left at the last point.

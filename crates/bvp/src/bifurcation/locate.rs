@@ -1,4 +1,4 @@
-//! From a bracket on a branch to the singular point inside it.
+//! Locates a singular point inside a bracket on a branch.
 
 use crate::continuation::Continuation;
 use crate::direction::LinearCondition;
@@ -28,7 +28,7 @@ pub struct Located<P, S> {
 /// stays inside.
 ///
 /// # Errors
-/// What Newton said last, if it stays inside from none of them.
+/// The last error of Newton, if it leaves the bracket from all starts.
 pub fn between_last_points<P: Directional + Clone, S: Singularity<P>>(
     branch: &mut Continuation<P>,
     singularity: S,

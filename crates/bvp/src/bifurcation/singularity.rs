@@ -1,4 +1,4 @@
-//! What is looked for along a branch: scalars that vanish at a kind of singular point.
+//! Test functions of singular points: scalars that vanish there.
 
 use crate::dense::PivotFailure;
 use crate::direction::Direction;

@@ -2,7 +2,7 @@
 //!
 //! A point of the branch and its unit tangent t (in a [`Metric`]) give the next point as the solution of the problem
 //! together with ⟨t, x − x_last⟩ = Δs (N.8); Newton starts from the polynomial through the last points. Folds are ordinary points
-//! of the branch. The state of a run can be stored and taken up again.
+//! of the branch. The state of a run can be stored and resumed.
 //!
 //! # References
 //! Keller, in *Applications of Bifurcation Theory*, Academic Press 1977, p. 359 (pseudo-arclength).
@@ -72,7 +72,7 @@ pub enum StepFailure {
     Singular(#[from] PivotFailure),
 }
 
-/// Why a continuation cannot go on.
+/// Why a continuation failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContinuationError {
@@ -84,7 +84,7 @@ pub enum ContinuationError {
     Start {
         /// Value of λ.
         parameter: f64,
-        /// What the solver said.
+        /// Error of the solver.
         source: NewtonError,
     },
     /// The corrector fails for the smallest step.
@@ -94,7 +94,7 @@ pub enum ContinuationError {
         parameter: f64,
         /// Arclength of the last point.
         arclength: f64,
-        /// What failed last.
+        /// The last failure.
         source: StepFailure,
     },
 }
@@ -103,7 +103,7 @@ pub enum ContinuationError {
 /// straight on.
 const CLOSED_GAP: f64 = 1e-6;
 
-/// A rejected step is tried again at this fraction of its length.
+/// A rejected step is repeated with this fraction of its length.
 pub(crate) const SHORTER: f64 = 0.4;
 
 /// Where the factors of the last point have served for a step, they are tried for steps longer by this factor; where they have
@@ -117,7 +117,7 @@ const CHORD_CONTRACTION: f64 = 0.5;
 /// After so many rejections the tangent they start from is in doubt.
 const DOUBTFUL: usize = 2;
 
-/// A run as it stands; enough to take it up again.
+/// State of a run, sufficient to resume it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// The newest point.
@@ -173,7 +173,7 @@ struct Attempt {
     exact: bool,
 }
 
-/// Where a followed branch ended.
+/// Why following a branch ended.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Termination {
@@ -181,7 +181,7 @@ pub enum Termination {
     ParameterBound(f64),
     /// The largest number of points is reached.
     PointLimit(usize),
-    /// The caller had seen enough.
+    /// The visitor returned false.
     Stopped,
 }
 
@@ -219,9 +219,9 @@ pub struct Continuation<P> {
     pub settings: ContinuationSettings,
     /// Norm of the branch.
     pub metric: Metric,
-    /// What the mesh follows; by default the defect.
+    /// Monitor that the mesh equidistributes; by default the defect.
     pub monitor: Option<MeshMonitor<P>>,
-    /// The run.
+    /// State of the run.
     pub state: State,
     /// Work so far.
     pub work: Work,
@@ -277,7 +277,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         Ok(Continuation::resume(problem, state, metric, settings))
     }
 
-    /// Takes up a run, or begins one from a point whose tangent is known (e.g. a branch switched to).
+    /// Resumes a run, or starts one from a point whose tangent is known (e.g. a branch switched to).
     pub fn resume(problem: P, mut state: State, metric: Metric, settings: ContinuationSettings) -> Self {
         if state.history.is_empty() {
             state.history.push(state.arclength, &state.solution);
@@ -301,7 +301,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         }
     }
 
-    /// Turns round.
+    /// Reverses the direction.
     pub fn reverse(&mut self) {
         self.exact = false;
         self.state.tangent.scale(-1.0);
@@ -310,7 +310,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.state.history.push(self.state.arclength, &self.state.solution);
     }
 
-    /// Goes one step on.
+    /// Takes one step.
     ///
     /// # Errors
     /// [`ContinuationError::Lost`]; the state is left at the last point.

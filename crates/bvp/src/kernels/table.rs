@@ -1,4 +1,4 @@
-//! Kernels for sizes known at compile time, for problems that ask for them.
+//! The inner loops compiled for sizes that are known at compile time, for problems that request them.
 //!
 //! Most of a Newton step goes into small dense blocks whose sizes follow from the problem. Compiled for sizes that are
 //! known, loops over them are unrolled. Neither kind reorders a sum, so that the results are the same to the last bit.
@@ -16,8 +16,8 @@ use super::stages::{self, Interval};
 
 /// The functions that run over all intervals, for any sizes or for given ones.
 ///
-/// A problem asks for them in [`BoundaryValueProblem::kernels`](crate::BoundaryValueProblem::kernels). Kernels for other
-/// sizes than the problem has are not used: asking for the wrong ones costs speed, and nothing else.
+/// A problem requests them in [`BoundaryValueProblem::kernels`](crate::BoundaryValueProblem::kernels). Kernels for other
+/// sizes than the problem has are ignored: the wrong ones cost only speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernels {
     /// Components, quadrature components, stages and left conditions; `None` for any.

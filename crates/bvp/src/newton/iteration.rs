@@ -177,7 +177,7 @@ const SQUARED: f64 = 0.1;
 /// A correction below this changes no scaling by more than a hundredth.
 const SMALL: f64 = 1e-2;
 
-/// What one call of [`Newton::solve`] works on.
+/// State of one call of [`Newton::solve`].
 struct Iteration<'a, P> {
     settings: &'a Newton,
     system: &'a mut System,
@@ -189,7 +189,7 @@ struct Iteration<'a, P> {
 }
 
 impl<P: BoundaryValueProblem> Iteration<'_, P> {
-    /// Factorises and steps until converged or out of work.
+    /// Factorises and steps until converged or at a limit.
     fn run(&mut self) -> Result<NewtonReport, NewtonError> {
         let settings = self.settings;
         while self.report.factorisations < settings.max_factorisations
@@ -297,7 +297,7 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
         }
     }
 
-    /// Tries to converge with the factors at hand. On failure `y` is restored.
+    /// Tries to converge with the existing factors. On failure `y` is restored.
     fn chord(&mut self) -> bool {
         let Iteration { settings, system, scratch, problem, y, conditions, report } = self;
         system.evaluate(*problem, y, conditions, false);

@@ -1,5 +1,5 @@
-//! A boundary-value problem solved to an accuracy: Newton, defect, redistribution and refinement of the mesh, until the
-//! defect is below a tolerance.
+//! Solves a boundary-value problem to an accuracy: Newton, then redistribution and refinement of the mesh, until the defect
+//! is below a tolerance.
 //!
 //! # References
 //! Ascher, Mattheij & Russell 1995, ch. 9 (mesh selection). Kierzenka & Shampine, ACM Trans. Math. Softw. 27, 299 (2001)
@@ -31,7 +31,7 @@ impl Default for Settings {
     }
 }
 
-/// A solution and what it took.
+/// A solution, its defect and its cost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solved {
     /// The solution, on a mesh of its own.
@@ -55,7 +55,7 @@ pub enum SolveError {
         /// Unknowns less conditions.
         missing: isize,
     },
-    /// The guess is not one for the problem.
+    /// The guess has other sizes than the problem.
     #[error("the guess has {components} components and {scalars} scalars, the problem has others")]
     Guess {
         /// Components of the guess.
@@ -68,7 +68,7 @@ pub enum SolveError {
     Newton {
         /// Intervals of the last mesh tried.
         intervals: usize,
-        /// What the iteration said there.
+        /// Error of the iteration there.
         source: NewtonError,
         /// The solution of smallest defect on the meshes before, if there is any.
         best: Option<Box<Solved>>,
@@ -83,7 +83,7 @@ pub enum SolveError {
     },
 }
 
-/// Meshes in a row on which Newton may fail before it is believed.
+/// Consecutive meshes on which Newton may fail.
 const FAILURES: usize = 3;
 
 /// A redistributed mesh is worth another try with as many intervals if the last one brought the defect down to this

@@ -1,4 +1,4 @@
-//! Counting work.
+//! Counts of work.
 
 use std::ops::AddAssign;
 
