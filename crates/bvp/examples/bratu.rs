@@ -5,10 +5,10 @@ use bvp::{Continuation, ContinuationSettings, Fold, Metric, MinimallyAugmented};
 #[path = "problems/oscillator.rs"]
 mod oscillator;
 
-use oscillator::Oscillator;
+use oscillator::{Force, Oscillator};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let problem = Oscillator { force: |u| [u.exp(); 4], right: 0 };
+    let problem = Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 };
     let metric = Metric::unit(2, 1);
     let guess = problem.zero(1.0, 24, 4, 0.0);
     let settings = ContinuationSettings { max_step: 0.8, ..Default::default() };

@@ -9,11 +9,11 @@ use spectra::{Arnoldi, Krylov};
 #[path = "problems/oscillator.rs"]
 mod oscillator;
 
-use oscillator::Oscillator;
+use oscillator::{Force, Oscillator};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // u″ + λu = 0 about λ = 0, held there by a linear condition.
-    let mut problem = Oscillator { force: |u| [u, 1.0, 0.0, 0.0], right: 0 };
+    let mut problem = Oscillator { force: Force::Of(|u| [u, 1.0, 0.0, 0.0]), right: 0 };
     let y = problem.zero(1.0, 20, 4, 0.0);
     let mut fixed = vec![LinearCondition::default()];
     metric::scalar_condition(&y, 0, 0.0, &mut fixed[0]);

@@ -98,29 +98,71 @@ pub struct PivotFailure {
     pub non_finite: bool,
 }
 
-/// Where [`eliminate`] leaves the factors of one block, as slices of larger stores.
-pub struct Factors<'a> {
-    /// Multipliers by columns: `columns` × lanes_for(rows), zero at and above the pivot.
-    pub lower: &'a mut [Lane],
-    /// Entries above the diagonal by columns: `columns` × lanes_for(columns), zero at and below the pivot.
-    pub upper: &'a mut [Lane],
-    /// Reciprocal pivots; `columns`.
-    pub reciprocal: &'a mut [f64],
-    /// Row exchanged with row k; `columns`.
-    pub exchange: &'a mut [u8],
+impl Determinant {
+    /// Multiplies by the pivots of a factorised block, given by their reciprocals and the rows exchanged for them.
+    pub(crate) fn multiply(&mut self, reciprocal: &[f64], exchange: &[u8]) {
+        for (k, (r, e)) in reciprocal.iter().zip(exchange).enumerate() {
+            self.log_abs -= r.abs().ln();
+            if (*r < 0.0) != (*e as usize != k) {
+                self.sign = -self.sign;
+            }
+        }
+    }
 }
 
-/// [`Factors`] for reading.
-#[derive(Clone, Copy)]
-pub struct FactorsRef<'a> {
-    /// See [`Factors::lower`].
-    pub lower: &'a [Lane],
-    /// See [`Factors::upper`].
-    pub upper: &'a [Lane],
-    /// See [`Factors::reciprocal`].
-    pub reciprocal: &'a [f64],
-    /// See [`Factors::exchange`].
-    pub exchange: &'a [u8],
+/// Triangular factors of a square block.
+#[derive(Clone, Debug, Default)]
+pub struct Lu {
+    /// Multipliers by columns, zero at and above the pivot; n columns × lanes_for(n).
+    lower: Lanes,
+    /// Entries above the diagonal by columns, zero at and below the pivot; n columns × lanes_for(n).
+    upper: Lanes,
+    /// Reciprocal pivots; n.
+    reciprocal: Vec<f64>,
+    /// Row exchanged with row k; n.
+    exchange: Vec<u8>,
+}
+
+impl Lu {
+    /// Rows and columns of the block.
+    pub fn size(&self) -> usize {
+        self.reciprocal.len()
+    }
+
+    /// Factorises the row-major n × n `matrix` (lanes_for(n) lanes a row), which is overwritten.
+    ///
+    /// # Errors
+    /// If a pivot vanishes or is not finite.
+    pub fn factorise(&mut self, matrix: &mut [Lane], n: usize) -> Result<(), PivotFailure> {
+        let lanes = lanes_for(n);
+        self.lower.resize(n * lanes);
+        self.upper.resize(n * lanes);
+        self.reciprocal.resize(n, 0.0);
+        self.exchange.resize(n, 0);
+        eliminate(matrix, lanes, self)
+    }
+
+    /// Solves for one right-hand side in place (n entries, padded to whole lanes).
+    #[inline(always)]
+    pub fn solve(&self, x: &mut [Lane]) {
+        let (n, lanes) = (self.size(), lanes_for(self.size()));
+        for k in 0..n {
+            let flat = x.as_flattened_mut();
+            flat.swap(k, self.exchange[k] as usize);
+            let value = flat[k];
+            subtract_scaled(&mut x[..lanes], value, &self.lower[k * lanes..(k + 1) * lanes]);
+        }
+        for k in (0..n).rev() {
+            let value = x[k / LANE][k % LANE] * self.reciprocal[k];
+            x[k / LANE][k % LANE] = value;
+            subtract_scaled(&mut x[..lanes], value, &self.upper[k * lanes..(k + 1) * lanes]);
+        }
+    }
+
+    /// Multiplies the determinant of the block into `det`.
+    pub fn multiply_into(&self, det: &mut Determinant) {
+        det.multiply(&self.reciprocal, &self.exchange);
+    }
 }
 
 #[inline(always)]
@@ -162,28 +204,21 @@ fn pivot_row<const L: usize>(rows: &[[Lane; L]], k: usize, candidates: usize) ->
 }
 
 #[inline(always)]
-fn eliminate_rows<const L: usize>(
-    rows: &mut [[Lane; L]],
-    columns: usize,
-    candidates: usize,
-    factors: &mut Factors<'_>,
-) -> Result<(), PivotFailure> {
-    let height = lanes_for(rows.len());
-    let width = lanes_for(columns);
-    for k in 0..columns {
+fn eliminate_rows<const L: usize>(rows: &mut [[Lane; L]], lu: &mut Lu) -> Result<(), PivotFailure> {
+    for k in 0..rows.len() {
         let (lane, offset) = (k / LANE, k % LANE);
-        let best = pivot_row(rows, k, candidates)?;
-        factors.exchange[k] = best as u8;
+        let best = pivot_row(rows, k, rows.len())?;
+        lu.exchange[k] = best as u8;
         rows.swap(k, best);
         let pivot = rows[k];
         let reciprocal = 1.0 / pivot[lane][offset];
-        factors.reciprocal[k] = reciprocal;
-        let upper = &mut factors.upper[k * width..(k + 1) * width];
+        lu.reciprocal[k] = reciprocal;
+        let upper = &mut lu.upper[k * L..(k + 1) * L];
         upper.fill([0.0; LANE]);
         for (i, row) in rows.iter().enumerate().take(k) {
             upper[i / LANE][i % LANE] = row[lane][offset];
         }
-        let lower = &mut factors.lower[k * height..(k + 1) * height];
+        let lower = &mut lu.lower[k * L..(k + 1) * L];
         lower.fill([0.0; LANE]);
         for (i, row) in rows.iter_mut().enumerate().skip(k + 1) {
             let factor = row[lane][offset] * reciprocal;
@@ -204,19 +239,10 @@ macro_rules! with_width {
     };
 }
 
-/// Gaussian elimination of the first `columns` columns of the row-major `matrix` (`lanes` lanes a row), choosing pivots
-/// among the first `candidates` rows and eliminating from every row below the pivot (rows past `candidates` are never
-/// pivots: borders). Afterwards row k < columns holds the pivot row right of column k; everything else of interest is in
-/// `factors`.
+/// Gaussian elimination of a square row-major `matrix` (`lanes` lanes a row), whose factors are left in `lu`.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
-pub fn eliminate(
-    matrix: &mut [Lane],
-    lanes: usize,
-    columns: usize,
-    candidates: usize,
-    factors: &mut Factors<'_>,
-) -> Result<(), PivotFailure> {
-    with_width!(matrix, lanes, rows => eliminate_rows(rows, columns, candidates, factors), [1 2 3 4])
+fn eliminate(matrix: &mut [Lane], lanes: usize, lu: &mut Lu) -> Result<(), PivotFailure> {
+    with_width!(matrix, lanes, rows => eliminate_rows(rows, lu), [1 2 3 4])
 }
 
 #[inline(always)]
@@ -300,46 +326,6 @@ pub fn add_scaled(target: &mut Lane, factor: f64, source: &Lane) {
     }
 }
 
-/// Forward elimination of one right-hand side of `rows` entries (padded to whole lanes).
-#[inline(always)]
-pub fn forward_vector(factors: FactorsRef<'_>, columns: usize, rows: usize, x: &mut [Lane]) {
-    let height = lanes_for(rows);
-    for k in 0..columns {
-        let flat = x.as_flattened_mut();
-        flat.swap(k, factors.exchange[k] as usize);
-        let value = flat[k];
-        subtract_scaled(&mut x[..height], value, &factors.lower[k * height..(k + 1) * height]);
-    }
-}
-
-/// Back substitution of one right-hand side of n entries (padded to whole lanes).
-#[inline(always)]
-pub fn back_vector(factors: FactorsRef<'_>, n: usize, x: &mut [Lane]) {
-    let width = lanes_for(n);
-    for k in (0..n).rev() {
-        let value = x[k / LANE][k % LANE] * factors.reciprocal[k];
-        x[k / LANE][k % LANE] = value;
-        subtract_scaled(&mut x[..width], value, &factors.upper[k * width..(k + 1) * width]);
-    }
-}
-
-/// Solves with the factors of a square n × n block for one right-hand side in place (padded to whole lanes).
-#[inline(always)]
-pub fn solve_vector(factors: FactorsRef<'_>, n: usize, x: &mut [Lane]) {
-    forward_vector(factors, n, n, x);
-    back_vector(factors, n, x);
-}
-
-/// Multiplies the pivots of a factorised block into a determinant.
-pub fn accumulate_determinant(reciprocal: &[f64], exchange: &[u8], det: &mut Determinant) {
-    for (k, (r, e)) in reciprocal.iter().zip(exchange).enumerate() {
-        det.log_abs -= r.abs().ln();
-        if (*r < 0.0) != (*e as usize != k) {
-            det.sign = -det.sign;
-        }
-    }
-}
-
 /// Largest |d| / (1 + |v|), NaN if any d is not a number. Quotients are compared by products, of which a processor makes ten in
 /// the time of a division.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
@@ -384,60 +370,25 @@ pub fn eliminate_square_in_place(
 mod tests {
     use super::*;
 
-    struct Store {
-        lower: Vec<Lane>,
-        upper: Vec<Lane>,
-        reciprocal: Vec<f64>,
-        exchange: Vec<u8>,
-    }
+    /// Has determinant −10 and needs a row exchanged.
+    const A: [[f64; 3]; 3] = [[0.0, 2.0, 1.0], [1.0, 1.0, 0.0], [4.0, 0.0, 3.0]];
 
-    impl Store {
-        fn new(n: usize) -> Store {
-            let size = n * lanes_for(n);
-            Store {
-                lower: vec![[0.0; LANE]; size],
-                upper: vec![[0.0; LANE]; size],
-                reciprocal: vec![0.0; n],
-                exchange: vec![0; n],
-            }
-        }
-
-        fn factors(&mut self) -> Factors<'_> {
-            Factors {
-                lower: &mut self.lower,
-                upper: &mut self.upper,
-                reciprocal: &mut self.reciprocal,
-                exchange: &mut self.exchange,
-            }
-        }
-
-        fn read(&self) -> FactorsRef<'_> {
-            FactorsRef {
-                lower: &self.lower,
-                upper: &self.upper,
-                reciprocal: &self.reciprocal,
-                exchange: &self.exchange,
-            }
-        }
+    fn padded() -> [Lane; 3] {
+        A.map(|row| std::array::from_fn(|k| if k < 3 { row[k] } else { 0.0 }))
     }
 
     #[test]
-    fn solves_a_system_and_knows_its_determinant() {
-        // A = [[0, 2, 1], [1, 1, 0], [4, 0, 3]] has determinant −10.
-        let a = [[0.0, 2.0, 1.0], [1.0, 1.0, 0.0], [4.0, 0.0, 3.0]];
+    fn factors_solve_and_give_the_determinant() {
         let x = [1.5, -2.0, 0.25];
-        let mut rows = vec![[0.0; 8]; 3];
         let mut rhs = [[0.0; LANE]];
         for i in 0..3 {
-            rows[i][..3].copy_from_slice(&a[i]);
-            rhs[0][i] = (0..3).map(|j| a[i][j] * x[j]).sum();
+            rhs[0][i] = (0..3).map(|j| A[i][j] * x[j]).sum();
         }
-        let mut store = Store::new(3);
-        eliminate(&mut rows, 1, 3, 3, &mut store.factors()).unwrap();
-        let mut det = Determinant::default();
-        accumulate_determinant(&store.reciprocal, &store.exchange, &mut det);
+        let (mut lu, mut det) = (Lu::default(), Determinant::default());
+        lu.factorise(&mut padded(), 3).unwrap();
+        lu.multiply_into(&mut det);
         assert!((det.sign * det.log_abs.exp() + 10.0).abs() < 1e-12);
-        solve_vector(store.read(), 3, &mut rhs);
+        lu.solve(&mut rhs);
         for i in 0..3 {
             assert!((rhs[0][i] - x[i]).abs() < 1e-14);
         }
@@ -445,16 +396,15 @@ mod tests {
 
     #[test]
     fn elimination_in_place_leaves_the_inverse_with_columns_exchanged() {
-        let a = [[0.0, 2.0, 1.0], [1.0, 1.0, 0.0], [4.0, 0.0, 3.0]];
-        let mut rows = a.map(|row| std::array::from_fn(|k| if k < 3 { row[k] } else { 0.0 })).to_vec();
+        let mut rows = padded();
         let (mut reciprocal, mut exchange) = ([0.0; 3], [0; 3]);
         eliminate_in_place(&mut rows, 1, 3, 3, &mut reciprocal, &mut exchange).unwrap();
         let mut det = Determinant::default();
-        accumulate_determinant(&reciprocal, &exchange, &mut det);
+        det.multiply(&reciprocal, &exchange);
         assert!((det.sign * det.log_abs.exp() + 10.0).abs() < 1e-12);
         for k in 0..3 {
             // Column k of A is the right-hand side whose solution is the unit vector k.
-            let mut b = a.map(|row| row[k]);
+            let mut b = A.map(|row| row[k]);
             for (j, other) in exchange.iter().enumerate() {
                 b.swap(j, *other as usize);
             }
@@ -467,22 +417,20 @@ mod tests {
 
     #[test]
     fn reports_a_zero_and_a_nan_pivot() {
-        let mut zero = vec![[0.0; 8]; 2];
-        let failure = |m: &mut Vec<Lane>| eliminate(m, 1, 2, 2, &mut Store::new(2).factors()).unwrap_err();
-        assert_eq!(failure(&mut zero), PivotFailure { column: 0, non_finite: false });
-        let mut nan = vec![[f64::NAN; 8]; 2];
-        assert_eq!(failure(&mut nan), PivotFailure { column: 0, non_finite: true });
+        for (entry, non_finite) in [(0.0, false), (f64::NAN, true)] {
+            let failure = Lu::default().factorise(&mut [[entry; LANE]; 2], 2).unwrap_err();
+            assert_eq!(failure, PivotFailure { column: 0, non_finite });
+        }
     }
 
     #[test]
     fn a_nan_is_not_lost_in_the_maximum() {
-        let mut d = vec![0.5; 19];
-        let v = vec![1.0; 19];
+        let (d, v) = ([0.5; 19], [1.0; 19]);
         assert_eq!(weighted_maximum(&d, &v), 0.25);
-        d[17] = f64::NAN;
-        assert!(weighted_maximum(&d, &v).is_nan());
-        d[17] = 0.0;
-        d[3] = f64::NAN;
-        assert!(weighted_maximum(&d, &v).is_nan());
+        for place in [3, 17] {
+            let mut d = d;
+            d[place] = f64::NAN;
+            assert!(weighted_maximum(&d, &v).is_nan());
+        }
     }
 }

@@ -1,7 +1,7 @@
-//! Directions in the space of solutions, and linear conditions on solutions.
+//! Directions in the space of solutions, residuals of equations and linear conditions on solutions.
 
-use crate::Solution;
-use crate::dense::weighted_maximum;
+use crate::dense::{weighted_maximum, zeroed};
+use crate::solution::Solution;
 
 /// A linear condition Σ w_i·y_i + w_p·p = value on all nodes and scalars, e.g. the pseudo-arclength condition.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -12,6 +12,39 @@ pub struct LinearCondition {
     pub scalars: Vec<f64>,
     /// Right-hand side.
     pub value: f64,
+}
+
+impl LinearCondition {
+    /// Σ w_i·y_i + w_p·p.
+    pub(crate) fn form(&self, nodes: &[f64], scalars: &[f64]) -> f64 {
+        let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
+        dot(&self.nodes, nodes) + dot(&self.scalars, scalars)
+    }
+}
+
+/// Residuals of all equations; also a general right-hand side: the system solved is J δ = −residual.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Residual {
+    /// Σ_k D_jk (Y_k − y₀) − h f(Y_j); N × m × n.
+    pub stages: Vec<f64>,
+    /// y₀ + Σ d_j (Y_j − y₀) − y₁; N × n.
+    pub nodes: Vec<f64>,
+    /// Left conditions.
+    pub left: Vec<f64>,
+    /// Right conditions.
+    pub right: Vec<f64>,
+    /// Integral conditions, then linear conditions.
+    pub border: Vec<f64>,
+}
+
+impl Residual {
+    /// Makes it zero, with the given lengths in the order of the fields.
+    pub(crate) fn reset(&mut self, lengths: [usize; 5]) {
+        let Residual { stages, nodes, left, right, border } = self;
+        for (v, len) in [stages, nodes, left, right, border].into_iter().zip(lengths) {
+            zeroed(v, len);
+        }
+    }
 }
 
 /// An update δ of a solution, or a direction along a curve of solutions.

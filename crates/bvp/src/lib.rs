@@ -1,65 +1,56 @@
 #![doc = include_str!("../README.md")]
 //!
 //! # Modules
-//! Each imports only from those above it in this list:
+//! Each file imports only from files above it in this list:
 //!
-//! | module | role |
+//! | module | contents |
 //! |---|---|
-//! | [`problem`], [`gauss`], [`mesh`], [`solution`], [`direction`] | what is solved, and on what |
-//! | `dense`, `stages`, `condense`, `block` (private), [`Kernels`] | the kernels: stages are condensed, blocks eliminated in O(N), borders included |
-//! | [`system`], [`newton`] | the linearised system of one problem, and damped Newton with Jacobian reuse |
-//! | [`solver`] | a problem solved to an accuracy, on meshes of its own choice |
-//! | [`metric`], [`predictor`], [`continuation`], [`work`] | branches by pseudo-arclength, and what they cost |
-//! | [`derivatives`], [`singularity`], [`fold`], [`symmetry_breaking`] | what vanishes at a fold, at a pitchfork |
-//! | [`minimally_augmented`], [`locate`], [`normal_form`], [`two_parameter`] | singular points as roots, their normal forms, curves of them |
+//! | `dense` (private), [`gauss`] | small dense blocks; coefficients of Gauss collocation |
+//! | `dimensions` (private), [`solution`], [`direction`], [`metric`] | sizes and limits; solutions and their changes |
+//! | `kernels` (private) | `stages`, `condense`, `block`, `table`: inner loops in O(N) |
+//! | [`problem`], [`mesh`] | the statement of a problem; meshes and defects |
+//! | [`linear`] | residuals, factors and solves of the linearised system |
+//! | [`newton`] | damped Newton, and the adaptive driver [`solve`] |
+//! | [`continuation`] | branches by pseudo-arclength |
+//! | [`bifurcation`] | folds and pitchforks as roots, normal forms |
+//! | [`codim2`] | curves of folds and pitchforks in two parameters |
 
-mod block;
-mod condense;
+pub mod bifurcation;
+pub mod codim2;
 pub mod continuation;
 mod dense;
-pub mod derivatives;
+mod dimensions;
 pub mod direction;
-pub mod fold;
 pub mod gauss;
 mod kernels;
-pub mod locate;
+pub mod linear;
 pub mod mesh;
 pub mod metric;
-pub mod minimally_augmented;
 pub mod newton;
-pub mod normal_form;
-pub mod predictor;
 pub mod problem;
-pub mod singularity;
 pub mod solution;
-pub mod solver;
-mod stages;
-pub mod symmetry_breaking;
-pub mod system;
-pub mod two_parameter;
-pub mod work;
 
+// Test problems that examples share name the crate.
+#[cfg(test)]
+extern crate self as bvp;
 #[cfg(test)]
 mod tests;
 
-pub use block::AntisymmetricEnd;
-pub use continuation::{Continuation, ContinuationError, ContinuationSettings, Ended, StepFailure};
-pub use dense::{Determinant, PivotFailure};
-pub use derivatives::Directional;
-pub use direction::{Direction, LinearCondition};
-pub use fold::Fold;
-pub use gauss::Gauss;
-pub use kernels::Kernels;
-pub use metric::Metric;
-pub use minimally_augmented::{AugmentedReport, MinimallyAugmented};
-pub use newton::{Newton, NewtonError, NewtonReport};
-pub use problem::{
-    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, Dimensions, PointJacobian, TooLarge,
+pub use bifurcation::{
+    AugmentedReport, Fold, MinimallyAugmented, SingularError, Singularity, SymmetryBreaking, locate, normal_form,
 };
-pub use singularity::{SingularError, Singularity};
+pub use codim2::{Codim2Curve, CurveError, CurveSettings};
+pub use continuation::{Continuation, ContinuationError, ContinuationSettings, StepFailure, Termination, predictor};
+pub use dense::{Determinant, PivotFailure};
+pub use dimensions::{Dimensions, MAX_CONDITIONS, MAX_STAGE_UNKNOWNS, MAX_UNKNOWNS, TooLarge};
+pub use direction::{Direction, LinearCondition, Residual};
+pub use gauss::Gauss;
+pub use kernels::{AntisymmetricEnd, Kernels};
+pub use linear::System;
+pub use metric::Metric;
+pub use newton::{Newton, NewtonError, NewtonReport, Settings, SolveError, Solved, Work, solve};
+pub use problem::{
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, Directional, MirrorSymmetric,
+    PointJacobian, derivatives,
+};
 pub use solution::{Solution, Transfer};
-pub use solver::{Settings, SolveError, Solved, solve};
-pub use symmetry_breaking::{MirrorSymmetric, SymmetryBreaking};
-pub use system::{Residual, System};
-pub use two_parameter::{CurveError, CurveSettings, TwoParameterCurve};
-pub use work::Work;

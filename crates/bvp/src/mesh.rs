@@ -44,6 +44,17 @@ pub fn imbalance(mesh: &[f64], weight: &[f64]) -> f64 {
     largest * weight.len() as f64 / total
 }
 
+/// The mesh of as many intervals that equidistributes the monitor, if the largest interval carries more than `above` times
+/// its share; none if the monitor is not finite.
+pub(crate) fn rebalanced(mesh: &[f64], weight: &[f64], above: f64) -> Option<Vec<f64>> {
+    let imbalance = imbalance(mesh, weight);
+    (imbalance > above && imbalance.is_finite()).then(|| {
+        let mut grid = Vec::new();
+        equidistribute(mesh, weight, weight.len(), &mut grid);
+        grid
+    })
+}
+
 /// Largest defect |u′ − f(u)| · h / (1 + |u|) (N.6) of the collocation polynomial u on every interval of width h, sampled midway
 /// between neighbouring Gauss points, and midway between the left node and the first of them. (At the Gauss points
 /// themselves it is zero.) It is infinite where f is not a number.

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Direction, Gauss, LinearCondition, Solution, System};
+use crate::direction::{Direction, LinearCondition};
+use crate::gauss::Gauss;
+use crate::solution::Solution;
 
 /// The inner product ⟨a, b⟩ = Σ_c W_c ∫ a_c b_c dx / (x_N − x₀) + Σ_k w_k a_k b_k on solutions, by the trapezoidal rule
 /// on the nodes, so that an arclength does not depend on the mesh.
@@ -71,8 +73,7 @@ impl Metric {
 
 /// Value of the linear form of a condition at a solution.
 pub fn evaluate(condition: &LinearCondition, y: &Solution) -> f64 {
-    let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
-    dot(&condition.nodes, &y.nodes) + dot(&condition.scalars, &y.scalars)
+    condition.form(&y.nodes, &y.scalars)
 }
 
 /// The condition that scalar unknown `index` takes a value.
@@ -100,11 +101,6 @@ pub fn transfer_direction(gauss: &Gauss, from: &[f64], to: &[f64], direction: &m
     before.transfer_into(gauss, to, &mut after);
     before = after;
     (direction.nodes, direction.stages, direction.scalars) = (before.nodes, before.stages, before.scalars);
-}
-
-/// Solves J d = 0 with condition `which` of the linear conditions raised by 1, for the factors in `system`.
-pub fn null_direction(system: &mut System, which: usize, out: &mut Direction) {
-    system.solve_unit(system.dimensions().integrals + which, out);
 }
 
 #[cfg(test)]

@@ -198,7 +198,7 @@ impl Transfer {
         Transfer { mesh: to.to_vec(), places }
     }
 
-    /// Carries values over.
+    /// Transfers values.
     pub fn apply(&self, from: &Solution, to: &mut Solution) {
         let (n, m) = (from.components, from.m);
         (to.components, to.m) = (n, m);

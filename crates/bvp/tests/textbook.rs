@@ -5,38 +5,49 @@ use std::f64::consts::PI;
 use bvp::continuation::State;
 use bvp::normal_form::pitchfork_normal_form;
 use bvp::{
-    Continuation, ContinuationSettings, CurveSettings, Direction, Ended, Fold, Gauss, Metric, MinimallyAugmented,
-    Solution, SymmetryBreaking, TwoParameterCurve, locate, mesh,
+    AugmentedReport, Codim2Curve, Continuation, ContinuationSettings, CurveSettings, Direction, Fold, Gauss, Metric,
+    MinimallyAugmented, Solution, SymmetryBreaking, Termination, locate, mesh,
 };
 
-#[path = "../examples/problems/gelfand.rs"]
-mod gelfand;
 #[path = "../examples/problems/oscillator.rs"]
 mod oscillator;
 
-use gelfand::Gelfand;
-use oscillator::Oscillator;
+use oscillator::{Force, Oscillator, gelfand};
 
-fn exponential(u: f64) -> [f64; 4] {
-    [u.exp(); 4]
+/// u″ + λeᵘ = 0 on [0, 1].
+fn bratu() -> Oscillator {
+    Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 }
 }
 
-fn linear(u: f64) -> [f64; 4] {
-    [u, 1.0, 0.0, 0.0]
+/// u″ + λu = 0 on [0, ½] with a mirror at ½.
+fn linear() -> Oscillator {
+    Oscillator { force: Force::Of(|u| [u, 1.0, 0.0, 0.0]), right: 1 }
 }
 
-/// u + 0.7u² − 0.3u³.
-fn cubic(u: f64) -> [f64; 4] {
-    [u + 0.7 * u * u - 0.3 * u * u * u, 1.0 + 1.4 * u - 0.9 * u * u, 1.4 - 1.8 * u, -1.8]
+fn start(
+    problem: &Oscillator,
+    guess: &Solution,
+    settings: ContinuationSettings,
+    upwards: bool,
+) -> Continuation<Oscillator> {
+    Continuation::start(problem.clone(), guess.clone(), Metric::unit(2, 1), settings, upwards).unwrap()
 }
 
-fn sine(u: f64) -> [f64; 4] {
-    [u.sin(), u.cos(), -u.sin(), -u.cos()]
+/// The branch of Bratu's problem from λ = 0.
+fn bratu_branch(upwards: bool) -> Continuation<Oscillator> {
+    start(&bratu(), &bratu().zero(1.0, 24, 4, 0.0), ContinuationSettings::default(), upwards)
 }
 
-/// sin u + 10⁻⁴: the elastica with a small imperfection.
-fn bent_sine(u: f64) -> [f64; 4] {
-    [u.sin() + 1e-4, u.cos(), -u.sin(), -u.cos()]
+/// The pitchfork next to `y`, which is moved onto it.
+fn pitchfork(
+    branch: &Continuation<Oscillator>,
+    y: &mut Solution,
+) -> (MinimallyAugmented<Oscillator, SymmetryBreaking>, AugmentedReport) {
+    let Continuation { problem, metric, state, .. } = branch;
+    let breaking = SymmetryBreaking::default();
+    let mut point = MinimallyAugmented::new(problem.clone(), breaking, y.m, metric.clone(), &state.tangent);
+    let report = point.solve(y, None).unwrap();
+    (point, report)
 }
 
 /// Bratu's problem u″ + λeᵘ = 0, u(0) = u(1) = 0 folds at λ = 8(θ/cosh θ)² with θ tanh θ = 1.
@@ -53,18 +64,14 @@ fn bratu_fold() -> f64 {
 fn bratu_folds_where_it_must() {
     let exact = bratu_fold();
     assert!((exact - 3.513830719).abs() < 1e-9);
-    let problem = Oscillator { force: exponential, right: 0 };
-    let guess = problem.zero(1.0, 24, 4, 0.0);
-    let metric = Metric::unit(2, 1);
-    let mut branch =
-        Continuation::start(problem.clone(), guess, metric.clone(), ContinuationSettings::default(), true).unwrap();
+    let mut branch = bratu_branch(true);
     let mut folds = Vec::new();
     let ended = branch
         .follow([-1.0, 10.0], 200, |branch, advance| {
             if advance.passed_fold {
                 let mut y = branch.state.solution.clone();
-                let mut point =
-                    MinimallyAugmented::new(problem.clone(), Fold::new(0), y.m, metric.clone(), &branch.state.tangent);
+                let (metric, tangent) = (branch.metric.clone(), &branch.state.tangent);
+                let mut point = MinimallyAugmented::new(bratu(), Fold::new(0), y.m, metric, tangent);
                 let report = point.solve(&mut y, None).unwrap();
                 assert!(report.iterations <= 8, "{report:?}");
                 folds.push(y.scalars[0]);
@@ -72,19 +79,15 @@ fn bratu_folds_where_it_must() {
             branch.state.parameter() > 1.0 || branch.state.parameter_slope() > 0.0
         })
         .unwrap();
-    assert_eq!(ended, Ended::Stopped);
+    assert_eq!(ended, Termination::Stopped);
     assert_eq!(folds.len(), 1, "{folds:?}");
     assert!((folds[0] - exact).abs() < 1e-10, "{} {exact}", folds[0]);
 }
 
-/// From the two points about it the fold of Bratu's problem is found with where it lies on the branch, in few steps of Newton's
-/// method, since they begin on the branch between the two.
+/// Newton starts on the branch between the two points, so that it takes few steps.
 #[test]
 fn a_fold_is_located_between_two_points_with_its_arclength() {
-    let problem = Oscillator { force: exponential, right: 0 };
-    let guess = problem.zero(1.0, 24, 4, 0.0);
-    let metric = Metric::unit(2, 1);
-    let mut branch = Continuation::start(problem, guess, metric, ContinuationSettings::default(), true).unwrap();
+    let mut branch = bratu_branch(true);
     let mut bracket = [0.0; 2];
     let mut located = None;
     branch
@@ -105,24 +108,20 @@ fn a_fold_is_located_between_two_points_with_its_arclength() {
     let earlier = state.history.back(1).unwrap().1.scalars[0];
     let ratio = (bratu_fold() - earlier) / (bratu_fold() - state.parameter());
     let expected = below(bracket[0]) / below(bracket[1]);
-    println!("{ratio} {expected}, {} iterations", found.report.iterations);
     assert!((ratio / expected - 1.0).abs() < 0.5, "{ratio} {expected}");
     // From an end of the bracket it takes more.
     assert!(found.report.iterations <= 4, "{:?}", found.report);
 }
 
 #[test]
-fn a_run_taken_up_from_its_stored_state_goes_on_bit_for_bit() {
-    let problem = Oscillator { force: exponential, right: 0 };
-    let guess = problem.zero(1.0, 8, 3, 0.0);
-    let (metric, settings) = (Metric::unit(2, 1), ContinuationSettings::default());
-    let mut whole = Continuation::start(problem.clone(), guess, metric.clone(), settings.clone(), true).unwrap();
+fn a_run_resumed_from_its_stored_state_goes_on_bit_for_bit() {
+    let mut whole = start(&bratu(), &bratu().zero(1.0, 8, 3, 0.0), ContinuationSettings::default(), true);
     for _ in 0..4 {
         whole.advance().unwrap();
     }
     let stored = serde_json::to_string(&whole.state).unwrap();
     let state: State = serde_json::from_str(&stored).unwrap();
-    let mut resumed = Continuation::resume(problem, state, metric, settings);
+    let mut resumed = Continuation::resume(bratu(), state, whole.metric.clone(), whole.settings.clone());
     for _ in 0..6 {
         whole.advance().unwrap();
         resumed.advance().unwrap();
@@ -132,40 +131,33 @@ fn a_run_taken_up_from_its_stored_state_goes_on_bit_for_bit() {
 
 #[test]
 fn a_branch_is_followed_both_ways_and_ends_on_its_bound() {
-    let problem = Oscillator { force: exponential, right: 0 };
     for (upwards, bound) in [(true, 2.5), (false, -30.0)] {
-        let guess = problem.zero(1.0, 24, 4, 0.0);
-        let metric = Metric::unit(2, 1);
-        let mut branch =
-            Continuation::start(problem.clone(), guess, metric, ContinuationSettings::default(), upwards).unwrap();
+        let mut branch = bratu_branch(upwards);
         let ended = branch.follow([-30.0, 2.5], 300, |_, _| true).unwrap();
-        assert_eq!(ended, Ended::ParameterBound(bound));
+        assert_eq!(ended, Termination::ParameterBound(bound));
         assert!((branch.state.parameter() - bound).abs() < 1e-9);
         // Every point but the first took a step.
         assert_eq!(branch.work.steps, branch.state.points - 1);
         // u(½) = 2 ln(cosh θ) with λ = 8(θ/cosh θ)² on the lower branch; λ < 0 turns cosh into cos.
-        let u = {
-            let mut y = [0.0; 2];
-            branch.state.solution.eval(&branch.system.gauss, 0.5, &mut y);
-            y[0]
-        };
-        let c = if upwards { (0.5 * u).exp().acosh() } else { (0.5 * u).exp().acos() };
-        let lambda = 8.0 * (c * (-0.5 * u).exp()).powi(2) * if upwards { 1.0 } else { -1.0 };
+        let mut y = [0.0; 2];
+        branch.state.solution.eval(&branch.system.gauss, 0.5, &mut y);
+        let cosh = (0.5 * y[0]).exp();
+        let theta = if upwards { cosh.acosh() } else { cosh.acos() };
+        let lambda = 8.0 * (theta / cosh).powi(2) * bound.signum();
         assert!((lambda - bound).abs() < 1e-7, "{lambda} {bound}");
     }
 }
 
-/// At λ = π² the imperfect elastica bends away upwards; the nearly straight one beyond belongs to another branch, and the
-/// gap between them turns by no angle.
+/// At λ = π² the elastica with a small imperfection bends away upwards; the nearly straight one beyond belongs to another
+/// branch, and the gap between them turns by no angle.
 #[test]
 fn a_step_does_not_cross_the_gap_to_another_branch() {
-    let problem = Oscillator { force: bent_sine, right: 0 };
+    let problem = Oscillator { force: Force::Of(|u| [u.sin() + 1e-4, u.cos(), -u.sin(), -u.cos()]), right: 0 };
     for max_step in [0.3, 2.0, 8.0] {
-        let guess = problem.zero(1.0, 16, 4, 0.0);
         let settings = ContinuationSettings { first_step: max_step, max_step, ..ContinuationSettings::default() };
-        let mut branch = Continuation::start(problem.clone(), guess, Metric::unit(2, 1), settings, true).unwrap();
+        let mut branch = start(&problem, &problem.zero(1.0, 16, 4, 0.0), settings, true);
         let ended = branch.follow([0.0, 14.0], 400, |_, _| true).unwrap();
-        assert_eq!(ended, Ended::ParameterBound(14.0));
+        assert_eq!(ended, Termination::ParameterBound(14.0));
         let slope = branch.state.solution.nodes[1];
         assert!(slope > 4.0, "steps up to {max_step}: u'(0) = {slope}");
     }
@@ -175,22 +167,15 @@ fn a_step_does_not_cross_the_gap_to_another_branch() {
 /// (2kπ)². The second are the pitchforks of the trivial solution, seen on the half [0, ½].
 #[test]
 fn antisymmetric_eigenvalues_are_all_found_and_no_other() {
-    let problem = Oscillator { force: linear, right: 1 };
-    let guess = problem.zero(0.5, 12, 4, 1.0);
     let settings = ContinuationSettings { max_step: 4.0, ..Default::default() };
-    let metric = Metric::unit(2, 1);
-    let mut branch = Continuation::start(problem.clone(), guess, metric.clone(), settings, true).unwrap();
+    let mut branch = start(&linear(), &linear().zero(0.5, 12, 4, 1.0), settings, true);
     let (mut before, mut found) = (None, Vec::new());
     branch
         .follow([0.0, 500.0], 1000, |branch, _| {
-            let y = &branch.state.solution;
-            let (sign, _) = SymmetryBreaking::default().test(&branch.system, &problem).unwrap();
+            let (sign, _) = SymmetryBreaking::default().test(&branch.system, &branch.problem).unwrap();
             if before.is_some_and(|b: f64| b * sign < 0.0) {
-                let mut y = y.clone();
-                let breaking = SymmetryBreaking::default();
-                let mut point =
-                    MinimallyAugmented::new(problem.clone(), breaking, y.m, metric.clone(), &branch.state.tangent);
-                point.solve(&mut y, None).unwrap();
+                let mut y = branch.state.solution.clone();
+                pitchfork(branch, &mut y);
                 found.push(y.scalars[0]);
             }
             before = Some(sign);
@@ -207,36 +192,30 @@ fn antisymmetric_eigenvalues_are_all_found_and_no_other() {
 /// Its sign tells the two sides of an antisymmetric eigenvalue apart, and those of a symmetric one not.
 #[test]
 fn the_symmetry_breaking_sign_changes_at_antisymmetric_eigenvalues_alone() {
-    let problem = Oscillator { force: linear, right: 1 };
-    let (guess, metric) = (problem.zero(0.5, 12, 4, 5.0), Metric::unit(2, 1));
-    let settings = ContinuationSettings::default();
-    let branch = Continuation::start(problem.clone(), guess, metric.clone(), settings, true).unwrap();
+    let at = |lambda: f64| linear().zero(0.5, 12, 4, lambda);
+    let branch = start(&linear(), &at(5.0), ContinuationSettings::default(), true);
     let breaking = SymmetryBreaking::default();
-    let mut point = MinimallyAugmented::new(problem.clone(), breaking, 4, metric, &branch.state.tangent);
+    let mut point = MinimallyAugmented::new(linear(), breaking, 4, Metric::unit(2, 1), &branch.state.tangent);
     let eigenvalue = |k: f64| (k * PI).powi(2);
     let between = |k: f64| 0.5 * (eigenvalue(k) + eigenvalue(k + 1.0));
-    let signs = [0.0, 1.0, 2.0, 3.0, 4.0].map(|k| point.sign_at(&problem.zero(0.5, 12, 4, between(k))).unwrap());
+    let signs = [0.0, 1.0, 2.0, 3.0, 4.0].map(|k| point.sign_at(&at(between(k))).unwrap());
     // The eigenvalue (kπ)² belongs to sin kπx, which is odd about the middle for even k.
     assert_eq!(signs.map(|sign| sign * signs[0]), [1.0, 1.0, -1.0, -1.0, 1.0]);
 }
 
 /// Pitchfork of u = 0 at λ₀ = 4π². With u = a sin 2πx + …, u″ + λ sin u = 0 has λ = λ₀ + (λ₀/8) a², and
-/// u″ + λ(u + αu² + βu³) = 0 has λ = λ₀ + λ₀(5α²/6 − 3β/4) a².
+/// u″ + λ(u + αu² + βu³) = 0 has λ = λ₀ + λ₀(5α²/6 − 3β/4) a². Here α = 0.7 and β = −0.3.
 #[test]
 fn pitchforks_have_their_known_normal_forms() {
     let lambda = 4.0 * PI * PI;
-    for (force, expected) in
-        [(sine as fn(f64) -> [f64; 4], lambda / 8.0), (cubic, lambda * (5.0 * 0.7 * 0.7 / 6.0 + 3.0 * 0.3 / 4.0))]
-    {
-        let problem = Oscillator { force, right: 1 };
+    let sine: fn(f64) -> [f64; 4] = |u| [u.sin(), u.cos(), -u.sin(), -u.cos()];
+    let cubic: fn(f64) -> [f64; 4] =
+        |u| [u + 0.7 * u * u - 0.3 * u * u * u, 1.0 + 1.4 * u - 0.9 * u * u, 1.4 - 1.8 * u, -1.8];
+    for (force, expected) in [(sine, lambda / 8.0), (cubic, lambda * (5.0 * 0.7 * 0.7 / 6.0 + 3.0 * 0.3 / 4.0))] {
+        let problem = Oscillator { force: Force::Of(force), right: 1 };
         let mut y = problem.zero(0.5, 10, 4, 38.0);
-        let metric = Metric::unit(2, 1);
-        let branch =
-            Continuation::start(problem.clone(), y.clone(), metric.clone(), ContinuationSettings::default(), true)
-                .unwrap();
-        let breaking = SymmetryBreaking::default();
-        let mut point = MinimallyAugmented::new(problem, breaking, y.m, metric, &branch.state.tangent);
-        let report = point.solve(&mut y, None).unwrap();
+        let branch = start(&problem, &y, ContinuationSettings::default(), true);
+        let (mut point, report) = pitchfork(&branch, &mut y);
         assert!(report.iterations <= 6, "{report:?}");
         assert!((y.scalars[0] / lambda - 1.0).abs() < 1e-10);
         let form = pitchfork_normal_form(&mut point, &y).unwrap();
@@ -262,8 +241,8 @@ fn the_folds_of_the_gelfand_problem_end_in_a_cusp() {
     let along = Solution::from_fn(&gauss, &grid, 2, &[0.0, 0.0], |x, y| y.copy_from_slice(&sine(x)));
     let tangent = Direction { nodes: along.nodes, stages: along.stages, scalars: along.scalars };
     let settings = CurveSettings { target_correction: 1e-6, ..CurveSettings::default() };
-    let metric = Metric::unit(2, 2);
-    let mut curve = TwoParameterCurve::start(Gelfand, Fold::new(0), guess, metric, &tangent, settings, true).unwrap();
+    let (problem, metric) = (Oscillator { force: Force::With(gelfand), right: 1 }, Metric::unit(2, 2));
+    let mut curve = Codim2Curve::start(problem, Fold::new(0), guess, metric, &tangent, settings, true).unwrap();
     assert!((curve.parameters()[0] - bratu_fold()).abs() < 1e-9);
     while curve.tangent.scalars[1] > 0.0 {
         curve.advance().unwrap();

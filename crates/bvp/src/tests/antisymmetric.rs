@@ -1,22 +1,16 @@
 //! Antisymmetric problems on a factorised system, with other right end rows and without scalars and borders, against the
 //! dense ones.
 
-use super::Random;
 use super::dense::{Factorised, Matrix, equations, jacobian, unknowns_of_direction};
 use super::linear::{Case, SHAPES, for_every_shape, random_residual};
-use crate::block::{AntisymmetricEnd, EndRows};
-use crate::dense::Determinant;
-use crate::{Direction, Residual};
+use super::{Random, largest};
+use crate::{AntisymmetricEnd, Determinant, Direction, Residual};
 
 /// The rows at the right end of an antisymmetric problem of `case`, n for each of the conditions the left ones leave open.
 fn right_rows(case: &Case, random: &mut Random) -> Option<Vec<f64>> {
     let dims = case.problem.dims;
     // Too many left conditions leave no square system without the scalars.
     (dims.left <= dims.components).then(|| random.vector((dims.components - dims.left) * dims.components))
-}
-
-fn end_rows(ry: &[f64], n: usize) -> EndRows<'_> {
-    EndRows { ry, rp: &[], rows: ry.len() / n }
 }
 
 /// Stage, node and left rows of the full Jacobian without the columns of the scalars, then the right rows.
@@ -35,6 +29,12 @@ fn dense_antisymmetric(case: &Case, right: &[f64]) -> Factorised {
     Matrix { n: size, a }.factor()
 }
 
+fn with_rows(rows: Vec<f64>) -> AntisymmetricEnd {
+    let mut end = AntisymmetricEnd::default();
+    end.rows = rows;
+    end
+}
+
 /// Every case that has antisymmetric problems, with right rows, their dense counterpart and their factors.
 fn for_every_antisymmetric(
     mut test: impl FnMut(&mut Case, &[f64], &Factorised, &AntisymmetricEnd, Determinant, &mut Random),
@@ -43,8 +43,8 @@ fn for_every_antisymmetric(
     for_every_shape(|mut case, random| {
         let Some(right) = right_rows(&case, random) else { return };
         let dense = dense_antisymmetric(&case, &right);
-        let mut end = AntisymmetricEnd::default();
-        let determinant = case.system.factor_antisymmetric_rows(end_rows(&right, case.y.components), &mut end).unwrap();
+        let mut end = with_rows(right.clone());
+        let determinant = case.system.factor_antisymmetric_rows(&mut end).unwrap();
         test(&mut case, &right, &dense, &end, determinant, random);
         seen += 1;
     });
@@ -57,42 +57,24 @@ fn antisymmetric_residual(case: &Case, right: &[f64], random: &mut Random) -> Re
     Residual { right: random.vector(right.len() / case.y.components), border: Vec::new(), ..r }
 }
 
+/// Against the dense problem; J applied to the solution leaves nothing of the residual, and the last node alone is that of
+/// the whole.
 #[test]
 fn antisymmetric_problems_are_solved_as_the_dense_ones() {
     for_every_antisymmetric(|case, right, dense, end, _, random| {
-        let r = antisymmetric_residual(case, right, random);
+        let mut r = antisymmetric_residual(case, right, random);
         let b: Vec<f64> = equations(&r).iter().map(|v| -v).collect();
-        let mut update = Direction::default();
+        let (mut update, mut last) = (Direction::default(), Direction::default());
+        case.system.solve_antisymmetric_last_node(end, &r, &mut last);
         case.system.solve_antisymmetric(end, &r, &mut update);
+        let from = case.y.nodes.len() - case.y.components;
+        assert_eq!(update.nodes[from..], last.nodes[from..]);
         assert!(update.scalars.iter().all(|p| *p == 0.0), "an antisymmetric problem has no scalars");
         update.scalars.clear();
         dense.assert_solves(&unknowns_of_direction(&update), &b, "antisymmetric");
-    });
-}
-
-#[test]
-fn what_a_solution_leaves_of_a_residual_is_nothing() {
-    for_every_antisymmetric(|case, right, _, end, _, random| {
-        let mut r = antisymmetric_residual(case, right, random);
-        let (mut update, mut end) = (Direction::default(), end.clone());
-        case.system.solve_antisymmetric(&end, &r, &mut update);
-        end.rows = right.to_vec();
-        let scale = update.nodes.iter().chain(&update.stages).fold(1.0, |scale: f64, v| scale.max(v.abs()));
-        case.system.apply_antisymmetric(&end, &update, &mut r);
-        let left = equations(&r).iter().fold(0.0, |left: f64, v| left.max(v.abs()));
+        case.system.apply_antisymmetric(end, &update, &mut r);
+        let (left, scale) = (largest(&equations(&r)), largest(&unknowns_of_direction(&update)).max(1.0));
         assert!(left < 1e-11 * scale, "{left} of {scale}");
-    });
-}
-
-#[test]
-fn the_last_node_of_an_antisymmetric_problem_alone_is_that_of_the_whole() {
-    for_every_antisymmetric(|case, right, _, end, _, random| {
-        let r = antisymmetric_residual(case, right, random);
-        let (mut whole, mut last) = (Direction::default(), Direction::default());
-        case.system.solve_antisymmetric(end, &r, &mut whole);
-        case.system.solve_antisymmetric_last_node(end, &r, &mut last);
-        let from = case.y.nodes.len() - case.y.components;
-        assert_eq!(whole.nodes[from..], last.nodes[from..]);
     });
 }
 
@@ -137,8 +119,7 @@ fn determinants_of_antisymmetric_problems_are_the_dense_ones_up_to_a_fixed_sign(
         for _ in 0..12 {
             let case = Case::new(dims, 2, 3, &mut random);
             let right = right_rows(&case, &mut random).unwrap();
-            let rows = end_rows(&right, dims.components);
-            let determinant = case.system.factor_antisymmetric_rows(rows, &mut AntisymmetricEnd::default()).unwrap();
+            let determinant = case.system.factor_antisymmetric_rows(&mut with_rows(right.clone())).unwrap();
             let dense = dense_antisymmetric(&case, &right).determinant.sign;
             relative.push(dense * determinant.sign);
             signs.push(dense);
@@ -155,11 +136,7 @@ fn a_singular_antisymmetric_problem_has_determinant_zero_and_a_broken_one_is_an_
         if right.is_empty() {
             return;
         }
-        let n = case.y.components;
-        let factor = |value: f64| {
-            case.system
-                .factor_antisymmetric_rows(end_rows(&vec![value; right.len()], n), &mut AntisymmetricEnd::default())
-        };
+        let factor = |value: f64| case.system.factor_antisymmetric_rows(&mut with_rows(vec![value; right.len()]));
         assert_eq!(factor(0.0), Ok(Determinant { sign: 0.0, log_abs: f64::NEG_INFINITY }));
         assert!(factor(f64::NAN).unwrap_err().non_finite);
         seen += 1;

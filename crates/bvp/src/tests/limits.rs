@@ -1,26 +1,21 @@
 //! Sizes at and beyond the limits of the kernels.
 
 use super::Random;
-use super::linear::Case;
-use crate::problem::{Dimensions, MAX_CONDITIONS, MAX_UNKNOWNS, TooLarge};
-use crate::{Direction, System};
-
-fn dims(components: usize, integrable: usize, scalars: usize, left: usize, right: usize) -> Dimensions {
-    Dimensions { components, integrable, scalars, left, right, integrals: 0 }
-}
+use super::linear::{Case, dims};
+use crate::{Direction, MAX_CONDITIONS, MAX_UNKNOWNS, System, TooLarge};
 
 #[test]
 fn every_limit_is_refused_by_name() {
     let cases = [
-        (dims(2, 0, 0, 1, 1), 0, TooLarge::Stages { stages: 0 }),
-        (dims(2, 0, 0, 1, 1), 6, TooLarge::Stages { stages: 6 }),
-        (dims(0, 0, 1, 1, 0), 3, TooLarge::Components { components: 0, integrable: 0 }),
-        (dims(2, 3, 0, 1, 1), 3, TooLarge::Components { components: 2, integrable: 3 }),
-        (dims(MAX_UNKNOWNS, 30, 1, 16, 17), 3, TooLarge::Unknowns { unknowns: 33 }),
-        (dims(13, 0, 0, 6, 7), 5, TooLarge::StageUnknowns { stage_unknowns: 65 }),
-        (dims(17, 0, 0, 9, 8), 4, TooLarge::StageUnknowns { stage_unknowns: 68 }),
-        (dims(2, 0, 0, 2, 1), 3, TooLarge::Conditions { missing: -1 }),
-        (dims(2, 0, MAX_CONDITIONS + 1, 1, 1), 3, TooLarge::Conditions { missing: 9 }),
+        (dims(2, 0, 0, 1, 1, 0), 0, TooLarge::Stages { stages: 0 }),
+        (dims(2, 0, 0, 1, 1, 0), 6, TooLarge::Stages { stages: 6 }),
+        (dims(0, 0, 1, 1, 0, 0), 3, TooLarge::Components { components: 0, quadratures: 0 }),
+        (dims(2, 3, 0, 1, 1, 0), 3, TooLarge::Components { components: 2, quadratures: 3 }),
+        (dims(MAX_UNKNOWNS, 30, 1, 16, 17, 0), 3, TooLarge::Unknowns { unknowns: 33 }),
+        (dims(13, 0, 0, 6, 7, 0), 5, TooLarge::StageUnknowns { stage_unknowns: 65 }),
+        (dims(17, 0, 0, 9, 8, 0), 4, TooLarge::StageUnknowns { stage_unknowns: 68 }),
+        (dims(2, 0, 0, 2, 1, 0), 3, TooLarge::Conditions { missing: -1 }),
+        (dims(2, 0, MAX_CONDITIONS + 1, 1, 1, 0), 3, TooLarge::Conditions { missing: 9 }),
     ];
     for (dims, stages, error) in cases {
         assert_eq!(dims.check(stages), Err(error));
@@ -31,21 +26,21 @@ fn every_limit_is_refused_by_name() {
 #[test]
 #[should_panic(expected = "stage unknowns")]
 fn a_workspace_is_not_made_for_what_does_not_fit() {
-    System::new(dims(17, 0, 0, 9, 8), 4);
+    System::new(dims(17, 0, 0, 9, 8, 0), 4);
 }
 
 #[test]
 fn sizes_at_the_limits_are_solved() {
     // Random systems this large are ill-conditioned: what is seen here is that no kernel runs out of room.
     let largest = [
-        (dims(MAX_UNKNOWNS, 24, 0, 16, 16), 5),
-        (dims(MAX_UNKNOWNS, 24, 0, 32, 0), 1),
-        (dims(MAX_UNKNOWNS, 20, 0, 0, 32), 4),
-        (Dimensions { integrals: 12, ..dims(16, 6, 16, 16, 4) }, 4),
-        (Dimensions { integrals: 31, ..dims(31, 25, 1, 0, 1) }, 5),
-        (dims(11, 0, 5, 6, 10), 5),
-        (dims(1, 0, 31, 32, 0), 5),
-        (dims(2, 0, MAX_CONDITIONS, 1, 1), 5),
+        (dims(MAX_UNKNOWNS, 24, 0, 16, 16, 0), 5),
+        (dims(MAX_UNKNOWNS, 24, 0, 32, 0, 0), 1),
+        (dims(MAX_UNKNOWNS, 20, 0, 0, 32, 0), 4),
+        (dims(16, 6, 16, 16, 4, 12), 4),
+        (dims(31, 25, 1, 0, 1, 31), 5),
+        (dims(11, 0, 5, 6, 10, 0), 5),
+        (dims(1, 0, 31, 32, 0, 0), 5),
+        (dims(2, 0, MAX_CONDITIONS, 1, 1, 0), 5),
     ];
     for (dims, stages) in largest {
         dims.check(stages).unwrap();

@@ -1,7 +1,7 @@
 //! Tests of the kernels together: each is compared with a plain dense, analytic or theoretical counterpart.
 //!
-//! This file holds what the tests share: a random generator, test problems, the collocation equations written out
-//! plainly, and dense linear algebra that knows nothing of blocks.
+//! The tests share a random generator, test problems, the collocation equations written out plainly, and dense linear
+//! algebra without blocks.
 
 mod antisymmetric;
 mod dense;
@@ -11,6 +11,8 @@ mod meshes;
 mod newton;
 mod order;
 mod problems;
+#[path = "../../examples/problems/second_order.rs"]
+mod second_order;
 mod sized;
 mod solution;
 mod solver;

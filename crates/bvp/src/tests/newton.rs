@@ -1,7 +1,7 @@
 //! Newton's iteration: how it fails, how fast it converges, what it reports.
 
 use super::dense::unknowns;
-use super::problems::{Counted, Initial, SecondOrder, factored, solved};
+use super::problems::{Counted, Initial, bratu, factored, solved};
 use super::{distance, largest};
 use crate::Direction;
 use crate::newton::NewtonScratch;
@@ -30,30 +30,37 @@ fn steep() -> Initial {
     Initial { rate: -1.0, condition: |y| ((1e3 * y).atan(), 1e3 / (1.0 + 1e6 * y * y)) }
 }
 
+/// Errors that leave the start as it is: rate, condition, start with one stage or M, error.
 #[test]
-fn a_vanishing_pivot_is_singular() {
-    // y(0) is in no condition. The first row to be carried over is zero, whatever the interval does to it.
-    let mut problem = Initial { rate: 0.0, condition: |_| (1.0, 0.0) };
-    let mut y = constant(1, 2, 1, 0.5);
-    assert_eq!(solve(Newton::default(), &mut problem, &mut y), Err(NewtonError::Singular { column: 0, iterations: 0 }));
-    assert_eq!(y, constant(1, 2, 1, 0.5));
-}
-
-#[test]
-fn a_vanishing_stage_pivot_is_singular() {
-    // With one stage D = 2: the stage equation (2 − h f′) δY = … is singular for f′ = 4 and h = 1/2, exactly.
-    let mut problem = Initial { rate: 4.0, condition: |y| (y - 1.0, 1.0) };
-    let outcome = solve(Newton::default(), &mut problem, &mut constant(1, 2, 1, 0.5));
-    assert_eq!(outcome, Err(NewtonError::Singular { column: 0, iterations: 0 }));
+fn singular_systems_and_what_is_not_a_number_are_told_apart() {
+    let singular = NewtonError::Singular { column: 0, iterations: 0 };
+    let non_finite = |iterations| NewtonError::NonFinite { iterations };
+    let cases: [(f64, fn(f64) -> (f64, f64), usize, f64, NewtonError); 5] = [
+        // y(0) is in no condition. The first row to be carried over is zero, whatever the interval does to it.
+        (0.0, |_| (1.0, 0.0), 1, 0.5, singular),
+        // With one stage D = 2: the stage equation (2 − h f′) δY = … is singular for f′ = 4 and h = 1/2, exactly.
+        (4.0, |y| (y - 1.0, 1.0), 1, 0.5, singular),
+        // In a derivative, met while factorising.
+        (1.0, |_| (1.0, f64::NAN), M, 0.0, non_finite(0)),
+        // In a residual, met after the first solve.
+        (1.0, |_| (f64::NAN, 1.0), M, 0.0, non_finite(1)),
+        // At every damped step: after the first solve factors 1, 1/2 … 1/512 are tried, the last one above 1/1000.
+        (1.0, |y| (if y > 0.0 { f64::NAN } else { y - 1.0 }, 1.0), M, 0.0, non_finite(11)),
+    ];
+    for (rate, condition, stages, start, error) in cases {
+        let mut y = constant(1, 2, stages, start);
+        assert_eq!(solve(Newton::default(), &mut Initial { rate, condition }, &mut y), Err(error));
+        assert_eq!(y, constant(1, 2, stages, start), "no step was accepted");
+    }
 }
 
 #[test]
 fn a_problem_without_solution_stalls() {
     // Beyond the fold at 3.5138 the residual has a smallest value that is not zero.
-    let outcome = solve(Newton::default(), &mut SecondOrder::bratu(5.0), &mut constant(2, 8, M, 0.0));
+    let outcome = solve(Newton::default(), &mut bratu(5.0), &mut constant(2, 8, M, 0.0));
     let Err(NewtonError::Stalled { iterations, correction }) = outcome else { panic!("{outcome:?}") };
     assert!(iterations > 1 && correction > Newton::default().tolerance);
-    assert!(solve(Newton::default(), &mut SecondOrder::bratu(3.0), &mut constant(2, 8, M, 0.0)).is_ok());
+    assert!(solve(Newton::default(), &mut bratu(3.0), &mut constant(2, 8, M, 0.0)).is_ok());
 }
 
 #[test]
@@ -71,23 +78,6 @@ fn limits_of_work_stall() {
     }
 }
 
-#[test]
-fn what_is_not_a_number_is_said_to_be_so() {
-    let non_finite = |iterations| Err(NewtonError::NonFinite { iterations });
-    let newton = Newton::default();
-    // In a derivative, met while factorising.
-    let mut derivative = Initial { rate: 1.0, condition: |_| (1.0, f64::NAN) };
-    assert_eq!(solve(newton, &mut derivative, &mut constant(1, 2, M, 0.0)), non_finite(0));
-    // In a residual, met after the first solve.
-    let mut residual = Initial { rate: 1.0, condition: |_| (f64::NAN, 1.0) };
-    assert_eq!(solve(newton, &mut residual, &mut constant(1, 2, M, 0.0)), non_finite(1));
-    // At every damped step: after the first solve factors 1, 1/2 … 1/512 are tried, the last one above 1/1000.
-    let mut ahead = Initial { rate: 1.0, condition: |y| (if y > 0.0 { f64::NAN } else { y - 1.0 }, 1.0) };
-    let mut y = constant(1, 2, M, 0.0);
-    assert_eq!(solve(newton, &mut ahead, &mut y), non_finite(11));
-    assert_eq!(y, constant(1, 2, M, 0.0), "no step was accepted");
-}
-
 /// Sizes of undamped Newton steps until they are below 1e-13, at most `most`, by the linear system alone.
 fn undamped<P: BoundaryValueProblem>(problem: &mut P, mut y: Solution, most: usize) -> Vec<f64> {
     let (mut sizes, mut step) = (Vec::new(), Direction::default());
@@ -103,7 +93,7 @@ fn undamped<P: BoundaryValueProblem>(problem: &mut P, mut y: Solution, most: usi
 fn newton_steps_shrink_quadratically() {
     // ln δ doubles from step to step once it is well below 0: with δ_{k+1} = C δ_k² the order seen differs from 2 by
     // ln C / ln δ_k. Steps below 1e-12 are roundings.
-    let sizes = undamped(&mut SecondOrder::bratu(2.0), constant(2, 6, M, 0.0), 10);
+    let sizes = undamped(&mut bratu(2.0), constant(2, 6, M, 0.0), 10);
     let seen: Vec<f64> = sizes.iter().copied().filter(|s| *s > 1e-12).collect();
     assert!(seen.len() >= 4 && sizes.len() <= 7, "{sizes:?}");
     let [.., a, b, c] = seen[..] else { unreachable!() };
@@ -115,7 +105,7 @@ fn newton_steps_shrink_quadratically() {
 fn each_factorisation_serves_for_two_steps_of_order_three_together() {
     // A Newton step and one simplified step with the same factors are Shamanskii's method, of order three (Kelley,
     // Iterative Methods for Linear and Nonlinear Equations, SIAM 1995, ch. 5). No further chord steps are allowed.
-    let mut problem = SecondOrder::bratu(2.0);
+    let mut problem = bratu(2.0);
     let exact = solved(&mut problem, M, &mesh::uniform(0.0, 1.0, 6));
     let newton = Newton { chord_contraction: 0.0, tolerance: 1e-14, ..Newton::default() };
     let errors: Vec<f64> = (0..3)
@@ -151,7 +141,7 @@ fn a_start_from_which_undamped_steps_grow_needs_damping() {
 fn the_report_counts_solves_and_factorisations() {
     // Every linear solve follows one sweep over the mesh, every factorisation one sweep with derivatives.
     for (intervals, parameter) in [(4, 0.5), (6, 2.0), (8, 3.4)] {
-        let mut problem = Counted::new(SecondOrder::bratu(parameter));
+        let mut problem = Counted::new(bratu(parameter));
         let report = solve(Newton::default(), &mut problem, &mut constant(2, intervals, M, 0.0)).unwrap();
         assert_eq!(report.iterations, problem.sweeps);
         assert_eq!(report.factorisations * intervals * M, problem.derivatives.get());
@@ -174,7 +164,7 @@ fn a_linear_problem_takes_one_factorisation_and_one_check() {
 #[test]
 fn the_correction_reported_bounds_the_error_left() {
     for parameter in [0.5, 2.0, 3.4] {
-        let mut problem = SecondOrder::bratu(parameter);
+        let mut problem = bratu(parameter);
         let exact = solved(&mut problem, M, &mesh::uniform(0.0, 1.0, 6));
         let newton = Newton { tolerance: 1e-5, ..Newton::default() };
         let mut y = constant(2, 6, M, 0.0);
@@ -186,7 +176,7 @@ fn the_correction_reported_bounds_the_error_left() {
 
 /// The workspace with factors of the Bratu problem at `parameter`, and its solution there.
 fn factors_nearby(parameter: f64) -> (System, Solution) {
-    let mut problem = SecondOrder::bratu(parameter);
+    let mut problem = bratu(parameter);
     let y = solved(&mut problem, M, &mesh::uniform(0.0, 1.0, 6));
     (factored(&mut problem, &y, &[]), y)
 }
@@ -194,7 +184,7 @@ fn factors_nearby(parameter: f64) -> (System, Solution) {
 #[test]
 fn old_factors_do_for_a_nearby_problem() {
     let (mut system, mut y) = factors_nearby(2.0);
-    let mut problem = Counted::new(SecondOrder::bratu(2.01));
+    let mut problem = Counted::new(bratu(2.01));
     let newton = Newton::default();
     let report = newton.solve(&mut system, &mut NewtonScratch::default(), &mut problem, &mut y, &[], true).unwrap();
     assert_eq!((report.factorisations, problem.derivatives.get()), (0, 0));
@@ -208,7 +198,7 @@ fn old_factors_do_for_a_nearby_problem() {
 fn old_factors_that_do_not_contract_leave_no_trace() {
     // At 3.5 the derivatives differ so much from those at 0.1 that chord steps do not contract.
     let (mut system, start) = factors_nearby(0.1);
-    let mut problem = SecondOrder::bratu(3.5);
+    let mut problem = bratu(3.5);
     let mut scratch = NewtonScratch::default();
     let mut y = start.clone();
     let only_chords = Newton { max_factorisations: 0, ..Newton::default() };
@@ -228,7 +218,7 @@ fn old_factors_that_do_not_contract_leave_no_trace() {
 fn old_factors_at_a_solution_take_one_solve() {
     let (mut system, mut y) = factors_nearby(2.0);
     let mut scratch = NewtonScratch::default();
-    let mut problem = SecondOrder::bratu(2.0);
+    let mut problem = bratu(2.0);
     let report = Newton::default().solve(&mut system, &mut scratch, &mut problem, &mut y, &[], true).unwrap();
     assert_eq!((report.factorisations, report.iterations), (0, 1));
 }

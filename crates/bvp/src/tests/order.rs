@@ -5,7 +5,7 @@
 //! Russell 1995, ch. 5: with m Gauss points the error is O(h^2m) at the nodes and, for a system of first order,
 //! O(h^(m+1)) between them, where the polynomial of degree m misses ∫ Π(θ − c_j) y^(m+1) h^(m+1)/m!.
 
-use super::problems::{Growth, SecondOrder, solve_fully, solved};
+use super::problems::{Growth, quadratic, solve_fully, solved};
 use crate::gauss::MAX_STAGES;
 use crate::{Gauss, Solution, mesh};
 
@@ -47,7 +47,7 @@ const HALF: f64 = 0.5;
 /// Order of one of the [`errors`] from one mesh to that of its halves.
 fn order_seen(m: usize, intervals: usize, which: usize) -> f64 {
     let error = |y: Solution| errors(&Gauss::new(m), &y)[which];
-    let [coarse, fine] = [1, 2].map(|k| error(solved(&mut SecondOrder::quadratic(), m, &uneven(k * intervals))));
+    let [coarse, fine] = [1, 2].map(|k| error(solved(&mut quadratic(), m, &uneven(k * intervals))));
     (coarse / fine).log2()
 }
 

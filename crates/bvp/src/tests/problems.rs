@@ -3,8 +3,9 @@
 use std::cell::Cell;
 
 use super::Random;
+use super::second_order::SecondOrder;
 use crate::{
-    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Gauss, Kernels, LinearCondition, Newton,
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Kernels, LinearCondition, Newton,
     PointJacobian, Solution, System,
 };
 
@@ -66,7 +67,7 @@ impl Quadratic {
         Quadratic {
             dims,
             sized: true,
-            f: forms(n, &|k| if k < dims.integrable { dims.integrable } else { 0 }),
+            f: forms(n, &|k| if k < dims.quadratures { dims.quadratures } else { 0 }),
             g: forms(dims.integrals, &|_| 0),
             left: forms(dims.left, &|_| 0),
             right: forms(dims.right, &|_| 0),
@@ -131,111 +132,23 @@ impl BoundaryValueProblem for Quadratic {
     }
 }
 
-/// A problem with one more component, last, that is zero everywhere. The sizes leave those that kernels are unrolled
-/// for, the solution stays.
-pub struct Inert(pub Quadratic);
-
-impl BoundaryValueProblem for Inert {
-    fn dimensions(&self) -> Dimensions {
-        let dims = self.0.dims;
-        Dimensions { components: dims.components + 1, left: dims.left + 1, ..dims }
-    }
-
-    fn rhs(&self, at: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], g: &mut [f64]) {
-        let n = self.0.dims.components;
-        self.0.rhs(at, &y[..n], p, &mut f[..n], g);
-        f[n] = 0.0;
-    }
-
-    fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
-        let n = self.0.dims.components;
-        let (np, ni) = (p.len(), out.g.len());
-        let (mut fy, mut gy) = (vec![0.0; n * n], vec![0.0; ni * n]);
-        let (f, fp) = (&mut out.f[..n], &mut out.fp[..n * np]);
-        let mut inner = PointJacobian { f, fy: &mut fy, fp, g: out.g, gy: &mut gy, gp: out.gp };
-        self.0.rhs_jacobian(at, &y[..n], p, &mut inner);
-        for k in 0..n {
-            out.fy[k * (n + 1)..k * (n + 1) + n].copy_from_slice(&fy[k * n..(k + 1) * n]);
-        }
-        for k in 0..ni {
-            out.gy[k * (n + 1)..k * (n + 1) + n].copy_from_slice(&gy[k * n..(k + 1) * n]);
-        }
-    }
-
-    fn left(&self, y: &[f64], p: &[f64], out: &mut BoundaryJacobian<'_>) {
-        let (n, rows) = (self.0.dims.components, self.0.dims.left);
-        widened(&self.0.left, n, y, p, out);
-        out.r[rows] = y[n];
-        out.ry[rows * (n + 1) + n] = 1.0;
-    }
-
-    fn right(&self, y: &[f64], p: &[f64], out: &mut BoundaryJacobian<'_>) {
-        widened(&self.0.right, self.0.dims.components, y, p, out);
-    }
-
-    fn integral_offset(&self, k: usize, p: &[f64], hp: &mut [f64]) -> f64 {
-        self.0.integral_offset(k, p, hp)
-    }
+/// y″ = 3/2 y², y(0) = 4, y(1) = 1, of which one solution is 4/(1 + x)².
+pub fn quadratic() -> SecondOrder {
+    SecondOrder { force: Box::new(|_, [y, _]| [1.5 * y * y, 3.0 * y, 0.0]), ends: [4.0, 1.0] }
 }
 
-/// End conditions on the first n components, in rows one wider.
-fn widened(forms: &[Form], n: usize, y: &[f64], p: &[f64], out: &mut BoundaryJacobian<'_>) {
-    let (np, u) = (p.len(), [&y[..n], p].concat());
-    for (k, form) in forms.iter().enumerate() {
-        out.r[k] = form.value(0.0, &u);
-        let ry = &mut out.ry[k * (n + 1)..k * (n + 1) + n];
-        form.gradient(0.0, &u, ry, &mut out.rp[k * np..(k + 1) * np]);
-    }
+/// y″ = −λ eʸ, y = 0 at both ends. It has solutions for λ up to 3.5138 only.
+pub fn bratu(lambda: f64) -> SecondOrder {
+    let force = move |_: f64, [y, _]: [f64; 2]| [-lambda * y.exp(), -lambda * y.exp(), 0.0];
+    SecondOrder { force: Box::new(force), ends: [0.0, 0.0] }
 }
 
-/// y″ = force(parameter, y) with y given at both ends, as (y, y′).
-#[derive(Clone)]
-pub struct SecondOrder {
-    /// Force and its derivative by y.
-    pub force: fn(f64, f64) -> (f64, f64),
-    pub parameter: f64,
-    pub ends: [f64; 2],
-}
-
-impl SecondOrder {
-    /// y″ = 3/2 y², y(0) = 4, y(1) = 1, of which one solution is 4/(1 + x)².
-    pub fn quadratic() -> SecondOrder {
-        SecondOrder { force: |_, y| (1.5 * y * y, 3.0 * y), parameter: 0.0, ends: [4.0, 1.0] }
-    }
-
-    /// y″ = −λ eʸ, y = 0 at both ends. It has solutions for λ up to 3.5138 only.
-    pub fn bratu(parameter: f64) -> SecondOrder {
-        SecondOrder { force: |l, y| (-l * y.exp(), -l * y.exp()), parameter, ends: [0.0, 0.0] }
-    }
-
-    fn end(value: f64, y: &[f64], out: &mut BoundaryJacobian<'_>) {
-        out.r[0] = y[0] - value;
-        out.ry[0] = 1.0;
-    }
-}
-
-impl BoundaryValueProblem for SecondOrder {
-    fn dimensions(&self) -> Dimensions {
-        Dimensions { components: 2, integrable: 1, scalars: 0, left: 1, right: 1, integrals: 0 }
-    }
-
-    fn rhs(&self, _: CollocationPoint, y: &[f64], _: &[f64], f: &mut [f64], _: &mut [f64]) {
-        f.copy_from_slice(&[y[1], (self.force)(self.parameter, y[0]).0]);
-    }
-
-    fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
-        self.rhs(at, y, p, out.f, out.g);
-        out.fy[1] = 1.0;
-        out.fy[2] = (self.force)(self.parameter, y[0]).1;
-    }
-
-    fn left(&self, y: &[f64], _: &[f64], out: &mut BoundaryJacobian<'_>) {
-        SecondOrder::end(self.ends[0], y, out);
-    }
-
-    fn right(&self, y: &[f64], _: &[f64], out: &mut BoundaryJacobian<'_>) {
-        SecondOrder::end(self.ends[1], y, out);
-    }
+/// ε y″ = a y + b y y′ + c y′ with (a, b, c) in `terms`.
+pub fn layer(epsilon: f64, [a, b, c]: [f64; 3], ends: [f64; 2]) -> SecondOrder {
+    let force = move |_: f64, [y, slope]: [f64; 2]| {
+        [a * y + b * y * slope + c * slope, a + b * slope, b * y + c].map(|term| term / epsilon)
+    };
+    SecondOrder { force: Box::new(force), ends }
 }
 
 /// y′ = rate · y with one nonlinear condition on y at the left end: in truth one equation for one number, whose Newton
@@ -248,7 +161,7 @@ pub struct Initial {
 
 impl BoundaryValueProblem for Initial {
     fn dimensions(&self) -> Dimensions {
-        Dimensions { components: 1, integrable: 0, scalars: 0, left: 1, right: 0, integrals: 0 }
+        Dimensions { components: 1, left: 1, ..Dimensions::default() }
     }
 
     fn rhs(&self, _: CollocationPoint, y: &[f64], _: &[f64], f: &mut [f64], _: &mut [f64]) {
@@ -272,7 +185,7 @@ pub struct Growth;
 
 impl BoundaryValueProblem for Growth {
     fn dimensions(&self) -> Dimensions {
-        Dimensions { components: 1, integrable: 0, scalars: 1, left: 1, right: 0, integrals: 1 }
+        Dimensions { components: 1, scalars: 1, left: 1, integrals: 1, ..Dimensions::default() }
     }
 
     fn rhs(&self, _: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], g: &mut [f64]) {
@@ -383,10 +296,7 @@ pub fn solve_fully<P: BoundaryValueProblem>(problem: &mut P, y: &mut Solution) {
 
 /// The solution of a second-order problem on a mesh, from the straight line between its ends.
 pub fn solved(problem: &mut SecondOrder, m: usize, mesh: &[f64]) -> Solution {
-    let ends = problem.ends;
-    let slope = ends[1] - ends[0];
-    let line = |x: f64, v: &mut [f64]| v.copy_from_slice(&[ends[0] + slope * x, slope]);
-    let mut y = Solution::from_fn(&Gauss::new(m), mesh, 2, &[], line);
+    let mut y = problem.line(m, mesh);
     solve_fully(problem, &mut y);
     y
 }

@@ -4,6 +4,11 @@ use super::{Random, distance};
 use crate::gauss::MAX_STAGES;
 use crate::{Gauss, Solution, mesh};
 
+/// All numbers of stages, with random numbers of their own.
+fn every_stage_count(seed: u64) -> impl Iterator<Item = (usize, Gauss, Random)> {
+    (1..=MAX_STAGES).map(move |m| (m, Gauss::new(m), Random(seed + m as u64)))
+}
+
 /// Value and slope at x of component c, a polynomial of degree m.
 fn polynomial(m: usize, c: usize, x: f64) -> (f64, f64) {
     let coefficient = |k: usize| 1.0 / (1.0 + (c + k) as f64);
@@ -59,9 +64,7 @@ fn polynomials_of_degree_m_are_exact_in_value_and_slope() {
 
 #[test]
 fn transfers_carry_polynomials_of_degree_m_exactly() {
-    for m in 1..=MAX_STAGES {
-        let gauss = Gauss::new(m);
-        let mut random = Random(40 + m as u64);
+    for (m, gauss, mut random) in every_stage_count(40) {
         let y = sampled_polynomial(&gauss, &random.mesh(3));
         let ends = [y.mesh[0], y.mesh[3]];
         for intervals in [1, 2, 5, 16] {
@@ -89,9 +92,7 @@ fn rough(m: usize, mesh: Vec<f64>, random: &mut Random) -> Solution {
 
 #[test]
 fn nodes_in_common_keep_their_values_to_the_last_bit() {
-    for m in 1..=MAX_STAGES {
-        let gauss = Gauss::new(m);
-        let mut random = Random(60 + m as u64);
+    for (m, gauss, mut random) in every_stage_count(60) {
         let mesh = random.mesh(6);
         let y = rough(m, mesh.clone(), &mut random);
         // Finer with all nodes in common, coarser with every second, and a mixture.
@@ -111,8 +112,7 @@ fn nodes_in_common_keep_their_values_to_the_last_bit() {
 
 #[test]
 fn a_transfer_to_the_same_mesh_keeps_nodes_exactly_and_stages_to_rounding() {
-    for m in 1..=MAX_STAGES {
-        let (gauss, mut random) = (Gauss::new(m), Random(80 + m as u64));
+    for (m, gauss, mut random) in every_stage_count(80) {
         let mesh = random.mesh(5);
         let y = rough(m, mesh.clone(), &mut random);
         let carried = y.on_mesh(&gauss, &mesh);
@@ -194,8 +194,7 @@ fn intervals_are_found_with_their_left_nodes_and_clamped_beyond_the_ends() {
 
 #[test]
 fn ends_are_the_ends_of_the_first_and_last_polynomials() {
-    for m in 1..=MAX_STAGES {
-        let (gauss, mut random) = (Gauss::new(m), Random(90 + m as u64));
+    for (m, gauss, mut random) in every_stage_count(90) {
         let mesh = random.mesh(4);
         let y = rough(m, mesh.clone(), &mut random);
         let (mut v, mut w) = ([0.0; 3], [0.0; 3]);
@@ -236,9 +235,7 @@ fn mirrored(y: &Solution) -> Solution {
 /// for values that are no collocation solution.
 #[test]
 fn transfers_do_not_know_left_from_right() {
-    for m in 1..=MAX_STAGES {
-        let gauss = Gauss::new(m);
-        let mut random = Random(80 + m as u64);
+    for (m, gauss, mut random) in every_stage_count(80) {
         let mesh = random.mesh(6);
         let y = rough(m, mesh.clone(), &mut random);
         let there = mesh::halved(&mesh::uniform(mesh[0], mesh[6], 5));

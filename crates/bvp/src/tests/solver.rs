@@ -1,49 +1,13 @@
-//! The driver: layers known in closed form, and how it ends.
+//! The driver: layers known in closed form, and errors.
 
-use super::problems::SecondOrder;
-use crate::{
-    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Gauss, NewtonError, PointJacobian, Settings,
-    Solution, SolveError, TooLarge, mesh, solve,
-};
+use super::problems::{bratu, layer, quadratic};
+use super::second_order::SecondOrder;
+use crate::{Gauss, NewtonError, Settings, Solution, SolveError, Solved, TooLarge, mesh, solve};
 
-/// ε y″ = a y + b y y′ + c y′ with y given at both ends, as (y, y′).
-struct Layer {
-    epsilon: f64,
-    /// (a, b, c).
-    terms: [f64; 3],
-    ends: [f64; 2],
-}
-
-impl BoundaryValueProblem for Layer {
-    fn dimensions(&self) -> Dimensions {
-        Dimensions { components: 2, integrable: 1, scalars: 0, left: 1, right: 1, integrals: 0 }
-    }
-
-    fn rhs(&self, _: CollocationPoint, y: &[f64], _: &[f64], f: &mut [f64], _: &mut [f64]) {
-        let [a, b, c] = self.terms;
-        f.copy_from_slice(&[y[1], (a * y[0] + b * y[0] * y[1] + c * y[1]) / self.epsilon]);
-    }
-
-    fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
-        let [a, b, c] = self.terms;
-        self.rhs(at, y, p, out.f, out.g);
-        out.fy.copy_from_slice(&[0.0, 1.0, (a + b * y[1]) / self.epsilon, (b * y[0] + c) / self.epsilon]);
-    }
-
-    fn left(&self, y: &[f64], _: &[f64], out: &mut BoundaryJacobian<'_>) {
-        (out.r[0], out.ry[0]) = (y[0] - self.ends[0], 1.0);
-    }
-
-    fn right(&self, y: &[f64], _: &[f64], out: &mut BoundaryJacobian<'_>) {
-        (out.r[0], out.ry[0]) = (y[0] - self.ends[1], 1.0);
-    }
-}
-
-/// The straight line between the ends.
-fn line(ends: [f64; 2], m: usize, intervals: usize) -> Solution {
-    let slope = ends[1] - ends[0];
-    let value = |x: f64, y: &mut [f64]| y.copy_from_slice(&[ends[0] + slope * x, slope]);
-    Solution::from_fn(&Gauss::new(m), &mesh::uniform(0.0, 1.0, intervals), 2, &[], value)
+/// Solves from the straight line between the ends on a uniform mesh.
+fn from_line(problem: &mut SecondOrder, m: usize, intervals: usize, settings: &Settings) -> Result<Solved, SolveError> {
+    let guess = problem.line(m, &mesh::uniform(0.0, 1.0, intervals));
+    solve(problem, &guess, settings)
 }
 
 /// Largest error of y between the nodes as well.
@@ -61,25 +25,21 @@ fn error(y: &Solution, exact: impl Fn(f64) -> f64) -> f64 {
 
 #[test]
 fn layers_are_resolved_however_thin() {
+    let settings = Settings { tolerance: 1e-7, ..Settings::default() };
     for epsilon in [1e-1, 1e-2, 1e-3, 1e-4f64] {
+        // ε y″ + y′ = 0: a layer of width ε at 0. ε y″ = y: layers of width √ε at both ends.
+        let left = |x: f64| (1.0 - (-x / epsilon).exp()) / (1.0 - (-1.0 / epsilon).exp());
+        let decay = |x: f64| (-x / epsilon.sqrt()).exp();
+        let both = |x: f64| (decay(x) + decay(1.0 - x)) / (1.0 + decay(1.0));
+        let cases: [(_, _, &dyn Fn(f64) -> f64); 2] =
+            [([0.0, 0.0, -1.0], [0.0, 1.0], &left), ([1.0, 0.0, 0.0], [1.0, 1.0], &both)];
         for m in [2, 3, 4] {
-            // ε y″ + y′ = 0: a layer of width ε at 0.
-            let mut problem = Layer { epsilon, terms: [0.0, 0.0, -1.0], ends: [0.0, 1.0] };
-            let settings = Settings { tolerance: 1e-7, ..Settings::default() };
-            let guess = line(problem.ends, m, 10);
-            let solved = solve(&mut problem, &guess, &settings).unwrap();
-            let exact = |x: f64| (1.0 - (-x / epsilon).exp()) / (1.0 - (-1.0 / epsilon).exp());
-            assert!(solved.defect <= settings.tolerance);
-            let error = self::error(&solved.solution, exact);
-            assert!(error < 10.0 * settings.tolerance, "{epsilon} {m}: {error:.1e}");
-            // ε y″ = y: layers of width √ε at both ends.
-            let mut problem = Layer { epsilon, terms: [1.0, 0.0, 0.0], ends: [1.0, 1.0] };
-            let guess = line(problem.ends, m, 10);
-            let solved = solve(&mut problem, &guess, &settings).unwrap();
-            let decay = |x: f64| (-x / epsilon.sqrt()).exp();
-            let exact = |x: f64| (decay(x) + decay(1.0 - x)) / (1.0 + decay(1.0));
-            let error = self::error(&solved.solution, exact);
-            assert!(error < 10.0 * settings.tolerance, "{epsilon} {m}: {error:.1e}");
+            for (terms, ends, exact) in cases {
+                let solved = from_line(&mut layer(epsilon, terms, ends), m, 10, &settings).unwrap();
+                assert!(solved.defect <= settings.tolerance);
+                let error = error(&solved.solution, exact);
+                assert!(error < 10.0 * settings.tolerance, "{epsilon} {m}: {error:.1e}");
+            }
         }
     }
 }
@@ -90,9 +50,8 @@ fn a_shock_inside_is_found() {
     // of order exp(1/2ε).
     for epsilon in [0.1, 0.05, 0.03f64] {
         let exact = |x: f64| -((x - 0.5) / (2.0 * epsilon)).tanh();
-        let mut problem = Layer { epsilon, terms: [0.0, 1.0, 0.0], ends: [exact(0.0), exact(1.0)] };
-        let guess = line(problem.ends, 4, 10);
-        let solved = solve(&mut problem, &guess, &Settings::default()).unwrap();
+        let mut problem = layer(epsilon, [0.0, 1.0, 0.0], [exact(0.0), exact(1.0)]);
+        let solved = from_line(&mut problem, 4, 10, &Settings::default()).unwrap();
         let error = error(&solved.solution, exact);
         assert!(error < 1e-5, "{epsilon}: {error:.1e}");
     }
@@ -100,41 +59,22 @@ fn a_shock_inside_is_found() {
 
 #[test]
 fn a_limit_of_intervals_is_an_error_with_the_best_solution() {
-    let mut problem = Layer { epsilon: 1e-3, terms: [0.0, 0.0, -1.0], ends: [0.0, 1.0] };
     let settings = Settings { tolerance: 1e-12, max_intervals: 40, ..Settings::default() };
-    let guess = line(problem.ends, 3, 10);
-    let outcome = solve(&mut problem, &guess, &settings);
+    let outcome = from_line(&mut layer(1e-3, [0.0, 0.0, -1.0], [0.0, 1.0]), 3, 10, &settings);
     let Err(SolveError::MeshLimit { limit: 40, best }) = &outcome else { panic!("{outcome:?}") };
     assert!(best.solution.intervals() <= 40 && best.defect > settings.tolerance && best.work.steps > 1);
-    // What is kept is a solution to the accuracy it says.
+    // The best solution is as accurate as its defect says.
     let exact = |x: f64| 1.0 - (-x * 1e3).exp();
     assert!(error(&best.solution, exact) < 10.0 * best.defect, "{:.1e}", best.defect);
 }
 
 #[test]
 fn a_right_hand_side_that_is_undefined_between_the_stages_is_not_accepted() {
-    // y″ = 0 but for a force that is not a number next to x = 0, where no stage lies.
-    struct Hole;
-    impl BoundaryValueProblem for Hole {
-        fn dimensions(&self) -> Dimensions {
-            SecondOrder::quadratic().dimensions()
-        }
-        fn rhs(&self, at: CollocationPoint, y: &[f64], _: &[f64], f: &mut [f64], _: &mut [f64]) {
-            f.copy_from_slice(&[y[1], if at.x < 1e-3 { f64::NAN } else { 0.0 }]);
-        }
-        fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
-            self.rhs(at, y, p, out.f, out.g);
-            out.fy[1] = 1.0;
-        }
-        fn left(&self, y: &[f64], _: &[f64], out: &mut BoundaryJacobian<'_>) {
-            (out.r[0], out.ry[0]) = (y[0], 1.0);
-        }
-        fn right(&self, y: &[f64], _: &[f64], out: &mut BoundaryJacobian<'_>) {
-            (out.r[0], out.ry[0]) = (y[0] - 1.0, 1.0);
-        }
-    }
-    // With three stages the first is at 0.1127 h: above the hole for h = 1/100, and the sample at half of it is not.
-    let outcome = solve(&mut Hole, &line([0.0, 1.0], 3, 100), &Settings::default());
+    // y″ = 0 but for a force that is not a number next to x = 0, where no stage lies: with three stages the first is at
+    // 0.1127 h, above the hole for h = 1/100, and the sample at half of it is not.
+    let force = |x: f64, _: [f64; 2]| [if x < 1e-3 { f64::NAN } else { 0.0 }, 0.0, 0.0];
+    let mut hole = SecondOrder { force: Box::new(force), ends: [0.0, 1.0] };
+    let outcome = from_line(&mut hole, 3, 100, &Settings::default());
     let Err(SolveError::Newton { source: NewtonError::NonFinite { .. }, best: Some(best), .. }) = outcome else {
         panic!("{outcome:?}")
     };
@@ -142,21 +82,20 @@ fn a_right_hand_side_that_is_undefined_between_the_stages_is_not_accepted() {
 }
 
 #[test]
-fn a_problem_without_solution_is_said_to_have_none() {
-    let mut problem = SecondOrder::bratu(5.0);
-    let outcome = solve(&mut problem, &line([0.0, 0.0], 3, 8), &Settings::default());
+fn a_problem_without_solution_is_an_error() {
+    let outcome = from_line(&mut bratu(5.0), 3, 8, &Settings::default());
     let Err(SolveError::Newton { intervals: 32, source: NewtonError::Stalled { .. }, best: None }) = outcome else {
         panic!("{outcome:?}")
     };
 }
 
 #[test]
-fn problems_and_guesses_that_do_not_fit_are_refused() {
-    let mut problem = SecondOrder::quadratic();
-    let guess = Solution { m: 7, ..line([4.0, 1.0], 3, 4) };
-    let outcome = solve(&mut problem, &guess, &Settings::default());
-    assert_eq!(outcome, Err(SolveError::TooLarge(TooLarge::Stages { stages: 7 })));
-    let guess = Solution { scalars: vec![1.0], ..line([4.0, 1.0], 3, 4) };
-    let outcome = solve(&mut problem, &guess, &Settings::default());
-    assert_eq!(outcome, Err(SolveError::Guess { components: 2, scalars: 1 }));
+fn guesses_of_other_sizes_are_errors() {
+    let guess = || quadratic().line(3, &mesh::uniform(0.0, 1.0, 4));
+    for (guess, error) in [
+        (Solution { m: 7, ..guess() }, SolveError::TooLarge(TooLarge::Stages { stages: 7 })),
+        (Solution { scalars: vec![1.0], ..guess() }, SolveError::Guess { components: 2, scalars: 1 }),
+    ] {
+        assert_eq!(solve(&mut quadratic(), &guess, &Settings::default()), Err(error));
+    }
 }

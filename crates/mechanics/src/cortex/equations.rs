@@ -3,7 +3,7 @@
 //! Numbers in brackets are those of the book (`docs/book`), here and wherever comments cite an equation.
 //!
 //! State on u ∈ [0, 1] (or the mirror-symmetric half [0, ½]): y = (r, z, m, ψ, q, v, T) with arclength s = L u; the first
-//! three are integrable in the sense of [`Dimensions::integrable`](bvp::Dimensions::integrable). The eighth equation of
+//! three are quadrature components, see [`Dimensions::quadratures`](bvp::Dimensions::quadratures). The eighth equation of
 //! the model, V′ = πr² sinψ \[M.11 volume\], is a quadrature and enters as the integral condition V(1) = 4πR0³/3. Scalar unknowns are
 //! (L, p) and any free parameters after them.
 //!

@@ -15,8 +15,8 @@ use super::symmetry::{CENTRE, ODD};
 use crate::cell::cue::{Term, Width};
 use crate::cell::{Cell, Parameter};
 
-/// The first three components, r, z and m, are integrable in the sense of [`Dimensions::integrable`].
-const INTEGRABLE: usize = 3;
+/// The first three components, r, z and m, are quadratures, see [`Dimensions::quadratures`].
+const QUADRATURES: usize = 3;
 
 /// Conditions at the pole where u = 0, and as many at the other end.
 const LEFT: usize = 4;
@@ -100,7 +100,7 @@ impl Cortex {
     pub fn dimensions_for(free: usize) -> Dimensions {
         Dimensions {
             components: COMPONENTS,
-            integrable: INTEGRABLE,
+            quadratures: QUADRATURES,
             scalars: SHAPE_SCALARS + free,
             left: 4,
             right: 4,
@@ -210,8 +210,8 @@ impl BoundaryValueProblem for Cortex {
     #[inline(never)]
     fn kernels(&self, stages: usize) -> Kernels {
         match stages {
-            3 => Kernels::sized::<COMPONENTS, INTEGRABLE, 3, LEFT>(),
-            4 => Kernels::sized::<COMPONENTS, INTEGRABLE, 4, LEFT>(),
+            3 => Kernels::sized::<COMPONENTS, QUADRATURES, 3, LEFT>(),
+            4 => Kernels::sized::<COMPONENTS, QUADRATURES, 4, LEFT>(),
             _ => Kernels::general(),
         }
     }

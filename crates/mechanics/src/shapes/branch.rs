@@ -1,6 +1,6 @@
 //! What is said of a branch of stationary shapes: its points, its folds and pitchforks, and where it ends.
 
-use bvp::{Continuation, ContinuationError, ContinuationSettings, Ended, Gauss, Metric, Solution, Work, mesh};
+use bvp::{Continuation, ContinuationError, ContinuationSettings, Gauss, Metric, Solution, Termination, Work, mesh};
 
 use super::error::{CellName, PointKind, ShapeError};
 use super::pitchfork::Pitchfork;
@@ -249,7 +249,7 @@ impl Branch {
         branch: &Continuation<Cortex>,
         (points, contours): (Vec<ShapePoint>, Vec<Vec<[f64; 2]>>),
         events: Vec<BranchEvent>,
-        ended: Result<Ended, ContinuationError>,
+        ended: Result<Termination, ContinuationError>,
         stopped: Option<BranchEnd>,
     ) -> Branch {
         let ended = match (ended, stopped) {
@@ -257,8 +257,8 @@ impl Branch {
                 BranchEnd::Lost(ShapeError::Branch { cell: CellName::of(&branch.problem.cell), source })
             }
             (_, Some(end @ BranchEnd::NotLocated(_))) => end,
-            (Ok(Ended::ParameterBound(bound)), _) => BranchEnd::Bound(bound),
-            (Ok(Ended::PointLimit(points)), _) => BranchEnd::PointLimit(points),
+            (Ok(Termination::ParameterBound(bound)), _) => BranchEnd::Bound(bound),
+            (Ok(Termination::PointLimit(points)), _) => BranchEnd::PointLimit(points),
             (Ok(_), stopped) => stopped.unwrap_or(BranchEnd::Enough),
         };
         Branch { points, contours, events, ended, work: branch.work }

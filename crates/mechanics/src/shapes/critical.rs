@@ -7,7 +7,7 @@
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
-use bvp::{AugmentedReport, CurveError, Singularity, TwoParameterCurve};
+use bvp::{AugmentedReport, Codim2Curve, CurveError, Singularity};
 use serde::{Deserialize, Serialize};
 
 use super::branch::{BranchOptions, XI};
@@ -173,7 +173,7 @@ fn allowed_range(parameter: Parameter) -> std::ops::Range<f64> {
 /// folds turns back in the parameter there is a cusp, beyond which it is another fold; a curve that leads well away from
 /// ξ_s again is given up.
 fn to_activity<S: Singularity<Cortex> + Clone>(
-    curve: &mut TwoParameterCurve<Cortex, S>,
+    curve: &mut Codim2Curve<Cortex, S>,
     xi_s: f64,
     parameter: Parameter,
     through_cusps: bool,

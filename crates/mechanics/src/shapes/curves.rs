@@ -2,8 +2,8 @@
 
 use bvp::normal_form::pitchfork_normal_form;
 use bvp::{
-    AugmentedReport, CurveError, CurveSettings, Direction, Fold, SingularError, Singularity, Solution,
-    SymmetryBreaking, TwoParameterCurve,
+    AugmentedReport, Codim2Curve, CurveError, CurveSettings, Direction, Fold, SingularError, Singularity, Solution,
+    SymmetryBreaking,
 };
 
 use super::branch::{BranchOptions, FoldPoint, ShapePoint, XI, mesh_monitor, metric};
@@ -101,9 +101,9 @@ impl Curve {
 }
 
 /// A curve of pitchforks of cells, being followed.
-pub type PitchforkCurve = TwoParameterCurve<Cortex, SymmetryBreaking>;
+pub type PitchforkCurve = Codim2Curve<Cortex, SymmetryBreaking>;
 /// A curve of folds of cells, being followed.
-pub type FoldCurve = TwoParameterCurve<Cortex, Fold>;
+pub type FoldCurve = Codim2Curve<Cortex, Fold>;
 
 /// Largest number of steps of one curve.
 pub(super) const MOST_STEPS: usize = 2000;
@@ -135,7 +135,7 @@ fn through<S: Singularity<Cortex> + Clone>(
     singularity: S,
     shape: &Solution,
     upwards: bool,
-) -> Result<TwoParameterCurve<Cortex, S>, CurveError> {
+) -> Result<Codim2Curve<Cortex, S>, CurveError> {
     let free = [Parameter::XiS, parameter];
     let cortex = Cortex::new(cell, domain, &free);
     let mut metric = metric(cell.r0, &free);
@@ -146,7 +146,7 @@ fn through<S: Singularity<Cortex> + Clone>(
     let mut y = shape.clone();
     y.scalars.truncate(SECOND);
     y.scalars.push(value);
-    let mut curve = TwoParameterCurve::start(cortex, singularity, y, metric, &tangent, settings(), upwards)?;
+    let mut curve = Codim2Curve::start(cortex, singularity, y, metric, &tangent, settings(), upwards)?;
     curve.monitor = Some(mesh_monitor);
     Ok(curve)
 }
@@ -193,7 +193,7 @@ pub fn through_fold(
 
 /// The newest point of a curve.
 pub fn curve_point<S: Singularity<Cortex> + Clone>(
-    curve: &TwoParameterCurve<Cortex, S>,
+    curve: &Codim2Curve<Cortex, S>,
     coefficient: Option<f64>,
 ) -> CurvePoint {
     let cortex = &curve.augmented.problem;

@@ -1,7 +1,7 @@
 //! One stationary shape: the first one at a given activity on the branch that starts at the passive shape.
 
 use bvp::newton::NewtonScratch;
-use bvp::{ContinuationError, ContinuationSettings, Ended, Gauss, Newton, Solution, System};
+use bvp::{ContinuationError, ContinuationSettings, Gauss, Newton, Solution, System, Termination};
 
 use super::error::{CellName, ShapeError};
 use super::primary;
@@ -135,10 +135,12 @@ fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<Stati
         });
         let turn = folds.iter().copied().fold(furthest, |a, b| if b.abs() > a.abs() { b } else { a });
         match ended {
-            Ok(Ended::ParameterBound(bound)) if bound == xi_s => {}
+            Ok(Termination::ParameterBound(bound)) if bound == xi_s => {}
             _ if !folds.is_empty() => return Err(StationaryError::OutOfReach { cell: name, xi_s, turn }),
             Err(source) => return Err(StationaryError::Lost { cell: name, xi_s, source }),
-            Ok(Ended::PointLimit(points)) => return Err(StationaryError::PointLimit { cell: name, xi_s, points }),
+            Ok(Termination::PointLimit(points)) => {
+                return Err(StationaryError::PointLimit { cell: name, xi_s, points });
+            }
             // Back at ξ_s = 0 without a fold seen, or stopped: no shape on the way either.
             Ok(_) => return Err(StationaryError::OutOfReach { cell: name, xi_s, turn }),
         }

@@ -1,10 +1,13 @@
-//! From a bracket on a branch to the singular point inside it.
+//! Locates a singular point inside a bracket on a branch.
 
 use crate::continuation::Continuation;
-use crate::derivatives::Directional;
+use crate::direction::LinearCondition;
 use crate::metric;
-use crate::{AugmentedReport, MinimallyAugmented, SingularError, Singularity};
-use crate::{LinearCondition, Solution};
+use crate::problem::Directional;
+use crate::solution::Solution;
+
+use super::minimally_augmented::{AugmentedReport, MinimallyAugmented};
+use super::singularity::{SingularError, Singularity};
 
 /// A singular point found, with the factors at it.
 #[derive(Clone, Debug)]
@@ -25,7 +28,7 @@ pub struct Located<P, S> {
 /// stays inside.
 ///
 /// # Errors
-/// What Newton said last, if it stays inside from none of them.
+/// The last error of Newton, if it leaves the bracket from all starts.
 pub fn between_last_points<P: Directional + Clone, S: Singularity<P>>(
     branch: &mut Continuation<P>,
     singularity: S,

@@ -1,7 +1,13 @@
 //! Turning points of a parameter along a branch.
 
-use crate::derivatives::{Directional, second_residual};
-use crate::{Direction, PivotFailure, Residual, Singularity, Solution, System};
+use crate::dense::PivotFailure;
+use crate::direction::{Direction, Residual};
+use crate::linear::System;
+use crate::problem::Directional;
+use crate::problem::derivatives::second_residual;
+use crate::solution::Solution;
+
+use super::singularity::Singularity;
 
 /// A turning point of scalar unknown `parameter`: g = its component in w.
 ///

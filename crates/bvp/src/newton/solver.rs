@@ -1,12 +1,18 @@
-//! A boundary-value problem solved to an accuracy: Newton, defect, redistribution and refinement of the mesh, until the
-//! defect is below a tolerance.
+//! Solves a boundary-value problem to an accuracy: Newton, then redistribution and refinement of the mesh, until the defect
+//! is below a tolerance.
 //!
 //! # References
 //! Ascher, Mattheij & Russell 1995, ch. 9 (mesh selection). Kierzenka & Shampine, ACM Trans. Math. Softw. 27, 299 (2001)
 //! (control of the defect).
 
-use crate::newton::NewtonScratch;
-use crate::{BoundaryValueProblem, Newton, NewtonError, Solution, System, TooLarge, Work, mesh};
+use crate::dimensions::TooLarge;
+use crate::linear::System;
+use crate::mesh;
+use crate::problem::BoundaryValueProblem;
+use crate::solution::Solution;
+
+use super::iteration::{Newton, NewtonError, NewtonScratch};
+use super::work::Work;
 
 /// Settings of [`solve`].
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +31,7 @@ impl Default for Settings {
     }
 }
 
-/// A solution and what it took.
+/// A solution, its defect and its cost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solved {
     /// The solution, on a mesh of its own.
@@ -49,7 +55,7 @@ pub enum SolveError {
         /// Unknowns less conditions.
         missing: isize,
     },
-    /// The guess is not one for the problem.
+    /// The guess has other sizes than the problem.
     #[error("the guess has {components} components and {scalars} scalars, the problem has others")]
     Guess {
         /// Components of the guess.
@@ -62,7 +68,7 @@ pub enum SolveError {
     Newton {
         /// Intervals of the last mesh tried.
         intervals: usize,
-        /// What the iteration said there.
+        /// Error of the iteration there.
         source: NewtonError,
         /// The solution of smallest defect on the meshes before, if there is any.
         best: Option<Box<Solved>>,
@@ -77,7 +83,7 @@ pub enum SolveError {
     },
 }
 
-/// Meshes in a row on which Newton may fail before it is believed.
+/// Consecutive meshes on which Newton may fail.
 const FAILURES: usize = 3;
 
 /// A redistributed mesh is worth another try with as many intervals if the last one brought the defect down to this
@@ -110,7 +116,7 @@ const NEWTON_SHARE: f64 = 1e-2;
 ///
 /// impl BoundaryValueProblem for Example {
 ///     fn dimensions(&self) -> Dimensions {
-///         Dimensions { components: 2, integrable: 1, scalars: 0, left: 1, right: 1, integrals: 0 }
+///         Dimensions { components: 2, quadratures: 1, scalars: 0, left: 1, right: 1, integrals: 0 }
 ///     }
 ///     fn rhs(&self, _: CollocationPoint, y: &[f64], _: &[f64], f: &mut [f64], _: &mut [f64]) {
 ///         f.copy_from_slice(&[y[1], 1.5 * y[0] * y[0]]);

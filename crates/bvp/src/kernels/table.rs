@@ -1,30 +1,32 @@
-//! Kernels for sizes known at compile time, for problems that ask for them.
+//! The inner loops compiled for sizes that are known at compile time, for problems that request them.
 //!
 //! Most of a Newton step goes into small dense blocks whose sizes follow from the problem. Compiled for sizes that are
 //! known, loops over them are unrolled. Neither kind reorders a sum, so that the results are the same to the last bit.
 
 use multiversion::multiversion;
 
-use crate::block::{BlockFactor, LinearForm};
-use crate::condense::{Condensed, Layout};
 use crate::dense::PivotFailure;
+use crate::dimensions::Dimensions;
+use crate::direction::{Direction, LinearCondition, Residual};
 use crate::gauss::Gauss;
-use crate::stages::{self, Interval};
-use crate::{Direction, Residual};
+
+use super::block::BlockFactor;
+use super::condense::Condensed;
+use super::stages::{self, Interval};
 
 /// The functions that run over all intervals, for any sizes or for given ones.
 ///
-/// A problem asks for them in [`BoundaryValueProblem::kernels`](crate::BoundaryValueProblem::kernels). Kernels for other
-/// sizes than the problem has are not used: asking for the wrong ones costs speed, and nothing else.
+/// A problem requests them in [`BoundaryValueProblem::kernels`](crate::BoundaryValueProblem::kernels). Kernels for other
+/// sizes than the problem has are ignored: the wrong ones cost only speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernels {
-    /// Components, integrable components, stages and left conditions; `None` for any.
+    /// Components, quadrature components, stages and left conditions; `None` for any.
     sizes: Option<[usize; 4]>,
     pub(crate) condense: fn(&mut Condensed, &Gauss) -> Result<(), PivotFailure>,
     pub(crate) particular: fn(&Condensed, &Gauss, &Residual, &mut Direction, &mut [f64]),
     pub(crate) complete: fn(&Condensed, &mut Direction),
     pub(crate) differences: fn(&Gauss, Interval<'_>, &mut [f64], &mut [f64]),
-    pub(crate) eliminate: fn(&mut BlockFactor, &Condensed, &[LinearForm<'_>]) -> Result<(), PivotFailure>,
+    pub(crate) eliminate: fn(&mut BlockFactor, &Condensed, &[LinearCondition]) -> Result<(), PivotFailure>,
     pub(crate) forward: fn(&mut BlockFactor, &[f64], &mut [f64], &mut [f64]),
     pub(crate) backward: fn(&mut BlockFactor, &mut [f64], &[f64]),
 }
@@ -35,7 +37,7 @@ impl Kernels {
         Kernels { sizes: None, ..Kernels::of::<0, 0, 0, 0>() }
     }
 
-    /// Kernels for N components, of which the first E are integrable, with M stages and LEFT conditions at the left end.
+    /// Kernels for N components, of which the first E are quadratures, with M stages and LEFT conditions at the left end.
     ///
     /// ```
     /// use bvp::Kernels;
@@ -64,9 +66,9 @@ impl Kernels {
         self.sizes.is_some()
     }
 
-    /// These kernels if they are for the sizes of `layout`, the general ones otherwise.
-    pub(crate) fn suited_to(self, layout: &Layout) -> Kernels {
-        let sizes = [layout.dims.components, layout.dims.integrable, layout.m, layout.dims.left];
+    /// These kernels if they are for these sizes and m stages, the general ones otherwise.
+    pub(crate) fn suited_to(self, dims: Dimensions, m: usize) -> Kernels {
+        let sizes = [dims.components, dims.quadratures, m, dims.left];
         if self.sizes.is_none_or(|own| own == sizes) { self } else { Kernels::general() }
     }
 }
@@ -100,9 +102,9 @@ fn complete<const N: usize, const E: usize, const M: usize>(condensed: &Condense
 fn eliminate<const N: usize, const LEFT: usize>(
     block: &mut BlockFactor,
     condensed: &Condensed,
-    forms: &[LinearForm<'_>],
+    conditions: &[LinearCondition],
 ) -> Result<(), PivotFailure> {
-    block.eliminate::<N, LEFT>(condensed, forms)
+    block.eliminate::<N, LEFT>(condensed, conditions)
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]

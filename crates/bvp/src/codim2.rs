@@ -1,17 +1,19 @@
 //! Curves of singular points in two parameters.
 //!
-//! A [`TwoParameterCurve`] holds a problem whose last two scalar unknowns (λ, μ) are free and a singularity g. Its points are the
+//! A [`Codim2Curve`] holds a problem whose last two scalar unknowns (λ, μ) are free and a singularity g. Its points are the
 //! roots of (F, g), one condition short; the closing condition is the plane of pseudo-arclength continuation, or a value
 //! for any one scalar unknown: that is how a critical point is solved for directly by the value of another
 //! parameter.
 
-use crate::Direction;
+use crate::bifurcation::{AugmentedReport, MinimallyAugmented, SingularError, Singularity};
+use crate::continuation::predictor::History;
 use crate::continuation::{MeshMonitor, SHORTER};
-use crate::derivatives::Directional;
+use crate::direction::{Direction, LinearCondition};
+use crate::mesh;
 use crate::metric::{self, Metric};
-use crate::predictor::History;
-use crate::{AugmentedReport, MinimallyAugmented, SingularError, Singularity};
-use crate::{LinearCondition, Solution, Work, mesh};
+use crate::newton::Work;
+use crate::problem::Directional;
+use crate::solution::Solution;
 
 /// Settings of a curve.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +54,7 @@ const ORDER: usize = 7;
 /// Tolerance of points asked for by value.
 const ROUNDING: f64 = 1e-12;
 
-/// Why a curve cannot go on.
+/// Why following a curve failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CurveError {
@@ -66,7 +68,7 @@ pub enum CurveError {
         first: f64,
         /// Second free parameter.
         second: f64,
-        /// What the solver said last.
+        /// Last error of the solver.
         source: SingularError,
     },
     /// A value of an unknown is not on the curve in the number of steps allowed.
@@ -82,20 +84,21 @@ pub enum CurveError {
 /// A curve of singular points being followed.
 ///
 /// # Examples
-/// The folds of u″ + λ exp(u/(1 + μu)) = 0, u(0) = u(1) = 0 from that of Bratu's problem at μ = 0 to μ = 0.1. `Gelfand` is
-/// in `examples/problems/gelfand.rs`, on the half [0, ½].
+/// The folds of u″ + λ exp(u/(1 + μu)) = 0, u(0) = u(1) = 0 from that of Bratu's problem at μ = 0 to μ = 0.1. `Oscillator`
+/// is in `examples/problems/oscillator.rs`; here it is on the half [0, ½].
 ///
 /// ```
-/// # mod gelfand { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/gelfand.rs")); }
-/// # use gelfand::Gelfand;
-/// use bvp::{CurveSettings, Direction, Fold, Gauss, Metric, Solution, TwoParameterCurve, mesh};
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::{Force, Oscillator};
+/// use bvp::{Codim2Curve, CurveSettings, Direction, Fold, Gauss, Metric, Solution, mesh};
 /// let (gauss, mesh) = (Gauss::new(4), mesh::uniform(0.0, 0.5, 12));
 /// // At the fold u is about 1.19 at ½, and all of it grows along the branch.
 /// let bump = |x: f64, y: &mut [f64]| y.copy_from_slice(&[4.75 * x * (1.0 - x), 4.75 * (1.0 - 2.0 * x)]);
 /// let guess = Solution::from_fn(&gauss, &mesh, 2, &[3.5, 0.0], bump);
 /// let tangent = Direction { nodes: guess.nodes.clone(), stages: guess.stages.clone(), scalars: vec![0.0; 2] };
 /// let (metric, settings) = (Metric::unit(2, 2), CurveSettings::default());
-/// let mut curve = TwoParameterCurve::start(Gelfand, Fold::new(0), guess, metric, &tangent, settings, true)?;
+/// let problem = Oscillator { force: Force::With(oscillator::gelfand), right: 1 };
+/// let mut curve = Codim2Curve::start(problem, Fold::new(0), guess, metric, &tangent, settings, true)?;
 /// assert!((curve.parameters()[0] - 3.513830719).abs() < 1e-8);
 /// curve.follow_to(1, 0.1, 100, |_, _| true)?;
 /// assert_eq!(curve.parameters()[1], 0.1);
@@ -103,7 +106,7 @@ pub enum CurveError {
 /// # Ok::<(), bvp::CurveError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct TwoParameterCurve<P, S> {
+pub struct Codim2Curve<P, S> {
     /// Factors, directions and the singularity at the newest point.
     pub augmented: MinimallyAugmented<P, S>,
     /// The newest point.
@@ -116,21 +119,21 @@ pub struct TwoParameterCurve<P, S> {
     pub step: f64,
     /// Settings.
     pub settings: CurveSettings,
-    /// What the mesh follows; by default it stays.
+    /// Monitor that the mesh equidistributes; by default the mesh stays.
     pub monitor: Option<MeshMonitor<P>>,
     /// Work so far.
     pub work: Work,
     history: History,
     /// Length and first correction of the newest step.
     last: Option<[f64; 2]>,
-    /// Largest first correction seen that a shorter step did not make smaller.
+    /// Largest first correction that a shorter step did not reduce.
     roundings: f64,
     closing: LinearCondition,
     trial: Solution,
     weight: Vec<f64>,
 }
 
-impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> {
+impl<P: Directional + Clone, S: Singularity<P> + Clone> Codim2Curve<P, S> {
     /// Starts at the singular point near `guess` with the μ of `guess`, towards larger μ if `upwards`. `branch_tangent`
     /// is the tangent of the branch the point is on.
     ///
@@ -146,7 +149,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
         upwards: bool,
     ) -> Result<Self, CurveError> {
         let augmented = MinimallyAugmented::new(problem, singularity, guess.m, metric, branch_tangent);
-        let mut curve = TwoParameterCurve {
+        let mut curve = Codim2Curve {
             augmented,
             trial: guess.clone(),
             solution: guess,
@@ -181,7 +184,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
         [self.solution.scalars[n - 2], self.solution.scalars[n - 1]]
     }
 
-    /// Turns round.
+    /// Reverses the direction.
     pub fn reverse(&mut self) {
         self.tangent.scale(-1.0);
         self.history.clear();
@@ -189,14 +192,14 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
         self.step = self.settings.first_step;
     }
 
-    /// Turns to the side on which scalar unknown `index` comes nearer to `value`.
+    /// Reverses the direction if scalar unknown `index` would move away from `value`.
     pub fn head_for(&mut self, index: usize, value: f64) {
         if (value - self.solution.scalars[index]) * self.tangent.scalars[index] < 0.0 {
             self.reverse();
         }
     }
 
-    /// Goes one step on.
+    /// Takes one step.
     ///
     /// # Errors
     /// [`CurveError::Lost`]; the state is left at the last point.
@@ -299,7 +302,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
     /// The point between the last two at which the curve turns in scalar unknown `index`, and its arclength, by
     /// bisection on the tangent; `None` if a corrector fails on the way. The curve itself stays where it is.
     pub fn turning_point(&mut self, index: usize) -> Option<Solution> {
-        let (mut low, _) = self.history.before_newest()?;
+        let (mut low, _) = self.history.back(1)?;
         let mut high = self.arclength;
         let side = self.tangent.scalars[index].signum();
         let mut y = self.solution.clone();
@@ -323,7 +326,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
     pub fn at(&mut self, index: usize, value: f64) -> Result<(Solution, AugmentedReport), CurveError> {
         let mut y = self.solution.clone();
         let slope = self.tangent.scalars[index];
-        match self.history.before_newest() {
+        match self.history.back(1) {
             Some((before, earlier)) if (earlier.scalars[index] - value) * (y.scalars[index] - value) <= 0.0 => {
                 let share = (value - earlier.scalars[index]) / (y.scalars[index] - earlier.scalars[index]);
                 self.history.extrapolate(before + share * (self.arclength - before), &mut y);
@@ -377,13 +380,7 @@ impl<P: Directional + Clone, S: Singularity<P> + Clone> TwoParameterCurve<P, S> 
         let Some(monitor) = self.monitor else { return };
         let y = &self.solution;
         monitor(&self.augmented.problem, y, &mut self.weight);
-        // A monitor that is not finite moves nothing.
-        let imbalance = mesh::imbalance(&y.mesh, &self.weight);
-        if imbalance <= self.settings.remesh_above || !imbalance.is_finite() {
-            return;
-        }
-        let mut grid = Vec::new();
-        mesh::equidistribute(&y.mesh, &self.weight, y.intervals(), &mut grid);
+        let Some(grid) = mesh::rebalanced(&y.mesh, &self.weight, self.settings.remesh_above) else { return };
         let gauss = self.augmented.system.gauss.clone();
         metric::transfer_direction(&gauss, &y.mesh, &grid, &mut self.tangent);
         self.augmented.move_to(&y.mesh, &grid);

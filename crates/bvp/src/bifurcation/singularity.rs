@@ -1,6 +1,9 @@
-//! What is looked for along a branch: scalars that vanish at a kind of singular point.
+//! Test functions of singular points: scalars that vanish there.
 
-use crate::{Direction, PivotFailure, Solution, System};
+use crate::dense::PivotFailure;
+use crate::direction::Direction;
+use crate::linear::System;
+use crate::solution::Solution;
 
 /// Why a singular point was not found.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

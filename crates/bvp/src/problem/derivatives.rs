@@ -2,8 +2,12 @@
 //!
 //! Only the right-hand side and the integrands are nonlinear here: boundary conditions must be linear.
 
-use crate::problem::MAX_UNKNOWNS;
-use crate::{BoundaryValueProblem, CollocationPoint, Direction, Gauss, Residual, Solution};
+use crate::dimensions::{Dimensions, MAX_UNKNOWNS};
+use crate::direction::{Direction, Residual};
+use crate::gauss::Gauss;
+use crate::solution::Solution;
+
+use super::statement::{BoundaryValueProblem, CollocationPoint};
 
 /// A direction in the unknowns at one point: components of y and scalar unknowns.
 #[derive(Clone, Copy, Debug)]
@@ -62,18 +66,9 @@ pub trait Directional: BoundaryValueProblem {
     );
 }
 
-/// Sizes `out` for the problem and mesh of `y` and clears it.
-fn clear(dims: crate::Dimensions, y: &Solution, border: usize, out: &mut Residual) {
-    for (v, len) in [
-        (&mut out.stages, y.stages.len()),
-        (&mut out.nodes, y.intervals() * y.components),
-        (&mut out.left, dims.left),
-        (&mut out.right, dims.right),
-        (&mut out.border, border),
-    ] {
-        v.clear();
-        v.resize(len, 0.0);
-    }
+/// Clears `out` in the shape of the problem and the mesh of `y`.
+fn clear(dims: Dimensions, y: &Solution, border: usize, out: &mut Residual) {
+    out.reset([y.stages.len(), y.intervals() * y.components, dims.left, dims.right, border]);
 }
 
 /// Runs `point` over all collocation points and collects −h f in the stage rows and Σ h b g in the integral rows.

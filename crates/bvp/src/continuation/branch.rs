@@ -2,7 +2,7 @@
 //!
 //! A point of the branch and its unit tangent t (in a [`Metric`]) give the next point as the solution of the problem
 //! together with ⟨t, x − x_last⟩ = Δs (N.8); Newton starts from the polynomial through the last points. Folds are ordinary points
-//! of the branch. The state of a run can be stored and taken up again.
+//! of the branch. The state of a run can be stored and resumed.
 //!
 //! # References
 //! Keller, in *Applications of Bifurcation Theory*, Academic Press 1977, p. 359 (pseudo-arclength).
@@ -10,10 +10,16 @@
 use serde::{Deserialize, Serialize};
 
 use crate::dense::PivotFailure;
+use crate::dimensions::TooLarge;
+use crate::direction::{Direction, LinearCondition};
+use crate::linear::System;
+use crate::mesh;
 use crate::metric::{self, Metric};
-use crate::newton::{Newton, NewtonError, NewtonReport, NewtonScratch};
-use crate::predictor::History;
-use crate::{BoundaryValueProblem, Direction, LinearCondition, Solution, System, Work, mesh};
+use crate::newton::{Newton, NewtonError, NewtonReport, NewtonScratch, Work};
+use crate::problem::BoundaryValueProblem;
+use crate::solution::Solution;
+
+use super::predictor::History;
 
 /// Settings of a continuation.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,16 +72,19 @@ pub enum StepFailure {
     Singular(#[from] PivotFailure),
 }
 
-/// Why a continuation cannot go on.
+/// Why a continuation failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContinuationError {
+    /// The problem does not fit the kernels.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
     /// No first point.
     #[error("no first point at parameter {parameter}: {source}")]
     Start {
         /// Value of λ.
         parameter: f64,
-        /// What the solver said.
+        /// Error of the solver.
         source: NewtonError,
     },
     /// The corrector fails for the smallest step.
@@ -85,7 +94,7 @@ pub enum ContinuationError {
         parameter: f64,
         /// Arclength of the last point.
         arclength: f64,
-        /// What failed last.
+        /// The last failure.
         source: StepFailure,
     },
 }
@@ -94,7 +103,7 @@ pub enum ContinuationError {
 /// straight on.
 const CLOSED_GAP: f64 = 1e-6;
 
-/// A rejected step is tried again at this fraction of its length.
+/// A rejected step is repeated with this fraction of its length.
 pub(crate) const SHORTER: f64 = 0.4;
 
 /// Where the factors of the last point have served for a step, they are tried for steps longer by this factor; where they have
@@ -108,7 +117,7 @@ const CHORD_CONTRACTION: f64 = 0.5;
 /// After so many rejections the tangent they start from is in doubt.
 const DOUBTFUL: usize = 2;
 
-/// A run as it stands; enough to take it up again.
+/// State of a run, sufficient to resume it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// The newest point.
@@ -164,15 +173,15 @@ struct Attempt {
     exact: bool,
 }
 
-/// Where a followed branch ended.
+/// Why following a branch ended.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
-pub enum Ended {
+pub enum Termination {
     /// λ left its range; the last point lies on the bound.
     ParameterBound(f64),
     /// The largest number of points is reached.
     PointLimit(usize),
-    /// The caller had seen enough.
+    /// The visitor returned false.
     Stopped,
 }
 
@@ -187,14 +196,14 @@ pub type MeshMonitor<P> = fn(&P, &Solution, &mut Vec<f64>);
 ///
 /// ```
 /// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
-/// # use oscillator::Oscillator;
-/// use bvp::{Continuation, ContinuationSettings, Ended, Metric};
-/// let problem = Oscillator { force: |u| [u.exp(); 4], right: 0 };
+/// # use oscillator::{Force, Oscillator};
+/// use bvp::{Continuation, ContinuationSettings, Termination, Metric};
+/// let problem = Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 };
 /// let guess = problem.zero(1.0, 20, 4, 0.0);
 /// let settings = ContinuationSettings::default();
 /// let mut branch = Continuation::start(problem, guess, Metric::unit(2, 1), settings, true)?;
 /// let ended = branch.follow([0.0, 2.0], 100, |_, advance| !advance.passed_fold)?;
-/// assert_eq!(ended, Ended::ParameterBound(2.0));
+/// assert_eq!(ended, Termination::ParameterBound(2.0));
 /// let mut y = [0.0; 2];
 /// branch.state.solution.eval(&branch.system.gauss, 0.5, &mut y);
 /// let cosh = (0.5 * y[0]).exp();
@@ -210,9 +219,9 @@ pub struct Continuation<P> {
     pub settings: ContinuationSettings,
     /// Norm of the branch.
     pub metric: Metric,
-    /// What the mesh follows; by default the defect.
+    /// Monitor that the mesh equidistributes; by default the defect.
     pub monitor: Option<MeshMonitor<P>>,
-    /// The run.
+    /// State of the run.
     pub state: State,
     /// Work so far.
     pub work: Work,
@@ -231,7 +240,10 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// Starts at the solution near `guess` with the λ of `guess`, towards larger λ if `upwards`.
     ///
     /// # Errors
-    /// [`ContinuationError::Start`] if there is no such solution.
+    /// [`ContinuationError::Start`] if there is no such solution, [`ContinuationError::TooLarge`] if [`Dimensions::check`]
+    /// fails.
+    ///
+    /// [`Dimensions::check`]: crate::Dimensions::check
     pub fn start(
         mut problem: P,
         guess: Solution,
@@ -240,6 +252,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         upwards: bool,
     ) -> Result<Self, ContinuationError> {
         let dims = problem.dimensions();
+        dims.check(guess.m)?;
         let mut system = System::new(dims, guess.m);
         let mut scratch = NewtonScratch::default();
         let mut conditions = vec![LinearCondition::default()];
@@ -251,7 +264,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             .solve(&mut system, &mut scratch, &mut problem, &mut solution, &conditions, false)
             .map_err(|source| ContinuationError::Start { parameter, source })?;
         let mut tangent = Direction::default();
-        metric::null_direction(&mut system, 0, &mut tangent);
+        system.null_direction(0, &mut tangent);
         metric.normalise(&solution.mesh, &mut tangent);
         if !upwards {
             tangent.scale(-1.0);
@@ -264,7 +277,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         Ok(Continuation::resume(problem, state, metric, settings))
     }
 
-    /// Takes up a run, or begins one from a point whose tangent is known (e.g. a branch switched to).
+    /// Resumes a run, or starts one from a point whose tangent is known (e.g. a branch switched to).
     pub fn resume(problem: P, mut state: State, metric: Metric, settings: ContinuationSettings) -> Self {
         if state.history.is_empty() {
             state.history.push(state.arclength, &state.solution);
@@ -288,7 +301,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         }
     }
 
-    /// Turns round.
+    /// Reverses the direction.
     pub fn reverse(&mut self) {
         self.exact = false;
         self.state.tangent.scale(-1.0);
@@ -297,7 +310,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         self.state.history.push(self.state.arclength, &self.state.solution);
     }
 
-    /// Goes one step on.
+    /// Takes one step.
     ///
     /// # Errors
     /// [`ContinuationError::Lost`]; the state is left at the last point.
@@ -349,7 +362,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     fn exact_tangent(&mut self) -> Result<(), PivotFailure> {
         self.factorise_newest()?;
         let Continuation { system, metric, state, tangent, .. } = self;
-        metric::null_direction(system, 0, tangent);
+        system.null_direction(0, tangent);
         metric.normalise(&state.solution.mesh, tangent);
         std::mem::swap(&mut state.tangent, tangent);
         Ok(())
@@ -417,7 +430,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
             (false, _) => self.reach * REACH_GROWTH,
         };
         let Continuation { system, settings, metric, state, trial, tangent, .. } = self;
-        metric::null_direction(system, 0, tangent);
+        system.null_direction(0, tangent);
         metric.normalise(&trial.mesh, tangent);
         let cosine = metric.dot(&trial.mesh, tangent, &state.tangent);
         if cosine < settings.min_cosine {
@@ -469,14 +482,9 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                 mesh::defect_monitor(&y.mesh, &defect, y.m, &mut self.weight);
             }
         }
-        // A monitor that is not finite moves nothing.
-        let imbalance = mesh::imbalance(&y.mesh, &self.weight);
-        if imbalance <= self.settings.remesh_above || !imbalance.is_finite() {
-            return;
+        if let Some(grid) = mesh::rebalanced(&y.mesh, &self.weight, self.settings.remesh_above) {
+            self.move_to(&grid);
         }
-        let mut grid = Vec::new();
-        mesh::equidistribute(&y.mesh, &self.weight, y.intervals(), &mut grid);
-        self.move_to(&grid);
     }
 
     /// Carries the run over to another mesh.
@@ -501,7 +509,7 @@ impl<P: BoundaryValueProblem> Continuation<P> {
         range: [f64; 2],
         limit: usize,
         mut visit: impl FnMut(&mut Self, Advance) -> bool,
-    ) -> Result<Ended, ContinuationError> {
+    ) -> Result<Termination, ContinuationError> {
         for _ in 0..limit {
             let advance = self.advance()?;
             let parameter = self.state.parameter();
@@ -509,13 +517,13 @@ impl<P: BoundaryValueProblem> Continuation<P> {
                 let bound = parameter.clamp(range[0], range[1]);
                 self.land_on(bound)?;
                 visit(self, advance);
-                return Ok(Ended::ParameterBound(bound));
+                return Ok(Termination::ParameterBound(bound));
             }
             if !visit(self, advance) {
-                return Ok(Ended::Stopped);
+                return Ok(Termination::Stopped);
             }
         }
-        Ok(Ended::PointLimit(limit))
+        Ok(Termination::PointLimit(limit))
     }
 
     /// Replaces the newest point by the one with λ = `value` between the last two.
@@ -524,19 +532,23 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     /// [`ContinuationError::Lost`] if the corrector fails there.
     pub fn land_on(&mut self, value: f64) -> Result<(), ContinuationError> {
         let y = self.at(value)?;
-        if let Some((position, earlier)) = self.state.history.before_newest() {
-            let last = y.scalars.len() - 1;
-            let span = self.state.parameter() - earlier.scalars[last];
-            if span != 0.0 {
-                let share = ((value - earlier.scalars[last]) / span).clamp(0.0, 1.0);
-                self.state.arclength = position + share * (self.state.arclength - position);
-            }
+        if let Some((before, share)) = self.between_last_points(value) {
+            self.state.arclength = before + share.clamp(0.0, 1.0) * (self.state.arclength - before);
         }
         self.state.solution = y;
         self.exact_tangent().map_err(|failure| self.lost(value, failure.into()))?;
         // The points before stay, so that what lies between them and the new one can still be located.
         self.state.history.replace_newest(self.state.arclength, &self.state.solution);
         Ok(())
+    }
+
+    /// Arclength of the point before the newest, and the place of λ = `value` between the two by linear interpolation: 0 at
+    /// that point, 1 at the newest. None if λ is the same at both.
+    fn between_last_points(&self, value: f64) -> Option<(f64, f64)> {
+        let (arclength, earlier) = self.state.history.back(1)?;
+        let before = earlier.scalars[earlier.scalars.len() - 1];
+        let span = self.state.parameter() - before;
+        (span != 0.0).then(|| (arclength, (value - before) / span))
     }
 
     /// Corrects `y` onto the branch in the plane through it across `direction`. Left as it is if that fails.
@@ -557,13 +569,8 @@ impl<P: BoundaryValueProblem> Continuation<P> {
     pub fn at(&mut self, value: f64) -> Result<Solution, ContinuationError> {
         self.exact = false;
         let mut y = self.state.solution.clone();
-        if let Some((before, earlier)) = self.state.history.before_newest() {
-            let last = y.scalars.len() - 1;
-            let span = self.state.parameter() - earlier.scalars[last];
-            if span != 0.0 {
-                let share = (value - earlier.scalars[last]) / span;
-                self.state.history.extrapolate(before + share * (self.state.arclength - before), &mut y);
-            }
+        if let Some((before, share)) = self.between_last_points(value) {
+            self.state.history.extrapolate(before + share * (self.state.arclength - before), &mut y);
         }
         let last = y.scalars.len() - 1;
         metric::scalar_condition(&y, last, value, &mut self.conditions[0]);

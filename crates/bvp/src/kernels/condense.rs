@@ -1,6 +1,6 @@
 //! Static condensation: the stages of one interval expressed by its left node and the scalar unknowns.
 //!
-//! With E the integrable components and N the others, linearising N.1 gives on every interval
+//! With E the quadrature components and N the others, linearising N.1 gives on every interval
 //!
 //! * δY_E,j = δy_E + Σ_k a_jk (h F_EN,k δY_N,k + h F_Ep,k δp − R_E,k),
 //! * Σ_j [D_ij I − δ_ij h F_NN,i − h² a_ij F_NE,i F_EN,j] δY_N,j
@@ -13,59 +13,26 @@
 //! vectors, without reductions.
 
 use crate::dense::{self, Determinant, LANE, Lane, Lanes, PivotFailure, add_scaled};
+use crate::dimensions::{Dimensions, MAX_UNKNOWNS};
+use crate::direction::{Direction, Residual};
 use crate::gauss::{Gauss, MAX_STAGES};
-use crate::problem::{Dimensions, MAX_UNKNOWNS, PointJacobian};
-use crate::{Direction, Residual};
 
 /// Most lanes of the stage unknowns of one interval.
 const MAX_STAGE_LANES: usize = dense::MAX_LANES;
 
-/// Entries of a quad: there are few integrable components.
+/// Entries of a quad: there are few quadrature components.
 const QUAD: usize = 4;
 
-/// Up to four integrable components of one stage.
+/// Up to four quadrature components of one stage.
 type Quad = [f64; QUAD];
 
-/// Shapes of the condensed storage, fixed per problem and stage count.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Layout {
+/// Derivatives at the stages of all intervals, and the condensed intervals.
+#[derive(Clone, Debug, Default)]
+pub struct Condensed {
     /// Sizes of the problem.
     pub dims: Dimensions,
     /// Stages m.
     pub m: usize,
-    /// Stage unknowns left after integrating: m times the components that are not integrable.
-    pub s: usize,
-    /// Lanes of the stage unknowns.
-    pub stage_lanes: usize,
-    /// Lanes of all stage values of an interval.
-    pub value_lanes: usize,
-    /// Lanes of a node.
-    pub node_lanes: usize,
-    /// Columns of the map: components and scalar unknowns.
-    pub columns: usize,
-}
-
-impl Layout {
-    /// Layout for a problem and a stage count.
-    pub fn new(dims: Dimensions, m: usize) -> Layout {
-        let s = m * (dims.components - dims.integrable);
-        Layout {
-            dims,
-            m,
-            s,
-            stage_lanes: dense::lanes_for(s),
-            value_lanes: dense::lanes_for(m * dims.components),
-            node_lanes: dense::lanes_for(dims.components),
-            columns: dims.components + dims.scalars,
-        }
-    }
-}
-
-/// Derivatives at the stages of all intervals, and the condensed intervals.
-#[derive(Clone, Debug)]
-pub struct Condensed {
-    /// Shapes.
-    pub layout: Layout,
     /// Interval widths h.
     pub h: Vec<f64>,
     /// ∂f/∂y at the stages; (interval · m + stage) × n × n.
@@ -98,26 +65,19 @@ pub struct Condensed {
 }
 
 impl Condensed {
-    /// Empty storage.
+    /// Empty storage for a problem and a stage count.
     pub fn new(dims: Dimensions, m: usize) -> Condensed {
-        Condensed {
-            layout: Layout::new(dims, m),
-            h: Vec::new(),
-            fy: Vec::new(),
-            fp: Vec::new(),
-            gy: Vec::new(),
-            gp: Vec::new(),
-            reciprocal: Vec::new(),
-            exchange: Vec::new(),
-            column: Vec::new(),
-            onto: Vec::new(),
-            from: Vec::new(),
-            inverse: Lanes::default(),
-            map: Lanes::default(),
-            transition: Lanes::default(),
-            integral: Vec::new(),
-            weights: Lanes::default(),
-        }
+        Condensed { dims, m, ..Condensed::default() }
+    }
+
+    /// Columns of the map: components and scalar unknowns.
+    fn columns(&self) -> usize {
+        self.dims.components + self.dims.scalars
+    }
+
+    /// Lanes of a node.
+    fn node_lanes(&self) -> usize {
+        dense::lanes_for(self.dims.components)
     }
 
     /// Number of intervals.
@@ -127,10 +87,10 @@ impl Condensed {
 
     /// Sizes the storage for a mesh and zeroes the derivatives.
     pub fn reset(&mut self, mesh: &[f64]) {
-        let l = self.layout;
-        let intervals = mesh.len() - 1;
-        let Dimensions { components: n, integrable: e, scalars: np, integrals: ni, .. } = l.dims;
-        let points = intervals * l.m;
+        let (intervals, columns, node_lanes) = (mesh.len() - 1, self.columns(), self.node_lanes());
+        let Dimensions { scalars: np, integrals: ni, .. } = self.dims;
+        let Sizes { n, e, m, nn, s, lanes, values } = self.sizes::<0, 0, 0>();
+        let points = intervals * m;
         self.h.clear();
         self.h.extend(mesh.windows(2).map(|w| w[1] - w[0]));
         for (v, size) in [
@@ -141,46 +101,37 @@ impl Condensed {
         ] {
             dense::zeroed(v, size);
         }
-        for (lanes, size) in [
-            (&mut self.inverse, intervals * l.s * l.stage_lanes),
-            (&mut self.map, intervals * l.columns * l.value_lanes),
-            (&mut self.transition, intervals * l.columns * l.node_lanes),
-            (&mut self.weights, intervals * ni * l.value_lanes),
-        ] {
-            lanes.resize(size);
-        }
-        self.onto.resize(points * e * (n - e), 0.0);
-        self.from.resize(intervals * e.div_ceil(QUAD) * l.s, [0.0; QUAD]);
-        self.reciprocal.resize(intervals * l.s, 0.0);
-        self.exchange.resize(intervals * l.s, 0);
-        self.integral.resize(intervals * ni * l.columns, 0.0);
-        self.column.resize(l.m * n, 0.0);
-    }
-
-    /// Where the derivatives at all collocation points go, with f and g.
-    pub fn jacobian<'a>(&'a mut self, f: &'a mut [f64], g: &'a mut [f64]) -> PointJacobian<'a> {
-        PointJacobian { f, fy: &mut self.fy, fp: &mut self.fp, g, gy: &mut self.gy, gp: &mut self.gp }
+        self.inverse.resize(intervals * s * lanes);
+        self.map.resize(intervals * columns * values);
+        self.transition.resize(intervals * columns * node_lanes);
+        self.weights.resize(intervals * ni * values);
+        self.onto.resize(points * e * nn, 0.0);
+        self.from.resize(intervals * e.div_ceil(QUAD) * s, [0.0; QUAD]);
+        self.reciprocal.resize(intervals * s, 0.0);
+        self.exchange.resize(intervals * s, 0);
+        self.integral.resize(intervals * ni * columns, 0.0);
+        self.column.resize(m * n, 0.0);
     }
 
     /// [G B] of interval i by columns, each a node's lanes.
     pub fn transition(&self, i: usize) -> &[Lane] {
-        part(&self.transition, i, self.layout.columns * self.layout.node_lanes)
+        part(&self.transition, i, self.columns() * self.node_lanes())
     }
 
     /// Coefficients of (δy₀, δp) in the integrals over interval i; integrals × columns.
     pub fn integral(&self, i: usize) -> &[f64] {
-        part(&self.integral, i, self.layout.dims.integrals * self.layout.columns)
+        part(&self.integral, i, self.dims.integrals * self.columns())
     }
 
     /// Multiplies the determinants of all stage matrices into `det`.
-    pub fn accumulate_determinant(&self, det: &mut Determinant) {
-        let s = self.layout.s;
+    pub fn multiply_into(&self, det: &mut Determinant) {
+        let s = self.sizes::<0, 0, 0>().s;
         for i in 0..self.intervals() {
-            dense::accumulate_determinant(part(&self.reciprocal, i, s), part(&self.exchange, i, s), det);
+            det.multiply(part(&self.reciprocal, i, s), part(&self.exchange, i, s));
         }
     }
 
-    /// Condenses every interval from the derivatives stored for it. Sizes (components, integrable ones, stages) are known at
+    /// Condenses every interval from the derivatives stored for it. Sizes (components, quadratures, stages) are known at
     /// compile time unless 0, here and below.
     ///
     /// # Errors
@@ -203,7 +154,7 @@ impl Condensed {
     #[inline(always)]
     fn gather<const N: usize, const E: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize) {
         let Sizes { n, e, m, nn, s, values, .. } = self.sizes::<N, E, M>();
-        let (h, ni) = (self.h[i], self.layout.dims.integrals);
+        let (h, ni) = (self.h[i], self.dims.integrals);
         let fy = part(&self.fy, i, m * n * n);
         let onto = part_mut(&mut self.onto, i, m * e * nn);
         let from = part_mut(&mut self.from, i, e.div_ceil(QUAD) * s);
@@ -294,7 +245,8 @@ impl Condensed {
     fn map_columns<const N: usize, const E: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize) {
         let sizes = self.sizes::<N, E, M>();
         let Sizes { n, m, values, .. } = sizes;
-        let Layout { columns, node_lanes, dims: Dimensions { scalars: np, integrals: ni, .. }, .. } = self.layout;
+        let (columns, node_lanes) = (self.columns(), self.node_lanes());
+        let Dimensions { scalars: np, integrals: ni, .. } = self.dims;
         let h = self.h[i];
         let rest = 1.0 - gauss.d[..m].iter().sum::<f64>();
         let mut residual = std::mem::take(&mut self.column);
@@ -368,7 +320,7 @@ impl Condensed {
     ) {
         let sizes = self.sizes::<N, E, M>();
         let Sizes { n, m, values, .. } = sizes;
-        let ni = self.layout.dims.integrals;
+        let ni = self.dims.integrals;
         for i in 0..self.intervals() {
             let y = part_mut(&mut out.stages, i, m * n);
             self.stages(sizes, gauss, i).particular(part(&residual.stages, i, m * n), y);
@@ -388,7 +340,7 @@ impl Condensed {
     #[inline(always)]
     pub fn complete<const N: usize, const E: usize, const M: usize>(&self, out: &mut Direction) {
         let Sizes { n, m, values, .. } = self.sizes::<N, E, M>();
-        let columns = self.layout.columns;
+        let columns = self.columns();
         let mut x = [0.0; MAX_UNKNOWNS];
         x[n..columns].copy_from_slice(&out.scalars);
         for i in 0..self.intervals() {
@@ -409,8 +361,8 @@ impl Condensed {
     /// Sizes that are known at compile time where the generic parameters are not 0.
     #[inline(always)]
     fn sizes<const N: usize, const E: usize, const M: usize>(&self) -> Sizes {
-        let l = self.layout;
-        let (n, e, m) = if N > 0 { (N, E, M) } else { (l.dims.components, l.dims.integrable, l.m) };
+        let Dimensions { components, quadratures, .. } = self.dims;
+        let (n, e, m) = if N > 0 { (N, E, M) } else { (components, quadratures, self.m) };
         let s = m * (n - e);
         Sizes { n, e, m, nn: n - e, s, lanes: dense::lanes_for(s), values: dense::lanes_for(m * n) }
     }
@@ -498,11 +450,11 @@ impl Stages<'_> {
 struct Sizes {
     /// Components.
     n: usize,
-    /// Integrable components.
+    /// Quadrature components.
     e: usize,
     /// Stages.
     m: usize,
-    /// Components that are not integrable.
+    /// Components that are not quadratures.
     nn: usize,
     /// Stage unknowns.
     s: usize,

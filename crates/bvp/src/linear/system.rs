@@ -1,31 +1,13 @@
 //! The linearised collocation system of a problem about a solution: residuals, factors, solves.
 
-use crate::block::{AntisymmetricEnd, BlockFactor, Conditions, EndRows, LinearForm};
-use crate::condense::Condensed;
 use crate::dense::{Determinant, PivotFailure, zeroed};
+use crate::dimensions::{Dimensions, MAX_UNKNOWNS};
+use crate::direction::{Direction, LinearCondition, Residual};
 use crate::gauss::{Gauss, MAX_STAGES};
-use crate::kernels::Kernels;
+use crate::kernels::{AntisymmetricEnd, BlockFactor, Condensed, EndJacobian, Interval, Kernels};
 use crate::metric;
-use crate::problem::{
-    BoundaryJacobian, BoundaryValueProblem, CollocationPoints, Dimensions, MAX_CONDITIONS, MAX_UNKNOWNS,
-};
-use crate::stages::Interval;
-use crate::{Direction, LinearCondition, Solution};
-
-/// Residuals of all equations; also serves as a general right-hand side (the system solved is J δ = −residual).
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Residual {
-    /// Σ_k D_jk (Y_k − y₀) − h f(Y_j); N × m × n.
-    pub stages: Vec<f64>,
-    /// y₀ + Σ d_j (Y_j − y₀) − y₁; N × n.
-    pub nodes: Vec<f64>,
-    /// Left conditions.
-    pub left: Vec<f64>,
-    /// Right conditions.
-    pub right: Vec<f64>,
-    /// Integral conditions, then linear conditions.
-    pub border: Vec<f64>,
-}
+use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoints, PointJacobian};
+use crate::solution::Solution;
 
 /// Workspace for one problem shape: derivatives, condensed intervals, block factors. Reused from call to call; nothing
 /// is allocated once it has seen the largest mesh.
@@ -39,9 +21,9 @@ pub struct Residual {
 ///
 /// ```
 /// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
-/// # use oscillator::Oscillator;
+/// # use oscillator::{Force, Oscillator};
 /// use bvp::{BoundaryValueProblem, Direction, LinearCondition, System, metric};
-/// let mut problem = Oscillator { force: |u| [u.exp(); 4], right: 0 };
+/// let mut problem = Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 };
 /// let mut y = problem.zero(1.0, 10, 4, 1.0);
 /// let mut conditions = vec![LinearCondition::default()];
 /// metric::scalar_condition(&y, 0, 1.0, &mut conditions[0]);
@@ -67,27 +49,17 @@ pub struct System {
     pub residual: Residual,
     kernels: Kernels,
     block: BlockFactor,
-    ends: Ends,
-    borders: Vec<f64>,
+    ends: EndJacobian,
     /// Collocation points of the last evaluation, and the integrands there.
     places: Vec<f64>,
     integrands: Vec<f64>,
-}
-
-#[derive(Clone, Debug, Default)]
-struct Ends {
-    ly: Vec<f64>,
-    lp: Vec<f64>,
-    ry: Vec<f64>,
-    rp: Vec<f64>,
-    hp: Vec<f64>,
 }
 
 impl System {
     /// Workspace for problems of the given sizes with m stages.
     ///
     /// # Panics
-    /// If [`Dimensions::check`] refuses the sizes.
+    /// If the sizes fail [`Dimensions::check`].
     pub fn new(dims: Dimensions, m: usize) -> System {
         if let Err(error) = dims.check(m) {
             panic!("{error}");
@@ -98,8 +70,7 @@ impl System {
             residual: Residual::default(),
             kernels: Kernels::general(),
             block: BlockFactor::default(),
-            ends: Ends::default(),
-            borders: Vec::new(),
+            ends: EndJacobian::default(),
             places: Vec::new(),
             integrands: Vec::new(),
         }
@@ -107,7 +78,7 @@ impl System {
 
     /// Sizes of the problem this workspace is for.
     pub fn dimensions(&self) -> Dimensions {
-        self.condensed.layout.dims
+        self.condensed.dims
     }
 
     /// Evaluates the residual of `problem` at `y`, and with `derivatives` also all derivatives.
@@ -119,14 +90,14 @@ impl System {
         derivatives: bool,
     ) {
         problem.prepare(&y.scalars);
-        self.kernels = problem.kernels(self.gauss.m).suited_to(&self.condensed.layout);
+        self.kernels = problem.kernels(self.gauss.m).suited_to(self.condensed.dims, self.gauss.m);
         if derivatives {
             self.condensed.reset(&y.mesh);
         }
         self.evaluate_offsets(problem, y, conditions.len());
         self.evaluate_intervals(problem, y, derivatives);
         self.evaluate_ends(problem, y);
-        let border = &mut self.residual.border[self.condensed.layout.dims.integrals..];
+        let border = &mut self.residual.border[self.condensed.dims.integrals..];
         for (row, condition) in border.iter_mut().zip(conditions) {
             *row = metric::evaluate(condition, y) - condition.value;
         }
@@ -137,9 +108,9 @@ impl System {
         let (np, ni) = (self.dimensions().scalars, self.dimensions().integrals);
         let border = &mut self.residual.border;
         zeroed(border, ni + conditions);
-        zeroed(&mut self.ends.hp, ni * np);
+        zeroed(&mut self.ends.offsets, ni * np);
         for k in 0..ni {
-            border[k] = problem.integral_offset(k, &y.scalars, &mut self.ends.hp[k * np..(k + 1) * np]);
+            border[k] = problem.integral_offset(k, &y.scalars, &mut self.ends.offsets[k * np..(k + 1) * np]);
         }
     }
 
@@ -162,7 +133,8 @@ impl System {
         if derivatives {
             f.fill(0.0);
             g.fill(0.0);
-            problem.rhs_jacobian_many(points, &y.scalars, &mut self.condensed.jacobian(f, g));
+            let Condensed { fy, fp, gy, gp, .. } = &mut self.condensed;
+            problem.rhs_jacobian_many(points, &y.scalars, &mut PointJacobian { f, fy, fp, g, gy, gp });
         } else {
             problem.rhs_many(points, &y.scalars, f, g);
         }
@@ -185,55 +157,46 @@ impl System {
 
     /// The conditions at both ends and their derivatives.
     fn evaluate_ends<P: BoundaryValueProblem>(&mut self, problem: &P, y: &Solution) {
-        let dims = self.dimensions();
-        let (n, np) = (dims.components, dims.scalars);
-        let (r, e) = (&mut self.residual, &mut self.ends);
-        zeroed(&mut r.left, dims.left);
-        zeroed(&mut r.right, dims.right);
-        zeroed(&mut e.ly, dims.left * n);
-        zeroed(&mut e.lp, dims.left * np);
-        zeroed(&mut e.ry, dims.right * n);
-        zeroed(&mut e.rp, dims.right * np);
+        let Dimensions { components: n, scalars: np, left, right, .. } = self.dimensions();
+        let r = &mut self.residual;
+        let ([ly, lp], [ry, rp]) = (&mut self.ends.left, &mut self.ends.right);
+        for (v, size) in [(&mut r.left, left), (&mut *ly, left * n), (&mut *lp, left * np)] {
+            zeroed(v, size);
+        }
+        for (v, size) in [(&mut r.right, right), (&mut *ry, right * n), (&mut *rp, right * np)] {
+            zeroed(v, size);
+        }
         let (first, last) = (y.node(0), y.node(y.intervals()));
-        problem.left(first, &y.scalars, &mut BoundaryJacobian { r: &mut r.left, ry: &mut e.ly, rp: &mut e.lp });
-        problem.right(last, &y.scalars, &mut BoundaryJacobian { r: &mut r.right, ry: &mut e.ry, rp: &mut e.rp });
+        problem.left(first, &y.scalars, &mut BoundaryJacobian { r: &mut r.left, ry: ly, rp: lp });
+        problem.right(last, &y.scalars, &mut BoundaryJacobian { r: &mut r.right, ry, rp });
     }
 
     /// Condenses all intervals from the derivatives of the last evaluation.
+    ///
+    /// # Errors
+    /// If a pivot of a stage matrix vanishes.
     pub fn condense(&mut self) -> Result<(), PivotFailure> {
         (self.kernels.condense)(&mut self.condensed, &self.gauss)
     }
 
-    /// Factorises the block system of the problem itself, after [`condense`](Self::condense).
+    /// Factorises the block system of the problem with the linear conditions, after [`condense`](Self::condense).
+    ///
+    /// # Errors
+    /// If a pivot vanishes.
+    ///
+    /// # Panics
+    /// If there are not as many conditions as unknowns.
     pub fn factor_blocks(&mut self, conditions: &[LinearCondition]) -> Result<(), PivotFailure> {
-        let dims = self.dimensions();
-        let e = &self.ends;
-        // At most a handful of linear conditions: the small vector of views lives on the stack.
-        let mut forms = [LinearForm { nodes: &[], scalars: &[] }; MAX_CONDITIONS];
-        for (form, c) in forms.iter_mut().zip(conditions) {
-            *form = LinearForm { nodes: &c.nodes, scalars: &c.scalars };
-        }
-        let conditions = Conditions {
-            left: EndRows { ry: &e.ly, rp: &e.lp, rows: dims.left },
-            right: EndRows { ry: &e.ry, rp: &e.rp, rows: dims.right },
-            offsets: &e.hp,
-            forms: &forms[..conditions.len()],
-        };
-        self.block.factor(&self.kernels, &self.condensed, &conditions)
+        let System { block, condensed, kernels, ends, .. } = self;
+        block.begin(condensed, ends, conditions);
+        let eliminated = (kernels.eliminate)(block, condensed, conditions);
+        eliminated.and_then(|()| block.factor_last(ends, conditions))
     }
 
-    /// Solves J δ = −residual with the factors at hand.
+    /// Solves J δ = −residual with the factors of the last factorisation.
     pub fn solve(&mut self, residual: &Residual, out: &mut Direction) {
-        self.particular(residual, out, true);
-        let System { block, borders, kernels, .. } = self;
-        // End rows with their signs turned, in the scratch behind the border entries.
-        let ni = borders.len();
-        borders.extend(residual.left.iter().map(|v| -v));
-        borders.extend(residual.right.iter().map(|v| -v));
-        let (border, ends) = borders.split_at(ni);
-        let (left, right) = ends.split_at(residual.left.len());
-        block.solve(kernels, &mut out.nodes, [left, right, border], &mut out.scalars);
-        self.complete(out);
+        self.solve_nodes(None, residual, out, true);
+        (self.kernels.complete)(&self.condensed, out);
     }
 
     /// Solves with the residual of the last evaluation.
@@ -245,37 +208,72 @@ impl System {
 
     /// Solves J δ = e with e one in row `which` of the border (integral conditions first) and zero elsewhere.
     pub fn solve_unit(&mut self, which: usize, out: &mut Direction) {
-        let dims = self.dimensions();
-        let rows = dims.integrals + dims.missing_conditions().max(0) as usize;
-        zeroed(&mut self.borders, rows + dims.right);
-        self.borders[which] = 1.0;
-        let (border, right) = self.borders.split_at(rows);
-        zeroed(&mut out.nodes, (self.condensed.intervals() + 1) * dims.components);
-        zeroed(&mut out.stages, self.condensed.intervals() * self.gauss.m * dims.components);
-        zeroed(&mut out.scalars, dims.scalars);
-        self.block.solve_last(&self.kernels, &mut out.nodes, [right, border], &mut out.scalars);
-        self.complete(out);
+        let mut border = [0.0; MAX_UNKNOWNS];
+        border[which] = 1.0;
+        let right = &[0.0; MAX_UNKNOWNS][..self.dimensions().right];
+        self.solve_from_last(None, [right, &border[..self.block.borders()]], out);
     }
 
-    /// Particular stage values and node constants for a residual; border right-hand sides into the scratch.
-    fn particular(&mut self, residual: &Residual, out: &mut Direction, with_border: bool) {
-        let dims = self.dimensions();
-        let (n, m) = (dims.components, self.gauss.m);
+    /// Solves J d = 0 with linear condition `which` raised by 1.
+    pub fn null_direction(&mut self, which: usize, out: &mut Direction) {
+        self.solve_unit(self.dimensions().integrals + which, out);
+    }
+
+    /// Solves for right-hand sides that are zero but for [right, border] conditions, of the antisymmetric problem if its end
+    /// is given.
+    fn solve_from_last(&mut self, end: Option<&AntisymmetricEnd>, [right, border]: [&[f64]; 2], out: &mut Direction) {
+        let Dimensions { components: n, scalars, left, .. } = self.dimensions();
+        zeroed(&mut out.nodes, (self.condensed.intervals() + 1) * n);
+        zeroed(&mut out.stages, self.condensed.intervals() * self.gauss.m * n);
+        zeroed(&mut out.scalars, scalars);
+        self.block.forward_zero();
+        self.substitute(end, [&[0.0; MAX_UNKNOWNS][..left], right, border], out, true);
+        (self.kernels.complete)(&self.condensed, out);
+    }
+
+    /// Nodes (of which only the last if not `everywhere`), scalars and particular stage values for a residual, of the
+    /// antisymmetric problem if its end is given.
+    fn solve_nodes(
+        &mut self,
+        end: Option<&AntisymmetricEnd>,
+        residual: &Residual,
+        out: &mut Direction,
+        everywhere: bool,
+    ) {
+        let Dimensions { components: n, scalars, integrals, .. } = self.dimensions();
         let intervals = self.condensed.intervals();
         out.nodes.resize((intervals + 1) * n, 0.0);
-        out.stages.resize(intervals * m * n, 0.0);
-        zeroed(&mut out.scalars, dims.scalars);
-        self.borders.clear();
-        if with_border {
-            self.borders.extend(residual.border.iter().map(|v| -v));
-        }
-        let integrals = if with_border { dims.integrals } else { 0 };
-        let borders = &mut self.borders[..integrals];
-        (self.kernels.particular)(&self.condensed, &self.gauss, residual, out, borders);
+        out.stages.resize(intervals * self.gauss.m * n, 0.0);
+        zeroed(&mut out.scalars, scalars);
+        let negated = |from: &[f64]| {
+            let mut to = [0.0; MAX_UNKNOWNS];
+            to.iter_mut().zip(from).for_each(|(to, from)| *to = -from);
+            to
+        };
+        let (mut left, right) = (negated(&residual.left), negated(&residual.right));
+        let (mut border, integrals) =
+            if end.is_some() { ([0.0; MAX_UNKNOWNS], 0) } else { (negated(&residual.border), integrals) };
+        (self.kernels.particular)(&self.condensed, &self.gauss, residual, out, &mut border[..integrals]);
+        let (left, border) = (&mut left[..residual.left.len()], &mut border[..self.block.borders()]);
+        (self.kernels.forward)(&mut self.block, &out.nodes, left, border);
+        let border = if end.is_some() { &[] } else { &*border };
+        self.substitute(end, [left, &right[..residual.right.len()], border], out, everywhere);
     }
 
-    fn complete(&mut self, out: &mut Direction) {
-        (self.kernels.complete)(&self.condensed, out);
+    /// The last block for forward-eliminated right-hand sides [carried, right, border], and back substitution from there.
+    fn substitute(
+        &mut self,
+        end: Option<&AntisymmetricEnd>,
+        sides: [&[f64]; 3],
+        out: &mut Direction,
+        everywhere: bool,
+    ) {
+        // The antisymmetric problem has no scalar unknowns.
+        let scalars = if end.is_some() { &mut [] } else { &mut out.scalars[..] };
+        self.block.solve_last(end, sides, &mut out.nodes, scalars);
+        if everywhere {
+            (self.kernels.backward)(&mut self.block, &mut out.nodes, scalars);
+        }
     }
 
     /// Factorises the antisymmetric problem that belongs to the factorised one on a mirror-symmetric half: the same
@@ -289,56 +287,32 @@ impl System {
         vanishing: &[usize],
         end: &mut AntisymmetricEnd,
     ) -> Result<Determinant, PivotFailure> {
-        let eliminated = self.eliminate_antisymmetric(vanishing, end);
-        self.antisymmetric_determinant(eliminated, end)
+        end.set_vanishing(vanishing, self.dimensions().components);
+        self.factor_antisymmetric_rows(end)
     }
 
-    /// The same without the determinant, which takes a logarithm for every pivot.
-    ///
-    /// # Errors
-    /// A pivot that is zero or not finite.
-    pub fn eliminate_antisymmetric(&self, vanishing: &[usize], end: &mut AntisymmetricEnd) -> Result<(), PivotFailure> {
-        let n = self.dimensions().components;
-        let mut rows = std::mem::take(&mut end.rows);
-        zeroed(&mut rows, vanishing.len() * n);
-        for (k, &component) in vanishing.iter().enumerate() {
-            rows[k * n + component] = 1.0;
-        }
-        let result = self.block.factor_antisymmetric(EndRows { ry: &rows, rp: &[], rows: vanishing.len() }, end);
-        end.rows = rows;
-        result
-    }
-
-    /// [`factor_antisymmetric`](Self::factor_antisymmetric) for any right end rows, as tests hold it against dense matrices.
-    #[cfg(test)]
-    pub(crate) fn factor_antisymmetric_rows(
-        &self,
-        right: EndRows<'_>,
-        end: &mut AntisymmetricEnd,
-    ) -> Result<Determinant, PivotFailure> {
-        let eliminated = self.block.factor_antisymmetric(right, end);
-        self.antisymmetric_determinant(eliminated, end)
-    }
-
-    /// The determinant of the antisymmetric problem whose elimination ended so.
-    fn antisymmetric_determinant(
-        &self,
-        eliminated: Result<(), PivotFailure>,
-        end: &AntisymmetricEnd,
-    ) -> Result<Determinant, PivotFailure> {
-        let mut det = Determinant::default();
-        self.condensed.accumulate_determinant(&mut det);
-        self.block.accumulate_antisymmetric(end, &mut det);
-        match eliminated {
-            Ok(()) => Ok(det),
+    /// [`factor_antisymmetric`](Self::factor_antisymmetric) with the right end rows of `end`.
+    pub(crate) fn factor_antisymmetric_rows(&self, end: &mut AntisymmetricEnd) -> Result<Determinant, PivotFailure> {
+        let factored = self.block.factor_antisymmetric(end);
+        match factored {
+            Ok(()) => Ok(self.determinant_with(Some(end))),
             // Exactly singular in the last block: the zero itself.
             Err(failure) if !failure.non_finite => Ok(Determinant { sign: 0.0, log_abs: f64::NEG_INFINITY }),
             Err(failure) => Err(failure),
         }
     }
 
-    /// Adds J δ to `out`, J being the antisymmetric problem where the system was evaluated last with derivatives, whatever factors
-    /// are at hand: what is left of a residual after a correction with older ones.
+    /// [`factor_antisymmetric`](Self::factor_antisymmetric) without the determinant, which takes a logarithm for every pivot.
+    ///
+    /// # Errors
+    /// A pivot that is zero or not finite.
+    pub fn eliminate_antisymmetric(&self, vanishing: &[usize], end: &mut AntisymmetricEnd) -> Result<(), PivotFailure> {
+        end.set_vanishing(vanishing, self.dimensions().components);
+        self.block.factor_antisymmetric(end)
+    }
+
+    /// Adds J δ to `out`, J being the antisymmetric problem where the system was evaluated last with derivatives: what is left
+    /// of a residual after a correction with older factors.
     pub fn apply_antisymmetric(&mut self, end: &AntisymmetricEnd, direction: &Direction, out: &mut Residual) {
         let (n, m) = (self.dimensions().components, self.gauss.m);
         let mut scratch = [0.0; (MAX_STAGES + 1) * MAX_UNKNOWNS];
@@ -357,7 +331,7 @@ impl System {
             add(&mut out.nodes[i * n..(i + 1) * n], node);
         }
         let (first, last) = (&direction.nodes[..n], &direction.nodes[direction.nodes.len() - n..]);
-        for (rows, y, out) in [(&self.ends.ly, first, &mut out.left), (&end.rows, last, &mut out.right)] {
+        for (rows, y, out) in [(&self.ends.left[0], first, &mut out.left), (&end.rows, last, &mut out.right)] {
             out.iter_mut().zip(rows.chunks_exact(n)).for_each(|(out, row)| *out += product(row, y));
         }
     }
@@ -365,44 +339,29 @@ impl System {
     /// Solves the antisymmetric problem factorised by [`factor_antisymmetric`](Self::factor_antisymmetric) for stage and
     /// node residuals and right-hand sides of its end rows.
     pub fn solve_antisymmetric(&mut self, end: &AntisymmetricEnd, residual: &Residual, out: &mut Direction) {
-        self.solve_antisymmetric_nodes(end, residual, out, true);
-        self.complete(out);
+        self.solve_nodes(Some(end), residual, out, true);
+        (self.kernels.complete)(&self.condensed, out);
     }
 
     /// The last node alone of [`solve_antisymmetric`](Self::solve_antisymmetric), in its place in `out`.
     pub fn solve_antisymmetric_last_node(&mut self, end: &AntisymmetricEnd, residual: &Residual, out: &mut Direction) {
-        self.solve_antisymmetric_nodes(end, residual, out, false);
-    }
-
-    fn solve_antisymmetric_nodes(
-        &mut self,
-        end: &AntisymmetricEnd,
-        residual: &Residual,
-        out: &mut Direction,
-        everywhere: bool,
-    ) {
-        self.particular(residual, out, false);
-        let System { block, borders, kernels, .. } = self;
-        borders.extend(residual.left.iter().chain(&residual.right).map(|v| -v));
-        let (left, right) = borders.split_at(residual.left.len());
-        block.solve_antisymmetric(kernels, end, &mut out.nodes, [left, right], everywhere);
+        self.solve_nodes(Some(end), residual, out, false);
     }
 
     /// The solution of the antisymmetric problem for right-hand sides that are zero but for `right` of its right end rows.
     pub fn solve_antisymmetric_unit(&mut self, end: &AntisymmetricEnd, right: &[f64], out: &mut Direction) {
-        let dims = self.dimensions();
-        zeroed(&mut out.nodes, (self.condensed.intervals() + 1) * dims.components);
-        zeroed(&mut out.stages, self.condensed.intervals() * self.gauss.m * dims.components);
-        zeroed(&mut out.scalars, dims.scalars);
-        self.block.solve_antisymmetric_last(&self.kernels, end, &mut out.nodes, right);
-        self.complete(out);
+        self.solve_from_last(Some(end), [right, &[]], out);
     }
 
     /// Determinant of the full factorised system.
     pub fn determinant(&self) -> Determinant {
+        self.determinant_with(None)
+    }
+
+    fn determinant_with(&self, end: Option<&AntisymmetricEnd>) -> Determinant {
         let mut det = Determinant::default();
-        self.condensed.accumulate_determinant(&mut det);
-        self.block.accumulate_determinant(&mut det);
+        self.condensed.multiply_into(&mut det);
+        self.block.multiply_into(end, &mut det);
         det
     }
 
@@ -413,18 +372,10 @@ impl System {
         zero
     }
 
-    /// The same, into one at hand.
+    /// [`zero_residual`](Self::zero_residual) into storage that is reused.
     pub fn zero_residual_into(&self, zero: &mut Residual) {
-        let like = &self.residual;
-        for (to, from) in [
-            (&mut zero.stages, &like.stages),
-            (&mut zero.nodes, &like.nodes),
-            (&mut zero.left, &like.left),
-            (&mut zero.right, &like.right),
-            (&mut zero.border, &like.border),
-        ] {
-            zeroed(to, from.len());
-        }
+        let Residual { stages, nodes, left, right, border } = &self.residual;
+        zero.reset([stages, nodes, left, right, border].map(Vec::len));
     }
 }
 

@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::direction::LinearCondition;
+use crate::gauss::Gauss;
 use crate::metric::evaluate;
-use crate::{Gauss, LinearCondition, Solution, Transfer};
+use crate::solution::{Solution, Transfer};
 
 /// Solutions at known positions along a curve, all on one mesh, for predicting the next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -57,11 +59,6 @@ impl History {
     /// Forgets all points.
     pub fn clear(&mut self) {
         self.points.clear();
-    }
-
-    /// The point before the newest.
-    pub fn before_newest(&self) -> Option<(f64, &Solution)> {
-        self.back(1)
     }
 
     /// The point `k` before the newest, the newest itself for 0.

@@ -8,10 +8,14 @@
 //!
 //! and c is the parameter's component of η. c > 0: supercritical, the branch exists for λ > λ*; c < 0: subcritical.
 
-use crate::Solution;
-use crate::derivatives::{Directional, power_residuals, second_residual};
-use crate::{Direction, Residual};
-use crate::{MinimallyAugmented, MirrorSymmetric, SingularError, SymmetryBreaking};
+use crate::direction::{Direction, Residual};
+use crate::problem::derivatives::{power_residuals, second_residual};
+use crate::problem::{Directional, MirrorSymmetric};
+use crate::solution::Solution;
+
+use super::minimally_augmented::MinimallyAugmented;
+use super::singularity::SingularError;
+use super::symmetry_breaking::SymmetryBreaking;
 
 /// Normal form of a pitchfork, for the normalisation of φ of the [`SymmetryBreaking`] it comes from.
 #[derive(Clone, Debug, PartialEq)]

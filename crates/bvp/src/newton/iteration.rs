@@ -11,9 +11,10 @@
 //! Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2004, ch. 3.
 
 use crate::dense::PivotFailure;
+use crate::direction::{Direction, LinearCondition};
+use crate::linear::System;
 use crate::problem::BoundaryValueProblem;
 use crate::solution::Solution;
-use crate::{Direction, LinearCondition, System};
 
 /// Settings of the iteration.
 ///
@@ -23,9 +24,9 @@ use crate::{Direction, LinearCondition, System};
 ///
 /// ```
 /// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
-/// # use oscillator::Oscillator;
+/// # use oscillator::{Force, Oscillator};
 /// use bvp::{BoundaryValueProblem, LinearCondition, Newton, System, metric};
-/// let mut problem = Oscillator { force: |u| [u.exp(); 4], right: 0 };
+/// let mut problem = Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 };
 /// let mut y = problem.zero(1.0, 20, 4, 1.0);
 /// let mut conditions = vec![LinearCondition::default()];
 /// metric::scalar_condition(&y, 0, 1.0, &mut conditions[0]);
@@ -176,7 +177,7 @@ const SQUARED: f64 = 0.1;
 /// A correction below this changes no scaling by more than a hundredth.
 const SMALL: f64 = 1e-2;
 
-/// What one call of [`Newton::solve`] works on.
+/// State of one call of [`Newton::solve`].
 struct Iteration<'a, P> {
     settings: &'a Newton,
     system: &'a mut System,
@@ -188,7 +189,7 @@ struct Iteration<'a, P> {
 }
 
 impl<P: BoundaryValueProblem> Iteration<'_, P> {
-    /// Factorises and steps until converged or out of work.
+    /// Factorises and steps until converged or at a limit.
     fn run(&mut self) -> Result<NewtonReport, NewtonError> {
         let settings = self.settings;
         while self.report.factorisations < settings.max_factorisations
@@ -296,7 +297,7 @@ impl<P: BoundaryValueProblem> Iteration<'_, P> {
         }
     }
 
-    /// Tries to converge with the factors at hand. On failure `y` is restored.
+    /// Tries to converge with the existing factors. On failure `y` is restored.
     fn chord(&mut self) -> bool {
         let Iteration { settings, system, scratch, problem, y, conditions, report } = self;
         system.evaluate(*problem, y, conditions, false);

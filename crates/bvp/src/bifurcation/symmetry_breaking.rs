@@ -1,21 +1,15 @@
 //! Pitchforks of mirror-symmetric branches: an antisymmetric null vector appears.
 
-use crate::derivatives::{Directional, second_residual};
-use crate::problem::MAX_UNKNOWNS;
-use crate::{
-    AntisymmetricEnd, BoundaryValueProblem, Determinant, Direction, PivotFailure, Residual, Singularity, Solution,
-    System,
-};
+use crate::dense::{Determinant, PivotFailure};
+use crate::dimensions::MAX_UNKNOWNS;
+use crate::direction::{Direction, Residual};
+use crate::kernels::AntisymmetricEnd;
+use crate::linear::System;
+use crate::problem::derivatives::second_residual;
+use crate::problem::{Directional, MirrorSymmetric};
+use crate::solution::Solution;
 
-/// A problem on the half of a mirror-symmetric domain, whose right end is the mirror.
-pub trait MirrorSymmetric: BoundaryValueProblem {
-    /// Components that vanish at the mirror in antisymmetric perturbations: as many as make these, with the left
-    /// conditions, a square problem.
-    fn vanishing_at_mirror(&self) -> &[usize];
-
-    /// Components that are free at the mirror in antisymmetric perturbations, the preferred one for normalising first.
-    fn free_at_mirror(&self) -> &[usize];
-}
+use super::singularity::Singularity;
 
 /// A pitchfork: the antisymmetric problem J_a φ = 0 on the half domain has a solution.
 ///
@@ -29,9 +23,9 @@ pub trait MirrorSymmetric: BoundaryValueProblem {
 ///
 /// ```
 /// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
-/// # use oscillator::Oscillator;
+/// # use oscillator::{Force, Oscillator};
 /// use bvp::{Continuation, ContinuationSettings, Metric, MinimallyAugmented, SymmetryBreaking};
-/// let problem = Oscillator { force: |u| [u.sin(), u.cos(), -u.sin(), -u.cos()], right: 1 };
+/// let problem = Oscillator { force: Force::Of(|u| [u.sin(), u.cos(), -u.sin(), -u.cos()]), right: 1 };
 /// let (mut y, metric) = (problem.zero(0.5, 10, 4, 38.0), Metric::unit(2, 1));
 /// let settings = ContinuationSettings::default();
 /// let branch = Continuation::start(problem.clone(), y.clone(), metric.clone(), settings, true)?;

@@ -1,122 +1,7 @@
 //! The statement of a boundary-value problem.
 
-use crate::dense::{LANE, MAX_LANES, lanes_for};
-use crate::gauss::MAX_STAGES;
+use crate::dimensions::Dimensions;
 use crate::kernels::Kernels;
-
-/// Sizes of a boundary-value problem.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Dimensions {
-    /// Components n of y.
-    pub components: usize,
-    /// The first `integrable` components have derivatives that depend on the other components and on p only (never on
-    /// one another). They are integrated out of the stage equations, which makes a Newton step several times cheaper.
-    /// Zero is always correct; all of them may be.
-    pub integrable: usize,
-    /// Scalar unknowns p.
-    pub scalars: usize,
-    /// Conditions at the left end.
-    pub left: usize,
-    /// Conditions at the right end.
-    pub right: usize,
-    /// Integral conditions ∫ g dx + h(p) = 0.
-    pub integrals: usize,
-}
-
-/// Most unknowns at one point, components and scalars together.
-pub const MAX_UNKNOWNS: usize = 32;
-
-/// Most unknowns at the stages of one interval, those of integrable components left out.
-pub const MAX_STAGE_UNKNOWNS: usize = MAX_LANES * LANE;
-
-/// Most linear conditions beside those of the problem.
-pub const MAX_CONDITIONS: usize = 8;
-
-/// Why a problem does not fit the kernels, which work on blocks of bounded size.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum TooLarge {
-    /// A number of stages that is not offered.
-    #[error("collocation is offered with 1 to {MAX_STAGES} stages, not {stages}")]
-    Stages {
-        /// Stages asked for.
-        stages: usize,
-    },
-    /// No components, or more integrable ones than components.
-    #[error("{integrable} of {components} components cannot be integrable")]
-    Components {
-        /// Components of y.
-        components: usize,
-        /// Those of them said to be integrable.
-        integrable: usize,
-    },
-    /// More than [`MAX_UNKNOWNS`] components and scalar unknowns.
-    #[error("{unknowns} components and scalar unknowns are more than {MAX_UNKNOWNS}")]
-    Unknowns {
-        /// Components and scalar unknowns.
-        unknowns: usize,
-    },
-    /// The stage equations of an interval are wider than the kernels are built for.
-    #[error(
-        "{stage_unknowns} stage unknowns are more than {MAX_STAGE_UNKNOWNS}: fewer stages, or more integrable components"
-    )]
-    StageUnknowns {
-        /// Stages times components that are not integrable.
-        stage_unknowns: usize,
-    },
-    /// The problem has more conditions than unknowns, or lacks more than [`MAX_CONDITIONS`].
-    #[error("{missing} further conditions would make the system square; possible are 0 to {MAX_CONDITIONS}")]
-    Conditions {
-        /// Unknowns less conditions.
-        missing: isize,
-    },
-}
-
-impl Dimensions {
-    /// Conditions beyond those of the problem itself that a square system needs, e.g. one for pseudo-arclength.
-    pub fn missing_conditions(&self) -> isize {
-        (self.components + self.scalars) as isize - (self.left + self.right + self.integrals) as isize
-    }
-
-    /// Whether problems of these sizes can be solved with the given number of stages. This is the one place where limits
-    /// are checked: [`System`](crate::System) and all that is built on it rely on it.
-    ///
-    /// # Errors
-    /// [`TooLarge`] says which limit is exceeded.
-    pub fn check(&self, stages: usize) -> Result<(), TooLarge> {
-        let Dimensions { components, integrable, .. } = *self;
-        if !(1..=MAX_STAGES).contains(&stages) {
-            return Err(TooLarge::Stages { stages });
-        }
-        if components == 0 || integrable > components {
-            return Err(TooLarge::Components { components, integrable });
-        }
-        let unknowns = components + self.scalars;
-        if unknowns > MAX_UNKNOWNS {
-            return Err(TooLarge::Unknowns { unknowns });
-        }
-        // Blocks of nodes are no wider: with as many conditions as unknowns they need no more than 2 · MAX_UNKNOWNS rows and
-        // columns.
-        let stage_unknowns = stages * (components - integrable);
-        if stage_unknowns > MAX_STAGE_UNKNOWNS {
-            return Err(TooLarge::StageUnknowns { stage_unknowns });
-        }
-        let missing = self.missing_conditions();
-        if !(0..=MAX_CONDITIONS as isize).contains(&missing) {
-            return Err(TooLarge::Conditions { missing });
-        }
-        Ok(())
-    }
-}
-
-/// Rows of one block of nodes: conditions carried on, those of the interval and borders.
-pub(crate) const MAX_ROWS: usize = 2 * MAX_UNKNOWNS;
-
-/// Lanes that hold all unknowns of one point.
-pub(crate) const MAX_UNKNOWN_LANES: usize = lanes_for(MAX_UNKNOWNS);
-
-const _: () =
-    assert!(MAX_ROWS <= MAX_LANES * LANE, "a row of a block of nodes has no more columns than it may have rows");
 
 /// Where the right-hand side is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -192,8 +77,8 @@ pub struct BoundaryJacobian<'a> {
 ///
 /// impl BoundaryValueProblem for Bratu {
 ///     fn dimensions(&self) -> Dimensions {
-///         // u′ depends on the other component alone: it is integrable.
-///         Dimensions { components: 2, integrable: 1, scalars: 1, left: 1, right: 1, integrals: 0 }
+///         // u′ depends on the other component alone: u is a quadrature.
+///         Dimensions { components: 2, quadratures: 1, scalars: 1, left: 1, right: 1, integrals: 0 }
 ///     }
 ///     fn rhs(&self, _: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], _: &mut [f64]) {
 ///         f.copy_from_slice(&[y[1], -p[0] * y[0].exp()]);

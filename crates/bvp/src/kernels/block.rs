@@ -8,43 +8,21 @@
 //! # References
 //! Ascher, Mattheij & Russell 1995, ch. 7 (stability of block elimination with row pivoting for separated conditions).
 
-use crate::condense::Condensed;
-use crate::dense::{self, Determinant, Factors, FactorsRef, LANE, Lanes, MAX_LANES, PivotFailure};
-use crate::kernels::Kernels;
-use crate::problem::{MAX_ROWS, MAX_UNKNOWN_LANES, MAX_UNKNOWNS};
+use crate::dense::{self, Determinant, LANE, Lanes, Lu, MAX_LANES, PivotFailure};
+use crate::dimensions::{Dimensions, MAX_ROWS, MAX_UNKNOWN_LANES, MAX_UNKNOWNS};
+use crate::direction::LinearCondition;
 
-/// Rows at one end: `rows` conditions with derivatives by y (× n) and by p (× scalars), row-major.
-#[derive(Clone, Copy, Debug)]
-pub struct EndRows<'a> {
-    /// ∂r/∂y.
-    pub ry: &'a [f64],
-    /// ∂r/∂p.
-    pub rp: &'a [f64],
-    /// Number of conditions.
-    pub rows: usize,
-}
+use super::condense::Condensed;
 
-/// A dense linear form on all nodes and scalars: Σ w_i·y_i + w_p·p.
-#[derive(Clone, Copy, Debug)]
-pub struct LinearForm<'a> {
-    /// Weights of the node values; (N + 1) × n.
-    pub nodes: &'a [f64],
-    /// Weights of the scalar unknowns.
-    pub scalars: &'a [f64],
-}
-
-/// All rows but those of the intervals.
-#[derive(Clone, Copy, Debug)]
-pub struct Conditions<'a> {
-    /// Conditions at the left end.
-    pub left: EndRows<'a>,
-    /// Conditions at the right end.
-    pub right: EndRows<'a>,
-    /// Derivatives ∂h/∂p of the integral conditions, whose other derivatives are in the condensed intervals; integrals ×
-    /// scalars.
-    pub offsets: &'a [f64],
-    /// Linear conditions.
-    pub forms: &'a [LinearForm<'a>],
+/// Derivatives of the conditions at the ends and of the offsets of the integral conditions; row-major.
+#[derive(Clone, Debug, Default)]
+pub struct EndJacobian {
+    /// ∂/∂y and ∂/∂p of the left conditions; × n and × scalars.
+    pub left: [Vec<f64>; 2],
+    /// The same of the right conditions.
+    pub right: [Vec<f64>; 2],
+    /// ∂h/∂p of the integral conditions, whose other derivatives are in the condensed intervals; × scalars.
+    pub offsets: Vec<f64>,
 }
 
 /// Factors of the bordered almost block diagonal matrix.
@@ -65,7 +43,8 @@ pub struct BlockFactor {
     /// Pivots of every interval: their reciprocals and the rows exchanged for them.
     reciprocal: Vec<f64>,
     exchange: Vec<u8>,
-    last: FactorStore,
+    /// The last block.
+    last: Lu,
     /// What elimination does to the right-hand sides of an interval once its rows are exchanged, by columns of the n pivots: rows
     /// (solved δy_i, carried, border); per interval n × lanes_for(rows).
     transform: Lanes,
@@ -80,54 +59,17 @@ pub struct BlockFactor {
 /// symmetric problem.
 #[derive(Clone, Debug, Default)]
 pub struct AntisymmetricEnd {
-    last: FactorStore,
-    /// Right end rows, kept for the next factorisation.
+    last: Lu,
+    /// Rows of the conditions at the right end; × n.
     pub(crate) rows: Vec<f64>,
 }
 
-#[derive(Clone, Debug, Default)]
-struct FactorStore {
-    columns: usize,
-    rows: usize,
-    lower: Lanes,
-    upper: Lanes,
-    reciprocal: Vec<f64>,
-    exchange: Vec<u8>,
-}
-
-impl FactorStore {
-    fn reset(&mut self, blocks: usize, columns: usize, rows: usize) {
-        (self.columns, self.rows) = (columns, rows);
-        self.lower.resize(blocks * columns * dense::lanes_for(rows));
-        self.upper.resize(blocks * columns * dense::lanes_for(columns));
-        self.reciprocal.resize(blocks * columns, 0.0);
-        self.exchange.resize(blocks * columns, 0);
-    }
-
-    fn write(&mut self, i: usize) -> Factors<'_> {
-        let (c, l, u) = (self.columns, dense::lanes_for(self.rows), dense::lanes_for(self.columns));
-        Factors {
-            lower: &mut self.lower[i * c * l..(i + 1) * c * l],
-            upper: &mut self.upper[i * c * u..(i + 1) * c * u],
-            reciprocal: &mut self.reciprocal[i * c..(i + 1) * c],
-            exchange: &mut self.exchange[i * c..(i + 1) * c],
-        }
-    }
-
-    fn accumulate_determinant(&self, det: &mut Determinant) {
-        let c = self.columns;
-        for (r, e) in self.reciprocal.chunks_exact(c).zip(self.exchange.chunks_exact(c)) {
-            dense::accumulate_determinant(r, e, det);
-        }
-    }
-
-    fn read(&self, i: usize) -> FactorsRef<'_> {
-        let (c, l, u) = (self.columns, dense::lanes_for(self.rows), dense::lanes_for(self.columns));
-        FactorsRef {
-            lower: &self.lower[i * c * l..(i + 1) * c * l],
-            upper: &self.upper[i * c * u..(i + 1) * c * u],
-            reciprocal: &self.reciprocal[i * c..(i + 1) * c],
-            exchange: &self.exchange[i * c..(i + 1) * c],
+impl AntisymmetricEnd {
+    /// The rows of n entries that make the given components vanish.
+    pub(crate) fn set_vanishing(&mut self, components: &[usize], n: usize) {
+        dense::zeroed(&mut self.rows, components.len() * n);
+        for (k, &component) in components.iter().enumerate() {
+            self.rows[k * n + component] = 1.0;
         }
     }
 }
@@ -143,23 +85,27 @@ struct Panel {
 }
 
 impl BlockFactor {
-    /// Factorises the condensed intervals with the conditions that make the system square.
-    ///
-    /// # Errors
-    /// If a pivot vanishes: in the last block where the system is singular.
+    /// Takes over the sizes, makes room and loads the rows that are carried from the left end. The elimination is complete
+    /// after [`eliminate`](Self::eliminate) and [`factor_last`](Self::factor_last).
     ///
     /// # Panics
     /// If there are not as many conditions as unknowns.
-    pub fn factor(
-        &mut self,
-        kernels: &Kernels,
-        condensed: &Condensed,
-        conditions: &Conditions<'_>,
-    ) -> Result<(), PivotFailure> {
-        self.reset(condensed, conditions);
-        self.begin(conditions);
-        (kernels.eliminate)(self, condensed, conditions.forms)?;
-        self.factor_last(conditions)
+    pub fn begin(&mut self, condensed: &Condensed, ends: &EndJacobian, conditions: &[LinearCondition]) {
+        self.reset(condensed, conditions.len());
+        let (n, np, lanes) = (self.n, self.np, self.panel_widths().lanes);
+        for k in 0..self.nl {
+            let row = self.panel[k * lanes..(k + 1) * lanes].as_flattened_mut();
+            row[..n].copy_from_slice(&ends.left[0][k * n..(k + 1) * n]);
+            row[2 * n..2 * n + np].copy_from_slice(&ends.left[1][k * np..(k + 1) * np]);
+        }
+        for k in 0..self.nb {
+            let at = (self.nl + n + k) * lanes;
+            let source = match k.checked_sub(self.ni) {
+                None => &ends.offsets[k * np..(k + 1) * np],
+                Some(k) => &conditions[k].scalars[..np],
+            };
+            self.panel[at..at + lanes].as_flattened_mut()[2 * n..2 * n + np].copy_from_slice(source);
+        }
     }
 
     /// Eliminates the intervals from left to right. Sizes (components, left conditions) are known at compile time unless 0, here
@@ -171,12 +117,12 @@ impl BlockFactor {
     pub(crate) fn eliminate<const N: usize, const LEFT: usize>(
         &mut self,
         condensed: &Condensed,
-        forms: &[LinearForm<'_>],
+        conditions: &[LinearCondition],
     ) -> Result<(), PivotFailure> {
         let (n, nl) = self.sizes::<N, LEFT>();
         let lanes = self.panel_widths().lanes;
         for i in 0..self.intervals {
-            self.load_interval::<N, LEFT>(condensed, forms, i);
+            self.load_interval::<N, LEFT>(condensed, conditions, i);
             let pivots = i * n..(i + 1) * n;
             let (reciprocal, exchange) = (&mut self.reciprocal[pivots.clone()], &mut self.exchange[pivots]);
             dense::eliminate_in_place(&mut self.panel, lanes, n, nl + n, reciprocal, exchange)?;
@@ -199,12 +145,9 @@ impl BlockFactor {
         Panel { rows, lanes: dense::lanes_for(2 * self.n + self.np) }
     }
 
-    /// Takes over sizes and makes room.
-    fn reset(&mut self, condensed: &Condensed, conditions: &Conditions<'_>) {
-        let dims = condensed.layout.dims;
-        let (n, np) = (dims.components, dims.scalars);
-        let (nl, nr, ni) = (conditions.left.rows, conditions.right.rows, dims.integrals);
-        let nb = ni + conditions.forms.len();
+    fn reset(&mut self, condensed: &Condensed, conditions: usize) {
+        let Dimensions { components: n, scalars: np, left: nl, right: nr, integrals: ni, .. } = condensed.dims;
+        let nb = ni + conditions;
         let nf = n + np;
         assert_eq!(nl + nr + nb, nf, "as many conditions as unknowns");
         (self.n, self.np, self.nl, self.nr, self.ni, self.nb) = (n, np, nl, nr, ni, nb);
@@ -216,36 +159,8 @@ impl BlockFactor {
         self.reciprocal.resize(self.intervals * n, 0.0);
         self.exchange.resize(self.intervals * n, 0);
         self.transform.resize(self.intervals * n * tall);
-        self.last.reset(1, nf, nf);
         self.backward.resize(self.intervals * nf * height);
         self.forward.resize(self.intervals * height);
-    }
-
-    /// Writes end condition k: derivatives by the components in front, those by the scalars at column `p_at`.
-    fn put_end(&self, row: &mut [f64], end: &EndRows<'_>, k: usize, p_at: usize) {
-        let (n, np) = (self.n, self.np);
-        row[..n].copy_from_slice(&end.ry[k * n..(k + 1) * n]);
-        row[p_at..p_at + np].copy_from_slice(&end.rp[k * np..(k + 1) * np]);
-    }
-
-    /// The rows that are carried from interval to interval, before the first: left conditions, and of the borders what
-    /// belongs to the scalars.
-    fn begin(&mut self, conditions: &Conditions<'_>) {
-        let (n, np, lanes) = (self.n, self.np, self.panel_widths().lanes);
-        let mut panel = std::mem::take(&mut self.panel);
-        for k in 0..self.nl {
-            self.put_end(panel[k * lanes..(k + 1) * lanes].as_flattened_mut(), &conditions.left, k, 2 * n);
-        }
-        for k in 0..self.nb {
-            let at = (self.nl + n + k) * lanes;
-            let row = panel[at..at + lanes].as_flattened_mut();
-            let source = match k.checked_sub(self.ni) {
-                None => &conditions.offsets[k * np..(k + 1) * np],
-                Some(form) => &conditions.forms[form].scalars[..np],
-            };
-            row[2 * n..2 * n + np].copy_from_slice(source);
-        }
-        self.panel = panel;
     }
 
     /// Adds the rows of interval i to those carried on.
@@ -253,7 +168,7 @@ impl BlockFactor {
     fn load_interval<const N: usize, const LEFT: usize>(
         &mut self,
         condensed: &Condensed,
-        forms: &[LinearForm<'_>],
+        conditions: &[LinearCondition],
         i: usize,
     ) {
         let (n, nl) = self.sizes::<N, LEFT>();
@@ -286,7 +201,7 @@ impl BlockFactor {
                 }
             } else {
                 for c in 0..n {
-                    row[c] += forms[k - ni].nodes[i * n + c];
+                    row[c] += conditions[k - ni].nodes[i * n + c];
                 }
             }
         }
@@ -333,8 +248,11 @@ impl BlockFactor {
     }
 
     /// Factorises the last block: carried rows, right conditions and borders in δy_N and δp.
-    fn factor_last(&mut self, conditions: &Conditions<'_>) -> Result<(), PivotFailure> {
-        let (n, nl, nf) = (self.n, self.nl, self.n + self.np);
+    ///
+    /// # Errors
+    /// If a pivot vanishes: the system is singular.
+    pub fn factor_last(&mut self, ends: &EndJacobian, conditions: &[LinearCondition]) -> Result<(), PivotFailure> {
+        let (n, np, nl, nf) = (self.n, self.np, self.nl, self.n + self.np);
         let (lanes, fl) = (self.panel_widths().lanes, dense::lanes_for(nf));
         let mut last = [[0.0; LANE]; MAX_UNKNOWNS * MAX_UNKNOWN_LANES];
         let last = &mut last[..nf * fl];
@@ -344,49 +262,53 @@ impl BlockFactor {
             let target = last[to * fl..(to + 1) * fl].as_flattened_mut();
             target[..nf].copy_from_slice(&source[n..n + nf]);
             if k >= nl + self.ni {
-                let form = &conditions.forms[k - nl - self.ni];
+                let condition = &conditions[k - nl - self.ni];
                 for c in 0..n {
-                    target[c] += form.nodes[self.intervals * n + c];
+                    target[c] += condition.nodes[self.intervals * n + c];
                 }
             }
         }
         for k in 0..self.nr {
-            let to = nl + k;
-            self.put_end(last[to * fl..(to + 1) * fl].as_flattened_mut(), &conditions.right, k, n);
+            let row = last[(nl + k) * fl..(nl + k + 1) * fl].as_flattened_mut();
+            row[..n].copy_from_slice(&ends.right[0][k * n..(k + 1) * n]);
+            row[n..nf].copy_from_slice(&ends.right[1][k * np..(k + 1) * np]);
         }
-        dense::eliminate(last, fl, nf, nf, &mut self.last.write(0))
+        self.last.factorise(last, nf)
     }
 
-    /// Solves for node updates (`nodes`, holding on entry c_i of interval i at index i·n, length (N + 1)·n) and scalar
-    /// updates. `left`, `right` and `border` are right-hand sides of the condition rows (integrals first in `border`).
-    pub fn solve(
-        &mut self,
-        kernels: &Kernels,
-        nodes: &mut [f64],
-        [left, right, border]: [&[f64]; 3],
-        scalars: &mut [f64],
-    ) {
-        let mut carried = [0.0; MAX_UNKNOWNS];
-        let mut rest = [0.0; MAX_UNKNOWNS];
-        let (carried, rest) = (&mut carried[..self.nl], &mut rest[..self.nb]);
-        carried.copy_from_slice(left);
-        rest.copy_from_slice(border);
-        (kernels.forward)(self, nodes, carried, rest);
-        self.solve_end(carried, right, rest, nodes, scalars);
-        (kernels.backward)(self, nodes, scalars);
+    /// Factorises the last block of the antisymmetric problem, with the right end rows of `end` and without scalar unknowns,
+    /// integral and linear conditions. Borders are never pivots, so that up to this block both eliminations are the same.
+    ///
+    /// # Errors
+    /// If a pivot vanishes.
+    ///
+    /// # Panics
+    /// If the end rows and the left conditions are not as many as the components.
+    pub fn factor_antisymmetric(&self, end: &mut AntisymmetricEnd) -> Result<(), PivotFailure> {
+        let n = self.n;
+        assert_eq!(self.nl * n + end.rows.len(), n * n, "as many conditions as unknowns");
+        let (fl, lanes) = (dense::lanes_for(n), self.panel_widths().lanes);
+        let mut last = [[0.0; LANE]; MAX_UNKNOWNS * MAX_UNKNOWN_LANES];
+        let last = &mut last[..n * fl];
+        let (carried, right) = last.split_at_mut(self.nl * fl);
+        for (k, row) in carried.chunks_exact_mut(fl).enumerate() {
+            let source = self.panel[(n + k) * lanes..(n + k + 1) * lanes].as_flattened();
+            row.as_flattened_mut()[..n].copy_from_slice(&source[n..2 * n]);
+        }
+        for (row, source) in right.chunks_exact_mut(fl).zip(end.rows.chunks_exact(n)) {
+            row.as_flattened_mut()[..n].copy_from_slice(source);
+        }
+        end.last.factorise(last, n)
     }
 
-    /// [`solve`](Self::solve) for right-hand sides that are zero but for the last conditions.
-    pub fn solve_last(
-        &mut self,
-        kernels: &Kernels,
-        nodes: &mut [f64],
-        [right, border]: [&[f64]; 2],
-        scalars: &mut [f64],
-    ) {
+    /// Border conditions: integral and linear ones.
+    pub fn borders(&self) -> usize {
+        self.nb
+    }
+
+    /// In place of [`forward`](Self::forward) for right-hand sides that are zero but for those of the last block.
+    pub fn forward_zero(&mut self) {
         self.forward.fill([0.0; LANE]);
-        self.solve_end(&[0.0; MAX_UNKNOWNS][..self.nl], right, border, nodes, scalars);
-        (kernels.backward)(self, nodes, scalars);
     }
 
     /// Eliminates the right-hand sides of all intervals: `carried` and `border` go in as those of the left and border
@@ -431,18 +353,24 @@ impl BlockFactor {
         border.copy_from_slice(&before[nl + n..rows]);
     }
 
-    /// The last node and the scalar unknowns.
-    fn solve_end(&self, carried: &[f64], right: &[f64], border: &[f64], nodes: &mut [f64], scalars: &mut [f64]) {
-        let nf = self.n + self.np;
-        let mut end = [[0.0; LANE]; MAX_UNKNOWN_LANES];
-        let y = end.as_flattened_mut();
+    /// Solves the last block, or that of the antisymmetric problem, for the last node and the scalar unknowns.
+    pub fn solve_last(
+        &self,
+        antisymmetric: Option<&AntisymmetricEnd>,
+        [carried, right, border]: [&[f64]; 3],
+        nodes: &mut [f64],
+        scalars: &mut [f64],
+    ) {
+        let last = antisymmetric.map_or(&self.last, |end| &end.last);
+        let mut x = [[0.0; LANE]; MAX_UNKNOWN_LANES];
+        let y = x.as_flattened_mut();
         y[..self.nl].copy_from_slice(carried);
-        y[self.nl..self.nl + self.nr].copy_from_slice(right);
-        y[self.nl + self.nr..nf].copy_from_slice(border);
-        dense::solve_vector(self.last.read(0), nf, &mut end);
-        let y = end.as_flattened();
+        y[self.nl..self.nl + right.len()].copy_from_slice(right);
+        y[self.nl + right.len()..last.size()].copy_from_slice(border);
+        last.solve(&mut x);
+        let y = x.as_flattened();
         nodes[self.intervals * self.n..].copy_from_slice(&y[..self.n]);
-        scalars[..self.np].copy_from_slice(&y[self.n..nf]);
+        scalars.copy_from_slice(&y[self.n..last.size()]);
     }
 
     /// Substitution from the last node to the left.
@@ -469,88 +397,12 @@ impl BlockFactor {
         }
     }
 
-    /// Factorises the antisymmetric problem, with other right end rows and without scalar unknowns, integral and linear
-    /// conditions. Borders are never pivots, so that up to its last block the elimination is the one at hand.
-    ///
-    /// # Errors
-    /// A vanishing pivot in the last block.
-    pub fn factor_antisymmetric(&self, right: EndRows<'_>, end: &mut AntisymmetricEnd) -> Result<(), PivotFailure> {
-        let n = self.n;
-        assert_eq!(self.nl + right.rows, n, "as many conditions as unknowns");
-        let (fl, lanes) = (dense::lanes_for(n), self.panel_widths().lanes);
-        let mut last = [[0.0; LANE]; MAX_UNKNOWNS * MAX_UNKNOWN_LANES];
-        let last = &mut last[..n * fl];
-        for k in 0..self.nl {
-            let source = self.panel[(n + k) * lanes..(n + k + 1) * lanes].as_flattened();
-            last[k * fl..(k + 1) * fl].as_flattened_mut()[..n].copy_from_slice(&source[n..2 * n]);
-        }
-        for k in 0..right.rows {
-            let row = last[(self.nl + k) * fl..(self.nl + k + 1) * fl].as_flattened_mut();
-            row[..n].copy_from_slice(&right.ry[k * n..(k + 1) * n]);
-        }
-        end.last.reset(1, n, n);
-        dense::eliminate(last, fl, n, n, &mut end.last.write(0))
-    }
-
-    /// [`solve`](Self::solve) for the antisymmetric problem; of the solution only its last node if not `everywhere`.
-    pub fn solve_antisymmetric(
-        &mut self,
-        kernels: &Kernels,
-        end: &AntisymmetricEnd,
-        nodes: &mut [f64],
-        [left, right]: [&[f64]; 2],
-        everywhere: bool,
-    ) {
-        let (mut carried, mut border) = ([0.0; MAX_UNKNOWNS], [0.0; MAX_UNKNOWNS]);
-        let carried = &mut carried[..self.nl];
-        carried.copy_from_slice(left);
-        let nb = self.nb;
-        (kernels.forward)(self, nodes, carried, &mut border[..nb]);
-        self.solve_antisymmetric_end(end, carried, right, nodes);
-        if everywhere {
-            (kernels.backward)(self, nodes, &[]);
-        }
-    }
-
-    /// [`solve_last`](Self::solve_last) for the antisymmetric problem.
-    pub fn solve_antisymmetric_last(
-        &mut self,
-        kernels: &Kernels,
-        end: &AntisymmetricEnd,
-        nodes: &mut [f64],
-        right: &[f64],
-    ) {
-        self.forward.fill([0.0; LANE]);
-        self.solve_antisymmetric_end(end, &[0.0; MAX_UNKNOWNS][..self.nl], right, nodes);
-        (kernels.backward)(self, nodes, &[]);
-    }
-
-    fn solve_antisymmetric_end(&self, end: &AntisymmetricEnd, carried: &[f64], right: &[f64], nodes: &mut [f64]) {
-        let n = self.n;
-        let mut x = [[0.0; LANE]; MAX_UNKNOWN_LANES];
-        let y = x.as_flattened_mut();
-        y[..self.nl].copy_from_slice(carried);
-        y[self.nl..n].copy_from_slice(right);
-        dense::solve_vector(end.last.read(0), n, &mut x);
-        nodes[self.intervals * n..].copy_from_slice(&x.as_flattened()[..n]);
-    }
-
-    /// Multiplies the determinant of the antisymmetric problem into `det`.
-    pub fn accumulate_antisymmetric(&self, end: &AntisymmetricEnd, det: &mut Determinant) {
-        self.accumulate_pivots(det);
-        end.last.accumulate_determinant(det);
-    }
-
-    /// Multiplies the determinant of the factorised matrix into `det`.
-    pub fn accumulate_determinant(&self, det: &mut Determinant) {
+    /// Multiplies the determinant of the factorised matrix, or of the antisymmetric problem, into `det`.
+    pub fn multiply_into(&self, antisymmetric: Option<&AntisymmetricEnd>, det: &mut Determinant) {
         // Moving the right rows ahead of the border rows is a fixed permutation; its sign is left out.
-        self.accumulate_pivots(det);
-        self.last.accumulate_determinant(det);
-    }
-
-    fn accumulate_pivots(&self, det: &mut Determinant) {
         for (r, e) in self.reciprocal.chunks_exact(self.n).zip(self.exchange.chunks_exact(self.n)) {
-            dense::accumulate_determinant(r, e, det);
+            det.multiply(r, e);
         }
+        antisymmetric.map_or(&self.last, |end| &end.last).multiply_into(det);
     }
 }

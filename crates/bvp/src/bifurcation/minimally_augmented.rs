@@ -13,9 +13,16 @@
 //! # References
 //! Govaerts, *Numerical Methods for Bifurcations of Dynamical Equilibria*, SIAM 2000, ch. 3–4 (bordered test scalars).
 
-use crate::derivatives::Directional;
+use std::ops::AddAssign;
+
+use crate::direction::{Direction, LinearCondition};
+use crate::linear::System;
 use crate::metric::{self, Metric};
-use crate::{Direction, LinearCondition, SingularError, Singularity, Solution, System};
+use crate::newton::Work;
+use crate::problem::Directional;
+use crate::solution::Solution;
+
+use super::singularity::{SingularError, Singularity};
 
 /// Newton on the extended system for a problem with one or two free parameters (its last scalar unknowns).
 ///
@@ -25,9 +32,9 @@ use crate::{Direction, LinearCondition, SingularError, Singularity, Solution, Sy
 ///
 /// ```
 /// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
-/// # use oscillator::Oscillator;
+/// # use oscillator::{Force, Oscillator};
 /// use bvp::{Continuation, ContinuationSettings, Fold, Metric, MinimallyAugmented};
-/// let problem = Oscillator { force: |u| [u.exp(); 4], right: 0 };
+/// let problem = Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 };
 /// let (guess, metric) = (problem.zero(1.0, 20, 4, 0.0), Metric::unit(2, 1));
 /// let settings = ContinuationSettings::default();
 /// let mut branch = Continuation::start(problem.clone(), guess, metric.clone(), settings, true)?;
@@ -75,6 +82,14 @@ pub struct AugmentedReport {
     pub correction: f64,
     /// |g| before the last correction, relative to its slope along the branch: the distance still to go.
     pub distance: f64,
+}
+
+impl AddAssign<AugmentedReport> for Work {
+    /// Every iteration has a factorisation of its own.
+    fn add_assign(&mut self, report: AugmentedReport) {
+        self.iterations += report.iterations;
+        self.factorisations += report.iterations;
+    }
 }
 
 /// Only after corrections below this may the last one be taken on trust: directions and slopes, and the normal form that
@@ -149,20 +164,17 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
         system.factor_blocks(conditions)?;
         system.solve_own(step);
         for (k, direction) in basis.iter_mut().enumerate().take(conditions.len()) {
-            metric::null_direction(system, k, direction);
+            system.null_direction(k, direction);
         }
         reference.clone_from(&basis[0]);
         metric.normalise(&y.mesh, reference);
         Ok(singularity.evaluate(system, problem, &basis[0])?)
     }
 
-    fn slope(&mut self, y: &Solution, along: Along) -> f64 {
+    /// g′ along null direction `k`, or along δ₀.
+    fn slope(&mut self, y: &Solution, k: Option<usize>) -> f64 {
         let MinimallyAugmented { problem, singularity, system, basis, step, .. } = self;
-        let d = match along {
-            Along::Step => &*step,
-            Along::Basis(k) => &basis[k],
-        };
-        singularity.derivative(system, problem, y, &basis[0], d)
+        singularity.derivative(system, problem, y, &basis[0], k.map_or(step, |k| &basis[k]))
     }
 
     /// Moves `y` onto the singular point. With two free parameters `closing` is needed.
@@ -197,13 +209,13 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
     ) -> Result<(), SingularError> {
         let g = self.linearise(y).map_err(|_| SingularError::Singular { iterations: report.iterations })?;
         report.iterations += 1;
-        let constant = g + self.slope(y, Along::Step);
-        self.slopes[0] = self.slope(y, Along::Basis(0));
+        let constant = g + self.slope(y, None);
+        self.slopes[0] = self.slope(y, Some(0));
         report.distance = (g / self.slopes[0]).abs();
         let shares = match closing {
             None => [-constant / self.slopes[0], 0.0],
             Some(closing) => {
-                self.slopes[1] = self.slope(y, Along::Basis(1));
+                self.slopes[1] = self.slope(y, Some(1));
                 self.closed_by(closing, y, constant)
             }
         };
@@ -224,10 +236,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
 
     /// Shares of both null directions in the correction: g′ along it is −`constant`, and it fulfils `closing`.
     fn closed_by(&self, closing: &LinearCondition, y: &Solution, constant: f64) -> [f64; 2] {
-        let form = |d: &Direction| {
-            let dot = |w: &[f64], v: &[f64]| w.iter().zip(v).map(|(w, v)| w * v).sum::<f64>();
-            dot(&closing.nodes, &d.nodes) + dot(&closing.scalars, &d.scalars)
-        };
+        let form = |d: &Direction| closing.form(&d.nodes, &d.scalars);
         let rest = metric::evaluate(closing, y) + form(&self.step) - closing.value;
         let [a, b] = self.slopes;
         let (c, d) = (form(&self.basis[0]), form(&self.basis[1]));
@@ -252,7 +261,7 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
     /// [`SingularError`] if a pivot vanishes.
     pub fn refresh(&mut self, y: &Solution) -> Result<(), SingularError> {
         self.linearise(y)?;
-        self.slopes[0] = self.slope(y, Along::Basis(0));
+        self.slopes[0] = self.slope(y, Some(0));
         Ok(())
     }
 
@@ -264,10 +273,4 @@ impl<P: Directional, S: Singularity<P>> MinimallyAugmented<P, S> {
         self.metric.normalise(&y.mesh, &mut direction);
         direction
     }
-}
-
-#[derive(Clone, Copy)]
-enum Along {
-    Step,
-    Basis(usize),
 }

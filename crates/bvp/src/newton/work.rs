@@ -1,10 +1,10 @@
-//! Counting work.
+//! Counts of work.
 
 use std::ops::AddAssign;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{AugmentedReport, NewtonReport};
+use super::iteration::NewtonReport;
 
 /// Work of a whole run: of a continuation, a curve in two parameters, or steps in time.
 ///
@@ -44,13 +44,5 @@ impl AddAssign<NewtonReport> for Work {
     fn add_assign(&mut self, report: NewtonReport) {
         self.iterations += report.iterations;
         self.factorisations += report.factorisations;
-    }
-}
-
-/// Every iteration on a singular point has a factorisation of its own.
-impl AddAssign<AugmentedReport> for Work {
-    fn add_assign(&mut self, report: AugmentedReport) {
-        self.iterations += report.iterations;
-        self.factorisations += report.iterations;
     }
 }

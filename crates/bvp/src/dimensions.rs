@@ -1,0 +1,118 @@
+//! Sizes of a problem, and the limits of the kernels.
+
+use crate::dense::{LANE, MAX_LANES, lanes_for};
+use crate::gauss::MAX_STAGES;
+
+/// Sizes of a boundary-value problem.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Dimensions {
+    /// Components n of y.
+    pub components: usize,
+    /// The first `quadratures` components have derivatives that depend on the other components and on p only, never on one
+    /// another. They are integrated out of the stage equations, which makes a Newton step several times cheaper. Zero is
+    /// always correct; all components may be quadratures.
+    pub quadratures: usize,
+    /// Scalar unknowns p.
+    pub scalars: usize,
+    /// Conditions at the left end.
+    pub left: usize,
+    /// Conditions at the right end.
+    pub right: usize,
+    /// Integral conditions ∫ g dx + h(p) = 0.
+    pub integrals: usize,
+}
+
+/// Most unknowns at one point, components and scalars together.
+pub const MAX_UNKNOWNS: usize = 32;
+
+/// Most unknowns at the stages of one interval, quadrature components left out.
+pub const MAX_STAGE_UNKNOWNS: usize = MAX_LANES * LANE;
+
+/// Most linear conditions beside those of the problem.
+pub const MAX_CONDITIONS: usize = 8;
+
+/// Why a problem does not fit the kernels, which work on blocks of bounded size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TooLarge {
+    /// A number of stages that is not offered.
+    #[error("collocation is offered with 1 to {MAX_STAGES} stages, not {stages}")]
+    Stages {
+        /// Stages asked for.
+        stages: usize,
+    },
+    /// No components, or more quadratures than components.
+    #[error("{quadratures} of {components} components cannot be quadratures")]
+    Components {
+        /// Components of y.
+        components: usize,
+        /// Quadrature components.
+        quadratures: usize,
+    },
+    /// More than [`MAX_UNKNOWNS`] components and scalar unknowns.
+    #[error("{unknowns} components and scalar unknowns are more than {MAX_UNKNOWNS}")]
+    Unknowns {
+        /// Components and scalar unknowns.
+        unknowns: usize,
+    },
+    /// The stage equations of an interval are wider than the kernels are built for.
+    #[error(
+        "{stage_unknowns} stage unknowns are more than {MAX_STAGE_UNKNOWNS}: fewer stages, or more quadrature components"
+    )]
+    StageUnknowns {
+        /// Stages times components that are not quadratures.
+        stage_unknowns: usize,
+    },
+    /// The problem has more conditions than unknowns, or lacks more than [`MAX_CONDITIONS`].
+    #[error("{missing} further conditions would make the system square; possible are 0 to {MAX_CONDITIONS}")]
+    Conditions {
+        /// Unknowns less conditions.
+        missing: isize,
+    },
+}
+
+impl Dimensions {
+    /// Conditions beyond those of the problem itself that a square system needs, e.g. one for pseudo-arclength.
+    pub fn missing_conditions(&self) -> isize {
+        (self.components + self.scalars) as isize - (self.left + self.right + self.integrals) as isize
+    }
+
+    /// Checks that the kernels can solve problems of these sizes with the given number of stages. Limits are checked here
+    /// and nowhere else.
+    ///
+    /// # Errors
+    /// [`TooLarge`] says which limit is exceeded.
+    pub fn check(&self, stages: usize) -> Result<(), TooLarge> {
+        let Dimensions { components, quadratures, .. } = *self;
+        if !(1..=MAX_STAGES).contains(&stages) {
+            return Err(TooLarge::Stages { stages });
+        }
+        if components == 0 || quadratures > components {
+            return Err(TooLarge::Components { components, quadratures });
+        }
+        let unknowns = components + self.scalars;
+        if unknowns > MAX_UNKNOWNS {
+            return Err(TooLarge::Unknowns { unknowns });
+        }
+        // Blocks of nodes are no wider: with as many conditions as unknowns they need no more than 2 · MAX_UNKNOWNS rows and
+        // columns.
+        let stage_unknowns = stages * (components - quadratures);
+        if stage_unknowns > MAX_STAGE_UNKNOWNS {
+            return Err(TooLarge::StageUnknowns { stage_unknowns });
+        }
+        let missing = self.missing_conditions();
+        if !(0..=MAX_CONDITIONS as isize).contains(&missing) {
+            return Err(TooLarge::Conditions { missing });
+        }
+        Ok(())
+    }
+}
+
+/// Rows of one block of nodes: conditions carried on, those of the interval and borders.
+pub(crate) const MAX_ROWS: usize = 2 * MAX_UNKNOWNS;
+
+/// Lanes that hold all unknowns of one point.
+pub(crate) const MAX_UNKNOWN_LANES: usize = lanes_for(MAX_UNKNOWNS);
+
+const _: () =
+    assert!(MAX_ROWS <= MAX_LANES * LANE, "a row of a block of nodes has no more columns than it may have rows");

@@ -1,0 +1,5 @@
+//! The linearised collocation system.
+
+mod system;
+
+pub use system::System;

@@ -1,0 +1,9 @@
+//! Newton's method on a given mesh, and on meshes of its own choice.
+
+mod iteration;
+mod solver;
+mod work;
+
+pub use iteration::{Newton, NewtonError, NewtonReport, NewtonScratch};
+pub use solver::{Settings, SolveError, Solved, solve};
+pub use work::Work;

@@ -1,0 +1,9 @@
+//! The statement of a boundary-value problem, its higher derivatives and its mirror symmetry.
+
+pub mod derivatives;
+mod statement;
+mod symmetry;
+
+pub use derivatives::{Directional, PointDirection};
+pub use statement::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, PointJacobian};
+pub use symmetry::MirrorSymmetric;

@@ -1,0 +1,13 @@
+//! Problems on the half of a mirror-symmetric domain.
+
+use super::statement::BoundaryValueProblem;
+
+/// A problem on the half of a mirror-symmetric domain, whose right end is the mirror.
+pub trait MirrorSymmetric: BoundaryValueProblem {
+    /// Components that vanish at the mirror in antisymmetric perturbations: as many as make these, with the left
+    /// conditions, a square problem.
+    fn vanishing_at_mirror(&self) -> &[usize];
+
+    /// Components that are free at the mirror in antisymmetric perturbations, the preferred one for normalising first.
+    fn free_at_mirror(&self) -> &[usize];
+}
