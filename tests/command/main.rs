@@ -14,3 +14,4 @@ mod outputs;
 mod page;
 mod pictures;
 mod profile;
+mod refusals;
