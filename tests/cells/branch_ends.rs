@@ -1,5 +1,6 @@
 //! Branches far out, where necks are thin and other branches near, and how they end.
 
+use crate::common::shapes::{at, first};
 use furrow::cell::{Cell, Numerics, Parameter};
 use furrow::cortex::observables::PINCH_OFF;
 use furrow::cortex::{Cortex, Domain};
@@ -7,12 +8,15 @@ use furrow::shapes::asymmetric::{self, AsymmetricBranch};
 use furrow::shapes::{Branch, BranchEnd, BranchEvent, BranchOptions, ShapeError, pitchfork, primary};
 use furrow::stability::{Parity, Stability};
 
-fn at(r0: f64, epsilon: f64) -> Cell {
-    Cell { epsilon, ..Cell::new(r0) }
+fn follow(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Branch {
+    primary::follow(cell, numerics, options, |_| true).unwrap()
 }
 
-fn whole(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Branch {
-    primary::follow(cell, numerics, options, |_| true).unwrap()
+/// Steps longer than the default ones.
+fn long_steps() -> BranchOptions {
+    let mut options = BranchOptions::default();
+    options.settings.max_step = 1.0;
+    options
 }
 
 /// At R0 = 3, ε = 0.5 the branch runs on to strongly constricted shapes. The corrector's prediction there lies on the
@@ -23,7 +27,7 @@ fn a_pitchfork_behind_the_prediction_on_a_thin_neck_is_located() {
     let mut located = Vec::new();
     for intervals in [default.intervals, 2 * default.intervals] {
         let numerics = Numerics { intervals, ..default };
-        let branch = whole(&cell, &numerics, &BranchOptions::default());
+        let branch = follow(&cell, &numerics, &BranchOptions::default());
         assert_eq!(branch.ended, BranchEnd::Pinched(PINCH_OFF));
         assert_eq!(kinds(&branch.events), "ffpffpf");
         let BranchEvent::Fold(first) = &branch.events[0] else { panic!("the weakly elongated segment ends in a fold") };
@@ -45,9 +49,7 @@ fn a_pitchfork_behind_the_prediction_on_a_thin_neck_is_located() {
 /// show that ξ_s had turned.
 #[test]
 fn folds_next_to_a_cusp_are_not_passed_over() {
-    let mut options = BranchOptions::default();
-    options.settings.max_step = 1.0;
-    let branch = whole(&at(3.0, 0.4), &Numerics::default(), &options);
+    let branch = follow(&at(3.0, 0.4), &Numerics::default(), &long_steps());
     assert_eq!(kinds(&branch.events), "fffpfp");
     let [second, third] = [branch.events[1].point().xi_s, branch.events[2].point().xi_s];
     assert!((second - 2.022622).abs() < 2e-6 && (third - 2.023533).abs() < 2e-6, "{second} {third}");
@@ -62,10 +64,8 @@ fn kinds(events: &[BranchEvent]) -> String {
 /// on as its own mirror image or as the symmetric branch.
 #[test]
 fn an_asymmetric_branch_ends_at_the_pitchfork_it_comes_back_to() {
-    let cell = at(4.5, 0.45);
-    let mut options = BranchOptions::default();
-    options.settings.max_step = 1.0;
-    let symmetric = whole(&cell, &Numerics::default(), &options);
+    let (cell, options) = (at(4.5, 0.45), long_steps());
+    let symmetric = follow(&cell, &Numerics::default(), &options);
     let pitchforks: Vec<_> = symmetric.pitchforks().collect();
     let [first, second] = pitchforks[..] else { panic!("two pitchforks") };
     let AsymmetricBranch { branch, scaling } = asymmetric::follow(first, &cell, &options);
@@ -82,9 +82,7 @@ fn an_asymmetric_branch_ends_at_the_pitchfork_it_comes_back_to() {
 /// step was short enough, and the branch was lost at ξ_s = 15.83 with all its points.
 #[test]
 fn a_doubtful_tangent_does_not_lose_the_branch() {
-    let mut options = BranchOptions::default();
-    options.settings.max_step = 1.0;
-    let cell = at(5.4, 0.87);
+    let (cell, options) = (at(5.4, 0.87), long_steps());
     let pitchfork = pitchfork::first(&cell, &Numerics::default(), &options).unwrap();
     let AsymmetricBranch { branch, .. } = asymmetric::follow(&pitchfork, &cell, &options);
     assert_eq!(branch.ended, BranchEnd::Rejoined);
@@ -95,7 +93,7 @@ fn a_doubtful_tangent_does_not_lose_the_branch() {
 #[test]
 fn a_branch_that_is_lost_keeps_its_points() {
     let cell = at(2.0, 0.87);
-    let pitchfork = pitchfork::first(&cell, &Numerics::default(), &BranchOptions::default()).unwrap();
+    let pitchfork = first(&cell);
     let mut options = BranchOptions::default();
     // No step turns by less than nothing.
     options.settings.min_cosine = 1.0 + 1e-9;

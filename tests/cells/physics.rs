@@ -1,8 +1,9 @@
 //! What must hold of every division whatever its cell, on cells drawn at random: volume is kept, mirror images and rescaled
 //! cells divide alike, and equal cells give equal bits.
 
+use crate::common::shapes::at;
 use furrow::cell::cue::{Field, Profile, Term, Width};
-use furrow::cell::{Cell, Cue, Numerics};
+use furrow::cell::{Cell, Cue, Material, Numerics};
 use furrow::division::{Division, DivisionInput, Outcome, divide};
 
 /// Numbers drawn one after another: the same on every host and in every run.
@@ -69,7 +70,8 @@ const NOISE: f64 = 0.01;
 #[test]
 fn volume_is_kept() {
     let mut outcomes = [0; 3];
-    for cell in cells(24) {
+    let plain = [(5.4, 0.87), (2.0, 0.87), (2.5, 0.87), (2.22, 0.7), (1.6, 0.87), (3.0, 0.4)];
+    for cell in cells(24).into_iter().chain(plain.map(|(r0, epsilon)| at(r0, epsilon))) {
         let division = solve(&cell, NOISE);
         assert!(division.volume_drift < 1e-8, "{}: {}", name(&cell), division.volume_drift);
         if let Some([below, above]) = division.daughters {
@@ -146,15 +148,8 @@ fn the_unit_of_energy_does_not_matter() {
         let mut other = cell.clone().with_cue(rescaled(&cell.cue, factor, 1.0));
         other.xi_s *= factor;
         other.shell.p0 *= factor;
-        for stress in [
-            &mut other.material.kappa,
-            &mut other.material.tension,
-            &mut other.material.eta_b,
-            &mut other.material.eta_s,
-            &mut other.material.friction,
-        ] {
-            *stress *= factor;
-        }
+        let Material { kappa, tension, eta_b, eta_s, friction, .. } = &mut other.material;
+        [kappa, tension, eta_b, eta_s, friction].into_iter().for_each(|stress| *stress *= factor);
         unlike(&cell, &other)
     };
     vanish(&cells(15).into_iter().enumerate().map(pair).collect::<Vec<_>>());
@@ -170,10 +165,9 @@ fn the_unit_of_length_does_not_matter() {
         other.r0 *= factor;
         other.xi_s /= factor;
         other.shell.p0 *= per_area;
-        other.material.tension *= per_area;
-        other.material.eta_b *= per_area;
-        other.material.eta_s *= per_area;
-        other.material.friction *= per_area * per_area;
+        let Material { tension, eta_b, eta_s, friction, .. } = &mut other.material;
+        [tension, eta_b, eta_s].into_iter().for_each(|stress| *stress *= per_area);
+        *friction *= per_area * per_area;
         unlike(&cell, &other)
     };
     vanish(&cells(15).into_iter().enumerate().map(pair).collect::<Vec<_>>());

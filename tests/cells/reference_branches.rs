@@ -1,15 +1,12 @@
 //! Thresholds, folds and branches against independent reference values, and the printed thresholds of the paper.
 
+use crate::common::shapes::{at, first, whole};
 use crate::common::tables;
 use bvp::Gauss;
-use furrow::cell::{Cell, Numerics};
+use furrow::cell::Numerics;
 use furrow::cortex::{Cortex, Domain};
 use furrow::shapes::branch::XI;
 use furrow::shapes::{BranchOptions, Criticality, ShapePoint, pitchfork, primary};
-
-fn at(r0: f64, epsilon: f64) -> Cell {
-    Cell { epsilon, ..Cell::new(r0) }
-}
 
 /// `pitchfork.csv` and `folds.csv`: every digit they claim.
 #[test]
@@ -18,8 +15,7 @@ fn pitchforks_and_folds_match_the_reference() {
     assert!(pitchforks.len() >= 5 && folds.len() >= 8);
     for row in &pitchforks {
         let (r0, epsilon) = (row.number("R0"), row.number("eps"));
-        let cell = at(r0, epsilon);
-        let branch = primary::follow(&cell, &Numerics::default(), &BranchOptions::default(), |_| true).unwrap();
+        let branch = whole(&at(r0, epsilon));
         let first = branch.pitchforks().next().unwrap();
         // Printed to 5 or 6 digits after the point, accurate to 1e-6.
         assert!((first.point.xi_s - row.number("xi_pf")).abs() < 6e-6, "{} {row:?}", first.point.xi_s);
@@ -50,7 +46,7 @@ fn printed_thresholds_and_criticalities() {
         (2.22, 0.64, 6.24, 6.245, Criticality::Subcritical),
         (2.22, 0.88, 21.94, 21.880, Criticality::Supercritical),
     ] {
-        let found = pitchfork::first(&at(r0, epsilon), &Numerics::default(), &BranchOptions::default()).unwrap();
+        let found = first(&at(r0, epsilon));
         assert!((found.point.xi_s / printed - 1.0).abs() < 3.1e-3);
         assert!((found.point.xi_s - preset).abs() < 6e-4, "{}", found.point.xi_s);
         assert_eq!(found.criticality(), criticality);
@@ -107,7 +103,7 @@ fn the_branch_passes_the_reference_points() {
 /// In a wide shell a cell is nearly a sphere, whose own branch goes straight on where that of the furrowed shapes folds.
 #[test]
 fn the_branch_of_a_cell_in_a_wide_shell_folds_whatever_the_step() {
-    let first = |epsilon: f64, max_step: f64| {
+    let first_fold = |epsilon: f64, max_step: f64| {
         let mut options = BranchOptions::default();
         options.settings.max_step = max_step;
         options.settings.first_step = options.settings.first_step.min(max_step);
@@ -115,7 +111,7 @@ fn the_branch_of_a_cell_in_a_wide_shell_folds_whatever_the_step() {
         branch.events[0].fold().unwrap_or_else(|| panic!("no fold at epsilon = {epsilon}")).point
     };
     for (epsilon, threshold) in [(0.5, 7.26896), (0.45, 7.42530), (0.4, 7.47480)] {
-        let (long, short) = (first(epsilon, 3.0), first(epsilon, 0.1));
+        let (long, short) = (first_fold(epsilon, 3.0), first_fold(epsilon, 0.1));
         assert!((long.xi_s - threshold).abs() < 1e-4, "{}", long.xi_s);
         assert!((long.xi_s - short.xi_s).abs() < 1e-6, "{} {}", long.xi_s, short.xi_s);
         assert!((long.elongation - short.elongation).abs() < 1e-4);

@@ -1,9 +1,10 @@
 //! How folds and pitchforks move with every number of a cue, against differences of those located one at a time.
 
+use crate::common::shapes::first;
 use furrow::calibration::sensitivity;
 use furrow::cell::cue::Quantity;
 use furrow::cell::{Cell, Cue, Numerics, Parameter};
-use furrow::shapes::{BranchOptions, FoldPoint, Pitchfork, curves, pitchfork, primary};
+use furrow::shapes::{BranchOptions, FoldPoint, curves, primary};
 
 /// Steps of the differences, relative to the number varied: roundings of ξ_s and the fourth order of the differences are both
 /// far below the tolerances then.
@@ -66,8 +67,6 @@ fn the_failure_fold_moves_with_every_number_of_a_cue() {
 /// The pitchfork of an even cue, by the two ways there are to its slope.
 #[test]
 fn the_pitchfork_moves_with_the_width_and_amplitude_of_an_even_cue() {
-    let first =
-        |cell: &Cell| -> Pitchfork { pitchfork::first(cell, &Numerics::default(), &BranchOptions::default()).unwrap() };
     let mut worst = 0.0f64;
     for text in ["kappa:u0=0.5,omega=0.1,amplitude=0.1", "tension:u0=0.5,omega=0.8Lh,amplitude=0.05"] {
         let cell = Cell::new(2.2).with_cue(cue(text));

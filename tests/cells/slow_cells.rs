@@ -1,16 +1,11 @@
 //! Cells a hair above the threshold of division: slow, and not undecided.
 
-use furrow::batch::{Memo, Quantisation, SchedulerOptions};
+use crate::common::shapes::{first, solve};
+use crate::common::stand_in::grow;
 use furrow::cell::{Cell, Numerics};
-use furrow::division::{Division, DivisionInput, Outcome, divide};
-use furrow::lineage::{Grower, Lineage, TreeSettings};
-use furrow::shapes::BranchOptions;
+use furrow::division::{Outcome, divide};
+use furrow::lineage::{Lineage, TreeSettings};
 use furrow::shapes::critical::critical_radius;
-use furrow::shapes::pitchfork;
-
-fn solve(cell: Cell) -> Division {
-    divide(&DivisionInput::new(cell)).unwrap()
-}
 
 /// The threshold is subcritical at the preset's critical radius: above it a cell divides, however slowly, below it rests.
 /// The wait is ln(amplitude after/amplitude before)/σ with σ ∝ R0 − R0_c.
@@ -41,7 +36,7 @@ fn above_the_critical_radius_a_cell_divides_whatever_the_time() {
 #[test]
 fn above_a_supercritical_threshold_a_cell_rests_off_centre() {
     let cell = Cell::new(2.0);
-    let xi = pitchfork::first(&cell, &Numerics::default(), &BranchOptions::default()).unwrap().point.xi_s;
+    let xi = first(&cell).point.xi_s;
     for margin in [1e-4, 1e-5, 1e-6] {
         let division = solve(Cell { xi_s: xi * (1.0 + margin), ..cell.clone() });
         assert_eq!(division.outcome, Outcome::Failed, "{margin}");
@@ -56,11 +51,8 @@ fn above_a_supercritical_threshold_a_cell_rests_off_centre() {
 fn trees_with_a_slow_cell_are_whole() {
     let lineage = Lineage::c_elegans().unwrap();
     for cell in [Cell::new(5.4), Cell::new(5.45), Cell { xi_s: 26.0, ..Cell::new(5.4) }] {
-        let memo = Memo::new(Quantisation::DEFAULT);
         let settings = TreeSettings { cell: cell.clone(), ..TreeSettings::default() };
-        let options = SchedulerOptions::default();
-        let (tree, _) =
-            Grower { lineage: &lineage, settings, ends: &|_| None, memo: &memo, options }.grow(divide).unwrap();
+        let (tree, _) = grow(&lineage, &settings, 2, &|_| None, divide);
         let fates = || tree.cells().map(|id| &tree.cell(id).fate);
         let slow = fates().filter(|fate| fate.division.as_ref().is_some_and(|d| d.slow_growth_rate.is_some())).count();
         assert!(slow > 0, "{cell:?}");

@@ -1,16 +1,16 @@
 //! Cues that leave both poles alike: those of amplitude 0, which are no cue, and even ones, which keep the pitchfork.
 
+use crate::common::shapes::{check_threshold, first, whole};
+use crate::common::stand_in;
 use furrow::batch::{Memo, PhasePlane, Quantisation, SchedulerOptions, phase::PhaseOutcome};
 use furrow::cell::cue::Quantity;
 use furrow::cell::{Cell, Cue, Numerics, Parameter};
 use furrow::cortex::{Cortex, Domain, symmetry};
-use furrow::division::{DivisionInput, Outcome, divide};
-use furrow::lineage::{Grower, Lineage, Thresholds, Tree, TreeSettings};
+use furrow::division::{DivisionInput, divide};
+use furrow::lineage::{Thresholds, Lineage, Tree, TreeSettings};
 use furrow::shapes::at_rest::Edge;
 use furrow::shapes::critical::BoundaryKind;
-use furrow::shapes::{
-    BranchOptions, CriticalRadii, PointKind, critical_radius, curves, pitchfork, primary, rest_shapes,
-};
+use furrow::shapes::{BranchOptions, CriticalRadii, PointKind, critical_radius, curves, primary, rest_shapes};
 use furrow::stability::{Parity, Stability};
 
 /// Cues of amplitude 0, on the field of the equations' highest derivatives, with a width that the contour's length enters,
@@ -55,13 +55,9 @@ fn a_cue_without_amplitude_is_no_cue() {
 fn grow(cue: &Cue, by_critical_radius: bool) -> (Tree, usize) {
     let mut lineage = Lineage::c_elegans().unwrap().with_cues_replaced("idle", cue);
     lineage.limits.max_depth = 6;
-    let memo = Memo::new(Quantisation::DEFAULT);
-    let options = SchedulerOptions { threads: 2, ..SchedulerOptions::default() };
     let rule = Thresholds::new(CriticalRadii::new(&Numerics::default()));
     let ends = |cell: &Cell| if by_critical_radius { rule.of(cell) } else { None };
-    let settings = TreeSettings::default();
-    let grown = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options }.grow(divide);
-    let (tree, summary) = grown.unwrap();
+    let (tree, summary) = stand_in::grow(&lineage, &TreeSettings::default(), 2, &ends, divide);
     (tree, summary.solved)
 }
 
@@ -87,12 +83,12 @@ fn a_tree_with_a_cue_without_amplitude_is_the_tree_without() {
 /// odd mode neither grows nor decays there.
 #[test]
 fn even_cues_keep_the_pitchfork() {
-    let (numerics, options) = (Numerics::default(), BranchOptions::default());
-    let without = pitchfork::first(&Cell::new(2.0), &numerics, &options).unwrap().point.xi_s;
+    let numerics = Numerics::default();
+    let without = first(&Cell::new(2.0)).point.xi_s;
     for cue in even() {
         let cell = Cell::new(2.0).with_cue(cue.clone());
         assert!(cell.is_mirror_symmetric());
-        let branch = primary::follow(&cell, &numerics, &options, |_| true).unwrap();
+        let branch = whole(&cell);
         let found = branch.pitchforks().next().unwrap();
         println!("{cue}: pitchfork at {:.6}, without {without:.6}", found.point.xi_s);
         assert!((found.point.xi_s - without).abs() > 0.05, "the cue moves it");
@@ -122,7 +118,7 @@ fn phase_diagrams_of_even_cues_have_a_pitchfork() {
     let [cue, _] = even();
     let cell = Cell::new(2.0).with_cue(cue);
     let numerics = Numerics::default();
-    let threshold = pitchfork::first(&cell, &numerics, &BranchOptions::default()).unwrap().point.xi_s;
+    let threshold = first(&cell).point.xi_s;
     let up = vec![0.985 * threshold, 1.015 * threshold];
     let plane = PhasePlane { cell, numerics, parameter: Parameter::R0, across: vec![2.0], up, seed: 0 };
     let memo = Memo::new(Quantisation::EXACT);
@@ -141,10 +137,7 @@ fn divisions_agree_with_the_critical_radius_of_even_cues() {
         let critical = critical_radius(&cell, &Numerics::default()).unwrap();
         println!("{cue}: critical radius {:.6}", critical.r0);
         assert_eq!(critical.kind, BoundaryKind::Pitchfork);
-        for (factor, fails) in [(0.985, true), (1.015, false)] {
-            let division = divide(&DivisionInput::new(Cell { r0: factor * critical.r0, ..cell.clone() })).unwrap();
-            assert_eq!(division.outcome == Outcome::Failed, fails, "{cue}: {factor} of {}", critical.r0);
-        }
+        check_threshold(0.015, |factor| Cell { r0: factor * critical.r0, ..cell.clone() });
     }
 }
 

@@ -6,13 +6,10 @@
 
 use std::fmt::Write;
 
+use crate::common::shapes::{at, solve, whole};
 use furrow::cell::{Cell, Cue, Numerics, Parameter};
-use furrow::division::{Division, DivisionInput, divide, divide_observed};
-use furrow::shapes::{BranchOptions, curves, primary};
-
-fn division(r0: f64, cue: Cue) -> Division {
-    divide(&DivisionInput::new(Cell::new(r0).with_cue(cue))).unwrap()
-}
+use furrow::division::{DivisionInput, divide_observed};
+use furrow::shapes::curves;
 
 /// One division of each kind.
 fn kinds() -> [(&'static str, f64, Cue); 5] {
@@ -33,7 +30,7 @@ fn work_of_each_kind_of_division() {
     let mut table =
         String::from("division                 outcome      steps rejected factorisations remeshings newton~\n");
     for (kind, r0, cue) in kinds() {
-        let d = division(r0, cue);
+        let d = solve(Cell::new(r0).with_cue(cue));
         let outcome = format!("{:?}", d.outcome);
         let bvp::Work { steps, rejected, iterations, factorisations, remeshings } = d.work;
         let newton = (iterations + 25) / 50 * 50;
@@ -74,8 +71,7 @@ fn work_of_branches_and_curves() {
     };
     // (35, 150), (61, 225)
     for (r0, epsilon, allowed) in [(2.0, 0.87, [39, 165]), (2.22, 0.64, [67, 248])] {
-        let cell = Cell { epsilon, ..Cell::new(r0) };
-        let branch = primary::follow(&cell, &numerics, &BranchOptions::default(), |_| true).unwrap();
+        let branch = whole(&at(r0, epsilon));
         within("branch", [branch.points.len(), branch.work.iterations], allowed);
     }
     // (86 to 104, 120), (95 to 113, 117), (162 to 210, 222), (210 to 244, 247): what a step corrects here is near rounding.
@@ -85,13 +81,4 @@ fn work_of_branches_and_curves() {
         let curve = curves::fold_curves(&Cell::new(2.0), &numerics, Parameter::R0, range).unwrap().remove(0);
         within("folds", [curve.points.len(), curve.iterations], folds);
     }
-}
-
-/// An exactly equal input takes exactly equal work and gives the same bits.
-#[test]
-fn equal_inputs_take_equal_work() {
-    let first = division(2.0, Cue::none());
-    assert_eq!(first, division(2.0, Cue::none()));
-    let other = divide(&DivisionInput { seed: 1, ..DivisionInput::new(Cell::new(2.0)) });
-    assert_ne!(first, other.unwrap(), "the seed is part of the input");
 }

@@ -4,7 +4,7 @@ use furrow::cell::{Cell, Numerics};
 use furrow::shapes::critical::Stored;
 use serde_json::Value;
 
-use crate::common::command::{HERE, failure, json, refusal};
+use crate::common::command::{HERE, json};
 
 #[test]
 fn pitchfork_has_its_keys() {
@@ -75,21 +75,9 @@ fn boundary_has_its_keys() {
     );
     assert!(found["folds"].as_array().unwrap().len() > 2);
     assert!((found["critical"].as_f64().unwrap() - 1.7063248).abs() < 1e-6);
-    let cued = json(
-        HERE,
-        &[
-            "boundary",
-            "--vary",
-            "r0",
-            "--from",
-            "1.8",
-            "--to",
-            "2",
-            "--critical",
-            "--cue",
-            "kappa:u0=0.465,omega=0.0577,amplitude=0.1",
-        ],
-    );
+    let cue = "kappa:u0=0.465,omega=0.0577,amplitude=0.1";
+    let range = ["--from", "1.8", "--to", "2", "--critical"];
+    let cued = json(HERE, &[&["boundary", "--vary", "r0", "--cue", cue], &range[..]].concat());
     assert!((cued["critical"].as_f64().unwrap() - 1.9051312).abs() < 1e-6);
 }
 
@@ -147,66 +135,4 @@ fn boundaries_over_other_parameters() {
     let fold = germline["events"][0]["xi_s"].as_f64().unwrap();
     let sides = [&folds[0], folds.last().unwrap()].map(|point| point["xi_s"].as_f64().unwrap());
     assert!(sides[0] < fold && fold < sides[1], "{sides:?} {fold}");
-}
-
-#[test]
-fn bad_input_is_named() {
-    for (arguments, expected) in [
-        (&["pitchfork", "--r0", "0"][..], "--r0: r0 = 0: must be a finite number above 0, from 1e-6 to 1e6"),
-        (&["branch", "--r0", "2", "--xi-max", "-1"], "--xi-max: xi_max = -1: must be a finite number above 0"),
-        (&["branch", "--r0", "2", "--epsilon", "1"], "--epsilon: epsilon = 1: must be above 0 and below 1"),
-        (
-            &["boundary", "--vary", "epsilon", "--from", "0.6", "--to", "0.8"],
-            "--r0: r0 = absent: must be given where epsilon varies",
-        ),
-        (
-            &["boundary", "--vary", "r0", "--from", "-1", "--to", "2"],
-            "--from: r0 = -1: must be a finite number above 0, from 1e-6 to 1e6",
-        ),
-        (&["boundary", "--vary", "r0", "--from", "2", "--to", "2"], "--to: to = 2: must be different from --from"),
-    ] {
-        assert_eq!(refusal(HERE, arguments), format!("furrow: error: {expected}\n"));
-    }
-    let none = failure(HERE, &["pitchfork", "--r0", "2", "--xi-max", "5"], 1);
-    assert!(none.contains("no pitchfork for xi_s up to 5; raise --xi-max"), "{none}");
-}
-
-/// What may vary is any parameter but the activity, of a cue those it has, in its own range.
-#[test]
-fn what_cannot_vary_is_named() {
-    for (arguments, expected) in [
-        (
-            &["boundary", "--vary", "r0", "--from", "1.6", "--to", "2", "--r0", "2"][..],
-            "--r0: r0 = 2: must be left out where r0 varies: see --from and --to",
-        ),
-        (
-            &["boundary", "--vary", "cue.amplitude", "--from", "0.1", "--to", "0.2", "--r0", "2"],
-            "--vary: vary = cue[0].amplitude: must be a number of a cue, and none is given: see --cue",
-        ),
-        (
-            &["boundary", "--vary", "cue.u0", "--from", "0.4", "--to", "1.2", "--r0", "2", "--cue", "germline"],
-            "--to: kappa.u0 = 1.2: must be from 0 to 1",
-        ),
-        (
-            &["boundary", "--vary", "p0", "--from", "0", "--to", "1", "--r0", "2"],
-            "--from: p0 = 0: must be a finite number above 0",
-        ),
-        (
-            &["boundary", "--vary", "w", "--from", "0.1", "--to", "0.2", "--r0", "2", "--write", "x.json"],
-            "--write: vary = w: must be r0: what is stored is a boundary over R0",
-        ),
-        (
-            &["boundary", "--vary", "xi_s", "--from", "5", "--to", "8", "--r0", "2"],
-            "--vary: vary = xi_s: must be another parameter: curves and diagrams run over ξ_s as it is",
-        ),
-    ] {
-        assert_eq!(refusal(HERE, arguments), format!("furrow: error: {expected}\n"));
-    }
-    let names = "xi_ratio, gain, r0, epsilon, aspect, p0, w, kappa, eta_b, eta_s, friction, tension, \
-                 cue.u0, cue.omega, cue.amplitude";
-    for (name, nearest) in [("widht", ""), ("eta_d", "; did you mean eta_b?")] {
-        let arguments = ["boundary", "--vary", name, "--from", "5", "--to", "8", "--r0", "2"];
-        let expected = format!("furrow: error: --vary: vary = {name:?}: must be one of {names}{nearest}\n");
-        assert_eq!(refusal(HERE, &arguments), expected);
-    }
 }

@@ -13,3 +13,4 @@ mod inputs;
 mod outputs;
 mod page;
 mod pictures;
+mod refusals;

@@ -1,6 +1,6 @@
 //! A stand-in for the division solver, so that growth is tested apart from mechanics.
 
-use furrow::batch::{Memo, Quantisation, SchedulerOptions};
+use furrow::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use furrow::cell::Cell;
 use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
 use furrow::lineage::{Grower, Lineage, TerminalReason, Tree, TreeSettings};
@@ -34,16 +34,26 @@ pub fn division(r0: f64, outcome: Outcome, chi_signed: f64) -> Division {
     }
 }
 
-/// A tree grown on one thread by a stand-in for the solver.
+/// A tree grown with a memo of its own.
+pub fn grow(
+    lineage: &Lineage,
+    settings: &TreeSettings,
+    threads: usize,
+    ends: &dyn Fn(&Cell) -> Option<EndReason>,
+    solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
+) -> (Tree, Summary) {
+    let memo = Memo::new(Quantisation::DEFAULT);
+    let options = SchedulerOptions { threads, ..SchedulerOptions::default() };
+    Grower { lineage, settings: settings.clone(), ends, memo: &memo, options }.grow(solve).unwrap()
+}
+
+/// A tree of the default settings grown on one thread, by a stand-in for the solver.
 pub fn grown(
     lineage: &Lineage,
     ends: &dyn Fn(&Cell) -> Option<TerminalReason>,
     solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
 ) -> Tree {
-    let memo = Memo::new(Quantisation::DEFAULT);
-    let options = SchedulerOptions { threads: 1, ..SchedulerOptions::default() };
-    let settings = TreeSettings::default();
-    Grower { lineage, settings, ends, memo: &memo, options }.grow(solve).unwrap().0
+    grow(lineage, &TreeSettings::default(), 1, ends, solve).0
 }
 
 /// `tree.json` of the founders of C. elegans and a few generations below them.

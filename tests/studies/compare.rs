@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use crate::common::command::{self, CACHE, answer, refusal};
+use crate::common::command::{self, CACHE, answer};
 use serde_json::Value;
 
 /// Solved divisions are kept between the tests.
@@ -13,20 +13,25 @@ fn json(arguments: &[&str], folder: &Path) -> Value {
     command::json(folder, &[arguments, &KEPT].concat())
 }
 
+/// The entry of a list whose field has a value.
+fn one<'a>(list: &'a Value, field: &str, value: &str) -> &'a Value {
+    list.as_array().unwrap().iter().find(|entry| entry[field] == value).unwrap()
+}
+
 /// Volumes of a few embryos: the wild type's first two divisions, and one with an equal first.
 fn table() -> String {
     let mut out = "cell,group,embryo,volume_um3\n".to_owned();
     for (k, (p0, p1)) in [(0.17, 0.16), (0.19, 0.18)].into_iter().enumerate() {
         for (group, p0) in [("wt", p0), ("moved", 0.0)] {
-            let (ab, p1_volume) = (20_000.0 * 0.5 * (1.0 + p0), 20_000.0 * 0.5 * (1.0 - p0));
-            for (cell, volume) in [
-                ("AB", ab),
-                ("P1", p1_volume),
-                ("EMS", 0.5 * p1_volume * (1.0 + p1)),
-                ("P2", 0.5 * p1_volume * (1.0 - p1)),
-            ] {
-                let _ = writeln!(out, "{cell},{group},e{k}{group},{volume}");
-            }
+            let mut divided = |mother: f64, chi: f64, cells: [&str; 2]| {
+                let volumes = [1.0 + chi, 1.0 - chi].map(|share| 0.5 * mother * share);
+                for (cell, volume) in cells.iter().zip(volumes) {
+                    let _ = writeln!(out, "{cell},{group},e{k}{group},{volume}");
+                }
+                volumes[1]
+            };
+            let smaller = divided(20_000.0, p0, ["AB", "P1"]);
+            divided(smaller, p1, ["EMS", "P2"]);
         }
     }
     out + "Nuc1,wt,e0wt,5\nABa,wt,e0wt,0\n"
@@ -39,12 +44,8 @@ fn groups_stand_beside_the_model_free_and_with_their_own_first_division() {
     let found = json(&["compare", "volumes", "t.csv", "--out", "out"], folder.path());
     assert_eq!((found["used"].as_u64(), found["skipped_count"].as_u64()), (Some(16), Some(2)));
     assert_eq!(found["skipped"][0]["line"], 18);
-    let group = |name: &str| found["groups"].as_array().unwrap().iter().find(|g| g["group"] == name).unwrap().clone();
-    let event = |group: &Value, mother: &str| {
-        group["events"].as_array().unwrap().iter().find(|event| event["mother"] == mother).unwrap().clone()
-    };
-    let (wild, moved) = (group("wt"), group("moved"));
-    let p0 = event(&wild, "P0");
+    let (wild, moved) = (one(&found["groups"], "group", "wt"), one(&found["groups"], "group", "moved"));
+    let p0 = one(&wild["events"], "mother", "P0");
     assert_eq!(p0["n"], 2);
     assert!((p0["mean"].as_f64().unwrap() - 0.18).abs() < 1e-12);
     assert!((p0["sd"].as_f64().unwrap() - 0.01 * 2_f64.sqrt()).abs() < 1e-12);
@@ -52,9 +53,9 @@ fn groups_stand_beside_the_model_free_and_with_their_own_first_division() {
     // The model's P0 is the founders' table's; that of P1 hangs on how large P1 is.
     assert!((p0["model"]["chi"].as_f64().unwrap() - 0.209).abs() < 1e-3);
     assert!(p0["given_first"].is_null());
-    let r0 = |group: &Value| event(group, "P1")["given_first"]["r0"].as_f64().unwrap();
-    assert!((r0(&wild) - 5.4 * (0.5_f64 * 0.82).cbrt()).abs() < 1e-9);
-    assert!((r0(&moved) - 5.4 * 0.5_f64.cbrt()).abs() < 1e-9);
+    let r0 = |group: &Value| one(&group["events"], "mother", "P1")["given_first"]["r0"].as_f64().unwrap();
+    assert!((r0(wild) - 5.4 * (0.5_f64 * 0.82).cbrt()).abs() < 1e-9);
+    assert!((r0(moved) - 5.4 * 0.5_f64.cbrt()).abs() < 1e-9);
     let radius = (0.75 / std::f64::consts::PI * 20_000.0_f64).cbrt();
     assert!((found["length_scale_um"].as_f64().unwrap() - radius / 5.4).abs() < 1e-12);
     for file in ["chi.csv", "divisions.csv", "bins.csv", "compare.json"] {
@@ -83,20 +84,9 @@ fn a_compressed_data_set_gives_back_its_factor() {
                 .unwrap();
         }
     }
-    let arguments = [
-        "compare",
-        "volumes",
-        "a0_Volume.csv",
-        "a1_Volume.csv",
-        "a2_Volume.csv",
-        "--against",
-        "b0_Volume.csv",
-        "--against",
-        "b1_Volume.csv",
-        "--against",
-        "b2_Volume.csv",
-    ];
-    let found = json(&arguments, folder.path());
+    let arguments = "compare volumes a0_Volume.csv a1_Volume.csv a2_Volume.csv \
+                     --against b0_Volume.csv --against b1_Volume.csv --against b2_Volume.csv";
+    let found = json(&arguments.split(' ').collect::<Vec<_>>(), folder.path());
     let regression = &found["regressions"][0];
     assert_eq!(regression["mothers"].as_array().unwrap().len(), 5);
     for line in ["through_origin", "with_intercept"] {
@@ -114,13 +104,11 @@ fn scales_are_fitted_and_constants_give_ranges() {
     let folder = tempfile::tempdir().unwrap();
     // Every cell of 2 L_h of the model's, of an embryo whose first division was not seen.
     let tree = json(&["tree", "--out", "t"], folder.path());
-    let radius = |name: &str| {
-        tree["founders"].as_array().unwrap().iter().find(|f| f["name"] == name).unwrap()["r0"].as_f64().unwrap()
-    };
+    let radius = |name: &str| one(&tree["founders"], "name", name)["r0"].as_f64().unwrap();
     let mut table = "embryo,cell,volume_um3\n".to_owned();
     for k in 0..5 {
-        for (cell, of) in [("EMS", "EMS"), ("P2", "P2"), ("MS", "MS"), ("E", "E")] {
-            let volume = 4.0 / 3.0 * std::f64::consts::PI * (2.0 * radius(of)).powi(3);
+        for cell in ["EMS", "P2", "MS", "E"] {
+            let volume = 4.0 / 3.0 * std::f64::consts::PI * (2.0 * radius(cell)).powi(3);
             let _ = writeln!(table, "e{k},{cell},{}", volume * (1.0 + 0.01 * f64::from(k - 2)));
         }
     }
@@ -149,11 +137,9 @@ fn scales_are_fitted_and_constants_give_ranges() {
 fn published_means_stand_in_for_tables_of_ones_own() {
     let folder = tempfile::tempdir().unwrap();
     let found = json(&["compare", "volumes"], folder.path());
-    let groups: Vec<&str> =
-        found["groups"].as_array().unwrap().iter().map(|group| group["group"].as_str().unwrap()).collect();
+    let groups: Vec<&Value> = found["groups"].as_array().unwrap().iter().map(|group| &group["group"]).collect();
     assert_eq!(groups, ["wt", "ctrl", "alive", "dead"]);
-    let p2 =
-        found["groups"][0]["events"].as_array().unwrap().iter().find(|event| event["mother"] == "P2").unwrap().clone();
+    let p2 = one(&found["groups"][0]["events"], "mother", "P2");
     assert_eq!((p2["n"].as_u64(), p2["mean"].as_f64()), (Some(6), Some(0.4107)));
     assert!(p2["model"]["chi"].as_f64().unwrap() < 0.2);
 }
@@ -162,17 +148,14 @@ fn published_means_stand_in_for_tables_of_ones_own() {
 fn only_most_rounds_make_the_papers_sentence_true() {
     let folder = tempfile::tempdir().unwrap();
     let found = json(&["compare", "counts"], folder.path());
-    let holds: Vec<(&str, bool)> = found["sentence"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|s| (s["reading"].as_str().unwrap(), s["holds"].as_bool().unwrap()))
-        .collect();
-    assert_eq!(holds, [("min", false), ("mean", false), ("max", true), ("full_doublings", false)]);
+    let readings = ["min", "mean", "max", "full_doublings"];
+    let holds = readings.map(|reading| one(&found["sentence"], "reading", reading)["holds"].as_bool().unwrap());
+    assert_eq!(holds, [false, false, true, false]);
+    assert_eq!(found["sentence"].as_array().unwrap().len(), 4);
     let stages = found["stages"].as_array().unwrap();
-    let cells: Vec<u64> = stages.iter().map(|stage| stage["cells"].as_u64().unwrap()).collect();
+    let cells: Vec<&Value> = stages.iter().map(|stage| &stage["cells"]).collect();
     assert_eq!(cells, [349, 549, 671]);
-    let ems = stages[2]["founders"].as_array().unwrap().iter().find(|f| f["founder"] == "EMS").unwrap().clone();
+    let ems = one(&stages[2]["founders"], "founder", "EMS");
     assert_eq!(
         (ems["counts"]["max"]["model"].as_f64(), ems["counts"]["max"]["observed"].as_f64()),
         (Some(10.0), Some(9.0))
@@ -180,35 +163,4 @@ fn only_most_rounds_make_the_papers_sentence_true() {
     // A tree from a file says the same.
     answer(folder.path(), &[&["tree", "--out", "t"][..], &KEPT].concat());
     assert_eq!(json(&["compare", "counts", "t/tree.json"], folder.path()), found);
-}
-
-#[test]
-fn what_cannot_be_compared_is_refused_by_name() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("t.csv"), table()).unwrap();
-    std::fs::write(folder.path().join("x.csv"), "a,b\n1,2\n").unwrap();
-    for (arguments, expected) in [
-        (&["compare", "volumes", "none.csv"][..], "none.csv: cannot be read"),
-        (&["compare", "volumes", "x.csv"], "x.csv:1:1: no column is called cell or volume or embryo"),
-        (&["compare", "volumes", "."], ".: cannot be read: it is a folder, not a file"),
-        (&["compare", "volumes", "t.csv", "--voxel", "0"], "--voxel: voxel = 0: must be a length above 0, in µm"),
-        (
-            &["compare", "volumes", "t.csv", "--length-scale", "-1"],
-            "--length-scale: length_scale = -1: must be a length above 0, in the cube root of the tables' unit, or fit",
-        ),
-        (&["compare", "volumes", "t.csv", "--length-scale", "long"], "--length-scale"),
-        (&["compare", "volumes", "t.csv", "--constants", "t.csv"], "t.csv"),
-        (
-            &["compare", "volumes", "t.csv", "--bins", "10,5"],
-            "--bins: bins = 10,5: must be two numbers or more, rising",
-        ),
-        (
-            &["compare", "volumes", "t.csv", "--regress", "wt,hot"],
-            "--regress: regress = wt,hot: must be two groups of the tables",
-        ),
-        (&["compare", "counts", "t.csv"], "t.csv"),
-    ] {
-        let said = refusal(folder.path(), arguments);
-        assert!(said.contains(expected), "{said}");
-    }
 }

@@ -7,7 +7,8 @@ use std::fmt::Write;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use crate::common::command::{answer, furrow, json, refusal};
+use crate::common::cases::check_cases;
+use crate::common::command::{answer, failed, json};
 use furrow::io::frames::read_frames;
 use rand_mt::Mt64;
 use serde_json::Value;
@@ -206,25 +207,18 @@ fn what_cannot_be_compared_is_refused_by_name() {
     let frames = frames.to_str().unwrap();
     std::fs::write(path.join("dots.csv"), "x,y\n0,0\n1,1\n").unwrap();
     std::fs::write(path.join("good.csv"), table(&rings()[..1])).unwrap();
-    std::fs::create_dir(path.join("empty")).unwrap();
-    let said = |arguments: &[&str]| refusal(path, &[&["compare", "contour"], arguments].concat());
-    assert!(said(&["dots.csv", "--frames", frames]).contains("dots.csv:2: 2 points; a contour has at least 3"));
-    assert!(said(&["good.csv", "--frames", "empty"]).contains("empty/frames.json: cannot be read"));
-    assert!(said(&["none.csv", "--frames", frames]).contains("none.csv: cannot be read"));
-    assert!(said(&["empty", "--frames", frames]).contains("it is a folder"));
-    assert!(
-        said(&["good.csv", "--frames", frames, "--length-scale", "0"])
-            .contains("length_scale = 0: must be a length above 0")
-    );
-    std::fs::write(path.join("empty/frames.json"), "[]").unwrap();
-    assert!(said(&["good.csv", "--frames", "empty"]).contains("a folder with at least one frame"));
-    std::fs::write(path.join("empty/frames.json"), r#"[{"file": "../x.csv", "t": 0}]"#).unwrap();
-    assert!(said(&["good.csv", "--frames", "empty"]).contains("the name of a file in the same folder"));
-    std::fs::write(path.join("empty/frames.json"), r#"[{"file": "f.csv", "t": 0}]"#).unwrap();
-    std::fs::write(path.join("empty/f.csv"), "u,r,z\n0,0,1\n0,x,1\n").unwrap();
-    assert!(said(&["good.csv", "--frames", "empty"]).contains("f.csv:3:2: \"x\" is not a finite number"));
+    for (name, index) in [
+        ("empty", "[]"),
+        ("outside", r#"[{"file": "../x.csv", "t": 0}]"#),
+        ("letters", r#"[{"file": "f.csv", "t": 0}]"#),
+    ] {
+        std::fs::create_dir(path.join(name)).unwrap();
+        std::fs::write(path.join(name).join("frames.json"), index).unwrap();
+    }
+    std::fs::write(path.join("letters/f.csv"), "u,r,z\n0,0,1\n0,x,1\n").unwrap();
+    std::fs::create_dir(path.join("nothing")).unwrap();
+    check_cases("studies/contours.txt", |case| failed(path, &case.replace("FRAMES", frames)));
     // One that is broken does not cost the others.
-    let output = furrow(path, &["compare", "contour", "dots.csv", "good.csv", "--frames", frames]);
-    let told = String::from_utf8(output.stdout).unwrap();
-    assert!(output.status.success() && told.contains("skipped dots.csv:2: 2 points"), "{told}");
+    let told = answer(path, &["compare", "contour", "dots.csv", "good.csv", "--frames", frames]);
+    assert!(told.contains("skipped dots.csv:2: 2 points"), "{told}");
 }

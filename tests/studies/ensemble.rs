@@ -16,13 +16,9 @@ fn numerics() -> Numerics {
 
 fn targets() -> Targets {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/statements.ron");
-    let targets: Targets = furrow::input::parse_document(
-        &std::fs::read_to_string(file).unwrap(),
-        "statements.ron",
-        "a file of targets",
-        "Targets",
-    )
-    .unwrap();
+    let text = std::fs::read_to_string(file).unwrap();
+    let targets: Targets =
+        furrow::input::parse_document(&text, "statements.ron", "a file of targets", "Targets").unwrap();
     targets.check("statements.ron").unwrap();
     targets
 }

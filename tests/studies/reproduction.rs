@@ -1,29 +1,23 @@
 //! The paper reproduced: the page that ships is current, and what is known to differ is said to.
 
-use std::process::Output;
-
 use furrow::report::reproduction::value;
 use furrow::study::reproduce::Value;
 use furrow::study::reproduce::paper::{Statement, statements};
 use serde_json::Value as Json;
 
-use crate::common::command;
+use crate::common::command::{HERE, answer, json, names};
 
 const PAGE: &str = include_str!("../../docs/reproduction.md");
 
 /// What takes a few seconds. The rest is divisions by the thousand: `the_whole_page_is_current`.
 const QUICK: [&str; 12] = ["1", "2C", "5", "6", "7", "S2", "S3", "S4", "S5", "Table S3", "movies", "2C-F"];
 
-fn furrow(folder: &std::path::Path, arguments: &[&str]) -> Output {
-    command::furrow(folder, &[arguments, &["--no-cache"]].concat())
-}
-
 /// The page that the command writes of some figures.
 fn page_of(figures: &[&str]) -> String {
     let folder = tempfile::tempdir().unwrap();
-    let arguments: Vec<&str> = ["reproduce", "--table", "page.md"].into_iter().chain(figures.iter().copied()).collect();
-    let output = furrow(folder.path(), &arguments);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let arguments: Vec<&str> =
+        ["reproduce", "--no-cache", "--table", "page.md"].into_iter().chain(figures.iter().copied()).collect();
+    answer(folder.path(), &arguments);
     std::fs::read_to_string(folder.path().join("page.md")).unwrap()
 }
 
@@ -93,10 +87,9 @@ fn what_differs_is_said_to() {
     }
 }
 
-/// Without times, which are no result.
-fn items(output: &Output) -> Vec<Json> {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let mut json: Json = serde_json::from_slice(&output.stdout).unwrap();
+/// What is reproduced, without times, which are no result.
+fn items(arguments: &[&str]) -> Vec<Json> {
+    let mut json = json(HERE, &[&["reproduce", "--no-cache"], arguments].concat());
     let items = json["items"].as_array_mut().unwrap();
     for item in items.iter_mut() {
         assert!(item["seconds"].take().as_f64().unwrap() >= 0.0);
@@ -106,8 +99,7 @@ fn items(output: &Output) -> Vec<Json> {
 
 #[test]
 fn the_answer_is_the_same_at_any_number_of_threads() {
-    let folder = tempfile::tempdir().unwrap();
-    let run = |threads| items(&furrow(folder.path(), &["reproduce", "2C", "S5", "5A", "--json", "--threads", threads]));
+    let run = |threads| items(&["2C", "S5", "5A", "--threads", threads]);
     let found = run("2");
     assert_eq!(found, run("1"));
     assert_eq!(found, run("5"));
@@ -127,11 +119,7 @@ fn the_answer_is_the_same_at_any_number_of_threads() {
 /// The constants decide: with a stiffer shell the thresholds are others.
 #[test]
 fn other_constants_are_held_against_the_same_paper() {
-    let folder = tempfile::tempdir().unwrap();
-    let found = items(&furrow(
-        folder.path(),
-        &["reproduce", "2C", "Table S3", "--json", "--set", "p0=0.2", "--set", "xi_s=24"],
-    ));
+    let found = items(&["2C", "Table S3", "--set", "p0=0.2", "--set", "xi_s=24"]);
     let verdict = |id: &str| found.iter().find(|item| item["id"] == id).unwrap()["verdict"].clone();
     assert_eq!(verdict("threshold_small"), "differs");
     assert_eq!(verdict("table_xi_s"), "differs");
@@ -144,34 +132,16 @@ fn other_constants_are_held_against_the_same_paper() {
 #[test]
 fn a_folder_has_pictures_and_tables() {
     let folder = tempfile::tempdir().unwrap();
-    let output = furrow(folder.path(), &["reproduce", "1", "S4", "S5", "movie2", "--out", "out"]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let mut names: Vec<String> = std::fs::read_dir(folder.path().join("out"))
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
-    names.sort();
-    for name in [
-        "1B-D.svg",
-        "S4-R0_2.22-epsilon_0.56.svg",
-        "S5-R0_2-epsilon_0.87.svg",
-        "S5-R0_2-epsilon_0.87.csv",
-        "movie_2.svg",
-    ] {
+    answer(folder.path(), &["reproduce", "1", "S4", "S5", "movie2", "--out", "out", "--no-cache"]);
+    let names = names(&folder.path().join("out"));
+    let shape = "S5-R0_2-epsilon_0.87";
+    for name in
+        ["1B-D.svg", "S4-R0_2.22-epsilon_0.56.svg", &format!("{shape}.svg"), &format!("{shape}.csv"), "movie_2.svg"]
+    {
         assert!(names.iter().any(|known| known == name), "{name}: {names:?}");
     }
     let csv = std::fs::read_to_string(folder.path().join("out/results.csv")).unwrap();
     assert!(csv.starts_with("figure,id,quantity,paper,computed,"));
     assert_eq!(csv.lines().count(), 8);
     assert!(folder.path().join("out/reproduce.json").is_file() && folder.path().join("out/reproduction.md").is_file());
-}
-
-#[test]
-fn a_figure_that_is_none_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let output = furrow(folder.path(), &["reproduce", "2A", "3Q"]);
-    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{stderr}");
-    assert!(stderr.contains("FIGURE: figure = \"3Q\"") && stderr.contains("2C-F"), "{stderr}");
-    assert!(output.stdout.is_empty());
 }

@@ -1,39 +1,29 @@
-//! Who carries which cue in a lineage: founders' cues and rules, rules of the file, their complaints, and the table's column.
+//! Who carries which cue in a lineage: founders' cues and rules, rules of the file, and the table's column.
 
-use crate::common::stand_in::fake;
-use furrow::batch::{Memo, Quantisation, SchedulerOptions};
+use crate::common::stand_in::{fake, grown};
 use furrow::cell::Cue;
 use furrow::io::{FounderRow, founder_rows};
-use furrow::lineage::{Grower, Lineage, Tree, TreeSettings};
+use furrow::lineage::{Lineage, Tree};
 use furrow::report::{founders_table, html};
 
 const CUES: &str = "cues: {\"polar\": kappa(u0: 0.4, omega: 0.1, amplitude: 0.2), \
                     \"pull\": tension(profile: gradient, amplitude: 0.3)}";
 
 /// A lineage with two cues, further fields of the file and the given founders.
-fn text(fields: &str, founders: &str) -> String {
-    format!("Lineage(name: \"x\", {CUES}, limits: (max_depth: 4),{fields} founders: [\n{founders}\n])")
-}
-
 fn lineage(fields: &str, founders: &str) -> Lineage {
-    Lineage::parse(&text(fields, founders), "my.ron").unwrap()
+    let text = format!("Lineage(name: \"x\", {CUES}, limits: (max_depth: 4),{fields} founders: [\n{founders}\n])");
+    Lineage::parse(&text, "my.ron").unwrap()
 }
 
 /// Grown with the stand-in for the solver: symmetric without a cue above R0 = 2.25, χ = 0.2 with any.
 fn grow(lineage: &Lineage) -> Tree {
-    let (memo, settings) = (Memo::new(Quantisation::DEFAULT), TreeSettings::default());
-    let options = SchedulerOptions { threads: 1, ..SchedulerOptions::default() };
-    Grower { lineage, settings, ends: &|_| None, memo: &memo, options }.grow(fake).unwrap().0
+    grown(lineage, &|_| None, fake)
 }
 
 /// Names of the cells that carry a cue, in breadth-first order.
 fn carriers(tree: &Tree, cue: &str) -> Vec<String> {
     let cue = tree.lineage.cue(cue).unwrap();
     tree.cells().map(|id| tree.cell(id)).filter(|cell| cell.cue == cue).map(|cell| cell.name.clone()).collect()
-}
-
-fn complaint(fields: &str, founders: &str) -> String {
-    Lineage::parse(&text(fields, founders), "my.ron").unwrap_err().to_string()
 }
 
 #[test]
@@ -117,65 +107,6 @@ fn trees_with_rules_survive_their_file() {
     assert_eq!(back.lineage, tree.lineage);
     let of = |tree: &Tree| tree.cells().map(|id| tree.cell(id).cue.clone()).collect::<Vec<Cue>>();
     assert_eq!(of(&back), of(&tree));
-}
-
-#[test]
-fn complaints_about_rules_name_them() {
-    let of_founder = |fields: &str| complaint("", &format!("(name: \"Q\", {fields})"));
-    for (fields, expected) in [
-        (
-            "cue: \"polar\", cue_rules: [(cue: \"pull\")]",
-            "my.ron:2: founder \"Q\": cue = \"polar\": must be left out where cue_rules are given",
-        ),
-        (
-            "cue_rules: [(cue: \"polar\"), (cue: \"polr\")]",
-            "my.ron:2: founder \"Q\": cue_rules[1].cue = \"polr\": must be one of none, polar, pull; did you mean polar?",
-        ),
-        (
-            "cue_rules: [(cue: \"polar\", from_generation: 3, to_generation: 2)]",
-            "my.ron:2: founder \"Q\": cue_rules[0].to_generation = 2: must be from_generation = 3 or later",
-        ),
-        (
-            "cue_rules: [(cue: \"polar\", below_r0: -1)]",
-            "my.ron:2: founder \"Q\": cue_rules[0].below_r0 = -1: must be a finite number above 0",
-        ),
-        (
-            "cue_rules: [(cue: \"polar\", above_r0: inf)]",
-            "my.ron:2: founder \"Q\": cue_rules[0].above_r0 = inf: must be a finite number above 0",
-        ),
-        (
-            "cue_rules: [(cue: \"polar\", below_r0: 2, above_r0: 3)]",
-            "my.ron:2: founder \"Q\": cue_rules[0].above_r0 = 3: must be less than below_r0 = 2",
-        ),
-    ] {
-        assert_eq!(of_founder(fields), expected);
-    }
-    let unknown = of_founder("cue_rules: [(cue: \"polar\", until: 3)]");
-    let expected = "founders[0].cue_rules[0]: unknown field \"until\": must be one of cue, from_generation,";
-    assert!(unknown.starts_with("my.ron:2:") && unknown.contains(expected), "{unknown}");
-    let missing = of_founder("cue_rules: [(below_r0: 3)]");
-    let expected = "founders[0].cue_rules[0]: the field \"cue\" is missing";
-    assert!(missing.starts_with("my.ron:2:") && missing.ends_with(expected), "{missing}");
-}
-
-#[test]
-fn complaints_about_rules_of_the_file_name_them() {
-    for (fields, expected) in [
-        (
-            " cue_rules: [(cue: \"bipolar\")],",
-            "my.ron: cue_rules[0].cue = \"bipolar\": must be one of none, polar, pull; did you mean polar?",
-        ),
-        (
-            " cue_rules: [(cue: \"none\"), (cue: \"pull\", to_generation: 1, from_generation: 4)],",
-            "my.ron: cue_rules[1].to_generation = 1: must be from_generation = 4 or later",
-        ),
-        (
-            " cue_rules: [(cue: \"none\", below_r0: NaN)],",
-            "my.ron: cue_rules[0].below_r0 = NaN: must be a finite number above 0",
-        ),
-    ] {
-        assert_eq!(complaint(fields, "(name: \"Q\")"), expected);
-    }
 }
 
 /// The table names every founder's cue, counts the cells below that carry one, and says what the names mean.

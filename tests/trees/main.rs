@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod complaints;
 mod embryo;
 mod exchange;
 mod growth;

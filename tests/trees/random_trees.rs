@@ -1,10 +1,10 @@
 //! Trees of random cells, confinements, activities and cues: every one is whole, and what is told ahead of a cell's division
 //! its division tells too.
 
-use furrow::batch::{Memo, Quantisation, SchedulerOptions};
+use crate::common::stand_in::grow;
 use furrow::cell::{Cell, Numerics};
 use furrow::division::divide;
-use furrow::lineage::{Grower, Lineage, TerminalReason, Thresholds, Tree, TreeSettings};
+use furrow::lineage::{TerminalReason, Thresholds, Lineage, Tree, TreeSettings};
 use furrow::shapes::CriticalRadii;
 use rand_mt::Mt64;
 
@@ -29,13 +29,6 @@ fn cue(random: &mut Mt64) -> String {
     format!("{field}:{profile},{place}amplitude={amplitude}")
 }
 
-fn grow(lineage: &Lineage, settings: &TreeSettings, ends: &dyn Fn(&Cell) -> Option<TerminalReason>) -> Tree {
-    let memo = Memo::new(Quantisation::DEFAULT);
-    let grower =
-        Grower { lineage, settings: settings.clone(), ends, memo: &memo, options: SchedulerOptions::default() };
-    grower.grow(divide).unwrap().0
-}
-
 #[test]
 fn every_tree_is_whole_and_equals_that_of_all_its_divisions() {
     let mut random = Mt64::new(20261121);
@@ -52,7 +45,8 @@ fn every_tree_is_whole_and_equals_that_of_all_its_divisions() {
         let numerics = Numerics { intervals: 32, ..Numerics::default() };
         let settings = TreeSettings { cell, numerics, seed: number, ..TreeSettings::default() };
         let rule = Thresholds::new(CriticalRadii::new(&settings.numerics));
-        let (ahead, all) = (grow(&lineage, &settings, &|cell| rule.of(cell)), grow(&lineage, &settings, &|_| None));
+        let [ahead, all] = [&(|cell: &Cell| rule.of(cell)) as &dyn Fn(&Cell) -> Option<TerminalReason>, &|_| None]
+            .map(|ends| grow(&lineage, &settings, 2, ends, divide).0);
         let fates = |tree: &Tree| -> Vec<_> {
             tree.cells().map(|id| tree.cell(id)).map(|c| (c.name.clone(), c.r0.to_bits(), c.fate.outcome())).collect()
         };

@@ -71,7 +71,10 @@ fn jacobians_by_hand_by_dual_numbers_and_by_differences_agree() {
             let mut p = p.to_vec();
             p.extend(free.iter().map(|parameter| parameter.get(&cell)));
             let (n, np) = (COMPONENTS, p.len());
-            let jacobian = by_hand(&mut cortex, &y, &p);
+            let (f, jacobian) = by_hand(&mut cortex, &y, &p);
+            for (by_hand, once) in f.iter().zip(values(&cortex, &y, &p)) {
+                by_dual = by_dual.max((by_hand - once).abs() / (1.0 + once.abs()));
+            }
             for k in 0..n + np {
                 let dual = dual_column(&cortex, &y, &p, k);
                 let difference = difference_column(&mut cortex, &y, &p, k);
@@ -88,8 +91,8 @@ fn jacobians_by_hand_by_dual_numbers_and_by_differences_agree() {
     within("by hand and by differences", by_difference, 1e-6);
 }
 
-/// Columns of the hand-written Jacobian: by y, then by the scalars.
-fn by_hand(cortex: &mut Cortex, y: &[f64], p: &[f64]) -> Vec<Vec<f64>> {
+/// What is differentiated, and columns of the hand-written Jacobian: by y, then by the scalars.
+fn by_hand(cortex: &mut Cortex, y: &[f64], p: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
     cortex.prepare(p);
     let (n, np) = (COMPONENTS, p.len());
     let (mut f, mut fy, mut fp) = (vec![0.0; n], vec![0.0; n * n], vec![0.0; n * np]);
@@ -97,7 +100,30 @@ fn by_hand(cortex: &mut Cortex, y: &[f64], p: &[f64]) -> Vec<Vec<f64>> {
     let mut out = PointJacobian { f: &mut f, fy: &mut fy, fp: &mut fp, g: &mut g, gy: &mut gy, gp: &mut gp };
     cortex.rhs_jacobian(AT, y, p, &mut out);
     let by_y = (0..n).map(|k| (0..n).map(|i| fy[i * n + k]).chain([gy[k]]).collect());
-    by_y.chain((0..np).map(|k| (0..n).map(|i| fp[i * np + k]).chain([gp[k]]).collect())).collect()
+    let columns = by_y.chain((0..np).map(|k| (0..n).map(|i| fp[i * np + k]).chain([gp[k]]).collect())).collect();
+    f.extend(g);
+    (f, columns)
+}
+
+/// What a normal velocity does to the right-hand sides, which growth rates are made of: the past lies a step further back.
+#[test]
+fn the_response_to_a_normal_velocity_is_that_to_an_earlier_past() {
+    let (mut draws, mut largest) = (Draws(6), 0.0f64);
+    for cue in cues() {
+        let mut cortex = cortex(&cue, &[]);
+        for _ in 0..5 {
+            let (y, p) = state(&mut draws);
+            let [before, response] =
+                [values(&cortex, &y, &p), cortex.response_to_normal_velocity(AT.x, &y, p[0]).to_vec()];
+            let (here, (sin, cos)) = (cortex.past[0], y[PSI].sin_cos());
+            cortex.past[0] = [here[0] - sin / cortex.rate, here[1] - cos / cortex.rate];
+            for ((after, before), response) in values(&cortex, &y, &p).iter().zip(&before).zip(&response) {
+                largest = largest.max((after - before - response).abs() / (1.0 + response.abs()));
+            }
+            cortex.past[0] = here;
+        }
+    }
+    within("the response to a normal velocity", largest, 1e-11);
 }
 
 /// One of them by dual numbers.

@@ -1,7 +1,7 @@
 //! The equations with hand-written derivatives, for the collocation sweep of Newton's method.
 //!
-//! Each line repeats one of [`balances`](super::equations::balances) and differentiates it by what it depends on; a test holds
-//! the two together for every field and profile of a cue.
+//! Each line repeats one of [`balances`](super::equations::balances) and differentiates it by what it depends on; `crates/verification`
+//! holds the two together for every field and profile of a cue.
 
 use std::f64::consts::PI;
 
@@ -134,98 +134,5 @@ pub fn linearised<D: Arithmetic>(
         flow: flow.map(|d| length * d),
         tangential,
         volume: [length * r * area, length * area * 2.0, length * r * r * cos * PI, r * area],
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use bvp::{BoundaryValueProblem, CollocationPoint, PointJacobian};
-    use num_dual::Dual64;
-
-    use super::COMPONENTS;
-    use crate::cell::cue::{Field, Quantity};
-    use crate::cell::{Cell, Cue, Material, Parameter};
-    use crate::cortex::equations::{Constants, Motion, PSI, R, equations};
-    use crate::cortex::{Cortex, Domain};
-
-    /// Numbers in [0, 1), the same on every run.
-    fn stream() -> impl FnMut() -> f64 {
-        let mut seed = 12345u64;
-        move || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (seed >> 11) as f64 / (1u64 << 53) as f64
-        }
-    }
-
-    fn close(a: f64, b: f64, what: &str) {
-        assert!((a - b).abs() < 1e-11 * (1.0 + a.abs()), "{what}: {a} {b}");
-    }
-
-    /// Every field with every profile, widths in u and in L_h, and sums of them.
-    fn cues() -> Vec<Cue> {
-        let mut texts = vec!["none".to_owned()];
-        for field in Field::ALL {
-            let name = field.name();
-            texts.push(format!("{name}:u0=0.465,omega=0.0577,amplitude=0.1"));
-            texts.push(format!("{name}:step,u0=0.4,omega=0.7Lh,amplitude=-0.3"));
-            texts.push(format!("{name}:gradient,amplitude=0.2+kappa:u0=0.4,omega=0.3Lh,amplitude=0.5"));
-        }
-        texts.iter().map(|text| text.parse().unwrap()).collect()
-    }
-
-    /// The hand-written Jacobian, and the columns of free parameters, are derivatives of the equations at random states.
-    #[test]
-    fn it_is_the_derivative_of_the_equations_for_every_cue() {
-        let mut random = stream();
-        for cue in cues() {
-            let material = Material { tension: 0.3, eta_s: 0.7, friction: 1.2, ..Material::GAO2026 };
-            let cell = Cell { material, cue: cue.clone(), ..Cell::new(2.3) };
-            let mut free = vec![Parameter::XiS, Parameter::R0];
-            let quantities = Quantity::ALL.map(|quantity| Parameter::Cue { term: 0, quantity });
-            free.extend(quantities.into_iter().filter(|parameter| parameter.is_of(&cell)));
-            let mut cortex = Cortex::new(&cell, Domain::Full, &free);
-            (cortex.rate, cortex.past, cortex.noise) = (3.0, vec![[1.1, -0.2]], vec![1.03]);
-            for _ in 0..5 {
-                let mut y: [f64; COMPONENTS] = std::array::from_fn(|_| 2.0 * random() - 1.0);
-                (y[R], y[PSI]) = (0.5 + 1.5 * random(), 3.0 * random());
-                let mut p = vec![7.0 + random(), 3.0 * random()];
-                p.extend(free.iter().map(|parameter| parameter.get(&cell)));
-                check(&mut cortex, &y, &p, &cue.to_string());
-            }
-        }
-    }
-
-    fn check(cortex: &mut Cortex, y: &[f64; COMPONENTS], p: &[f64], what: &str) {
-        cortex.prepare(p);
-        let at = CollocationPoint { x: 0.44, index: 0 };
-        let (n, np) = (COMPONENTS, p.len());
-        let (mut f, mut fy, mut fp) = (vec![0.0; n], vec![0.0; n * n], vec![0.0; n * np]);
-        let (mut g, mut gy, mut gp) = (vec![0.0], vec![0.0; n], vec![0.0; np]);
-        let mut out = PointJacobian { f: &mut f, fy: &mut fy, fp: &mut fp, g: &mut g, gy: &mut gy, gp: &mut gp };
-        cortex.rhs_jacobian(at, y, p, &mut out);
-        let (mut f2, mut g2) = (vec![0.0; n], vec![0.0]);
-        cortex.rhs(at, y, p, &mut f2, &mut g2);
-        (0..n).for_each(|k| close(f[k], f2[k], what));
-        close(g[0], g2[0], what);
-        // Stepping back by −n/rate is a unit normal velocity.
-        let response = cortex.response_to_normal_velocity(at.x, y, p[0]);
-        let (sin, cos) = y[PSI].sin_cos();
-        let [r_past, z_past] = cortex.past[0];
-        let moved = Motion { rate: 3.0, r_past: r_past - sin / 3.0, z_past: z_past - cos / 3.0 };
-        let (f3, _) = equations(cortex.constants(), at.x, moved, 1.03, y, p[0], p[1]);
-        (0..n).for_each(|k| close(f3[k] - f[k], response[k], what));
-        for k in 0..n + np {
-            let unit = |i: usize, v: f64| Dual64::new(v, if i == k { 1.0 } else { 0.0 });
-            let constants = Constants::<Dual64>::new(&cortex.cell, |parameter, v| {
-                cortex.free.iter().position(|f| *f == parameter).map_or(Dual64::from_re(v), |i| unit(n + 2 + i, v))
-            });
-            let state: [Dual64; COMPONENTS] = std::array::from_fn(|i| unit(i, y[i]));
-            let (d, dg) =
-                equations(&constants, at.x, cortex.motion(at), 1.03, &state, unit(n, p[0]), unit(n + 1, p[1]));
-            for i in 0..n {
-                close(d[i].eps, if k < n { fy[i * n + k] } else { fp[i * np + k - n] }, what);
-            }
-            close(dg.eps, if k < n { gy[k] } else { gp[k - n] }, what);
-        }
     }
 }
