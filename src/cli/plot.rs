@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::error::CliError;
 use super::output::{file_of_kind, write_unbroken};
-use crate::drawing::{Drawing, Format};
+use crate::drawing::{Canvas, Format};
 use crate::input::InputError;
 
 /// The option of all commands that draw.
@@ -42,7 +42,7 @@ impl PlotFile {
     ///
     /// # Errors
     /// It cannot be drawn or written.
-    pub fn write(&self, drawing: &Drawing) -> Result<(), CliError> {
+    pub fn write(&self, drawing: &Canvas) -> Result<(), CliError> {
         write_unbroken(&self.path, &drawing.bytes(self.format)?)
     }
 }

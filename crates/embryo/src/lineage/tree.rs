@@ -1,8 +1,5 @@
 //! The lineage tree.
 
-use petgraph::Direction;
-use petgraph::graph::{DiGraph, NodeIndex};
-use petgraph::visit::EdgeRef;
 use serde::{Deserialize, Serialize};
 
 use super::definition::Lineage;
@@ -193,10 +190,6 @@ impl CellId {
     pub fn index(self) -> usize {
         self.0
     }
-
-    fn node(self) -> NodeIndex {
-        NodeIndex::new(self.0)
-    }
 }
 
 /// What all divisions of a tree share.
@@ -238,28 +231,42 @@ pub struct Tree {
     pub lineage: Lineage,
     /// Parameters of its divisions.
     pub settings: TreeSettings,
-    /// Edges from mother to daughter.
-    graph: DiGraph<TreeCell, Side>,
+    nodes: Vec<Node>,
     founder_cells: Vec<Option<CellId>>,
+}
+
+/// A cell with its mother and its anterior and posterior daughter.
+#[derive(Clone, Debug)]
+struct Node {
+    cell: TreeCell,
+    mother: Option<(CellId, Side)>,
+    daughters: [Option<CellId>; 2],
+    /// How many daughters it was given, be they two of one side.
+    born: usize,
+}
+
+impl Node {
+    fn new(cell: TreeCell, mother: Option<(CellId, Side)>) -> Node {
+        Node { cell, mother, daughters: [None; 2], born: 0 }
+    }
 }
 
 impl Tree {
     /// A tree of the first cell alone.
     pub fn new(lineage: Lineage, settings: TreeSettings, first: TreeCell) -> Tree {
         let mut founder_cells = vec![None; lineage.founders.len()];
-        let mut graph = DiGraph::new();
-        let founder = first.founder;
-        founder_cells[founder] = Some(CellId(graph.add_node(first).index()));
-        Tree { lineage, settings, graph, founder_cells }
+        founder_cells[first.founder] = Some(CellId(0));
+        Tree { lineage, settings, nodes: vec![Node::new(first, None)], founder_cells }
     }
 
     /// Adds a daughter, after all cells of earlier generations and after its anterior sister. `is_founder` tells that it
     /// is the founder `cell.founder` itself.
     pub fn add(&mut self, mother: CellId, side: Side, cell: TreeCell, is_founder: bool) -> CellId {
-        let founder = cell.founder;
-        let node = self.graph.add_node(cell);
-        self.graph.add_edge(mother.node(), node, side);
-        let id = CellId(node.index());
+        let (founder, id) = (cell.founder, CellId(self.nodes.len()));
+        self.nodes.push(Node::new(cell, Some((mother, side))));
+        let mother = &mut self.nodes[mother.0];
+        mother.daughters[usize::from(side == Side::Posterior)] = Some(id);
+        mother.born += 1;
         if is_founder {
             self.founder_cells[founder] = Some(id);
         }
@@ -273,51 +280,47 @@ impl Tree {
 
     /// Number of cells, all generations together.
     pub fn len(&self) -> usize {
-        self.graph.node_count()
+        self.nodes.len()
     }
 
     /// A tree has at least its first cell.
     pub fn is_empty(&self) -> bool {
-        self.graph.node_count() == 0
+        self.nodes.is_empty()
     }
 
     /// All cells in breadth-first order.
     pub fn cells(&self) -> impl DoubleEndedIterator<Item = CellId> + ExactSizeIterator + use<> {
-        (0..self.graph.node_count()).map(CellId)
+        (0..self.nodes.len()).map(CellId)
     }
 
     /// A cell.
     pub fn cell(&self, id: CellId) -> &TreeCell {
-        &self.graph[id.node()]
+        &self.nodes[id.0].cell
     }
 
     pub(super) fn cell_mut(&mut self, id: CellId) -> &mut TreeCell {
-        &mut self.graph[id.node()]
+        &mut self.nodes[id.0].cell
     }
 
     /// A cell's mother.
     pub fn mother(&self, id: CellId) -> Option<CellId> {
-        let mut mothers = self.graph.neighbors_directed(id.node(), Direction::Incoming);
-        mothers.next().map(|node| CellId(node.index()))
+        self.nodes[id.0].mother.map(|(mother, _)| mother)
     }
 
     /// Which daughter of its mother a cell is.
     pub fn side(&self, id: CellId) -> Option<Side> {
-        self.graph.edges_directed(id.node(), Direction::Incoming).next().map(|edge| *edge.weight())
+        self.nodes[id.0].mother.map(|(_, side)| side)
     }
 
     /// The anterior and posterior daughter.
     pub fn daughters(&self, id: CellId) -> Option<[CellId; 2]> {
-        let mut daughters = [None, None];
-        for edge in self.graph.edges(id.node()) {
-            daughters[(*edge.weight() == Side::Posterior) as usize] = Some(CellId(edge.target().index()));
-        }
-        Some([daughters[0]?, daughters[1]?])
+        let [anterior, posterior] = self.nodes[id.0].daughters;
+        Some([anterior?, posterior?])
     }
 
     /// How many daughters a cell has been given; 0 or 2 in a whole tree.
     pub fn daughter_count(&self, id: CellId) -> usize {
-        self.graph.edges(id.node()).count()
+        self.nodes[id.0].born
     }
 
     /// The cell of a founder (an index into the lineage's founders); none if it was never born.
