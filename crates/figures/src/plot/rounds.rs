@@ -107,7 +107,7 @@ fn picture(lineage: &Lineage, mut sets: Vec<Set>) -> Canvas {
     let (mut canvas, top) = titled(width, CHARTS[0] + CHARTS[1], &title, &legend);
     let all = || sets.iter().flat_map(|set| set.bars.iter().flatten());
     let most = all().map(|bar| bar.max.p95).filter(|v| v.is_finite()).fold(1.0, f64::max);
-    let rounds = Axis::new("rounds", [-0.4, most + 0.8]).ticks(6);
+    let rounds = Axis::new("rounds", [-0.4, most + 0.8]);
     let x = Axis::names("", names.clone(), false);
     let mut chart = Panel::new([0.0, top], [width, CHARTS[0]], x, rounds).draw(&mut canvas);
     each(&sets, |x, set, bar| range_bar(&mut chart, x, set.colour, bar));
