@@ -7,7 +7,7 @@ use clap::Args;
 use super::error::CliError;
 use super::interrupt::write_deferred;
 use super::output::file_of_format;
-use crate::drawing::{Drawing, Format};
+use crate::drawing::{Canvas, Format};
 use crate::input::InputError;
 
 /// The option of all commands that draw.
@@ -44,7 +44,7 @@ impl Picture {
     ///
     /// # Errors
     /// It cannot be drawn or written.
-    pub fn write(&self, draw: impl FnOnce() -> Drawing) -> Result<(), CliError> {
+    pub fn write(&self, draw: impl FnOnce() -> Canvas) -> Result<(), CliError> {
         match &self.0 {
             Some((path, format)) => write_deferred(path, &draw().bytes(*format)?),
             None => Ok(()),

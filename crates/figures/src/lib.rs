@@ -1,19 +1,31 @@
 //! The pictures of [furrow](https://docs.rs/furrow): charts of what its commands compute, drawings and movies of dividing
 //! cells.
 //!
-//! `furrow` gives all of it under its own name (`furrow::plot`, `furrow::movie`), and everybody takes it from there. Nothing is
-//! computed here that is not needed to draw: what is drawn is what the floors below have found.
-//!
-//! | module | role |
+//! | module | content |
 //! |---|---|
 //! | [`drawing`] | one style, a canvas for SVG and PNG, axes, legends, cells |
 //! | [`plot`] | a picture of what each command computes |
 //! | [`movie`] | a division as a moving picture |
+//!
+//! # Examples
+//! A division as a chart, and as a small movie:
+//!
+//! ```
+//! use figures::movie::{Movie, MovieFormat};
+//! use figures::plot;
+//! use mechanics::cell::Cell;
+//! use mechanics::division::{DivisionInput, film};
+//! let cell = Cell::new(3.0);
+//! let film = film(&DivisionInput::new(cell.clone()))?;
+//! assert!(plot::division::draw(&cell, &film).svg().starts_with("<svg"));
+//! let movie = Movie { cell: &cell, film: &film, frames: 2 };
+//! assert!(movie.bytes(MovieFormat::Gif)?.starts_with(b"GIF89a"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod drawing;
 pub mod movie;
 pub mod plot;
 
-// The floors below, by the names they have in `furrow`.
 use embryo::{batch, lineage, study};
 use mechanics::{calibration, cell, cortex, division, perturbation, shapes};

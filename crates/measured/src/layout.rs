@@ -3,10 +3,54 @@
 use std::collections::HashSet;
 
 use mechanics::input::InputError;
+use serde::Serialize;
 
 use crate::names::is_cell;
 use crate::table::malformed;
-use crate::volumes::Unit;
+
+/// What volumes are measured in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Unit {
+    /// µm³.
+    CubicMicrometres,
+    /// Voxels of a size that is not known.
+    Voxels,
+    /// Parts of P0's volume, or of anything else.
+    Relative,
+}
+
+impl Unit {
+    /// How it is written behind a number.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Unit::CubicMicrometres => "µm³",
+            Unit::Voxels => "voxels",
+            Unit::Relative => "relative",
+        }
+    }
+
+    /// The unit that a column of volumes has in its name.
+    pub(crate) fn of_column(name: &str) -> Option<Unit> {
+        let lower = name.to_lowercase();
+        match lower.strip_prefix("mean_").unwrap_or(&lower) {
+            "volume_um3" | "volume_µm3" | "volume_µm³" => Some(Unit::CubicMicrometres),
+            "volume_voxels" | "volume_voxel" => Some(Unit::Voxels),
+            "relative_volume" | "volume_relative" | "volume_fraction" => Some(Unit::Relative),
+            _ => None,
+        }
+    }
+
+    /// The unit that a column of units names.
+    pub(crate) fn written(text: &str) -> Option<Unit> {
+        match text.to_lowercase().as_str() {
+            "um3" | "um^3" | "µm3" | "µm³" | "um³" => Some(Unit::CubicMicrometres),
+            "voxel" | "voxels" => Some(Unit::Voxels),
+            "relative" | "1" => Some(Unit::Relative),
+            _ => None,
+        }
+    }
+}
 
 /// The columns of a long table.
 pub(crate) struct Columns {
@@ -26,7 +70,7 @@ impl Columns {
         let find = |names: &[&str]| lower.iter().position(|name| names.contains(&name.as_str()));
         let is_volume = |name: &String| {
             let name = name.strip_prefix("mean_").unwrap_or(name);
-            name == "volume" || unit_of(name).is_some()
+            name == "volume" || Unit::of_column(name).is_some()
         };
         let mut seen = HashSet::new();
         for (column, name) in lower.iter().enumerate() {
@@ -63,17 +107,6 @@ pub(crate) fn listed(header: &[String]) -> String {
     let shown: Vec<String> = header.iter().take(8).map(|name| format!("{name:?}")).collect();
     let more = header.len().saturating_sub(shown.len());
     shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
-}
-
-/// The unit that a column of volumes has in its name.
-pub(crate) fn unit_of(name: &str) -> Option<Unit> {
-    let lower = name.to_lowercase();
-    match lower.strip_prefix("mean_").unwrap_or(&lower) {
-        "volume_um3" | "volume_µm3" | "volume_µm³" => Some(Unit::CubicMicrometres),
-        "volume_voxels" | "volume_voxel" => Some(Unit::Voxels),
-        "relative_volume" | "volume_relative" | "volume_fraction" => Some(Unit::Relative),
-        _ => None,
-    }
 }
 
 /// The embryo that a grid is of: the file's name without what says that it is a table of volumes.

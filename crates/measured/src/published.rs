@@ -11,7 +11,7 @@ use serde::Deserialize;
 use crate::events::{GroupSummary, MotherSummary, place};
 
 /// The table, as shipped.
-const JANKELE: &str = include_str!("../../../data/jankele2021.csv");
+const JANKELE: &str = include_str!("../data/jankele2021.csv");
 
 /// What it is called.
 pub const SOURCE: &str = "Jankele, Jelier & Gönczy 2021, eLife 10:e61714";

@@ -159,31 +159,31 @@ pub struct Line {
 
 /// The line of least squares through points (x, y), with an intercept; none of fewer than three points or where x does not vary.
 pub fn line(points: &[[f64; 2]]) -> Option<Line> {
-    let n = points.len();
     let centre = [0, 1].map(|k| mean(&points.iter().map(|p| p[k]).collect::<Vec<_>>()));
-    let sum = |i: usize, j: usize| points.iter().map(|p| (p[i] - centre[i]) * (p[j] - centre[j])).sum::<f64>();
-    let (xx, xy, yy) = (sum(0, 0), sum(0, 1), sum(1, 1));
-    if n < 3 || xx <= 0.0 {
-        return None;
-    }
-    let slope = xy / xx;
-    let left = (yy - slope * xy).max(0.0);
-    let slope_error = (left / (n - 2) as f64 / xx).sqrt();
-    let r_squared = if yy > 0.0 { xy * xy / (xx * yy) } else { 0.0 };
-    Some(Line { n, slope, slope_error, intercept: centre[1] - slope * centre[0], r_squared })
+    least_squares(points, Some(centre))
 }
 
 /// The line of least squares through the origin; none of fewer than two points or where x is 0.
 pub fn line_through_origin(points: &[[f64; 2]]) -> Option<Line> {
-    let n = points.len();
-    let sum = |i: usize, j: usize| points.iter().map(|p| p[i] * p[j]).sum::<f64>();
-    let (xx, xy, yy) = (sum(0, 0), sum(0, 1), sum(1, 1));
-    if n < 2 || xx <= 0.0 {
+    least_squares(points, None)
+}
+
+/// The best line through a centre, or through the origin.
+fn least_squares(points: &[[f64; 2]], centre: Option<[f64; 2]>) -> Option<Line> {
+    let (n, parameters) = (points.len(), if centre.is_some() { 2 } else { 1 });
+    let [x, y] = centre.unwrap_or_default();
+    let sum = |of: fn(f64, f64) -> f64| points.iter().map(|p| of(p[0] - x, p[1] - y)).sum::<f64>();
+    let (xx, xy, yy) = (sum(|x, _| x * x), sum(|x, y| x * y), sum(|_, y| y * y));
+    if n <= parameters || xx <= 0.0 {
         return None;
     }
     let slope = xy / xx;
     let left = (yy - slope * xy).max(0.0);
-    let slope_error = (left / (n - 1) as f64 / xx).sqrt();
-    let r_squared = if yy > 0.0 { 1.0 - left / yy } else { 0.0 };
-    Some(Line { n, slope, slope_error, intercept: 0.0, r_squared })
+    let slope_error = (left / (n - parameters) as f64 / xx).sqrt();
+    let r_squared = match centre {
+        _ if yy <= 0.0 => 0.0,
+        Some(_) => xy * xy / (xx * yy),
+        None => 1.0 - left / yy,
+    };
+    Some(Line { n, slope, slope_error, intercept: y - slope * x, r_squared })
 }

@@ -16,32 +16,10 @@ use csv::ByteRecord;
 use mechanics::input::InputError;
 use serde::Serialize;
 
-use crate::layout::{Columns, embryo_of_file, unit_of};
+pub use crate::layout::Unit;
+use crate::layout::{Columns, embryo_of_file};
 use crate::names::is_cell;
 use crate::table::{malformed, next, number, open, whole};
-
-/// What volumes are measured in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Unit {
-    /// µm³.
-    CubicMicrometres,
-    /// Voxels of a size that is not known.
-    Voxels,
-    /// Parts of P0's volume, or of anything else.
-    Relative,
-}
-
-impl Unit {
-    /// How it is written behind a number.
-    pub fn symbol(self) -> &'static str {
-        match self {
-            Unit::CubicMicrometres => "µm³",
-            Unit::Voxels => "voxels",
-            Unit::Relative => "relative",
-        }
-    }
-}
 
 /// How a table is to be read.
 #[derive(Clone, Debug, Default)]
@@ -99,7 +77,7 @@ pub struct Skipped {
     pub why: String,
 }
 
-/// Of so much that is skipped the places are kept; the rest is counted.
+/// How many skipped values are kept with their places; all are counted.
 pub const MOST_PLACES: usize = 1000;
 
 /// Volumes of the cells of some embryos.
@@ -115,14 +93,9 @@ pub struct Volumes {
     pub skipped: Vec<Skipped>,
     /// How many there are.
     pub skipped_count: u64,
-    places: Places,
-}
-
-/// Where embryos and cells are kept.
-#[derive(Clone, Debug, Default)]
-struct Places {
-    embryos: HashMap<(String, String), usize>,
-    cells: HashMap<(usize, String), usize>,
+    /// Where embryos are kept, by group and name, and their cells.
+    embryo_places: HashMap<(String, String), usize>,
+    cell_places: HashMap<(usize, String), usize>,
 }
 
 /// A long table that is being read.
@@ -134,7 +107,8 @@ struct LongTable<'t> {
     named: Option<Unit>,
     /// The unit that rows say.
     said: Option<Unit>,
-    last: Option<LastRow>,
+    /// Group, embryo and cell of the row before, and where its value went: rows of one cell follow each other as a rule.
+    last: Option<([Vec<u8>; 3], (usize, usize))>,
     largest: f64,
 }
 
@@ -143,20 +117,6 @@ impl LongTable<'_> {
         // A bare number that is nowhere above 1 is a share.
         let bare = if self.largest <= 1.5 { Unit::Relative } else { Unit::CubicMicrometres };
         self.said.or(self.named).unwrap_or(bare)
-    }
-}
-
-/// Where the values of the row before went: rows of one cell follow each other as a rule.
-struct LastRow {
-    group: Vec<u8>,
-    embryo: Vec<u8>,
-    cell: Vec<u8>,
-    places: (usize, usize),
-}
-
-impl LastRow {
-    fn is(&self, group: &[u8], embryo: &[u8], cell: &[u8]) -> bool {
-        self.cell == cell && self.embryo == embryo && self.group == group
     }
 }
 
@@ -200,7 +160,7 @@ impl Volumes {
         header: &[String],
         columns: &Columns,
     ) -> Result<(), InputError> {
-        let named = unit_of(&header[columns.volume]);
+        let named = Unit::of_column(&header[columns.volume]);
         let mut table = LongTable { file, options, columns, named, said: None, last: None, largest: 0.0 };
         let mut record = ByteRecord::new();
         while next(reader, &mut record, file)? {
@@ -234,10 +194,10 @@ impl Volumes {
         };
         let group = columns.group.map(|column| at(column).text).unwrap_or_default();
         let (cell, embryo) = (at(columns.cell), at(columns.embryo));
-        let known = table.last.as_ref().filter(|last| last.is(group, embryo.text, cell.text));
-        let (embryo_place, cell_place) = match known {
-            Some(last) => last.places,
-            None => {
+        let names = [group, embryo.text, cell.text];
+        let (embryo_place, cell_place) = match &table.last {
+            Some((known, places)) if *known == names => *places,
+            _ => {
                 if !std::str::from_utf8(cell.text).is_ok_and(is_cell) {
                     let why = if cell.text.is_empty() { "no name of a cell" } else { "no name of Sulston's" };
                     return Ok(Some((cell, why.to_owned())));
@@ -245,9 +205,11 @@ impl Volumes {
                 if embryo.text.is_empty() {
                     return Ok(Some((embryo, "no name of an embryo".to_owned())));
                 }
-                let places = self.places_of(table.options, group, &embryo, &cell);
-                let [group, embryo, cell] = [group, embryo.text, cell.text].map(<[u8]>::to_vec);
-                table.last = Some(LastRow { group, embryo, cell, places });
+                let [group, name, cell_name] = names.map(|name| String::from_utf8_lossy(name).into_owned());
+                let given = table.options.group.clone().filter(|_| group.is_empty());
+                let place = self.embryo(given.unwrap_or(group), name);
+                let places = (place, self.cell(place, &cell_name, cell.line));
+                table.last = Some((names.map(<[u8]>::to_vec), places));
                 places
             }
         };
@@ -347,25 +309,9 @@ impl Volumes {
         }
     }
 
-    /// Where the values of a row's cell go.
-    fn places_of(
-        &mut self,
-        options: &ReadOptions,
-        group: &[u8],
-        embryo: &Value<'_>,
-        cell: &Value<'_>,
-    ) -> (usize, usize) {
-        let group = match (group, &options.group) {
-            ([], Some(group)) => group.clone(),
-            (group, _) => String::from_utf8_lossy(group).into_owned(),
-        };
-        let embryo = self.embryo(group, String::from_utf8_lossy(embryo.text).into_owned());
-        (embryo, self.cell(embryo, &String::from_utf8_lossy(cell.text), cell.line))
-    }
-
     fn embryo(&mut self, group: String, name: String) -> usize {
         let embryos = &mut self.embryos;
-        *self.places.embryos.entry((group.clone(), name.clone())).or_insert_with(|| {
+        *self.embryo_places.entry((group.clone(), name.clone())).or_insert_with(|| {
             embryos.push(Embryo { name, group, cells: Vec::new() });
             embryos.len() - 1
         })
@@ -373,7 +319,7 @@ impl Volumes {
 
     fn cell(&mut self, embryo: usize, name: &str, line: u64) -> usize {
         let cells = &mut self.embryos[embryo].cells;
-        *self.places.cells.entry((embryo, name.to_owned())).or_insert_with(|| {
+        *self.cell_places.entry((embryo, name.to_owned())).or_insert_with(|| {
             cells.push(Lifespan { cell: name.to_owned(), sum: 0.0, frames: 0, line, seen: Vec::new() });
             cells.len() - 1
         })
@@ -427,17 +373,16 @@ impl Lifespan {
 
 /// A unit column must say the same all along.
 fn note_unit(file: &str, value: &Value<'_>, said: &mut Option<Unit>) -> Result<(), InputError> {
-    let text = String::from_utf8_lossy(value.text).into_owned();
-    let unit = match text.to_lowercase().as_str() {
-        "um3" | "um^3" | "µm3" | "µm³" | "um³" => Unit::CubicMicrometres,
-        "voxel" | "voxels" => Unit::Voxels,
-        "relative" | "1" => Unit::Relative,
-        _ => return Err(not_allowed(file, value, &text, "um3, voxels or relative")),
+    let text = String::from_utf8_lossy(value.text);
+    let refused = |allowed: String| InputError::NotAllowed {
+        source_name: file.to_owned(),
+        field: format!("{} on line {}, column {}", value.name, value.line, value.column + 1),
+        value: text.to_string(),
+        allowed,
     };
+    let unit = Unit::written(&text).ok_or_else(|| refused("um3, voxels or relative".to_owned()))?;
     match said.replace(unit) {
-        Some(before) if before != unit => {
-            Err(not_allowed(file, value, &text, &format!("{}, the unit of the rows before", before.symbol())))
-        }
+        Some(before) if before != unit => Err(refused(format!("{}, the unit of the rows before", before.symbol()))),
         _ => Ok(()),
     }
 }
@@ -454,9 +399,4 @@ fn positive(text: &[u8]) -> Result<f64, &'static str> {
         None if text.is_empty() => Err("no volume"),
         None => Err("not a number"),
     }
-}
-
-fn not_allowed(file: &str, value: &Value<'_>, text: &str, allowed: &str) -> InputError {
-    let field = format!("{} on line {}, column {}", value.name, value.line, value.column + 1);
-    InputError::NotAllowed { source_name: file.to_owned(), field, value: text.to_owned(), allowed: allowed.to_owned() }
 }

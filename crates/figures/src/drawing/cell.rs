@@ -1,4 +1,4 @@
-//! A cell: its contour in its shell, the cue along it, forces that act on it.
+//! A cell: its contour in its shell, the cue along it.
 
 use super::canvas::{Canvas, Stroke};
 use super::style::{CUE, CYTOPLASM, INK, SHELL};
@@ -21,7 +21,7 @@ impl Site {
 }
 
 /// The outline of a contour (r, z) from pole to pole, both sides of the axis.
-pub fn outline(contour: &[[f64; 2]], site: &Site) -> Vec<[f64; 2]> {
+fn outline(contour: &[[f64; 2]], site: &Site) -> Vec<[f64; 2]> {
     let above = contour.iter().map(|[r, z]| site.point([r.max(0.0), *z]));
     let below = contour.iter().rev().map(|[r, z]| site.point([-r.max(0.0), *z]));
     above.chain(below).collect()
@@ -40,13 +40,7 @@ pub fn shell(canvas: &mut Canvas, [along, across]: [f64; 2], site: &Site) {
 
 /// The inside of a cell and its contour.
 pub fn body(canvas: &mut Canvas, contour: &[[f64; 2]], site: &Site, width: f64) {
-    canvas.polygon(&outline(contour, site), CYTOPLASM, 1.0, None);
-    let closed: Vec<[f64; 2]> = {
-        let mut points = outline(contour, site);
-        points.extend(points.first().copied());
-        points
-    };
-    canvas.polyline(&closed, Stroke::solid(INK, width));
+    canvas.polygon(&outline(contour, site), CYTOPLASM, 1.0, Some(Stroke::solid(INK, width)));
 }
 
 /// How strong a cue is at u on a contour of length `length`, from 0 to 1, relative to where it is strongest.
@@ -76,28 +70,6 @@ pub fn cue(canvas: &mut Canvas, cue: &Cue, length: f64, places: &[[f64; 3]], sit
             let normal = [side * (b[1] - a[1]) / length, -side * (b[0] - a[0]) / length];
             let out = |p: [f64; 2], by: f64| [p[0] - by * normal[0], p[1] - by * normal[1]];
             canvas.polygon(&[out(a, 1.0), out(b, 1.0), out(b, width), out(a, width)], CUE, here, None);
-        }
-    }
-}
-
-/// Arrows of a force along the contour, of which the longest is `longest` on the canvas: at both sides of the axis, from the
-/// contour outwards or inwards. `forces` are (r, z) of the place and of the force.
-pub fn arrows(
-    canvas: &mut Canvas,
-    forces: &[([f64; 2], [f64; 2])],
-    largest: f64,
-    longest: f64,
-    site: &Site,
-    colour: &str,
-) {
-    if largest <= 0.0 {
-        return;
-    }
-    for ([r, z], [force_r, force_z]) in forces {
-        for side in [1.0, -1.0] {
-            let from = site.point([side * r, *z]);
-            let to = [from[0] + longest * force_z / largest, from[1] - side * longest * force_r / largest];
-            canvas.arrow(from, to, colour, 2.0);
         }
     }
 }

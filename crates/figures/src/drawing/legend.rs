@@ -1,7 +1,7 @@
-//! What a colour, a dash or a marker stands for.
+//! Markers, and the legend that says what a colour, a dash or a marker stands for.
 
 use super::canvas::{Anchor, Canvas, Stroke};
-use super::style::{INK, text};
+use super::style::{Colour, INK, MUTED, WHITE, text};
 
 /// The form of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,127 +19,102 @@ pub enum Marker {
 }
 
 /// What stands before a word of a legend.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub enum Key {
-    /// A line.
-    Line {
-        /// Its colour.
-        colour: String,
-        /// Its dashes.
-        dash: Option<[f64; 2]>,
-    },
-    /// A point.
-    Point {
-        /// Its colour.
-        colour: String,
-        /// Its form.
-        marker: Marker,
-    },
-    /// An area.
-    Area {
-        /// Its colour.
-        colour: String,
-    },
-}
-
-impl Key {
     /// A line of a colour.
-    pub fn line(colour: &str, dash: Option<[f64; 2]>) -> Key {
-        Key::Line { colour: colour.to_owned(), dash }
-    }
-
+    Line(Colour),
+    /// A dashed line of a colour, by the lengths of dashes and gaps.
+    Dashes(Colour, [f64; 2]),
     /// A point of a colour.
-    pub fn point(colour: &str, marker: Marker) -> Key {
-        Key::Point { colour: colour.to_owned(), marker }
-    }
-
+    Point(Colour, Marker),
     /// An area of a colour.
-    pub fn area(colour: &str) -> Key {
-        Key::Area { colour: colour.to_owned() }
-    }
+    Area(Colour),
 }
+
+/// The entries of a legend, in their order.
+#[derive(Clone, Debug, Default)]
+pub struct Legend(Vec<(Key, String)>);
 
 /// Distance of two lines of a legend.
-pub const LINE: f64 = 26.0;
+const LINE: f64 = 26.0;
 
-/// Draws a legend as a column, its upper left corner at a point.
-pub fn column(canvas: &mut Canvas, [x, y]: [f64; 2], entries: &[(Key, String)]) {
-    for (k, (key, word)) in entries.iter().enumerate() {
-        let middle = y + LINE * (k as f64 + 0.5);
-        draw(canvas, [x, middle], key);
-        canvas.text([x + 42.0, middle + 5.0], word, text::TICK, Anchor::Start, INK);
+impl Legend {
+    /// The same with one more entry.
+    pub fn with(self, key: Key, word: impl Into<String>) -> Legend {
+        self.with_if(true, key, word)
     }
-}
 
-/// How wide an entry is, with the gap behind it.
-fn width_of(word: &str) -> f64 {
-    60.0 + 8.4 * word.chars().count() as f64
-}
-
-/// How high [`rows`] are.
-pub fn height(width: f64, entries: &[(Key, String)]) -> f64 {
-    let (mut at, mut row) = (0.0, 1.0);
-    for (_, word) in entries {
-        if at > 0.0 && at + width_of(word) > width {
-            (at, row) = (0.0, row + 1.0);
+    /// The same with one more entry if there is something that it explains.
+    pub fn with_if(mut self, shown: bool, key: Key, word: impl Into<String>) -> Legend {
+        if shown {
+            self.0.push((key, word.into()));
         }
-        at += width_of(word);
+        self
     }
-    LINE * row
-}
 
-/// Draws a legend as a row, and as many further rows as it takes to stay within `width`; gives how high it is.
-pub fn rows(canvas: &mut Canvas, [x, y]: [f64; 2], width: f64, entries: &[(Key, String)]) -> f64 {
-    let (mut at, mut row) = (0.0, 0.0);
-    for (key, word) in entries {
-        let needed = width_of(word);
-        if at > 0.0 && at + needed > width {
-            (at, row) = (0.0, row + 1.0);
+    /// Where each entry stands in rows of at most a width.
+    fn places(&self, width: f64) -> Vec<[f64; 2]> {
+        let (mut at, mut row) = (0.0, 0.0);
+        let mut places = Vec::new();
+        for (_, word) in &self.0 {
+            let needed = 60.0 + 8.4 * word.chars().count() as f64;
+            if at > 0.0 && at + needed > width {
+                (at, row) = (0.0, row + 1.0);
+            }
+            places.push([at, LINE * (row + 0.5)]);
+            at += needed;
         }
-        let middle = y + LINE * (row + 0.5);
-        draw(canvas, [x + at, middle], key);
-        canvas.text([x + at + 42.0, middle + 5.0], word, text::TICK, Anchor::Start, INK);
-        at += needed;
+        places
     }
-    LINE * (row + 1.0)
-}
 
-fn draw(canvas: &mut Canvas, [x, y]: [f64; 2], key: &Key) {
-    match key {
-        Key::Line { colour, dash } => {
-            canvas.polyline(&[[x, y], [x + 34.0, y]], Stroke { colour, width: 3.0, dash: *dash });
-        }
-        Key::Point { colour, marker } => point(canvas, [x + 17.0, y], 6.5, *marker, colour),
-        Key::Area { colour } => {
-            let corners = [[x + 6.0, y - 8.0], [x + 28.0, y - 8.0], [x + 28.0, y + 8.0], [x + 6.0, y + 8.0]];
-            canvas.polygon(&corners, colour, 1.0, Some(Stroke::solid(INK, 0.6)));
+    /// How high it is in rows of at most a width.
+    pub fn height(&self, width: f64) -> f64 {
+        self.places(width).last().map_or(0.0, |[_, middle]| middle + 0.5 * LINE)
+    }
+
+    /// Draws it in rows of at most a width, its upper left corner at a point.
+    pub fn draw(&self, canvas: &mut Canvas, [x, y]: [f64; 2], width: f64) {
+        for ((key, word), [dx, dy]) in self.0.iter().zip(self.places(width)) {
+            let (x, y) = (x + dx, y + dy);
+            let line = [[x, y], [x + 34.0, y]];
+            match *key {
+                Key::Line(colour) => canvas.polyline(&line, Stroke::solid(colour, 3.0)),
+                Key::Dashes(colour, dash) => canvas.polyline(&line, Stroke::dashed(colour, 3.0, dash)),
+                Key::Point(colour, marker) => point(canvas, [x + 17.0, y], 6.5, marker, colour),
+                Key::Area(colour) => {
+                    let corners = [[x + 6.0, y - 8.0], [x + 28.0, y - 8.0], [x + 28.0, y + 8.0], [x + 6.0, y + 8.0]];
+                    canvas.polygon(&corners, colour, 1.0, Some(Stroke::solid(INK, 0.6)));
+                }
+            }
+            canvas.text([x + 42.0, y + 5.0], word, text::TICK, Anchor::Start, INK);
         }
     }
 }
 
-/// An error bar from one end to the other, which are above each other, with ticks of half the given width.
-pub fn error_bar(canvas: &mut Canvas, ends: [[f64; 2]; 2], half: f64, stroke: Stroke<'_>) {
-    canvas.polyline(&ends, stroke);
-    for [x, y] in ends {
-        canvas.polyline(&[[x - half, y], [x + half, y]], stroke);
+/// A canvas with a title, further lines of it in smaller text, and a legend; below them a height of `below` is free. Also
+/// gives where that begins.
+pub fn titled(width: f64, below: f64, title: &str, legend: &Legend) -> (Canvas, f64) {
+    let lines = 18.0 + 24.0 * title.lines().count() as f64;
+    let top = lines + legend.height(width - 40.0) + 4.0;
+    let mut canvas = Canvas::new(width, top + below);
+    for (k, line) in title.lines().enumerate() {
+        let (size, colour) = if k == 0 { (text::TITLE, INK) } else { (text::TICK, MUTED) };
+        canvas.text([24.0, 30.0 + 24.0 * k as f64], line, size, Anchor::Start, colour);
     }
+    legend.draw(&mut canvas, [24.0, lines], width - 40.0);
+    (canvas, top)
 }
 
-/// Draws a point of a form, with a thin white rim that keeps it apart from the lines it lies on.
-pub fn point(canvas: &mut Canvas, [x, y]: [f64; 2], size: f64, marker: Marker, colour: &str) {
-    let rim = Some(Stroke::solid("#ffffff", 1.2));
-    let around = |corners: &[[f64; 2]]| -> Vec<[f64; 2]> {
-        corners.iter().map(|[dx, dy]| [x + size * dx, y + size * dy]).collect()
+/// Draws a point with a thin white rim that keeps it apart from the lines it lies on.
+pub fn point(canvas: &mut Canvas, [x, y]: [f64; 2], size: f64, marker: Marker, colour: Colour) {
+    let rim = Some(Stroke::solid(WHITE, 1.2));
+    let corners: &[[f64; 2]] = match marker {
+        Marker::Disc => return canvas.disc([x, y], size, colour, 1.0, rim),
+        Marker::Ring => return canvas.disc([x, y], size - 0.5, WHITE, 1.0, Some(Stroke::solid(colour, 2.4))),
+        Marker::Diamond => &[[0.0, -1.3], [1.3, 0.0], [0.0, 1.3], [-1.3, 0.0]],
+        Marker::Square => &[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]],
+        Marker::Triangle => &[[0.0, -1.25], [1.15, 0.9], [-1.15, 0.9]],
     };
-    match marker {
-        Marker::Disc => canvas.disc([x, y], size, colour, 1.0, rim),
-        Marker::Ring => canvas.disc([x, y], size - 0.5, "#ffffff", 1.0, Some(Stroke::solid(colour, 2.4))),
-        Marker::Diamond => {
-            canvas.polygon(&around(&[[0.0, -1.3], [1.3, 0.0], [0.0, 1.3], [-1.3, 0.0]]), colour, 1.0, rim);
-        }
-        Marker::Square => {
-            canvas.polygon(&around(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]), colour, 1.0, rim);
-        }
-        Marker::Triangle => canvas.polygon(&around(&[[0.0, -1.25], [1.15, 0.9], [-1.15, 0.9]]), colour, 1.0, rim),
-    }
+    let around: Vec<[f64; 2]> = corners.iter().map(|[dx, dy]| [x + size * dx, y + size * dy]).collect();
+    canvas.polygon(&around, colour, 1.0, rim);
 }

@@ -1,17 +1,22 @@
-//! What all pictures are drawn with: one style, a canvas for SVG and PNG, axes, legends, cells.
+//! What all pictures are drawn with: one style, a canvas for SVG and PNG, charts, legends, cells.
 //!
-//! | file | what it says |
+//! | file | content |
 //! |---|---|
 //! | [`style`] | colours, sizes of text, dashes, names of quantities with their units |
-//! | [`canvas`] | lines, areas and text; the finished picture as SVG or PNG |
-//! | [`panel`] | a chart's axes, and where its data are on the canvas |
+//! | [`canvas`] | lines, areas and text |
+//! | `svg`, `raster`, [`format`](mod@format) | the finished picture as SVG, as pixels, as a file |
+//! | [`panel`] | a chart's axes, and what is drawn at the coordinates of its data |
 //! | [`legend`] | what a colour, a dash or a marker stands for |
-//! | [`cell`] | a cell: its contour in its shell, the cue along it, forces |
+//! | [`cell`] | a cell: its contour in its shell, the cue along it |
 
 pub mod canvas;
 pub mod cell;
+pub mod format;
 pub mod legend;
 pub mod panel;
+mod raster;
 pub mod style;
+pub(crate) mod svg;
 
-pub use canvas::{Anchor, Canvas, Drawing, FigureError, Format, Stroke};
+pub use canvas::{Anchor, Canvas, Stroke};
+pub use format::{FigureError, Format};

@@ -1,13 +1,20 @@
-//! A chart's axes, and where its data are on the canvas.
+//! A chart: its axes, and what is drawn at the coordinates of its data.
 
-use kuva::TickFormat;
-use kuva::plot::{LinePlot, ScatterPlot};
-use kuva::render::layout::Layout;
-use kuva::render::plots::Plot;
-use kuva::render::render::render_multiple;
+use super::canvas::{Anchor, Canvas, Stroke};
+use super::legend::{Marker, point};
+use super::style::{Colour, GRID, INK, text};
 
-use super::canvas::Canvas;
-use super::style::{CURVE, text};
+/// Where an axis has ticks and lines of the grid.
+#[derive(Clone, Debug)]
+enum Ticks {
+    None,
+    /// At about so many round numbers.
+    About(usize),
+    /// At powers of ten, or between them too if these are few; values are spaced by their logarithm.
+    Logarithmic,
+    /// At 0, 1, 2, …, each with a name.
+    Names(Vec<String>),
+}
 
 /// An axis: what it is called, and the values at its two ends.
 #[derive(Clone, Debug)]
@@ -16,23 +23,15 @@ pub struct Axis {
     pub label: String,
     /// First and last value.
     pub range: [f64; 2],
-    /// Distance of two ticks, where it is not left to the chart.
-    pub step: Option<f64>,
-    /// Whether the values are spaced by their logarithm.
-    pub logarithmic: bool,
-    /// Whether numbers stand along it.
-    pub numbered: bool,
-    /// Whether it has ticks and a grid at all.
-    pub ticked: bool,
-    /// About how many ticks.
-    pub ticks: usize,
+    numbered: bool,
+    ticks: Ticks,
 }
 
 impl Axis {
     /// An axis over a range.
     pub fn new(label: impl Into<String>, range: [f64; 2]) -> Axis {
         let range = if range[1] > range[0] { range } else { [range[0] - 0.5, range[0] + 0.5] };
-        Axis { label: label.into(), range, step: None, logarithmic: false, numbered: true, ticked: true, ticks: 8 }
+        Axis { label: label.into(), range, numbered: true, ticks: Ticks::About(8) }
     }
 
     /// An axis over all these values, with some room on both sides.
@@ -40,58 +39,81 @@ impl Axis {
         Axis::new(label, widened(values, 0.06))
     }
 
-    /// The same with a step between its ticks.
-    pub fn every(self, step: f64) -> Axis {
-        Axis { step: Some(step), ..self }
+    /// An axis of names at 0, 1, 2, …: from left to right, or from top to bottom.
+    pub fn names(label: impl Into<String>, names: Vec<String>, upright: bool) -> Axis {
+        let (first, last) = (-0.5, names.len().max(1) as f64 - 0.5);
+        let range = if upright { [last, first] } else { [first, last] };
+        Axis { label: label.into(), range, numbered: true, ticks: Ticks::Names(names) }
     }
 
     /// The same over logarithms.
     pub fn logarithmic(self) -> Axis {
-        Axis { logarithmic: true, ..self }
+        Axis { ticks: Ticks::Logarithmic, ..self }
     }
 
     /// The same with about so many ticks.
-    pub fn ticks(self, ticks: usize) -> Axis {
-        Axis { ticks, ..self }
+    pub fn ticks(self, count: usize) -> Axis {
+        Axis { ticks: Ticks::About(count), ..self }
     }
 
-    /// The same without ticks and without numbers.
+    /// The same, with numbers at its ticks or without.
+    pub fn numbered(self, numbered: bool) -> Axis {
+        Axis { numbered, ..self }
+    }
+
+    /// The same without ticks and numbers.
     pub fn bare(self) -> Axis {
-        Axis { ticked: false, ..self }
+        Axis { ticks: Ticks::None, ..self }
     }
 
-    /// The distance of two ticks: as it was asked for, or the round number that gives about as many as are wanted, two at least.
-    fn spacing(&self) -> Option<f64> {
-        if self.logarithmic || self.step.is_some() {
-            return self.step;
-        }
+    /// Where along the axis a value is, from 0 to 1.
+    fn share(&self, value: f64) -> f64 {
+        let place = |value: f64| match self.ticks {
+            Ticks::Logarithmic => value.max(1e-10).log10(),
+            _ => value,
+        };
+        let [first, last] = self.range.map(place);
+        (place(value) - first) / (last - first)
+    }
+
+    /// The values at the ticks, and what is written there.
+    fn marks(&self) -> Vec<(f64, String)> {
         let [low, high] = self.range;
-        let rough = (high - low) / self.ticks.max(1) as f64;
-        let unit = 10f64.powf(rough.log10().floor());
-        let steps = [0.5, 1.0, 2.0, 5.0, 10.0].map(|digit| digit * unit);
-        let wanted = steps.iter().position(|step| *step >= rough).unwrap_or(steps.len() - 1);
-        // One tick alone tells no distances.
-        let enough = |step: &&f64| (high / **step).floor() - (low / **step).ceil() >= 1.0;
-        steps.get(..=wanted)?.iter().rev().find(enough).or(steps.get(wanted)).copied()
-    }
-
-    /// Numbers with as many digits as tell two ticks apart.
-    fn format(&self) -> TickFormat {
-        if !self.numbered {
-            return TickFormat::Custom(std::sync::Arc::new(|_| String::new()));
+        match &self.ticks {
+            Ticks::None => Vec::new(),
+            Ticks::Names(names) => names.iter().enumerate().map(|(k, name)| (k as f64, name.clone())).collect(),
+            Ticks::Logarithmic => {
+                let ends = self.range.map(|end| end.max(1e-10).log10());
+                let digits: &[f64] = if ends[1] - ends[0] < 2.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+                let powers = ends[0].floor() as i32..=ends[1].ceil() as i32;
+                let values = powers.flat_map(|power| digits.iter().map(move |digit| digit * 10_f64.powi(power)));
+                let within = values.filter(|value| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(value));
+                within.map(|v| (v, if (1.0..1e6).contains(&v) { format!("{v}") } else { format!("{v:e}") })).collect()
+            }
+            Ticks::About(count) => {
+                let step = spacing([low, high], *count);
+                let digits = (-(step * 1.0001).log10().floor()).max(0.0) as usize;
+                let written = |value: f64| {
+                    // No minus before a zero.
+                    let value = if value.abs() < 0.5 * 10f64.powi(-(digits as i32)) { 0.0 } else { value };
+                    format!("{value:.digits$}").replace('-', "\u{2212}")
+                };
+                let inside = (low / step - 1e-9).ceil() as i64..=(high / step + 1e-9).floor() as i64;
+                inside.map(|k| k as f64 * step).map(|value| (value, written(value))).collect()
+            }
         }
-        let digits = self.spacing().map_or(0, |step| (-(step * 1.0001).log10().floor()).max(0.0) as usize);
-        TickFormat::Custom(std::sync::Arc::new(move |value| {
-            // No minus before a zero.
-            let value = if value.abs() < 0.5 * 10f64.powi(-(digits as i32)) { 0.0 } else { value };
-            format!("{value:.digits$}").replace('-', "\u{2212}")
-        }))
     }
+}
 
-    /// The same without numbers.
-    pub fn unnumbered(self) -> Axis {
-        Axis { numbered: false, ..self }
-    }
+/// The round number of which about `count` fill a range, and two at least lie within it.
+fn spacing([low, high]: [f64; 2], count: usize) -> f64 {
+    let rough = (high - low) / count.max(1) as f64;
+    let unit = 10f64.powf(rough.log10().floor());
+    let steps = [0.5, 1.0, 2.0, 5.0, 10.0].map(|digit| digit * unit);
+    let wanted = steps.iter().position(|step| *step >= rough).unwrap_or(steps.len() - 1);
+    // A single tick shows no distances.
+    let enough = |step: &&f64| (high / **step).floor() - (low / **step).ceil() >= 1.0;
+    *steps[..=wanted].iter().rev().find(enough).unwrap_or(&steps[wanted])
 }
 
 /// The range of values, wider by a share of itself on both sides.
@@ -105,25 +127,7 @@ pub fn widened(values: impl IntoIterator<Item = f64>, share: f64) -> [f64; 2] {
     [low - room, high + room]
 }
 
-/// A curve in the coordinates of its axes.
-#[derive(Clone, Debug)]
-pub struct Curve {
-    /// Its points.
-    pub points: Vec<[f64; 2]>,
-    /// Its colour.
-    pub colour: String,
-    /// Its width.
-    pub width: f64,
-}
-
-impl Curve {
-    /// A curve of the usual width.
-    pub fn new(points: Vec<[f64; 2]>, colour: &str) -> Curve {
-        Curve { points, colour: colour.to_owned(), width: CURVE }
-    }
-}
-
-/// A chart.
+/// Where a chart is put, and its axes.
 #[derive(Clone, Debug)]
 pub struct Panel {
     /// Upper left corner and size on the canvas, names of axes included.
@@ -134,144 +138,144 @@ pub struct Panel {
     pub x: Axis,
     /// Upwards.
     pub y: Axis,
-    /// Space for what stands left, right, above and below the data.
-    pub margins: Margins,
+    /// Space left, right, above and below the data.
+    pub margins: [f64; 4],
 }
 
-/// Space around the data of a chart.
-#[derive(Clone, Copy, Debug)]
-pub struct Margins {
-    /// On the left.
-    pub left: f64,
-    /// On the right.
-    pub right: f64,
-    /// Above.
-    pub top: f64,
-    /// Below.
-    pub bottom: f64,
-}
+/// The usual margins of a chart.
+pub const MARGINS: [f64; 4] = [86.0, 22.0, 14.0, 58.0];
 
-impl Default for Margins {
-    fn default() -> Margins {
-        Margins { left: 86.0, right: 22.0, top: 14.0, bottom: 58.0 }
-    }
-}
-
-/// Where data are on the canvas.
-#[derive(Clone, Copy, Debug)]
-pub struct Mapping {
-    x: [f64; 2],
-    y: [f64; 2],
-    left: f64,
-    top: f64,
-    width: f64,
-    height: f64,
-    logarithmic: [bool; 2],
-}
-
-impl Mapping {
-    /// A point of the data on the canvas.
-    pub fn point(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let share = |value: f64, [low, high]: [f64; 2], logarithmic: bool| {
-            if logarithmic {
-                (value.max(1e-10).log10() - low.max(1e-10).log10()) / (high.log10() - low.max(1e-10).log10())
-            } else {
-                (value - low) / (high - low)
-            }
-        };
-        let across = share(x, self.x, self.logarithmic[0]);
-        let up = share(y, self.y, self.logarithmic[1]);
-        [self.left + across * self.width, self.top + (1.0 - up) * self.height]
-    }
-
-    /// Whether a point of the data lies within the axes.
-    pub fn holds(&self, [x, y]: [f64; 2]) -> bool {
-        (self.x[0]..=self.x[1]).contains(&x) && (self.y[0]..=self.y[1]).contains(&y)
-    }
-
+/// A chart whose axes are drawn. Points are given in the coordinates of its data.
+#[derive(Debug)]
+pub struct Chart<'c> {
+    /// What it is drawn on.
+    pub canvas: &'c mut Canvas,
     /// Left, top, right and bottom of the data on the canvas.
-    pub fn frame(&self) -> [f64; 4] {
-        [self.left, self.top, self.left + self.width, self.top + self.height]
-    }
+    pub frame: [f64; 4],
+    x: Axis,
+    y: Axis,
 }
 
 impl Panel {
     /// A chart with the usual margins.
     pub fn new(at: [f64; 2], size: [f64; 2], x: Axis, y: Axis) -> Panel {
-        Panel { at, size, x, y, margins: Margins::default() }
+        Panel { at, size, x, y, margins: MARGINS }
     }
 
-    /// Where its data are on the canvas.
-    pub fn mapping(&self) -> Mapping {
-        let Margins { left, right, top, bottom } = self.margins;
-        Mapping {
-            x: self.x.range,
-            y: self.y.range,
-            left: self.at[0] + left,
-            top: self.at[1] + top,
-            width: self.size[0] - left - right,
-            height: self.size[1] - top - bottom,
-            logarithmic: [self.x.logarithmic, self.y.logarithmic],
+    /// Draws the grid and the axes.
+    pub fn draw(self, canvas: &mut Canvas) -> Chart<'_> {
+        let Panel { at: [left, top], size: [width, height], x, y, margins } = self;
+        let (right, bottom) = (left + width - margins[1], top + height - margins[3]);
+        let frame = [left + margins[0], top + margins[2], right, bottom];
+        let chart = Chart { canvas, frame, x, y };
+        let [left, top, ..] = frame;
+        let (grid, thin) = (Stroke::solid(GRID, 1.0), Stroke::solid(INK, 1.0));
+        let (across, up) = (chart.x.marks(), chart.y.marks());
+        let column = |value: f64| left + chart.x.share(value) * (right - left);
+        let row = |value: f64| bottom - chart.y.share(value) * (bottom - top);
+        for x in across.iter().map(|(value, _)| column(*value)) {
+            chart.canvas.polyline(&[[x, top], [x, bottom]], grid);
+            chart.canvas.polyline(&[[x, bottom], [x, bottom + 5.0]], thin);
+        }
+        for y in up.iter().map(|(value, _)| row(*value)) {
+            chart.canvas.polyline(&[[left, y], [right, y]], grid);
+            chart.canvas.polyline(&[[left - 5.0, y], [left, y]], thin);
+        }
+        let corners = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
+        chart.canvas.polyline(&corners, thin);
+        for (value, word) in across.iter().filter(|_| chart.x.numbered) {
+            chart.canvas.text([column(*value), bottom + 20.0], word, text::TICK, Anchor::Middle, INK);
+        }
+        for (value, word) in up.iter().filter(|_| chart.y.numbered) {
+            chart.canvas.text([left - 8.0, row(*value) + 5.5], word, text::TICK, Anchor::End, INK);
+        }
+        let label = [0.5 * (left + right), self.at[1] + height - 9.0];
+        chart.canvas.text(label, &chart.x.label, text::LABEL, Anchor::Middle, INK);
+        chart.canvas.upwards([self.at[0] + 30.0, 0.5 * (top + bottom)], &chart.y.label, text::LABEL, INK);
+        chart
+    }
+}
+
+impl Chart<'_> {
+    /// A point of the data on the canvas.
+    pub fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [left, top, right, bottom] = self.frame;
+        [left + self.x.share(x) * (right - left), bottom - self.y.share(y) * (bottom - top)]
+    }
+
+    /// Whether a point of the data lies within the axes.
+    pub fn holds(&self, at: [f64; 2]) -> bool {
+        [self.x.share(at[0]), self.y.share(at[1])].iter().all(|share| (0.0..=1.0).contains(share))
+    }
+
+    /// Draws a line, cut off at the axes.
+    pub fn line(&mut self, points: impl IntoIterator<Item = [f64; 2]>, stroke: Stroke) {
+        let points: Vec<[f64; 2]> = points.into_iter().map(|point| self.at(point)).collect();
+        if points.len() > 1 {
+            self.canvas.clipped(self.frame, |canvas| canvas.polyline(&points, stroke));
         }
     }
 
-    /// Draws the axes and curves, cut off at the axes. `under` draws what lies behind the curves and before the grid, in the
-    /// coordinates of the panel itself, for which it is given the mapping.
-    pub fn draw(&self, canvas: &mut Canvas, curves: &[Curve], under: impl FnOnce(&mut Canvas, &Mapping)) -> Mapping {
-        // Axes are drawn for a chart of something, be it of no points.
-        let mut plots: Vec<Plot> = vec![ScatterPlot::new().with_data(Vec::<(f64, f64)>::new()).into()];
-        for curve in curves {
-            let points = curve.points.iter().map(|[x, y]| (*x, *y));
-            let line =
-                LinePlot::new().with_data(points).with_color(curve.colour.as_str()).with_stroke_width(curve.width);
-            plots.push(line.into());
-        }
-        let inside = Panel { at: [0.0, 0.0], ..self.clone() };
-        let mut behind = Canvas::new(self.size[0], self.size[1]);
-        under(&mut behind, &inside.mapping());
-        canvas.place(render_multiple(plots, self.layout()), self.at, Some(behind));
-        self.mapping()
+    /// Draws a point.
+    pub fn point(&mut self, at: [f64; 2], size: f64, marker: Marker, colour: Colour) {
+        point(self.canvas, self.at(at), size, marker, colour);
     }
 
-    fn layout(&self) -> Layout {
-        let Margins { left, right, top, bottom } = self.margins;
-        let ([x, x2], [y, y2]) = (self.x.range, self.y.range);
-        let mut layout = Layout::new((x, x2), (y, y2))
-            .with_width(self.size[0])
-            .with_height(self.size[1])
-            .with_force_margins(left, right)
-            .with_force_margins_y(top, bottom)
-            .with_clamp_axis()
-            .with_x_axis_min(x)
-            .with_x_axis_max(x2)
-            .with_y_axis_min(y)
-            .with_y_axis_max(y2)
-            .with_x_label(self.x.label.as_str())
-            .with_y_label(self.y.label.as_str())
-            .with_label_size(text::LABEL)
-            .with_tick_size(text::TICK)
-            .with_ticks(self.x.ticks)
-            .with_box_axes();
-        if let Some(step) = self.x.spacing() {
-            layout = layout.with_x_tick_step(step);
+    /// Draws a rectangle from one corner to the opposite one, at least as wide and high on the canvas as `least`.
+    pub fn area(&mut self, from: [f64; 2], to: [f64; 2], least: f64, colour: Colour, opacity: f64) {
+        let (a, b) = (self.at(from), self.at(to));
+        let corner = [a[0].min(b[0]), a[1].min(b[1])];
+        let size = [0, 1].map(|k: usize| (b[k] - a[k]).abs().max(least));
+        self.canvas.rectangle(corner, size, colour, opacity);
+    }
+
+    /// Draws a bar from one value to another, with ticks of half the given width at its ends, `aside` of x on the canvas.
+    pub fn error_bar(&mut self, x: f64, ends: [f64; 2], aside: f64, half: f64, stroke: Stroke) {
+        let ends = ends.map(|y| self.at([x, y])).map(|[x, y]| [x + aside, y]);
+        self.canvas.polyline(&ends, stroke);
+        for [x, y] in ends {
+            self.canvas.polyline(&[[x - half, y], [x + half, y]], stroke);
         }
-        if let Some(step) = self.y.spacing() {
-            layout = layout.with_y_tick_step(step);
+    }
+
+    /// Draws areas side by side, each over an interval across and one upwards.
+    pub fn tiles(&mut self, tiles: impl IntoIterator<Item = ([f64; 2], [f64; 2], Colour)>) {
+        for ([x, x2], [y, y2], colour) in tiles {
+            let (a, b) = (self.at([x, y2]), self.at([x2, y]));
+            // A little wider than they are, so that no light comes through between two.
+            self.canvas.rectangle(a, [b[0] - a[0] + 0.3, b[1] - a[1] + 0.3], colour, 1.0);
         }
-        if self.x.logarithmic {
-            layout = layout.with_log_x();
+    }
+}
+
+/// The interval that each of several values stands for: half-way to its neighbours.
+pub fn bins(values: &[f64]) -> Vec<[f64; 2]> {
+    let half = |k: usize| values.get(k + 1).map(|next| 0.5 * (next - values[k]));
+    (0..values.len())
+        .map(|k| {
+            let (before, after) = (k.checked_sub(1).and_then(half), half(k));
+            let [before, after] = [before.or(after), after.or(before)].map(|gap| gap.unwrap_or(0.5));
+            [values[k] - before, values[k] + after]
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_numbers_written_alike() {
+        for (axis, expected) in [
+            (Axis::new("", [0.0, 1.0]), "0.0 0.2 0.4 0.6 0.8 1.0"),
+            (Axis::new("", [-31.0, 31.0]), "−30 −20 −10 0 10 20 30"),
+            (Axis::new("", [1.94, 2.06]).ticks(3), "1.95 2.00 2.05"),
+            (Axis::new("", [1e-3, 20.0]).logarithmic(), "1e-3 1e-2 1e-1 1 10"),
+            (Axis::new("", [900.0, 6000.0]).logarithmic(), "1000 2000 5000"),
+            (Axis::names("", vec!["AB".into(), "P1".into()], true), "AB P1"),
+        ] {
+            let written: Vec<String> = axis.marks().into_iter().map(|(_, word)| word).collect();
+            assert_eq!(written.join(" "), expected);
         }
-        if self.y.logarithmic {
-            layout = layout.with_log_y();
-        }
-        if !self.x.logarithmic {
-            layout = layout.with_x_tick_format(self.x.format());
-        }
-        if !self.y.logarithmic {
-            layout = layout.with_y_tick_format(self.y.format());
-        }
-        layout.suppress_x_ticks = !self.x.ticked;
-        layout.suppress_y_ticks = !self.y.ticked;
-        layout
     }
 }

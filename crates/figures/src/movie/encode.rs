@@ -2,15 +2,14 @@
 
 use std::borrow::Cow;
 use std::fmt::Write;
-use std::io::Cursor;
 use std::path::Path;
 
 use super::picture::{SIZE, Stage};
 use super::surface::Fineness;
 use crate::cell::Cell;
 use crate::division::Film;
-use crate::drawing::FigureError;
-use crate::drawing::canvas::FONTS;
+use crate::drawing::format::extension;
+use crate::drawing::{FigureError, svg};
 
 /// How long a frame is shown, in hundredths of a second, and the last.
 const DELAY: u16 = 5;
@@ -32,7 +31,7 @@ pub enum MovieFormat {
 impl MovieFormat {
     /// By the extension of a file, in any case; none if it is none of `.gif`, `.png`, `.apng`, `.svg`.
     pub fn of(path: &Path) -> Option<MovieFormat> {
-        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+        match extension(path)?.as_str() {
             "gif" => Some(MovieFormat::Gif),
             "png" | "apng" => Some(MovieFormat::Png),
             "svg" => Some(MovieFormat::Svg),
@@ -85,20 +84,14 @@ impl Movie<'_> {
         match format {
             MovieFormat::Gif => gif(&stage, &times),
             MovieFormat::Png => apng(&stage, &times),
-            MovieFormat::Svg => Ok(svg(&stage, &times).into_bytes()),
+            MovieFormat::Svg => Ok(animated(&stage, &times).into_bytes()),
         }
     }
 }
 
-/// The dots of a frame, red, green, blue and opacity.
-fn dots(stage: &Stage<'_>, t: f64) -> Result<(Vec<u8>, [u32; 2]), FigureError> {
-    let encoded = stage.frame(t).png(1.0)?;
-    let mut reader = png::Decoder::new(Cursor::new(encoded)).read_info()?;
-    let size = reader.output_buffer_size().unwrap_or(0);
-    let mut pixels = vec![0; size];
-    let info = reader.next_frame(&mut pixels)?;
-    pixels.truncate(info.buffer_size());
-    Ok((pixels, [info.width, info.height]))
+/// Red, green and blue of the pixels of a frame.
+fn pixels(stage: &Stage<'_>, t: f64) -> Result<Vec<u8>, FigureError> {
+    Ok(stage.frame(t).pixels(1.0).ok_or(FigureError::Size(SIZE))?.0)
 }
 
 fn delay(k: usize, of: usize) -> u16 {
@@ -110,8 +103,7 @@ fn gif(stage: &Stage<'_>, times: &[f64]) -> Result<Vec<u8>, FigureError> {
     let mut encoder = gif::Encoder::new(&mut out, SIZE[0] as u16, SIZE[1] as u16, &[])?;
     encoder.set_repeat(gif::Repeat::Infinite)?;
     for (k, t) in times.iter().enumerate() {
-        let (mut pixels, [width, height]) = dots(stage, *t)?;
-        let mut frame = gif::Frame::from_rgba_speed(width as u16, height as u16, &mut pixels, HASTE);
+        let mut frame = gif::Frame::from_rgb_speed(SIZE[0] as u16, SIZE[1] as u16, &pixels(stage, *t)?, HASTE);
         frame.delay = delay(k, times.len());
         encoder.write_frame(&frame)?;
     }
@@ -127,27 +119,19 @@ fn apng(stage: &Stage<'_>, times: &[f64]) -> Result<Vec<u8>, FigureError> {
     encoder.set_animated(times.len() as u32, 0)?;
     let mut writer = encoder.write_header()?;
     for (k, t) in times.iter().enumerate() {
-        let (pixels, _) = dots(stage, *t)?;
         writer.set_frame_delay(delay(k, times.len()), 100)?;
-        // Nothing can be seen through.
-        let colours: Vec<u8> = pixels.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-        writer.write_image_data(&colours)?;
+        writer.write_image_data(&pixels(stage, *t)?)?;
     }
     writer.finish()?;
     Ok(out)
 }
 
 /// Every frame as a group that is seen for its time. A reader that plays nothing shows the frame in which the furrow is deep.
-fn svg(stage: &Stage<'_>, times: &[f64]) -> String {
+fn animated(stage: &Stage<'_>, times: &[f64]) -> String {
     let seconds = |k: usize| f64::from(DELAY) * k as f64 / 100.0 * 80.0 / times.len() as f64;
     let total = seconds(times.len() - 1) + f64::from(LAST) / 100.0;
     let still = times.len() * 4 / 5;
-    let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" \
-         font-family=\"{FONTS}\">\
-         <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
-        SIZE[0], SIZE[1]
-    );
+    let mut out = String::new();
     for (k, t) in times.iter().enumerate() {
         let from = seconds(k) / total;
         let to = if k + 1 == times.len() { 1.0 } else { seconds(k + 1) / total };
@@ -161,16 +145,8 @@ fn svg(stage: &Stage<'_>, times: &[f64]) -> String {
             out,
             "<g display=\"{shown}\"><animate attributeName=\"display\" values=\"{values}\" keyTimes=\"{moments}\" \
              dur=\"{total:.2}s\" calcMode=\"discrete\" repeatCount=\"indefinite\"/>{}</g>",
-            inner(&stage.frame(*t).svg())
+            stage.frame(*t).elements()
         );
     }
-    out.push_str("</svg>\n");
-    out
-}
-
-/// What stands inside the outermost element of a picture, without its background.
-fn inner(picture: &str) -> &str {
-    let begin = picture.find("<svg").and_then(|at| Some(at + picture.get(at..)?.find('>')? + 1)).unwrap_or(0);
-    let end = picture.rfind("</svg>").unwrap_or(picture.len());
-    picture.get(begin..end).unwrap_or_default().trim()
+    svg::svg(SIZE, &out)
 }

@@ -6,8 +6,7 @@ use super::surface::{self, Fineness, View};
 use crate::cell::Cell;
 use crate::division::{Film, Outcome, Still};
 use crate::drawing::style::{self, FORCES, text};
-use crate::drawing::{Anchor, Canvas, Drawing, Stroke};
-use crate::plot::division::digits;
+use crate::drawing::{Anchor, Canvas, Stroke};
 
 /// Width and height.
 pub const SIZE: [f64; 2] = [680.0, 460.0];
@@ -46,7 +45,7 @@ impl<'a> Stage<'a> {
     }
 
     /// The frame at a time.
-    pub fn frame(&self, t: f64) -> Drawing {
+    pub fn frame(&self, t: f64) -> Canvas {
         let still = self.film.at(t);
         let mut canvas = Canvas::new(SIZE[0], SIZE[1]);
         self.shell(&mut canvas, true);
@@ -54,13 +53,13 @@ impl<'a> Stage<'a> {
         self.shell(&mut canvas, false);
         self.forces(&mut canvas, &still);
         self.words(&mut canvas, &still);
-        canvas.finish()
+        canvas
     }
 
     /// The shell as rings around it and an outline, of which the rings' far halves lie behind the cell.
     fn shell(&self, canvas: &mut Canvas, behind: bool) {
         let [along, across] = self.film.shell();
-        let thin = Stroke::solid("#b5b5b5", 1.0);
+        let thin = Stroke::solid([0xb5; 3], 1.0);
         for ring in -2..=2 {
             let z = 0.4 * f64::from(ring) * along;
             let r = across * (1.0 - (z / along).powi(2)).sqrt();
@@ -92,7 +91,7 @@ impl<'a> Stage<'a> {
         let cued = if cue.is_none() { "no cue" } else { "with a cue" };
         let title = format!("R₀ = {r0}, ε = {epsilon}, ξₛ = {xi_s}, {cued}");
         canvas.text([20.0, 30.0], &title, text::LABEL, Anchor::Start, style::INK);
-        let time = format!("t = {} τ", digits(still.t));
+        let time = format!("t = {} τ", style::time(still.t));
         canvas.text([SIZE[0] - 20.0, 30.0], &time, text::LABEL, Anchor::End, style::INK);
         let bottom = SIZE[1] - 18.0;
         canvas.arrow([20.0, bottom - 5.0], [56.0, bottom - 5.0], FORCES[0].1, 2.2);

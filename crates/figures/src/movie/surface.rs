@@ -6,6 +6,7 @@ use crate::cell::Cue;
 use crate::division::Still;
 use crate::drawing::Canvas;
 use crate::drawing::cell::strength;
+use crate::drawing::style::Colour;
 
 /// How far the axis is turned towards the eye, and how far the eye looks down, in radians.
 const TURNED: [f64; 2] = [0.42, 0.30];
@@ -66,7 +67,7 @@ struct Facet {
     /// How near to the eye the middle of its ring around the axis is.
     depth: f64,
     corners: [[f64; 2]; 4],
-    colour: [u8; 3],
+    colour: Colour,
 }
 
 /// How finely a surface is drawn.
@@ -105,8 +106,7 @@ pub fn draw(canvas: &mut Canvas, still: &Still, cue: &Cue, view: &View, fineness
     let mut facets = facets(still, cue, view, fineness);
     facets.sort_by(|a, b| a.depth.total_cmp(&b.depth).then(a.colour.cmp(&b.colour)));
     for alike in facets.chunk_by(|a, b| a.depth == b.depth && a.colour == b.colour) {
-        let Some(Facet { colour: [r, g, b], .. }) = alike.first() else { continue };
-        canvas.facets(alike.iter().map(|facet| facet.corners), &format!("#{r:02x}{g:02x}{b:02x}"));
+        canvas.facets(alike.iter().map(|facet| facet.corners), alike[0].colour);
     }
 }
 

@@ -1,14 +1,14 @@
 //! A bifurcation diagram: elongation and furrow position over activity, solid where the shape is stable and dashed where it is
 //! not, with folds, pitchforks and some of the shapes.
 
-use crate::cell::Cell;
-use crate::cortex::Cortex;
+use crate::cell::{Cell, Parameter};
 use crate::cortex::forces::shell_axes;
+use crate::cortex::{Cortex, Domain};
 use crate::drawing::cell::{Site, body, shell};
-use crate::drawing::legend::{self, Key, Marker};
-use crate::drawing::panel::{Axis, Mapping, Panel, widened};
-use crate::drawing::style::{self, text};
-use crate::drawing::{Anchor, Canvas, Drawing, Stroke};
+use crate::drawing::legend::{Key, Legend, Marker, titled};
+use crate::drawing::panel::{Axis, Chart, Panel, widened};
+use crate::drawing::style::{self, Colour, text};
+use crate::drawing::{Anchor, Canvas, Stroke};
 use crate::shapes::{Branch, Criticality, PointKind, ShapePoint};
 
 /// A branch under its name: `symmetric`, `asymmetric` or `cued`.
@@ -35,44 +35,36 @@ struct Shape<'a> {
 }
 
 /// Draws the branches of one cell.
-pub fn draw(cell: &Cell, branches: &[Named<'_>]) -> Drawing {
+pub fn draw(cell: &Cell, branches: &[Named<'_>]) -> Canvas {
     let breaks = branches.iter().flat_map(|b| &b.branch.points).any(|point| point.delta_u.abs() > 1e-6);
-    let height = 96.0 + SHAPES + CHART * if breaks { 2.0 } else { 1.0 };
-    let mut canvas = Canvas::new(WIDTH, height);
-    let mut title = format!("Stationary shapes at R₀ = {}, ε = {}", cell.r0, cell.epsilon);
-    if !cell.cue.is_none() {
-        title += &format!(", cue {}", cell.cue);
-    }
-    canvas.text([24.0, 30.0], &title, text::TITLE, Anchor::Start, style::INK);
-    legend::rows(&mut canvas, [24.0, 40.0], WIDTH - 40.0, &entries(branches));
+    let title = format!("Stationary shapes at {}", style::described(cell, &[Parameter::XiS]));
+    let below = SHAPES + 12.0 + CHART * if breaks { 2.0 } else { 1.0 };
+    let (mut canvas, top) = titled(WIDTH, below, &title, &legend(branches));
     let shapes = chosen(branches);
-    row_of_shapes(&mut canvas, cell, &shapes);
-    let top = 84.0 + SHAPES;
-    let elongation = |point: &ShapePoint| point.elongation;
-    chart(&mut canvas, branches, &shapes, top, "elongation H", elongation);
+    row_of_shapes(&mut canvas, cell, &shapes, top);
+    let top = top + SHAPES + 12.0;
+    chart(&mut canvas, branches, &shapes, top, "elongation H", |point| point.elongation);
     if breaks {
         chart(&mut canvas, branches, &shapes, top + CHART, "furrow position δu", |point| point.delta_u);
     }
-    canvas.finish()
+    canvas
 }
 
-fn entries(branches: &[Named<'_>]) -> Vec<(Key, String)> {
-    let mut entries: Vec<(Key, String)> =
-        branches.iter().map(|b| (Key::line(colour(b.name), None), format!("{} shapes", b.name))).collect();
-    entries.push((Key::line(style::INK, None), "stable".to_owned()));
-    entries.push((Key::line(style::INK, Some(style::DASHED)), "unstable".to_owned()));
-    for (marker, kind, word) in
-        [(Marker::Disc, PointKind::Pitchfork, "pitchfork"), (Marker::Diamond, PointKind::Fold, "fold")]
-    {
-        if branches.iter().flat_map(|b| &b.branch.events).any(|event| event.kind() == kind) {
-            entries.push((Key::point(style::INK, marker), word.to_owned()));
-        }
+fn legend(branches: &[Named<'_>]) -> Legend {
+    let mut legend = Legend::default();
+    for Named { name, .. } in branches {
+        legend = legend.with(Key::Line(colour(name)), format!("{name} shapes"));
     }
-    entries
+    let has = |kind| branches.iter().flat_map(|b| &b.branch.events).any(|event| event.kind() == kind);
+    legend
+        .with(Key::Line(style::INK), "stable")
+        .with(Key::Dashes(style::INK, style::DASHED), "unstable")
+        .with_if(has(PointKind::Pitchfork), Key::Point(style::INK, Marker::Disc), "pitchfork")
+        .with_if(has(PointKind::Fold), Key::Point(style::INK, Marker::Diamond), "fold")
 }
 
 /// The colour of a branch: of what divides like its shapes.
-fn colour(name: &str) -> &'static str {
+fn colour(name: &str) -> Colour {
     match name {
         "symmetric" => style::SYMMETRIC,
         "asymmetric" => style::ASYMMETRIC,
@@ -107,12 +99,12 @@ fn chosen<'a>(branches: &[Named<'a>]) -> Vec<Shape<'a>> {
     ('a'..).zip(kept).map(|(letter, (point, contour))| Shape { letter, point, contour }).collect()
 }
 
-fn row_of_shapes(canvas: &mut Canvas, cell: &Cell, shapes: &[Shape<'_>]) {
-    let axes = shell_axes(&Cortex::new(cell, crate::cortex::Domain::Full, &[]));
+fn row_of_shapes(canvas: &mut Canvas, cell: &Cell, shapes: &[Shape<'_>], top: f64) {
+    let axes = shell_axes(&Cortex::new(cell, Domain::Full, &[]));
     let width = (WIDTH - 40.0) / shapes.len().max(1) as f64;
     let scale = (0.44 * width / axes[0]).min(0.40 * SHAPES / axes[1]);
     for (k, Shape { letter, contour, .. }) in shapes.iter().enumerate() {
-        let site = Site { centre: [20.0 + width * (k as f64 + 0.5), 78.0 + 0.5 * SHAPES], scale };
+        let site = Site { centre: [20.0 + width * (k as f64 + 0.5), top + 6.0 + 0.5 * SHAPES], scale };
         body(canvas, contour, &site, 1.8);
         shell(canvas, axes, &site);
         let corner = [site.centre[0] - scale * axes[0], site.centre[1] - 0.36 * SHAPES];
@@ -132,53 +124,52 @@ fn chart(
     let points = || branches.iter().flat_map(|b| &b.branch.points);
     let x = Axis::new(style::ACTIVITY, widened(points().map(|p| p.xi_s), 0.03));
     let y = Axis::new(label, widened(points().map(value), 0.12));
-    let panel = Panel::new([0.0, top], [WIDTH, CHART], x, y);
-    let map = panel.draw(canvas, &[], |_, _| {});
+    let mut chart = Panel::new([0.0, top], [WIDTH, CHART], x, y).draw(canvas);
     for Named { name, branch } in branches {
         for (stable, piece) in pieces(branch, value) {
             let dash = (!stable).then_some(style::DASHED);
-            let points: Vec<[f64; 2]> = piece.iter().map(|point| map.point(*point)).collect();
-            canvas.polyline(&points, Stroke { colour: colour(name), width: style::CURVE, dash });
+            chart.line(piece, Stroke { colour: colour(name), width: style::CURVE, dash });
         }
     }
-    letters(canvas, shapes, &map, value);
+    letters(&mut chart, shapes, value);
     for Named { name, branch } in branches {
         for event in &branch.events {
-            let (at, point) = (map.point([event.point().xi_s, value(event.point())]), event.pitchfork());
-            let marker = if point.is_some() { Marker::Disc } else { Marker::Diamond };
-            let fill = if point.is_some() { style::INK } else { colour(name) };
-            legend::point(canvas, at, 6.5, marker, fill);
-            if let Some(pitchfork) = point {
-                let kind = match pitchfork.criticality() {
-                    Criticality::Subcritical => "subcritical",
-                    _ => "supercritical",
-                };
-                let (aside, anchor) =
-                    if at[0] + 130.0 > map.frame()[2] { (-12.0, Anchor::End) } else { (12.0, Anchor::Start) };
-                canvas.text([at[0] + aside, at[1] + 22.0], kind, text::TICK, anchor, style::MUTED);
-            }
+            let place = [event.point().xi_s, value(event.point())];
+            let Some(pitchfork) = event.pitchfork() else {
+                chart.point(place, 6.5, Marker::Diamond, colour(name));
+                continue;
+            };
+            chart.point(place, 6.5, Marker::Disc, style::INK);
+            let kind = match pitchfork.criticality() {
+                Criticality::Subcritical => "subcritical",
+                _ => "supercritical",
+            };
+            let at = chart.at(place);
+            let (aside, anchor) =
+                if at[0] + 130.0 > chart.frame[2] { (-12.0, Anchor::End) } else { (12.0, Anchor::Start) };
+            chart.canvas.text([at[0] + aside, at[1] + 22.0], kind, text::TICK, anchor, style::MUTED);
         }
     }
 }
 
 /// The letters of the shapes beside their points, above those they would collide with.
-fn letters(canvas: &mut Canvas, shapes: &[Shape<'_>], map: &Mapping, value: fn(&ShapePoint) -> f64) {
+fn letters(chart: &mut Chart<'_>, shapes: &[Shape<'_>], value: fn(&ShapePoint) -> f64) {
     let mut taken: Vec<[f64; 2]> = Vec::new();
+    let [_, top, right, _] = chart.frame;
     for Shape { letter, point, .. } in shapes {
         let data = [point.xi_s, value(point)];
-        if !map.holds(data) {
+        if !chart.holds(data) {
             continue;
         }
-        let at = map.point(data);
-        let [_, top, right, _] = map.frame();
+        let at = chart.at(data);
         let left = at[0] + 24.0 > right;
         let mut place = [at[0] + if left { -14.0 } else { 14.0 }, (at[1] - 11.0).max(top + 18.0)];
         while taken.iter().any(|[x, y]| (x - place[0]).abs() < 14.0 && (y - place[1]).abs() < 16.0) {
             place[0] += if left { -15.0 } else { 15.0 };
         }
         taken.push(place);
-        canvas.disc(at, 2.6, style::INK, 1.0, None);
-        canvas.bold(place, &letter.to_string(), text::LABEL, Anchor::Middle, style::INK);
+        chart.canvas.disc(at, 2.6, style::INK, 1.0, None);
+        chart.canvas.bold(place, &letter.to_string(), text::LABEL, Anchor::Middle, style::INK);
     }
 }
 

@@ -4,10 +4,10 @@ use measured::events::Division;
 use measured::statistics::BoxPlot;
 use measured::trend::{VolumeBin, adjacent_tests};
 
-use crate::drawing::legend::{self, Key, Marker};
-use crate::drawing::panel::{Axis, Mapping, Panel, widened};
-use crate::drawing::style::{self, text};
-use crate::drawing::{Anchor, Canvas, Drawing, Stroke};
+use crate::drawing::legend::{Key, Legend, Marker, titled};
+use crate::drawing::panel::{Axis, Chart, Panel, widened};
+use crate::drawing::style::{self, Colour, WHITE, text};
+use crate::drawing::{Anchor, Canvas, Stroke};
 use crate::study::compare::volumes::{Band, Beside, GroupBeside, Modelled, SizeCurve};
 
 /// Height of the chart by mother, and of that over volume.
@@ -36,61 +36,57 @@ pub struct Comparison<'a> {
 }
 
 /// Draws groups beside the model, and below them, where single divisions are known, χ over the mother's volume.
-pub fn draw(comparison: &Comparison<'_>) -> Drawing {
+pub fn draw(comparison: &Comparison<'_>) -> Canvas {
     let Comparison { groups, divisions, .. } = *comparison;
     let mothers = mothers(groups);
     let each = 30.0 + 24.0 * groups.len() as f64;
     // As many mothers in a row as leave the text large enough to be read.
     let in_row = (((WIDEST - 150.0) / each) as usize).clamp(1, mothers.len().max(1));
     let width = (150.0 + in_row as f64 * each).max(760.0);
-    let rows: Vec<&[String]> = mothers.chunks(in_row).collect();
-    let height = if rows.len() > 1 { CHARTS[0] * 0.75 } else { CHARTS[0] };
-    let entries = entries(comparison);
-    let second = if divisions.is_empty() { 0.0 } else { CHARTS[1] };
-    let charts = height * rows.len() as f64 + second;
-    let mut canvas = Canvas::new(width, 52.0 + charts + legend::height(width - 40.0, &entries));
-    canvas.text([24.0, 30.0], "Size asymmetry of divisions, by mother", text::TITLE, Anchor::Start, style::INK);
-    let top = 48.0 + legend::rows(&mut canvas, [24.0, 42.0], width - 40.0, &entries);
+    let rows = mothers.len().div_ceil(in_row);
+    let height = if rows > 1 { CHARTS[0] * 0.75 } else { CHARTS[0] };
+    let charts = height * rows as f64 + if divisions.is_empty() { 0.0 } else { CHARTS[1] };
+    let title = "Size asymmetry of divisions, by mother";
+    let (mut canvas, top) = titled(width, charts, title, &legend(comparison));
     let most = groups.iter().flat_map(|group| &group.events).map(highest).fold(0.3, f64::max);
-    for (k, row) in rows.iter().enumerate() {
-        let name = if k + 1 == rows.len() { "mother" } else { "" };
-        let x = Axis::new(name, [-0.6, in_row as f64 - 0.4]).every(1.0).unnumbered();
+    for (k, row) in mothers.chunks(in_row).enumerate() {
+        let label = if k + 1 == rows { "mother" } else { "" };
+        let mut x = Axis::names(label, row.to_vec(), false);
+        // The last row is as wide as the others.
+        x.range = [-0.6, in_row as f64 - 0.4];
         let y = Axis::new(style::CHI, [-0.02, 1.06 * most]);
         let panel = Panel::new([0.0, top + k as f64 * height], [width, height], x, y);
-        by_mother(&mut canvas, &panel, groups, row);
+        by_mother(&mut panel.draw(&mut canvas), groups, row);
     }
-    let below = top + height * rows.len() as f64;
     if !divisions.is_empty() {
-        over_volume(&mut canvas, [below, width], comparison);
+        over_volume(&mut canvas, [top + height * rows as f64, width], comparison);
     }
-    canvas.finish()
+    canvas
 }
 
-/// What the legend says.
-fn entries(comparison: &Comparison<'_>) -> Vec<(Key, String)> {
-    let groups = comparison.groups;
-    let name = |group: &GroupBeside| if group.group.is_empty() { "measured".to_owned() } else { group.group.clone() };
-    let has_boxes = |group: &GroupBeside| group.events.iter().any(|event| boxed(event).is_some());
-    let of = |(k, group): (usize, &GroupBeside)| {
-        let how = if has_boxes(group) { "boxes, whiskers within 3 IQR" } else { "mean ± sd" };
-        let what = format!("{}, {how}, {} embryos", name(group), group.embryos);
-        (Key::point(&colour(k), Marker::Disc), what)
-    };
-    let mut out: Vec<(Key, String)> = groups.iter().enumerate().map(of).collect();
-    out.push((Key::point(style::MODEL, Marker::Diamond), "model".to_owned()));
-    out.push((Key::point(style::MODEL, Marker::Ring), "model, AB and P1 as measured".to_owned()));
-    if groups.iter().flat_map(|group| &group.events).any(|event| event.band.is_some()) {
-        out.push((Key::area(BAND), "model, 90 % of the sets of constants".to_owned()));
+fn legend(comparison: &Comparison<'_>) -> Legend {
+    let mut legend = Legend::default();
+    for (k, group) in comparison.groups.iter().enumerate() {
+        let name = if group.group.is_empty() { "measured" } else { &group.group };
+        let boxes = group.events.iter().any(|event| boxed(event).is_some());
+        let how = if boxes { "boxes, whiskers within 3 IQR" } else { "mean ± sd" };
+        legend = legend.with(Key::Point(colour(k), Marker::Disc), format!("{name}, {how}, {} embryos", group.embryos));
     }
+    let banded = comparison.groups.iter().flat_map(|group| &group.events).any(|event| event.band.is_some());
+    legend = legend
+        .with(Key::Point(style::MODEL, Marker::Diamond), "model")
+        .with(Key::Point(style::MODEL, Marker::Ring), "model, AB and P1 as measured")
+        .with_if(banded, Key::Area(BAND), "model, 90 % of the sets of constants");
     for (k, curve) in comparison.curves.iter().enumerate() {
         let what = if curve.cue.is_empty() { "no cue".to_owned() } else { format!("cue {}", curve.cue) };
-        out.push((Key::line(style::MODEL, dash(k)), format!("model over size, {what}")));
+        let key = dash(k).map_or(Key::Line(style::MODEL), |dash| Key::Dashes(style::MODEL, dash));
+        legend = legend.with(key, format!("model over size, {what}"));
     }
-    out
+    legend
 }
 
 /// Green as the model, and pale as what is not sure.
-const BAND: &str = "#99d8c7";
+const BAND: Colour = [0x99, 0xd8, 0xc7];
 
 /// The dashes of a curve over size.
 fn dash(curve: usize) -> Option<[f64; 2]> {
@@ -114,20 +110,15 @@ fn highest(event: &Beside) -> f64 {
 }
 
 /// One row of mothers.
-fn by_mother(canvas: &mut Canvas, panel: &Panel, groups: &[GroupBeside], mothers: &[String]) {
-    let map = panel.draw(canvas, &[], |_, _| {});
+fn by_mother(chart: &mut Chart<'_>, groups: &[GroupBeside], mothers: &[String]) {
+    let apart = 0.8 / (groups.len() as f64).max(2.0);
     for (k, group) in groups.iter().enumerate() {
-        let apart = 0.8 / (groups.len() as f64).max(2.0);
         let aside = (k as f64 - 0.5 * groups.len() as f64 + 0.2) * apart;
         for event in &group.events {
             if let Some(place) = mothers.iter().position(|mother| *mother == event.measured.mother) {
-                beside(canvas, &map, [place as f64 + aside, apart], event, &colour(k));
+                beside(chart, [place as f64 + aside, apart], event, colour(k));
             }
         }
-    }
-    for (k, mother) in mothers.iter().enumerate() {
-        let at = [map.point([k as f64, 0.0])[0], map.frame()[3] + 24.0];
-        canvas.text(at, mother, text::TICK, Anchor::Middle, style::INK);
     }
 }
 
@@ -143,52 +134,45 @@ fn mothers(groups: &[GroupBeside]) -> Vec<String> {
 }
 
 /// The colour of a group: green is the model's.
-fn colour(group: usize) -> String {
-    let hues = ["#000000", "#e69f00", "#0072b2", "#cc79a7", "#56b4e9", "#d55e00"];
-    hues[group % hues.len()].to_owned()
+fn colour(group: usize) -> Colour {
+    [0, 1, 5, 4, 2, 6].map(|k: usize| style::SERIES[k])[group % 6]
 }
 
 /// A division beside the model's, at `x` and to the right of it by parts of `apart`, the distance of two groups.
-fn beside(canvas: &mut Canvas, map: &Mapping, [x, apart]: [f64; 2], event: &Beside, colour: &str) {
+fn beside(chart: &mut Chart<'_>, [x, apart]: [f64; 2], event: &Beside, colour: Colour) {
     let Beside { measured, model, given_first, band, .. } = event;
     if let Some(Band { chi: Some(range), .. }) = band {
-        let [left, low] = map.point([x + 0.2 * apart, range.p5]);
-        let [right, high] = map.point([x + 0.4 * apart, range.p95]);
-        canvas.rectangle([left, high], [right - left, (low - high).max(2.0)], BAND, 1.0);
+        chart.area([x + 0.2 * apart, range.p5], [x + 0.4 * apart, range.p95], 2.0, BAND, 1.0);
     }
     match boxed(event) {
-        Some(found) => draw_box(canvas, map, x, found, colour),
+        Some(found) => draw_box(chart, x, found, colour),
         None => {
             if let Some(sd) = measured.sd {
-                let ends = [measured.mean - sd, measured.mean + sd].map(|y| map.point([x, y.max(-0.02)]));
-                legend::error_bar(canvas, ends, 4.0, Stroke::solid(colour, 1.8));
+                let ends = [measured.mean - sd, measured.mean + sd].map(|y| y.max(-0.02));
+                chart.error_bar(x, ends, 0.0, 4.0, Stroke::solid(colour, 1.8));
             }
-            legend::point(canvas, map.point([x, measured.mean]), 5.5, Marker::Disc, colour);
+            chart.point([x, measured.mean], 5.5, Marker::Disc, colour);
         }
     }
     for (of, marker, aside) in [(model, Marker::Diamond, 0.3), (given_first, Marker::Ring, 0.6)] {
         if let Some(Modelled { chi: Some(chi), .. }) = of {
-            legend::point(canvas, map.point([x + aside * apart, *chi]), 5.5, marker, style::MODEL);
+            chart.point([x + aside * apart, *chi], 5.5, marker, style::MODEL);
         }
     }
 }
 
 /// A box with its whiskers, and what lies beyond them as points.
-fn draw_box(canvas: &mut Canvas, map: &Mapping, x: f64, found: &BoxPlot, colour: &str) {
+fn draw_box(chart: &mut Chart<'_>, x: f64, found: &BoxPlot, colour: Colour) {
     const HALF: f64 = 6.0;
-    let at = |y: f64| map.point([x, y]);
-    let [low, median, high] = found.quartiles.map(at);
-    legend::error_bar(canvas, found.whiskers.map(at), 3.5, Stroke::solid(colour, 1.4));
-    let corner = [low[0] - HALF, high[1]];
-    let size = [2.0 * HALF, (low[1] - high[1]).max(1.0)];
-    canvas.rectangle(corner, size, "#ffffff", 1.0);
-    canvas.rectangle(corner, size, colour, 0.3);
+    chart.error_bar(x, found.whiskers, 0.0, 3.5, Stroke::solid(colour, 1.4));
+    let [low, median, high] = found.quartiles.map(|y| chart.at([x, y]));
     let [left, right] = [low[0] - HALF, low[0] + HALF];
-    let around = [[left, high[1]], [right, high[1]], [right, low[1]], [left, low[1]], [left, high[1]]];
-    canvas.polyline(&around, Stroke::solid(colour, 1.4));
-    canvas.polyline(&[[left, median[1]], [right, median[1]]], Stroke::solid(colour, 2.6));
+    let around = [[left, high[1]], [right, high[1]], [right, low[1]], [left, low[1]]];
+    chart.canvas.polygon(&around, WHITE, 1.0, None);
+    chart.canvas.polygon(&around, colour, 0.3, Some(Stroke::solid(colour, 1.4)));
+    chart.canvas.polyline(&[[left, median[1]], [right, median[1]]], Stroke::solid(colour, 2.6));
     for outlier in &found.outliers {
-        canvas.disc(at(*outlier), 2.2, colour, 1.0, None);
+        chart.canvas.disc(chart.at([x, *outlier]), 2.2, colour, 1.0, None);
     }
 }
 
@@ -220,15 +204,14 @@ fn over_volume(canvas: &mut Canvas, [top, width]: [f64; 2], comparison: &Compari
     let highest = chi.fold(0.3, f64::max);
     let x = Axis::new(format!("volume of the mother {unit}"), [10_f64.powf(least), 10_f64.powf(most)]).logarithmic();
     let panel = Panel::new([0.0, top], [width, CHARTS[1]], x, Axis::new(style::CHI, [-0.02, 1.2 * highest]));
-    let map = panel.draw(canvas, &[], |_, _| {});
+    let mut chart = panel.draw(canvas);
     for (k, points) in &pieces {
-        let points: Vec<[f64; 2]> = points.iter().map(|point| map.point(*point)).collect();
-        let stroke = Stroke { dash: dash(*k), ..Stroke::solid(style::MODEL, 2.0) };
-        canvas.polyline(&points, stroke);
+        chart.line(points.iter().copied(), Stroke { dash: dash(*k), ..Stroke::solid(style::MODEL, 2.0) });
     }
     for division in divisions {
         let group = groups.iter().position(|group| group.group == division.group).unwrap_or(0);
-        canvas.disc(map.point([division.mother_volume(), division.chi()]), 3.2, &colour(group), 0.45, None);
+        let at = chart.at([division.mother_volume(), division.chi()]);
+        chart.canvas.disc(at, 3.2, colour(group), 0.45, None);
     }
     let middle = |bin: &VolumeBin| {
         let inside = |edge: f64| edge.clamp(10_f64.powf(least), 10_f64.powf(most));
@@ -236,16 +219,16 @@ fn over_volume(canvas: &mut Canvas, [top, width]: [f64; 2], comparison: &Compari
     };
     for bin in bins.iter().filter(|bin| bin.n >= FEWEST) {
         if let Some(found) = &bin.box_plot {
-            draw_box(canvas, &map, middle(bin), found, style::INK);
+            draw_box(&mut chart, middle(bin), found, style::INK);
         }
     }
     for (pair, test) in bins.windows(2).zip(adjacent_tests(bins)) {
-        let [a, b] = [&pair[0], &pair[1]].map(|bin| map.point([middle(bin), 1.12 * highest]));
-        canvas.polyline(&[a, b], Stroke::solid(style::MUTED, 1.2));
+        let [a, b] = [&pair[0], &pair[1]].map(|bin| chart.at([middle(bin), 1.12 * highest]));
+        chart.canvas.polyline(&[a, b], Stroke::solid(style::MUTED, 1.2));
         let at = [0.5 * (a[0] + b[0]), a[1] - 5.0];
-        canvas.text(at, test.stars, text::TICK, Anchor::Middle, style::MUTED);
+        chart.canvas.text(at, test.stars, text::TICK, Anchor::Middle, style::MUTED);
     }
     for point in modelled {
-        legend::point(canvas, map.point(point), 6.0, Marker::Diamond, style::MODEL);
+        chart.point(point, 6.0, Marker::Diamond, style::MODEL);
     }
 }

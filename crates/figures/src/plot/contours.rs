@@ -4,9 +4,9 @@ use measured::contour::Contour;
 use measured::contour::series::{Beside, Series};
 
 use crate::drawing::cell::Site;
-use crate::drawing::legend::{self, Key};
-use crate::drawing::style::{self, text};
-use crate::drawing::{Anchor, Canvas, Drawing, Stroke};
+use crate::drawing::legend::{Key, Legend, titled};
+use crate::drawing::style::{self, Colour, text};
+use crate::drawing::{Anchor, Canvas, Stroke};
 
 /// Stages in a row.
 const IN_ROW: usize = 3;
@@ -14,30 +14,27 @@ const WIDTH: f64 = 1080.0;
 /// Height of the two lines of text under a stage.
 const WORDS: f64 = 50.0;
 /// The inside of a measured cell.
-const MEASURED: &str = "#c9c9c9";
+const MEASURED: Colour = [0xc9; 3];
 
 /// Draws the stages of a series, those with the deepest furrow last. The long axis lies across.
-pub fn draw(series: &Series) -> Drawing {
+pub fn draw(series: &Series) -> Canvas {
     let mut stages: Vec<&Beside> = series.contours.iter().filter(|beside| beside.stage.is_some()).collect();
     stages.sort_by_key(|beside| beside.stage);
     let in_row = stages.len().clamp(1, IN_ROW);
     let each = (WIDTH - 40.0) / in_row as f64;
     // As large in all stages, so that they can be held beside each other.
-    let reach = |of: fn(&nalgebra::Point2<f64>) -> f64| {
+    let reach = |k: usize| {
         let points = stages.iter().flat_map(|beside| &beside.laid).flat_map(Contour::points);
-        points.map(|point| of(point).abs()).fold(0.0, f64::max)
+        points.map(|point| point[k].abs()).fold(0.0, f64::max)
     };
-    let (long, wide) = (reach(|point| point.y), reach(|point| point.x));
+    let (long, wide) = (reach(1), reach(0));
     let scale = (0.46 * each / long).min(140.0 / wide);
     let height = 2.0 * scale * wide + 24.0 + WORDS;
     let rows = stages.len().div_ceil(in_row);
-    let entries = [(Key::area(MEASURED), "measured".to_owned()), (Key::line(style::MODEL, None), "model".to_owned())];
-    let top = 48.0 + legend::height(WIDTH - 40.0, &entries);
-    let mut canvas = Canvas::new(WIDTH, top + height * rows as f64 + 10.0);
+    let legend = Legend::default().with(Key::Area(MEASURED), "measured").with(Key::Line(style::MODEL), "model");
     let sd = series.similarity_sd.map_or(String::new(), |sd| format!(" ± {sd:.3}"));
     let title = format!("Outlines beside the model: similarity {:.3}{sd}, n = {}", series.similarity, series.n);
-    canvas.text([24.0, 30.0], &title, text::TITLE, Anchor::Start, style::INK);
-    legend::rows(&mut canvas, [24.0, 42.0], WIDTH - 40.0, &entries);
+    let (mut canvas, top) = titled(WIDTH, height * rows as f64 + 10.0, &title, &legend);
     for (k, beside) in stages.into_iter().enumerate() {
         let centre =
             [20.0 + each * (0.5 + (k % in_row) as f64), top + height * (k / in_row) as f64 + 0.5 * (height - WORDS)];
@@ -52,7 +49,7 @@ pub fn draw(series: &Series) -> Drawing {
             canvas.text(at, word, text::TICK, Anchor::Middle, colour);
         }
     }
-    canvas.finish()
+    canvas
 }
 
 /// Both contours of a stage.

@@ -4,46 +4,38 @@
 use crate::cell::Cell;
 use crate::division::{Film, Outcome, Still};
 use crate::drawing::cell::{self as drawn, Site};
-use crate::drawing::legend::{self, Key};
-use crate::drawing::panel::{Axis, Curve, Panel, widened};
+use crate::drawing::legend::{Key, Legend, titled};
+use crate::drawing::panel::{Axis, Panel, widened};
 use crate::drawing::style::{self, FORCES, text};
-use crate::drawing::{Anchor, Canvas, Drawing, Stroke};
+use crate::drawing::{Anchor, Canvas, Stroke};
 
 const WIDTH: f64 = 1160.0;
 /// Height of a row of contours.
 const CELLS: f64 = 175.0;
-const CHARTS: f64 = 400.0;
+/// Height of a chart with its legend, and width of that on the left.
+const CHART: [f64; 2] = [440.0, 0.45 * WIDTH];
 /// Contours that are drawn.
 const STILLS: usize = 6;
 
 /// Draws a division.
-pub fn draw(cell: &Cell, film: &Film) -> Drawing {
-    let mut canvas = Canvas::new(WIDTH, 74.0 + CELLS + CHARTS + 50.0);
-    canvas.text([24.0, 30.0], &title(cell, film), text::TITLE, Anchor::Start, style::INK);
-    let stills = stills(film);
-    contours(&mut canvas, cell, film, &stills);
-    let top = 74.0 + CELLS;
+pub fn draw(cell: &Cell, film: &Film) -> Canvas {
+    let title = match (film.division.outcome, film.division.chi) {
+        (Outcome::Failed, _) => "stays at rest".to_owned(),
+        (outcome, Some(chi)) => format!("{outcome}, χ = {chi:.3}"),
+        (outcome, None) => outcome.to_string(),
+    };
+    let title = format!("{}: {title}", style::described(cell, &[]));
+    let (mut canvas, top) = titled(WIDTH, CELLS + 22.0 + CHART[0], &title, &Legend::default());
+    contours(&mut canvas, cell, film, top);
+    let top = top + CELLS + 22.0;
     over_time(&mut canvas, cell, film, top);
     balance(&mut canvas, &half_way(film), top);
-    canvas.finish()
-}
-
-/// What became of which cell.
-pub fn title(cell: &Cell, film: &Film) -> String {
-    let mut title = format!("R₀ = {}, ε = {}, ξₛ = {}", cell.r0, cell.epsilon, cell.xi_s);
-    if !cell.cue.is_none() {
-        title += &format!(", cue {}", cell.cue);
-    }
-    match (film.division.outcome, film.division.chi) {
-        (Outcome::Failed, _) => title + ": stays at rest",
-        (outcome, Some(chi)) => format!("{title}: {outcome}, χ = {chi:.3}"),
-        (outcome, None) => format!("{title}: {outcome}"),
-    }
+    canvas
 }
 
 /// Stills from the first to the last shape between which the neck closes by equal parts, or of a cell that stays at rest the
 /// contour's length grows by equal parts: what happens is seen, however long it waits.
-pub fn stills(film: &Film) -> Vec<Still> {
+fn stills(film: &Film) -> Vec<Still> {
     let all: Vec<Still> = (0..film.times().len()).map(|k| film.step(k)).collect();
     let Some(first) = all.first() else { return Vec::new() };
     let widest = |still: &Still| still.places.iter().map(|place| place.r).fold(0.0, f64::max);
@@ -76,28 +68,28 @@ pub fn stills(film: &Film) -> Vec<Still> {
 }
 
 /// The cell when its neck is half as wide as the cell was; of one that stays at rest the last shape.
-pub fn half_way(film: &Film) -> Still {
+fn half_way(film: &Film) -> Still {
     let times = film.times();
     let widest = film.step(0).places.iter().map(|place| place.r).fold(0.0, f64::max);
     let narrow = |k: &usize| film.step(*k).neck.is_some_and(|neck| neck.radius < 0.5 * widest);
     film.step((0..times.len()).find(narrow).unwrap_or(times.len().saturating_sub(1)))
 }
 
-fn contours(canvas: &mut Canvas, cell: &Cell, film: &Film, stills: &[Still]) {
-    let shell = film.shell();
+fn contours(canvas: &mut Canvas, cell: &Cell, film: &Film, top: f64) {
+    let (shell, stills) = (film.shell(), stills(film));
     let longest = stills.iter().flat_map(|s| &s.places).map(|p| p.z.abs()).fold(shell[0], f64::max);
     let width = (WIDTH - 40.0) / stills.len().max(1) as f64;
     let scale = (0.46 * width / longest).min(0.42 * (CELLS - 30.0) / shell[1]);
     for (k, still) in stills.iter().enumerate() {
-        let site = Site { centre: [20.0 + width * (k as f64 + 0.5), 50.0 + 0.5 * (CELLS - 24.0)], scale };
+        let site = Site { centre: [20.0 + width * (k as f64 + 0.5), top + 0.5 * (CELLS - 24.0)], scale };
         drawn::shell(canvas, shell, &site);
         drawn::body(canvas, &still.contour(), &site, 2.0);
         let places: Vec<[f64; 3]> = still.places.iter().map(|p| [p.u, p.r, p.z]).collect();
         if k > 0 {
             drawn::cue(canvas, &cell.cue, still.length, &places, &site, 5.5);
         }
-        let word = format!("t = {} τ", digits(still.t));
-        canvas.text([site.centre[0], 50.0 + CELLS - 6.0], &word, text::TICK, Anchor::Middle, style::MUTED);
+        let word = format!("t = {} τ", style::time(still.t));
+        canvas.text([site.centre[0], top + CELLS - 6.0], &word, text::TICK, Anchor::Middle, style::MUTED);
     }
 }
 
@@ -113,15 +105,6 @@ fn usual(still: &Still) -> f64 {
     1.15 * sizes.get(sizes.len() * 9 / 10).copied().unwrap_or(1.0).max(1e-6)
 }
 
-/// A time with as many digits as it takes to tell it from another.
-pub fn digits(t: f64) -> String {
-    match t {
-        t if t >= 100.0 => format!("{t:.0}"),
-        t if t >= 10.0 => format!("{t:.1}"),
-        t => format!("{t:.2}"),
-    }
-}
-
 fn over_time(canvas: &mut Canvas, cell: &Cell, film: &Film, top: f64) {
     let times = film.times();
     let (mut neck, mut chi) = (Vec::new(), Vec::new());
@@ -132,45 +115,44 @@ fn over_time(canvas: &mut Canvas, cell: &Cell, film: &Film, top: f64) {
             chi.push([*t, still.asymmetry.abs()]);
         }
     }
-    let end = times.last().copied().unwrap_or(1.0);
-    let entries = [
-        (Key::line(style::SYMMETRIC, None), "neck radius / R₀".to_owned()),
-        (Key::line(style::ASYMMETRIC, None), "asymmetry χ about the neck".to_owned()),
-    ];
-    legend::rows(canvas, [70.0, top + 10.0], 560.0, &entries);
+    Legend::default()
+        .with(Key::Line(style::SYMMETRIC), "neck radius / R₀")
+        .with(Key::Line(style::ASYMMETRIC), "asymmetry χ about the neck")
+        .draw(canvas, [70.0, top + 10.0], 560.0);
     let most = neck.iter().chain(&chi).map(|[_, v]| *v).fold(0.5, f64::max);
     let y = Axis::new("neck radius / R₀,  χ", [0.0, 1.08 * most]);
-    let panel = Panel::new([0.0, top + 40.0], [0.45 * WIDTH, CHARTS], Axis::new(style::TIME, [0.0, end]), y);
-    let curves = [Curve::new(neck, style::SYMMETRIC), Curve::new(chi, style::ASYMMETRIC)];
-    panel.draw(canvas, &curves, |_, _| {});
+    let x = Axis::new(style::TIME, [0.0, times.last().copied().unwrap_or(1.0)]);
+    let mut chart = Panel::new([0.0, top + 40.0], [CHART[1], CHART[0] - 40.0], x, y).draw(canvas);
+    for (curve, colour) in [(neck, style::SYMMETRIC), (chi, style::ASYMMETRIC)] {
+        chart.line(curve, Stroke::solid(colour, style::CURVE));
+    }
 }
 
 fn balance(canvas: &mut Canvas, still: &Still, top: f64) {
-    let entries: Vec<(Key, String)> =
-        FORCES.iter().map(|(name, colour)| (Key::line(colour, None), (*name).to_owned())).collect();
-    let left = 0.45 * WIDTH;
-    legend::rows(canvas, [left + 60.0, top + 10.0], WIDTH - left - 50.0, &entries);
+    let left = CHART[1];
+    let legend = FORCES.iter().fold(Legend::default(), |legend, (name, colour)| legend.with(Key::Line(*colour), *name));
+    legend.draw(canvas, [left + 60.0, top + 10.0], WIDTH - left - 50.0);
     let part = |k: usize| still.places.iter().map(move |place| [place.u, place.normal.parts()[k]]);
     let most = usual(still);
-    let label = format!("normal force at t = {} τ (κ₀/Lₕ³)", digits(still.t));
+    let label = format!("normal force at t = {} τ (κ₀/Lₕ³)", style::time(still.t));
     let y = Axis::new(label, widened([-most, most], 0.08));
     let x = Axis::new("place u, posterior 0, anterior 1", [0.0, 1.0]);
-    let panel = Panel::new([left, top + 40.0], [WIDTH - left, CHARTS], x, y);
-    let curves: Vec<Curve> = FORCES.iter().enumerate().map(|(k, (_, c))| Curve::new(part(k).collect(), c)).collect();
-    let map = panel.draw(canvas, &curves, |_, _| {});
-    canvas.polyline(&[map.point([0.0, 0.0]), map.point([1.0, 0.0])], Stroke::solid(style::MUTED, 1.0));
-    let peak = |k: usize| part(k).map(|[_, f]| f).fold(0.0, |m: f64, f| if f.abs() > m.abs() { f } else { m });
-    let beyond: Vec<String> = FORCES
-        .iter()
-        .enumerate()
-        .filter(|(k, _)| peak(*k).abs() > 1.08 * most)
-        .map(|(k, (name, _))| format!("{name} {:+.0}", peak(k)).replace('-', "\u{2212}"))
-        .collect();
-    if !beyond.is_empty() {
-        let [left, top, _, _] = map.frame();
-        for (k, line) in std::iter::once("at the neck").chain(beyond.iter().map(String::as_str)).enumerate() {
-            let at = [left + 10.0, top + 22.0 + 20.0 * k as f64];
-            canvas.text(at, line, text::TICK, Anchor::Start, style::MUTED);
+    let mut chart = Panel::new([left, top + 40.0], [WIDTH - left, CHART[0] - 40.0], x, y).draw(canvas);
+    chart.line([[0.0, 0.0], [1.0, 0.0]], Stroke::solid(style::MUTED, 1.0));
+    let mut beyond = Vec::new();
+    for (k, (name, colour)) in FORCES.iter().enumerate() {
+        chart.line(part(k), Stroke::solid(*colour, style::CURVE));
+        let peak = part(k).map(|[_, f]| f).fold(0.0, |m: f64, f| if f.abs() > m.abs() { f } else { m });
+        if peak.abs() > 1.08 * most {
+            beyond.push(format!("{name} {peak:+.0}").replace('-', "\u{2212}"));
         }
+    }
+    if !beyond.is_empty() {
+        beyond.insert(0, "at the neck".to_owned());
+    }
+    let [left, top, ..] = chart.frame;
+    for (k, line) in beyond.iter().enumerate() {
+        let at = [left + 10.0, top + 22.0 + 20.0 * k as f64];
+        chart.canvas.text(at, line, text::TICK, Anchor::Start, style::MUTED);
     }
 }

@@ -6,14 +6,14 @@ use super::perturbation::Watched;
 use super::phase::Edges;
 use super::{boundary, branch, division, perturbation, phase, rounds, sweep};
 use crate::cell::Parameter;
-use crate::drawing::Drawing;
+use crate::drawing::Canvas;
 use crate::study::reproduce::{Panel, Shown};
 
 /// Places of each mesh interval in the picture of a division.
 const DENSE: usize = 6;
 
 /// Draws a panel.
-pub fn draw(panel: &Panel) -> Drawing {
+pub fn draw(panel: &Panel) -> Canvas {
     match &panel.shown {
         Shown::Sweep(of, rows) => sweep::draw(of, rows),
         Shown::Map(map) => {

@@ -3,17 +3,16 @@
 
 use serde_json::Value;
 
-use super::phase::bins;
-use crate::cell::Cue;
+use crate::cell::{Cell, Cue, Parameter};
 use crate::division::Outcome;
-use crate::drawing::legend::{self, Key, Marker};
-use crate::drawing::panel::{Axis, Curve, Mapping, Panel, widened};
-use crate::drawing::style::{self, text};
-use crate::drawing::{Anchor, Canvas, Drawing, Stroke};
+use crate::drawing::legend::{Key, Legend, Marker, titled};
+use crate::drawing::panel::{Axis, Chart, Panel, bins, widened};
+use crate::drawing::style::{self, Colour};
+use crate::drawing::{Canvas, Stroke};
 use crate::study::{self, AxisValue, Kind, Row, Sweep, Target};
 
 const WIDTH: f64 = 1000.0;
-const HEIGHT: f64 = 620.0;
+const CHART: f64 = 548.0;
 /// Fewest values of an axis that count as dense, and of the second with which curves would be too many.
 const DENSE: usize = 8;
 /// Most curves that a legend names.
@@ -31,40 +30,30 @@ struct Point {
 }
 
 /// Draws the rows of a sweep, be they all of them or those of a part.
-pub fn draw(sweep: &Sweep, rows: &[Row]) -> Drawing {
+pub fn draw(sweep: &Sweep, rows: &[Row]) -> Canvas {
     let points: Vec<Point> = rows.iter().map(|row| point(sweep, row)).collect();
-    let numeric: Vec<usize> = (0..sweep.axes.0.len()).filter(|k| numbers(sweep, *k).is_some()).collect();
-    let mut canvas = Canvas::new(WIDTH, HEIGHT);
-    canvas.text([24.0, 30.0], &title(sweep), text::TITLE, Anchor::Start, style::INK);
+    let numeric: Vec<(usize, Vec<f64>)> =
+        (0..sweep.axes.0.len()).filter_map(|k| Some((k, numbers(sweep, k)?))).collect();
     let dense = |k: usize| sweep.axes.0[k].values.len() >= DENSE && !sweep.axes.0[k].sampled;
-    match numeric[..] {
-        [x, y] if sweep.kind == Kind::Division && sweep.axes.0.len() == 2 && dense(x) && dense(y) => {
-            map_of_outcomes(&mut canvas, sweep, &points, [x, y]);
+    match &numeric[..] {
+        [x, y] if sweep.kind == Kind::Division && sweep.axes.0.len() == 2 && dense(x.0) && dense(y.0) => {
+            map_of_outcomes(sweep, &points, [x, y])
         }
         // Curves run along an axis that has enough values for one, if there is any.
-        _ => curves(
-            &mut canvas,
-            sweep,
-            &points,
-            numeric.iter().copied().find(|k| dense(*k)).or(numeric.first().copied()),
-        ),
+        _ => curves(sweep, &points, numeric.iter().find(|(k, _)| dense(*k)).or(numeric.first())),
     }
-    canvas.finish()
 }
 
 fn title(sweep: &Sweep) -> String {
-    let fixed = |name: &'static str| sweep.axes.0.iter().all(|axis| axis.target != Target::Field(name));
-    let cell = &sweep.settings.cell;
-    let mut parts = Vec::new();
-    if fixed("r0") && matches!(sweep.kind, Kind::Division | Kind::Pitchfork) {
-        parts.push(format!("R₀ = {}", cell.r0));
-    }
-    if fixed("epsilon") {
-        parts.push(format!("ε = {}", cell.epsilon));
-    }
-    if fixed("xi_s") && sweep.kind != Kind::Pitchfork {
-        parts.push(format!("ξₛ = {}", cell.xi_s));
-    }
+    let varied = |parameter: Parameter| {
+        let size = parameter == Parameter::R0 && !matches!(sweep.kind, Kind::Division | Kind::Pitchfork);
+        let activity = parameter == Parameter::XiS && sweep.kind == Kind::Pitchfork;
+        size || activity || sweep.axes.0.iter().any(|axis| axis.target == Target::Field(parameter.name()))
+    };
+    let known = [Parameter::R0, Parameter::Epsilon, Parameter::XiS].into_iter();
+    let cell = Cell { cue: Cue::none(), ..sweep.settings.cell.clone() };
+    let fixed = style::described(&cell, &known.filter(|parameter| varied(*parameter)).collect::<Vec<_>>());
+    let mut parts: Vec<String> = Some(fixed).filter(|fixed| !fixed.is_empty()).into_iter().collect();
     if sweep.axes.0.iter().all(|axis| axis.target != Target::Cue) {
         parts.extend(sweep.cue.as_ref().map(|cue| format!("cue {}", unvaried(cue, sweep))));
     }
@@ -145,14 +134,14 @@ fn label(sweep: &Sweep, axis: usize) -> String {
     }
 }
 
-fn curves(canvas: &mut Canvas, sweep: &Sweep, points: &[Point], x: Option<usize>) {
-    let along = x.unwrap_or(0);
+fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Canvas {
+    let along = x.map_or(0, |(axis, _)| *axis);
     let words: Vec<String> = sweep
         .axes
         .0
         .get(along)
         .map_or(vec![String::new()], |axis| axis.values.iter().map(|v| v.text().into()).collect());
-    let values = x.and_then(|x| numbers(sweep, x)).unwrap_or_else(|| (0..words.len()).map(|k| k as f64).collect());
+    let values = x.map_or_else(|| (0..words.len()).map(|k| k as f64).collect(), |(_, values)| values.clone());
     let at = |point: &Point| values.get(point.places.get(along).copied().unwrap_or(0)).copied().unwrap_or(0.0);
     let groups = grouped(sweep, points, along);
     let division = sweep.kind == Kind::Division;
@@ -163,47 +152,43 @@ fn curves(canvas: &mut Canvas, sweep: &Sweep, points: &[Point], x: Option<usize>
     if division && (resting || unknown) {
         up[0] = -(0.06 + 0.03 * groups.len().min(6) as f64) * up[1].max(0.1);
     }
-    let entries = legend_of(&groups, division, resting, unknown);
-    let legend_height = legend::rows(canvas, [24.0, 40.0], WIDTH - 40.0, &entries);
-    let mut across = Axis::over(label(sweep, along), values.iter().copied());
-    if x.is_none() {
-        across = across.unnumbered();
-    }
-    let top = 44.0 + legend_height;
-    let panel = Panel::new([0.0, top], [WIDTH, HEIGHT - top], across, Axis::new(quantity(sweep.kind), up));
+    let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep), &legend(&groups, division, resting, unknown));
+    let across = match x {
+        Some(_) => Axis::over(label(sweep, along), values.iter().copied()),
+        None => Axis::names(label(sweep, along), words, false),
+    };
+    let mut chart =
+        Panel::new([0.0, top], [WIDTH, CHART], across, Axis::new(quantity(sweep.kind), up)).draw(&mut canvas);
     let sampled = sweep.axes.0.get(along).is_some_and(|axis| axis.sampled);
-    let lines: Vec<Curve> = groups.iter().filter(|_| !sampled).flat_map(|group| group.lines(&at)).collect();
-    let map = panel.draw(canvas, &lines, |_, _| {});
+    for group in groups.iter().filter(|_| !sampled) {
+        group.lines(&mut chart, &at);
+    }
     for (k, group) in groups.iter().enumerate() {
         // Each curve has a line of its own for what stays at rest.
         let baseline = up[0] * (k as f64 + 1.0) / (groups.len() as f64 + 1.0);
         for point in &group.points {
-            mark(canvas, &map, point, at(point), baseline, if groups.len() > 1 { Some(&group.colour) } else { None });
+            mark(&mut chart, point, at(point), baseline, (groups.len() > 1).then_some(group.colour));
         }
     }
-    if x.is_none() {
-        for (k, word) in words.iter().enumerate() {
-            let [x, _] = map.point([k as f64, up[0]]);
-            canvas.text([x, map.frame()[3] + 22.0], word, text::TICK, Anchor::Middle, style::INK);
-        }
-    }
+    canvas
 }
 
 /// The points of one curve.
 struct Group<'a> {
     name: String,
-    colour: String,
+    colour: Colour,
     points: Vec<&'a Point>,
 }
 
 impl Group<'_> {
-    /// Its line, broken where there is nothing.
-    fn lines(&self, at: &dyn Fn(&Point) -> f64) -> Vec<Curve> {
+    /// Draws its line, broken where there is nothing.
+    fn lines(&self, chart: &mut Chart<'_>, at: &dyn Fn(&Point) -> f64) {
         let mut sorted = self.points.clone();
         sorted.sort_by(|a, b| at(a).total_cmp(&at(b)));
-        let pieces = sorted.split(|point| point.value.is_none());
-        let line = |piece: &[&Point]| piece.iter().filter_map(|p| Some([at(p), p.value?])).collect::<Vec<_>>();
-        pieces.map(line).filter(|line| line.len() > 1).map(|line| Curve::new(line, &self.colour)).collect()
+        for piece in sorted.split(|point| point.value.is_none()) {
+            let line = piece.iter().filter_map(|p| Some([at(p), p.value?]));
+            chart.line(line, Stroke::solid(self.colour, style::CURVE));
+        }
     }
 }
 
@@ -224,9 +209,9 @@ fn grouped<'a>(sweep: &Sweep, points: &'a [Point], along: usize) -> Vec<Group<'a
     // What has an order has colours in an order.
     let ordered = others.len() == 1 && numbers(sweep, others[0]).is_some();
     let colour = |k: usize| match (count, ordered || count > style::SERIES.len()) {
-        (1, _) => style::INK.to_owned(),
+        (1, _) => style::INK,
         (_, true) => style::ramp(k, count),
-        _ => style::SERIES[k % style::SERIES.len()].to_owned(),
+        _ => style::SERIES[k],
     };
     let name = |key: &[usize]| {
         let parts = others.iter().zip(key).map(|(axis, place)| {
@@ -248,7 +233,7 @@ fn grouped<'a>(sweep: &Sweep, points: &'a [Point], along: usize) -> Vec<Group<'a
 }
 
 /// What an axis is called before its value.
-fn symbol(axis: &crate::study::Axis) -> &str {
+fn symbol(axis: &study::Axis) -> &str {
     match axis.target {
         Target::Field("r0") => "R₀",
         Target::Field("epsilon") => "ε",
@@ -257,48 +242,39 @@ fn symbol(axis: &crate::study::Axis) -> &str {
     }
 }
 
-fn legend_of(groups: &[Group<'_>], division: bool, resting: bool, unknown: bool) -> Vec<(Key, String)> {
-    let mut entries = Vec::new();
+fn legend(groups: &[Group<'_>], division: bool, resting: bool, unknown: bool) -> Legend {
+    let mut legend = Legend::default();
     if groups.len() > 1 {
-        let step = groups.len().div_ceil(NAMED);
-        for group in groups.iter().step_by(step) {
-            entries.push((Key::line(&group.colour, None), group.name.clone()));
+        for group in groups.iter().step_by(groups.len().div_ceil(NAMED)) {
+            legend = legend.with(Key::Line(group.colour), group.name.as_str());
         }
-    } else if division {
-        entries.push((Key::point(style::SYMMETRIC, Marker::Disc), "symmetric".to_owned()));
-        entries.push((Key::point(style::ASYMMETRIC, Marker::Disc), "asymmetric".to_owned()));
     }
-    if resting {
-        entries.push((Key::point(style::FAILED, Marker::Square), "stays at rest".to_owned()));
-    }
-    if unknown {
-        entries.push((Key::point(style::UNDECIDED, Marker::Triangle), "undecided".to_owned()));
-    }
-    entries
+    let outcomes = division && groups.len() < 2;
+    legend
+        .with_if(outcomes, Key::Point(style::SYMMETRIC, Marker::Disc), "symmetric")
+        .with_if(outcomes, Key::Point(style::ASYMMETRIC, Marker::Disc), "asymmetric")
+        .with_if(resting, Key::Point(style::FAILED, Marker::Square), "stays at rest")
+        .with_if(unknown, Key::Point(style::UNDECIDED, Marker::Triangle), "undecided")
 }
 
 /// A point with its standard deviation; what has no value stands below the axis of χ.
-fn mark(canvas: &mut Canvas, map: &Mapping, point: &Point, x: f64, baseline: f64, colour: Option<&str>) {
+fn mark(chart: &mut Chart<'_>, point: &Point, x: f64, baseline: f64, colour: Option<Colour>) {
     let Some(value) = point.value else {
         if point.undecided {
-            legend::point(canvas, map.point([x, baseline]), 5.5, Marker::Triangle, style::UNDECIDED);
+            chart.point([x, baseline], 5.5, Marker::Triangle, style::UNDECIDED);
         } else if point.outcome == Some(Outcome::Failed) {
-            legend::point(canvas, map.point([x, baseline]), 5.0, Marker::Square, colour.unwrap_or(style::FAILED));
+            chart.point([x, baseline], 5.0, Marker::Square, colour.unwrap_or(style::FAILED));
         }
         return;
     };
-    let own = point.outcome.map_or(style::INK, style::outcome);
-    let colour = colour.unwrap_or(own);
-    let at = map.point([x, value]);
+    let colour = colour.unwrap_or(point.outcome.map_or(style::INK, style::outcome));
     if let Some(sd) = point.sd.filter(|sd| *sd > 0.0) {
-        let ends = [value + sd, value - sd].map(|value| map.point([x, value]));
-        legend::error_bar(canvas, ends, 4.0, Stroke::solid(colour, 1.6));
+        chart.error_bar(x, [value + sd, value - sd], 0.0, 4.0, Stroke::solid(colour, 1.6));
     }
-    legend::point(canvas, at, 4.6, Marker::Disc, colour);
+    chart.point([x, value], 4.6, Marker::Disc, colour);
 }
 
-fn map_of_outcomes(canvas: &mut Canvas, sweep: &Sweep, points: &[Point], [x, y]: [usize; 2]) {
-    let (Some(across), Some(up)) = (numbers(sweep, x), numbers(sweep, y)) else { return };
+fn map_of_outcomes(sweep: &Sweep, points: &[Point], [x, y]: [&(usize, Vec<f64>); 2]) -> Canvas {
     let edges = |values: &[f64]| {
         let mut order: Vec<usize> = (0..values.len()).collect();
         order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
@@ -307,29 +283,19 @@ fn map_of_outcomes(canvas: &mut Canvas, sweep: &Sweep, points: &[Point], [x, y]:
         order.iter().zip(bins(&sorted)).for_each(|(k, bin)| bounds[*k] = bin);
         bounds
     };
-    let (columns, rows) = (edges(&across), edges(&up));
-    let entries = [
-        (Key::area(&style::tint(style::SYMMETRIC, 0.55)), "symmetric".to_owned()),
-        (Key::area(&style::tint(style::ASYMMETRIC, 0.35)), "asymmetric, χ = 0.2".to_owned()),
-        (Key::area(&style::tint(style::ASYMMETRIC, 0.65)), "χ = 0.8".to_owned()),
-        (Key::area(&style::tint(style::FAILED, 0.45)), "stays at rest".to_owned()),
-    ];
-    legend::rows(canvas, [24.0, 40.0], WIDTH - 40.0, &entries);
-    let range = |bins: &[[f64; 2]]| widened(bins.iter().flatten().copied(), 0.0);
-    let axis = |k: usize, bins: &[[f64; 2]]| Axis::new(label(sweep, k), range(bins));
-    let panel = Panel::new([0.0, 76.0], [WIDTH, HEIGHT - 76.0], axis(x, &columns), axis(y, &rows));
-    panel.draw(canvas, &[], |canvas, map| {
-        for point in points {
-            let place = |axis: usize| point.places.get(axis).copied().unwrap_or(0);
-            let (Some([x, x2]), Some([y, y2])) = (columns.get(place(x)), rows.get(place(y))) else { continue };
-            let colour = match point.outcome {
-                Some(Outcome::Symmetric) => style::tint(style::SYMMETRIC, 0.55),
-                Some(Outcome::Asymmetric) => style::tint(style::ASYMMETRIC, 0.25 + 0.5 * point.value.unwrap_or(1.0)),
-                Some(Outcome::Failed) => style::tint(style::FAILED, 0.45),
-                None => style::UNDECIDED.to_owned(),
-            };
-            let (a, b) = (map.point([*x, *y2]), map.point([*x2, *y]));
-            canvas.rectangle(a, [b[0] - a[0] + 0.3, b[1] - a[1] + 0.3], &colour, 1.0);
-        }
-    });
+    let (columns, rows) = (edges(&x.1), edges(&y.1));
+    let (unequal, equal) = (Some(Outcome::Asymmetric), Some(Outcome::Symmetric));
+    let legend = Legend::default()
+        .with(Key::Area(style::tile(equal, None)), "symmetric")
+        .with(Key::Area(style::tile(unequal, Some(0.2))), "asymmetric, χ = 0.2")
+        .with(Key::Area(style::tile(unequal, Some(0.8))), "χ = 0.8")
+        .with(Key::Area(style::tile(Some(Outcome::Failed), None)), "stays at rest");
+    let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep), &legend);
+    let axis = |k: usize, bins: &[[f64; 2]]| Axis::new(label(sweep, k), widened(bins.iter().flatten().copied(), 0.0));
+    let panel = Panel::new([0.0, top], [WIDTH, CHART], axis(x.0, &columns), axis(y.0, &rows));
+    panel.draw(&mut canvas).tiles(points.iter().filter_map(|point| {
+        let place = |axis: usize| point.places.get(axis).copied().unwrap_or(0);
+        Some((*columns.get(place(x.0))?, *rows.get(place(y.0))?, style::tile(point.outcome, point.value)))
+    }));
+    canvas
 }
