@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use serde::Serialize;
 
@@ -57,7 +58,8 @@ pub fn sample(
         writable_file("--out", "out", file)?;
     }
     let settings = &context.settings;
-    let found = ensemble(targets, &settings.cell, &settings.numerics, count, seed, context.threads)?;
+    let found =
+        ensemble(targets, &settings.cell, &settings.numerics, count, seed, context.threads, &AtomicBool::new(false))?;
     let sets: Vec<Constants> = found
         .members
         .iter()

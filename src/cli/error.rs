@@ -14,7 +14,7 @@ use crate::shapes::{PointKind, ShapeError, StationaryError};
 use crate::stability::StabilityError;
 use crate::study::EnsembleError;
 use crate::study::fit::FitError;
-use crate::study::reproduce::LabError;
+use crate::study::reproduce::ReproduceError;
 use crate::study::table::TableError;
 
 /// What ends a command.
@@ -138,11 +138,11 @@ fn shape_text(error: &ShapeError) -> String {
     }
 }
 
-impl From<LabError> for CliError {
-    fn from(error: LabError) -> CliError {
+impl From<ReproduceError> for CliError {
+    fn from(error: ReproduceError) -> CliError {
         match error {
-            LabError::Input(error) => CliError::Input(error),
-            LabError::Workers(error) => CliError::Scheduler(error),
+            ReproduceError::Input(error) => CliError::Input(error),
+            ReproduceError::Workers(error) => CliError::Scheduler(error),
             _ => CliError::Interrupted,
         }
     }

@@ -17,7 +17,7 @@ use crate::io::files::FileSet;
 use crate::plot::reproduction::draw;
 use crate::report::reproduction::{markdown, text};
 use crate::study::reproduce::paper::selected;
-use crate::study::reproduce::{Item, Lab, Panel, Reproduction, Shown, Verdict, reproduce};
+use crate::study::reproduce::{self, Artifact, Item, Panel, Reproduction, Verdict, reproduce};
 use crate::study::table::csv_text;
 
 /// Computes what the paper says, figure by figure, and tells what agrees and what differs
@@ -99,14 +99,14 @@ pub fn run(args: &ReproduceArgs, context: &Context, globals: &Globals) -> Result
     }
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
-    let lab = Lab {
+    let figures = reproduce::Context {
         settings: &context.settings,
         memo: &memo,
         threads: context.threads,
-        interrupt: interrupt::flag(),
+        cancel: interrupt::flag(),
         progress: &|figure: &str| line.say(format!("figure {figure}")),
     };
-    let found = reproduce(&lab, &statements);
+    let found = reproduce(&figures, &statements);
     drop(line);
     let found = found?;
     warn_of_store(&found.warnings);
@@ -169,10 +169,10 @@ struct Distance<'a> {
 
 /// The numbers behind a picture, where they are not those of a single cell.
 fn table(panel: &Panel) -> Result<Option<Vec<u8>>, CliError> {
-    Ok(match &panel.shown {
-        Shown::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows)?),
-        Shown::Map(map) => Some(csv_of(&["x", "xi_s", "outcome", "chi", "by"], &map.diagram.cells)?),
-        Shown::Perturbations(_, watched) => {
+    Ok(match &panel.artifact {
+        Artifact::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows)?),
+        Artifact::Map(map) => Some(csv_of(&["x", "xi_s", "outcome", "chi", "by"], &map.diagram.cells)?),
+        Artifact::Perturbations(_, watched) => {
             let rows: Vec<Distance<'_>> = watched
                 .iter()
                 .flat_map(|(shape, found)| {

@@ -244,7 +244,7 @@ pub fn grown(scenarios: &[Scenario], dynamics: bool, profiled: bool, context: &C
     let profiles = profiled.then(|| Profiles::new(Some(seconds)));
     let solve = |input: &DivisionInput| computed(input, profiles.as_ref());
     let (options, flag) = (context.scheduling(&show), interrupt::flag());
-    let grown = study::grown_by(scenarios, dynamics, &memo, options, flag, solve);
+    let grown = study::grown(scenarios, dynamics, &memo, options, flag, solve);
     drop(line);
     let study::Grown { trees, summary, unknown } = grown?;
     warn_of_store(&summary.warnings);

@@ -7,8 +7,7 @@ use std::path::Path;
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::lineage::{Lineage, TreeSettings};
-use crate::study::scenarios::Scenario;
+use crate::lineage::{Lineage, Scenario, TreeSettings};
 
 /// The files of a tree, in the order in which they are put in place.
 pub const TREE_FILES: [&str; 5] = ["tree.nwk", "tree.json", "tree.svg", "report.html", "run.json"];
@@ -144,13 +143,21 @@ fn other_manner(manner: Option<&Manner>, dynamics: bool) -> Option<String> {
     Some(format!("dynamics = {} there, {dynamics} now", manner.dynamics))
 }
 
-fn told(mut found: Vec<String>) -> Option<String> {
-    if found.is_empty() {
-        return None;
-    }
+fn told(found: Vec<String>) -> Option<String> {
+    (!found.is_empty()).then(|| format!("it was grown from other inputs ({})", first_few(found)))
+}
+
+fn first_few(mut found: Vec<String>) -> String {
     let others = if found.len() > NAMED { format!("; and {} more", found.len() - NAMED) } else { String::new() };
     found.truncate(NAMED);
-    Some(format!("it was grown from other inputs ({}{others})", found.join("; ")))
+    format!("{}{others}", found.join("; "))
+}
+
+/// The first few fields in which two values differ; `name` is what the text calls the values.
+pub fn differences_in_words(name: &str, there: &Value, now: &Value) -> String {
+    let mut found = Vec::new();
+    differences(name, there, now, &mut found);
+    first_few(found)
 }
 
 fn read<T: for<'a> Deserialize<'a>>(path: &Path) -> Option<T> {
@@ -158,7 +165,7 @@ fn read<T: for<'a> Deserialize<'a>>(path: &Path) -> Option<T> {
 }
 
 /// Names the fields in which two values differ, each with both of its values where they are short.
-pub(super) fn differences(name: &str, there: &Value, now: &Value, found: &mut Vec<String>) {
+fn differences(name: &str, there: &Value, now: &Value, found: &mut Vec<String>) {
     match (there, now) {
         _ if there == now => {}
         (Value::Object(a), Value::Object(b)) => {

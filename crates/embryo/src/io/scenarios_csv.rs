@@ -1,10 +1,9 @@
 //! `scenarios.csv`: founders of several scenarios, one row for each scenario and founder.
 
-use std::fmt::Write;
-
 use super::tree_json::founder_rows;
 use crate::lineage::Tree;
 use crate::study::scenarios::Scenario;
+use crate::study::table::csv_of;
 
 /// The columns, in their order. Counts are as in the founders' table; what is not known, of a founder that was not born or not
 /// observed, is empty.
@@ -30,13 +29,12 @@ pub const COLUMNS: [&str; 17] = [
 
 /// The table of scenarios and their trees. `cue` is the one that a founder carries, in full.
 pub fn scenarios_csv(scenarios: &[Scenario], trees: &[Tree]) -> String {
-    let mut out = COLUMNS.join(",");
-    out.push('\n');
+    let mut rows = vec![COLUMNS.map(str::to_owned)];
     for (scenario, tree) in scenarios.iter().zip(trees) {
         for (founder, row) in founder_rows(tree).iter().enumerate() {
             let (rounds, observed) = (row.rounds, row.observed);
             let cue = tree.founder_cell(founder).map(|id| tree.cell(id).cue.to_string());
-            let cells = [
+            rows.push([
                 scenario.name.clone(),
                 scenario.label.clone(),
                 text(cue),
@@ -54,18 +52,12 @@ pub fn scenarios_csv(scenarios: &[Scenario], trees: &[Tree]) -> String {
                 text(observed.and_then(|o| o.max)),
                 text(observed.and_then(|o| o.full_doublings)),
                 text(observed.and_then(|o| o.terminal)),
-            ];
-            let _ = writeln!(out, "{}", cells.map(|cell| quoted(&cell)).join(","));
+            ]);
         }
     }
-    out
+    csv_of(rows).unwrap_or_default()
 }
 
 fn text(value: Option<impl ToString>) -> String {
     value.map_or(String::new(), |value| value.to_string())
-}
-
-/// A cell as RFC 4180 has it: in quotes where it holds what parts cells, as cues do.
-fn quoted(cell: &str) -> String {
-    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
 }

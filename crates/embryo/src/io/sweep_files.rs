@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde_json::Value;
 
-use super::earlier::differences;
+use super::earlier::differences_in_words;
 use super::files::{FileSet, WriteError};
 use super::provenance::Provenance;
 use crate::batch::{Quantisation, SolverVersion};
@@ -16,7 +16,7 @@ use crate::cell::{Cell, Numerics};
 use crate::input::{InputError, listed};
 use crate::lineage::Lineage;
 use crate::study::table::{TableError, csv_text, json_lines, read_line};
-use crate::study::{AxisValue, Kind, Row, Shard, Sweep};
+use crate::study::{AxisValue, Journal, Kind, Row, Shard, Sweep};
 
 /// Name of the format.
 const SCHEMA: &str = "furrow.sweep";
@@ -88,6 +88,21 @@ struct HeadShard {
     #[serde(flatten)]
     shard: Shard,
     rows: usize,
+}
+
+/// Opens the journal of a sweep, or of a shard of it, in the folder of its files. The journal of another sweep is moved aside:
+/// returns where to, and the differences.
+///
+/// # Errors
+/// [`SweepFilesError`].
+pub fn open_journal(
+    sweep: &Sweep,
+    quantisation: Quantisation,
+    shard: Option<Shard>,
+    folder: &Path,
+) -> Result<(Journal, Option<(PathBuf, String)>), SweepFilesError> {
+    let SweepTable { head, columns, .. } = SweepTable::new(sweep, quantisation, shard, Vec::new())?;
+    Ok(Journal::open(folder, &head, columns)?)
 }
 
 /// A table and what decided it, as its files hold them.
@@ -168,7 +183,7 @@ impl SweepTable {
         }
         match read_head(folder) {
             Ok(head) if head == self.head => None,
-            Ok(head) => Some(what_differs(&head, &self.head)),
+            Ok(head) => Some(differences_in_words("sweep", &head, &self.head)),
             Err(_) => Some(format!("{}, without a {HEAD} that says what they are", there.join(", "))),
         }
     }
@@ -239,15 +254,6 @@ fn read_head(folder: &Path) -> Result<Value, InputError> {
     Err(not_ours(&file, &format!("it is not {SCHEMA}, version {SCHEMA_VERSION}")))
 }
 
-fn what_differs(there: &Value, now: &Value) -> String {
-    const NAMED: usize = 3;
-    let mut found = Vec::new();
-    differences("sweep", there, now, &mut found);
-    let more = if found.len() > NAMED { format!("; and {} more", found.len() - NAMED) } else { String::new() };
-    found.truncate(NAMED);
-    format!("{}{more}", found.join("; "))
-}
-
 /// Puts the parts of a sweep together: the same table as of the whole sweep, byte for byte.
 ///
 /// # Errors
@@ -265,7 +271,11 @@ pub fn merge(folders: &[PathBuf]) -> Result<SweepTable, InputError> {
         let name = folder.display().to_string();
         match &definition {
             Some((first, _)) if *first != own => {
-                let allowed = format!("that of {}: they differ ({})", folders[0].display(), what_differs(first, &own));
+                let allowed = format!(
+                    "that of {}: they differ ({})",
+                    folders[0].display(),
+                    differences_in_words("sweep", first, &own)
+                );
                 return Err(InputError::not_allowed(name, "definition", "another one", allowed));
             }
             Some(_) if shard.of != of => {

@@ -10,14 +10,14 @@ use crate::shapes::{CriticalRadii, ShapeError};
 ///
 /// A kind of cell whose critical radius cannot be found is left to its dynamics: its divisions tell.
 #[derive(Debug)]
-pub struct Ends {
-    radii: CriticalRadii,
+pub struct Ends<'a> {
+    radii: CriticalRadii<'a>,
     unknown: RefCell<Vec<(Cue, ShapeError)>>,
 }
 
-impl Ends {
+impl<'a> Ends<'a> {
     /// By the given radii.
-    pub fn new(radii: CriticalRadii) -> Ends {
+    pub fn new(radii: CriticalRadii<'a>) -> Ends<'a> {
         Ends { radii, unknown: RefCell::default() }
     }
 

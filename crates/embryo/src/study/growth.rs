@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use super::scenarios::{Scenario, grow};
 use crate::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use crate::cell::{Cell, Cue};
-use crate::division::{Division, DivisionError, DivisionInput, divide};
+use crate::division::{Division, DivisionError, DivisionInput};
 use crate::lineage::{Ends, GrowError, Lineage, Tree, TreeSettings, expected_work};
 use crate::settings::Settings;
 use crate::shapes::{CriticalRadii, ShapeError};
@@ -42,31 +42,18 @@ pub struct Grown {
 
 /// Grows all scenarios in one run, which shares what is solved and the workers.
 ///
-/// With `dynamics` the division of every cell is computed, those below the critical radius of their cue included. `interrupt`
-/// ends searches for critical radii as well as divisions, in place of the one of `options`.
+/// `solve` computes a division, as [`divide`](crate::division::divide) does. With `dynamics` every cell's division is computed,
+/// also below the critical radius of its cue. `cancel` ends searches for critical radii as well as divisions; it replaces the
+/// flag of `options`.
 ///
 /// # Errors
 /// As [`Grower::grow`](crate::lineage::Grower::grow).
-pub fn grown(
+pub fn grown<S>(
     scenarios: &[Scenario],
     dynamics: bool,
     memo: &Memo<DivisionInput>,
     options: SchedulerOptions<'_, DivisionInput>,
-    interrupt: &'static AtomicBool,
-) -> Result<Grown, GrowError> {
-    grown_by(scenarios, dynamics, memo, options, interrupt, divide)
-}
-
-/// [`grown`] with divisions computed by `solve`, which may note what they take.
-///
-/// # Errors
-/// As [`grown`].
-pub fn grown_by<S>(
-    scenarios: &[Scenario],
-    dynamics: bool,
-    memo: &Memo<DivisionInput>,
-    options: SchedulerOptions<'_, DivisionInput>,
-    interrupt: &'static AtomicBool,
+    cancel: &AtomicBool,
     solve: S,
 ) -> Result<Grown, GrowError>
 where
@@ -74,14 +61,14 @@ where
 {
     // Scenarios have the same numerics, and what all cells share is the same.
     let Some(Scenario { settings, .. }) = scenarios.first() else { return Ok(Grown::default()) };
-    let rule = Ends::new(CriticalRadii::new(&settings.numerics).interrupted_by(interrupt));
+    let rule = Ends::new(CriticalRadii::new(&settings.numerics).interrupted_by(cancel));
     let plain = settings.cell.clone().with_cue(Cue::none());
     // The order of the work is no reason to search for a radius, which growth does when it comes to such cells.
     let order = |input: &DivisionInput| {
         let critical = if rule.knows(&plain) { rule.critical_radius(&plain) } else { None };
         critical.map_or(input.cell.r0, |critical| expected_work(critical)(input))
     };
-    let mut options = SchedulerOptions { interrupt: Some(interrupt), ..options };
+    let mut options = SchedulerOptions { interrupt: Some(cancel), ..options };
     if !dynamics {
         options.expected_work = &order;
     }

@@ -126,7 +126,7 @@ pub struct LineageRanges {
     pub memo_hits: usize,
 }
 
-/// Grows the lineage with every set of constants, in parallel over the sets; `interrupt` ends it early.
+/// Grows the lineage with every set of constants, in parallel over the sets; `cancel` ends it early.
 ///
 /// # Errors
 /// [`GrowError`] of the first set that cannot be grown.
@@ -135,9 +135,9 @@ pub fn ranges(
     settings: &TreeSettings,
     sets: &[Constants],
     threads: usize,
-    interrupt: Option<&AtomicBool>,
+    cancel: Option<&AtomicBool>,
 ) -> Result<LineageRanges, GrowError> {
-    let trees = each_tree(lineage, settings, sets, threads, interrupt, grown)?;
+    let trees = each_tree(lineage, settings, sets, threads, cancel, grown)?;
     Ok(summed_up(lineage, sets, &trees))
 }
 
@@ -150,18 +150,18 @@ pub fn each_tree<T: Send>(
     settings: &TreeSettings,
     sets: &[Constants],
     threads: usize,
-    interrupt: Option<&AtomicBool>,
+    cancel: Option<&AtomicBool>,
     read: impl Fn(&Constants, &Tree, &Summary) -> T + Sync,
 ) -> Result<Vec<T>, GrowError> {
     let grow = |set: &Constants| {
-        if interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+        if cancel.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
             return Err(GrowError::Interrupted { solved: 0 });
         }
         let settings = TreeSettings { cell: set.of(&settings.cell), ..settings.clone() };
         let quantisation = Quantisation::with_relative_step(settings.r0_step).unwrap_or(Quantisation::DEFAULT);
         let rule = Ends::new(CriticalRadii::new(&settings.numerics));
         let memo = Memo::new(quantisation);
-        let (tree, summary) = grow_alone(lineage, settings, &|cell| rule.of(cell), &memo, interrupt)?;
+        let (tree, summary) = grow_alone(lineage, settings, &|cell| rule.of(cell), &memo, cancel)?;
         Ok(read(set, &tree, &summary))
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -190,9 +190,9 @@ pub(super) fn grow_alone(
     settings: TreeSettings,
     ends: &dyn Fn(&Cell) -> Option<EndReason>,
     memo: &Memo<DivisionInput>,
-    interrupt: Option<&AtomicBool>,
+    cancel: Option<&AtomicBool>,
 ) -> Result<(Tree, Summary), GrowError> {
-    let options = SchedulerOptions { threads: 1, interrupt, ..SchedulerOptions::default() };
+    let options = SchedulerOptions { threads: 1, interrupt: cancel, ..SchedulerOptions::default() };
     Grower { lineage, settings, ends, memo, options }.grow(divide)
 }
 

@@ -16,6 +16,7 @@ use std::collections::{BTreeMap, HashSet};
 use crate::batch::{Memo, SchedulerOptions, Summary};
 use crate::cell::{Cell, CueError};
 use crate::division::{Division, DivisionError, DivisionInput};
+pub use crate::lineage::Scenario;
 use crate::lineage::{EndReason, GrowError, Grower, Length, Lineage, Tree, TreeSettings, grow_together};
 
 /// Names that scenarios do not get: those of the files that stand beside their folders.
@@ -29,21 +30,6 @@ pub struct Source {
     /// What tables call it: the name of its file, say.
     pub label: String,
     /// Founders and rules.
-    pub lineage: Lineage,
-    /// Parameters of its divisions.
-    pub settings: TreeSettings,
-}
-
-/// One tree of several that are set side by side.
-#[derive(Clone, Debug)]
-pub struct Scenario {
-    /// Unique among the scenarios, and fit to be the name of a folder.
-    pub name: String,
-    /// What its lineage is called.
-    pub label: String,
-    /// The cue that stands in the place of every cue of the lineage, as it was asked for; none if the lineage's own do.
-    pub cue: Option<String>,
-    /// The lineage with that cue.
     pub lineage: Lineage,
     /// Parameters of its divisions.
     pub settings: TreeSettings,
@@ -63,16 +49,6 @@ pub enum ScenarioError {
         /// What the other is made of.
         second: String,
     },
-}
-
-impl Scenario {
-    /// What it is made of, in words.
-    pub fn made_of(&self) -> String {
-        match &self.cue {
-            Some(cue) => format!("{} with the cue {cue}", self.label),
-            None => self.label.clone(),
-        }
-    }
 }
 
 /// Every lineage with every cue; without cues, every lineage as it is. Lineages come in their order, and of each the cues in

@@ -209,14 +209,14 @@ pub fn bands(
     sets: &[Constants],
     mothers: &[String],
     threads: usize,
-    interrupt: Option<&AtomicBool>,
+    cancel: Option<&AtomicBool>,
 ) -> Result<BTreeMap<String, Band>, GrowError> {
     let read = |set: &Constants, tree: &Tree, _: &_| {
         let cells = modelled(tree);
         let chi: Vec<Option<f64>> = mothers.iter().map(|mother| cells.get(mother).and_then(|cell| cell.chi)).collect();
         (set.weight, chi)
     };
-    let trees = each_tree(lineage, settings, sets, threads, interrupt, read)?;
+    let trees = each_tree(lineage, settings, sets, threads, cancel, read)?;
     let total: f64 = trees.iter().map(|(weight, _)| weight).sum();
     let of = |(k, mother): (usize, &String)| {
         let divided: Vec<(f64, f64)> = trees.iter().filter_map(|(weight, chi)| Some((chi[k]?, *weight))).collect();
@@ -237,7 +237,7 @@ pub fn add_bands(
     settings: &TreeSettings,
     sets: &[Constants],
     threads: usize,
-    interrupt: Option<&AtomicBool>,
+    cancel: Option<&AtomicBool>,
 ) -> Result<(), GrowError> {
     if sets.is_empty() {
         return Ok(());
@@ -245,7 +245,7 @@ pub fn add_bands(
     let mothers: BTreeSet<String> =
         groups.iter().flat_map(|group| &group.events).map(|event| event.measured.mother.clone()).collect();
     let mothers: Vec<String> = mothers.into_iter().filter(|mother| free.contains_key(mother)).collect();
-    let bands = bands(lineage, settings, sets, &mothers, threads, interrupt)?;
+    let bands = bands(lineage, settings, sets, &mothers, threads, cancel)?;
     for event in groups.iter_mut().flat_map(|group| &mut group.events) {
         event.band = bands.get(&event.measured.mother).copied();
     }

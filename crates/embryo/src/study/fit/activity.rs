@@ -85,11 +85,11 @@ struct Search<'a> {
     lineage: &'a Lineage,
     settings: &'a TreeSettings,
     memo: &'a Memo<DivisionInput>,
-    interrupt: Option<&'a AtomicBool>,
+    cancel: Option<&'a AtomicBool>,
     reading: Reading,
     founder: usize,
     /// The critical radii that are stored.
-    ends: Ends,
+    ends: Ends<'a>,
     /// Trees grown for all founders.
     trees: &'a AtomicUsize,
 }
@@ -116,7 +116,7 @@ impl Search<'_> {
         }
         // At every activity there is another critical radius, and a search for one takes longer than a tree of divisions.
         let ends = |cell: &Cell| if self.ends.knows(cell) { self.ends.of(cell) } else { None };
-        let (tree, _) = grow_alone(&lineage, self.settings.clone(), &ends, self.memo, self.interrupt)?;
+        let (tree, _) = grow_alone(&lineage, self.settings.clone(), &ends, self.memo, self.cancel)?;
         let row = founder_rounds(&tree).into_iter().find(|row| row.founder == self.founder);
         Ok(row.and_then(|row| row.rounds).map(|rounds| self.reading.of(&rounds)))
     }
@@ -207,19 +207,19 @@ pub fn activities(
     reading: Reading,
     range: [f64; 2],
     threads: usize,
-    interrupt: Option<&AtomicBool>,
+    cancel: Option<&AtomicBool>,
 ) -> Result<(Vec<FounderActivity>, usize), FitError> {
     let trees = &AtomicUsize::new(0);
     let one = |founder: usize| -> Option<Result<FounderActivity, GrowError>> {
         let observed = lineage.founders[founder].observed.and_then(|o| reading.observed(&o))?;
         let ends = Ends::new(CriticalRadii::new(&settings.numerics));
-        Some(Search { lineage, settings, memo, interrupt, reading, founder, ends, trees }.run(observed, range))
+        Some(Search { lineage, settings, memo, cancel, reading, founder, ends, trees }.run(observed, range))
     };
     let founders = lineage.founders.len();
     let found: Vec<Option<Result<_, _>>> =
         scheduler::pool(threads)?.install(|| (0..founders).into_par_iter().with_max_len(1).map(one).collect());
     let trees = trees.load(Ordering::Relaxed);
-    if is_set(interrupt) {
+    if is_set(cancel) {
         return Err(FitError::Interrupted { tried: trees, what: "trees" });
     }
     Ok((found.into_iter().flatten().collect::<Result<_, _>>()?, trees))

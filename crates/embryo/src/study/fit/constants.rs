@@ -21,7 +21,7 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::search::{Effort, Region, swarm};
+use super::search::{Region, SearchBudget, swarm};
 use super::targets::{MeasuredChi, Searched, Targets};
 use super::{FitError, is_set, moved};
 use crate::batch::{Memo, scheduler};
@@ -150,21 +150,21 @@ pub struct FittedConstants {
 }
 
 /// What sets of constants are judged by, and what was found.
-struct Judge<'a> {
+struct Objective<'a> {
     lineage: &'a Lineage,
     targets: &'a Targets,
     settings: &'a TreeSettings,
     memo: &'a Memo<DivisionInput>,
-    interrupt: Option<&'a AtomicBool>,
+    cancel: Option<&'a AtomicBool>,
     /// Called with the number of sets tried and the least misfit so far.
     progress: Option<&'a (dyn Fn(usize, f64) + Sync)>,
     /// All that was tried, by the bits of its place: in the same order whatever the threads did.
     seen: Mutex<BTreeMap<Vec<u64>, Option<Evaluated>>>,
 }
 
-impl Judge<'_> {
+impl Objective<'_> {
     fn stopped(&self) -> bool {
-        is_set(self.interrupt)
+        is_set(self.cancel)
     }
 
     /// The set of constants at a place of the unit cube; none where no tree can be grown.
@@ -176,7 +176,7 @@ impl Judge<'_> {
         if self.stopped() {
             return None;
         }
-        let found = self.judge(&self.targets.cell_at(&self.settings.cell, place));
+        let found = self.evaluate(&self.targets.cell_at(&self.settings.cell, place));
         if self.stopped() {
             return None;
         }
@@ -194,10 +194,10 @@ impl Judge<'_> {
         self.seen.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
-    fn judge(&self, cell: &Cell) -> Option<Evaluated> {
+    fn evaluate(&self, cell: &Cell) -> Option<Evaluated> {
         let settings = TreeSettings { cell: cell.clone(), ..self.settings.clone() };
         let ends = Ends::new(CriticalRadii::new(&settings.numerics));
-        let (tree, _) = grow_alone(self.lineage, settings, &|cell| ends.of(cell), self.memo, self.interrupt).ok()?;
+        let (tree, _) = grow_alone(self.lineage, settings, &|cell| ends.of(cell), self.memo, self.cancel).ok()?;
         let founders = self.founders(&tree);
         let parts = self.parts(&founders);
         let weights = self.targets.weights;
@@ -361,71 +361,71 @@ pub fn fit_constants(
     targets: &Targets,
     settings: &TreeSettings,
     memo: &Memo<DivisionInput>,
-    effort: Effort,
+    effort: SearchBudget,
     threads: usize,
-    interrupt: Option<&AtomicBool>,
+    cancel: Option<&AtomicBool>,
     progress: Option<&(dyn Fn(usize, f64) + Sync)>,
 ) -> Result<FittedConstants, FitError> {
     let lineage = &bounded(lineage);
-    let judge = Judge { lineage, targets, settings, memo, interrupt, progress, seen: Mutex::default() };
+    let objective = Objective { lineage, targets, settings, memo, cancel, progress, seen: Mutex::default() };
     scheduler::pool(threads)?.install(|| {
         let start = targets.place_of(&settings.cell);
-        let first = judge.judge(&settings.cell);
+        let first = objective.evaluate(&settings.cell);
         let mut best: Option<(Vec<f64>, f64)> = None;
-        for (k, &trade) in judge.trades().iter().enumerate() {
+        for (k, &trade) in objective.trades().iter().enumerate() {
             let region = match &best {
                 None => vec![[0.0, 1.0]; start.len()],
                 Some((place, _)) => between(&start, place),
             };
             let moves = if k == 0 { effort.moves } else { (effort.moves / SHARE).max(1) };
-            let effort = Effort { moves, seed: effort.seed.wrapping_add(k as u64), ..effort };
-            let found = swarm(&region, effort, &|place| judge.traded(place, trade));
-            if judge.stopped() {
-                return Err(interrupted(&judge));
+            let effort = SearchBudget { moves, seed: effort.seed.wrapping_add(k as u64), ..effort };
+            let found = swarm(&region, effort, &|place| objective.traded(place, trade));
+            if objective.stopped() {
+                return Err(interrupted(&objective));
             }
             if k == 0 {
                 best = found;
             }
         }
-        let found = first.and_then(|first| complete(&judge, first, &start));
-        if judge.stopped() {
-            return Err(interrupted(&judge));
+        let found = first.and_then(|first| complete(&objective, first, &start));
+        if objective.stopped() {
+            return Err(interrupted(&objective));
         }
         let advice = "widen the limits, or start from other constants";
-        found.ok_or_else(|| FitError::Nothing { tried: judge.known().len(), what: SETS, advice })
+        found.ok_or_else(|| FitError::Nothing { tried: objective.known().len(), what: SETS, advice })
     })
 }
 
 /// What errors call what is tried.
 const SETS: &str = "sets of constants";
 
-fn interrupted(judge: &Judge<'_>) -> FitError {
-    FitError::Interrupted { tried: judge.known().len(), what: SETS }
+fn interrupted(objective: &Objective<'_>) -> FitError {
+    FitError::Interrupted { tried: objective.known().len(), what: SETS }
 }
 
 /// The least of all, how sharp it is, and the front.
-fn complete(judge: &Judge<'_>, start: Evaluated, from: &[f64]) -> Option<FittedConstants> {
-    let (place, _) = least(judge)?;
+fn complete(objective: &Objective<'_>, start: Evaluated, from: &[f64]) -> Option<FittedConstants> {
+    let (place, _) = least(objective)?;
     let line = |step: usize| {
         let share = step as f64 / STEPS as f64;
         from.iter().zip(&place).map(|(a, b)| (a + share * (b - a)).clamp(0.0, 1.0)).collect::<Vec<_>>()
     };
     (1..STEPS).into_par_iter().for_each(|step| {
-        judge.at(&line(step));
+        objective.at(&line(step));
     });
     // The search along each constant may find a better one still, from which it is done again.
-    let mut found = least(judge)?;
-    let mut sharpness = judge.sharpness(&found.0, &found.1);
+    let mut found = least(objective)?;
+    let mut sharpness = objective.sharpness(&found.0, &found.1);
     for _ in 0..2 {
-        let better = least(judge)?;
+        let better = least(objective)?;
         if better.1.misfit >= found.1.misfit {
             break;
         }
         found = better;
-        sharpness = judge.sharpness(&found.0, &found.1);
+        sharpness = objective.sharpness(&found.0, &found.1);
     }
-    let (_, best) = least(judge)?;
-    let seen = judge.known();
+    let (_, best) = least(objective)?;
+    let seen = objective.known();
     let near = || seen.values().flatten().filter(|e| e.misfit <= best.misfit + WORSE);
     let range = |unknown: &Searched| {
         let fold = near()
@@ -433,7 +433,7 @@ fn complete(judge: &Judge<'_>, start: Evaluated, from: &[f64]) -> Option<FittedC
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
         (unknown.parameter, fold)
     };
-    let plateau = judge.targets.unknowns.iter().map(range).collect();
+    let plateau = objective.targets.unknowns.iter().map(range).collect();
     let front = front(seen.values().flatten().chain([&start]));
     Some(FittedConstants { best, front, sharpness, plateau, tried: seen.len() + 1, start })
 }
@@ -447,8 +447,8 @@ fn at_gain_of(best: &Evaluated, parameter: Parameter, cell: &Cell) -> f64 {
 }
 
 /// The place of the least misfit so far; of equal ones that with the better thresholds.
-fn least(judge: &Judge<'_>) -> Option<(Vec<f64>, Evaluated)> {
-    let seen = judge.known();
+fn least(objective: &Objective<'_>) -> Option<(Vec<f64>, Evaluated)> {
+    let seen = objective.known();
     let all = seen.iter().filter_map(|(key, found)| Some((key, found.as_ref()?)));
     let rms = |e: &Evaluated| e.thresholds_rms.unwrap_or(f64::INFINITY);
     let (key, found) = all.min_by(|a, b| a.1.misfit.total_cmp(&b.1.misfit).then(rms(a.1).total_cmp(&rms(b.1))))?;

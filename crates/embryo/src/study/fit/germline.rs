@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use serde::Serialize;
 use spectra::Svd;
 
-use super::search::{Effort, descend, swarm};
+use super::search::{SearchBudget, descend, swarm};
 use super::targets::{MeasuredChi, Targets};
 use super::{FitError, is_set};
 use crate::batch::scheduler;
@@ -191,17 +191,17 @@ impl Chain<'_> {
 }
 
 /// What cues are judged by.
-struct Judge<'a> {
+struct Objective<'a> {
     lineage: &'a Lineage,
     targets: &'a Targets,
     settings: &'a TreeSettings,
     template: &'a Cue,
     unknowns: Vec<Unknown>,
-    interrupt: Option<&'a AtomicBool>,
+    cancel: Option<&'a AtomicBool>,
     tried: AtomicUsize,
 }
 
-impl Judge<'_> {
+impl Objective<'_> {
     fn cue(&self, place: &[f64]) -> Cue {
         let mut cell = Cell::new(1.0).with_cue(self.template.clone());
         for (unknown, share) in self.unknowns.iter().zip(place) {
@@ -235,7 +235,7 @@ impl Judge<'_> {
 
     fn chi_squared(&self, place: &[f64]) -> f64 {
         let outside: f64 = place.iter().map(|x| (x - x.clamp(0.0, 1.0)).abs()).sum();
-        if is_set(self.interrupt) || outside > 0.0 {
+        if is_set(self.cancel) || outside > 0.0 {
             return f64::INFINITY;
         }
         self.tried.fetch_add(1, Ordering::Relaxed);
@@ -342,42 +342,42 @@ pub fn fit_cue(
     targets: &Targets,
     settings: &TreeSettings,
     template: &Cue,
-    effort: Effort,
+    effort: SearchBudget,
     threads: usize,
-    interrupt: Option<&AtomicBool>,
+    cancel: Option<&AtomicBool>,
 ) -> Result<FittedCue, FitError> {
     let unknowns = unknowns(template);
-    let judge = Judge { lineage, targets, settings, template, unknowns, interrupt, tried: AtomicUsize::new(0) };
+    let objective = Objective { lineage, targets, settings, template, unknowns, cancel, tried: AtomicUsize::new(0) };
     scheduler::pool(threads)?.install(|| {
-        let region = vec![[0.0, 1.0]; judge.unknowns.len()];
-        let found = swarm(&region, effort, &|place| judge.chi_squared(place));
-        let tried = || judge.tried.load(Ordering::Relaxed);
+        let region = vec![[0.0, 1.0]; objective.unknowns.len()];
+        let found = swarm(&region, effort, &|place| objective.chi_squared(place));
+        let tried = || objective.tried.load(Ordering::Relaxed);
         let interrupted = || FitError::Interrupted { tried: tried(), what: CUES };
-        if is_set(interrupt) {
+        if is_set(cancel) {
             return Err(interrupted());
         }
         let nothing = || FitError::Nothing { tried: tried(), what: CUES, advice: "try terms on other fields" };
         let (place, least) = found.ok_or_else(nothing)?;
-        let (place, chi_squared) = descend(&place, EDGE, DESCENT, &|place| judge.chi_squared(place))
+        let (place, chi_squared) = descend(&place, EDGE, DESCENT, &|place| objective.chi_squared(place))
             .filter(|(_, better)| *better <= least)
             .unwrap_or((place, least));
-        if is_set(interrupt) {
+        if is_set(cancel) {
             return Err(interrupted());
         }
-        complete(&judge, &place, chi_squared)
+        complete(&objective, &place, chi_squared)
     })
 }
 
-fn complete(judge: &Judge<'_>, place: &[f64], chi_squared: f64) -> Result<FittedCue, FitError> {
-    let cue = judge.cue(place);
-    let sensitivities = judge.sensitivities(place);
-    let combinations = sensitivities.as_ref().map(|rows| held(rows, &judge.targets.chi)).transpose()?;
+fn complete(objective: &Objective<'_>, place: &[f64], chi_squared: f64) -> Result<FittedCue, FitError> {
+    let cue = objective.cue(place);
+    let sensitivities = objective.sensitivities(place);
+    let combinations = sensitivities.as_ref().map(|rows| held(rows, &objective.targets.chi)).transpose()?;
     let sd = |k: usize| {
         let held = combinations.as_ref()?;
         // Σ (v_k/σ)²: without bound if a direction that this number is part of is held by nothing.
         let sum: f64 = held.iter().map(|h| (h.components[k] / h.singular_value).powi(2)).sum();
         let relative = sum.sqrt();
-        let unknown = &judge.unknowns[k];
+        let unknown = &objective.unknowns[k];
         let scale = if unknown.logarithmic { unknown.value(place[k]).abs() } else { 1.0 };
         (relative.is_finite() && relative < 1.0 / OPEN).then_some(relative * scale)
     };
@@ -387,18 +387,22 @@ fn complete(judge: &Judge<'_>, place: &[f64], chi_squared: f64) -> Result<Fitted
         searched: unknown.limits.map(|limit| limit * unknown.sign),
         sd: sd(k),
     };
-    let numbers = judge.unknowns.iter().enumerate().map(number).collect();
-    let out_of_sample =
-        judge.targets.out_of_sample.iter().flat_map(|out| judge.residuals(&cue, &out.volumes, &out.chi)).collect();
+    let numbers = objective.unknowns.iter().enumerate().map(number).collect();
+    let out_of_sample = objective
+        .targets
+        .out_of_sample
+        .iter()
+        .flat_map(|out| objective.residuals(&cue, &out.volumes, &out.chi))
+        .collect();
     Ok(FittedCue {
         cue: cue.to_string(),
         numbers,
         chi_squared,
-        residuals: judge.fitted(place),
+        residuals: objective.fitted(place),
         sensitivities,
         combinations,
         out_of_sample,
-        tried: judge.tried.load(Ordering::Relaxed),
+        tried: objective.tried.load(Ordering::Relaxed),
     })
 }
 
@@ -419,7 +423,7 @@ mod tests {
     use super::*;
 
     /// The published cue in the units of the search, and what is judged by it.
-    fn of_the_embryo<T>(then: impl FnOnce(&Judge<'_>, Vec<f64>) -> T) -> T {
+    fn of_the_embryo<T>(then: impl FnOnce(&Objective<'_>, Vec<f64>) -> T) -> T {
         let (lineage, targets) = (Lineage::c_elegans().unwrap(), Targets::embryo().unwrap());
         // Differences of divisions need them solved as finely as their tangents.
         let mut settings = TreeSettings::default();
@@ -434,28 +438,28 @@ mod tests {
         };
         let place = unknowns.iter().map(share).collect();
         let tried = AtomicUsize::new(0);
-        let judge = Judge {
+        let objective = Objective {
             lineage: &lineage,
             targets: &targets,
             settings: &settings,
             template: &template,
             unknowns,
-            interrupt: None,
+            cancel: None,
             tried,
         };
-        then(&judge, place)
+        then(&objective, place)
     }
 
     #[test]
     fn sensitivities_are_handed_down_from_mother_to_daughter() {
-        of_the_embryo(|judge, place| {
-            let exact = judge.sensitivities(&place).unwrap();
+        of_the_embryo(|objective, place| {
+            let exact = objective.sensitivities(&place).unwrap();
             assert_eq!(exact.len(), 4);
-            for (k, unknown) in judge.unknowns.iter().enumerate() {
+            for (k, unknown) in objective.unknowns.iter().enumerate() {
                 let value = unknown.value(place[k]);
                 let chi = |share: f64| -> Vec<f64> {
                     let moved = super::super::moved(&place, k, share);
-                    judge.fitted(&moved).iter().map(|residual| residual.computed.unwrap()).collect()
+                    objective.fitted(&moved).iter().map(|residual| residual.computed.unwrap()).collect()
                 };
                 // χ of P3 turns quickly with the place of the cue.
                 let step = 1e-3;

@@ -17,7 +17,7 @@ pub mod targets;
 pub use activity::{FounderActivity, Reading, activities};
 pub use constants::{Evaluated, FittedConstants, fit_constants};
 pub use germline::{ChiResidual, FittedCue, fit_cue};
-pub use search::Effort;
+pub use search::SearchBudget;
 pub use targets::Targets;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -59,8 +59,8 @@ pub enum FitError {
 }
 
 /// Whether the flag, if there is one, is set: that a search should stop.
-fn is_set(interrupt: Option<&AtomicBool>) -> bool {
-    interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed))
+fn is_set(cancel: Option<&AtomicBool>) -> bool {
+    cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
 }
 
 /// A place of the unit cube with one of its coordinates at another value.
