@@ -33,7 +33,7 @@ pub fn write_constants(sets: &[Constants]) -> String {
     csv_of(std::iter::once(head).chain(sets.iter().map(row))).unwrap_or_default()
 }
 
-/// Reads a table; `file` is what errors call it. Lines that begin with `#` are passed over.
+/// Reads a table; errors name it `file`. Lines that begin with `#` are passed over.
 ///
 /// # Errors
 /// Names the line, the column, its value and what is allowed.

@@ -1,4 +1,4 @@
-//! Whether a set of constants agrees with what is known, and which statements exclude it if it does not.
+//! Whether a set of constants agrees with the targets, and which statements exclude it.
 
 use serde::Serialize;
 
@@ -139,7 +139,7 @@ fn higher_fold(cell: &Cell, numerics: &Numerics) -> Result<Option<HigherFold>, S
     Ok(extreme_maxima(&branch).map(higher))
 }
 
-/// ξ_s at the maxima of ξ_s along a branch, of the shortest and of the longest shape; none of fewer than two maxima.
+/// ξ_s at the maxima of ξ_s along a branch, of the shortest and of the longest shape; `None` for fewer than two maxima.
 pub fn extreme_maxima(branch: &Branch) -> Option<[f64; 2]> {
     let maxima = branch.folds().filter(|fold| fold.maximum);
     let mut maxima: Vec<[f64; 2]> = maxima.map(|fold| [fold.point.elongation, fold.point.xi_s]).collect();

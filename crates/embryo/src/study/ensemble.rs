@@ -1,4 +1,4 @@
-//! Constants that agree with what is known, as many as asked for: a sample of what the data leave open.
+//! A sample of the constants that agree with the targets.
 //!
 //! The posterior density of the unknowns θ, in x = ln θ (or θ itself where it may have either sign), is
 //!
@@ -71,7 +71,7 @@ pub enum EnsembleError {
     /// There is no best fit to start from.
     #[error(transparent)]
     Fit(#[from] CalibrateError),
-    /// No draw agrees with what is known.
+    /// No draw agrees with the targets.
     #[error("none of {draws} draws agrees with the targets; most are excluded by {by}")]
     NoneAdmissible {
         /// Draws checked.
@@ -98,7 +98,7 @@ struct Proposal {
 }
 
 impl Proposal {
-    /// About a centre, with the scale matrix given; none if that is not positive definite.
+    /// About a centre, with the scale matrix given; `None` if that is not positive definite.
     fn new(centre: DVector<f64>, scale: DMatrix<f64>) -> Option<Proposal> {
         Some(Proposal { centre, root: scale.cholesky()?.l() })
     }
@@ -146,7 +146,7 @@ struct Draw {
     ln_weight: f64,
 }
 
-/// What the posterior is of.
+/// The posterior density.
 struct Posterior<'a> {
     targets: &'a Targets,
     cell: &'a Cell,
@@ -201,7 +201,7 @@ fn weights(draws: &[Draw]) -> Vec<f64> {
     raw.into_iter().map(|w| if total > 0.0 { w / total } else { 0.0 }).collect()
 }
 
-/// The distribution with the mean and covariance of a weighted sample; none from too few.
+/// The distribution with the mean and covariance of a weighted sample; `None` from too few.
 fn fitted(draws: &[Draw], weights: &[f64]) -> Option<Proposal> {
     let effective = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
     let d = draws.first()?.x.len();

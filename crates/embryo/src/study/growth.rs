@@ -1,4 +1,4 @@
-//! Growing trees as their users want them: cells below the critical radius of their cue do not divide, and the rest is computed.
+//! Growing trees: cells below the critical radius of their cue do not divide; other divisions are computed.
 
 use std::sync::atomic::AtomicBool;
 
@@ -10,7 +10,7 @@ use crate::lineage::{Ends, GrowError, Lineage, Tree, TreeSettings, expected_work
 use crate::settings::Settings;
 use crate::shapes::{CriticalRadii, ShapeError};
 
-/// The parameters of a tree's divisions from those that are given: its first cell is as large as its lineage says, if it says so.
+/// The parameters of a tree's divisions. The first cell has the radius that its lineage gives, if it gives one.
 pub fn tree_settings(given: Settings, lineage: &Lineage, seed: u64, quantisation: Quantisation) -> TreeSettings {
     let r0 = lineage.given_r0(lineage.first()).unwrap_or(given.cell.r0);
     let (cell, numerics) = (Cell { r0, ..given.cell }, given.numerics);
@@ -34,9 +34,9 @@ pub fn scenarios_of(lineages: Vec<Lineage>, given: &Settings, quantisation: Quan
 pub struct Grown {
     /// One for each scenario, in their order.
     pub trees: Vec<Tree>,
-    /// What growing them took.
+    /// Counts of what was solved.
     pub summary: Summary,
-    /// Cues for which no critical radius was found, so that the divisions of their cells told instead, and why.
+    /// Cues without a critical radius, and why none was found; the divisions of their cells decided instead.
     pub unknown: Vec<(Cue, ShapeError)>,
 }
 
@@ -72,7 +72,7 @@ where
     if !dynamics {
         options.expected_work = &order;
     }
-    // The first cells are asked about first. The division of one costs less than a search, and where it fails there is no other.
+    // The first cells come first. The division of one costs less than a search, and if it fails there are no others.
     let first = std::cell::Cell::new(scenarios.len());
     let by_dynamics = |cell: &Cell| {
         let is_first = first.replace(first.get().saturating_sub(1)) > 0;

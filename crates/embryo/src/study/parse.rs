@@ -76,7 +76,7 @@ impl Sweep {
         Sweep::parse_in(folder, &read_text(path)?, &path.display().to_string(), base, overrides)
     }
 
-    /// Reads and checks a sweep from RON text, as [`read`](Self::read) does; `file` is what errors call it.
+    /// Reads and checks a sweep from RON text, as [`read`](Self::read) does; errors name it `file`.
     ///
     /// # Errors
     /// Those of [`read`](Self::read).

@@ -58,7 +58,7 @@ pub struct Axis {
 pub struct Axes(pub Vec<Axis>);
 
 impl Axes {
-    /// Number of points; none if there are more than can be counted.
+    /// Number of points; `None` if there are more than can be counted.
     pub fn points(&self) -> Option<usize> {
         self.independent().try_fold(1usize, |product, axis| product.checked_mul(axis.values.len()))
     }

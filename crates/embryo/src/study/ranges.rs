@@ -1,5 +1,4 @@
-//! What follows for a lineage from constants that are not known: the tree of every set of constants, and the ranges of its
-//! counts.
+//! Ranges of a lineage's counts over sets of constants, one tree a set.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -25,7 +24,7 @@ pub struct Range {
 }
 
 impl Range {
-    /// Of numbers with their weights; none of no numbers.
+    /// Of numbers with their weights; `None` if there are no numbers.
     pub fn of(mut numbers: Vec<(f64, f64)>) -> Option<Range> {
         numbers.sort_by(|a, b| a.0.total_cmp(&b.0));
         let total: f64 = numbers.iter().map(|(_, weight)| weight).sum();
@@ -46,7 +45,7 @@ impl Range {
 pub struct FounderRange {
     /// Name.
     pub name: String,
-    /// Rounds: fewest, mean, most, full and symmetric doublings, terminal cells; none if it is never born.
+    /// Rounds: fewest, mean, most, full and symmetric doublings, terminal cells; `None` if it is never born.
     pub rounds: Option<RoundsRange>,
     /// Size asymmetry χ of its division, where it divides.
     pub chi: Option<Range>,
@@ -58,7 +57,7 @@ pub struct FounderRange {
     pub depends_on: Option<Dependence>,
 }
 
-/// Shares of weight for which a founder's rounds are within one of the observed; none where nothing was observed.
+/// Shares of weight for which a founder's rounds are within one of the observed; `None` where nothing was observed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WithinOne {
     /// Fewest rounds.
@@ -118,7 +117,7 @@ pub struct LineageRanges {
     /// How much weight has founder's symmetric doublings of 0, 1, 2, …: by founder.
     pub symmetric_doublings: Vec<(String, Vec<f64>)>,
     /// Weight of the sets of which the paper's sentence on rounds holds, "to within a single round for the EMS and P lineages",
-    /// read as most rounds: of EMS, and along the germline, which is to say of P4; none of a lineage without these two.
+    /// read as most rounds, for EMS and P4; `None` if the lineage lacks either.
     pub paper_sentence: Option<f64>,
     /// Divisions solved.
     pub divisions_solved: usize,
@@ -141,7 +140,7 @@ pub fn ranges(
     Ok(summed_up(lineage, sets, &trees))
 }
 
-/// Grows the lineage with every set of constants, in parallel over the sets, and gives what is read off each tree.
+/// Grows the lineage with every set of constants, in parallel over the sets, and reads each tree with `read`.
 ///
 /// # Errors
 /// As [`ranges`].
@@ -304,7 +303,7 @@ fn ranks(numbers: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Pearson's correlation; none where one of the two does not vary.
+/// Pearson's correlation; `None` where one of the two does not vary.
 fn correlation(a: &[f64], b: &[f64]) -> Option<f64> {
     let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
     let (ma, mb) = (mean(a), mean(b));

@@ -71,7 +71,7 @@ pub struct Run<'a> {
 /// The rows of a sweep or of one shard of it.
 #[derive(Debug, Default)]
 pub struct SweepResult {
-    /// One row a point, in the order of the points; none if the run was interrupted.
+    /// One row a point, in the order of the points; `None` if the run was interrupted.
     pub rows: Vec<Row>,
     /// Divisions (of points or in trees) or shapes solved by this run.
     pub solved: usize,
@@ -97,7 +97,7 @@ type Results = (Vec<Value>, Option<String>);
 
 /// The distinct inputs of points.
 struct Inputs<'p> {
-    /// The number of each point's input; none of a point that is refused.
+    /// The number of each point's input; `None` for a point that is refused.
     of_point: Vec<Option<usize>>,
     /// The first point of each input.
     firsts: Vec<&'p Point>,

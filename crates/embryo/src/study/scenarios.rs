@@ -42,7 +42,7 @@ pub enum ScenarioError {
     #[error(transparent)]
     Cue(#[from] CueError),
     /// Two scenarios are one.
-    #[error("{first} and {second} are the same scenario: name each but once")]
+    #[error("duplicate scenarios: {first} and {second}")]
     Same {
         /// What the first is made of.
         first: String,
@@ -186,12 +186,13 @@ mod tests {
     #[test]
     fn the_same_scenario_is_refused_however_it_is_written() {
         let same = |cues: &[&str]| combine(&[source("worm")], cues).unwrap_err().to_string();
-        let said = "worm with the cue none and worm with the cue none are the same scenario: name each but once";
+        let said = "duplicate scenarios: worm with the cue none and worm with the cue none";
         assert_eq!(same(&["none", "none"]), said);
         assert!(
-            same(&["germline", "none", "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1"]).contains("same scenario")
+            same(&["germline", "none", "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1"])
+                .contains("duplicate scenarios")
         );
-        assert!(same(&["none", "tension:gradient,amplitude=0"]).contains("same scenario"));
+        assert!(same(&["none", "tension:gradient,amplitude=0"]).contains("duplicate scenarios"));
         assert!(combine(&[source("a"), source("b")], &[]).is_err());
         let mut other = source("b");
         other.lineage.founders[0].r0 = Some(Length::Natural(5.0));

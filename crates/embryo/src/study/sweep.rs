@@ -40,13 +40,13 @@ pub enum Kind {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// What errors call the file.
+    /// The file's name in errors.
     pub file: String,
     /// What is computed.
     pub kind: Kind,
     /// Over what.
     pub axes: Axes,
-    /// What no axis says.
+    /// Settings that no axis changes.
     pub settings: Settings,
     /// The cue of every cell where no axis says otherwise; of a tree, in place of those that the lineage gives. None leaves a
     /// tree its lineage's cues, and other cells without one.
@@ -85,7 +85,7 @@ impl Sweep {
         Point { index, input, refused: checked.err().map(|error| error.to_string()) }
     }
 
-    /// What is computed at a point, and whether it can be as far as its values tell.
+    /// The input at a point, and whether its values are allowed together.
     pub(super) fn checked(&self, index: usize) -> (DivisionInput, Result<(), InputError>) {
         let places = self.axes.0.iter().zip(self.axes.places(index));
         let mut settings = self.settings.clone();

@@ -1,7 +1,7 @@
 //! Rounds of founders beside the observed ones (figure 5A), by every reading of "rounds" and at every stage.
 //!
 //! The paper holds rounds of division against Sulston's and does not say which reading of them: fewest, mean or most divisions
-//! from the founder to a terminal cell, or generations that doubled fully. All are told, at hatching and in embryos of fewer
+//! from the founder to a terminal cell, or generations that doubled fully. All are reported, at hatching and in embryos of fewer
 //! cells, where the lineage is cut at that time.
 
 use std::collections::BTreeMap;
@@ -64,7 +64,7 @@ pub const READINGS: [&str; 5] = ["min", "mean", "max", "full_doublings", "termin
 /// A founder's count by one reading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Count {
-    /// The model's; none if the founder is never born.
+    /// The model's; `None` if the founder is never born.
     pub model: Option<f64>,
     /// The observed.
     pub observed: f64,

@@ -49,16 +49,16 @@ impl Reading {
     }
 }
 
-/// What a founder would need.
+/// The activity that a founder would need.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FounderActivity {
     /// Name.
     pub name: String,
     /// Observed rounds, by the reading asked for.
     pub observed: f64,
-    /// Rounds at the activity of the run; none if it is never born.
+    /// Rounds at the activity of the run; `None` if it is never born.
     pub rounds: Option<f64>,
-    /// The widest interval of ξ_s in which rounds are the observed ones to within half a round; none if there is none.
+    /// The widest interval of ξ_s in which rounds are the observed ones to within half a round; `None` if there is none.
     pub xi_s: Option<[f64; 2]>,
     /// All such intervals.
     pub intervals: Vec<[f64; 2]>,
@@ -68,7 +68,7 @@ pub struct FounderActivity {
     pub searched: [f64; 2],
 }
 
-/// Rounds are the observed ones if they are no further off.
+/// Largest deviation at which rounds count as the observed ones.
 pub const WITHIN: f64 = 0.5;
 /// The search ends where rounds are so many more than observed.
 pub const BEYOND: f64 = 1.5;
@@ -100,7 +100,7 @@ impl Search<'_> {
         k == self.founder || self.lineage.mother(k).is_some_and(|mother| self.is_below(mother))
     }
 
-    /// Rounds at an activity; none if the founder is never born, or the tree could not be grown.
+    /// Rounds at an activity; `None` if the founder is never born, or the tree could not be grown.
     fn rounds(&self, xi_s: f64) -> Result<Option<f64>, GrowError> {
         self.trees.fetch_add(1, Ordering::Relaxed);
         let mut lineage = self.lineage.clone();
@@ -195,8 +195,8 @@ impl Search<'_> {
     }
 }
 
-/// What every founder with observed rounds would need, searched between two activities, and how many trees that took; in
-/// parallel over founders.
+/// The activity that every founder with observed rounds would need, searched between two activities, and the number of trees
+/// grown; in parallel over founders.
 ///
 /// # Errors
 /// [`FitError`].

@@ -1,12 +1,12 @@
 //! One set of constants for the embryo.
 //!
-//! A set of constants is judged by the tree that it grows. Its misfit is
+//! A set of constants is evaluated by the tree that it grows. Its misfit is
 //!
 //! * \[F.3 misfit\] M = w_r ⟨|mean rounds − observed|⟩ + w_t ⟨|log₂(terminal cells/observed)|⟩ + w_χ ⟨|χ − measured|⟩ + (1 for each
 //!   founder that should divide symmetrically and does not),
 //!
 //! means over the founders and the divisions that the targets name. Counts are steps of the constants, so that absolute
-//! deviations serve, and no derivative. Beside it stands
+//! deviations serve, and no derivative. The second objective is
 //!
 //! * \[F.4 thresholds\] T = rms of ξ_s*/published − 1, over the published pitchforks.
 //!
@@ -53,7 +53,7 @@ const BEYOND: [u32; 2] = [5, 6];
 pub struct FounderFit {
     /// Name.
     pub name: String,
-    /// Rounds of the model; none if it is never born.
+    /// Rounds of the model; `None` if it is never born.
     pub rounds: Option<Rounds>,
     /// Observed mean rounds.
     pub observed_mean: Option<f64>,
@@ -100,9 +100,9 @@ pub struct Evaluated {
     pub misfit: f64,
     /// Its parts.
     pub parts: Parts,
-    /// T: rms relative deviation of the thresholds; none if one was not found.
+    /// T: rms relative deviation of the thresholds; `None` if one was not found.
     pub thresholds_rms: Option<f64>,
-    /// Thresholds; none if one was not found.
+    /// Thresholds; `None` if one was not found.
     pub thresholds: Vec<ThresholdFit>,
     /// Founders, in the lineage's order.
     pub founders: Vec<FounderFit>,
@@ -131,7 +131,7 @@ pub struct Sharpness {
     pub reaches_limit: bool,
 }
 
-/// What a fit of constants found.
+/// The result of a fit of constants.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FittedConstants {
     /// The least misfit of the counts.
@@ -149,7 +149,7 @@ pub struct FittedConstants {
     pub tried: usize,
 }
 
-/// What sets of constants are judged by, and what was found.
+/// The objective of the fit, and all sets of constants evaluated so far.
 struct Objective<'a> {
     lineage: &'a Lineage,
     targets: &'a Targets,
@@ -167,7 +167,7 @@ impl Objective<'_> {
         is_set(self.cancel)
     }
 
-    /// The set of constants at a place of the unit cube; none where no tree can be grown.
+    /// The set of constants at a place of the unit cube; `None` where no tree can be grown.
     fn at(&self, place: &[f64]) -> Option<Evaluated> {
         let key: Vec<u64> = place.iter().map(|x| x.to_bits()).collect();
         if let Some(known) = self.known().get(&key) {
@@ -190,7 +190,7 @@ impl Objective<'_> {
     }
 
     fn known(&self) -> std::sync::MutexGuard<'_, BTreeMap<Vec<u64>, Option<Evaluated>>> {
-        // What a thread that panicked left is whole: entries are made before they are put in.
+        // The map stays valid if a thread panics: entries are complete before they are inserted.
         self.seen.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
@@ -255,7 +255,7 @@ impl Objective<'_> {
         }
     }
 
-    /// The published thresholds with these constants, and the cell with the gain that suits them best; none of them where one
+    /// The published thresholds with these constants, and the cell with the gain that suits them best; `None` for them where one
     /// is not found.
     fn thresholds(&self, cell: &Cell) -> (Cell, Vec<ThresholdFit>) {
         let mut computed = Vec::new();
@@ -396,7 +396,7 @@ pub fn fit_constants(
     })
 }
 
-/// What errors call what is tried.
+/// What is tried, in errors.
 const SETS: &str = "sets of constants";
 
 fn interrupted(objective: &Objective<'_>) -> FitError {

@@ -1,6 +1,6 @@
 //! Which cue gives the measured size asymmetries of the germline.
 //!
-//! A cue is judged by the divisions of the founders whose χ was measured and of those they descend from, each as large as its
+//! A cue is evaluated by the divisions of the founders whose χ was measured and of those they descend from, each as large as its
 //! mother's division makes it:
 //!
 //! * \[F.5 chi squared\] χ² = Σ ((χ − measured)/sd)².
@@ -38,7 +38,7 @@ const EDGE: f64 = 0.02;
 /// cell that turns quickly with its numbers shows errors that its χ does not.
 const FINER: f64 = 1e-2;
 const FINEST: f64 = 1e-8;
-/// What errors call what is tried.
+/// What is tried, in errors.
 const CUES: &str = "cues";
 /// Combinations whose change by a factor e, or by all of u, moves χ less than a standard deviation are left open.
 const OPEN: f64 = 1.0;
@@ -48,13 +48,13 @@ const OPEN: f64 = 1.0;
 pub struct ChiResidual {
     /// The founder that divides.
     pub cell: String,
-    /// Its radius R0 in the model; none if it is never born.
+    /// Its radius R0 in the model; `None` if it is never born.
     pub r0: Option<f64>,
     /// Mean of the measured χ.
     pub measured: f64,
     /// Its standard deviation.
     pub sd: f64,
-    /// χ of the model; none if it does not divide.
+    /// χ of the model; `None` if it does not divide.
     pub computed: Option<f64>,
     /// (computed − measured)/sd.
     pub residual: Option<f64>,
@@ -95,9 +95,9 @@ pub struct FittedCue {
     pub chi_squared: f64,
     /// Measurements beside the model.
     pub residuals: Vec<ChiResidual>,
-    /// ∂χ/∂ln(number), of places ∂χ/∂u: a row for each measurement; none where an outcome is not smooth.
+    /// ∂χ/∂ln(number), of places ∂χ/∂u: a row for each measurement; `None` where an outcome is not smooth.
     pub sensitivities: Option<Vec<Vec<f64>>>,
-    /// Directions from the best held to the least; none where an outcome is not smooth.
+    /// Directions from the best held to the least; `None` where an outcome is not smooth.
     pub combinations: Option<Vec<Held>>,
     /// Measurements that nothing was fitted to, beside the model with this cue.
     pub out_of_sample: Vec<ChiResidual>,
@@ -155,7 +155,7 @@ struct Chain<'a> {
 }
 
 impl Chain<'_> {
-    /// The radius of a founder; none if it is never born.
+    /// The radius of a founder; `None` if it is never born.
     fn r0(&mut self, founder: usize) -> Option<f64> {
         let first = self.lineage.first();
         if let Some(share) = self.volumes.get(&self.lineage.founders[founder].name) {
@@ -190,7 +190,7 @@ impl Chain<'_> {
     }
 }
 
-/// What cues are judged by.
+/// The objective of the fit.
 struct Objective<'a> {
     lineage: &'a Lineage,
     targets: &'a Targets,
@@ -242,7 +242,7 @@ impl Objective<'_> {
         self.fitted(place).iter().map(|r| r.residual.unwrap_or(UNDIVIDED).powi(2)).sum()
     }
 
-    /// ∂χ/∂(number), rows by measurement; none where an outcome is not smooth.
+    /// ∂χ/∂(number), rows by measurement; `None` where an outcome is not smooth.
     fn sensitivities(&self, place: &[f64]) -> Option<Vec<Vec<f64>>> {
         let cue = self.cue(place);
         let volumes = BTreeMap::new();
@@ -264,7 +264,7 @@ impl Objective<'_> {
     }
 
     /// How a founder's division changes with the numbers of the cue: by itself, and with the radius that its mother leaves it.
-    /// Those that are `known` are not followed again: the daughters of a founder ask for it too.
+    /// Results are kept in `known`: daughters need their mother's.
     fn slopes(
         &self,
         chain: &mut Chain<'_>,
@@ -333,7 +333,7 @@ impl Slopes {
     }
 }
 
-/// The cue of the kind of `template` that comes nearest to the measured χ; what is searched for are all numbers of its terms.
+/// Fits all numbers of the terms of `template` to the measured χ.
 ///
 /// # Errors
 /// [`FitError`].
@@ -422,7 +422,7 @@ fn held(rows: &[Vec<f64>], measured: &[MeasuredChi]) -> Result<Vec<Held>, FitErr
 mod tests {
     use super::*;
 
-    /// The published cue in the units of the search, and what is judged by it.
+    /// The published cue in the units of the search, and its objective.
     fn of_the_embryo<T>(then: impl FnOnce(&Objective<'_>, Vec<f64>) -> T) -> T {
         let (lineage, targets) = (Lineage::c_elegans().unwrap(), Targets::embryo().unwrap());
         // Differences of divisions need them solved as finely as their tangents.

@@ -1,4 +1,4 @@
-//! What would make it the worm: constants, activities and a cue from what was observed.
+//! Constants, activities and a cue fitted to observations.
 //!
 //! | file | what it says |
 //! |---|---|
@@ -29,22 +29,22 @@ use crate::division::DivisionError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FitError {
-    /// Nothing that was tried gives what is to be compared.
+    /// No candidate gives numbers to compare.
     #[error("none of {tried} {what} tried gives anything to compare; {advice}")]
     Nothing {
-        /// How many were tried.
+        /// Number of candidates.
         tried: usize,
-        /// Of what.
+        /// The kind of candidate.
         what: &'static str,
-        /// What may help.
+        /// Advice.
         advice: &'static str,
     },
     /// It was stopped.
     #[error("interrupted after {tried} {what}")]
     Interrupted {
-        /// How many were tried.
+        /// Number of candidates.
         tried: usize,
-        /// Of what.
+        /// The kind of candidate.
         what: &'static str,
     },
     /// A tree could not be grown.

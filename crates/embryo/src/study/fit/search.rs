@@ -1,4 +1,4 @@
-//! The search itself: a swarm of particles, which needs no derivatives. Counts are steps, and where they are there are none.
+//! The search itself: a swarm of particles, which needs no derivatives. Counts are piecewise constant and have none.
 //!
 //! # References
 //! Zambrano-Bigiarini, Clerc & Rojas, "Standard Particle Swarm Optimisation 2011 at CEC-2013", IEEE CEC 2013.
@@ -9,7 +9,7 @@ use argmin::solver::particleswarm::ParticleSwarm;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 
-/// What is to be made small, over the unit cube; infinite where it says nothing.
+/// The misfit to minimise over the unit cube; infinite where it is undefined.
 type Misfit<'a> = &'a (dyn Fn(&[f64]) -> f64 + Sync);
 
 /// A box inside the unit cube, [lower, upper] by coordinate.
@@ -42,7 +42,7 @@ impl CostFunction for Problem<'_> {
     }
 }
 
-/// The best place that a swarm finds in a region, and its misfit; none if it finds nothing finite. Particles are judged in
+/// The best place that a swarm finds in a region, and its misfit; `None` if it finds nothing finite. Particles are evaluated in
 /// parallel, on the pool it is called in, and where they go does not depend on how many threads that has.
 pub fn swarm(region: &Region, effort: SearchBudget, misfit: Misfit<'_>) -> Option<(Vec<f64>, f64)> {
     let bounds = (region.iter().map(|r| r[0]).collect::<Vec<_>>(), region.iter().map(|r| r[1]).collect());

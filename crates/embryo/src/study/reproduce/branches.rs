@@ -21,7 +21,7 @@ const XI_MAX: f64 = 30.0;
 /// A statement on a curve of pitchforks, not on the branches of its cell.
 const ON_CURVE: &str = "confinement_pitchfork";
 
-/// The finding of a statement about the first pitchfork, how it opens, or the folds; none of another statement.
+/// The finding of a statement about the first pitchfork, how it opens, or the folds; `None` for another statement.
 fn finding(found: &Diagram, statement: &Statement) -> Option<Finding> {
     let id = statement.id.as_str();
     let (_, symmetric) = found.branches.first()?;

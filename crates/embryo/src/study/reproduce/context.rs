@@ -93,7 +93,7 @@ pub struct Finding {
     pub published_scheme: Option<Value>,
     /// Whether that meets the criterion.
     pub published_holds: Option<bool>,
-    /// Whether the criterion is met; none where the printed number decides, or nothing does.
+    /// Whether the criterion is met; `None` where the printed number decides, or nothing does.
     pub holds: Option<bool>,
     /// A remark.
     pub note: Option<String>,

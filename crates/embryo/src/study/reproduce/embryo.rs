@@ -33,7 +33,7 @@ fn cell_named<'t>(tree: &'t Tree, name: &str) -> Option<&'t TreeCell> {
     tree.cells().map(|id| tree.cell(id)).find(|cell| cell.name == name)
 }
 
-/// χ of cells by name; none of one that does not divide.
+/// χ of cells by name; `None` for one that does not divide.
 fn chi_of<const N: usize>(tree: &Tree, names: [&str; N]) -> [Option<f64>; N] {
     names.map(|name| cell_named(tree, name)?.fate.chi())
 }

@@ -47,7 +47,7 @@ pub enum Verdict {
     Agrees,
     /// It is not.
     Differs,
-    /// What the paper says is not known well enough to tell.
+    /// The paper's statement is not known well enough.
     #[serde(rename = "not pinned down")]
     NotPinnedDown,
 }
@@ -69,21 +69,21 @@ pub struct Item {
     pub id: String,
     /// The figure, table or movie.
     pub figure: String,
-    /// What it is about.
+    /// Its subject.
     pub quantity: String,
-    /// What the paper says; none where that is not known.
+    /// The paper's value or words; `None` if not known.
     pub paper: Option<Value>,
-    /// What is computed, converged.
+    /// The value computed with the converged scheme.
     pub computed: Value,
-    /// What the paper's kind of time step gives, where that is another division.
+    /// The value computed with the paper's time step, where it differs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub published_scheme: Option<Value>,
     /// Whether that would agree.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub published_scheme_agrees: Option<bool>,
-    /// |computed/paper − 1|, or |computed| where the paper prints 0; none where it prints no number.
+    /// |computed/paper − 1|, or |computed| where the paper prints 0; `None` where it prints no number.
     pub rel_error: Option<f64>,
-    /// Whether it agrees: the verdict tells what differs from what cannot be told.
+    /// Whether the verdict is that it agrees.
     pub pass: bool,
     /// When a result counts as agreeing.
     pub criterion: String,

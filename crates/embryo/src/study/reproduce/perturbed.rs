@@ -58,7 +58,7 @@ pub fn shapes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     Ok(())
 }
 
-/// A shape with every noise; none where the branch turns back before it.
+/// A shape with every noise; `None` where the branch turns back before it.
 fn cases(context: &Context<'_>, cell: &Cell) -> Vec<Case> {
     let numerics = context.converged();
     let start = match stationary(cell, &numerics) {

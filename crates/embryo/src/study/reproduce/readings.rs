@@ -66,7 +66,7 @@ pub fn chi_at(readings: &[Reading], x: f64) -> Option<f64> {
     between(readings, [x, x]).first()?.chi
 }
 
-/// The last place up to which every division fails, and the next, from which none does; none if there are no such places.
+/// The last place up to which every division fails, and the next, from which none does; `None` if there are no such places.
 pub fn edge(readings: &[Reading]) -> Option<[f64; 2]> {
     let resting = readings.iter().take_while(|reading| reading.ended > 0 && reading.failed == reading.ended).count();
     let divides = readings.get(resting..)?.iter().all(|reading| reading.ended > 0 && reading.failed == 0);
@@ -78,7 +78,7 @@ pub fn chi_in_words(chi: Option<f64>) -> String {
     chi.map_or("-".to_owned(), |chi| format!("{chi:.3}"))
 }
 
-/// χ of all readings; none if one of them does not divide.
+/// χ of all readings; `None` if one of them does not divide.
 fn all_chi(readings: &[Reading]) -> Option<Vec<f64>> {
     readings.iter().map(|reading| reading.chi).collect()
 }
@@ -87,7 +87,7 @@ fn extremes(chis: impl Iterator<Item = f64>) -> (f64, f64) {
     chis.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), chi| (low.min(chi), high.max(chi)))
 }
 
-/// The first and the last χ, and whether all neighbours are in order; none if not all divide.
+/// The first and the last χ, and whether all neighbours are in order; `None` if not all divide.
 pub fn monotone_ends(readings: &[Reading], in_order: fn(f64, f64) -> bool) -> Option<([f64; 2], bool)> {
     match all_chi(readings)?[..] {
         ref chi @ [first, .., last] => Some(([first, last], chi.windows(2).all(|pair| in_order(pair[0], pair[1])))),
