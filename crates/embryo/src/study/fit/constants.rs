@@ -115,6 +115,14 @@ impl Evaluated {
     pub fn cell(&self) -> &Cell {
         &self.cell
     }
+
+    fn rms(&self) -> f64 {
+        self.thresholds_rms.unwrap_or(f64::INFINITY)
+    }
+}
+
+fn by_misfit(a: &Evaluated, b: &Evaluated) -> std::cmp::Ordering {
+    a.misfit.total_cmp(&b.misfit).then(a.rms().total_cmp(&b.rms()))
 }
 
 /// Between which values of a constant the misfit is at most 0.05 above the best, the others as they are; of the activity
@@ -163,8 +171,11 @@ struct Objective<'a> {
 }
 
 impl Objective<'_> {
-    fn stopped(&self) -> bool {
-        is_set(self.cancel)
+    fn check_cancelled(&self) -> Result<(), FitError> {
+        match is_set(self.cancel) {
+            true => Err(FitError::Interrupted { tried: self.known().len(), what: SETS }),
+            false => Ok(()),
+        }
     }
 
     /// The set of constants at a place of the unit cube; `None` where no tree can be grown.
@@ -173,11 +184,11 @@ impl Objective<'_> {
         if let Some(known) = self.known().get(&key) {
             return known.clone();
         }
-        if self.stopped() {
+        if is_set(self.cancel) {
             return None;
         }
         let found = self.evaluate(&self.targets.cell_at(&self.settings.cell, place));
-        if self.stopped() {
+        if is_set(self.cancel) {
             return None;
         }
         let mut seen = self.known();
@@ -380,17 +391,13 @@ pub fn fit_constants(
             let moves = if k == 0 { effort.moves } else { (effort.moves / SHARE).max(1) };
             let effort = SearchBudget { moves, seed: effort.seed.wrapping_add(k as u64), ..effort };
             let found = swarm(&region, effort, &|place| objective.traded(place, trade));
-            if objective.stopped() {
-                return Err(interrupted(&objective));
-            }
+            objective.check_cancelled()?;
             if k == 0 {
                 best = found;
             }
         }
         let found = first.and_then(|first| complete(&objective, first, &start));
-        if objective.stopped() {
-            return Err(interrupted(&objective));
-        }
+        objective.check_cancelled()?;
         let advice = "widen the limits, or start from other constants";
         found.ok_or_else(|| FitError::Nothing { tried: objective.known().len(), what: SETS, advice })
     })
@@ -398,10 +405,6 @@ pub fn fit_constants(
 
 /// What is tried, in errors.
 const SETS: &str = "sets of constants";
-
-fn interrupted(objective: &Objective<'_>) -> FitError {
-    FitError::Interrupted { tried: objective.known().len(), what: SETS }
-}
 
 /// The least of all, how sharp it is, and the front.
 fn complete(objective: &Objective<'_>, start: Evaluated, from: &[f64]) -> Option<FittedConstants> {
@@ -450,8 +453,7 @@ fn at_gain_of(best: &Evaluated, parameter: Parameter, cell: &Cell) -> f64 {
 fn least(objective: &Objective<'_>) -> Option<(Vec<f64>, Evaluated)> {
     let seen = objective.known();
     let all = seen.iter().filter_map(|(key, found)| Some((key, found.as_ref()?)));
-    let rms = |e: &Evaluated| e.thresholds_rms.unwrap_or(f64::INFINITY);
-    let (key, found) = all.min_by(|a, b| a.1.misfit.total_cmp(&b.1.misfit).then(rms(a.1).total_cmp(&rms(b.1))))?;
+    let (key, found) = all.min_by(|a, b| by_misfit(a.1, b.1))?;
     Some((key.iter().map(|bits| f64::from_bits(*bits)).collect(), found.clone()))
 }
 
@@ -468,11 +470,10 @@ fn between(a: &[f64], b: &[f64]) -> Region {
 /// Sets that no other beats in both misfit and thresholds, by rising misfit.
 fn front<'a>(all: impl Iterator<Item = &'a Evaluated>) -> Vec<Evaluated> {
     let mut sets: Vec<&Evaluated> = all.filter(|e| e.thresholds_rms.is_some()).collect();
-    let rms = |e: &Evaluated| e.thresholds_rms.unwrap_or(f64::INFINITY);
-    sets.sort_by(|a, b| a.misfit.total_cmp(&b.misfit).then(rms(a).total_cmp(&rms(b))));
+    sets.sort_by(|a, b| by_misfit(a, b));
     let mut out: Vec<Evaluated> = Vec::new();
     for set in sets {
-        if out.last().is_none_or(|last| rms(set) < rms(last)) {
+        if out.last().is_none_or(|last| set.rms() < last.rms()) {
             out.push(set.clone());
         }
     }

@@ -121,6 +121,11 @@ impl Unknown {
         let share = share.clamp(0.0, 1.0);
         self.sign * if self.logarithmic { from * (to / from).powf(share) } else { from + share * (to - from) }
     }
+
+    /// The factor from a derivative by the number to one by its logarithm, where that is searched.
+    fn scale(&self, share: f64) -> f64 {
+        if self.logarithmic { self.value(share) } else { 1.0 }
+    }
 }
 
 fn unknowns(cue: &Cue) -> Vec<Unknown> {
@@ -145,48 +150,81 @@ fn unknowns(cue: &Cue) -> Vec<Unknown> {
 
 /// Divisions of founders, each from its mother's.
 struct Chain<'a> {
-    lineage: &'a Lineage,
-    settings: &'a TreeSettings,
+    objective: &'a Objective<'a>,
     /// The cue in place of the one that founders carry, where they carry one.
     cue: &'a Cue,
-    /// Volumes given, as shares of the first cell's.
+    /// Given volumes, as shares of the first cell's.
     volumes: &'a BTreeMap<String, f64>,
-    divided: BTreeMap<usize, Option<Division>>,
+    divisions: BTreeMap<usize, Option<Division>>,
+    slopes: BTreeMap<usize, Option<Slopes>>,
 }
 
 impl Chain<'_> {
     /// The radius of a founder; `None` if it is never born.
     fn r0(&mut self, founder: usize) -> Option<f64> {
-        let first = self.lineage.first();
-        if let Some(share) = self.volumes.get(&self.lineage.founders[founder].name) {
+        let first = self.objective.lineage.first();
+        if let Some(share) = self.volumes.get(&self.objective.lineage.founders[founder].name) {
             return Some(self.r0(first)? * share.cbrt());
         }
-        if let Some(given) = self.lineage.given_r0(founder) {
+        if let Some(given) = self.objective.lineage.given_r0(founder) {
             return Some(given);
         }
-        let Some(mother) = self.lineage.mother(founder) else { return Some(self.settings.cell.r0) };
+        let Some(mother) = self.objective.lineage.mother(founder) else { return Some(self.objective.settings.cell.r0) };
         let daughters = self.division(mother)?.daughters?;
         let [small, large] = [daughters[0].min(daughters[1]), daughters[0].max(daughters[1])];
-        Some(if self.lineage.founders[founder].daughter == Some(Daughter::Larger) { large } else { small })
+        Some(if self.objective.lineage.founders[founder].daughter == Some(Daughter::Larger) { large } else { small })
     }
 
     fn division(&mut self, founder: usize) -> Option<Division> {
-        if let Some(known) = self.divided.get(&founder) {
+        if let Some(known) = self.divisions.get(&founder) {
             return known.clone();
         }
         let found = self.r0(founder).and_then(|r0| divide(&self.input(founder, r0)).ok());
-        self.divided.insert(founder, found.clone());
+        self.divisions.insert(founder, found.clone());
         found
     }
 
     /// The division of a founder of that radius.
     fn input(&self, founder: usize, r0: f64) -> DivisionInput {
-        let place = Place { founder, round: 0, generation: self.lineage.generation(founder), r0 };
-        let own = self.lineage.cue_at(place);
+        let place = Place { founder, round: 0, generation: self.objective.lineage.generation(founder), r0 };
+        let own = self.objective.lineage.cue_at(place);
         let cue = if own.is_none() { own } else { self.cue.clone() };
-        let mut cell = Cell { r0, cue, ..self.settings.cell.clone() };
-        self.lineage.founders[founder].physics.apply(&mut cell);
-        DivisionInput { cell, numerics: self.settings.numerics, seed: self.settings.seed }
+        let mut cell = Cell { r0, cue, ..self.objective.settings.cell.clone() };
+        self.objective.lineage.founders[founder].physics.apply(&mut cell);
+        DivisionInput { cell, numerics: self.objective.settings.numerics, seed: self.objective.settings.seed }
+    }
+
+    /// How a founder's division changes with the numbers of the cue: by itself, and with the radius that its mother leaves it.
+    fn slopes(&mut self, founder: usize) -> Option<Slopes> {
+        if let Some(known) = self.slopes.get(&founder) {
+            return known.clone();
+        }
+        let found = self.follow(founder);
+        self.slopes.insert(founder, found.clone());
+        found
+    }
+
+    fn follow(&mut self, founder: usize) -> Option<Slopes> {
+        let Objective { lineage, unknowns, .. } = self.objective;
+        let r0 = self.r0(founder)?;
+        let mut input = self.input(founder, r0);
+        input.numerics.time_tolerance = (FINER * input.numerics.time_tolerance).max(FINEST);
+        let numbers = unknowns.iter().map(|unknown| unknown.parameter);
+        let own: Vec<Parameter> = numbers.filter(|number| number.is_of(&input.cell)).collect();
+        let parameters: Vec<Parameter> = [Parameter::R0].into_iter().chain(own.iter().copied()).collect();
+        let (division, by) = divide_with_sensitivities(&input, &parameters).ok()?;
+        let (by, sign) = (by?, division.chi_signed?.signum());
+        let radius = match lineage.mother(founder).filter(|_| lineage.given_r0(founder).is_none()) {
+            Some(mother) => self.slopes(mother)?.radius(lineage.founders[founder].daughter),
+            None => vec![0.0; unknowns.len()],
+        };
+        let of = |(unknown, radius): (&Unknown, &f64)| {
+            let itself =
+                own.iter().position(|number| *number == unknown.parameter).map_or(0.0, |i| by[i + 1].chi_signed);
+            sign * (itself + by[0].chi_signed * radius)
+        };
+        let chi = unknowns.iter().zip(&radius).map(of).collect();
+        Some(Slopes { r0, division, radius, chi })
     }
 }
 
@@ -211,10 +249,9 @@ impl Objective<'_> {
     }
 
     fn residuals(&self, cue: &Cue, volumes: &BTreeMap<String, f64>, measured: &[MeasuredChi]) -> Vec<ChiResidual> {
-        let mut chain =
-            Chain { lineage: self.lineage, settings: self.settings, cue, volumes, divided: BTreeMap::new() };
+        let mut chain = self.chain(cue, volumes);
         let one = |measured: &MeasuredChi| {
-            let founder = self.lineage.founders.iter().position(|f| f.name == measured.cell);
+            let founder = self.founder(measured);
             let r0 = founder.and_then(|founder| chain.r0(founder));
             let computed = founder.and_then(|founder| chain.division(founder)).and_then(|division| division.chi);
             ChiResidual {
@@ -242,68 +279,24 @@ impl Objective<'_> {
         self.fitted(place).iter().map(|r| r.residual.unwrap_or(UNDIVIDED).powi(2)).sum()
     }
 
+    fn chain<'a>(&'a self, cue: &'a Cue, volumes: &'a BTreeMap<String, f64>) -> Chain<'a> {
+        Chain { objective: self, cue, volumes, divisions: BTreeMap::new(), slopes: BTreeMap::new() }
+    }
+
+    fn founder(&self, measured: &MeasuredChi) -> Option<usize> {
+        self.lineage.founders.iter().position(|founder| founder.name == measured.cell)
+    }
+
     /// ∂χ/∂(number), rows by measurement; `None` where an outcome is not smooth.
     fn sensitivities(&self, place: &[f64]) -> Option<Vec<Vec<f64>>> {
-        let cue = self.cue(place);
-        let volumes = BTreeMap::new();
-        let mut chain = Chain {
-            lineage: self.lineage,
-            settings: self.settings,
-            cue: &cue,
-            volumes: &volumes,
-            divided: BTreeMap::new(),
-        };
-        let mut known = BTreeMap::new();
-        let scale = |k: usize| if self.unknowns[k].logarithmic { self.unknowns[k].value(place[k]) } else { 1.0 };
+        let (cue, volumes) = (self.cue(place), BTreeMap::new());
+        let mut chain = self.chain(&cue, &volumes);
         let row = |measured: &MeasuredChi| {
-            let founder = self.lineage.founders.iter().position(|f| f.name == measured.cell)?;
-            let slopes = self.slopes(&mut chain, &mut known, founder)?;
-            Some(slopes.chi.iter().enumerate().map(|(k, slope)| slope * scale(k)).collect())
+            let slopes = chain.slopes(self.founder(measured)?)?.chi;
+            let numbers = self.unknowns.iter().zip(place);
+            Some(slopes.iter().zip(numbers).map(|(slope, (unknown, share))| slope * unknown.scale(*share)).collect())
         };
         self.targets.chi.iter().map(row).collect()
-    }
-
-    /// How a founder's division changes with the numbers of the cue: by itself, and with the radius that its mother leaves it.
-    /// Results are kept in `known`: daughters need their mother's.
-    fn slopes(
-        &self,
-        chain: &mut Chain<'_>,
-        known: &mut BTreeMap<usize, Option<Slopes>>,
-        founder: usize,
-    ) -> Option<Slopes> {
-        if let Some(slopes) = known.get(&founder) {
-            return slopes.clone();
-        }
-        let slopes = self.follow(chain, known, founder);
-        known.insert(founder, slopes.clone());
-        slopes
-    }
-
-    fn follow(
-        &self,
-        chain: &mut Chain<'_>,
-        known: &mut BTreeMap<usize, Option<Slopes>>,
-        founder: usize,
-    ) -> Option<Slopes> {
-        let r0 = chain.r0(founder)?;
-        let mut input = chain.input(founder, r0);
-        input.numerics.time_tolerance = (FINER * input.numerics.time_tolerance).max(FINEST);
-        let numbers = self.unknowns.iter().map(|unknown| unknown.parameter);
-        let own: Vec<Parameter> = numbers.filter(|number| number.is_of(&input.cell)).collect();
-        let parameters: Vec<Parameter> = [Parameter::R0].into_iter().chain(own.iter().copied()).collect();
-        let (division, by) = divide_with_sensitivities(&input, &parameters).ok()?;
-        let (by, sign) = (by?, division.chi_signed?.signum());
-        let radius = match self.lineage.mother(founder).filter(|_| self.lineage.given_r0(founder).is_none()) {
-            Some(mother) => self.slopes(chain, known, mother)?.radius(self.lineage.founders[founder].daughter),
-            None => vec![0.0; self.unknowns.len()],
-        };
-        let of = |(unknown, radius): (&Unknown, &f64)| {
-            let itself =
-                own.iter().position(|number| *number == unknown.parameter).map_or(0.0, |i| by[i + 1].chi_signed);
-            sign * (itself + by[0].chi_signed * radius)
-        };
-        let chi = self.unknowns.iter().zip(&radius).map(of).collect();
-        Some(Slopes { r0, division, radius, chi })
     }
 }
 
@@ -352,18 +345,17 @@ pub fn fit_cue(
         let region = vec![[0.0, 1.0]; objective.unknowns.len()];
         let found = swarm(&region, effort, &|place| objective.chi_squared(place));
         let tried = || objective.tried.load(Ordering::Relaxed);
-        let interrupted = || FitError::Interrupted { tried: tried(), what: CUES };
-        if is_set(cancel) {
-            return Err(interrupted());
-        }
+        let check_cancelled = || match is_set(cancel) {
+            true => Err(FitError::Interrupted { tried: tried(), what: CUES }),
+            false => Ok(()),
+        };
+        check_cancelled()?;
         let nothing = || FitError::Nothing { tried: tried(), what: CUES, advice: "try terms on other fields" };
         let (place, least) = found.ok_or_else(nothing)?;
         let (place, chi_squared) = descend(&place, EDGE, DESCENT, &|place| objective.chi_squared(place))
             .filter(|(_, better)| *better <= least)
             .unwrap_or((place, least));
-        if is_set(cancel) {
-            return Err(interrupted());
-        }
+        check_cancelled()?;
         complete(&objective, &place, chi_squared)
     })
 }
@@ -377,8 +369,7 @@ fn complete(objective: &Objective<'_>, place: &[f64], chi_squared: f64) -> Resul
         // Σ (v_k/σ)²: without bound if a direction that this number is part of is held by nothing.
         let sum: f64 = held.iter().map(|h| (h.components[k] / h.singular_value).powi(2)).sum();
         let relative = sum.sqrt();
-        let unknown = &objective.unknowns[k];
-        let scale = if unknown.logarithmic { unknown.value(place[k]).abs() } else { 1.0 };
+        let scale = objective.unknowns[k].scale(place[k]).abs();
         (relative.is_finite() && relative < 1.0 / OPEN).then_some(relative * scale)
     };
     let number = |(k, unknown): (usize, &Unknown)| CueNumber {
@@ -456,7 +447,6 @@ mod tests {
             let exact = objective.sensitivities(&place).unwrap();
             assert_eq!(exact.len(), 4);
             for (k, unknown) in objective.unknowns.iter().enumerate() {
-                let value = unknown.value(place[k]);
                 let chi = |share: f64| -> Vec<f64> {
                     let moved = super::super::moved(&place, k, share);
                     objective.fitted(&moved).iter().map(|residual| residual.computed.unwrap()).collect()
@@ -465,9 +455,8 @@ mod tests {
                 let step = 1e-3;
                 let (above, below) = (chi(place[k] + step), chi(place[k] - step));
                 let length = unknown.value(place[k] + step) - unknown.value(place[k] - step);
-                let scale = if unknown.logarithmic { value } else { 1.0 };
                 for (i, row) in exact.iter().enumerate() {
-                    let expected = (above[i] - below[i]) / length * scale;
+                    let expected = (above[i] - below[i]) / length * unknown.scale(place[k]);
                     let off = (row[k] - expected).abs();
                     assert!(
                         off < 0.02 * expected.abs() + 1e-3,
