@@ -62,7 +62,7 @@ pub fn sweep<'py>(
         }
         Ok((sweep, done))
     })?;
-    let SweepResult { rows, solved, reused, .. } = done;
+    let SweepResult { rows, solved, reused, resumed, .. } = done;
     let names = sweep.columns();
     let csv = csv_text(&names, &rows).map_err(unwritable)?;
     let csv = String::from_utf8(csv).map_err(unwritable)?;
@@ -71,7 +71,7 @@ pub fn sweep<'py>(
         dict.set_item(name, column(py, &rows, place)?)?;
     }
     let why = rows.iter().enumerate().filter_map(|(k, row)| Some((k, row.why.clone()?))).collect();
-    Ok((dict, why, csv, (solved, reused)))
+    Ok((dict, why, csv, (solved, reused + resumed)))
 }
 
 fn read(text: Option<&str>, file: Option<&Path>, base: &Settings, pairs: &Pairs) -> Result<Sweep, InputError> {
