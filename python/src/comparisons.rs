@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use furrow::batch::SchedulerOptions;
+use furrow::division::divide;
 use furrow::input::{InputError, read_text};
 use furrow::study::compare::counts::counts as counted;
 use furrow::study::compare::volumes::{GroupBeside, Scale, ScaleFrom, add_bands, beside, model, scale};
@@ -125,7 +126,7 @@ impl VolumesPlan {
         let options = SchedulerOptions { threads: self.threads, progress: Some(&show), ..SchedulerOptions::default() };
         let (free, firsts) = model(&lineage, settings.cell.r0, &summed, |lineages| {
             let scenarios = scenarios_of(lineages, &self.settings, memo.quantisation());
-            grown(&scenarios, false, memo, options, watch.stop()).map(|grown| grown.trees)
+            grown(&scenarios, false, memo, options, watch.stop(), divide).map(|grown| grown.trees)
         })?;
         let mut groups = beside(summed, &found.divisions, &free, &firsts, None);
         let sets = self.sets()?;

@@ -7,7 +7,9 @@ use furrow::calibration::{CalibrateError, Calibration, Targets, calibrate as cal
 use furrow::input::{InputError, parse_document, read_text};
 use furrow::settings::Settings;
 use furrow::study::scenarios::Scenario;
-use furrow::study::{Constants, EnsembleError, Exclusion, ensemble_until, judge, ranges as ranges_over};
+use furrow::study::{
+    Constants, EnsembleError, Exclusion, check_constraints, ensemble as sampled, ranges as ranges_over,
+};
 use furrow::study::{read_constants, write_constants};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -70,7 +72,7 @@ pub fn calibrate(
         let (targets, settings) = read(text.as_deref(), file.as_deref(), &preset, config.as_ref(), &pairs)?;
         let failed = |error: CalibrateError| Error::no_outcome(error);
         let found = calibrated(&targets, &settings.cell, &settings.numerics).map_err(failed)?;
-        let excluded = judge(&targets, &found.cell, &settings.numerics, true).excluded;
+        let excluded = check_constraints(&targets, &found.cell, &settings.numerics, true).excluded;
         let Calibration { parameters, residuals, rms, combinations, iterations, .. } = found;
         let parameters = parameters.iter().map(|(parameter, value)| (parameter.to_string(), Value::from(*value)));
         Ok(Found { parameters: parameters.collect(), residuals, rms, combinations, iterations, excluded })
@@ -112,7 +114,7 @@ pub fn ensemble(
             EnsembleError::Workers(_) => Error::System(error.to_string()),
             error => Error::no_outcome(error),
         };
-        let found = ensemble_until(&targets, cell, numerics, count, seed, threads, watch.stop()).map_err(failed)?;
+        let found = sampled(&targets, cell, numerics, count, seed, threads, watch.stop()).map_err(failed)?;
         let set = |member: &furrow::study::Member| Constants {
             values: found.parameters.iter().copied().zip(member.values.iter().copied()).collect(),
             weight: member.weight,

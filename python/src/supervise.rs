@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use furrow::batch::Progress;
-use furrow::study::Standing;
+use furrow::study::SweepProgress;
 use pyo3::prelude::*;
 
 use crate::errors::{Error, defect, interrupted, raised};
@@ -49,10 +49,10 @@ impl Watch {
     }
 
     /// Takes in where a sweep stands, and whether what it has done is kept: divisions are, shapes are not.
-    pub fn points(&self, standing: Standing, kept: bool) {
-        self.counts.solved.store(if kept { standing.done } else { 0 }, Ordering::Relaxed);
-        self.counts.done.store(standing.done, Ordering::Relaxed);
-        self.counts.of.store(standing.of, Ordering::Relaxed);
+    pub fn points(&self, progress: SweepProgress, kept: bool) {
+        self.counts.solved.store(if kept { progress.done } else { 0 }, Ordering::Relaxed);
+        self.counts.done.store(progress.done, Ordering::Relaxed);
+        self.counts.of.store(progress.of, Ordering::Relaxed);
     }
 
     fn solved(&self) -> usize {

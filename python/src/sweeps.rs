@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use furrow::input::InputError;
-use furrow::io::sweep_files::SweepTable;
+use furrow::io::sweep_files::{SweepFilesError, SweepTable, open_journal};
 use furrow::settings::Settings;
 use furrow::study::table::csv_text;
-use furrow::study::{Done, Kind, Row, Run, Sweep};
+use furrow::study::{Kind, Row, Run, Sweep, SweepResult};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -43,23 +43,26 @@ pub fn sweep<'py>(
     let (sweep, done) = supervised(py, Interrupt::Tells, progress, move |watch| {
         let base = Settings::load(&preset, config.as_deref(), &[])?;
         let sweep = read(text.as_deref(), file.as_deref(), &base, &pairs)?;
-        let kept = matches!(sweep.kind, Kind::Division | Kind::Tree);
-        let show = |standing| watch.points(standing, kept);
-        let run = Run { sweep: &sweep, shard: None, memo: &memo, threads, interrupt: watch.stop(), progress: &show };
+        let kept = out.is_some() || matches!(sweep.kind, Kind::Division | Kind::Tree);
+        let show = |progress| watch.points(progress, kept);
+        let failed = |error: SweepFilesError| Error::System(error.to_string());
+        let journal = out.as_deref().map(|folder| open_journal(&sweep, memo.quantisation(), None, folder));
+        let journal = journal.transpose().map_err(failed)?.map(|(journal, _)| journal);
+        let run = Run { threads, journal: journal.as_ref(), progress: &show, ..Run::new(&sweep, &memo, watch.stop()) };
         let mut done = run.solve()?;
         if done.interrupted {
             return Err(Error::Interrupted);
         }
         if let Some(folder) = out {
-            let failed = |error: furrow::io::sweep_files::SweepFilesError| Error::System(error.to_string());
             let rows = std::mem::take(&mut done.rows);
             let table = SweepTable::new(&sweep, memo.quantisation(), None, rows).map_err(failed)?;
             table.write(&folder).map_err(failed)?;
+            journal.map_or(Ok(()), |journal| journal.finish()).map_err(|error| Error::System(error.to_string()))?;
             done.rows = table.rows;
         }
         Ok((sweep, done))
     })?;
-    let Done { rows, solved, reused, .. } = done;
+    let SweepResult { rows, solved, reused, resumed, .. } = done;
     let names = sweep.columns();
     let csv = csv_text(&names, &rows).map_err(unwritable)?;
     let csv = String::from_utf8(csv).map_err(unwritable)?;
@@ -68,7 +71,7 @@ pub fn sweep<'py>(
         dict.set_item(name, column(py, &rows, place)?)?;
     }
     let why = rows.iter().enumerate().filter_map(|(k, row)| Some((k, row.why.clone()?))).collect();
-    Ok((dict, why, csv, (solved, reused)))
+    Ok((dict, why, csv, (solved, reused + resumed)))
 }
 
 fn read(text: Option<&str>, file: Option<&Path>, base: &Settings, pairs: &Pairs) -> Result<Sweep, InputError> {

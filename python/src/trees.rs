@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use furrow::batch::{SchedulerOptions, Summary};
+use furrow::division::divide;
 use furrow::input::{InputError, did_you_mean, read_text_up_to, shown};
 use furrow::io::exchange::{BranchLengths, Exported, Format, export};
 use furrow::io::tree_json::LONGEST_TREE;
@@ -129,7 +130,7 @@ pub fn grow(
         let scenarios = plan.scenarios(memo.quantisation())?;
         let show = |progress| watch.divisions(progress);
         let options = SchedulerOptions { threads, progress: Some(&show), ..SchedulerOptions::default() };
-        let found = grown(&scenarios, dynamics, &memo, options, watch.stop())?;
+        let found = grown(&scenarios, dynamics, &memo, options, watch.stop(), divide)?;
         Ok((scenarios, found))
     })?;
     let Grown { trees, summary, unknown } = grown;

@@ -7,7 +7,7 @@ use super::output::print_as;
 use super::plot::PlotArgs;
 use crate::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
 use crate::input::{parse_document, read_text};
-use crate::study::{Exclusion, judge};
+use crate::study::{Exclusion, check_constraints};
 use clap::Args;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -59,7 +59,7 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
         return sample(&targets, context, count as usize, args.seed, args.out.as_deref(), &picture);
     }
     let found = calibrate(&targets, &context.settings.cell, &context.settings.numerics)?;
-    let excluded = judge(&targets, &found.cell, &context.settings.numerics, true).excluded;
+    let excluded = check_constraints(&targets, &found.cell, &context.settings.numerics, true).excluded;
     picture.write(|| crate::plot::calibration::draw(&targets, &found, &excluded))?;
     let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), Value::from(*value)));
     let document = Answer {

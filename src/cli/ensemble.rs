@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use serde::Serialize;
 
@@ -47,7 +48,8 @@ pub fn sample(
 ) -> Result<(), CliError> {
     writable_file("--out", out)?;
     let settings = &context.settings;
-    let found = ensemble(targets, &settings.cell, &settings.numerics, count, seed, context.threads)?;
+    let found =
+        ensemble(targets, &settings.cell, &settings.numerics, count, seed, context.threads, &AtomicBool::new(false))?;
     let sets: Vec<Constants> = found
         .members
         .iter()

@@ -20,7 +20,7 @@ use crate::input::{InputError, parse_document, read_text};
 use crate::io::write_atomically;
 use crate::lineage::{Lineage, TreeSettings};
 use crate::study::fit::{
-    ChiResidual, Effort, Evaluated, FittedConstants, FittedCue, FounderActivity, Reading, Targets, activities,
+    ChiResidual, Evaluated, FittedConstants, FittedCue, FounderActivity, Reading, SearchBudget, Targets, activities,
     fit_constants, fit_cue,
 };
 use crate::study::tree_settings;
@@ -126,8 +126,8 @@ fn targets(args: &FitArgs, lineage: &Lineage) -> Result<Targets, CliError> {
     Ok(targets)
 }
 
-fn effort(args: &FitArgs) -> Effort {
-    Effort { particles: args.particles as usize, moves: u64::from(args.moves), seed: args.seed }
+fn effort(args: &FitArgs) -> SearchBudget {
+    SearchBudget { particles: args.particles as usize, moves: u64::from(args.moves), seed: args.seed }
 }
 
 /// What `fit constants --json` prints.

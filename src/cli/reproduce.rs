@@ -17,7 +17,7 @@ use crate::io::files::FileSet;
 use crate::plot::reproduction::draw;
 use crate::report::reproduction::{markdown, text};
 use crate::study::reproduce::paper::selected;
-use crate::study::reproduce::{Item, Lab, LabError, Panel, Reproduction, Shown, Verdict, reproduce};
+use crate::study::reproduce::{self, Artifact, Item, Panel, ReproduceError, Reproduction, Verdict, reproduce};
 use crate::study::table::csv_text;
 
 /// Recomputes the paper figure by figure and lists what agrees and what differs
@@ -78,18 +78,18 @@ pub fn run(args: &ReproduceArgs, context: &Context, globals: &Globals) -> Result
     writable_file("--table", args.table.as_deref())?;
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
-    let lab = Lab {
+    let figures = reproduce::Context {
         settings: &context.settings,
         memo: &memo,
         threads: context.threads,
-        interrupt: interrupt::flag(),
+        cancel: interrupt::flag(),
         progress: &|figure: &str| line.message(format!("figure {figure}")),
     };
-    let found = reproduce(&lab, &statements);
+    let found = reproduce(&figures, &statements);
     drop(line);
     let found = found.map_err(|error| match error {
-        LabError::Input(error) => error.into(),
-        LabError::Workers(error) => error.into(),
+        ReproduceError::Input(error) => error.into(),
+        ReproduceError::Workers(error) => error.into(),
         _ => CliError::Interrupted,
     })?;
     warn_of_store(&found.warnings);
@@ -140,10 +140,10 @@ fn pictures(files: &mut FileSet, found: &Reproduction, (extension, format): (&st
 
 /// The numbers behind a picture, where they are not those of a single cell.
 fn table(panel: &Panel) -> Result<Option<Vec<u8>>, CliError> {
-    Ok(match &panel.shown {
-        Shown::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows)?),
-        Shown::Map(map) => Some(csv_of("x,xi_s,outcome,chi,by", &map.diagram.cells)?),
-        Shown::Perturbations(_, watched) => {
+    Ok(match &panel.artifact {
+        Artifact::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows)?),
+        Artifact::Map(map) => Some(csv_of("x,xi_s,outcome,chi,by", &map.diagram.cells)?),
+        Artifact::Perturbations(_, watched) => {
             let rows = watched.iter().flat_map(|(shape, found)| {
                 found.distances.iter().map(move |[t, dis]| serde_json::json!({ "shape": shape, "t": t, "dis": dis }))
             });

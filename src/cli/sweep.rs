@@ -13,8 +13,8 @@ use super::output::{print_as, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use crate::io::Settings;
-use crate::io::sweep_files::{SWEEP_FILES, SweepTable};
-use crate::study::{Done, Run, Shard, Standing, Sweep};
+use crate::io::sweep_files::{SWEEP_FILES, SweepFilesError, SweepTable, open_journal};
+use crate::study::{Run, Shard, Sweep, SweepProgress};
 
 /// Computes divisions, trees, pitchforks or critical radii over axes of parameters
 ///
@@ -46,6 +46,8 @@ struct Answer {
     points: usize,
     solved: usize,
     reused: usize,
+    /// Points whose rows an interrupted run had finished.
+    resumed: usize,
     undecided: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     shard: Option<Shard>,
@@ -63,48 +65,60 @@ pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(),
     let picture = args.plot.file()?;
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
-    let show = |standing: Standing| line.show_share(standing.done, standing.of);
-    let run = Run {
-        sweep: &sweep,
+    let show = |progress: SweepProgress| line.show_share(progress.done, progress.of);
+    let (journal, moved) = open_journal(&sweep, memo.quantisation(), args.shard, &args.out)?;
+    if let Some((aside, what)) = moved {
+        tracing::warn!("the finished rows of another sweep are kept in {}: {what}", aside.display());
+    }
+    let solved = Run {
         shard: args.shard,
-        memo: &memo,
         threads: context.threads,
-        interrupt: interrupt::flag(),
+        journal: Some(&journal),
         progress: &show,
-    };
-    let solved = run.solve();
+        ..Run::new(&sweep, &memo, interrupt::flag())
+    }
+    .solve();
     drop(line);
-    let Done { rows, undecided, solved, reused, interrupted, warnings } = solved?;
-    warn_of_store(&warnings);
-    if interrupted {
+    let found = solved?;
+    warn_of_store(&found.warnings);
+    if found.interrupted {
+        tracing::warn!("finished rows are kept in {}; the same command resumes the sweep", args.out.display());
         return Err(CliError::Interrupted);
     }
-    if let Some(first) = undecided.first().and_then(|place| rows.get(*place)) {
-        let why = first.why.as_deref().unwrap_or_default();
+    let undecided = found.undecided().count();
+    if let Some(first) = found.undecided().next() {
+        let (of, why) = (found.rows.len(), first.why.as_deref().unwrap_or_default());
+        let index = first.index;
         tracing::warn!(
-            "{} of {} points are undecided, wholly or in part; the first has index {}: {why}",
-            undecided.len(),
-            rows.len(),
-            first.index
+            "{undecided} of {of} points are undecided, wholly or in part; the first has index {index}: {why}"
         );
     }
-    let table = SweepTable::new(&sweep, memo.quantisation(), args.shard, rows)?;
-    if let Some((aside, what)) = interrupt::defer(|| table.write(&args.out))? {
+    let table = SweepTable::new(&sweep, memo.quantisation(), args.shard, found.rows)?;
+    let written = interrupt::defer(|| {
+        let written = table.write(&args.out)?;
+        if let Err(error) = journal.finish() {
+            tracing::warn!("the file of finished rows: {error}");
+        }
+        Ok::<_, SweepFilesError>(written)
+    });
+    if let Some((aside, what)) = written? {
         tracing::warn!("the files of another sweep were moved to {}: {what}", aside.display());
     }
     picture.write(|| crate::plot::sweep::draw(&sweep, &table.rows))?;
     let document = Answer {
         points: table.rows.len(),
-        solved,
-        reused,
-        undecided: undecided.len(),
+        solved: found.solved,
+        reused: found.reused,
+        resumed: found.resumed,
+        undecided,
         shard: args.shard,
         elapsed_s: start.elapsed().as_secs_f64(),
         out: args.out.display().to_string(),
     };
     print_as(context.json, &document, || {
         let part = args.shard.map_or(String::new(), |shard| format!(" of part {shard}"));
-        let Answer { points, elapsed_s, out, .. } = &document;
-        format!("{points} points{part}: {solved} solved, {reused} reused, {elapsed_s:.2} s; files in {out}\n")
+        let Answer { points, solved, reused, resumed, elapsed_s, out, .. } = &document;
+        let resumed = if *resumed > 0 { format!(", {resumed} resumed") } else { String::new() };
+        format!("{points} points{part}: {solved} solved, {reused} reused{resumed}, {elapsed_s:.2} s; files in {out}\n")
     })
 }

@@ -1,11 +1,13 @@
 //! Constants that are not known: which sets of them agree with what the paper prints, and what follows for the lineage.
 
+use std::sync::atomic::AtomicBool;
+
 use std::path::Path;
 
 use furrow::calibration::{Targets, calibrate, with_values};
 use furrow::cell::{Cell, Numerics, Parameter};
 use furrow::lineage::{Lineage, TreeSettings};
-use furrow::study::{Constants, ensemble, judge, ranges};
+use furrow::study::{Constants, check_constraints, ensemble, ranges};
 
 use crate::common::command::json;
 
@@ -33,7 +35,7 @@ fn the_exact_fit_is_excluded_by_its_criticality() {
     println!("a/b = {aspect}, P0 = {p0}, w = {w}, g = {gain}");
     assert!((aspect - 1.6704).abs() < 1e-3 && (p0 - 0.17026).abs() < 1e-4);
     assert!((w - 0.14008).abs() < 1e-4 && (gain - 0.43975).abs() < 1e-4);
-    let verdict = judge(&targets, &fit.cell, &numerics(), true);
+    let verdict = check_constraints(&targets, &fit.cell, &numerics(), true);
     println!("{:?}", verdict.excluded);
     assert_eq!(verdict.excluded[0].datum, "criticalities[0]");
     assert_eq!(verdict.excluded[0].given, "subcritical at R0 = 1.64, epsilon = 0.87");
@@ -43,7 +45,7 @@ fn the_exact_fit_is_excluded_by_its_criticality() {
 
 #[test]
 fn the_preset_agrees_with_all_that_is_printed() {
-    let verdict = judge(&targets(), &Cell::new(1.0), &numerics(), true);
+    let verdict = check_constraints(&targets(), &Cell::new(1.0), &numerics(), true);
     assert_eq!(verdict.excluded, []);
     println!("thresholds {:?}, misfit {}", verdict.thresholds, verdict.misfit);
     assert!(verdict.misfit < 2.0);
@@ -54,7 +56,7 @@ fn the_preset_agrees_with_all_that_is_printed() {
 fn statements_exclude_what_they_are_about() {
     let shell = |aspect: f64, gain: f64, p0: f64, w: f64| {
         let values = [(Parameter::Aspect, aspect), (Parameter::Gain, gain), (Parameter::P0, p0), (Parameter::W, w)];
-        judge(&targets(), &with_values(&Cell::new(1.0), &values), &numerics(), true)
+        check_constraints(&targets(), &with_values(&Cell::new(1.0), &values), &numerics(), true)
     };
     // Subcritical at R0 = 2 where the paper's is supercritical.
     let verdict = shell(1.4, 0.55, 0.123, 0.1445);
@@ -65,7 +67,9 @@ fn statements_exclude_what_they_are_about() {
 #[test]
 fn the_sample_does_not_depend_on_threads() {
     let targets = targets();
-    let sample = |threads: usize| ensemble(&targets, &Cell::new(1.0), &numerics(), 2, 7, threads).unwrap();
+    let sample = |threads: usize| {
+        ensemble(&targets, &Cell::new(1.0), &numerics(), 2, 7, threads, &AtomicBool::new(false)).unwrap()
+    };
     let (one, two) = (sample(1), sample(2));
     assert_eq!(one, two);
     assert_eq!(one.members.len(), 2);
@@ -75,7 +79,7 @@ fn the_sample_does_not_depend_on_threads() {
     assert!(one.excluded.contains_key("criticalities[0]"));
     for member in &one.members {
         let values: Vec<_> = one.parameters.iter().copied().zip(member.values.iter().copied()).collect();
-        let verdict = judge(&targets, &with_values(&Cell::new(1.0), &values), &numerics(), true);
+        let verdict = check_constraints(&targets, &with_values(&Cell::new(1.0), &values), &numerics(), true);
         assert!(verdict.is_admissible(), "{verdict:?}");
         assert_eq!(verdict.thresholds, member.thresholds);
     }

@@ -6,7 +6,9 @@ use furrow::division::{DivisionInput, divide};
 use furrow::lineage::{Thresholds, Lineage, ObservedRounds, Rounds, TreeSettings, founder_rounds};
 use furrow::settings::Settings;
 use furrow::shapes::CriticalRadii;
-use furrow::study::fit::{Effort, Evaluated, FittedConstants, Reading, Targets, activities, fit_constants, fit_cue};
+use furrow::study::fit::{
+    Evaluated, FittedConstants, Reading, SearchBudget, Targets, activities, fit_constants, fit_cue,
+};
 
 use crate::common::stand_in::grow;
 
@@ -48,7 +50,7 @@ fn constants_are_found_and_the_same_at_any_number_of_threads() {
         thresholds: [(r0: 2.0, epsilon: 0.87, xi_s: 22.006)],
     )"#;
     let targets = targets(text, &lineage);
-    let effort = Effort { particles: 3, moves: 2, seed: 1 };
+    let effort = SearchBudget { particles: 3, moves: 2, seed: 1 };
     let found: Vec<FittedConstants> = [1, 2]
         .into_iter()
         .map(|threads| {
@@ -98,7 +100,7 @@ fn a_cue_that_gave_the_data_is_found_and_what_they_leave_open_is_said() {
         r#"Fit(unknowns: [(parameter: p0, from: 0.1, to: 0.2)], founders: [], chi: [(cell: "P0", mean: {given}, sd: 0.01)])"#
     );
     let targets = targets(&text, &lineage);
-    let effort = Effort { particles: 5, moves: 3, seed: 2 };
+    let effort = SearchBudget { particles: 5, moves: 3, seed: 2 };
     let found = fit_cue(&lineage, &targets, &settings, &Cue::published(), effort, 2, None).unwrap();
     assert!(found.chi_squared < 0.1, "{found:?}");
     assert_eq!(found.numbers.len(), 3);

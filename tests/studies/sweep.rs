@@ -231,7 +231,7 @@ fn what_does_not_make_a_whole_is_refused() {
 }
 
 #[test]
-fn a_killed_sweep_goes_on_from_the_store() {
+fn a_killed_sweep_resumes_from_its_rows_and_the_store() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     let text = r#"Sweep(kind: division, axes: [(parameter: "r0", range: (from: 1.8, to: 2.2, count: 60))])"#;
@@ -251,9 +251,95 @@ fn a_killed_sweep_goes_on_from_the_store() {
     assert!((5..60).contains(&kept), "{kept}");
     assert!(!at.join("out/results.csv").exists());
     let said = json(at, &arguments);
-    assert_eq!((said["solved"].as_u64().unwrap(), said["reused"].as_u64().unwrap()), (60 - kept, kept));
+    let [solved, reused, resumed] = ["solved", "reused", "resumed"].map(|name| said[name].as_u64().unwrap());
+    assert!(resumed > 0 && solved <= 60 - kept && solved + reused + resumed == 60, "{kept}: {said}");
     json(at, &["sweep", "s.ron", "--out", "at-once", "--no-cache"]);
     assert_eq!(files(at, "out"), files(at, "at-once"));
+}
+
+/// Starts a sweep, kills it as soon as it has finished another row, and so on; then lets it end. Without a cache, so that only
+/// the finished rows tell what was done.
+fn resumes_after_kills(text: &str, points: u64) {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    write(at, "one.ron", r#"Lineage(name: "one", founders: [(name: "S", r0: 4.0)], limits: (max_depth: 2))"#);
+    write(at, "s.ron", text);
+    let arguments = ["sweep", "s.ron", "--out", "out", "--no-cache", "--threads", "1"];
+    let journal = at.join("out/results.partial.jsonl");
+    let rows = || fs::read_to_string(&journal).map_or(0, |text| text.matches('\n').count().saturating_sub(1));
+    for kill in 1..=3 {
+        let before = rows();
+        let mut child = command(at, &arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        let start = Instant::now();
+        while rows() <= before {
+            assert!(child.try_wait().unwrap().is_none(), "{text}: it ended before kill {kill}");
+            assert!(start.elapsed() < Duration::from_secs(120), "{text}: no row is kept");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(!at.join("out/results.csv").exists());
+        // A kill in mid-write.
+        let kept = fs::read_to_string(&journal).unwrap();
+        let whole = kept.rfind('\n').map_or(0, |last| last + 1);
+        fs::write(&journal, format!("{}{{\"index\":0,\"r", &kept[..whole])).unwrap();
+    }
+    let kept = rows() as u64;
+    assert!((3..points).contains(&kept), "{text}: {kept}");
+    let said = json(at, &arguments);
+    assert_eq!((&said["points"], &said["resumed"]), (&points.into(), &kept.into()), "{text}");
+    if !text.contains("tree") {
+        assert_eq!(said["solved"], points - kept, "{text}");
+    }
+    assert!(!journal.exists());
+    json(at, &["sweep", "s.ron", "--out", "at-once", "--no-cache"]);
+    assert_eq!(files(at, "out"), files(at, "at-once"), "{text}");
+}
+
+#[test]
+fn killed_sweeps_of_divisions_resume_without_a_cache() {
+    resumes_after_kills(
+        r#"Sweep(kind: division, axes: [(parameter: "r0", range: (from: 1.8, to: 2.2, count: 30))])"#,
+        30,
+    );
+}
+
+#[test]
+fn killed_sweeps_of_pitchforks_resume() {
+    resumes_after_kills(
+        r#"Sweep(kind: pitchfork, axes: [(parameter: "r0", range: (from: 1.7, to: 2.3, count: 16))])"#,
+        16,
+    );
+}
+
+#[test]
+fn killed_sweeps_of_critical_radii_resume() {
+    resumes_after_kills(
+        r#"Sweep(kind: critical, axes: [(parameter: "epsilon", range: (from: 0.8, to: 0.88, count: 9))])"#,
+        9,
+    );
+}
+
+#[test]
+fn killed_sweeps_of_trees_resume() {
+    resumes_after_kills(
+        r#"Sweep(kind: tree, lineage: "one.ron", axes: [(parameter: "r0", range: (from: 1.5, to: 2.6, count: 9))])"#,
+        9,
+    );
+}
+
+#[test]
+fn finished_rows_of_another_sweep_are_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    write(at, "s.ron", r#"Sweep(kind: division, axes: [(parameter: "r0", list: [1.5])])"#);
+    fs::create_dir(at.join("out")).unwrap();
+    write(at, "out/results.partial.jsonl", "{\"kind\":\"tree\"}\n");
+    let output = furrow(at, &["sweep", "s.ron", "--out", "out", "--no-cache"]);
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && stderr.contains("another sweep are kept in out/earlier-1"), "{stderr}");
+    assert_eq!(fs::read(at.join("out/earlier-1/results.partial.jsonl")).unwrap(), b"{\"kind\":\"tree\"}\n");
+    assert_eq!(table(at, "out").len(), 2);
 }
 
 #[test]

@@ -1,16 +1,61 @@
 //! `scenarios.csv`: founders of several scenarios, one row for each scenario and founder.
 
-use super::tree_json::{FounderRow, founder_rows};
-use crate::cell::Cue;
-use crate::lineage::{ObservedRounds, Rounds, Tree};
+use super::tree_json::founder_rows;
+use crate::lineage::Tree;
 use crate::study::scenarios::Scenario;
+use crate::study::table::csv_of;
 
-/// A founder of a scenario.
-struct Line<'a> {
-    scenario: &'a Scenario,
-    row: &'a FounderRow,
-    /// The cue of its cell, if it was born.
-    cue: Option<&'a Cue>,
+/// The columns, in their order. Counts are as in the founders' table; what is not known, of a founder that was not born or not
+/// observed, is empty.
+pub const COLUMNS: [&str; 17] = [
+    "scenario",
+    "lineage",
+    "cue",
+    "founder",
+    "r0",
+    "outcome",
+    "chi",
+    "min",
+    "mean",
+    "max",
+    "full_doublings",
+    "terminal",
+    "observed_min",
+    "observed_mean",
+    "observed_max",
+    "observed_full_doublings",
+    "observed_terminal",
+];
+
+/// The table of scenarios and their trees. `cue` is the one that a founder carries, in full.
+pub fn scenarios_csv(scenarios: &[Scenario], trees: &[Tree]) -> String {
+    let mut rows = vec![COLUMNS.map(str::to_owned)];
+    for (scenario, tree) in scenarios.iter().zip(trees) {
+        for (founder, row) in founder_rows(tree).iter().enumerate() {
+            let (rounds, observed) = (row.rounds, row.observed);
+            let cue = tree.founder_cell(founder).map(|id| tree.cell(id).cue.to_string());
+            rows.push([
+                scenario.name.clone(),
+                scenario.label.clone(),
+                text(cue),
+                row.name.clone(),
+                text(row.r0),
+                text(row.outcome.map(|outcome| outcome.name())),
+                text(row.chi),
+                text(rounds.map(|r| r.min)),
+                text(rounds.map(|r| r.mean)),
+                text(rounds.map(|r| r.max)),
+                text(rounds.map(|r| r.full_doublings)),
+                text(rounds.map(|r| r.terminal)),
+                text(observed.and_then(|o| o.min)),
+                text(observed.and_then(|o| o.mean)),
+                text(observed.and_then(|o| o.max)),
+                text(observed.and_then(|o| o.full_doublings)),
+                text(observed.and_then(|o| o.terminal)),
+            ]);
+        }
+    }
+    csv_of(rows).unwrap_or_default()
 }
 
 type Column = (&'static str, fn(&Line<'_>) -> String);
@@ -39,26 +84,4 @@ const COLUMNS: [Column; 17] = [
 
 fn text(value: Option<impl ToString>) -> String {
     value.map_or(String::new(), |value| value.to_string())
-}
-
-fn rounds<T: ToString>(line: &Line<'_>, of: fn(Rounds) -> T) -> String {
-    text(line.row.rounds.map(of))
-}
-
-fn observed<T: ToString>(line: &Line<'_>, of: fn(ObservedRounds) -> Option<T>) -> String {
-    text(line.row.observed.and_then(of))
-}
-
-/// The table of scenarios and their trees.
-pub fn scenarios_csv(scenarios: &[Scenario], trees: &[Tree]) -> String {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    // Writing to memory does not fail.
-    let _ = writer.write_record(COLUMNS.map(|(name, _)| name));
-    for (scenario, tree) in scenarios.iter().zip(trees) {
-        for (founder, row) in founder_rows(tree).iter().enumerate() {
-            let cue = tree.founder_cell(founder).map(|id| &tree.cell(id).cue);
-            let _ = writer.write_record(COLUMNS.map(|(_, of)| of(&Line { scenario, row, cue })));
-        }
-    }
-    String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
 }

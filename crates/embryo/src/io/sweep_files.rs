@@ -15,7 +15,7 @@ use crate::cell::{Cell, Numerics};
 use crate::input::{InputError, listed};
 use crate::lineage::Lineage;
 use crate::study::table::{TableError, csv_text, json_lines, read_line};
-use crate::study::{AxisValue, Kind, Row, Shard, Sweep};
+use crate::study::{AxisValue, Journal, Kind, Row, Shard, Sweep};
 
 /// Name of the format.
 const SCHEMA: &str = "furrow.sweep";
@@ -87,6 +87,21 @@ struct HeadShard {
     #[serde(flatten)]
     shard: Shard,
     rows: usize,
+}
+
+/// Opens the journal of a sweep, or of a shard of it, in the folder of its files. The journal of another sweep is moved aside:
+/// returns where to, and the differences.
+///
+/// # Errors
+/// [`SweepFilesError`].
+pub fn open_journal(
+    sweep: &Sweep,
+    quantisation: Quantisation,
+    shard: Option<Shard>,
+    folder: &Path,
+) -> Result<(Journal, Option<(PathBuf, String)>), SweepFilesError> {
+    let SweepTable { head, columns, .. } = SweepTable::new(sweep, quantisation, shard, Vec::new())?;
+    Ok(Journal::open(folder, &head, columns)?)
 }
 
 /// A table and what decided it, as its files hold them.
@@ -282,7 +297,11 @@ pub fn merge(folders: &[PathBuf]) -> Result<SweepTable, InputError> {
         let name = folder.display().to_string();
         match &definition {
             Some((first, _)) if *first != own => {
-                let allowed = format!("that of {}: they differ ({})", folders[0].display(), what_differs(first, &own));
+                let allowed = format!(
+                    "that of {}: they differ ({})",
+                    folders[0].display(),
+                    what_differs(first, &own)
+                );
                 return Err(InputError::not_allowed(name, "definition", "another one", allowed));
             }
             Some(_) if shard.of != of => {

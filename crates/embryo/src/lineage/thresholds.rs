@@ -10,14 +10,14 @@ use crate::shapes::{CriticalRadii, ShapeError};
 ///
 /// Where no critical radius is found, divisions are computed.
 #[derive(Debug)]
-pub struct Thresholds {
-    radii: CriticalRadii,
+pub struct Thresholds<'a> {
+    radii: CriticalRadii<'a>,
     unknown: RefCell<Vec<(Cue, ShapeError)>>,
 }
 
-impl Thresholds {
+impl<'a> Thresholds<'a> {
     /// By the given radii.
-    pub fn new(radii: CriticalRadii) -> Thresholds {
+    pub fn new(radii: CriticalRadii<'a>) -> Thresholds<'a> {
         Thresholds { radii, unknown: RefCell::default() }
     }
 

@@ -7,8 +7,7 @@ use super::html::{group, parameters};
 use super::observed_table::{OBSERVED_BESIDE, SCENARIO, founder_lines};
 use super::summary::TreeSummary;
 use super::svg::{colours, small};
-use crate::lineage::Tree;
-use crate::study::scenarios::Scenario;
+use crate::lineage::{Scenario, Tree};
 
 const STYLE: &str = "body{font:15px/1.5 Helvetica,Arial,sans-serif;color:#222;margin:2rem auto;max-width:1320px;padding:0 1rem}\
 h1{font-size:1.5rem;margin-bottom:0}h2{font-size:1.15rem;margin-top:2rem}p.sub{color:#666;margin-top:.2rem}\

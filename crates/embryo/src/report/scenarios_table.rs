@@ -3,8 +3,7 @@
 use std::fmt::Write;
 
 use super::observed_table::{FounderLine, OBSERVED_BESIDE, SCENARIO, founder_lines};
-use crate::lineage::Tree;
-use crate::study::scenarios::Scenario;
+use crate::lineage::{Scenario, Tree};
 
 /// Columns of a terminal that the table keeps to, by wrapping into blocks of scenarios.
 const PAGE: usize = 120;

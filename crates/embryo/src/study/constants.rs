@@ -1,5 +1,6 @@
 //! Sets of constants as a table: one row a set, columns by the names of parameters, and their weights.
 
+use super::table::csv_of;
 use crate::cell::{Cell, Parameter};
 use crate::input::{InputError, did_you_mean, shown};
 
@@ -22,20 +23,17 @@ impl Constants {
 /// The name of the column of weights.
 const WEIGHT: &str = "weight";
 
-/// The table as text; numbers with all their digits, so that what is read is what was written.
+/// The table as text; numbers with all their digits, so that reading gives the same numbers.
 pub fn write_constants(sets: &[Constants]) -> String {
     let Some(first) = sets.first() else { return String::new() };
-    let mut out: String = first.values.iter().map(|(parameter, _)| format!("{parameter},")).collect();
-    out += WEIGHT;
-    out.push('\n');
-    for set in sets {
-        let values: String = set.values.iter().map(|(_, value)| format!("{value},")).collect();
-        out += &format!("{values}{}\n", set.weight);
-    }
-    out
+    let head = first.values.iter().map(|(parameter, _)| parameter.to_string()).chain([WEIGHT.to_owned()]).collect();
+    let row = |set: &Constants| -> Vec<String> {
+        set.values.iter().map(|(_, value)| *value).chain([set.weight]).map(|number| number.to_string()).collect()
+    };
+    csv_of(std::iter::once(head).chain(sets.iter().map(row))).unwrap_or_default()
 }
 
-/// Reads a table; `file` is what errors call it. Lines that begin with `#` are passed over.
+/// Reads a table; errors name it `file`. Lines that begin with `#` are passed over.
 ///
 /// # Errors
 /// Names the line, the column, its value and what is allowed.

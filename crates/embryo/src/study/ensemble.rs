@@ -1,4 +1,4 @@
-//! Constants that agree with what is known, as many as asked for: a sample of what the data leave open.
+//! A sample of the constants that agree with the targets.
 //!
 //! The posterior density of the unknowns θ, in x = ln θ (or θ itself where it may have either sign), is
 //!
@@ -9,7 +9,7 @@
 //! sensitivities at the best fit, later ones by the mean and covariance of the weighted sample before.
 //!
 //! Every draw has a seed of its own, from the run's seed and its number, so that the ensemble does not depend on how many
-//! threads judge them.
+//! threads check them.
 //!
 //! # References
 //! Cappé, Guillin, Marin & Robert, "Population Monte Carlo", J. Comput. Graph. Stat. 13 (2004) 907.
@@ -22,7 +22,7 @@ use rand_mt::Mt64;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::judge::{Judgement, judge};
+use super::constraints::{ConstraintCheck, check_constraints};
 use super::sample::seed_of;
 use crate::calibration::{CalibrateError, Targets, calibrate, moved, with_values};
 use crate::cell::{Cell, Numerics, Parameter};
@@ -60,7 +60,7 @@ pub struct Ensemble {
     pub effective_sample_size: f64,
     /// How many draws each statement excluded.
     pub excluded: BTreeMap<String, usize>,
-    /// Draws judged.
+    /// Draws checked.
     pub draws: usize,
 }
 
@@ -71,10 +71,10 @@ pub enum EnsembleError {
     /// There is no best fit to start from.
     #[error(transparent)]
     Fit(#[from] CalibrateError),
-    /// No draw agrees with what is known.
+    /// No draw agrees with the targets.
     #[error("none of {draws} draws agrees with the targets; most are excluded by {by}")]
     NoneAdmissible {
-        /// Draws judged.
+        /// Draws checked.
         draws: usize,
         /// The statement that excludes most.
         by: String,
@@ -98,7 +98,7 @@ struct Proposal {
 }
 
 impl Proposal {
-    /// About a centre, with the scale matrix given; none if that is not positive definite.
+    /// About a centre, with the scale matrix given; `None` if that is not positive definite.
     fn new(centre: DVector<f64>, scale: DMatrix<f64>) -> Option<Proposal> {
         Some(Proposal { centre, root: scale.cholesky()?.l() })
     }
@@ -138,15 +138,15 @@ fn normal_squared(random: &mut Mt64) -> f64 {
     normal(random).powi(2)
 }
 
-/// A draw with what became of it.
-struct Judged {
+/// A draw with its check.
+struct Draw {
     x: DVector<f64>,
-    judgement: Judgement,
+    check: ConstraintCheck,
     /// ln p − ln q.
     ln_weight: f64,
 }
 
-/// What the posterior is of.
+/// The posterior density.
 struct Posterior<'a> {
     targets: &'a Targets,
     cell: &'a Cell,
@@ -160,12 +160,12 @@ impl Posterior<'_> {
         moved(&self.start, x.as_slice())
     }
 
-    fn judged(&self, proposal: &Proposal, x: DVector<f64>) -> Judged {
+    fn draw(&self, proposal: &Proposal, x: DVector<f64>) -> Draw {
         let cell = with_values(self.cell, &self.values(&x));
-        let judgement = judge(self.targets, &cell, self.numerics, false);
+        let check = check_constraints(self.targets, &cell, self.numerics, false);
         let ln_prior = -0.5 * x.norm_squared() / (PRIOR * PRIOR);
-        let ln_weight = ln_prior - judgement.misfit - proposal.ln_density(&x);
-        Judged { x, judgement, ln_weight }
+        let ln_weight = ln_prior - check.misfit - proposal.ln_density(&x);
+        Draw { x, check, ln_weight }
     }
 
     /// The best fit and the spread that its sensitivities leave, the prior included.
@@ -190,19 +190,19 @@ impl Posterior<'_> {
 }
 
 /// Normalised weights of draws, 0 for those that are excluded.
-fn weights(draws: &[Judged]) -> Vec<f64> {
-    let admissible = |draw: &&Judged| draw.judgement.is_admissible();
+fn weights(draws: &[Draw]) -> Vec<f64> {
+    let admissible = |draw: &&Draw| draw.check.is_admissible();
     let largest = draws.iter().filter(admissible).map(|draw| draw.ln_weight).fold(f64::NEG_INFINITY, f64::max);
     let raw: Vec<f64> = draws
         .iter()
-        .map(|draw| if draw.judgement.is_admissible() { (draw.ln_weight - largest).exp() } else { 0.0 })
+        .map(|draw| if draw.check.is_admissible() { (draw.ln_weight - largest).exp() } else { 0.0 })
         .collect();
     let total: f64 = raw.iter().sum();
     raw.into_iter().map(|w| if total > 0.0 { w / total } else { 0.0 }).collect()
 }
 
-/// The distribution with the mean and covariance of a weighted sample; none from too few.
-fn fitted(draws: &[Judged], weights: &[f64]) -> Option<Proposal> {
+/// The distribution with the mean and covariance of a weighted sample; `None` from too few.
+fn fitted(draws: &[Draw], weights: &[f64]) -> Option<Proposal> {
     let effective = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
     let d = draws.first()?.x.len();
     if !effective.is_finite() || effective < 2.0 * d as f64 {
@@ -218,7 +218,8 @@ fn fitted(draws: &[Judged], weights: &[f64]) -> Option<Proposal> {
     Proposal::new(mean, covariance * 1.2)
 }
 
-/// Samples `count` admissible sets of the unknowns of `targets` about the constants of `cell`, on so many threads.
+/// Samples `count` admissible sets of the unknowns of `targets` about the constants of `cell`, on so many threads. `cancel`
+/// stops it.
 ///
 /// # Errors
 /// [`EnsembleError`].
@@ -229,22 +230,7 @@ pub fn ensemble(
     count: usize,
     seed: u64,
     threads: usize,
-) -> Result<Ensemble, EnsembleError> {
-    ensemble_until(targets, cell, numerics, count, seed, threads, &AtomicBool::new(false))
-}
-
-/// As [`ensemble`], until the flag is set.
-///
-/// # Errors
-/// [`EnsembleError`].
-pub fn ensemble_until(
-    targets: &Targets,
-    cell: &Cell,
-    numerics: &Numerics,
-    count: usize,
-    seed: u64,
-    threads: usize,
-    stop: &AtomicBool,
+    cancel: &AtomicBool,
 ) -> Result<Ensemble, EnsembleError> {
     let start = targets.unknowns.iter().map(|u| (u.parameter, u.start.unwrap_or(u.parameter.get(cell)))).collect();
     let posterior = Posterior { targets, cell, numerics, start };
@@ -255,30 +241,30 @@ pub fn ensemble_until(
     let mut proposal = posterior.laplace()?;
     let mut draws = 0u64;
     let mut excluded = BTreeMap::new();
-    let mut judge_all = |proposal: &Proposal, many: usize| -> Result<Vec<Judged>, EnsembleError> {
-        let one = |index: u64| match stop.load(Ordering::Relaxed) {
+    let mut draw_all = |proposal: &Proposal, many: usize| -> Result<Vec<Draw>, EnsembleError> {
+        let one = |index: u64| match cancel.load(Ordering::Relaxed) {
             true => Err(EnsembleError::Interrupted),
-            false => Ok(posterior.judged(proposal, proposal.draw(seed, index))),
+            false => Ok(posterior.draw(proposal, proposal.draw(seed, index))),
         };
-        let found: Vec<Judged> =
+        let found: Vec<Draw> =
             pool.install(|| (draws..draws + many as u64).into_par_iter().map(one).collect::<Result<_, _>>())?;
         draws += many as u64;
-        for exclusion in found.iter().filter_map(|draw| draw.judgement.excluded.first()) {
+        for exclusion in found.iter().filter_map(|draw| draw.check.excluded.first()) {
             *excluded.entry(exclusion.datum.clone()).or_insert(0) += 1;
         }
         Ok(found)
     };
     let many = (DRAWS[0] * count).max(DRAWS[1]);
     for _ in 0..ROUNDS {
-        let found = judge_all(&proposal, many)?;
+        let found = draw_all(&proposal, many)?;
         if let Some(better) = fitted(&found, &weights(&found)) {
             proposal = better;
         }
     }
-    let mut kept: Vec<Judged> = Vec::new();
+    let mut kept: Vec<Draw> = Vec::new();
     let mut tried = 0;
     while kept.len() < count && tried < MOST * count {
-        kept.extend(judge_all(&proposal, many)?.into_iter().filter(|draw| draw.judgement.is_admissible()));
+        kept.extend(draw_all(&proposal, many)?.into_iter().filter(|draw| draw.check.is_admissible()));
         tried += many;
     }
     kept.truncate(count);
@@ -287,10 +273,10 @@ pub fn ensemble_until(
         let by = excluded.iter().max_by_key(|(_, n)| **n).map_or("-".to_owned(), |(datum, _)| datum.clone());
         return Err(EnsembleError::NoneAdmissible { draws: draws as usize, by });
     }
-    let member = |(draw, &weight): (&Judged, &f64)| Member {
+    let member = |(draw, &weight): (&Draw, &f64)| Member {
         values: posterior.values(&draw.x).into_iter().map(|(_, value)| value).collect(),
         weight,
-        thresholds: draw.judgement.thresholds.clone(),
+        thresholds: draw.check.thresholds.clone(),
     };
     Ok(Ensemble {
         parameters: posterior.start.iter().map(|(parameter, _)| *parameter).collect(),

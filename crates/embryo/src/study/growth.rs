@@ -1,4 +1,4 @@
-//! Growing trees as their users want them: cells below the critical radius of their cue do not divide, and the rest is computed.
+//! Growing trees: cells below the critical radius of their cue do not divide; other divisions are computed.
 
 use std::sync::atomic::AtomicBool;
 
@@ -6,11 +6,11 @@ use super::scenarios::{Scenario, grow};
 use crate::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use crate::cell::{Cell, Cue};
 use crate::division::{DivisionInput, divide};
-use crate::lineage::{GrowError, Lineage, Thresholds, Tree, TreeSettings, expected_work};
+use crate::lineage::{Thresholds, GrowError, Lineage, Tree, TreeSettings, expected_work};
 use crate::settings::Settings;
 use crate::shapes::{CriticalRadii, ShapeError};
 
-/// The parameters of a tree's divisions from those that are given: its first cell is as large as its lineage says, if it says so.
+/// The parameters of a tree's divisions. The first cell has the radius that its lineage gives, if it gives one.
 pub fn tree_settings(given: Settings, lineage: &Lineage, seed: u64, quantisation: Quantisation) -> TreeSettings {
     let r0 = lineage.given_r0(lineage.first()).unwrap_or(given.cell.r0);
     let (cell, numerics) = (Cell { r0, ..given.cell }, given.numerics);
@@ -34,16 +34,17 @@ pub fn scenarios_of(lineages: Vec<Lineage>, given: &Settings, quantisation: Quan
 pub struct Grown {
     /// One for each scenario, in their order.
     pub trees: Vec<Tree>,
-    /// What growing them took.
+    /// Counts of what was solved.
     pub summary: Summary,
-    /// Cues for which no critical radius was found, so that the divisions of their cells told instead, and why.
+    /// Cues without a critical radius, and why none was found; the divisions of their cells decided instead.
     pub unknown: Vec<(Cue, ShapeError)>,
 }
 
 /// Grows all scenarios in one run, which shares what is solved and the workers.
 ///
-/// With `dynamics` the division of every cell is computed, those below the critical radius of their cue included. `interrupt`
-/// ends searches for critical radii as well as divisions, in place of the one of `options`.
+/// With `dynamics` every cell's division is computed,
+/// also below the critical radius of its cue. `cancel` ends searches for critical radii as well as divisions; it replaces the
+/// flag of `options`.
 ///
 /// # Errors
 /// As [`Grower::grow`](crate::lineage::Grower::grow).
@@ -52,22 +53,22 @@ pub fn grown(
     dynamics: bool,
     memo: &Memo<DivisionInput>,
     options: SchedulerOptions<'_, DivisionInput>,
-    interrupt: &'static AtomicBool,
+    cancel: &AtomicBool,
 ) -> Result<Grown, GrowError> {
     // Scenarios have the same numerics, and what all cells share is the same.
     let Some(Scenario { settings, .. }) = scenarios.first() else { return Ok(Grown::default()) };
-    let rule = Thresholds::new(CriticalRadii::new(&settings.numerics).interrupted_by(interrupt));
+    let rule = Thresholds::new(CriticalRadii::new(&settings.numerics).interrupted_by(cancel));
     let plain = settings.cell.clone().with_cue(Cue::none());
     // The order of the work is no reason to search for a radius, which growth does when it comes to such cells.
     let order = |input: &DivisionInput| {
         let critical = if rule.knows(&plain) { rule.critical_radius(&plain) } else { None };
         critical.map_or(input.cell.r0, |critical| expected_work(critical)(input))
     };
-    let mut options = SchedulerOptions { interrupt: Some(interrupt), ..options };
+    let mut options = SchedulerOptions { interrupt: Some(cancel), ..options };
     if !dynamics {
         options.expected_work = &order;
     }
-    // The first cells are asked about first. The division of one costs less than a search, and where it fails there is no other.
+    // The first cells come first. The division of one costs less than a search, and if it fails there are no others.
     let first = std::cell::Cell::new(scenarios.len());
     let by_dynamics = |cell: &Cell| {
         let is_first = first.replace(first.get().saturating_sub(1)) > 0;

@@ -1,31 +1,29 @@
 //! Studies: many trees and divisions with one question.
 //!
-//! | file | what it says |
+//! | file | contents |
 //! |---|---|
-//! | [`sweep`] | the sweep file: of what kind, over which axes, from what cell |
-//! | [`points`], [`sample`] | axes and their values, and the points that they span; values that fill an interval evenly |
-//! | [`shard`] | which part of the points one machine takes |
-//! | [`run`], [`table`] | solving the points; columns and rows, as CSV and as JSON lines |
-//! | [`scenarios`] | lineages and cues side by side |
-//! | [`growth`] | their trees, grown in one run |
+//! | [`sweep`], `parse` | a sweep: its kind, its axes and its cell; reading and checking its file |
+//! | [`points`], [`sample`] | axes, the points that they span, and values that fill an interval evenly |
+//! | [`shard`] | the part of the points that one machine solves |
+//! | [`run`], [`journal`], [`table`] | solving the points, resuming after an interruption; rows as CSV and as JSON lines |
+//! | [`scenarios`], [`growth`] | lineages and cues side by side, and their trees |
 //! | [`mod@diagram`] | the stationary shapes of one cell over ξ_s |
-//! | [`mod@judge`] | whether constants agree with what is known |
-//! | [`mod@ensemble`] | a sample of the constants that do |
-//! | [`constants`] | sets of constants as a table |
-//! | [`mod@ranges`] | a lineage over sets of constants |
+//! | [`constraints`] | whether constants agree with what is known |
+//! | [`mod@ensemble`], [`constants`], [`mod@ranges`] | a sample of the constants that do; its table; a lineage over it |
 //! | [`compare`] | the model beside measured embryos |
-//! | [`reproduce`] | every statement of the paper that computation can reach, beside what is computed |
-//! | [`fit`] | what would make it the embryo: constants, activities and a cue from what was observed |
+//! | [`reproduce`] | the paper's statements beside what is computed |
+//! | [`fit`] | constants, activities and a cue fitted to observations |
 
-mod check;
 pub mod compare;
 pub mod constants;
+pub mod constraints;
 pub mod diagram;
 pub mod ensemble;
 #[cfg(not(target_family = "wasm"))]
 pub mod fit;
 pub mod growth;
-pub mod judge;
+pub mod journal;
+mod parse;
 pub mod points;
 pub mod ranges;
 pub mod reproduce;
@@ -37,13 +35,14 @@ pub mod sweep;
 pub mod table;
 
 pub use constants::{Constants, read_constants, write_constants};
+pub use constraints::{ConstraintCheck, Exclusion, check_constraints};
 pub use diagram::{Diagram, diagram};
-pub use ensemble::{Ensemble, EnsembleError, Member, ensemble, ensemble_until};
+pub use ensemble::{Ensemble, EnsembleError, Member, ensemble};
 pub use growth::{Grown, grown, scenarios_of, tree_settings};
-pub use judge::{Exclusion, Judgement, judge};
+pub use journal::Journal;
 pub use points::{Axes, Axis, AxisValue, Point, Target};
 pub use ranges::{LineageRanges, Range, ranges};
-pub use run::{Done, Run, Standing};
+pub use run::{Run, SweepProgress, SweepResult};
 pub use shard::Shard;
 pub use sweep::{Kind, Sweep};
 pub use table::Row;

@@ -1,19 +1,15 @@
 //! Axes and their values, and the points that they span.
 
 use std::borrow::Cow;
-use std::fmt;
 
-use serde::de::{Error, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
-use super::sweep::{Kind, Sweep};
 use crate::cell::{Cue, Parameter};
 use crate::division::DivisionInput;
-use crate::input::InputError;
 
-/// A value of an axis: a number, or one of the words that some parameters have as values.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
+/// A value of an axis: a number, or a word where the parameter takes words.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "expected a number, or a word in quotes")]
 pub enum AxisValue {
     /// A number.
     Number(f64),
@@ -28,36 +24,6 @@ impl AxisValue {
             AxisValue::Number(value) => Cow::Owned(value.to_string()),
             AxisValue::Text(text) => Cow::Borrowed(text),
         }
-    }
-}
-
-impl<'de> Deserialize<'de> for AxisValue {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<AxisValue, D::Error> {
-        struct Either;
-        impl Visitor<'_> for Either {
-            type Value = AxisValue;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number, or a word in quotes")
-            }
-
-            fn visit_f64<E: Error>(self, value: f64) -> Result<AxisValue, E> {
-                Ok(AxisValue::Number(value))
-            }
-
-            fn visit_i64<E: Error>(self, value: i64) -> Result<AxisValue, E> {
-                Ok(AxisValue::Number(value as f64))
-            }
-
-            fn visit_u64<E: Error>(self, value: u64) -> Result<AxisValue, E> {
-                Ok(AxisValue::Number(value as f64))
-            }
-
-            fn visit_str<E: Error>(self, text: &str) -> Result<AxisValue, E> {
-                Ok(AxisValue::Text(text.to_owned()))
-            }
-        }
-        deserializer.deserialize_any(Either)
     }
 }
 
@@ -92,7 +58,7 @@ pub struct Axis {
 pub struct Axes(pub Vec<Axis>);
 
 impl Axes {
-    /// Number of points; none if there are more than can be counted.
+    /// Number of points; `None` if there are more than can be counted.
     pub fn points(&self) -> Option<usize> {
         self.independent().try_fold(1usize, |product, axis| product.checked_mul(axis.values.len()))
     }
@@ -144,47 +110,6 @@ pub struct Point {
     pub input: DivisionInput,
     /// Why these values together cannot be computed, if that is plain beforehand.
     pub refused: Option<String>,
-}
-
-impl Sweep {
-    /// The point of a number below [`Sweep::points`].
-    pub fn point(&self, index: usize) -> Point {
-        let (input, checked) = self.checked(index);
-        Point { index, input, refused: checked.err().map(|error| error.to_string()) }
-    }
-
-    /// What is computed at a point, and whether it can be as far as its values tell.
-    pub(super) fn checked(&self, index: usize) -> (DivisionInput, Result<(), InputError>) {
-        let places = self.axes.0.iter().zip(self.axes.places(index));
-        let mut settings = self.settings.clone();
-        let mut cue = self.cue.clone().unwrap_or_default();
-        let mut pairs = Vec::new();
-        for (axis, place) in places.clone() {
-            match axis.target {
-                Target::Field(name) => pairs.push((name, axis.values[place].text())),
-                Target::Cue => cue = axis.cues[place].clone(),
-                Target::CueNumber(_) => {}
-            }
-        }
-        let set = settings.assign(&self.file, &pairs);
-        let mut cell = settings.cell.clone().with_cue(cue);
-        for (axis, place) in places {
-            if let (Target::CueNumber(parameter), AxisValue::Number(value)) = (axis.target, &axis.values[place]) {
-                parameter.set(&mut cell, *value);
-            }
-        }
-        // Each value is allowed by itself; whether they are together is seen here.
-        let mut checked = set.and_then(|()| settings.check(&self.file));
-        if matches!(self.kind, Kind::Division | Kind::Tree) {
-            checked = checked
-                .and_then(|()| settings.check_divisions(&self.file))
-                .and_then(|()| settings.check_activity(&self.file));
-        }
-        let checked = checked.and_then(|()| {
-            cell.cue.check().map_err(|e| InputError::not_allowed(&self.file, e.field, e.value, e.allowed))
-        });
-        (DivisionInput { cell, numerics: settings.numerics, seed: self.seed }, checked)
-    }
 }
 
 #[cfg(test)]

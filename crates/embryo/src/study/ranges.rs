@@ -1,5 +1,4 @@
-//! What follows for a lineage from constants that are not known: the tree of every set of constants, and the ranges of its
-//! counts.
+//! Ranges of a lineage's counts over sets of constants, one tree a set.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -27,7 +26,7 @@ pub struct Range {
 }
 
 impl Range {
-    /// Of numbers with their weights; none of no numbers.
+    /// Of numbers with their weights; `None` if there are no numbers.
     pub fn of(mut numbers: Vec<(f64, f64)>) -> Option<Range> {
         numbers.sort_by(|a, b| a.0.total_cmp(&b.0));
         let total: f64 = numbers.iter().map(|(_, weight)| weight).sum();
@@ -48,7 +47,7 @@ impl Range {
 pub struct FounderRange {
     /// Name.
     pub name: String,
-    /// Rounds: fewest, mean, most, full and symmetric doublings, terminal cells; none if it is never born.
+    /// Rounds: fewest, mean, most, full and symmetric doublings, terminal cells; `None` if it is never born.
     pub rounds: Option<RoundsRange>,
     /// Size asymmetry χ of its division, where it divides.
     pub chi: Option<Range>,
@@ -60,7 +59,7 @@ pub struct FounderRange {
     pub depends_on: Option<Dependence>,
 }
 
-/// Shares of weight for which a founder's rounds are within one of the observed; none where nothing was observed.
+/// Shares of weight for which a founder's rounds are within one of the observed; `None` where nothing was observed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WithinOne {
     /// Fewest rounds.
@@ -120,7 +119,7 @@ pub struct LineageRanges {
     /// How much weight has founder's symmetric doublings of 0, 1, 2, …: by founder.
     pub symmetric_doublings: Vec<(String, Vec<f64>)>,
     /// Weight of the sets of which the paper's sentence on rounds holds, "to within a single round for the EMS and P lineages",
-    /// read as most rounds: of EMS, and along the germline, which is to say of P4; none of a lineage without these two.
+    /// read as most rounds, for EMS and P4; `None` if the lineage lacks either.
     pub paper_sentence: Option<f64>,
     /// Divisions solved.
     pub divisions_solved: usize,
@@ -128,7 +127,7 @@ pub struct LineageRanges {
     pub memo_hits: usize,
 }
 
-/// Grows the lineage with every set of constants, in parallel over the sets; `interrupt` ends it early.
+/// Grows the lineage with every set of constants, in parallel over the sets; `cancel` ends it early.
 ///
 /// # Errors
 /// [`GrowError`] of the first set that cannot be grown.
@@ -137,13 +136,13 @@ pub fn ranges(
     settings: &TreeSettings,
     sets: &[Constants],
     threads: usize,
-    interrupt: Option<&AtomicBool>,
+    cancel: Option<&AtomicBool>,
 ) -> Result<LineageRanges, GrowError> {
-    let trees = each_tree(lineage, settings, sets, threads, interrupt, grown)?;
+    let trees = each_tree(lineage, settings, sets, threads, cancel, grown)?;
     Ok(summed_up(lineage, sets, &trees))
 }
 
-/// Grows the lineage with every set of constants, in parallel over the sets, and gives what is read off each tree.
+/// Grows the lineage with every set of constants, in parallel over the sets, and reads each tree with `read`.
 ///
 /// # Errors
 /// As [`ranges`].
@@ -152,18 +151,18 @@ pub fn each_tree<T: Send>(
     settings: &TreeSettings,
     sets: &[Constants],
     threads: usize,
-    interrupt: Option<&AtomicBool>,
+    cancel: Option<&AtomicBool>,
     read: impl Fn(&Constants, &Tree, &Summary) -> T + Sync,
 ) -> Result<Vec<T>, GrowError> {
     let grow = |set: &Constants| {
-        if interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+        if cancel.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
             return Err(GrowError::Interrupted { solved: 0 });
         }
         let settings = TreeSettings { cell: set.of(&settings.cell), ..settings.clone() };
         let quantisation = Quantisation::with_relative_step(settings.r0_step).unwrap_or(Quantisation::DEFAULT);
         let rule = Thresholds::new(CriticalRadii::new(&settings.numerics));
         let memo = Memo::new(quantisation);
-        let (tree, summary) = grow_alone(lineage, settings, &|cell| rule.of(cell), &memo, interrupt)?;
+        let (tree, summary) = grow_alone(lineage, settings, &|cell| rule.of(cell), &memo, cancel)?;
         Ok(read(set, &tree, &summary))
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -192,9 +191,9 @@ pub(super) fn grow_alone(
     settings: TreeSettings,
     ends: &dyn Fn(&Cell) -> Option<TerminalReason>,
     memo: &Memo<DivisionInput>,
-    interrupt: Option<&AtomicBool>,
+    cancel: Option<&AtomicBool>,
 ) -> Result<(Tree, Summary), GrowError> {
-    let options = SchedulerOptions { threads: 1, interrupt, ..SchedulerOptions::default() };
+    let options = SchedulerOptions { threads: 1, interrupt: cancel, ..SchedulerOptions::default() };
     Grower { lineage, settings, ends, memo, options }.grow(divide)
 }
 
@@ -306,7 +305,7 @@ fn ranks(numbers: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Pearson's correlation; none where one of the two does not vary.
+/// Pearson's correlation; `None` where one of the two does not vary.
 fn correlation(a: &[f64], b: &[f64]) -> Option<f64> {
     let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
     let (ma, mb) = (mean(a), mean(b));

@@ -1,4 +1,4 @@
-//! Solving the points of a sweep, equal inputs once.
+//! Solves the points of a sweep, equal inputs once.
 
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde_json::Value;
 
+use super::journal::Journal;
 use super::points::Point;
 use super::shard::Shard;
 use super::sweep::{Kind, Sweep};
@@ -14,7 +15,7 @@ use super::table::{Row, UNDECIDED};
 use crate::batch::{
     Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, SolverVersion, StoreWarning, scheduler,
 };
-use crate::cell::Cell;
+use crate::cell::{Cell, Numerics};
 use crate::division::{Division, DivisionError, DivisionInput, Statistics, divide};
 use crate::lineage::{GrowError, Grower, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds};
 use crate::shapes::critical::{BoundaryKind, critical_radius_within};
@@ -23,16 +24,16 @@ use crate::shapes::{BranchOptions, CriticalRadii, Effort, PointKind, ShapeError,
 /// Largest ξ_s up to which pitchforks are searched for.
 const XI_MAX: f64 = 100.0;
 
-/// Where a run stands.
+/// How far a sweep is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Standing {
+pub struct SweepProgress {
     /// Divisions, trees or shapes that are done.
     pub done: usize,
     /// All of them.
     pub of: usize,
 }
 
-/// What a sweep is solved with.
+/// A sweep, or one shard of it, to be solved.
 ///
 /// ```
 /// use std::sync::atomic::AtomicBool;
@@ -42,238 +43,303 @@ pub struct Standing {
 /// use furrow::study::table::csv_text;
 /// use furrow::study::{Run, Sweep};
 ///
-/// static STOP: AtomicBool = AtomicBool::new(false);
 /// let text = r#"Sweep(kind: division, axes: [(parameter: "r0", list: [1.5, 1.6])])"#;
 /// let sweep = Sweep::parse(text, "small.ron", &Settings::default(), &[])?;
-/// let memo = Memo::new(Quantisation::DEFAULT);
-/// let run = Run { sweep: &sweep, shard: None, memo: &memo, threads: 0, interrupt: &STOP, progress: &|_| () };
-/// let done = run.solve()?;
-/// let csv = String::from_utf8(csv_text(&sweep.columns(), &done.rows)?)?;
+/// let (memo, cancel) = (Memo::new(Quantisation::DEFAULT), AtomicBool::new(false));
+/// let solved = Run::new(&sweep, &memo, &cancel).solve()?;
+/// let csv = String::from_utf8(csv_text(&sweep.columns(), &solved.rows)?)?;
 /// assert!(csv.starts_with("r0,outcome,chi,u_furrow,t_end\n1.5,failed,,,"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Run<'a> {
     /// The sweep.
     pub sweep: &'a Sweep,
-    /// The part of it to be solved; none for all.
+    /// The shard to solve; none for all points.
     pub shard: Option<Shard>,
     /// Remembers divisions.
     pub memo: &'a Memo<DivisionInput>,
     /// Threads; 0 is one for each core.
     pub threads: usize,
     /// Set to true to stop.
-    pub interrupt: &'static AtomicBool,
-    /// Told how far it is.
-    pub progress: &'a (dyn Fn(Standing) + Sync),
+    pub cancel: &'a AtomicBool,
+    /// Holds the rows of an interrupted run, and receives each row that is solved.
+    pub journal: Option<&'a Journal>,
+    /// Called with the progress.
+    pub progress: &'a (dyn Fn(SweepProgress) + Sync),
 }
 
-/// A sweep, or a part of it, solved.
+/// The rows of a sweep or of one shard of it.
 #[derive(Debug, Default)]
-pub struct Done {
-    /// One row a point, in the order of the points.
+pub struct SweepResult {
+    /// One row a point, in the order of the points; `None` if the run was interrupted.
     pub rows: Vec<Row>,
-    /// Points that are undecided, as places in `rows`.
-    pub undecided: Vec<usize>,
     /// Divisions (of points or in trees) or shapes solved by this run.
     pub solved: usize,
     /// Divisions or shapes that were known already, or solved for another point.
     pub reused: usize,
-    /// Whether it was stopped; there are no rows then.
+    /// Points whose rows an interrupted run had finished.
+    pub resumed: usize,
+    /// Whether the run was interrupted.
     pub interrupted: bool,
-    /// What the user should know of the store.
+    /// Warnings about the store.
     pub warnings: Vec<StoreWarning>,
 }
 
-/// Results of a point, and why they are not all there if they are not.
+impl SweepResult {
+    /// Rows that are undecided, wholly or in part.
+    pub fn undecided(&self) -> impl Iterator<Item = &Row> {
+        self.rows.iter().filter(|row| row.why.is_some())
+    }
+}
+
+/// Results of a point, and why they are incomplete if they are.
 type Results = (Vec<Value>, Option<String>);
 
-impl Run<'_> {
-    /// Solves the points. Rows depend on the sweep alone, whatever the threads, the parts and what the memo knows.
+/// The distinct inputs of points.
+struct Inputs<'p> {
+    /// The number of each point's input; `None` for a point that is refused.
+    of_point: Vec<Option<usize>>,
+    /// The first point of each input.
+    firsts: Vec<&'p Point>,
+    /// The results of each input, once they are known.
+    results: Vec<Option<Results>>,
+    /// Inputs whose results are not known yet.
+    open: Vec<usize>,
+}
+
+impl<'a> Run<'a> {
+    /// All points on all cores, without a journal.
+    pub fn new(sweep: &'a Sweep, memo: &'a Memo<DivisionInput>, cancel: &'a AtomicBool) -> Run<'a> {
+        Run { sweep, shard: None, memo, threads: 0, cancel, journal: None, progress: &|_| () }
+    }
+
+    /// Solves the points. Rows depend on the sweep alone, whatever the threads, the shards and what the memo and the journal
+    /// hold.
     ///
     /// # Errors
     /// [`SchedulerError::Pool`] if no workers can be started. A point that cannot be computed is a row of its own.
-    pub fn solve(&self) -> Result<Done, SchedulerError<DivisionError>> {
+    pub fn solve(&self) -> Result<SweepResult, SchedulerError<DivisionError>> {
         let quantisation = self.memo.quantisation();
         let all = (0..self.sweep.points()).map(|index| self.sweep.point(index));
         let points: Vec<Point> = all.filter(|point| self.shard.is_none_or(|s| s.has(point, quantisation))).collect();
-        match self.sweep.kind {
-            Kind::Division => self.divisions(&points),
-            Kind::Tree => self.trees(&points),
-            Kind::Pitchfork => self.shapes(&points, |cell| pitchfork_results(cell, self.interrupt)),
-            Kind::Critical => self.shapes(&points, |cell| critical_results(cell, self.interrupt)),
+        let mut inputs = self.inputs(&points);
+        let known = |inputs: &Inputs<'_>, number: &usize| inputs.results[*number].is_some();
+        let resumed = inputs.of_point.iter().flatten().filter(|number| known(&inputs, number)).count();
+        let equal = inputs.of_point.iter().flatten().count() - resumed - inputs.open.len();
+        let mut out = match self.sweep.kind {
+            Kind::Division => self.divisions(&mut inputs)?,
+            Kind::Tree => self.trees(&mut inputs)?,
+            Kind::Pitchfork => self.shapes(&mut inputs, pitchfork_results)?,
+            Kind::Critical => self.shapes(&mut inputs, critical_results)?,
+        };
+        out.resumed = resumed;
+        out.reused += match self.sweep.kind {
+            Kind::Division => equal * self.sweep.replicates as usize,
+            Kind::Tree => 0,
+            Kind::Pitchfork | Kind::Critical => equal,
+        };
+        if !out.interrupted {
+            let row = |(point, number): (&Point, &Option<usize>)| {
+                let results = number.and_then(|number| inputs.results[number].clone());
+                let (values, why) = results.unwrap_or_else(|| (self.no_results(), point.refused.clone()));
+                self.sweep.row(point.index, values, why)
+            };
+            out.rows = points.iter().zip(&inputs.of_point).map(row).collect();
         }
+        Ok(out)
     }
 
-    /// The rows of points, given what came of each.
-    fn rows(&self, points: &[Point], results: impl IntoIterator<Item = Results>) -> (Vec<Row>, Vec<usize>) {
-        let mut undecided = Vec::new();
-        let row = |(place, (point, (values, why))): (usize, (&Point, Results))| {
-            // Nothing computed, or of several replicates not all.
-            if why.is_some() {
-                undecided.push(place);
-            }
-            self.sweep.row(point.index, values, why)
-        };
-        let rows = points.iter().zip(results).enumerate().map(row).collect();
-        (rows, undecided)
-    }
-
-    fn divisions(&self, points: &[Point]) -> Result<Done, SchedulerError<DivisionError>> {
-        let replicates = self.sweep.replicates as usize;
-        let mut jobs = Vec::new();
-        for (place, point) in points.iter().enumerate().filter(|(_, point)| point.refused.is_none()) {
-            for k in 0..replicates {
-                let seed = point.input.seed.wrapping_add(k as u64);
-                jobs.push(Job { id: place * replicates + k, task: DivisionInput { seed, ..point.input.clone() } });
-            }
-        }
-        let of = jobs.len();
-        let show = |progress: Progress| (self.progress)(Standing { done: progress.solved + progress.memo_hits, of });
-        let options = SchedulerOptions {
-            threads: self.threads,
-            interrupt: Some(self.interrupt),
-            progress: Some(&show),
-            ..SchedulerOptions::default()
-        };
-        let mut divisions: Vec<Option<Division>> = vec![None; points.len() * replicates];
-        let run = scheduler::run(jobs, self.memo, &options, divide, |id, division| {
-            divisions[id] = Some(division.clone());
-            vec![]
-        });
-        let mut failures: HashMap<usize, String> = HashMap::new();
-        let summary = match run {
-            Ok(summary) => summary,
-            Err(SchedulerError::Unsolved { mut jobs, summary }) => {
-                jobs.sort_by_key(|job| job.id);
-                for job in jobs {
-                    failures.entry(job.id / replicates).or_insert_with(|| job.failure.to_string());
-                }
-                *summary
-            }
-            Err(error) => return Err(error),
-        };
-        let mut done = Done {
-            solved: summary.solved,
-            reused: summary.memo_hits,
-            interrupted: summary.interrupted,
-            warnings: summary.warnings,
-            ..Done::default()
-        };
-        if !done.interrupted {
-            let results = points.iter().zip(divisions.chunks(replicates)).enumerate().map(|(place, (point, of))| {
-                (division_results(of), point.refused.clone().or_else(|| failures.remove(&place)))
-            });
-            (done.rows, done.undecided) = self.rows(points, results);
-        }
-        Ok(done)
-    }
-
-    /// Points with a number of its own for each distinct input, and the first point of each.
-    fn distinct<'p>(&self, points: &'p [Point]) -> (Vec<Option<usize>>, Vec<&'p Point>) {
-        let mut known: HashMap<Key, usize> = HashMap::new();
+    /// The distinct inputs, with the results that the journal holds.
+    fn inputs<'p>(&self, points: &'p [Point]) -> Inputs<'p> {
+        let mut numbers: HashMap<Key, usize> = HashMap::new();
+        let key = |point: &Point| Key::new(&point.input, SolverVersion::new(0));
         let mut firsts = Vec::new();
         let number = |point: &'p Point| {
             point.refused.is_none().then(|| {
-                *known.entry(Key::new(&point.input, SolverVersion::new(0))).or_insert_with(|| {
+                *numbers.entry(key(point)).or_insert_with(|| {
                     firsts.push(point);
                     firsts.len() - 1
                 })
             })
         };
-        let numbers = points.iter().map(number).collect();
-        (numbers, firsts)
-    }
-
-    /// The rows of points from the results of distinct inputs.
-    fn spread(&self, points: &[Point], numbers: &[Option<usize>], results: &[Results]) -> (Vec<Row>, Vec<usize>) {
-        let of = |(point, number): (&Point, &Option<usize>)| match number {
-            Some(number) => results[*number].clone(),
-            None => (self.nothing(), point.refused.clone()),
-        };
-        self.rows(points, points.iter().zip(numbers).map(of))
-    }
-
-    /// Results of a point of which nothing is known.
-    fn nothing(&self) -> Vec<Value> {
-        match self.sweep.kind {
-            Kind::Pitchfork => vec![Value::Null, UNDECIDED.into(), Value::Null, Value::Null],
-            Kind::Critical => vec![Value::Null, UNDECIDED.into()],
-            Kind::Division | Kind::Tree => vec![Value::Null; self.sweep.result_columns().len()],
+        let of_point = points.iter().map(number).collect();
+        let mut results = vec![None; firsts.len()];
+        for row in self.journal.iter().flat_map(|journal| journal.rows().values()) {
+            if row.index < self.sweep.points()
+                && let Some(number) = numbers.get(&key(&self.sweep.point(row.index)))
+            {
+                results[*number] = Some((row.cells[self.sweep.axes.0.len()..].to_vec(), row.why.clone()));
+            }
         }
+        let open = (0..firsts.len()).filter(|number| results[*number].is_none()).collect();
+        Inputs { of_point, firsts, results, open }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
+
+    /// Keeps the results of an input for a run that resumes this one.
+    fn record(&self, point: &Point, (values, why): &Results) {
+        if let Some(journal) = self.journal {
+            journal.append(&self.sweep.row(point.index, values.clone(), why.clone()));
+        }
+    }
+
+    fn divisions(&self, inputs: &mut Inputs<'_>) -> Result<SweepResult, SchedulerError<DivisionError>> {
+        let Inputs { firsts, results, open, .. } = inputs;
+        let replicates = self.sweep.replicates as usize;
+        let job = |number: usize, k: usize| {
+            let input = &firsts[number].input;
+            let task = DivisionInput { seed: input.seed.wrapping_add(k as u64), ..input.clone() };
+            Job { id: number * replicates + k, task }
+        };
+        let jobs = open.iter().flat_map(|&number| (0..replicates).map(move |k| (number, k)));
+        let jobs: Vec<_> = jobs.map(|(number, k)| job(number, k)).collect();
+        let of = firsts.len() * replicates;
+        let before = of - jobs.len();
+        let show = |progress: Progress| {
+            (self.progress)(SweepProgress { done: before + progress.solved + progress.memo_hits, of });
+        };
+        let options = SchedulerOptions {
+            threads: self.threads,
+            interrupt: Some(self.cancel),
+            progress: Some(&show),
+            ..SchedulerOptions::default()
+        };
+        let mut divisions: Vec<Option<Division>> = vec![None; of];
+        let run = scheduler::run(jobs, self.memo, &options, divide, |id, division| {
+            divisions[id] = Some(division.clone());
+            let number = id / replicates;
+            let of_input = &divisions[number * replicates..][..replicates];
+            if of_input.iter().all(Option::is_some) {
+                let found = (division_results(of_input), None);
+                self.record(firsts[number], &found);
+                results[number] = Some(found);
+            }
+            vec![]
+        });
+        let summary = match run {
+            Ok(summary) => summary,
+            Err(SchedulerError::Unsolved { mut jobs, summary }) => {
+                jobs.sort_by_key(|job| job.id);
+                for job in jobs {
+                    let number = job.id / replicates;
+                    let of_input = &divisions[number * replicates..][..replicates];
+                    results[number].get_or_insert_with(|| (division_results(of_input), Some(job.failure.to_string())));
+                }
+                *summary
+            }
+            Err(error) => return Err(error),
+        };
+        Ok(SweepResult {
+            solved: summary.solved,
+            reused: summary.memo_hits,
+            interrupted: summary.interrupted,
+            warnings: summary.warnings,
+            ..SweepResult::default()
+        })
+    }
+
+    /// The columns of a point without results.
+    fn no_results(&self) -> Vec<Value> {
+        let columns = self.sweep.result_columns();
+        let undecided = match self.sweep.kind {
+            Kind::Division if self.sweep.replicates == 1 => Some("outcome"),
+            Kind::Division => return division_results(&vec![None; self.sweep.replicates as usize]),
+            Kind::Pitchfork => Some("criticality"),
+            Kind::Critical => Some("kind"),
+            Kind::Tree => None,
+        };
+        let value = |name: &String| if Some(name.as_str()) == undecided { UNDECIDED.into() } else { Value::Null };
+        columns.iter().map(value).collect()
     }
 
     /// Stationary shapes, on all cores.
     fn shapes(
         &self,
-        points: &[Point],
-        solve: impl Fn(&DivisionInput) -> Result<Results, String> + Sync,
-    ) -> Result<Done, SchedulerError<DivisionError>> {
-        let (numbers, firsts) = self.distinct(points);
-        let count = AtomicUsize::new(0);
-        let stopped = || self.interrupt.load(Ordering::Relaxed);
-        let one = |point: &&Point| {
-            if stopped() {
-                return (self.nothing(), None);
+        inputs: &mut Inputs<'_>,
+        solve: fn(&DivisionInput, &Effort<'_>) -> Result<Vec<Value>, ShapeError>,
+    ) -> Result<SweepResult, SchedulerError<DivisionError>> {
+        let Inputs { firsts, results, open, .. } = inputs;
+        let done = AtomicUsize::new(firsts.len() - open.len());
+        let one = |number: &usize| {
+            let point = firsts[*number];
+            let effort = Effort::new(usize::MAX, Some(self.cancel));
+            // A defect at one point is no reason to lose the others.
+            let solved = catch_unwind(AssertUnwindSafe(|| solve(&point.input, &effort)));
+            let found = match solved {
+                Ok(Ok(values)) => (values, None),
+                Ok(Err(error)) => (self.no_results(), Some(error.to_string())),
+                Err(_) => (self.no_results(), Some("internal error: the solver panicked, please report it".to_owned())),
+            };
+            // What an interrupted search says is no result.
+            if self.cancelled() {
+                return None;
             }
-            // A defect in one point is no reason to lose the others.
-            let solved = catch_unwind(AssertUnwindSafe(|| solve(&point.input)))
-                .unwrap_or_else(|_| Err("the solver broke off (a defect of furrow, please report it)".to_owned()));
-            let done = count.fetch_add(1, Ordering::Relaxed) + 1;
-            (self.progress)(Standing { done, of: firsts.len() });
-            solved.unwrap_or_else(|why| (self.nothing(), Some(why)))
+            self.record(point, &found);
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            (self.progress)(SweepProgress { done, of: firsts.len() });
+            Some(found)
         };
         let pool = scheduler::pool(self.threads)?;
-        let results: Vec<Results> = pool.install(|| firsts.par_iter().map(one).collect());
-        if stopped() {
-            return Ok(Done { interrupted: true, ..Done::default() });
-        }
-        let (rows, undecided) = self.spread(points, &numbers, &results);
-        let reused = numbers.iter().flatten().count() - firsts.len();
-        Ok(Done { rows, undecided, solved: firsts.len(), reused, ..Done::default() })
+        let solved: Vec<Option<Results>> = pool.install(|| {
+            let one = |number: &usize| if self.cancelled() { None } else { one(number) };
+            open.par_iter().map(one).collect()
+        });
+        let interrupted = self.cancelled();
+        open.iter().zip(solved).for_each(|(number, found)| results[*number] = found);
+        Ok(SweepResult { solved: open.len(), interrupted, ..SweepResult::default() })
     }
 
     /// Trees, one after the other, each on all cores: their divisions are shared.
-    fn trees(&self, points: &[Point]) -> Result<Done, SchedulerError<DivisionError>> {
-        let (numbers, firsts) = self.distinct(points);
-        let mut done = Done::default();
-        let mut results = Vec::new();
-        let mut rule: Option<(crate::cell::Numerics, Thresholds)> = None;
-        for (place, point) in firsts.iter().enumerate() {
-            (self.progress)(Standing { done: place, of: firsts.len() });
+    fn trees(&self, inputs: &mut Inputs<'_>) -> Result<SweepResult, SchedulerError<DivisionError>> {
+        let mut out = SweepResult::default();
+        let of = inputs.firsts.len();
+        let before = of - inputs.open.len();
+        let mut rule: Option<(Numerics, Thresholds<'_>)> = None;
+        for (place, &number) in inputs.open.iter().enumerate() {
+            (self.progress)(SweepProgress { done: before + place, of });
+            let point = inputs.firsts[number];
             let numerics = point.input.numerics;
-            if rule.as_ref().is_none_or(|(of, _)| *of != numerics) {
-                rule = Some((numerics, Thresholds::new(CriticalRadii::new(&numerics).interrupted_by(self.interrupt))));
-            }
-            let Some((_, ends)) = &rule else { continue };
-            match self.tree(&point.input, ends, &mut done) {
-                Ok(tree) => results.push((tree_results(&tree), undecided_cells(&tree))),
-                Err(GrowError::Interrupted { .. }) => return Ok(Done { interrupted: true, ..done }),
+            let (_, ends) = match rule.take().filter(|(of, _)| *of == numerics) {
+                Some(same) => rule.insert(same),
+                None => rule.insert((numerics, Thresholds::new(CriticalRadii::new(&numerics).interrupted_by(self.cancel)))),
+            };
+            let tree = match self.tree(&point.input, ends, &mut out) {
                 Err(GrowError::Workers(error)) => return Err(error),
-            }
+                Ok(tree) if !self.cancelled() => tree,
+                Ok(_) | Err(GrowError::Interrupted { .. }) => {
+                    out.interrupted = true;
+                    return Ok(out);
+                }
+            };
+            let found = (tree_results(&tree), undecided_cells(&tree));
+            self.record(point, &found);
+            inputs.results[number] = Some(found);
         }
-        (done.rows, done.undecided) = self.spread(points, &numbers, &results);
-        Ok(done)
+        Ok(out)
     }
 
-    fn tree(&self, input: &DivisionInput, ends: &Thresholds, done: &mut Done) -> Result<Tree, GrowError> {
+    fn tree(&self, input: &DivisionInput, ends: &Thresholds<'_>, out: &mut SweepResult) -> Result<Tree, GrowError> {
         let settings = TreeSettings {
             cell: input.cell.clone(),
             numerics: input.numerics,
             seed: input.seed,
             r0_step: self.memo.quantisation().relative_step(),
         };
-        // The first cell's division is always computed: it costs less than a search for the critical radius of its kind, and
-        // no row may depend on what was searched for before.
+        // The first cell's division is always computed: it costs less than a search for its critical radius, and no row may
+        // depend on what was searched for before.
         let first = std::cell::Cell::new(true);
         let ends = |cell: &Cell| if first.replace(false) { None } else { ends.of(cell) };
         let options =
-            SchedulerOptions { threads: self.threads, interrupt: Some(self.interrupt), ..SchedulerOptions::default() };
+            SchedulerOptions { threads: self.threads, interrupt: Some(self.cancel), ..SchedulerOptions::default() };
         let lineage = self.sweep.lineage_at(&input.cell);
         let (tree, summary) =
             Grower { lineage: &lineage, settings, ends: &ends, memo: self.memo, options }.grow(divide)?;
-        done.solved += summary.solved;
-        done.reused += summary.memo_hits;
-        done.warnings.extend(summary.warnings);
+        out.solved += summary.solved;
+        out.reused += summary.memo_hits;
+        out.warnings.extend(summary.warnings);
         Ok(tree)
     }
 }
@@ -321,29 +387,23 @@ fn tree_results(tree: &Tree) -> Vec<Value> {
     values
 }
 
-/// A cell whose pitchfork does not exist, up to [`XI_MAX`] or because of its cue, has criticality `none`: an answer, too.
-fn pitchfork_results(input: &DivisionInput, interrupt: &AtomicBool) -> Result<Results, String> {
+/// A cell whose pitchfork does not exist, up to [`XI_MAX`] or because of its cue, has criticality `none`: that is a result too.
+fn pitchfork_results(input: &DivisionInput, effort: &Effort<'_>) -> Result<Vec<Value>, ShapeError> {
     let options = BranchOptions { xi: [0.0, XI_MAX], ..BranchOptions::default() };
-    let effort = Effort::new(usize::MAX, Some(interrupt));
-    match pitchfork::first_within(&input.cell, &input.numerics, &options, &effort) {
+    match pitchfork::first_within(&input.cell, &input.numerics, &options, effort) {
         Ok(found) => {
-            let criticality = found.criticality().to_string();
-            let point = &found.point;
-            Ok((vec![point.xi_s.into(), criticality.into(), found.coefficient.into(), point.elongation.into()], None))
+            let (criticality, point) = (found.criticality().to_string(), &found.point);
+            Ok(vec![point.xi_s.into(), criticality.into(), found.coefficient.into(), point.elongation.into()])
         }
         Err(ShapeError::NotFound { kind: PointKind::Pitchfork, .. } | ShapeError::NoPitchfork { .. }) => {
-            Ok((vec![Value::Null, "none".into(), Value::Null, Value::Null], None))
+            Ok(vec![Value::Null, "none".into(), Value::Null, Value::Null])
         }
-        Err(error) => Err(error.to_string()),
+        Err(error) => Err(error),
     }
 }
 
-fn critical_results(input: &DivisionInput, interrupt: &AtomicBool) -> Result<Results, String> {
-    let effort = Effort::new(usize::MAX, Some(interrupt));
-    let found = critical_radius_within(&input.cell, &input.numerics, &effort).map_err(|error| error.to_string())?;
-    let kind = match found.kind {
-        BoundaryKind::CuedFold => "cued_fold",
-        _ => "pitchfork",
-    };
-    Ok((vec![found.r0.into(), kind.into()], None))
+fn critical_results(input: &DivisionInput, effort: &Effort<'_>) -> Result<Vec<Value>, ShapeError> {
+    let found = critical_radius_within(&input.cell, &input.numerics, effort)?;
+    let kind = if found.kind == BoundaryKind::CuedFold { "cued_fold" } else { "pitchfork" };
+    Ok(vec![found.r0.into(), kind.into()])
 }

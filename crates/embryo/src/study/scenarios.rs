@@ -16,7 +16,8 @@ use std::collections::{BTreeMap, HashSet};
 use crate::batch::{Memo, SchedulerOptions, Summary};
 use crate::cell::{Cell, CueError};
 use crate::division::{Division, DivisionError, DivisionInput};
-use crate::lineage::{GrowError, Grower, Length, Lineage, TerminalReason, Tree, TreeSettings, grow_together};
+pub use crate::lineage::Scenario;
+use crate::lineage::{TerminalReason, GrowError, Grower, Length, Lineage, Tree, TreeSettings, grow_together};
 
 /// Names that scenarios do not get: those of the files that stand beside their folders.
 const TAKEN: [&str; 6] = ["scenarios.csv", "report.html", "run.json", "tree.json", "tree.nwk", "tree.svg"];
@@ -34,21 +35,6 @@ pub struct Source {
     pub settings: TreeSettings,
 }
 
-/// One tree of several that are set side by side.
-#[derive(Clone, Debug)]
-pub struct Scenario {
-    /// Unique among the scenarios, and fit to be the name of a folder.
-    pub name: String,
-    /// What its lineage is called.
-    pub label: String,
-    /// The cue that stands in the place of every cue of the lineage, as it was asked for; none if the lineage's own do.
-    pub cue: Option<String>,
-    /// The lineage with that cue.
-    pub lineage: Lineage,
-    /// Parameters of its divisions.
-    pub settings: TreeSettings,
-}
-
 /// Why there are no scenarios.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ScenarioError {
@@ -56,23 +42,13 @@ pub enum ScenarioError {
     #[error(transparent)]
     Cue(#[from] CueError),
     /// Two scenarios are one.
-    #[error("{first} and {second} are the same scenario: name each but once")]
+    #[error("duplicate scenarios: {first} and {second}")]
     Same {
         /// What the first is made of.
         first: String,
         /// What the other is made of.
         second: String,
     },
-}
-
-impl Scenario {
-    /// What it is made of, in words.
-    pub fn made_of(&self) -> String {
-        match &self.cue {
-            Some(cue) => format!("{} with the cue {cue}", self.label),
-            None => self.label.clone(),
-        }
-    }
 }
 
 /// Every lineage with every cue; without cues, every lineage as it is. Lineages come in their order, and of each the cues in
@@ -210,12 +186,13 @@ mod tests {
     #[test]
     fn the_same_scenario_is_refused_however_it_is_written() {
         let same = |cues: &[&str]| combine(&[source("worm")], cues).unwrap_err().to_string();
-        let said = "worm with the cue none and worm with the cue none are the same scenario: name each but once";
+        let said = "duplicate scenarios: worm with the cue none and worm with the cue none";
         assert_eq!(same(&["none", "none"]), said);
         assert!(
-            same(&["germline", "none", "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1"]).contains("same scenario")
+            same(&["germline", "none", "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1"])
+                .contains("duplicate scenarios")
         );
-        assert!(same(&["none", "tension:gradient,amplitude=0"]).contains("same scenario"));
+        assert!(same(&["none", "tension:gradient,amplitude=0"]).contains("duplicate scenarios"));
         assert!(combine(&[source("a"), source("b")], &[]).is_err());
         let mut other = source("b");
         other.lineage.founders[0].r0 = Some(Length::Natural(5.0));

@@ -1,4 +1,4 @@
-//! Which part of the points one machine takes.
+//! The part of the points that one machine solves.
 
 use std::str::FromStr;
 

@@ -1,15 +1,13 @@
 //! The sweep file: of what kind, over which axes, from what cell.
 
-use std::path::{Path, PathBuf};
-
 use serde::{Deserialize, Serialize};
 
-use super::check::Check;
-use super::points::{Axes, AxisValue, Target};
+use super::points::{Axes, AxisValue, Point, Target};
 use crate::cell::{Cell, Cue};
-use crate::input::{InputError, parse_document, read_text};
+use crate::division::DivisionInput;
+use crate::input::InputError;
 use crate::lineage::Lineage;
-use crate::settings::{NumericsOverrides, PhysicsOverrides, Settings};
+use crate::settings::Settings;
 
 /// What is computed at every point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -42,13 +40,13 @@ pub enum Kind {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// What errors call the file.
+    /// The file's name in errors.
     pub file: String,
     /// What is computed.
     pub kind: Kind,
     /// Over what.
     pub axes: Axes,
-    /// What no axis says.
+    /// Settings that no axis changes.
     pub settings: Settings,
     /// The cue of every cell where no axis says otherwise; of a tree, in place of those that the lineage gives. None leaves a
     /// tree its lineage's cues, and other cells without one.
@@ -61,89 +59,7 @@ pub struct Sweep {
     pub lineage: Lineage,
 }
 
-/// The file as it is written.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, rename = "Sweep")]
-pub(super) struct Document {
-    pub kind: Kind,
-    pub axes: Vec<AxisDocument>,
-    #[serde(default)]
-    pub cue: Option<String>,
-    #[serde(default = "one")]
-    pub replicates: u32,
-    #[serde(default)]
-    pub seed: u64,
-    #[serde(default)]
-    physics: PhysicsOverrides,
-    #[serde(default)]
-    numerics: NumericsOverrides,
-    #[serde(default)]
-    lineage: Option<PathBuf>,
-}
-
-fn one() -> u32 {
-    1
-}
-
-/// An axis as it is written: with one of the three.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, rename = "Axis")]
-pub(super) struct AxisDocument {
-    pub parameter: String,
-    #[serde(default)]
-    pub range: Option<Interval>,
-    #[serde(default)]
-    pub list: Option<Vec<AxisValue>>,
-    #[serde(default)]
-    pub sample: Option<Interval>,
-}
-
-/// So many values between two, both included where they are evenly spaced.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Interval {
-    pub from: f64,
-    pub to: f64,
-    pub count: usize,
-}
-
 impl Sweep {
-    /// Reads and checks a sweep file. `base` is what the file does not name; `overrides` of the form `key=value` come after
-    /// what it names, and before its axes. A lineage is looked for from the file's own folder.
-    ///
-    /// # Errors
-    /// Names the file, the field, its value and what is allowed.
-    pub fn read(path: &Path, base: &Settings, overrides: &[String]) -> Result<Sweep, InputError> {
-        let folder = path.parent().unwrap_or(Path::new(""));
-        Sweep::parse_in(folder, &read_text(path)?, &path.display().to_string(), base, overrides)
-    }
-
-    /// Reads and checks a sweep from RON text, as [`read`](Self::read) does; `file` is what errors call it.
-    ///
-    /// # Errors
-    /// Those of [`read`](Self::read).
-    pub fn parse(text: &str, file: &str, base: &Settings, overrides: &[String]) -> Result<Sweep, InputError> {
-        Sweep::parse_in(Path::new(""), text, file, base, overrides)
-    }
-
-    fn parse_in(
-        folder: &Path,
-        text: &str,
-        file: &str,
-        base: &Settings,
-        overrides: &[String],
-    ) -> Result<Sweep, InputError> {
-        let mut document: Document = parse_document(text, file, "a sweep file", "Sweep")?;
-        let mut settings = base.clone();
-        std::mem::take(&mut document.physics).apply(&mut settings);
-        std::mem::take(&mut document.numerics).apply(&mut settings);
-        settings.check_fields(file)?;
-        settings.override_fields(overrides)?;
-        let path = document.lineage.take().map(|path| folder.join(path));
-        let lineage = Lineage::load(path.as_deref())?;
-        Check { file, document: &document, settings: &settings, lineage: &lineage }.run()
-    }
-
     /// The lineage of a tree with this first cell: with another first radius where the sweep gives one, and with the cell's
     /// cue in place of its own where the sweep names cues.
     pub(super) fn lineage_at(&self, cell: &Cell) -> Lineage {
@@ -161,5 +77,44 @@ impl Sweep {
     pub fn points(&self) -> usize {
         // Counted when it was checked.
         self.axes.points().unwrap_or(0)
+    }
+
+    /// The point of a number below [`Sweep::points`].
+    pub fn point(&self, index: usize) -> Point {
+        let (input, checked) = self.checked(index);
+        Point { index, input, refused: checked.err().map(|error| error.to_string()) }
+    }
+
+    /// The input at a point, and whether its values are allowed together.
+    pub(super) fn checked(&self, index: usize) -> (DivisionInput, Result<(), InputError>) {
+        let places = self.axes.0.iter().zip(self.axes.places(index));
+        let mut settings = self.settings.clone();
+        let mut cue = self.cue.clone().unwrap_or_default();
+        let mut pairs = Vec::new();
+        for (axis, place) in places.clone() {
+            match axis.target {
+                Target::Field(name) => pairs.push((name, axis.values[place].text())),
+                Target::Cue => cue = axis.cues[place].clone(),
+                Target::CueNumber(_) => {}
+            }
+        }
+        let set = settings.assign(&self.file, &pairs);
+        let mut cell = settings.cell.clone().with_cue(cue);
+        for (axis, place) in places {
+            if let (Target::CueNumber(parameter), AxisValue::Number(value)) = (axis.target, &axis.values[place]) {
+                parameter.set(&mut cell, *value);
+            }
+        }
+        // Each value is allowed by itself; whether they are together is seen here.
+        let mut checked = set.and_then(|()| settings.check(&self.file));
+        if matches!(self.kind, Kind::Division | Kind::Tree) {
+            checked = checked
+                .and_then(|()| settings.check_divisions(&self.file))
+                .and_then(|()| settings.check_activity(&self.file));
+        }
+        let checked = checked.and_then(|()| {
+            cell.cue.check().map_err(|e| InputError::not_allowed(&self.file, e.field, e.value, e.allowed))
+        });
+        (DivisionInput { cell, numerics: settings.numerics, seed: self.seed }, checked)
     }
 }

@@ -120,12 +120,21 @@ pub fn read_line(columns: &[String], line: &str) -> Option<Row> {
 /// # Errors
 /// [`TableError`].
 pub fn csv_text(columns: &[String], rows: &[Row]) -> Result<Vec<u8>, TableError> {
+    let cells = rows.iter().map(|row| row.cells.iter().map(csv_cell).collect());
+    Ok(csv_of(std::iter::once(columns.to_vec()).chain(cells))?.into_bytes())
+}
+
+/// Records of text as CSV.
+///
+/// # Errors
+/// [`csv::Error`] if records have different lengths.
+pub fn csv_of<R: IntoIterator<Item = String>>(records: impl IntoIterator<Item = R>) -> Result<String, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(columns)?;
-    for row in rows {
-        writer.write_record(row.cells.iter().map(csv_cell))?;
+    for record in records {
+        writer.write_record(record.into_iter().map(String::into_bytes))?;
     }
-    writer.into_inner().map_err(|error| TableError::Csv(csv::Error::from(error.into_error())))
+    let bytes = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 /// Numbers with as many digits as it takes to get the same number back, and 3 for 3.0.

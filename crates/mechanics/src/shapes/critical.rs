@@ -368,9 +368,9 @@ enum Knowledge {
 
 /// Answers whether cells divide, from stored radii where they apply and solving for others once each.
 #[derive(Debug)]
-pub struct CriticalRadii {
+pub struct CriticalRadii<'a> {
     numerics: Numerics,
-    interrupt: Option<&'static AtomicBool>,
+    interrupt: Option<&'a AtomicBool>,
     /// By the cell with its radius set to 1.
     known: Mutex<Vec<(Cell, Knowledge)>>,
 }
@@ -383,16 +383,16 @@ pub const MOST_SEARCHED: usize = 600;
 /// Cells nearer to their critical radius than this, relative, are judged by one computed on a mesh twice as fine.
 const NEAR: f64 = 1e-3;
 
-impl CriticalRadii {
+impl<'a> CriticalRadii<'a> {
     /// With the radii stored for the preset `gao2026`.
-    pub fn new(numerics: &Numerics) -> CriticalRadii {
+    pub fn new(numerics: &Numerics) -> CriticalRadii<'a> {
         let preset = Cell::new(1.0);
         let stored = Stored::preset(&preset, numerics);
         CriticalRadii::with_radii(&preset, numerics, stored.map_or_else(|_| Vec::new(), |stored| stored.radii))
     }
 
     /// With given radii of cells like `cell`.
-    pub fn with_radii(cell: &Cell, numerics: &Numerics, radii: Vec<CriticalRadius>) -> CriticalRadii {
+    pub fn with_radii(cell: &Cell, numerics: &Numerics, radii: Vec<CriticalRadius>) -> CriticalRadii<'a> {
         let entry = |radius: CriticalRadius| (kin(cell).with_cue(radius.cue.clone()), Knowledge::Radius(radius, None));
         let known = Mutex::new(radii.into_iter().map(entry).collect());
         CriticalRadii { numerics: *numerics, interrupt: None, known }
@@ -406,7 +406,7 @@ impl CriticalRadii {
 
     /// The same, whose searches end when the flag is set.
     #[must_use]
-    pub fn interrupted_by(self, flag: &'static AtomicBool) -> CriticalRadii {
+    pub fn interrupted_by(self, flag: &'a AtomicBool) -> CriticalRadii<'a> {
         CriticalRadii { interrupt: Some(flag), ..self }
     }
 

@@ -1,7 +1,7 @@
 //! Rounds of founders beside the observed ones (figure 5A), by every reading of "rounds" and at every stage.
 //!
 //! The paper holds rounds of division against Sulston's and does not say which reading of them: fewest, mean or most divisions
-//! from the founder to a terminal cell, or generations that doubled fully. All are told, at hatching and in embryos of fewer
+//! from the founder to a terminal cell, or generations that doubled fully. All are reported, at hatching and in embryos of fewer
 //! cells, where the lineage is cut at that time.
 
 use std::collections::BTreeMap;
@@ -64,7 +64,7 @@ pub const READINGS: [&str; 5] = ["min", "mean", "max", "full_doublings", "termin
 /// A founder's count by one reading.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Count {
-    /// The model's; none if the founder is never born.
+    /// The model's; `None` if the founder is never born.
     pub model: Option<f64>,
     /// The observed.
     pub observed: f64,
@@ -158,27 +158,19 @@ fn at_stage(tree: &Tree, rounds: &[FounderRounds], stage: &Stage) -> StageCounts
     let of = |observed: &ObservedAtStage| {
         let founder = tree.lineage.founders.iter().position(|founder| founder.name == observed.founder);
         let model = founder.and_then(|k| rounds.iter().find(|row| row.founder == k)).and_then(|row| row.rounds);
-        let count = |model: Option<f64>, observed: f64| Count {
-            model,
-            observed,
-            within_one: model.is_some_and(|model| (model - observed).abs() <= 1.0),
+        let numbers = |[min, max, doublings, cells]: [u32; 4], mean: f64| {
+            [f64::from(min), mean, f64::from(max), f64::from(doublings), f64::from(cells)]
         };
-        let terminal = model.map(|rounds| f64::from(rounds.terminal));
-        let doublings = terminal.map(|cells| (cells / f64::from(observed.cells)).log2().abs());
-        let counts = BTreeMap::from([
-            ("min", count(model.map(|r| f64::from(r.min)), f64::from(observed.min))),
-            ("mean", count(model.map(|r| r.mean), observed.mean)),
-            ("max", count(model.map(|r| f64::from(r.max)), f64::from(observed.max))),
-            ("full_doublings", count(model.map(|r| f64::from(r.full_doublings)), f64::from(observed.full_doublings))),
-            (
-                "terminal",
-                Count {
-                    model: terminal,
-                    observed: f64::from(observed.cells),
-                    within_one: doublings.is_some_and(|doublings| doublings <= 1.0),
-                },
-            ),
-        ]);
+        let model = model.map(|r| numbers([r.min, r.max, r.full_doublings, r.terminal], r.mean));
+        let seen = [observed.min, observed.max, observed.full_doublings, observed.cells];
+        let seen = numbers(seen, observed.mean);
+        let count = |(k, reading): (usize, &&'static str)| {
+            // A factor of two in cells is one round.
+            let off = |model: f64| if *reading == "terminal" { (model / seen[k]).log2() } else { model - seen[k] };
+            let model = model.map(|model| model[k]);
+            (*reading, Count { model, observed: seen[k], within_one: model.is_some_and(|m| off(m).abs() <= 1.0) })
+        };
+        let counts = READINGS.iter().enumerate().map(count).collect();
         FounderCounts { founder: observed.founder.clone(), counts }
     };
     StageCounts { cells: stage.cells, founders: stage.founders.iter().map(of).collect() }

@@ -1,8 +1,7 @@
 //! χ of measured divisions beside the model's (figures 5C, 6D and 6E, 7B).
 //!
-//! The model says χ of a cell twice. Free, it grows from a zygote and has only the constants to thank for what it says. Given the
-//! first division as a group of embryos measures it, AB and P1 are as large as in these, and what the model says of their
-//! descendants can be held against embryos whose first division was changed.
+//! The model computes χ of a cell twice: in the tree grown from the zygote, and in the tree whose AB and P1 are as large as a
+//! group of embryos measures them. The second can be compared with embryos whose first division was changed.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::atomic::AtomicBool;
@@ -25,7 +24,7 @@ use crate::study::ranges::{Range, each_tree};
 pub struct Modelled {
     /// Its radius R0, in L_h.
     pub r0: f64,
-    /// How its division ends; none where that is not known.
+    /// How its division ends; `None` where that is not known.
     pub outcome: Option<Outcome>,
     /// χ, if it divides.
     pub chi: Option<f64>,
@@ -39,12 +38,12 @@ pub struct Beside {
     pub measured: MotherSummary,
     /// The tree grown from the zygote.
     pub model: Option<Modelled>,
-    /// The tree with AB and P1 as large as this group measures them; none of P0, and where P0 was not measured.
+    /// The tree with AB and P1 as large as this group measures them; `None` for P0, and where P0 was not measured.
     pub given_first: Option<Modelled>,
     /// The tree grown from the zygote, over sets of constants.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub band: Option<Band>,
-    /// |χ| of each embryo as a box; none of a mother that is known by her mean alone.
+    /// |χ| of each embryo as a box; `None` for a mother that is known by her mean alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub box_plot: Option<BoxPlot>,
 }
@@ -59,7 +58,7 @@ impl Beside {
 /// χ of a cell over sets of constants.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Band {
-    /// χ where it divides; none where it divides with no set.
+    /// χ where it divides; `None` where it divides with no set.
     pub chi: Option<Range>,
     /// Share of the weight of the sets with which it divides.
     pub divides: f64,
@@ -95,7 +94,7 @@ pub struct Regression {
     pub with_intercept: Option<Line>,
 }
 
-/// What a tree says of every cell by its name.
+/// The model's division of every cell of a tree, by name.
 pub fn modelled(tree: &Tree) -> BTreeMap<String, Modelled> {
     let of = |id| {
         let cell = tree.cell(id);
@@ -105,7 +104,7 @@ pub fn modelled(tree: &Tree) -> BTreeMap<String, Modelled> {
     tree.cells().map(of).collect()
 }
 
-/// The lineage with AB and P1 as large as a group of embryos measures them, of a zygote of radius `r0`; none where P0 was not
+/// The lineage with AB and P1 as large as a group of embryos measures them, of a zygote of radius `r0`; `None` where P0 was not
 /// measured, or the lineage has no such founders.
 pub fn with_first_division_of(lineage: &Lineage, group: &GroupSummary, r0: f64) -> Option<Lineage> {
     let p0 = group.events.iter().find(|event| event.mother == "P0")?;
@@ -123,8 +122,8 @@ const MOST_GROUPS: usize = 50;
 /// χ of every cell of a tree by its name.
 pub type Cells = BTreeMap<String, Modelled>;
 
-/// What the model says of groups of embryos: by the tree grown from a zygote of radius `r0`, and for each group by the one
-/// [with its own first division](with_first_division_of), of the first fifty that have such. `grow` grows the trees of lineages.
+/// The model's cells for groups of embryos: of the tree grown from a zygote of radius `r0`, and for each of the first fifty
+/// groups that measure P0, of the tree [with its first division](with_first_division_of). `grow` grows the trees of lineages.
 ///
 /// # Errors
 /// Those of `grow`.
@@ -209,14 +208,14 @@ pub fn bands(
     sets: &[Constants],
     mothers: &[String],
     threads: usize,
-    interrupt: Option<&AtomicBool>,
+    cancel: Option<&AtomicBool>,
 ) -> Result<BTreeMap<String, Band>, GrowError> {
     let read = |set: &Constants, tree: &Tree, _: &_| {
         let cells = modelled(tree);
         let chi: Vec<Option<f64>> = mothers.iter().map(|mother| cells.get(mother).and_then(|cell| cell.chi)).collect();
         (set.weight, chi)
     };
-    let trees = each_tree(lineage, settings, sets, threads, interrupt, read)?;
+    let trees = each_tree(lineage, settings, sets, threads, cancel, read)?;
     let total: f64 = trees.iter().map(|(weight, _)| weight).sum();
     let of = |(k, mother): (usize, &String)| {
         let divided: Vec<(f64, f64)> = trees.iter().filter_map(|(weight, chi)| Some((chi[k]?, *weight))).collect();
@@ -237,7 +236,7 @@ pub fn add_bands(
     settings: &TreeSettings,
     sets: &[Constants],
     threads: usize,
-    interrupt: Option<&AtomicBool>,
+    cancel: Option<&AtomicBool>,
 ) -> Result<(), GrowError> {
     if sets.is_empty() {
         return Ok(());
@@ -245,7 +244,7 @@ pub fn add_bands(
     let mothers: BTreeSet<String> =
         groups.iter().flat_map(|group| &group.events).map(|event| event.measured.mother.clone()).collect();
     let mothers: Vec<String> = mothers.into_iter().filter(|mother| free.contains_key(mother)).collect();
-    let bands = bands(lineage, settings, sets, &mothers, threads, interrupt)?;
+    let bands = bands(lineage, settings, sets, &mothers, threads, cancel)?;
     for event in groups.iter_mut().flat_map(|group| &mut group.events) {
         event.band = bands.get(&event.measured.mother).copied();
     }
@@ -257,11 +256,11 @@ pub fn add_bands(
 pub struct Scale {
     /// One L_h, in the cube root of the unit of the volumes.
     pub length: f64,
-    /// What it is taken from.
+    /// Its source.
     pub from: ScaleFrom,
 }
 
-/// What a scale is taken from.
+/// The source of a scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ScaleFrom {
@@ -273,8 +272,8 @@ pub enum ScaleFrom {
     Fitted,
 }
 
-/// The scale by P0's divisions, or if it was not measured, or is not to be asked, by all mothers'; none where no mother is the
-/// model's.
+/// The scale by P0's divisions, or, if P0 was not measured or `by_p0` is false, by all mothers'; `None` if the model has none of
+/// the mothers.
 pub fn scale(divisions: &[Division], cells: &BTreeMap<String, Modelled>, by_p0: bool) -> Option<Scale> {
     let radius = |volume: f64| (0.75 / std::f64::consts::PI * volume).cbrt();
     let zygote: Vec<f64> = divisions.iter().filter(|d| d.mother == "P0").map(Division::mother_volume).collect();
@@ -291,7 +290,7 @@ pub fn scale(divisions: &[Division], cells: &BTreeMap<String, Modelled>, by_p0: 
 pub struct SizeCurve {
     /// The cell's cue, as the lineage calls it; empty without one.
     pub cue: String,
-    /// R0 in L_h and χ; none of a cell that does not divide, or could not be computed.
+    /// R0 in L_h and χ; `None` for a cell that does not divide, or could not be computed.
     pub points: Vec<(f64, Option<f64>)>,
 }
 

@@ -49,16 +49,16 @@ impl Reading {
     }
 }
 
-/// What a founder would need.
+/// The activity that a founder would need.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FounderActivity {
     /// Name.
     pub name: String,
     /// Observed rounds, by the reading asked for.
     pub observed: f64,
-    /// Rounds at the activity of the run; none if it is never born.
+    /// Rounds at the activity of the run; `None` if it is never born.
     pub rounds: Option<f64>,
-    /// The widest interval of ξ_s in which rounds are the observed ones to within half a round; none if there is none.
+    /// The widest interval of ξ_s in which rounds are the observed ones to within half a round; `None` if there is none.
     pub xi_s: Option<[f64; 2]>,
     /// All such intervals.
     pub intervals: Vec<[f64; 2]>,
@@ -68,7 +68,7 @@ pub struct FounderActivity {
     pub searched: [f64; 2],
 }
 
-/// Rounds are the observed ones if they are no further off.
+/// Largest deviation at which rounds count as the observed ones.
 pub const WITHIN: f64 = 0.5;
 /// The search ends where rounds are so many more than observed.
 pub const BEYOND: f64 = 1.5;
@@ -85,11 +85,11 @@ struct Search<'a> {
     lineage: &'a Lineage,
     settings: &'a TreeSettings,
     memo: &'a Memo<DivisionInput>,
-    interrupt: Option<&'a AtomicBool>,
+    cancel: Option<&'a AtomicBool>,
     reading: Reading,
     founder: usize,
     /// The critical radii that are stored.
-    ends: Thresholds,
+    ends: Thresholds<'a>,
     /// Trees grown for all founders.
     trees: &'a AtomicUsize,
 }
@@ -100,7 +100,7 @@ impl Search<'_> {
         k == self.founder || self.lineage.mother(k).is_some_and(|mother| self.is_below(mother))
     }
 
-    /// Rounds at an activity; none if the founder is never born, or the tree could not be grown.
+    /// Rounds at an activity; `None` if the founder is never born, or the tree could not be grown.
     fn rounds(&self, xi_s: f64) -> Result<Option<f64>, GrowError> {
         self.trees.fetch_add(1, Ordering::Relaxed);
         let mut lineage = self.lineage.clone();
@@ -116,7 +116,7 @@ impl Search<'_> {
         }
         // At every activity there is another critical radius, and a search for one takes longer than a tree of divisions.
         let ends = |cell: &Cell| if self.ends.knows(cell) { self.ends.of(cell) } else { None };
-        let (tree, _) = grow_alone(&lineage, self.settings.clone(), &ends, self.memo, self.interrupt)?;
+        let (tree, _) = grow_alone(&lineage, self.settings.clone(), &ends, self.memo, self.cancel)?;
         let row = founder_rounds(&tree).into_iter().find(|row| row.founder == self.founder);
         Ok(row.and_then(|row| row.rounds).map(|rounds| self.reading.of(&rounds)))
     }
@@ -195,8 +195,8 @@ impl Search<'_> {
     }
 }
 
-/// What every founder with observed rounds would need, searched between two activities, and how many trees that took; in
-/// parallel over founders.
+/// The activity that every founder with observed rounds would need, searched between two activities, and the number of trees
+/// grown; in parallel over founders.
 ///
 /// # Errors
 /// [`FitError`].
@@ -207,19 +207,19 @@ pub fn activities(
     reading: Reading,
     range: [f64; 2],
     threads: usize,
-    interrupt: Option<&AtomicBool>,
+    cancel: Option<&AtomicBool>,
 ) -> Result<(Vec<FounderActivity>, usize), FitError> {
     let trees = &AtomicUsize::new(0);
     let one = |founder: usize| -> Option<Result<FounderActivity, GrowError>> {
         let observed = lineage.founders[founder].observed.and_then(|o| reading.observed(&o))?;
         let ends = Thresholds::new(CriticalRadii::new(&settings.numerics));
-        Some(Search { lineage, settings, memo, interrupt, reading, founder, ends, trees }.run(observed, range))
+        Some(Search { lineage, settings, memo, cancel, reading, founder, ends, trees }.run(observed, range))
     };
     let founders = lineage.founders.len();
     let found: Vec<Option<Result<_, _>>> =
         scheduler::pool(threads)?.install(|| (0..founders).into_par_iter().with_max_len(1).map(one).collect());
     let trees = trees.load(Ordering::Relaxed);
-    if is_set(interrupt) {
+    if is_set(cancel) {
         return Err(FitError::Interrupted { tried: trees, what: "trees" });
     }
     Ok((found.into_iter().flatten().collect::<Result<_, _>>()?, trees))

@@ -1,12 +1,12 @@
 //! One set of constants for the embryo.
 //!
-//! A set of constants is judged by the tree that it grows. Its misfit is
+//! A set of constants is evaluated by the tree that it grows. Its misfit is
 //!
 //! * \[F.3 misfit\] M = w_r ⟨|mean rounds − observed|⟩ + w_t ⟨|log₂(terminal cells/observed)|⟩ + w_χ ⟨|χ − measured|⟩ + (1 for each
 //!   founder that should divide symmetrically and does not),
 //!
 //! means over the founders and the divisions that the targets name. Counts are steps of the constants, so that absolute
-//! deviations serve, and no derivative. Beside it stands
+//! deviations serve, and no derivative. The second objective is
 //!
 //! * \[F.4 thresholds\] T = rms of ξ_s*/published − 1, over the published pitchforks.
 //!
@@ -21,7 +21,7 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::search::{Effort, Region, swarm};
+use super::search::{Region, SearchBudget, swarm};
 use super::targets::{MeasuredChi, Searched, Targets};
 use super::{FitError, is_set, moved};
 use crate::batch::{Memo, scheduler};
@@ -53,7 +53,7 @@ const BEYOND: [u32; 2] = [5, 6];
 pub struct FounderFit {
     /// Name.
     pub name: String,
-    /// Rounds of the model; none if it is never born.
+    /// Rounds of the model; `None` if it is never born.
     pub rounds: Option<Rounds>,
     /// Observed mean rounds.
     pub observed_mean: Option<f64>,
@@ -100,9 +100,9 @@ pub struct Evaluated {
     pub misfit: f64,
     /// Its parts.
     pub parts: Parts,
-    /// T: rms relative deviation of the thresholds; none if one was not found.
+    /// T: rms relative deviation of the thresholds; `None` if one was not found.
     pub thresholds_rms: Option<f64>,
-    /// Thresholds; none if one was not found.
+    /// Thresholds; `None` if one was not found.
     pub thresholds: Vec<ThresholdFit>,
     /// Founders, in the lineage's order.
     pub founders: Vec<FounderFit>,
@@ -115,6 +115,14 @@ impl Evaluated {
     pub fn cell(&self) -> &Cell {
         &self.cell
     }
+
+    fn rms(&self) -> f64 {
+        self.thresholds_rms.unwrap_or(f64::INFINITY)
+    }
+}
+
+fn by_misfit(a: &Evaluated, b: &Evaluated) -> std::cmp::Ordering {
+    a.misfit.total_cmp(&b.misfit).then(a.rms().total_cmp(&b.rms()))
 }
 
 /// Between which values of a constant the misfit is at most 0.05 above the best, the others as they are; of the activity
@@ -131,7 +139,7 @@ pub struct Sharpness {
     pub reaches_limit: bool,
 }
 
-/// What a fit of constants found.
+/// The result of a fit of constants.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FittedConstants {
     /// The least misfit of the counts.
@@ -149,35 +157,38 @@ pub struct FittedConstants {
     pub tried: usize,
 }
 
-/// What sets of constants are judged by, and what was found.
-struct Judge<'a> {
+/// The objective of the fit, and all sets of constants evaluated so far.
+struct Objective<'a> {
     lineage: &'a Lineage,
     targets: &'a Targets,
     settings: &'a TreeSettings,
     memo: &'a Memo<DivisionInput>,
-    interrupt: Option<&'a AtomicBool>,
+    cancel: Option<&'a AtomicBool>,
     /// Called with the number of sets tried and the least misfit so far.
     progress: Option<&'a (dyn Fn(usize, f64) + Sync)>,
     /// All that was tried, by the bits of its place: in the same order whatever the threads did.
     seen: Mutex<BTreeMap<Vec<u64>, Option<Evaluated>>>,
 }
 
-impl Judge<'_> {
-    fn stopped(&self) -> bool {
-        is_set(self.interrupt)
+impl Objective<'_> {
+    fn check_cancelled(&self) -> Result<(), FitError> {
+        match is_set(self.cancel) {
+            true => Err(FitError::Interrupted { tried: self.known().len(), what: SETS }),
+            false => Ok(()),
+        }
     }
 
-    /// The set of constants at a place of the unit cube; none where no tree can be grown.
+    /// The set of constants at a place of the unit cube; `None` where no tree can be grown.
     fn at(&self, place: &[f64]) -> Option<Evaluated> {
         let key: Vec<u64> = place.iter().map(|x| x.to_bits()).collect();
         if let Some(known) = self.known().get(&key) {
             return known.clone();
         }
-        if self.stopped() {
+        if is_set(self.cancel) {
             return None;
         }
-        let found = self.judge(&self.targets.cell_at(&self.settings.cell, place));
-        if self.stopped() {
+        let found = self.evaluate(&self.targets.cell_at(&self.settings.cell, place));
+        if is_set(self.cancel) {
             return None;
         }
         let mut seen = self.known();
@@ -190,14 +201,14 @@ impl Judge<'_> {
     }
 
     fn known(&self) -> std::sync::MutexGuard<'_, BTreeMap<Vec<u64>, Option<Evaluated>>> {
-        // What a thread that panicked left is whole: entries are made before they are put in.
+        // The map stays valid if a thread panics: entries are complete before they are inserted.
         self.seen.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
-    fn judge(&self, cell: &Cell) -> Option<Evaluated> {
+    fn evaluate(&self, cell: &Cell) -> Option<Evaluated> {
         let settings = TreeSettings { cell: cell.clone(), ..self.settings.clone() };
         let ends = Thresholds::new(CriticalRadii::new(&settings.numerics));
-        let (tree, _) = grow_alone(self.lineage, settings, &|cell| ends.of(cell), self.memo, self.interrupt).ok()?;
+        let (tree, _) = grow_alone(self.lineage, settings, &|cell| ends.of(cell), self.memo, self.cancel).ok()?;
         let founders = self.founders(&tree);
         let parts = self.parts(&founders);
         let weights = self.targets.weights;
@@ -255,7 +266,7 @@ impl Judge<'_> {
         }
     }
 
-    /// The published thresholds with these constants, and the cell with the gain that suits them best; none of them where one
+    /// The published thresholds with these constants, and the cell with the gain that suits them best; `None` for them where one
     /// is not found.
     fn thresholds(&self, cell: &Cell) -> (Cell, Vec<ThresholdFit>) {
         let mut computed = Vec::new();
@@ -361,71 +372,63 @@ pub fn fit_constants(
     targets: &Targets,
     settings: &TreeSettings,
     memo: &Memo<DivisionInput>,
-    effort: Effort,
+    effort: SearchBudget,
     threads: usize,
-    interrupt: Option<&AtomicBool>,
+    cancel: Option<&AtomicBool>,
     progress: Option<&(dyn Fn(usize, f64) + Sync)>,
 ) -> Result<FittedConstants, FitError> {
     let lineage = &bounded(lineage);
-    let judge = Judge { lineage, targets, settings, memo, interrupt, progress, seen: Mutex::default() };
+    let objective = Objective { lineage, targets, settings, memo, cancel, progress, seen: Mutex::default() };
     scheduler::pool(threads)?.install(|| {
         let start = targets.place_of(&settings.cell);
-        let first = judge.judge(&settings.cell);
+        let first = objective.evaluate(&settings.cell);
         let mut best: Option<(Vec<f64>, f64)> = None;
-        for (k, &trade) in judge.trades().iter().enumerate() {
+        for (k, &trade) in objective.trades().iter().enumerate() {
             let region = match &best {
                 None => vec![[0.0, 1.0]; start.len()],
                 Some((place, _)) => between(&start, place),
             };
             let moves = if k == 0 { effort.moves } else { (effort.moves / SHARE).max(1) };
-            let effort = Effort { moves, seed: effort.seed.wrapping_add(k as u64), ..effort };
-            let found = swarm(&region, effort, &|place| judge.traded(place, trade));
-            if judge.stopped() {
-                return Err(interrupted(&judge));
-            }
+            let effort = SearchBudget { moves, seed: effort.seed.wrapping_add(k as u64), ..effort };
+            let found = swarm(&region, effort, &|place| objective.traded(place, trade));
+            objective.check_cancelled()?;
             if k == 0 {
                 best = found;
             }
         }
-        let found = first.and_then(|first| complete(&judge, first, &start));
-        if judge.stopped() {
-            return Err(interrupted(&judge));
-        }
+        let found = first.and_then(|first| complete(&objective, first, &start));
+        objective.check_cancelled()?;
         let advice = "widen the limits, or start from other constants";
-        found.ok_or_else(|| FitError::Nothing { tried: judge.known().len(), what: SETS, advice })
+        found.ok_or_else(|| FitError::Nothing { tried: objective.known().len(), what: SETS, advice })
     })
 }
 
-/// What errors call what is tried.
+/// What is tried, in errors.
 const SETS: &str = "sets of constants";
 
-fn interrupted(judge: &Judge<'_>) -> FitError {
-    FitError::Interrupted { tried: judge.known().len(), what: SETS }
-}
-
 /// The least of all, how sharp it is, and the front.
-fn complete(judge: &Judge<'_>, start: Evaluated, from: &[f64]) -> Option<FittedConstants> {
-    let (place, _) = least(judge)?;
+fn complete(objective: &Objective<'_>, start: Evaluated, from: &[f64]) -> Option<FittedConstants> {
+    let (place, _) = least(objective)?;
     let line = |step: usize| {
         let share = step as f64 / STEPS as f64;
         from.iter().zip(&place).map(|(a, b)| (a + share * (b - a)).clamp(0.0, 1.0)).collect::<Vec<_>>()
     };
     (1..STEPS).into_par_iter().for_each(|step| {
-        judge.at(&line(step));
+        objective.at(&line(step));
     });
     // The search along each constant may find a better one still, from which it is done again.
-    let mut found = least(judge)?;
-    let mut sharpness = judge.sharpness(&found.0, &found.1);
+    let mut found = least(objective)?;
+    let mut sharpness = objective.sharpness(&found.0, &found.1);
     for _ in 0..2 {
-        let better = least(judge)?;
+        let better = least(objective)?;
         if better.1.misfit >= found.1.misfit {
             break;
         }
         found = better;
-        sharpness = judge.sharpness(&found.0, &found.1);
+        sharpness = objective.sharpness(&found.0, &found.1);
     }
-    let (_, best) = least(judge)?;
-    let seen = judge.known();
+    let (_, best) = least(objective)?;
+    let seen = objective.known();
     let near = || seen.values().flatten().filter(|e| e.misfit <= best.misfit + WORSE);
     let range = |unknown: &Searched| {
         let fold = near()
@@ -433,7 +436,7 @@ fn complete(judge: &Judge<'_>, start: Evaluated, from: &[f64]) -> Option<FittedC
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
         (unknown.parameter, fold)
     };
-    let plateau = judge.targets.unknowns.iter().map(range).collect();
+    let plateau = objective.targets.unknowns.iter().map(range).collect();
     let front = front(seen.values().flatten().chain([&start]));
     Some(FittedConstants { best, front, sharpness, plateau, tried: seen.len() + 1, start })
 }
@@ -447,11 +450,10 @@ fn at_gain_of(best: &Evaluated, parameter: Parameter, cell: &Cell) -> f64 {
 }
 
 /// The place of the least misfit so far; of equal ones that with the better thresholds.
-fn least(judge: &Judge<'_>) -> Option<(Vec<f64>, Evaluated)> {
-    let seen = judge.known();
+fn least(objective: &Objective<'_>) -> Option<(Vec<f64>, Evaluated)> {
+    let seen = objective.known();
     let all = seen.iter().filter_map(|(key, found)| Some((key, found.as_ref()?)));
-    let rms = |e: &Evaluated| e.thresholds_rms.unwrap_or(f64::INFINITY);
-    let (key, found) = all.min_by(|a, b| a.1.misfit.total_cmp(&b.1.misfit).then(rms(a.1).total_cmp(&rms(b.1))))?;
+    let (key, found) = all.min_by(|a, b| by_misfit(a.1, b.1))?;
     Some((key.iter().map(|bits| f64::from_bits(*bits)).collect(), found.clone()))
 }
 
@@ -468,11 +470,10 @@ fn between(a: &[f64], b: &[f64]) -> Region {
 /// Sets that no other beats in both misfit and thresholds, by rising misfit.
 fn front<'a>(all: impl Iterator<Item = &'a Evaluated>) -> Vec<Evaluated> {
     let mut sets: Vec<&Evaluated> = all.filter(|e| e.thresholds_rms.is_some()).collect();
-    let rms = |e: &Evaluated| e.thresholds_rms.unwrap_or(f64::INFINITY);
-    sets.sort_by(|a, b| a.misfit.total_cmp(&b.misfit).then(rms(a).total_cmp(&rms(b))));
+    sets.sort_by(|a, b| by_misfit(a, b));
     let mut out: Vec<Evaluated> = Vec::new();
     for set in sets {
-        if out.last().is_none_or(|last| rms(set) < rms(last)) {
+        if out.last().is_none_or(|last| set.rms() < last.rms()) {
             out.push(set.clone());
         }
     }

@@ -1,6 +1,6 @@
 //! Which cue gives the measured size asymmetries of the germline.
 //!
-//! A cue is judged by the divisions of the founders whose χ was measured and of those they descend from, each as large as its
+//! A cue is evaluated by the divisions of the founders whose χ was measured and of those they descend from, each as large as its
 //! mother's division makes it:
 //!
 //! * \[F.5 chi squared\] χ² = Σ ((χ − measured)/sd)².
@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use serde::Serialize;
 use spectra::Svd;
 
-use super::search::{Effort, descend, swarm};
+use super::search::{SearchBudget, descend, swarm};
 use super::targets::{MeasuredChi, Targets};
 use super::{FitError, is_set};
 use crate::batch::scheduler;
@@ -38,7 +38,7 @@ const EDGE: f64 = 0.02;
 /// cell that turns quickly with its numbers shows errors that its χ does not.
 const FINER: f64 = 1e-2;
 const FINEST: f64 = 1e-8;
-/// What errors call what is tried.
+/// What is tried, in errors.
 const CUES: &str = "cues";
 /// Combinations whose change by a factor e, or by all of u, moves χ less than a standard deviation are left open.
 const OPEN: f64 = 1.0;
@@ -48,13 +48,13 @@ const OPEN: f64 = 1.0;
 pub struct ChiResidual {
     /// The founder that divides.
     pub cell: String,
-    /// Its radius R0 in the model; none if it is never born.
+    /// Its radius R0 in the model; `None` if it is never born.
     pub r0: Option<f64>,
     /// Mean of the measured χ.
     pub measured: f64,
     /// Its standard deviation.
     pub sd: f64,
-    /// χ of the model; none if it does not divide.
+    /// χ of the model; `None` if it does not divide.
     pub computed: Option<f64>,
     /// (computed − measured)/sd.
     pub residual: Option<f64>,
@@ -95,9 +95,9 @@ pub struct FittedCue {
     pub chi_squared: f64,
     /// Measurements beside the model.
     pub residuals: Vec<ChiResidual>,
-    /// ∂χ/∂ln(number), of places ∂χ/∂u: a row for each measurement; none where an outcome is not smooth.
+    /// ∂χ/∂ln(number), of places ∂χ/∂u: a row for each measurement; `None` where an outcome is not smooth.
     pub sensitivities: Option<Vec<Vec<f64>>>,
-    /// Directions from the best held to the least; none where an outcome is not smooth.
+    /// Directions from the best held to the least; `None` where an outcome is not smooth.
     pub combinations: Option<Vec<Held>>,
     /// Measurements that nothing was fitted to, beside the model with this cue.
     pub out_of_sample: Vec<ChiResidual>,
@@ -120,6 +120,11 @@ impl Unknown {
         let [from, to] = self.limits;
         let share = share.clamp(0.0, 1.0);
         self.sign * if self.logarithmic { from * (to / from).powf(share) } else { from + share * (to - from) }
+    }
+
+    /// The factor from a derivative by the number to one by its logarithm, where that is searched.
+    fn scale(&self, share: f64) -> f64 {
+        if self.logarithmic { self.value(share) } else { 1.0 }
     }
 }
 
@@ -145,63 +150,96 @@ fn unknowns(cue: &Cue) -> Vec<Unknown> {
 
 /// Divisions of founders, each from its mother's.
 struct Chain<'a> {
-    lineage: &'a Lineage,
-    settings: &'a TreeSettings,
+    objective: &'a Objective<'a>,
     /// The cue in place of the one that founders carry, where they carry one.
     cue: &'a Cue,
-    /// Volumes given, as shares of the first cell's.
+    /// Given volumes, as shares of the first cell's.
     volumes: &'a BTreeMap<String, f64>,
-    divided: BTreeMap<usize, Option<Division>>,
+    divisions: BTreeMap<usize, Option<Division>>,
+    slopes: BTreeMap<usize, Option<Slopes>>,
 }
 
 impl Chain<'_> {
-    /// The radius of a founder; none if it is never born.
+    /// The radius of a founder; `None` if it is never born.
     fn r0(&mut self, founder: usize) -> Option<f64> {
-        let first = self.lineage.first();
-        if let Some(share) = self.volumes.get(&self.lineage.founders[founder].name) {
+        let first = self.objective.lineage.first();
+        if let Some(share) = self.volumes.get(&self.objective.lineage.founders[founder].name) {
             return Some(self.r0(first)? * share.cbrt());
         }
-        if let Some(given) = self.lineage.given_r0(founder) {
+        if let Some(given) = self.objective.lineage.given_r0(founder) {
             return Some(given);
         }
-        let Some(mother) = self.lineage.mother(founder) else { return Some(self.settings.cell.r0) };
+        let Some(mother) = self.objective.lineage.mother(founder) else { return Some(self.objective.settings.cell.r0) };
         let daughters = self.division(mother)?.daughters?;
         let [small, large] = [daughters[0].min(daughters[1]), daughters[0].max(daughters[1])];
-        Some(if self.lineage.founders[founder].daughter == Some(Daughter::Larger) { large } else { small })
+        Some(if self.objective.lineage.founders[founder].daughter == Some(Daughter::Larger) { large } else { small })
     }
 
     fn division(&mut self, founder: usize) -> Option<Division> {
-        if let Some(known) = self.divided.get(&founder) {
+        if let Some(known) = self.divisions.get(&founder) {
             return known.clone();
         }
         let found = self.r0(founder).and_then(|r0| divide(&self.input(founder, r0)).ok());
-        self.divided.insert(founder, found.clone());
+        self.divisions.insert(founder, found.clone());
         found
     }
 
     /// The division of a founder of that radius.
     fn input(&self, founder: usize, r0: f64) -> DivisionInput {
-        let place = Place { founder, round: 0, generation: self.lineage.generation(founder), r0 };
-        let own = self.lineage.cue_at(place);
+        let place = Place { founder, round: 0, generation: self.objective.lineage.generation(founder), r0 };
+        let own = self.objective.lineage.cue_at(place);
         let cue = if own.is_none() { own } else { self.cue.clone() };
-        let mut cell = Cell { r0, cue, ..self.settings.cell.clone() };
-        self.lineage.founders[founder].physics.apply(&mut cell);
-        DivisionInput { cell, numerics: self.settings.numerics, seed: self.settings.seed }
+        let mut cell = Cell { r0, cue, ..self.objective.settings.cell.clone() };
+        self.objective.lineage.founders[founder].physics.apply(&mut cell);
+        DivisionInput { cell, numerics: self.objective.settings.numerics, seed: self.objective.settings.seed }
+    }
+
+    /// How a founder's division changes with the numbers of the cue: by itself, and with the radius that its mother leaves it.
+    fn slopes(&mut self, founder: usize) -> Option<Slopes> {
+        if let Some(known) = self.slopes.get(&founder) {
+            return known.clone();
+        }
+        let found = self.follow(founder);
+        self.slopes.insert(founder, found.clone());
+        found
+    }
+
+    fn follow(&mut self, founder: usize) -> Option<Slopes> {
+        let Objective { lineage, unknowns, .. } = self.objective;
+        let r0 = self.r0(founder)?;
+        let mut input = self.input(founder, r0);
+        input.numerics.time_tolerance = (FINER * input.numerics.time_tolerance).max(FINEST);
+        let numbers = unknowns.iter().map(|unknown| unknown.parameter);
+        let own: Vec<Parameter> = numbers.filter(|number| number.is_of(&input.cell)).collect();
+        let parameters: Vec<Parameter> = [Parameter::R0].into_iter().chain(own.iter().copied()).collect();
+        let (division, by) = divide_with_sensitivities(&input, &parameters).ok()?;
+        let (by, sign) = (by?, division.chi_signed?.signum());
+        let radius = match lineage.mother(founder).filter(|_| lineage.given_r0(founder).is_none()) {
+            Some(mother) => self.slopes(mother)?.radius(lineage.founders[founder].daughter),
+            None => vec![0.0; unknowns.len()],
+        };
+        let of = |(unknown, radius): (&Unknown, &f64)| {
+            let itself =
+                own.iter().position(|number| *number == unknown.parameter).map_or(0.0, |i| by[i + 1].chi_signed);
+            sign * (itself + by[0].chi_signed * radius)
+        };
+        let chi = unknowns.iter().zip(&radius).map(of).collect();
+        Some(Slopes { r0, division, radius, chi })
     }
 }
 
-/// What cues are judged by.
-struct Judge<'a> {
+/// The objective of the fit.
+struct Objective<'a> {
     lineage: &'a Lineage,
     targets: &'a Targets,
     settings: &'a TreeSettings,
     template: &'a Cue,
     unknowns: Vec<Unknown>,
-    interrupt: Option<&'a AtomicBool>,
+    cancel: Option<&'a AtomicBool>,
     tried: AtomicUsize,
 }
 
-impl Judge<'_> {
+impl Objective<'_> {
     fn cue(&self, place: &[f64]) -> Cue {
         let mut cell = Cell::new(1.0).with_cue(self.template.clone());
         for (unknown, share) in self.unknowns.iter().zip(place) {
@@ -211,10 +249,9 @@ impl Judge<'_> {
     }
 
     fn residuals(&self, cue: &Cue, volumes: &BTreeMap<String, f64>, measured: &[MeasuredChi]) -> Vec<ChiResidual> {
-        let mut chain =
-            Chain { lineage: self.lineage, settings: self.settings, cue, volumes, divided: BTreeMap::new() };
+        let mut chain = self.chain(cue, volumes);
         let one = |measured: &MeasuredChi| {
-            let founder = self.lineage.founders.iter().position(|f| f.name == measured.cell);
+            let founder = self.founder(measured);
             let r0 = founder.and_then(|founder| chain.r0(founder));
             let computed = founder.and_then(|founder| chain.division(founder)).and_then(|division| division.chi);
             ChiResidual {
@@ -235,75 +272,31 @@ impl Judge<'_> {
 
     fn chi_squared(&self, place: &[f64]) -> f64 {
         let outside: f64 = place.iter().map(|x| (x - x.clamp(0.0, 1.0)).abs()).sum();
-        if is_set(self.interrupt) || outside > 0.0 {
+        if is_set(self.cancel) || outside > 0.0 {
             return f64::INFINITY;
         }
         self.tried.fetch_add(1, Ordering::Relaxed);
         self.fitted(place).iter().map(|r| r.residual.unwrap_or(UNDIVIDED).powi(2)).sum()
     }
 
-    /// ∂χ/∂(number), rows by measurement; none where an outcome is not smooth.
+    fn chain<'a>(&'a self, cue: &'a Cue, volumes: &'a BTreeMap<String, f64>) -> Chain<'a> {
+        Chain { objective: self, cue, volumes, divisions: BTreeMap::new(), slopes: BTreeMap::new() }
+    }
+
+    fn founder(&self, measured: &MeasuredChi) -> Option<usize> {
+        self.lineage.founders.iter().position(|founder| founder.name == measured.cell)
+    }
+
+    /// ∂χ/∂(number), rows by measurement; `None` where an outcome is not smooth.
     fn sensitivities(&self, place: &[f64]) -> Option<Vec<Vec<f64>>> {
-        let cue = self.cue(place);
-        let volumes = BTreeMap::new();
-        let mut chain = Chain {
-            lineage: self.lineage,
-            settings: self.settings,
-            cue: &cue,
-            volumes: &volumes,
-            divided: BTreeMap::new(),
-        };
-        let mut known = BTreeMap::new();
-        let scale = |k: usize| if self.unknowns[k].logarithmic { self.unknowns[k].value(place[k]) } else { 1.0 };
+        let (cue, volumes) = (self.cue(place), BTreeMap::new());
+        let mut chain = self.chain(&cue, &volumes);
         let row = |measured: &MeasuredChi| {
-            let founder = self.lineage.founders.iter().position(|f| f.name == measured.cell)?;
-            let slopes = self.slopes(&mut chain, &mut known, founder)?;
-            Some(slopes.chi.iter().enumerate().map(|(k, slope)| slope * scale(k)).collect())
+            let slopes = chain.slopes(self.founder(measured)?)?.chi;
+            let numbers = self.unknowns.iter().zip(place);
+            Some(slopes.iter().zip(numbers).map(|(slope, (unknown, share))| slope * unknown.scale(*share)).collect())
         };
         self.targets.chi.iter().map(row).collect()
-    }
-
-    /// How a founder's division changes with the numbers of the cue: by itself, and with the radius that its mother leaves it.
-    /// Those that are `known` are not followed again: the daughters of a founder ask for it too.
-    fn slopes(
-        &self,
-        chain: &mut Chain<'_>,
-        known: &mut BTreeMap<usize, Option<Slopes>>,
-        founder: usize,
-    ) -> Option<Slopes> {
-        if let Some(slopes) = known.get(&founder) {
-            return slopes.clone();
-        }
-        let slopes = self.follow(chain, known, founder);
-        known.insert(founder, slopes.clone());
-        slopes
-    }
-
-    fn follow(
-        &self,
-        chain: &mut Chain<'_>,
-        known: &mut BTreeMap<usize, Option<Slopes>>,
-        founder: usize,
-    ) -> Option<Slopes> {
-        let r0 = chain.r0(founder)?;
-        let mut input = chain.input(founder, r0);
-        input.numerics.time_tolerance = (FINER * input.numerics.time_tolerance).max(FINEST);
-        let numbers = self.unknowns.iter().map(|unknown| unknown.parameter);
-        let own: Vec<Parameter> = numbers.filter(|number| number.is_of(&input.cell)).collect();
-        let parameters: Vec<Parameter> = [Parameter::R0].into_iter().chain(own.iter().copied()).collect();
-        let (division, by) = divide_with_sensitivities(&input, &parameters).ok()?;
-        let (by, sign) = (by?, division.chi_signed?.signum());
-        let radius = match self.lineage.mother(founder).filter(|_| self.lineage.given_r0(founder).is_none()) {
-            Some(mother) => self.slopes(chain, known, mother)?.radius(self.lineage.founders[founder].daughter),
-            None => vec![0.0; self.unknowns.len()],
-        };
-        let of = |(unknown, radius): (&Unknown, &f64)| {
-            let itself =
-                own.iter().position(|number| *number == unknown.parameter).map_or(0.0, |i| by[i + 1].chi_signed);
-            sign * (itself + by[0].chi_signed * radius)
-        };
-        let chi = self.unknowns.iter().zip(&radius).map(of).collect();
-        Some(Slopes { r0, division, radius, chi })
     }
 }
 
@@ -333,7 +326,7 @@ impl Slopes {
     }
 }
 
-/// The cue of the kind of `template` that comes nearest to the measured χ; what is searched for are all numbers of its terms.
+/// Fits all numbers of the terms of `template` to the measured χ.
 ///
 /// # Errors
 /// [`FitError`].
@@ -342,43 +335,41 @@ pub fn fit_cue(
     targets: &Targets,
     settings: &TreeSettings,
     template: &Cue,
-    effort: Effort,
+    effort: SearchBudget,
     threads: usize,
-    interrupt: Option<&AtomicBool>,
+    cancel: Option<&AtomicBool>,
 ) -> Result<FittedCue, FitError> {
     let unknowns = unknowns(template);
-    let judge = Judge { lineage, targets, settings, template, unknowns, interrupt, tried: AtomicUsize::new(0) };
+    let objective = Objective { lineage, targets, settings, template, unknowns, cancel, tried: AtomicUsize::new(0) };
     scheduler::pool(threads)?.install(|| {
-        let region = vec![[0.0, 1.0]; judge.unknowns.len()];
-        let found = swarm(&region, effort, &|place| judge.chi_squared(place));
-        let tried = || judge.tried.load(Ordering::Relaxed);
-        let interrupted = || FitError::Interrupted { tried: tried(), what: CUES };
-        if is_set(interrupt) {
-            return Err(interrupted());
-        }
+        let region = vec![[0.0, 1.0]; objective.unknowns.len()];
+        let found = swarm(&region, effort, &|place| objective.chi_squared(place));
+        let tried = || objective.tried.load(Ordering::Relaxed);
+        let check_cancelled = || match is_set(cancel) {
+            true => Err(FitError::Interrupted { tried: tried(), what: CUES }),
+            false => Ok(()),
+        };
+        check_cancelled()?;
         let nothing = || FitError::Nothing { tried: tried(), what: CUES, advice: "try terms on other fields" };
         let (place, least) = found.ok_or_else(nothing)?;
-        let (place, chi_squared) = descend(&place, EDGE, DESCENT, &|place| judge.chi_squared(place))
+        let (place, chi_squared) = descend(&place, EDGE, DESCENT, &|place| objective.chi_squared(place))
             .filter(|(_, better)| *better <= least)
             .unwrap_or((place, least));
-        if is_set(interrupt) {
-            return Err(interrupted());
-        }
-        complete(&judge, &place, chi_squared)
+        check_cancelled()?;
+        complete(&objective, &place, chi_squared)
     })
 }
 
-fn complete(judge: &Judge<'_>, place: &[f64], chi_squared: f64) -> Result<FittedCue, FitError> {
-    let cue = judge.cue(place);
-    let sensitivities = judge.sensitivities(place);
-    let combinations = sensitivities.as_ref().map(|rows| held(rows, &judge.targets.chi)).transpose()?;
+fn complete(objective: &Objective<'_>, place: &[f64], chi_squared: f64) -> Result<FittedCue, FitError> {
+    let cue = objective.cue(place);
+    let sensitivities = objective.sensitivities(place);
+    let combinations = sensitivities.as_ref().map(|rows| held(rows, &objective.targets.chi)).transpose()?;
     let sd = |k: usize| {
         let held = combinations.as_ref()?;
         // Σ (v_k/σ)²: without bound if a direction that this number is part of is held by nothing.
         let sum: f64 = held.iter().map(|h| (h.components[k] / h.singular_value).powi(2)).sum();
         let relative = sum.sqrt();
-        let unknown = &judge.unknowns[k];
-        let scale = if unknown.logarithmic { unknown.value(place[k]).abs() } else { 1.0 };
+        let scale = objective.unknowns[k].scale(place[k]).abs();
         (relative.is_finite() && relative < 1.0 / OPEN).then_some(relative * scale)
     };
     let number = |(k, unknown): (usize, &Unknown)| CueNumber {
@@ -387,18 +378,22 @@ fn complete(judge: &Judge<'_>, place: &[f64], chi_squared: f64) -> Result<Fitted
         searched: unknown.limits.map(|limit| limit * unknown.sign),
         sd: sd(k),
     };
-    let numbers = judge.unknowns.iter().enumerate().map(number).collect();
-    let out_of_sample =
-        judge.targets.out_of_sample.iter().flat_map(|out| judge.residuals(&cue, &out.volumes, &out.chi)).collect();
+    let numbers = objective.unknowns.iter().enumerate().map(number).collect();
+    let out_of_sample = objective
+        .targets
+        .out_of_sample
+        .iter()
+        .flat_map(|out| objective.residuals(&cue, &out.volumes, &out.chi))
+        .collect();
     Ok(FittedCue {
         cue: cue.to_string(),
         numbers,
         chi_squared,
-        residuals: judge.fitted(place),
+        residuals: objective.fitted(place),
         sensitivities,
         combinations,
         out_of_sample,
-        tried: judge.tried.load(Ordering::Relaxed),
+        tried: objective.tried.load(Ordering::Relaxed),
     })
 }
 
@@ -418,8 +413,8 @@ fn held(rows: &[Vec<f64>], measured: &[MeasuredChi]) -> Result<Vec<Held>, FitErr
 mod tests {
     use super::*;
 
-    /// The published cue in the units of the search, and what is judged by it.
-    fn of_the_embryo<T>(then: impl FnOnce(&Judge<'_>, Vec<f64>) -> T) -> T {
+    /// The published cue in the units of the search, and its objective.
+    fn of_the_embryo<T>(then: impl FnOnce(&Objective<'_>, Vec<f64>) -> T) -> T {
         let (lineage, targets) = (Lineage::c_elegans().unwrap(), Targets::embryo().unwrap());
         // Differences of divisions need them solved as finely as their tangents.
         let mut settings = TreeSettings::default();
@@ -434,36 +429,34 @@ mod tests {
         };
         let place = unknowns.iter().map(share).collect();
         let tried = AtomicUsize::new(0);
-        let judge = Judge {
+        let objective = Objective {
             lineage: &lineage,
             targets: &targets,
             settings: &settings,
             template: &template,
             unknowns,
-            interrupt: None,
+            cancel: None,
             tried,
         };
-        then(&judge, place)
+        then(&objective, place)
     }
 
     #[test]
     fn sensitivities_are_handed_down_from_mother_to_daughter() {
-        of_the_embryo(|judge, place| {
-            let exact = judge.sensitivities(&place).unwrap();
+        of_the_embryo(|objective, place| {
+            let exact = objective.sensitivities(&place).unwrap();
             assert_eq!(exact.len(), 4);
-            for (k, unknown) in judge.unknowns.iter().enumerate() {
-                let value = unknown.value(place[k]);
+            for (k, unknown) in objective.unknowns.iter().enumerate() {
                 let chi = |share: f64| -> Vec<f64> {
                     let moved = super::super::moved(&place, k, share);
-                    judge.fitted(&moved).iter().map(|residual| residual.computed.unwrap()).collect()
+                    objective.fitted(&moved).iter().map(|residual| residual.computed.unwrap()).collect()
                 };
                 // χ of P3 turns quickly with the place of the cue.
                 let step = 1e-3;
                 let (above, below) = (chi(place[k] + step), chi(place[k] - step));
                 let length = unknown.value(place[k] + step) - unknown.value(place[k] - step);
-                let scale = if unknown.logarithmic { value } else { 1.0 };
                 for (i, row) in exact.iter().enumerate() {
-                    let expected = (above[i] - below[i]) / length * scale;
+                    let expected = (above[i] - below[i]) / length * unknown.scale(place[k]);
                     let off = (row[k] - expected).abs();
                     assert!(
                         off < 0.02 * expected.abs() + 1e-3,

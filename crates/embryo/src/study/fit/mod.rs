@@ -1,4 +1,4 @@
-//! What would make it the worm: constants, activities and a cue from what was observed.
+//! Constants, activities and a cue fitted to observations.
 //!
 //! | file | what it says |
 //! |---|---|
@@ -17,7 +17,7 @@ pub mod targets;
 pub use activity::{FounderActivity, Reading, activities};
 pub use constants::{Evaluated, FittedConstants, fit_constants};
 pub use germline::{ChiResidual, FittedCue, fit_cue};
-pub use search::Effort;
+pub use search::SearchBudget;
 pub use targets::Targets;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -29,22 +29,22 @@ use crate::division::DivisionError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FitError {
-    /// Nothing that was tried gives what is to be compared.
+    /// No candidate gives numbers to compare.
     #[error("none of {tried} {what} tried gives anything to compare; {advice}")]
     Nothing {
-        /// How many were tried.
+        /// Number of candidates.
         tried: usize,
-        /// Of what.
+        /// The kind of candidate.
         what: &'static str,
-        /// What may help.
+        /// Advice.
         advice: &'static str,
     },
     /// It was stopped.
     #[error("interrupted after {tried} {what}")]
     Interrupted {
-        /// How many were tried.
+        /// Number of candidates.
         tried: usize,
-        /// Of what.
+        /// The kind of candidate.
         what: &'static str,
     },
     /// A tree could not be grown.
@@ -59,8 +59,8 @@ pub enum FitError {
 }
 
 /// Whether the flag, if there is one, is set: that a search should stop.
-fn is_set(interrupt: Option<&AtomicBool>) -> bool {
-    interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed))
+fn is_set(cancel: Option<&AtomicBool>) -> bool {
+    cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
 }
 
 /// A place of the unit cube with one of its coordinates at another value.

@@ -1,4 +1,4 @@
-//! The search itself: a swarm of particles, which needs no derivatives. Counts are steps, and where they are there are none.
+//! The search itself: a swarm of particles, which needs no derivatives. Counts are piecewise constant and have none.
 //!
 //! # References
 //! Zambrano-Bigiarini, Clerc & Rojas, "Standard Particle Swarm Optimisation 2011 at CEC-2013", IEEE CEC 2013.
@@ -9,20 +9,20 @@ use argmin::solver::particleswarm::ParticleSwarm;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 
-/// What is to be made small, over the unit cube; infinite where it says nothing.
+/// The misfit to minimise over the unit cube; infinite where it is undefined.
 type Misfit<'a> = &'a (dyn Fn(&[f64]) -> f64 + Sync);
 
 /// A box inside the unit cube, [lower, upper] by coordinate.
 pub type Region = Vec<[f64; 2]>;
 
-/// How long to search.
+/// Size and seed of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Effort {
+pub struct SearchBudget {
     /// Particles of the swarm.
     pub particles: usize,
-    /// Times that they move.
+    /// Moves of each.
     pub moves: u64,
-    /// Seed of their first places and of what pushes them.
+    /// Seed of their first places and of their random moves.
     pub seed: u64,
 }
 
@@ -42,9 +42,9 @@ impl CostFunction for Problem<'_> {
     }
 }
 
-/// The best place that a swarm finds in a region, and its misfit; none if it finds nothing finite. Particles are judged in
+/// The best place that a swarm finds in a region, and its misfit; `None` if it finds nothing finite. Particles are evaluated in
 /// parallel, on the pool it is called in, and where they go does not depend on how many threads that has.
-pub fn swarm(region: &Region, effort: Effort, misfit: Misfit<'_>) -> Option<(Vec<f64>, f64)> {
+pub fn swarm(region: &Region, effort: SearchBudget, misfit: Misfit<'_>) -> Option<(Vec<f64>, f64)> {
     let bounds = (region.iter().map(|r| r[0]).collect::<Vec<_>>(), region.iter().map(|r| r[1]).collect());
     let solver =
         ParticleSwarm::new(bounds, effort.particles).with_rng_generator(Xoshiro256PlusPlus::seed_from_u64(effort.seed));
@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn a_swarm_finds_the_bottom_of_steps_at_any_number_of_threads() {
-        let effort = Effort { particles: 16, moves: 30, seed: 5 };
+        let effort = SearchBudget { particles: 16, moves: 30, seed: 5 };
         let found = [1, 3].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| swarm(&vec![[0.0, 1.0]; 2], effort, &steps).unwrap())
@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn what_is_nowhere_finite_has_no_best() {
-        let effort = Effort { particles: 4, moves: 3, seed: 0 };
+        let effort = SearchBudget { particles: 4, moves: 3, seed: 0 };
         assert_eq!(swarm(&vec![[0.0, 1.0]; 2], effort, &|_| f64::INFINITY), None);
     }
 

@@ -1,4 +1,4 @@
-//! What a fit is held against, and between which limits constants are searched: the file of targets.
+//! The file of targets: what a fit compares with, and the limits of the search.
 
 use std::collections::BTreeMap;
 
@@ -36,7 +36,7 @@ pub struct MeasuredChi {
     pub sd: f64,
 }
 
-/// What counts how much in the misfit.
+/// Weights of the misfit.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Weights {
@@ -58,7 +58,7 @@ impl Default for Weights {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OutOfSample {
-    /// What they are of.
+    /// Their name.
     pub name: String,
     /// Volumes that are given in place of what divisions give, as shares of the first cell's.
     pub volumes: BTreeMap<String, f64>,
@@ -80,13 +80,13 @@ pub struct Targets {
     /// Measured size asymmetries.
     #[serde(default)]
     pub chi: Vec<MeasuredChi>,
-    /// What counts how much.
+    /// Weights of the misfit.
     #[serde(default)]
     pub weights: Weights,
     /// Published pitchfork thresholds.
     #[serde(default)]
     pub thresholds: Vec<Threshold>,
-    /// What is predicted with the cue that fits.
+    /// Measurements predicted with the fitted cue.
     #[serde(default)]
     pub out_of_sample: Option<OutOfSample>,
 }
@@ -100,101 +100,69 @@ impl Targets {
         parse_document(EMBRYO, "embryo.ron (built in)", "a file of targets", "Fit")
     }
 
-    /// Checks every value, and that the lineage has the founders named and their counts; `source_name` is what errors call
-    /// the file.
+    /// Checks every value, and that the lineage has the founders named and their counts; errors name the file
+    /// `source_name`.
     ///
     /// # Errors
     /// Names the field, its value and what is allowed.
     pub fn check(&self, source_name: &str, lineage: &Lineage) -> Result<(), InputError> {
-        let refuse = |field: String, value: String, allowed: String| {
-            Err(InputError::not_allowed(source_name, field, value, allowed))
+        let require = |holds: bool, field: String, value: &dyn std::fmt::Display, allowed: &str| match holds {
+            true => Ok(()),
+            false => Err(InputError::not_allowed(source_name, field, value, allowed)),
         };
-        if self.unknowns.is_empty() {
-            return refuse("unknowns".into(), "[]".into(), "at least one constant".into());
-        }
-        for (k, unknown) in self.unknowns.iter().enumerate() {
-            let Searched { parameter, from, to } = *unknown;
-            let name = parameter.to_string();
-            if matches!(parameter, Parameter::R0 | Parameter::Cue { .. } | Parameter::Gain) {
-                let allowed = "a constant of the cortex or of the shell, the activity or epsilon; the gain follows from the thresholds";
-                return refuse(format!("unknowns[{k}].parameter"), name, allowed.into());
+        require(!self.unknowns.is_empty(), "unknowns".into(), &"[]", "at least one constant")?;
+        for (k, Searched { parameter, from, to }) in self.unknowns.iter().enumerate() {
+            let field = |name: &str| format!("unknowns[{k}].{name}");
+            let searchable = !matches!(parameter, Parameter::R0 | Parameter::Cue { .. } | Parameter::Gain);
+            let allowed = "a constant of the cortex or of the shell, the activity or epsilon; the gain follows from the thresholds";
+            require(searchable, field("parameter"), parameter, allowed)?;
+            let new = self.unknowns[..k].iter().all(|other| other.parameter != *parameter);
+            require(new, field("parameter"), parameter, "named only once")?;
+            for (name, value) in [("from", *from), ("to", *to)] {
+                let allowed = parameter.refuses(value);
+                let holds = value > 0.0 && allowed.is_none();
+                require(holds, field(name), &value, allowed.unwrap_or("a finite number above 0"))?;
             }
-            if self.unknowns[..k].iter().any(|other| other.parameter == parameter) {
-                return refuse(format!("unknowns[{k}].parameter"), name, "named only once".into());
-            }
-            for (field, value) in [("from", from), ("to", to)] {
-                if !(value > 0.0 && parameter.refuses(value).is_none()) {
-                    let allowed = parameter.refuses(value).unwrap_or("a finite number above 0");
-                    return refuse(format!("unknowns[{k}].{field}"), value.to_string(), allowed.into());
-                }
-            }
-            if to <= from {
-                return refuse(format!("unknowns[{k}].to"), to.to_string(), format!("above from = {from}"));
-            }
+            require(to > from, field("to"), to, &format!("above from = {from}"))?;
         }
         for (k, threshold) in self.thresholds.iter().enumerate() {
             threshold.check(source_name, &format!("thresholds[{k}]"))?;
         }
-        self.check_founders(source_name, lineage)?;
-        let Weights { rounds, terminal, chi } = self.weights;
-        for (field, value) in [("rounds", rounds), ("terminal", terminal), ("chi", chi)] {
-            if !(value.is_finite() && value >= 0.0) {
-                return refuse(format!("weights.{field}"), value.to_string(), "a finite number, 0 or above".into());
-            }
+        let founder = |field: String, name: &str| {
+            let names = || lineage.founders.iter().map(|founder| founder.name.as_str());
+            let found = lineage.founders.iter().find(|founder| founder.name == name);
+            found.ok_or_else(|| {
+                let (all, nearest) = (names().collect::<Vec<_>>().join(", "), did_you_mean(name, names()));
+                let allowed = format!("a founder of {}: {all}{nearest}", lineage.name);
+                InputError::not_allowed(source_name, field, format!("{name:?}"), allowed)
+            })
+        };
+        for (k, name) in self.founders.iter().enumerate() {
+            let observed = founder(format!("founders[{k}]"), name)?.observed;
+            let counted = observed.is_some_and(|o| o.mean.is_some() && o.terminal.is_some_and(|n| n > 0));
+            let allowed = "a founder with observed mean rounds and terminal cells";
+            require(counted, format!("founders[{k}]"), &format!("{name:?}"), allowed)?;
         }
-        Ok(())
-    }
-
-    fn check_founders(&self, source_name: &str, lineage: &Lineage) -> Result<(), InputError> {
-        let refuse = |field: String, value: String, allowed: String| {
-            Err(InputError::not_allowed(source_name, field, value, allowed))
-        };
-        let names = || lineage.founders.iter().map(|founder| founder.name.as_str());
-        let unknown = |field: String, name: &str| {
-            let allowed = format!(
-                "a founder of {}: {}{}",
-                lineage.name,
-                names().collect::<Vec<_>>().join(", "),
-                did_you_mean(name, names())
-            );
-            refuse(field, format!("{name:?}"), allowed)
-        };
-        for (list, founders) in [("founders", &self.founders), ("symmetric", &self.symmetric)] {
-            for (k, name) in founders.iter().enumerate() {
-                let Some(founder) = lineage.founders.iter().find(|founder| founder.name == *name) else {
-                    return unknown(format!("{list}[{k}]"), name);
-                };
-                let counted = founder.observed.is_some_and(|o| o.mean.is_some() && o.terminal.is_some_and(|n| n > 0));
-                if list == "founders" && !counted {
-                    let allowed = "a founder with observed mean rounds and terminal cells";
-                    return refuse(format!("{list}[{k}]"), format!("{name:?}"), allowed.into());
-                }
-            }
+        for (k, name) in self.symmetric.iter().enumerate() {
+            founder(format!("symmetric[{k}]"), name)?;
         }
         let others = self.out_of_sample.iter().flat_map(|out| &out.chi).map(|chi| ("out_of_sample.chi", chi));
         for (list, MeasuredChi { cell, mean, sd }) in self.chi.iter().map(|chi| ("chi", chi)).chain(others) {
-            if !names().any(|name| name == cell) {
-                return unknown(format!("{list}.cell"), cell);
-            }
-            if !(*mean >= 0.0 && *mean < 1.0) {
-                return refuse(format!("{list}.mean of {cell}"), mean.to_string(), "from 0 to 1, 1 excluded".into());
-            }
-            if !(sd.is_finite() && *sd > 0.0) {
-                return refuse(format!("{list}.sd of {cell}"), sd.to_string(), "a finite number above 0".into());
-            }
+            founder(format!("{list}.cell"), cell)?;
+            require(*mean >= 0.0 && *mean < 1.0, format!("{list}.mean of {cell}"), mean, "from 0 to 1, 1 excluded")?;
+            let positive = sd.is_finite() && *sd > 0.0;
+            require(positive, format!("{list}.sd of {cell}"), sd, "a finite number above 0")?;
         }
         for (name, share) in self.out_of_sample.iter().flat_map(|out| &out.volumes) {
-            if !names().any(|known| known == name) {
-                return unknown("out_of_sample.volumes".into(), name);
-            }
-            if !(*share > 0.0 && *share < 1.0) {
-                let field = format!("out_of_sample.volumes of {name}");
-                return refuse(
-                    field,
-                    share.to_string(),
-                    "a share of the first cell's volume, above 0 and below 1".into(),
-                );
-            }
+            founder("out_of_sample.volumes".into(), name)?;
+            let field = format!("out_of_sample.volumes of {name}");
+            let allowed = "a share of the first cell's volume, above 0 and below 1";
+            require(*share > 0.0 && *share < 1.0, field, share, allowed)?;
+        }
+        let Weights { rounds, terminal, chi } = self.weights;
+        for (name, value) in [("rounds", rounds), ("terminal", terminal), ("chi", chi)] {
+            let holds = value.is_finite() && value >= 0.0;
+            require(holds, format!("weights.{name}"), &value, "a finite number, 0 or above")?;
         }
         Ok(())
     }

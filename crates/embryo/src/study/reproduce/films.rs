@@ -2,19 +2,14 @@
 
 use rayon::prelude::*;
 
-use super::lab::{Finding, Found, Lab, LabError, Shown};
-use super::paper::Statement;
+use super::context::{Artifact, Figure, Finding, ReproduceError};
 use crate::batch::scheduler;
 use crate::cell::{Cell, Cue};
 use crate::cortex::forces::Place;
-use crate::division::{DivisionError, DivisionInput, Film, Still, film};
+use crate::division::{Film, Still, film};
 
 /// The cell that forces are looked at in: it divides into equal halves.
 const R0: f64 = 3.0;
-
-fn filmed(lab: &Lab<'_>, cell: &Cell) -> Result<Film, DivisionError> {
-    film(&DivisionInput { numerics: lab.numerics(), ..DivisionInput::new(cell.clone()) })
-}
 
 /// The first step at which the neck is at most half as wide as the cell was.
 fn half_way(film: &Film) -> Option<Still> {
@@ -23,64 +18,63 @@ fn half_way(film: &Film) -> Option<Still> {
     (0..times).map(|k| film.step(k)).find(|still| still.neck.is_some_and(|neck| neck.radius <= 0.5 * width))
 }
 
-/// Figures 1B to 1D: what acts along the contour.
-pub fn furrow(lab: &Lab<'_>, _: &[Statement]) -> Result<Found, LabError> {
-    let mut found = Found::default();
-    let cell = lab.cell(R0, 0.87);
-    let film = match filmed(lab, &cell) {
+/// Figures 1B to 1D: the forces along the contour.
+pub fn furrow(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
+    let cell = figure.context.cell(R0, 0.87);
+    let film = match film(&figure.context.input(cell.clone())) {
         Ok(film) => film,
         Err(error) => {
-            found.findings = ["furrow", "active_flow"].map(|id| Finding::not_computed(id, &error)).to_vec();
-            return Ok(found);
+            figure.findings = ["furrow", "active_flow"].map(|id| Finding::not_computed(id, &error)).to_vec();
+            return Ok(());
         }
     };
     let still = half_way(&film);
-    let neck = still.as_ref().and_then(|still| Some((still.neck?, nearest(&still.places, still.neck?.u)?)));
-    found.say(match neck {
-        Some((_, place)) => {
+    let neck = still.as_ref().and_then(|still| Some((still, still.neck?, nearest(&still.places, still.neck?.u)?)));
+    match neck {
+        Some((still, neck, place)) => {
             let (end, force) = (film.division.t_end, place.normal.active);
             let holds = film.division.chi.is_some() && force < 0.0;
             let text = format!("{}, at t = {end:.2} τ; active normal force {force:+.1} κ0/L_h³", film.division.outcome);
-            Finding::words("furrow", holds, text)
+            figure.judge("furrow", holds, text);
+            // Beside the neck, where the flow into it is; u grows from one pole to the other.
+            let beside = |du: f64| nearest(&still.places, neck.u + du).map_or(0.0, |place| place.active_tangential);
+            let [before, after] = [beside(-0.02), beside(0.02)];
+            let way = match (before > 0.0, after < 0.0) {
+                (true, true) => "towards the furrow from both sides",
+                (false, false) => "away from the furrow on both sides",
+                _ => "the same way on both sides",
+            };
+            let text = format!("{way}: {before:+.1} and {after:+.1} κ0/L_h³ at 0.02 in u from it, at half width");
+            figure.report("active_flow", text);
         }
-        None => Finding::words("furrow", false, "its neck does not close half".to_owned()),
-    });
-    if let (Some(still), Some((neck, _))) = (&still, neck) {
-        // Beside the neck, where the flow into it is; u grows from one pole to the other.
-        let beside = |du: f64| nearest(&still.places, neck.u + du).map_or(0.0, |place| place.active_tangential);
-        let [before, after] = [beside(-0.02), beside(0.02)];
-        let way = match (before > 0.0, after < 0.0) {
-            (true, true) => "towards the furrow from both sides",
-            (false, false) => "away from the furrow on both sides",
-            _ => "the same way on both sides",
-        };
-        let text = format!("{way}: {before:+.1} and {after:+.1} κ0/L_h³ at 0.02 in u from it, at half width");
-        found.say(Finding::open("active_flow", text));
-    } else {
-        found.say(Finding::open("active_flow", "its neck does not close half".to_owned()));
+        None => {
+            figure.judge("furrow", false, OPEN_NECK.to_owned());
+            figure.report("active_flow", OPEN_NECK.to_owned());
+        }
     }
-    found.show("1B-D", Shown::Film(cell, Box::new(film)));
-    Ok(found)
+    figure.show("1B-D", Artifact::Film(cell, Box::new(film)));
+    Ok(())
 }
+
+/// The finding where no step is half-way through.
+const OPEN_NECK: &str = "its neck does not close half";
 
 fn nearest(places: &[Place], u: f64) -> Option<&Place> {
     places.iter().min_by(|a, b| (a.u - u).abs().total_cmp(&(b.u - u).abs()))
 }
 
 /// Figure S2: the balance of normal forces.
-pub fn balance(lab: &Lab<'_>, _: &[Statement]) -> Result<Found, LabError> {
-    let mut found = Found::default();
-    let still = match filmed(lab, &lab.cell(R0, 0.87)) {
-        Ok(film) => half_way(&film),
-        Err(error) => {
-            found.say(Finding::not_computed("balance", error));
-            return Ok(found);
-        }
+pub fn balance(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
+    let finding = match film(&figure.context.input(figure.context.cell(R0, 0.87))) {
+        Ok(film) => Finding::judged("balance", half_way(&film).map_or((false, OPEN_NECK.to_owned()), balanced)),
+        Err(error) => Finding::not_computed("balance", error),
     };
-    let Some(still) = still else {
-        found.say(Finding::words("balance", false, "its neck does not close half".to_owned()));
-        return Ok(found);
-    };
+    figure.findings.push(finding);
+    Ok(())
+}
+
+/// Whether the normal forces add up to nothing, with the forces at the neck in words.
+fn balanced(still: Still) -> (bool, String) {
     // The first and the last place are the poles, where no equation is solved.
     let inner = || still.places.iter().skip(1).take(still.places.len().saturating_sub(2));
     let largest = inner().flat_map(|place| place.normal.parts()).fold(0.0, |most: f64, force| most.max(force.abs()));
@@ -96,33 +90,32 @@ pub fn balance(lab: &Lab<'_>, _: &[Statement]) -> Result<Found, LabError> {
         true => format!("balanced; at the neck {}", parts.join(", ")),
         false => format!("off by {:.1e} of the largest", left / largest),
     };
-    found.say(Finding::words("balance", left < 1e-5 * largest, text));
-    Ok(found)
+    (left < 1e-5 * largest, text)
 }
 
 /// The four cells of the movies.
-pub fn movies(lab: &Lab<'_>, statements: &[Statement]) -> Result<Found, LabError> {
-    let mut found = Found::default();
+pub fn movies(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
+    let context = figure.context;
     let scene = |id: &str| match id {
-        "movie_1" => Some(lab.cell(3.0, 0.87)),
-        "movie_2" => Some(lab.cell(2.0, 0.87)),
-        "movie_3" => Some(lab.cell(1.6, 0.87)),
-        "movie_4" => Some(lab.cell(5.4, 0.87).with_cue(Cue::published())),
+        "movie_1" => Some(context.cell(3.0, 0.87)),
+        "movie_2" => Some(context.cell(2.0, 0.87)),
+        "movie_3" => Some(context.cell(1.6, 0.87)),
+        "movie_4" => Some(context.cell(5.4, 0.87).with_cue(Cue::published())),
         _ => None,
     };
-    let scenes: Vec<(&str, Cell)> =
-        statements.iter().filter_map(|statement| Some((statement.id.as_str(), scene(&statement.id)?))).collect();
-    let films: Vec<_> =
-        scheduler::pool(lab.threads)?.install(|| scenes.par_iter().map(|(_, cell)| filmed(lab, cell)).collect());
+    let ids = figure.statements.iter().map(|statement| statement.id.as_str());
+    let scenes: Vec<(&str, Cell)> = ids.filter_map(|id| Some((id, scene(id)?))).collect();
+    let films: Vec<_> = scheduler::pool(context.threads)?
+        .install(|| scenes.par_iter().map(|(_, cell)| film(&context.input(cell.clone()))).collect());
     for ((id, cell), film) in scenes.into_iter().zip(films) {
         match film {
             Ok(film) => {
                 let chi = film.division.chi.map_or(String::new(), |chi| format!(", χ = {chi:.3}"));
-                found.say(Finding::open(id, format!("{}{chi}", film.division.outcome)));
-                found.show(id, Shown::Film(cell, Box::new(film)));
+                figure.report(id, format!("{}{chi}", film.division.outcome));
+                figure.show(id, Artifact::Film(cell, Box::new(film)));
             }
-            Err(error) => found.say(Finding::open(id, format!("not computed: {error}"))),
+            Err(error) => figure.report(id, format!("not computed: {error}")),
         }
     }
-    Ok(found)
+    Ok(())
 }

@@ -1,45 +1,42 @@
-//! The paper reproduced: every statement of it that computation can reach, beside what is computed.
+//! The paper reproduced: every statement that can be computed, beside the computed value.
 //!
-//! | file | what it says |
+//! | file | contents |
 //! |---|---|
-//! | [`paper`] | what the paper says, from `data/paper.ron`, and which figure it belongs to |
-//! | [`lab`] | what results are computed with, and what is found |
-//! | `series` | rows of sweeps as they are judged |
-//! | `films`, `size`, `branches`, `confinement`, `cues`, `embryo`, `perturbed`, `constants` | the figures |
+//! | [`paper`] | the statements of `data/paper.ron`, by figure |
+//! | [`context`] | what figures share: settings, memo, findings, artifacts |
+//! | `readings` | χ of a sweep along one axis |
+//! | `films`, `sweeps`, `branches`, `embryo`, `perturbed` | the figures |
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
 //!
 //! use furrow::batch::{Memo, Quantisation};
 //! use furrow::settings::Settings;
-//! use furrow::study::reproduce::{Lab, paper::selected, reproduce};
+//! use furrow::study::reproduce::{Context, paper::selected, reproduce};
 //!
-//! static STOP: AtomicBool = AtomicBool::new(false);
 //! let (settings, memo) = (Settings::default(), Memo::new(Quantisation::DEFAULT));
-//! let lab = Lab { settings: &settings, memo: &memo, threads: 0, interrupt: &STOP, progress: &|_| () };
-//! let found = reproduce(&lab, &selected(&["S4".to_owned()])?)?;
+//! let cancel = AtomicBool::new(false);
+//! let context = Context { settings: &settings, memo: &memo, threads: 0, cancel: &cancel, progress: &|_| () };
+//! let found = reproduce(&context, &selected(&["S4".to_owned()])?)?;
 //! assert!(found.items.iter().all(|item| item.pass));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod branches;
-mod confinement;
-mod constants;
-mod cues;
+pub mod context;
 mod embryo;
 mod films;
-pub mod lab;
 pub mod paper;
 mod perturbed;
-mod series;
-mod size;
+mod readings;
+mod sweeps;
 
 use std::time::Instant;
 
 use serde::Serialize;
 
 use crate::batch::StoreWarning;
-pub use lab::{Finding, Found, Lab, LabError, Map, Panel, Shown, Value};
+pub use context::{Artifact, Context, Figure, Finding, Map, Panel, ReproduceError, Value};
 use paper::Statement;
 
 /// Whether a result is that of the paper.
@@ -50,7 +47,7 @@ pub enum Verdict {
     Agrees,
     /// It is not.
     Differs,
-    /// What the paper says is not known well enough to tell.
+    /// The paper's statement is not known well enough.
     #[serde(rename = "not pinned down")]
     NotPinnedDown,
 }
@@ -72,21 +69,21 @@ pub struct Item {
     pub id: String,
     /// The figure, table or movie.
     pub figure: String,
-    /// What it is about.
+    /// Its subject.
     pub quantity: String,
-    /// What the paper says; none where that is not known.
+    /// The paper's value or words; `None` if not known.
     pub paper: Option<Value>,
-    /// What is computed, converged.
+    /// The value computed with the converged scheme.
     pub computed: Value,
-    /// What the paper's kind of time step gives, where that is another division.
+    /// The value computed with the paper's time step, where it differs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub published_scheme: Option<Value>,
     /// Whether that would agree.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub published_scheme_agrees: Option<bool>,
-    /// |computed/paper − 1|, or |computed| where the paper prints 0; none where it prints no number.
+    /// |computed/paper − 1|, or |computed| where the paper prints 0; `None` where it prints no number.
     pub rel_error: Option<f64>,
-    /// Whether it agrees: the verdict tells what differs from what cannot be told.
+    /// Whether the verdict is that it agrees.
     pub pass: bool,
     /// When a result counts as agreeing.
     pub criterion: String,
@@ -94,19 +91,19 @@ pub struct Item {
     pub verdict: Verdict,
     /// How long all of its figure took, in seconds.
     pub seconds: f64,
-    /// What else is to be said: why nothing is judged, say.
+    /// A remark, such as why nothing is judged.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
 
-/// The paper, as far as it was asked for.
+/// The results of the figures that were asked for.
 #[derive(Debug, Default)]
 pub struct Reproduction {
     /// Statements in the order of the paper.
     pub items: Vec<Item>,
-    /// What they can be seen in.
+    /// Pictures of them.
     pub panels: Vec<Panel>,
-    /// What the user should know of the store.
+    /// Warnings about the store.
     pub warnings: Vec<StoreWarning>,
 }
 
@@ -117,56 +114,53 @@ impl Reproduction {
     }
 }
 
-/// Computes the figures that a group of statements is about.
-type Figure = fn(&Lab<'_>, &[Statement]) -> Result<Found, LabError>;
+/// Computes a figure.
+type Compute = fn(&mut Figure<'_>) -> Result<(), ReproduceError>;
 
-/// What computes which figure.
-const FIGURES: [(&str, Figure); 19] = [
+/// The function of each figure.
+const FIGURES: [(&str, Compute); 19] = [
     ("1B-D", films::furrow),
-    ("2A", size::sizes),
-    ("2B", size::plane),
-    ("2C-F", branches::over_size),
-    ("2G", confinement::over_epsilon),
+    ("2A", sweeps::sizes),
+    ("2B", sweeps::plane),
+    ("2C-F", branches::shapes),
+    ("2G", sweeps::confinement),
     ("2H-L", branches::over_confinement),
-    ("4B-C", cues::places),
-    ("4C", cues::places),
-    ("4D", cues::sizes),
-    ("4E", cues::confinement),
+    ("4B-C", sweeps::cues),
+    ("4C", sweeps::cues),
+    ("4D", sweeps::cues),
+    ("4E", sweeps::cues),
     ("5A", embryo::rounds),
     ("5B-C", embryo::germline),
     ("6D-E", embryo::trends),
     ("7", embryo::equalised),
     ("S2", films::balance),
     ("S3", branches::over_radius),
-    ("S4", branches::folds),
+    ("S4", branches::shapes),
     ("S5", perturbed::shapes),
-    ("Table S3", constants::table),
+    ("Table S3", embryo::constants),
 ];
 
-fn figure(name: &str) -> Figure {
-    // What is no figure of the table is a movie.
-    FIGURES.iter().find(|(of, _)| *of == name).map_or(films::movies, |(_, figure)| *figure)
-}
-
-/// Computes what the statements are about, figure by figure, each on all cores; results depend on the lab's settings alone.
+/// Computes what the statements are about, figure by figure, each on all cores; results depend on the settings alone.
 ///
 /// # Errors
-/// [`LabError`]. What of a figure cannot be computed does not agree, and says so.
-pub fn reproduce(lab: &Lab<'_>, statements: &[Statement]) -> Result<Reproduction, LabError> {
+/// [`ReproduceError`]. A statement that cannot be computed does not agree, and says why.
+pub fn reproduce(context: &Context<'_>, statements: &[Statement]) -> Result<Reproduction, ReproduceError> {
     let mut out = Reproduction::default();
     for group in statements.chunk_by(|a, b| a.figure == b.figure) {
-        let Some(first) = group.first() else { continue };
-        (lab.progress)(&first.figure);
+        let mut figure = Figure::new(context, group);
+        (context.progress)(figure.name());
         let start = Instant::now();
-        let found = figure(&first.figure)(lab, group)?;
+        // The figures that the table does not name are movies.
+        let compute = FIGURES.iter().find(|(of, _)| *of == figure.name()).map_or(films::movies as Compute, |(_, f)| *f);
+        compute(&mut figure)?;
         let seconds = start.elapsed().as_secs_f64();
         for statement in group {
             let missing = || Finding::not_computed(&statement.id, "nothing was found");
-            let finding = found.findings.iter().find(|finding| finding.id == statement.id).cloned();
+            let finding = figure.findings.iter().find(|finding| finding.id == statement.id).cloned();
             out.items.push(item(statement, finding.unwrap_or_else(missing), seconds));
         }
-        out.panels.extend(found.panels);
-        out.warnings.extend(found.warnings);
+        out.panels.extend(figure.panels);
+        out.warnings.extend(figure.warnings);
     }
     Ok(out)
 }
@@ -226,12 +220,12 @@ mod tests {
     fn verdicts_follow_numbers_criteria_and_what_is_not_known() {
         let printed = Some(Printed { value: 2.0, tolerance: 0.01 });
         let verdict = |statement: Statement, finding: Finding| item(&statement, finding, 0.0).verdict;
-        assert_eq!(verdict(statement(printed, None), Finding::number("x", 2.01)), Verdict::Agrees);
-        assert_eq!(verdict(statement(printed, None), Finding::number("x", 2.03)), Verdict::Differs);
-        assert_eq!(verdict(statement(None, None), Finding::words("x", true, "a".into())), Verdict::Agrees);
-        assert_eq!(verdict(statement(None, None), Finding::words("x", false, "a".into())), Verdict::Differs);
+        assert_eq!(verdict(statement(printed, None), Finding::new("x", 2.01)), Verdict::Agrees);
+        assert_eq!(verdict(statement(printed, None), Finding::new("x", 2.03)), Verdict::Differs);
+        assert_eq!(verdict(statement(None, None), Finding::judged("x", (true, "a".into()))), Verdict::Agrees);
+        assert_eq!(verdict(statement(None, None), Finding::judged("x", (false, "a".into()))), Verdict::Differs);
         assert_eq!(
-            verdict(statement(None, Some("lost")), Finding::words("x", true, "a".into())),
+            verdict(statement(None, Some("lost")), Finding::judged("x", (true, "a".into()))),
             Verdict::NotPinnedDown
         );
         // A number that could not be computed is no agreement.
@@ -243,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn every_figure_of_the_paper_has_what_computes_it() {
+    fn every_figure_of_the_paper_has_a_function() {
         let statements = paper::statements().unwrap();
         for statement in &statements {
             let known = FIGURES.iter().any(|(name, _)| *name == statement.figure);

@@ -1,4 +1,4 @@
-//! What the paper says, statement by statement, and which figure each belongs to.
+//! The paper's statements by figure.
 
 use std::collections::HashSet;
 
@@ -10,7 +10,7 @@ use crate::shapes::Criticality;
 
 /// The statements, as shipped.
 const PAPER: &str = include_str!("../../../../../data/paper.ron");
-/// What errors call them.
+/// Its name in errors.
 const FILE: &str = "paper.ron";
 
 /// A number that the paper prints.
@@ -48,9 +48,9 @@ pub struct Statement {
     pub id: String,
     /// The figure, table or movie, as `2A`, `2C-F`, `S5`, `Table S3`, `Movie 1`.
     pub figure: String,
-    /// What it is about.
+    /// Its subject.
     pub quantity: String,
-    /// What the paper says of it in words; empty where it prints a number, or where that is not known.
+    /// The paper's words; empty where it prints a number, or where they are not known.
     #[serde(default)]
     pub says: String,
     /// When a result counts as agreeing.
@@ -70,7 +70,7 @@ pub struct Statement {
     /// The name of a constant.
     #[serde(default)]
     pub constant: Option<String>,
-    /// Why nothing is judged, where nothing is.
+    /// Why there is no verdict, if there is none.
     #[serde(default)]
     pub open: Option<String>,
 }
@@ -112,7 +112,7 @@ fn check(statement: &Statement, new: bool) -> Result<(), InputError> {
     Ok(())
 }
 
-/// A name as it is compared: small letters, without blanks, with plain hyphens.
+/// A name in lower case, without blanks, with plain hyphens, for comparison.
 fn plain(name: &str) -> String {
     let letters = name.chars().filter(|c| !c.is_whitespace()).flat_map(char::to_lowercase);
     letters.map(|c| if matches!(c, '–' | '−' | '_') { '-' } else { c }).collect()

@@ -2,8 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::lab::{Finding, Found, Lab, LabError, Shown};
-use super::paper::Statement;
+use super::context::{Artifact, Context, Figure, Finding, ReproduceError};
 use crate::batch::scheduler;
 use crate::cell::Cell;
 use crate::division::DivisionInput;
@@ -23,48 +22,45 @@ struct Case {
     found: Result<Perturbation, PerturbationError>,
 }
 
-/// What becomes of shapes below and above their threshold.
-pub fn shapes(lab: &Lab<'_>, _: &[Statement]) -> Result<Found, LabError> {
-    let mut found = Found::default();
-    let pool = scheduler::pool(lab.threads)?;
-    let thresholds: Vec<Result<(Cell, f64), ShapeError>> = pool.install(|| {
-        let threshold = |[r0, epsilon]: &[f64; 2]| {
-            let cell = lab.cell(*r0, *epsilon);
-            let found = pitchfork::first(&cell, &lab.numerics(), &BranchOptions::default())?;
-            Ok((cell, found.point.xi_s))
-        };
-        CELLS.par_iter().map(threshold).collect()
-    });
-    let cells: Result<Vec<(Cell, f64)>, ShapeError> = thresholds.into_iter().collect();
-    let cells = match cells {
+/// Figure S5: shapes below and above their threshold, disturbed.
+pub fn shapes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
+    let context = figure.context;
+    let pool = scheduler::pool(context.threads)?;
+    let threshold = |[r0, epsilon]: &[f64; 2]| {
+        let cell = context.cell(*r0, *epsilon);
+        let found = pitchfork::first(&cell, &context.converged(), &BranchOptions::default())?;
+        Ok((cell, found.point.xi_s))
+    };
+    // All of them, so that the error is that of the first cell whatever the threads do.
+    let thresholds: Vec<Result<(Cell, f64), ShapeError>> = pool.install(|| CELLS.par_iter().map(threshold).collect());
+    let cells: Vec<(Cell, f64)> = match thresholds.into_iter().collect::<Result<_, _>>() {
         Ok(cells) => cells,
         Err(error) => {
-            found.findings =
-                ["perturbed_stable", "perturbed_unstable"].map(|id| Finding::not_computed(id, &error)).to_vec();
-            return Ok(found);
+            let ids = ["perturbed_stable", "perturbed_unstable"];
+            figure.findings = ids.map(|id| Finding::not_computed(id, &error)).to_vec();
+            return Ok(());
         }
     };
     let at =
         |(cell, threshold): &(Cell, f64)| ACTIVITIES.map(|factor| Cell { xi_s: factor * threshold, ..cell.clone() });
     let inputs: Vec<Cell> = cells.iter().flat_map(at).collect();
-    let mut all: Vec<Vec<Case>> = pool.install(|| inputs.par_iter().map(|cell| cases(lab, cell)).collect());
-    lab.go_on()?;
-    judge(&all, &mut found);
-    for (cell, _) in cells.into_iter().rev() {
-        let own = all.split_off(all.len().saturating_sub(ACTIVITIES.len()));
+    let all: Vec<Vec<Case>> = pool.install(|| inputs.par_iter().map(|cell| cases(context, cell)).collect());
+    context.check_cancelled()?;
+    judge(&all, figure);
+    let mut all = all.into_iter();
+    for (cell, _) in cells {
         // Of each shape the first noise.
-        let firsts = own.into_iter().filter_map(|cases| cases.into_iter().next());
+        let firsts = all.by_ref().take(ACTIVITIES.len()).filter_map(|cases| cases.into_iter().next());
         let shown = firsts.filter_map(|case| Some((case.name, case.found.ok()?))).collect();
         let name = format!("S5-R0_{}-epsilon_{}", cell.r0, cell.epsilon);
-        found.show(&name, Shown::Perturbations(cell, shown));
+        figure.show(&name, Artifact::Perturbations(cell, shown));
     }
-    found.panels.reverse();
-    Ok(found)
+    Ok(())
 }
 
-/// A shape with every noise; none where the branch turns back before it.
-fn cases(lab: &Lab<'_>, cell: &Cell) -> Vec<Case> {
-    let numerics = lab.numerics();
+/// A shape with every noise; `None` where the branch turns back before it.
+fn cases(context: &Context<'_>, cell: &Cell) -> Vec<Case> {
+    let numerics = context.converged();
     let start = match stationary(cell, &numerics) {
         Err(StationaryError::OutOfReach { .. }) => return Vec::new(),
         start => start,
@@ -78,7 +74,7 @@ fn cases(lab: &Lab<'_>, cell: &Cell) -> Vec<Case> {
     (0..SEEDS).map(one).collect()
 }
 
-fn judge(all: &[Vec<Case>], found: &mut Found) {
+fn judge(all: &[Vec<Case>], figure: &mut Figure<'_>) {
     let cases: Vec<&Case> = all.iter().flatten().collect();
     for (id, stable) in [("perturbed_stable", true), ("perturbed_unstable", false)] {
         let watched = || cases.iter().filter_map(|case| case.found.as_ref().ok());
@@ -88,6 +84,6 @@ fn judge(all: &[Vec<Case>], found: &mut Found) {
         let failed = cases.len() - watched().count();
         let text = format!("{right} of {} {verb}", those.len());
         let text = if failed > 0 { format!("{text}; {failed} not computed") } else { text };
-        found.say(Finding::words(id, right == those.len() && right > 0 && failed == 0, text));
+        figure.judge(id, right == those.len() && right > 0 && failed == 0, text);
     }
 }

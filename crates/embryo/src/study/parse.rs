@@ -1,13 +1,17 @@
-//! Checks a sweep file: every axis known and given once, every value allowed by itself, the points not too many.
+//! Reads and checks a sweep file: every axis known and given once, every value allowed by itself, not too many points.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
 
 use super::points::{Axes, Axis, AxisValue, Target};
 use super::sample::{MOST_AXES, halton};
-use super::sweep::{AxisDocument, Document, Interval, Kind, Sweep};
+use super::sweep::{Kind, Sweep};
 use crate::batch::phase::spaced;
 use crate::cell::{Cue, Parameter};
-use crate::input::{InputError, did_you_mean, listed, shown};
+use crate::input::{InputError, did_you_mean, listed, parse_document, read_text, shown};
 use crate::lineage::Lineage;
-use crate::settings::{self, Settings, canonical_name};
+use crate::settings::{self, NumericsOverrides, PhysicsOverrides, Settings, canonical_name};
 
 /// Most divisions, trees or shapes of one sweep.
 const MOST_POINTS: usize = 10_000_000;
@@ -15,21 +19,104 @@ const MOST_POINTS: usize = 10_000_000;
 /// Most values of all axes: what they take is held in memory together.
 const MOST_VALUES: usize = 20_000_000;
 
+/// The file as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Sweep")]
+struct Document {
+    kind: Kind,
+    axes: Vec<AxisDocument>,
+    #[serde(default)]
+    cue: Option<String>,
+    #[serde(default = "one")]
+    replicates: u32,
+    #[serde(default)]
+    seed: u64,
+    #[serde(default)]
+    physics: PhysicsOverrides,
+    #[serde(default)]
+    numerics: NumericsOverrides,
+    #[serde(default)]
+    lineage: Option<PathBuf>,
+}
+
+fn one() -> u32 {
+    1
+}
+
+/// An axis as it is written: with one of the three.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Axis")]
+struct AxisDocument {
+    parameter: String,
+    #[serde(default)]
+    range: Option<Interval>,
+    #[serde(default)]
+    list: Option<Vec<AxisValue>>,
+    #[serde(default)]
+    sample: Option<Interval>,
+}
+
+/// So many values between two, both included where they are evenly spaced.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Interval {
+    from: f64,
+    to: f64,
+    count: usize,
+}
+
+impl Sweep {
+    /// Reads and checks a sweep file. `base` is what the file does not name; `overrides` of the form `key=value` come after
+    /// what it names, and before its axes. A lineage is looked for from the file's own folder.
+    ///
+    /// # Errors
+    /// Names the file, the field, its value and what is allowed.
+    pub fn read(path: &Path, base: &Settings, overrides: &[String]) -> Result<Sweep, InputError> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Sweep::parse_in(folder, &read_text(path)?, &path.display().to_string(), base, overrides)
+    }
+
+    /// Reads and checks a sweep from RON text, as [`read`](Self::read) does; errors name it `file`.
+    ///
+    /// # Errors
+    /// Those of [`read`](Self::read).
+    pub fn parse(text: &str, file: &str, base: &Settings, overrides: &[String]) -> Result<Sweep, InputError> {
+        Sweep::parse_in(Path::new(""), text, file, base, overrides)
+    }
+
+    fn parse_in(
+        folder: &Path,
+        text: &str,
+        file: &str,
+        base: &Settings,
+        overrides: &[String],
+    ) -> Result<Sweep, InputError> {
+        let mut document: Document = parse_document(text, file, "a sweep file", "Sweep")?;
+        let mut settings = base.clone();
+        std::mem::take(&mut document.physics).apply(&mut settings);
+        std::mem::take(&mut document.numerics).apply(&mut settings);
+        settings.check_fields(file)?;
+        settings.override_fields(overrides)?;
+        let path = document.lineage.take().map(|path| folder.join(path));
+        let lineage = Lineage::load(path.as_deref())?;
+        Check { file, document: &document, settings: &settings, lineage: &lineage }.run()
+    }
+}
+
 /// A sweep file to be checked, and what it is checked with.
-pub struct Check<'a> {
-    /// What errors call the file.
-    pub file: &'a str,
-    /// What it says.
-    pub document: &'a Document,
-    /// What no axis says.
-    pub settings: &'a Settings,
-    /// The lineage whose cues have names.
-    pub lineage: &'a Lineage,
+struct Check<'a> {
+    /// The file's name in errors.
+    file: &'a str,
+    document: &'a Document,
+    /// Settings that no axis changes.
+    settings: &'a Settings,
+    /// The lineage that names cues.
+    lineage: &'a Lineage,
 }
 
 impl Check<'_> {
     /// The sweep, if all of it is allowed.
-    pub fn run(&self) -> Result<Sweep, InputError> {
+    fn run(&self) -> Result<Sweep, InputError> {
         let document = self.document;
         self.most_values()?;
         let mut axes: Vec<Axis> = Vec::new();

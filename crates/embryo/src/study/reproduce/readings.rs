@@ -1,13 +1,13 @@
-//! Rows of a sweep as they are judged: χ along one axis, the other axes held.
+//! χ of a sweep along one axis, the other axes held, and what is read off it.
 
 use serde_json::Value;
 
 use crate::study::{Row, Sweep};
 
 /// Below this mean χ, divisions are into equal halves.
-pub const EQUAL: f64 = 0.005;
+const EQUAL: f64 = 0.005;
 
-/// What the divisions at one point say.
+/// The divisions at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// Where along the axis.
@@ -16,13 +16,13 @@ pub struct Reading {
     pub chi: Option<f64>,
     /// The furrow's place, of a single division.
     pub u_furrow: Option<f64>,
-    /// How many came to rest.
+    /// Divisions that failed.
     pub failed: u64,
-    /// How many ended at all.
+    /// Divisions with an outcome.
     pub ended: u64,
 }
 
-/// The points along the axis `x` at which other axes have these values, in the order of the axis.
+/// The points along the axis `x` at which other axes have these values, from the smallest x on.
 pub fn readings(sweep: &Sweep, rows: &[Row], x: &str, held: &[(&str, Value)]) -> Vec<Reading> {
     let columns = sweep.columns();
     let cell = |row: &Row, name: &str| {
@@ -50,7 +50,9 @@ pub fn readings(sweep: &Sweep, rows: &[Row], x: &str, held: &[(&str, Value)]) ->
             ended,
         })
     };
-    rows.iter().filter(here).filter_map(reading).collect()
+    let mut found: Vec<Reading> = rows.iter().filter(here).filter_map(reading).collect();
+    found.sort_by(|a, b| a.x.total_cmp(&b.x));
+    found
 }
 
 /// Those from one place of the axis to another.
@@ -64,47 +66,64 @@ pub fn chi_at(readings: &[Reading], x: f64) -> Option<f64> {
     between(readings, [x, x]).first()?.chi
 }
 
-/// The last place up to which every division fails and the first from which none does, if there are such places and nothing
-/// between.
+/// The last place up to which every division fails, and the next, from which none does; `None` if there are no such places.
 pub fn edge(readings: &[Reading]) -> Option<[f64; 2]> {
     let resting = readings.iter().take_while(|reading| reading.ended > 0 && reading.failed == reading.ended).count();
     let divides = readings.get(resting..)?.iter().all(|reading| reading.ended > 0 && reading.failed == 0);
     divides.then_some([readings.get(resting.checked_sub(1)?)?.x, readings.get(resting)?.x])
 }
 
-/// Middle and half-width of the range of χ, and that all divided.
-pub fn level(readings: &[Reading]) -> Option<[f64; 2]> {
-    let all: Option<Vec<f64>> = readings.iter().map(|reading| reading.chi).collect();
-    let all = all.filter(|all| !all.is_empty())?;
-    let (low, high) = all.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), chi| (low.min(*chi), high.max(*chi)));
-    Some([0.5 * (low + high), 0.5 * (high - low)])
+/// χ in words.
+pub fn chi_in_words(chi: Option<f64>) -> String {
+    chi.map_or("-".to_owned(), |chi| format!("{chi:.3}"))
 }
 
-/// Whether every division is into equal halves.
-pub fn all_equal(readings: &[Reading]) -> bool {
-    !readings.is_empty() && readings.iter().all(|reading| reading.failed == 0 && reading.chi.is_some_and(|c| c < EQUAL))
+/// χ of all readings; `None` if one of them does not divide.
+fn all_chi(readings: &[Reading]) -> Option<Vec<f64>> {
+    readings.iter().map(|reading| reading.chi).collect()
 }
 
-/// Where divisions are unequal, in words.
-pub fn unequal_stretches(readings: &[Reading]) -> String {
+fn extremes(chis: impl Iterator<Item = f64>) -> (f64, f64) {
+    chis.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), chi| (low.min(chi), high.max(chi)))
+}
+
+/// The first and the last χ, and whether all neighbours are in order; `None` if not all divide.
+pub fn monotone_ends(readings: &[Reading], in_order: fn(f64, f64) -> bool) -> Option<([f64; 2], bool)> {
+    match all_chi(readings)?[..] {
+        ref chi @ [first, .., last] => Some(([first, last], chi.windows(2).all(|pair| in_order(pair[0], pair[1])))),
+        _ => None,
+    }
+}
+
+/// Half-width of the range of χ relative to its middle, and the range in words; infinite if not all divide.
+pub fn flatness(readings: &[Reading]) -> (f64, String) {
+    let Some(all) = all_chi(readings).filter(|all| !all.is_empty()) else {
+        return (f64::INFINITY, "not all divide".to_owned());
+    };
+    let (low, high) = extremes(all.into_iter());
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let text = format!("χ = {:.3} to {:.3}, ±{:.0} %", middle - half, middle + half, 100.0 * half / middle);
+    (half / middle, text)
+}
+
+/// Whether every division is into equal halves, and in words where they are not.
+pub fn halves(readings: &[Reading]) -> (bool, String) {
     let unequal = |reading: &Reading| reading.chi.is_none_or(|chi| chi >= EQUAL);
+    let all_equal = !readings.is_empty() && readings.iter().all(|reading| reading.failed == 0 && !unequal(reading));
     let mut stretches = Vec::new();
-    for stretch in readings.chunk_by(|a, b| unequal(a) == unequal(b)) {
-        let (Some(first), Some(last)) = (stretch.first().filter(|first| unequal(first)), stretch.last()) else {
-            continue;
-        };
-        let chis = || stretch.iter().filter_map(|reading| reading.chi);
-        let (low, high) = chis().fold((f64::INFINITY, 0.0_f64), |(low, high), chi| (low.min(chi), high.max(chi)));
+    for stretch in readings.chunk_by(|a, b| unequal(a) == unequal(b)).filter(|stretch| unequal(&stretch[0])) {
+        let (first, last) = (stretch[0].x, stretch[stretch.len() - 1].x);
+        let (low, high) = extremes(stretch.iter().filter_map(|reading| reading.chi));
         stretches.push(match stretch.len() {
-            1 => format!("χ = {high:.2} at {:.2}", first.x),
-            _ => format!("χ = {low:.2} to {high:.2} from {:.2} to {:.2}", first.x, last.x),
+            1 => format!("χ = {high:.2} at {first:.2}"),
+            _ => format!("χ = {low:.2} to {high:.2} from {first:.2} to {last:.2}"),
         });
     }
-    if stretches.is_empty() {
-        "equal halves everywhere".to_owned()
-    } else {
-        format!("{}; else equal halves", stretches.join(", "))
-    }
+    let text = match stretches.is_empty() {
+        true => "equal halves everywhere".to_owned(),
+        false => format!("{}; else equal halves", stretches.join(", ")),
+    };
+    (all_equal, text)
 }
 
 #[cfg(test)]
@@ -128,10 +147,11 @@ mod tests {
     fn stretches_are_told_in_words() {
         let rows =
             [at(1.0, Some(0.5)), at(2.0, Some(0.001)), at(3.0, Some(0.002)), at(4.0, Some(0.2)), at(5.0, Some(0.3))];
-        assert_eq!(unequal_stretches(&rows), "χ = 0.50 at 1.00, χ = 0.20 to 0.30 from 4.00 to 5.00; else equal halves");
-        assert_eq!(unequal_stretches(&rows[1..3]), "equal halves everywhere");
-        assert!(all_equal(&rows[1..3]) && !all_equal(&rows) && !all_equal(&[]));
-        assert_eq!(level(&rows[3..]).map(|[middle, _]| middle), Some(0.25));
-        assert_eq!(level(&[rows[0], at(2.0, None)]), None);
+        let text = "χ = 0.50 at 1.00, χ = 0.20 to 0.30 from 4.00 to 5.00; else equal halves";
+        assert_eq!(halves(&rows), (false, text.to_owned()));
+        assert_eq!(halves(&rows[1..3]), (true, "equal halves everywhere".to_owned()));
+        assert!(!halves(&[]).0);
+        assert_eq!(flatness(&rows[3..]).1, "χ = 0.200 to 0.300, ±20 %");
+        assert_eq!(flatness(&[rows[0], at(2.0, None)]).0, f64::INFINITY);
     }
 }
