@@ -32,7 +32,7 @@ struct Run {
     wall: f64,
     /// CPU seconds of each division solved.
     cost: HashMap<Key, f64>,
-    memo: Memo<DivisionInput>,
+    memo: Memo,
 }
 
 impl Run {

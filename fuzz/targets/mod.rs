@@ -10,7 +10,6 @@ pub mod contours;
 pub mod cue;
 pub mod lineage;
 pub mod newick;
-pub mod store;
 pub mod sweep;
 pub mod targets;
 pub mod tree_json;

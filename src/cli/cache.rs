@@ -1,16 +1,14 @@
-//! `furrow cache`: the store of solved divisions.
+//! `furrow cache`: inspects, verifies and clears the cache of solved divisions.
 
 use super::Globals;
 use super::context::{cache_folder, start_logs};
 use super::error::CliError;
 use super::output::answer;
-use crate::batch::SolverVersion;
-use crate::batch::store::upkeep;
-use crate::division::Division;
+use crate::batch::store::maintenance;
 use clap::{Args, Subcommand};
 use std::fmt::Write;
 
-/// Looks after the store of solved divisions
+/// Inspects, verifies or clears the cache of solved divisions
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -28,7 +26,7 @@ enum Action {
     Stat,
     /// Checks every entry and lists the damaged ones (exit code 1 if there are any)
     Verify {
-        /// Gives up the damaged entries, so that they are not reported again (exit code 0 then)
+        /// Removes the damaged entries and keeps the others (exit code 0 then)
         #[arg(long)]
         repair: bool,
     },
@@ -39,11 +37,10 @@ enum Action {
 pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
     start_logs(globals);
     let folder = cache_folder(globals)?;
-    let solver = SolverVersion::current();
     let report = match args.action {
-        Action::Verify { repair: true } => upkeep::repair::<Division>(&folder, solver)?,
-        Action::Stat | Action::Verify { repair: false } => upkeep::verify::<Division>(&folder, solver)?,
-        Action::Clear => upkeep::clear::<Division>(&folder, solver)?,
+        Action::Verify { repair: true } => maintenance::repair(&folder)?,
+        Action::Stat | Action::Verify { repair: false } => maintenance::verify(&folder)?,
+        Action::Clear => maintenance::clear(&folder)?,
     };
     if globals.json {
         answer(&format!("{}\n", serde_json::to_string_pretty(&report)?))?;
@@ -59,7 +56,7 @@ pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
         );
         if matches!(args.action, Action::Verify { .. }) {
             for damaged in &report.damaged {
-                let _ = writeln!(text, "corrupt: {} at byte {}", damaged.file.display(), damaged.offset);
+                let _ = writeln!(text, "corrupt: {damaged}");
             }
         }
         answer(&text)?;

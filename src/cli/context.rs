@@ -4,8 +4,7 @@ use super::Globals;
 use super::error::CliError;
 use super::interrupt;
 use super::output::Stderr;
-use crate::batch::{Memo, Progress, Quantisation, SchedulerOptions, SolverVersion, Store, StoreWarning};
-use crate::division::DivisionInput;
+use crate::batch::{Memo, Progress, Quantisation, SchedulerOptions, Store, StoreWarning};
 use crate::input::InputError;
 use crate::io::Settings;
 use crate::lineage::Units;
@@ -54,17 +53,16 @@ impl Context {
     }
 
     /// The memo, over the cache folder unless that is refused or, by default, not to be had.
-    pub fn memo(&self) -> Result<Memo<DivisionInput>, CliError> {
+    pub fn memo(&self) -> Result<Memo, CliError> {
         let memo = Memo::new(self.quantisation);
         if self.no_cache {
             return Ok(memo);
         }
         let store = match &self.cache {
             // A folder the user named must work.
-            Some(folder) => Store::open(folder, SolverVersion::current())?,
+            Some(folder) => Store::open(folder)?,
             None => {
-                let opened = default_folder()
-                    .and_then(|folder| Store::open(&folder, SolverVersion::current()).map_err(CliError::from));
+                let opened = default_folder().and_then(|folder| Store::open(&folder).map_err(CliError::from));
                 match opened {
                     Ok(store) => store,
                     Err(error) => {
@@ -78,7 +76,7 @@ impl Context {
     }
 
     /// How divisions are scheduled: on the threads asked for, until Ctrl-C.
-    pub fn scheduling<'a>(&self, progress: &'a dyn Fn(Progress)) -> SchedulerOptions<'a, DivisionInput> {
+    pub fn scheduling<'a>(&self, progress: &'a dyn Fn(Progress)) -> SchedulerOptions<'a> {
         SchedulerOptions {
             threads: self.threads,
             interrupt: Some(interrupt::flag()),
@@ -88,20 +86,9 @@ impl Context {
     }
 }
 
-/// A warning of the store, with the command that helps.
-pub fn warning_text(warning: &StoreWarning) -> String {
-    match warning {
-        StoreWarning::Damaged { entries, .. } => {
-            let they_are = if *entries == 1 { "it is" } else { "they are" };
-            format!("{warning}; {they_are} given up for good by `furrow cache verify --repair`")
-        }
-        _ => warning.to_string(),
-    }
-}
-
 /// Logs what the user should know about the store.
 pub fn warn_of_store(warnings: &[StoreWarning]) {
-    warnings.iter().for_each(|warning| tracing::warn!("{}", warning_text(warning)));
+    warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
 }
 
 /// The cache folder where none is named: `cache` in the working folder if there is one, else the user's.

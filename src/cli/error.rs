@@ -34,10 +34,10 @@ pub enum CliError {
     Division(#[from] DivisionError),
     /// A replicate could not be computed.
     #[error("{0}")]
-    Replicate(Failure<DivisionError>),
+    Replicate(Failure),
     /// Divisions could not be scheduled.
     #[error(transparent)]
-    Scheduler(#[from] SchedulerError<DivisionError>),
+    Scheduler(#[from] SchedulerError),
     /// What becomes of a disturbed stationary shape could not be computed.
     #[error("{}", perturbation_text(.0))]
     Perturbation(#[from] PerturbationError),

@@ -1,7 +1,7 @@
 //! `furrow tree`: the main job.
 
 use super::cell::FirstCellArgs;
-use super::context::{Context, warn_of_store, warning_text};
+use super::context::{Context, warn_of_store};
 use super::divide::computed;
 use super::error::CliError;
 use super::interrupt;
@@ -157,7 +157,7 @@ impl<'a> RunRecord<'a> {
                 max_r0_shift: summary.max_size_shift,
                 chi_effect: summary.shift_effect,
             },
-            warnings: summary.warnings.iter().map(warning_text).collect(),
+            warnings: summary.warnings.iter().map(ToString::to_string).collect(),
         }
     }
 

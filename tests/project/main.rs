@@ -5,7 +5,6 @@ mod common;
 
 mod dependencies;
 mod documented_commands;
-mod fingerprint;
 mod floors;
 mod hostile_corpus;
 mod page_artefact;

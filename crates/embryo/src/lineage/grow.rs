@@ -14,7 +14,7 @@ use crate::division::{Division, DivisionError, DivisionInput};
 pub enum GrowError {
     /// The workers could not be started.
     #[error(transparent)]
-    Workers(SchedulerError<DivisionError>),
+    Workers(SchedulerError),
     /// Growth was interrupted.
     #[error("interrupted after {solved} divisions")]
     Interrupted {
@@ -52,9 +52,9 @@ pub struct Grower<'a> {
     /// Ends branches ahead of their division; `&|_| None` leaves it to the dynamics.
     pub ends: &'a dyn Fn(&Cell) -> Option<EndReason>,
     /// Remembers divisions.
-    pub memo: &'a Memo<DivisionInput>,
+    pub memo: &'a Memo,
     /// Threads, interruption, progress, order of work; for the last see [`expected_work`](super::expected_work).
-    pub options: SchedulerOptions<'a, DivisionInput>,
+    pub options: SchedulerOptions<'a>,
 }
 
 /// A cell in the order of growth, which depends on timing.
@@ -136,7 +136,7 @@ fn grow_all(growers: &[Grower<'_>], solve: Solve<'_>) -> Result<(Vec<Tree>, Summ
     let mut growths: Vec<Growth<'_>> = growers.iter().map(Growth::of).collect();
     // The scheduler's number of a job tells the cell and the tree it is in.
     let trees = growths.len();
-    let numbered = |tree: usize, job: Job<DivisionInput>| Job { id: job.id * trees + tree, ..job };
+    let numbered = |tree: usize, job: Job| Job { id: job.id * trees + tree, ..job };
     let mut roots = Vec::with_capacity(trees);
     for (tree, growth) in growths.iter_mut().enumerate() {
         roots.extend(growth.job(0).map(|job| numbered(tree, job)));
@@ -152,7 +152,7 @@ fn grow_all(growers: &[Grower<'_>], solve: Solve<'_>) -> Result<(Vec<Tree>, Summ
 
 /// The summary of a run that was not broken off. Jobs without a record are undecided, and `undecided` is told each of them.
 fn completed(
-    run: Result<Summary, SchedulerError<DivisionError>>,
+    run: Result<Summary, SchedulerError>,
     mut undecided: impl FnMut(usize, String),
 ) -> Result<Summary, GrowError> {
     let summary = match run {
@@ -181,13 +181,13 @@ impl<'a> Growth<'a> {
 impl Growth<'_> {
     /// What follows from a cell's division. What lies beyond the limit of cells is settled in the layout, in an order that
     /// timing has no part in.
-    fn expand(&mut self, index: usize, division: &Division) -> Vec<Job<DivisionInput>> {
+    fn expand(&mut self, index: usize, division: &Division) -> Vec<Job> {
         let max_cells = self.grower.lineage.limits.max_cells;
         if self.cells.len() + 2 > max_cells { vec![] } else { self.divide(index, division) }
     }
 
     /// The division a cell needs; none if its fate is known without, and then it is noted.
-    fn job(&mut self, index: usize) -> Option<Job<DivisionInput>> {
+    fn job(&mut self, index: usize) -> Option<Job> {
         let TreeSettings { cell: first, numerics, seed, .. } = &self.grower.settings;
         let growing = &mut self.cells[index];
         let limits = self.grower.lineage.limits;
@@ -202,11 +202,11 @@ impl Growth<'_> {
             growing.fate = Some(Fate::ended(reason));
             return None;
         }
-        Some(Job { id: index, task: DivisionInput { cell, numerics: *numerics, seed: *seed } })
+        Some(Job { id: index, input: DivisionInput { cell, numerics: *numerics, seed: *seed } })
     }
 
     /// Notes a cell's division, adds its daughters and returns the divisions they need.
-    fn divide(&mut self, index: usize, division: &Division) -> Vec<Job<DivisionInput>> {
+    fn divide(&mut self, index: usize, division: &Division) -> Vec<Job> {
         let fate = Fate::of(&self.oriented(index, division));
         let pair = self.offspring(index, &fate);
         self.cells[index].fate = Some(fate);

@@ -50,8 +50,8 @@ pub struct Grown {
 pub fn grown(
     scenarios: &[Scenario],
     dynamics: bool,
-    memo: &Memo<DivisionInput>,
-    options: SchedulerOptions<'_, DivisionInput>,
+    memo: &Memo,
+    options: SchedulerOptions<'_>,
     interrupt: &'static AtomicBool,
 ) -> Result<Grown, GrowError> {
     grown_by(scenarios, dynamics, memo, options, interrupt, divide)
@@ -64,8 +64,8 @@ pub fn grown(
 pub fn grown_by<S>(
     scenarios: &[Scenario],
     dynamics: bool,
-    memo: &Memo<DivisionInput>,
-    options: SchedulerOptions<'_, DivisionInput>,
+    memo: &Memo,
+    options: SchedulerOptions<'_>,
     interrupt: &'static AtomicBool,
     solve: S,
 ) -> Result<Grown, GrowError>

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::constants::Constants;
 use crate::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use crate::cell::{Cell, Parameter};
-use crate::division::{DivisionInput, divide};
+use crate::division::divide;
 use crate::lineage::{EndReason, Ends, GrowError, Grower, Lineage, Rounds, Tree, TreeSettings, founder_rounds};
 use crate::shapes::CriticalRadii;
 
@@ -189,7 +189,7 @@ pub(super) fn grow_alone(
     lineage: &Lineage,
     settings: TreeSettings,
     ends: &dyn Fn(&Cell) -> Option<EndReason>,
-    memo: &Memo<DivisionInput>,
+    memo: &Memo,
     interrupt: Option<&AtomicBool>,
 ) -> Result<(Tree, Summary), GrowError> {
     let options = SchedulerOptions { threads: 1, interrupt, ..SchedulerOptions::default() };

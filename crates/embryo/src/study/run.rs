@@ -11,11 +11,9 @@ use super::points::Point;
 use super::shard::Shard;
 use super::sweep::{Kind, Sweep};
 use super::table::{Row, UNDECIDED};
-use crate::batch::{
-    Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, SolverVersion, StoreWarning, scheduler,
-};
+use crate::batch::{Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, StoreWarning, scheduler};
 use crate::cell::Cell;
-use crate::division::{Division, DivisionError, DivisionInput, Statistics, divide};
+use crate::division::{Division, DivisionInput, Statistics, divide};
 use crate::lineage::{EndReason, Ends, GrowError, Grower, Tree, TreeSettings, founder_rounds};
 use crate::shapes::critical::{BoundaryKind, critical_radius_within};
 use crate::shapes::{BranchOptions, CriticalRadii, Effort, PointKind, ShapeError, pitchfork};
@@ -58,7 +56,7 @@ pub struct Run<'a> {
     /// The part of it to be solved; none for all.
     pub shard: Option<Shard>,
     /// Remembers divisions.
-    pub memo: &'a Memo<DivisionInput>,
+    pub memo: &'a Memo,
     /// Threads; 0 is one for each core.
     pub threads: usize,
     /// Set to true to stop.
@@ -92,7 +90,7 @@ impl Run<'_> {
     ///
     /// # Errors
     /// [`SchedulerError::Pool`] if no workers can be started. A point that cannot be computed is a row of its own.
-    pub fn solve(&self) -> Result<Done, SchedulerError<DivisionError>> {
+    pub fn solve(&self) -> Result<Done, SchedulerError> {
         let quantisation = self.memo.quantisation();
         let all = (0..self.sweep.points()).map(|index| self.sweep.point(index));
         let points: Vec<Point> = all.filter(|point| self.shard.is_none_or(|s| s.has(point, quantisation))).collect();
@@ -118,13 +116,13 @@ impl Run<'_> {
         (rows, undecided)
     }
 
-    fn divisions(&self, points: &[Point]) -> Result<Done, SchedulerError<DivisionError>> {
+    fn divisions(&self, points: &[Point]) -> Result<Done, SchedulerError> {
         let replicates = self.sweep.replicates as usize;
         let mut jobs = Vec::new();
         for (place, point) in points.iter().enumerate().filter(|(_, point)| point.refused.is_none()) {
             for k in 0..replicates {
                 let seed = point.input.seed.wrapping_add(k as u64);
-                jobs.push(Job { id: place * replicates + k, task: DivisionInput { seed, ..point.input.clone() } });
+                jobs.push(Job { id: place * replicates + k, input: DivisionInput { seed, ..point.input.clone() } });
             }
         }
         let of = jobs.len();
@@ -174,7 +172,7 @@ impl Run<'_> {
         let mut firsts = Vec::new();
         let number = |point: &'p Point| {
             point.refused.is_none().then(|| {
-                *known.entry(Key::new(&point.input, SolverVersion::new(0))).or_insert_with(|| {
+                *known.entry(Key::new(&point.input)).or_insert_with(|| {
                     firsts.push(point);
                     firsts.len() - 1
                 })
@@ -207,7 +205,7 @@ impl Run<'_> {
         &self,
         points: &[Point],
         solve: impl Fn(&DivisionInput) -> Result<Results, String> + Sync,
-    ) -> Result<Done, SchedulerError<DivisionError>> {
+    ) -> Result<Done, SchedulerError> {
         let (numbers, firsts) = self.distinct(points);
         let count = AtomicUsize::new(0);
         let stopped = || self.interrupt.load(Ordering::Relaxed);
@@ -233,7 +231,7 @@ impl Run<'_> {
     }
 
     /// Trees, one after the other, each on all cores: their divisions are shared.
-    fn trees(&self, points: &[Point]) -> Result<Done, SchedulerError<DivisionError>> {
+    fn trees(&self, points: &[Point]) -> Result<Done, SchedulerError> {
         let (numbers, firsts) = self.distinct(points);
         let mut done = Done::default();
         let mut results = Vec::new();

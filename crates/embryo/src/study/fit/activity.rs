@@ -12,7 +12,6 @@ use serde::Serialize;
 use super::{FitError, is_set};
 use crate::batch::{Memo, scheduler};
 use crate::cell::Cell;
-use crate::division::DivisionInput;
 use crate::lineage::{Ends, GrowError, Lineage, ObservedRounds, Rounds, TreeSettings, founder_rounds};
 use crate::shapes::CriticalRadii;
 use crate::study::ranges::grow_alone;
@@ -84,7 +83,7 @@ const HALVINGS: usize = 5;
 struct Search<'a> {
     lineage: &'a Lineage,
     settings: &'a TreeSettings,
-    memo: &'a Memo<DivisionInput>,
+    memo: &'a Memo,
     interrupt: Option<&'a AtomicBool>,
     reading: Reading,
     founder: usize,
@@ -203,7 +202,7 @@ impl Search<'_> {
 pub fn activities(
     lineage: &Lineage,
     settings: &TreeSettings,
-    memo: &Memo<DivisionInput>,
+    memo: &Memo,
     reading: Reading,
     range: [f64; 2],
     threads: usize,

@@ -27,7 +27,7 @@ use super::{FitError, is_set, moved};
 use crate::batch::{Memo, scheduler};
 use crate::calibration::Threshold;
 use crate::cell::{Cell, Parameter};
-use crate::division::{DivisionInput, Outcome};
+use crate::division::Outcome;
 use crate::lineage::{Ends, FounderRounds, Lineage, Rounds, Tree, TreeSettings, founder_rounds};
 use crate::shapes::{BranchOptions, CriticalRadii, pitchfork};
 use crate::study::ranges::grow_alone;
@@ -154,7 +154,7 @@ struct Judge<'a> {
     lineage: &'a Lineage,
     targets: &'a Targets,
     settings: &'a TreeSettings,
-    memo: &'a Memo<DivisionInput>,
+    memo: &'a Memo,
     interrupt: Option<&'a AtomicBool>,
     /// Called with the number of sets tried and the least misfit so far.
     progress: Option<&'a (dyn Fn(usize, f64) + Sync)>,
@@ -360,7 +360,7 @@ pub fn fit_constants(
     lineage: &Lineage,
     targets: &Targets,
     settings: &TreeSettings,
-    memo: &Memo<DivisionInput>,
+    memo: &Memo,
     effort: Effort,
     threads: usize,
     interrupt: Option<&AtomicBool>,

@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use serde::Serialize;
 
 use super::paper::Statement;
-use crate::batch::{Job, Memo, PhaseDiagram, PhasePlane, SchedulerError, SchedulerOptions, StoreWarning, scheduler};
+use crate::batch::{Memo, PhaseDiagram, PhasePlane, SchedulerError, SchedulerOptions, StoreWarning, scheduler};
 use crate::cell::{Cell, Cue, Numerics, Scheme};
-use crate::division::{Division, DivisionError, DivisionInput, Film, divide};
+use crate::division::{Division, DivisionInput, Film, divide};
 use crate::input::InputError;
 use crate::lineage::{GrowError, Tree, tree::ZYGOTE};
 use crate::perturbation::Perturbation;
@@ -22,7 +22,7 @@ pub struct Lab<'a> {
     /// settings'.
     pub settings: &'a Settings,
     /// Remembers divisions.
-    pub memo: &'a Memo<DivisionInput>,
+    pub memo: &'a Memo,
     /// Threads; 0 is one for each core.
     pub threads: usize,
     /// Set to true to stop.
@@ -40,7 +40,7 @@ pub enum LabError {
     Input(#[from] InputError),
     /// No workers can be started.
     #[error(transparent)]
-    Workers(#[from] SchedulerError<DivisionError>),
+    Workers(#[from] SchedulerError),
     /// It was stopped.
     #[error("interrupted")]
     Interrupted,
@@ -224,7 +224,7 @@ impl Lab<'_> {
     }
 
     /// How divisions are scheduled.
-    pub fn options(&self) -> SchedulerOptions<'_, DivisionInput> {
+    pub fn options(&self) -> SchedulerOptions<'_> {
         SchedulerOptions { threads: self.threads, interrupt: Some(self.interrupt), ..SchedulerOptions::default() }
     }
 
@@ -241,19 +241,10 @@ impl Lab<'_> {
     /// # Errors
     /// [`LabError`].
     pub fn divisions(&self, inputs: Vec<DivisionInput>, found: &mut Found) -> Result<Vec<Option<Division>>, LabError> {
-        let mut divisions = vec![None; inputs.len()];
-        let jobs = inputs.into_iter().enumerate().map(|(id, task)| Job { id, task }).collect();
-        let run = scheduler::run(jobs, self.memo, &self.options(), divide, |id, division| {
-            divisions[id] = Some(division.clone());
-            vec![]
-        });
-        match run {
-            Ok(summary) => found.warnings.extend(summary.warnings),
-            Err(SchedulerError::Unsolved { summary, .. }) => found.warnings.extend(summary.warnings),
-            Err(error) => return Err(error.into()),
-        }
+        let solved = scheduler::solve_all(inputs, self.memo, &self.options(), divide)?;
+        found.warnings.extend(solved.summary.warnings);
         self.go_on()?;
-        Ok(divisions)
+        Ok(solved.divisions)
     }
 
     /// A sweep that ships, solved.
