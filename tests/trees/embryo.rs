@@ -2,7 +2,7 @@
 
 use furrow::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use furrow::cell::{Cell, Numerics};
-use furrow::division::{DivisionInput, Outcome, divide};
+use furrow::division::{Outcome, divide};
 use furrow::io::founder_rows;
 use furrow::lineage::{EndReason, Ends, Grower, Lineage, Tree, TreeSettings};
 use furrow::report::TreeSummary;

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::scheduler::{self, SchedulerError};
-use crate::division::{DivisionError, DivisionInput};
+use crate::division::DivisionInput;
 use crate::perturbation::{Perturbation, PerturbationError, perturbed_from};
 use crate::shapes::stationary;
 

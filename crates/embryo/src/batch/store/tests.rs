@@ -95,7 +95,7 @@ fn rows_can_be_read_by_others() {
     let cache = filled(100);
     assert_holds(&store(&cache), 0..100);
     assert_eq!(counts(&cache), [100, 0, 0]);
-    assert_eq!(sql::<usize>(&cache, "SELECT count(*) FROM division WHERE cue = 'none' AND r0 >= 2"), 84);
+    assert_eq!(sql::<u32>(&cache, "SELECT count(*) FROM division WHERE cue = 'none' AND r0 >= 2"), 84);
     let chi: f64 = sql(&cache, "SELECT chi FROM division WHERE r0 = 2");
     assert_eq!(Some(chi), fake::divide(&fake::input(2.0)).chi);
     assert_eq!(sql::<u32>(&cache, "SELECT DISTINCT solver FROM division"), SOLVER_VERSION);
