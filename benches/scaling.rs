@@ -32,7 +32,7 @@ struct Run {
     wall: f64,
     /// CPU seconds of each division solved.
     cost: HashMap<Key, f64>,
-    memo: Memo<DivisionInput>,
+    memo: Memo,
 }
 
 impl Run {
@@ -48,7 +48,7 @@ impl Run {
             let start = thread_seconds(began);
             let division = divide(input);
             let seconds = thread_seconds(began) - start;
-            cost.lock().unwrap().insert(memo.key(input), seconds);
+            cost.lock().unwrap().insert(Key::new(input), seconds);
             division
         };
         let grower = Grower { lineage: &lineage, settings, ends: &|_| None, memo: &memo, options };
@@ -70,7 +70,7 @@ impl Run {
             let grown = self.tree.cell(node);
             let cell = Cell { r0: grown.r0, cue: grown.cue.clone(), ..first.clone() };
             let input = DivisionInput { cell, numerics: *numerics, seed: *seed };
-            let own = self.cost.get(&self.memo.key(&self.memo.canonical(&input))).copied().unwrap_or(0.0);
+            let own = self.cost.get(&Key::new(&self.memo.canonical(&input))).copied().unwrap_or(0.0);
             let longest = self.tree.daughters(node).into_iter().flatten().map(|d| below[d.index()]).fold(0.0, f64::max);
             below[node.index()] = own + longest;
         }

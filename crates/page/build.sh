@@ -1,8 +1,8 @@
 #!/bin/sh
 # Builds what runs inside the report, crates/page/furrow.wasm.txt, from the sources as they are. Runs from any folder.
 #
-# The file has two lines: the fingerprint of the sources it belongs to, and the module, compressed and in base64.
-# `tests/project/page_artefact.rs` refuses one that belongs to other sources; this is then the one command to run.
+# The file has two lines: the version of the solver, and the module, compressed and in base64.
+# `tests/project/page_artefact.rs` refuses a module with another solver; this is then the one command to run.
 #
 #   crates/page/build.sh [FILE]     writes FILE in place of crates/page/furrow.wasm.txt
 set -eu
@@ -20,12 +20,11 @@ done
 RUSTFLAGS="$flags" cargo build --locked --quiet --package furrow-page --lib --profile page --target "$target"
 
 built=${CARGO_TARGET_DIR:-target}/$target/page
-# The build script of the crate leaves the fingerprint beside what it was asked for.
-fingerprint=$(cat "$(ls -t "$built"/build/furrow-page-*/out/fingerprint | head -n 1)")
+solver=$(sed -n 's/^pub const SOLVER_VERSION: u32 = \([0-9]*\);$/\1/p' crates/embryo/src/batch/key.rs)
 {
-    echo "$fingerprint"
+    echo "solver ${solver:?not found}"
     gzip -9 --no-name --stdout "$built/page.wasm" | base64 | tr -d '\n'
     echo
 } >"$out.new"
 mv "$out.new" "$out"
-echo "$out: $(wc -c <"$built/page.wasm") bytes, $(wc -c <"$out") as kept; sources $fingerprint"
+echo "$out: $(wc -c <"$built/page.wasm") bytes, $(wc -c <"$out") as kept; solver $solver"

@@ -16,7 +16,7 @@ from __future__ import annotations
 from . import compare
 from ._cell import Cell, Value
 from ._errors import InputError, Interrupted, NoOutcome
-from ._furrow import Memo, __version__, parameter_names, presets, solver_fingerprint
+from ._furrow import Memo, __version__, parameter_names, presets, solver_version
 from ._memo import memo, use_store
 from ._results import (
     PLACE_COLUMNS,
@@ -68,7 +68,7 @@ __all__ = [
     "parameter_names",
     "presets",
     "read_tree",
-    "solver_fingerprint",
+    "solver_version",
     "sweep",
     "tree",
     "use_store",

@@ -26,13 +26,13 @@ __all__ = [
     "presets",
     "ranges",
     "read_tree",
-    "solver_fingerprint",
+    "solver_version",
     "steady",
     "sweep",
 ]
 
 __version__: str
-solver_fingerprint: str
+solver_version: int
 
 _Told = Callable[[int, int], object] | None
 

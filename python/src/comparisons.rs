@@ -89,7 +89,7 @@ pub fn compare_volumes(
     serde_json::to_string(&found).map_err(unwritable)
 }
 
-type Solved = furrow::batch::Memo<furrow::division::DivisionInput>;
+type Solved = furrow::batch::Memo;
 
 impl VolumesPlan {
     fn volumes(&self) -> Result<Volumes, InputError> {

@@ -47,8 +47,8 @@ impl From<DivisionError> for Error {
     }
 }
 
-impl From<Failure<DivisionError>> for Error {
-    fn from(failure: Failure<DivisionError>) -> Error {
+impl From<Failure> for Error {
+    fn from(failure: Failure) -> Error {
         match failure {
             Failure::Unsolved(error) => error.into(),
             failure => Error::no_outcome(failure),
@@ -56,12 +56,12 @@ impl From<Failure<DivisionError>> for Error {
     }
 }
 
-impl From<SchedulerError<DivisionError>> for Error {
-    fn from(error: SchedulerError<DivisionError>) -> Error {
+impl From<SchedulerError> for Error {
+    fn from(error: SchedulerError) -> Error {
         match error {
             SchedulerError::Unsolved { mut jobs, .. } => match jobs.pop() {
                 Some(Unsolved { failure, .. }) => failure.into(),
-                None => Error::no_outcome("no task is unsolved"),
+                None => Error::no_outcome("no division is unsolved"),
             },
             error => Error::System(error.to_string()),
         }

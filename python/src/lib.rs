@@ -30,7 +30,7 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _furrow(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add("solver_fingerprint", format!("{:016x}", furrow::batch::SolverVersion::current().number()))?;
+    module.add("solver_version", furrow::batch::SOLVER_VERSION)?;
     module.add_class::<inputs::Inputs>()?;
     module.add_class::<memo::Memo>()?;
     module.add_class::<trees::GrownTree>()?;

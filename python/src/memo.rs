@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use furrow::batch::{Memo as Solved, Quantisation, SolverVersion, Store};
-use furrow::division::DivisionInput;
+use furrow::batch::{Memo as Solved, Quantisation, Store};
 use furrow::input::InputError;
 use pyo3::prelude::*;
 
@@ -15,7 +14,7 @@ use crate::errors::{Error, raised};
 #[pyclass(frozen, module = "furrow._furrow")]
 pub struct Memo {
     /// What is known.
-    pub solved: Arc<Solved<DivisionInput>>,
+    pub solved: Arc<Solved>,
     folder: Option<PathBuf>,
 }
 
@@ -28,7 +27,7 @@ impl Memo {
     #[new]
     #[pyo3(signature = (store=None, r0_step=None))]
     fn new(py: Python<'_>, store: Option<PathBuf>, r0_step: Option<f64>) -> PyResult<Memo> {
-        let opened = || -> Result<Solved<DivisionInput>, Error> {
+        let opened = || -> Result<Solved, Error> {
             let quantisation = match r0_step {
                 None => Quantisation::DEFAULT,
                 Some(step) => Quantisation::with_relative_step(step)
@@ -36,7 +35,7 @@ impl Memo {
             };
             let memo = Solved::new(quantisation);
             Ok(match &store {
-                Some(folder) => memo.with_store(Store::open(folder, SolverVersion::current())?),
+                Some(folder) => memo.with_store(Store::open(folder)?),
                 None => memo,
             })
         };

@@ -258,9 +258,8 @@ def test_progress_is_a_bar_where_tqdm_is_installed(memo, capsys):
     assert capsys.readouterr().err == ""
 
 
-def test_version_and_fingerprint():
-    assert furrow.__version__ and len(furrow.solver_fingerprint) == 16
-    int(furrow.solver_fingerprint, 16)
+def test_versions():
+    assert furrow.__version__ and furrow.solver_version >= 1
     assert set(furrow.presets()) == {"gao2026", "sulston1983"}
     for name in furrow.__all__:
         assert getattr(furrow, name) is not None

@@ -1,11 +1,9 @@
-//! `furrow cache`: the store of solved divisions.
+//! `furrow cache`: inspects, verifies and clears the cache of solved divisions.
 
 use super::context::{Globals, cache_folder, start_logs};
 use super::error::CliError;
 use super::output::print_as;
-use crate::batch::SolverVersion;
-use crate::batch::store::upkeep;
-use crate::division::Division;
+use crate::batch::store::maintenance;
 use clap::{Args, Subcommand};
 use std::fmt::Write;
 
@@ -38,11 +36,10 @@ enum Action {
 pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
     start_logs(globals);
     let folder = cache_folder(globals)?;
-    let solver = SolverVersion::current();
     let report = match args.action {
-        Action::Verify { repair: true } => upkeep::repair::<Division>(&folder, solver)?,
-        Action::Stat | Action::Verify { repair: false } => upkeep::verify::<Division>(&folder, solver)?,
-        Action::Clear => upkeep::clear::<Division>(&folder, solver)?,
+        Action::Verify { repair: true } => maintenance::repair(&folder)?,
+        Action::Stat | Action::Verify { repair: false } => maintenance::verify(&folder)?,
+        Action::Clear => maintenance::clear(&folder)?,
     };
     print_as(globals.json, &report, || {
         let mut text = format!(
@@ -56,7 +53,7 @@ pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
         );
         if matches!(args.action, Action::Verify { .. }) {
             for damaged in &report.damaged {
-                let _ = writeln!(text, "corrupt: {} at byte {}", damaged.file.display(), damaged.offset);
+                let _ = writeln!(text, "corrupt: {damaged}");
             }
         }
         text

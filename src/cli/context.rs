@@ -4,8 +4,7 @@ use super::cell::number;
 use super::error::CliError;
 use super::interrupt;
 use super::output::Stderr;
-use crate::batch::{Memo, Progress, Quantisation, SchedulerOptions, SolverVersion, Store, StoreWarning};
-use crate::division::DivisionInput;
+use crate::batch::{Memo, Progress, Quantisation, SchedulerOptions, Store, StoreWarning};
 use crate::input::InputError;
 use crate::io::Settings;
 use crate::lineage::Units;
@@ -92,17 +91,16 @@ impl Context {
     }
 
     /// The memo, backed by the cache folder unless the cache is disabled or the default folder cannot be used.
-    pub fn memo(&self) -> Result<Memo<DivisionInput>, CliError> {
+    pub fn memo(&self) -> Result<Memo, CliError> {
         let memo = Memo::new(self.quantisation);
         if self.no_cache {
             return Ok(memo);
         }
         let store = match &self.cache {
             // A folder the user named must work.
-            Some(folder) => Store::open(folder, SolverVersion::current())?,
+            Some(folder) => Store::open(folder)?,
             None => {
-                let opened = default_folder()
-                    .and_then(|folder| Store::open(&folder, SolverVersion::current()).map_err(CliError::from));
+                let opened = default_folder().and_then(|folder| Store::open(&folder).map_err(CliError::from));
                 match opened {
                     Ok(store) => store,
                     Err(error) => {
@@ -116,7 +114,7 @@ impl Context {
     }
 
     /// How divisions are scheduled: on the threads asked for, until Ctrl-C.
-    pub fn scheduling<'a>(&self, progress: &'a dyn Fn(Progress)) -> SchedulerOptions<'a, DivisionInput> {
+    pub fn scheduling<'a>(&self, progress: &'a dyn Fn(Progress)) -> SchedulerOptions<'a> {
         SchedulerOptions {
             threads: self.threads,
             interrupt: Some(interrupt::flag()),
@@ -139,7 +137,7 @@ pub fn warning_text(warning: &StoreWarning) -> String {
 
 /// Logs warnings of the cache.
 pub fn warn_of_store(warnings: &[StoreWarning]) {
-    warnings.iter().for_each(|warning| tracing::warn!("{}", warning_text(warning)));
+    warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
 }
 
 /// The default cache folder: `cache` in the working folder if there is one, else the user's.

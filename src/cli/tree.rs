@@ -143,7 +143,7 @@ impl<'a> RunRecord<'a> {
                 max_r0_shift: summary.max_size_shift,
                 chi_effect: summary.shift_effect,
             },
-            warnings: summary.warnings.iter().map(warning_text).collect(),
+            warnings: summary.warnings.iter().map(ToString::to_string).collect(),
         }
     }
 }

@@ -19,6 +19,7 @@ mod reference_steady;
 mod search_effort;
 mod sensitivities;
 mod slow_cells;
+mod solver_version;
 mod stability;
 mod stationary;
 mod symmetric_cues;

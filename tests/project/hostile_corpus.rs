@@ -70,11 +70,6 @@ fn tables_of_constants() {
     try_all("constants", readers::constants::check);
 }
 
-#[test]
-fn stores() {
-    try_all("store", readers::store::check);
-}
-
 /// Every target has a fuzzer and a corpus, and every fuzzer is tried here.
 #[test]
 fn no_target_is_left_out() {

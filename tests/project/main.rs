@@ -1,9 +1,8 @@
-//! The project itself: its documents, the fingerprint of the solver, what fuzzers found.
+//! The project itself: its documents, the module of its page, what fuzzers found.
 
 #[path = "../common/mod.rs"]
 mod common;
 
 mod documents;
-mod fingerprint;
 mod hostile_corpus;
 mod page_artefact;

@@ -2,20 +2,20 @@
 
 use furrow::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use furrow::cell::{Cell, Numerics};
-use furrow::division::{DivisionInput, Outcome, divide};
+use furrow::division::{Outcome, divide};
 use furrow::io::founder_rows;
 use furrow::lineage::{Grower, Lineage, TerminalReason, Thresholds, Tree, TreeSettings};
 use furrow::report::TreeSummary;
 use furrow::shapes::CriticalRadii;
 
-fn grow(memo: &Memo<DivisionInput>, threads: usize, ends: &dyn Fn(&Cell) -> Option<TerminalReason>) -> (Tree, Summary) {
+fn grow(memo: &Memo, threads: usize, ends: &dyn Fn(&Cell) -> Option<TerminalReason>) -> (Tree, Summary) {
     let lineage = Lineage::c_elegans().unwrap();
     let settings = TreeSettings { r0_step: memo.quantisation().relative_step(), ..TreeSettings::default() };
     let options = SchedulerOptions { threads, ..SchedulerOptions::default() };
     Grower { lineage: &lineage, settings, ends, memo, options }.grow(divide).unwrap()
 }
 
-fn by_boundary(memo: &Memo<DivisionInput>, threads: usize) -> Tree {
+fn by_boundary(memo: &Memo, threads: usize) -> Tree {
     let ends = Thresholds::new(CriticalRadii::new(&Numerics::default()));
     let tree = grow(memo, threads, &|cell| ends.of(cell)).0;
     assert!(ends.unknown().is_empty(), "{:?}", ends.unknown());

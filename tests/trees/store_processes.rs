@@ -8,14 +8,13 @@ use std::{
     io::{BufRead, BufReader, Read, Write},
     path::Path,
     process::{Child, Command, ExitStatus, Stdio},
-    sync::Arc,
     time::Duration,
 };
 
 use furrow::{
     batch::{
-        Job, Key, Memo, Quantisation, SchedulerOptions, SolverVersion, Summary, scheduler,
-        store::{Claimed, Store, upkeep},
+        Job, Key, Memo, Quantisation, SchedulerOptions, Store, Summary, scheduler,
+        store::maintenance::{self, CacheReport},
     },
     cell::Cell,
     division::{Division, DivisionInput, Outcome},
@@ -24,8 +23,8 @@ use furrow::{
 const ROLE: &str = "FURROW_TEST_ROLE";
 const CACHE: &str = "FURROW_TEST_CACHE";
 
-fn open(cache: &Path) -> Store<Division> {
-    Store::open(cache, SolverVersion::current()).unwrap()
+fn open(cache: &Path) -> Store {
+    Store::open(cache).unwrap()
 }
 
 fn input(r0: f64) -> DivisionInput {
@@ -52,7 +51,7 @@ fn model(input: &DivisionInput) -> Division {
 }
 
 /// A whole tree as text, cells in the order of their names, and what growing it took.
-fn grow(memo: &Memo<DivisionInput>, pause: Duration) -> (String, Summary) {
+fn grow(memo: &Memo, pause: Duration) -> (String, Summary) {
     let mut radii = BTreeMap::from([(1, 5.4)]);
     let mut tree = BTreeMap::new();
     let solve = |input: &DivisionInput| {
@@ -64,10 +63,10 @@ fn grow(memo: &Memo<DivisionInput>, pause: Duration) -> (String, Summary) {
         let daughters = division.daughters.into_iter().flatten().zip([2 * cell, 2 * cell + 1]);
         let named: Vec<(f64, usize)> = daughters.collect();
         radii.extend(named.iter().map(|&(r0, cell)| (cell, r0)));
-        named.into_iter().map(|(r0, cell)| Job { id: cell, task: input(r0) }).collect()
+        named.into_iter().map(|(r0, cell)| Job { id: cell, input: input(r0) }).collect()
     };
     let options = SchedulerOptions { threads: 2, ..Default::default() };
-    let roots = vec![Job { id: 1, task: input(5.4) }];
+    let roots = vec![Job { id: 1, input: input(5.4) }];
     let summary = scheduler::run(roots, memo, &options, solve, expand).unwrap();
     (blake3::hash(format!("{tree:?}").as_bytes()).to_string(), summary)
 }
@@ -78,9 +77,15 @@ fn reference() -> (String, usize) {
     (tree, summary.solved)
 }
 
-fn numbered(number: u64) -> (Key, Arc<Division>) {
-    let key = Key::from_bytes(*blake3::hash(&number.to_le_bytes()).as_bytes());
-    (key, Arc::new(Division { t_end: number as f64, ..model(&input(3.0)) }))
+/// The key and the input of a numbered entry, and its division.
+fn numbered(number: u64) -> (Key, DivisionInput, Division) {
+    let input = DivisionInput { seed: number, ..input(3.0) };
+    (Key::new(&input), input.clone(), Division { t_end: number as f64, ..model(&input) })
+}
+
+fn commit(store: &Store, number: u64) {
+    let (key, input, division) = numbered(number);
+    store.commit(&key, &input, &division);
 }
 
 /// What this binary does when it is one of the other processes; without a role it is an empty test.
@@ -93,16 +98,9 @@ fn other_process() {
     match role.split_once(' ').unwrap_or((&role, "")) {
         ("write", first) => {
             for number in first.parse::<u64>().unwrap().. {
-                let (key, division) = numbered(number);
-                store.commit(&key, &division);
+                commit(&store, number);
                 say(format!("committed {number}\n"));
             }
-        }
-        ("claim", _) => {
-            let claimed = store.claim(&numbered(1).0);
-            assert!(matches!(claimed, Claimed::Yours(Some(_))));
-            say("claimed\n".to_owned());
-            std::thread::sleep(Duration::from_secs(60));
         }
         ("grow", _) => {
             let (tree, summary) = grow(&Memo::new(Quantisation::DEFAULT).with_store(store), Duration::from_millis(2));
@@ -158,8 +156,8 @@ fn grown(child: Child) -> Grown {
     }
 }
 
-fn verify(cache: &Path) -> upkeep::CacheReport {
-    upkeep::verify::<Division>(cache, SolverVersion::current()).unwrap()
+fn verify(cache: &Path) -> CacheReport {
+    maintenance::verify(cache).unwrap()
 }
 
 #[test]
@@ -184,8 +182,8 @@ fn fifty_killed_writers_lose_no_committed_entry() {
         }
         std::thread::sleep(Duration::from_micros((random >> 33) % 15_000));
         let before = committed.len();
-        let own = u64::MAX - round;
-        witness.commit(&numbered(own).0, &numbered(own).1);
+        let own = (1 << 40) + round;
+        commit(&witness, own);
         committed.push(own);
         child.kill().unwrap();
         child.wait().unwrap();
@@ -202,26 +200,26 @@ fn fifty_killed_writers_lose_no_committed_entry() {
         let store = open(cache.path());
         let looked_for = if round % 10 == 9 { &committed[..] } else { &committed[before..] };
         for &number in looked_for {
-            let (key, division) = numbered(number);
+            let (key, _, division) = numbered(number);
             assert_eq!(store.get(&key), Some(division), "entry {number} in round {round}");
         }
     }
-    witness.commit(&numbered(next).0, &numbered(next).1);
+    commit(&witness, next);
     let report = verify(cache.path());
-    assert_eq!((report.corrupt, report.duplicates), (0, 0));
+    assert_eq!((report.corrupt, witness.take_warnings()), (0, vec![]));
     assert!(report.entries > committed.len());
 }
 
 #[test]
-fn two_processes_on_one_cache_share_the_work_and_agree() {
+fn four_processes_on_one_cache_agree() {
     let (tree, solved) = reference();
     let cache = tempfile::tempdir().unwrap();
-    let children = [0, 1].map(|_| other_process_command("grow", cache.path()).spawn().unwrap());
-    let [left, right] = children.map(grown);
-    assert_eq!((&left.tree, &right.tree), (&tree, &tree));
-    assert_eq!(left.solved + right.solved, solved);
+    let children = [0; 4].map(|_| other_process_command("grow", cache.path()).spawn().unwrap());
+    for child in children.map(grown) {
+        assert_eq!((&child.tree, child.warnings), (&tree, 0));
+    }
     let report = verify(cache.path());
-    assert_eq!((report.entries, report.corrupt, report.duplicates), (solved, 0, 0));
+    assert_eq!((report.entries, report.corrupt), (solved, 0));
 }
 
 #[test]
@@ -241,25 +239,7 @@ fn a_grower_killed_again_and_again_ends_with_the_same_tree() {
     assert_eq!(last.tree, tree);
     assert!(last.solved <= solved.div_ceil(2));
     let report = verify(cache.path());
-    assert_eq!((report.entries, report.corrupt, report.duplicates), (solved, 0, 0));
-}
-
-#[test]
-fn the_claim_of_a_dead_process_holds_nobody_up() {
-    let cache = tempfile::tempdir().unwrap();
-    let mut child = other_process_command("claim", cache.path()).spawn().unwrap();
-    let mut reader = BufReader::new(child.stdout.take().unwrap());
-    let mut line = String::new();
-    while !line.contains("claimed") {
-        line.clear();
-        assert!(reader.read_line(&mut line).unwrap() > 0, "the process claimed nothing");
-    }
-    let store = open(cache.path());
-    let key = numbered(1).0;
-    assert!(matches!(store.claim(&key), Claimed::Busy));
-    child.kill().unwrap();
-    child.wait().unwrap();
-    assert!(matches!(store.claim(&key), Claimed::Yours(Some(_))));
+    assert_eq!((report.entries, report.corrupt), (solved, 0));
 }
 
 /// A limit on the size of files stands in for the full disk.
@@ -269,12 +249,12 @@ fn a_full_disk_is_reported_and_the_tree_still_grows() {
     let (tree, solved) = reference();
     let cache = tempfile::tempdir().unwrap();
     let mut command = Command::new("sh");
-    command.args(["-c", r#"trap "" XFSZ; ulimit -f 2; exec "$0" "$@""#]).arg(env::current_exe().unwrap());
+    command.args(["-c", r#"trap "" XFSZ; ulimit -f 160; exec "$0" "$@""#]).arg(env::current_exe().unwrap());
     as_other_process(&mut command, "grow", cache.path());
     let full = grown(command.spawn().unwrap());
     assert_eq!((&full.tree, full.solved, full.warnings), (&tree, solved, 1));
     let report = verify(cache.path());
-    assert!(report.entries >= 4 && report.entries < solved, "{report:?}");
+    assert!(report.entries >= 1 && report.entries < solved, "{report:?}");
     assert_eq!(report.corrupt, 0);
 
     // With space again, the next run adds what is missing.

@@ -1,67 +1,41 @@
-//! What makes two tasks the same: canonical bytes, hashed.
+//! What makes two divisions the same: canonical bytes of the input, hashed.
 
 use std::{
     collections::HashMap,
     hash::{BuildHasherDefault, Hasher},
 };
 
-use super::task::Task;
+use crate::cell::cue::profile::NAMES;
+use crate::cell::cue::{Field, Quantity, Term, Width};
+use crate::cell::{Cell, Cue, Material, Numerics, RigidityGradient, Scheme, Shell};
+use crate::division::DivisionInput;
 
-/// Raised by hand when results change for a reason outside the solver's sources (a dependency, say).
-const SOLVER_REVISION: u32 = 1;
-
-/// Version of how [`CanonicalBytes`] writes.
-const KEY_LAYOUT: u32 = 1;
-
-/// Identifies the code that solves. Records of different solvers are never mixed.
+/// Version of the solver. Stored divisions of another version are not used.
 ///
-/// It is derived at build time from the sources listed in the build script, so that editing the solver cannot leave a
-/// stale record in a store.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct SolverVersion(u64);
+/// Raise it with every change of what a division gives, to the last bit. The test `solver_version` compares the bits of
+/// a dozen divisions with those stored for this version.
+pub const SOLVER_VERSION: u32 = 1;
 
-impl SolverVersion {
-    /// The solver of this build.
-    pub fn current() -> Self {
-        // The build script prints decimal digits; were they anything else, zero is still one definite version.
-        let fingerprint: u64 = env!("FURROW_SOLVER_FINGERPRINT").parse().unwrap_or(0);
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(&KEY_LAYOUT.to_le_bytes());
-        hasher.update(&SOLVER_REVISION.to_le_bytes());
-        hasher.update(&fingerprint.to_le_bytes());
-        let mut bytes = [0; 8];
-        bytes.copy_from_slice(&hasher.finalize().as_bytes()[..8]);
-        SolverVersion(u64::from_le_bytes(bytes))
-    }
+/// Version of the canonical bytes, padded to the length they have always had: shards of sweeps depend on it.
+const LAYOUT: [u8; 12] = [1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
 
-    /// A version with a given number, for stores of other solvers and tests.
-    pub const fn new(number: u64) -> Self {
-        SolverVersion(number)
-    }
-
-    /// The version as a number.
-    pub const fn number(self) -> u64 {
-        self.0
-    }
-}
-
-/// Hash of everything the record of a task depends on.
+/// Hash of everything a division depends on but the solver.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Key([u8; 32]);
 
 impl Key {
-    /// The key of `task` as it stands (round its size first) for `solver`.
-    pub fn new(task: &impl Task, solver: SolverVersion) -> Key {
+    /// The key of `input`; round its size first.
+    pub fn new(input: &DivisionInput) -> Key {
+        // A new field does not compile until it gets its place here and in the functions below.
+        let DivisionInput { cell, numerics, seed } = input;
         let mut bytes = CanonicalBytes(Vec::with_capacity(256));
-        bytes.0.extend_from_slice(&KEY_LAYOUT.to_le_bytes());
-        bytes.count(solver.number());
-        task.write_canonical(&mut bytes);
+        bytes.0.extend_from_slice(&LAYOUT);
+        // Short, so that a cell without a cue fits into three blocks of the hash, where look-ups spend their time.
+        bytes.0.extend_from_slice(b"division\xff");
+        bytes.cell(cell);
+        bytes.numerics(numerics);
+        bytes.count(*seed);
         Key(*blake3::hash(&bytes.0).as_bytes())
-    }
-
-    /// The key with the given bytes.
-    pub const fn from_bytes(bytes: [u8; 32]) -> Key {
-        Key(bytes)
     }
 
     /// The key's bytes.
@@ -77,56 +51,81 @@ impl Key {
     }
 }
 
-impl std::fmt::Display for Key {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
-    }
-}
-
 impl std::fmt::Debug for Key {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Key({self})")
+        write!(f, "Key({:016x}…)", self.prefix().swap_bytes())
     }
 }
 
 /// The bytes a key is the hash of: little-endian, with one form for each value.
-#[derive(Debug)]
-pub struct CanonicalBytes(Vec<u8>);
+struct CanonicalBytes(Vec<u8>);
 
 impl CanonicalBytes {
-    /// Adds a name.
-    pub fn name(&mut self, name: &str) {
-        self.0.extend_from_slice(name.as_bytes());
-        // Never part of a text, so that no two sequences of values run into the same bytes.
-        self.0.push(0xff);
+    fn choice(&mut self, number: usize) {
+        self.0.push(number.min(255) as u8);
     }
 
-    /// Adds which of several alternatives is chosen.
-    pub fn choice(&mut self, number: u8) {
-        self.0.push(number);
-    }
-
-    /// Adds a number of things.
-    pub fn count(&mut self, number: u64) {
+    fn count(&mut self, number: u64) {
         self.0.extend_from_slice(&number.to_le_bytes());
     }
 
-    /// Adds a real number; −0 is written as 0 and every NaN as the same one.
-    pub fn real(&mut self, value: f64) {
-        let canonical = if value.is_nan() {
-            f64::NAN
-        } else {
-            value + 0.0 // −0 + 0 = 0
-        };
-        self.0.extend_from_slice(&canonical.to_bits().to_le_bytes());
+    /// −0 is written as 0 and every NaN as the same one.
+    fn reals(&mut self, values: impl IntoIterator<Item = f64>) {
+        for value in values {
+            let canonical = if value.is_nan() { f64::NAN } else { value + 0.0 };
+            self.count(canonical.to_bits());
+        }
+    }
+
+    fn cell(&mut self, cell: &Cell) {
+        let Cell { r0, epsilon, xi_s, cue, material, shell } = cell;
+        let Material { kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient } = *material;
+        let Shell { aspect, p0, w } = *shell;
+        self.reals([*r0, *epsilon, *xi_s, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, aspect, p0, w]);
+        self.choice(match rigidity_gradient {
+            RigidityGradient::Full => 0,
+            RigidityGradient::Dropped => 1,
+        });
+        self.cue(cue);
+    }
+
+    /// The terms that do something, in their order: in another order the last digit of their sum may be another.
+    fn cue(&mut self, cue: &Cue) {
+        let cue = cue.simplified();
+        // Every term says what it is, so that the number of them only has to part them from what follows.
+        self.choice(cue.terms().len());
+        for Term { field, profile, amplitude } in cue.terms() {
+            self.choice(Field::ALL.iter().position(|other| other == field).unwrap_or(Field::ALL.len()));
+            self.choice(NAMES.iter().position(|name| *name == profile.name()).unwrap_or(NAMES.len()));
+            let numbers = [profile.quantity(Quantity::U0), profile.quantity(Quantity::Omega), Some(*amplitude)];
+            self.reals(numbers.into_iter().flatten());
+            self.choice(usize::from(matches!(profile.width(), Some(Width::Length(_)))));
+        }
+    }
+
+    fn numerics(&mut self, numerics: &Numerics) {
+        let Numerics {
+            stages,
+            intervals,
+            scheme,
+            dt,
+            first_step,
+            time_tolerance,
+            step_factor,
+            t_max,
+            noise,
+            chi_symmetric,
+        } = *numerics;
+        self.count(stages as u64);
+        self.count(intervals as u64);
+        // The converged scheme does not use `dt`.
+        let dt = if scheme == Scheme::Published { dt } else { 0.0 };
+        self.reals([dt, first_step, time_tolerance, step_factor, t_max, noise, chi_symmetric]);
     }
 }
 
 /// A table by key.
-pub(super) type KeyMap<V> = HashMap<Key, V, PrefixState>;
-
-/// Builds the hasher of tables by key.
-pub(super) type PrefixState = BuildHasherDefault<PrefixHasher>;
+pub(super) type KeyMap<V> = HashMap<Key, V, BuildHasherDefault<PrefixHasher>>;
 
 /// Takes the hash from the key, which is one already.
 #[derive(Debug, Default)]
@@ -149,30 +148,91 @@ impl Hasher for PrefixHasher {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
-    use crate::batch::stick::Stick;
+
+    fn input(r0: f64) -> DivisionInput {
+        DivisionInput { seed: 1, ..DivisionInput::new(Cell::new(r0)) }
+    }
+
+    /// The places where an input can differ, each as a setter.
+    fn setters() -> Vec<fn(&mut DivisionInput, f64)> {
+        vec![
+            |i, x| i.cell.material.kappa = x,
+            |i, x| i.cell.material.eta_b = x,
+            |i, x| i.cell.material.eta_s = x,
+            |i, x| i.cell.material.friction = x,
+            |i, x| i.cell.material.tension = x,
+            |i, x| i.cell.xi_s = x,
+            |i, x| i.cell.material.xi_ratio = x,
+            |i, x| i.cell.material.gain = x,
+            |i, x| i.cell.shell.aspect = x,
+            |i, x| i.cell.shell.p0 = x,
+            |i, x| i.cell.shell.w = x,
+            |i, x| i.cell.epsilon = x,
+            |i, x| i.numerics.time_tolerance = x,
+            |i, x| i.numerics.step_factor = x,
+            |i, x| i.numerics.t_max = x,
+            |i, x| i.numerics.chi_symmetric = x,
+            |i, x| i.numerics.noise = x,
+            |i, x| i.cell.r0 = x,
+            |i, x| i.cell.cue = Cue::kappa_band(x, 0.1, 0.1),
+            |i, x| i.cell.cue = Cue::kappa_band(0.1, x, 0.1),
+            |i, x| i.cell.cue = Cue::kappa_band(0.1, 0.1, x),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn equal_keys_mean_equal_values(place in 0..21_usize, a in -10.0..10.0_f64, b in -10.0..10.0_f64) {
+            let set = setters()[place];
+            let (mut left, mut right) = (input(2.0), input(2.0));
+            set(&mut left, a);
+            set(&mut right, b);
+            prop_assert_eq!(Key::new(&left) == Key::new(&right), a == b);
+            set(&mut right, a);
+            prop_assert_eq!(Key::new(&left), Key::new(&right));
+        }
+
+        #[test]
+        fn a_value_in_two_places_gives_two_keys(p in 0..18_usize, q in 0..18_usize, x in 20.0..30.0_f64) {
+            let (mut left, mut right) = (input(2.0), input(2.0));
+            setters()[p](&mut left, x);
+            setters()[q](&mut right, x);
+            prop_assert_eq!(Key::new(&left) == Key::new(&right), p == q || x == 25.0);
+        }
+    }
 
     #[test]
     fn zeros_of_either_sign_and_all_nans_are_the_same() {
-        let key = |length| Key::new(&Stick::new(length), SolverVersion::new(7));
+        let key = |r0| Key::new(&input(r0));
         assert_eq!(key(0.0), key(-0.0));
         assert_eq!(key(f64::NAN), key(-f64::NAN));
         assert_ne!(key(0.0), key(f64::MIN_POSITIVE));
     }
 
     #[test]
-    fn the_solver_is_in_the_key() {
-        let stick = Stick::new(2.0);
-        assert_ne!(Key::new(&stick, SolverVersion::new(7)), Key::new(&stick, SolverVersion::new(8)));
-    }
-
-    #[test]
-    fn names_do_not_run_into_each_other() {
-        let bytes = |names: [&str; 2]| {
-            let mut bytes = CanonicalBytes(Vec::new());
-            names.iter().for_each(|name| bytes.name(name));
-            bytes.0
-        };
-        assert_ne!(bytes(["ab", "c"]), bytes(["a", "bc"]));
+    fn counts_choices_and_seed_are_in_the_key() {
+        let base = input(2.0);
+        let mut variants = vec![base.clone(); 7];
+        variants[0].numerics.stages += 1;
+        variants[1].numerics.intervals += 2;
+        variants[2].seed += 1;
+        variants[3].cell.material.rigidity_gradient = RigidityGradient::Dropped;
+        // One number as a width in u and in L_h, and for two fields.
+        for (k, cue) in [(4, "kappa:u0=0.4,omega=0.1,amplitude=0.2"), (5, "kappa:u0=0.4,omega=0.1Lh,amplitude=0.2")] {
+            variants[k].cell.cue = cue.parse().unwrap();
+        }
+        variants[6].cell.cue = "activity:u0=0.4,omega=0.1,amplitude=0.2".parse().unwrap();
+        let mut keys: Vec<Key> = variants.iter().map(Key::new).collect();
+        keys.push(Key::new(&base));
+        keys.sort();
+        keys.dedup();
+        assert_eq!(keys.len(), 8);
+        // A cue that does nothing is none.
+        let idle = Cue::kappa_band(0.465, 0.0577, 0.0);
+        let idle = DivisionInput { cell: base.cell.clone().with_cue(idle), ..base.clone() };
+        assert_eq!(Key::new(&idle), Key::new(&base));
     }
 }

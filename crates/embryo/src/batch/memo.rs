@@ -1,262 +1,271 @@
-//! The memo: no task is solved twice.
+//! The memo: no division is solved twice.
 //!
-//! Every task is looked up by its [`Key`]. The first to ask for an unknown key gets a [`Ticket`], the duty to solve it;
-//! whoever asks before it is solved leaves the sending end of a channel and goes on with other work. Nobody ever blocks on
-//! a key, and no guard of the table is held while solving, sending or waiting.
+//! Every division is looked up by its [`Key`]. The first to ask for an unknown key gets a [`Lease`], the duty to solve
+//! it; all others leave the sending end of a channel and go on with other work. Nobody blocks on a key, and no lock of
+//! the table is held while solving, sending or reading the store.
 
-use std::sync::{Arc, mpsc::Sender};
-
-use dashmap::{DashMap, Entry};
-
-use super::{
-    key::{Key, PrefixState, SolverVersion},
-    quantisation::Quantisation,
-    store::{Claim, Claimed, Store},
-    task::{Record, Task},
+use std::{
+    collections::hash_map::Entry,
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc::Sender},
 };
 
-/// Records solved so far or being solved, shared by any number of runs and threads.
+use super::{
+    key::{Key, KeyMap},
+    quantisation::Quantisation,
+    store::Store,
+};
+use crate::cell::Cell;
+use crate::division::{Division, DivisionError, DivisionInput};
+
+/// Divisions solved so far or being solved, shared by any number of runs and threads.
 #[derive(Debug)]
-pub struct Memo<T: Task> {
+pub struct Memo {
     quantisation: Quantisation,
-    solver: SolverVersion,
-    table: DashMap<Key, Slot<T>, PrefixState>,
-    store: Option<Store<T::Record>>,
+    table: Mutex<KeyMap<Slot>>,
+    store: Option<Store>,
 }
 
 #[derive(Debug)]
-enum Slot<T: Task> {
-    Solved(Arc<T::Record>),
-    /// Being solved; these are told when it is.
-    InFlight(Vec<Sender<Notice<T>>>),
+enum Slot {
+    Solved(Arc<Division>),
+    /// Being solved; these get the [`Event`].
+    InFlight(Vec<Sender<Event>>),
 }
 
-/// Word to a waiter about a key.
+/// The end of a lease, sent to all who wait for its key.
 #[derive(Clone, Debug)]
-pub struct Notice<T: Task> {
+pub struct Event {
     /// The key waited for.
     pub key: Key,
     /// What became of it.
-    pub news: News<T>,
+    pub completion: Completion,
 }
 
 /// What became of a key that was in flight.
 #[derive(Clone, Debug)]
-pub enum News<T: Task> {
+pub enum Completion {
     /// Solved, just now.
-    Solved(Arc<T::Record>),
+    Solved(Arc<Division>),
     /// Another process solved it meanwhile.
-    Stored(Arc<T::Record>),
+    Stored(Arc<Division>),
     /// Could not be solved.
-    Failed(Failure<T::Error>),
-    /// Whoever was to solve it gave up; ask again.
+    Failed(Failure),
+    /// The lease was dropped; ask again.
     Abandoned,
 }
 
-/// Why a task has no record.
+/// Why a division is not known.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Failure<E> {
+pub enum Failure {
     /// The solver says why.
     #[error(transparent)]
-    Unsolved(E),
+    Unsolved(DivisionError),
     /// The solver panicked: a defect of the program.
-    #[error("the solver broke off: {0} (a defect of furrow, please report it)")]
+    #[error("internal error: the solver panicked: {0} (please report it)")]
     Panicked(String),
 }
 
 /// The answer to a request.
 #[derive(Debug)]
-pub enum Request<'m, T: Task> {
+pub enum Request<'m> {
     /// Known.
-    Known(Arc<T::Record>),
+    Known(Arc<Division>),
     /// Known to the store, and now to the memo.
-    Stored(Arc<T::Record>),
-    /// Being solved by another; a [`Notice`] will come.
+    Stored(Arc<Division>),
+    /// Being solved by another; an [`Event`] will come.
     Pending,
-    /// Nobody has it: the asker is to solve it. A [`Notice`] comes to the asker as well.
-    Yours(Ticket<'m, T>),
+    /// The caller is to solve it. An [`Event`] comes to the caller as well.
+    Leased(Lease<'m>),
 }
 
-impl<T: Task> Memo<T> {
-    /// An empty memo of this build's solver, in memory only.
-    pub fn new(quantisation: Quantisation) -> Memo<T> {
-        Memo { quantisation, solver: SolverVersion::current(), table: DashMap::default(), store: None }
+impl Memo {
+    /// An empty memo, in memory only.
+    pub fn new(quantisation: Quantisation) -> Memo {
+        Memo { quantisation, table: Mutex::default(), store: None }
     }
 
-    /// The same, on a store: what it holds is known, and what is solved is committed to it.
-    pub fn with_store(self, store: Store<T::Record>) -> Memo<T> {
+    /// The same over a store: what it holds is known, and what is solved is committed to it.
+    pub fn with_store(self, store: Store) -> Memo {
         Memo { store: Some(store), ..self }
     }
 
     /// The store, if there is one.
-    pub fn store(&self) -> Option<&Store<T::Record>> {
+    pub fn store(&self) -> Option<&Store> {
         self.store.as_ref()
     }
 
-    /// How sizes are rounded.
+    /// How radii are rounded.
     pub fn quantisation(&self) -> Quantisation {
         self.quantisation
     }
 
-    /// The task that is solved in place of `task`: its size rounded.
-    pub fn canonical(&self, task: &T) -> T {
-        task.with_size(self.quantisation.apply(task.size()))
+    /// The division that is solved in place of `input`: its radius rounded.
+    pub fn canonical(&self, input: &DivisionInput) -> DivisionInput {
+        let cell = Cell { r0: self.quantisation.apply(input.cell.r0), ..input.cell.clone() };
+        DivisionInput { cell, ..*input }
     }
 
-    /// The key of a canonical task.
-    pub fn key(&self, canonical: &T) -> Key {
-        Key::new(canonical, self.solver)
-    }
-
-    /// The record of a task if the memo or its store knows it, for who wants nothing solved.
+    /// The division if the memo or its store knows it, without solving.
     ///
     /// ```
     /// use furrow::batch::{Memo, Quantisation};
     /// use furrow::cell::Cell;
     /// use furrow::division::DivisionInput;
     ///
-    /// let memo: Memo<DivisionInput> = Memo::new(Quantisation::DEFAULT);
+    /// let memo = Memo::new(Quantisation::DEFAULT);
     /// assert_eq!(memo.known(&DivisionInput::new(Cell::new(2.0))), None);
     /// ```
-    pub fn known(&self, task: &T) -> Option<T::Record> {
-        let canonical = self.canonical(task);
-        let key = self.key(&canonical);
-        // No guard is held while the store is asked.
-        let here = self.table.get(&key).map(|slot| match slot.value() {
-            Slot::Solved(record) => Some(Arc::clone(record)),
-            Slot::InFlight(_) => None,
-        });
-        let record = match here {
+    pub fn known(&self, input: &DivisionInput) -> Option<Division> {
+        let canonical = self.canonical(input);
+        let key = Key::new(&canonical);
+        let here = self.lock().get(&key).map(Slot::solved);
+        let division = match here {
             Some(here) => here?,
-            None => self.store.as_ref()?.get(&key)?,
+            None => self.stored(&key)?,
         };
-        Some(record.scaled(task.size() / canonical.size()))
+        Some(scaled(&division, input.cell.r0 / canonical.cell.r0))
     }
 
-    /// Records known.
+    /// Divisions known.
     pub fn len(&self) -> usize {
-        self.table.iter().filter(|entry| matches!(entry.value(), Slot::Solved(_))).count()
+        self.lock().values().filter(|slot| matches!(slot, Slot::Solved(_))).count()
     }
 
-    /// Whether no record is known.
+    /// Whether no division is known.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Asks for a record. Unless it is known, `waiter` is told once when it is solved, failed or given up.
-    pub fn request(&self, key: Key, waiter: &Sender<Notice<T>>) -> Request<'_, T> {
-        // A shared guard suffices for what is known, the usual case.
-        let absent = match self.table.get(&key).as_deref() {
-            Some(Slot::Solved(record)) => return Request::Known(Arc::clone(record)),
+    /// Asks for a division. Unless it is known, `waiter` gets one [`Event`].
+    pub fn request(&self, key: Key, waiter: &Sender<Event>) -> Request<'_> {
+        let absent = match self.lock().get(&key) {
+            Some(Slot::Solved(division)) => return Request::Known(Arc::clone(division)),
             Some(Slot::InFlight(_)) => false,
             None => true,
         };
-        let stored = if absent { self.store.as_ref().and_then(|store| store.get(&key)) } else { None };
-        match self.table.entry(key) {
-            Entry::Occupied(mut occupied) => match occupied.get_mut() {
-                Slot::Solved(record) => Request::Known(Arc::clone(record)),
+        let stored = if absent { self.stored(&key) } else { None };
+        match (self.lock().entry(key), stored) {
+            (Entry::Occupied(mut occupied), _) => match occupied.get_mut() {
+                Slot::Solved(division) => Request::Known(Arc::clone(division)),
                 Slot::InFlight(waiters) => {
                     waiters.push(waiter.clone());
                     Request::Pending
                 }
             },
-            Entry::Vacant(vacant) => match stored {
-                Some(record) => {
-                    vacant.insert(Slot::Solved(Arc::clone(&record)));
-                    Request::Stored(record)
-                }
-                None => {
-                    vacant.insert(Slot::InFlight(vec![waiter.clone()]));
-                    Request::Yours(Ticket { memo: self, key, open: true })
-                }
-            },
+            (Entry::Vacant(vacant), Some(division)) => {
+                vacant.insert(Slot::Solved(Arc::clone(&division)));
+                Request::Stored(division)
+            }
+            (Entry::Vacant(vacant), None) => {
+                vacant.insert(Slot::InFlight(vec![waiter.clone()]));
+                Request::Leased(Lease { memo: self, key, open: true })
+            }
         }
     }
 
-    /// Replaces an in-flight slot and returns who waited for it. The guard is gone when this returns.
-    fn settle(&self, key: Key, solved: Option<Arc<T::Record>>) -> Vec<Sender<Notice<T>>> {
-        let before = match solved {
-            Some(record) => self.table.insert(key, Slot::Solved(record)),
-            None => self.table.remove(&key).map(|(_, slot)| slot),
-        };
-        match before {
-            Some(Slot::InFlight(waiters)) => waiters,
-            Some(Slot::Solved(_)) | None => Vec::new(),
+    fn stored(&self, key: &Key) -> Option<Arc<Division>> {
+        self.store.as_ref()?.get(key).map(Arc::new)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, KeyMap<Slot>> {
+        // Nothing panics while it is held.
+        self.table.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Slot {
+    fn solved(&self) -> Option<Arc<Division>> {
+        match self {
+            Slot::Solved(division) => Some(Arc::clone(division)),
+            Slot::InFlight(_) => None,
         }
     }
 }
 
-/// The duty to solve one task, held by exactly one at a time. Dropped unused, it lets the waiters ask again.
+/// A division as it is handed to a cell of `factor` times the radius that was solved. The daughters' radii go with the
+/// cell's, so that no volume is lost to rounding.
+pub(super) fn scaled(division: &Division, factor: f64) -> Division {
+    let daughters = division.daughters.map(|radii| radii.map(|r0| r0 * factor));
+    Division { daughters, ..division.clone() }
+}
+
+/// The duty to solve one division, held by exactly one at a time. Dropped unused, it lets the waiters ask again.
 #[derive(Debug)]
-pub struct Ticket<'m, T: Task> {
-    memo: &'m Memo<T>,
+pub struct Lease<'m> {
+    memo: &'m Memo,
     key: Key,
     open: bool,
 }
 
-/// What became of a ticket when other processes were asked.
-#[derive(Debug)]
-pub enum Turn<'m, T: Task> {
-    /// To be solved here. The claim is to be kept until it is.
-    Solve(Ticket<'m, T>, Option<Claim>),
-    /// Another process is at it; claim again later.
-    Busy(Ticket<'m, T>),
-    /// Another process has solved it; the waiters have been told.
-    Stored,
-}
-
-impl<'m, T: Task> Ticket<'m, T> {
+impl Lease<'_> {
     /// The key to solve.
     pub fn key(&self) -> Key {
         self.key
     }
 
-    /// Hands in the record just solved, and commits it to the store before anybody is told.
-    pub fn solved(self, record: T::Record) {
-        let record = Arc::new(record);
-        if let Some(store) = &self.memo.store {
-            store.commit(&self.key, &record);
-        }
-        self.close(Some(Arc::clone(&record)), News::Solved(record));
-    }
-
-    /// Asks to solve the task as far as other processes are concerned. `insist` solves it even if one is at it.
-    pub fn claim(self, insist: bool) -> Turn<'m, T> {
-        match self.memo.store.as_ref().map(|store| store.claim(&self.key)) {
-            None => Turn::Solve(self, None),
-            Some(Claimed::Yours(claim)) => Turn::Solve(self, claim),
-            Some(Claimed::Busy) if insist => Turn::Solve(self, None),
-            Some(Claimed::Busy) => Turn::Busy(self),
-            Some(Claimed::Stored(record)) => {
-                self.close(Some(Arc::clone(&record)), News::Stored(record));
-                Turn::Stored
-            }
-        }
-    }
-
-    /// Says that the task cannot be solved. Failures are not remembered.
-    pub fn failed(self, failure: Failure<T::Error>) {
-        self.close(None, News::Failed(failure));
-    }
-
-    fn close(mut self, record: Option<Arc<T::Record>>, news: News<T>) {
+    /// Solves `input` unless another process has done so meanwhile, stores the result, and tells the waiters.
+    pub fn solve(mut self, input: &DivisionInput, solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError>) {
         self.open = false;
-        self.tell(record, &news);
+        let completion = match self.memo.stored(&self.key) {
+            Some(division) => Completion::Stored(division),
+            // A panic must not take the pool, and with it the process, down: it would lose what the others solve.
+            None => match catch_unwind(AssertUnwindSafe(|| solve(input))) {
+                Ok(Ok(division)) => {
+                    if let Some(store) = &self.memo.store {
+                        store.commit(&self.key, input, &division);
+                    }
+                    Completion::Solved(Arc::new(division))
+                }
+                Ok(Err(error)) => Completion::Failed(Failure::Unsolved(error)),
+                Err(payload) => Completion::Failed(Failure::Panicked(panic_text(payload.as_ref()))),
+            },
+        };
+        self.complete(completion);
     }
 
-    fn tell(&self, record: Option<Arc<T::Record>>, news: &News<T>) {
-        for waiter in self.memo.settle(self.key, record) {
+    /// Replaces the slot in flight and tells those who wait for it. Failures are not remembered.
+    fn complete(&self, completion: Completion) {
+        let before = match &completion {
+            Completion::Solved(division) | Completion::Stored(division) => {
+                self.memo.lock().insert(self.key, Slot::Solved(Arc::clone(division)))
+            }
+            Completion::Failed(_) | Completion::Abandoned => self.memo.lock().remove(&self.key),
+        };
+        let Some(Slot::InFlight(waiters)) = before else { return };
+        for waiter in waiters {
             // A waiter that is gone no longer wants to know.
-            let _ = waiter.send(Notice { key: self.key, news: news.clone() });
+            let _ = waiter.send(Event { key: self.key, completion: completion.clone() });
         }
     }
 }
 
-impl<T: Task> Drop for Ticket<'_, T> {
+impl Drop for Lease<'_> {
     fn drop(&mut self) {
         if self.open {
-            self.tell(None, &News::Abandoned);
+            self.complete(Completion::Abandoned);
         }
+    }
+}
+
+fn panic_text(payload: &(dyn std::any::Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::fake;
+
+    #[test]
+    fn the_daughters_of_a_scaled_division_have_its_volume() {
+        let daughters = Some([0.4_f64, 0.6].map(|share| 2.0 * share.cbrt()));
+        let division = Division { daughters, ..fake::divide(&fake::input(2.0)) };
+        let larger = scaled(&division, 1.001);
+        let volume: f64 = larger.daughters.unwrap().iter().map(|r0| r0.powi(3)).sum();
+        assert!((volume / 2.002_f64.powi(3) - 1.0).abs() < 1e-14);
+        assert_eq!(Division { daughters: division.daughters, ..larger }, division);
     }
 }

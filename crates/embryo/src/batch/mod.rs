@@ -1,12 +1,10 @@
-//! Many things computed once each: what is known is looked up, what is not is solved on all cores and kept for the next
-//! run and for other processes.
+//! Many divisions, each solved once: what is known is looked up, the rest is solved on all cores and kept for the next run
+//! and for other processes.
 //!
-//! What is computed is a [`Task`], what comes of it a [`Record`]; [`division`] says what these are for cells that divide,
-//! [`mod@replicates`], [`mod@perturbations`] and [`phase`] solve many of them,
-//! and these alone know of cells. [`scheduler::run`] asks the [`Memo`] for the record of every task; the
-//! memo asks the [`Store`], which shares a folder with other processes.
+//! [`scheduler::run`] asks the [`Memo`] for every division and solves what it does not know. The memo asks the [`Store`],
+//! which shares a file with other processes. [`mod@replicates`], [`mod@perturbations`] and [`phase`] solve many divisions for
+//! one question.
 
-pub mod division;
 pub mod key;
 pub mod memo;
 pub mod perturbations;
@@ -15,16 +13,16 @@ pub mod quantisation;
 pub mod replicates;
 pub mod scheduler;
 pub mod store;
-pub mod task;
 
 #[cfg(test)]
-mod stick;
+mod fake;
 
-pub use key::{Key, SolverVersion};
+pub use key::{Key, SOLVER_VERSION};
 pub use memo::{Failure, Memo};
 pub use phase::{PhaseDiagram, PhasePlane};
 pub use quantisation::Quantisation;
 pub use replicates::{Replicates, replicates};
 pub use scheduler::{Job, Progress, SchedulerError, SchedulerOptions, Summary, Unsolved};
-pub use store::{Store, StoreError, StoreWarning};
-pub use task::{Record, Task};
+#[cfg(feature = "store")]
+pub use store::StoreError;
+pub use store::{Store, StoreWarning};

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::scheduler::{self, SchedulerError};
-use crate::division::{DivisionError, DivisionInput};
+use crate::division::DivisionInput;
 use crate::perturbation::{Perturbation, PerturbationError, perturbed_from};
 use crate::shapes::stationary;
 
@@ -25,7 +25,7 @@ pub fn perturbations(
     count: usize,
     until: f64,
     threads: usize,
-) -> Result<Vec<Disturbed>, SchedulerError<DivisionError>> {
+) -> Result<Vec<Disturbed>, SchedulerError> {
     let start = stationary(&input.cell, &input.numerics);
     let one = |k: usize| {
         let seed = input.seed.wrapping_add(k as u64);

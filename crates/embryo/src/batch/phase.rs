@@ -7,9 +7,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::memo::{Failure, Memo};
-use super::scheduler::{self, Job, SchedulerError, SchedulerOptions, Summary};
+use super::scheduler::{self, SchedulerError, SchedulerOptions, Solved, Summary};
 use crate::cell::{Cell, Numerics, Parameter};
-use crate::division::{Division, DivisionError, DivisionInput, Outcome, divide};
+use crate::division::{Division, DivisionInput, Outcome, divide};
 use crate::shapes::at_rest::{Edge, RestShapes, rest_shapes};
 use crate::shapes::error::ShapeError;
 
@@ -64,7 +64,7 @@ pub enum PhaseOutcome {
 /// How it is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum By {
+pub enum Evidence {
     /// A stable shape exists.
     Curves,
     /// A division was solved in time.
@@ -83,7 +83,7 @@ pub struct PhaseCell {
     /// χ of its division.
     pub chi: Option<f64>,
     /// How that is known.
-    pub by: By,
+    pub by: Evidence,
 }
 
 /// The exact edges at one value across.
@@ -108,7 +108,7 @@ pub struct PhaseDiagram {
     /// Edges by column.
     pub columns: Vec<Column>,
     /// Why divisions are undecided, and how many, if any are.
-    pub undecided: Option<(Failure<DivisionError>, usize)>,
+    pub undecided: Option<(Failure, usize)>,
     /// What solving the divisions took.
     pub summary: Summary,
 }
@@ -127,7 +127,7 @@ impl PhasePlane {
     }
 
     /// The stable shapes of every column, on all cores.
-    fn columns(&self, threads: usize) -> Result<Vec<Column>, SchedulerError<DivisionError>> {
+    fn columns(&self, threads: usize) -> Result<Vec<Column>, SchedulerError> {
         // A little beyond the diagram, so that its upper rim is inside.
         let xi_max = 1.01 * self.up.iter().copied().fold(0.0, f64::max) + 0.1;
         let column = |&x: &f64| {
@@ -147,45 +147,33 @@ impl PhasePlane {
     /// # Errors
     /// [`SchedulerError`] if no workers can be started. A division that cannot be computed is counted in
     /// [`PhaseDiagram::undecided`], and [`Summary::interrupted`] tells whether the run was stopped.
-    pub fn compute(
-        &self,
-        memo: &Memo<DivisionInput>,
-        options: &SchedulerOptions<'_, DivisionInput>,
-    ) -> Result<PhaseDiagram, SchedulerError<DivisionError>> {
+    pub fn compute(&self, memo: &Memo, options: &SchedulerOptions<'_>) -> Result<PhaseDiagram, SchedulerError> {
         let columns = self.columns(options.threads)?;
         let rests = |column: &Column, xi_s: f64| column.at_rest.iter().any(|[a, b]| (*a..=*b).contains(&xi_s));
         let points: Vec<(&Column, f64)> =
             columns.iter().flat_map(|column| self.up.iter().map(move |xi_s| (column, *xi_s))).collect();
-        let mut jobs = Vec::new();
-        for (id, (column, xi_s)) in points.iter().enumerate() {
-            if !rests(column, *xi_s) {
-                let cell = Cell { xi_s: *xi_s, ..self.cell_at(column.x) };
-                jobs.push(Job { id, task: DivisionInput { cell, numerics: self.numerics, seed: self.seed } });
-            }
-        }
-        let mut divisions = vec![None; points.len()];
-        let run = scheduler::run(jobs, memo, options, divide, |id, division| {
-            divisions[id] = Some(division.clone());
-            vec![]
+        let moving = points.iter().filter(|(column, xi_s)| !rests(column, *xi_s));
+        let inputs = moving.map(|(column, xi_s)| {
+            let cell = Cell { xi_s: *xi_s, ..self.cell_at(column.x) };
+            DivisionInput { cell, numerics: self.numerics, seed: self.seed }
         });
-        let (summary, undecided) = match run {
-            Ok(summary) => (summary, None),
-            Err(SchedulerError::Unsolved { jobs, summary }) => {
-                (*summary, jobs.first().map(|job| (job.failure.clone(), jobs.len())))
+        let Solved { divisions, unsolved, summary } = scheduler::solve_all(inputs, memo, options, divide)?;
+        let undecided = unsolved.first().map(|job| (job.failure.clone(), unsolved.len()));
+        let mut divisions = divisions.into_iter();
+        let cells = points.iter().map(|(column, xi_s)| {
+            if rests(column, *xi_s) {
+                point(column.x, *xi_s, Evidence::Curves, None)
+            } else {
+                point(column.x, *xi_s, Evidence::Division, divisions.next().flatten().as_ref())
             }
-            Err(error) => return Err(error),
-        };
-        let cells = points.iter().zip(&divisions).map(|((column, xi_s), division)| {
-            let by = if rests(column, *xi_s) { By::Curves } else { By::Division };
-            point(column.x, *xi_s, by, division.as_ref())
         });
         Ok(PhaseDiagram { cells: cells.collect(), columns: columns.clone(), undecided, summary })
     }
 }
 
-fn point(x: f64, xi_s: f64, by: By, division: Option<&Division>) -> PhaseCell {
+fn point(x: f64, xi_s: f64, by: Evidence, division: Option<&Division>) -> PhaseCell {
     let outcome = match (by, division.map(|d| d.outcome)) {
-        (By::Curves, _) | (_, Some(Outcome::Failed)) => PhaseOutcome::Failed,
+        (Evidence::Curves, _) | (_, Some(Outcome::Failed)) => PhaseOutcome::Failed,
         (_, Some(Outcome::Symmetric)) => PhaseOutcome::Symmetric,
         (_, Some(Outcome::Asymmetric)) => PhaseOutcome::Asymmetric,
         (_, None) => PhaseOutcome::Undecided,

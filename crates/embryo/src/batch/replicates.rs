@@ -1,8 +1,8 @@
 //! One cell divided several times, with noise of different seeds.
 
 use super::memo::Memo;
-use super::scheduler::{self, Job, SchedulerError, SchedulerOptions, Summary, Unsolved};
-use crate::division::{Division, DivisionError, DivisionInput, divide};
+use super::scheduler::{self, SchedulerError, SchedulerOptions, Solved, Summary, Unsolved};
+use crate::division::{Division, DivisionInput, divide};
 
 /// Divisions of one cell with noise of several seeds.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,7 +11,7 @@ pub struct Replicates {
     /// interrupted.
     pub divisions: Vec<(u64, Division)>,
     /// Those that could not be computed; their `id`s count from the first seed.
-    pub undecided: Vec<Unsolved<DivisionError>>,
+    pub undecided: Vec<Unsolved>,
     /// What solving them took.
     pub summary: Summary,
 }
@@ -37,21 +37,12 @@ pub struct Replicates {
 pub fn replicates(
     input: &DivisionInput,
     count: usize,
-    memo: &Memo<DivisionInput>,
-    options: &SchedulerOptions<'_, DivisionInput>,
-) -> Result<Replicates, SchedulerError<DivisionError>> {
+    memo: &Memo,
+    options: &SchedulerOptions<'_>,
+) -> Result<Replicates, SchedulerError> {
     let seed = |id: usize| input.seed.wrapping_add(id as u64);
-    let jobs = (0..count).map(|id| Job { id, task: DivisionInput { seed: seed(id), ..input.clone() } }).collect();
-    let mut divisions = vec![None; count];
-    let run = scheduler::run(jobs, memo, options, divide, |id, division| {
-        divisions[id] = Some(division.clone());
-        vec![]
-    });
-    let (summary, undecided) = match run {
-        Ok(summary) => (summary, vec![]),
-        Err(SchedulerError::Unsolved { jobs, summary }) => (*summary, jobs),
-        Err(error) => return Err(error),
-    };
+    let inputs = (0..count).map(|id| DivisionInput { seed: seed(id), ..input.clone() });
+    let Solved { divisions, unsolved, summary } = scheduler::solve_all(inputs, memo, options, divide)?;
     let solved = divisions.into_iter().enumerate().filter_map(|(id, division)| Some((seed(id), division?)));
-    Ok(Replicates { divisions: solved.collect(), undecided, summary })
+    Ok(Replicates { divisions: solved.collect(), undecided: unsolved, summary })
 }

@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use super::files::{FileSet, WriteError};
 use super::provenance::Provenance;
-use crate::batch::{Quantisation, SolverVersion};
+use crate::batch::{Quantisation, SOLVER_VERSION};
 use crate::cell::{Cell, Numerics};
 use crate::input::{InputError, listed};
 use crate::lineage::Lineage;
@@ -50,8 +50,8 @@ struct Head<'a> {
     schema: &'a str,
     schema_version: u32,
     provenance: Provenance,
-    /// The solver of divisions, which is the same as long as its code is.
-    solver: String,
+    /// Version of the solver of divisions.
+    solver: u32,
     kind: Kind,
     /// What no axis says.
     cell: &'a Cell,
@@ -135,7 +135,7 @@ impl SweepTable {
             schema: SCHEMA,
             schema_version: SCHEMA_VERSION,
             provenance: Provenance::current(),
-            solver: format!("{:016x}", SolverVersion::current().number()),
+            solver: SOLVER_VERSION,
             kind: sweep.kind,
             cell: &sweep.settings.cell,
             numerics: &sweep.settings.numerics,

@@ -14,7 +14,7 @@ use crate::division::{Division, DivisionError, DivisionInput};
 pub enum GrowError {
     /// The workers could not be started.
     #[error(transparent)]
-    Workers(SchedulerError<DivisionError>),
+    Workers(SchedulerError),
     /// Growth was interrupted.
     #[error("interrupted after {solved} divisions")]
     Interrupted {
@@ -52,9 +52,9 @@ pub struct Grower<'a> {
     /// Ends branches ahead of their division; `&|_| None` leaves it to the dynamics.
     pub ends: &'a dyn Fn(&Cell) -> Option<TerminalReason>,
     /// Remembers divisions.
-    pub memo: &'a Memo<DivisionInput>,
+    pub memo: &'a Memo,
     /// Threads, interruption, progress, order of work; for the last see [`expected_work`](super::expected_work).
-    pub options: SchedulerOptions<'a, DivisionInput>,
+    pub options: SchedulerOptions<'a>,
 }
 
 /// A cell in the order of growth, which depends on timing.
@@ -130,7 +130,7 @@ fn grow_all(growers: &[Grower<'_>], solve: Solve<'_>) -> Result<(Vec<Tree>, Summ
     let mut growths: Vec<Growth<'_>> = growers.iter().map(Growth::of).collect();
     // The scheduler's number of a job encodes the cell and its tree.
     let trees = growths.len();
-    let numbered = |tree: usize, job: Job<DivisionInput>| Job { id: job.id * trees + tree, ..job };
+    let numbered = |tree: usize, job: Job| Job { id: job.id * trees + tree, ..job };
     let mut roots = Vec::with_capacity(trees);
     for (tree, growth) in growths.iter_mut().enumerate() {
         roots.extend(growth.job(0).map(|job| numbered(tree, job)));
@@ -146,7 +146,7 @@ fn grow_all(growers: &[Grower<'_>], solve: Solve<'_>) -> Result<(Vec<Tree>, Summ
 
 /// The summary of a run that was not interrupted. Jobs without a record are passed to `undecided`.
 fn completed(
-    run: Result<Summary, SchedulerError<DivisionError>>,
+    run: Result<Summary, SchedulerError>,
     mut undecided: impl FnMut(usize, String),
 ) -> Result<Summary, GrowError> {
     let summary = match run {
@@ -175,13 +175,13 @@ impl<'a> Growth<'a> {
 impl Growth<'_> {
     /// The jobs that follow from a cell's division. Cells beyond the limit are settled in the layout, in an order that does
     /// not depend on timing.
-    fn expand(&mut self, index: usize, division: &Division) -> Vec<Job<DivisionInput>> {
+    fn expand(&mut self, index: usize, division: &Division) -> Vec<Job> {
         let max_cells = self.grower.lineage.limits.max_cells;
         if self.cells.len() + 2 > max_cells { vec![] } else { self.divide(index, division) }
     }
 
     /// The division a cell needs; none if its fate is known without it, which is then set.
-    fn job(&mut self, index: usize) -> Option<Job<DivisionInput>> {
+    fn job(&mut self, index: usize) -> Option<Job> {
         let TreeSettings { cell: first, numerics, seed, .. } = &self.grower.settings;
         let TreeCell { founder, generation, r0, ref cue, .. } = self.cells[index].cell;
         let limits = self.grower.lineage.limits;
@@ -196,11 +196,11 @@ impl Growth<'_> {
             self.cells[index].fate = Some(Fate::ended(reason));
             return None;
         }
-        Some(Job { id: index, task: DivisionInput { cell, numerics: *numerics, seed: *seed } })
+        Some(Job { id: index, input: DivisionInput { cell, numerics: *numerics, seed: *seed } })
     }
 
     /// Sets a cell's fate, adds its daughters and returns the divisions they need.
-    fn divide(&mut self, index: usize, division: &Division) -> Vec<Job<DivisionInput>> {
+    fn divide(&mut self, index: usize, division: &Division) -> Vec<Job> {
         let fate = Fate::of(&self.oriented(index, division));
         let pair = self.offspring(index, &fate);
         self.cells[index].fate = Some(fate);

@@ -29,7 +29,7 @@ const SCRIPTS: [&str; 9] = [
     concat!(include_str!("page/whatif.js"), include_str!("page/regrow.js")),
     include_str!("page/main.js"),
 ];
-/// The solver: the fingerprint of the sources it was built from on the first line, gzipped and in base64 on the second.
+/// The solver: its version on the first line, gzipped and in base64 on the second.
 const MODULE: &str = include_str!("../../../page/furrow.wasm.txt");
 
 /// A page runs its own scripts and fetches nothing.

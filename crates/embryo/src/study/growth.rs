@@ -51,8 +51,8 @@ pub struct Grown {
 pub fn grown(
     scenarios: &[Scenario],
     dynamics: bool,
-    memo: &Memo<DivisionInput>,
-    options: SchedulerOptions<'_, DivisionInput>,
+    memo: &Memo,
+    options: SchedulerOptions<'_>,
     cancel: &AtomicBool,
 ) -> Result<Grown, GrowError> {
     // Scenarios have the same numerics, and what all cells share is the same.

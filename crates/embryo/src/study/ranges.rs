@@ -190,7 +190,7 @@ pub(super) fn grow_alone(
     lineage: &Lineage,
     settings: TreeSettings,
     ends: &dyn Fn(&Cell) -> Option<TerminalReason>,
-    memo: &Memo<DivisionInput>,
+    memo: &Memo,
     cancel: Option<&AtomicBool>,
 ) -> Result<(Tree, Summary), GrowError> {
     let options = SchedulerOptions { threads: 1, interrupt: cancel, ..SchedulerOptions::default() };

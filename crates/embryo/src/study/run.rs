@@ -13,7 +13,7 @@ use super::shard::Shard;
 use super::sweep::{Kind, Sweep};
 use super::table::{Row, UNDECIDED};
 use crate::batch::{
-    Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, SolverVersion, StoreWarning, scheduler,
+    Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, StoreWarning, scheduler,
 };
 use crate::cell::{Cell, Numerics};
 use crate::division::{Division, DivisionError, DivisionInput, Statistics, divide};
@@ -57,7 +57,7 @@ pub struct Run<'a> {
     /// The shard to solve; none for all points.
     pub shard: Option<Shard>,
     /// Remembers divisions.
-    pub memo: &'a Memo<DivisionInput>,
+    pub memo: &'a Memo,
     /// Threads; 0 is one for each core.
     pub threads: usize,
     /// Set to true to stop.
@@ -109,7 +109,7 @@ struct Inputs<'p> {
 
 impl<'a> Run<'a> {
     /// All points on all cores, without a journal.
-    pub fn new(sweep: &'a Sweep, memo: &'a Memo<DivisionInput>, cancel: &'a AtomicBool) -> Run<'a> {
+    pub fn new(sweep: &'a Sweep, memo: &'a Memo, cancel: &'a AtomicBool) -> Run<'a> {
         Run { sweep, shard: None, memo, threads: 0, cancel, journal: None, progress: &|_| () }
     }
 
@@ -118,7 +118,7 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// [`SchedulerError::Pool`] if no workers can be started. A point that cannot be computed is a row of its own.
-    pub fn solve(&self) -> Result<SweepResult, SchedulerError<DivisionError>> {
+    pub fn solve(&self) -> Result<SweepResult, SchedulerError> {
         let quantisation = self.memo.quantisation();
         let all = (0..self.sweep.points()).map(|index| self.sweep.point(index));
         let points: Vec<Point> = all.filter(|point| self.shard.is_none_or(|s| s.has(point, quantisation))).collect();
@@ -152,7 +152,7 @@ impl<'a> Run<'a> {
     /// The distinct inputs, with the results that the journal holds.
     fn inputs<'p>(&self, points: &'p [Point]) -> Inputs<'p> {
         let mut numbers: HashMap<Key, usize> = HashMap::new();
-        let key = |point: &Point| Key::new(&point.input, SolverVersion::new(0));
+        let key = |point: &Point| Key::new(&point.input);
         let mut firsts = Vec::new();
         let number = |point: &'p Point| {
             point.refused.is_none().then(|| {
@@ -186,7 +186,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn divisions(&self, inputs: &mut Inputs<'_>) -> Result<SweepResult, SchedulerError<DivisionError>> {
+    fn divisions(&self, inputs: &mut Inputs<'_>) -> Result<SweepResult, SchedulerError> {
         let Inputs { firsts, results, open, .. } = inputs;
         let replicates = self.sweep.replicates as usize;
         let job = |number: usize, k: usize| {
@@ -260,7 +260,7 @@ impl<'a> Run<'a> {
         &self,
         inputs: &mut Inputs<'_>,
         solve: fn(&DivisionInput, &Effort<'_>) -> Result<Vec<Value>, ShapeError>,
-    ) -> Result<SweepResult, SchedulerError<DivisionError>> {
+    ) -> Result<SweepResult, SchedulerError> {
         let Inputs { firsts, results, open, .. } = inputs;
         let done = AtomicUsize::new(firsts.len() - open.len());
         let one = |number: &usize| {
@@ -293,7 +293,7 @@ impl<'a> Run<'a> {
     }
 
     /// Trees, one after the other, each on all cores: their divisions are shared.
-    fn trees(&self, inputs: &mut Inputs<'_>) -> Result<SweepResult, SchedulerError<DivisionError>> {
+    fn trees(&self, inputs: &mut Inputs<'_>) -> Result<SweepResult, SchedulerError> {
         let mut out = SweepResult::default();
         let of = inputs.firsts.len();
         let before = of - inputs.open.len();

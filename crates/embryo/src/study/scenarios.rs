@@ -88,8 +88,8 @@ pub fn combine(sources: &[Source], cues: &[&str]) -> Result<Vec<Scenario>, Scena
 pub fn grow<S>(
     scenarios: &[Scenario],
     ends: &dyn Fn(&Cell) -> Option<TerminalReason>,
-    memo: &Memo<DivisionInput>,
-    options: SchedulerOptions<'_, DivisionInput>,
+    memo: &Memo,
+    options: SchedulerOptions<'_>,
     solve: S,
 ) -> Result<(Vec<Tree>, Summary), GrowError>
 where

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::points::Point;
-use crate::batch::{Key, Quantisation, SolverVersion, Task};
+use crate::batch::{Key, Quantisation};
 
 /// Most parts of a sweep.
 const MOST: u64 = 1_000_000;
@@ -33,9 +33,9 @@ pub struct Shard {
 impl Shard {
     /// Whether a point belongs to this part.
     pub fn has(self, point: &Point, quantisation: Quantisation) -> bool {
-        let canonical = point.input.with_size(quantisation.apply(point.input.size()));
-        // The same parts whatever the version of the solver: it is the input that counts.
-        Key::new(&canonical, SolverVersion::new(0)).prefix() % self.of == self.number - 1
+        let mut canonical = point.input.clone();
+        canonical.cell.r0 = quantisation.apply(canonical.cell.r0);
+        Key::new(&canonical).prefix() % self.of == self.number - 1
     }
 }
 

@@ -1,11 +1,10 @@
-//! Solves what is asked for, and what follows from it, on all cores: the most expected work first.
+//! Solves divisions, and those that follow from them, on all cores: the most expected work first.
 //!
 //! One coordinating thread, the caller's, knows what follows from what; a rayon pool of [`SchedulerOptions::threads`]
-//! workers solves. A task whose record is known costs a look-up and never sees the pool. A task that is being solved, by
-//! this run, another run or another process, waits as an entry in a list; no thread waits for it.
+//! workers solves. A division that is known costs a look-up and never sees the pool. One that is being solved, by this
+//! run or another, waits as an entry in a list; no thread waits for it.
 
 mod effect;
-mod queue;
 mod run;
 
 use std::sync::{atomic::AtomicBool, mpsc::channel};
@@ -14,46 +13,39 @@ use self::run::Run;
 use super::{
     memo::{Failure, Memo},
     store::StoreWarning,
-    task::Task,
 };
+use crate::division::{Division, DivisionError, DivisionInput};
 
-/// One task to solve.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Job<T> {
+/// One division to solve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Job {
     /// The caller's number for it.
     pub id: usize,
-    /// The task.
-    pub task: T,
+    /// Its input.
+    pub input: DivisionInput,
 }
 
 /// How to run.
-pub struct SchedulerOptions<'a, T> {
-    /// Tasks solved at once; 0 is one for each core.
+#[derive(Clone, Copy)]
+pub struct SchedulerOptions<'a> {
+    /// Divisions solved at once; 0 is one for each core.
     pub threads: usize,
-    /// Set to true (by Ctrl-C, say) to stop: tasks being solved are finished and kept, no other is begun.
+    /// Set to true (by Ctrl-C, say) to stop: divisions being solved are finished and kept, no other is begun.
     pub interrupt: Option<&'a AtomicBool>,
-    /// Told of every change in the number of tasks solved or running, and now and then of memo hits.
+    /// Called at every change in the number of divisions solved or running, and now and then at memo hits.
     pub progress: Option<&'a dyn Fn(Progress)>,
-    /// Work expected of a task and of what it holds up, in any unit; the most is begun first. By default it is the size.
+    /// Work expected of a division and of what it holds up, in any unit; the most is begun first. By default the radius.
     /// Affects the order of work and so its duration, never a result.
-    pub expected_work: &'a dyn Fn(&T) -> f64,
+    pub expected_work: &'a dyn Fn(&DivisionInput) -> f64,
 }
 
-impl<T: Task> Default for SchedulerOptions<'_, T> {
+impl Default for SchedulerOptions<'_> {
     fn default() -> Self {
-        SchedulerOptions { threads: 0, interrupt: None, progress: None, expected_work: &T::size }
+        SchedulerOptions { threads: 0, interrupt: None, progress: None, expected_work: &|input| input.cell.r0 }
     }
 }
 
-impl<T> Clone for SchedulerOptions<'_, T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T> Copy for SchedulerOptions<'_, T> {}
-
-impl<T> std::fmt::Debug for SchedulerOptions<'_, T> {
+impl std::fmt::Debug for SchedulerOptions<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("SchedulerOptions")
             .field("threads", &self.threads)
@@ -62,60 +54,60 @@ impl<T> std::fmt::Debug for SchedulerOptions<'_, T> {
     }
 }
 
-/// Where a run stands.
+/// How far a run is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
-    /// Tasks solved by this run.
+    /// Divisions solved by this run.
     pub solved: usize,
-    /// Tasks being solved now.
+    /// Divisions being solved now.
     pub running: usize,
-    /// Tasks waiting for a worker.
+    /// Divisions waiting for a worker.
     pub queued: usize,
-    /// Jobs whose record was already known, or solved for another job.
+    /// Jobs whose division was already known, or solved for another job.
     pub memo_hits: usize,
 }
 
 /// What a run did.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
-    /// Jobs whose record became known: `solved + memo_hits`.
+    /// Jobs done: `solved + memo_hits`.
     pub jobs: usize,
-    /// Tasks solved by this run.
+    /// Divisions solved by this run.
     pub solved: usize,
     /// Jobs that needed no solving of their own.
     pub memo_hits: usize,
-    /// Distinct records of this run that came from the store.
+    /// Distinct divisions of this run that came from the store.
     pub store_hits: usize,
-    /// Damaged entries of the store, whose tasks were solved again if they were needed.
+    /// Damaged entries of the store that this run met and solved again.
     pub corrupt: usize,
     /// Whether the run was stopped before all was done.
     pub interrupted: bool,
-    /// Largest relative shift of a size by rounding.
+    /// Largest relative shift of a radius by rounding.
     pub max_size_shift: f64,
-    /// Estimated effect of that shift on the records' response: its steepest slope over the logarithm of the size,
-    /// between neighbouring sizes of this run whose tasks are otherwise the same, times the largest shift.
+    /// Estimated effect of that shift on χ: its steepest slope over ln R0, between neighbouring radii of this run whose
+    /// inputs are otherwise the same, times the largest shift.
     pub shift_effect: f64,
     /// What the user should know, such as a store that could not be written.
     pub warnings: Vec<StoreWarning>,
 }
 
-/// A job without a record.
+/// A job without a division.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Unsolved<E> {
+pub struct Unsolved {
     /// The caller's number for it.
     pub id: usize,
-    /// Its size, not rounded.
-    pub size: f64,
+    /// Its radius, not rounded.
+    pub r0: f64,
     /// What went wrong.
-    pub failure: Failure<E>,
+    pub failure: Failure,
 }
 
-fn unsolved_text<E: std::fmt::Display>(jobs: &[Unsolved<E>]) -> String {
+fn unsolved_text(jobs: &[Unsolved]) -> String {
     match jobs {
-        [] => "no task is unsolved".to_owned(),
-        [Unsolved { id, size, failure }] => format!("task {id} (size {size}): {failure}"),
-        [Unsolved { id, size, failure }, others @ ..] => {
-            format!("task {id} (size {size}): {failure} ({} further tasks failed)", others.len())
+        [] => "no division is unsolved".to_owned(),
+        [Unsolved { id, r0, failure }] => format!("division {id} (R0 = {r0}): {failure}"),
+        [Unsolved { id, r0, failure }, others @ ..] => {
+            format!("division {id} (R0 = {r0}): {failure} ({} further divisions failed)", others.len())
         }
     }
 }
@@ -123,12 +115,12 @@ fn unsolved_text<E: std::fmt::Display>(jobs: &[Unsolved<E>]) -> String {
 /// Why a run is not complete.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum SchedulerError<E: std::fmt::Display> {
-    /// Tasks could not be solved. All others were, and are kept.
+pub enum SchedulerError {
+    /// Divisions could not be solved. All others were, and are kept.
     #[error("{}", unsolved_text(.jobs))]
     Unsolved {
-        /// The jobs without a record, the largest first; what would have followed from them is not counted. One or more.
-        jobs: Vec<Unsolved<E>>,
+        /// The jobs without a division, the largest first; what would have followed from them is not counted. One or more.
+        jobs: Vec<Unsolved>,
         /// What the run did.
         summary: Box<Summary>,
     },
@@ -142,48 +134,83 @@ pub enum SchedulerError<E: std::fmt::Display> {
     },
 }
 
-/// Whether there are no threads to be had: the calling thread is the only worker then, and gets the same.
-const THREADLESS: bool = cfg!(target_family = "wasm");
-
-/// Solves `jobs` and all that follows from them: each distinct task once. `expand` says which jobs follow from one.
+/// Solves `jobs` and all that follows from them, each distinct division once. `expand` says which jobs follow from one.
 ///
-/// `solve` is called on the workers with tasks whose sizes are rounded; `expand` on the calling thread with the job's
-/// number and its record, scaled to the job's own size. The order in which jobs are expanded depends on timing; the
+/// `solve` is called on the workers with inputs whose radii are rounded; `expand` on the calling thread with the job's
+/// number and its division, scaled to the job's own radius. The order in which jobs are expanded depends on timing; the
 /// whole is the same every time if what `expand` returns depends on its arguments alone.
 ///
 /// An interrupted run returns what it did with [`Summary::interrupted`] set.
 ///
 /// # Errors
-/// [`SchedulerError::Unsolved`] if a task failed, after all others are done. [`SchedulerError::Pool`] if no threads can be
-/// started.
-pub fn run<T, S, X>(
-    jobs: Vec<Job<T>>,
-    memo: &Memo<T>,
-    options: &SchedulerOptions<'_, T>,
+/// [`SchedulerError::Unsolved`] if a division failed, after all others are done. [`SchedulerError::Pool`] if no threads
+/// can be started.
+pub fn run<S, X>(
+    jobs: Vec<Job>,
+    memo: &Memo,
+    options: &SchedulerOptions<'_>,
     solve: S,
     mut expand: X,
-) -> Result<Summary, SchedulerError<T::Error>>
+) -> Result<Summary, SchedulerError>
 where
-    T: Task,
-    S: Fn(&T) -> Result<T::Record, T::Error> + Sync,
-    X: FnMut(usize, &T::Record) -> Vec<Job<T>>,
+    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
+    X: FnMut(usize, &Division) -> Vec<Job>,
 {
     let threads = workers(options.threads);
-    let (sender, notices) = channel();
+    let (sender, events) = channel();
     let mut run = Run::new(jobs, memo, options, sender);
     // Where nothing needs solving no threads are needed either.
     run.settle_known(&mut expand);
-    if run.is_incomplete() && THREADLESS {
-        run.work(&notices, 1, &mut expand, |assignment| assignment.solve(&solve));
+    if run.is_incomplete() && cfg!(target_family = "wasm") {
+        // No threads: the calling thread is the only worker.
+        run.work(&events, 1, &mut expand, |assignment| assignment.lease.solve(&assignment.input, &solve));
     } else if run.is_incomplete() {
         pool(threads)?.in_place_scope(|scope| {
-            run.work(&notices, threads, &mut expand, |assignment| {
+            run.work(&events, threads, &mut expand, |assignment| {
                 let solve = &solve;
-                scope.spawn(move |_| assignment.solve(solve));
+                scope.spawn(move |_| assignment.lease.solve(&assignment.input, solve));
             });
         });
     }
     run.finish()
+}
+
+/// Divisions of which none follows from another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solved {
+    /// One for each input; none where it failed or the run was interrupted.
+    pub divisions: Vec<Option<Division>>,
+    /// Those that could not be computed, by the place of their input.
+    pub unsolved: Vec<Unsolved>,
+    /// What the run did.
+    pub summary: Summary,
+}
+
+/// Solves each of `inputs`, as [`run`] does.
+///
+/// # Errors
+/// [`SchedulerError::Pool`] if no threads can be started.
+pub fn solve_all<S>(
+    inputs: impl IntoIterator<Item = DivisionInput>,
+    memo: &Memo,
+    options: &SchedulerOptions<'_>,
+    solve: S,
+) -> Result<Solved, SchedulerError>
+where
+    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
+{
+    let jobs: Vec<Job> = inputs.into_iter().enumerate().map(|(id, input)| Job { id, input }).collect();
+    let mut divisions = vec![None; jobs.len()];
+    let run = run(jobs, memo, options, solve, |id, division| {
+        divisions[id] = Some(division.clone());
+        vec![]
+    });
+    let (summary, unsolved) = match run {
+        Ok(summary) => (summary, vec![]),
+        Err(SchedulerError::Unsolved { jobs, summary }) => (*summary, jobs),
+        Err(error) => return Err(error),
+    };
+    Ok(Solved { divisions, unsolved, summary })
 }
 
 /// How many workers a number of threads asks for: 0 is one for each core.
@@ -195,7 +222,7 @@ pub fn workers(threads: usize) -> usize {
 }
 
 /// The workers of a run.
-pub(crate) fn pool<E: std::fmt::Display>(threads: usize) -> Result<rayon::ThreadPool, SchedulerError<E>> {
+pub(crate) fn pool(threads: usize) -> Result<rayon::ThreadPool, SchedulerError> {
     let threads = workers(threads);
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)

@@ -1,6 +1,7 @@
 //! One run: what has arrived, what waits, what is being solved, and what came of it.
 
 use std::{
+    cmp::Ordering,
     collections::{BinaryHeap, VecDeque},
     sync::{
         atomic::Ordering as Memory,
@@ -9,71 +10,85 @@ use std::{
     time::Duration,
 };
 
-use super::{
-    Job, Progress, SchedulerError, SchedulerOptions, Summary, Unsolved,
-    effect::Responses,
-    queue::{Assignment, Next, Queued},
-};
+use super::{Job, Progress, SchedulerError, SchedulerOptions, Summary, Unsolved, effect::Responses};
 use crate::batch::{
     key::{Key, KeyMap},
-    memo::{Failure, Memo, News, Notice, Request},
-    store::Store,
-    task::{Record, Task},
+    memo::{Completion, Event, Failure, Lease, Memo, Request, scaled},
 };
+use crate::division::{Division, DivisionInput};
 
 /// How late an interrupt may be noticed.
 const TICK: Duration = Duration::from_millis(20);
-/// How often another process is asked whether it is done.
-const BUSY_TICK: Duration = Duration::from_millis(5);
 
 /// The jobs that wait for one key.
-struct Awaited<T> {
+#[derive(Default)]
+struct Awaited {
     /// Whether one of this run's workers is at it.
     running: bool,
-    /// With their tasks before rounding.
-    jobs: Vec<Job<T>>,
+    /// With their inputs before rounding.
+    jobs: Vec<Job>,
 }
 
-impl<T> Default for Awaited<T> {
-    fn default() -> Self {
-        Awaited { running: false, jobs: Vec::new() }
+/// A division in the queue, ordered by expected work, then by radius and age.
+pub struct Assignment<'m> {
+    work: f64,
+    /// Number in the order of arrival.
+    age: usize,
+    /// Its input, the radius rounded.
+    pub input: DivisionInput,
+    /// The duty to solve it.
+    pub lease: Lease<'m>,
+}
+
+impl Ord for Assignment<'_> {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.work
+            .total_cmp(&other.work)
+            .then_with(|| self.input.cell.r0.total_cmp(&other.input.cell.r0))
+            .then_with(|| other.age.cmp(&self.age))
     }
 }
 
-pub struct Run<'a, 'm, T: Task> {
-    memo: &'m Memo<T>,
-    options: &'a SchedulerOptions<'a, T>,
-    sender: Sender<Notice<T>>,
+impl PartialOrd for Assignment<'_> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Assignment<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Assignment<'_> {}
+
+pub struct Run<'a, 'm> {
+    memo: &'m Memo,
+    options: &'a SchedulerOptions<'a>,
+    sender: Sender<Event>,
     /// Jobs not looked up yet.
-    arrived: VecDeque<Job<T>>,
-    /// Tasks that wait for a worker.
-    ready: BinaryHeap<Queued<'m, T>>,
-    /// Tasks that another process is at; looked at again after the next pause.
-    busy: Vec<Queued<'m, T>>,
-    waiting: KeyMap<Awaited<T>>,
-    /// Failures of this run: a second job with the same task is not tried again.
-    failed: KeyMap<Failure<T::Error>>,
+    arrived: VecDeque<Job>,
+    /// Divisions that wait for a worker.
+    ready: BinaryHeap<Assignment<'m>>,
+    waiting: KeyMap<Awaited>,
+    /// Failures of this run: a second job with the same input is not tried again.
+    failed: KeyMap<Failure>,
     responses: Responses,
     running: usize,
     queued_ever: usize,
-    unsolved: Vec<Unsolved<T::Error>>,
+    unsolved: Vec<Unsolved>,
     summary: Summary,
 }
 
-impl<'a, 'm, T: Task> Run<'a, 'm, T> {
-    pub fn new(
-        jobs: Vec<Job<T>>,
-        memo: &'m Memo<T>,
-        options: &'a SchedulerOptions<'a, T>,
-        sender: Sender<Notice<T>>,
-    ) -> Self {
+impl<'a, 'm> Run<'a, 'm> {
+    pub fn new(jobs: Vec<Job>, memo: &'m Memo, options: &'a SchedulerOptions<'a>, sender: Sender<Event>) -> Self {
         Run {
             memo,
             options,
             sender,
             arrived: jobs.into(),
             ready: BinaryHeap::new(),
-            busy: Vec::new(),
             waiting: KeyMap::default(),
             failed: KeyMap::default(),
             responses: Responses::default(),
@@ -93,83 +108,64 @@ impl<'a, 'm, T: Task> Run<'a, 'm, T> {
         !self.arrived.is_empty() || self.waiting.values().any(|awaited| !awaited.running)
     }
 
-    /// Until nothing is left: looks up, hands tasks to workers with `spawn`, and takes in what comes back.
-    pub fn work<X>(
+    /// Until nothing is left: looks up, hands divisions to workers with `spawn`, and takes in what comes back.
+    pub fn work(
         &mut self,
-        notices: &Receiver<Notice<T>>,
+        events: &Receiver<Event>,
         threads: usize,
-        expand: &mut X,
-        mut spawn: impl FnMut(Assignment<'m, T>),
-    ) where
-        X: FnMut(usize, &T::Record) -> Vec<Job<T>>,
-    {
+        expand: &mut impl FnMut(usize, &Division) -> Vec<Job>,
+        mut spawn: impl FnMut(Assignment<'m>),
+    ) {
         loop {
             self.settle_known(expand);
             if self.interrupted() {
-                self.let_go();
+                self.release();
             }
-            self.assign(threads, &mut spawn);
+            while self.running < threads
+                && let Some(assignment) = self.ready.pop()
+            {
+                self.running += 1;
+                self.waiting.entry(assignment.lease.key()).or_default().running = true;
+                self.report();
+                spawn(assignment);
+            }
             if self.waiting.is_empty() {
                 return;
             }
-            let tick = if self.busy.is_empty() { TICK } else { BUSY_TICK };
-            self.ready.extend(self.busy.drain(..));
             // Only who has to wait needs a clock, which is not to be had everywhere.
-            match notices.try_recv().or_else(|_| notices.recv_timeout(tick)) {
-                Ok(notice) => self.take_in(notice, expand),
+            match events.try_recv().or_else(|_| events.recv_timeout(TICK)) {
+                Ok(event) => self.take_in(event, expand),
                 Err(RecvTimeoutError::Timeout) => {}
                 // Cannot be, as `self` holds a sender.
                 Err(RecvTimeoutError::Disconnected) => return,
             }
-            while let Ok(notice) = notices.try_recv() {
-                self.take_in(notice, expand);
+            while let Ok(event) = events.try_recv() {
+                self.take_in(event, expand);
             }
         }
     }
 
-    /// Gives up all that no worker is at.
-    fn let_go(&mut self) {
+    /// Gives up all that no worker is at. The dropped leases let other runs on the same memo take these divisions over.
+    fn release(&mut self) {
         self.summary.interrupted |= self.is_incomplete();
         self.arrived.clear();
-        // The dropped tickets let other runs on the same memo take these tasks over.
         self.ready.clear();
-        self.busy.clear();
         self.waiting.retain(|_, awaited| awaited.running);
     }
 
-    /// Gives every idle worker a task, unless another process has solved it or is at it.
-    fn assign(&mut self, threads: usize, spawn: &mut impl FnMut(Assignment<'m, T>)) {
-        let patience = self.memo.store().map_or(Duration::ZERO, Store::patience);
-        while self.running < threads
-            && let Some(queued) = self.ready.pop()
-        {
-            match queued.claim(patience) {
-                Next::Assigned(assignment) => {
-                    self.running += 1;
-                    self.waiting.entry(assignment.ticket.key()).or_default().running = true;
-                    self.report();
-                    spawn(assignment);
-                }
-                Next::Busy(queued) => self.busy.push(queued),
-                Next::Stored => {}
-            }
-        }
-    }
-
     /// Looks up every job that has arrived, and those that follow from the ones known, until all that is left waits.
-    pub fn settle_known<X>(&mut self, expand: &mut X)
-    where
-        X: FnMut(usize, &T::Record) -> Vec<Job<T>>,
-    {
+    pub fn settle_known(&mut self, expand: &mut impl FnMut(usize, &Division) -> Vec<Job>) {
         while !self.interrupted()
             && let Some(job) = self.arrived.pop_front()
         {
-            let canonical = self.memo.canonical(&job.task);
-            self.note_shift(job.task.size(), canonical.size());
-            let key = self.memo.key(&canonical);
+            let canonical = self.memo.canonical(&job.input);
+            let (r0, rounded) = (job.input.cell.r0, canonical.cell.r0);
+            if r0 > 0.0 {
+                self.summary.max_size_shift = self.summary.max_size_shift.max((rounded / r0 - 1.0).abs());
+            }
+            let key = Key::new(&canonical);
             if let Some(failure) = self.failed.get(&key) {
-                let failure = failure.clone();
-                self.fail(&job, &failure);
+                self.unsolved.push(Unsolved { id: job.id, r0, failure: failure.clone() });
                 continue;
             }
             if let Some(awaited) = self.waiting.get_mut(&key) {
@@ -177,92 +173,85 @@ impl<'a, 'm, T: Task> Run<'a, 'm, T> {
                 continue;
             }
             match self.memo.request(key, &self.sender) {
-                Request::Known(record) => {
+                Request::Known(division) => {
                     self.summary.memo_hits += 1;
-                    self.deliver(key, &job, &canonical, &record, expand);
+                    self.deliver(key, &job, &canonical, &division, expand);
                 }
-                Request::Stored(record) => {
+                Request::Stored(division) => {
                     self.summary.memo_hits += 1;
                     self.summary.store_hits += 1;
-                    self.deliver(key, &job, &canonical, &record, expand);
+                    self.deliver(key, &job, &canonical, &division, expand);
                 }
                 Request::Pending => self.waiting.entry(key).or_default().jobs.push(job),
-                Request::Yours(ticket) => {
+                Request::Leased(lease) => {
                     self.waiting.entry(key).or_default().jobs.push(job);
                     self.queued_ever += 1;
                     let work = (self.options.expected_work)(&canonical);
-                    let age = self.queued_ever;
-                    self.ready.push(Queued { work, age, task: canonical, ticket, busy_since: None });
+                    self.ready.push(Assignment { work, age: self.queued_ever, input: canonical, lease });
                 }
             }
         }
     }
 
-    fn note_shift(&mut self, size: f64, rounded: f64) {
-        if size > 0.0 {
-            self.summary.max_size_shift = self.summary.max_size_shift.max((rounded / size - 1.0).abs());
-        }
-    }
-
-    fn take_in<X>(&mut self, notice: Notice<T>, expand: &mut X)
-    where
-        X: FnMut(usize, &T::Record) -> Vec<Job<T>>,
-    {
-        let Notice { key, news } = notice;
-        // Nothing waits if an interrupt has let go of it.
+    fn take_in(&mut self, event: Event, expand: &mut impl FnMut(usize, &Division) -> Vec<Job>) {
+        let Event { key, completion } = event;
+        // Nothing waits if an interrupt has released it.
         let Some(Awaited { running, jobs }) = self.waiting.remove(&key) else { return };
         if running {
             self.running -= 1;
         }
-        match news {
-            News::Solved(record) => {
+        match completion {
+            Completion::Solved(division) => {
                 self.summary.solved += usize::from(running);
                 self.summary.memo_hits += jobs.len() - usize::from(running);
-                self.deliver_all(key, &jobs, &record, expand);
+                self.deliver_all(key, &jobs, &division, expand);
             }
-            News::Stored(record) => {
+            Completion::Stored(division) => {
                 self.summary.store_hits += 1;
                 self.summary.memo_hits += jobs.len();
-                self.deliver_all(key, &jobs, &record, expand);
+                self.deliver_all(key, &jobs, &division, expand);
             }
-            News::Failed(failure) => {
-                for job in &jobs {
-                    self.fail(job, &failure);
-                }
+            Completion::Failed(failure) => {
+                let unsolved = |job: &Job| Unsolved { id: job.id, r0: job.input.cell.r0, failure: failure.clone() };
+                self.unsolved.extend(jobs.iter().map(unsolved));
                 self.failed.insert(key, failure);
             }
-            News::Abandoned => self.arrived.extend(jobs),
+            Completion::Abandoned => self.arrived.extend(jobs),
         }
         self.report();
     }
 
-    fn deliver_all<X>(&mut self, key: Key, jobs: &[Job<T>], record: &T::Record, expand: &mut X)
-    where
-        X: FnMut(usize, &T::Record) -> Vec<Job<T>>,
-    {
+    fn deliver_all(
+        &mut self,
+        key: Key,
+        jobs: &[Job],
+        division: &Division,
+        expand: &mut impl FnMut(usize, &Division) -> Vec<Job>,
+    ) {
         for job in jobs {
-            let canonical = self.memo.canonical(&job.task);
-            self.deliver(key, job, &canonical, record, expand);
+            let canonical = self.memo.canonical(&job.input);
+            self.deliver(key, job, &canonical, division, expand);
         }
     }
 
-    fn deliver<X>(&mut self, key: Key, job: &Job<T>, canonical: &T, record: &T::Record, expand: &mut X)
-    where
-        X: FnMut(usize, &T::Record) -> Vec<Job<T>>,
-    {
+    fn deliver(
+        &mut self,
+        key: Key,
+        job: &Job,
+        canonical: &DivisionInput,
+        division: &Division,
+        expand: &mut impl FnMut(usize, &Division) -> Vec<Job>,
+    ) {
         self.summary.jobs += 1;
-        self.responses.note(self.memo, key, canonical, record);
-        let factor = job.task.size() / canonical.size();
-        // Most sizes are on the grid already, and their records need no copy.
-        let following = if factor == 1.0 { expand(job.id, record) } else { expand(job.id, &record.scaled(factor)) };
+        self.responses.note(key, canonical, division);
+        let factor = job.input.cell.r0 / canonical.cell.r0;
+        // Most radii are on the grid already, and their divisions need no copy.
+        let following =
+            if factor == 1.0 { expand(job.id, division) } else { expand(job.id, &scaled(division, factor)) };
         self.arrived.extend(following);
         if self.summary.jobs.is_multiple_of(1024) {
             self.report();
         }
-    }
-
-    fn fail(&mut self, Job { id, task }: &Job<T>, failure: &Failure<T::Error>) {
-        self.unsolved.push(Unsolved { id: *id, size: task.size(), failure: failure.clone() });
     }
 
     fn report(&self) {
@@ -276,7 +265,7 @@ impl<'a, 'm, T: Task> Run<'a, 'm, T> {
         }
     }
 
-    pub fn finish(mut self) -> Result<Summary, SchedulerError<T::Error>> {
+    pub fn finish(mut self) -> Result<Summary, SchedulerError> {
         self.summary.interrupted |= self.is_incomplete();
         self.report();
         if let Some(store) = self.memo.store() {
@@ -288,7 +277,7 @@ impl<'a, 'm, T: Task> Run<'a, 'm, T> {
             return Ok(self.summary);
         }
         // In an order that does not depend on which came first.
-        self.unsolved.sort_by(|a, b| b.size.total_cmp(&a.size).then_with(|| a.id.cmp(&b.id)));
+        self.unsolved.sort_by(|a, b| b.r0.total_cmp(&a.r0).then_with(|| a.id.cmp(&b.id)));
         Err(SchedulerError::Unsolved { jobs: self.unsolved, summary: Box::new(self.summary) })
     }
 }

@@ -9,108 +9,105 @@ use std::{
 };
 
 use super::*;
-use crate::batch::{
-    Quantisation,
-    stick::{Broken, Stick, StickError},
-};
+use crate::batch::{Quantisation, fake, fake::input};
 
 /// Long enough that only a deadlock takes it.
 const DEADLOCK: Duration = Duration::from_secs(20);
 
-fn jobs(lengths: &[f64]) -> Vec<Job<Stick>> {
-    lengths.iter().enumerate().map(|(id, &length)| Job { id, task: Stick::new(length) }).collect()
+fn jobs(radii: &[f64]) -> Vec<Job> {
+    radii.iter().enumerate().map(|(id, &r0)| Job { id, input: input(r0) }).collect()
 }
 
-fn solve(stick: &Stick) -> Result<Broken, StickError> {
-    Ok(stick.break_in_two())
+fn solve(input: &DivisionInput) -> Result<Division, DivisionError> {
+    Ok(fake::divide(input))
 }
 
-/// All pieces of a stick by their numbers, 1 being the whole and `2n`, `2n + 1` the pieces of `n`.
-type Pieces = BTreeMap<usize, (u64, Broken)>;
+/// All cells of a tree by their numbers, 1 being the root and `2n`, `2n + 1` the daughters of `n`.
+type Cells = BTreeMap<usize, (u64, Division)>;
 
-fn shatter(length: f64, memo: &Memo<Stick>, options: &SchedulerOptions<'_, Stick>) -> (Pieces, Summary) {
-    let mut lengths = BTreeMap::from([(1, length)]);
-    let mut pieces = Pieces::new();
-    let summary = run(vec![Job { id: 1, task: Stick::new(length) }], memo, options, solve, |id, broken| {
-        pieces.insert(id, (lengths[&id].to_bits(), broken.clone()));
-        let two = broken.pieces.into_iter().flatten().zip([2 * id, 2 * id + 1]);
-        let following: Vec<Job<Stick>> = two.map(|(length, id)| Job { id, task: Stick::new(length) }).collect();
-        lengths.extend(following.iter().map(|job| (job.id, job.task.length)));
+fn grow(r0: f64, memo: &Memo, options: &SchedulerOptions<'_>) -> (Cells, Summary) {
+    let mut radii = BTreeMap::from([(1, r0)]);
+    let mut cells = Cells::new();
+    let summary = run(vec![Job { id: 1, input: input(r0) }], memo, options, solve, |id, division| {
+        cells.insert(id, (radii[&id].to_bits(), division.clone()));
+        let daughters = division.daughters.into_iter().flatten().zip([2 * id, 2 * id + 1]);
+        let following: Vec<Job> = daughters.map(|(r0, id)| Job { id, input: input(r0) }).collect();
+        radii.extend(following.iter().map(|job| (job.id, job.input.cell.r0)));
         following
     });
-    (pieces, summary.unwrap())
+    (cells, summary.unwrap())
 }
 
 #[test]
-fn pieces_are_the_same_at_any_thread_count_and_from_a_warm_memo() {
+fn trees_are_the_same_at_any_thread_count_and_from_a_warm_memo() {
     let mut reference = None;
     for threads in [1, 2, 8] {
         let memo = Memo::new(Quantisation::DEFAULT);
         let options = SchedulerOptions { threads, ..Default::default() };
-        let (cold, summary) = shatter(20.0, &memo, &options);
+        let (cold, summary) = grow(20.0, &memo, &options);
         assert_eq!(summary.jobs, cold.len());
         assert_eq!(summary.jobs, summary.solved + summary.memo_hits);
-        let (warm, again) = shatter(20.0, &memo, &options);
+        let (warm, again) = grow(20.0, &memo, &options);
         assert_eq!(again.solved, 0);
         assert_eq!(again.memo_hits, cold.len());
         assert_eq!(warm, cold);
-        let (pieces, solved) = reference.get_or_insert_with(|| (cold.clone(), summary.solved));
-        assert_eq!(*pieces, cold);
+        let (cells, solved) = reference.get_or_insert_with(|| (cold.clone(), summary.solved));
+        assert_eq!(*cells, cold);
         assert_eq!(*solved, summary.solved);
     }
 }
 
 #[test]
-fn equal_tasks_are_solved_once() {
+fn equal_divisions_are_solved_once() {
     let memo = Memo::new(Quantisation::DEFAULT);
-    let (pieces, summary) = shatter(8.0 * 2.0_f64.powf(4.9), &memo, &SchedulerOptions::default());
-    assert_eq!(pieces.values().filter(|(_, broken)| broken.skew == Some(0.0)).count(), 31);
-    let lengths = pieces.values().map(|(bits, _)| memo.quantisation().apply(f64::from_bits(*bits)).to_bits());
-    assert_eq!(summary.solved, lengths.collect::<std::collections::BTreeSet<_>>().len());
-    assert!(summary.solved < pieces.len() / 10, "{summary:?}");
+    let (cells, summary) = grow(8.0 * 2.0_f64.powf(4.9), &memo, &SchedulerOptions::default());
+    assert_eq!(cells.values().filter(|(_, division)| division.chi == Some(0.0)).count(), 31);
+    let radii = cells.values().map(|(bits, _)| memo.quantisation().apply(f64::from_bits(*bits)).to_bits());
+    assert_eq!(summary.solved, radii.collect::<std::collections::BTreeSet<_>>().len());
+    assert!(summary.solved < cells.len() / 10, "{summary:?}");
 }
 
 #[test]
-fn rounding_loses_no_length_and_reports_its_effect() {
+fn rounding_loses_no_radius_and_reports_its_effect() {
     let memo = Memo::new(Quantisation::with_relative_step(1e-3).unwrap());
-    let (pieces, summary) = shatter(21.0, &memo, &SchedulerOptions::default());
-    for (length, broken) in pieces.values() {
-        if let Some([left, right]) = broken.pieces {
-            assert!(((left + right) / f64::from_bits(*length) - 1.0).abs() < 1e-14);
+    let (cells, summary) = grow(21.0, &memo, &SchedulerOptions::default());
+    for (r0, division) in cells.values() {
+        if let Some([left, right]) = division.daughters {
+            assert!(((left + right) / f64::from_bits(*r0) - 1.0).abs() < 1e-14);
         }
     }
     assert!(summary.max_size_shift > 0.0 && summary.max_size_shift <= 0.5 * memo.quantisation().relative_step());
-    // |d skew/d ln length| of a stick is at most 0.8.
+    // |dχ/d ln R0| of the stand-in is at most 0.8.
     assert!(summary.shift_effect > 0.0 && summary.shift_effect <= 0.8 * summary.max_size_shift);
 
     let exact = Memo::new(Quantisation::EXACT);
-    let (_, summary) = shatter(21.0, &exact, &SchedulerOptions::default());
+    let (_, summary) = grow(21.0, &exact, &SchedulerOptions::default());
     assert_eq!((summary.max_size_shift, summary.shift_effect), (0.0, 0.0));
 }
 
 #[test]
-fn jobs_whose_task_is_in_flight_do_not_occupy_workers() {
+fn jobs_whose_division_is_in_flight_do_not_occupy_workers() {
     let memo = Memo::new(Quantisation::DEFAULT);
     let options = SchedulerOptions { threads: 2, ..Default::default() };
     let (other_done, wait_for_other) = mpsc::channel();
     let wait_for_other = Mutex::new(wait_for_other);
     let solves = AtomicUsize::new(0);
-    // Nine jobs share the stick of length 4, which is not solved before that of length 2 is.
-    let mut lengths = [4.0; 10];
-    lengths[9] = 2.0;
+    // Nine jobs share the cell of radius 4, which is not solved before that of radius 2 is.
+    let mut radii = [4.0; 10];
+    radii[9] = 2.0;
     let mut done = Vec::new();
     let summary = run(
-        jobs(&lengths),
+        jobs(&radii),
         &memo,
         &options,
-        |stick| {
+        |input| {
             solves.fetch_add(1, Relaxed);
-            if stick.length == 4.0 {
+            if input.cell.r0 == 4.0 {
                 wait_for_other.lock().unwrap().recv_timeout(DEADLOCK).expect("a waiting job holds the other worker");
             } else {
                 other_done.send(()).unwrap();
             }
-            solve(stick)
+            solve(input)
         },
         |id, _| {
             done.push(id);
@@ -135,21 +132,21 @@ fn two_runs_on_one_memo_share_what_is_in_flight() {
     let (first, second) = std::thread::scope(|scope| {
         let (memo, solves) = (&memo, &solves);
         let first = scope.spawn(move || {
-            let solve = |stick: &Stick| {
+            let solve = |input: &DivisionInput| {
                 solves.fetch_add(1, Relaxed);
                 begun.send(()).unwrap();
                 wait_for_other.lock().unwrap().recv_timeout(DEADLOCK).expect("the second run waits on a thread");
-                solve(stick)
+                solve(input)
             };
             run(jobs(&[4.0]), memo, &options(), solve, |_, _| Vec::new()).unwrap()
         });
         wait_begun.recv_timeout(DEADLOCK).unwrap();
-        // The second run wants length 4 first but solves length 2 meanwhile on its only worker.
+        // The second run wants radius 4 first but solves radius 2 meanwhile on its only worker.
         let second = scope.spawn(move || {
-            let solve = |stick: &Stick| {
+            let solve = |input: &DivisionInput| {
                 solves.fetch_add(1, Relaxed);
                 other_done.send(()).unwrap();
-                solve(stick)
+                solve(input)
             };
             run(jobs(&[4.0, 2.0]), memo, &options(), solve, |_, _| Vec::new()).unwrap()
         });
@@ -171,10 +168,10 @@ fn a_run_takes_over_what_an_interrupted_one_gave_up() {
         let (memo, stop) = (&memo, &stop);
         let first = scope.spawn(move || {
             let options = SchedulerOptions { threads: 1, interrupt: Some(stop), ..Default::default() };
-            let solve = |stick: &Stick| {
+            let solve = |input: &DivisionInput| {
                 begun.send(()).unwrap();
                 wait_release.lock().unwrap().recv_timeout(DEADLOCK).unwrap();
-                solve(stick)
+                solve(input)
             };
             run(jobs(&[4.0, 2.0]), memo, &options, solve, |_, _| Vec::new()).unwrap()
         });
@@ -193,12 +190,12 @@ fn a_run_takes_over_what_an_interrupted_one_gave_up() {
     assert_eq!(memo.len(), 2);
 }
 
-fn order(options: &SchedulerOptions<'_, Stick>) -> Vec<f64> {
+fn order(options: &SchedulerOptions<'_>) -> Vec<f64> {
     let memo = Memo::new(Quantisation::DEFAULT);
     let order = Mutex::new(Vec::new());
-    let solve = |stick: &Stick| {
-        order.lock().unwrap().push(stick.length);
-        solve(stick)
+    let solve = |input: &DivisionInput| {
+        order.lock().unwrap().push(input.cell.r0);
+        solve(input)
     };
     run(jobs(&[5.0, 1.5, 3.25, 2.0]), &memo, options, solve, |_, _| Vec::new()).unwrap();
     order.into_inner().unwrap()
@@ -208,7 +205,7 @@ fn order(options: &SchedulerOptions<'_, Stick>) -> Vec<f64> {
 fn the_most_expected_work_is_begun_first_by_default_the_largest() {
     let options = SchedulerOptions { threads: 1, ..Default::default() };
     assert_eq!(order(&options), [5.0, 3.25, 2.0, 1.5]);
-    let expected_work = |stick: &Stick| -(stick.length - 3.0).abs();
+    let expected_work = |input: &DivisionInput| -(input.cell.r0 - 3.0).abs();
     assert_eq!(order(&SchedulerOptions { expected_work: &expected_work, ..options }), [3.25, 2.0, 1.5, 5.0]);
 }
 
@@ -219,19 +216,20 @@ fn an_interrupted_run_is_resumed_without_solving_anything_twice() {
             let memo = Memo::new(Quantisation::DEFAULT);
             let stop = AtomicBool::new(stop_after == 0);
             let solves = AtomicUsize::new(0);
-            let solve = |stick: &Stick| {
+            let solve = |input: &DivisionInput| {
                 if solves.fetch_add(1, Relaxed) + 1 >= stop_after {
                     stop.store(true, Relaxed);
                 }
-                solve(stick)
+                solve(input)
             };
-            let following = |_: usize, broken: &Broken| jobs(&broken.pieces.into_iter().flatten().collect::<Vec<_>>());
+            let following =
+                |_: usize, division: &Division| jobs(&division.daughters.into_iter().flatten().collect::<Vec<_>>());
             let options = SchedulerOptions { threads, interrupt: Some(&stop), ..Default::default() };
             let first = run(jobs(&[20.0]), &memo, &options, solve, following).unwrap();
             assert!(first.interrupted);
             assert_eq!(first.solved, memo.len());
-            let resumed = shatter(20.0, &memo, &SchedulerOptions::default());
-            let fresh = shatter(20.0, &Memo::new(Quantisation::DEFAULT), &SchedulerOptions::default());
+            let resumed = grow(20.0, &memo, &SchedulerOptions::default());
+            let fresh = grow(20.0, &Memo::new(Quantisation::DEFAULT), &SchedulerOptions::default());
             assert_eq!(resumed.0, fresh.0);
             assert_eq!(first.solved + resumed.1.solved, fresh.1.solved);
         }
@@ -239,20 +237,20 @@ fn an_interrupted_run_is_resumed_without_solving_anything_twice() {
 }
 
 #[test]
-fn a_failed_task_is_named_and_the_others_are_kept() {
+fn a_failed_division_is_named_and_the_others_are_kept() {
     for threads in [1, 2, 8] {
         let memo = Memo::new(Quantisation::DEFAULT);
         let options = SchedulerOptions { threads, ..Default::default() };
         let solves = AtomicUsize::new(0);
-        let solve = |stick: &Stick| {
+        let solve = |input: &DivisionInput| {
             solves.fetch_add(1, Relaxed);
-            match stick.length {
-                length if length < 3.5 => Err(StickError::Bends { length }),
-                _ => solve(stick),
+            match input.cell.r0 {
+                value if value < 3.5 => Err(DivisionError::BadInput { field: "r0", value, allowed: "more" }),
+                _ => solve(input),
             }
         };
         let error = run(jobs(&[3.0, 4.0, 3.25, 5.0, 3.25]), &memo, &options, solve, |_, _| Vec::new()).unwrap_err();
-        assert_eq!(error.to_string(), "task 2 (size 3.25): a stick of length 3.25 bends (2 further tasks failed)");
+        assert_eq!(error.to_string(), "division 2 (R0 = 3.25): r0 = 3.25: more (2 further divisions failed)");
         let SchedulerError::Unsolved { jobs, summary } = error else { panic!("{error}") };
         assert_eq!(jobs.iter().map(|job| job.id).collect::<Vec<_>>(), [2, 4, 0]);
         assert_eq!((summary.jobs, summary.solved), (2, 2));
@@ -262,15 +260,15 @@ fn a_failed_task_is_named_and_the_others_are_kept() {
 }
 
 #[test]
-fn a_panicking_solver_is_an_error_of_its_task_alone() {
+fn a_panicking_solver_is_an_error_of_its_division_alone() {
     let memo = Memo::new(Quantisation::DEFAULT);
     let options = SchedulerOptions { threads: 2, ..Default::default() };
-    let solve = |stick: &Stick| {
-        assert!(stick.length > 2.5, "length {}", stick.length);
-        solve(stick)
+    let solve = |input: &DivisionInput| {
+        assert!(input.cell.r0 > 2.5, "radius {}", input.cell.r0);
+        solve(input)
     };
     let error = run(jobs(&[3.0, 2.0, 4.0]), &memo, &options, solve, |_, _| Vec::new()).unwrap_err();
-    assert!(error.to_string().contains("length 2"), "{error}");
+    assert!(error.to_string().contains("radius 2"), "{error}");
     assert_eq!(memo.len(), 2);
 }
 
@@ -280,7 +278,7 @@ fn progress_ends_with_the_summarys_numbers() {
     let seen = std::cell::RefCell::new(Vec::new());
     let progress = |progress: Progress| seen.borrow_mut().push(progress);
     let options = SchedulerOptions { threads: 2, progress: Some(&progress), ..Default::default() };
-    let (_, summary) = shatter(20.0, &memo, &options);
+    let (_, summary) = grow(20.0, &memo, &options);
     let seen = seen.into_inner();
     assert!(seen.iter().all(|progress| progress.running <= 2));
     assert!(seen.iter().any(|progress| progress.running > 0));
@@ -292,17 +290,17 @@ fn progress_ends_with_the_summarys_numbers() {
 #[test]
 fn no_jobs_are_an_empty_run() {
     let memo = Memo::new(Quantisation::DEFAULT);
-    let never = |_: &Stick| -> Result<Broken, StickError> { unreachable!("nothing to solve") };
+    let never = |_: &DivisionInput| -> Result<Division, DivisionError> { unreachable!("nothing to solve") };
     let summary = run(Vec::new(), &memo, &SchedulerOptions::default(), never, |_, _| Vec::new()).unwrap();
     assert_eq!(summary, Summary::default());
 }
 
 #[test]
-fn a_hundred_thousand_known_records_need_no_worker() {
+fn a_hundred_thousand_known_divisions_need_no_worker() {
     let memo = Memo::new(Quantisation::DEFAULT);
     let mut next = 1;
-    let mut expand = |_: usize, _: &Broken| {
-        let following = [next, next + 1].map(|id| Job { id, task: Stick::new(4.0) });
+    let mut expand = |_: usize, _: &Division| {
+        let following = [next, next + 1].map(|id| Job { id, input: input(4.0) });
         next += 2;
         if next <= 100_001 { following.to_vec() } else { Vec::new() }
     };

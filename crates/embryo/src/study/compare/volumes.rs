@@ -11,10 +11,10 @@ use measured::statistics::{BoxPlot, Line, box_plot, line, line_through_origin, m
 use measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
 use serde::Serialize;
 
-use crate::batch::scheduler::{self, Job, SchedulerError, SchedulerOptions};
+use crate::batch::scheduler::{self, SchedulerError, SchedulerOptions};
 use crate::batch::{Memo, phase};
 use crate::cell::Cue;
-use crate::division::{DivisionError, DivisionInput, Outcome, divide};
+use crate::division::{DivisionInput, Outcome, divide};
 use crate::lineage::{GrowError, Length, Lineage, Tree, TreeSettings};
 use crate::study::constants::Constants;
 use crate::study::ranges::{Range, each_tree};
@@ -306,30 +306,22 @@ pub fn size_curves(
     lineage: &Lineage,
     settings: &TreeSettings,
     [from, to]: [f64; 2],
-    memo: &Memo<DivisionInput>,
-    options: &SchedulerOptions<'_, DivisionInput>,
-) -> Result<Vec<SizeCurve>, SchedulerError<DivisionError>> {
+    memo: &Memo,
+    options: &SchedulerOptions<'_>,
+) -> Result<Vec<SizeCurve>, SchedulerError> {
     let radii: Vec<f64> = phase::spaced(from.ln(), to.ln(), POINTS).into_iter().map(f64::exp).collect();
     let cues: Vec<(String, Cue)> = std::iter::once((String::new(), Cue::none()))
         .chain(lineage.cues.iter().filter(|(_, cue)| !cue.is_none()).map(|(name, cue)| (name.clone(), cue.clone())))
         .collect();
-    let mut jobs = Vec::with_capacity(cues.len() * radii.len());
+    let mut inputs = Vec::with_capacity(cues.len() * radii.len());
     for (_, cue) in &cues {
         for r0 in &radii {
             let cell = crate::cell::Cell { r0: *r0, ..settings.cell.clone().with_cue(cue.clone()) };
-            let task = DivisionInput { cell, numerics: settings.numerics, seed: settings.seed };
-            jobs.push(Job { id: jobs.len(), task });
+            inputs.push(DivisionInput { cell, numerics: settings.numerics, seed: settings.seed });
         }
     }
-    let mut chi = vec![None; jobs.len()];
-    let run = scheduler::run(jobs, memo, options, divide, |id, division| {
-        chi[id] = division.chi;
-        vec![]
-    });
-    match run {
-        Ok(_) | Err(SchedulerError::Unsolved { .. }) => {}
-        Err(error) => return Err(error),
-    }
-    let points = |k: usize| radii.iter().copied().zip(chi[k * radii.len()..].iter().copied()).collect();
+    let divisions = scheduler::solve_all(inputs, memo, options, divide)?.divisions;
+    let chi = |found: &Option<crate::division::Division>| found.as_ref().and_then(|found| found.chi);
+    let points = |k: usize| radii.iter().copied().zip(divisions[k * radii.len()..].iter().map(chi)).collect();
     Ok(cues.into_iter().enumerate().map(|(k, (cue, _))| SizeCurve { cue, points: points(k) }).collect())
 }

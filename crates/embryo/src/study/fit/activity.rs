@@ -84,7 +84,7 @@ const HALVINGS: usize = 5;
 struct Search<'a> {
     lineage: &'a Lineage,
     settings: &'a TreeSettings,
-    memo: &'a Memo<DivisionInput>,
+    memo: &'a Memo,
     cancel: Option<&'a AtomicBool>,
     reading: Reading,
     founder: usize,
@@ -203,7 +203,7 @@ impl Search<'_> {
 pub fn activities(
     lineage: &Lineage,
     settings: &TreeSettings,
-    memo: &Memo<DivisionInput>,
+    memo: &Memo,
     reading: Reading,
     range: [f64; 2],
     threads: usize,

@@ -162,7 +162,7 @@ struct Objective<'a> {
     lineage: &'a Lineage,
     targets: &'a Targets,
     settings: &'a TreeSettings,
-    memo: &'a Memo<DivisionInput>,
+    memo: &'a Memo,
     cancel: Option<&'a AtomicBool>,
     /// Called with the number of sets tried and the least misfit so far.
     progress: Option<&'a (dyn Fn(usize, f64) + Sync)>,
@@ -371,7 +371,7 @@ pub fn fit_constants(
     lineage: &Lineage,
     targets: &Targets,
     settings: &TreeSettings,
-    memo: &Memo<DivisionInput>,
+    memo: &Memo,
     effort: SearchBudget,
     threads: usize,
     cancel: Option<&AtomicBool>,

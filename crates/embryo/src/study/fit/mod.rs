@@ -23,7 +23,6 @@ pub use targets::Targets;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::batch::SchedulerError;
-use crate::division::DivisionError;
 
 /// Why there is no fit.
 #[derive(Debug, thiserror::Error)]
@@ -55,7 +54,7 @@ pub enum FitError {
     NotFinite(#[from] spectra::NoSingularValues),
     /// The workers could not be started.
     #[error(transparent)]
-    Workers(#[from] SchedulerError<DivisionError>),
+    Workers(#[from] SchedulerError),
 }
 
 /// Whether the flag, if there is one, is set: that a search should stop.

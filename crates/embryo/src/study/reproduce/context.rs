@@ -27,7 +27,7 @@ pub struct Context<'a> {
     /// settings'.
     pub settings: &'a Settings,
     /// Remembers divisions.
-    pub memo: &'a Memo<DivisionInput>,
+    pub memo: &'a Memo,
     /// Threads; 0 is one for each core.
     pub threads: usize,
     /// Set to true to stop.
@@ -45,7 +45,7 @@ pub enum ReproduceError {
     Input(#[from] InputError),
     /// No workers can be started.
     #[error(transparent)]
-    Workers(#[from] SchedulerError<DivisionError>),
+    Workers(#[from] SchedulerError),
     /// It was cancelled.
     #[error("interrupted")]
     Interrupted,
@@ -204,7 +204,7 @@ impl Context<'_> {
     }
 
     /// How divisions are scheduled.
-    pub fn options(&self) -> SchedulerOptions<'_, DivisionInput> {
+    pub fn options(&self) -> SchedulerOptions<'_> {
         SchedulerOptions { threads: self.threads, interrupt: Some(self.cancel), ..SchedulerOptions::default() }
     }
 
