@@ -9,14 +9,15 @@
 //! waiting for its mother's, bounds what threads can bring: on two of them the ratio is at most
 //! total / max(total / 2, chain).
 
+use furrow_formats::tree_to_json;
 use std::collections::HashMap;
 use std::sync::Mutex;
 use std::time::Instant;
 
-use furrow::batch::{Key, Memo, Quantisation, SchedulerOptions};
-use furrow::cell::Cell;
-use furrow::division::{DivisionInput, divide};
-use furrow::lineage::{Grower, Lineage, Tree, TreeSettings};
+use furrow_cell::Cell;
+use furrow_lineage::batch::{Key, Memo, Quantisation, SchedulerOptions};
+use furrow_lineage::{Grower, Lineage, Tree, TreeSettings};
+use furrow_mechanics::division::{DivisionInput, divide};
 
 /// CPU time of this thread in seconds; wall time where the system does not tell.
 fn thread_seconds(since: Instant) -> f64 {
@@ -82,7 +83,7 @@ fn main() {
     println!("depth cells divisions    cpu s cpu ms/division chain s  wall s 1 thread 2 threads  ratio  bound");
     for depth in [2, 4, 5, 6, 8, 10, 200] {
         let [one, two] = [1, 2].map(|threads| Run::grow(depth, threads));
-        assert_eq!(one.tree.to_json().unwrap(), two.tree.to_json().unwrap());
+        assert_eq!(tree_to_json(&one.tree).unwrap(), tree_to_json(&two.tree).unwrap());
         let (total, chain) = (one.total(), one.chain());
         println!(
             "{depth:5} {:5} {:9} {total:8.3} {:15.1} {chain:7.3} {:16.3} {:9.3} {:6.2} {:6.2}",

@@ -5,13 +5,13 @@
 //! steps as long as they may be, and with those of `benches/baseline/auto/compare.py`, which runs AUTO-07p beside it; with the
 //! latter also on 20 intervals of 4 points, whose fold is as close as AUTO's.
 
-use bvp::{Continuation, SymmetryBreaking, Work};
-use furrow::cell::{Cell, Cue, Numerics, Parameter};
-use furrow::cortex::Cortex;
-use furrow::division::{DivisionInput, Outcome, divide};
-use furrow::shapes::branch::error_monitor;
-use furrow::shapes::critical::{self, STARTS};
-use furrow::shapes::{BranchOptions, curves, pitchfork, primary};
+use furrow_bvp::{Continuation, SymmetryBreaking, Work};
+use furrow_cell::{Cell, Cue, Numerics, Parameter};
+use furrow_mechanics::cortex::Cortex;
+use furrow_mechanics::division::{DivisionInput, Outcome, divide};
+use furrow_mechanics::equilibria::branch::error_monitor;
+use furrow_mechanics::equilibria::critical::{self, STARTS};
+use furrow_mechanics::equilibria::{BranchOptions, curves, pitchfork, primary};
 
 /// Processor time of this thread in ms; wall time where the system does not tell.
 fn now() -> f64 {

@@ -3,8 +3,8 @@
 //!
 //! `cargo run --release --example branch_diagram -- 2.22 0.64`
 
-use furrow::cell::{Cell, Numerics};
-use furrow::shapes::{Branch, BranchOptions, asymmetric, primary};
+use furrow::{Cell, Numerics};
+use furrow_mechanics::equilibria::{Branch, BranchOptions, asymmetric, primary};
 
 fn print(name: &str, branch: &Branch) {
     for point in &branch.points {

@@ -2,8 +2,8 @@
 //!
 //! `cargo run --release --example division`
 
-use furrow::cell::{Cell, Cue};
-use furrow::division::{DivisionInput, divide};
+use furrow::{Cell, Cue};
+use furrow::{DivisionInput, divide};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let zygote = Cell::new(5.4).with_cue(Cue::published());

@@ -5,10 +5,10 @@
 //!
 //! `cargo run --release --example new_cue`
 
-use furrow::cell::cue::{Field, Profile, Term, Width};
-use furrow::cell::{Cell, Cue, Numerics};
-use furrow::division::{DivisionInput, divide};
-use furrow::shapes::critical_radius;
+use furrow::{Cell, Cue, Numerics};
+use furrow::{DivisionInput, divide};
+use furrow_cell::cue::{Field, Profile, Term, Width};
+use furrow_mechanics::equilibria::critical_radius;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let step = Profile::Step { u0: 0.4, omega: Width::Length(0.8) };

@@ -2,13 +2,13 @@
 //!
 //! `cargo run --release --example own_lineage`
 
-use furrow::batch::{Memo, Quantisation, SchedulerOptions};
-use furrow::cell::Cell;
-use furrow::division::divide;
-use furrow::io::{founder_rows, newick};
-use furrow::lineage::{Grower, Lineage, Thresholds, TreeSettings};
-use furrow::report::founders_table;
-use furrow::shapes::CriticalRadii;
+use furrow::Cell;
+use furrow::divide;
+use furrow::founders_table;
+use furrow::{Grower, Lineage, Thresholds, TreeSettings};
+use furrow::{Memo, Quantisation, SchedulerOptions};
+use furrow::{founder_rows, newick};
+use furrow_mechanics::equilibria::CriticalRadii;
 
 const LINEAGE: &str = r#"Lineage(
     name: "two founders",

@@ -3,8 +3,8 @@
 //!
 //! `cargo run --release --example thresholds`
 
-use furrow::cell::{Cell, Numerics};
-use furrow::shapes::{BranchOptions, critical_radius, pitchfork};
+use furrow::{Cell, Numerics};
+use furrow_mechanics::equilibria::{BranchOptions, critical_radius, pitchfork};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (numerics, options) = (Numerics::default(), BranchOptions::default());

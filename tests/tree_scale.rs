@@ -3,13 +3,14 @@
 
 mod common;
 
+use furrow_formats::{tree_from_json, tree_to_json};
 use std::time::Instant;
 
 use common::stand_in::division;
-use furrow::batch::{Memo, Quantisation, SchedulerOptions};
-use furrow::division::{DivisionInput, Outcome};
-use furrow::io::{newick, write_atomically};
-use furrow::lineage::{Grower, Lineage, Tree, TreeSettings};
+use furrow_formats::{newick, write_atomically};
+use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions};
+use furrow_lineage::{Grower, Lineage, TreeSettings};
+use furrow_mechanics::division::{DivisionInput, Outcome};
 
 /// Generations below the first cell.
 const DEPTH: u32 = 16;
@@ -44,10 +45,10 @@ fn hundred_thousand_cells_from_the_memo() {
     let (tree, summary) = grower.grow(|input| panic!("R0 = {} is in the memo", input.cell.r0)).unwrap();
     let grown = start.elapsed();
     write_atomically(&newick_file, newick(&tree).as_bytes()).unwrap();
-    write_atomically(&json_file, tree.to_json().unwrap().as_bytes()).unwrap();
+    write_atomically(&json_file, tree_to_json(&tree).unwrap().as_bytes()).unwrap();
     let written = start.elapsed();
     let text = std::fs::read_to_string(&json_file).unwrap();
-    let back = Tree::from_json(&text).unwrap();
+    let back = tree_from_json(&text).unwrap();
     let read = start.elapsed();
     let memory = peak_memory();
     println!(
@@ -65,8 +66,8 @@ fn hundred_thousand_cells_from_the_memo() {
     assert_eq!(tree.len(), CELLS);
     assert_eq!(summary.solved, 0);
     assert!(summary.memo_hits >= CELLS / 2);
-    assert_eq!(back.to_json().unwrap(), text);
-    assert_eq!(first.to_json().unwrap(), text);
+    assert_eq!(tree_to_json(&back).unwrap(), text);
+    assert_eq!(tree_to_json(&first).unwrap(), text);
     let names = std::fs::read_to_string(&newick_file).unwrap();
     assert_eq!((names.matches('Q').count(), names.matches(',').count()), (CELLS, (CELLS - 1) / 2));
     if let Some(memory) = memory {

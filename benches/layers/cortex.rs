@@ -1,10 +1,10 @@
 //! Shapes without activity, and what is read off a shape.
 
 use divan::{Bencher, black_box};
-use furrow::cell::{Cell, Numerics};
-use furrow::cortex::symmetry::unfold;
-use furrow::cortex::{Cortex, Domain, resolution};
-use furrow::shapes::passive;
+use furrow_cell::{Cell, Numerics};
+use furrow_mechanics::cortex::symmetry::unfold;
+use furrow_mechanics::cortex::{Cortex, Domain, resolution};
+use furrow_mechanics::equilibria::passive;
 
 #[divan::bench(args = [1.6, 2.5, 5.4])]
 fn passive_shape(r0: f64) {

@@ -1,8 +1,8 @@
 //! One division of each kind.
 
 use divan::black_box;
-use furrow::cell::{Cell, Cue};
-use furrow::division::{Division, DivisionInput, divide};
+use furrow_cell::{Cell, Cue};
+use furrow_mechanics::division::{Division, DivisionInput, divide};
 
 fn division(r0: f64, cue: Cue) -> Division {
     divide(&DivisionInput::new(Cell::new(black_box(r0)).with_cue(cue))).unwrap()

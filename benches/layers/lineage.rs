@@ -1,15 +1,16 @@
 //! The memo, the store, and the built-in tree.
 
+use furrow_formats::{tree_from_json, tree_to_json};
 use std::sync::mpsc::channel;
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use furrow::batch::memo::Request;
-use furrow::batch::{Key, Memo, Quantisation, SchedulerOptions, Store};
-use furrow::cell::Cell;
-use furrow::division::{Division, DivisionError, DivisionInput, Outcome, divide};
-use furrow::io::newick;
-use furrow::lineage::{Grower, Lineage, Tree, TreeSettings};
+use furrow_cell::Cell;
+use furrow_formats::newick;
+use furrow_lineage::batch::memo::Request;
+use furrow_lineage::batch::{Key, Memo, Quantisation, SchedulerOptions, Store};
+use furrow_lineage::{Grower, Lineage, Tree, TreeSettings};
+use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome, divide};
 
 /// Look-ups of one sample.
 const HITS: usize = 100_000;
@@ -33,7 +34,7 @@ fn free(input: &DivisionInput) -> Division {
         growth_rate: None,
         slow_growth_rate: None,
         volume_drift: 0.0,
-        work: bvp::Work::default(),
+        work: furrow_bvp::Work::default(),
     }
 }
 
@@ -114,7 +115,7 @@ fn tree_warm(bencher: Bencher) {
     grow(&lineage, &open(), 0, divide);
     bencher.bench_local(|| {
         let tree = grow(&lineage, &open(), 1, |input| panic!("R0 = {} is in the store", input.cell.r0));
-        (newick(&tree), tree.to_json().unwrap())
+        (newick(&tree), tree_to_json(&tree).unwrap())
     });
 }
 
@@ -127,6 +128,6 @@ fn tree_of_hits(bencher: Bencher) {
     let grown = grow(&lineage, &memo, 1, |input| Ok(free(input)));
     bencher.counter(ItemsCount::new(grown.len())).bench_local(|| {
         let tree = grow(&lineage, &memo, 1, |input| panic!("R0 = {} is in the memo", input.cell.r0));
-        (newick(&tree), Tree::from_json(&tree.to_json().unwrap()).unwrap())
+        (newick(&tree), tree_from_json(&tree_to_json(&tree).unwrap()).unwrap())
     });
 }

@@ -1,13 +1,13 @@
 //! The block solver: one Newton step of the first time step of a cell of R0 = 2.5, and its parts.
 
-use bvp::newton::{Newton, NewtonScratch};
-use bvp::{Direction, Solution, System};
 use divan::{Bencher, black_box};
-use furrow::cell::{Cell, Numerics};
-use furrow::cortex::observables::positions;
-use furrow::cortex::symmetry::unfold;
-use furrow::cortex::{Cortex, Domain};
-use furrow::shapes::passive;
+use furrow_bvp::newton::{Newton, NewtonScratch};
+use furrow_bvp::{Direction, Solution, System};
+use furrow_cell::{Cell, Numerics};
+use furrow_mechanics::cortex::observables::positions;
+use furrow_mechanics::cortex::symmetry::unfold;
+use furrow_mechanics::cortex::{Cortex, Domain};
+use furrow_mechanics::equilibria::passive;
 
 struct Step {
     system: System,

@@ -1,8 +1,8 @@
 //! Stationary shapes, their stability, and the boundaries of division.
 
 use divan::{Bencher, black_box};
-use furrow::cell::{Cell, Numerics, Parameter};
-use furrow::shapes::{BranchOptions, curves, pitchfork, primary, stationary};
+use furrow_cell::{Cell, Numerics, Parameter};
+use furrow_mechanics::equilibria::{BranchOptions, curves, pitchfork, primary, stationary};
 
 /// ξ_s of three rows of the reference branch at R0 = 2.
 const ACTIVITIES: [f64; 3] = [8.6322, 20.7468, 25.8689];

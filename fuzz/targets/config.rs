@@ -1,6 +1,6 @@
 //! Configuration files.
 
-use furrow::settings::{Settings, listing};
+use furrow_cell::settings::{Settings, listing};
 
 use super::{FILE, says_where, text};
 

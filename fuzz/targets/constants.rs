@@ -1,6 +1,6 @@
 //! Tables of constants, as an ensemble is written.
 
-use furrow::study::{read_constants, write_constants};
+use furrow_analysis::{read_constants, write_constants};
 
 use super::{FILE, says_where, text};
 

@@ -1,9 +1,9 @@
 //! Contours, in tables of points and in masks. The first byte says which, and whether a label is asked for.
 
-use measured::contour::Contour;
-use measured::contour::furrow::furrow;
-use measured::contour::overlap::{overlap, overlap_of_pixels};
-use measured::contour::polygons::Contours;
+use furrow_measured::contour::Contour;
+use furrow_measured::contour::furrow::furrow;
+use furrow_measured::contour::overlap::{overlap, overlap_of_pixels};
+use furrow_measured::contour::polygons::Contours;
 
 use super::{FILE, says_where};
 

@@ -1,7 +1,8 @@
 //! Cues as options have them, and keys and values of `--set`.
 
-use furrow::cell::Cue;
-use furrow::settings::{Settings, parse_cue};
+use furrow_cell::Cue;
+use furrow_cell::settings::Settings;
+use furrow_lineage::parse_cue;
 
 use super::{built_in, text};
 

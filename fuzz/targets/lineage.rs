@@ -1,6 +1,6 @@
 //! Lineage files.
 
-use furrow::lineage::Lineage;
+use furrow_lineage::Lineage;
 
 use super::{FILE, says_where, text};
 

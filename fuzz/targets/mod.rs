@@ -9,7 +9,6 @@ pub mod constants;
 pub mod contours;
 pub mod cue;
 pub mod lineage;
-pub mod store;
 pub mod sweep;
 pub mod targets;
 pub mod tree_json;
@@ -17,7 +16,7 @@ pub mod volumes;
 
 use std::sync::OnceLock;
 
-use furrow::lineage::Lineage;
+use furrow_lineage::Lineage;
 
 /// What errors call the text.
 pub const FILE: &str = "given.file";

@@ -1,7 +1,7 @@
 //! Sweep files.
 
-use furrow::settings::Settings;
-use furrow::study::Sweep;
+use furrow_analysis::Sweep;
+use furrow_cell::settings::Settings;
 
 use super::{FILE, says_where, text};
 

@@ -1,8 +1,8 @@
 //! Files of targets: of `calibrate`, and of `fit`.
 
-use furrow::calibration;
-use furrow::input::parse_document;
-use furrow::study::fit;
+use furrow_analysis::fit;
+use furrow_input::parse_document;
+use furrow_mechanics::calibration;
 
 use super::{FILE, built_in, says_where, text};
 

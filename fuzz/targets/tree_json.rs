@@ -1,14 +1,15 @@
 //! `tree.json`, and what is exported from it.
 
-use furrow::io::exchange::{BranchLengths, Exported, Format, export};
-use furrow::lineage::Tree;
+use furrow_formats::exchange::{BranchLengths, Exported, Format, export};
+use furrow_formats::{tree_from_json, tree_to_json};
+use furrow_lineage::Tree;
 
 use super::text;
 
 /// A tree that is read is what it is when it is written and read again; it is exported to every format.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data) else { return };
-    let tree = match Tree::from_json(text) {
+    let tree = match tree_from_json(text) {
         Ok(tree) => tree,
         Err(error) => {
             let said = error.to_string();
@@ -16,9 +17,9 @@ pub fn check(data: &[u8]) {
             return;
         }
     };
-    let written = tree.to_json().expect("a tree is written");
-    let again = Tree::from_json(&written).unwrap_or_else(|error| panic!("{error}: {written}"));
-    assert_eq!(again.to_json().expect("a tree is written"), written);
+    let written = tree_to_json(&tree).expect("a tree is written");
+    let again = tree_from_json(&written).unwrap_or_else(|error| panic!("{error}: {written}"));
+    assert_eq!(tree_to_json(&again).expect("a tree is written"), written);
     let names = |tree: &Tree| -> Vec<String> { tree.cells().map(|id| tree.cell(id).name.clone()).collect() };
     assert_eq!(names(&again), names(&tree));
     // All formats with one kind of length each: the kinds differ in nothing but a number.

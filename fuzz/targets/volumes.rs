@@ -1,7 +1,7 @@
 //! Tables of volumes, long ones and grids. The first byte says how the table is read.
 
-use measured::events::{divisions, summaries};
-use measured::volumes::{ReadOptions, Unit, Volumes};
+use furrow_measured::events::{divisions, summaries};
+use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 
 use super::{FILE, says_where};
 

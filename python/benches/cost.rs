@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use furrow::batch::{Memo, Quantisation, SchedulerOptions, replicates};
-use furrow::cell::{Cell, Cue};
-use furrow::division::DivisionInput;
+use furrow_cell::{Cell, Cue};
+use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, replicates};
+use furrow_mechanics::division::DivisionInput;
 
 /// Cells of a round, and rounds.
 const CELLS: usize = 40;

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use furrow::batch::{Replicates, SchedulerOptions, replicates};
-use furrow::cortex::forces::Place;
-use furrow::division::{Division, Still, film as film_of};
-use furrow::input::InputError;
-use furrow::io::frames::{COLUMNS, check_step, stills};
-use furrow::report::{EventReport, StationaryReport, ThresholdReport};
-use furrow::shapes::{BranchEnd, BranchOptions, pitchfork as pitchforks, stationary};
-use furrow::study::{Diagram, diagram};
+use furrow_analysis::{Diagram, diagram};
+use furrow_formats::frames::{COLUMNS, check_step, stills};
+use furrow_input::InputError;
+use furrow_lineage::batch::{Replicates, SchedulerOptions, replicates};
+use furrow_mechanics::cortex::forces::Place;
+use furrow_mechanics::division::{Division, Still, film as film_of};
+use furrow_mechanics::equilibria::{BranchEnd, BranchOptions, pitchfork as pitchforks, stationary};
+use furrow_report::{EventReport, StationaryReport, ThresholdReport};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -149,8 +149,11 @@ pub fn steady<'py>(py: Python<'py>, inputs: &Inputs) -> PyResult<(String, Bound<
         let shape = stationary(&cell, &numerics).map_err(Error::no_outcome)?;
         let spectrum = shape.spectrum().map_err(Error::no_outcome)?;
         let found = StationaryReport::new(&shape, &spectrum);
-        let gauss = bvp::Gauss::new(numerics.stages);
-        Ok((found, place_columns(furrow::cortex::forces::profile(&shape.cortex, &gauss, &shape.solution).iter())))
+        let gauss = furrow_bvp::Gauss::new(numerics.stages);
+        Ok((
+            found,
+            place_columns(furrow_mechanics::cortex::forces::profile(&shape.cortex, &gauss, &shape.solution).iter()),
+        ))
     })?;
     Ok((serde_json::to_string(&found).map_err(unwritable)?, columns(py, places)?))
 }
@@ -213,7 +216,7 @@ pub fn branch<'py>(
     })?;
     let points = PyDict::new(py);
     for (name, branch) in &found.branches {
-        let column = |of: fn(&furrow::shapes::ShapePoint) -> f64| branch.points.iter().map(of).collect();
+        let column = |of: fn(&furrow_mechanics::equilibria::ShapePoint) -> f64| branch.points.iter().map(of).collect();
         let of = vec![
             ("xi_s", column(|p| p.xi_s)),
             ("H", column(|p| p.elongation)),

@@ -4,19 +4,18 @@ use std::fs::File;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use furrow::batch::SchedulerOptions;
-use furrow::division::divide;
-use furrow::input::{InputError, read_text};
-use furrow::study::compare::counts::counts as counted;
-use furrow::study::compare::volumes::{GroupBeside, Scale, ScaleFrom, add_bands, beside, model, scale};
-use furrow::study::{Constants, grown, read_constants, scenarios_of, tree_settings};
-use measured::contour::Contour;
-use measured::contour::polygons::Traced;
-use measured::contour::series::{self, Series, series as laid_beside};
-use measured::events::{Division, divisions, summaries};
-use measured::published::jankele2021;
-use measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
-use measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
+use furrow_analysis::compare::counts::counts as counted;
+use furrow_analysis::compare::volumes::{GroupBeside, Scale, ScaleFrom, add_bands, beside, model, scale};
+use furrow_analysis::{Constants, grown, read_constants, scenarios_of, tree_settings};
+use furrow_input::{InputError, read_text};
+use furrow_lineage::batch::SchedulerOptions;
+use furrow_measured::contour::Contour;
+use furrow_measured::contour::polygons::Traced;
+use furrow_measured::contour::series::{self, Series, series as laid_beside};
+use furrow_measured::events::{Division, divisions, summaries};
+use furrow_measured::published::jankele2021;
+use furrow_measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
+use furrow_measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -55,7 +54,7 @@ struct VolumesPlan {
     read: ReadOptions,
     lineage: Option<String>,
     constants: Option<(Option<String>, Option<PathBuf>)>,
-    settings: furrow::settings::Settings,
+    settings: furrow_cell::settings::Settings,
     length: Option<f64>,
     threads: usize,
 }
@@ -89,7 +88,7 @@ pub fn compare_volumes(
     serde_json::to_string(&found).map_err(unwritable)
 }
 
-type Solved = furrow::batch::Memo;
+type Solved = furrow_lineage::batch::Memo;
 
 impl VolumesPlan {
     fn volumes(&self) -> Result<Volumes, InputError> {
@@ -126,7 +125,7 @@ impl VolumesPlan {
         let options = SchedulerOptions { threads: self.threads, progress: Some(&show), ..SchedulerOptions::default() };
         let (free, firsts) = model(&lineage, settings.cell.r0, &summed, |lineages| {
             let scenarios = scenarios_of(lineages, &self.settings, memo.quantisation());
-            grown(&scenarios, false, memo, options, watch.stop(), divide).map(|grown| grown.trees)
+            grown(&scenarios, false, memo, options, watch.stop()).map(|grown| grown.trees)
         })?;
         let mut groups = beside(summed, &found.divisions, &free, &firsts, None);
         let sets = self.sets()?;

@@ -3,10 +3,10 @@
 
 use std::fmt::Display;
 
-use furrow::batch::{Failure, SchedulerError, StoreError, Unsolved};
-use furrow::division::DivisionError;
-use furrow::input::InputError;
-use furrow::lineage::GrowError;
+use furrow_input::InputError;
+use furrow_lineage::GrowError;
+use furrow_lineage::batch::{Failure, SchedulerError, StoreError, Unsolved};
+use furrow_mechanics::division::DivisionError;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 
@@ -73,7 +73,6 @@ impl From<GrowError> for Error {
         match error {
             GrowError::Workers(error) => error.into(),
             GrowError::Interrupted { .. } => Error::Interrupted,
-            error => Error::no_outcome(error),
         }
     }
 }

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use furrow::cell::{Cell, Numerics};
-use furrow::division::DivisionInput;
-use furrow::input::{InputError, shown};
-use furrow::lineage::{Length, Lineage};
-use furrow::settings::{self, Settings, canonical_name};
+use furrow_cell::settings::{self, Settings, canonical_name};
+use furrow_cell::{Cell, Numerics};
+use furrow_input::{InputError, shown};
+use furrow_lineage::{Length, Lineage};
+use furrow_mechanics::division::DivisionInput;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyInt, PyString};
@@ -134,7 +134,7 @@ impl Inputs {
                 *text = radius_of(text, &lineage)?.to_string();
             }
             let Settings { cell, numerics } = settings_of(preset, config.as_ref(), &pairs)?;
-            let bad = |e: furrow::cell::CueError| InputError::not_allowed(ARGUMENTS, e.field, e.value, e.allowed);
+            let bad = |e: furrow_cell::CueError| InputError::not_allowed(ARGUMENTS, e.field, e.value, e.allowed);
             let cue = lineage.parse_cue(cue).map_err(bad)?;
             Ok(Inputs { cell: cell.with_cue(cue), numerics })
         };
@@ -170,7 +170,7 @@ impl Inputs {
         u: PyReadonlyArray1<'py, f64>,
         length: f64,
     ) -> Vec<(&'static str, Bound<'py, PyArray1<f64>>)> {
-        let at = |term: &furrow::cell::cue::Term| u.as_array().iter().map(|u| term.at(*u, length)[0]).collect();
+        let at = |term: &furrow_cell::cue::Term| u.as_array().iter().map(|u| term.at(*u, length)[0]).collect();
         let terms = self.cell.cue.terms().iter();
         terms.map(|term| (term.field.name(), PyArray1::from_vec(py, at(term)))).collect()
     }

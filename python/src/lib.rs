@@ -30,7 +30,7 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _furrow(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add("solver_version", furrow::batch::SOLVER_VERSION)?;
+    module.add("solver_version", furrow_lineage::batch::SOLVER_VERSION)?;
     module.add_class::<inputs::Inputs>()?;
     module.add_class::<memo::Memo>()?;
     module.add_class::<trees::GrownTree>()?;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use furrow::batch::{Memo as Solved, Quantisation, Store};
-use furrow::input::InputError;
+use furrow_input::InputError;
+use furrow_lineage::batch::{Memo as Solved, Quantisation, Store};
 use pyo3::prelude::*;
 
 use crate::errors::{Error, raised};

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use furrow::calibration::{CalibrateError, Calibration, Targets, calibrate as calibrated};
-use furrow::input::{InputError, parse_document, read_text};
-use furrow::settings::Settings;
-use furrow::study::scenarios::Scenario;
-use furrow::study::{
+use furrow_analysis::scenarios::Scenario;
+use furrow_analysis::{
     Constants, EnsembleError, Exclusion, check_constraints, ensemble as sampled, ranges as ranges_over,
 };
-use furrow::study::{read_constants, write_constants};
+use furrow_analysis::{read_constants, write_constants};
+use furrow_cell::settings::Settings;
+use furrow_input::{InputError, parse_document, read_text};
+use furrow_mechanics::calibration::{CalibrateError, Calibration, Targets, calibrate as calibrated};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Serialize;
@@ -50,9 +50,9 @@ fn read(
 #[derive(Serialize)]
 struct Found {
     parameters: Map<String, Value>,
-    residuals: Vec<furrow::calibration::ThresholdResidual>,
+    residuals: Vec<furrow_mechanics::calibration::ThresholdResidual>,
     rms: f64,
-    combinations: Vec<furrow::calibration::Combination>,
+    combinations: Vec<furrow_mechanics::calibration::Combination>,
     iterations: usize,
     excluded: Vec<Exclusion>,
 }
@@ -115,7 +115,7 @@ pub fn ensemble(
             error => Error::no_outcome(error),
         };
         let found = sampled(&targets, cell, numerics, count, seed, threads, watch.stop()).map_err(failed)?;
-        let set = |member: &furrow::study::Member| Constants {
+        let set = |member: &furrow_analysis::Member| Constants {
             values: found.parameters.iter().copied().zip(member.values.iter().copied()).collect(),
             weight: member.weight,
         };

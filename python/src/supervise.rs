@@ -7,8 +7,8 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use furrow::batch::Progress;
-use furrow::study::SweepProgress;
+use furrow_analysis::SweepProgress;
+use furrow_lineage::batch::Progress;
 use pyo3::prelude::*;
 
 use crate::errors::{Error, defect, interrupted, raised};

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use furrow::input::InputError;
-use furrow::io::sweep_files::{SweepFilesError, SweepTable, open_journal};
-use furrow::settings::Settings;
-use furrow::study::table::csv_text;
-use furrow::study::{Kind, Row, Run, Sweep, SweepResult};
+use furrow_analysis::sweep_files::{SweepFilesError, SweepTable, open_journal};
+use furrow_analysis::table::csv_text;
+use furrow_analysis::{Kind, Row, Run, Sweep, SweepResult};
+use furrow_cell::settings::Settings;
+use furrow_input::InputError;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -47,7 +47,7 @@ pub fn sweep<'py>(
         let show = |progress| watch.points(progress, kept);
         let failed = |error: SweepFilesError| Error::System(error.to_string());
         let journal = out.as_deref().map(|folder| open_journal(&sweep, memo.quantisation(), None, folder));
-        let journal = journal.transpose().map_err(failed)?.map(|(journal, _)| journal);
+        let journal = journal.transpose().map_err(failed)?;
         let run = Run { threads, journal: journal.as_ref(), progress: &show, ..Run::new(&sweep, &memo, watch.stop()) };
         let mut done = run.solve()?;
         if done.interrupted {

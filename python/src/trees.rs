@@ -1,18 +1,18 @@
 //! Lineages: growing them, and what is read off a tree.
 
+use furrow_formats::{tree_from_json, tree_to_json};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use furrow::batch::{SchedulerOptions, Summary};
-use furrow::division::divide;
-use furrow::input::{InputError, did_you_mean, read_text_up_to, shown};
-use furrow::io::exchange::{BranchLengths, Exported, Format, export};
-use furrow::io::tree_json::LONGEST_TREE;
-use furrow::io::{founder_rows, newick};
-use furrow::lineage::{Tree, TreeCell};
-use furrow::report::{self, TreeSummary};
-use furrow::study::scenarios::{Scenario, ScenarioError, Source, combine};
-use furrow::study::{Grown, grown, tree_settings};
+use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
+use furrow_analysis::{Grown, grown, tree_settings};
+use furrow_formats::exchange::{BranchLengths, Exported, Format, export};
+use furrow_formats::tree_json::LONGEST_TREE;
+use furrow_formats::{founder_rows, newick};
+use furrow_input::{InputError, did_you_mean, read_text_up_to, shown};
+use furrow_lineage::batch::{SchedulerOptions, Summary};
+use furrow_lineage::{Tree, TreeCell};
+use furrow_report::{self as report, TreeSummary};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -74,7 +74,7 @@ pub struct Plan {
 
 impl Plan {
     /// The scenarios: every lineage with every cue.
-    pub fn scenarios(&self, quantisation: furrow::batch::Quantisation) -> Result<Vec<Scenario>, Error> {
+    pub fn scenarios(&self, quantisation: furrow_lineage::batch::Quantisation) -> Result<Vec<Scenario>, Error> {
         let mut sources = Vec::new();
         for (label, text) in &self.lineages {
             let mut lineage = lineage_of(text.as_deref())?;
@@ -130,7 +130,7 @@ pub fn grow(
         let scenarios = plan.scenarios(memo.quantisation())?;
         let show = |progress| watch.divisions(progress);
         let options = SchedulerOptions { threads, progress: Some(&show), ..SchedulerOptions::default() };
-        let found = grown(&scenarios, dynamics, &memo, options, watch.stop(), divide)?;
+        let found = grown(&scenarios, dynamics, &memo, options, watch.stop())?;
         Ok((scenarios, found))
     })?;
     let Grown { trees, summary, unknown } = grown;
@@ -153,7 +153,7 @@ pub fn read_tree(py: Python<'_>, file: PathBuf) -> PyResult<GrownTree> {
 }
 
 fn tree_of(text: &str, file: &str) -> Result<GrownTree, InputError> {
-    let tree = Tree::from_json(text).map_err(|error| InputError::OtherFile {
+    let tree = tree_from_json(text).map_err(|error| InputError::OtherFile {
         file: file.to_owned(),
         wanted: "a tree as furrow writes it".to_owned(),
         reason: error.to_string(),
@@ -169,7 +169,7 @@ impl GrownTree {
 
     /// As the text of `tree.json`.
     fn to_json(&self, py: Python<'_>) -> PyResult<String> {
-        py.detach(|| self.tree.to_json()).map_err(unwritable)
+        py.detach(|| tree_to_json(&self.tree)).map_err(unwritable)
     }
 
     /// Reads what [`to_json`](GrownTree::to_json) wrote.
@@ -247,7 +247,7 @@ impl GrownTree {
     fn cells<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let tree = &self.tree;
         let number = |of: &dyn Fn(&TreeCell) -> f64| tree.cells().map(|id| of(tree.cell(id))).collect::<Vec<f64>>();
-        let division = |of: fn(&furrow::division::Division) -> Option<f64>| {
+        let division = |of: fn(&furrow_mechanics::division::Division) -> Option<f64>| {
             number(&|cell| or_nan(cell.fate.division.as_ref().and_then(of)))
         };
         let dict = columns(
@@ -261,11 +261,10 @@ impl GrownTree {
                 ("t_end", division(|d| Some(d.t_end))),
             ],
         )?;
-        let whole =
-            |of: &dyn Fn(furrow::lineage::CellId) -> i64| PyArray1::from_vec(py, tree.cells().map(of).collect());
+        let whole = |of: &dyn Fn(furrow_lineage::CellId) -> i64| PyArray1::from_vec(py, tree.cells().map(of).collect());
         dict.set_item("generation", whole(&|id| i64::from(tree.cell(id).generation)))?;
         dict.set_item("mother", whole(&|id| tree.mother(id).map_or(-1, |mother| mother.index() as i64)))?;
-        let words = |of: &dyn Fn(furrow::lineage::CellId) -> Option<String>| PyList::new(py, tree.cells().map(of));
+        let words = |of: &dyn Fn(furrow_lineage::CellId) -> Option<String>| PyList::new(py, tree.cells().map(of));
         dict.set_item("name", words(&|id| Some(tree.cell(id).name.clone()))?)?;
         dict.set_item("founder", words(&|id| Some(tree.founder_name(id).to_owned()))?)?;
         dict.set_item("cue", words(&|id| Some(tree.cell(id).cue.to_string()))?)?;

@@ -13,13 +13,13 @@ use super::interrupt::write_deferred;
 use super::output::{csv_of, print_as, to_json, writable_file};
 use super::plot::PlotArgs;
 use super::vary::{Varied, VaryArgs};
-use crate::cell::{Cue, Parameter};
-use crate::input::InputError;
-use crate::io::write_atomically;
-use crate::plot::{self, boundary::Boundary};
-use crate::shapes::critical::{self, Stored};
-use crate::shapes::curves::{self, Curve, CurveEnd, CurvePoint};
-use crate::shapes::{Criticality, PointKind};
+use furrow_cell::{Cue, Parameter};
+use furrow_figures::plot::{self, boundary::Boundary};
+use furrow_formats::write_atomically;
+use furrow_input::InputError;
+use furrow_mechanics::equilibria::critical::{self, Stored};
+use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
+use furrow_mechanics::equilibria::{Criticality, PointKind};
 
 /// Continues the boundary of division over a parameter: the pitchfork and the folds of mirror-symmetric shapes
 ///

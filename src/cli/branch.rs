@@ -11,13 +11,13 @@ use super::context::Context;
 use super::error::CliError;
 use super::output::{csv_of, print_as, writable_file};
 use super::plot::PlotArgs;
-use crate::cell::Cue;
-use crate::io::write_atomically;
-use crate::plot::{self, branch::Named};
-use crate::report::EventReport;
-use crate::shapes::asymmetric::Scaling;
-use crate::shapes::{Branch, BranchEnd, BranchOptions, ShapePoint};
-use crate::study::diagram;
+use furrow_analysis::diagram;
+use furrow_cell::Cue;
+use furrow_figures::plot::{self, branch::Named};
+use furrow_formats::write_atomically;
+use furrow_mechanics::equilibria::asymmetric::Scaling;
+use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, ShapePoint};
+use furrow_report::EventReport;
 
 /// Continues symmetric and asymmetric stationary shapes over ξ_s, with their folds and pitchforks
 ///

@@ -3,8 +3,8 @@
 use super::context::{Globals, cache_folder, start_logs};
 use super::error::CliError;
 use super::output::print_as;
-use crate::batch::store::maintenance;
 use clap::{Args, Subcommand};
+use furrow_lineage::batch::store::maintenance;
 use std::fmt::Write;
 
 /// Inspects, verifies or clears the cache

@@ -5,10 +5,10 @@ use super::ensemble::sample;
 use super::error::CliError;
 use super::output::print_as;
 use super::plot::PlotArgs;
-use crate::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
-use crate::input::{parse_document, read_text};
-use crate::study::{Exclusion, check_constraints};
 use clap::Args;
+use furrow_analysis::{Exclusion, check_constraints};
+use furrow_input::{parse_document, read_text};
+use furrow_mechanics::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::fmt::Write;
@@ -60,7 +60,7 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
     }
     let found = calibrate(&targets, &context.settings.cell, &context.settings.numerics)?;
     let excluded = check_constraints(&targets, &found.cell, &context.settings.numerics, true).excluded;
-    picture.write(|| crate::plot::calibration::draw(&targets, &found, &excluded))?;
+    picture.write(|| furrow_figures::plot::calibration::draw(&targets, &found, &excluded))?;
     let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), Value::from(*value)));
     let document = Answer {
         parameters: parameters.collect(),

@@ -6,10 +6,11 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::context::Context;
-use crate::cell::Cell;
-use crate::input::InputError;
-use crate::io::{Settings, parse_cue};
-use crate::lineage::{Length, Lineage, Units};
+use furrow_cell::Cell;
+use furrow_cell::settings::Settings;
+use furrow_input::InputError;
+use furrow_lineage::parse_cue;
+use furrow_lineage::{Length, Lineage, Units};
 
 /// A cue.
 #[derive(Debug, Args)]

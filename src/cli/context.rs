@@ -4,11 +4,11 @@ use super::cell::number;
 use super::error::CliError;
 use super::interrupt;
 use super::output::Stderr;
-use crate::batch::{Memo, Progress, Quantisation, SchedulerOptions, Store, StoreWarning};
-use crate::input::InputError;
-use crate::io::Settings;
-use crate::lineage::Units;
 use clap::Args;
+use furrow_cell::settings::Settings;
+use furrow_input::InputError;
+use furrow_lineage::Units;
+use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions, Store, StoreWarning};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
@@ -121,17 +121,6 @@ impl Context {
             progress: Some(progress),
             ..SchedulerOptions::default()
         }
-    }
-}
-
-/// A warning of the cache, with the command that helps.
-pub fn warning_text(warning: &StoreWarning) -> String {
-    match warning {
-        StoreWarning::Damaged { entries, .. } => {
-            let them = if *entries == 1 { "it" } else { "them" };
-            format!("{warning}; `furrow cache verify --repair` removes {them}")
-        }
-        _ => warning.to_string(),
     }
 }
 

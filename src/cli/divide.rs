@@ -15,11 +15,11 @@ use super::movie::{DENSE, MovieArgs};
 use super::output::{print_as, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
-use crate::batch::{Failure, Replicates, Unsolved, replicates};
-use crate::cell::Cue;
-use crate::division::{Division, DivisionInput, Statistics, film};
-use crate::io::frames::INDEX;
-use crate::lineage::Units;
+use furrow_cell::Cue;
+use furrow_formats::frames::INDEX;
+use furrow_lineage::Units;
+use furrow_lineage::batch::{Failure, Replicates, Unsolved, replicates};
+use furrow_mechanics::division::{Division, DivisionInput, Statistics, film};
 
 /// Computes one division, from the passive shape to pinch-off or rest
 ///
@@ -101,7 +101,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         let film = film(&input)?;
         write_all_frames(args.frames.as_deref(), &film, every)?;
         let film = film.with_places(DENSE);
-        picture.write(|| crate::plot::division::draw(&input.cell, &film))?;
+        picture.write(|| furrow_figures::plot::division::draw(&input.cell, &film))?;
         movie.write(&input.cell, &film)?;
     }
     let replicate = |k: usize| Replicate { seed: divisions[k].0, division: &divisions[k].1 };
@@ -121,11 +121,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
 }
 
 /// Solves all replicates; at least one succeeds.
-fn solve(
-    args: &DivideArgs,
-    context: &Context,
-    input: &DivisionInput,
-) -> Result<Replicates, CliError> {
+fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Replicates, CliError> {
     let memo = context.memo()?;
     interrupt::finish();
     let line = ProgressLine::new(context.progress && args.replicates > 1);

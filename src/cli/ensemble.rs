@@ -13,11 +13,11 @@ use super::error::CliError;
 use super::interrupt;
 use super::output::{print_as, writable_file};
 use super::plot::Picture;
-use crate::calibration::Targets;
-use crate::input::read_text;
-use crate::io::write_atomically;
-use crate::lineage::{Lineage, TreeSettings};
-use crate::study::{Constants, Ensemble, LineageRanges, Range, ensemble, ranges, read_constants, write_constants};
+use furrow_analysis::{Constants, Ensemble, LineageRanges, Range, ensemble, ranges, read_constants, write_constants};
+use furrow_formats::write_atomically;
+use furrow_input::read_text;
+use furrow_lineage::{Lineage, TreeSettings};
+use furrow_mechanics::calibration::Targets;
 
 /// How many of the sets drawn a statement excluded.
 #[derive(Serialize)]
@@ -62,7 +62,7 @@ pub fn sample(
     if let Some(file) = out {
         write_atomically(file, table.as_bytes())?;
     }
-    picture.write(|| crate::plot::calibration::draw_ensemble(&found))?;
+    picture.write(|| furrow_figures::plot::calibration::draw_ensemble(&found))?;
     let constants = |k: usize| {
         let values = found.members.iter().map(|member| (member.values[k], member.weight)).collect();
         Some((found.parameters[k].to_string(), Range::of(values)?))
@@ -126,7 +126,7 @@ pub fn grow_over(
     let sets = read_constants(&read_text(file)?, &file.display().to_string())?;
     let found = ranges(lineage, settings, &sets, context.threads, Some(interrupt::flag()))?;
     let elapsed_s = start.elapsed().as_secs_f64();
-    picture.write(|| crate::plot::rounds::draw_ranges(lineage, &found))?;
+    picture.write(|| furrow_figures::plot::rounds::draw_ranges(lineage, &found))?;
     let document = RangesAnswer { ranges: &found, elapsed_s };
     print_as(context.json, &document, || ranges_text(lineage, &found, elapsed_s))
 }

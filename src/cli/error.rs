@@ -3,13 +3,13 @@
 use std::error::Error;
 use std::fmt;
 
-use crate::batch::StoreError;
-use crate::division::DivisionError;
-use crate::input::InputError;
-use crate::lineage::GrowError;
-use crate::perturbation::PerturbationError;
-use crate::shapes::{PointKind, ShapeError, StationaryError};
-use crate::study::fit::FitError;
+use furrow_analysis::fit::FitError;
+use furrow_input::InputError;
+use furrow_lineage::GrowError;
+use furrow_lineage::batch::StoreError;
+use furrow_mechanics::division::DivisionError;
+use furrow_mechanics::equilibria::{PointKind, ShapeError, StationaryError};
+use furrow_mechanics::perturbation::PerturbationError;
 
 /// What ends a command: one of its own reasons, or an error of the library.
 #[derive(Debug)]

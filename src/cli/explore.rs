@@ -9,8 +9,8 @@ use super::context::Context;
 use super::error::CliError;
 use super::output::{print_as, writable_file};
 use super::tree::prepared;
-use crate::io::write_atomically;
-use crate::report;
+use furrow_formats::write_atomically;
+use furrow_report as report;
 
 /// Writes a web page that computes divisions in the browser: any cell you choose, and the founders' tree under another cue
 ///

@@ -1,5 +1,6 @@
 //! `furrow export`: a tree for other programs.
 
+use furrow_formats::read_tree;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -9,12 +10,12 @@ use super::cell::one_of;
 use super::context::{Globals, start_logs};
 use super::error::CliError;
 use super::output::{print, print_as, writable_file, writable_folder};
-use crate::input::InputError;
-use crate::io::exchange::{BranchLengths, Exported, Format, ITOL_FILES, export};
-use crate::io::files::FileSet;
-use crate::io::{TREE_SCHEMA, write_atomically};
-use crate::lineage::Tree;
-use crate::report::founder_colours;
+use furrow_formats::exchange::{BranchLengths, Exported, Format, ITOL_FILES, export};
+use furrow_formats::files::FileSet;
+use furrow_formats::{TREE_SCHEMA, write_atomically};
+use furrow_input::InputError;
+use furrow_lineage::Tree;
+use furrow_report::founder_colours;
 
 /// Writes a grown tree in the formats of other programs
 ///
@@ -66,7 +67,7 @@ pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
     start_logs(globals);
     let (Some(file), Some(format)) = (&args.tree, args.to) else { return print(TREE_SCHEMA) };
     check(args, format, globals)?;
-    let tree = Tree::read(file)?;
+    let tree = read_tree(file)?;
     let exported = export(&tree, format, args.branch_lengths.unwrap_or_default(), &founder_colours(&tree.lineage));
     let (out, files) = match (&exported, &args.out) {
         (Exported::File(text), None) => return print(text),

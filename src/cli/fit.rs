@@ -15,15 +15,15 @@ use super::output::{print_as, writable_file};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use super::tree::bad_cue;
-use crate::cell::Parameter;
-use crate::input::{InputError, parse_document, read_text};
-use crate::io::write_atomically;
-use crate::lineage::{Lineage, TreeSettings};
-use crate::study::fit::{
+use furrow_analysis::fit::{
     ChiResidual, Evaluated, FittedConstants, FittedCue, FounderActivity, Reading, SearchBudget, Targets, activities,
     fit_constants, fit_cue,
 };
-use crate::study::tree_settings;
+use furrow_analysis::tree_settings;
+use furrow_cell::Parameter;
+use furrow_formats::write_atomically;
+use furrow_input::{InputError, parse_document, read_text};
+use furrow_lineage::{Lineage, TreeSettings};
 
 /// Fits constants, activities or a cue to observations
 ///
@@ -172,7 +172,7 @@ fn constants(
     if let Some(file) = &args.out {
         write_atomically(file, config(&found.best).as_bytes())?;
     }
-    picture.write(|| crate::plot::fit::draw_constants(&found))?;
+    picture.write(|| furrow_figures::plot::fit::draw_constants(&found))?;
     let elapsed_s = start.elapsed().as_secs_f64();
     let number = |(parameter, value): &(Parameter, f64)| (parameter.to_string(), (*value).into());
     let sharpness = found.sharpness.iter().zip(&found.plateau).map(|(sharp, (_, plateau))| {
@@ -329,7 +329,7 @@ fn activity(
     let (memo, flag, reading) = (context.memo()?, Some(interrupt::flag()), args.rounds);
     let picture = args.plot.file()?;
     let (found, trees) = activities(lineage, settings, &memo, reading, range, context.threads, flag)?;
-    picture.write(|| crate::plot::fit::draw_activities(&found, settings.cell.xi_s))?;
+    picture.write(|| furrow_figures::plot::fit::draw_activities(&found, settings.cell.xi_s))?;
     let elapsed_s = start.elapsed().as_secs_f64();
     let document = ActivityAnswer { rounds: reading, founders: &found, trees, elapsed_s };
     print_as(context.json, &document, || {
@@ -393,7 +393,7 @@ fn cue(
     let flag = Some(interrupt::flag());
     let picture = args.plot.file()?;
     let found = fit_cue(lineage, &targets, settings, &template, effort(args), context.threads, flag)?;
-    picture.write(|| crate::plot::fit::draw_cue(&found))?;
+    picture.write(|| furrow_figures::plot::fit::draw_cue(&found))?;
     let elapsed_s = start.elapsed().as_secs_f64();
     let document = CueAnswer { found: &found, seed: args.seed, elapsed_s };
     print_as(context.json, &document, || {

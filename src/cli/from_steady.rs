@@ -13,12 +13,12 @@ use super::interrupt;
 use super::movie::{DENSE, MovieFile};
 use super::output::print_as;
 use super::plot::Picture;
-use crate::batch::perturbations::{Disturbed, perturbations};
-use crate::cell::Cue;
-use crate::division::{Division, DivisionInput, Film, Statistics};
-use crate::io::frames::{check_step, write_frames};
-use crate::perturbation::{Perturbation, WATCHED, film_perturbed};
-use crate::plot::perturbation::{Watched, draw};
+use furrow_cell::Cue;
+use furrow_figures::plot::perturbation::{Watched, draw};
+use furrow_formats::frames::{check_step, write_frames};
+use furrow_lineage::batch::perturbations::{Disturbed, perturbations};
+use furrow_mechanics::division::{Division, DivisionInput, Film, Statistics};
+use furrow_mechanics::perturbation::{Perturbation, WATCHED, film_perturbed};
 
 /// The options of a start from a stationary shape.
 #[derive(Debug, Args)]

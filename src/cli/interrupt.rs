@@ -2,7 +2,7 @@
 
 use super::error::CliError;
 use super::output::eprint;
-use crate::io::write_atomically;
+use furrow_formats::write_atomically;
 use std::path::Path;
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -8,8 +8,8 @@ use serde::Serialize;
 use super::context::{Globals, start_logs};
 use super::error::CliError;
 use super::output::{print_as, writable_folder};
-use crate::input::InputError;
-use crate::io::sweep_files::{SWEEP_FILES, merge};
+use furrow_analysis::sweep_files::{SWEEP_FILES, merge};
+use furrow_input::InputError;
 
 /// Merges the parts of a sweep into the files of the whole sweep, byte for byte
 ///
@@ -48,9 +48,7 @@ pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
     }
     writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
     let table = merge(&args.parts)?;
-    if let Some((aside, what)) = table.write(&args.out)? {
-        tracing::warn!("the files of another sweep were moved to {}: {what}", aside.display());
-    }
+    table.write(&args.out)?;
     let points = table.rows.len();
     let document =
         Answer { points, solved: 0, reused: points, parts: args.parts.len(), out: args.out.display().to_string() };

@@ -7,10 +7,10 @@ use clap::Args;
 use super::error::CliError;
 use super::interrupt::write_deferred;
 use super::output::file_of_format;
-use crate::cell::Cell;
-use crate::division::Film;
-use crate::input::InputError;
-use crate::movie::{Movie, MovieFormat};
+use furrow_cell::Cell;
+use furrow_figures::movie::{Movie, MovieFormat};
+use furrow_input::InputError;
+use furrow_mechanics::division::Film;
 
 /// Places of each mesh interval in pictures and movies.
 pub const DENSE: usize = 6;

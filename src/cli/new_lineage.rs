@@ -6,9 +6,9 @@ use clap::Args;
 
 use super::error::CliError;
 use super::output::print;
-use crate::input::InputError;
-use crate::io::write_atomically;
-use crate::lineage::TEMPLATE;
+use furrow_formats::write_atomically;
+use furrow_input::InputError;
+use furrow_lineage::TEMPLATE;
 
 /// Writes a commented lineage file as a starting point
 #[derive(Debug, Args)]

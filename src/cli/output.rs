@@ -1,10 +1,10 @@
 //! The two streams of the command, and its files. If stdout cannot be written, the command fails; messages that stderr cannot take are lost.
 
 use super::error::CliError;
-use crate::input::InputError;
-use crate::io::files::{WriteError, check_file, check_folder};
-use crate::study::Row;
-use crate::study::table::csv_text;
+use furrow_analysis::Row;
+use furrow_analysis::table::csv_text;
+use furrow_formats::files::{WriteError, check_file, check_folder};
+use furrow_input::InputError;
 use serde::Serialize;
 use serde_json::Value;
 use std::io::{self, Write};

@@ -13,14 +13,14 @@ use super::output::print_as;
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
 use super::vary::{Varied, VaryArgs};
-use crate::batch::phase::{Column, PhaseCell, PhaseOutcome, spaced};
-use crate::batch::{PhaseDiagram, PhasePlane};
-use crate::cell::{Cue, Parameter};
-use crate::input::InputError;
-use crate::plot::{self, phase::Edges};
-use crate::shapes::PointKind;
-use crate::shapes::at_rest::Edge;
-use crate::shapes::curves;
+use furrow_cell::{Cue, Parameter};
+use furrow_figures::plot::{self, phase::Edges};
+use furrow_input::InputError;
+use furrow_lineage::batch::phase::{Column, PhaseCell, PhaseOutcome, spaced};
+use furrow_lineage::batch::{PhaseDiagram, PhasePlane};
+use furrow_mechanics::equilibria::PointKind;
+use furrow_mechanics::equilibria::at_rest::Edge;
+use furrow_mechanics::equilibria::curves;
 
 /// Maps outcomes over a parameter and ξ_s: rest from the exact edges of stable shapes, χ from divisions elsewhere
 #[derive(Debug, Args)]

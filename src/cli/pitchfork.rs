@@ -7,9 +7,9 @@ use super::cell::{CellArgs, number, positive};
 use super::context::Context;
 use super::error::CliError;
 use super::output::print_as;
-use crate::cell::Cue;
-use crate::report::ThresholdReport;
-use crate::shapes::{BranchOptions, pitchfork};
+use furrow_cell::Cue;
+use furrow_mechanics::equilibria::{BranchOptions, pitchfork};
+use furrow_report::ThresholdReport;
 
 /// Locates the first pitchfork of the mirror-symmetric shapes and its criticality
 #[derive(Debug, Args)]

@@ -7,8 +7,8 @@ use clap::Args;
 use super::error::CliError;
 use super::interrupt::write_deferred;
 use super::output::file_of_format;
-use crate::drawing::{Canvas, Format};
-use crate::input::InputError;
+use furrow_figures::drawing::{Canvas, Format};
+use furrow_input::InputError;
 
 /// The option of all commands that draw.
 #[derive(Debug, Args)]

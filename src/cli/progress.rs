@@ -1,6 +1,6 @@
 //! The progress line on stderr.
 
-use crate::batch::Progress;
+use furrow_lineage::batch::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::time::Duration;
 

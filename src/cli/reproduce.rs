@@ -12,13 +12,13 @@ use super::error::CliError;
 use super::interrupt::{self, write_deferred};
 use super::output::{csv_of, print, to_json, writable_file, writable_folder};
 use super::progress::ProgressLine;
-use crate::drawing::Format;
-use crate::io::files::FileSet;
-use crate::plot::reproduction::draw;
-use crate::report::reproduction::{markdown, text};
-use crate::study::reproduce::paper::selected;
-use crate::study::reproduce::{self, Artifact, Item, Panel, ReproduceError, Reproduction, Verdict, reproduce};
-use crate::study::table::csv_text;
+use furrow_analysis::reproduce::paper::selected;
+use furrow_analysis::reproduce::{self, Artifact, Item, Panel, ReproduceError, Reproduction, Verdict, reproduce};
+use furrow_analysis::table::csv_text;
+use furrow_figures::drawing::Format;
+use furrow_figures::plot::reproduction::draw;
+use furrow_formats::files::FileSet;
+use furrow_report::reproduction::{markdown, text};
 
 /// Recomputes the paper figure by figure and lists what agrees and what differs
 ///

@@ -1,5 +1,6 @@
 //! `furrow tree` of several lineages or cues: scenarios side by side.
 
+use furrow_formats::tree_to_json;
 use std::path::Path;
 use std::time::Instant;
 
@@ -10,13 +11,14 @@ use super::error::CliError;
 use super::interrupt;
 use super::output::{print_as, to_json, writable_folder};
 use super::tree::{RunRecord, TreeArgs, bad_cue, grown, prepared, run_text};
-use crate::input::InputError;
-use crate::io::files::FileSet;
-use crate::io::{FounderRow, founder_rows, newick, scenarios_csv};
-use crate::lineage::Tree;
-use crate::report;
-use crate::study::Grown;
-use crate::study::scenarios::{Scenario, ScenarioError, Source, combine};
+use furrow_analysis::Grown;
+use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
+use furrow_analysis::scenarios_csv;
+use furrow_formats::files::FileSet;
+use furrow_formats::{FounderRow, founder_rows, newick};
+use furrow_input::InputError;
+use furrow_lineage::Tree;
+use furrow_report as report;
 
 /// The files of one scenario, in a folder of its name.
 const SCENARIO_FILES: [&str; 3] = ["tree.nwk", "tree.json", "tree.svg"];
@@ -65,7 +67,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     for (Scenario { name, .. }, tree) in scenarios.iter().zip(&trees) {
         let [nwk, json, svg] = SCENARIO_FILES.map(|file| format!("{name}/{file}"));
         files.stage(&nwk, newick(tree).as_bytes())?;
-        files.stage(&json, tree.to_json()?.as_bytes())?;
+        files.stage(&json, tree_to_json(&tree)?.as_bytes())?;
         files.stage(&svg, report::svg(tree).as_bytes())?;
     }
     files.stage("scenarios.csv", scenarios_csv(&scenarios, &trees).as_bytes())?;
@@ -75,7 +77,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let record = RunRecord::of(args, context, &summary, start, trees.iter().map(Tree::len).sum(), Some(names));
     files.stage("run.json", to_json(&record)?.as_bytes())?;
     files.commit()?;
-    if let Some(drawing) = crate::plot::rounds::draw_scenarios(&named) {
+    if let Some(drawing) = furrow_figures::plot::rounds::draw_scenarios(&named) {
         picture.write(|| drawing)?;
     }
     let document = Answer {

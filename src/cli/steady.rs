@@ -9,10 +9,10 @@ use super::cell::ActiveCellArgs;
 use super::context::Context;
 use super::error::CliError;
 use super::output::print_as;
-use crate::cell::Cue;
-use crate::report::StationaryReport;
-use crate::shapes::{StationaryShape, stationary};
-use crate::stability::Spectrum;
+use furrow_cell::Cue;
+use furrow_mechanics::equilibria::{StationaryShape, stationary};
+use furrow_mechanics::stability::Spectrum;
+use furrow_report::StationaryReport;
 
 /// Computes the stationary shape at one activity, on the branch of the passive shape, and its growth rates
 #[derive(Debug, Args)]

@@ -12,9 +12,9 @@ use super::interrupt;
 use super::output::{print_as, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
-use crate::io::Settings;
-use crate::io::sweep_files::{SWEEP_FILES, SweepFilesError, SweepTable, open_journal};
-use crate::study::{Run, Shard, Sweep, SweepProgress};
+use furrow_analysis::sweep_files::{SWEEP_FILES, SweepFilesError, SweepTable, open_journal};
+use furrow_analysis::{Run, Shard, Sweep, SweepProgress};
+use furrow_cell::settings::Settings;
 
 /// Computes divisions, trees, pitchforks or critical radii over axes of parameters
 ///
@@ -29,7 +29,7 @@ pub struct SweepArgs {
     /// Sweep file: kind, axes and settings
     #[arg(value_name = "SWEEP.ron")]
     sweep: PathBuf,
-    /// Output folder; files of another sweep in it are moved to a folder earlier-N inside
+    /// Output folder; files of another sweep in it are overwritten
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: PathBuf,
     /// Solves only part K of N, chosen by the points' hashes; see furrow merge
@@ -66,10 +66,7 @@ pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(),
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let show = |progress: SweepProgress| line.show_share(progress.done, progress.of);
-    let (journal, moved) = open_journal(&sweep, memo.quantisation(), args.shard, &args.out)?;
-    if let Some((aside, what)) = moved {
-        tracing::warn!("the finished rows of another sweep are kept in {}: {what}", aside.display());
-    }
+    let journal = open_journal(&sweep, memo.quantisation(), args.shard, &args.out)?;
     let solved = Run {
         shard: args.shard,
         threads: context.threads,
@@ -94,17 +91,14 @@ pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(),
         );
     }
     let table = SweepTable::new(&sweep, memo.quantisation(), args.shard, found.rows)?;
-    let written = interrupt::defer(|| {
-        let written = table.write(&args.out)?;
+    interrupt::defer(|| {
+        table.write(&args.out)?;
         if let Err(error) = journal.finish() {
             tracing::warn!("the file of finished rows: {error}");
         }
-        Ok::<_, SweepFilesError>(written)
-    });
-    if let Some((aside, what)) = written? {
-        tracing::warn!("the files of another sweep were moved to {}: {what}", aside.display());
-    }
-    picture.write(|| crate::plot::sweep::draw(&sweep, &table.rows))?;
+        Ok::<_, SweepFilesError>(())
+    })?;
+    picture.write(|| furrow_figures::plot::sweep::draw(&sweep, &table.rows))?;
     let document = Answer {
         points: table.rows.len(),
         solved: found.solved,

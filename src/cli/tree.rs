@@ -1,24 +1,25 @@
 //! `furrow tree`: the main job.
 
 use super::cell::FirstCellArgs;
-use super::context::{Context, warn_of_store, warning_text};
+use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
 use super::output::{print_as, to_json, writable_folder};
 use super::plot::PlotArgs;
 use super::progress::ProgressLine;
-use crate::batch::scheduler::workers;
-use crate::batch::Summary;
-use crate::cell::{Cue, CueError};
-use crate::input::InputError;
-use crate::io::files::FileSet;
-use crate::io::{FounderRow, Provenance, founder_rows, newick};
-use crate::lineage::{Lineage, TerminalReason, Tree, TreeSettings};
-use crate::report;
-use crate::shapes::ShapeError;
-use crate::study::scenarios::Scenario;
-use crate::study::{self, Grown, tree_settings};
 use clap::Args;
+use furrow_analysis::scenarios::Scenario;
+use furrow_analysis::{self as study, Grown, tree_settings};
+use furrow_cell::{Cue, CueError};
+use furrow_formats::files::FileSet;
+use furrow_formats::tree_to_json;
+use furrow_formats::{FounderRow, Provenance, founder_rows, newick};
+use furrow_input::InputError;
+use furrow_lineage::batch::Summary;
+use furrow_lineage::batch::scheduler::workers;
+use furrow_lineage::{Lineage, TerminalReason, Tree, TreeSettings};
+use furrow_mechanics::equilibria::ShapeError;
+use furrow_report as report;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -173,13 +174,13 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         let (rows, counts) = (founder_rows(tree), report::TreeSummary::of(tree));
         let mut files = FileSet::new(&args.out);
         files.stage("tree.nwk", newick(tree).as_bytes())?;
-        files.stage("tree.json", tree.to_json()?.as_bytes())?;
+        files.stage("tree.json", tree_to_json(&tree)?.as_bytes())?;
         files.stage("tree.svg", report::svg(tree).as_bytes())?;
         files.stage("report.html", report::html(tree, &rows).as_bytes())?;
         let record = RunRecord::of(args, context, &summary, start, tree.len(), None);
         files.stage("run.json", to_json(&record)?.as_bytes())?;
         files.commit()?;
-        picture.write(|| crate::plot::rounds::draw(tree))?;
+        picture.write(|| furrow_figures::plot::rounds::draw(tree))?;
         let document = Answer {
             founders: &rows,
             cells: tree.len(),

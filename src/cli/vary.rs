@@ -4,10 +4,10 @@ use clap::Args;
 
 use super::cell::{CueArgs, length, natural, number};
 use super::context::Context;
-use crate::cell::{Cell, Parameter};
-use crate::input::{InputError, did_you_mean};
-use crate::io::parse_cue;
-use crate::lineage::Length;
+use furrow_cell::{Cell, Parameter};
+use furrow_input::{InputError, did_you_mean};
+use furrow_lineage::Length;
+use furrow_lineage::parse_cue;
 
 /// A parameter, its range, and the cell it is varied of.
 #[derive(Debug, Args)]

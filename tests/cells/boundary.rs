@@ -1,10 +1,10 @@
 //! Curves in two parameters, and the boundary of division against division itself.
 
 use crate::common::shapes::{at, check_threshold, first, whole};
-use furrow::cell::{Cell, Cue, Numerics, Parameter};
-use furrow::shapes::critical::{self, BoundaryKind, STARTS};
-use furrow::shapes::curves::{self, CurveEnd, CurvePoint, FoldCurve, SECOND};
-use furrow::shapes::{BranchOptions, CriticalRadii, Criticality, asymmetric};
+use furrow_cell::{Cell, Cue, Numerics, Parameter};
+use furrow_mechanics::equilibria::critical::{self, BoundaryKind, STARTS};
+use furrow_mechanics::equilibria::curves::{self, CurveEnd, CurvePoint, FoldCurve, SECOND};
+use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, Criticality, asymmetric};
 
 fn maxima(epsilon: f64) -> [f64; 2] {
     let branch = whole(&at(2.22, epsilon));

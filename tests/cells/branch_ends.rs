@@ -1,12 +1,12 @@
 //! Branches far out, where necks are thin and other branches near, and how they end.
 
 use crate::common::shapes::{at, first};
-use furrow::cell::{Cell, Numerics, Parameter};
-use furrow::cortex::observables::PINCH_OFF;
-use furrow::cortex::{Cortex, Domain};
-use furrow::shapes::asymmetric::{self, AsymmetricBranch};
-use furrow::shapes::{Branch, BranchEnd, BranchEvent, BranchOptions, ShapeError, pitchfork, primary};
-use furrow::stability::{Parity, Stability};
+use furrow_cell::{Cell, Numerics, Parameter};
+use furrow_mechanics::cortex::observables::PINCH_OFF;
+use furrow_mechanics::cortex::{Cortex, Domain};
+use furrow_mechanics::equilibria::asymmetric::{self, AsymmetricBranch};
+use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchEvent, BranchOptions, ShapeError, pitchfork, primary};
+use furrow_mechanics::stability::{Parity, Stability};
 
 fn follow(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Branch {
     primary::follow(cell, numerics, options, |_| true).unwrap()

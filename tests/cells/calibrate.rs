@@ -1,8 +1,8 @@
 //! Shell constants from thresholds.
 
-use furrow::calibration::{Targets, Threshold, Unknown, calibrate, sensitivity};
-use furrow::cell::{Cell, Numerics, Parameter};
-use furrow::shapes::{BranchOptions, Pitchfork, pitchfork};
+use furrow_cell::{Cell, Numerics, Parameter};
+use furrow_mechanics::calibration::{Targets, Threshold, Unknown, calibrate, sensitivity};
+use furrow_mechanics::equilibria::{BranchOptions, Pitchfork, pitchfork};
 
 fn numerics() -> Numerics {
     Numerics { intervals: 32, ..Numerics::default() }

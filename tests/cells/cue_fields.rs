@@ -1,11 +1,11 @@
 //! Cues on every field: against independent reference runs, and their mirror images.
 
 use crate::common::tables;
-use furrow::cell::cue::Field;
-use furrow::cell::cue::profile::NAMES;
-use furrow::cell::{Cell, Cue, Numerics};
-use furrow::division::stepper::SOLVED_TO;
-use furrow::division::{Division, DivisionInput, divide};
+use furrow_cell::cue::Field;
+use furrow_cell::cue::profile::NAMES;
+use furrow_cell::{Cell, Cue, Numerics};
+use furrow_mechanics::division::stepper::SOLVED_TO;
+use furrow_mechanics::division::{Division, DivisionInput, divide};
 
 /// The reference's spelling, `activity:band(A=0.05 u0=0.465 om=0.0577)`, as ours. Its gradients carry numbers that they do
 /// not use.

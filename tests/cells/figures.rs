@@ -1,7 +1,7 @@
 //! What the figures of the paper that ship as sweeps (`studies/`) are expected to show, at a few of their points.
 
-use furrow::cell::{Cell, Cue, Numerics, Scheme};
-use furrow::division::{Division, DivisionInput, Outcome, divide};
+use furrow_cell::{Cell, Cue, Numerics, Scheme};
+use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide};
 
 fn division(cell: Cell, scheme: Scheme) -> Division {
     let numerics = Numerics { scheme, ..Numerics::default() };

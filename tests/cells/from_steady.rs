@@ -1,9 +1,9 @@
 //! Divisions that start from a stationary shape (figure S5): what is stable is come back to, what is not is left, at the rate
 //! that the spectrum says.
 
-use furrow::cell::{Cell, Numerics};
-use furrow::division::{DivisionInput, Outcome};
-use furrow::perturbation::{Perturbation, perturbed};
+use furrow_cell::{Cell, Numerics};
+use furrow_mechanics::division::{DivisionInput, Outcome};
+use furrow_mechanics::perturbation::{Perturbation, perturbed};
 
 use crate::common::command::{HERE, answer};
 
@@ -61,7 +61,7 @@ fn what_returns_is_what_is_stable() {
 fn what_leaves_divides_as_from_the_passive_shape() {
     let input = at(2.0, 25.0);
     let from_steady = watched(&input).division;
-    let from_passive = furrow::division::divide(&input).unwrap();
+    let from_passive = furrow_mechanics::division::divide(&input).unwrap();
     println!("{:?} beside {:?}", from_steady.chi, from_passive.chi);
     assert_eq!(from_steady.outcome, Outcome::Asymmetric);
     assert!((from_steady.chi.unwrap() - from_passive.chi.unwrap()).abs() < 2e-3);

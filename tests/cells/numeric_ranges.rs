@@ -1,9 +1,9 @@
 //! Numbers with which nothing can be computed are refused ahead, and the advice of errors helps.
 
-use furrow::cell::{Cell, Numerics};
-use furrow::division::{DivisionInput, divide};
-use furrow::io::Settings;
-use furrow::lineage::Lineage;
+use furrow_cell::settings::Settings;
+use furrow_cell::{Cell, Numerics};
+use furrow_lineage::Lineage;
+use furrow_mechanics::division::{DivisionInput, divide};
 
 use crate::common::command::{self, HERE};
 

@@ -1,8 +1,8 @@
 //! The exact edges of a phase diagram against divisions on both sides of them.
 
 use crate::common::shapes::{at, check_threshold};
-use furrow::cell::{Cell, Cue, Numerics};
-use furrow::shapes::at_rest::{Edge, rest_shapes};
+use furrow_cell::{Cell, Cue, Numerics};
+use furrow_mechanics::equilibria::at_rest::{Edge, rest_shapes};
 
 /// Below the upper end of its stable symmetric shapes a cell stays at rest; above, it divides. Cells with a subcritical
 /// pitchfork first, with an S-shaped branch whose second rise ends in a pitchfork, and whose first rise ends in a fold.

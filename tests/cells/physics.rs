@@ -2,9 +2,9 @@
 //! cells divide alike, and equal cells give equal bits.
 
 use crate::common::shapes::at;
-use furrow::cell::cue::{Field, Profile, Term, Width};
-use furrow::cell::{Cell, Cue, Material, Numerics};
-use furrow::division::{Division, DivisionInput, Outcome, divide};
+use furrow_cell::cue::{Field, Profile, Term, Width};
+use furrow_cell::{Cell, Cue, Material, Numerics};
+use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide};
 
 /// Numbers drawn one after another: the same on every host and in every run.
 struct Draws(u64);

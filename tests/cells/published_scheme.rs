@@ -1,8 +1,8 @@
 //! The paper's kind of time step beside the converged one: at steps of 0.1 τ it loses the growing modes of large cells.
 
 use crate::common::shapes::solve;
-use furrow::cell::{Cell, Numerics, Scheme};
-use furrow::division::{Division, DivisionInput, Outcome, divide};
+use furrow_cell::{Cell, Numerics, Scheme};
+use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide};
 
 const GERMLINE: &str = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1";
 

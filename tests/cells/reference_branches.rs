@@ -2,11 +2,11 @@
 
 use crate::common::shapes::{at, first, whole};
 use crate::common::tables;
-use bvp::Gauss;
-use furrow::cell::Numerics;
-use furrow::cortex::{Cortex, Domain};
-use furrow::shapes::branch::XI;
-use furrow::shapes::{BranchOptions, Criticality, ShapePoint, pitchfork, primary};
+use furrow_bvp::Gauss;
+use furrow_cell::Numerics;
+use furrow_mechanics::cortex::{Cortex, Domain};
+use furrow_mechanics::equilibria::branch::XI;
+use furrow_mechanics::equilibria::{BranchOptions, Criticality, ShapePoint, pitchfork, primary};
 
 /// `pitchfork.csv` and `folds.csv`: every digit they claim.
 #[test]

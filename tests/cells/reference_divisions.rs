@@ -1,8 +1,8 @@
 //! Divisions against independent reference runs, and the properties every division must have.
 
 use crate::common::tables;
-use furrow::cell::{Cell, Cue};
-use furrow::division::{Division, DivisionInput, Outcome, divide, noise};
+use furrow_cell::{Cell, Cue};
+use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide, noise};
 
 fn cell(r0: f64, epsilon: f64, cue: Cue, seed: u64) -> DivisionInput {
     DivisionInput { seed, ..DivisionInput::new(Cell { epsilon, ..Cell::new(r0).with_cue(cue) }) }

@@ -1,11 +1,11 @@
 //! Stationary shapes against independent reference values.
 
 use crate::common::tables;
-use bvp::newton::{Newton, NewtonScratch};
-use bvp::{Gauss, System};
-use furrow::cell::{Cell, Numerics};
-use furrow::cortex::{Cortex, Domain, observables};
-use furrow::shapes::passive;
+use furrow_bvp::newton::{Newton, NewtonScratch};
+use furrow_bvp::{Gauss, System};
+use furrow_cell::{Cell, Numerics};
+use furrow_mechanics::cortex::{Cortex, Domain, observables};
+use furrow_mechanics::equilibria::passive;
 
 #[test]
 fn passive_shapes_exist_for_every_confinement() {

@@ -2,11 +2,11 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use furrow::cell::{Cell, Numerics};
-use furrow::io::parse_cue;
-use furrow::lineage::{Lineage, Thresholds};
-use furrow::shapes::critical::{MOST_SEARCHED, critical_radius_within};
-use furrow::shapes::{CriticalRadii, Effort, ShapeError};
+use furrow_cell::{Cell, Numerics};
+use furrow_lineage::parse_cue;
+use furrow_lineage::{Lineage, Thresholds};
+use furrow_mechanics::equilibria::critical::{MOST_SEARCHED, critical_radius_within};
+use furrow_mechanics::equilibria::{CriticalRadii, Effort, ShapeError};
 
 use crate::common::command::furrow;
 

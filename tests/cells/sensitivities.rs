@@ -1,10 +1,10 @@
 //! How folds and pitchforks move with every number of a cue, against differences of those located one at a time.
 
 use crate::common::shapes::first;
-use furrow::calibration::sensitivity;
-use furrow::cell::cue::Quantity;
-use furrow::cell::{Cell, Cue, Numerics, Parameter};
-use furrow::shapes::{BranchOptions, FoldPoint, curves, primary};
+use furrow_cell::cue::Quantity;
+use furrow_cell::{Cell, Cue, Numerics, Parameter};
+use furrow_mechanics::calibration::sensitivity;
+use furrow_mechanics::equilibria::{BranchOptions, FoldPoint, curves, primary};
 
 /// Steps of the differences, relative to the number varied: roundings of ξ_s and the fourth order of the differences are both
 /// far below the tolerances then.

@@ -2,10 +2,10 @@
 
 use crate::common::shapes::{first, solve};
 use crate::common::stand_in::grow;
-use furrow::cell::{Cell, Numerics};
-use furrow::division::{Outcome, divide};
-use furrow::lineage::{Lineage, TreeSettings};
-use furrow::shapes::critical::critical_radius;
+use furrow_cell::{Cell, Numerics};
+use furrow_lineage::{Lineage, TreeSettings};
+use furrow_mechanics::division::{Outcome, divide};
+use furrow_mechanics::equilibria::critical::critical_radius;
 
 /// The threshold is subcritical at the preset's critical radius: above it a cell divides, however slowly, below it rests.
 /// The wait is ln(amplitude after/amplitude before)/σ with σ ∝ R0 − R0_c.

@@ -1,8 +1,8 @@
 //! The version of the solver follows what it gives: a change to a bit of a division raises it.
 
-use furrow::batch::SOLVER_VERSION;
-use furrow::cell::{Cell, Numerics, Scheme};
-use furrow::division::{Division, DivisionInput, divide};
+use furrow_cell::{Cell, Numerics, Scheme};
+use furrow_lineage::batch::SOLVER_VERSION;
+use furrow_mechanics::division::{Division, DivisionInput, divide};
 
 /// Radius, ε, cue, seed, the published scheme, and the hash of the division's numbers in this version of the solver.
 const DIVISIONS: [(f64, f64, &str, u64, bool, &str); 12] = [

@@ -1,14 +1,14 @@
 //! Growth rates against the dynamics they linearise: the paper's dis(t) = ‖r − r₀‖ + ‖z − z₀‖ over 40 τ.
 
-use bvp::newton::NewtonScratch;
-use bvp::{Newton, Solution, System};
-use furrow::cell::{Cell, Numerics, Parameter};
-use furrow::cortex::equations::{R, Z};
-use furrow::cortex::observables::positions;
-use furrow::cortex::symmetry::unfold;
-use furrow::cortex::{Cortex, Domain};
-use furrow::shapes::passive;
-use furrow::stability::Stability;
+use furrow_bvp::newton::NewtonScratch;
+use furrow_bvp::{Newton, Solution, System};
+use furrow_cell::{Cell, Numerics, Parameter};
+use furrow_mechanics::cortex::equations::{R, Z};
+use furrow_mechanics::cortex::observables::positions;
+use furrow_mechanics::cortex::symmetry::unfold;
+use furrow_mechanics::cortex::{Cortex, Domain};
+use furrow_mechanics::equilibria::passive;
+use furrow_mechanics::stability::Stability;
 
 const R0: f64 = 2.0;
 

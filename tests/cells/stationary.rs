@@ -1,9 +1,9 @@
 //! Stationary shapes at a given activity, found from the passive shape.
 
 use crate::common::tables;
-use furrow::cell::{Cell, Cue, Numerics};
-use furrow::shapes::{BranchOptions, StationaryError, primary, stationary};
-use furrow::stability::Stability;
+use furrow_cell::{Cell, Cue, Numerics};
+use furrow_mechanics::equilibria::{BranchOptions, StationaryError, primary, stationary};
+use furrow_mechanics::stability::Stability;
 
 fn cued(r0: f64) -> Cell {
     Cell::new(r0).with_cue(Cue::published())

@@ -2,16 +2,18 @@
 
 use crate::common::shapes::{check_threshold, first, whole};
 use crate::common::stand_in;
-use furrow::batch::{Memo, PhasePlane, Quantisation, SchedulerOptions, phase::PhaseOutcome};
-use furrow::cell::cue::Quantity;
-use furrow::cell::{Cell, Cue, Numerics, Parameter};
-use furrow::cortex::{Cortex, Domain, symmetry};
-use furrow::division::{DivisionInput, divide};
-use furrow::lineage::{Thresholds, Lineage, Tree, TreeSettings};
-use furrow::shapes::at_rest::Edge;
-use furrow::shapes::critical::BoundaryKind;
-use furrow::shapes::{BranchOptions, CriticalRadii, PointKind, critical_radius, curves, primary, rest_shapes};
-use furrow::stability::{Parity, Stability};
+use furrow_cell::cue::Quantity;
+use furrow_cell::{Cell, Cue, Numerics, Parameter};
+use furrow_lineage::batch::{Memo, PhasePlane, Quantisation, SchedulerOptions, phase::PhaseOutcome};
+use furrow_lineage::{Lineage, Thresholds, Tree, TreeSettings};
+use furrow_mechanics::cortex::{Cortex, Domain, symmetry};
+use furrow_mechanics::division::{DivisionInput, divide};
+use furrow_mechanics::equilibria::at_rest::Edge;
+use furrow_mechanics::equilibria::critical::BoundaryKind;
+use furrow_mechanics::equilibria::{
+    BranchOptions, CriticalRadii, PointKind, critical_radius, curves, primary, rest_shapes,
+};
+use furrow_mechanics::stability::{Parity, Stability};
 
 /// Cues of amplitude 0, on the field of the equations' highest derivatives, with a width that the contour's length enters,
 /// and of several terms.

@@ -7,9 +7,9 @@
 use std::fmt::Write;
 
 use crate::common::shapes::{at, solve, whole};
-use furrow::cell::{Cell, Cue, Numerics, Parameter};
-use furrow::division::{DivisionInput, divide_observed};
-use furrow::shapes::curves;
+use furrow_cell::{Cell, Cue, Numerics, Parameter};
+use furrow_mechanics::division::{DivisionInput, divide_observed};
+use furrow_mechanics::equilibria::curves;
 
 /// One division of each kind.
 fn kinds() -> [(&'static str, f64, Cue); 5] {
@@ -32,7 +32,7 @@ fn work_of_each_kind_of_division() {
     for (kind, r0, cue) in kinds() {
         let d = solve(Cell::new(r0).with_cue(cue));
         let outcome = format!("{:?}", d.outcome);
-        let bvp::Work { steps, rejected, iterations, factorisations, remeshings } = d.work;
+        let furrow_bvp::Work { steps, rejected, iterations, factorisations, remeshings } = d.work;
         let newton = (iterations + 25) / 50 * 50;
         writeln!(table, "{kind:24} {outcome:11} {steps:6} {rejected:8} {factorisations:14} {remeshings:10} {newton:7}")
             .unwrap();

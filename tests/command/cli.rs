@@ -1,5 +1,6 @@
 //! The command as users meet it: JSON keys, files.
 
+use furrow_formats::tree_from_json;
 use std::path::Path;
 
 use serde_json::Value;
@@ -48,7 +49,7 @@ fn tree_answers_and_writes_its_files() {
     assert_eq!(answer["founders"][1]["rounds"]["full_doublings"], 2);
     assert_eq!(answer["founders"][1]["sulston"]["terminal"], 487);
     let tree = std::fs::read_to_string(out.join("tree.json")).unwrap();
-    assert_eq!(furrow::lineage::Tree::from_json(&tree).unwrap().len(), 15);
+    assert_eq!(tree_from_json(&tree).unwrap().len(), 15);
 }
 
 #[test]

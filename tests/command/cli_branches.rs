@@ -1,7 +1,7 @@
 //! `furrow branch`, `pitchfork` and `boundary` as users meet them.
 
-use furrow::cell::{Cell, Numerics};
-use furrow::shapes::critical::Stored;
+use furrow_cell::{Cell, Numerics};
+use furrow_mechanics::equilibria::critical::Stored;
 use serde_json::Value;
 
 use crate::common::command::{HERE, json};

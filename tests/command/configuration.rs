@@ -1,7 +1,7 @@
 //! Parameters from a file and from `--set`.
 
-use furrow::cell::{Cell, RigidityGradient};
-use furrow::io::Settings;
+use furrow_cell::settings::Settings;
+use furrow_cell::{Cell, RigidityGradient};
 
 fn set(list: &[&str]) -> Settings {
     let mut settings = Settings::default();

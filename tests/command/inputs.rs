@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use furrow::lineage::Lineage;
+use furrow_lineage::Lineage;
 
 use crate::common::command::{HERE, answer, json, refusal};
 

@@ -28,7 +28,7 @@ fn names(folder: &Path) -> Vec<String> {
 
 /// A lineage of three generations, to keep the tests short.
 fn shallow(folder: &Path) {
-    let text = furrow::lineage::C_ELEGANS.replace("max_depth: 200", "max_depth: 2");
+    let text = furrow_lineage::C_ELEGANS.replace("max_depth: 200", "max_depth: 2");
     assert!(text.contains("max_depth: 2"));
     fs::write(folder.join("shallow.ron"), text).unwrap();
 }

@@ -1,8 +1,8 @@
 //! Cells, their branches and thresholds.
 
-use furrow::cell::{Cell, Numerics};
-use furrow::division::{Division, DivisionInput, Outcome, divide};
-use furrow::shapes::{Branch, BranchOptions, Pitchfork, pitchfork, primary};
+use furrow_cell::{Cell, Numerics};
+use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide};
+use furrow_mechanics::equilibria::{Branch, BranchOptions, Pitchfork, pitchfork, primary};
 
 /// A cell of the preset in a shell of another size.
 pub fn at(r0: f64, epsilon: f64) -> Cell {

@@ -1,9 +1,10 @@
 //! A stand-in for the division solver, so that growth is tested apart from mechanics.
 
-use furrow::batch::{Memo, Quantisation, SchedulerOptions, Summary};
-use furrow::cell::Cell;
-use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
-use furrow::lineage::{Grower, Lineage, TerminalReason, Tree, TreeSettings};
+use furrow_cell::Cell;
+use furrow_formats::tree_to_json;
+use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary};
+use furrow_lineage::{Grower, Lineage, TerminalReason, Tree, TreeSettings};
+use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome};
 
 /// Symmetric above R0 = 2.25, asymmetric with χ = 0.88 down to 1.7, failed below; with a cue χ = 0.2 above 1.7.
 pub fn fake(input: &DivisionInput) -> Result<Division, DivisionError> {
@@ -30,7 +31,7 @@ pub fn division(r0: f64, outcome: Outcome, chi_signed: f64) -> Division {
         growth_rate: (!divided).then_some(-0.25),
         slow_growth_rate: None,
         volume_drift: 0.0,
-        work: bvp::Work { steps: 1, iterations: 1, factorisations: 1, ..bvp::Work::default() },
+        work: furrow_bvp::Work { steps: 1, iterations: 1, factorisations: 1, ..furrow_bvp::Work::default() },
     }
 }
 
@@ -39,7 +40,7 @@ pub fn grow(
     lineage: &Lineage,
     settings: &TreeSettings,
     threads: usize,
-    ends: &dyn Fn(&Cell) -> Option<EndReason>,
+    ends: &dyn Fn(&Cell) -> Option<TerminalReason>,
     solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
 ) -> (Tree, Summary) {
     let memo = Memo::new(Quantisation::DEFAULT);
@@ -60,5 +61,5 @@ pub fn grown(
 pub fn small_tree_file() -> String {
     let mut lineage = Lineage::c_elegans().unwrap();
     lineage.limits.max_depth = 4;
-    grown(&lineage, &|_| None, fake).to_json().unwrap()
+    tree_to_json(&grown(&lineage, &|_| None, fake)).unwrap()
 }

@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use bvp::newton::NewtonScratch;
-use bvp::{Continuation, LinearCondition, Newton, Solution, metric};
-use furrow::cortex::Cortex;
+use furrow_bvp::newton::NewtonScratch;
+use furrow_bvp::{Continuation, LinearCondition, Newton, Solution, metric};
+use furrow_mechanics::cortex::Cortex;
 
 /// One row of a table, by column name.
 #[derive(Clone, Debug)]
@@ -39,7 +39,7 @@ pub fn at_scalar(branch: &mut Continuation<Cortex>, index: usize, value: f64) ->
     let mut condition = LinearCondition::default();
     metric::scalar_condition(&y, index, value, &mut condition);
     let mut cortex = branch.problem.clone();
-    let mut system = bvp::System::new(bvp::BoundaryValueProblem::dimensions(&cortex), y.m);
+    let mut system = furrow_bvp::System::new(furrow_bvp::BoundaryValueProblem::dimensions(&cortex), y.m);
     let newton = Newton { tolerance: 1e-11, ..Newton::default() };
     newton.solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[condition], false).unwrap();
     y

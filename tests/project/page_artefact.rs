@@ -1,9 +1,9 @@
 //! The module that runs inside the page has the solver of the sources.
 
-use furrow::batch::SOLVER_VERSION;
+use furrow_lineage::batch::SOLVER_VERSION;
 
 /// What the page carries.
-const MODULE: &str = include_str!("../../crates/page/furrow.wasm.txt");
+const MODULE: &str = include_str!("../../crates/furrow-report/src/page/furrow.wasm.txt");
 
 #[test]
 fn the_module_in_the_page_has_this_version_of_the_solver() {

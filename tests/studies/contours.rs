@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 
 use crate::common::cases::check_cases;
 use crate::common::command::{answer, failed, json};
-use furrow::io::frames::read_frames;
+use furrow_formats::frames::read_frames;
 use rand_mt::Mt64;
 use serde_json::Value;
 

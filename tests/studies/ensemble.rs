@@ -4,10 +4,10 @@ use std::sync::atomic::AtomicBool;
 
 use std::path::Path;
 
-use furrow::calibration::{Targets, calibrate, with_values};
-use furrow::cell::{Cell, Numerics, Parameter};
-use furrow::lineage::{Lineage, TreeSettings};
-use furrow::study::{Constants, check_constraints, ensemble, ranges};
+use furrow_analysis::{Constants, check_constraints, ensemble, ranges};
+use furrow_cell::{Cell, Numerics, Parameter};
+use furrow_lineage::{Lineage, TreeSettings};
+use furrow_mechanics::calibration::{Targets, calibrate, with_values};
 
 use crate::common::command::json;
 
@@ -20,7 +20,7 @@ fn targets() -> Targets {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/statements.ron");
     let text = std::fs::read_to_string(file).unwrap();
     let targets: Targets =
-        furrow::input::parse_document(&text, "statements.ron", "a file of targets", "Targets").unwrap();
+        furrow_input::parse_document(&text, "statements.ron", "a file of targets", "Targets").unwrap();
     targets.check("statements.ron").unwrap();
     targets
 }

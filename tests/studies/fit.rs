@@ -1,14 +1,14 @@
 //! What would make it the embryo: constants, activities and a cue from what was observed.
 
-use furrow::batch::{Memo, Quantisation};
-use furrow::cell::{Cell, Cue, Numerics, Parameter};
-use furrow::division::{DivisionInput, divide};
-use furrow::lineage::{Thresholds, Lineage, ObservedRounds, Rounds, TreeSettings, founder_rounds};
-use furrow::settings::Settings;
-use furrow::shapes::CriticalRadii;
-use furrow::study::fit::{
+use furrow_analysis::fit::{
     Evaluated, FittedConstants, Reading, SearchBudget, Targets, activities, fit_constants, fit_cue,
 };
+use furrow_cell::settings::Settings;
+use furrow_cell::{Cell, Cue, Numerics, Parameter};
+use furrow_lineage::batch::{Memo, Quantisation};
+use furrow_lineage::{Lineage, ObservedRounds, Rounds, Thresholds, TreeSettings, founder_rounds};
+use furrow_mechanics::division::{DivisionInput, divide};
+use furrow_mechanics::equilibria::CriticalRadii;
 
 use crate::common::stand_in::grow;
 
@@ -24,7 +24,7 @@ fn clone() -> (Lineage, TreeSettings) {
 }
 
 fn targets(text: &str, lineage: &Lineage) -> Targets {
-    let targets: Targets = furrow::input::parse_document(text, "x.ron", "targets", "Fit").unwrap();
+    let targets: Targets = furrow_input::parse_document(text, "x.ron", "targets", "Fit").unwrap();
     targets.check("x.ron", lineage).unwrap();
     targets
 }
@@ -134,7 +134,7 @@ fn the_preset_of_the_embryo_keeps_what_it_was_fitted_to() {
     let mean = ["AB", "MS", "C", "D"].map(off).iter().sum::<f64>() / 4.0;
     assert!(mean <= 0.24, "{mean}");
     let fate = |name: &str| &tree.cell(tree.founder_cell(of(name)).unwrap()).fate;
-    assert_eq!(fate("AB").outcome(), Some(furrow::division::Outcome::Symmetric));
+    assert_eq!(fate("AB").outcome(), Some(furrow_mechanics::division::Outcome::Symmetric));
     assert!((fate("P0").chi().unwrap() - 0.180).abs() <= 0.04);
     // The activity is given at a gain: both are of the preset.
     assert!(Parameter::XiS.get(&cell) > 25.0);

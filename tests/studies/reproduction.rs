@@ -1,8 +1,8 @@
 //! The paper reproduced: the page that ships is current, and what is known to differ is said to.
 
-use furrow::report::reproduction::value;
-use furrow::study::reproduce::Value;
-use furrow::study::reproduce::paper::{Statement, statements};
+use furrow_analysis::reproduce::Value;
+use furrow_analysis::reproduce::paper::{Statement, statements};
+use furrow_report::reproduction::value;
 use serde_json::Value as Json;
 
 use crate::common::command::{HERE, answer, json, names};

@@ -2,7 +2,8 @@
 
 use crate::common::cases::check_cases;
 use crate::common::stand_in::small_tree_file;
-use furrow::lineage::{Lineage, Tree};
+use furrow_formats::tree_from_json;
+use furrow_lineage::Lineage;
 use serde_json::Value;
 
 /// A document with one value changed or added, as a case says: where, as a JSON pointer, and what.
@@ -28,6 +29,6 @@ fn lineages() {
 fn trees() {
     let tree: Value = serde_json::from_str(&small_tree_file()).unwrap();
     check_cases("trees/complaints/tree.txt", |case| {
-        Tree::from_json(&changed(&tree, case).to_string()).unwrap_err().to_string()
+        tree_from_json(&changed(&tree, case).to_string()).unwrap_err().to_string()
     });
 }

@@ -1,12 +1,13 @@
 //! The built-in lineage grown from mechanics.
 
-use furrow::batch::{Memo, Quantisation, SchedulerOptions, Summary};
-use furrow::cell::{Cell, Numerics};
-use furrow::division::{Outcome, divide};
-use furrow::io::founder_rows;
-use furrow::lineage::{Grower, Lineage, TerminalReason, Thresholds, Tree, TreeSettings};
-use furrow::report::TreeSummary;
-use furrow::shapes::CriticalRadii;
+use furrow_cell::{Cell, Numerics};
+use furrow_formats::founder_rows;
+use furrow_formats::tree_to_json;
+use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary};
+use furrow_lineage::{Grower, Lineage, TerminalReason, Thresholds, Tree, TreeSettings};
+use furrow_mechanics::division::{Outcome, divide};
+use furrow_mechanics::equilibria::CriticalRadii;
+use furrow_report::TreeSummary;
 
 fn grow(memo: &Memo, threads: usize, ends: &dyn Fn(&Cell) -> Option<TerminalReason>) -> (Tree, Summary) {
     let lineage = Lineage::c_elegans().unwrap();
@@ -68,9 +69,9 @@ fn the_embryo() {
 /// depends on timing.
 #[test]
 fn the_same_file_at_any_thread_count_and_from_any_memo() {
-    let one = by_boundary(&Memo::new(Quantisation::DEFAULT), 1).to_json().unwrap();
+    let one = tree_to_json(&by_boundary(&Memo::new(Quantisation::DEFAULT), 1)).unwrap();
     let memo = Memo::new(Quantisation::DEFAULT);
     for threads in [2, 8, 1] {
-        assert_eq!(by_boundary(&memo, threads).to_json().unwrap(), one, "{threads} threads");
+        assert_eq!(tree_to_json(&by_boundary(&memo, threads)).unwrap(), one, "{threads} threads");
     }
 }

@@ -1,11 +1,12 @@
 //! Growth, rounds and files of a tree, with a stand-in for the division solver.
 
 use crate::common::stand_in::{self, division, fake, grown};
-use furrow::batch::Summary;
-use furrow::cell::Cell;
-use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
-use furrow::io::{founder_rows, newick};
-use furrow::lineage::{TerminalReason, Lineage, Tree, TreeSettings};
+use furrow_cell::Cell;
+use furrow_formats::{founder_rows, newick};
+use furrow_formats::{tree_from_json, tree_to_json};
+use furrow_lineage::batch::Summary;
+use furrow_lineage::{Lineage, TerminalReason, Tree, TreeSettings};
+use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome};
 
 fn grow_with(
     lineage: &Lineage,
@@ -83,7 +84,7 @@ fn same_tree_at_any_thread_count() {
     let one = grow_with(&lineage, 1, &|_| None, fake);
     for threads in [2, 8] {
         let many = grow_with(&lineage, threads, &|_| None, fake);
-        assert_eq!(one.0.to_json().unwrap(), many.0.to_json().unwrap());
+        assert_eq!(tree_to_json(&one.0).unwrap(), tree_to_json(&many.0).unwrap());
         assert_eq!(one.1.solved, many.1.solved);
     }
     // Equal cells are solved once: the symmetric rounds of AB cost one division each.
@@ -94,9 +95,9 @@ fn same_tree_at_any_thread_count() {
 #[test]
 fn json_round_trip_is_exact() {
     let tree = grow(&Lineage::c_elegans().unwrap());
-    let text = tree.to_json().unwrap();
-    let back = Tree::from_json(&text).unwrap();
-    assert_eq!(back.to_json().unwrap(), text);
+    let text = tree_to_json(&tree).unwrap();
+    let back = tree_from_json(&text).unwrap();
+    assert_eq!(tree_to_json(&back).unwrap(), text);
     assert_eq!(back.settings, tree.settings);
 }
 
@@ -119,13 +120,14 @@ fn limits_end_a_tree_that_does_not() {
     assert_eq!(tree.cell(leaf).fate.outcome(), None);
     let one = grown(&limited(60, 101), 1);
     assert_eq!(one.len(), 101);
-    assert_eq!(one.to_json().unwrap(), grown(&limited(60, 101), 4).to_json().unwrap());
+    assert_eq!(tree_to_json(&one).unwrap(), tree_to_json(&grown(&limited(60, 101), 4)).unwrap());
     assert!(one.cells().any(|n| one.cell(n).fate.ended == Some(TerminalReason::MaxCells { max_cells: 101 })));
 }
 
 #[test]
 fn boundary_ends_branches_without_solving() {
-    let ends = |cell: &Cell| (cell.cue.is_none() && cell.r0 < 1.7).then_some(TerminalReason::BelowPitchfork { r0_c: 1.7 });
+    let ends =
+        |cell: &Cell| (cell.cue.is_none() && cell.r0 < 1.7).then_some(TerminalReason::BelowPitchfork { r0_c: 1.7 });
     let solve = |input: &DivisionInput| {
         assert!(input.cell.r0 >= 1.7);
         fake(input)
@@ -163,8 +165,8 @@ fn cells_that_cannot_be_computed_are_undecided() {
         assert_eq!(tree.len(), 7);
         let outcomes: Vec<Option<Outcome>> = tree.cells().map(|id| tree.cell(id).fate.outcome()).collect();
         assert_eq!(outcomes[3..], [None; 4]);
-        let read = Tree::from_json(&tree.to_json().unwrap()).unwrap();
-        assert_eq!(read.to_json().unwrap(), tree.to_json().unwrap());
+        let read = tree_from_json(&tree_to_json(&tree).unwrap()).unwrap();
+        assert_eq!(tree_to_json(&read).unwrap(), tree_to_json(&tree).unwrap());
     }
 }
 
@@ -207,22 +209,22 @@ fn deep_chain() {
     let lineage = limited(3000, 1_000_000);
     let (tree, _) = grow_with(&lineage, 1, &|_| None, shrinking);
     assert!(tree.len() > 2000, "{}", tree.len());
-    assert_eq!(Tree::from_json(&tree.to_json().unwrap()).unwrap().len(), tree.len());
+    assert_eq!(tree_from_json(&tree_to_json(&tree).unwrap()).unwrap().len(), tree.len());
     assert!(newick(&tree).len() > tree.len());
 }
 
 #[test]
 fn drawing_and_report() {
     let tree = grow(&Lineage::c_elegans().unwrap());
-    let drawing = furrow::report::svg(&tree);
-    let report = furrow::report::html(&tree, &founder_rows(&tree));
+    let drawing = furrow_report::svg(&tree);
+    let report = furrow_report::html(&tree, &founder_rows(&tree));
     // One disc with a title a cell.
     assert_eq!(drawing.matches("<title>").count(), tree.len());
     assert!(report.contains("<h1>Caenorhabditis elegans, grown from mechanics</h1>") && report.contains("</svg>"));
     // Self-contained: the name space is the only address in it.
     let addresses = report.matches("http:").count() + report.matches("https:").count();
     assert_eq!(addresses, report.matches("http://www.w3.org/2000/svg").count());
-    let table = furrow::report::founders_table(&tree, &founder_rows(&tree));
+    let table = furrow_report::founders_table(&tree, &founder_rows(&tree));
     assert!(
         table.contains(
             "AB        4.555  none      symmetric    0.000 |   5   6.25   7    5   4    64 |   8   9.05  11    8   487"

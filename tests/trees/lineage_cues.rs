@@ -1,10 +1,11 @@
 //! Who carries which cue in a lineage: founders' cues and rules, rules of the file, and the table's column.
 
 use crate::common::stand_in::{fake, grown};
-use furrow::cell::Cue;
-use furrow::io::{FounderRow, founder_rows};
-use furrow::lineage::{Lineage, Tree};
-use furrow::report::{founders_table, html};
+use furrow_cell::Cue;
+use furrow_formats::{FounderRow, founder_rows};
+use furrow_formats::{tree_from_json, tree_to_json};
+use furrow_lineage::{Lineage, Tree};
+use furrow_report::{founders_table, html};
 
 const CUES: &str = "cues: {\"polar\": kappa(u0: 0.4, omega: 0.1, amplitude: 0.2), \
                     \"pull\": tension(profile: gradient, amplitude: 0.3)}";
@@ -101,9 +102,9 @@ fn trees_with_rules_survive_their_file() {
     let founders =
         "(name: \"Q\", r0: 5.0, cue_rules: [(cue: \"polar\", above_r0: 4.0), (cue: \"pull\", below_r0: 3.0)])";
     let tree = grow(&lineage(" cue_rules: [(cue: \"pull\", to_generation: 3)],", founders));
-    let text = tree.to_json().unwrap();
-    let back = Tree::from_json(&text).unwrap();
-    assert_eq!(back.to_json().unwrap(), text);
+    let text = tree_to_json(&tree).unwrap();
+    let back = tree_from_json(&text).unwrap();
+    assert_eq!(tree_to_json(&back).unwrap(), text);
     assert_eq!(back.lineage, tree.lineage);
     let of = |tree: &Tree| tree.cells().map(|id| tree.cell(id).cue.clone()).collect::<Vec<Cue>>();
     assert_eq!(of(&back), of(&tree));

@@ -1,7 +1,7 @@
 //! The lineage file: the built-in one against the published counts.
 
 use crate::common::tables;
-use furrow::lineage::{C_ELEGANS, Lineage};
+use furrow_lineage::{C_ELEGANS, Lineage};
 
 #[test]
 fn built_in_founders() {

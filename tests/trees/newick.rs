@@ -1,9 +1,9 @@
 //! Newick, NHX and Nexus: brackets, names and lengths, as a reader of its own sees them.
 
 use crate::common::stand_in::{fake, grown};
-use furrow::io::exchange::{BranchLengths, COLUMNS, Exported, Format, export};
-use furrow::io::newick;
-use furrow::lineage::{Lineage, Tree};
+use furrow_formats::exchange::{BranchLengths, COLUMNS, Exported, Format, export};
+use furrow_formats::newick;
+use furrow_lineage::{Lineage, Tree};
 
 /// One node of a Newick text.
 #[derive(Default)]

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use furrow::lineage::TEMPLATE;
+use furrow_lineage::TEMPLATE;
 use serde_json::Value;
 
 use crate::common::command::{self, refusal};

@@ -2,10 +2,10 @@
 //! its division tells too.
 
 use crate::common::stand_in::grow;
-use furrow::cell::{Cell, Numerics};
-use furrow::division::divide;
-use furrow::lineage::{TerminalReason, Thresholds, Lineage, Tree, TreeSettings};
-use furrow::shapes::CriticalRadii;
+use furrow_cell::{Cell, Numerics};
+use furrow_lineage::{Lineage, TerminalReason, Thresholds, Tree, TreeSettings};
+use furrow_mechanics::division::divide;
+use furrow_mechanics::equilibria::CriticalRadii;
 use rand_mt::Mt64;
 
 /// Uniform in [from, to).

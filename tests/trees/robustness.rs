@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use furrow::cell::Cell;
-use furrow::division::{Division, DivisionError, DivisionInput, Outcome, divide};
-use furrow::lineage::Lineage;
-use furrow::settings::{Settings, parse_cue};
-use furrow::shapes::{BranchOptions, pitchfork};
-use furrow::study::Sweep;
+use furrow_analysis::Sweep;
+use furrow_cell::Cell;
+use furrow_cell::settings::Settings;
+use furrow_lineage::Lineage;
+use furrow_lineage::parse_cue;
+use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome, divide};
+use furrow_mechanics::equilibria::{BranchOptions, pitchfork};
 
 fn cell(r0: f64, epsilon: f64, xi_s: f64, aspect: f64, cue: &str) -> Cell {
     let lineage = Lineage::c_elegans().unwrap();

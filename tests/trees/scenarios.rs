@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use furrow::batch::{Memo, Quantisation, SchedulerOptions};
-use furrow::division::divide;
-use furrow::lineage::{Length, Lineage, Tree, TreeSettings};
-use furrow::report;
-use furrow::study::scenarios::{Scenario, Source, combine, grow};
+use furrow_analysis::scenarios::{Scenario, Source, combine, grow};
+use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions};
+use furrow_lineage::{Length, Lineage, Tree, TreeSettings};
+use furrow_mechanics::division::divide;
+use furrow_report as report;
 use serde_json::Value;
 
 use crate::common::command::{furrow, json, names, refusal};
@@ -164,8 +164,7 @@ fn earlier_scenarios_are_overwritten_and_other_files_stay() {
     let folder = folder();
     let out = folder.path().join("out");
     let run = |arguments: &[&str]| {
-        let (code, _, err) = tree(folder.path(), &[arguments, &["--out", "out"]].concat());
-        assert_eq!((code, err.as_str()), (Some(0), ""));
+        assert_eq!(tree(folder.path(), &[arguments, &["--out", "out"]].concat()).1, "");
         files(&out)
     };
     let before = run(&three(&[]));

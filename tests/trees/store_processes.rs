@@ -11,14 +11,12 @@ use std::{
     time::Duration,
 };
 
-use furrow::{
-    batch::{
-        Job, Key, Memo, Quantisation, SchedulerOptions, Store, Summary, scheduler,
-        store::maintenance::{self, CacheReport},
-    },
-    cell::Cell,
-    division::{Division, DivisionInput, Outcome},
+use furrow_cell::Cell;
+use furrow_lineage::batch::{
+    Job, Key, Memo, Quantisation, SchedulerOptions, Store, Summary, scheduler,
+    store::maintenance::{self, CacheReport},
 };
+use furrow_mechanics::division::{Division, DivisionInput, Outcome};
 
 const ROLE: &str = "FURROW_TEST_ROLE";
 const CACHE: &str = "FURROW_TEST_CACHE";
@@ -46,7 +44,7 @@ fn model(input: &DivisionInput) -> Division {
         growth_rate: None,
         slow_growth_rate: None,
         volume_drift: 1e-12,
-        work: bvp::Work { steps: 100, rejected: 1, iterations: 300, factorisations: 120, remeshings: 5 },
+        work: furrow_bvp::Work { steps: 100, rejected: 1, iterations: 300, factorisations: 120, remeshings: 5 },
     }
 }
 

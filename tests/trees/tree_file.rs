@@ -2,12 +2,12 @@
 
 use crate::common::stand_in::small_tree_file;
 use crate::complaints::changed;
-use furrow::lineage::Tree;
+use furrow_formats::{tree_from_json, tree_to_json};
 use proptest::prelude::*;
 use serde_json::Value;
 
 fn complaint(text: &str) -> String {
-    Tree::from_json(text).unwrap_err().to_string()
+    tree_from_json(text).unwrap_err().to_string()
 }
 
 #[test]
@@ -55,7 +55,7 @@ fn what_is_no_json_is_told_with_its_place() {
     );
     // What some editors do to a file.
     let windows = format!("\u{feff}{}", text.replace('\n', "\r\n"));
-    assert_eq!(Tree::from_json(&windows).unwrap().to_json().unwrap(), text);
+    assert_eq!(tree_to_json(&tree_from_json(&windows).unwrap()).unwrap(), text);
 }
 
 /// Deep brackets, where something else is expected and where anything is passed over.
@@ -86,9 +86,9 @@ proptest! {
         let at = at.index(text.len());
         let rest = if cut { "" } else { text.get(at + length..).unwrap_or("") };
         let slip = format!("{}{with}{rest}", &text[..at]);
-        if let Ok(tree) = Tree::from_json(&slip) {
-            let written = tree.to_json().unwrap();
-            prop_assert_eq!(Tree::from_json(&written).unwrap().to_json().unwrap(), written);
+        if let Ok(tree) = tree_from_json(&slip) {
+            let written = tree_to_json(&tree).unwrap();
+            prop_assert_eq!(tree_to_json(&tree_from_json(&written).unwrap()).unwrap(), written);
         }
     }
 }

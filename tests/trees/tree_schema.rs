@@ -1,16 +1,17 @@
 //! The JSON Schema of `tree.json` that is published, `docs/tree.schema.json`, is held to the trees that are written.
 
+use furrow_formats::{tree_from_json, tree_to_json};
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::common::cases::check_cases;
 use crate::common::stand_in::{division, fake, grown, small_tree_file};
 use crate::complaints::changed;
-use furrow::cell::{Cell, Cue};
-use furrow::division::{Division, DivisionError, DivisionInput, Outcome};
-use furrow::io::TREE_SCHEMA;
-use furrow::lineage::{
+use furrow_cell::{Cell, Cue};
+use furrow_formats::TREE_SCHEMA;
+use furrow_lineage::{
     CueRule, Daughter, Founder, FounderPhysics, Length, Limits, Lineage, ObservedRounds, TerminalReason, Tree, Units,
 };
+use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome};
 use serde_json::{Value, json};
 
 /// A founder with nothing but its name, mother and side.
@@ -131,8 +132,8 @@ fn documents() -> Vec<Value> {
         grown(&c_elegans.carrying("none").unwrap(), &below, fake),
         grown(&Lineage { limits: Limits { max_depth: 2, max_cells: 1000 }, ..c_elegans }, &|_| None, fake),
     ];
-    let text = |tree: &Tree| tree.to_json().unwrap();
-    trees.iter().for_each(|tree| assert_eq!(text(&Tree::from_json(&text(tree)).unwrap()), text(tree)));
+    let text = |tree: &Tree| tree_to_json(&tree).unwrap();
+    trees.iter().for_each(|tree| assert_eq!(text(&tree_from_json(&text(tree)).unwrap()), text(tree)));
     trees.iter().map(|tree| serde_json::from_str(&text(tree)).unwrap()).collect()
 }
 

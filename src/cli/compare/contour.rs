@@ -6,9 +6,9 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use measured::contour::Contour;
-use measured::contour::polygons::{Contours, LeftOut};
-use measured::contour::series::{Beside, Modelled, Series, series};
+use furrow_measured::contour::Contour;
+use furrow_measured::contour::polygons::{Contours, LeftOut};
+use furrow_measured::contour::series::{Beside, Modelled, Series, series};
 use serde::Serialize;
 
 use super::files;
@@ -17,8 +17,8 @@ use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::output::{print, to_json, writable_folder};
 use crate::cli::plot::PlotArgs;
-use crate::input::InputError;
-use crate::io::frames::read_frames;
+use furrow_formats::frames::read_frames;
+use furrow_input::InputError;
 
 /// Compares measured outlines of a dividing cell with those of a simulated division
 ///
@@ -76,7 +76,7 @@ pub fn run(args: &ContourArgs, context: &Context) -> Result<(), CliError> {
     if let Some(out) = &args.out {
         files::write_contours(out, &series, &json)?;
     }
-    picture.write(|| crate::plot::contours::draw(&series))?;
+    picture.write(|| furrow_figures::plot::contours::draw(&series))?;
     print(&if context.json { json } else { text(&series, &found.left_out) })
 }
 

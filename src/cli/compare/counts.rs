@@ -1,5 +1,6 @@
 //! `furrow compare counts`: rounds beside the observed ones.
 
+use furrow_formats::tree_from_json;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -10,9 +11,9 @@ use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::output::print_as;
 use crate::cli::plot::PlotArgs;
-use crate::input::{InputError, read_text};
-use crate::lineage::{Lineage, Tree};
-use crate::study::compare::counts::{Counts, READINGS, counts};
+use furrow_analysis::compare::counts::{Counts, READINGS, counts};
+use furrow_input::{InputError, read_text};
+use furrow_lineage::Lineage;
 
 /// Compares rounds of division with the observed ones, by every definition of "rounds" and at several stages
 ///
@@ -34,7 +35,7 @@ pub struct CountsArgs {
 pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
     let tree = match &args.tree {
-        Some(file) => Tree::from_json(&read_text(file)?).map_err(|error| InputError::OtherFile {
+        Some(file) => tree_from_json(&read_text(file)?).map_err(|error| InputError::OtherFile {
             file: file.display().to_string(),
             wanted: "a tree as furrow tree writes it".to_owned(),
             reason: error.to_string(),
@@ -42,7 +43,7 @@ pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
         None => trees_of(vec![Lineage::load(None)?], context)?.remove(0),
     };
     let found = counts(&tree)?;
-    picture.write(|| crate::plot::rounds::draw(&tree))?;
+    picture.write(|| furrow_figures::plot::rounds::draw(&tree))?;
     print_as(context.json, &found, || counts_text(&found))
 }
 

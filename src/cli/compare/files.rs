@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use measured::contour::series::{Beside, Series};
-use measured::events::Division;
-use measured::trend::{AdjacentTest, VolumeBin};
+use furrow_measured::contour::series::{Beside, Series};
+use furrow_measured::events::Division;
+use furrow_measured::trend::{AdjacentTest, VolumeBin};
 use serde_json::{Value, json};
 
 use crate::cli::error::CliError;
 use crate::cli::output::csv_of;
-use crate::io::files::FileSet;
-use crate::study::compare::volumes::GroupBeside;
+use furrow_analysis::compare::volumes::GroupBeside;
+use furrow_formats::files::FileSet;
 
 /// Their names.
 pub const NAMES: [&str; 4] = ["chi.csv", "divisions.csv", "bins.csv", "compare.json"];

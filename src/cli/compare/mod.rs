@@ -11,8 +11,8 @@ use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::tree::grown;
-use crate::lineage::{Lineage, Tree};
-use crate::study::scenarios_of;
+use furrow_analysis::scenarios_of;
+use furrow_lineage::{Lineage, Tree};
 
 /// Compares the model with measured embryos
 #[derive(Debug, Args)]

@@ -5,10 +5,10 @@ use std::fs::File;
 use std::path::PathBuf;
 
 use clap::Args;
-use measured::events::{Division, Divisions, GroupSummary, divisions, summaries};
-use measured::published::{SOURCE, jankele2021};
-use measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
-use measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
+use furrow_measured::events::{Division, Divisions, GroupSummary, divisions, summaries};
+use furrow_measured::published::{SOURCE, jankele2021};
+use furrow_measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
+use furrow_measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
 use serde::Serialize;
 
 use super::{files, trees_of};
@@ -19,14 +19,14 @@ use crate::cli::interrupt;
 use crate::cli::output::{print, to_json, writable_folder};
 use crate::cli::plot::PlotArgs;
 use crate::cli::progress::ProgressLine;
-use crate::input::{InputError, read_text};
-use crate::lineage::{Lineage, TreeSettings};
-use crate::plot::comparison::{self, Comparison};
-use crate::study::compare::volumes::{
+use furrow_analysis::compare::volumes::{
     Band, Beside, GroupBeside, Modelled, Regression, Scale, ScaleFrom, SizeCurve, add_bands, beside, model, regression,
     scale, size_curves,
 };
-use crate::study::{Range, read_constants, tree_settings};
+use furrow_analysis::{Range, read_constants, tree_settings};
+use furrow_figures::plot::comparison::{self, Comparison};
+use furrow_input::{InputError, read_text};
+use furrow_lineage::{Lineage, TreeSettings};
 
 /// Compares size asymmetries of measured divisions with the model's
 ///
@@ -97,7 +97,7 @@ struct Answer<'a> {
     skipped: &'a [Skipped],
     skipped_count: u64,
     divisions: usize,
-    half_seen: &'a [measured::events::HalfSeen],
+    half_seen: &'a [furrow_measured::events::HalfSeen],
     unit: Option<Unit>,
     length_scale: Option<Scale>,
     length_scale_um: Option<f64>,

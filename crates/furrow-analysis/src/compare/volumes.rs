@@ -1,0 +1,327 @@
+//! χ of measured divisions beside the model's (figures 5C, 6D and 6E, 7B).
+//!
+//! The model computes χ of a cell twice: in the tree grown from the zygote, and in the tree whose AB and P1 are as large as a
+//! group of embryos measures them. The second can be compared with embryos whose first division was changed.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::atomic::AtomicBool;
+
+use furrow_measured::events::{Division, GroupSummary, MotherSummary, by_group};
+use furrow_measured::statistics::{BoxPlot, Line, box_plot, line, line_through_origin, mean};
+use furrow_measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
+use serde::Serialize;
+
+use crate::constants::Constants;
+use crate::ranges::{Range, each_tree};
+use furrow_cell::Cue;
+use furrow_lineage::batch::scheduler::{self, SchedulerError, SchedulerOptions};
+use furrow_lineage::batch::{Memo, phase};
+use furrow_lineage::{GrowError, Length, Lineage, Tree, TreeSettings};
+use furrow_mechanics::division::{DivisionInput, Outcome, divide};
+
+/// The model's division of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Modelled {
+    /// Its radius R0, in L_h.
+    pub r0: f64,
+    /// How its division ends; `None` where that is not known.
+    pub outcome: Option<Outcome>,
+    /// χ, if it divides.
+    pub chi: Option<f64>,
+}
+
+/// Divisions of a mother in the embryos of a group, beside the model's.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Beside {
+    /// What was measured.
+    #[serde(flatten)]
+    pub measured: MotherSummary,
+    /// The tree grown from the zygote.
+    pub model: Option<Modelled>,
+    /// The tree with AB and P1 as large as this group measures them; `None` for P0, and where P0 was not measured.
+    pub given_first: Option<Modelled>,
+    /// The tree grown from the zygote, over sets of constants.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub band: Option<Band>,
+    /// |χ| of each embryo as a box; `None` for a mother that is known by her mean alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub box_plot: Option<BoxPlot>,
+}
+
+impl Beside {
+    /// (model − measured)/sd of a χ.
+    pub fn off(&self, chi: f64) -> Option<f64> {
+        self.measured.sd.filter(|sd| *sd > 0.0).map(|sd| (chi - self.measured.mean) / sd)
+    }
+}
+
+/// χ of a cell over sets of constants.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Band {
+    /// χ where it divides; `None` where it divides with no set.
+    pub chi: Option<Range>,
+    /// Share of the weight of the sets with which it divides.
+    pub divides: f64,
+}
+
+/// A group beside the model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GroupBeside {
+    /// Its name; empty if the table has none.
+    pub group: String,
+    /// Its embryos with a division.
+    pub embryos: usize,
+    /// By mother.
+    pub events: Vec<Beside>,
+    /// |χ| by decades of the mother's volume.
+    pub bins: Vec<VolumeBin>,
+    /// Each bin beside the next one of larger cells.
+    pub tests: Vec<AdjacentTest>,
+}
+
+/// χ of two groups by mother: y of the second over x of the first.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Regression {
+    /// The group along x.
+    pub x: String,
+    /// The group along y.
+    pub y: String,
+    /// Mothers that both have measured.
+    pub mothers: Vec<String>,
+    /// Through the origin.
+    pub through_origin: Option<Line>,
+    /// With an intercept.
+    pub with_intercept: Option<Line>,
+}
+
+/// The model's division of every cell of a tree, by name.
+pub fn modelled(tree: &Tree) -> BTreeMap<String, Modelled> {
+    let of = |id| {
+        let cell = tree.cell(id);
+        let modelled = Modelled { r0: cell.r0, outcome: cell.fate.outcome(), chi: cell.fate.chi() };
+        (cell.name.clone(), modelled)
+    };
+    tree.cells().map(of).collect()
+}
+
+/// The lineage with AB and P1 as large as a group of embryos measures them, of a zygote of radius `r0`; `None` where P0 was not
+/// measured, or the lineage has no such founders.
+pub fn with_first_division_of(lineage: &Lineage, group: &GroupSummary, r0: f64) -> Option<Lineage> {
+    let p0 = group.events.iter().find(|event| event.mother == "P0")?;
+    let mut lineage = lineage.clone();
+    for (name, way) in [("AB", 1.0), ("P1", -1.0)] {
+        let founder = lineage.founders.iter_mut().find(|founder| founder.name == name)?;
+        founder.r0 = Some(Length::Natural(r0 * (0.5 * (1.0 + way * p0.mean_signed)).cbrt()));
+    }
+    Some(lineage)
+}
+
+/// Groups with whose own first division a tree is grown.
+const MOST_GROUPS: usize = 50;
+
+/// χ of every cell of a tree by its name.
+pub type Cells = BTreeMap<String, Modelled>;
+
+/// The model's cells for groups of embryos: of the tree grown from a zygote of radius `r0`, and for each of the first fifty
+/// groups that measure P0, of the tree [with its first division](with_first_division_of). `grow` grows the trees of lineages.
+///
+/// # Errors
+/// Those of `grow`.
+pub fn model<E>(
+    lineage: &Lineage,
+    r0: f64,
+    groups: &[GroupSummary],
+    grow: impl FnOnce(Vec<Lineage>) -> Result<Vec<Tree>, E>,
+) -> Result<(Cells, BTreeMap<String, Cells>), E> {
+    let with_first = |group: &GroupSummary| Some((group.group.clone(), with_first_division_of(lineage, group, r0)?));
+    let given: Vec<(String, Lineage)> = groups.iter().filter_map(with_first).take(MOST_GROUPS).collect();
+    let lineages = std::iter::once(lineage.clone()).chain(given.iter().map(|(_, lineage)| lineage.clone())).collect();
+    let mut trees = grow(lineages)?.into_iter().map(|tree| modelled(&tree));
+    let free = trees.next().unwrap_or_default();
+    Ok((free, given.into_iter().map(|(group, _)| group).zip(trees).collect()))
+}
+
+/// Measured groups beside the model: `free` is the tree grown from the zygote, `given` those with each group's first division.
+/// Of groups that are known by their means alone there are no `divisions`, and no bins.
+pub fn beside(
+    groups: Vec<GroupSummary>,
+    divisions: &[Division],
+    free: &BTreeMap<String, Modelled>,
+    given: &BTreeMap<String, BTreeMap<String, Modelled>>,
+    edges: Option<&[f64]>,
+) -> Vec<GroupBeside> {
+    let mut own_of: HashMap<&str, Vec<&Division>> = by_group(divisions).into_iter().collect();
+    let of = |group: GroupSummary| {
+        let first = given.get(&group.group);
+        let own: Vec<Division> = own_of.remove(group.group.as_str()).into_iter().flatten().cloned().collect();
+        let mut chi_of: HashMap<&str, Vec<f64>> = HashMap::new();
+        for division in &own {
+            chi_of.entry(&division.mother).or_default().push(division.chi());
+        }
+        let event = |measured: MotherSummary| Beside {
+            band: None,
+            box_plot: chi_of.get(measured.mother.as_str()).and_then(|chi| box_plot(chi)),
+            model: free.get(&measured.mother).copied(),
+            given_first: first
+                .filter(|_| measured.mother != "P0")
+                .and_then(|cells| cells.get(&measured.mother))
+                .copied(),
+            measured,
+        };
+        let bins = volume_bins(&own, edges);
+        GroupBeside {
+            group: group.group,
+            embryos: group.embryos,
+            events: group.events.into_iter().map(event).collect(),
+            tests: adjacent_tests(&bins),
+            bins,
+        }
+    };
+    groups.into_iter().map(of).collect()
+}
+
+/// Mean |χ| of one group over that of another, by the mothers that both have measured.
+pub fn regression(x: &GroupBeside, y: &GroupBeside) -> Regression {
+    let of = |group: &GroupBeside, mother: &str| {
+        group.events.iter().find(|event| event.measured.mother == mother).map(|event| event.measured.mean)
+    };
+    let names = x.events.iter().map(|event| event.measured.mother.clone());
+    let matched: Vec<(String, [f64; 2])> =
+        names.filter_map(|name| Some((name.clone(), [of(x, &name)?, of(y, &name)?]))).collect();
+    let points: Vec<[f64; 2]> = matched.iter().map(|(_, point)| *point).collect();
+    Regression {
+        x: x.group.clone(),
+        y: y.group.clone(),
+        mothers: matched.into_iter().map(|(name, _)| name).collect(),
+        through_origin: line_through_origin(&points),
+        with_intercept: line(&points),
+    }
+}
+
+/// χ of these cells over sets of constants, the tree grown from the zygote with each.
+///
+/// # Errors
+/// [`GrowError`] of the first set that cannot be grown.
+pub fn bands(
+    lineage: &Lineage,
+    settings: &TreeSettings,
+    sets: &[Constants],
+    mothers: &[String],
+    threads: usize,
+    cancel: Option<&AtomicBool>,
+) -> Result<BTreeMap<String, Band>, GrowError> {
+    let read = |set: &Constants, tree: &Tree, _: &_| {
+        let cells = modelled(tree);
+        let chi: Vec<Option<f64>> = mothers.iter().map(|mother| cells.get(mother).and_then(|cell| cell.chi)).collect();
+        (set.weight, chi)
+    };
+    let trees = each_tree(lineage, settings, sets, threads, cancel, read)?;
+    let total: f64 = trees.iter().map(|(weight, _)| weight).sum();
+    let of = |(k, mother): (usize, &String)| {
+        let divided: Vec<(f64, f64)> = trees.iter().filter_map(|(weight, chi)| Some((chi[k]?, *weight))).collect();
+        let divides = divided.iter().map(|(_, weight)| weight).sum::<f64>() / total + 0.0;
+        (mother.clone(), Band { chi: Range::of(divided), divides })
+    };
+    Ok(mothers.iter().enumerate().map(of).collect())
+}
+
+/// Gives all mothers that the tree from the zygote, `free`, has their χ over sets of constants; nothing where there are no sets.
+///
+/// # Errors
+/// As [`bands`].
+pub fn add_bands(
+    groups: &mut [GroupBeside],
+    free: &Cells,
+    lineage: &Lineage,
+    settings: &TreeSettings,
+    sets: &[Constants],
+    threads: usize,
+    cancel: Option<&AtomicBool>,
+) -> Result<(), GrowError> {
+    if sets.is_empty() {
+        return Ok(());
+    }
+    let mothers: BTreeSet<String> =
+        groups.iter().flat_map(|group| &group.events).map(|event| event.measured.mother.clone()).collect();
+    let mothers: Vec<String> = mothers.into_iter().filter(|mother| free.contains_key(mother)).collect();
+    let bands = bands(lineage, settings, sets, &mothers, threads, cancel)?;
+    for event in groups.iter_mut().flat_map(|group| &mut group.events) {
+        event.band = bands.get(&event.measured.mother).copied();
+    }
+    Ok(())
+}
+
+/// How many of a table's units one L_h is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Scale {
+    /// One L_h, in the cube root of the unit of the volumes.
+    pub length: f64,
+    /// Its source.
+    pub from: ScaleFrom,
+}
+
+/// The source of a scale.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ScaleFrom {
+    /// It was given.
+    Given,
+    /// P0, as large as its daughters together, has the radius R0 of the model's.
+    P0,
+    /// All mothers that the model has: the mean of the logarithms of measured over modelled radii is 0.
+    Fitted,
+}
+
+/// The scale by P0's divisions, or, if P0 was not measured or `by_p0` is false, by all mothers'; `None` if the model has none of
+/// the mothers.
+pub fn scale(divisions: &[Division], cells: &BTreeMap<String, Modelled>, by_p0: bool) -> Option<Scale> {
+    let radius = |volume: f64| (0.75 / std::f64::consts::PI * volume).cbrt();
+    let zygote: Vec<f64> = divisions.iter().filter(|d| d.mother == "P0").map(Division::mother_volume).collect();
+    if let (false, true, Some(p0)) = (zygote.is_empty(), by_p0, cells.get("P0")) {
+        return Some(Scale { length: radius(mean(&zygote)) / p0.r0, from: ScaleFrom::P0 });
+    }
+    let ratio = |d: &Division| Some((radius(d.mother_volume()) / cells.get(&d.mother)?.r0).ln());
+    let ratios: Vec<f64> = divisions.iter().filter_map(ratio).collect();
+    (!ratios.is_empty()).then(|| Scale { length: mean(&ratios).exp(), from: ScaleFrom::Fitted })
+}
+
+/// χ over the size of a cell.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SizeCurve {
+    /// The cell's cue, as the lineage calls it; empty without one.
+    pub cue: String,
+    /// R0 in L_h and χ; `None` for a cell that does not divide, or could not be computed.
+    pub points: Vec<(f64, Option<f64>)>,
+}
+
+/// Points of a curve over size.
+const POINTS: usize = 48;
+
+/// χ over size, from one radius to another, of cells without a cue and with each of the lineage's: what the model says of every
+/// cell, and not of those of one tree alone.
+///
+/// # Errors
+/// [`SchedulerError`] if no workers can be started. A division that cannot be computed leaves a gap.
+pub fn size_curves(
+    lineage: &Lineage,
+    settings: &TreeSettings,
+    [from, to]: [f64; 2],
+    memo: &Memo,
+    options: &SchedulerOptions<'_>,
+) -> Result<Vec<SizeCurve>, SchedulerError> {
+    let radii: Vec<f64> = phase::spaced(from.ln(), to.ln(), POINTS).into_iter().map(f64::exp).collect();
+    let cues: Vec<(String, Cue)> = std::iter::once((String::new(), Cue::none()))
+        .chain(lineage.cues.iter().filter(|(_, cue)| !cue.is_none()).map(|(name, cue)| (name.clone(), cue.clone())))
+        .collect();
+    let mut inputs = Vec::with_capacity(cues.len() * radii.len());
+    for (_, cue) in &cues {
+        for r0 in &radii {
+            let cell = furrow_cell::Cell { r0: *r0, ..settings.cell.clone().with_cue(cue.clone()) };
+            inputs.push(DivisionInput { cell, numerics: settings.numerics, seed: settings.seed });
+        }
+    }
+    let divisions = scheduler::solve_all(inputs, memo, options, divide)?.divisions;
+    let chi = |found: &Option<furrow_mechanics::division::Division>| found.as_ref().and_then(|found| found.chi);
+    let points = |k: usize| radii.iter().copied().zip(divisions[k * radii.len()..].iter().map(chi)).collect();
+    Ok(cues.into_iter().enumerate().map(|(k, (cue, _))| SizeCurve { cue, points: points(k) }).collect())
+}

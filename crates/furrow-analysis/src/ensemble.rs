@@ -1,0 +1,288 @@
+//! A sample of the constants that agree with the targets.
+//!
+//! The posterior density of the unknowns θ, in x = ln θ (or θ itself where it may have either sign), is
+//!
+//! * \[F.2 posterior\] p(x) ∝ exp(−½ Σ_i (deviation_i/tolerance_i)² − ½ |x − x₀|²/s²) · \[all statements hold\],
+//!
+//! where the second term is a wide prior about the starting values: thresholds alone leave some combinations open. It is
+//! sampled by importance: proposals from a Student t distribution, weights p/q. The first proposals are shaped by the exact
+//! sensitivities at the best fit, later ones by the mean and covariance of the weighted sample before.
+//!
+//! Every draw has a seed of its own, from the run's seed and its number, so that the ensemble does not depend on how many
+//! threads check them.
+//!
+//! # References
+//! Cappé, Guillin, Marin & Robert, "Population Monte Carlo", J. Comput. Graph. Stat. 13 (2004) 907.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use nalgebra::{DMatrix, DVector};
+use rand_mt::Mt64;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::constraints::{ConstraintCheck, check_constraints};
+use super::sample::seed_of;
+use furrow_cell::{Cell, Numerics, Parameter};
+use furrow_mechanics::calibration::{CalibrateError, Targets, calibrate, moved, with_values};
+
+/// Standard deviation s of the prior, in x.
+const PRIOR: f64 = 0.3;
+/// Degrees of freedom of the proposals: tails heavy enough that no admissible set is out of reach.
+const FREEDOM: f64 = 6.0;
+/// Rounds in which the proposals are shaped.
+const ROUNDS: usize = 5;
+/// Draws of such a round for each member asked for, and at least.
+const DRAWS: [usize; 2] = [2, 24];
+/// Most draws for each member asked for.
+const MOST: usize = 60;
+
+/// One admissible set of constants.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Member {
+    /// Values of the unknowns, in their order.
+    pub values: Vec<f64>,
+    /// Its share of the posterior; all of them sum to 1.
+    pub weight: f64,
+    /// Thresholds ξ_s* in the order of the targets.
+    pub thresholds: Vec<f64>,
+}
+
+/// A sample of admissible constants.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ensemble {
+    /// The unknowns.
+    pub parameters: Vec<Parameter>,
+    /// As many as asked for, unless they are too rare.
+    pub members: Vec<Member>,
+    /// (Σ w)²/Σ w²: how many independent draws from the posterior they are worth.
+    pub effective_sample_size: f64,
+    /// How many draws each statement excluded.
+    pub excluded: BTreeMap<String, usize>,
+    /// Draws checked.
+    pub draws: usize,
+}
+
+/// Why there is no ensemble.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EnsembleError {
+    /// There is no best fit to start from.
+    #[error(transparent)]
+    Fit(#[from] CalibrateError),
+    /// No draw agrees with the targets.
+    #[error("none of {draws} draws agrees with the targets; most are excluded by {by}")]
+    NoneAdmissible {
+        /// Draws checked.
+        draws: usize,
+        /// The statement that excludes most.
+        by: String,
+    },
+    /// The sensitivities at the best fit give no shape to draw from.
+    #[error("the sensitivities at the best fit have no covariance; start the unknowns elsewhere")]
+    NoCovariance,
+    /// The workers could not be started.
+    #[error("cannot start worker threads: {0}")]
+    Workers(String),
+    /// It was interrupted.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// A Student t distribution.
+struct Proposal {
+    centre: DVector<f64>,
+    /// A lower triangular root of its scale matrix.
+    root: DMatrix<f64>,
+}
+
+impl Proposal {
+    /// About a centre, with the scale matrix given; `None` if that is not positive definite.
+    fn new(centre: DVector<f64>, scale: DMatrix<f64>) -> Option<Proposal> {
+        Some(Proposal { centre, root: scale.cholesky()?.l() })
+    }
+
+    /// Draw number `index` of a seed.
+    fn draw(&self, seed: u64, index: u64) -> DVector<f64> {
+        let mut random = Mt64::new(seed_of(b"ensemble", seed, index));
+        let d = self.centre.len();
+        let normal = DVector::from_fn(d, |_, _| normal(&mut random));
+        // A t-distributed vector is a normal one over the root of a χ² variable per degree of freedom.
+        let chi_squared: f64 = (0..FREEDOM as usize).map(|_| normal_squared(&mut random)).sum();
+        &self.centre + &self.root * normal * (FREEDOM / chi_squared).sqrt()
+    }
+
+    /// Logarithm of its density, up to a constant that all proposals of a dimension share.
+    fn ln_density(&self, x: &DVector<f64>) -> f64 {
+        let d: f64 = self.centre.len() as f64;
+        let scaled =
+            self.root.solve_lower_triangular(&(x - &self.centre)).unwrap_or_else(|| DVector::repeat(x.len(), 1e9));
+        let ln_det: f64 = self.root.diagonal().iter().map(|v| v.ln()).sum();
+        -ln_det - 0.5 * (FREEDOM + d) * f64::ln(1.0 + scaled.norm_squared() / FREEDOM)
+    }
+}
+
+/// Uniform in (0, 1).
+fn uniform(random: &mut Mt64) -> f64 {
+    ((random.next_u64() >> 11) as f64 + 0.5) / (1u64 << 53) as f64
+}
+
+/// A standard normal number (Box & Muller).
+fn normal(random: &mut Mt64) -> f64 {
+    let radius = (-2.0 * uniform(random).ln()).sqrt();
+    radius * (std::f64::consts::TAU * uniform(random)).cos()
+}
+
+fn normal_squared(random: &mut Mt64) -> f64 {
+    normal(random).powi(2)
+}
+
+/// A draw with its check.
+struct Draw {
+    x: DVector<f64>,
+    check: ConstraintCheck,
+    /// ln p − ln q.
+    ln_weight: f64,
+}
+
+/// The posterior density.
+struct Posterior<'a> {
+    targets: &'a Targets,
+    cell: &'a Cell,
+    numerics: &'a Numerics,
+    /// The starting values, about which x counts.
+    start: Vec<(Parameter, f64)>,
+}
+
+impl Posterior<'_> {
+    fn values(&self, x: &DVector<f64>) -> Vec<(Parameter, f64)> {
+        moved(&self.start, x.as_slice())
+    }
+
+    fn draw(&self, proposal: &Proposal, x: DVector<f64>) -> Draw {
+        let cell = with_values(self.cell, &self.values(&x));
+        let check = check_constraints(self.targets, &cell, self.numerics, false);
+        let ln_prior = -0.5 * x.norm_squared() / (PRIOR * PRIOR);
+        let ln_weight = ln_prior - check.misfit - proposal.ln_density(&x);
+        Draw { x, check, ln_weight }
+    }
+
+    /// The best fit and the spread that its sensitivities leave, the prior included.
+    fn laplace(&self) -> Result<Proposal, EnsembleError> {
+        let fit = calibrate(self.targets, self.cell, self.numerics)?;
+        let d = self.start.len();
+        let tolerance = self.targets.thresholds.iter().map(|t| t.tolerance / t.weight).fold(f64::INFINITY, f64::min);
+        let mut precision = DMatrix::identity(d, d) / (PRIOR * PRIOR);
+        for combination in &fit.combinations {
+            let direction = DVector::from_column_slice(&combination.components);
+            precision += &direction * direction.transpose() * (combination.singular_value / tolerance).powi(2);
+        }
+        let offset = |(&(_, from), &(_, to)): (&(Parameter, f64), &(Parameter, f64))| {
+            if from > 0.0 && to > 0.0 { (to / from).ln() } else { to - from }
+        };
+        let best = DVector::from_iterator(d, self.start.iter().zip(&fit.parameters).map(offset));
+        // Between the best fit and the start, either of which may be excluded.
+        let covariance = precision.try_inverse().unwrap_or_else(|| DMatrix::identity(d, d) * (PRIOR * PRIOR));
+        let spread = &best * best.transpose() * 0.25;
+        Proposal::new(&best * 0.5, covariance * 2.0 + spread).ok_or(EnsembleError::NoCovariance)
+    }
+}
+
+/// Normalised weights of draws, 0 for those that are excluded.
+fn weights(draws: &[Draw]) -> Vec<f64> {
+    let admissible = |draw: &&Draw| draw.check.is_admissible();
+    let largest = draws.iter().filter(admissible).map(|draw| draw.ln_weight).fold(f64::NEG_INFINITY, f64::max);
+    let raw: Vec<f64> = draws
+        .iter()
+        .map(|draw| if draw.check.is_admissible() { (draw.ln_weight - largest).exp() } else { 0.0 })
+        .collect();
+    let total: f64 = raw.iter().sum();
+    raw.into_iter().map(|w| if total > 0.0 { w / total } else { 0.0 }).collect()
+}
+
+/// The distribution with the mean and covariance of a weighted sample; `None` from too few.
+fn fitted(draws: &[Draw], weights: &[f64]) -> Option<Proposal> {
+    let effective = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
+    let d = draws.first()?.x.len();
+    if !effective.is_finite() || effective < 2.0 * d as f64 {
+        return None;
+    }
+    let mut mean = DVector::zeros(d);
+    draws.iter().zip(weights).for_each(|(draw, w)| mean += &draw.x * *w);
+    let mut covariance = DMatrix::identity(d, d) * 1e-8;
+    for (draw, w) in draws.iter().zip(weights) {
+        let off = &draw.x - &mean;
+        covariance += &off * off.transpose() * *w;
+    }
+    Proposal::new(mean, covariance * 1.2)
+}
+
+/// Samples `count` admissible sets of the unknowns of `targets` about the constants of `cell`, on so many threads. `cancel`
+/// stops it.
+///
+/// # Errors
+/// [`EnsembleError`].
+pub fn ensemble(
+    targets: &Targets,
+    cell: &Cell,
+    numerics: &Numerics,
+    count: usize,
+    seed: u64,
+    threads: usize,
+    cancel: &AtomicBool,
+) -> Result<Ensemble, EnsembleError> {
+    let start = targets.unknowns.iter().map(|u| (u.parameter, u.start.unwrap_or(u.parameter.get(cell)))).collect();
+    let posterior = Posterior { targets, cell, numerics, start };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| EnsembleError::Workers(error.to_string()))?;
+    let mut proposal = posterior.laplace()?;
+    let mut draws = 0u64;
+    let mut excluded = BTreeMap::new();
+    let mut draw_all = |proposal: &Proposal, many: usize| -> Result<Vec<Draw>, EnsembleError> {
+        let one = |index: u64| match cancel.load(Ordering::Relaxed) {
+            true => Err(EnsembleError::Interrupted),
+            false => Ok(posterior.draw(proposal, proposal.draw(seed, index))),
+        };
+        let found: Vec<Draw> =
+            pool.install(|| (draws..draws + many as u64).into_par_iter().map(one).collect::<Result<_, _>>())?;
+        draws += many as u64;
+        for exclusion in found.iter().filter_map(|draw| draw.check.excluded.first()) {
+            *excluded.entry(exclusion.datum.clone()).or_insert(0) += 1;
+        }
+        Ok(found)
+    };
+    let many = (DRAWS[0] * count).max(DRAWS[1]);
+    for _ in 0..ROUNDS {
+        let found = draw_all(&proposal, many)?;
+        if let Some(better) = fitted(&found, &weights(&found)) {
+            proposal = better;
+        }
+    }
+    let mut kept: Vec<Draw> = Vec::new();
+    let mut tried = 0;
+    while kept.len() < count && tried < MOST * count {
+        kept.extend(draw_all(&proposal, many)?.into_iter().filter(|draw| draw.check.is_admissible()));
+        tried += many;
+    }
+    kept.truncate(count);
+    let weights = weights(&kept);
+    if kept.is_empty() {
+        let by = excluded.iter().max_by_key(|(_, n)| **n).map_or("-".to_owned(), |(datum, _)| datum.clone());
+        return Err(EnsembleError::NoneAdmissible { draws: draws as usize, by });
+    }
+    let member = |(draw, &weight): (&Draw, &f64)| Member {
+        values: posterior.values(&draw.x).into_iter().map(|(_, value)| value).collect(),
+        weight,
+        thresholds: draw.check.thresholds.clone(),
+    };
+    Ok(Ensemble {
+        parameters: posterior.start.iter().map(|(parameter, _)| *parameter).collect(),
+        members: kept.iter().zip(&weights).map(member).collect(),
+        effective_sample_size: 1.0 / weights.iter().map(|w| w * w).sum::<f64>(),
+        excluded,
+        draws: draws as usize,
+    })
+}

@@ -1,0 +1,226 @@
+//! Which activity each founder by itself would need for its observed rounds.
+//!
+//! The paper leaves open what stops lineages that its mechanics would divide further. Were it activity alone, a founder and
+//! all its descendants would have one of their own: the ξ_s for which the model's rounds are the observed ones. A founder is
+//! as large as it is born with the constants of the run, all other cells keep their activity.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{FitError, is_set};
+use furrow_cell::Cell;
+use furrow_lineage::batch::{Memo, scheduler};
+
+use crate::ranges::grow_alone;
+use furrow_lineage::{GrowError, Lineage, ObservedRounds, Rounds, Thresholds, TreeSettings, founder_rounds};
+use furrow_mechanics::equilibria::CriticalRadii;
+
+/// Which reading of "rounds" is to be met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reading {
+    /// Fewest rounds to a terminal cell.
+    Min,
+    /// Mean over terminal cells.
+    Mean,
+    /// Most rounds.
+    Max,
+}
+
+impl Reading {
+    /// The model's.
+    pub fn of(self, rounds: &Rounds) -> f64 {
+        match self {
+            Reading::Min => f64::from(rounds.min),
+            Reading::Mean => rounds.mean,
+            Reading::Max => f64::from(rounds.max),
+        }
+    }
+
+    /// The observed.
+    pub fn observed(self, rounds: &ObservedRounds) -> Option<f64> {
+        match self {
+            Reading::Min => rounds.min.map(f64::from),
+            Reading::Mean => rounds.mean,
+            Reading::Max => rounds.max.map(f64::from),
+        }
+    }
+}
+
+/// The activity that a founder would need.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FounderActivity {
+    /// Name.
+    pub name: String,
+    /// Observed rounds, by the reading asked for.
+    pub observed: f64,
+    /// Rounds at the activity of the run; `None` if it is never born.
+    pub rounds: Option<f64>,
+    /// The widest interval of ξ_s in which rounds are the observed ones to within half a round; `None` if there is none.
+    pub xi_s: Option<[f64; 2]>,
+    /// All such intervals.
+    pub intervals: Vec<[f64; 2]>,
+    /// The activity tried that comes nearest, and its rounds.
+    pub nearest: Option<(f64, f64)>,
+    /// Between which ξ_s was searched; above the last one rounds were too many by [`BEYOND`] or more.
+    pub searched: [f64; 2],
+}
+
+/// Largest deviation at which rounds count as the observed ones.
+pub const WITHIN: f64 = 0.5;
+/// The search ends where rounds are so many more than observed.
+pub const BEYOND: f64 = 1.5;
+/// Branches are cut so many rounds below the most observed. Fewest and most rounds are too many then, whatever follows; what is
+/// cut off a few long branches moves a mean little.
+const DEEPER: [u32; 2] = [2, 8];
+/// Activities tried, evenly in their logarithm.
+const TRIED: usize = 20;
+/// Halvings at each end of an interval, to half a percent. The nearer to an edge, the longer cells there wait at their threshold.
+const HALVINGS: usize = 5;
+
+/// One founder's rounds over its activity.
+struct Search<'a> {
+    lineage: &'a Lineage,
+    settings: &'a TreeSettings,
+    memo: &'a Memo,
+    cancel: Option<&'a AtomicBool>,
+    reading: Reading,
+    founder: usize,
+    /// The critical radii that are stored.
+    ends: Thresholds<'a>,
+    /// Trees grown for all founders.
+    trees: &'a AtomicUsize,
+}
+
+impl Search<'_> {
+    /// Whether founder `k` is this one or descends from it.
+    fn is_below(&self, k: usize) -> bool {
+        k == self.founder || self.lineage.mother(k).is_some_and(|mother| self.is_below(mother))
+    }
+
+    /// Rounds at an activity; `None` if the founder is never born, or the tree could not be grown.
+    fn rounds(&self, xi_s: f64) -> Result<Option<f64>, GrowError> {
+        self.trees.fetch_add(1, Ordering::Relaxed);
+        let mut lineage = self.lineage.clone();
+        for k in 0..lineage.founders.len() {
+            if self.is_below(k) {
+                lineage.founders[k].physics.xi_s = Some(xi_s);
+            }
+        }
+        if let Some(most) = self.lineage.founders[self.founder].observed.and_then(|o| o.max) {
+            let deeper = DEEPER[usize::from(self.reading == Reading::Mean)];
+            let depth = self.lineage.generation(self.founder) + most + deeper;
+            lineage.limits.max_depth = lineage.limits.max_depth.min(depth);
+        }
+        // At every activity there is another critical radius, and a search for one takes longer than a tree of divisions.
+        let ends = |cell: &Cell| if self.ends.knows(cell) { self.ends.of(cell) } else { None };
+        let (tree, _) = grow_alone(&lineage, self.settings.clone(), &ends, self.memo, self.cancel)?;
+        let row = founder_rounds(&tree).into_iter().find(|row| row.founder == self.founder);
+        Ok(row.and_then(|row| row.rounds).map(|rounds| self.reading.of(&rounds)))
+    }
+
+    fn run(&self, observed: f64, range: [f64; 2]) -> Result<FounderActivity, GrowError> {
+        let meets = |rounds: Option<f64>| rounds.is_some_and(|r| (r - observed).abs() <= WITHIN);
+        let xi_at = |k: usize| range[0] * (range[1] / range[0]).powf(k as f64 / (TRIED - 1) as f64);
+        let mut tried: Vec<(f64, Option<f64>)> = Vec::new();
+        for k in 0..TRIED {
+            let rounds = self.rounds(xi_at(k))?;
+            tried.push((xi_at(k), rounds));
+            if rounds.is_some_and(|r| r > observed + BEYOND) {
+                break;
+            }
+        }
+        // Where rounds begin and cease to be the observed ones, between neighbours.
+        let edge = |inside: f64, outside: f64| -> Result<f64, GrowError> {
+            let mut ends = [inside, outside];
+            for _ in 0..HALVINGS {
+                let middle = (ends[0] * ends[1]).sqrt();
+                ends[usize::from(!meets(self.rounds(middle)?))] = middle;
+            }
+            Ok(ends[0])
+        };
+        // Rounds are steps: an interval may lie between two neighbours, one with too few rounds and one with too many.
+        let mut points = tried.clone();
+        for pair in tried.windows(2) {
+            let [(below, few), (above, many)] = [pair[0], pair[1]];
+            let [few, many] = [few, many].map(|r| r.unwrap_or(0.0) - observed);
+            if few * many < 0.0 && few.abs() > WITHIN && many.abs() > WITHIN {
+                points.extend(self.hidden([below, above], few < 0.0, observed)?);
+            }
+        }
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut intervals: Vec<[f64; 2]> = Vec::new();
+        let mut open: Option<f64> = None;
+        for (k, &(xi_s, rounds)) in points.iter().enumerate() {
+            match (meets(rounds), open) {
+                (true, None) => open = Some(if k == 0 { xi_s } else { edge(xi_s, points[k - 1].0)? }),
+                (false, Some(from)) => {
+                    intervals.push([from, edge(points[k - 1].0, xi_s)?]);
+                    open = None;
+                }
+                _ => {}
+            }
+        }
+        let searched = [range[0], points.last().map_or(range[1], |last| last.0)];
+        intervals.extend(open.map(|from| [from, searched[1]]));
+        let width = |interval: &[f64; 2]| interval[1] / interval[0];
+        let nearest = points.iter().filter_map(|&(xi_s, rounds)| Some((xi_s, rounds?)));
+        Ok(FounderActivity {
+            name: self.lineage.founders[self.founder].name.clone(),
+            observed,
+            rounds: self.rounds(self.settings.cell.xi_s)?,
+            xi_s: intervals.iter().copied().max_by(|a, b| width(a).total_cmp(&width(b))),
+            intervals,
+            nearest: nearest.min_by(|a, b| (a.1 - observed).abs().total_cmp(&(b.1 - observed).abs())),
+            searched,
+        })
+    }
+
+    /// Activities between two neighbours, one of which has too few rounds and the other too many, that home in on the step.
+    fn hidden(&self, mut ends: [f64; 2], rises: bool, observed: f64) -> Result<Vec<(f64, Option<f64>)>, GrowError> {
+        let mut found = Vec::new();
+        for _ in 0..HALVINGS {
+            let middle = (ends[0] * ends[1]).sqrt();
+            let rounds = self.rounds(middle)?;
+            found.push((middle, rounds));
+            let off = rounds.unwrap_or(0.0) - observed;
+            if off.abs() <= WITHIN {
+                break;
+            }
+            ends[usize::from((off > 0.0) == rises)] = middle;
+        }
+        Ok(found)
+    }
+}
+
+/// The activity that every founder with observed rounds would need, searched between two activities, and the number of trees
+/// grown; in parallel over founders.
+///
+/// # Errors
+/// [`FitError`].
+pub fn activities(
+    lineage: &Lineage,
+    settings: &TreeSettings,
+    memo: &Memo,
+    reading: Reading,
+    range: [f64; 2],
+    threads: usize,
+    cancel: Option<&AtomicBool>,
+) -> Result<(Vec<FounderActivity>, usize), FitError> {
+    let trees = &AtomicUsize::new(0);
+    let one = |founder: usize| -> Option<Result<FounderActivity, GrowError>> {
+        let observed = lineage.founders[founder].observed.and_then(|o| reading.observed(&o))?;
+        let ends = Thresholds::new(CriticalRadii::new(&settings.numerics));
+        Some(Search { lineage, settings, memo, cancel, reading, founder, ends, trees }.run(observed, range))
+    };
+    let founders = lineage.founders.len();
+    let found: Vec<Option<Result<_, _>>> =
+        scheduler::pool(threads)?.install(|| (0..founders).into_par_iter().with_max_len(1).map(one).collect());
+    let trees = trees.load(Ordering::Relaxed);
+    if is_set(cancel) {
+        return Err(FitError::Interrupted { tried: trees, what: "trees" });
+    }
+    Ok((found.into_iter().flatten().collect::<Result<_, _>>()?, trees))
+}

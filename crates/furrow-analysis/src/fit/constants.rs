@@ -1,0 +1,481 @@
+//! One set of constants for the embryo.
+//!
+//! A set of constants is evaluated by the tree that it grows. Its misfit is
+//!
+//! * \[F.3 misfit\] M = w_r ⟨|mean rounds − observed|⟩ + w_t ⟨|log₂(terminal cells/observed)|⟩ + w_χ ⟨|χ − measured|⟩ + (1 for each
+//!   founder that should divide symmetrically and does not),
+//!
+//! means over the founders and the divisions that the targets name. Counts are steps of the constants, so that absolute
+//! deviations serve, and no derivative. The second objective is
+//!
+//! * \[F.4 thresholds\] T = rms of ξ_s*/published − 1, over the published pitchforks.
+//!
+//! Shapes depend on gain and activity only through gξ_s: the gain is that with which the logarithms of the thresholds are off
+//! by nothing on average, and the activity follows. Swarms look for the least M + λT at several λ; all that was tried makes
+//! the front between the embryo's counts and the published thresholds.
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::search::{Region, SearchBudget, swarm};
+use super::targets::{MeasuredChi, Searched, Targets};
+use super::{FitError, is_set, moved};
+use crate::ranges::grow_alone;
+use furrow_cell::{Cell, Parameter};
+use furrow_lineage::batch::{Memo, scheduler};
+use furrow_lineage::{FounderRounds, Lineage, Rounds, Thresholds, Tree, TreeSettings, founder_rounds};
+use furrow_mechanics::calibration::Threshold;
+use furrow_mechanics::division::Outcome;
+use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, pitchfork};
+
+/// λ of the swarms, in misfit per unit of the thresholds' rms deviation. The first, which looks for the counts alone, has the
+/// whole region; the others what lies between its best and the constants of the start.
+const TRADES: [f64; 4] = [0.0, 1.0, 5.0, 25.0];
+/// Share of the effort that each but the first is given.
+const SHARE: u64 = 3;
+/// Places on the straight line from the start to the best.
+const STEPS: usize = 8;
+/// By how much more misfit a constant is moved to tell how sharp the best is.
+const WORSE: f64 = 0.05;
+/// Smallest and largest move, in the unit cube.
+const MOVES: [f64; 2] = [0.0025, 0.32];
+/// Halvings of the last move.
+const HALVINGS: usize = 4;
+/// More generations than observed, and more cells for each observed, need not be grown to know that a set is far off.
+const BEYOND: [u32; 2] = [5, 6];
+
+/// A founder of a tree beside what was observed of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FounderFit {
+    /// Name.
+    pub name: String,
+    /// Rounds of the model; `None` if it is never born.
+    pub rounds: Option<Rounds>,
+    /// Observed mean rounds.
+    pub observed_mean: Option<f64>,
+    /// Observed terminal cells.
+    pub observed_terminal: Option<u32>,
+    /// χ of its division, where it divides.
+    pub chi: Option<f64>,
+    /// Whether it divides into equal daughters.
+    pub symmetric: bool,
+}
+
+/// The parts of a misfit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Parts {
+    /// Mean of |mean rounds − observed|.
+    pub rounds: f64,
+    /// Mean of |log₂(terminal cells/observed)|.
+    pub terminal: f64,
+    /// Mean of |χ − measured|.
+    pub chi: f64,
+    /// Founders that should divide symmetrically and do not.
+    pub not_symmetric: usize,
+}
+
+/// A threshold beside the published one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ThresholdFit {
+    /// Cell radius R0.
+    pub r0: f64,
+    /// Volume fraction ε.
+    pub epsilon: f64,
+    /// ξ_s* as published.
+    pub xi_s: f64,
+    /// ξ_s* of these constants.
+    pub computed: f64,
+}
+
+/// A set of constants with the tree that it grows.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Evaluated {
+    /// Constants searched for, and the gain.
+    pub constants: Vec<(Parameter, f64)>,
+    /// Misfit of the counts, M.
+    pub misfit: f64,
+    /// Its parts.
+    pub parts: Parts,
+    /// T: rms relative deviation of the thresholds; `None` if one was not found.
+    pub thresholds_rms: Option<f64>,
+    /// Thresholds; `None` if one was not found.
+    pub thresholds: Vec<ThresholdFit>,
+    /// Founders, in the lineage's order.
+    pub founders: Vec<FounderFit>,
+    #[serde(skip)]
+    cell: Cell,
+}
+
+impl Evaluated {
+    /// The first cell with these constants.
+    pub fn cell(&self) -> &Cell {
+        &self.cell
+    }
+
+    fn rms(&self) -> f64 {
+        self.thresholds_rms.unwrap_or(f64::INFINITY)
+    }
+}
+
+fn by_misfit(a: &Evaluated, b: &Evaluated) -> std::cmp::Ordering {
+    a.misfit.total_cmp(&b.misfit).then(a.rms().total_cmp(&b.rms()))
+}
+
+/// Between which values of a constant the misfit is at most 0.05 above the best, the others as they are; of the activity
+/// at the gain of the best.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Sharpness {
+    /// The constant.
+    pub parameter: Parameter,
+    /// The lower end.
+    pub from: f64,
+    /// The upper end.
+    pub to: f64,
+    /// Whether an end is a limit of the search.
+    pub reaches_limit: bool,
+}
+
+/// The result of a fit of constants.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FittedConstants {
+    /// The least misfit of the counts.
+    pub best: Evaluated,
+    /// The constants of the start.
+    pub start: Evaluated,
+    /// Sets that no other beats in both, from the least misfit to the best thresholds.
+    pub front: Vec<Evaluated>,
+    /// How sharp the best is.
+    pub sharpness: Vec<Sharpness>,
+    /// Sets whose misfit is within 0.05 of the best: the least and the largest value of each constant among them, of the
+    /// activity in units of the gain of the best.
+    pub plateau: Vec<(Parameter, [f64; 2])>,
+    /// Sets of constants tried.
+    pub tried: usize,
+}
+
+/// The objective of the fit, and all sets of constants evaluated so far.
+struct Objective<'a> {
+    lineage: &'a Lineage,
+    targets: &'a Targets,
+    settings: &'a TreeSettings,
+    memo: &'a Memo,
+    cancel: Option<&'a AtomicBool>,
+    /// Called with the number of sets tried and the least misfit so far.
+    progress: Option<&'a (dyn Fn(usize, f64) + Sync)>,
+    /// All that was tried, by the bits of its place: in the same order whatever the threads did.
+    seen: Mutex<BTreeMap<Vec<u64>, Option<Evaluated>>>,
+}
+
+impl Objective<'_> {
+    fn check_cancelled(&self) -> Result<(), FitError> {
+        match is_set(self.cancel) {
+            true => Err(FitError::Interrupted { tried: self.known().len(), what: SETS }),
+            false => Ok(()),
+        }
+    }
+
+    /// The set of constants at a place of the unit cube; `None` where no tree can be grown.
+    fn at(&self, place: &[f64]) -> Option<Evaluated> {
+        let key: Vec<u64> = place.iter().map(|x| x.to_bits()).collect();
+        if let Some(known) = self.known().get(&key) {
+            return known.clone();
+        }
+        if is_set(self.cancel) {
+            return None;
+        }
+        let found = self.evaluate(&self.targets.cell_at(&self.settings.cell, place));
+        if is_set(self.cancel) {
+            return None;
+        }
+        let mut seen = self.known();
+        seen.insert(key, found.clone());
+        if let Some(progress) = self.progress {
+            let least = seen.values().flatten().map(|e| e.misfit).fold(f64::INFINITY, f64::min);
+            progress(seen.len(), least);
+        }
+        found
+    }
+
+    fn known(&self) -> std::sync::MutexGuard<'_, BTreeMap<Vec<u64>, Option<Evaluated>>> {
+        // The map stays valid if a thread panics: entries are complete before they are inserted.
+        self.seen.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+
+    fn evaluate(&self, cell: &Cell) -> Option<Evaluated> {
+        let settings = TreeSettings { cell: cell.clone(), ..self.settings.clone() };
+        let ends = Thresholds::new(CriticalRadii::new(&settings.numerics));
+        let (tree, _) = grow_alone(self.lineage, settings, &|cell| ends.of(cell), self.memo, self.cancel).ok()?;
+        let founders = self.founders(&tree);
+        let parts = self.parts(&founders);
+        let weights = self.targets.weights;
+        let misfit = weights.rounds * parts.rounds
+            + weights.terminal * parts.terminal
+            + weights.chi * parts.chi
+            + parts.not_symmetric as f64;
+        let (cell, thresholds) = self.thresholds(cell);
+        let thresholds_rms = (!thresholds.is_empty()).then(|| {
+            let sum: f64 = thresholds.iter().map(|t| (t.computed / t.xi_s - 1.0).powi(2)).sum();
+            (sum / thresholds.len() as f64).sqrt()
+        });
+        let searched = self.targets.unknowns.iter().map(|u| u.parameter);
+        let constants = searched.chain([Parameter::Gain]).map(|p| (p, p.get(&cell))).collect();
+        Some(Evaluated { constants, misfit, parts, thresholds_rms, thresholds, founders, cell })
+    }
+
+    fn founders(&self, tree: &Tree) -> Vec<FounderFit> {
+        let row = |row: FounderRounds| {
+            let founder = &self.lineage.founders[row.founder];
+            let cell = tree.founder_cell(row.founder);
+            let fate = cell.map(|id| &tree.cell(id).fate);
+            FounderFit {
+                name: founder.name.clone(),
+                rounds: row.rounds,
+                observed_mean: founder.observed.and_then(|o| o.mean),
+                observed_terminal: founder.observed.and_then(|o| o.terminal),
+                chi: fate.and_then(|fate| fate.chi()),
+                symmetric: fate.is_some_and(|fate| fate.outcome() == Some(Outcome::Symmetric)),
+            }
+        };
+        founder_rounds(tree).into_iter().map(row).collect()
+    }
+
+    fn parts(&self, founders: &[FounderFit]) -> Parts {
+        let named = |name: &String| founders.iter().find(|founder| founder.name == *name);
+        // The sum of no numbers is −0 in floating point.
+        let mean = |numbers: Vec<f64>| (0.0 + numbers.iter().sum::<f64>()) / numbers.len().max(1) as f64;
+        let counted = || self.targets.founders.iter().filter_map(named);
+        // A founder that is never born has no rounds and no cell.
+        let rounds = |f: &FounderFit| (f.rounds.map_or(0.0, |r| r.mean) - f.observed_mean.unwrap_or(0.0)).abs();
+        let terminal = |f: &FounderFit| {
+            let observed = f64::from(f.observed_terminal.unwrap_or(1));
+            (f.rounds.map_or(0.5, |r| f64::from(r.terminal)) / observed).log2().abs()
+        };
+        let chi = |measured: &MeasuredChi| {
+            // A cell that does not divide, or equally, is off by all of it.
+            (named(&measured.cell).and_then(|f| f.chi).unwrap_or(0.0) - measured.mean).abs()
+        };
+        Parts {
+            rounds: mean(counted().map(rounds).collect()),
+            terminal: mean(counted().map(terminal).collect()),
+            chi: mean(self.targets.chi.iter().map(chi).collect()),
+            not_symmetric: self.targets.symmetric.iter().filter_map(named).filter(|f| !f.symmetric).count(),
+        }
+    }
+
+    /// The published thresholds with these constants, and the cell with the gain that suits them best; `None` for them where one
+    /// is not found.
+    fn thresholds(&self, cell: &Cell) -> (Cell, Vec<ThresholdFit>) {
+        let mut computed = Vec::new();
+        for given in &self.targets.thresholds {
+            match pitchfork::first(&given.cell(cell), &self.settings.numerics, &BranchOptions::default()) {
+                Ok(found) => computed.push(found.point.xi_s),
+                Err(_) => return (cell.clone(), vec![]),
+            }
+        }
+        if computed.is_empty() {
+            return (cell.clone(), vec![]);
+        }
+        let given = &self.targets.thresholds;
+        let logs: f64 = computed.iter().zip(given).map(|(found, given)| (found / given.xi_s).ln()).sum();
+        let factor = (logs / computed.len() as f64).exp();
+        let mut cell = cell.clone();
+        cell.material.gain *= factor;
+        cell.xi_s /= factor;
+        let fit = |(found, given): (f64, &Threshold)| ThresholdFit {
+            r0: given.r0,
+            epsilon: given.epsilon,
+            xi_s: given.xi_s,
+            computed: found / factor,
+        };
+        (cell, computed.into_iter().zip(given).map(fit).collect())
+    }
+
+    /// M + λT at a place.
+    fn traded(&self, place: &[f64], trade: f64) -> f64 {
+        let Some(found) = self.at(place) else { return f64::INFINITY };
+        match found.thresholds_rms {
+            Some(rms) => found.misfit + trade * rms,
+            None if trade == 0.0 || self.targets.thresholds.is_empty() => found.misfit,
+            None => f64::INFINITY,
+        }
+    }
+
+    fn trades(&self) -> &[f64] {
+        if self.targets.thresholds.is_empty() { &TRADES[..1] } else { &TRADES }
+    }
+
+    /// How far the constant at `index` may move one way before the misfit is 0.05 worse than `best`: a place in the unit cube.
+    fn reach(&self, place: &[f64], index: usize, way: f64, best: f64) -> f64 {
+        let allowed =
+            |share: f64| self.at(&moved(place, index, share)).is_some_and(|found| found.misfit <= best + WORSE);
+        let (mut inside, mut step) = (place[index], MOVES[0]);
+        let outside = loop {
+            let next = (place[index] + way * step).clamp(0.0, 1.0);
+            if !allowed(next) {
+                break next;
+            }
+            inside = next;
+            if next == 0.0 || next == 1.0 || step >= MOVES[1] {
+                return inside;
+            }
+            step *= 2.0;
+        };
+        let mut ends = [inside, outside];
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (ends[0] + ends[1]);
+            ends[usize::from(!allowed(middle))] = middle;
+        }
+        ends[0]
+    }
+
+    fn sharpness(&self, place: &[f64], best: &Evaluated) -> Vec<Sharpness> {
+        let of = |(index, unknown): (usize, &Searched)| {
+            let ends = [-1.0, 1.0].map(|way| self.reach(place, index, way, best.misfit));
+            let value = |share: f64| {
+                let cell = self.targets.cell_at(&self.settings.cell, &moved(place, index, share));
+                at_gain_of(best, unknown.parameter, &cell)
+            };
+            Sharpness {
+                parameter: unknown.parameter,
+                from: value(ends[0]),
+                to: value(ends[1]),
+                reaches_limit: ends[0] <= 0.0 || ends[1] >= 1.0,
+            }
+        };
+        self.targets.unknowns.par_iter().enumerate().map(of).collect()
+    }
+}
+
+/// A lineage that is not grown further than tells a set of constants that is far off.
+fn bounded(lineage: &Lineage) -> Lineage {
+    let mut out = lineage.clone();
+    let observed = || lineage.founders.iter().filter_map(|founder| founder.observed);
+    let (rounds, cells) = (observed().filter_map(|o| o.max).max(), observed().filter_map(|o| o.terminal).max());
+    if let (Some(rounds), Some(cells)) = (rounds, cells) {
+        out.limits.max_depth = out.limits.max_depth.min(rounds + BEYOND[0]);
+        out.limits.max_cells = out.limits.max_cells.min((cells * BEYOND[1]) as usize);
+    }
+    out
+}
+
+/// Finds one set of constants for a lineage, starting from `settings`, in parallel over sets; the gain and the activity of
+/// `settings` set the unit of the activity searched for.
+///
+/// # Errors
+/// [`FitError`].
+pub fn fit_constants(
+    lineage: &Lineage,
+    targets: &Targets,
+    settings: &TreeSettings,
+    memo: &Memo,
+    effort: SearchBudget,
+    threads: usize,
+    cancel: Option<&AtomicBool>,
+    progress: Option<&(dyn Fn(usize, f64) + Sync)>,
+) -> Result<FittedConstants, FitError> {
+    let lineage = &bounded(lineage);
+    let objective = Objective { lineage, targets, settings, memo, cancel, progress, seen: Mutex::default() };
+    scheduler::pool(threads)?.install(|| {
+        let start = targets.place_of(&settings.cell);
+        let first = objective.evaluate(&settings.cell);
+        let mut best: Option<(Vec<f64>, f64)> = None;
+        for (k, &trade) in objective.trades().iter().enumerate() {
+            let region = match &best {
+                None => vec![[0.0, 1.0]; start.len()],
+                Some((place, _)) => between(&start, place),
+            };
+            let moves = if k == 0 { effort.moves } else { (effort.moves / SHARE).max(1) };
+            let effort = SearchBudget { moves, seed: effort.seed.wrapping_add(k as u64), ..effort };
+            let found = swarm(&region, effort, &|place| objective.traded(place, trade));
+            objective.check_cancelled()?;
+            if k == 0 {
+                best = found;
+            }
+        }
+        let found = first.and_then(|first| complete(&objective, first, &start));
+        objective.check_cancelled()?;
+        let advice = "widen the limits, or start from other constants";
+        found.ok_or_else(|| FitError::Nothing { tried: objective.known().len(), what: SETS, advice })
+    })
+}
+
+/// What is tried, in errors.
+const SETS: &str = "sets of constants";
+
+/// The least of all, how sharp it is, and the front.
+fn complete(objective: &Objective<'_>, start: Evaluated, from: &[f64]) -> Option<FittedConstants> {
+    let (place, _) = least(objective)?;
+    let line = |step: usize| {
+        let share = step as f64 / STEPS as f64;
+        from.iter().zip(&place).map(|(a, b)| (a + share * (b - a)).clamp(0.0, 1.0)).collect::<Vec<_>>()
+    };
+    (1..STEPS).into_par_iter().for_each(|step| {
+        objective.at(&line(step));
+    });
+    // The search along each constant may find a better one still, from which it is done again.
+    let mut found = least(objective)?;
+    let mut sharpness = objective.sharpness(&found.0, &found.1);
+    for _ in 0..2 {
+        let better = least(objective)?;
+        if better.1.misfit >= found.1.misfit {
+            break;
+        }
+        found = better;
+        sharpness = objective.sharpness(&found.0, &found.1);
+    }
+    let (_, best) = least(objective)?;
+    let seen = objective.known();
+    let near = || seen.values().flatten().filter(|e| e.misfit <= best.misfit + WORSE);
+    let range = |unknown: &Searched| {
+        let fold = near()
+            .map(|e| at_gain_of(&best, unknown.parameter, &e.cell))
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
+        (unknown.parameter, fold)
+    };
+    let plateau = objective.targets.unknowns.iter().map(range).collect();
+    let front = front(seen.values().flatten().chain([&start]));
+    Some(FittedConstants { best, front, sharpness, plateau, tried: seen.len() + 1, start })
+}
+
+/// A constant of a cell; its activity at the gain of the best, since shapes depend on the product alone.
+fn at_gain_of(best: &Evaluated, parameter: Parameter, cell: &Cell) -> f64 {
+    match parameter {
+        Parameter::XiS => cell.xi_s * cell.material.gain / best.cell.material.gain,
+        _ => parameter.get(cell),
+    }
+}
+
+/// The place of the least misfit so far; of equal ones that with the better thresholds.
+fn least(objective: &Objective<'_>) -> Option<(Vec<f64>, Evaluated)> {
+    let seen = objective.known();
+    let all = seen.iter().filter_map(|(key, found)| Some((key, found.as_ref()?)));
+    let (key, found) = all.min_by(|a, b| by_misfit(a.1, b.1))?;
+    Some((key.iter().map(|bits| f64::from_bits(*bits)).collect(), found.clone()))
+}
+
+/// The box between two places, a little widened, inside the unit cube.
+fn between(a: &[f64], b: &[f64]) -> Region {
+    let side = |(a, b): (&f64, &f64)| {
+        let margin = 0.02 + 0.1 * (a - b).abs();
+        let [low, high] = [a.min(*b) - margin, a.max(*b) + margin].map(|x| x.clamp(0.0, 1.0));
+        if high > low { [low, high] } else { [(low - margin).max(0.0), (high + margin).min(1.0)] }
+    };
+    a.iter().zip(b).map(side).collect()
+}
+
+/// Sets that no other beats in both misfit and thresholds, by rising misfit.
+fn front<'a>(all: impl Iterator<Item = &'a Evaluated>) -> Vec<Evaluated> {
+    let mut sets: Vec<&Evaluated> = all.filter(|e| e.thresholds_rms.is_some()).collect();
+    sets.sort_by(|a, b| by_misfit(a, b));
+    let mut out: Vec<Evaluated> = Vec::new();
+    for set in sets {
+        if out.last().is_none_or(|last| set.rms() < last.rms()) {
+            out.push(set.clone());
+        }
+    }
+    out
+}

@@ -1,0 +1,471 @@
+//! Which cue gives the measured size asymmetries of the germline.
+//!
+//! A cue is evaluated by the divisions of the founders whose χ was measured and of those they descend from, each as large as its
+//! mother's division makes it:
+//!
+//! * \[F.5 chi squared\] χ² = Σ ((χ − measured)/sd)².
+//!
+//! A swarm looks for its least value over the numbers of the cue's terms, a simplex goes on from there. The sensitivities of χ
+//! to those numbers, exact by the tangents of the divisions and handed down from mother to daughter with the radius, tell how
+//! firmly the measurements hold each of them, and which combinations they leave open.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use furrow_spectra::Svd;
+use serde::Serialize;
+
+use super::search::{SearchBudget, descend, swarm};
+use super::targets::{MeasuredChi, Targets};
+use super::{FitError, is_set};
+use furrow_cell::cue::{Quantity, Width};
+use furrow_cell::{Cell, Cue, Parameter};
+use furrow_lineage::batch::scheduler;
+use furrow_lineage::{Daughter, Lineage, Place, TreeSettings};
+use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide, divide_with_sensitivities};
+
+/// Between which values the numbers of a cue are searched: places, widths in u, widths in L_h, amplitudes.
+const PLACES: [f64; 2] = [0.05, 0.95];
+const WIDTHS: [f64; 2] = [0.01, 0.5];
+const LENGTHS: [f64; 2] = [0.05, 5.0];
+const AMPLITUDES: [f64; 2] = [0.005, 2.0];
+/// Misfit, in standard deviations, of a χ that is not there because the cell does not divide.
+const UNDIVIDED: f64 = 10.0;
+/// Steps of the simplex, and its edges in the unit cube.
+const DESCENT: u64 = 120;
+const EDGE: f64 = 0.02;
+/// Part of the time tolerance with which sensitivities are followed, and the least they are followed with: a derivative of a
+/// cell that turns quickly with its numbers shows errors that its χ does not.
+const FINER: f64 = 1e-2;
+const FINEST: f64 = 1e-8;
+/// What is tried, in errors.
+const CUES: &str = "cues";
+/// Combinations whose change by a factor e, or by all of u, moves χ less than a standard deviation are left open.
+const OPEN: f64 = 1.0;
+
+/// A measured χ beside the model's.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChiResidual {
+    /// The founder that divides.
+    pub cell: String,
+    /// Its radius R0 in the model; `None` if it is never born.
+    pub r0: Option<f64>,
+    /// Mean of the measured χ.
+    pub measured: f64,
+    /// Its standard deviation.
+    pub sd: f64,
+    /// χ of the model; `None` if it does not divide.
+    pub computed: Option<f64>,
+    /// (computed − measured)/sd.
+    pub residual: Option<f64>,
+}
+
+/// A number of the cue.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CueNumber {
+    /// Its name, as `cue[0].amplitude`.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Between which values was searched.
+    pub searched: [f64; 2],
+    /// Its standard deviation by the measurements', if they hold it at all.
+    pub sd: Option<f64>,
+}
+
+/// A direction in the space of the cue's numbers, by logarithm or in units of u, and how firmly it is held.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Held {
+    /// Standard deviations of χ by which a step of 1 along it moves the model.
+    pub singular_value: f64,
+    /// Whether the measurements tell anything of it.
+    pub determined: bool,
+    /// Its components, one a number of the cue.
+    pub components: Vec<f64>,
+}
+
+/// The cue that fits best.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FittedCue {
+    /// The cue.
+    pub cue: String,
+    /// Its numbers.
+    pub numbers: Vec<CueNumber>,
+    /// χ² of the fit.
+    pub chi_squared: f64,
+    /// Measurements beside the model.
+    pub residuals: Vec<ChiResidual>,
+    /// ∂χ/∂ln(number), of places ∂χ/∂u: a row for each measurement; `None` where an outcome is not smooth.
+    pub sensitivities: Option<Vec<Vec<f64>>>,
+    /// Directions from the best held to the least; `None` where an outcome is not smooth.
+    pub combinations: Option<Vec<Held>>,
+    /// Measurements that nothing was fitted to, beside the model with this cue.
+    pub out_of_sample: Vec<ChiResidual>,
+    /// Cues tried.
+    pub tried: usize,
+}
+
+/// How a number of the cue is searched.
+struct Unknown {
+    parameter: Parameter,
+    limits: [f64; 2],
+    /// By its logarithm; else evenly.
+    logarithmic: bool,
+    /// Sign of an amplitude, which the search keeps.
+    sign: f64,
+}
+
+impl Unknown {
+    fn value(&self, share: f64) -> f64 {
+        let [from, to] = self.limits;
+        let share = share.clamp(0.0, 1.0);
+        self.sign * if self.logarithmic { from * (to / from).powf(share) } else { from + share * (to - from) }
+    }
+
+    /// The factor from a derivative by the number to one by its logarithm, where that is searched.
+    fn scale(&self, share: f64) -> f64 {
+        if self.logarithmic { self.value(share) } else { 1.0 }
+    }
+}
+
+fn unknowns(cue: &Cue) -> Vec<Unknown> {
+    let cell = Cell::new(1.0).with_cue(cue.clone());
+    let of = |term: usize, quantity: Quantity| {
+        let parameter = Parameter::Cue { term, quantity };
+        let (limits, logarithmic) = match quantity {
+            Quantity::U0 => (PLACES, false),
+            Quantity::Omega => match cell.cue.terms()[term].profile.width() {
+                Some(Width::Length(_)) => (LENGTHS, true),
+                _ => (WIDTHS, true),
+            },
+            Quantity::Amplitude => (AMPLITUDES, true),
+        };
+        let sign = if logarithmic { parameter.get(&cell).signum() } else { 1.0 };
+        parameter.is_of(&cell).then_some(Unknown { parameter, limits, logarithmic, sign })
+    };
+    (0..cue.terms().len())
+        .flat_map(|term| Quantity::ALL.into_iter().filter_map(move |q| of(term, q)).collect::<Vec<_>>())
+        .collect()
+}
+
+/// Divisions of founders, each from its mother's.
+struct Chain<'a> {
+    objective: &'a Objective<'a>,
+    /// The cue in place of the one that founders carry, where they carry one.
+    cue: &'a Cue,
+    /// Given volumes, as shares of the first cell's.
+    volumes: &'a BTreeMap<String, f64>,
+    divisions: BTreeMap<usize, Option<Division>>,
+    slopes: BTreeMap<usize, Option<Slopes>>,
+}
+
+impl Chain<'_> {
+    /// The radius of a founder; `None` if it is never born.
+    fn r0(&mut self, founder: usize) -> Option<f64> {
+        let first = self.objective.lineage.first();
+        if let Some(share) = self.volumes.get(&self.objective.lineage.founders[founder].name) {
+            return Some(self.r0(first)? * share.cbrt());
+        }
+        if let Some(given) = self.objective.lineage.given_r0(founder) {
+            return Some(given);
+        }
+        let Some(mother) = self.objective.lineage.mother(founder) else { return Some(self.objective.settings.cell.r0) };
+        let daughters = self.division(mother)?.daughters?;
+        let [small, large] = [daughters[0].min(daughters[1]), daughters[0].max(daughters[1])];
+        Some(if self.objective.lineage.founders[founder].daughter == Some(Daughter::Larger) { large } else { small })
+    }
+
+    fn division(&mut self, founder: usize) -> Option<Division> {
+        if let Some(known) = self.divisions.get(&founder) {
+            return known.clone();
+        }
+        let found = self.r0(founder).and_then(|r0| divide(&self.input(founder, r0)).ok());
+        self.divisions.insert(founder, found.clone());
+        found
+    }
+
+    /// The division of a founder of that radius.
+    fn input(&self, founder: usize, r0: f64) -> DivisionInput {
+        let place = Place { founder, round: 0, generation: self.objective.lineage.generation(founder), r0 };
+        let own = self.objective.lineage.cue_at(place);
+        let cue = if own.is_none() { own } else { self.cue.clone() };
+        let mut cell = Cell { r0, cue, ..self.objective.settings.cell.clone() };
+        self.objective.lineage.founders[founder].physics.apply(&mut cell);
+        DivisionInput { cell, numerics: self.objective.settings.numerics, seed: self.objective.settings.seed }
+    }
+
+    /// How a founder's division changes with the numbers of the cue: by itself, and with the radius that its mother leaves it.
+    fn slopes(&mut self, founder: usize) -> Option<Slopes> {
+        if let Some(known) = self.slopes.get(&founder) {
+            return known.clone();
+        }
+        let found = self.follow(founder);
+        self.slopes.insert(founder, found.clone());
+        found
+    }
+
+    fn follow(&mut self, founder: usize) -> Option<Slopes> {
+        let Objective { lineage, unknowns, .. } = self.objective;
+        let r0 = self.r0(founder)?;
+        let mut input = self.input(founder, r0);
+        input.numerics.time_tolerance = (FINER * input.numerics.time_tolerance).max(FINEST);
+        let numbers = unknowns.iter().map(|unknown| unknown.parameter);
+        let own: Vec<Parameter> = numbers.filter(|number| number.is_of(&input.cell)).collect();
+        let parameters: Vec<Parameter> = [Parameter::R0].into_iter().chain(own.iter().copied()).collect();
+        let (division, by) = divide_with_sensitivities(&input, &parameters).ok()?;
+        let (by, sign) = (by?, division.chi_signed?.signum());
+        let radius = match lineage.mother(founder).filter(|_| lineage.given_r0(founder).is_none()) {
+            Some(mother) => self.slopes(mother)?.radius(lineage.founders[founder].daughter),
+            None => vec![0.0; unknowns.len()],
+        };
+        let of = |(unknown, radius): (&Unknown, &f64)| {
+            let itself =
+                own.iter().position(|number| *number == unknown.parameter).map_or(0.0, |i| by[i + 1].chi_signed);
+            sign * (itself + by[0].chi_signed * radius)
+        };
+        let chi = unknowns.iter().zip(&radius).map(of).collect();
+        Some(Slopes { r0, division, radius, chi })
+    }
+}
+
+/// The objective of the fit.
+struct Objective<'a> {
+    lineage: &'a Lineage,
+    targets: &'a Targets,
+    settings: &'a TreeSettings,
+    template: &'a Cue,
+    unknowns: Vec<Unknown>,
+    cancel: Option<&'a AtomicBool>,
+    tried: AtomicUsize,
+}
+
+impl Objective<'_> {
+    fn cue(&self, place: &[f64]) -> Cue {
+        let mut cell = Cell::new(1.0).with_cue(self.template.clone());
+        for (unknown, share) in self.unknowns.iter().zip(place) {
+            unknown.parameter.set(&mut cell, unknown.value(*share));
+        }
+        cell.cue
+    }
+
+    fn residuals(&self, cue: &Cue, volumes: &BTreeMap<String, f64>, measured: &[MeasuredChi]) -> Vec<ChiResidual> {
+        let mut chain = self.chain(cue, volumes);
+        let one = |measured: &MeasuredChi| {
+            let founder = self.founder(measured);
+            let r0 = founder.and_then(|founder| chain.r0(founder));
+            let computed = founder.and_then(|founder| chain.division(founder)).and_then(|division| division.chi);
+            ChiResidual {
+                cell: measured.cell.clone(),
+                r0,
+                measured: measured.mean,
+                sd: measured.sd,
+                computed,
+                residual: computed.map(|chi| (chi - measured.mean) / measured.sd),
+            }
+        };
+        measured.iter().map(one).collect()
+    }
+
+    fn fitted(&self, place: &[f64]) -> Vec<ChiResidual> {
+        self.residuals(&self.cue(place), &BTreeMap::new(), &self.targets.chi)
+    }
+
+    fn chi_squared(&self, place: &[f64]) -> f64 {
+        let outside: f64 = place.iter().map(|x| (x - x.clamp(0.0, 1.0)).abs()).sum();
+        if is_set(self.cancel) || outside > 0.0 {
+            return f64::INFINITY;
+        }
+        self.tried.fetch_add(1, Ordering::Relaxed);
+        self.fitted(place).iter().map(|r| r.residual.unwrap_or(UNDIVIDED).powi(2)).sum()
+    }
+
+    fn chain<'a>(&'a self, cue: &'a Cue, volumes: &'a BTreeMap<String, f64>) -> Chain<'a> {
+        Chain { objective: self, cue, volumes, divisions: BTreeMap::new(), slopes: BTreeMap::new() }
+    }
+
+    fn founder(&self, measured: &MeasuredChi) -> Option<usize> {
+        self.lineage.founders.iter().position(|founder| founder.name == measured.cell)
+    }
+
+    /// ∂χ/∂(number), rows by measurement; `None` where an outcome is not smooth.
+    fn sensitivities(&self, place: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let (cue, volumes) = (self.cue(place), BTreeMap::new());
+        let mut chain = self.chain(&cue, &volumes);
+        let row = |measured: &MeasuredChi| {
+            let slopes = chain.slopes(self.founder(measured)?)?.chi;
+            let numbers = self.unknowns.iter().zip(place);
+            Some(slopes.iter().zip(numbers).map(|(slope, (unknown, share))| slope * unknown.scale(*share)).collect())
+        };
+        self.targets.chi.iter().map(row).collect()
+    }
+}
+
+/// How a division changes with the numbers of the cue.
+#[derive(Clone)]
+struct Slopes {
+    r0: f64,
+    division: Division,
+    /// ∂R0/∂(number) of the cell.
+    radius: Vec<f64>,
+    /// ∂χ/∂(number) of its division.
+    chi: Vec<f64>,
+}
+
+impl Slopes {
+    /// ∂R0/∂(number) of a daughter, whose R0 is the cell's times the third root of her share (1 ± χ)/2.
+    fn radius(&self, which: Option<Daughter>) -> Vec<f64> {
+        let way = if which == Some(Daughter::Larger) { 1.0 } else { -1.0 };
+        let asymmetric = self.division.outcome == Outcome::Asymmetric;
+        let chi = self.division.chi.filter(|_| asymmetric).unwrap_or(0.0);
+        let share = 0.5 * (1.0 + way * chi);
+        let of = |(radius, slope): (&f64, &f64)| {
+            let change = if asymmetric { 0.5 * way * slope } else { 0.0 };
+            radius * share.cbrt() + self.r0 * share.cbrt() / (3.0 * share) * change
+        };
+        self.radius.iter().zip(&self.chi).map(of).collect()
+    }
+}
+
+/// Fits all numbers of the terms of `template` to the measured χ.
+///
+/// # Errors
+/// [`FitError`].
+pub fn fit_cue(
+    lineage: &Lineage,
+    targets: &Targets,
+    settings: &TreeSettings,
+    template: &Cue,
+    effort: SearchBudget,
+    threads: usize,
+    cancel: Option<&AtomicBool>,
+) -> Result<FittedCue, FitError> {
+    let unknowns = unknowns(template);
+    let objective = Objective { lineage, targets, settings, template, unknowns, cancel, tried: AtomicUsize::new(0) };
+    scheduler::pool(threads)?.install(|| {
+        let region = vec![[0.0, 1.0]; objective.unknowns.len()];
+        let found = swarm(&region, effort, &|place| objective.chi_squared(place));
+        let tried = || objective.tried.load(Ordering::Relaxed);
+        let check_cancelled = || match is_set(cancel) {
+            true => Err(FitError::Interrupted { tried: tried(), what: CUES }),
+            false => Ok(()),
+        };
+        check_cancelled()?;
+        let nothing = || FitError::Nothing { tried: tried(), what: CUES, advice: "try terms on other fields" };
+        let (place, least) = found.ok_or_else(nothing)?;
+        let (place, chi_squared) = descend(&place, EDGE, DESCENT, &|place| objective.chi_squared(place))
+            .filter(|(_, better)| *better <= least)
+            .unwrap_or((place, least));
+        check_cancelled()?;
+        complete(&objective, &place, chi_squared)
+    })
+}
+
+fn complete(objective: &Objective<'_>, place: &[f64], chi_squared: f64) -> Result<FittedCue, FitError> {
+    let cue = objective.cue(place);
+    let sensitivities = objective.sensitivities(place);
+    let combinations = sensitivities.as_ref().map(|rows| held(rows, &objective.targets.chi)).transpose()?;
+    let sd = |k: usize| {
+        let held = combinations.as_ref()?;
+        // Σ (v_k/σ)²: without bound if a direction that this number is part of is held by nothing.
+        let sum: f64 = held.iter().map(|h| (h.components[k] / h.singular_value).powi(2)).sum();
+        let relative = sum.sqrt();
+        let scale = objective.unknowns[k].scale(place[k]).abs();
+        (relative.is_finite() && relative < 1.0 / OPEN).then_some(relative * scale)
+    };
+    let number = |(k, unknown): (usize, &Unknown)| CueNumber {
+        name: unknown.parameter.to_string(),
+        value: unknown.value(place[k]),
+        searched: unknown.limits.map(|limit| limit * unknown.sign),
+        sd: sd(k),
+    };
+    let numbers = objective.unknowns.iter().enumerate().map(number).collect();
+    let out_of_sample = objective
+        .targets
+        .out_of_sample
+        .iter()
+        .flat_map(|out| objective.residuals(&cue, &out.volumes, &out.chi))
+        .collect();
+    Ok(FittedCue {
+        cue: cue.to_string(),
+        numbers,
+        chi_squared,
+        residuals: objective.fitted(place),
+        sensitivities,
+        combinations,
+        out_of_sample,
+        tried: objective.tried.load(Ordering::Relaxed),
+    })
+}
+
+/// Directions of the cue's numbers by how firmly the measurements hold them.
+fn held(rows: &[Vec<f64>], measured: &[MeasuredChi]) -> Result<Vec<Held>, FitError> {
+    let weighted: Vec<Vec<f64>> =
+        rows.iter().zip(measured).map(|(row, m)| row.iter().map(|x| x / m.sd).collect()).collect();
+    let Svd { values, right, .. } = Svd::of_rows(&weighted)?;
+    let of = |(k, components): (usize, Vec<f64>)| {
+        let singular_value = values.get(k).copied().unwrap_or(0.0);
+        Held { singular_value, determined: singular_value > OPEN, components }
+    };
+    Ok(right.into_iter().enumerate().map(of).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The published cue in the units of the search, and its objective.
+    fn of_the_embryo<T>(then: impl FnOnce(&Objective<'_>, Vec<f64>) -> T) -> T {
+        let (lineage, targets) = (Lineage::c_elegans().unwrap(), Targets::embryo().unwrap());
+        // Differences of divisions need them solved as finely as their tangents.
+        let mut settings = TreeSettings::default();
+        settings.numerics.time_tolerance *= FINER;
+        settings.numerics.noise = 0.0;
+        let template = Cue::published();
+        let unknowns = unknowns(&template);
+        let cell = Cell::new(1.0).with_cue(template.clone());
+        let share = |unknown: &Unknown| {
+            let ([from, to], value) = (unknown.limits, unknown.parameter.get(&cell));
+            if unknown.logarithmic { (value / from).ln() / (to / from).ln() } else { (value - from) / (to - from) }
+        };
+        let place = unknowns.iter().map(share).collect();
+        let tried = AtomicUsize::new(0);
+        let objective = Objective {
+            lineage: &lineage,
+            targets: &targets,
+            settings: &settings,
+            template: &template,
+            unknowns,
+            cancel: None,
+            tried,
+        };
+        then(&objective, place)
+    }
+
+    #[test]
+    fn sensitivities_are_handed_down_from_mother_to_daughter() {
+        of_the_embryo(|objective, place| {
+            let exact = objective.sensitivities(&place).unwrap();
+            assert_eq!(exact.len(), 4);
+            for (k, unknown) in objective.unknowns.iter().enumerate() {
+                let chi = |share: f64| -> Vec<f64> {
+                    let moved = super::super::moved(&place, k, share);
+                    objective.fitted(&moved).iter().map(|residual| residual.computed.unwrap()).collect()
+                };
+                // χ of P3 turns quickly with the place of the cue.
+                let step = 1e-3;
+                let (above, below) = (chi(place[k] + step), chi(place[k] - step));
+                let length = unknown.value(place[k] + step) - unknown.value(place[k] - step);
+                for (i, row) in exact.iter().enumerate() {
+                    let expected = (above[i] - below[i]) / length * unknown.scale(place[k]);
+                    let off = (row[k] - expected).abs();
+                    assert!(
+                        off < 0.02 * expected.abs() + 1e-3,
+                        "row {i}, {}: {} {expected}",
+                        unknown.parameter,
+                        row[k]
+                    );
+                }
+            }
+        });
+    }
+}

@@ -1,0 +1,185 @@
+//! The file of targets: what a fit compares with, and the limits of the search.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use furrow_cell::{Cell, Parameter};
+use furrow_input::{InputError, did_you_mean, parse_document};
+use furrow_lineage::Lineage;
+use furrow_mechanics::calibration::Threshold;
+
+/// The built-in targets: the wild-type embryo of C. elegans.
+pub const EMBRYO: &str = include_str!("../../data/embryo.ron");
+
+/// A constant that is searched for, evenly in its logarithm.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Searched {
+    /// Which.
+    pub parameter: Parameter,
+    /// The lower limit.
+    pub from: f64,
+    /// The upper limit.
+    pub to: f64,
+}
+
+/// A measured size asymmetry.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuredChi {
+    /// The founder that divides.
+    pub cell: String,
+    /// Mean of χ over embryos.
+    pub mean: f64,
+    /// Its standard deviation over embryos.
+    pub sd: f64,
+}
+
+/// Weights of the misfit.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Weights {
+    /// A round by which a founder's mean rounds are off.
+    pub rounds: f64,
+    /// A doubling by which its terminal cells are off.
+    pub terminal: f64,
+    /// A χ that is off by 1.
+    pub chi: f64,
+}
+
+impl Default for Weights {
+    fn default() -> Weights {
+        Weights { rounds: 1.0, terminal: 1.0, chi: 1.0 }
+    }
+}
+
+/// Measurements that nothing is fitted to.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OutOfSample {
+    /// Their name.
+    pub name: String,
+    /// Volumes that are given in place of what divisions give, as shares of the first cell's.
+    pub volumes: BTreeMap<String, f64>,
+    /// What was measured.
+    pub chi: Vec<MeasuredChi>,
+}
+
+/// The targets of a fit.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Fit")]
+pub struct Targets {
+    /// Constants searched for.
+    pub unknowns: Vec<Searched>,
+    /// Founders whose observed rounds and terminal cells are to be met.
+    pub founders: Vec<String>,
+    /// Founders that divide into equal daughters.
+    #[serde(default)]
+    pub symmetric: Vec<String>,
+    /// Measured size asymmetries.
+    #[serde(default)]
+    pub chi: Vec<MeasuredChi>,
+    /// Weights of the misfit.
+    #[serde(default)]
+    pub weights: Weights,
+    /// Published pitchfork thresholds.
+    #[serde(default)]
+    pub thresholds: Vec<Threshold>,
+    /// Measurements predicted with the fitted cue.
+    #[serde(default)]
+    pub out_of_sample: Option<OutOfSample>,
+}
+
+impl Targets {
+    /// The built-in ones.
+    ///
+    /// # Errors
+    /// None in practice; reading is typed as fallible.
+    pub fn embryo() -> Result<Targets, InputError> {
+        parse_document(EMBRYO, "embryo.ron (built in)", "a file of targets", "Fit")
+    }
+
+    /// Checks every value, and that the lineage has the founders named and their counts; errors name the file
+    /// `source_name`.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn check(&self, source_name: &str, lineage: &Lineage) -> Result<(), InputError> {
+        let require = |holds: bool, field: String, value: &dyn std::fmt::Display, allowed: &str| match holds {
+            true => Ok(()),
+            false => Err(InputError::not_allowed(source_name, field, value, allowed)),
+        };
+        require(!self.unknowns.is_empty(), "unknowns".into(), &"[]", "at least one constant")?;
+        for (k, Searched { parameter, from, to }) in self.unknowns.iter().enumerate() {
+            let field = |name: &str| format!("unknowns[{k}].{name}");
+            let searchable = !matches!(parameter, Parameter::R0 | Parameter::Cue { .. } | Parameter::Gain);
+            let allowed = "a constant of the cortex or of the shell, the activity or epsilon; the gain follows from the thresholds";
+            require(searchable, field("parameter"), parameter, allowed)?;
+            let new = self.unknowns[..k].iter().all(|other| other.parameter != *parameter);
+            require(new, field("parameter"), parameter, "named only once")?;
+            for (name, value) in [("from", *from), ("to", *to)] {
+                let allowed = parameter.refuses(value);
+                let holds = value > 0.0 && allowed.is_none();
+                require(holds, field(name), &value, allowed.unwrap_or("a finite number above 0"))?;
+            }
+            require(to > from, field("to"), to, &format!("above from = {from}"))?;
+        }
+        for (k, threshold) in self.thresholds.iter().enumerate() {
+            threshold.check(source_name, &format!("thresholds[{k}]"))?;
+        }
+        let founder = |field: String, name: &str| {
+            let names = || lineage.founders.iter().map(|founder| founder.name.as_str());
+            let found = lineage.founders.iter().find(|founder| founder.name == name);
+            found.ok_or_else(|| {
+                let (all, nearest) = (names().collect::<Vec<_>>().join(", "), did_you_mean(name, names()));
+                let allowed = format!("a founder of {}: {all}{nearest}", lineage.name);
+                InputError::not_allowed(source_name, field, format!("{name:?}"), allowed)
+            })
+        };
+        for (k, name) in self.founders.iter().enumerate() {
+            let observed = founder(format!("founders[{k}]"), name)?.observed;
+            let counted = observed.is_some_and(|o| o.mean.is_some() && o.terminal.is_some_and(|n| n > 0));
+            let allowed = "a founder with observed mean rounds and terminal cells";
+            require(counted, format!("founders[{k}]"), &format!("{name:?}"), allowed)?;
+        }
+        for (k, name) in self.symmetric.iter().enumerate() {
+            founder(format!("symmetric[{k}]"), name)?;
+        }
+        let others = self.out_of_sample.iter().flat_map(|out| &out.chi).map(|chi| ("out_of_sample.chi", chi));
+        for (list, MeasuredChi { cell, mean, sd }) in self.chi.iter().map(|chi| ("chi", chi)).chain(others) {
+            founder(format!("{list}.cell"), cell)?;
+            require(*mean >= 0.0 && *mean < 1.0, format!("{list}.mean of {cell}"), mean, "from 0 to 1, 1 excluded")?;
+            let positive = sd.is_finite() && *sd > 0.0;
+            require(positive, format!("{list}.sd of {cell}"), sd, "a finite number above 0")?;
+        }
+        for (name, share) in self.out_of_sample.iter().flat_map(|out| &out.volumes) {
+            founder("out_of_sample.volumes".into(), name)?;
+            let field = format!("out_of_sample.volumes of {name}");
+            let allowed = "a share of the first cell's volume, above 0 and below 1";
+            require(*share > 0.0 && *share < 1.0, field, share, allowed)?;
+        }
+        let Weights { rounds, terminal, chi } = self.weights;
+        for (name, value) in [("rounds", rounds), ("terminal", terminal), ("chi", chi)] {
+            let holds = value.is_finite() && value >= 0.0;
+            require(holds, format!("weights.{name}"), &value, "a finite number, 0 or above")?;
+        }
+        Ok(())
+    }
+
+    /// The cell with constants at a place in the unit cube that the limits span.
+    pub fn cell_at(&self, cell: &Cell, place: &[f64]) -> Cell {
+        let mut out = cell.clone();
+        for (unknown, share) in self.unknowns.iter().zip(place) {
+            let [from, to] = [unknown.from.ln(), unknown.to.ln()];
+            unknown.parameter.set(&mut out, (from + share.clamp(0.0, 1.0) * (to - from)).exp());
+        }
+        out
+    }
+
+    /// Where in the unit cube a cell's constants lie; outside of it where they are beyond the limits.
+    pub fn place_of(&self, cell: &Cell) -> Vec<f64> {
+        let share = |u: &Searched| (u.parameter.get(cell) / u.from).ln() / (u.to / u.from).ln();
+        self.unknowns.iter().map(share).collect()
+    }
+}

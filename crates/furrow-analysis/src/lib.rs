@@ -1,0 +1,52 @@
+//! Studies: many trees and divisions with one question.
+//!
+//! | file | contents |
+//! |---|---|
+//! | [`sweep`], `parse` | a sweep: its kind, its axes and its cell; reading and checking its file |
+//! | [`points`], [`sample`] | axes, the points that they span, and values that fill an interval evenly |
+//! | [`shard`] | the part of the points that one machine solves |
+//! | [`run`], [`journal`], [`table`] | solving the points, resuming after an interruption; rows as CSV and as JSON lines |
+//! | [`scenarios`], [`growth`] | lineages and cues side by side, and their trees |
+//! | [`mod@diagram`] | the stationary shapes of one cell over ξ_s |
+//! | [`constraints`] | whether constants agree with what is known |
+//! | [`mod@ensemble`], [`constants`], [`mod@ranges`] | a sample of the constants that do; its table; a lineage over it |
+//! | [`compare`] | the model beside measured embryos |
+//! | [`reproduce`] | the paper's statements beside what is computed |
+//! | [`fit`] | constants, activities and a cue fitted to observations |
+
+pub mod compare;
+pub mod constants;
+pub mod constraints;
+pub mod diagram;
+pub mod ensemble;
+#[cfg(not(target_family = "wasm"))]
+pub mod fit;
+pub mod growth;
+pub mod journal;
+mod parse;
+pub mod points;
+pub mod ranges;
+pub mod reproduce;
+pub mod run;
+pub mod sample;
+pub mod scenarios;
+pub mod scenarios_csv;
+pub mod shard;
+pub mod sweep;
+pub mod sweep_files;
+pub mod table;
+
+pub use constants::{Constants, read_constants, write_constants};
+pub use constraints::{ConstraintCheck, Exclusion, check_constraints};
+pub use diagram::{Diagram, diagram};
+pub use ensemble::{Ensemble, EnsembleError, Member, ensemble};
+pub use growth::{Grown, grown, scenarios_of, tree_settings};
+pub use journal::Journal;
+pub use points::{Axes, Axis, AxisValue, Point, Target};
+pub use ranges::{LineageRanges, Range, ranges};
+pub use run::{Run, SweepProgress, SweepResult};
+pub use shard::Shard;
+pub use sweep::{Kind, Sweep};
+pub use table::Row;
+
+pub use scenarios_csv::scenarios_csv;

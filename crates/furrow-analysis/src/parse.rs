@@ -1,0 +1,370 @@
+//! Reads and checks a sweep file: every axis known and given once, every value allowed by itself, not too many points.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::points::{Axes, Axis, AxisValue, Target};
+use super::sample::{MOST_AXES, halton};
+use super::sweep::{Kind, Sweep};
+use furrow_cell::settings::{self, NumericsOverrides, PhysicsOverrides, Settings, canonical_name};
+use furrow_cell::{Cue, Parameter};
+use furrow_input::{InputError, did_you_mean, listed, parse_document, read_text, shown};
+use furrow_lineage::Lineage;
+use furrow_lineage::batch::phase::spaced;
+
+/// Most divisions, trees or shapes of one sweep.
+const MOST_POINTS: usize = 10_000_000;
+
+/// Most values of all axes: what they take is held in memory together.
+const MOST_VALUES: usize = 20_000_000;
+
+/// The file as it is written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Sweep")]
+struct Document {
+    kind: Kind,
+    axes: Vec<AxisDocument>,
+    #[serde(default)]
+    cue: Option<String>,
+    #[serde(default = "one")]
+    replicates: u32,
+    #[serde(default)]
+    seed: u64,
+    #[serde(default)]
+    physics: PhysicsOverrides,
+    #[serde(default)]
+    numerics: NumericsOverrides,
+    #[serde(default)]
+    lineage: Option<PathBuf>,
+}
+
+fn one() -> u32 {
+    1
+}
+
+/// An axis as it is written: with one of the three.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Axis")]
+struct AxisDocument {
+    parameter: String,
+    #[serde(default)]
+    range: Option<Interval>,
+    #[serde(default)]
+    list: Option<Vec<AxisValue>>,
+    #[serde(default)]
+    sample: Option<Interval>,
+}
+
+/// So many values between two, both included where they are evenly spaced.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Interval {
+    from: f64,
+    to: f64,
+    count: usize,
+}
+
+impl Sweep {
+    /// Reads and checks a sweep file. `base` is what the file does not name; `overrides` of the form `key=value` come after
+    /// what it names, and before its axes. A lineage is looked for from the file's own folder.
+    ///
+    /// # Errors
+    /// Names the file, the field, its value and what is allowed.
+    pub fn read(path: &Path, base: &Settings, overrides: &[String]) -> Result<Sweep, InputError> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Sweep::parse_in(folder, &read_text(path)?, &path.display().to_string(), base, overrides)
+    }
+
+    /// Reads and checks a sweep from RON text, as [`read`](Self::read) does; errors name it `file`.
+    ///
+    /// # Errors
+    /// Those of [`read`](Self::read).
+    pub fn parse(text: &str, file: &str, base: &Settings, overrides: &[String]) -> Result<Sweep, InputError> {
+        Sweep::parse_in(Path::new(""), text, file, base, overrides)
+    }
+
+    fn parse_in(
+        folder: &Path,
+        text: &str,
+        file: &str,
+        base: &Settings,
+        overrides: &[String],
+    ) -> Result<Sweep, InputError> {
+        let mut document: Document = parse_document(text, file, "a sweep file", "Sweep")?;
+        let mut settings = base.clone();
+        std::mem::take(&mut document.physics).apply(&mut settings);
+        std::mem::take(&mut document.numerics).apply(&mut settings);
+        settings.check_fields(file)?;
+        settings.override_fields(overrides)?;
+        let path = document.lineage.take().map(|path| folder.join(path));
+        let lineage = Lineage::load(path.as_deref())?;
+        Check { file, document: &document, settings: &settings, lineage: &lineage }.run()
+    }
+}
+
+/// A sweep file to be checked, and what it is checked with.
+struct Check<'a> {
+    /// The file's name in errors.
+    file: &'a str,
+    document: &'a Document,
+    /// Settings that no axis changes.
+    settings: &'a Settings,
+    /// The lineage that names cues.
+    lineage: &'a Lineage,
+}
+
+impl Check<'_> {
+    /// The sweep, if all of it is allowed.
+    fn run(&self) -> Result<Sweep, InputError> {
+        let document = self.document;
+        self.most_values()?;
+        let mut axes: Vec<Axis> = Vec::new();
+        for (k, given) in document.axes.iter().enumerate() {
+            let target = self.target(k, given, &axes)?;
+            let sampled = axes.iter().filter(|axis| axis.sampled).count();
+            let values = self.values(k, given, sampled)?;
+            let mut axis =
+                Axis { name: given.parameter.clone(), target, values, cues: vec![], sampled: given.sample.is_some() };
+            self.sampled_alike(k, &axis, &axes)?;
+            self.allowed(k, given, &mut axis)?;
+            axes.push(axis);
+        }
+        let cue = document.cue.as_ref().map(|text| self.cue("cue", text)).transpose()?;
+        let sweep = Sweep {
+            file: self.file.to_owned(),
+            kind: document.kind,
+            axes: Axes(axes),
+            settings: self.settings.clone(),
+            cue,
+            replicates: document.replicates,
+            seed: document.seed,
+            lineage: self.lineage.clone(),
+        };
+        self.cue_numbers(&sweep)?;
+        self.counts(&sweep)?;
+        self.first_point(&sweep)?;
+        Ok(sweep)
+    }
+
+    fn refuse<T>(&self, field: String, value: impl ToString, allowed: impl Into<String>) -> Result<T, InputError> {
+        Err(InputError::not_allowed(self.file, field, value, allowed))
+    }
+
+    /// Refuses more values than there may be points, before any of them is made.
+    fn most_values(&self) -> Result<(), InputError> {
+        let of = |axis: &AxisDocument| match (&axis.range, &axis.sample, &axis.list) {
+            (Some(interval), _, _) | (_, Some(interval), _) => interval.count,
+            (_, _, list) => list.as_ref().map_or(0, Vec::len),
+        };
+        let counts: Vec<usize> = self.document.axes.iter().map(of).collect();
+        if counts.iter().fold(0, |sum: usize, count| sum.saturating_add(*count)) <= MOST_VALUES {
+            return Ok(());
+        }
+        let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
+        let allowed = format!("axes of {MOST_VALUES} values at most, all together");
+        self.refuse("axes".to_owned(), listed(counts.iter().map(String::as_str), " + "), allowed)
+    }
+
+    /// What an axis sets, which no axis before it does.
+    fn target(&self, k: usize, given: &AxisDocument, before: &[Axis]) -> Result<Target, InputError> {
+        let name = given.parameter.as_str();
+        let target = match (name, name.parse()) {
+            ("cue", _) => Some(Target::Cue),
+            (_, Ok(parameter @ Parameter::Cue { .. })) => Some(Target::CueNumber(parameter)),
+            _ => canonical_name(name).ok().map(Target::Field),
+        };
+        let field = || format!("axes[{k}].parameter");
+        let Some(target) = target else {
+            let known: Vec<&str> = settings::names().chain(["cue", "cue.u0", "cue.omega", "cue.amplitude"]).collect();
+            let nearest = did_you_mean(name, known.iter().copied());
+            return self.refuse(field(), shown(name), format!("one of {}{nearest}", known.join(", ")));
+        };
+        let searched = match self.document.kind {
+            Kind::Pitchfork => Some(("xi_s", "pitchforks are searched for along ξ_s")),
+            Kind::Critical => Some(("r0", "critical radii are searched for along R0")),
+            Kind::Division | Kind::Tree => None,
+        };
+        if let Some((_, why)) = searched.filter(|(name, _)| target == Target::Field(name)) {
+            return self.refuse(field(), shown(name), format!("another parameter: {why}"));
+        }
+        if let Some(first) = before.iter().position(|axis| axis.target == target) {
+            return self.refuse(field(), shown(name), format!("a parameter of one axis, and axes[{first}] has it"));
+        }
+        Ok(target)
+    }
+
+    /// The values of an axis; `sampled` axes before it are.
+    fn values(&self, k: usize, given: &AxisDocument, sampled: usize) -> Result<Vec<AxisValue>, InputError> {
+        let numbers = |values: Vec<f64>| values.into_iter().map(AxisValue::Number).collect();
+        match (&given.range, &given.list, &given.sample) {
+            (Some(range), None, None) => {
+                let Interval { from, to, count } = *self.interval(k, "range", range)?;
+                Ok(numbers(spaced(from, to, count).into_iter().map(|value| tidy(value, [from, to])).collect()))
+            }
+            (None, Some(list), None) if list.is_empty() => {
+                self.refuse(format!("axes[{k}].list"), "[]", "a list of one value at least")
+            }
+            (None, Some(list), None) => Ok(list.clone()),
+            (None, None, Some(sample)) => {
+                let Interval { from, to, count } = *self.interval(k, "sample", sample)?;
+                if sampled >= MOST_AXES {
+                    return self.refuse(
+                        format!("axes[{k}].sample"),
+                        "(…)",
+                        format!("one of {MOST_AXES} samples at most"),
+                    );
+                }
+                let unit = halton(sampled, self.document.seed, count);
+                Ok(numbers(unit.into_iter().map(|x| from + (to - from) * x).collect()))
+            }
+            _ => self.refuse(format!("axes[{k}]"), shown(&given.parameter), "given with one of range, list, sample"),
+        }
+    }
+
+    fn interval<'i>(&self, k: usize, of: &str, interval: &'i Interval) -> Result<&'i Interval, InputError> {
+        for (name, value) in [("from", interval.from), ("to", interval.to)] {
+            if !value.is_finite() {
+                return self.refuse(format!("axes[{k}].{of}.{name}"), value, "a finite number");
+            }
+        }
+        if !(1..=MOST_POINTS).contains(&interval.count) {
+            let allowed = format!("a whole number from 1 to {MOST_POINTS}");
+            return self.refuse(format!("axes[{k}].{of}.count"), interval.count, allowed);
+        }
+        Ok(interval)
+    }
+
+    /// Sampled axes are one axis of points, and so have one count.
+    fn sampled_alike(&self, k: usize, axis: &Axis, before: &[Axis]) -> Result<(), InputError> {
+        let Some(first) = before.iter().position(|axis| axis.sampled).filter(|_| axis.sampled) else { return Ok(()) };
+        let (count, wanted) = (axis.values.len(), before[first].values.len());
+        if count == wanted {
+            return Ok(());
+        }
+        let allowed = format!("{wanted}, the count of axes[{first}]: sampled axes are sampled together");
+        self.refuse(format!("axes[{k}].sample.count"), count, allowed)
+    }
+
+    /// Whether each value of an axis is allowed, and what those of a cue mean.
+    fn allowed(&self, k: usize, given: &AxisDocument, axis: &mut Axis) -> Result<(), InputError> {
+        for (j, value) in axis.values.iter().enumerate() {
+            let place = match (given.list.is_some(), given.range.is_some()) {
+                (true, _) => format!("axes[{k}].list[{j}]"),
+                (_, true) => format!("axes[{k}].range"),
+                _ => format!("axes[{k}].sample"),
+            };
+            match (axis.target, value) {
+                (Target::Cue, AxisValue::Text(text)) => axis.cues.push(self.cue(&place, text)?),
+                (Target::Cue, _) => return self.refuse(place, value.text(), "a cue in quotes, as \"none\""),
+                (Target::CueNumber(_), AxisValue::Text(text)) => return self.refuse(place, shown(text), "a number"),
+                (Target::CueNumber(_), _) => {}
+                (Target::Field(name), value) => self.field_value(&format!("{place} ({name})"), name, value)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn field_value(&self, place: &str, name: &'static str, value: &AxisValue) -> Result<(), InputError> {
+        if let AxisValue::Text(text) = value
+            && text.parse::<f64>().is_ok()
+        {
+            return self.refuse(place.to_owned(), shown(text), "a number without quotes");
+        }
+        let mut trial = self.settings.clone();
+        let refused = match trial.assign(self.file, &[(name, value.text())]) {
+            Err(InputError::NotAllowed { allowed, .. }) => Some(allowed),
+            Err(other) => return Err(other),
+            Ok(()) => trial.refuses(name).map(str::to_owned),
+        };
+        let written = match value {
+            AxisValue::Number(number) => number.to_string(),
+            AxisValue::Text(text) => shown(text),
+        };
+        refused.map_or(Ok(()), |allowed| self.refuse(place.to_owned(), written, allowed))
+    }
+
+    fn cue(&self, place: &str, text: &str) -> Result<Cue, InputError> {
+        self.lineage.parse_cue(text).map_err(|error| {
+            let field = if error.field == "cue" { place.to_owned() } else { format!("{place}: {}", error.field) };
+            InputError::not_allowed(self.file, field, error.value, error.allowed)
+        })
+    }
+
+    /// Axes over numbers of a cue need cues that have them.
+    fn cue_numbers(&self, sweep: &Sweep) -> Result<(), InputError> {
+        let Axes(axes) = &sweep.axes;
+        let cues: Vec<Cue> = match axes.iter().find(|axis| axis.target == Target::Cue) {
+            Some(axis) => axis.cues.clone(),
+            None => vec![sweep.cue.clone().unwrap_or_default()],
+        };
+        for (k, axis) in axes.iter().enumerate() {
+            let Target::CueNumber(parameter) = axis.target else { continue };
+            for cue in &cues {
+                let mut cell = sweep.settings.cell.clone().with_cue(cue.clone());
+                if !parameter.is_of(&cell) {
+                    let allowed = match cue.terms() {
+                        [] => "a number of a cue, and none is given: see cue".to_owned(),
+                        terms => format!("a number of the cue's terms, cue[0] to cue[{}]: {cue}", terms.len() - 1),
+                    };
+                    return self.refuse(format!("axes[{k}].parameter"), shown(&axis.name), allowed);
+                }
+                for value in &axis.values {
+                    let AxisValue::Number(number) = value else { continue };
+                    parameter.set(&mut cell, *number);
+                    if let Err(error) = cell.cue.check() {
+                        let field = format!("axes[{k}]: {}", error.field);
+                        return self.refuse(field, error.value, error.allowed);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn counts(&self, sweep: &Sweep) -> Result<(), InputError> {
+        if sweep.replicates == 0 || (sweep.replicates > 1 && sweep.kind != Kind::Division) {
+            let allowed = "1, or of divisions more";
+            return self.refuse("replicates".to_owned(), sweep.replicates, allowed);
+        }
+        let all = sweep.axes.points().and_then(|points| points.checked_mul(sweep.replicates as usize));
+        if all.is_none_or(|all| all > MOST_POINTS) {
+            let counts: Vec<String> = sweep.axes.0.iter().map(|axis| axis.values.len().to_string()).collect();
+            let allowed = format!("axes that span {MOST_POINTS} points at most, replicates included");
+            return self.refuse("axes".to_owned(), counts.join(" × "), allowed);
+        }
+        Ok(())
+    }
+
+    /// What no axis can mend is wrong with every point, and better told at once.
+    fn first_point(&self, sweep: &Sweep) -> Result<(), InputError> {
+        let without_axes = Sweep { axes: Axes::default(), ..sweep.clone() };
+        let fine = |sweep: &Sweep, index| sweep.checked(index).1.is_ok();
+        if fine(&without_axes, 0) || (1..sweep.points()).any(|index| fine(sweep, index)) {
+            return Ok(());
+        }
+        sweep.checked(0).1
+    }
+}
+
+/// A value of a range without the noise in its last digits, 1.7 for 1.7000000000000002: what a list would have there. The ends
+/// are as they were given.
+fn tidy(value: f64, ends: [f64; 2]) -> f64 {
+    if ends.contains(&value) { value } else { format!("{value:.12e}").parse().unwrap_or(value) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_hold_the_numbers_that_one_would_write() {
+        let ends = [1.6, 5.4];
+        let values: Vec<f64> = spaced(1.6, 5.4, 39).into_iter().map(|value| tidy(value, ends)).collect();
+        let written: Vec<f64> =
+            (16..=54).map(|tenths: i32| format!("{}.{}", tenths / 10, tenths % 10).parse().unwrap()).collect();
+        assert_eq!(values, written);
+        assert_ne!(spaced(1.6, 5.4, 39), written);
+        assert_eq!(tidy(1.0 / 3.0, [1.0 / 3.0, 1.0]), 1.0 / 3.0);
+    }
+}

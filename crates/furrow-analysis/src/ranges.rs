@@ -1,0 +1,338 @@
+//! Ranges of a lineage's counts over sets of constants, one tree a set.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::constants::Constants;
+use furrow_cell::{Cell, Parameter};
+use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary};
+use furrow_lineage::{
+    GrowError, Grower, Lineage, Rounds, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
+};
+use furrow_mechanics::division::divide;
+use furrow_mechanics::equilibria::CriticalRadii;
+
+/// Weighted quantiles of a number over the sets of constants.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Range {
+    /// 5 % of the weight lies below.
+    pub p5: f64,
+    /// The median.
+    pub p50: f64,
+    /// 5 % of the weight lies above.
+    pub p95: f64,
+}
+
+impl Range {
+    /// Of numbers with their weights; `None` if there are no numbers.
+    pub fn of(mut numbers: Vec<(f64, f64)>) -> Option<Range> {
+        numbers.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let total: f64 = numbers.iter().map(|(_, weight)| weight).sum();
+        let at = |share: f64| {
+            let mut below = 0.0;
+            let found = numbers.iter().find(|(_, weight)| {
+                below += weight;
+                below >= share * total * (1.0 - 1e-12)
+            });
+            found.or(numbers.last()).map(|(number, _)| *number)
+        };
+        Some(Range { p5: at(0.05)?, p50: at(0.5)?, p95: at(0.95)? })
+    }
+}
+
+/// A founder over the sets of constants.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FounderRange {
+    /// Name.
+    pub name: String,
+    /// Rounds: fewest, mean, most, full and symmetric doublings, terminal cells; `None` if it is never born.
+    pub rounds: Option<RoundsRange>,
+    /// Size asymmetry χ of its division, where it divides.
+    pub chi: Option<Range>,
+    /// Weight of the sets with which it divides.
+    pub divides: f64,
+    /// Weight of the sets whose rounds are within one of the observed, by each reading of rounds.
+    pub within_one_round: Option<WithinOne>,
+    /// The constant on which its terminal cells depend most, by rank correlation.
+    pub depends_on: Option<Dependence>,
+}
+
+/// Shares of weight for which a founder's rounds are within one of the observed; `None` where nothing was observed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct WithinOne {
+    /// Fewest rounds.
+    pub min: Option<f64>,
+    /// Mean rounds.
+    pub mean: Option<f64>,
+    /// Most rounds.
+    pub max: Option<f64>,
+}
+
+/// Ranges of [`Rounds`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RoundsRange {
+    /// Fewest.
+    pub min: Range,
+    /// Mean over terminal cells.
+    pub mean: Range,
+    /// Most.
+    pub max: Range,
+    /// Generations in which every cell divided.
+    pub full_doublings: Range,
+    /// Generations in which every cell divided symmetrically.
+    pub symmetric: Range,
+    /// Terminal cells.
+    pub terminal: Range,
+}
+
+/// How a number goes with a constant.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Dependence {
+    /// The constant.
+    pub parameter: String,
+    /// Spearman's rank correlation, from −1 to 1.
+    pub rank_correlation: f64,
+}
+
+/// One tree of the ensemble, as far as ranges are taken of it.
+#[derive(Clone, Debug, PartialEq)]
+struct Grown {
+    weight: f64,
+    cells: usize,
+    /// Rounds, χ and whether it divides, by founder.
+    founders: Vec<(Option<Rounds>, Option<f64>, bool)>,
+    solved: usize,
+    hits: usize,
+}
+
+/// A lineage over sets of constants.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LineageRanges {
+    /// Founders, in the lineage's order.
+    pub founders: Vec<FounderRange>,
+    /// Sets of constants.
+    pub members: usize,
+    /// All cells.
+    pub cells: Option<Range>,
+    /// How much weight has founder's symmetric doublings of 0, 1, 2, …: by founder.
+    pub symmetric_doublings: Vec<(String, Vec<f64>)>,
+    /// Weight of the sets of which the paper's sentence on rounds holds, "to within a single round for the EMS and P lineages",
+    /// read as most rounds, for EMS and P4; `None` if the lineage lacks either.
+    pub paper_sentence: Option<f64>,
+    /// Divisions solved.
+    pub divisions_solved: usize,
+    /// Divisions known from the same tree.
+    pub memo_hits: usize,
+}
+
+/// Grows the lineage with every set of constants, in parallel over the sets; `cancel` ends it early.
+///
+/// # Errors
+/// [`GrowError`] of the first set that cannot be grown.
+pub fn ranges(
+    lineage: &Lineage,
+    settings: &TreeSettings,
+    sets: &[Constants],
+    threads: usize,
+    cancel: Option<&AtomicBool>,
+) -> Result<LineageRanges, GrowError> {
+    let trees = each_tree(lineage, settings, sets, threads, cancel, grown)?;
+    Ok(summed_up(lineage, sets, &trees))
+}
+
+/// Grows the lineage with every set of constants, in parallel over the sets, and reads each tree with `read`.
+///
+/// # Errors
+/// As [`ranges`].
+pub fn each_tree<T: Send>(
+    lineage: &Lineage,
+    settings: &TreeSettings,
+    sets: &[Constants],
+    threads: usize,
+    cancel: Option<&AtomicBool>,
+    read: impl Fn(&Constants, &Tree, &Summary) -> T + Sync,
+) -> Result<Vec<T>, GrowError> {
+    let grow = |set: &Constants| {
+        if cancel.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+            return Err(GrowError::Interrupted { solved: 0 });
+        }
+        let settings = TreeSettings { cell: set.of(&settings.cell), ..settings.clone() };
+        let quantisation = Quantisation::with_relative_step(settings.r0_step).unwrap_or(Quantisation::DEFAULT);
+        let rule = Thresholds::new(CriticalRadii::new(&settings.numerics));
+        let memo = Memo::new(quantisation);
+        let (tree, summary) = grow_alone(lineage, settings, &|cell| rule.of(cell), &memo, cancel)?;
+        Ok(read(set, &tree, &summary))
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    match pool {
+        Ok(pool) => pool.install(|| sets.par_iter().map(grow).collect()),
+        // Without a pool of one's own the trees are grown one after the other.
+        Err(_) => sets.iter().map(grow).collect(),
+    }
+}
+
+fn grown(set: &Constants, tree: &Tree, summary: &Summary) -> Grown {
+    let founders = founder_rounds(tree)
+        .into_iter()
+        .map(|row| {
+            let cell = tree.founder_cell(row.founder);
+            let divides = cell.is_some_and(|id| tree.daughters(id).is_some());
+            (row.rounds, cell.and_then(|id| tree.cell(id).fate.chi()), divides)
+        })
+        .collect();
+    Grown { weight: set.weight, cells: tree.len(), founders, solved: summary.solved, hits: summary.memo_hits }
+}
+
+/// Grows one tree on the calling thread's behalf: studies of many trees grow them side by side.
+pub(super) fn grow_alone(
+    lineage: &Lineage,
+    settings: TreeSettings,
+    ends: &dyn Fn(&Cell) -> Option<TerminalReason>,
+    memo: &Memo,
+    cancel: Option<&AtomicBool>,
+) -> Result<(Tree, Summary), GrowError> {
+    let options = SchedulerOptions { threads: 1, interrupt: cancel, ..SchedulerOptions::default() };
+    Grower { lineage, settings, ends, memo, options }.grow(divide)
+}
+
+/// How much of the weight of all trees those have for which something holds.
+fn share(trees: &[Grown], holds: impl Fn(&Grown) -> bool) -> f64 {
+    // From 0 on: `sum` gives −0 where there is nothing to add, and files would say so.
+    let weight = |of: &dyn Fn(&Grown) -> bool| {
+        trees.iter().filter(|tree| of(tree)).fold(0.0, |weight, tree| weight + tree.weight)
+    };
+    weight(&holds) / weight(&|_| true)
+}
+
+fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[Grown]) -> LineageRanges {
+    let total: f64 = trees.iter().map(|tree| tree.weight).sum();
+    let founder = |k: usize| {
+        let rounds = |of: fn(&Rounds) -> f64| -> Option<Range> {
+            Range::of(trees.iter().filter_map(|tree| Some((of(tree.founders[k].0.as_ref()?), tree.weight))).collect())
+        };
+        let all = || {
+            Some(RoundsRange {
+                min: rounds(|r| f64::from(r.min))?,
+                mean: rounds(|r| r.mean)?,
+                max: rounds(|r| f64::from(r.max))?,
+                full_doublings: rounds(|r| f64::from(r.full_doublings))?,
+                symmetric: rounds(|r| f64::from(r.symmetric))?,
+                terminal: rounds(|r| f64::from(r.terminal))?,
+            })
+        };
+        let terminal: Vec<f64> = trees
+            .iter()
+            .map(|tree| tree.founders[k].0.as_ref().map_or(0.0, |rounds| f64::from(rounds.terminal)))
+            .collect();
+        let near = |of: fn(&Rounds) -> f64, observed: Option<f64>| {
+            let observed = observed?;
+            let is_near = |tree: &Grown| tree.founders[k].0.as_ref().is_some_and(|r| (of(r) - observed).abs() <= 1.0);
+            Some(share(trees, is_near))
+        };
+        let within_one_round = lineage.founders[k].observed.map(|observed| WithinOne {
+            min: near(|r| f64::from(r.min), observed.min.map(f64::from)),
+            mean: near(|r| r.mean, observed.mean),
+            max: near(|r| f64::from(r.max), observed.max.map(f64::from)),
+        });
+        FounderRange {
+            within_one_round,
+            name: lineage.founders[k].name.clone(),
+            rounds: all(),
+            chi: Range::of(trees.iter().filter_map(|tree| Some((tree.founders[k].1?, tree.weight))).collect()),
+            divides: share(trees, |tree| tree.founders[k].2),
+            depends_on: strongest(sets, &terminal),
+        }
+    };
+    let symmetric = |k: usize| {
+        let mut shares: Vec<f64> = Vec::new();
+        for tree in trees {
+            let Some(rounds) = &tree.founders[k].0 else { continue };
+            let doublings = rounds.symmetric as usize;
+            shares.resize(shares.len().max(doublings + 1), 0.0);
+            shares[doublings] += tree.weight / total;
+        }
+        (lineage.founders[k].name.clone(), shares)
+    };
+    let sentence = || {
+        let of = |name: &str| {
+            let k = lineage.founders.iter().position(|founder| founder.name == name)?;
+            Some((k, lineage.founders[k].observed?.max?))
+        };
+        let both = [of("EMS")?, of("P4")?];
+        let near = |tree: &Grown, (k, most): (usize, u32)| {
+            tree.founders[k].0.as_ref().is_some_and(|rounds| rounds.max.abs_diff(most) <= 1)
+        };
+        Some(share(trees, |tree| both.iter().all(|one| near(tree, *one))))
+    };
+    let count = lineage.founders.len();
+    LineageRanges {
+        paper_sentence: sentence(),
+        founders: (0..count).map(founder).collect(),
+        members: sets.len(),
+        cells: Range::of(trees.iter().map(|tree| (tree.cells as f64, tree.weight)).collect()),
+        symmetric_doublings: (0..count).map(symmetric).collect(),
+        divisions_solved: trees.iter().map(|tree| tree.solved).sum(),
+        memo_hits: trees.iter().map(|tree| tree.hits).sum(),
+    }
+}
+
+/// The constant with which numbers, one a set, go most: none if they are all the same.
+fn strongest(sets: &[Constants], numbers: &[f64]) -> Option<Dependence> {
+    let ranked = ranks(numbers);
+    let first = sets.first()?;
+    let by = |k: usize| -> Option<(Parameter, f64)> {
+        let values: Vec<f64> = sets.iter().map(|set| set.values[k].1).collect();
+        Some((first.values[k].0, correlation(&ranks(&values), &ranked)?))
+    };
+    let found = (0..first.values.len()).filter_map(by).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    Some(Dependence { parameter: found.0.to_string(), rank_correlation: found.1 })
+}
+
+/// Ranks from 1, those of equal numbers averaged.
+fn ranks(numbers: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..numbers.len()).collect();
+    order.sort_by(|&a, &b| numbers[a].total_cmp(&numbers[b]));
+    let mut out = vec![0.0; numbers.len()];
+    let mut from = 0;
+    while from < order.len() {
+        let same = order[from..].iter().take_while(|&&k| numbers[k] == numbers[order[from]]).count();
+        let rank = from as f64 + 0.5 * (same as f64 + 1.0);
+        order[from..from + same].iter().for_each(|&k| out[k] = rank);
+        from += same;
+    }
+    out
+}
+
+/// Pearson's correlation; `None` where one of the two does not vary.
+fn correlation(a: &[f64], b: &[f64]) -> Option<f64> {
+    let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
+    let (ma, mb) = (mean(a), mean(b));
+    let sum = |of: &dyn Fn(f64, f64) -> f64| a.iter().zip(b).map(|(x, y)| of(x - ma, y - mb)).sum::<f64>();
+    let (ab, aa, bb) = (sum(&|x, y| x * y), sum(&|x, _| x * x), sum(&|_, y| y * y));
+    (aa > 0.0 && bb > 0.0).then(|| ab / (aa * bb).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_follow_the_weights() {
+        let range = Range::of((1..=100).map(|k| (f64::from(k), 1.0)).collect()).unwrap();
+        assert_eq!(range, Range { p5: 5.0, p50: 50.0, p95: 95.0 });
+        let range = Range::of(vec![(1.0, 0.01), (2.0, 0.98), (3.0, 0.01)]).unwrap();
+        assert_eq!(range, Range { p5: 2.0, p50: 2.0, p95: 2.0 });
+        assert_eq!(Range::of(vec![]), None);
+    }
+
+    #[test]
+    fn ranks_of_equal_numbers_are_shared() {
+        assert_eq!(ranks(&[3.0, 1.0, 3.0, 2.0]), [3.5, 1.0, 3.5, 2.0]);
+        let rising: Vec<f64> = (0..9).map(|k| f64::from(k).exp()).collect();
+        let straight: Vec<f64> = (0..9).map(f64::from).collect();
+        assert!((correlation(&ranks(&rising), &ranks(&straight)).unwrap() - 1.0).abs() < 1e-12);
+        assert_eq!(correlation(&[1.0, 1.0], &[1.0, 2.0]), None);
+    }
+}

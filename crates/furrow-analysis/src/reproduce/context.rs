@@ -1,0 +1,308 @@
+//! The context that all figures share, and what comes of a figure: findings and artifacts.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use serde::Serialize;
+
+use super::paper::Statement;
+use crate::{Row, Run, Sweep};
+use furrow_cell::ZYGOTE;
+use furrow_cell::settings::Settings;
+use furrow_cell::{Cell, Cue, Numerics, Scheme};
+use furrow_input::InputError;
+use furrow_lineage::batch::{
+    Memo, PhaseDiagram, PhasePlane, SchedulerError, SchedulerOptions, StoreWarning, scheduler,
+};
+use furrow_lineage::{GrowError, Tree};
+use furrow_mechanics::division::{Division, DivisionInput, Film, divide};
+use furrow_mechanics::equilibria::Branch;
+use furrow_mechanics::equilibria::curves::{self, Curve};
+use furrow_mechanics::perturbation::Perturbation;
+
+/// ξ_s of the paper's cells (Table S3).
+pub const PUBLISHED_ACTIVITY: f64 = 25.0;
+/// ε of the paper's cells (Table S3).
+pub const PUBLISHED_CONFINEMENT: f64 = 0.87;
+
+/// What figures are computed with. Results depend on the settings alone, whatever the threads and what the memo holds.
+pub struct Context<'a> {
+    /// Constants and discretisation. Size, confinement and activity of single cells are the paper's, those of lineages the
+    /// settings'.
+    pub settings: &'a Settings,
+    /// Remembers divisions.
+    pub memo: &'a Memo,
+    /// Threads; 0 is one for each core.
+    pub threads: usize,
+    /// Set to true to stop.
+    pub cancel: &'a AtomicBool,
+    /// Called with the name of each figure before it is computed.
+    pub progress: &'a (dyn Fn(&str) + Sync),
+}
+
+/// Why nothing is reproduced at all.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReproduceError {
+    /// A file that ships, or an argument, cannot be read.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// No workers can be started.
+    #[error(transparent)]
+    Workers(#[from] SchedulerError),
+    /// It was cancelled.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl From<GrowError> for ReproduceError {
+    fn from(error: GrowError) -> ReproduceError {
+        match error {
+            GrowError::Workers(error) => ReproduceError::Workers(error),
+            GrowError::Interrupted { .. } => ReproduceError::Interrupted,
+        }
+    }
+}
+
+/// What is computed for a statement: a number, or words.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// A number.
+    Number(f64),
+    /// Words.
+    Words(String),
+}
+
+impl From<f64> for Value {
+    fn from(number: f64) -> Value {
+        Value::Number(number)
+    }
+}
+
+impl From<String> for Value {
+    fn from(words: String) -> Value {
+        Value::Words(words)
+    }
+}
+
+/// What was found for one statement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// The statement's id.
+    pub id: String,
+    /// What is computed.
+    pub computed: Value,
+    /// The same with the published scheme, where that was computed.
+    pub published_scheme: Option<Value>,
+    /// Whether that meets the criterion.
+    pub published_holds: Option<bool>,
+    /// Whether the criterion is met; `None` where the printed number decides, or nothing does.
+    pub holds: Option<bool>,
+    /// A remark.
+    pub note: Option<String>,
+}
+
+impl Finding {
+    /// A value that is compared with the printed number, or with nothing.
+    pub fn new(id: &str, computed: impl Into<Value>) -> Finding {
+        let (id, computed) = (id.to_owned(), computed.into());
+        Finding { id, computed, published_scheme: None, published_holds: None, holds: None, note: None }
+    }
+
+    /// Words, and whether the criterion is met.
+    pub fn judged(id: &str, (holds, computed): (bool, String)) -> Finding {
+        Finding { holds: Some(holds), ..Finding::new(id, computed) }
+    }
+
+    /// What could not be computed, which does not agree.
+    pub fn not_computed(id: &str, why: impl std::fmt::Display) -> Finding {
+        Finding::judged(id, (false, format!("not computed: {why}")))
+    }
+
+    /// The same with the result of the published scheme, and whether that meets the criterion.
+    pub fn beside(self, (holds, published): (bool, String)) -> Finding {
+        Finding { published_holds: Some(holds), published_scheme: Some(published.into()), ..self }
+    }
+
+    /// The same with a note.
+    pub fn noting(self, note: impl Into<String>) -> Finding {
+        Finding { note: Some(note.into()), ..self }
+    }
+}
+
+/// Outcomes over a plane.
+#[derive(Clone, Debug)]
+pub struct Map {
+    /// The plane.
+    pub plane: PhasePlane,
+    /// How divisions end.
+    pub diagram: PhaseDiagram,
+    /// The curve of pitchforks in it, if it could be followed.
+    pub pitchforks: Vec<Curve>,
+    /// Those of folds.
+    pub folds: Vec<Curve>,
+}
+
+/// A result that can be drawn or written as a table.
+#[derive(Debug)]
+pub enum Artifact {
+    /// A sweep.
+    Sweep(Box<Sweep>, Vec<Row>),
+    /// Outcomes over a plane.
+    Map(Box<Map>),
+    /// Branches of a cell, each with its name.
+    Branches(Cell, Vec<(&'static str, Branch)>),
+    /// The boundaries of division over R0.
+    Boundary(Cell, [f64; 2], Curve, Vec<Curve>),
+    /// A division.
+    Film(Cell, Box<Film>),
+    /// Disturbed shapes of one cell at several activities, each with its name.
+    Perturbations(Cell, Vec<(String, Perturbation)>),
+    /// A lineage.
+    Tree(Box<Tree>),
+}
+
+/// A picture to be drawn.
+#[derive(Debug)]
+pub struct Panel {
+    /// The name of its file, without the extension.
+    pub name: String,
+    /// What it shows.
+    pub artifact: Artifact,
+}
+
+/// One figure under way: its statements, and what was found for them.
+pub struct Figure<'a> {
+    /// What it is computed with.
+    pub context: &'a Context<'a>,
+    /// The statements of the figure, one at least.
+    pub statements: &'a [Statement],
+    /// What was found.
+    pub findings: Vec<Finding>,
+    /// What it can be seen in.
+    pub panels: Vec<Panel>,
+    /// Warnings about the store.
+    pub warnings: Vec<StoreWarning>,
+}
+
+impl Context<'_> {
+    /// A cell of the paper: of this size in this shell, at ξ_s = 25 and without a cue.
+    pub fn cell(&self, r0: f64, epsilon: f64) -> Cell {
+        Cell { r0, epsilon, xi_s: PUBLISHED_ACTIVITY, cue: Cue::none(), ..self.settings.cell.clone() }
+    }
+
+    /// The discretisation with a scheme.
+    pub fn numerics(&self, scheme: Scheme) -> Numerics {
+        Numerics { scheme, ..self.settings.numerics }
+    }
+
+    /// The converged discretisation.
+    pub fn converged(&self) -> Numerics {
+        self.numerics(Scheme::Converged)
+    }
+
+    /// The division of a cell, converged.
+    pub fn input(&self, cell: Cell) -> DivisionInput {
+        DivisionInput { numerics: self.converged(), ..DivisionInput::new(cell) }
+    }
+
+    /// How divisions are scheduled.
+    pub fn options(&self) -> SchedulerOptions<'_> {
+        SchedulerOptions { threads: self.threads, interrupt: Some(self.cancel), ..SchedulerOptions::default() }
+    }
+
+    /// # Errors
+    /// [`ReproduceError::Interrupted`] if it was cancelled.
+    pub fn check_cancelled(&self) -> Result<(), ReproduceError> {
+        if self.cancel.load(Ordering::SeqCst) { Err(ReproduceError::Interrupted) } else { Ok(()) }
+    }
+}
+
+impl<'a> Figure<'a> {
+    /// A figure of which nothing is computed yet.
+    pub fn new(context: &'a Context<'a>, statements: &'a [Statement]) -> Figure<'a> {
+        Figure { context, statements, findings: Vec::new(), panels: Vec::new(), warnings: Vec::new() }
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &'a str {
+        &self.statements[0].figure
+    }
+
+    /// Adds a value that no criterion of ours judges.
+    pub fn report(&mut self, id: &str, computed: impl Into<Value>) {
+        self.findings.push(Finding::new(id, computed));
+    }
+
+    /// Adds words, and whether the criterion is met.
+    pub fn judge(&mut self, id: &str, holds: bool, computed: String) {
+        self.findings.push(Finding::judged(id, (holds, computed)));
+    }
+
+    /// Adds a number, or the reason why there is none.
+    pub fn number(&mut self, id: &str, computed: Result<f64, impl std::fmt::Display>) {
+        self.findings.push(match computed {
+            Ok(number) => Finding::new(id, number),
+            Err(why) => Finding::not_computed(id, why),
+        });
+    }
+
+    /// Adds a picture.
+    pub fn show(&mut self, name: &str, artifact: Artifact) {
+        self.panels.push(Panel { name: name.to_owned(), artifact });
+    }
+
+    /// The cell of a statement; the paper's zygote where it names none.
+    pub fn cell_of(&self, statement: &Statement) -> Cell {
+        let of = statement.cell.map_or((ZYGOTE, PUBLISHED_CONFINEMENT), |of| (of.r0, of.epsilon));
+        self.context.cell(of.0, of.1)
+    }
+
+    /// Divisions, in the order of the inputs; none for one that could not be computed.
+    ///
+    /// # Errors
+    /// [`ReproduceError`].
+    pub fn divisions(&mut self, inputs: Vec<DivisionInput>) -> Result<Vec<Option<Division>>, ReproduceError> {
+        let solved = scheduler::solve_all(inputs, self.context.memo, &self.context.options(), divide)?;
+        self.warnings.extend(solved.summary.warnings);
+        self.context.check_cancelled()?;
+        Ok(solved.divisions)
+    }
+
+    /// A sweep that ships, solved.
+    ///
+    /// # Errors
+    /// [`ReproduceError`].
+    pub fn sweep(&mut self, text: &str, file: &str) -> Result<(Sweep, Vec<Row>), ReproduceError> {
+        let context = self.context;
+        // Keys that the sweep does not set keep the values of the paper's zygote.
+        let base = Settings { cell: context.cell(ZYGOTE, PUBLISHED_CONFINEMENT), ..context.settings.clone() };
+        let sweep = Sweep::parse(text, file, &base, &[])?;
+        let solved = Run { threads: context.threads, ..Run::new(&sweep, context.memo, context.cancel) }.solve()?;
+        self.warnings.extend(solved.warnings);
+        if solved.interrupted {
+            return Err(ReproduceError::Interrupted);
+        }
+        Ok((sweep, solved.rows))
+    }
+
+    /// A phase diagram, which is shown under this name.
+    ///
+    /// # Errors
+    /// [`ReproduceError`].
+    pub fn plane(&mut self, name: &str, plane: PhasePlane) -> Result<PhaseDiagram, ReproduceError> {
+        let diagram = plane.compute(self.context.memo, &self.context.options())?;
+        self.warnings.extend(diagram.summary.warnings.clone());
+        if diagram.summary.interrupted {
+            return Err(ReproduceError::Interrupted);
+        }
+        // Without the curves the picture has the edges at each value across.
+        let (cell, numerics) = (&plane.cell, &plane.numerics);
+        let ends = plane.across.first().zip(plane.across.last());
+        let range = ends.map_or([0.0; 2], |(first, last)| [*first, *last]);
+        let pitchforks = curves::pitchfork_curve(cell, numerics, plane.parameter, range).into_iter().collect();
+        let folds = curves::fold_curves(cell, numerics, plane.parameter, range).unwrap_or_default();
+        self.show(name, Artifact::Map(Box::new(Map { plane, diagram: diagram.clone(), pitchforks, folds })));
+        Ok(diagram)
+    }
+}

@@ -1,0 +1,409 @@
+//! Solves the points of a sweep, equal inputs once.
+
+use std::collections::HashMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+use serde_json::Value;
+
+use super::journal::Journal;
+use super::points::Point;
+use super::shard::Shard;
+use super::sweep::{Kind, Sweep};
+use super::table::{Row, UNDECIDED};
+use furrow_cell::{Cell, Numerics};
+use furrow_lineage::batch::{Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, StoreWarning, scheduler};
+use furrow_lineage::{GrowError, Grower, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds};
+use furrow_mechanics::division::{Division, DivisionInput, Statistics, divide};
+use furrow_mechanics::equilibria::critical::{BoundaryKind, critical_radius_within};
+use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, Effort, PointKind, ShapeError, pitchfork};
+
+/// Largest ξ_s up to which pitchforks are searched for.
+const XI_MAX: f64 = 100.0;
+
+/// How far a sweep is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SweepProgress {
+    /// Divisions, trees or shapes that are done.
+    pub done: usize,
+    /// All of them.
+    pub of: usize,
+}
+
+/// A sweep, or one shard of it, to be solved.
+///
+/// ```
+/// use std::sync::atomic::AtomicBool;
+///
+/// use furrow_lineage::batch::{Memo, Quantisation};
+/// use furrow_cell::settings::Settings;
+/// use furrow_analysis::table::csv_text;
+/// use furrow_analysis::{Run, Sweep};
+///
+/// let text = r#"Sweep(kind: division, axes: [(parameter: "r0", list: [1.5, 1.6])])"#;
+/// let sweep = Sweep::parse(text, "small.ron", &Settings::default(), &[])?;
+/// let (memo, cancel) = (Memo::new(Quantisation::DEFAULT), AtomicBool::new(false));
+/// let solved = Run::new(&sweep, &memo, &cancel).solve()?;
+/// let csv = String::from_utf8(csv_text(&sweep.columns(), &solved.rows)?)?;
+/// assert!(csv.starts_with("r0,outcome,chi,u_furrow,t_end\n1.5,failed,,,"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Run<'a> {
+    /// The sweep.
+    pub sweep: &'a Sweep,
+    /// The shard to solve; none for all points.
+    pub shard: Option<Shard>,
+    /// Remembers divisions.
+    pub memo: &'a Memo,
+    /// Threads; 0 is one for each core.
+    pub threads: usize,
+    /// Set to true to stop.
+    pub cancel: &'a AtomicBool,
+    /// Holds the rows of an interrupted run, and receives each row that is solved.
+    pub journal: Option<&'a Journal>,
+    /// Called with the progress.
+    pub progress: &'a (dyn Fn(SweepProgress) + Sync),
+}
+
+/// The rows of a sweep or of one shard of it.
+#[derive(Debug, Default)]
+pub struct SweepResult {
+    /// One row a point, in the order of the points; `None` if the run was interrupted.
+    pub rows: Vec<Row>,
+    /// Divisions (of points or in trees) or shapes solved by this run.
+    pub solved: usize,
+    /// Divisions or shapes that were known already, or solved for another point.
+    pub reused: usize,
+    /// Points whose rows an interrupted run had finished.
+    pub resumed: usize,
+    /// Whether the run was interrupted.
+    pub interrupted: bool,
+    /// Warnings about the store.
+    pub warnings: Vec<StoreWarning>,
+}
+
+impl SweepResult {
+    /// Rows that are undecided, wholly or in part.
+    pub fn undecided(&self) -> impl Iterator<Item = &Row> {
+        self.rows.iter().filter(|row| row.why.is_some())
+    }
+}
+
+/// Results of a point, and why they are incomplete if they are.
+type Results = (Vec<Value>, Option<String>);
+
+/// The distinct inputs of points.
+struct Inputs<'p> {
+    /// The number of each point's input; `None` for a point that is refused.
+    of_point: Vec<Option<usize>>,
+    /// The first point of each input.
+    firsts: Vec<&'p Point>,
+    /// The results of each input, once they are known.
+    results: Vec<Option<Results>>,
+    /// Inputs whose results are not known yet.
+    open: Vec<usize>,
+}
+
+impl<'a> Run<'a> {
+    /// All points on all cores, without a journal.
+    pub fn new(sweep: &'a Sweep, memo: &'a Memo, cancel: &'a AtomicBool) -> Run<'a> {
+        Run { sweep, shard: None, memo, threads: 0, cancel, journal: None, progress: &|_| () }
+    }
+
+    /// Solves the points. Rows depend on the sweep alone, whatever the threads, the shards and what the memo and the journal
+    /// hold.
+    ///
+    /// # Errors
+    /// [`SchedulerError::Pool`] if no workers can be started. A point that cannot be computed is a row of its own.
+    pub fn solve(&self) -> Result<SweepResult, SchedulerError> {
+        let quantisation = self.memo.quantisation();
+        let all = (0..self.sweep.points()).map(|index| self.sweep.point(index));
+        let points: Vec<Point> = all.filter(|point| self.shard.is_none_or(|s| s.has(point, quantisation))).collect();
+        let mut inputs = self.inputs(&points);
+        let known = |inputs: &Inputs<'_>, number: &usize| inputs.results[*number].is_some();
+        let resumed = inputs.of_point.iter().flatten().filter(|number| known(&inputs, number)).count();
+        let equal = inputs.of_point.iter().flatten().count() - resumed - inputs.open.len();
+        let mut out = match self.sweep.kind {
+            Kind::Division => self.divisions(&mut inputs)?,
+            Kind::Tree => self.trees(&mut inputs)?,
+            Kind::Pitchfork => self.shapes(&mut inputs, pitchfork_results)?,
+            Kind::Critical => self.shapes(&mut inputs, critical_results)?,
+        };
+        out.resumed = resumed;
+        out.reused += match self.sweep.kind {
+            Kind::Division => equal * self.sweep.replicates as usize,
+            Kind::Tree => 0,
+            Kind::Pitchfork | Kind::Critical => equal,
+        };
+        if !out.interrupted {
+            let row = |(point, number): (&Point, &Option<usize>)| {
+                let results = number.and_then(|number| inputs.results[number].clone());
+                let (values, why) = results.unwrap_or_else(|| (self.no_results(), point.refused.clone()));
+                self.sweep.row(point.index, values, why)
+            };
+            out.rows = points.iter().zip(&inputs.of_point).map(row).collect();
+        }
+        Ok(out)
+    }
+
+    /// The distinct inputs, with the results that the journal holds.
+    fn inputs<'p>(&self, points: &'p [Point]) -> Inputs<'p> {
+        let mut numbers: HashMap<Key, usize> = HashMap::new();
+        let key = |point: &Point| Key::new(&point.input);
+        let mut firsts = Vec::new();
+        let number = |point: &'p Point| {
+            point.refused.is_none().then(|| {
+                *numbers.entry(key(point)).or_insert_with(|| {
+                    firsts.push(point);
+                    firsts.len() - 1
+                })
+            })
+        };
+        let of_point = points.iter().map(number).collect();
+        let mut results = vec![None; firsts.len()];
+        for row in self.journal.iter().flat_map(|journal| journal.rows().values()) {
+            if row.index < self.sweep.points()
+                && let Some(number) = numbers.get(&key(&self.sweep.point(row.index)))
+            {
+                results[*number] = Some((row.cells[self.sweep.axes.0.len()..].to_vec(), row.why.clone()));
+            }
+        }
+        let open = (0..firsts.len()).filter(|number| results[*number].is_none()).collect();
+        Inputs { of_point, firsts, results, open }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
+
+    /// Keeps the results of an input for a run that resumes this one.
+    fn record(&self, point: &Point, (values, why): &Results) {
+        if let Some(journal) = self.journal {
+            journal.append(&self.sweep.row(point.index, values.clone(), why.clone()));
+        }
+    }
+
+    fn divisions(&self, inputs: &mut Inputs<'_>) -> Result<SweepResult, SchedulerError> {
+        let Inputs { firsts, results, open, .. } = inputs;
+        let replicates = self.sweep.replicates as usize;
+        let job = |number: usize, k: usize| {
+            let first = &firsts[number].input;
+            let input = DivisionInput { seed: first.seed.wrapping_add(k as u64), ..first.clone() };
+            Job { id: number * replicates + k, input }
+        };
+        let jobs = open.iter().flat_map(|&number| (0..replicates).map(move |k| (number, k)));
+        let jobs: Vec<_> = jobs.map(|(number, k)| job(number, k)).collect();
+        let of = firsts.len() * replicates;
+        let before = of - jobs.len();
+        let show = |progress: Progress| {
+            (self.progress)(SweepProgress { done: before + progress.solved + progress.memo_hits, of });
+        };
+        let options = SchedulerOptions {
+            threads: self.threads,
+            interrupt: Some(self.cancel),
+            progress: Some(&show),
+            ..SchedulerOptions::default()
+        };
+        let mut divisions: Vec<Option<Division>> = vec![None; of];
+        let run = scheduler::run(jobs, self.memo, &options, divide, |id, division| {
+            divisions[id] = Some(division.clone());
+            let number = id / replicates;
+            let of_input = &divisions[number * replicates..][..replicates];
+            if of_input.iter().all(Option::is_some) {
+                let found = (division_results(of_input), None);
+                self.record(firsts[number], &found);
+                results[number] = Some(found);
+            }
+            vec![]
+        });
+        let summary = match run {
+            Ok(summary) => summary,
+            Err(SchedulerError::Unsolved { mut jobs, summary }) => {
+                jobs.sort_by_key(|job| job.id);
+                for job in jobs {
+                    let number = job.id / replicates;
+                    let of_input = &divisions[number * replicates..][..replicates];
+                    results[number].get_or_insert_with(|| (division_results(of_input), Some(job.failure.to_string())));
+                }
+                *summary
+            }
+            Err(error) => return Err(error),
+        };
+        Ok(SweepResult {
+            solved: summary.solved,
+            reused: summary.memo_hits,
+            interrupted: summary.interrupted,
+            warnings: summary.warnings,
+            ..SweepResult::default()
+        })
+    }
+
+    /// The columns of a point without results.
+    fn no_results(&self) -> Vec<Value> {
+        let columns = self.sweep.result_columns();
+        let undecided = match self.sweep.kind {
+            Kind::Division if self.sweep.replicates == 1 => Some("outcome"),
+            Kind::Division => return division_results(&vec![None; self.sweep.replicates as usize]),
+            Kind::Pitchfork => Some("criticality"),
+            Kind::Critical => Some("kind"),
+            Kind::Tree => None,
+        };
+        let value = |name: &String| if Some(name.as_str()) == undecided { UNDECIDED.into() } else { Value::Null };
+        columns.iter().map(value).collect()
+    }
+
+    /// Stationary shapes, on all cores.
+    fn shapes(
+        &self,
+        inputs: &mut Inputs<'_>,
+        solve: fn(&DivisionInput, &Effort<'_>) -> Result<Vec<Value>, ShapeError>,
+    ) -> Result<SweepResult, SchedulerError> {
+        let Inputs { firsts, results, open, .. } = inputs;
+        let done = AtomicUsize::new(firsts.len() - open.len());
+        let one = |number: &usize| {
+            let point = firsts[*number];
+            let effort = Effort::new(usize::MAX, Some(self.cancel));
+            // A defect at one point is no reason to lose the others.
+            let solved = catch_unwind(AssertUnwindSafe(|| solve(&point.input, &effort)));
+            let found = match solved {
+                Ok(Ok(values)) => (values, None),
+                Ok(Err(error)) => (self.no_results(), Some(error.to_string())),
+                Err(_) => (self.no_results(), Some("internal error: the solver panicked, please report it".to_owned())),
+            };
+            // What an interrupted search says is no result.
+            if self.cancelled() {
+                return None;
+            }
+            self.record(point, &found);
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            (self.progress)(SweepProgress { done, of: firsts.len() });
+            Some(found)
+        };
+        let pool = scheduler::pool(self.threads)?;
+        let solved: Vec<Option<Results>> = pool.install(|| {
+            let one = |number: &usize| if self.cancelled() { None } else { one(number) };
+            open.par_iter().map(one).collect()
+        });
+        let interrupted = self.cancelled();
+        open.iter().zip(solved).for_each(|(number, found)| results[*number] = found);
+        Ok(SweepResult { solved: open.len(), interrupted, ..SweepResult::default() })
+    }
+
+    /// Trees, one after the other, each on all cores: their divisions are shared.
+    fn trees(&self, inputs: &mut Inputs<'_>) -> Result<SweepResult, SchedulerError> {
+        let mut out = SweepResult::default();
+        let of = inputs.firsts.len();
+        let before = of - inputs.open.len();
+        let mut rule: Option<(Numerics, Thresholds<'_>)> = None;
+        for (place, &number) in inputs.open.iter().enumerate() {
+            (self.progress)(SweepProgress { done: before + place, of });
+            let point = inputs.firsts[number];
+            let numerics = point.input.numerics;
+            let (_, ends) = match rule.take().filter(|(of, _)| *of == numerics) {
+                Some(same) => rule.insert(same),
+                None => {
+                    rule.insert((numerics, Thresholds::new(CriticalRadii::new(&numerics).interrupted_by(self.cancel))))
+                }
+            };
+            let tree = match self.tree(&point.input, ends, &mut out) {
+                Err(GrowError::Workers(error)) => return Err(error),
+                Ok(tree) if !self.cancelled() => tree,
+                Ok(_) | Err(GrowError::Interrupted { .. }) => {
+                    out.interrupted = true;
+                    return Ok(out);
+                }
+            };
+            let found = (tree_results(&tree), undecided_cells(&tree));
+            self.record(point, &found);
+            inputs.results[number] = Some(found);
+        }
+        Ok(out)
+    }
+
+    fn tree(&self, input: &DivisionInput, ends: &Thresholds<'_>, out: &mut SweepResult) -> Result<Tree, GrowError> {
+        let settings = TreeSettings {
+            cell: input.cell.clone(),
+            numerics: input.numerics,
+            seed: input.seed,
+            r0_step: self.memo.quantisation().relative_step(),
+        };
+        // The first cell's division is always computed: it costs less than a search for its critical radius, and no row may
+        // depend on what was searched for before.
+        let first = std::cell::Cell::new(true);
+        let ends = |cell: &Cell| if first.replace(false) { None } else { ends.of(cell) };
+        let options =
+            SchedulerOptions { threads: self.threads, interrupt: Some(self.cancel), ..SchedulerOptions::default() };
+        let lineage = self.sweep.lineage_at(&input.cell);
+        let (tree, summary) =
+            Grower { lineage: &lineage, settings, ends: &ends, memo: self.memo, options }.grow(divide)?;
+        out.solved += summary.solved;
+        out.reused += summary.memo_hits;
+        out.warnings.extend(summary.warnings);
+        Ok(tree)
+    }
+}
+
+/// The columns of divisions at one point: of a single one, or what several say together.
+fn division_results(divisions: &[Option<Division>]) -> Vec<Value> {
+    match divisions {
+        [None] => vec![UNDECIDED.into(), Value::Null, Value::Null, Value::Null],
+        [Some(d)] => vec![d.outcome.name().into(), d.chi.into(), d.u_furrow.into(), d.t_end.into()],
+        several => {
+            let Statistics { symmetric, asymmetric, failed, chi_mean, chi_sd } =
+                Statistics::of(several.iter().flatten());
+            vec![symmetric.into(), asymmetric.into(), failed.into(), chi_mean.into(), chi_sd.into()]
+        }
+    }
+}
+
+/// How many cells of a tree are undecided, and why the first is.
+fn undecided_cells(tree: &Tree) -> Option<String> {
+    let mut cells = tree.cells().filter_map(|id| match &tree.cell(id).fate.ended {
+        Some(TerminalReason::Undecided { why }) => Some((&tree.cell(id).name, why)),
+        _ => None,
+    });
+    let (name, why) = cells.next()?;
+    Some(format!("undecided cells: {}, the first of them {name}: {why}", 1 + cells.count()))
+}
+
+fn tree_results(tree: &Tree) -> Vec<Value> {
+    let mut values = vec![tree.len().into()];
+    for found in founder_rounds(tree) {
+        let chi = tree.founder_cell(found.founder).and_then(|id| tree.cell(id).fate.chi());
+        match found.rounds {
+            Some(r) => values.extend([
+                r.min.into(),
+                r.mean.into(),
+                r.max.into(),
+                r.full_doublings.into(),
+                r.terminal.into(),
+                chi.into(),
+            ]),
+            // It was never born.
+            None => values.extend(vec![Value::Null; 6]),
+        }
+    }
+    values
+}
+
+/// A cell whose pitchfork does not exist, up to [`XI_MAX`] or because of its cue, has criticality `none`: that is a result too.
+fn pitchfork_results(input: &DivisionInput, effort: &Effort<'_>) -> Result<Vec<Value>, ShapeError> {
+    let options = BranchOptions { xi: [0.0, XI_MAX], ..BranchOptions::default() };
+    match pitchfork::first_within(&input.cell, &input.numerics, &options, effort) {
+        Ok(found) => {
+            let (criticality, point) = (found.criticality().to_string(), &found.point);
+            Ok(vec![point.xi_s.into(), criticality.into(), found.coefficient.into(), point.elongation.into()])
+        }
+        Err(ShapeError::NotFound { kind: PointKind::Pitchfork, .. } | ShapeError::NoPitchfork { .. }) => {
+            Ok(vec![Value::Null, "none".into(), Value::Null, Value::Null])
+        }
+        Err(error) => Err(error),
+    }
+}
+
+fn critical_results(input: &DivisionInput, effort: &Effort<'_>) -> Result<Vec<Value>, ShapeError> {
+    let found = critical_radius_within(&input.cell, &input.numerics, effort)?;
+    let kind = if found.kind == BoundaryKind::CuedFold { "cued_fold" } else { "pitchfork" };
+    Ok(vec![found.r0.into(), kind.into()])
+}

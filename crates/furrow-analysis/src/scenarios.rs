@@ -1,0 +1,203 @@
+//! Scenarios side by side: lineages and cues in every combination, grown in one run.
+//!
+//! ```
+//! use furrow_lineage::{Lineage, TreeSettings};
+//! use furrow_analysis::scenarios::{Source, combine};
+//!
+//! let worm = Source { label: "c_elegans".into(), lineage: Lineage::c_elegans()?, settings: TreeSettings::default() };
+//! let scenarios = combine(&[worm], &["germline", "none", "tension:gradient,amplitude=0.3"])?;
+//! let names: Vec<&str> = scenarios.iter().map(|scenario| scenario.name.as_str()).collect();
+//! assert_eq!(names, ["c_elegans-germline", "c_elegans-none", "c_elegans-cue-3"]);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use std::collections::{BTreeMap, HashSet};
+
+use furrow_cell::{Cell, CueError};
+pub use furrow_lineage::Scenario;
+use furrow_lineage::batch::{Memo, SchedulerOptions, Summary};
+use furrow_lineage::{GrowError, Grower, Length, Lineage, TerminalReason, Tree, TreeSettings, grow_together};
+use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
+
+/// Names that scenarios do not get: those of the files that stand beside their folders.
+const TAKEN: [&str; 6] = ["scenarios.csv", "report.html", "run.json", "tree.json", "tree.nwk", "tree.svg"];
+/// Longest name of a scenario before a number is added to make it unique. File systems take 255 bytes.
+const LONGEST: usize = 80;
+
+/// A lineage to grow scenarios from.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// What tables call it: the name of its file, say.
+    pub label: String,
+    /// Founders and rules.
+    pub lineage: Lineage,
+    /// Parameters of its divisions.
+    pub settings: TreeSettings,
+}
+
+/// Why there are no scenarios.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ScenarioError {
+    /// Something that is no cue, in one of the lineages.
+    #[error(transparent)]
+    Cue(#[from] CueError),
+    /// Two scenarios are one.
+    #[error("duplicate scenarios: {first} and {second}")]
+    Same {
+        /// What the first is made of.
+        first: String,
+        /// What the other is made of.
+        second: String,
+    },
+}
+
+/// Every lineage with every cue; without cues, every lineage as it is. Lineages come in their order, and of each the cues in
+/// theirs.
+///
+/// A cue that has a name keeps it in the name of the scenario; one written out as terms is `cue-2` if it is the second.
+///
+/// # Errors
+/// Two scenarios that would grow the same tree beside the same counts, even if they are written in two ways, are refused and
+/// not merged: a table that lacks a column that was asked for would be read as one that has it, and what is the same twice is
+/// a slip of the pen far more often than meant.
+pub fn combine(sources: &[Source], cues: &[&str]) -> Result<Vec<Scenario>, ScenarioError> {
+    let mut scenarios: Vec<Scenario> = Vec::new();
+    let mut names = HashSet::from(TAKEN.map(str::to_owned));
+    for Source { label, lineage, settings } in sources {
+        let plain = || (label.clone(), None, lineage.clone());
+        let mut variants = if cues.is_empty() { vec![plain()] } else { Vec::new() };
+        for (k, text) in cues.iter().enumerate() {
+            let known = lineage.cue(text).is_some();
+            let called = if known { (*text).to_owned() } else { format!("cue-{}", k + 1) };
+            variants.push((format!("{label}-{called}"), Some((*text).to_owned()), lineage.carrying(text)?));
+        }
+        for (name, cue, lineage) in variants {
+            let name = unique(&safe(&name), &mut names);
+            scenarios.push(Scenario { name, label: label.clone(), cue, lineage, settings: settings.clone() });
+        }
+    }
+    refuse_equals(&scenarios)?;
+    Ok(scenarios)
+}
+
+/// Grows all scenarios in one run, which shares what is solved and the workers; one tree for each, in their order. `ends` is
+/// asked about the first cell of each of them before it is asked about any other cell.
+///
+/// # Errors
+/// As [`Grower::grow`].
+pub fn grow<S>(
+    scenarios: &[Scenario],
+    ends: &dyn Fn(&Cell) -> Option<TerminalReason>,
+    memo: &Memo,
+    options: SchedulerOptions<'_>,
+    solve: S,
+) -> Result<(Vec<Tree>, Summary), GrowError>
+where
+    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
+{
+    let mut growers = Vec::with_capacity(scenarios.len());
+    for Scenario { lineage, settings, .. } in scenarios {
+        growers.push(Grower { lineage, settings: settings.clone(), ends, memo, options });
+    }
+    grow_together(&growers, solve)
+}
+
+/// A name with what file systems, shells and drawings take everywhere: ASCII letters, digits, `-`, `_` and `.`, and no dot at
+/// an end of it.
+fn safe(name: &str) -> String {
+    let allowed = |c: char| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' };
+    let name: String = name.chars().map(allowed).take(LONGEST).collect();
+    match name.trim_matches('.') {
+        "" => "scenario".to_owned(),
+        name => name.to_owned(),
+    }
+}
+
+/// The name, with a number behind it if it is taken. Some file systems take `A` and `a` for one.
+fn unique(name: &str, taken: &mut HashSet<String>) -> String {
+    let numbered = (2..).map(|k| format!("{name}-{k}"));
+    let free = std::iter::once(name.to_owned()).chain(numbered).find(|name| taken.insert(name.to_lowercase()));
+    free.unwrap_or_else(|| name.to_owned())
+}
+
+fn refuse_equals(scenarios: &[Scenario]) -> Result<(), ScenarioError> {
+    let essences: Vec<Lineage> = scenarios.iter().map(|scenario| essence(&scenario.lineage)).collect();
+    for (k, second) in scenarios.iter().enumerate() {
+        for (j, first) in scenarios[..k].iter().enumerate() {
+            if essences[j] == essences[k] && first.settings == second.settings {
+                return Err(ScenarioError::Same { first: first.made_of(), second: second.made_of() });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The lineage without what two that grow alike may differ in: its name and source, how lengths are written, what cues are
+/// called, and those that no cell can carry.
+fn essence(lineage: &Lineage) -> Lineage {
+    let mut bare = lineage.clone();
+    let units = lineage.units();
+    bare.name.clear();
+    (bare.citation, bare.units) = (None, None);
+    let called: BTreeMap<&String, String> =
+        lineage.cues.iter().map(|(name, cue)| (name, cue.simplified().to_string())).collect();
+    let mut rename = |name: &mut String| {
+        if let Some(text) = called.get(name) {
+            name.clone_from(text);
+        }
+    };
+    bare.cue_rules.iter_mut().for_each(|rule| rename(&mut rule.cue));
+    for founder in &mut bare.founders {
+        founder.cue.iter_mut().for_each(&mut rename);
+        founder.cue_rules.iter_mut().for_each(|rule| rename(&mut rule.cue));
+        let r0 = founder.r0.and_then(|length| length.in_units(&units).ok());
+        founder.r0 = r0.map(Length::Natural).or(founder.r0);
+    }
+    bare.cues.clear();
+    bare
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn source(label: &str) -> Source {
+        let lineage = Lineage::c_elegans().unwrap();
+        Source { label: label.to_owned(), lineage, settings: TreeSettings::default() }
+    }
+
+    fn names(sources: &[Source], cues: &[&str]) -> Vec<String> {
+        combine(sources, cues).unwrap().into_iter().map(|scenario| scenario.name).collect()
+    }
+
+    #[test]
+    fn names_are_safe_and_unique() {
+        let mut other = source("../a b/Käfer.");
+        other.settings.seed = 1;
+        assert_eq!(names(&[source("worm"), other.clone()], &[]), ["worm", "-a-b-K-fer"]);
+        other.label = "WORM".to_owned();
+        assert_eq!(names(&[source("worm"), other.clone()], &["none"]), ["worm-none", "WORM-none-2"]);
+        other.label = "run.json".to_owned();
+        assert_eq!(names(&[source("..."), other.clone()], &[]), ["scenario", "run.json-2"]);
+        other.label = "x".repeat(500);
+        assert_eq!(names(&[other], &["none"])[0].len(), LONGEST);
+    }
+
+    #[test]
+    fn the_same_scenario_is_refused_however_it_is_written() {
+        let same = |cues: &[&str]| combine(&[source("worm")], cues).unwrap_err().to_string();
+        let said = "duplicate scenarios: worm with the cue none and worm with the cue none";
+        assert_eq!(same(&["none", "none"]), said);
+        assert!(
+            same(&["germline", "none", "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1"])
+                .contains("duplicate scenarios")
+        );
+        assert!(same(&["none", "tension:gradient,amplitude=0"]).contains("duplicate scenarios"));
+        assert!(combine(&[source("a"), source("b")], &[]).is_err());
+        let mut other = source("b");
+        other.lineage.founders[0].r0 = Some(Length::Natural(5.0));
+        assert_eq!(names(&[source("a"), other], &["germline", "none"]).len(), 4);
+        let wrong = combine(&[source("worm")], &["none", "germlnie"]).unwrap_err().to_string();
+        assert!(wrong.contains("germlnie") && wrong.contains("germline"), "{wrong}");
+    }
+}

@@ -1,0 +1,59 @@
+//! The part of the points that one machine solves.
+
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use super::points::Point;
+use furrow_lineage::batch::{Key, Quantisation};
+
+/// Most parts of a sweep.
+const MOST: u64 = 1_000_000;
+
+/// One of several parts of a sweep, which need to know nothing of each other.
+///
+/// A point belongs to the part that the hash of its input gives. So equal inputs are in one part and solved once, every part
+/// has cheap and dear points alike, and a point stays where it is when others are added.
+///
+/// ```
+/// use furrow_analysis::Shard;
+///
+/// assert_eq!("2/4".parse(), Ok(Shard { number: 2, of: 4 }));
+/// assert!("5/4".parse::<Shard>().is_err());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shard {
+    /// Which part, from 1.
+    pub number: u64,
+    /// How many parts there are.
+    pub of: u64,
+}
+
+impl Shard {
+    /// Whether a point belongs to this part.
+    pub fn has(self, point: &Point, quantisation: Quantisation) -> bool {
+        let mut canonical = point.input.clone();
+        canonical.cell.r0 = quantisation.apply(canonical.cell.r0);
+        Key::new(&canonical).prefix() % self.of == self.number - 1
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Shard, String> {
+        let read = || {
+            let (number, of) = text.split_once('/')?;
+            let shard = Shard { number: number.trim().parse().ok()?, of: of.trim().parse().ok()? };
+            ((1..=shard.of).contains(&shard.number) && shard.of <= MOST).then_some(shard)
+        };
+        read().ok_or_else(|| format!("must be K/N with 1 ≤ K ≤ N ≤ {MOST}, as 2/4"))
+    }
+}
+
+impl std::fmt::Display for Shard {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}/{}", self.number, self.of)
+    }
+}

@@ -1,0 +1,120 @@
+//! The sweep file: of what kind, over which axes, from what cell.
+
+use serde::{Deserialize, Serialize};
+
+use super::points::{Axes, AxisValue, Point, Target};
+use furrow_cell::settings::Settings;
+use furrow_cell::{Cell, Cue};
+use furrow_input::InputError;
+use furrow_lineage::Lineage;
+use furrow_mechanics::division::DivisionInput;
+
+/// What is computed at every point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// One division, or several with noise of different seeds.
+    Division,
+    /// A lineage, and the rounds of its founders.
+    Tree,
+    /// The threshold at which the mirror-symmetric shape loses its stability.
+    Pitchfork,
+    /// The critical radius, below which a cell does not divide.
+    Critical,
+}
+
+/// A sweep as its file gives it, checked: [`Sweep::parse`] has found every value allowed by itself.
+///
+/// ```
+/// use furrow_cell::settings::Settings;
+/// use furrow_analysis::Sweep;
+///
+/// let text = r#"Sweep(kind: division, axes: [
+///     (parameter: "r0", range: (from: 2, to: 3, count: 5)),
+///     (parameter: "scheme", list: ["converged", "published"]),
+/// ])"#;
+/// let sweep = Sweep::parse(text, "sizes.ron", &Settings::default(), &[])?;
+/// assert_eq!(sweep.points(), 10);
+/// assert_eq!(sweep.point(2).input.cell.r0, 2.25);
+/// # Ok::<(), furrow_input::InputError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sweep {
+    /// The file's name in errors.
+    pub file: String,
+    /// What is computed.
+    pub kind: Kind,
+    /// Over what.
+    pub axes: Axes,
+    /// Settings that no axis changes.
+    pub settings: Settings,
+    /// The cue of every cell where no axis says otherwise; of a tree, in place of those that the lineage gives. None leaves a
+    /// tree its lineage's cues, and other cells without one.
+    pub cue: Option<Cue>,
+    /// Divisions at each point.
+    pub replicates: u32,
+    /// Seed of the first of them, and of samples.
+    pub seed: u64,
+    /// The lineage of trees, and the names of cues.
+    pub lineage: Lineage,
+}
+
+impl Sweep {
+    /// The lineage of a tree with this first cell: with another first radius where the sweep gives one, and with the cell's
+    /// cue in place of its own where the sweep names cues.
+    pub(super) fn lineage_at(&self, cell: &Cell) -> Lineage {
+        let mut lineage = self.lineage.clone();
+        if self.axes.0.iter().any(|axis| axis.target == Target::Field("r0")) {
+            lineage.forget_first_radius();
+        }
+        if self.cue.is_none() && self.axes.0.iter().all(|axis| axis.target != Target::Cue) {
+            return lineage;
+        }
+        lineage.with_cues_replaced(if cell.cue.is_none() { "none" } else { "given" }, &cell.cue)
+    }
+
+    /// Number of points.
+    pub fn points(&self) -> usize {
+        // Counted when it was checked.
+        self.axes.points().unwrap_or(0)
+    }
+
+    /// The point of a number below [`Sweep::points`].
+    pub fn point(&self, index: usize) -> Point {
+        let (input, checked) = self.checked(index);
+        Point { index, input, refused: checked.err().map(|error| error.to_string()) }
+    }
+
+    /// The input at a point, and whether its values are allowed together.
+    pub(super) fn checked(&self, index: usize) -> (DivisionInput, Result<(), InputError>) {
+        let places = self.axes.0.iter().zip(self.axes.places(index));
+        let mut settings = self.settings.clone();
+        let mut cue = self.cue.clone().unwrap_or_default();
+        let mut pairs = Vec::new();
+        for (axis, place) in places.clone() {
+            match axis.target {
+                Target::Field(name) => pairs.push((name, axis.values[place].text())),
+                Target::Cue => cue = axis.cues[place].clone(),
+                Target::CueNumber(_) => {}
+            }
+        }
+        let set = settings.assign(&self.file, &pairs);
+        let mut cell = settings.cell.clone().with_cue(cue);
+        for (axis, place) in places {
+            if let (Target::CueNumber(parameter), AxisValue::Number(value)) = (axis.target, &axis.values[place]) {
+                parameter.set(&mut cell, *value);
+            }
+        }
+        // Each value is allowed by itself; whether they are together is seen here.
+        let mut checked = set.and_then(|()| settings.check(&self.file));
+        if matches!(self.kind, Kind::Division | Kind::Tree) {
+            checked = checked
+                .and_then(|()| settings.check_divisions(&self.file))
+                .and_then(|()| settings.check_activity(&self.file));
+        }
+        let checked = checked.and_then(|()| {
+            cell.cue.check().map_err(|e| InputError::not_allowed(&self.file, e.field, e.value, e.allowed))
+        });
+        (DivisionInput { cell, numerics: settings.numerics, seed: self.seed }, checked)
+    }
+}

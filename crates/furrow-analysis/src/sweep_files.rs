@@ -1,0 +1,310 @@
+//! The files of a sweep: its table, and all that decides it. Parts of a sweep are put together from theirs.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::table::{TableError, csv_text, json_lines, read_line};
+use crate::{AxisValue, Journal, Kind, Row, Shard, Sweep};
+use furrow_cell::{Cell, Numerics};
+use furrow_formats::files::{FileSet, WriteError};
+use furrow_formats::provenance::Provenance;
+use furrow_input::{InputError, listed};
+use furrow_lineage::Lineage;
+use furrow_lineage::batch::{Quantisation, SOLVER_VERSION};
+
+/// Name of the format.
+const SCHEMA: &str = "furrow.sweep";
+
+/// Version of the format; it is raised when a field changes its meaning or goes.
+const SCHEMA_VERSION: u32 = 1;
+
+const CSV: &str = "results.csv";
+const LINES: &str = "results.jsonl";
+const HEAD: &str = "sweep.json";
+
+/// The files of a sweep, in the order in which they are put in place: where the last one is, all are.
+pub const SWEEP_FILES: [&str; 3] = [CSV, LINES, HEAD];
+
+/// Why the files of a sweep could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepFilesError {
+    /// The table has no form as text.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// The definition has no JSON form.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+/// `sweep.json`: everything that decides the results, and nothing that does not.
+#[derive(Serialize)]
+struct Head<'a> {
+    schema: &'a str,
+    schema_version: u32,
+    provenance: Provenance,
+    /// Version of the solver of divisions.
+    solver: u32,
+    kind: Kind,
+    /// What no axis says.
+    cell: &'a Cell,
+    numerics: &'a Numerics,
+    /// The cue where no axis says otherwise; of a tree none stands for the lineage's own.
+    cue: Option<String>,
+    axes: Vec<HeadAxis<'a>>,
+    replicates: u32,
+    seed: u64,
+    /// Relative step to which R0 is rounded.
+    r0_step: f64,
+    /// The lineage of trees.
+    lineage: Option<&'a Lineage>,
+    columns: Vec<String>,
+    points: usize,
+    /// Which part of the sweep this is, and its rows; not there where it is the whole.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shard: Option<HeadShard>,
+}
+
+#[derive(Serialize)]
+struct HeadAxis<'a> {
+    parameter: &'a str,
+    values: &'a [AxisValue],
+    /// Of an axis of cues what they mean.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    cues: BTreeMap<String, String>,
+    sampled: bool,
+}
+
+#[derive(Clone, Copy, Serialize, serde::Deserialize)]
+struct HeadShard {
+    #[serde(flatten)]
+    shard: Shard,
+    rows: usize,
+}
+
+/// Opens the journal of a sweep, or of a shard of it, in the folder of its files.
+///
+/// # Errors
+/// [`SweepFilesError`].
+pub fn open_journal(
+    sweep: &Sweep,
+    quantisation: Quantisation,
+    shard: Option<Shard>,
+    folder: &Path,
+) -> Result<Journal, SweepFilesError> {
+    let SweepTable { head, columns, .. } = SweepTable::new(sweep, quantisation, shard, Vec::new())?;
+    Ok(Journal::open(folder, &head, columns)?)
+}
+
+/// A table and what decided it, as its files hold them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweepTable {
+    head: Value,
+    columns: Vec<String>,
+    /// The rows, in the order of the points.
+    pub rows: Vec<Row>,
+}
+
+impl SweepTable {
+    /// The table of a sweep, or of a part of it.
+    ///
+    /// # Errors
+    /// [`SweepFilesError::Json`].
+    pub fn new(
+        sweep: &Sweep,
+        quantisation: Quantisation,
+        shard: Option<Shard>,
+        rows: Vec<Row>,
+    ) -> Result<SweepTable, SweepFilesError> {
+        let axes = sweep.axes.0.iter().map(|axis| HeadAxis {
+            parameter: &axis.name,
+            values: &axis.values,
+            cues: axis.values.iter().zip(&axis.cues).map(|(v, cue)| (v.text().into_owned(), cue.to_string())).collect(),
+            sampled: axis.sampled,
+        });
+        let columns = sweep.columns();
+        let head = Head {
+            schema: SCHEMA,
+            schema_version: SCHEMA_VERSION,
+            provenance: Provenance::current(),
+            solver: SOLVER_VERSION,
+            kind: sweep.kind,
+            cell: &sweep.settings.cell,
+            numerics: &sweep.settings.numerics,
+            cue: sweep.cue.as_ref().map(ToString::to_string),
+            axes: axes.collect(),
+            replicates: sweep.replicates,
+            seed: sweep.seed,
+            r0_step: quantisation.relative_step(),
+            lineage: (sweep.kind == Kind::Tree).then_some(&sweep.lineage),
+            columns: columns.clone(),
+            points: sweep.points(),
+            shard: shard.map(|shard| HeadShard { shard, rows: rows.len() }),
+        };
+        // By way of a value, whose fields are in the order of their names: so they are as well once they have been read.
+        Ok(SweepTable { head: serde_json::to_value(head)?, columns, rows })
+    }
+
+    /// Writes the files into a folder. Files of another sweep there are overwritten.
+    ///
+    /// # Errors
+    /// [`SweepFilesError`].
+    pub fn write(&self, folder: &Path) -> Result<(), SweepFilesError> {
+        let mut files = FileSet::new(folder);
+        files.stage(CSV, &csv_text(&self.columns, &self.rows)?)?;
+        files.stage(LINES, &json_lines(&self.columns, &self.rows)?)?;
+        files.stage(HEAD, format!("{}\n", serde_json::to_string_pretty(&self.head)?).as_bytes())?;
+        Ok(files.commit()?)
+    }
+
+    /// Reads the files of a folder.
+    ///
+    /// # Errors
+    /// Names the file and what is wrong with it.
+    fn read(folder: &Path) -> Result<SweepTable, InputError> {
+        let head = read_head(folder)?;
+        let file = folder.join(LINES);
+        let name = file.display().to_string();
+        let unreadable =
+            |error: std::io::Error| InputError::Unreadable { file: name.clone(), reason: error.to_string() };
+        let columns: Option<Vec<String>> = serde_json::from_value(head["columns"].clone()).ok();
+        let columns = columns.ok_or_else(|| not_ours(&folder.join(HEAD), "it names no columns"))?;
+        let mut rows = Vec::new();
+        for (k, line) in BufReader::new(File::open(&file).map_err(unreadable)?).lines().enumerate() {
+            let row = read_line(&columns, &line.map_err(unreadable)?);
+            rows.push(row.ok_or_else(|| InputError::Malformed {
+                file: name.clone(),
+                line: k + 1,
+                column: 1,
+                message: format!("this is no row of the columns that {HEAD} names"),
+            })?);
+        }
+        Ok(SweepTable { head, columns, rows })
+    }
+
+    /// Which part of a sweep it is.
+    fn shard(&self, folder: &Path) -> Result<HeadShard, InputError> {
+        let file = folder.join(HEAD);
+        let shard = self.head.get("shard").ok_or_else(|| not_ours(&file, "it is a whole sweep"))?;
+        let shard: HeadShard = serde_json::from_value(shard.clone()).map_err(|e| not_ours(&file, &e.to_string()))?;
+        if shard.rows == self.rows.len() {
+            return Ok(shard);
+        }
+        let allowed = format!("{}, as {HEAD} beside it says", shard.rows);
+        Err(InputError::not_allowed(folder.join(LINES).display().to_string(), "rows", self.rows.len(), allowed))
+    }
+
+    /// The definition without what tells the parts of a sweep from each other.
+    fn definition(&self) -> Value {
+        let mut head = self.head.clone();
+        if let Some(fields) = head.as_object_mut() {
+            fields.remove("shard");
+        }
+        head
+    }
+}
+
+fn not_ours(file: &Path, reason: &str) -> InputError {
+    InputError::OtherFile {
+        file: file.display().to_string(),
+        wanted: "the record of a part of a sweep".to_owned(),
+        reason: reason.to_owned(),
+    }
+}
+
+fn read_head(folder: &Path) -> Result<Value, InputError> {
+    let file = folder.join(HEAD);
+    let unreadable = |reason: String| InputError::Unreadable { file: file.display().to_string(), reason };
+    let opened = File::open(&file).map_err(|error| unreadable(error.to_string()))?;
+    let head: Value = serde_json::from_reader(BufReader::new(opened)).map_err(|e| not_ours(&file, &e.to_string()))?;
+    if head["schema"] == SCHEMA && head["schema_version"] == SCHEMA_VERSION {
+        return Ok(head);
+    }
+    Err(not_ours(&file, &format!("it is not {SCHEMA}, version {SCHEMA_VERSION}")))
+}
+
+fn what_differs(there: &Value, now: &Value) -> String {
+    const NAMED: usize = 3;
+    let mut found = Vec::new();
+    differences("sweep", there, now, &mut found);
+    let more = if found.len() > NAMED { format!("; and {} more", found.len() - NAMED) } else { String::new() };
+    found.truncate(NAMED);
+    format!("{}{more}", found.join("; "))
+}
+
+/// Names the fields in which two values differ, each with both of its values where they are short.
+fn differences(name: &str, there: &Value, now: &Value, found: &mut Vec<String>) {
+    match (there, now) {
+        _ if there == now => {}
+        (Value::Object(a), Value::Object(b)) => {
+            let added = b.keys().filter(|key| !a.contains_key(*key));
+            for key in a.keys().chain(added) {
+                let of = |map: &serde_json::Map<String, Value>| map.get(key).cloned().unwrap_or_default();
+                differences(&format!("{name}.{key}"), &of(a), &of(b), found);
+            }
+        }
+        _ if there.is_array() || there.is_object() || now.is_array() || now.is_object() => {
+            found.push(format!("another {name}"));
+        }
+        _ => found.push(format!("{name} = {there} there, {now} now")),
+    }
+}
+
+/// Puts the parts of a sweep together: the same table as of the whole sweep, byte for byte.
+///
+/// # Errors
+/// Names the folder and what is wrong: parts of different sweeps or versions, a part that is missing or not whole, two rows of
+/// one point that differ.
+pub fn merge(folders: &[PathBuf]) -> Result<SweepTable, InputError> {
+    let mut definition: Option<(Value, Vec<String>)> = None;
+    let mut rows: BTreeMap<usize, (Row, usize)> = BTreeMap::new();
+    let mut seen = std::collections::BTreeSet::new();
+    let mut of = 0;
+    for (number, folder) in folders.iter().enumerate() {
+        let table = SweepTable::read(folder)?;
+        let shard = table.shard(folder)?.shard;
+        let own = table.definition();
+        let name = folder.display().to_string();
+        match &definition {
+            Some((first, _)) if *first != own => {
+                let allowed = format!("that of {}: they differ ({})", folders[0].display(), what_differs(first, &own));
+                return Err(InputError::not_allowed(name, "definition", "another one", allowed));
+            }
+            Some(_) if shard.of != of => {
+                let allowed = format!("one of {of} parts, as {} is", folders[0].display());
+                return Err(InputError::not_allowed(name, "shard", shard, allowed));
+            }
+            Some(_) => {}
+            None => (definition, of) = (Some((own, table.columns)), shard.of),
+        }
+        seen.insert(shard.number);
+        for row in table.rows {
+            if let Some((other, from)) = rows.get(&row.index).filter(|(other, _)| *other != row) {
+                let allowed = format!("the same as in {}", folders[*from].display());
+                return Err(InputError::not_allowed(name, "row of point", other.index, allowed));
+            }
+            rows.insert(row.index, (row, number));
+        }
+    }
+    let Some((head, columns)) = definition else {
+        return Err(InputError::not_allowed("merge", "folders", "none", "the folders of all parts of a sweep"));
+    };
+    let missing: Vec<String> = (1..=of).filter(|k| !seen.contains(k)).map(|k| format!("{k}/{of}")).collect();
+    if !missing.is_empty() {
+        let allowed = format!("all {of} of them; missing: {}", listed(missing.iter().map(String::as_str), ", "));
+        return Err(InputError::not_allowed("merge", "parts", seen.len(), allowed));
+    }
+    let points = head["points"].as_u64().unwrap_or(0);
+    if rows.len() as u64 != points || rows.keys().next_back().is_some_and(|last| *last as u64 >= points) {
+        let allowed = format!("those of all {points} points, each once");
+        return Err(InputError::not_allowed("merge", "rows", rows.len(), allowed));
+    }
+    Ok(SweepTable { head, columns, rows: rows.into_values().map(|(row, _)| row).collect() })
+}

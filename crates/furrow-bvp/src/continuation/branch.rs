@@ -1,0 +1,601 @@
+//! Pseudo-arclength continuation of solutions of a boundary-value problem in its last scalar unknown λ.
+//!
+//! A point of the branch and its unit tangent t (in a [`Metric`]) give the next point as the solution of the problem
+//! together with ⟨t, x − x_last⟩ = Δs (N.8); Newton starts from the polynomial through the last points. Folds are ordinary points
+//! of the branch. The state of a run can be stored and resumed.
+//!
+//! # References
+//! Keller, in *Applications of Bifurcation Theory*, Academic Press 1977, p. 359 (pseudo-arclength).
+
+use serde::{Deserialize, Serialize};
+
+use crate::dense::PivotFailure;
+use crate::dimensions::TooLarge;
+use crate::direction::{Direction, LinearCondition};
+use crate::linear::System;
+use crate::mesh;
+use crate::metric::{self, Metric};
+use crate::newton::{Newton, NewtonError, NewtonReport, NewtonScratch, Work};
+use crate::problem::BoundaryValueProblem;
+use crate::solution::Solution;
+
+use super::predictor::History;
+
+/// Settings of a continuation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContinuationSettings {
+    /// The corrector. Few factorisations: a step that needs more is too long.
+    pub newton: Newton,
+    /// First step, in arclength.
+    pub first_step: f64,
+    /// Smallest step before giving up.
+    pub min_step: f64,
+    /// Largest step.
+    pub max_step: f64,
+    /// Smallest cosine between the tangents of neighbouring points.
+    pub min_cosine: f64,
+    /// Move the mesh when the largest interval carries this many times its share of the monitor.
+    pub remesh_above: f64,
+}
+
+impl Default for ContinuationSettings {
+    fn default() -> Self {
+        ContinuationSettings {
+            newton: Newton { max_factorisations: 3, max_iterations: 8, min_damping: 0.2, ..Newton::default() },
+            first_step: 0.05,
+            min_step: 1e-8,
+            max_step: 1.0,
+            min_cosine: 0.9,
+            remesh_above: 1.8,
+        }
+    }
+}
+
+/// Why a step along a branch failed.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepFailure {
+    /// The corrector does not converge.
+    #[error(transparent)]
+    Newton(#[from] NewtonError),
+    /// The tangents at both ends of the step are too far apart.
+    #[error("the branch turns too sharply (cosine {cosine:.3})")]
+    Turn {
+        /// Cosine of the angle between the tangents.
+        cosine: f64,
+    },
+    /// The point found is not on the branch the step set out from.
+    #[error("the step leads to another branch")]
+    OtherBranch,
+    /// There is no tangent: the system bordered by the plane condition is singular.
+    #[error("the Jacobian is singular (pivot {})", .0.column)]
+    Singular(#[from] PivotFailure),
+}
+
+/// Why a continuation failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ContinuationError {
+    /// The problem does not fit the kernels.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
+    /// No first point.
+    #[error("no first point at parameter {parameter}: {source}")]
+    Start {
+        /// Value of λ.
+        parameter: f64,
+        /// Error of the solver.
+        source: NewtonError,
+    },
+    /// The corrector fails for the smallest step.
+    #[error("the branch is lost at parameter {parameter} after arclength {arclength}: {source}")]
+    Lost {
+        /// Value of λ at the last point.
+        parameter: f64,
+        /// Arclength of the last point.
+        arclength: f64,
+        /// The last failure.
+        source: StepFailure,
+    },
+}
+
+/// Branches nearer to each other than a step of this length do meet, as far as rounding can tell: the branch goes
+/// straight on.
+const CLOSED_GAP: f64 = 1e-6;
+
+/// A rejected step is repeated with this fraction of its length.
+pub(crate) const SHORTER: f64 = 0.4;
+
+/// Where the factors of the last point have served for a step, they are tried for steps longer by this factor; where they have
+/// not, for shorter ones alone.
+const REACH_GROWTH: f64 = 1.2;
+const REACH_LOSS: f64 = 0.5;
+/// Most corrections with them, and how much of one the next may be: all together they cost half a factorisation.
+const CHORD_STEPS: usize = 7;
+const CHORD_CONTRACTION: f64 = 0.5;
+
+/// After so many rejections the tangent they start from is in doubt.
+const DOUBTFUL: usize = 2;
+
+/// State of a run, sufficient to resume it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// The newest point.
+    pub solution: Solution,
+    /// Its unit tangent.
+    pub tangent: Direction,
+    /// Arclength from the first point.
+    pub arclength: f64,
+    /// The step to try next.
+    pub step: f64,
+    /// Points accepted, the first included.
+    pub points: usize,
+    /// Sign of dλ/ds as last confirmed with exact factors; 0 if not known.
+    pub direction: f64,
+    /// Sign of the determinant bordered by the tangent: the same all along a branch; 0 if not known.
+    #[serde(default)]
+    pub orientation: f64,
+    /// The last points, for the predictor.
+    pub history: History,
+}
+
+impl State {
+    /// Value of λ.
+    pub fn parameter(&self) -> f64 {
+        self.solution.scalars[self.solution.scalars.len() - 1]
+    }
+
+    /// dλ/ds.
+    pub fn parameter_slope(&self) -> f64 {
+        self.tangent.scalars[self.tangent.scalars.len() - 1]
+    }
+}
+
+/// What one accepted step did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Advance {
+    /// dλ/ds changed sign: a fold lies between the last two points.
+    pub passed_fold: bool,
+    /// Work of the corrector.
+    pub report: NewtonReport,
+    /// Steps rejected before.
+    pub rejected: usize,
+}
+
+/// A step that is not yet accepted: the point is in `trial`, its tangent in `tangent`.
+struct Attempt {
+    report: NewtonReport,
+    /// Cosine of the angle turned.
+    cosine: f64,
+    /// Sign of the bordered determinant.
+    orientation: f64,
+    /// The factors are those of the point itself.
+    exact: bool,
+}
+
+/// Why following a branch ended.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Termination {
+    /// λ left its range; the last point lies on the bound.
+    ParameterBound(f64),
+    /// The largest number of points is reached.
+    PointLimit(usize),
+    /// The visitor returned false.
+    Stopped,
+}
+
+/// Weights of a mesh monitor, one per interval.
+pub type MeshMonitor<P> = fn(&P, &Solution, &mut Vec<f64>);
+
+/// Continuation of one branch.
+///
+/// # Examples
+/// The branch of u″ + λeᵘ = 0, u(0) = u(1) = 0 from u = 0 at λ = 0 up to λ = 2. `Oscillator` is in
+/// `examples/problems/oscillator.rs`.
+///
+/// ```
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::{Force, Oscillator};
+/// use furrow_bvp::{Continuation, ContinuationSettings, Termination, Metric};
+/// let problem = Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 };
+/// let guess = problem.zero(1.0, 20, 4, 0.0);
+/// let settings = ContinuationSettings::default();
+/// let mut branch = Continuation::start(problem, guess, Metric::unit(2, 1), settings, true)?;
+/// let ended = branch.follow([0.0, 2.0], 100, |_, advance| !advance.passed_fold)?;
+/// assert_eq!(ended, Termination::ParameterBound(2.0));
+/// let mut y = [0.0; 2];
+/// branch.state.solution.eval(&branch.system.gauss, 0.5, &mut y);
+/// let cosh = (0.5 * y[0]).exp();
+/// assert!((8.0 * (cosh.acosh() / cosh).powi(2) - 2.0).abs() < 1e-7);
+/// # Ok::<(), crate::ContinuationError>(())
+/// ```
+pub struct Continuation<P> {
+    /// The problem; its last scalar unknown is the parameter λ. One condition short of square.
+    pub problem: P,
+    /// Factors of a point near the newest, with a plane condition: see [`factorise_newest`](Continuation::factorise_newest).
+    pub system: System,
+    /// Settings.
+    pub settings: ContinuationSettings,
+    /// Norm of the branch.
+    pub metric: Metric,
+    /// Monitor that the mesh equidistributes; by default the defect.
+    pub monitor: Option<MeshMonitor<P>>,
+    /// State of the run.
+    pub state: State,
+    /// Work so far.
+    pub work: Work,
+    scratch: NewtonScratch,
+    conditions: Vec<LinearCondition>,
+    trial: Solution,
+    tangent: Direction,
+    weight: Vec<f64>,
+    /// The factors in `system` are those of the newest point.
+    exact: bool,
+    /// Steps up to this length are corrected with the factors of the point that they start from.
+    reach: f64,
+}
+
+impl<P: BoundaryValueProblem> Continuation<P> {
+    /// Starts at the solution near `guess` with the λ of `guess`, towards larger λ if `upwards`.
+    ///
+    /// # Errors
+    /// [`ContinuationError::Start`] if there is no such solution, [`ContinuationError::TooLarge`] if [`Dimensions::check`]
+    /// fails.
+    ///
+    /// [`Dimensions::check`]: crate::Dimensions::check
+    pub fn start(
+        mut problem: P,
+        guess: Solution,
+        metric: Metric,
+        settings: ContinuationSettings,
+        upwards: bool,
+    ) -> Result<Self, ContinuationError> {
+        let dims = problem.dimensions();
+        dims.check(guess.m)?;
+        let mut system = System::new(dims, guess.m);
+        let mut scratch = NewtonScratch::default();
+        let mut conditions = vec![LinearCondition::default()];
+        let mut solution = guess;
+        let last = dims.scalars - 1;
+        let parameter = solution.scalars[last];
+        metric::scalar_condition(&solution, last, parameter, &mut conditions[0]);
+        patient(settings.newton)
+            .solve(&mut system, &mut scratch, &mut problem, &mut solution, &conditions, false)
+            .map_err(|source| ContinuationError::Start { parameter, source })?;
+        let mut tangent = Direction::default();
+        system.null_direction(0, &mut tangent);
+        metric.normalise(&solution.mesh, &mut tangent);
+        if !upwards {
+            tangent.scale(-1.0);
+        }
+        let mut history = History::default();
+        history.push(0.0, &solution);
+        let step = settings.first_step;
+        let direction = if upwards { 1.0 } else { -1.0 };
+        let state = State { solution, tangent, arclength: 0.0, step, points: 1, direction, orientation: 0.0, history };
+        Ok(Continuation::resume(problem, state, metric, settings))
+    }
+
+    /// Resumes a run, or starts one from a point whose tangent is known (e.g. a branch switched to).
+    pub fn resume(problem: P, mut state: State, metric: Metric, settings: ContinuationSettings) -> Self {
+        if state.history.is_empty() {
+            state.history.push(state.arclength, &state.solution);
+        }
+        let system = System::new(problem.dimensions(), state.solution.m);
+        Continuation {
+            trial: state.solution.clone(),
+            tangent: Direction::default(),
+            problem,
+            system,
+            settings,
+            metric,
+            monitor: None,
+            state,
+            work: Work::default(),
+            scratch: NewtonScratch::default(),
+            conditions: vec![LinearCondition::default()],
+            weight: Vec::new(),
+            exact: false,
+            reach: f64::INFINITY,
+        }
+    }
+
+    /// Reverses the direction.
+    pub fn reverse(&mut self) {
+        self.exact = false;
+        self.state.tangent.scale(-1.0);
+        self.state.direction = -self.state.direction;
+        self.state.history.clear();
+        self.state.history.push(self.state.arclength, &self.state.solution);
+    }
+
+    /// Takes one step.
+    ///
+    /// # Errors
+    /// [`ContinuationError::Lost`]; the state is left at the last point.
+    pub fn advance(&mut self) -> Result<Advance, ContinuationError> {
+        self.remesh();
+        let mut step = self.state.step.min(self.settings.max_step);
+        let mut rejected = 0;
+        loop {
+            let source = match self.attempt(step) {
+                Ok(attempt) => return Ok(self.accept(step, attempt, rejected)),
+                Err(failure) => failure,
+            };
+            rejected += 1;
+            step *= SHORTER;
+            if rejected == DOUBTFUL {
+                // The tangent is of the corrector's factors, those of a prediction: if it is off by too much, no step is
+                // short enough. Without an exact one the next rejections go on as before.
+                let _ = self.exact_tangent();
+            }
+            if step < self.settings.min_step {
+                return Err(self.lost(self.state.parameter(), source));
+            }
+        }
+    }
+
+    fn lost(&self, parameter: f64, source: StepFailure) -> ContinuationError {
+        ContinuationError::Lost { parameter, arclength: self.state.arclength, source }
+    }
+
+    /// Makes the point of an attempt the newest.
+    fn accept(&mut self, step: f64, attempt: Attempt, rejected: usize) -> Advance {
+        let Attempt { report, cosine, orientation, exact } = attempt;
+        self.exact = exact;
+        let parameter = self.state.parameter();
+        self.state.orientation = orientation;
+        std::mem::swap(&mut self.state.tangent, &mut self.tangent);
+        std::mem::swap(&mut self.state.solution, &mut self.trial);
+        self.state.arclength += step;
+        self.state.points += 1;
+        self.state.history.push(self.state.arclength, &self.state.solution);
+        self.state.step = step * growth(report, cosine, self.settings.min_cosine);
+        self.work += Work { steps: 1, rejected, ..Work::default() };
+        self.work += report;
+        let passed_fold = self.confirm_direction(self.state.parameter() - parameter);
+        Advance { passed_fold, report, rejected }
+    }
+
+    /// The tangent at the newest point with the factors of the point itself, which are then those of its own plane.
+    fn exact_tangent(&mut self) -> Result<(), PivotFailure> {
+        self.factorise_newest()?;
+        let Continuation { system, metric, state, tangent, .. } = self;
+        system.null_direction(0, tangent);
+        metric.normalise(&state.solution.mesh, tangent);
+        std::mem::swap(&mut state.tangent, tangent);
+        Ok(())
+    }
+
+    /// Factorises the system at the newest point itself, unless the last step has. A corrector that needed factors of its own
+    /// leaves those of its prediction, close enough to converge with but, where a step changes the solution by a large part of
+    /// itself, not to judge by.
+    ///
+    /// # Errors
+    /// If a pivot vanishes.
+    pub fn factorise_newest(&mut self) -> Result<(), PivotFailure> {
+        if self.exact {
+            return Ok(());
+        }
+        let Continuation { problem, system, metric, state, conditions, .. } = self;
+        metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]);
+        system.evaluate(problem, &state.solution, conditions, true);
+        system.condense()?;
+        system.factor_blocks(conditions)?;
+        self.exact = true;
+        Ok(())
+    }
+
+    /// Whether dλ/ds has changed sign. The corrector's factors belong to a prediction, so a change is confirmed with
+    /// those of the point itself; so is one that the last step shows, by the distance λ has `moved`.
+    fn confirm_direction(&mut self, moved: f64) -> bool {
+        let direction = self.state.direction;
+        let goes_on = direction * self.state.parameter_slope() > 0.0 && direction * moved > 0.0;
+        if goes_on || self.exact_tangent().is_err() {
+            return false;
+        }
+        let (before, now) = (self.state.direction, self.state.parameter_slope().signum());
+        self.state.direction = now;
+        before * now < 0.0
+    }
+
+    /// A corrected point at distance `step` in `trial`, and its tangent in `tangent`.
+    ///
+    /// A short step is corrected with the factors of the point that it starts from. That leaves one factorisation for the point
+    /// found, whose tangent and determinants are then exact. A longer one needs factors of its own, which serve for its tangent.
+    fn attempt(&mut self, step: f64) -> Result<Attempt, StepFailure> {
+        self.predict(step);
+        let reuse = std::mem::take(&mut self.exact) && step <= self.reach;
+        let Continuation { problem, system, settings, metric, state, scratch, conditions, trial, .. } = self;
+        // The plane is set by the point and not by the prediction, or steps would drift with the extrapolation.
+        metric.plane_through(&state.solution, &state.tangent, &mut conditions[0]);
+        conditions[0].value += step;
+        let chord = Newton { max_iterations: CHORD_STEPS, chord_contraction: CHORD_CONTRACTION, ..settings.newton };
+        let reused = if reuse { chord.solve_with_factors(system, scratch, problem, trial, conditions) } else { None };
+        let report = match reused {
+            Some(report) => {
+                system.evaluate(problem, trial, conditions, true);
+                system.condense()?;
+                system.factor_blocks(conditions)?;
+                NewtonReport { factorisations: 1, ..report }
+            }
+            None => settings.newton.solve(system, scratch, problem, trial, conditions, false)?,
+        };
+        let exact = reused.is_some();
+        self.reach = match (reuse, exact) {
+            (true, true) => self.reach.max(REACH_GROWTH * step),
+            (true, false) => REACH_LOSS * step,
+            // Where the branch has become straighter they may serve again.
+            (false, _) => self.reach * REACH_GROWTH,
+        };
+        let Continuation { system, settings, metric, state, trial, tangent, .. } = self;
+        system.null_direction(0, tangent);
+        metric.normalise(&trial.mesh, tangent);
+        let cosine = metric.dot(&trial.mesh, tangent, &state.tangent);
+        if cosine < settings.min_cosine {
+            return Err(StepFailure::Turn { cosine });
+        }
+        let orientation = self.orientation();
+        if orientation * self.state.orientation < 0.0 && step > CLOSED_GAP {
+            return Err(StepFailure::OtherBranch);
+        }
+        Ok(Attempt { report, cosine, orientation, exact })
+    }
+
+    /// The point at distance `step` by extrapolation, in `trial`.
+    fn predict(&mut self, step: f64) {
+        let Continuation { state, trial, .. } = self;
+        if state.history.len() > 1 {
+            state.history.extrapolate(state.arclength + step, trial);
+        } else {
+            trial.clone_from(&state.solution);
+            state.tangent.apply(step, trial);
+        }
+    }
+
+    /// Sign of the bordered determinant at the trial point.
+    ///
+    /// Where two branches nearly meet, as next to an imperfect pitchfork, a step across the gap turns by no angle at all.
+    /// But it turns the sign of the bordered determinant, as passing a branch point does, and nothing else does.
+    fn orientation(&mut self) -> f64 {
+        let Continuation { problem, system, state, conditions, trial, .. } = self;
+        let sign = system.determinant().sign;
+        if sign * state.orientation >= 0.0 {
+            return sign;
+        }
+        // The corrector's factors belong to a prediction: what counts is the point itself.
+        system.evaluate(problem, trial, conditions, true);
+        match system.condense().and_then(|()| system.factor_blocks(conditions)) {
+            Ok(()) => system.determinant().sign,
+            Err(_) => sign,
+        }
+    }
+
+    /// Moves the mesh if it no longer fits.
+    fn remesh(&mut self) {
+        let y = &self.state.solution;
+        match self.monitor {
+            Some(monitor) => monitor(&self.problem, y, &mut self.weight),
+            None => {
+                let defect = mesh::defect(&self.system.gauss, &mut self.problem, y);
+                mesh::defect_monitor(&y.mesh, &defect, y.m, &mut self.weight);
+            }
+        }
+        if let Some(grid) = mesh::rebalanced(&y.mesh, &self.weight, self.settings.remesh_above) {
+            self.move_to(&grid);
+        }
+    }
+
+    /// Carries the run over to another mesh.
+    pub fn move_to(&mut self, grid: &[f64]) {
+        self.exact = false;
+        let gauss = &self.system.gauss;
+        metric::transfer_direction(gauss, &self.state.solution.mesh, grid, &mut self.state.tangent);
+        self.metric.normalise(grid, &mut self.state.tangent);
+        self.state.solution.transfer_into(gauss, grid, &mut self.trial);
+        std::mem::swap(&mut self.state.solution, &mut self.trial);
+        self.state.history.transfer(gauss, grid);
+        self.work.remeshings += 1;
+    }
+
+    /// Follows the branch until λ leaves `range`, `limit` points are reached or `visit` returns false. `visit` sees
+    /// every accepted point with the factors it left in `system`. A last point on the bound of the range is solved for.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    pub fn follow(
+        &mut self,
+        range: [f64; 2],
+        limit: usize,
+        mut visit: impl FnMut(&mut Self, Advance) -> bool,
+    ) -> Result<Termination, ContinuationError> {
+        for _ in 0..limit {
+            let advance = self.advance()?;
+            let parameter = self.state.parameter();
+            if parameter < range[0] || parameter > range[1] {
+                let bound = parameter.clamp(range[0], range[1]);
+                self.land_on(bound)?;
+                visit(self, advance);
+                return Ok(Termination::ParameterBound(bound));
+            }
+            if !visit(self, advance) {
+                return Ok(Termination::Stopped);
+            }
+        }
+        Ok(Termination::PointLimit(limit))
+    }
+
+    /// Replaces the newest point by the one with λ = `value` between the last two.
+    ///
+    /// # Errors
+    /// [`ContinuationError::Lost`] if the corrector fails there.
+    pub fn land_on(&mut self, value: f64) -> Result<(), ContinuationError> {
+        let y = self.at(value)?;
+        if let Some((before, share)) = self.between_last_points(value) {
+            self.state.arclength = before + share.clamp(0.0, 1.0) * (self.state.arclength - before);
+        }
+        self.state.solution = y;
+        self.exact_tangent().map_err(|failure| self.lost(value, failure.into()))?;
+        // The points before stay, so that what lies between them and the new one can still be located.
+        self.state.history.replace_newest(self.state.arclength, &self.state.solution);
+        Ok(())
+    }
+
+    /// Arclength of the point before the newest, and the place of λ = `value` between the two by linear interpolation: 0 at
+    /// that point, 1 at the newest. None if λ is the same at both.
+    fn between_last_points(&self, value: f64) -> Option<(f64, f64)> {
+        let (arclength, earlier) = self.state.history.back(1)?;
+        let before = earlier.scalars[earlier.scalars.len() - 1];
+        let span = self.state.parameter() - before;
+        (span != 0.0).then(|| (arclength, (value - before) / span))
+    }
+
+    /// Corrects `y` onto the branch in the plane through it across `direction`. Left as it is if that fails.
+    pub fn correct_across(&mut self, y: &mut Solution, direction: &Direction) {
+        self.exact = false;
+        self.metric.plane_through(y, direction, &mut self.conditions[0]);
+        self.trial.clone_from(y);
+        let Continuation { problem, system, settings, scratch, conditions, trial, .. } = self;
+        if settings.newton.solve(system, scratch, problem, trial, conditions, false).is_ok() {
+            std::mem::swap(y, trial);
+        }
+    }
+
+    /// The solution with λ = `value` near the last two points; the run itself is left alone.
+    ///
+    /// # Errors
+    /// [`ContinuationError::Lost`] if the corrector fails there.
+    pub fn at(&mut self, value: f64) -> Result<Solution, ContinuationError> {
+        self.exact = false;
+        let mut y = self.state.solution.clone();
+        if let Some((before, share)) = self.between_last_points(value) {
+            self.state.history.extrapolate(before + share * (self.state.arclength - before), &mut y);
+        }
+        let last = y.scalars.len() - 1;
+        metric::scalar_condition(&y, last, value, &mut self.conditions[0]);
+        patient(self.settings.newton)
+            .solve(&mut self.system, &mut self.scratch, &mut self.problem, &mut y, &self.conditions, false)
+            .map_err(|error| self.lost(value, error.into()))?;
+        Ok(y)
+    }
+}
+
+/// The corrector where no shorter step can help it.
+fn patient(newton: Newton) -> Newton {
+    Newton { max_factorisations: 20, max_iterations: 60, ..newton }
+}
+
+/// Factor on the next step from the corrector's work and from the angle turned.
+fn growth(report: NewtonReport, cosine: f64, min_cosine: f64) -> f64 {
+    let by_work: f64 = match (report.factorisations, report.iterations) {
+        (1, ..=3) => 1.5,
+        (1, _) => 1.15,
+        (2, _) => 0.8,
+        _ => 0.6,
+    };
+    // Turning angles grow in proportion to the step: aim at half the angle allowed.
+    let angle = (1.0 - cosine).max(0.0).sqrt();
+    let allowed = 0.6 * (1.0 - min_cosine).sqrt();
+    by_work.min((allowed / angle.max(1e-300)).max(0.3))
+}

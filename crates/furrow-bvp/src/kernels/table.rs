@@ -1,0 +1,133 @@
+//! The inner loops compiled for sizes that are known at compile time, for problems that request them.
+//!
+//! Most of a Newton step goes into small dense blocks whose sizes follow from the problem. Compiled for sizes that are
+//! known, loops over them are unrolled. Neither kind reorders a sum, so that the results are the same to the last bit.
+
+use multiversion::multiversion;
+
+use crate::dense::PivotFailure;
+use crate::dimensions::Dimensions;
+use crate::direction::{Direction, LinearCondition, Residual};
+use crate::gauss::Gauss;
+
+use super::block::BlockFactor;
+use super::condense::Condensed;
+use super::stages::{self, Interval};
+
+/// The functions that run over all intervals, for any sizes or for given ones.
+///
+/// A problem requests them in [`BoundaryValueProblem::kernels`](crate::BoundaryValueProblem::kernels). Kernels for other
+/// sizes than the problem has are ignored: the wrong ones cost only speed.
+#[derive(Clone, Copy, Debug)]
+pub struct Kernels {
+    /// Components, quadrature components, stages and left conditions; `None` for any.
+    sizes: Option<[usize; 4]>,
+    pub(crate) condense: fn(&mut Condensed, &Gauss) -> Result<(), PivotFailure>,
+    pub(crate) particular: fn(&Condensed, &Gauss, &Residual, &mut Direction, &mut [f64]),
+    pub(crate) complete: fn(&Condensed, &mut Direction),
+    pub(crate) differences: fn(&Gauss, Interval<'_>, &mut [f64], &mut [f64]),
+    pub(crate) eliminate: fn(&mut BlockFactor, &Condensed, &[LinearCondition]) -> Result<(), PivotFailure>,
+    pub(crate) forward: fn(&mut BlockFactor, &[f64], &mut [f64], &mut [f64]),
+    pub(crate) backward: fn(&mut BlockFactor, &mut [f64], &[f64]),
+}
+
+impl Kernels {
+    /// Kernels for any sizes.
+    pub fn general() -> Kernels {
+        Kernels { sizes: None, ..Kernels::of::<0, 0, 0, 0>() }
+    }
+
+    /// Kernels for N components, of which the first E are quadratures, with M stages and LEFT conditions at the left end.
+    ///
+    /// ```
+    /// use furrow_bvp::Kernels;
+    /// let kernels = Kernels::sized::<7, 3, 4, 4>();
+    /// ```
+    pub fn sized<const N: usize, const E: usize, const M: usize, const LEFT: usize>() -> Kernels {
+        const { assert!(N > 0 && E <= N && M > 0, "sizes of zero stand for any size") };
+        Kernels::of::<N, E, M, LEFT>()
+    }
+
+    fn of<const N: usize, const E: usize, const M: usize, const LEFT: usize>() -> Kernels {
+        Kernels {
+            sizes: Some([N, E, M, LEFT]),
+            condense: condense::<N, E, M>,
+            particular: particular::<N, E, M>,
+            complete: complete::<N, E, M>,
+            differences: differences::<M, N>,
+            eliminate: eliminate::<N, LEFT>,
+            forward: forward::<N, LEFT>,
+            backward: backward::<N, LEFT>,
+        }
+    }
+
+    /// Whether these are kernels for given sizes.
+    pub fn is_sized(&self) -> bool {
+        self.sizes.is_some()
+    }
+
+    /// These kernels if they are for these sizes and m stages, the general ones otherwise.
+    pub(crate) fn suited_to(self, dims: Dimensions, m: usize) -> Kernels {
+        let sizes = [dims.components, dims.quadratures, m, dims.left];
+        if self.sizes.is_none_or(|own| own == sizes) { self } else { Kernels::general() }
+    }
+}
+
+// Its blocks of four fill half of the widest registers: for those it would be slower.
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
+fn condense<const N: usize, const E: usize, const M: usize>(
+    condensed: &mut Condensed,
+    gauss: &Gauss,
+) -> Result<(), PivotFailure> {
+    condensed.condense::<N, E, M>(gauss)
+}
+
+#[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
+fn particular<const N: usize, const E: usize, const M: usize>(
+    condensed: &Condensed,
+    gauss: &Gauss,
+    residual: &Residual,
+    out: &mut Direction,
+    borders: &mut [f64],
+) {
+    condensed.particular::<N, E, M>(gauss, residual, out, borders)
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+fn complete<const N: usize, const E: usize, const M: usize>(condensed: &Condensed, out: &mut Direction) {
+    condensed.complete::<N, E, M>(out)
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+fn eliminate<const N: usize, const LEFT: usize>(
+    block: &mut BlockFactor,
+    condensed: &Condensed,
+    conditions: &[LinearCondition],
+) -> Result<(), PivotFailure> {
+    block.eliminate::<N, LEFT>(condensed, conditions)
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+fn forward<const N: usize, const LEFT: usize>(
+    block: &mut BlockFactor,
+    nodes: &[f64],
+    carried: &mut [f64],
+    border: &mut [f64],
+) {
+    block.forward::<N, LEFT>(nodes, carried, border)
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+fn backward<const N: usize, const LEFT: usize>(block: &mut BlockFactor, nodes: &mut [f64], scalars: &[f64]) {
+    block.backward::<N, LEFT>(nodes, scalars)
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+fn differences<const M: usize, const N: usize>(
+    gauss: &Gauss,
+    interval: Interval<'_>,
+    residual: &mut [f64],
+    node: &mut [f64],
+) {
+    stages::differences::<M, N>(gauss, interval, residual, node)
+}

@@ -1,0 +1,56 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Modules
+//! Each file imports only from files above it in this list:
+//!
+//! | module | contents |
+//! |---|---|
+//! | `dense` (private), [`gauss`] | small dense blocks; coefficients of Gauss collocation |
+//! | `dimensions` (private), [`solution`], [`direction`], [`metric`] | sizes and limits; solutions and their changes |
+//! | `kernels` (private) | `stages`, `condense`, `block`, `table`: inner loops in O(N) |
+//! | [`problem`], [`mesh`] | the statement of a problem; meshes and defects |
+//! | [`linear`] | residuals, factors and solves of the linearised system |
+//! | [`newton`] | damped Newton, and the adaptive driver [`solve`] |
+//! | [`continuation`] | branches by pseudo-arclength |
+//! | [`bifurcation`] | folds and pitchforks as roots, normal forms |
+//! | [`codim2`] | curves of folds and pitchforks in two parameters |
+
+pub mod bifurcation;
+pub mod codim2;
+pub mod continuation;
+mod dense;
+mod dimensions;
+pub mod direction;
+pub mod gauss;
+mod kernels;
+pub mod linear;
+pub mod mesh;
+pub mod metric;
+pub mod newton;
+pub mod problem;
+pub mod solution;
+
+// Test problems that examples share name the crate.
+#[cfg(test)]
+extern crate self as furrow_bvp;
+#[cfg(test)]
+mod tests;
+
+pub use bifurcation::{
+    AugmentedReport, Fold, MinimallyAugmented, SingularError, Singularity, SymmetryBreaking, locate, normal_form,
+};
+pub use codim2::{Codim2Curve, CurveError, CurveSettings};
+pub use continuation::{Continuation, ContinuationError, ContinuationSettings, StepFailure, Termination, predictor};
+pub use dense::{Determinant, PivotFailure};
+pub use dimensions::{Dimensions, MAX_CONDITIONS, MAX_STAGE_UNKNOWNS, MAX_UNKNOWNS, TooLarge};
+pub use direction::{Direction, LinearCondition, Residual};
+pub use gauss::Gauss;
+pub use kernels::{AntisymmetricEnd, Kernels};
+pub use linear::System;
+pub use metric::Metric;
+pub use newton::{Newton, NewtonError, NewtonReport, Settings, SolveError, Solved, Work, solve};
+pub use problem::{
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, Directional, MirrorSymmetric,
+    PointJacobian, derivatives,
+};
+pub use solution::{Solution, Transfer};

@@ -1,0 +1,388 @@
+//! The linearised collocation system of a problem about a solution: residuals, factors, solves.
+
+use crate::dense::{Determinant, PivotFailure, zeroed};
+use crate::dimensions::{Dimensions, MAX_UNKNOWNS};
+use crate::direction::{Direction, LinearCondition, Residual};
+use crate::gauss::{Gauss, MAX_STAGES};
+use crate::kernels::{AntisymmetricEnd, BlockFactor, Condensed, EndJacobian, Interval, Kernels};
+use crate::metric;
+use crate::problem::{BoundaryJacobian, BoundaryValueProblem, CollocationPoints, PointJacobian};
+use crate::solution::Solution;
+
+/// Workspace for one problem shape: derivatives, condensed intervals, block factors. Reused from call to call; nothing
+/// is allocated once it has seen the largest mesh.
+///
+/// A use is [`evaluate`](Self::evaluate), [`condense`](Self::condense), [`factor_blocks`](Self::factor_blocks) and any
+/// number of solves.
+///
+/// # Examples
+/// Newton's method by hand, on u″ + λeᵘ = 0 with λ held at 1 by a linear condition. `Oscillator` is in
+/// `examples/problems/oscillator.rs`.
+///
+/// ```
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::{Force, Oscillator};
+/// use furrow_bvp::{BoundaryValueProblem, Direction, LinearCondition, System, metric};
+/// let mut problem = Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 };
+/// let mut y = problem.zero(1.0, 10, 4, 1.0);
+/// let mut conditions = vec![LinearCondition::default()];
+/// metric::scalar_condition(&y, 0, 1.0, &mut conditions[0]);
+/// let mut system = System::new(problem.dimensions(), y.m);
+/// let mut step = Direction::default();
+/// for _ in 0..5 {
+///     system.evaluate(&mut problem, &y, &conditions, true);
+///     system.condense()?;
+///     system.factor_blocks(&conditions)?;
+///     system.solve_own(&mut step);
+///     step.apply(1.0, &mut y);
+/// }
+/// assert!(step.norm(&y) < 1e-12);
+/// # Ok::<(), crate::PivotFailure>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct System {
+    /// Collocation coefficients.
+    pub gauss: Gauss,
+    /// Condensed intervals of the last factorisation.
+    pub(crate) condensed: Condensed,
+    /// Residual of the last evaluation.
+    pub residual: Residual,
+    kernels: Kernels,
+    block: BlockFactor,
+    ends: EndJacobian,
+    /// Collocation points of the last evaluation, and the integrands there.
+    places: Vec<f64>,
+    integrands: Vec<f64>,
+}
+
+impl System {
+    /// Workspace for problems of the given sizes with m stages.
+    ///
+    /// # Panics
+    /// If the sizes fail [`Dimensions::check`].
+    pub fn new(dims: Dimensions, m: usize) -> System {
+        if let Err(error) = dims.check(m) {
+            panic!("{error}");
+        }
+        System {
+            gauss: Gauss::new(m),
+            condensed: Condensed::new(dims, m),
+            residual: Residual::default(),
+            kernels: Kernels::general(),
+            block: BlockFactor::default(),
+            ends: EndJacobian::default(),
+            places: Vec::new(),
+            integrands: Vec::new(),
+        }
+    }
+
+    /// Sizes of the problem this workspace is for.
+    pub fn dimensions(&self) -> Dimensions {
+        self.condensed.dims
+    }
+
+    /// Evaluates the residual of `problem` at `y`, and with `derivatives` also all derivatives.
+    pub fn evaluate<P: BoundaryValueProblem>(
+        &mut self,
+        problem: &mut P,
+        y: &Solution,
+        conditions: &[LinearCondition],
+        derivatives: bool,
+    ) {
+        problem.prepare(&y.scalars);
+        self.kernels = problem.kernels(self.gauss.m).suited_to(self.condensed.dims, self.gauss.m);
+        if derivatives {
+            self.condensed.reset(&y.mesh);
+        }
+        self.evaluate_offsets(problem, y, conditions.len());
+        self.evaluate_intervals(problem, y, derivatives);
+        self.evaluate_ends(problem, y);
+        let border = &mut self.residual.border[self.condensed.dims.integrals..];
+        for (row, condition) in border.iter_mut().zip(conditions) {
+            *row = metric::evaluate(condition, y) - condition.value;
+        }
+    }
+
+    /// The parts h(p) of the integral conditions, with room for linear conditions behind them.
+    fn evaluate_offsets<P: BoundaryValueProblem>(&mut self, problem: &P, y: &Solution, conditions: usize) {
+        let (np, ni) = (self.dimensions().scalars, self.dimensions().integrals);
+        let border = &mut self.residual.border;
+        zeroed(border, ni + conditions);
+        zeroed(&mut self.ends.offsets, ni * np);
+        for k in 0..ni {
+            border[k] = problem.integral_offset(k, &y.scalars, &mut self.ends.offsets[k * np..(k + 1) * np]);
+        }
+    }
+
+    /// The collocation equations, and the integrals over the intervals.
+    fn evaluate_intervals<P: BoundaryValueProblem>(&mut self, problem: &P, y: &Solution, derivatives: bool) {
+        let dims = self.dimensions();
+        let (n, m, ni) = (dims.components, self.gauss.m, dims.integrals);
+        let intervals = y.intervals();
+        let r = &mut self.residual;
+        r.stages.resize(intervals * m * n, 0.0);
+        r.nodes.resize(intervals * n, 0.0);
+        self.integrands.resize(intervals * m * ni, 0.0);
+        self.places.clear();
+        for interval in y.mesh.windows(2) {
+            let h = interval[1] - interval[0];
+            self.places.extend(self.gauss.c.iter().map(|c| interval[0] + h * c));
+        }
+        let (f, g) = (&mut r.stages[..], &mut self.integrands[..]);
+        let points = CollocationPoints { first: 0, x: &self.places, y: &y.stages };
+        if derivatives {
+            f.fill(0.0);
+            g.fill(0.0);
+            let Condensed { fy, fp, gy, gp, .. } = &mut self.condensed;
+            problem.rhs_jacobian_many(points, &y.scalars, &mut PointJacobian { f, fy, fp, g, gy, gp });
+        } else {
+            problem.rhs_many(points, &y.scalars, f, g);
+        }
+        for i in 0..intervals {
+            let h = y.mesh[i + 1] - y.mesh[i];
+            for j in 0..m {
+                for k in 0..ni {
+                    r.border[k] += h * self.gauss.b[j] * self.integrands[(i * m + j) * ni + k];
+                }
+            }
+            let range = i * m * n..(i + 1) * m * n;
+            let rows = &mut r.stages[range.clone()];
+            for row in rows.iter_mut() {
+                *row *= -h;
+            }
+            let interval = Interval { left: y.node(i), stages: &y.stages[range], right: y.node(i + 1) };
+            (self.kernels.differences)(&self.gauss, interval, rows, &mut r.nodes[i * n..(i + 1) * n]);
+        }
+    }
+
+    /// The conditions at both ends and their derivatives.
+    fn evaluate_ends<P: BoundaryValueProblem>(&mut self, problem: &P, y: &Solution) {
+        let Dimensions { components: n, scalars: np, left, right, .. } = self.dimensions();
+        let r = &mut self.residual;
+        let ([ly, lp], [ry, rp]) = (&mut self.ends.left, &mut self.ends.right);
+        for (v, size) in [(&mut r.left, left), (&mut *ly, left * n), (&mut *lp, left * np)] {
+            zeroed(v, size);
+        }
+        for (v, size) in [(&mut r.right, right), (&mut *ry, right * n), (&mut *rp, right * np)] {
+            zeroed(v, size);
+        }
+        let (first, last) = (y.node(0), y.node(y.intervals()));
+        problem.left(first, &y.scalars, &mut BoundaryJacobian { r: &mut r.left, ry: ly, rp: lp });
+        problem.right(last, &y.scalars, &mut BoundaryJacobian { r: &mut r.right, ry, rp });
+    }
+
+    /// Condenses all intervals from the derivatives of the last evaluation.
+    ///
+    /// # Errors
+    /// If a pivot of a stage matrix vanishes.
+    pub fn condense(&mut self) -> Result<(), PivotFailure> {
+        (self.kernels.condense)(&mut self.condensed, &self.gauss)
+    }
+
+    /// Factorises the block system of the problem with the linear conditions, after [`condense`](Self::condense).
+    ///
+    /// # Errors
+    /// If a pivot vanishes.
+    ///
+    /// # Panics
+    /// If there are not as many conditions as unknowns.
+    pub fn factor_blocks(&mut self, conditions: &[LinearCondition]) -> Result<(), PivotFailure> {
+        let System { block, condensed, kernels, ends, .. } = self;
+        block.begin(condensed, ends, conditions);
+        let eliminated = (kernels.eliminate)(block, condensed, conditions);
+        eliminated.and_then(|()| block.factor_last(ends, conditions))
+    }
+
+    /// Solves J δ = −residual with the factors of the last factorisation.
+    pub fn solve(&mut self, residual: &Residual, out: &mut Direction) {
+        self.solve_nodes(None, residual, out, true);
+        (self.kernels.complete)(&self.condensed, out);
+    }
+
+    /// Solves with the residual of the last evaluation.
+    pub fn solve_own(&mut self, out: &mut Direction) {
+        let residual = std::mem::take(&mut self.residual);
+        self.solve(&residual, out);
+        self.residual = residual;
+    }
+
+    /// Solves J δ = e with e one in row `which` of the border (integral conditions first) and zero elsewhere.
+    pub fn solve_unit(&mut self, which: usize, out: &mut Direction) {
+        let mut border = [0.0; MAX_UNKNOWNS];
+        border[which] = 1.0;
+        let right = &[0.0; MAX_UNKNOWNS][..self.dimensions().right];
+        self.solve_from_last(None, [right, &border[..self.block.borders()]], out);
+    }
+
+    /// Solves J d = 0 with linear condition `which` raised by 1.
+    pub fn null_direction(&mut self, which: usize, out: &mut Direction) {
+        self.solve_unit(self.dimensions().integrals + which, out);
+    }
+
+    /// Solves for right-hand sides that are zero but for [right, border] conditions, of the antisymmetric problem if its end
+    /// is given.
+    fn solve_from_last(&mut self, end: Option<&AntisymmetricEnd>, [right, border]: [&[f64]; 2], out: &mut Direction) {
+        let Dimensions { components: n, scalars, left, .. } = self.dimensions();
+        zeroed(&mut out.nodes, (self.condensed.intervals() + 1) * n);
+        zeroed(&mut out.stages, self.condensed.intervals() * self.gauss.m * n);
+        zeroed(&mut out.scalars, scalars);
+        self.block.forward_zero();
+        self.substitute(end, [&[0.0; MAX_UNKNOWNS][..left], right, border], out, true);
+        (self.kernels.complete)(&self.condensed, out);
+    }
+
+    /// Nodes (of which only the last if not `everywhere`), scalars and particular stage values for a residual, of the
+    /// antisymmetric problem if its end is given.
+    fn solve_nodes(
+        &mut self,
+        end: Option<&AntisymmetricEnd>,
+        residual: &Residual,
+        out: &mut Direction,
+        everywhere: bool,
+    ) {
+        let Dimensions { components: n, scalars, integrals, .. } = self.dimensions();
+        let intervals = self.condensed.intervals();
+        out.nodes.resize((intervals + 1) * n, 0.0);
+        out.stages.resize(intervals * self.gauss.m * n, 0.0);
+        zeroed(&mut out.scalars, scalars);
+        let negated = |from: &[f64]| {
+            let mut to = [0.0; MAX_UNKNOWNS];
+            to.iter_mut().zip(from).for_each(|(to, from)| *to = -from);
+            to
+        };
+        let (mut left, right) = (negated(&residual.left), negated(&residual.right));
+        let (mut border, integrals) =
+            if end.is_some() { ([0.0; MAX_UNKNOWNS], 0) } else { (negated(&residual.border), integrals) };
+        (self.kernels.particular)(&self.condensed, &self.gauss, residual, out, &mut border[..integrals]);
+        let (left, border) = (&mut left[..residual.left.len()], &mut border[..self.block.borders()]);
+        (self.kernels.forward)(&mut self.block, &out.nodes, left, border);
+        let border = if end.is_some() { &[] } else { &*border };
+        self.substitute(end, [left, &right[..residual.right.len()], border], out, everywhere);
+    }
+
+    /// The last block for forward-eliminated right-hand sides [carried, right, border], and back substitution from there.
+    fn substitute(
+        &mut self,
+        end: Option<&AntisymmetricEnd>,
+        sides: [&[f64]; 3],
+        out: &mut Direction,
+        everywhere: bool,
+    ) {
+        // The antisymmetric problem has no scalar unknowns.
+        let scalars = if end.is_some() { &mut [] } else { &mut out.scalars[..] };
+        self.block.solve_last(end, sides, &mut out.nodes, scalars);
+        if everywhere {
+            (self.kernels.backward)(&mut self.block, &mut out.nodes, scalars);
+        }
+    }
+
+    /// Factorises the antisymmetric problem that belongs to the factorised one on a mirror-symmetric half: the same
+    /// intervals and left conditions, the components in `vanishing` zero at the mirror in place of the right conditions, and
+    /// neither scalar unknowns nor integral conditions. The determinant includes the stages.
+    ///
+    /// # Errors
+    /// A pivot that is not finite; one that is zero makes the determinant zero.
+    pub fn factor_antisymmetric(
+        &self,
+        vanishing: &[usize],
+        end: &mut AntisymmetricEnd,
+    ) -> Result<Determinant, PivotFailure> {
+        end.set_vanishing(vanishing, self.dimensions().components);
+        self.factor_antisymmetric_rows(end)
+    }
+
+    /// [`factor_antisymmetric`](Self::factor_antisymmetric) with the right end rows of `end`.
+    pub(crate) fn factor_antisymmetric_rows(&self, end: &mut AntisymmetricEnd) -> Result<Determinant, PivotFailure> {
+        let factored = self.block.factor_antisymmetric(end);
+        match factored {
+            Ok(()) => Ok(self.determinant_with(Some(end))),
+            // Exactly singular in the last block: the zero itself.
+            Err(failure) if !failure.non_finite => Ok(Determinant { sign: 0.0, log_abs: f64::NEG_INFINITY }),
+            Err(failure) => Err(failure),
+        }
+    }
+
+    /// [`factor_antisymmetric`](Self::factor_antisymmetric) without the determinant, which takes a logarithm for every pivot.
+    ///
+    /// # Errors
+    /// A pivot that is zero or not finite.
+    pub fn eliminate_antisymmetric(&self, vanishing: &[usize], end: &mut AntisymmetricEnd) -> Result<(), PivotFailure> {
+        end.set_vanishing(vanishing, self.dimensions().components);
+        self.block.factor_antisymmetric(end)
+    }
+
+    /// Adds J δ to `out`, J being the antisymmetric problem where the system was evaluated last with derivatives: what is left
+    /// of a residual after a correction with older factors.
+    pub fn apply_antisymmetric(&mut self, end: &AntisymmetricEnd, direction: &Direction, out: &mut Residual) {
+        let (n, m) = (self.dimensions().components, self.gauss.m);
+        let mut scratch = [0.0; (MAX_STAGES + 1) * MAX_UNKNOWNS];
+        let (rows, node) = scratch[..(m + 1) * n].split_at_mut(m * n);
+        for (i, h) in self.condensed.h.iter().enumerate() {
+            let stages = &direction.stages[i * m * n..(i + 1) * m * n];
+            for (j, (rows, y)) in rows.chunks_exact_mut(n).zip(stages.chunks_exact(n)).enumerate() {
+                let f = self.condensed.fy[(i * m + j) * n * n..(i * m + j + 1) * n * n].chunks_exact(n);
+                for (row, f) in rows.iter_mut().zip(f) {
+                    *row = -h * product(f, y);
+                }
+            }
+            let [left, right] = [i, i + 1].map(|k| &direction.nodes[k * n..(k + 1) * n]);
+            (self.kernels.differences)(&self.gauss, Interval { left, stages, right }, rows, node);
+            add(&mut out.stages[i * m * n..(i + 1) * m * n], rows);
+            add(&mut out.nodes[i * n..(i + 1) * n], node);
+        }
+        let (first, last) = (&direction.nodes[..n], &direction.nodes[direction.nodes.len() - n..]);
+        for (rows, y, out) in [(&self.ends.left[0], first, &mut out.left), (&end.rows, last, &mut out.right)] {
+            out.iter_mut().zip(rows.chunks_exact(n)).for_each(|(out, row)| *out += product(row, y));
+        }
+    }
+
+    /// Solves the antisymmetric problem factorised by [`factor_antisymmetric`](Self::factor_antisymmetric) for stage and
+    /// node residuals and right-hand sides of its end rows.
+    pub fn solve_antisymmetric(&mut self, end: &AntisymmetricEnd, residual: &Residual, out: &mut Direction) {
+        self.solve_nodes(Some(end), residual, out, true);
+        (self.kernels.complete)(&self.condensed, out);
+    }
+
+    /// The last node alone of [`solve_antisymmetric`](Self::solve_antisymmetric), in its place in `out`.
+    pub fn solve_antisymmetric_last_node(&mut self, end: &AntisymmetricEnd, residual: &Residual, out: &mut Direction) {
+        self.solve_nodes(Some(end), residual, out, false);
+    }
+
+    /// The solution of the antisymmetric problem for right-hand sides that are zero but for `right` of its right end rows.
+    pub fn solve_antisymmetric_unit(&mut self, end: &AntisymmetricEnd, right: &[f64], out: &mut Direction) {
+        self.solve_from_last(Some(end), [right, &[]], out);
+    }
+
+    /// Determinant of the full factorised system.
+    pub fn determinant(&self) -> Determinant {
+        self.determinant_with(None)
+    }
+
+    fn determinant_with(&self, end: Option<&AntisymmetricEnd>) -> Determinant {
+        let mut det = Determinant::default();
+        self.condensed.multiply_into(&mut det);
+        self.block.multiply_into(end, &mut det);
+        det
+    }
+
+    /// A zero residual of the right shape for the mesh of the last evaluation, to be filled as a right-hand side.
+    pub fn zero_residual(&self) -> Residual {
+        let mut zero = Residual::default();
+        self.zero_residual_into(&mut zero);
+        zero
+    }
+
+    /// [`zero_residual`](Self::zero_residual) into storage that is reused.
+    pub fn zero_residual_into(&self, zero: &mut Residual) {
+        let Residual { stages, nodes, left, right, border } = &self.residual;
+        zero.reset([stages, nodes, left, right, border].map(Vec::len));
+    }
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn add(to: &mut [f64], terms: &[f64]) {
+    to.iter_mut().zip(terms).for_each(|(to, term)| *to += term);
+}

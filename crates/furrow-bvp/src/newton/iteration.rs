@@ -1,0 +1,331 @@
+//! Damped Newton iteration with Jacobian reuse.
+//!
+//! Every factorisation is used for one full step and then for chord steps (corrections with the factors of an earlier
+//! iterate) while they contract. Damping follows the natural monotonicity test, N.5: a step is accepted when the simplified
+//! correction J⁻¹F(x + λδ) is smaller than δ.
+//!
+//! Corrections are compared in one scaling, that of the iterate they both start from: a step to huge values makes every
+//! correction there small *relative to those values*, which says nothing about a root.
+//!
+//! # References
+//! Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2004, ch. 3.
+
+use crate::dense::PivotFailure;
+use crate::direction::{Direction, LinearCondition};
+use crate::linear::System;
+use crate::problem::BoundaryValueProblem;
+use crate::solution::Solution;
+
+/// Settings of the iteration.
+///
+/// # Examples
+/// u″ + λeᵘ = 0, u(0) = u(1) = 0 with λ held at 1 by a linear condition. `Oscillator` is in
+/// `examples/problems/oscillator.rs`.
+///
+/// ```
+/// # mod oscillator { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/problems/oscillator.rs")); }
+/// # use oscillator::{Force, Oscillator};
+/// use furrow_bvp::{BoundaryValueProblem, LinearCondition, Newton, System, metric};
+/// let mut problem = Oscillator { force: Force::Of(|u| [u.exp(); 4]), right: 0 };
+/// let mut y = problem.zero(1.0, 20, 4, 1.0);
+/// let mut conditions = vec![LinearCondition::default()];
+/// metric::scalar_condition(&y, 0, 1.0, &mut conditions[0]);
+/// let mut system = System::new(problem.dimensions(), y.m);
+/// let newton = Newton::default();
+/// let report = newton.solve(&mut system, &mut Default::default(), &mut problem, &mut y, &conditions, false)?;
+/// assert!(report.factorisations <= 2);
+/// // u(½) = 2 ln cosh θ belongs to λ = 8(θ/cosh θ)².
+/// let cosh = (0.5 * y.node(10)[0]).exp();
+/// assert!((8.0 * (cosh.acosh() / cosh).powi(2) - 1.0).abs() < 1e-8);
+/// # Ok::<(), crate::NewtonError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Newton {
+    /// Bound on the estimated remaining error, max |δ|/(1 + |value|).
+    pub tolerance: f64,
+    /// Most factorisations.
+    pub max_factorisations: usize,
+    /// Most linear solves.
+    pub max_iterations: usize,
+    /// Smallest damping factor.
+    pub min_damping: f64,
+    /// How many times larger than the monotonicity test asks for the next correction may be: 1 is the test itself. More of it
+    /// lets full steps pass that the test would shorten though they lead to the root, as where a few entries are far
+    /// larger than all others.
+    pub leniency: f64,
+    /// Chord steps continue while each is at most this fraction of the one before.
+    pub chord_contraction: f64,
+}
+
+impl Default for Newton {
+    fn default() -> Self {
+        Newton {
+            tolerance: 1e-9,
+            max_factorisations: 30,
+            max_iterations: 100,
+            min_damping: 1e-3,
+            leniency: 1.0,
+            chord_contraction: 0.3,
+        }
+    }
+}
+
+/// Work and quality of a converged iteration.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NewtonReport {
+    /// Linear solves.
+    pub iterations: usize,
+    /// Factorisations.
+    pub factorisations: usize,
+    /// Norm of the last correction applied.
+    pub last_correction: f64,
+}
+
+/// Why the iteration did not converge.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NewtonError {
+    /// A pivot vanished.
+    #[error("the Jacobian is singular (pivot {column}) after {iterations} iterations")]
+    Singular {
+        /// Column of the failing pivot in its block.
+        column: usize,
+        /// Linear solves done.
+        iterations: usize,
+    },
+    /// Damping or iterations were exhausted.
+    #[error("stalled after {iterations} iterations with a correction of {correction:.3e}")]
+    Stalled {
+        /// Linear solves done.
+        iterations: usize,
+        /// Norm of the last correction.
+        correction: f64,
+    },
+    /// A residual or correction was not finite.
+    #[error("the residual is not finite after {iterations} iterations")]
+    NonFinite {
+        /// Linear solves done.
+        iterations: usize,
+    },
+}
+
+impl NewtonError {
+    /// Of a failed factorisation after so many linear solves.
+    pub fn of_pivot(failure: PivotFailure, iterations: usize) -> NewtonError {
+        match failure.non_finite {
+            true => NewtonError::NonFinite { iterations },
+            false => NewtonError::Singular { column: failure.column, iterations },
+        }
+    }
+}
+
+/// Scratch of [`Newton::solve`], reused between calls.
+#[derive(Clone, Debug, Default)]
+pub struct NewtonScratch {
+    step: Direction,
+    trial_step: Direction,
+    trial: Option<Solution>,
+}
+
+impl Newton {
+    /// Solves `problem` with further linear `conditions`, starting from and ending in `y`. On an error `y` is left at
+    /// the last accepted iterate.
+    ///
+    /// With `reuse` the factors already in `system` (from a nearby problem of the same mesh) are tried first.
+    ///
+    /// # Errors
+    /// [`NewtonError`] if the iteration does not converge from there.
+    pub fn solve<P: BoundaryValueProblem>(
+        &self,
+        system: &mut System,
+        scratch: &mut NewtonScratch,
+        problem: &mut P,
+        y: &mut Solution,
+        conditions: &[LinearCondition],
+        reuse: bool,
+    ) -> Result<NewtonReport, NewtonError> {
+        let report = NewtonReport::default();
+        let mut iteration = Iteration { settings: self, system, scratch, problem, y, conditions, report };
+        if reuse && iteration.chord() {
+            return Ok(iteration.report);
+        }
+        iteration.run()
+    }
+
+    /// Chord steps alone, with the factors already in `system`. None if they do not converge, with `y` as it was.
+    pub fn solve_with_factors<P: BoundaryValueProblem>(
+        &self,
+        system: &mut System,
+        scratch: &mut NewtonScratch,
+        problem: &mut P,
+        y: &mut Solution,
+        conditions: &[LinearCondition],
+    ) -> Option<NewtonReport> {
+        let report = NewtonReport::default();
+        let mut iteration = Iteration { settings: self, system, scratch, problem, y, conditions, report };
+        iteration.chord().then_some(iteration.report)
+    }
+}
+
+/// Chord steps go on from a correction at most this fraction of the one before.
+const LEAST_CONTRACTION: f64 = 0.5;
+
+/// A correction whose square is at most this part of the tolerance is the last if its contraction says so: what it leaves is of
+/// second order in it.
+const SQUARED: f64 = 0.1;
+
+/// A correction below this changes no scaling by more than a hundredth.
+const SMALL: f64 = 1e-2;
+
+/// State of one call of [`Newton::solve`].
+struct Iteration<'a, P> {
+    settings: &'a Newton,
+    system: &'a mut System,
+    scratch: &'a mut NewtonScratch,
+    problem: &'a mut P,
+    y: &'a mut Solution,
+    conditions: &'a [LinearCondition],
+    report: NewtonReport,
+}
+
+impl<P: BoundaryValueProblem> Iteration<'_, P> {
+    /// Factorises and steps until converged or at a limit.
+    fn run(&mut self) -> Result<NewtonReport, NewtonError> {
+        let settings = self.settings;
+        while self.report.factorisations < settings.max_factorisations
+            && self.report.iterations < settings.max_iterations
+        {
+            self.factorise()?;
+            self.system.solve_own(&mut self.scratch.step);
+            self.report.iterations += 1;
+            let size = self.scratch.step.norm(self.y);
+            if !size.is_finite() {
+                return Err(NewtonError::NonFinite { iterations: self.report.iterations });
+            }
+            if size <= settings.tolerance {
+                self.scratch.step.apply(1.0, self.y);
+                self.report.last_correction = size;
+                return Ok(self.report);
+            }
+            if let Some(contraction) = self.damped_step(size)?
+                && self.chord_from(contraction)
+            {
+                return Ok(self.report);
+            }
+        }
+        Err(NewtonError::Stalled { iterations: self.report.iterations, correction: self.report.last_correction })
+    }
+
+    /// Residual, derivatives and factors at `y`.
+    fn factorise(&mut self) -> Result<(), NewtonError> {
+        let Iteration { system, problem, y, conditions, report, .. } = self;
+        system.evaluate(*problem, y, conditions, true);
+        report.factorisations += 1;
+        let iterations = report.iterations;
+        let factored = system.condense().and_then(|()| system.factor_blocks(conditions));
+        factored.map_err(|failure| NewtonError::of_pivot(failure, iterations))
+    }
+
+    /// Accepts y + λδ with the largest λ that passes the monotonicity test, δ being the correction `step` of norm `size`;
+    /// the simplified correction at the accepted point is left in `trial_step`. Returns by how much it is smaller than δ
+    /// if λ = 1.
+    fn damped_step(&mut self, size: f64) -> Result<Option<f64>, NewtonError> {
+        let Iteration { settings, system, scratch, problem, y, conditions, report } = self;
+        let NewtonScratch { step, trial_step, trial } = &mut **scratch;
+        let trial = trial.get_or_insert_with(|| y.clone());
+        let mut lambda = 1.0;
+        loop {
+            trial.clone_from(y);
+            step.apply(lambda, trial);
+            system.evaluate(*problem, trial, conditions, false);
+            system.solve_own(trial_step);
+            report.iterations += 1;
+            // In the scaling of y, that of `size`, however large the trial has become.
+            let next = trial_step.norm(y);
+            if next <= settings.leniency * (1.0 - 0.25 * lambda) * size {
+                std::mem::swap(*y, trial);
+                report.last_correction = trial_step.norm(y);
+                return Ok((lambda == 1.0).then_some(next / size));
+            }
+            lambda *= 0.5;
+            if lambda < settings.min_damping || report.iterations >= settings.max_iterations {
+                return Err(if next.is_finite() {
+                    NewtonError::Stalled { iterations: report.iterations, correction: size }
+                } else {
+                    NewtonError::NonFinite { iterations: report.iterations }
+                });
+            }
+        }
+    }
+
+    /// Chord steps from a pending correction in `trial_step`, which is `contraction` times the one before. True when
+    /// converged. A pending correction that no longer contracts well is applied if it still helps, and false returned.
+    fn chord_from(&mut self, mut contraction: f64) -> bool {
+        let Iteration { settings, system, scratch, problem, y, conditions, report } = self;
+        let correction = &mut scratch.trial_step;
+        loop {
+            if contraction > LEAST_CONTRACTION {
+                return false;
+            }
+            let size = report.last_correction;
+            correction.apply(1.0, y);
+            // After the pending correction the error is about θ/(1 − θ) of it. That is so where the contraction is that
+            // of small corrections: the quotient of one by a step that was larger than the solution is no rate.
+            if size * size <= SQUARED * settings.tolerance
+                && size * contraction / (1.0 - contraction) <= settings.tolerance
+            {
+                return true;
+            }
+            if contraction > settings.chord_contraction || report.iterations >= settings.max_iterations {
+                return false;
+            }
+            // Small corrections leave the scaling as it is.
+            let before = if size < SMALL { size } else { correction.norm(y) };
+            system.evaluate(*problem, y, conditions, false);
+            system.solve_own(correction);
+            report.iterations += 1;
+            let next = correction.norm(y);
+            contraction = next / before;
+            if next.is_nan() || contraction > LEAST_CONTRACTION && next > settings.tolerance {
+                return false;
+            }
+            report.last_correction = next;
+            if next <= settings.tolerance {
+                correction.apply(1.0, y);
+                return true;
+            }
+        }
+    }
+
+    /// Tries to converge with the existing factors. On failure `y` is restored.
+    fn chord(&mut self) -> bool {
+        let Iteration { settings, system, scratch, problem, y, conditions, report } = self;
+        system.evaluate(*problem, y, conditions, false);
+        system.solve_own(&mut scratch.step);
+        report.iterations += 1;
+        let size = scratch.step.norm(y);
+        if !size.is_finite() {
+            return false;
+        }
+        let saved = scratch.trial.get_or_insert_with(|| y.clone());
+        saved.clone_from(y);
+        scratch.step.apply(1.0, y);
+        report.last_correction = size;
+        if size <= settings.tolerance {
+            return true;
+        }
+        system.evaluate(*problem, y, conditions, false);
+        system.solve_own(&mut scratch.trial_step);
+        report.iterations += 1;
+        report.last_correction = scratch.trial_step.norm(y);
+        let in_the_same = if size < SMALL { report.last_correction } else { scratch.trial_step.norm(saved) };
+        let contraction = in_the_same / size;
+        if contraction <= settings.chord_contraction && self.chord_from(contraction) {
+            return true;
+        }
+        if let Some(saved) = &self.scratch.trial {
+            self.y.clone_from(saved);
+        }
+        false
+    }
+}

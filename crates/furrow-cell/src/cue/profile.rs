@@ -1,0 +1,266 @@
+//! How a term of a cue is spread along the contour.
+//!
+//! A new profile is one variant here: its formula with two derivatives, its quantities, its mirror image and where it is
+//! steep.
+
+use serde::{Deserialize, Serialize};
+
+use crate::Number;
+
+/// Width of a profile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Width<D = f64> {
+    /// In the arclength fraction u: it shrinks with the cell.
+    Fraction(D),
+    /// In L_h: it keeps its size, and is ω/L of the present contour in u.
+    Length(D),
+}
+
+impl<D: Number> Width<D> {
+    /// The width in u on a contour of length `length`.
+    pub fn in_u(self, length: D) -> D {
+        match self {
+            Width::Fraction(omega) => omega,
+            Width::Length(omega) => omega / length,
+        }
+    }
+
+    /// The number itself, in the unit it was given in.
+    pub fn value(self) -> D {
+        match self {
+            Width::Fraction(omega) | Width::Length(omega) => omega,
+        }
+    }
+}
+
+/// A profile f(u) along the contour, u from 0 to 1, M.17.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Profile<D = f64> {
+    /// f = exp(−(u − u0)²/ω²).
+    Band {
+        /// Centre.
+        u0: D,
+        /// Width ω > 0.
+        omega: Width<D>,
+    },
+    /// f = ½(1 + tanh((u − u0)/ω)): 0 before u0 and 1 behind it, the other way round for ω < 0.
+    Step {
+        /// Place.
+        u0: D,
+        /// Width ω ≠ 0.
+        omega: Width<D>,
+    },
+    /// f = 1 − 2u, from 1 at u = 0 to −1 at u = 1.
+    Gradient,
+}
+
+/// A number of one term of a cue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Place u0 of the profile.
+    U0,
+    /// Its width ω, in u or in L_h as the term has it.
+    Omega,
+    /// Amplitude A.
+    Amplitude,
+}
+
+impl Quantity {
+    /// All of them.
+    pub const ALL: [Quantity; 3] = [Quantity::U0, Quantity::Omega, Quantity::Amplitude];
+
+    /// Its name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Quantity::U0 => "u0",
+            Quantity::Omega => "omega",
+            Quantity::Amplitude => "amplitude",
+        }
+    }
+}
+
+/// Narrower profiles than this, in u or in L_h, are none: they would lie between the digits of u.
+pub const NARROWEST: f64 = 1e-6;
+
+/// Names of the profiles; the first is meant where none is named.
+pub const NAMES: [&str; 3] = ["band", "step", "gradient"];
+
+/// Why numbers make no profile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BuildError {
+    /// There is no profile of this name.
+    Unknown,
+    /// A number is missing.
+    Missing(Quantity),
+    /// A number is given that the profile does not have.
+    Spare(Quantity),
+}
+
+impl<D> Profile<D> {
+    /// Its name on the command line and in files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Profile::Band { .. } => NAMES[0],
+            Profile::Step { .. } => NAMES[1],
+            Profile::Gradient => NAMES[2],
+        }
+    }
+
+    /// The same profile with its numbers turned into others, each told which it is.
+    pub fn map<E>(self, mut number: impl FnMut(Quantity, D) -> E) -> Profile<E> {
+        let mut both = |u0, omega| {
+            let u0 = number(Quantity::U0, u0);
+            let omega = match omega {
+                Width::Fraction(omega) => Width::Fraction(number(Quantity::Omega, omega)),
+                Width::Length(omega) => Width::Length(number(Quantity::Omega, omega)),
+            };
+            (u0, omega)
+        };
+        match self {
+            Profile::Band { u0, omega } => {
+                let (u0, omega) = both(u0, omega);
+                Profile::Band { u0, omega }
+            }
+            Profile::Step { u0, omega } => {
+                let (u0, omega) = both(u0, omega);
+                Profile::Step { u0, omega }
+            }
+            Profile::Gradient => Profile::Gradient,
+        }
+    }
+}
+
+/// tanh, which is ±1 to the last digit from here on, where quotients of hyperbolic sines would overflow.
+const SATURATED: f64 = 20.0;
+
+fn tanh<D: Number>(x: D) -> D {
+    if x.re().abs() > SATURATED { D::from(x.re().signum()) } else { x.tanh() }
+}
+
+impl<D: Number> Profile<D> {
+    /// f, ∂f/∂u and ∂²f/∂u² at u on a contour of length `length`.
+    pub fn at(&self, u: f64, length: D) -> [D; 3] {
+        match *self {
+            Profile::Band { u0, omega } => {
+                let inverse = omega.in_u(length).recip();
+                let inverse = inverse * inverse;
+                let d = -u0 + u;
+                let f = (-(d * d * inverse)).exp();
+                let slope = d * inverse * -2.0;
+                [f, f * slope, f * (slope * slope - inverse * 2.0)]
+            }
+            Profile::Step { u0, omega } => {
+                let inverse = omega.in_u(length).recip();
+                let t = tanh((-u0 + u) * inverse);
+                let bell = (-(t * t) + 1.0) * inverse;
+                [t * 0.5 + 0.5, bell * 0.5, -(t * bell * inverse)]
+            }
+            Profile::Gradient => [D::from(1.0 - 2.0 * u), D::from(-2.0), D::from(0.0)],
+        }
+    }
+}
+
+impl Profile {
+    /// The profile of a name with its numbers.
+    ///
+    /// # Errors
+    /// [`BuildError`] if there is no such profile, or if the numbers are not those it has.
+    pub fn build(name: &str, u0: Option<f64>, omega: Option<Width>) -> Result<Profile, BuildError> {
+        let placed = || {
+            let u0 = u0.ok_or(BuildError::Missing(Quantity::U0))?;
+            Ok((u0, omega.ok_or(BuildError::Missing(Quantity::Omega))?))
+        };
+        match (name, u0, omega) {
+            ("band", ..) => placed().map(|(u0, omega)| Profile::Band { u0, omega }),
+            ("step", ..) => placed().map(|(u0, omega)| Profile::Step { u0, omega }),
+            ("gradient", None, None) => Ok(Profile::Gradient),
+            ("gradient", Some(_), _) => Err(BuildError::Spare(Quantity::U0)),
+            ("gradient", ..) => Err(BuildError::Spare(Quantity::Omega)),
+            _ => Err(BuildError::Unknown),
+        }
+    }
+
+    /// Its width, if it has one.
+    pub fn width(&self) -> Option<Width> {
+        match self {
+            Profile::Band { omega, .. } | Profile::Step { omega, .. } => Some(*omega),
+            Profile::Gradient => None,
+        }
+    }
+
+    /// What its width would have to be, if it is not allowed as it is.
+    pub fn refused_width(&self) -> Option<&'static str> {
+        match self {
+            Profile::Band { omega, .. } => {
+                let omega = omega.value();
+                (!(omega.is_finite() && omega >= NARROWEST)).then_some("a finite number, 1e-6 or above")
+            }
+            Profile::Step { omega, .. } => {
+                let omega = omega.value();
+                let allowed = "a finite number, 1e-6 or above, or -1e-6 or below for a step down";
+                (!(omega.is_finite() && omega.abs() >= NARROWEST)).then_some(allowed)
+            }
+            Profile::Gradient => None,
+        }
+    }
+
+    /// A number of it; none for a number that it does not have.
+    pub fn quantity(&self, quantity: Quantity) -> Option<f64> {
+        match (self, quantity) {
+            (Profile::Band { u0, .. } | Profile::Step { u0, .. }, Quantity::U0) => Some(*u0),
+            (Profile::Band { omega, .. } | Profile::Step { omega, .. }, Quantity::Omega) => Some(omega.value()),
+            _ => None,
+        }
+    }
+
+    /// Where such a number is kept.
+    pub fn quantity_mut(&mut self, quantity: Quantity) -> Option<&mut f64> {
+        match (self, quantity) {
+            (Profile::Band { u0, .. } | Profile::Step { u0, .. }, Quantity::U0) => Some(u0),
+            (Profile::Band { omega, .. } | Profile::Step { omega, .. }, Quantity::Omega) => match omega {
+                Width::Fraction(omega) | Width::Length(omega) => Some(omega),
+            },
+            _ => None,
+        }
+    }
+
+    /// The profile f(1 − u), and the sign its amplitude takes with it.
+    pub fn mirrored(&self) -> (Profile, f64) {
+        match *self {
+            Profile::Band { u0, omega } => (Profile::Band { u0: 1.0 - u0, omega }, 1.0),
+            Profile::Step { u0, omega } => {
+                let omega = match omega {
+                    Width::Fraction(omega) => Width::Fraction(-omega),
+                    Width::Length(omega) => Width::Length(-omega),
+                };
+                (Profile::Step { u0: 1.0 - u0, omega }, 1.0)
+            }
+            Profile::Gradient => (Profile::Gradient, -1.0),
+        }
+    }
+
+    /// Largest |∂f/∂u| anywhere in [from, to] on a contour of length `length`, which a mesh must not step over; 0 for a
+    /// profile that is straight and so asks nothing of a mesh.
+    pub fn steepest(&self, from: f64, to: f64, length: f64) -> f64 {
+        let steep = match *self {
+            Profile::Band { u0, omega } => {
+                // |f′| is largest at u0 ± ω/√2.
+                let shoulder = omega.in_u(length).abs() * std::f64::consts::FRAC_1_SQRT_2;
+                [u0 - shoulder, u0 + shoulder]
+            }
+            Profile::Step { u0, .. } => [u0, u0],
+            Profile::Gradient => return 0.0,
+        };
+        let slope = |u: f64| self.at(u, length)[1].abs();
+        steep.into_iter().filter(|u| (from..=to).contains(u)).chain([from, to]).map(slope).fold(0.0, f64::max)
+    }
+
+    /// Smallest and largest value f takes.
+    pub fn range(&self) -> [f64; 2] {
+        match self {
+            Profile::Band { .. } | Profile::Step { .. } => [0.0, 1.0],
+            Profile::Gradient => [-1.0, 1.0],
+        }
+    }
+}

@@ -1,0 +1,295 @@
+//! Cues as text: `none`, or terms `FIELD:PROFILE,key=value,…` joined by `+`.
+//!
+//! What is printed is what is read: [`Display`](std::fmt::Display) writes every number with as many digits as it takes to
+//! get the same number back.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::profile::{BuildError, NAMES};
+use super::{Cue, CueError, Field, Profile, Quantity, Term, Width};
+use furrow_input::{did_you_mean, shown};
+
+impl Width {
+    fn write(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Width::Fraction(omega) => write!(f, ",omega={omega}"),
+            Width::Length(omega) => write!(f, ",omega={omega}Lh"),
+        }
+    }
+}
+
+impl fmt::Display for Term {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.field.name(), self.profile.name())?;
+        if let Some(u0) = self.quantity(Quantity::U0) {
+            write!(f, ",u0={u0}")?;
+        }
+        if let Some(width) = self.profile.width() {
+            width.write(f)?;
+        }
+        write!(f, ",amplitude={}", self.amplitude)
+    }
+}
+
+impl fmt::Display for Cue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.terms().is_empty() {
+            return f.write_str("none");
+        }
+        for (k, term) in self.terms().iter().enumerate() {
+            if k > 0 {
+                f.write_str("+")?;
+            }
+            write!(f, "{term}")?;
+        }
+        Ok(())
+    }
+}
+
+/// The parts of a sum: text between `+` signs that are neither an exponent's (`1e+3`) nor a number's (`=+0.1`).
+pub fn split_terms(text: &str) -> Vec<&str> {
+    let bytes = text.as_bytes();
+    let mut parts = Vec::new();
+    let mut from = 0;
+    for (i, _) in text.match_indices('+') {
+        let exponent = i >= 2
+            && matches!(bytes[i - 1], b'e' | b'E')
+            && (bytes[i - 2].is_ascii_digit() || bytes[i - 2] == b'.')
+            && bytes.get(i + 1).is_some_and(u8::is_ascii_digit);
+        let sign = i >= 1 && bytes[i - 1] == b'=';
+        if !(exponent || sign) {
+            parts.push(text[from..i].trim());
+            from = i + 1;
+        }
+    }
+    parts.push(text[from..].trim());
+    parts
+}
+
+/// Numbers given for one term, before it is known whether they are all there.
+#[derive(Default)]
+pub(super) struct Numbers {
+    pub u0: Option<f64>,
+    pub omega: Option<Width>,
+    pub amplitude: Option<f64>,
+}
+
+impl Numbers {
+    /// The term, if every number its profile needs is given, and no other.
+    pub fn term(self, field: Field, profile: &str) -> Result<Term, CueError> {
+        let name = field.name();
+        let missing = |quantity: Quantity| {
+            let field = format!("{name}.{}", quantity.name());
+            CueError::new(field, "(not given)", format!("given: a {profile} has no default for it"))
+        };
+        let profile = Profile::build(profile, self.u0, self.omega).map_err(|error| match error {
+            BuildError::Unknown => unknown_profile(field, profile),
+            BuildError::Missing(quantity) => missing(quantity),
+            BuildError::Spare(quantity) => {
+                let allowed = "left out: this profile does not have it";
+                CueError::new(format!("{name}:{profile}"), format!("{:?}", quantity.name()), allowed)
+            }
+        })?;
+        let amplitude = self.amplitude.ok_or_else(|| missing(Quantity::Amplitude))?;
+        Ok(Term { field, profile, amplitude })
+    }
+}
+
+/// The error for a profile that there is not.
+fn unknown_profile(field: Field, profile: &str) -> CueError {
+    let allowed = format!("one of {}{}", NAMES.join(", "), did_you_mean(profile, NAMES));
+    CueError::new(field.name(), shown(profile), allowed)
+}
+
+/// The field of a name.
+pub(super) fn field(name: &str) -> Result<Field, CueError> {
+    Field::ALL.into_iter().find(|field| field.name() == name).ok_or_else(|| {
+        let names: Vec<&str> = Field::ALL.iter().map(|field| field.name()).collect();
+        let allowed = format!("a field: one of {}{}", names.join(", "), did_you_mean(name, names.iter().copied()));
+        CueError::new("cue", shown(name), allowed)
+    })
+}
+
+fn parse_term(text: &str) -> Result<Term, CueError> {
+    let Some((name, list)) = text.split_once(':') else {
+        let is_field = Field::ALL.iter().any(|field| text.starts_with(field.name()));
+        let allowed = match (text.is_empty(), is_field) {
+            (true, _) => "a term: there is nothing before, between or behind +",
+            (_, true) => "a term FIELD:PROFILE,key=value,.. with a colon after the field",
+            _ => "none, or terms FIELD:PROFILE,key=value,.. joined by +",
+        };
+        return Err(CueError::new("cue", shown(text), allowed));
+    };
+    let field = field(name.trim())?;
+    let mut entries = list.split(',').map(str::trim).peekable();
+    let mut profile = NAMES[0];
+    if let Some(first) = entries.peek()
+        && !first.contains('=')
+    {
+        profile = first;
+        if !NAMES.contains(&profile) {
+            return Err(unknown_profile(field, profile));
+        }
+        entries.next();
+    }
+    let mut numbers = Numbers::default();
+    for entry in entries {
+        let Some((key, value)) = entry.split_once('=') else {
+            let allowed = "key=value, set off by single commas";
+            return Err(CueError::new(format!("{}:{profile}", field.name()), shown(entry), allowed));
+        };
+        set(&mut numbers, field, profile, key.trim(), value.trim())?;
+    }
+    numbers.term(field, profile)
+}
+
+fn set(numbers: &mut Numbers, field: Field, profile: &str, key: &str, value: &str) -> Result<(), CueError> {
+    let label = format!("{}.{key}", field.name());
+    let number = |text: &str, allowed: &str| {
+        text.trim().parse::<f64>().map_err(|_| CueError::new(label.as_str(), shown(value), allowed))
+    };
+    let repeated = match key {
+        "u0" => numbers.u0.replace(number(value, "a number")?).is_some(),
+        "amplitude" => numbers.amplitude.replace(number(value, "a number")?).is_some(),
+        "omega" => {
+            const ALLOWED: &str = "a number, in u, or with Lh behind it in L_h";
+            let width = match value.strip_suffix("Lh") {
+                Some(length) => Width::Length(number(length, ALLOWED)?),
+                None => Width::Fraction(number(value, ALLOWED)?),
+            };
+            numbers.omega.replace(width).is_some()
+        }
+        other => {
+            let names: Vec<&str> = Quantity::ALL.iter().map(|quantity| quantity.name()).collect();
+            let allowed = format!("one of {}{}", names.join(", "), did_you_mean(other, names.iter().copied()));
+            return Err(CueError::new(format!("{}:{profile}", field.name()), shown(other), allowed));
+        }
+    };
+    if repeated {
+        return Err(CueError::new(label, shown(value), "given once: it is given twice"));
+    }
+    Ok(())
+}
+
+impl FromStr for Cue {
+    type Err = CueError;
+
+    fn from_str(text: &str) -> Result<Cue, CueError> {
+        Cue::parse_with(text, |_| None)
+    }
+}
+
+impl Cue {
+    /// Reads a cue whose terms may also be names, which `named` knows.
+    ///
+    /// # Errors
+    /// [`CueError`] names the part of the cue, what it is, and what it may be.
+    pub fn parse_with(text: &str, named: impl Fn(&str) -> Option<Cue>) -> Result<Cue, CueError> {
+        let parts = split_terms(text);
+        let mut terms = Vec::new();
+        for part in &parts {
+            match (*part, named(part)) {
+                ("none", _) => {}
+                (_, Some(cue)) => terms.extend_from_slice(cue.terms()),
+                _ => terms.push(parse_term(part).map_err(|error| match parts.len() {
+                    1 => error,
+                    // Which of several is told by its place, as in complaints about the sum.
+                    _ => CueError { field: format!("cue[{}].{}", terms.len(), error.field), ..error },
+                })?),
+            }
+        }
+        Cue::new(terms)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn complaint(text: &str) -> String {
+        text.parse::<Cue>().unwrap_err().to_string()
+    }
+
+    #[test]
+    fn complaints_name_the_part_and_what_is_allowed() {
+        for (text, expected) in [
+            ("kappa:u0=0.4,omega=0.1", "kappa.amplitude = (not given): must be given: a band has no default for it"),
+            (
+                "kappa:u0=0.4,u0=0.4,omega=0.1,amplitude=0.1",
+                "kappa.u0 = \"0.4\": must be given once: it is given twice",
+            ),
+            ("kappa:omga=0.1", "kappa:band = \"omga\": must be one of u0, omega, amplitude; did you mean omega?"),
+            ("kappa:stp,u0=0.4", "kappa = \"stp\": must be one of band, step, gradient; did you mean step?"),
+            (
+                "kapa:u0=0.4",
+                "cue = \"kapa\": must be a field: one of kappa, activity, xi_s, xi_b, eta_b, eta_s, viscosity, friction, tension; did you mean kappa?",
+            ),
+            ("polar", "cue = \"polar\": must be none, or terms FIELD:PROFILE,key=value,.. joined by +"),
+            (
+                "tension:gradient,u0=0.4,amplitude=1",
+                "tension:gradient = \"u0\": must be left out: this profile does not have it",
+            ),
+            ("kappa:u0=1.5,omega=0.1,amplitude=0.1", "kappa.u0 = 1.5: must be from 0 to 1"),
+            ("kappa:u0=0.5,omega=-0.1,amplitude=0.1", "kappa.omega = -0.1: must be a finite number, 1e-6 or above"),
+            ("kappa:u0=0.5,omega=0.1,amplitude=-1", "kappa.amplitude = -1: must be a finite number above -1"),
+            ("friction:gradient,amplitude=1", "friction.amplitude = 1: must be above -1 and below 1"),
+            (
+                "kappa:step,u0=0.5,omega=0,amplitude=1",
+                "kappa.omega = 0: must be a finite number, 1e-6 or above, or -1e-6 or below for a step down",
+            ),
+            (
+                "kappa:u0=0.5,omega=thin,amplitude=1",
+                "kappa.omega = \"thin\": must be a number, in u, or with Lh behind it in L_h",
+            ),
+            ("kappa", "cue = \"kappa\": must be a term FIELD:PROFILE,key=value,.. with a colon after the field"),
+            ("kappa:u0=0.5,,omega=0.1", "kappa:band = \"\": must be key=value, set off by single commas"),
+            (
+                "tension:gradient,amplitude=1+",
+                "cue[1].cue = \"\": must be a term: there is nothing before, between or behind +",
+            ),
+            ("kappa:u0=0.5,omega=0.1,amplitude=nan", "kappa.amplitude = NaN: must be from -10000 to 10000"),
+        ] {
+            assert_eq!(complaint(text), expected);
+        }
+        let sum = complaint(
+            "kappa:u0=0.4,omega=0.1,amplitude=-0.6+viscosity:gradient,amplitude=0.1+kappa:u0=0.4,omega=0.2,amplitude=-0.6",
+        );
+        assert!(
+            sum.starts_with("cue[2].kappa.amplitude = -0.6: must be such that kappa stays above 0 everywhere"),
+            "{sum}"
+        );
+        let apart = "kappa:u0=0.2,omega=0.05,amplitude=-0.9+kappa:u0=0.8,omega=0.05,amplitude=-0.9";
+        assert_eq!(apart.parse::<Cue>().unwrap().to_string().matches("kappa:band").count(), 2);
+    }
+
+    #[test]
+    fn sums_split_at_their_plus_signs_only() {
+        assert_eq!(split_terms("a:x=1e+3,y=+2+b:z=1"), ["a:x=1e+3,y=+2", "b:z=1"]);
+        let cue: Cue = "tension:gradient,amplitude=1e+0 + xi_b:u0=0.5,omega=0.3Lh,amplitude=+2".parse().unwrap();
+        assert_eq!(cue.to_string(), "tension:gradient,amplitude=1+xi_b:band,u0=0.5,omega=0.3Lh,amplitude=2");
+    }
+
+    proptest! {
+        /// Every field with every profile comes back from its text bit for bit, and from RON and JSON.
+        #[test]
+        fn what_is_printed_is_what_is_read(
+            field in 0..9_usize, kind in 0..3_usize, length in any::<bool>(),
+            u0 in 0.001..0.999_f64, omega in 1e-3..2.0_f64, amplitude in -0.99..0.99_f64,
+        ) {
+            let omega = if length { Width::Length(omega) } else { Width::Fraction(omega) };
+            let profile = [Profile::Band { u0, omega }, Profile::Step { u0, omega }, Profile::Gradient][kind];
+            let term = Term { field: Field::ALL[field], profile, amplitude };
+            let cue = Cue::new(vec![term, Term { field: Field::Tension, ..term }]).unwrap();
+            prop_assert_eq!(&cue.to_string().parse::<Cue>().unwrap(), &cue);
+            let single = Cue::new(vec![term]).unwrap();
+            for cue in [Cue::none(), single, cue] {
+                let json = serde_json::to_string(&cue).unwrap();
+                prop_assert_eq!(&serde_json::from_str::<Cue>(&json).unwrap(), &cue, "{}", json);
+                let ron = ron::to_string(&cue).unwrap();
+                prop_assert_eq!(&furrow_input::parse_ron::<Cue>(&ron, "x").unwrap(), &cue, "{}", ron);
+            }
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! What a cell is: its size, its confinement, its activity and its cue, in a material and a shell.
+//!
+//! | type | role |
+//! |---|---|
+//! | [`Cell`] | one cell: R0, ε, ξ_s and a [`Cue`], in a [`Material`] and a [`Shell`] |
+//! | [`Material`] | the constants of the cortex: rigidity, viscosities, friction, tension, what activity does |
+//! | [`Shell`] | the constants of the ellipsoidal shell that confines it |
+//! | [`Cue`] | a polarity cue: a sum of [`cue::Term`]s, each a field, a profile and an amplitude |
+//! | [`Parameter`] | a scalar of a cell by its name, to be read, set, continued in or fitted |
+//! | [`Numerics`] | settings of the discretisation |
+
+pub mod cue;
+pub mod material;
+pub mod numerics;
+pub mod parameter;
+pub mod settings;
+
+pub use cue::{Cue, CueError};
+pub use material::{Material, RigidityGradient, Shell};
+pub use numerics::{Numerics, Scheme};
+pub use parameter::Parameter;
+pub use settings::Settings;
+
+use num_dual::DualNum;
+use serde::{Deserialize, Serialize};
+
+/// Number types in which the model can be evaluated: plain, or carrying derivatives.
+pub trait Number: DualNum<Primitive = f64> + Copy {}
+
+impl<D: DualNum<Primitive = f64> + Copy> Number for D {}
+
+/// Radius R0 of the published zygote, in L_h.
+pub const ZYGOTE: f64 = 5.4;
+
+/// Radii of cells that users may give, in L_h. Beyond, nothing is found, and volumes are lost to rounding or overflow.
+pub const SIZES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+
+/// One cell, in the units L_h = √(η_b/Γ) (length), κ0 (energy) and τ = η_b L_h²/κ0 (time).
+///
+/// Everything its mechanics depends on is here, so that two equal cells divide alike. Values are checked where users give
+/// them; a `Cell` made in code is taken as it is.
+///
+/// ```
+/// use furrow_cell::Cell;
+///
+/// let zygote = Cell::new(5.4).with_cue("activity:step,u0=0.4,omega=0.1,amplitude=0.2".parse()?);
+/// assert_eq!((zygote.epsilon, zygote.xi_s), (0.87, 25.0));
+/// assert!(!zygote.is_mirror_symmetric());
+/// assert!(Cell { xi_s: 20.0, ..Cell::new(2.0) }.is_mirror_symmetric());
+/// # Ok::<(), furrow_cell::CueError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Radius R0 of the sphere with the cell's volume, in L_h.
+    pub r0: f64,
+    /// Volume of the cell over the volume of its shell, ε.
+    pub epsilon: f64,
+    /// Anisotropic activity ξ_s, as published (before the gain), in κ0/L_h.
+    pub xi_s: f64,
+    /// Polarity cue.
+    pub cue: Cue,
+    /// Constants of the cortex.
+    pub material: Material,
+    /// Constants of the shell.
+    pub shell: Shell,
+}
+
+impl Cell {
+    /// A cell of radius `r0` without a cue, with the preset's confinement ε = 0.87, activity ξ_s = 25, material and shell.
+    pub const fn new(r0: f64) -> Cell {
+        Cell { r0, epsilon: 0.87, xi_s: 25.0, cue: Cue::none(), material: Material::GAO2026, shell: Shell::GAO2026 }
+    }
+
+    /// The same cell with a cue.
+    pub fn with_cue(self, cue: Cue) -> Cell {
+        Cell { cue, ..self }
+    }
+
+    /// Whether nothing tells one pole from the other: its cue, if any, is even about u = ½.
+    pub fn is_mirror_symmetric(&self) -> bool {
+        self.cue.is_mirror_symmetric()
+    }
+
+    /// The mirror image of the cell under u → 1 − u.
+    pub fn mirrored(&self) -> Cell {
+        Cell { cue: self.cue.mirrored(), ..self.clone() }
+    }
+
+    /// The same cell without activity and without a cue: what a division starts from.
+    pub fn passive(&self) -> Cell {
+        Cell { xi_s: 0.0, cue: Cue::none(), ..self.clone() }
+    }
+
+    /// Volume 4πR0³/3, in L_h³.
+    pub fn volume(&self) -> f64 {
+        4.0 / 3.0 * std::f64::consts::PI * self.r0.powi(3)
+    }
+}

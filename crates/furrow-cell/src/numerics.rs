@@ -1,0 +1,60 @@
+//! Settings of the discretisation.
+
+use serde::{Deserialize, Serialize};
+
+/// How a division is stepped in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scheme {
+    /// Steps of high order whose error is controlled, the growing modes' own included.
+    #[default]
+    Converged,
+    /// Backward Euler at a fixed step after a short start, the paper's kind of step. At 0.1 τ it damps growing modes of large
+    /// cells, and a shape that grows at more than 2/Δt is an attractor.
+    Published,
+}
+
+/// Settings of the discretisation. The defaults are what every published number of furrow is computed with.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Numerics {
+    /// Gauss points per mesh interval, 1 to 5.
+    pub stages: usize,
+    /// Mesh intervals of the full domain u ∈ [0, 1] (even; half of them on the mirror-symmetric half).
+    pub intervals: usize,
+    /// How time is stepped.
+    pub scheme: Scheme,
+    /// Fixed step Δt of the published scheme, in τ. Steps double from the first one up to it, and follow the neck where that
+    /// closes faster. The converged scheme does not use it.
+    pub dt: f64,
+    /// Length of the first step, in τ; the noise lasts for it.
+    pub first_step: f64,
+    /// Local error allowed per time step.
+    pub time_tolerance: f64,
+    /// Factor on every time step after error control (0.5 halves all of them).
+    pub step_factor: f64,
+    /// Largest time, in τ, one division may take before it is reported as undecided.
+    pub t_max: f64,
+    /// Largest coefficient of the noise in the first step; 0 for none, and then the side of an asymmetric division without a
+    /// cue is left to rounding.
+    pub noise: f64,
+    /// A division with |χ| below this is symmetric and its daughters are equal.
+    pub chi_symmetric: f64,
+}
+
+impl Default for Numerics {
+    fn default() -> Self {
+        Numerics {
+            stages: 4,
+            intervals: 48,
+            scheme: Scheme::Converged,
+            dt: 0.1,
+            first_step: 1e-3,
+            time_tolerance: 1.6e-5,
+            step_factor: 1.0,
+            t_max: 10_000.0,
+            noise: 0.01,
+            chi_symmetric: 5e-3,
+        }
+    }
+}

@@ -1,0 +1,482 @@
+//! Parameters as users give them: a RON file, then `--set key=value`, each field checked.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use crate::ZYGOTE;
+use crate::{Cell, Numerics, RigidityGradient, SIZES, Scheme};
+use furrow_input::{InputError, did_you_mean, parse_document, read_text, shown};
+
+/// Parameters of a run, checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// The cell, without a cue; of a tree the first one.
+    pub cell: Cell,
+    /// Discretisation.
+    pub numerics: Numerics,
+}
+
+impl Default for Settings {
+    /// The preset `gao2026` and its zygote.
+    fn default() -> Settings {
+        Settings { cell: Cell::new(ZYGOTE), numerics: Numerics::default() }
+    }
+}
+
+/// Presets by name: what differs from the first, as a configuration file says it.
+const PRESETS: [(&str, &str); 2] =
+    [("gao2026", "Config()"), ("sulston1983", include_str!("../presets/sulston1983.ron"))];
+
+/// Names of the presets; the first is in force where none is named.
+pub fn presets() -> impl Iterator<Item = &'static str> {
+    PRESETS.into_iter().map(|(name, _)| name)
+}
+
+/// A setter takes the text of a value and says what is allowed if it cannot be read.
+type Set = fn(&mut Settings, &str) -> Result<(), &'static str>;
+/// A check gives the offending value and what is allowed.
+type Valid = fn(&Settings) -> Option<(String, &'static str)>;
+
+struct Field {
+    section: &'static str,
+    name: &'static str,
+    aliases: &'static [&'static str],
+    set: Set,
+    valid: Valid,
+    show: fn(&Settings) -> String,
+}
+
+/// One table of all fields: the overrides that a RON file may hold, `--set`, and the checks come from it.
+macro_rules! fields {
+    ($($section:ident $overrides:ident $shown:literal {
+        $($name:ident $([$($alias:literal),*])? at $($path:ident).+ : $kind:ty, $allowed:literal, |$v:ident| $ok:expr;)*
+    })*) => {
+        $(
+            /// What a file sets of one section; what it does not name keeps its value.
+            #[derive(Deserialize, Default)]
+            #[serde(default, deny_unknown_fields, rename = $shown)]
+            pub struct $overrides {
+                $($(#[serde($(alias = $alias),*)])? $name: Option<$kind>,)*
+                #[serde(skip)]
+                _fields: (),
+            }
+
+            impl $overrides {
+                /// Sets what the file sets.
+                pub fn apply(self, settings: &mut Settings) {
+                    $(if let Some(value) = self.$name { settings.$($path).+ = value; })*
+                }
+            }
+        )*
+
+        const FIELDS: &[Field] = &[$($(
+            Field {
+                section: stringify!($section),
+                name: stringify!($name),
+                aliases: &[$($($alias),*)?],
+                set: |settings, text| {
+                    settings.$($path).+ = <$kind as Value>::read(text).ok_or($allowed)?;
+                    Ok(())
+                },
+                valid: |settings| {
+                    let $v: $kind = settings.$($path).+;
+                    let ok: bool = $ok;
+                    (!ok).then(|| (Value::show(&$v), $allowed))
+                },
+                show: |settings| Value::show(&settings.$($path).+),
+            },
+        )*)*];
+    };
+}
+
+fields! {
+    physics PhysicsOverrides "Physics" {
+        kappa at cell.material.kappa: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        eta_b at cell.material.eta_b: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        eta_s at cell.material.eta_s: f64, "a finite number, 0 or above", |v| v.is_finite() && v >= 0.0;
+        friction ["Gamma"] at cell.material.friction: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        tension ["gamma"] at cell.material.tension: f64, "a finite number", |v| v.is_finite();
+        xi_s ["xi"] at cell.xi_s: f64, "a finite number", |v| v.is_finite();
+        xi_ratio at cell.material.xi_ratio: f64, "a finite number", |v| v.is_finite();
+        gain ["g"] at cell.material.gain: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        aspect ["a_over_b"] at cell.shell.aspect: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        p0 ["P0"] at cell.shell.p0: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        w at cell.shell.w: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        r0 ["R0"] at cell.r0: f64, "a finite number above 0, from 1e-6 to 1e6", |v| SIZES.contains(&v);
+        epsilon ["eps"] at cell.epsilon: f64, "above 0 and below 1", |v| v > 0.0 && v < 1.0;
+        rigidity_gradient at cell.material.rigidity_gradient: RigidityGradient, "full or dropped", |_v| true;
+    }
+    numerics NumericsOverrides "Numerics" {
+        stages at numerics.stages: usize, "a whole number from 1 to 5", |v| (1..=5).contains(&v);
+        intervals at numerics.intervals: usize, "an even whole number from 16 to 4096", |v| v.is_multiple_of(2) && (16..=4096).contains(&v);
+        scheme at numerics.scheme: Scheme, "converged or published", |_v| true;
+        dt at numerics.dt: f64, "above 0 and at most 10", |v| v > 0.0 && v <= 10.0;
+        first_step at numerics.first_step: f64, "from 1e-6 to 0.1", |v| (1e-6..=0.1).contains(&v);
+        time_tolerance at numerics.time_tolerance: f64, "from 1e-9 to 0.1", |v| (1e-9..=0.1).contains(&v);
+        step_factor at numerics.step_factor: f64, "from 0.1 to 1", |v| (0.1..=1.0).contains(&v);
+        t_max at numerics.t_max: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        noise at numerics.noise: f64, "0 or above and below 1", |v| (0.0..1.0).contains(&v);
+        chi_symmetric at numerics.chi_symmetric: f64, "0 or above and below 1", |v| (0.0..1.0).contains(&v);
+    }
+}
+
+trait Value: Sized {
+    fn read(text: &str) -> Option<Self>;
+    fn show(&self) -> String;
+}
+
+impl Value for f64 {
+    fn read(text: &str) -> Option<f64> {
+        text.parse().ok()
+    }
+    fn show(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl Value for usize {
+    fn read(text: &str) -> Option<usize> {
+        text.parse().ok()
+    }
+    fn show(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl Value for Scheme {
+    fn read(text: &str) -> Option<Scheme> {
+        match text {
+            "converged" => Some(Scheme::Converged),
+            "published" => Some(Scheme::Published),
+            _ => None,
+        }
+    }
+    fn show(&self) -> String {
+        match self {
+            Scheme::Published => "published".to_owned(),
+            _ => "converged".to_owned(),
+        }
+    }
+}
+
+impl Value for RigidityGradient {
+    fn read(text: &str) -> Option<RigidityGradient> {
+        match text {
+            "full" => Some(RigidityGradient::Full),
+            "dropped" => Some(RigidityGradient::Dropped),
+            _ => None,
+        }
+    }
+    fn show(&self) -> String {
+        match self {
+            RigidityGradient::Full => "full".to_owned(),
+            RigidityGradient::Dropped => "dropped".to_owned(),
+        }
+    }
+}
+
+/// The configuration file: what it does not name keeps the preset's value.
+#[derive(Deserialize, Default)]
+#[serde(default, deny_unknown_fields)]
+struct Config {
+    physics: PhysicsOverrides,
+    numerics: NumericsOverrides,
+}
+
+impl Settings {
+    /// The parameters of a preset and its zygote.
+    ///
+    /// ```
+    /// use furrow_cell::settings::Settings;
+    ///
+    /// assert_eq!(Settings::preset("gao2026")?, Settings::default());
+    /// assert!(Settings::preset("sulston1983")?.cell.shell.p0 < 0.123);
+    /// assert!(Settings::preset("sulston").is_err());
+    /// # Ok::<(), furrow_input::InputError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A name that is no preset's.
+    pub fn preset(name: &str) -> Result<Settings, InputError> {
+        let Some((_, text)) = PRESETS.into_iter().find(|(known, _)| *known == name) else {
+            let names: Vec<&str> = presets().collect();
+            let allowed = format!("one of {}{}", names.join(", "), did_you_mean(name, presets()));
+            return Err(InputError::not_allowed("settings", "preset", shown(name), allowed));
+        };
+        let mut settings = Settings::default();
+        settings.apply_config(text, name)?;
+        Ok(settings)
+    }
+
+    /// A preset with the parameters of a configuration file, if any, and then with `overrides` of the form `key=value`.
+    ///
+    /// Keys are the numbers of a [`Cell`], its material and shell, those of [`Numerics`], and the aliases `xi`, `g`, `eps`, `a_over_b`, `P0` (the
+    /// shell's strength), `R0`, `Gamma`, `gamma`. Besides these, `xi_b` sets `xi_ratio` = ξ_b/ξ_s from the ξ_s that all
+    /// settings together give: it is the ratio that is kept wherever ξ_s is varied afterwards.
+    ///
+    /// # Errors
+    /// Names the file or option, the field, its value and what is allowed.
+    pub fn load(preset: &str, config: Option<&Path>, overrides: &[String]) -> Result<Settings, InputError> {
+        let mut settings = Settings::preset(preset)?;
+        if let Some(path) = config {
+            let file = path.display().to_string();
+            settings.apply_config(&read_text(path)?, &file)?;
+        }
+        settings.apply_overrides(overrides)?;
+        Ok(settings)
+    }
+
+    /// Applies and checks the text of a configuration file.
+    pub fn apply_config(&mut self, text: &str, file: &str) -> Result<(), InputError> {
+        let config: Config = parse_document(text, file, "a configuration", "Config")?;
+        config.physics.apply(self);
+        config.numerics.apply(self);
+        self.check(file)
+    }
+
+    /// Applies and checks `key=value` settings, in order; `xi_b` last.
+    pub fn apply_overrides(&mut self, overrides: &[String]) -> Result<(), InputError> {
+        self.override_fields(overrides)?;
+        self.check(OVERRIDES)
+    }
+
+    /// Applies `key=value` settings and checks each field by itself: of what is varied afterwards not all is known yet.
+    pub fn override_fields(&mut self, overrides: &[String]) -> Result<(), InputError> {
+        const SOURCE: &str = OVERRIDES;
+        let mut pairs = Vec::new();
+        for entry in overrides {
+            let Some((key, value)) = entry.split_once('=') else {
+                return Err(InputError::not_allowed(SOURCE, "setting", format!("{entry:?}"), "of the form key=value"));
+            };
+            let key = key.trim();
+            let refuse = |allowed| InputError::not_allowed(SOURCE, "key", shown(key), allowed);
+            pairs.push((canonical_name(key).map_err(refuse)?, value.trim()));
+        }
+        self.assign(SOURCE, &pairs)?;
+        self.check_fields(SOURCE)
+    }
+
+    /// Sets fields by their [canonical names](canonical_name) to values given as text, in order; `xi_b` last, from the ξ_s that
+    /// is then in force. Whether the values are allowed is left to [`check`](Self::check).
+    ///
+    /// # Errors
+    /// A text that is no value of its field; errors say it came from `source_name`.
+    pub fn assign<T: AsRef<str>>(&mut self, source_name: &str, pairs: &[(&str, T)]) -> Result<(), InputError> {
+        let mut xi_b = None;
+        for (name, value) in pairs {
+            let value = value.as_ref();
+            let refuse = |allowed: &str| InputError::not_allowed(source_name, *name, value, allowed);
+            if *name == XI_B {
+                let read = value.parse::<f64>().ok().filter(|v| v.is_finite());
+                xi_b = Some(read.ok_or_else(|| refuse("a finite number"))?);
+            } else if let Some(field) = FIELDS.iter().find(|field| field.name == *name) {
+                (field.set)(self, value).map_err(refuse)?;
+            }
+        }
+        if let Some(xi_b) = xi_b {
+            let ratio = xi_b / self.cell.xi_s;
+            if !ratio.is_finite() {
+                let allowed = format!("a multiple of xi_s, which is {}", self.cell.xi_s);
+                return Err(InputError::not_allowed(source_name, XI_B, xi_b, allowed));
+            }
+            self.cell.material.xi_ratio = ratio;
+        }
+        Ok(())
+    }
+
+    /// Sets one number by the name of its field and checks it; errors say it came from `source_name`.
+    pub fn set_number(&mut self, source_name: &str, name: &str, value: f64) -> Result<(), InputError> {
+        if let Some(field) = FIELDS.iter().find(|field| field.name == name) {
+            let refuse = |allowed| InputError::not_allowed(source_name, name, value, allowed);
+            (field.set)(self, &value.to_string()).map_err(refuse)?;
+            if let Some((_, allowed)) = (field.valid)(self) {
+                return Err(refuse(allowed));
+            }
+        }
+        Ok(())
+    }
+
+    /// What is allowed of one field, given by its [canonical name](canonical_name), if its value is not.
+    pub fn refuses(&self, name: &str) -> Option<&'static str> {
+        let field = FIELDS.iter().find(|field| field.name == name)?;
+        (field.valid)(self).map(|(_, allowed)| allowed)
+    }
+
+    /// Checks every field by itself; errors say the values came from `source_name`.
+    pub fn check_fields(&self, source_name: &str) -> Result<(), InputError> {
+        for field in FIELDS {
+            if let Some((value, allowed)) = (field.valid)(self) {
+                let name = format!("{}.{}", field.section, field.name);
+                return Err(InputError::not_allowed(source_name, name, value, allowed));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks every field, and whether they go together; errors say the values came from `source_name`.
+    pub fn check(&self, source_name: &str) -> Result<(), InputError> {
+        self.check_fields(source_name)?;
+        let Numerics { scheme, dt, .. } = self.numerics;
+        if scheme == Scheme::Converged && dt != Numerics::default().dt {
+            let allowed = "given with scheme = published alone: the converged scheme chooses its own steps";
+            return Err(InputError::not_allowed(source_name, "numerics.dt", dt, allowed));
+        }
+        self.check_wall(source_name)
+    }
+
+    /// Checks whether the mesh has enough intervals for the width of the shell's wall, the same number of them for each part
+    /// of the contour that is as long as the wall is wide. With fewer, pitchforks were found off by more than 1e-4 (with 48 at
+    /// w = 0.01 by 5e-3, on the wrong side and of the wrong criticality).
+    ///
+    /// # Errors
+    /// Says which w is wide enough for the intervals; the values came from `source_name`.
+    pub fn check_wall(&self, source_name: &str) -> Result<(), InputError> {
+        let (w, intervals) = (self.cell.shell.w, self.numerics.intervals);
+        let least = INTERVALS_OF_WALL / intervals as f64;
+        if w < least * (1.0 - 1e-9) {
+            let fine = 2 * (0.5 * INTERVALS_OF_WALL / w).ceil().min(1e9) as usize;
+            let allowed = match fine <= MOST_INTERVALS {
+                true => {
+                    format!("at least {least:.3e} where numerics.intervals = {intervals}; or set intervals to {fine}")
+                }
+                false => format!(
+                    "at least {:.3e}, with numerics.intervals = {MOST_INTERVALS}",
+                    INTERVALS_OF_WALL / MOST_INTERVALS as f64
+                ),
+            };
+            return Err(InputError::not_allowed(source_name, "physics.w", w, allowed));
+        }
+        Ok(())
+    }
+
+    /// Checks whether divisions can be computed with these numerics; stationary shapes ask for less. The limits are those
+    /// within which cells of R0 from 1.6 to 5.4, with a cue and without, were found to divide or to come to rest as they do
+    /// with the preset's numerics.
+    pub fn check_divisions(&self, source_name: &str) -> Result<(), InputError> {
+        let numerics = &self.numerics;
+        let refuse = |field: &str, value: String, allowed: String| {
+            Err(InputError::not_allowed(source_name, field, value, allowed))
+        };
+        let least = match numerics.stages {
+            1 => 160,
+            2 => 64,
+            3 => 32,
+            _ => 16,
+        };
+        if numerics.intervals < least {
+            let allowed = format!("at least {least} where numerics.stages = {}", numerics.stages);
+            return refuse("numerics.intervals", numerics.intervals.to_string(), allowed);
+        }
+        // The error that a full step would make is told from a shortened one, which magnifies its rounding; by trial the
+        // tolerance has to grow by the sixth power.
+        let least = 1e-9 * (0.5 / numerics.step_factor).powi(6);
+        if numerics.time_tolerance < least {
+            let allowed = format!("at least {least:.1e} where numerics.step_factor = {}", numerics.step_factor);
+            return refuse("numerics.time_tolerance", numerics.time_tolerance.to_string(), allowed);
+        }
+        Ok(())
+    }
+
+    /// Checks the activity of a cell that is to be computed at it; errors say it came from `source_name`. Branches, curves
+    /// and diagrams run over ξ_s and take no notice of it.
+    pub fn check_activity(&self, source_name: &str) -> Result<(), InputError> {
+        let Settings { cell, .. } = self;
+        // What moves the cell is its active stress over its rigidity.
+        let unit = cell.material.kappa / cell.material.gain;
+        let [least, most] = STRESS.map(|stress| stress * unit);
+        if !(least..=most).contains(&cell.xi_s) {
+            let allowed = format!(
+                "from {least} to {most} where kappa = {} and gain = {}",
+                cell.material.kappa, cell.material.gain
+            );
+            return Err(InputError::not_allowed(source_name, "xi_s", cell.xi_s, allowed));
+        }
+        Ok(())
+    }
+}
+
+/// What errors call settings of the form `key=value`.
+const OVERRIDES: &str = "--set";
+
+/// Sets `xi_ratio` from the ξ_s in force.
+const XI_B: &str = "xi_b";
+
+/// The name of the field that a key of `--set` means: an alias's own, and without the section before it.
+///
+/// ```
+/// use furrow_cell::settings::canonical_name;
+///
+/// assert_eq!(canonical_name("physics.eps"), Ok("epsilon"));
+/// assert!(canonical_name("numerics.eps").is_err());
+/// ```
+///
+/// # Errors
+/// Says which keys there are.
+pub fn canonical_name(key: &str) -> Result<&'static str, String> {
+    let (section, plain) = match key.split_once('.') {
+        Some((section @ ("physics" | "numerics"), plain)) => (Some(section), plain),
+        _ => (None, key),
+    };
+    // The section that the key names, if it names one, must be the one the parameter is in.
+    let misplaced = |right: &str| section.is_some_and(|section| section != right);
+    if plain == XI_B {
+        let allowed = "physics.xi_b or xi_b alone".to_owned();
+        return if misplaced("physics") { Err(allowed) } else { Ok(XI_B) };
+    }
+    match FIELDS.iter().find(|field| field.name == plain || field.aliases.contains(&plain)) {
+        Some(field) if misplaced(field.section) => Err(format!("{}.{plain} or {plain} alone", field.section)),
+        Some(field) => Ok(field.name),
+        None => {
+            let nearest = did_you_mean(plain, names().chain(FIELDS.iter().flat_map(|f| f.aliases).copied()));
+            Err(format!("one of {}{nearest}", names().collect::<Vec<_>>().join(", ")))
+        }
+    }
+}
+
+/// The canonical names of all keys.
+pub fn names() -> impl Iterator<Item = &'static str> + Clone {
+    FIELDS.iter().map(|field| field.name).chain([XI_B])
+}
+
+/// Intervals of the whole contour for a wall of width w = 1.
+const INTERVALS_OF_WALL: f64 = 0.96;
+
+/// Most intervals that a mesh may begin with.
+const MOST_INTERVALS: usize = 4096;
+
+/// Least and largest active stress g ξ_s/κ, at which the first time steps still find their shapes.
+const STRESS: [f64; 2] = [-150.0, 75.0];
+
+/// Every parameter by its name and value, by section: for reports.
+pub fn listing(settings: &Settings) -> Vec<(&'static str, &'static str, String)> {
+    FIELDS.iter().map(|field| (field.section, field.name, (field.show)(settings))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A field added to the parameters must get its row in the table.
+    #[test]
+    fn table_covers_every_field() {
+        let settings = Settings::default();
+        let mut numbers = vec!["r0".to_owned(), "epsilon".to_owned(), "xi_s".to_owned()];
+        for part in [
+            serde_json::to_value(settings.cell.material).unwrap(),
+            serde_json::to_value(settings.cell.shell).unwrap(),
+            serde_json::to_value(settings.numerics).unwrap(),
+        ] {
+            numbers.extend(part.as_object().unwrap().keys().cloned());
+        }
+        let mut of_table: Vec<&str> = FIELDS.iter().map(|f| f.name).collect();
+        numbers.sort();
+        of_table.sort();
+        assert_eq!(numbers, of_table);
+    }
+
+    #[test]
+    fn preset_is_allowed() {
+        Settings::default().check("preset").unwrap();
+    }
+}

@@ -1,0 +1,28 @@
+//! The pictures of [furrow](https://docs.rs/furrow): charts of what its commands compute, drawings and movies of dividing
+//! cells.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`drawing`] | one style, a canvas for SVG and PNG, axes, legends, cells |
+//! | [`plot`] | a picture of what each command computes |
+//! | [`movie`] | a division as a moving picture |
+//!
+//! # Examples
+//! A division as a chart, and as a small movie:
+//!
+//! ```
+//! use furrow_figures::movie::{Movie, MovieFormat};
+//! use furrow_figures::plot;
+//! use furrow_cell::Cell;
+//! use furrow_mechanics::division::{DivisionInput, film};
+//! let cell = Cell::new(3.0);
+//! let film = film(&DivisionInput::new(cell.clone()))?;
+//! assert!(plot::division::draw(&cell, &film).svg().starts_with("<svg"));
+//! let movie = Movie { cell: &cell, film: &film, frames: 2 };
+//! assert!(movie.bytes(MovieFormat::Gif)?.starts_with(b"GIF89a"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod drawing;
+pub mod movie;
+pub mod plot;

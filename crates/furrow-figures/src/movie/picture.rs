@@ -1,0 +1,124 @@
+//! One frame of a movie.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use super::surface::{self, Fineness, View};
+use crate::drawing::style::{self, FORCES, text};
+use crate::drawing::{Anchor, Canvas, Stroke};
+use furrow_cell::Cell;
+use furrow_mechanics::division::{Film, Outcome, Still};
+
+/// Width and height.
+pub const SIZE: [f64; 2] = [680.0, 460.0];
+/// Arrows on each side of the axis.
+const ARROWS: usize = 44;
+/// The longest arrow.
+const LONGEST: f64 = 42.0;
+
+/// What all frames of a movie share.
+pub struct Stage<'a> {
+    cell: &'a Cell,
+    film: &'a Film,
+    view: View,
+    /// The force that the longest arrow stands for.
+    largest: f64,
+    /// How finely the surface is drawn.
+    fineness: Fineness,
+}
+
+impl<'a> Stage<'a> {
+    /// For a division, at these times.
+    pub fn new(cell: &'a Cell, film: &'a Film, times: &[f64], fineness: Fineness) -> Stage<'a> {
+        let [along, across] = film.shell();
+        let centre = [0.5 * SIZE[0], 0.5 * SIZE[1] + 12.0];
+        let [long, high] = View::new(centre, 1.0).lengths();
+        let scale = (0.36 * SIZE[0] / (along * long)).min(0.30 * SIZE[1] / (across * high));
+        let view = View::new(centre, scale);
+        // Near pinch-off forces at the neck grow without bound: arrows are as long as most of the movie allows.
+        let mut sizes: Vec<f64> = times
+            .iter()
+            .flat_map(|t| arrows(&film.at(*t)).into_iter().map(|(_, [r, z])| r.hypot(z)).collect::<Vec<f64>>())
+            .collect();
+        sizes.sort_by(f64::total_cmp);
+        let largest = sizes.get(sizes.len() * 97 / 100).copied().unwrap_or(1.0).max(1e-9);
+        Stage { cell, film, view, largest, fineness }
+    }
+
+    /// The frame at a time.
+    pub fn frame(&self, t: f64) -> Canvas {
+        let still = self.film.at(t);
+        let mut canvas = Canvas::new(SIZE[0], SIZE[1]);
+        self.shell(&mut canvas, true);
+        surface::draw(&mut canvas, &still, &self.cell.cue, &self.view, self.fineness);
+        self.shell(&mut canvas, false);
+        self.forces(&mut canvas, &still);
+        self.words(&mut canvas, &still);
+        canvas
+    }
+
+    /// The shell as rings around it and an outline, of which the rings' far halves lie behind the cell.
+    fn shell(&self, canvas: &mut Canvas, behind: bool) {
+        let [along, across] = self.film.shell();
+        let thin = Stroke::solid([0xb5; 3], 1.0);
+        for ring in -2..=2 {
+            let z = 0.4 * f64::from(ring) * along;
+            let r = across * (1.0 - (z / along).powi(2)).sqrt();
+            // The near half is that with a positive third coordinate.
+            let from = if behind { FRAC_PI_2 } else { -FRAC_PI_2 };
+            let half: Vec<[f64; 2]> = (0..=24).map(|k| self.view.point([r, z], from + k as f64 / 48.0 * TAU)).collect();
+            canvas.polyline(&half, thin);
+        }
+    }
+
+    fn forces(&self, canvas: &mut Canvas, still: &Still) {
+        for ([r, z], [force_r, force_z]) in arrows(still) {
+            let size = force_r.hypot(force_z);
+            if size <= 0.1 * self.largest {
+                continue;
+            }
+            // Longer ones end where the longest do.
+            let length = LONGEST / self.view.scale * (size / self.largest).min(1.0) / size;
+            for angle in [FRAC_PI_2, -FRAC_PI_2] {
+                let from = self.view.point([r, z], angle);
+                let to = self.view.point([r + length * force_r, z + length * force_z], angle);
+                canvas.arrow(from, to, FORCES[0].1, 1.9);
+            }
+        }
+    }
+
+    fn words(&self, canvas: &mut Canvas, still: &Still) {
+        let Cell { r0, epsilon, xi_s, cue, .. } = self.cell;
+        let cued = if cue.is_none() { "no cue" } else { "with a cue" };
+        let title = format!("R₀ = {r0}, ε = {epsilon}, ξₛ = {xi_s}, {cued}");
+        canvas.text([20.0, 30.0], &title, text::LABEL, Anchor::Start, style::INK);
+        let time = format!("t = {} τ", style::time(still.t));
+        canvas.text([SIZE[0] - 20.0, 30.0], &time, text::LABEL, Anchor::End, style::INK);
+        let bottom = SIZE[1] - 18.0;
+        canvas.arrow([20.0, bottom - 5.0], [56.0, bottom - 5.0], FORCES[0].1, 2.2);
+        canvas.text([64.0, bottom], "active force", text::TICK, Anchor::Start, style::MUTED);
+        if !cue.is_none() {
+            canvas.rectangle([176.0, bottom - 13.0], [22.0, 14.0], style::CUE, 1.0);
+            canvas.text([206.0, bottom], "cue", text::TICK, Anchor::Start, style::MUTED);
+        }
+        let division = &self.film.division;
+        if still.t >= 0.999 * division.t_end {
+            let (word, colour) = match (division.outcome, division.chi) {
+                (Outcome::Failed, _) => ("stays at rest".to_owned(), style::MUTED),
+                (outcome, Some(chi)) => (format!("{outcome}, χ = {chi:.2}"), style::outcome(outcome)),
+                (outcome, None) => (outcome.to_string(), style::outcome(outcome)),
+            };
+            canvas.bold([SIZE[0] - 20.0, bottom], &word, text::LABEL, Anchor::End, colour);
+        }
+    }
+}
+
+/// Places (r, z) evenly spaced along the contour, and the active force density there.
+fn arrows(still: &Still) -> Vec<([f64; 2], [f64; 2])> {
+    (0..ARROWS)
+        .filter_map(|k| {
+            let u = (k as f64 + 0.5) / ARROWS as f64;
+            let place = still.places.get(still.places.partition_point(|place| place.u < u))?;
+            Some(([place.r, place.z], place.active_force()))
+        })
+        .collect()
+}

@@ -1,0 +1,178 @@
+//! The surface of a cell as facets: turned, projected and shaded.
+
+use nalgebra::{Rotation3, Vector3};
+
+use crate::drawing::Canvas;
+use crate::drawing::cell::strength;
+use crate::drawing::style::Colour;
+use furrow_cell::Cue;
+use furrow_mechanics::division::Still;
+
+/// How far the axis is turned towards the eye, and how far the eye looks down, in radians.
+const TURNED: [f64; 2] = [0.42, 0.30];
+/// Where light comes from: from above, the left and the side of the eye.
+const LIGHT: [f64; 3] = [-0.25, 0.70, 1.0];
+/// Colour of the cortex in full light, and of the cue.
+const CORTEX: [f64; 3] = [186.0, 222.0, 244.0];
+const CUE: [f64; 3] = [240.0, 165.0, 20.0];
+/// Light that reaches every facet.
+const AMBIENT: f64 = 0.58;
+/// By how much facets are larger than they are, so that nothing shines through between two.
+const OVERLAP: f64 = 0.9;
+
+/// How a cell is looked at.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    rotation: Rotation3<f64>,
+    /// Where the middle of the shell is on the canvas.
+    pub centre: [f64; 2],
+    /// Units of the canvas for one L_h.
+    pub scale: f64,
+}
+
+impl View {
+    /// The usual view. The axis lies across, the anterior pole, u = 1, on the left and away from the eye.
+    pub fn new(centre: [f64; 2], scale: f64) -> View {
+        let [turn, down] = TURNED;
+        let rotation = Rotation3::from_axis_angle(&Vector3::x_axis(), down)
+            * Rotation3::from_axis_angle(&Vector3::y_axis(), -turn);
+        View { rotation, centre, scale }
+    }
+
+    /// A point at distance r from the axis, at an angle around it (¼ of a turn is upwards), and at z along it.
+    fn place([r, z]: [f64; 2], angle: f64) -> Vector3<f64> {
+        let (sin, cos) = angle.sin_cos();
+        Vector3::new(z, r * sin, r * cos)
+    }
+
+    /// Where such a point is on the canvas.
+    pub fn point(&self, at: [f64; 2], angle: f64) -> [f64; 2] {
+        self.project(&(self.rotation * View::place(at, angle)))
+    }
+
+    /// How long a unit along the axis is on the canvas, and a unit upwards from it.
+    pub fn lengths(&self) -> [f64; 2] {
+        let origin = self.point([0.0, 0.0], 0.0);
+        let length = |[x, y]: [f64; 2]| (x - origin[0]).hypot(y - origin[1]);
+        [length(self.point([0.0, 1.0], 0.0)), length(self.point([1.0, 0.0], std::f64::consts::FRAC_PI_2))]
+    }
+
+    fn project(&self, turned: &Vector3<f64>) -> [f64; 2] {
+        [self.centre[0] + self.scale * turned.x, self.centre[1] - self.scale * turned.y]
+    }
+}
+
+/// One facet on the canvas.
+struct Facet {
+    /// How near to the eye the middle of its ring around the axis is.
+    depth: f64,
+    corners: [[f64; 2]; 4],
+    colour: Colour,
+}
+
+/// How finely a surface is drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Fineness {
+    /// Facets from pole to pole.
+    pub along: usize,
+    /// Facets around the axis.
+    pub around: usize,
+    /// Steps of light that are told apart.
+    pub shades: f64,
+}
+
+/// The meridian at evenly spaced values of a measure between u and arclength of the outline: (u, r, z).
+fn meridian(still: &Still, count: usize) -> Vec<[f64; 3]> {
+    let places = &still.places;
+    (0..=count)
+        .map(|k| {
+            let u = k as f64 / count as f64;
+            let at = places.partition_point(|place| place.u < u).clamp(1, places.len().max(2) - 1);
+            match (places.get(at - 1), places.get(at)) {
+                (Some(a), Some(b)) if b.u > a.u => {
+                    let share = (u - a.u) / (b.u - a.u);
+                    [u, (a.r + share * (b.r - a.r)).max(0.0), a.z + share * (b.z - a.z)]
+                }
+                (Some(a), _) => [u, a.r.max(0.0), a.z],
+                _ => [u, 0.0, 0.0],
+            }
+        })
+        .collect()
+}
+
+/// Draws the surface of a cell ring by ring, the far ones first. Of one ring no two facets that are turned to the eye cover each
+/// other: those of one colour are drawn as one.
+pub fn draw(canvas: &mut Canvas, still: &Still, cue: &Cue, view: &View, fineness: Fineness) {
+    let mut facets = facets(still, cue, view, fineness);
+    facets.sort_by(|a, b| a.depth.total_cmp(&b.depth).then(a.colour.cmp(&b.colour)));
+    for alike in facets.chunk_by(|a, b| a.depth == b.depth && a.colour == b.colour) {
+        canvas.facets(alike.iter().map(|facet| facet.corners), alike[0].colour);
+    }
+}
+
+/// The facets that are turned to the eye.
+fn facets(still: &Still, cue: &Cue, view: &View, fineness: Fineness) -> Vec<Facet> {
+    let Fineness { along, around, shades } = fineness;
+    let line = meridian(still, along);
+    let strength = strength(cue, still.length);
+    let light = Vector3::from(LIGHT).normalize();
+    let angle = |k: usize| k as f64 / around as f64 * std::f64::consts::TAU;
+    let mut found = Vec::new();
+    for pair in line.windows(2) {
+        let ([u, r, z], [u2, r2, z2]) = (pair[0], pair[1]);
+        let depth = (view.rotation * View::place([0.0, 0.5 * (z + z2)], 0.0)).z;
+        let here = strength(0.5 * (u + u2)) * if still.t > 0.0 { 1.0 } else { 0.0 };
+        for k in 0..around {
+            let corners = [
+                view.rotation * View::place([r, z], angle(k)),
+                view.rotation * View::place([r2, z2], angle(k)),
+                view.rotation * View::place([r2, z2], angle(k + 1)),
+                view.rotation * View::place([r, z], angle(k + 1)),
+            ];
+            // By the diagonals, which do not vanish at the poles.
+            let outwards = (corners[3] - corners[1]).cross(&(corners[2] - corners[0]));
+            let Some(normal) = outwards.try_normalize(1e-14) else { continue };
+            if normal.z < -0.02 {
+                continue;
+            }
+            let lit = (AMBIENT + (1.0 - AMBIENT) * normal.dot(&light).max(0.0)).min(1.0);
+            let lit = (lit * shades).round() / shades;
+            let colour =
+                [0, 1, 2].map(|c| (lit * (CORTEX[c] + 0.85 * here * (CUE[c] - CORTEX[c]))).clamp(0.0, 255.0) as u8);
+            found.push(Facet { depth, corners: larger(corners.map(|corner| view.project(&corner))), colour });
+        }
+    }
+    found
+}
+
+fn larger(corners: [[f64; 2]; 4]) -> [[f64; 2]; 4] {
+    let middle = [0, 1].map(|c| corners.iter().map(|corner| corner[c]).sum::<f64>() / 4.0);
+    corners.map(|[x, y]| {
+        let (dx, dy) = (x - middle[0], y - middle[1]);
+        let length = dx.hypot(dy).max(1e-9);
+        [x + OVERLAP * dx / length, y + OVERLAP * dy / length]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use furrow_cell::Cell;
+    use furrow_mechanics::division::{DivisionInput, film};
+
+    #[test]
+    fn the_facets_that_are_seen_cover_what_is_seen_of_the_cell() {
+        let film = film(&DivisionInput::new(Cell::new(2.5))).unwrap();
+        let view = View::new([0.0, 0.0], 1.0);
+        let fineness = Fineness { along: 60, around: 48, shades: 32.0 };
+        for t in [0.0, 0.5 * film.division.t_end] {
+            let still = film.at(t);
+            let found = facets(&still, &Cue::none(), &view, fineness);
+            // The outline of a body of revolution that is nearly a ball: at least the disc of its least radius, and no more
+            // than that of its largest.
+            let reach = still.places.iter().map(|p| p.r.hypot(p.z)).fold(0.0, f64::max) + 2.0 * OVERLAP;
+            assert!(found.len() > 60 * 48 / 3 && found.len() < 60 * 48 * 2 / 3, "{}", found.len());
+            assert!(found.iter().flat_map(|f| f.corners).all(|[x, y]| x.hypot(y) < reach));
+        }
+    }
+}

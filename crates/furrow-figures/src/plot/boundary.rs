@@ -1,0 +1,102 @@
+//! What bounds division over a parameter: curves of pitchforks and folds in the plane of the parameter and activity, and where
+//! the boundary lies at the cell's own activity.
+
+use crate::drawing::legend::{Key, Legend, Marker, titled};
+use crate::drawing::panel::{Axis, Panel, widened};
+use crate::drawing::style::{self, FOLD, PITCHFORK, text};
+use crate::drawing::{Anchor, Canvas, Stroke};
+use furrow_cell::{Cell, Parameter};
+use furrow_mechanics::equilibria::Criticality;
+use furrow_mechanics::equilibria::curves::{Curve, CurvePoint};
+
+const WIDTH: f64 = 940.0;
+const CHART: f64 = 548.0;
+
+/// What is drawn.
+pub struct Boundary<'a> {
+    /// The cell, without what varies.
+    pub cell: &'a Cell,
+    /// What varies.
+    pub parameter: Parameter,
+    /// Its range.
+    pub range: [f64; 2],
+    /// The curve of pitchforks; without points where a cue breaks the symmetry.
+    pub pitchfork: &'a Curve,
+    /// Curves of folds.
+    pub folds: &'a [Curve],
+    /// Where two folds are born.
+    pub cusps: &'a [CurvePoint],
+    /// Where the boundary lies at the cell's own activity.
+    pub critical: Option<CurvePoint>,
+}
+
+/// Draws the curves.
+pub fn draw(of: &Boundary<'_>) -> Canvas {
+    let title = format!("Where division begins, {}", style::described(of.cell, &[of.parameter, Parameter::XiS]));
+    let (mut canvas, top) = titled(WIDTH, CHART, &title, &legend(of));
+    let points = || of.pitchfork.points.iter().chain(of.folds.iter().flat_map(|fold| &fold.points));
+    let heights = points().map(|p| p.xi_s).chain(of.critical.map(|p| p.xi_s));
+    let across = of.range.into_iter().chain(of.critical.map(|p| p.value));
+    let x = Axis::new(style::parameter(of.parameter), widened(across, 0.02));
+    let mut chart = Panel::new([0.0, top], [WIDTH, CHART], x, Axis::over(style::ACTIVITY, heights)).draw(&mut canvas);
+    let place = |point: &CurvePoint| [point.value, point.xi_s];
+    for fold in of.folds {
+        chart.line(fold.points.iter().chain(fold.cusp().as_ref()).map(place), Stroke::solid(FOLD, style::CURVE));
+    }
+    for (kind, piece) in by_criticality(of.pitchfork) {
+        let dash = (kind == Some(Criticality::Subcritical)).then_some(style::DOTTED);
+        chart.line(piece.iter().map(place), Stroke { colour: PITCHFORK, width: style::CURVE + 0.4, dash });
+    }
+    for point in &of.pitchfork.degenerate {
+        chart.point(place(point), 6.5, Marker::Ring, PITCHFORK);
+    }
+    for cusp in of.cusps {
+        chart.point(place(cusp), 6.5, Marker::Diamond, FOLD);
+    }
+    if let Some(point) = of.critical {
+        let at = chart.at(place(&point));
+        let [left, _, _, bottom] = chart.frame;
+        let thin = Stroke::dashed(style::ASYMMETRIC, 1.4, [4.0, 4.0]);
+        chart.canvas.polyline(&[[left, at[1]], at, [at[0], bottom]], thin);
+        chart.point(place(&point), 8.0, Marker::Triangle, style::ASYMMETRIC);
+        // Without the noise of the last digits.
+        let word = format!("{:.4} at ξₛ = {}", point.value, (point.xi_s * 1e6).round() * 1e-6);
+        let right = at[0] > 0.6 * WIDTH;
+        let (x, anchor) = if right { (at[0] - 14.0, Anchor::End) } else { (at[0] + 14.0, Anchor::Start) };
+        chart.canvas.text([x, at[1] - 12.0], &word, text::LABEL, anchor, style::ASYMMETRIC);
+    }
+    canvas
+}
+
+fn legend(of: &Boundary<'_>) -> Legend {
+    let is = |kind: Criticality| of.pitchfork.points.iter().any(|point| point.criticality() == Some(kind));
+    let critical = Key::Point(style::ASYMMETRIC, Marker::Triangle);
+    Legend::default()
+        .with_if(is(Criticality::Supercritical), Key::Line(PITCHFORK), "pitchfork, supercritical")
+        .with_if(is(Criticality::Subcritical), Key::Dashes(PITCHFORK, style::DOTTED), "subcritical")
+        .with_if(!of.pitchfork.degenerate.is_empty(), Key::Point(PITCHFORK, Marker::Ring), "criticality changes")
+        .with_if(!of.folds.is_empty(), Key::Line(FOLD), "fold")
+        .with_if(!of.cusps.is_empty(), Key::Point(FOLD, Marker::Diamond), "cusp")
+        .with_if(of.critical.is_some(), critical, "critical value")
+}
+
+/// A curve of pitchforks in pieces of one criticality, which meet where it changes.
+fn by_criticality(curve: &Curve) -> Vec<(Option<Criticality>, Vec<CurvePoint>)> {
+    let mut found: Vec<(Option<Criticality>, Vec<CurvePoint>)> = Vec::new();
+    for point in &curve.points {
+        let kind = point.criticality();
+        match found.last_mut() {
+            Some((same, piece)) if *same == kind => piece.push(*point),
+            Some((_, piece)) => {
+                // The exact place of the change, if it was located, else the point itself.
+                let before = piece.last().map_or(point.value, |last| last.value);
+                let between = |p: &&CurvePoint| (p.value - before) * (p.value - point.value) <= 0.0;
+                let meeting = curve.degenerate.iter().find(between).copied().unwrap_or(*point);
+                piece.push(meeting);
+                found.push((kind, vec![meeting, *point]));
+            }
+            None => found.push((kind, vec![*point])),
+        }
+    }
+    found
+}

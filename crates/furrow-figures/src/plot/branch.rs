@@ -1,0 +1,261 @@
+//! A bifurcation diagram: elongation and furrow position over activity, solid where the shape is stable and dashed where it is
+//! not, with folds, pitchforks and some of the shapes.
+
+use crate::drawing::cell::{Site, body, shell};
+use crate::drawing::legend::{Key, Legend, Marker, titled};
+use crate::drawing::panel::{Axis, Chart, Panel, widened};
+use crate::drawing::style::{self, Colour, text};
+use crate::drawing::{Anchor, Canvas, Stroke};
+use furrow_cell::{Cell, Parameter};
+use furrow_mechanics::cortex::forces::shell_axes;
+use furrow_mechanics::cortex::{Cortex, Domain};
+use furrow_mechanics::equilibria::{Branch, Criticality, PointKind, ShapePoint};
+
+/// A branch under its name: `symmetric`, `asymmetric` or `cued`.
+pub struct Named<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// The branch, with contours.
+    pub branch: &'a Branch,
+}
+
+/// Most shapes beside the diagram.
+const MOST_SHAPES: usize = 6;
+const WIDTH: f64 = 1000.0;
+/// Height of the row of shapes.
+const SHAPES: f64 = 150.0;
+/// Height of each chart.
+const CHART: f64 = 330.0;
+
+/// A shape that is drawn, and the letter that tells its place.
+struct Shape<'a> {
+    letter: char,
+    point: ShapePoint,
+    contour: &'a [[f64; 2]],
+}
+
+/// Draws the branches of one cell.
+pub fn draw(cell: &Cell, branches: &[Named<'_>]) -> Canvas {
+    let breaks = branches.iter().flat_map(|b| &b.branch.points).any(|point| point.delta_u.abs() > 1e-6);
+    let title = format!("Stationary shapes at {}", style::described(cell, &[Parameter::XiS]));
+    let below = SHAPES + 12.0 + CHART * if breaks { 2.0 } else { 1.0 };
+    let (mut canvas, top) = titled(WIDTH, below, &title, &legend(branches));
+    let shapes = chosen(branches);
+    row_of_shapes(&mut canvas, cell, &shapes, top);
+    let top = top + SHAPES + 12.0;
+    chart(&mut canvas, branches, &shapes, top, "elongation H", |point| point.elongation);
+    if breaks {
+        chart(&mut canvas, branches, &shapes, top + CHART, "furrow position δu", |point| point.delta_u);
+    }
+    canvas
+}
+
+fn legend(branches: &[Named<'_>]) -> Legend {
+    let mut legend = Legend::default();
+    for Named { name, .. } in branches {
+        legend = legend.with(Key::Line(colour(name)), format!("{name} shapes"));
+    }
+    let has = |kind| branches.iter().flat_map(|b| &b.branch.events).any(|event| event.kind() == kind);
+    legend
+        .with(Key::Line(style::INK), "stable")
+        .with(Key::Dashes(style::INK, style::DASHED), "unstable")
+        .with_if(has(PointKind::Pitchfork), Key::Point(style::INK, Marker::Disc), "pitchfork")
+        .with_if(has(PointKind::Fold), Key::Point(style::INK, Marker::Diamond), "fold")
+}
+
+/// The colour of a branch: of what divides like its shapes.
+fn colour(name: &str) -> Colour {
+    match name {
+        "symmetric" => style::SYMMETRIC,
+        "asymmetric" => style::ASYMMETRIC,
+        _ => style::MODEL,
+    }
+}
+
+/// The shapes that tell most: the first, those at folds and pitchforks, and those at the ends; evenly thinned out where they are
+/// too many.
+fn chosen<'a>(branches: &[Named<'a>]) -> Vec<Shape<'a>> {
+    let mut found: Vec<(ShapePoint, &'a [[f64; 2]])> = Vec::new();
+    for (k, Named { branch, .. }) in branches.iter().enumerate() {
+        let at = |index: usize| Some((*branch.points.get(index)?, branch.contours.get(index)?.as_slice()));
+        if k == 0 {
+            found.extend(at(0));
+        }
+        for event in &branch.events {
+            let s = event.point().arclength;
+            // Of an asymmetric branch the first point is that of the branch it came from.
+            let near = (1..branch.points.len()).min_by(|a, b| {
+                (branch.points[*a].arclength - s).abs().total_cmp(&(branch.points[*b].arclength - s).abs())
+            });
+            found.extend(near.and_then(at).map(|(_, contour)| (*event.point(), contour)));
+        }
+        found.extend(at(branch.points.len().saturating_sub(1)).filter(|_| branch.points.len() > 1));
+    }
+    let count = found.len();
+    let kept: Vec<_> = match count > MOST_SHAPES {
+        false => found,
+        true => (0..MOST_SHAPES).map(|k| found[k * (count - 1) / (MOST_SHAPES - 1)]).collect(),
+    };
+    ('a'..).zip(kept).map(|(letter, (point, contour))| Shape { letter, point, contour }).collect()
+}
+
+fn row_of_shapes(canvas: &mut Canvas, cell: &Cell, shapes: &[Shape<'_>], top: f64) {
+    let axes = shell_axes(&Cortex::new(cell, Domain::Full, &[]));
+    let width = (WIDTH - 40.0) / shapes.len().max(1) as f64;
+    let scale = (0.44 * width / axes[0]).min(0.40 * SHAPES / axes[1]);
+    for (k, Shape { letter, contour, .. }) in shapes.iter().enumerate() {
+        let site = Site { centre: [20.0 + width * (k as f64 + 0.5), top + 6.0 + 0.5 * SHAPES], scale };
+        body(canvas, contour, &site, 1.8);
+        shell(canvas, axes, &site);
+        let corner = [site.centre[0] - scale * axes[0], site.centre[1] - 0.36 * SHAPES];
+        canvas.bold(corner, &letter.to_string(), text::LABEL, Anchor::Middle, style::INK);
+    }
+}
+
+/// One chart; points of `value` that lie elsewhere than the range of all branches do not occur.
+fn chart(
+    canvas: &mut Canvas,
+    branches: &[Named<'_>],
+    shapes: &[Shape<'_>],
+    top: f64,
+    label: &str,
+    value: fn(&ShapePoint) -> f64,
+) {
+    let points = || branches.iter().flat_map(|b| &b.branch.points);
+    let x = Axis::new(style::ACTIVITY, widened(points().map(|p| p.xi_s), 0.03));
+    let y = Axis::new(label, widened(points().map(value), 0.12));
+    let mut chart = Panel::new([0.0, top], [WIDTH, CHART], x, y).draw(canvas);
+    for Named { name, branch } in branches {
+        for (stable, piece) in pieces(branch, value) {
+            let dash = (!stable).then_some(style::DASHED);
+            chart.line(piece, Stroke { colour: colour(name), width: style::CURVE, dash });
+        }
+    }
+    letters(&mut chart, shapes, value);
+    for Named { name, branch } in branches {
+        for event in &branch.events {
+            let place = [event.point().xi_s, value(event.point())];
+            let Some(pitchfork) = event.pitchfork() else {
+                chart.point(place, 6.5, Marker::Diamond, colour(name));
+                continue;
+            };
+            chart.point(place, 6.5, Marker::Disc, style::INK);
+            let kind = match pitchfork.criticality() {
+                Criticality::Subcritical => "subcritical",
+                _ => "supercritical",
+            };
+            let at = chart.at(place);
+            let (aside, anchor) =
+                if at[0] + 130.0 > chart.frame[2] { (-12.0, Anchor::End) } else { (12.0, Anchor::Start) };
+            chart.canvas.text([at[0] + aside, at[1] + 22.0], kind, text::TICK, anchor, style::MUTED);
+        }
+    }
+}
+
+/// The letters of the shapes beside their points, above those they would collide with.
+fn letters(chart: &mut Chart<'_>, shapes: &[Shape<'_>], value: fn(&ShapePoint) -> f64) {
+    let mut taken: Vec<[f64; 2]> = Vec::new();
+    let [_, top, right, _] = chart.frame;
+    for Shape { letter, point, .. } in shapes {
+        let data = [point.xi_s, value(point)];
+        if !chart.holds(data) {
+            continue;
+        }
+        let at = chart.at(data);
+        let left = at[0] + 24.0 > right;
+        let mut place = [at[0] + if left { -14.0 } else { 14.0 }, (at[1] - 11.0).max(top + 18.0)];
+        while taken.iter().any(|[x, y]| (x - place[0]).abs() < 14.0 && (y - place[1]).abs() < 16.0) {
+            place[0] += if left { -15.0 } else { 15.0 };
+        }
+        taken.push(place);
+        chart.canvas.disc(at, 2.6, style::INK, 1.0, None);
+        chart.canvas.bold(place, &letter.to_string(), text::LABEL, Anchor::Middle, style::INK);
+    }
+}
+
+/// Points between two of a branch, for a smooth curve.
+const BETWEEN: usize = 8;
+
+/// A place on a branch: its arclength, ξ_s and the value that is drawn.
+type Knot = [f64; 3];
+
+/// The smooth curve through knots: cubics that have at each knot the slope of the parabola through it and its neighbours.
+fn smooth(knots: &[Knot]) -> Vec<[f64; 2]> {
+    let slope = |k: usize, c: usize| {
+        let (a, b) = (knots[k.saturating_sub(1)], knots[(k + 1).min(knots.len() - 1)]);
+        let here = knots[k];
+        let (h, h2) = (here[0] - a[0], b[0] - here[0]);
+        let (left, right) = ((here[c] - a[c]) / h, (b[c] - here[c]) / h2);
+        match (h > 0.0, h2 > 0.0) {
+            (true, true) => (left * h2 + right * h) / (h + h2),
+            (true, false) => left,
+            (false, true) => right,
+            _ => 0.0,
+        }
+    };
+    let mut points: Vec<[f64; 2]> = knots.first().map(|[_, x, y]| [*x, *y]).into_iter().collect();
+    for k in 1..knots.len() {
+        let (a, b) = (knots[k - 1], knots[k]);
+        let h = b[0] - a[0];
+        for j in 1..=BETWEEN {
+            let s = j as f64 / BETWEEN as f64;
+            let ease = s * s * (3.0 - 2.0 * s);
+            let along = |c: usize| {
+                let (left, right) = (s * (1.0 - s) * (1.0 - s) * h, s * s * (s - 1.0) * h);
+                a[c] + ease * (b[c] - a[c]) + left * slope(k - 1, c) + right * slope(k, c)
+            };
+            points.push([along(1), along(2)]);
+        }
+    }
+    points
+}
+
+/// The branch in pieces that are stable or not as a whole: stability changes at folds and pitchforks, which the pieces meet in.
+fn pieces(branch: &Branch, value: fn(&ShapePoint) -> f64) -> Vec<(bool, Vec<[f64; 2]>)> {
+    // A branch that begins at a pitchfork has in its first point the arclength of the branch that it comes from.
+    let first = branch.points.first().copied();
+    let at = |point: &ShapePoint| {
+        let begins = first.is_some_and(|first| first == *point);
+        [if begins { 0.0 } else { point.arclength }, point.xi_s, value(point)]
+    };
+    let mut knots: Vec<Knot> =
+        branch.points.iter().chain(branch.events.iter().map(|event| event.point())).map(&at).collect();
+    knots.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    knots.dedup_by(|a, b| (a[0] - b[0]).abs() < 1e-9);
+    let curve = smooth(&knots);
+    // Of a piece between two knots all that lies between them.
+    let between = |from: Knot, to: Knot| {
+        let place = |knot: Knot| knots.partition_point(|other| other[0] < knot[0] - 1e-9) * BETWEEN;
+        curve.get(place(from)..=place(to)).unwrap_or_default().to_vec()
+    };
+    let stable = |point: &ShapePoint| point.growth_rate.map(|rate| rate < 0.0);
+    let mut events = branch.events.iter().map(|event| event.point()).peekable();
+    let mut found: Vec<(bool, Vec<[f64; 2]>)> = Vec::new();
+    for (k, pair) in branch.points.windows(2).enumerate() {
+        let (before, after) = (&pair[0], &pair[1]);
+        // At a pitchfork nothing grows or decays: the first piece of a branch that begins there is what its other end is.
+        let (start, last) = (if k == 0 { stable(after) } else { stable(before) }, stable(after));
+        let known = found.last().is_none_or(|(stable, _)| *stable);
+        let (start, last) = (start.or(last).unwrap_or(known), last.or(start).unwrap_or(known));
+        let mut within = Vec::new();
+        while let Some(event) = events.next_if(|event| event.arclength <= after.arclength) {
+            within.push(at(event));
+        }
+        match within.first() {
+            None => push(&mut found, last, &between(at(before), at(after))),
+            Some(middle) => {
+                push(&mut found, start, &between(at(before), *middle));
+                push(&mut found, last, &between(*middle, at(after)));
+            }
+        }
+    }
+    found
+}
+
+/// Adds a piece to the last if they are alike.
+fn push(found: &mut Vec<(bool, Vec<[f64; 2]>)>, stable: bool, points: &[[f64; 2]]) {
+    match found.last_mut() {
+        Some((same, piece)) if *same == stable => piece.extend(&points[1.min(points.len())..]),
+        _ => found.push((stable, points.to_vec())),
+    }
+}

@@ -1,0 +1,138 @@
+//! Thresholds wanted and met, with their tolerances; an ensemble of constants, each by itself and in pairs.
+
+use crate::drawing::legend::{Key, Legend, Marker, titled};
+use crate::drawing::panel::{Axis, MARGINS, Panel, widened};
+use crate::drawing::style::{self, WHITE, text};
+use crate::drawing::{Anchor, Canvas, Stroke};
+use furrow_analysis::{Ensemble, Exclusion};
+use furrow_mechanics::calibration::{Calibration, Targets};
+
+const WIDTH: f64 = 1040.0;
+/// Width of the chart on the left.
+const LEFT: f64 = 430.0;
+/// Height of a threshold in the chart of deviations.
+const ROW: f64 = 46.0;
+/// Side of a chart of an ensemble.
+const CELL: f64 = 210.0;
+/// Bars of a histogram.
+const BARS: usize = 14;
+/// The line of what is as given.
+const GIVEN: Stroke = Stroke { colour: style::MUTED, width: 1.6, dash: Some(style::DASHED) };
+
+/// Draws thresholds: the computed over the given on the left, the deviations with their tolerances on the right.
+pub fn draw(targets: &Targets, found: &Calibration, excluded: &[Exclusion]) -> Canvas {
+    let chart = (150.0 + ROW * found.residuals.len().max(1) as f64).max(400.0);
+    let below = if excluded.is_empty() { 10.0 } else { 34.0 + 24.0 * excluded.len() as f64 };
+    let constants: Vec<String> = found.parameters.iter().map(|(p, value)| format!("{p} = {value:.4}")).collect();
+    let legend = Legend::default()
+        .with(Key::Point(style::MODEL, Marker::Disc), "computed")
+        .with(Key::Area(style::FAINT), "tolerance")
+        .with(Key::Dashes(style::MUTED, style::DASHED), "as given");
+    let title = format!("Best fit: {}", constants.join(", "));
+    let (mut canvas, top) = titled(WIDTH, chart + below, &title, &legend);
+    wanted_and_met(&mut canvas, found, [top, chart]);
+    deviations(&mut canvas, targets, found, [top, chart]);
+    for (k, Exclusion { datum, given, computed }) in excluded.iter().enumerate() {
+        let line = format!("excluded by {datum}: {given}; computed: {computed}");
+        let at = [24.0, top + chart + 24.0 * (k as f64 + 1.0)];
+        canvas.text(at, &line, text::TICK, Anchor::Start, style::ASYMMETRIC);
+    }
+    canvas
+}
+
+fn wanted_and_met(canvas: &mut Canvas, found: &Calibration, [top, height]: [f64; 2]) {
+    let range = widened(found.residuals.iter().flat_map(|r| [r.xi_s, r.computed]), 0.12);
+    let (x, y) = (Axis::new("ξₛ* given (κ₀/Lₕ)", range), Axis::new("ξₛ* computed (κ₀/Lₕ)", range));
+    let mut chart = Panel::new([0.0, top], [LEFT, height], x, y).draw(canvas);
+    chart.line(range.map(|value| [value, value]), GIVEN);
+    for r in &found.residuals {
+        chart.point([r.xi_s, r.computed], 6.5, Marker::Disc, style::MODEL);
+    }
+}
+
+fn deviations(canvas: &mut Canvas, targets: &Targets, found: &Calibration, [top, height]: [f64; 2]) {
+    let tolerance = |k: usize| 100.0 * targets.thresholds.get(k).map_or(0.0, |threshold| threshold.tolerance);
+    let percents = found.residuals.iter().enumerate().flat_map(|(k, r)| {
+        let (percent, tolerance) = (100.0 * r.relative, tolerance(k));
+        [percent, -percent, tolerance, -tolerance]
+    });
+    let x = Axis::new("deviation of ξₛ* (%)", widened(percents, 0.15));
+    let names = found.residuals.iter().map(|r| format!("R₀ = {}, ε = {}", r.r0, r.epsilon)).collect();
+    let y = Axis::names("", names, true);
+    let [low, high] = y.range;
+    let mut panel = Panel::new([LEFT, top], [WIDTH - LEFT, height], x, y);
+    panel.margins[0] = 190.0;
+    let mut chart = panel.draw(canvas);
+    for (k, r) in found.residuals.iter().enumerate() {
+        let y = k as f64;
+        chart.area([-tolerance(k), y - 0.2], [tolerance(k), y + 0.2], 0.0, style::FAINT, 1.0);
+        chart.line([[0.0, y], [100.0 * r.relative, y]], Stroke::solid(style::MODEL, 2.0));
+    }
+    chart.line([[0.0, low], [0.0, high]], GIVEN);
+    for (k, r) in found.residuals.iter().enumerate() {
+        chart.point([100.0 * r.relative, k as f64], 6.5, Marker::Disc, style::MODEL);
+    }
+}
+
+/// Draws an ensemble: the weighted distribution of each constant, and the members by every two of them, larger discs for more
+/// weight.
+pub fn draw_ensemble(found: &Ensemble) -> Canvas {
+    let count = found.parameters.len();
+    let side = CELL * count as f64;
+    let title = format!(
+        "{} admissible sets of constants\nworth {:.1} independent ones; discs by weight",
+        found.members.len(),
+        found.effective_sample_size
+    );
+    let (mut canvas, top) = titled(side.max(460.0) + 90.0, side + 60.0, &title, &Legend::default());
+    let range = |k: usize| widened(found.members.iter().filter_map(|member| member.values.get(k).copied()), 0.08);
+    let named = |k: usize, shown: bool| {
+        let label = found.parameters.get(k).filter(|_| shown).map_or(String::new(), |p| style::parameter(*p));
+        Axis::new(label, range(k)).ticks(4).numbered(shown)
+    };
+    // Names of axes hang out of the square of their chart.
+    let margins = [MARGINS[0], 12.0, 12.0, MARGINS[3]];
+    for row in 0..count {
+        for column in 0..=row {
+            let x = named(column, row + 1 == count);
+            let y = if row == column { Axis::new("", [0.0, 1.12]).bare() } else { named(row, column == 0) };
+            let at = [10.0 + CELL * column as f64, top - 12.0 + CELL * row as f64];
+            let size = [CELL + margins[0] - 6.0, CELL + margins[3] - 6.0];
+            let panel = Panel { margins, ..Panel::new(at, size, x, y) };
+            if row == column {
+                histogram(&mut canvas, panel, found, row);
+            } else {
+                pair(&mut canvas, panel, found, [column, row]);
+            }
+        }
+    }
+    canvas
+}
+
+fn histogram(canvas: &mut Canvas, panel: Panel, found: &Ensemble, constant: usize) {
+    let [low, high] = panel.x.range;
+    let width = (high - low) / BARS as f64;
+    let mut bars = [0.0; BARS];
+    for member in &found.members {
+        let Some(value) = member.values.get(constant) else { continue };
+        bars[(((value - low) / width) as usize).min(BARS - 1)] += member.weight;
+    }
+    let tallest = bars.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let mut chart = panel.draw(canvas);
+    for (k, weight) in bars.iter().enumerate() {
+        let x = low + width * k as f64;
+        chart.area([x, 0.0], [x + 0.95 * width, weight / tallest], 0.0, style::MODEL, 0.75);
+    }
+}
+
+fn pair(canvas: &mut Canvas, panel: Panel, found: &Ensemble, [x, y]: [usize; 2]) {
+    let chart = panel.draw(canvas);
+    let largest = found.members.iter().map(|member| member.weight).fold(f64::MIN_POSITIVE, f64::max);
+    for member in &found.members {
+        if let (Some(x), Some(y)) = (member.values.get(x), member.values.get(y)) {
+            let radius = 1.6 + 4.4 * (member.weight / largest).sqrt();
+            let at = chart.at([*x, *y]);
+            chart.canvas.disc(at, radius, style::MODEL, 0.55, Some(Stroke::solid(WHITE, 0.5)));
+        }
+    }
+}

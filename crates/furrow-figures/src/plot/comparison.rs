@@ -1,0 +1,234 @@
+//! Size asymmetries of measured divisions beside the model's: by mother, and over the mother's volume.
+
+use furrow_measured::events::Division;
+use furrow_measured::statistics::BoxPlot;
+use furrow_measured::trend::{VolumeBin, adjacent_tests};
+
+use crate::drawing::legend::{Key, Legend, Marker, titled};
+use crate::drawing::panel::{Axis, Chart, Panel, widened};
+use crate::drawing::style::{self, Colour, WHITE, text};
+use crate::drawing::{Anchor, Canvas, Stroke};
+use furrow_analysis::compare::volumes::{Band, Beside, GroupBeside, Modelled, SizeCurve};
+
+/// Height of the chart by mother, and of that over volume.
+const CHARTS: [f64; 2] = [440.0, 400.0];
+/// Width that a picture has at most.
+const WIDEST: f64 = 1400.0;
+
+/// Boxes are drawn of as many embryos; of fewer a mean with its standard deviation.
+const FEWEST: usize = 4;
+
+/// What is drawn.
+#[derive(Clone, Debug)]
+pub struct Comparison<'a> {
+    /// Groups beside the model.
+    pub groups: &'a [GroupBeside],
+    /// Single divisions; none where means alone are known.
+    pub divisions: &'a [Division],
+    /// |χ| by the mother's volume, of all groups.
+    pub bins: &'a [VolumeBin],
+    /// What stands behind "volume of the mother".
+    pub unit: String,
+    /// One L_h in the cube root of the unit, by which the model's cells have a volume too.
+    pub length: Option<f64>,
+    /// χ of the model over size.
+    pub curves: Vec<SizeCurve>,
+}
+
+/// Draws groups beside the model, and below them, where single divisions are known, χ over the mother's volume.
+pub fn draw(comparison: &Comparison<'_>) -> Canvas {
+    let Comparison { groups, divisions, .. } = *comparison;
+    let mothers = mothers(groups);
+    let each = 30.0 + 24.0 * groups.len() as f64;
+    // As many mothers in a row as leave the text large enough to be read.
+    let in_row = (((WIDEST - 150.0) / each) as usize).clamp(1, mothers.len().max(1));
+    let width = (150.0 + in_row as f64 * each).max(760.0);
+    let rows = mothers.len().div_ceil(in_row);
+    let height = if rows > 1 { CHARTS[0] * 0.75 } else { CHARTS[0] };
+    let charts = height * rows as f64 + if divisions.is_empty() { 0.0 } else { CHARTS[1] };
+    let title = "Size asymmetry of divisions, by mother";
+    let (mut canvas, top) = titled(width, charts, title, &legend(comparison));
+    let most = groups.iter().flat_map(|group| &group.events).map(highest).fold(0.3, f64::max);
+    for (k, row) in mothers.chunks(in_row).enumerate() {
+        let label = if k + 1 == rows { "mother" } else { "" };
+        let mut x = Axis::names(label, row.to_vec(), false);
+        // The last row is as wide as the others.
+        x.range = [-0.6, in_row as f64 - 0.4];
+        let y = Axis::new(style::CHI, [-0.02, 1.06 * most]);
+        let panel = Panel::new([0.0, top + k as f64 * height], [width, height], x, y);
+        by_mother(&mut panel.draw(&mut canvas), groups, row);
+    }
+    if !divisions.is_empty() {
+        over_volume(&mut canvas, [top + height * rows as f64, width], comparison);
+    }
+    canvas
+}
+
+fn legend(comparison: &Comparison<'_>) -> Legend {
+    let mut legend = Legend::default();
+    for (k, group) in comparison.groups.iter().enumerate() {
+        let name = if group.group.is_empty() { "measured" } else { &group.group };
+        let boxes = group.events.iter().any(|event| boxed(event).is_some());
+        let how = if boxes { "boxes, whiskers within 3 IQR" } else { "mean ± sd" };
+        legend = legend.with(Key::Point(colour(k), Marker::Disc), format!("{name}, {how}, {} embryos", group.embryos));
+    }
+    let banded = comparison.groups.iter().flat_map(|group| &group.events).any(|event| event.band.is_some());
+    legend = legend
+        .with(Key::Point(style::MODEL, Marker::Diamond), "model")
+        .with(Key::Point(style::MODEL, Marker::Ring), "model, AB and P1 as measured")
+        .with_if(banded, Key::Area(BAND), "model, 90 % of the sets of constants");
+    for (k, curve) in comparison.curves.iter().enumerate() {
+        let what = if curve.cue.is_empty() { "no cue".to_owned() } else { format!("cue {}", curve.cue) };
+        let key = dash(k).map_or(Key::Line(style::MODEL), |dash| Key::Dashes(style::MODEL, dash));
+        legend = legend.with(key, format!("model over size, {what}"));
+    }
+    legend
+}
+
+/// Green as the model, and pale as what is not sure.
+const BAND: Colour = [0x99, 0xd8, 0xc7];
+
+/// The dashes of a curve over size.
+fn dash(curve: usize) -> Option<[f64; 2]> {
+    [None, Some(style::DASHED), Some(style::DOTTED)][curve.min(2)]
+}
+
+/// The box of a mother's embryos, if these are enough.
+fn boxed(event: &Beside) -> Option<&BoxPlot> {
+    event.box_plot.as_ref().filter(|_| event.measured.n >= FEWEST)
+}
+
+/// The largest χ that is drawn of a division.
+fn highest(event: &Beside) -> f64 {
+    let measured = match boxed(event) {
+        Some(found) => found.outliers.iter().copied().fold(found.whiskers[1], f64::max),
+        None => event.measured.mean + event.measured.sd.unwrap_or(0.0),
+    };
+    let of = |modelled: &Option<Modelled>| modelled.and_then(|modelled| modelled.chi).unwrap_or(0.0);
+    let band = event.band.and_then(|band| band.chi).map_or(0.0, |chi| chi.p95);
+    measured.max(of(&event.model)).max(of(&event.given_first)).max(band)
+}
+
+/// One row of mothers.
+fn by_mother(chart: &mut Chart<'_>, groups: &[GroupBeside], mothers: &[String]) {
+    let apart = 0.8 / (groups.len() as f64).max(2.0);
+    for (k, group) in groups.iter().enumerate() {
+        let aside = (k as f64 - 0.5 * groups.len() as f64 + 0.2) * apart;
+        for event in &group.events {
+            if let Some(place) = mothers.iter().position(|mother| *mother == event.measured.mother) {
+                beside(chart, [place as f64 + aside, apart], event, colour(k));
+            }
+        }
+    }
+}
+
+/// Mothers of all groups, in the order in which they are first told.
+fn mothers(groups: &[GroupBeside]) -> Vec<String> {
+    let mut out: Vec<String> = Vec::new();
+    for event in groups.iter().flat_map(|group| &group.events) {
+        if !out.contains(&event.measured.mother) {
+            out.push(event.measured.mother.clone());
+        }
+    }
+    out
+}
+
+/// The colour of a group: green is the model's.
+fn colour(group: usize) -> Colour {
+    [0, 1, 5, 4, 2, 6].map(|k: usize| style::SERIES[k])[group % 6]
+}
+
+/// A division beside the model's, at `x` and to the right of it by parts of `apart`, the distance of two groups.
+fn beside(chart: &mut Chart<'_>, [x, apart]: [f64; 2], event: &Beside, colour: Colour) {
+    let Beside { measured, model, given_first, band, .. } = event;
+    if let Some(Band { chi: Some(range), .. }) = band {
+        chart.area([x + 0.2 * apart, range.p5], [x + 0.4 * apart, range.p95], 2.0, BAND, 1.0);
+    }
+    match boxed(event) {
+        Some(found) => draw_box(chart, x, found, colour),
+        None => {
+            if let Some(sd) = measured.sd {
+                let ends = [measured.mean - sd, measured.mean + sd].map(|y| y.max(-0.02));
+                chart.error_bar(x, ends, 0.0, 4.0, Stroke::solid(colour, 1.8));
+            }
+            chart.point([x, measured.mean], 5.5, Marker::Disc, colour);
+        }
+    }
+    for (of, marker, aside) in [(model, Marker::Diamond, 0.3), (given_first, Marker::Ring, 0.6)] {
+        if let Some(Modelled { chi: Some(chi), .. }) = of {
+            chart.point([x + aside * apart, *chi], 5.5, marker, style::MODEL);
+        }
+    }
+}
+
+/// A box with its whiskers, and what lies beyond them as points.
+fn draw_box(chart: &mut Chart<'_>, x: f64, found: &BoxPlot, colour: Colour) {
+    const HALF: f64 = 6.0;
+    chart.error_bar(x, found.whiskers, 0.0, 3.5, Stroke::solid(colour, 1.4));
+    let [low, median, high] = found.quartiles.map(|y| chart.at([x, y]));
+    let [left, right] = [low[0] - HALF, low[0] + HALF];
+    let around = [[left, high[1]], [right, high[1]], [right, low[1]], [left, low[1]]];
+    chart.canvas.polygon(&around, WHITE, 1.0, None);
+    chart.canvas.polygon(&around, colour, 0.3, Some(Stroke::solid(colour, 1.4)));
+    chart.canvas.polyline(&[[left, median[1]], [right, median[1]]], Stroke::solid(colour, 2.6));
+    for outlier in &found.outliers {
+        chart.canvas.disc(chart.at([x, *outlier]), 2.2, colour, 1.0, None);
+    }
+}
+
+/// χ over the mother's volume: every division, boxes of the bins with the stars of their tests, the model's cells, and the model
+/// over size.
+fn over_volume(canvas: &mut Canvas, [top, width]: [f64; 2], comparison: &Comparison<'_>) {
+    let Comparison { groups, divisions, bins, ref unit, length, ref curves } = *comparison;
+    let volume = |r0: f64, length: f64| 4.0 / 3.0 * std::f64::consts::PI * (length * r0).powi(3);
+    let modelled: Vec<[f64; 2]> = groups
+        .iter()
+        .flat_map(|group| &group.events)
+        .filter_map(|event| Some([volume(event.model.as_ref()?.r0, length?), event.model.as_ref()?.chi?]))
+        .collect();
+    let pieces: Vec<(usize, Vec<[f64; 2]>)> = curves
+        .iter()
+        .enumerate()
+        .flat_map(|(k, curve)| {
+            // Where a cell does not divide the curve has a gap.
+            let pieces = curve.points.split(|(_, chi)| chi.is_none());
+            pieces.map(move |piece| {
+                (k, piece.iter().filter_map(|(r0, chi)| Some([volume(*r0, length?), (*chi)?])).collect())
+            })
+        })
+        .collect();
+    let of_curves = || pieces.iter().flat_map(|(_, points)| points);
+    let volumes = divisions.iter().map(Division::mother_volume).chain(modelled.iter().chain(of_curves()).map(|p| p[0]));
+    let [least, most] = widened(volumes.map(f64::log10), 0.06);
+    let chi = divisions.iter().map(Division::chi).chain(modelled.iter().chain(of_curves()).map(|p| p[1]));
+    let highest = chi.fold(0.3, f64::max);
+    let x = Axis::new(format!("volume of the mother {unit}"), [10_f64.powf(least), 10_f64.powf(most)]).logarithmic();
+    let panel = Panel::new([0.0, top], [width, CHARTS[1]], x, Axis::new(style::CHI, [-0.02, 1.2 * highest]));
+    let mut chart = panel.draw(canvas);
+    for (k, points) in &pieces {
+        chart.line(points.iter().copied(), Stroke { dash: dash(*k), ..Stroke::solid(style::MODEL, 2.0) });
+    }
+    for division in divisions {
+        let group = groups.iter().position(|group| group.group == division.group).unwrap_or(0);
+        let at = chart.at([division.mother_volume(), division.chi()]);
+        chart.canvas.disc(at, 3.2, colour(group), 0.45, None);
+    }
+    let middle = |bin: &VolumeBin| {
+        let inside = |edge: f64| edge.clamp(10_f64.powf(least), 10_f64.powf(most));
+        (inside(bin.from) * inside(bin.to)).sqrt()
+    };
+    for bin in bins.iter().filter(|bin| bin.n >= FEWEST) {
+        if let Some(found) = &bin.box_plot {
+            draw_box(&mut chart, middle(bin), found, style::INK);
+        }
+    }
+    for (pair, test) in bins.windows(2).zip(adjacent_tests(bins)) {
+        let [a, b] = [&pair[0], &pair[1]].map(|bin| chart.at([middle(bin), 1.12 * highest]));
+        chart.canvas.polyline(&[a, b], Stroke::solid(style::MUTED, 1.2));
+        let at = [0.5 * (a[0] + b[0]), a[1] - 5.0];
+        chart.canvas.text(at, test.stars, text::TICK, Anchor::Middle, style::MUTED);
+    }
+    for point in modelled {
+        chart.point(point, 6.0, Marker::Diamond, style::MODEL);
+    }
+}

@@ -1,0 +1,158 @@
+//! A cell as it divides: its contour at several times in its shell with the cue, the size asymmetry and the neck over time, and
+//! the normal forces along the contour when the furrow is half-way.
+
+use crate::drawing::cell::{self as drawn, Site};
+use crate::drawing::legend::{Key, Legend, titled};
+use crate::drawing::panel::{Axis, Panel, widened};
+use crate::drawing::style::{self, FORCES, text};
+use crate::drawing::{Anchor, Canvas, Stroke};
+use furrow_cell::Cell;
+use furrow_mechanics::division::{Film, Outcome, Still};
+
+const WIDTH: f64 = 1160.0;
+/// Height of a row of contours.
+const CELLS: f64 = 175.0;
+/// Height of a chart with its legend, and width of that on the left.
+const CHART: [f64; 2] = [440.0, 0.45 * WIDTH];
+/// Contours that are drawn.
+const STILLS: usize = 6;
+
+/// Draws a division.
+pub fn draw(cell: &Cell, film: &Film) -> Canvas {
+    let title = match (film.division.outcome, film.division.chi) {
+        (Outcome::Failed, _) => "stays at rest".to_owned(),
+        (outcome, Some(chi)) => format!("{outcome}, χ = {chi:.3}"),
+        (outcome, None) => outcome.to_string(),
+    };
+    let title = format!("{}: {title}", style::described(cell, &[]));
+    let (mut canvas, top) = titled(WIDTH, CELLS + 22.0 + CHART[0], &title, &Legend::default());
+    contours(&mut canvas, cell, film, top);
+    let top = top + CELLS + 22.0;
+    over_time(&mut canvas, cell, film, top);
+    balance(&mut canvas, &half_way(film), top);
+    canvas
+}
+
+/// Stills from the first to the last shape between which the neck closes by equal parts, or of a cell that stays at rest the
+/// contour's length grows by equal parts: what happens is seen, however long it waits.
+fn stills(film: &Film) -> Vec<Still> {
+    let all: Vec<Still> = (0..film.times().len()).map(|k| film.step(k)).collect();
+    let Some(first) = all.first() else { return Vec::new() };
+    let widest = |still: &Still| still.places.iter().map(|place| place.r).fold(0.0, f64::max);
+    let waist = |still: &Still| still.neck.map_or(widest(still), |neck| neck.radius);
+    let progress = |still: &Still| match film.division.outcome {
+        Outcome::Failed => (still.length / first.length).ln(),
+        // Early on the cell lengthens before it has a waist.
+        _ => 0.5 * (still.length / first.length).ln() + 1.0 - waist(still) / waist(first),
+    };
+    let mut passed = Vec::with_capacity(all.len());
+    for still in &all {
+        let before = passed.last().copied().unwrap_or(0.0);
+        passed.push(f64::max(before, progress(still)));
+    }
+    let end = passed.last().copied().unwrap_or(0.0);
+    let times = film.times();
+    (0..STILLS)
+        .map(|k| {
+            let wanted = end * k as f64 / (STILLS - 1) as f64;
+            let at = passed.partition_point(|p| *p < wanted).clamp(1, passed.len().max(2) - 1);
+            let (Some(a), Some(b), Some(t), Some(t2)) =
+                (passed.get(at - 1), passed.get(at), times.get(at - 1), times.get(at))
+            else {
+                return film.step(0);
+            };
+            let share = if b > a { ((wanted - a) / (b - a)).clamp(0.0, 1.0) } else { 1.0 };
+            film.at(if k + 1 == STILLS { film.times().last().copied().unwrap_or(*t2) } else { t + share * (t2 - t) })
+        })
+        .collect()
+}
+
+/// The cell when its neck is half as wide as the cell was; of one that stays at rest the last shape.
+fn half_way(film: &Film) -> Still {
+    let times = film.times();
+    let widest = film.step(0).places.iter().map(|place| place.r).fold(0.0, f64::max);
+    let narrow = |k: &usize| film.step(*k).neck.is_some_and(|neck| neck.radius < 0.5 * widest);
+    film.step((0..times.len()).find(narrow).unwrap_or(times.len().saturating_sub(1)))
+}
+
+fn contours(canvas: &mut Canvas, cell: &Cell, film: &Film, top: f64) {
+    let (shell, stills) = (film.shell(), stills(film));
+    let longest = stills.iter().flat_map(|s| &s.places).map(|p| p.z.abs()).fold(shell[0], f64::max);
+    let width = (WIDTH - 40.0) / stills.len().max(1) as f64;
+    let scale = (0.46 * width / longest).min(0.42 * (CELLS - 30.0) / shell[1]);
+    for (k, still) in stills.iter().enumerate() {
+        let site = Site { centre: [20.0 + width * (k as f64 + 0.5), top + 0.5 * (CELLS - 24.0)], scale };
+        drawn::shell(canvas, shell, &site);
+        drawn::body(canvas, &still.contour(), &site, 2.0);
+        let places: Vec<[f64; 3]> = still.places.iter().map(|p| [p.u, p.r, p.z]).collect();
+        if k > 0 {
+            drawn::cue(canvas, &cell.cue, still.length, &places, &site, 5.5);
+        }
+        let word = format!("t = {} τ", style::time(still.t));
+        canvas.text([site.centre[0], top + CELLS - 6.0], &word, text::TICK, Anchor::Middle, style::MUTED);
+    }
+}
+
+/// The size of force that nine tenths of the contour stay below: at the neck they are far larger, and would hide all others.
+fn usual(still: &Still) -> f64 {
+    let mut sizes: Vec<f64> = (0..=200)
+        .filter_map(|k| {
+            let at = still.places.partition_point(|place| place.u < k as f64 / 200.0);
+            still.places.get(at).map(|place| place.normal.parts().iter().fold(0.0, |m: f64, f| m.max(f.abs())))
+        })
+        .collect();
+    sizes.sort_by(f64::total_cmp);
+    1.15 * sizes.get(sizes.len() * 9 / 10).copied().unwrap_or(1.0).max(1e-6)
+}
+
+fn over_time(canvas: &mut Canvas, cell: &Cell, film: &Film, top: f64) {
+    let times = film.times();
+    let (mut neck, mut chi) = (Vec::new(), Vec::new());
+    for (k, t) in times.iter().enumerate() {
+        let still = film.step(k);
+        if let Some(found) = still.neck {
+            neck.push([*t, found.radius / cell.r0]);
+            chi.push([*t, still.asymmetry.abs()]);
+        }
+    }
+    Legend::default()
+        .with(Key::Line(style::SYMMETRIC), "neck radius / R₀")
+        .with(Key::Line(style::ASYMMETRIC), "asymmetry χ about the neck")
+        .draw(canvas, [70.0, top + 10.0], 560.0);
+    let most = neck.iter().chain(&chi).map(|[_, v]| *v).fold(0.5, f64::max);
+    let y = Axis::new("neck radius / R₀,  χ", [0.0, 1.08 * most]);
+    let x = Axis::new(style::TIME, [0.0, times.last().copied().unwrap_or(1.0)]);
+    let mut chart = Panel::new([0.0, top + 40.0], [CHART[1], CHART[0] - 40.0], x, y).draw(canvas);
+    for (curve, colour) in [(neck, style::SYMMETRIC), (chi, style::ASYMMETRIC)] {
+        chart.line(curve, Stroke::solid(colour, style::CURVE));
+    }
+}
+
+fn balance(canvas: &mut Canvas, still: &Still, top: f64) {
+    let left = CHART[1];
+    let legend = FORCES.iter().fold(Legend::default(), |legend, (name, colour)| legend.with(Key::Line(*colour), *name));
+    legend.draw(canvas, [left + 60.0, top + 10.0], WIDTH - left - 50.0);
+    let part = |k: usize| still.places.iter().map(move |place| [place.u, place.normal.parts()[k]]);
+    let most = usual(still);
+    let label = format!("normal force at t = {} τ (κ₀/Lₕ³)", style::time(still.t));
+    let y = Axis::new(label, widened([-most, most], 0.08));
+    let x = Axis::new("place u, posterior 0, anterior 1", [0.0, 1.0]);
+    let mut chart = Panel::new([left, top + 40.0], [WIDTH - left, CHART[0] - 40.0], x, y).draw(canvas);
+    chart.line([[0.0, 0.0], [1.0, 0.0]], Stroke::solid(style::MUTED, 1.0));
+    let mut beyond = Vec::new();
+    for (k, (name, colour)) in FORCES.iter().enumerate() {
+        chart.line(part(k), Stroke::solid(*colour, style::CURVE));
+        let peak = part(k).map(|[_, f]| f).fold(0.0, |m: f64, f| if f.abs() > m.abs() { f } else { m });
+        if peak.abs() > 1.08 * most {
+            beyond.push(format!("{name} {peak:+.0}").replace('-', "\u{2212}"));
+        }
+    }
+    if !beyond.is_empty() {
+        beyond.insert(0, "at the neck".to_owned());
+    }
+    let [left, top, ..] = chart.frame;
+    for (k, line) in beyond.iter().enumerate() {
+        let at = [left + 10.0, top + 22.0 + 20.0 * k as f64];
+        chart.canvas.text(at, line, text::TICK, Anchor::Start, style::MUTED);
+    }
+}

@@ -1,0 +1,91 @@
+//! What fits the embryo: the front between its counts and the published thresholds, activities by founder, a cue's χ.
+
+use crate::drawing::legend::{Key, Legend, Marker, titled};
+use crate::drawing::panel::{Axis, Panel, widened};
+use crate::drawing::style;
+use crate::drawing::{Canvas, Stroke};
+use furrow_analysis::fit::{ChiResidual, FittedConstants, FittedCue, FounderActivity};
+
+const WIDTH: f64 = 900.0;
+const CHART: f64 = 488.0;
+/// Height of a founder in the chart of activities.
+const ROW: f64 = 40.0;
+
+/// Draws the front: how far mean rounds are off over how far the published thresholds are.
+pub fn draw_constants(found: &FittedConstants) -> Canvas {
+    let name = |(parameter, value): &(_, f64)| format!("{parameter} = {value:.4}");
+    let best: Vec<String> = found.best.constants.iter().map(name).collect();
+    let legend = Legend::default()
+        .with(Key::Point(style::MODEL, Marker::Disc), "front")
+        .with(Key::Point(style::ASYMMETRIC, Marker::Diamond), "best by the embryo alone")
+        .with(Key::Point(style::INK, Marker::Square), "start");
+    let (mut canvas, top) = titled(WIDTH, CHART, &format!("Best constants\n{}", best.join(", ")), &legend);
+    let at = |rms: Option<f64>, rounds: f64| Some([100.0 * rms?, rounds]);
+    let front: Vec<[f64; 2]> = found.front.iter().filter_map(|set| at(set.thresholds_rms, set.parts.rounds)).collect();
+    let [best, start] = [&found.best, &found.start].map(|set| at(set.thresholds_rms, set.parts.rounds));
+    let all = || front.iter().copied().chain(best).chain(start);
+    let x = Axis::over("published thresholds, off by (%, root mean square)", all().map(|point| point[0]));
+    let y = Axis::over("mean rounds of the founders, off by", all().map(|point| point[1]));
+    let mut chart = Panel::new([0.0, top], [WIDTH, CHART], x, y).draw(&mut canvas);
+    for point in &front {
+        chart.point(*point, 6.0, Marker::Disc, style::MODEL);
+    }
+    for (point, marker, colour) in [(best, Marker::Diamond, style::ASYMMETRIC), (start, Marker::Square, style::INK)] {
+        if let Some(point) = point {
+            chart.point(point, 7.0, marker, colour);
+        }
+    }
+    canvas
+}
+
+/// Draws the activities with which each founder has the observed rounds; `xi_s` is that of the run.
+pub fn draw_activities(founders: &[FounderActivity], xi_s: f64) -> Canvas {
+    let legend = Legend::default()
+        .with(Key::Area(style::MODEL), "as observed, to half a round")
+        .with(Key::Point(style::ASYMMETRIC, Marker::Diamond), "nearest tried, where there is none")
+        .with(Key::Dashes(style::MUTED, style::DASHED), "of all others");
+    let height = 78.0 + ROW * founders.len() as f64;
+    let title = "Activity with which each founder has the observed rounds";
+    let (mut canvas, top) = titled(WIDTH, height, title, &legend);
+    let ends = founders.iter().flat_map(|f| f.intervals.iter().flatten().copied().chain(f.nearest.map(|(xi, _)| xi)));
+    let x = Axis::new(style::ACTIVITY, widened(ends.chain([xi_s]), 0.06));
+    let y = Axis::names("", founders.iter().map(|founder| founder.name.clone()).collect(), true);
+    let [low, high] = y.range;
+    let mut chart = Panel::new([0.0, top], [WIDTH, height], x, y).draw(&mut canvas);
+    chart.line([[xi_s, low], [xi_s, high]], Stroke::dashed(style::MUTED, 1.8, style::DASHED));
+    for (k, founder) in founders.iter().enumerate() {
+        let y = k as f64;
+        for [from, to] in &founder.intervals {
+            chart.area([*from, y - 0.28], [*to, y + 0.28], 3.0, style::MODEL, 1.0);
+        }
+        if let (true, Some((xi, _))) = (founder.intervals.is_empty(), founder.nearest) {
+            chart.point([xi, y], 6.5, Marker::Diamond, style::ASYMMETRIC);
+        }
+    }
+    canvas
+}
+
+/// Draws the measured χ beside those of the cue that fits best, and what nothing was fitted to beside what it predicts.
+pub fn draw_cue(found: &FittedCue) -> Canvas {
+    let legend = Legend::default()
+        .with(Key::Point(style::OBSERVED, Marker::Disc), "measured, mean ± sd")
+        .with(Key::Point(style::MODEL, Marker::Diamond), "model");
+    let (mut canvas, top) = titled(WIDTH, CHART, &format!("Best cue: χ² = {:.1}", found.chi_squared), &legend);
+    let all: Vec<&ChiResidual> = found.residuals.iter().chain(&found.out_of_sample).collect();
+    let most = all.iter().flat_map(|r| [r.measured + r.sd, r.computed.unwrap_or(0.0)]).fold(0.1, f64::max);
+    let cells = all.iter().map(|residual| residual.cell.clone()).collect();
+    let x = Axis::names("division (predicted ones behind the line)", cells, false);
+    let y = Axis::new(style::CHI, [-0.02, 1.08 * most]);
+    let mut chart = Panel::new([0.0, top], [WIDTH, CHART], x, y).draw(&mut canvas);
+    let border = found.residuals.len() as f64 - 0.5;
+    chart.line([[border, 0.0], [border, 1.05 * most]], Stroke::dashed(style::MUTED, 1.6, style::DASHED));
+    for (k, residual) in all.iter().enumerate() {
+        let (x, ChiResidual { measured, sd, .. }) = (k as f64, *residual);
+        chart.line([[x, measured - sd], [x, measured + sd]], Stroke::solid(style::OBSERVED, 1.8));
+        chart.point([x, *measured], 6.0, Marker::Disc, style::OBSERVED);
+        if let Some(chi) = residual.computed {
+            chart.point([x + 0.1, chi], 6.5, Marker::Diamond, style::MODEL);
+        }
+    }
+    canvas
+}

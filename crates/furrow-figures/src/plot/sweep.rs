@@ -1,0 +1,301 @@
+//! The results of a sweep: χ, or whatever its kind gives, over its first axis of many numbers (or of any, where none has many), a
+//! curve for each value of the other axes; outcomes as a map where two axes are dense.
+
+use serde_json::Value;
+
+use crate::drawing::legend::{Key, Legend, Marker, titled};
+use crate::drawing::panel::{Axis, Chart, Panel, bins, widened};
+use crate::drawing::style::{self, Colour};
+use crate::drawing::{Canvas, Stroke};
+use furrow_analysis::{self as study, AxisValue, Kind, Row, Sweep, Target};
+use furrow_cell::{Cell, Cue, Parameter};
+use furrow_mechanics::division::Outcome;
+
+const WIDTH: f64 = 1000.0;
+const CHART: f64 = 548.0;
+/// Fewest values of an axis that count as dense, and of the second with which curves would be too many.
+const DENSE: usize = 8;
+/// Most curves that a legend names.
+const NAMED: usize = 12;
+
+/// A row as it is drawn.
+struct Point {
+    /// Places of the axes' values in their lists.
+    places: Vec<usize>,
+    value: Option<f64>,
+    sd: Option<f64>,
+    /// What most of its divisions did.
+    outcome: Option<Outcome>,
+    undecided: bool,
+}
+
+/// Draws the rows of a sweep, be they all of them or those of a part.
+pub fn draw(sweep: &Sweep, rows: &[Row]) -> Canvas {
+    let points: Vec<Point> = rows.iter().map(|row| point(sweep, row)).collect();
+    let numeric: Vec<(usize, Vec<f64>)> =
+        (0..sweep.axes.0.len()).filter_map(|k| Some((k, numbers(sweep, k)?))).collect();
+    let dense = |k: usize| sweep.axes.0[k].values.len() >= DENSE && !sweep.axes.0[k].sampled;
+    match &numeric[..] {
+        [x, y] if sweep.kind == Kind::Division && sweep.axes.0.len() == 2 && dense(x.0) && dense(y.0) => {
+            map_of_outcomes(sweep, &points, [x, y])
+        }
+        // Curves run along an axis that has enough values for one, if there is any.
+        _ => curves(sweep, &points, numeric.iter().find(|(k, _)| dense(*k)).or(numeric.first())),
+    }
+}
+
+fn title(sweep: &Sweep) -> String {
+    let varied = |parameter: Parameter| {
+        let size = parameter == Parameter::R0 && !matches!(sweep.kind, Kind::Division | Kind::Pitchfork);
+        let activity = parameter == Parameter::XiS && sweep.kind == Kind::Pitchfork;
+        size || activity || sweep.axes.0.iter().any(|axis| axis.target == Target::Field(parameter.name()))
+    };
+    let known = [Parameter::R0, Parameter::Epsilon, Parameter::XiS].into_iter();
+    let cell = Cell { cue: Cue::none(), ..sweep.settings.cell.clone() };
+    let fixed = style::described(&cell, &known.filter(|parameter| varied(*parameter)).collect::<Vec<_>>());
+    let mut parts: Vec<String> = Some(fixed).filter(|fixed| !fixed.is_empty()).into_iter().collect();
+    if sweep.axes.0.iter().all(|axis| axis.target != Target::Cue) {
+        parts.extend(sweep.cue.as_ref().map(|cue| format!("cue {}", unvaried(cue, sweep))));
+    }
+    let what = match sweep.kind {
+        Kind::Division => "Divisions",
+        Kind::Tree => "Lineages",
+        Kind::Pitchfork => "Thresholds",
+        Kind::Critical => "Critical radii",
+    };
+    format!("{what}: {}", parts.join(", "))
+}
+
+/// A cue without the numbers that an axis varies: these are in the legend or along the axis.
+fn unvaried(cue: &Cue, sweep: &Sweep) -> String {
+    let text = cue.to_string();
+    let key = |axis: &study::Axis| match axis.target {
+        Target::CueNumber(parameter) => Some(format!("{}=", parameter.to_string().rsplit('.').next()?)),
+        _ => None,
+    };
+    let varied: Vec<String> = sweep.axes.0.iter().filter_map(key).collect();
+    // Of a sum it is not told here which term a number is of.
+    if cue.terms().len() != 1 {
+        return text;
+    }
+    let left = text.split(',').filter(|part| !varied.iter().any(|key| part.starts_with(key)));
+    left.collect::<Vec<_>>().join(",")
+}
+
+/// The values of an axis, if they are numbers.
+fn numbers(sweep: &Sweep, axis: usize) -> Option<Vec<f64>> {
+    let number = |value: &AxisValue| match value {
+        AxisValue::Number(number) => Some(*number),
+        AxisValue::Text(_) => None,
+    };
+    sweep.axes.0.get(axis)?.values.iter().map(number).collect()
+}
+
+fn point(sweep: &Sweep, row: &Row) -> Point {
+    let results = row.cells.get(sweep.axes.0.len()..).unwrap_or_default();
+    let number = |k: usize| results.get(k).and_then(Value::as_f64);
+    let (value, sd, outcome) = match sweep.kind {
+        Kind::Division if sweep.replicates == 1 => {
+            let outcome = match results.first().and_then(Value::as_str) {
+                Some("symmetric") => Some(Outcome::Symmetric),
+                Some("asymmetric") => Some(Outcome::Asymmetric),
+                Some("failed") => Some(Outcome::Failed),
+                _ => None,
+            };
+            (number(1), None, outcome)
+        }
+        Kind::Division => {
+            let all = [Outcome::Symmetric, Outcome::Asymmetric, Outcome::Failed];
+            let most = (0..3).max_by_key(|k| results.get(*k).and_then(Value::as_u64).unwrap_or(0));
+            let any = (0..3).any(|k| results.get(k).and_then(Value::as_u64).is_some_and(|n| n > 0));
+            (number(3), number(4), most.filter(|_| any).map(|k| all[k]))
+        }
+        Kind::Tree | Kind::Pitchfork | Kind::Critical => (number(0), None, None),
+    };
+    Point { places: sweep.axes.places(row.index), value, sd, outcome, undecided: row.why.is_some() }
+}
+
+/// What the values are called.
+fn quantity(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Division => style::CHI,
+        Kind::Tree => "cells of the lineage",
+        Kind::Pitchfork => "threshold ξₛ* (κ₀/Lₕ)",
+        Kind::Critical => "critical radius (Lₕ)",
+    }
+}
+
+/// An axis by the name of its parameter.
+fn label(sweep: &Sweep, axis: usize) -> String {
+    let Some(axis) = sweep.axes.0.get(axis) else { return "run".to_owned() };
+    match axis.target {
+        Target::Field(name) => name.parse().map_or(axis.name.clone(), style::parameter),
+        _ => axis.name.clone(),
+    }
+}
+
+fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Canvas {
+    let along = x.map_or(0, |(axis, _)| *axis);
+    let words: Vec<String> = sweep
+        .axes
+        .0
+        .get(along)
+        .map_or(vec![String::new()], |axis| axis.values.iter().map(|v| v.text().into()).collect());
+    let values = x.map_or_else(|| (0..words.len()).map(|k| k as f64).collect(), |(_, values)| values.clone());
+    let at = |point: &Point| values.get(point.places.get(along).copied().unwrap_or(0)).copied().unwrap_or(0.0);
+    let groups = grouped(sweep, points, along);
+    let division = sweep.kind == Kind::Division;
+    let heights = points.iter().filter_map(|p| p.value.map(|v| (v, p.sd.unwrap_or(0.0))));
+    let mut up = widened(heights.flat_map(|(v, sd)| [v - sd, v + sd]).chain(division.then_some(0.0)), 0.06);
+    let resting = points.iter().any(|p| p.outcome == Some(Outcome::Failed) && p.value.is_none());
+    let unknown = points.iter().any(|p| p.undecided);
+    if division && (resting || unknown) {
+        up[0] = -(0.06 + 0.03 * groups.len().min(6) as f64) * up[1].max(0.1);
+    }
+    let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep), &legend(&groups, division, resting, unknown));
+    let across = match x {
+        Some(_) => Axis::over(label(sweep, along), values.iter().copied()),
+        None => Axis::names(label(sweep, along), words, false),
+    };
+    let mut chart =
+        Panel::new([0.0, top], [WIDTH, CHART], across, Axis::new(quantity(sweep.kind), up)).draw(&mut canvas);
+    let sampled = sweep.axes.0.get(along).is_some_and(|axis| axis.sampled);
+    for group in groups.iter().filter(|_| !sampled) {
+        group.lines(&mut chart, &at);
+    }
+    for (k, group) in groups.iter().enumerate() {
+        // Each curve has a line of its own for what stays at rest.
+        let baseline = up[0] * (k as f64 + 1.0) / (groups.len() as f64 + 1.0);
+        for point in &group.points {
+            mark(&mut chart, point, at(point), baseline, (groups.len() > 1).then_some(group.colour));
+        }
+    }
+    canvas
+}
+
+/// The points of one curve.
+struct Group<'a> {
+    name: String,
+    colour: Colour,
+    points: Vec<&'a Point>,
+}
+
+impl Group<'_> {
+    /// Draws its line, broken where there is nothing.
+    fn lines(&self, chart: &mut Chart<'_>, at: &dyn Fn(&Point) -> f64) {
+        let mut sorted = self.points.clone();
+        sorted.sort_by(|a, b| at(a).total_cmp(&at(b)));
+        for piece in sorted.split(|point| point.value.is_none()) {
+            let line = piece.iter().filter_map(|p| Some([at(p), p.value?]));
+            chart.line(line, Stroke::solid(self.colour, style::CURVE));
+        }
+    }
+}
+
+/// The points by the values of all axes but one and those that are sampled with it.
+fn grouped<'a>(sweep: &Sweep, points: &'a [Point], along: usize) -> Vec<Group<'a>> {
+    let axes = &sweep.axes.0;
+    let sampled = axes.get(along).is_some_and(|axis| axis.sampled);
+    let others: Vec<usize> = (0..axes.len()).filter(|k| *k != along && !(sampled && axes[*k].sampled)).collect();
+    let mut found: Vec<(Vec<usize>, Vec<&Point>)> = Vec::new();
+    for point in points {
+        let key: Vec<usize> = others.iter().filter_map(|k| point.places.get(*k).copied()).collect();
+        match found.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, members)) => members.push(point),
+            None => found.push((key, vec![point])),
+        }
+    }
+    let count = found.len();
+    // What has an order has colours in an order.
+    let ordered = others.len() == 1 && numbers(sweep, others[0]).is_some();
+    let colour = |k: usize| match (count, ordered || count > style::SERIES.len()) {
+        (1, _) => style::INK,
+        (_, true) => style::ramp(k, count),
+        _ => style::SERIES[k],
+    };
+    let name = |key: &[usize]| {
+        let parts = others.iter().zip(key).map(|(axis, place)| {
+            let axis = &axes[*axis];
+            let value = axis.values.get(*place).map_or(String::new(), |value| value.text().into_owned());
+            if matches!(axis.values.first(), Some(AxisValue::Text(_))) {
+                value
+            } else {
+                format!("{} = {value}", symbol(axis))
+            }
+        });
+        parts.collect::<Vec<_>>().join(", ")
+    };
+    found
+        .into_iter()
+        .enumerate()
+        .map(|(k, (key, points))| Group { name: name(&key), colour: colour(k), points })
+        .collect()
+}
+
+/// What an axis is called before its value.
+fn symbol(axis: &study::Axis) -> &str {
+    match axis.target {
+        Target::Field("r0") => "R₀",
+        Target::Field("epsilon") => "ε",
+        Target::Field("xi_s") => "ξₛ",
+        _ => &axis.name,
+    }
+}
+
+fn legend(groups: &[Group<'_>], division: bool, resting: bool, unknown: bool) -> Legend {
+    let mut legend = Legend::default();
+    if groups.len() > 1 {
+        for group in groups.iter().step_by(groups.len().div_ceil(NAMED)) {
+            legend = legend.with(Key::Line(group.colour), group.name.as_str());
+        }
+    }
+    let outcomes = division && groups.len() < 2;
+    legend
+        .with_if(outcomes, Key::Point(style::SYMMETRIC, Marker::Disc), "symmetric")
+        .with_if(outcomes, Key::Point(style::ASYMMETRIC, Marker::Disc), "asymmetric")
+        .with_if(resting, Key::Point(style::FAILED, Marker::Square), "stays at rest")
+        .with_if(unknown, Key::Point(style::UNDECIDED, Marker::Triangle), "undecided")
+}
+
+/// A point with its standard deviation; what has no value stands below the axis of χ.
+fn mark(chart: &mut Chart<'_>, point: &Point, x: f64, baseline: f64, colour: Option<Colour>) {
+    let Some(value) = point.value else {
+        if point.undecided {
+            chart.point([x, baseline], 5.5, Marker::Triangle, style::UNDECIDED);
+        } else if point.outcome == Some(Outcome::Failed) {
+            chart.point([x, baseline], 5.0, Marker::Square, colour.unwrap_or(style::FAILED));
+        }
+        return;
+    };
+    let colour = colour.unwrap_or(point.outcome.map_or(style::INK, style::outcome));
+    if let Some(sd) = point.sd.filter(|sd| *sd > 0.0) {
+        chart.error_bar(x, [value + sd, value - sd], 0.0, 4.0, Stroke::solid(colour, 1.6));
+    }
+    chart.point([x, value], 4.6, Marker::Disc, colour);
+}
+
+fn map_of_outcomes(sweep: &Sweep, points: &[Point], [x, y]: [&(usize, Vec<f64>); 2]) -> Canvas {
+    let edges = |values: &[f64]| {
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+        let sorted: Vec<f64> = order.iter().map(|k| values[*k]).collect();
+        let mut bounds = vec![[0.0; 2]; values.len()];
+        order.iter().zip(bins(&sorted)).for_each(|(k, bin)| bounds[*k] = bin);
+        bounds
+    };
+    let (columns, rows) = (edges(&x.1), edges(&y.1));
+    let (unequal, equal) = (Some(Outcome::Asymmetric), Some(Outcome::Symmetric));
+    let legend = Legend::default()
+        .with(Key::Area(style::tile(equal, None)), "symmetric")
+        .with(Key::Area(style::tile(unequal, Some(0.2))), "asymmetric, χ = 0.2")
+        .with(Key::Area(style::tile(unequal, Some(0.8))), "χ = 0.8")
+        .with(Key::Area(style::tile(Some(Outcome::Failed), None)), "stays at rest");
+    let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep), &legend);
+    let axis = |k: usize, bins: &[[f64; 2]]| Axis::new(label(sweep, k), widened(bins.iter().flatten().copied(), 0.0));
+    let panel = Panel::new([0.0, top], [WIDTH, CHART], axis(x.0, &columns), axis(y.0, &rows));
+    panel.draw(&mut canvas).tiles(points.iter().filter_map(|point| {
+        let place = |axis: usize| point.places.get(axis).copied().unwrap_or(0);
+        Some((*columns.get(place(x.0))?, *rows.get(place(y.0))?, style::tile(point.outcome, point.value)))
+    }));
+    canvas
+}

@@ -1,0 +1,128 @@
+//! What the formats share: the columns of a cell, branch lengths, the leaves.
+
+use furrow_lineage::{CellId, Place, Side, Tree};
+
+/// Type of the values of a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Words.
+    Text,
+    /// Whole numbers.
+    Count,
+    /// Numbers.
+    Number,
+}
+
+/// A property of cells. The name of a cell is no column: every format has a place of its own for it.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    /// Name of the column.
+    pub name: &'static str,
+    /// Type of its values.
+    pub kind: Kind,
+    /// Whether the comments of Newick and Nexus have it too: not if the brackets say it already, nor if it is a sentence.
+    pub note: bool,
+    /// Its value for a cell, if there is one.
+    pub of: fn(&Tree, CellId) -> Option<String>,
+}
+
+const fn column(name: &'static str, kind: Kind, note: bool, of: fn(&Tree, CellId) -> Option<String>) -> Column {
+    Column { name, kind, note, of }
+}
+
+/// All columns, in the order in which they are written.
+pub const COLUMNS: [Column; 17] = [
+    column("mother", Kind::Text, false, |tree, id| Some(tree.cell(tree.mother(id)?).name.clone())),
+    column("daughter", Kind::Text, false, daughter),
+    column("founder", Kind::Text, true, |tree, id| Some(tree.founder_name(id).to_owned())),
+    column("generation", Kind::Count, true, |tree, id| Some(tree.cell(id).generation.to_string())),
+    column("r0", Kind::Number, true, |tree, id| Some(tree.cell(id).r0.to_string())),
+    column("volume_fraction", Kind::Number, true, |tree, id| Some(tree.cell(id).volume_fraction.to_string())),
+    column("cue", Kind::Text, true, cue_name),
+    column("cue_terms", Kind::Text, false, |tree, id| Some(tree.cell(id).cue.to_string())),
+    column("outcome", Kind::Text, true, |tree, id| Some(tree.cell(id).fate.outcome()?.name().to_owned())),
+    column("chi", Kind::Number, true, chi),
+    column("chi_signed", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division.as_ref()?.chi_signed)),
+    column("u_furrow", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division.as_ref()?.u_furrow)),
+    column("t_end", Kind::Number, true, |tree, id| number(tree.cell(id).fate.t_end())),
+    column("slow_growth_rate", Kind::Number, true, |tree, id| {
+        number(tree.cell(id).fate.division.as_ref()?.slow_growth_rate)
+    }),
+    column("ended", Kind::Text, true, |tree, id| Some(tree.cell(id).fate.ended.as_ref()?.name().to_owned())),
+    column("ended_why", Kind::Text, false, ended_why),
+    column("birth_chi", Kind::Number, false, birth_chi),
+];
+
+fn number(number: Option<f64>) -> Option<String> {
+    number.map(|number| number.to_string())
+}
+
+fn chi(tree: &Tree, id: CellId) -> Option<String> {
+    number(tree.cell(id).fate.chi())
+}
+
+/// χ of the division that a cell was born from.
+pub(super) fn birth_chi(tree: &Tree, id: CellId) -> Option<String> {
+    chi(tree, tree.mother(id)?)
+}
+
+fn daughter(tree: &Tree, id: CellId) -> Option<String> {
+    let side = match tree.side(id)? {
+        Side::Anterior => "anterior",
+        Side::Posterior => "posterior",
+    };
+    Some(side.to_owned())
+}
+
+/// The name that the lineage gives a cell's cue.
+fn cue_name(tree: &Tree, id: CellId) -> Option<String> {
+    let cell = tree.cell(id);
+    let born = tree.founder_cell(cell.founder).map_or(cell.generation, |born| tree.cell(born).generation);
+    let round = cell.generation.saturating_sub(born);
+    let place = Place { founder: cell.founder, round, generation: cell.generation, r0: cell.r0 };
+    Some(tree.lineage.cue_name_at(place).to_owned())
+}
+
+/// Why a cell has no daughters, in one line: what a file says of an undecided cell may contain line breaks.
+fn ended_why(tree: &Tree, id: CellId) -> Option<String> {
+    let why = tree.cell(id).fate.ended.as_ref()?.to_string();
+    Some(why.chars().map(|c| if c.is_control() { ' ' } else { c }).collect())
+}
+
+/// Length of the branch that leads to a cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BranchLengths {
+    /// The time in τ from the cell's birth to its pinch-off, or to its rest; none where no division was computed. A cell just
+    /// above the threshold of division takes thousands of τ: drawn to scale, all else is a point.
+    #[default]
+    Time,
+    /// One, and 0 for the first cell: the distance of a cell from it is its generation. Every branch has a length then, as some
+    /// programs demand.
+    Generation,
+    /// No lengths.
+    None,
+}
+
+impl BranchLengths {
+    /// The length of a cell's branch.
+    pub fn of(self, tree: &Tree, cell: CellId) -> Option<f64> {
+        match self {
+            BranchLengths::Time => tree.cell(cell).fate.t_end(),
+            BranchLengths::Generation => Some(if cell == tree.first() { 0.0 } else { 1.0 }),
+            BranchLengths::None => None,
+        }
+    }
+}
+
+/// The cells without daughters, from anterior to posterior.
+pub(super) fn leaves(tree: &Tree) -> Vec<CellId> {
+    let mut leaves = Vec::new();
+    let mut stack = vec![tree.first()];
+    while let Some(id) = stack.pop() {
+        match tree.daughters(id) {
+            Some([anterior, posterior]) => stack.extend([posterior, anterior]),
+            None => leaves.push(id),
+        }
+    }
+    leaves
+}

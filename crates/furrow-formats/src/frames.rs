@@ -1,0 +1,222 @@
+//! Frames of a dividing cell: its contour, curvatures and forces.
+
+use super::files::{FileSet, WriteError};
+use furrow_input::{InputError, read_text};
+use furrow_mechanics::division::{Film, Still};
+use serde::{Deserialize, Serialize};
+use std::fmt::Write;
+use std::path::Path;
+
+/// Why frames could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum FramesError {
+    /// A file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The index could not be put into JSON.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+}
+
+/// One frame in the list of them.
+#[derive(Serialize)]
+struct Entry {
+    file: String,
+    /// Time, in τ.
+    t: f64,
+    /// Radius of the neck, in L_h; null without a waist.
+    neck_radius: Option<f64>,
+    /// Where it is.
+    neck_u: Option<f64>,
+    /// Contour length L, in L_h.
+    length: f64,
+    /// Pressure p, in κ0/L_h³.
+    pressure: f64,
+    /// |V_above − V_below|/V of the parts on both sides of the neck.
+    chi: Option<f64>,
+}
+
+/// Name of the list of frames.
+pub const INDEX: &str = "frames.json";
+
+/// The columns of a frame, with their units.
+pub const COLUMNS: [(&str, &str); 17] = [
+    ("u", "arclength fraction, 0 at the posterior pole"),
+    ("r", "distance from the axis, L_h"),
+    ("z", "position along the axis, L_h"),
+    ("psi", "tangent angle ψ, from 0 to π"),
+    ("c_uu", "meridional curvature c1, 1/L_h"),
+    ("c_pp", "azimuthal curvature c2, 1/L_h"),
+    ("t_uu", "meridional tension T_uu, active and viscous, κ0/L_h²"),
+    ("t_pp", "azimuthal tension T_φφ, active and viscous, κ0/L_h²"),
+    ("v", "tangential velocity towards larger u, L_h/τ"),
+    ("v_n", "normal velocity outwards, L_h/τ"),
+    ("active_t", "active force density along the contour, towards larger u, κ0/L_h³"),
+    ("active_n", "active normal force, outwards as all that follow, κ0/L_h³"),
+    ("viscous_n", "viscous normal force"),
+    ("elastic_n", "elastic normal force: bending and passive tension"),
+    ("pressure_n", "pressure"),
+    ("shell_n", "force of the shell"),
+    ("residual_n", "sum of the five, 0 of an exact solution"),
+];
+
+/// Name of a frame, counted from 0.
+fn name(number: usize) -> String {
+    format!("frame_{number:04}.csv")
+}
+
+/// The times of the frames of a division: of its steps, or every so many τ and its last.
+pub fn stills(film: &Film, every: Option<f64>) -> Vec<Still> {
+    match every {
+        None => (0..film.times().len()).map(|number| film.step(number)).collect(),
+        Some(step) => film.uniform_times(step).into_iter().map(|t| film.at(t)).collect(),
+    }
+}
+
+/// Most frames at even times.
+const MOST_FRAMES: f64 = 100_000.0;
+
+/// Refuses a step that gives more than 100 000 frames, as of a cell that waits for thousands of τ. Errors name `source_name`.
+///
+/// # Errors
+/// Says which step is long enough.
+pub fn check_step(source_name: &str, film: &Film, every: Option<f64>) -> Result<(), InputError> {
+    let least = film.division.t_end / MOST_FRAMES;
+    match every.filter(|step| *step < least) {
+        None => Ok(()),
+        Some(step) => {
+            let allowed = format!("at least {least:.3e}: the division takes {:.3} τ", film.division.t_end);
+            Err(InputError::not_allowed(source_name, "frame_step", step, allowed))
+        }
+    }
+}
+
+/// Writes the frames of a division into `folder`: `frame_NNNN.csv` with the [`COLUMNS`], a row at each collocation point and at
+/// both poles, and `frames.json` with the time and the neck of each. Without `every` there is a frame after each step, with it
+/// one every so many τ, and the last shape.
+///
+/// They replace the frames of an earlier division.
+///
+/// # Errors
+/// [`FramesError`].
+pub fn write_frames(folder: &Path, film: &Film, every: Option<f64>) -> Result<(), FramesError> {
+    let mut files = FileSet::new(folder);
+    let mut entries: Vec<Entry> = vec![];
+    for still in stills(film, every) {
+        let file = name(entries.len());
+        files.stage(&file, csv(&still).as_bytes())?;
+        entries.push(Entry {
+            file,
+            t: still.t,
+            neck_radius: still.neck.map(|neck| neck.radius),
+            neck_u: still.neck.map(|neck| neck.u),
+            length: still.length,
+            pressure: still.pressure,
+            chi: still.neck.map(|_| still.asymmetry.abs()),
+        });
+    }
+    let index = serde_json::to_string_pretty(&entries)?;
+    files.stage(INDEX, format!("{index}\n").as_bytes())?;
+    files.commit()?;
+    remove_from(folder, entries.len())?;
+    Ok(())
+}
+
+/// One frame as CSV under the names of its columns.
+fn csv(still: &Still) -> String {
+    let mut csv = COLUMNS.map(|(name, _)| name).join(",");
+    csv.push('\n');
+    for p in &still.places {
+        let head = [p.u, p.r, p.z, p.psi, p.c_uu, p.c_pp, p.t_uu, p.t_pp, p.v, p.v_n, p.active_tangential];
+        for number in head.into_iter().chain(p.normal.parts()) {
+            let _ = write!(csv, "{number},");
+        }
+        let _ = writeln!(csv, "{}", p.normal.residual());
+    }
+    csv
+}
+
+/// The contour of a frame, as it is read again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameContour {
+    /// Name of its file.
+    pub file: String,
+    /// Time, in τ.
+    pub t: f64,
+    /// Radius and position along the axis, in L_h, from pole to pole.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// The fields that are read of an entry.
+#[derive(Deserialize)]
+struct Listed {
+    file: String,
+    t: f64,
+}
+
+/// Reads the contours of a division that [`write_frames`] has written into `folder`.
+///
+/// # Errors
+/// A folder without the list of frames, or a frame that is not as it was written, with line and column.
+pub fn read_frames(folder: &Path) -> Result<Vec<FrameContour>, InputError> {
+    let index = folder.join(INDEX);
+    let listed: Vec<Listed> = serde_json::from_str(&read_text(&index)?).map_err(|error| InputError::OtherFile {
+        file: index.display().to_string(),
+        wanted: "a list of frames, as furrow divide --frames writes it".to_owned(),
+        reason: error.to_string(),
+    })?;
+    let read = |listed: Listed| {
+        // The list names files beside itself and no others.
+        if Path::new(&listed.file).components().count() != 1 {
+            let file = index.display().to_string();
+            return Err(InputError::not_allowed(file, "file", listed.file, "the name of a file in the same folder"));
+        }
+        let path = folder.join(&listed.file);
+        let points = read_contour(&read_text(&path)?, &path.display().to_string())?;
+        Ok(FrameContour { file: listed.file, t: listed.t, points })
+    };
+    listed.into_iter().map(read).collect()
+}
+
+/// The columns r and z of a frame.
+fn read_contour(text: &str, file: &str) -> Result<Vec<[f64; 2]>, InputError> {
+    let malformed = |line: usize, column: usize, message: String| InputError::Malformed {
+        file: file.to_owned(),
+        line,
+        column,
+        message,
+    };
+    let mut lines = text.lines().enumerate();
+    let names: Vec<&str> = lines.next().map_or("", |(_, line)| line).split(',').collect();
+    let find = |wanted: &str| {
+        let missing = || malformed(1, 1, format!("no column is called {wanted}, as in every frame that furrow writes"));
+        names.iter().position(|name| *name == wanted).ok_or_else(missing)
+    };
+    let columns = [find("r")?, find("z")?];
+    let number = |line: usize, column: usize, text: Option<&str>| {
+        let text = text.unwrap_or_default();
+        let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+        number.ok_or_else(|| malformed(line, column + 1, format!("{text:?} is not a finite number")))
+    };
+    lines
+        .map(|(k, line)| {
+            let fields: Vec<&str> = line.split(',').collect();
+            let [r, z] = columns.map(|column| number(k + 1, column, fields.get(column).copied()));
+            Ok([r?, z?])
+        })
+        .collect()
+}
+
+/// Removes frames of an earlier division, from a number on. Other files stay.
+fn remove_from(folder: &Path, first: usize) -> Result<(), WriteError> {
+    let failed = |source| WriteError { path: folder.display().to_string(), source };
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let entry = entry.map_err(failed)?;
+        let file = entry.file_name();
+        let number = file.to_str().and_then(|file| file.strip_prefix("frame_")?.strip_suffix(".csv")?.parse().ok());
+        if number.is_some_and(|number| number >= first && *file == *name(number)) {
+            std::fs::remove_file(entry.path()).map_err(failed)?;
+        }
+    }
+    Ok(())
+}

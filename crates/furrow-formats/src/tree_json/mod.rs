@@ -1,0 +1,182 @@
+//! `tree.json`: the whole tree with what it was grown from, byte-identical for equal inputs.
+
+mod message;
+mod read;
+
+pub use read::{LONGEST_TREE, TreeFileError, read_tree, tree_from_json};
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::provenance::Provenance;
+use furrow_cell::{Cell, Cue, Numerics};
+use furrow_lineage::{CellId, Lineage, ObservedRounds, Place, Rounds, Side, TerminalReason, Tree, founder_rounds};
+use furrow_mechanics::division::Outcome;
+
+/// Name of the format.
+pub const SCHEMA: &str = "furrow.tree";
+
+/// Version of the format; it is raised when a field changes its meaning or goes.
+pub const SCHEMA_VERSION: u32 = 2;
+
+/// The JSON Schema (draft 2020-12) of `tree.json`, `docs/tree.schema.json`. A later furrow may add fields without another
+/// version; the schema allows them.
+pub const TREE_SCHEMA: &str = include_str!("../../tree.schema.json");
+
+/// A row of the founders' table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FounderRow {
+    /// Name.
+    pub name: String,
+    /// Radius R0; none if it was never born.
+    pub r0: Option<f64>,
+    /// The same in µm, where the lineage says how long L_h is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub r0_um: Option<f64>,
+    /// Volume as a fraction of the first cell's.
+    pub volume_fraction: Option<f64>,
+    /// Name of the cue that it carries.
+    pub cue: String,
+    /// Cues of the cells below it, up to the next founder, by name, and how many carry each.
+    pub cued_descendants: BTreeMap<String, usize>,
+    /// How its own division ended.
+    pub outcome: Option<Outcome>,
+    /// Its size asymmetry χ.
+    pub chi: Option<f64>,
+    /// Rounds grown.
+    pub rounds: Option<Rounds>,
+    /// Rounds observed.
+    pub observed: Option<ObservedRounds>,
+    /// The same, under its former name.
+    pub sulston: Option<ObservedRounds>,
+}
+
+/// The founders' table, in the lineage file's order.
+pub fn founder_rows(tree: &Tree) -> Vec<FounderRow> {
+    let founders = tree.lineage.founders.len();
+    let birth: Vec<Option<CellId>> = (0..founders).map(|founder| tree.founder_cell(founder)).collect();
+    let mut cued = vec![BTreeMap::new(); founders];
+    for id in tree.cells() {
+        let cell = tree.cell(id);
+        let Some(born) = birth[cell.founder].filter(|born| *born != id) else { continue };
+        if !cell.cue.is_none() {
+            let round = cell.generation - tree.cell(born).generation;
+            let place = Place { founder: cell.founder, round, generation: cell.generation, r0: cell.r0 };
+            *cued[cell.founder].entry(tree.lineage.cue_name_at(place).to_owned()).or_insert(0) += 1;
+        }
+    }
+    let row = |founder: usize, rounds: Option<Rounds>| {
+        let definition = &tree.lineage.founders[founder];
+        let cell = tree.founder_cell(founder).map(|id| tree.cell(id));
+        let place = cell.map(|c| Place { founder, round: 0, generation: c.generation, r0: c.r0 });
+        FounderRow {
+            name: definition.name.clone(),
+            r0: cell.map(|c| c.r0),
+            r0_um: cell.and_then(|c| tree.lineage.units().micrometres(c.r0)),
+            volume_fraction: cell.map(|c| c.volume_fraction),
+            cue: place.map_or("none", |place| tree.lineage.cue_name_at(place)).to_owned(),
+            cued_descendants: cued[founder].clone(),
+            outcome: cell.and_then(|c| c.fate.outcome()),
+            chi: cell.and_then(|c| c.fate.chi()),
+            rounds,
+            observed: definition.observed,
+            sulston: definition.observed,
+        }
+    };
+    founder_rounds(tree).into_iter().map(|found| row(found.founder, found.rounds)).collect()
+}
+
+#[derive(Serialize)]
+struct Head<'a> {
+    schema: &'a str,
+    schema_version: u32,
+    provenance: Provenance,
+    seed: u64,
+    r0_step: f64,
+    /// The first cell; what all cells share is taken from it.
+    cell: &'a Cell,
+    numerics: &'a Numerics,
+    lineage: &'a Lineage,
+    founders: Vec<FounderRow>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Record<'a> {
+    #[serde(borrow)]
+    name: Cow<'a, str>,
+    #[serde(borrow)]
+    mother: Option<Cow<'a, str>>,
+    daughter: Option<Side>,
+    #[serde(borrow)]
+    founder: Cow<'a, str>,
+    generation: u32,
+    r0: f64,
+    volume_fraction: f64,
+    cue: Cow<'a, Cue>,
+    outcome: Option<Outcome>,
+    chi: Option<f64>,
+    chi_signed: Option<f64>,
+    u_furrow: Option<f64>,
+    t_end: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    slow_growth_rate: Option<f64>,
+    ended: Option<TerminalReason>,
+}
+
+impl<'a> Record<'a> {
+    fn of(tree: &'a Tree, id: CellId) -> Record<'a> {
+        let cell = tree.cell(id);
+        let division = cell.fate.division.as_ref();
+        Record {
+            name: Cow::Borrowed(&cell.name),
+            mother: tree.mother(id).map(|m| Cow::Borrowed(tree.cell(m).name.as_str())),
+            daughter: tree.side(id),
+            founder: Cow::Borrowed(tree.founder_name(id)),
+            generation: cell.generation,
+            r0: cell.r0,
+            volume_fraction: cell.volume_fraction,
+            cue: Cow::Borrowed(&cell.cue),
+            outcome: cell.fate.outcome(),
+            chi: division.and_then(|d| d.chi),
+            chi_signed: division.and_then(|d| d.chi_signed),
+            u_furrow: division.and_then(|d| d.u_furrow),
+            t_end: division.map(|d| d.t_end),
+            slow_growth_rate: division.and_then(|d| d.slow_growth_rate),
+            ended: cell.fate.ended.clone(),
+        }
+    }
+}
+
+/// The tree as the text of `tree.json`, one cell a line in breadth-first order.
+///
+/// # Errors
+/// None in practice; serialisation to memory is typed as fallible.
+pub fn tree_to_json(tree: &Tree) -> Result<String, serde_json::Error> {
+    let head = Head {
+        schema: SCHEMA,
+        schema_version: SCHEMA_VERSION,
+        provenance: Provenance::current(),
+        seed: tree.settings.seed,
+        r0_step: tree.settings.r0_step,
+        cell: &tree.settings.cell,
+        numerics: &tree.settings.numerics,
+        lineage: &tree.lineage,
+        founders: founder_rows(tree),
+    };
+    let mut out = serde_json::to_vec_pretty(&head)?;
+    out.reserve(360 * tree.len());
+    out.truncate(out.len().saturating_sub("\n}".len()));
+    out.extend_from_slice(b",\n  \"cells\": [\n");
+    for id in tree.cells() {
+        if id != tree.first() {
+            out.extend_from_slice(b",\n");
+        }
+        out.extend_from_slice(b"    ");
+        serde_json::to_writer(&mut out, &Record::of(tree, id))?;
+    }
+    out.extend_from_slice(b"\n  ]\n}\n");
+    // JSON is UTF-8 by construction.
+    Ok(String::from_utf8(out).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned()))
+}

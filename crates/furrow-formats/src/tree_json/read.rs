@@ -1,0 +1,340 @@
+//! Reading `tree.json`: a file is a whole tree of its lineage, or an error with its place.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::message::malformed;
+use super::{Record, SCHEMA, SCHEMA_VERSION};
+use furrow_cell::settings::Settings;
+use furrow_cell::{Cell, Cue, Numerics};
+use furrow_input::{InputError, forbidden, read_text_up_to, shown};
+use furrow_lineage::{CellId, Fate, Lineage, Side, TerminalReason, Tree, TreeCell, TreeSettings};
+use furrow_mechanics::division::{Division, Outcome};
+
+/// The longest file of a tree that is read, in bytes: 512 MB, which the million cells take that a lineage grows to unless it
+/// says otherwise.
+pub const LONGEST_TREE: u64 = 512 << 20;
+
+/// Why a tree file cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum TreeFileError {
+    /// Not JSON, or not these fields.
+    #[error("line {line}, column {column}: {message}")]
+    Malformed {
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What is wrong.
+        message: String,
+    },
+    /// Another format or version.
+    #[error("schema = {}, version {version}: must be {SCHEMA:?}, version {SCHEMA_VERSION}", shown(.schema))]
+    Schema {
+        /// The file's format.
+        schema: String,
+        /// The file's version.
+        version: u32,
+    },
+    /// The parameters or the lineage are invalid.
+    #[error(transparent)]
+    Inputs(#[from] InputError),
+    /// The cells do not form a tree of the file's lineage.
+    #[error("cells[{index}] {}: {message}", shown(.cell))]
+    Cell {
+        /// Position in the list.
+        index: usize,
+        /// The cell's name.
+        cell: String,
+        /// What is wrong.
+        message: String,
+    },
+}
+
+impl TreeFileError {
+    /// The same of a file by name.
+    fn in_file(self, file: &Path) -> InputError {
+        let file = file.display().to_string();
+        match self {
+            TreeFileError::Malformed { line, column, message } => InputError::Malformed { file, line, column, message },
+            other => InputError::Founders { file, message: other.to_string() },
+        }
+    }
+}
+
+#[derive(Deserialize)]
+struct Document<'a> {
+    #[serde(borrow)]
+    schema: Cow<'a, str>,
+    schema_version: u32,
+    seed: u64,
+    r0_step: f64,
+    cell: Cell,
+    numerics: Numerics,
+    lineage: Lineage,
+    #[serde(borrow)]
+    cells: Vec<Record<'a>>,
+}
+
+/// Schema and version, of a document that lacks other fields.
+#[derive(Deserialize)]
+struct Heading<'a> {
+    #[serde(borrow)]
+    schema: Cow<'a, str>,
+    schema_version: u32,
+}
+
+/// Reads a file `tree.json`, of at most [`LONGEST_TREE`] bytes. It may be a pipe.
+///
+/// # Errors
+/// Names the file, what is wrong in it and what is allowed.
+pub fn read_tree(path: &Path) -> Result<Tree, InputError> {
+    let text = read_text_up_to(path, LONGEST_TREE)?;
+    let begun = text.trim_start_matches('\u{feff}').trim_start();
+    if !begun.starts_with('{') {
+        let reason = match begun.lines().next() {
+            None => "it is empty".to_owned(),
+            Some(line) => format!("it begins with {}, and a tree.json is JSON that begins with {{", shown(line)),
+        };
+        let (file, wanted) = (path.display().to_string(), "a tree.json".to_owned());
+        return Err(InputError::OtherFile { file, wanted, reason });
+    }
+    tree_from_json(&text).map_err(|error| error.in_file(path))
+}
+
+/// Reads the text of `tree.json`. A tree is whole: cells are in breadth-first order, each without daughters and with the
+/// reason, or with an anterior and a posterior one and the division; founders are where the lineage has them.
+///
+/// # Errors
+/// Malformed JSON, another schema, invalid parameters or lineage, or cells that do not form a tree.
+pub fn tree_from_json(text: &str) -> Result<Tree, TreeFileError> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let another = |schema: &str, version| match schema == SCHEMA && version == SCHEMA_VERSION {
+        true => Ok(()),
+        false => Err(TreeFileError::Schema { schema: schema.to_owned(), version }),
+    };
+    let document: Document<'_> = match serde_json::from_str(text) {
+        Ok(document) => document,
+        Err(error) => {
+            // A document of another version may lack what this one has; that it is another is what helps to know.
+            if let Ok(Heading { schema, schema_version }) = serde_json::from_str(text) {
+                another(&schema, schema_version)?;
+            }
+            return Err(malformed(text, &error));
+        }
+    };
+    another(&document.schema, document.schema_version)?;
+    document.lineage.check("lineage")?;
+    let numerics = document.numerics;
+    Settings { cell: document.cell.clone(), numerics }.check_fields("cell and numerics")?;
+    if !(0.0..=0.5).contains(&document.r0_step) {
+        return Err(InputError::not_allowed("tree", "r0_step", document.r0_step, "from 0 to 0.5").into());
+    }
+    let settings = TreeSettings { cell: document.cell, numerics, seed: document.seed, r0_step: document.r0_step };
+    Builder::new(document.lineage, settings).build(document.cells)
+}
+
+/// The error of a cell, with what is allowed.
+type Complaint = String;
+
+/// Adds cells to a tree after checking them.
+struct Builder<'a> {
+    founders: HashMap<String, usize>,
+    /// Moved into the tree with its first cell.
+    inputs: Option<(Lineage, TreeSettings)>,
+    tree: Option<Tree>,
+    nodes: HashMap<Cow<'a, str>, CellId>,
+    /// The mother and the side of the cell before.
+    last: Option<(CellId, Side)>,
+    /// The cue that was checked last; most cells carry that of their mother.
+    checked: Cue,
+}
+
+impl<'a> Builder<'a> {
+    fn new(lineage: Lineage, settings: TreeSettings) -> Builder<'a> {
+        let founders = lineage.founders.iter().enumerate().map(|(i, f)| (f.name.clone(), i)).collect();
+        Builder {
+            founders,
+            inputs: Some((lineage, settings)),
+            tree: None,
+            nodes: HashMap::new(),
+            last: None,
+            checked: Cue::none(),
+        }
+    }
+
+    fn build(mut self, records: Vec<Record<'a>>) -> Result<Tree, TreeFileError> {
+        let wrong = |index: usize, cell: &str, message| TreeFileError::Cell { index, cell: cell.to_owned(), message };
+        for (index, record) in records.into_iter().enumerate() {
+            self.add(&record).map_err(|message| wrong(index, &record.name, message))?;
+        }
+        let tree = self.tree.ok_or_else(|| wrong(0, "", "there are no cells".to_owned()))?;
+        for id in tree.cells() {
+            let cell = tree.cell(id);
+            whole(&tree, id).map_err(|message| wrong(id.index(), &cell.name, message))?;
+        }
+        Ok(tree)
+    }
+
+    fn add(&mut self, record: &Record<'a>) -> Result<(), Complaint> {
+        in_range(record)?;
+        if *record.cue != self.checked {
+            record.cue.check().map_err(|error| format!("cue: {error}"))?;
+            self.checked = record.cue.as_ref().clone();
+        }
+        let founder = *self
+            .founders
+            .get(record.founder.as_ref())
+            .ok_or_else(|| format!("founder {} is not in the lineage", shown(&record.founder)))?;
+        let cell = TreeCell {
+            name: record.name.as_ref().to_owned(),
+            founder,
+            generation: record.generation,
+            r0: record.r0,
+            volume_fraction: record.volume_fraction,
+            cue: record.cue.as_ref().clone(),
+            fate: record.fate(),
+        };
+        let node = match (&mut self.tree, &record.mother, record.daughter) {
+            (None, None, None) => {
+                let Some((lineage, settings)) = self.inputs.take() else { return Ok(()) };
+                if founder != lineage.first() || record.name != record.founder {
+                    let first = lineage.founders.get(lineage.first()).map_or("", |first| &first.name);
+                    return Err(format!("the first cell must be the first founder of the lineage, {}", shown(first)));
+                }
+                if record.generation != 0 {
+                    return Err(format!("generation = {}: must be 0 for the first cell", record.generation));
+                }
+                let tree = Tree::new(lineage, settings, cell);
+                let node = tree.first();
+                self.tree = Some(tree);
+                node
+            }
+            (Some(tree), Some(mother), Some(side)) => {
+                let mother = *self
+                    .nodes
+                    .get(mother.as_ref())
+                    .ok_or_else(|| format!("mother {} is not among the cells before it", shown(mother)))?;
+                let is_founder = follows(tree, mother, record, founder)?;
+                if self.last.is_some_and(|(before, last)| {
+                    mother < before || mother == before && (last, side) == (Side::Posterior, Side::Anterior)
+                }) {
+                    return Err(
+                        "it is out of order: cells stand in the order of their mothers, the anterior daughter first"
+                            .to_owned(),
+                    );
+                }
+                self.last = Some((mother, side));
+                tree.add(mother, side, cell, is_founder)
+            }
+            _ => return Err("the first cell, and no other, has neither mother nor daughter side".to_owned()),
+        };
+        match self.nodes.insert(record.name.clone(), node) {
+            None => Ok(()),
+            Some(_) => Err("its name appears twice".to_owned()),
+        }
+    }
+}
+
+/// Whether a cell can be a daughter of `mother`, and whether it is the founder that it belongs to.
+fn follows(tree: &Tree, mother: CellId, record: &Record<'_>, founder: usize) -> Result<bool, Complaint> {
+    let above = tree.cell(mother);
+    if above.generation.checked_add(1) != Some(record.generation) {
+        return Err(format!("generation {} does not follow the mother's", record.generation));
+    }
+    let is_founder = record.name == record.founder;
+    // A founder is a daughter of its mother in the lineage; other cells are of their mother's founder.
+    let right = match is_founder {
+        true => tree.lineage.founders.get(founder).is_some_and(|f| f.mother.as_deref() == Some(&*above.name)),
+        false => founder == above.founder,
+    };
+    match right {
+        true => Ok(is_founder),
+        false => {
+            let (founder, mother) = (shown(&record.founder), shown(&above.name));
+            Err(format!("founder {founder} is not what a daughter of {mother} belongs to in the lineage"))
+        }
+    }
+}
+
+/// Checks the values of a cell.
+fn in_range(record: &Record<'_>) -> Result<(), Complaint> {
+    if record.name.is_empty() || forbidden(&record.name).is_some() {
+        return Err("name: must not be empty, nor have control characters".to_owned());
+    }
+    if record.name.chars().any(|c| c.is_whitespace() || "()[]{}:;,'\"=".contains(c)) {
+        return Err(
+            "name: must be free of blanks, brackets, quotes and of : ; , = (tree files reserve them)".to_owned()
+        );
+    }
+    // The least number above 0.
+    let least = f64::from_bits(1);
+    let ranges = [
+        ("r0", Some(record.r0), least..=f64::MAX, "a finite number above 0"),
+        ("volume_fraction", Some(record.volume_fraction), least..=f64::MAX, "a finite number above 0"),
+        ("chi", record.chi, 0.0..=1.0, "from 0 to 1"),
+        ("chi_signed", record.chi_signed, -1.0..=1.0, "from -1 to 1"),
+        ("u_furrow", record.u_furrow, 0.0..=1.0, "from 0 to 1"),
+        ("t_end", record.t_end, 0.0..=f64::MAX, "a finite number of at least 0"),
+    ];
+    for (name, value, range, allowed) in ranges {
+        if let Some(value) = value.filter(|value| !range.contains(value)) {
+            // With an exponent where digits would fill the screen.
+            return Err(format!("{name} = {value:?}: must be {allowed}"));
+        }
+    }
+    Ok(())
+}
+
+/// Whether a cell has ended, or has two daughters and the division that gave them.
+fn whole(tree: &Tree, id: CellId) -> Result<(), Complaint> {
+    let fate = &tree.cell(id).fate;
+    match (tree.daughter_count(id), tree.daughters(id)) {
+        (0, _) => match fate.ended {
+            Some(_) => Ok(()),
+            None => Err("ended = null: must be the reason why it has no daughters".to_owned()),
+        },
+        (2, Some(_)) => {
+            let divided = matches!(fate.outcome(), Some(Outcome::Symmetric | Outcome::Asymmetric));
+            match (&fate.ended, divided) {
+                (Some(reason), _) => {
+                    Err(format!("ended = {:?}: must be null where there are daughters", reason.name()))
+                }
+                (None, false) => {
+                    Err("outcome: must be symmetric or asymmetric, with t_end, where there are daughters".to_owned())
+                }
+                (None, true) => Ok(()),
+            }
+        }
+        _ => Err("its daughters are not one anterior and one posterior".to_owned()),
+    }
+}
+
+impl Record<'_> {
+    /// The cell's fate. A tree file does not keep the work of a division, which is zero.
+    fn fate(&self) -> Fate {
+        let growth_rate = match self.ended {
+            Some(TerminalReason::AtRest { growth_rate }) => growth_rate,
+            _ => None,
+        };
+        let division = self.outcome.zip(self.t_end).map(|(outcome, t_end)| {
+            let division = Division {
+                outcome,
+                chi: self.chi,
+                chi_signed: self.chi_signed,
+                u_furrow: self.u_furrow,
+                t_end,
+                daughters: None,
+                growth_rate,
+                slow_growth_rate: self.slow_growth_rate,
+                volume_drift: 0.0,
+                work: furrow_bvp::Work::default(),
+            };
+            division.with_daughters_of(self.r0)
+        });
+        Fate { division, ended: self.ended.clone() }
+    }
+}

@@ -1,0 +1,33 @@
+//! Divisions that cost nothing, for the tests of this module.
+
+use furrow_bvp::Work;
+
+use furrow_cell::Cell;
+use furrow_mechanics::division::{Division, DivisionInput, Outcome};
+
+pub fn input(r0: f64) -> DivisionInput {
+    DivisionInput::new(Cell::new(r0))
+}
+
+/// Stands in for the solver: cells divide equally from radius 8, unequally from 1, below not at all. Like a stick, and
+/// unlike a cell, they hand on their radius and not their volume.
+pub fn divide(input: &DivisionInput) -> Division {
+    let r0 = input.cell.r0;
+    let chi = (r0 >= 1.0).then(|| if r0 < 8.0 { 0.1 * (8.0 - r0) } else { 0.0 });
+    Division {
+        outcome: match chi {
+            None => Outcome::Failed,
+            Some(0.0) => Outcome::Symmetric,
+            Some(_) => Outcome::Asymmetric,
+        },
+        chi,
+        chi_signed: chi.map(|chi| -chi),
+        u_furrow: None,
+        t_end: 1.0 / r0,
+        daughters: chi.map(|chi| [-1.0, 1.0].map(|sign| 0.5 * r0 * (1.0 + sign * chi))),
+        growth_rate: None,
+        slow_growth_rate: None,
+        volume_drift: 1e-12,
+        work: Work { steps: 100, rejected: 1, iterations: 300, factorisations: 120, remeshings: 5 },
+    }
+}

@@ -1,0 +1,238 @@
+//! What makes two divisions the same: canonical bytes of the input, hashed.
+
+use std::{
+    collections::HashMap,
+    hash::{BuildHasherDefault, Hasher},
+};
+
+use furrow_cell::cue::profile::NAMES;
+use furrow_cell::cue::{Field, Quantity, Term, Width};
+use furrow_cell::{Cell, Cue, Material, Numerics, RigidityGradient, Scheme, Shell};
+use furrow_mechanics::division::DivisionInput;
+
+/// Version of the solver. Stored divisions of another version are not used.
+///
+/// Raise it with every change of what a division gives, to the last bit. The test `solver_version` compares the bits of
+/// a dozen divisions with those stored for this version.
+pub const SOLVER_VERSION: u32 = 1;
+
+/// Version of the canonical bytes, padded to the length they have always had: shards of sweeps depend on it.
+const LAYOUT: [u8; 12] = [1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+
+/// Hash of everything a division depends on but the solver.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Key([u8; 32]);
+
+impl Key {
+    /// The key of `input`; round its size first.
+    pub fn new(input: &DivisionInput) -> Key {
+        // A new field does not compile until it gets its place here and in the functions below.
+        let DivisionInput { cell, numerics, seed } = input;
+        let mut bytes = CanonicalBytes(Vec::with_capacity(256));
+        bytes.0.extend_from_slice(&LAYOUT);
+        // Short, so that a cell without a cue fits into three blocks of the hash, where look-ups spend their time.
+        bytes.0.extend_from_slice(b"division\xff");
+        bytes.cell(cell);
+        bytes.numerics(numerics);
+        bytes.count(*seed);
+        Key(*blake3::hash(&bytes.0).as_bytes())
+    }
+
+    /// The key's bytes.
+    pub const fn as_bytes(&self) -> &[u8; 32] {
+        &self.0
+    }
+
+    /// The key's leading eight bytes as a number, evenly spread.
+    pub fn prefix(&self) -> u64 {
+        let mut bytes = [0; 8];
+        bytes.copy_from_slice(&self.0[..8]);
+        u64::from_le_bytes(bytes)
+    }
+}
+
+impl std::fmt::Debug for Key {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Key({:016x}…)", self.prefix().swap_bytes())
+    }
+}
+
+/// The bytes a key is the hash of: little-endian, with one form for each value.
+struct CanonicalBytes(Vec<u8>);
+
+impl CanonicalBytes {
+    fn choice(&mut self, number: usize) {
+        self.0.push(number.min(255) as u8);
+    }
+
+    fn count(&mut self, number: u64) {
+        self.0.extend_from_slice(&number.to_le_bytes());
+    }
+
+    /// −0 is written as 0 and every NaN as the same one.
+    fn reals(&mut self, values: impl IntoIterator<Item = f64>) {
+        for value in values {
+            let canonical = if value.is_nan() { f64::NAN } else { value + 0.0 };
+            self.count(canonical.to_bits());
+        }
+    }
+
+    fn cell(&mut self, cell: &Cell) {
+        let Cell { r0, epsilon, xi_s, cue, material, shell } = cell;
+        let Material { kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient } = *material;
+        let Shell { aspect, p0, w } = *shell;
+        self.reals([*r0, *epsilon, *xi_s, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, aspect, p0, w]);
+        self.choice(match rigidity_gradient {
+            RigidityGradient::Full => 0,
+            RigidityGradient::Dropped => 1,
+        });
+        self.cue(cue);
+    }
+
+    /// The terms that do something, in their order: in another order the last digit of their sum may be another.
+    fn cue(&mut self, cue: &Cue) {
+        let cue = cue.simplified();
+        // Every term says what it is, so that the number of them only has to part them from what follows.
+        self.choice(cue.terms().len());
+        for Term { field, profile, amplitude } in cue.terms() {
+            self.choice(Field::ALL.iter().position(|other| other == field).unwrap_or(Field::ALL.len()));
+            self.choice(NAMES.iter().position(|name| *name == profile.name()).unwrap_or(NAMES.len()));
+            let numbers = [profile.quantity(Quantity::U0), profile.quantity(Quantity::Omega), Some(*amplitude)];
+            self.reals(numbers.into_iter().flatten());
+            self.choice(usize::from(matches!(profile.width(), Some(Width::Length(_)))));
+        }
+    }
+
+    fn numerics(&mut self, numerics: &Numerics) {
+        let Numerics {
+            stages,
+            intervals,
+            scheme,
+            dt,
+            first_step,
+            time_tolerance,
+            step_factor,
+            t_max,
+            noise,
+            chi_symmetric,
+        } = *numerics;
+        self.count(stages as u64);
+        self.count(intervals as u64);
+        // The converged scheme does not use `dt`.
+        let dt = if scheme == Scheme::Published { dt } else { 0.0 };
+        self.reals([dt, first_step, time_tolerance, step_factor, t_max, noise, chi_symmetric]);
+    }
+}
+
+/// A table by key.
+pub(super) type KeyMap<V> = HashMap<Key, V, BuildHasherDefault<PrefixHasher>>;
+
+/// Takes the hash from the key, which is one already.
+#[derive(Debug, Default)]
+pub(super) struct PrefixHasher(u64);
+
+impl Hasher for PrefixHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        // `[u8; 32]` writes its length first, then its bytes.
+        for chunk in bytes.chunks_exact(8).take(1) {
+            self.0 = chunk.iter().rev().fold(0, |word, &byte| (word << 8) | u64::from(byte));
+        }
+    }
+
+    fn write_usize(&mut self, _length: usize) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn input(r0: f64) -> DivisionInput {
+        DivisionInput { seed: 1, ..DivisionInput::new(Cell::new(r0)) }
+    }
+
+    /// The places where an input can differ, each as a setter.
+    fn setters() -> Vec<fn(&mut DivisionInput, f64)> {
+        vec![
+            |i, x| i.cell.material.kappa = x,
+            |i, x| i.cell.material.eta_b = x,
+            |i, x| i.cell.material.eta_s = x,
+            |i, x| i.cell.material.friction = x,
+            |i, x| i.cell.material.tension = x,
+            |i, x| i.cell.xi_s = x,
+            |i, x| i.cell.material.xi_ratio = x,
+            |i, x| i.cell.material.gain = x,
+            |i, x| i.cell.shell.aspect = x,
+            |i, x| i.cell.shell.p0 = x,
+            |i, x| i.cell.shell.w = x,
+            |i, x| i.cell.epsilon = x,
+            |i, x| i.numerics.time_tolerance = x,
+            |i, x| i.numerics.step_factor = x,
+            |i, x| i.numerics.t_max = x,
+            |i, x| i.numerics.chi_symmetric = x,
+            |i, x| i.numerics.noise = x,
+            |i, x| i.cell.r0 = x,
+            |i, x| i.cell.cue = Cue::kappa_band(x, 0.1, 0.1),
+            |i, x| i.cell.cue = Cue::kappa_band(0.1, x, 0.1),
+            |i, x| i.cell.cue = Cue::kappa_band(0.1, 0.1, x),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn equal_keys_mean_equal_values(place in 0..21_usize, a in -10.0..10.0_f64, b in -10.0..10.0_f64) {
+            let set = setters()[place];
+            let (mut left, mut right) = (input(2.0), input(2.0));
+            set(&mut left, a);
+            set(&mut right, b);
+            prop_assert_eq!(Key::new(&left) == Key::new(&right), a == b);
+            set(&mut right, a);
+            prop_assert_eq!(Key::new(&left), Key::new(&right));
+        }
+
+        #[test]
+        fn a_value_in_two_places_gives_two_keys(p in 0..18_usize, q in 0..18_usize, x in 20.0..30.0_f64) {
+            let (mut left, mut right) = (input(2.0), input(2.0));
+            setters()[p](&mut left, x);
+            setters()[q](&mut right, x);
+            prop_assert_eq!(Key::new(&left) == Key::new(&right), p == q || x == 25.0);
+        }
+    }
+
+    #[test]
+    fn zeros_of_either_sign_and_all_nans_are_the_same() {
+        let key = |r0| Key::new(&input(r0));
+        assert_eq!(key(0.0), key(-0.0));
+        assert_eq!(key(f64::NAN), key(-f64::NAN));
+        assert_ne!(key(0.0), key(f64::MIN_POSITIVE));
+    }
+
+    #[test]
+    fn counts_choices_and_seed_are_in_the_key() {
+        let base = input(2.0);
+        let mut variants = vec![base.clone(); 7];
+        variants[0].numerics.stages += 1;
+        variants[1].numerics.intervals += 2;
+        variants[2].seed += 1;
+        variants[3].cell.material.rigidity_gradient = RigidityGradient::Dropped;
+        // One number as a width in u and in L_h, and for two fields.
+        for (k, cue) in [(4, "kappa:u0=0.4,omega=0.1,amplitude=0.2"), (5, "kappa:u0=0.4,omega=0.1Lh,amplitude=0.2")] {
+            variants[k].cell.cue = cue.parse().unwrap();
+        }
+        variants[6].cell.cue = "activity:u0=0.4,omega=0.1,amplitude=0.2".parse().unwrap();
+        let mut keys: Vec<Key> = variants.iter().map(Key::new).collect();
+        keys.push(Key::new(&base));
+        keys.sort();
+        keys.dedup();
+        assert_eq!(keys.len(), 8);
+        // A cue that does nothing is none.
+        let idle = Cue::kappa_band(0.465, 0.0577, 0.0);
+        let idle = DivisionInput { cell: base.cell.clone().with_cue(idle), ..base.clone() };
+        assert_eq!(Key::new(&idle), Key::new(&base));
+    }
+}

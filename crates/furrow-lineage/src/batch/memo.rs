@@ -1,0 +1,271 @@
+//! The memo: no division is solved twice.
+//!
+//! Every division is looked up by its [`Key`]. The first to ask for an unknown key gets a [`Lease`], the duty to solve
+//! it; all others leave the sending end of a channel and go on with other work. Nobody blocks on a key, and no lock of
+//! the table is held while solving, sending or reading the store.
+
+use std::{
+    collections::hash_map::Entry,
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc::Sender},
+};
+
+use super::{
+    key::{Key, KeyMap},
+    quantisation::Quantisation,
+    store::Store,
+};
+use furrow_cell::Cell;
+use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
+
+/// Divisions solved so far or being solved, shared by any number of runs and threads.
+#[derive(Debug)]
+pub struct Memo {
+    quantisation: Quantisation,
+    table: Mutex<KeyMap<Slot>>,
+    store: Option<Store>,
+}
+
+#[derive(Debug)]
+enum Slot {
+    Solved(Arc<Division>),
+    /// Being solved; these get the [`Event`].
+    InFlight(Vec<Sender<Event>>),
+}
+
+/// The end of a lease, sent to all who wait for its key.
+#[derive(Clone, Debug)]
+pub struct Event {
+    /// The key waited for.
+    pub key: Key,
+    /// What became of it.
+    pub completion: Completion,
+}
+
+/// What became of a key that was in flight.
+#[derive(Clone, Debug)]
+pub enum Completion {
+    /// Solved, just now.
+    Solved(Arc<Division>),
+    /// Another process solved it meanwhile.
+    Stored(Arc<Division>),
+    /// Could not be solved.
+    Failed(Failure),
+    /// The lease was dropped; ask again.
+    Abandoned,
+}
+
+/// Why a division is not known.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Failure {
+    /// The solver says why.
+    #[error(transparent)]
+    Unsolved(DivisionError),
+    /// The solver panicked: a defect of the program.
+    #[error("internal error: the solver panicked: {0} (please report it)")]
+    Panicked(String),
+}
+
+/// The answer to a request.
+#[derive(Debug)]
+pub enum Request<'m> {
+    /// Known.
+    Known(Arc<Division>),
+    /// Known to the store, and now to the memo.
+    Stored(Arc<Division>),
+    /// Being solved by another; an [`Event`] will come.
+    Pending,
+    /// The caller is to solve it. An [`Event`] comes to the caller as well.
+    Leased(Lease<'m>),
+}
+
+impl Memo {
+    /// An empty memo, in memory only.
+    pub fn new(quantisation: Quantisation) -> Memo {
+        Memo { quantisation, table: Mutex::default(), store: None }
+    }
+
+    /// The same over a store: what it holds is known, and what is solved is committed to it.
+    pub fn with_store(self, store: Store) -> Memo {
+        Memo { store: Some(store), ..self }
+    }
+
+    /// The store, if there is one.
+    pub fn store(&self) -> Option<&Store> {
+        self.store.as_ref()
+    }
+
+    /// How radii are rounded.
+    pub fn quantisation(&self) -> Quantisation {
+        self.quantisation
+    }
+
+    /// The division that is solved in place of `input`: its radius rounded.
+    pub fn canonical(&self, input: &DivisionInput) -> DivisionInput {
+        let cell = Cell { r0: self.quantisation.apply(input.cell.r0), ..input.cell.clone() };
+        DivisionInput { cell, ..*input }
+    }
+
+    /// The division if the memo or its store knows it, without solving.
+    ///
+    /// ```
+    /// use furrow_lineage::batch::{Memo, Quantisation};
+    /// use furrow_cell::Cell;
+    /// use furrow_mechanics::division::DivisionInput;
+    ///
+    /// let memo = Memo::new(Quantisation::DEFAULT);
+    /// assert_eq!(memo.known(&DivisionInput::new(Cell::new(2.0))), None);
+    /// ```
+    pub fn known(&self, input: &DivisionInput) -> Option<Division> {
+        let canonical = self.canonical(input);
+        let key = Key::new(&canonical);
+        let here = self.lock().get(&key).map(Slot::solved);
+        let division = match here {
+            Some(here) => here?,
+            None => self.stored(&key)?,
+        };
+        Some(scaled(&division, input.cell.r0 / canonical.cell.r0))
+    }
+
+    /// Divisions known.
+    pub fn len(&self) -> usize {
+        self.lock().values().filter(|slot| matches!(slot, Slot::Solved(_))).count()
+    }
+
+    /// Whether no division is known.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Asks for a division. Unless it is known, `waiter` gets one [`Event`].
+    pub fn request(&self, key: Key, waiter: &Sender<Event>) -> Request<'_> {
+        let absent = match self.lock().get(&key) {
+            Some(Slot::Solved(division)) => return Request::Known(Arc::clone(division)),
+            Some(Slot::InFlight(_)) => false,
+            None => true,
+        };
+        let stored = if absent { self.stored(&key) } else { None };
+        match (self.lock().entry(key), stored) {
+            (Entry::Occupied(mut occupied), _) => match occupied.get_mut() {
+                Slot::Solved(division) => Request::Known(Arc::clone(division)),
+                Slot::InFlight(waiters) => {
+                    waiters.push(waiter.clone());
+                    Request::Pending
+                }
+            },
+            (Entry::Vacant(vacant), Some(division)) => {
+                vacant.insert(Slot::Solved(Arc::clone(&division)));
+                Request::Stored(division)
+            }
+            (Entry::Vacant(vacant), None) => {
+                vacant.insert(Slot::InFlight(vec![waiter.clone()]));
+                Request::Leased(Lease { memo: self, key, open: true })
+            }
+        }
+    }
+
+    fn stored(&self, key: &Key) -> Option<Arc<Division>> {
+        self.store.as_ref()?.get(key).map(Arc::new)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, KeyMap<Slot>> {
+        // Nothing panics while it is held.
+        self.table.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Slot {
+    fn solved(&self) -> Option<Arc<Division>> {
+        match self {
+            Slot::Solved(division) => Some(Arc::clone(division)),
+            Slot::InFlight(_) => None,
+        }
+    }
+}
+
+/// A division as it is handed to a cell of `factor` times the radius that was solved. The daughters' radii go with the
+/// cell's, so that no volume is lost to rounding.
+pub(super) fn scaled(division: &Division, factor: f64) -> Division {
+    let daughters = division.daughters.map(|radii| radii.map(|r0| r0 * factor));
+    Division { daughters, ..division.clone() }
+}
+
+/// The duty to solve one division, held by exactly one at a time. Dropped unused, it lets the waiters ask again.
+#[derive(Debug)]
+pub struct Lease<'m> {
+    memo: &'m Memo,
+    key: Key,
+    open: bool,
+}
+
+impl Lease<'_> {
+    /// The key to solve.
+    pub fn key(&self) -> Key {
+        self.key
+    }
+
+    /// Solves `input` unless another process has done so meanwhile, stores the result, and tells the waiters.
+    pub fn solve(mut self, input: &DivisionInput, solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError>) {
+        self.open = false;
+        let completion = match self.memo.stored(&self.key) {
+            Some(division) => Completion::Stored(division),
+            // A panic must not take the pool, and with it the process, down: it would lose what the others solve.
+            None => match catch_unwind(AssertUnwindSafe(|| solve(input))) {
+                Ok(Ok(division)) => {
+                    if let Some(store) = &self.memo.store {
+                        store.commit(&self.key, input, &division);
+                    }
+                    Completion::Solved(Arc::new(division))
+                }
+                Ok(Err(error)) => Completion::Failed(Failure::Unsolved(error)),
+                Err(payload) => Completion::Failed(Failure::Panicked(panic_text(payload.as_ref()))),
+            },
+        };
+        self.complete(completion);
+    }
+
+    /// Replaces the slot in flight and tells those who wait for it. Failures are not remembered.
+    fn complete(&self, completion: Completion) {
+        let before = match &completion {
+            Completion::Solved(division) | Completion::Stored(division) => {
+                self.memo.lock().insert(self.key, Slot::Solved(Arc::clone(division)))
+            }
+            Completion::Failed(_) | Completion::Abandoned => self.memo.lock().remove(&self.key),
+        };
+        let Some(Slot::InFlight(waiters)) = before else { return };
+        for waiter in waiters {
+            // A waiter that is gone no longer wants to know.
+            let _ = waiter.send(Event { key: self.key, completion: completion.clone() });
+        }
+    }
+}
+
+impl Drop for Lease<'_> {
+    fn drop(&mut self) {
+        if self.open {
+            self.complete(Completion::Abandoned);
+        }
+    }
+}
+
+fn panic_text(payload: &(dyn std::any::Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::fake;
+
+    #[test]
+    fn the_daughters_of_a_scaled_division_have_its_volume() {
+        let daughters = Some([0.4_f64, 0.6].map(|share| 2.0 * share.cbrt()));
+        let division = Division { daughters, ..fake::divide(&fake::input(2.0)) };
+        let larger = scaled(&division, 1.001);
+        let volume: f64 = larger.daughters.unwrap().iter().map(|r0| r0.powi(3)).sum();
+        assert!((volume / 2.002_f64.powi(3) - 1.0).abs() < 1e-14);
+        assert_eq!(Division { daughters: division.daughters, ..larger }, division);
+    }
+}

@@ -1,0 +1,37 @@
+//! One stationary shape disturbed several times, with noise of different seeds.
+
+use rayon::prelude::*;
+
+use super::scheduler::{self, SchedulerError};
+use furrow_mechanics::division::DivisionInput;
+use furrow_mechanics::equilibria::stationary;
+use furrow_mechanics::perturbation::{Perturbation, PerturbationError, perturbed_from};
+
+/// A disturbed shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Disturbed {
+    /// The seed of the noise.
+    pub seed: u64,
+    /// What became of it, or why that could not be computed.
+    pub found: Result<Perturbation, PerturbationError>,
+}
+
+/// Disturbances with the seeds from `input.seed` on, on so many threads, 0 being one for each core. They are not kept: what is told of them is a whole curve each.
+///
+/// # Errors
+/// No workers can be started; that there is no stationary shape, is the answer of every seed.
+pub fn perturbations(
+    input: &DivisionInput,
+    count: usize,
+    until: f64,
+    threads: usize,
+) -> Result<Vec<Disturbed>, SchedulerError> {
+    let start = stationary(&input.cell, &input.numerics);
+    let one = |k: usize| {
+        let seed = input.seed.wrapping_add(k as u64);
+        let start = start.as_ref().map_err(|error| PerturbationError::from(error.clone()));
+        let found = start.and_then(|start| perturbed_from(&DivisionInput { seed, ..input.clone() }, start, until));
+        Disturbed { seed, found }
+    };
+    Ok(scheduler::pool(threads)?.install(|| (0..count).into_par_iter().map(one).collect()))
+}

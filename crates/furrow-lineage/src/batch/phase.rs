@@ -1,0 +1,182 @@
+//! Phase diagrams: outcomes over one parameter of a cell and its activity.
+//!
+//! Where the primary branch has a stable shape the cell stays at rest: that is told by its exact folds and pitchforks,
+//! column by column. Elsewhere divisions tell.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::memo::{Failure, Memo};
+use super::scheduler::{self, SchedulerError, SchedulerOptions, Solved, Summary};
+use furrow_cell::{Cell, Numerics, Parameter};
+use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide};
+use furrow_mechanics::equilibria::at_rest::{Edge, RestShapes, rest_shapes};
+use furrow_mechanics::equilibria::error::ShapeError;
+
+/// What a diagram is of.
+///
+/// # Examples
+/// Outcomes of three sizes at the activity that cells have: at rest, unequal, equal.
+///
+/// ```
+/// use furrow_lineage::batch::phase::PhaseOutcome::{Asymmetric, Failed, Symmetric};
+/// use furrow_lineage::batch::{Memo, PhasePlane, Quantisation, SchedulerOptions};
+/// use furrow_cell::{Cell, Numerics, Parameter};
+/// let (cell, numerics) = (Cell::new(1.0), Numerics::default());
+/// let across = vec![1.6, 2.0, 2.6];
+/// let plane = PhasePlane { cell, numerics, parameter: Parameter::R0, across, up: vec![25.0], seed: 0 };
+/// let diagram = plane.compute(&Memo::new(Quantisation::DEFAULT), &SchedulerOptions::default())?;
+/// let found: Vec<_> = diagram.cells.iter().map(|cell| cell.outcome).collect();
+/// assert_eq!(found, [Failed, Asymmetric, Symmetric]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct PhasePlane {
+    /// The cell; the parameter across and ξ_s are replaced.
+    pub cell: Cell,
+    /// Discretisation.
+    pub numerics: Numerics,
+    /// The parameter across.
+    pub parameter: Parameter,
+    /// Its values.
+    pub across: Vec<f64>,
+    /// Values of ξ_s, 0 or above.
+    pub up: Vec<f64>,
+    /// Seed of the noise of every division.
+    pub seed: u64,
+}
+
+/// What becomes of a cell at a point of the plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum PhaseOutcome {
+    /// It divides into equal daughters.
+    Symmetric,
+    /// It divides into unequal daughters.
+    Asymmetric,
+    /// It stays at rest.
+    Failed,
+    /// Its division could not be computed.
+    Undecided,
+}
+
+/// How it is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Evidence {
+    /// A stable shape exists.
+    Curves,
+    /// A division was solved in time.
+    Division,
+}
+
+/// One point of the plane.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PhaseCell {
+    /// Value of the parameter across.
+    pub x: f64,
+    /// Activity ξ_s.
+    pub xi_s: f64,
+    /// What becomes of the cell.
+    pub outcome: PhaseOutcome,
+    /// χ of its division.
+    pub chi: Option<f64>,
+    /// How that is known.
+    pub by: Evidence,
+}
+
+/// The exact edges at one value across.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Column {
+    /// Value of the parameter across.
+    pub x: f64,
+    /// Intervals of ξ_s with a stable shape.
+    pub at_rest: Vec<[f64; 2]>,
+    /// Folds and pitchforks along the branch.
+    pub edges: Vec<Edge>,
+    /// Why the branch could not be followed, if it could not; the whole column is then left to divisions.
+    #[serde(skip)]
+    pub error: Option<ShapeError>,
+}
+
+/// A phase diagram.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PhaseDiagram {
+    /// Points, column by column, each from the first ξ_s to the last.
+    pub cells: Vec<PhaseCell>,
+    /// Edges by column.
+    pub columns: Vec<Column>,
+    /// Why divisions are undecided, and how many, if any are.
+    pub undecided: Option<(Failure, usize)>,
+    /// What solving the divisions took.
+    pub summary: Summary,
+}
+
+/// Evenly spaced values, both ends included; the first alone if there is one.
+pub fn spaced(from: f64, to: f64, points: usize) -> Vec<f64> {
+    let last = (points.max(2) - 1) as f64;
+    (0..points).map(|k| if k + 1 == points && k > 0 { to } else { from + (to - from) * k as f64 / last }).collect()
+}
+
+impl PhasePlane {
+    fn cell_at(&self, x: f64) -> Cell {
+        let mut cell = self.cell.clone();
+        self.parameter.set(&mut cell, x);
+        cell
+    }
+
+    /// The stable shapes of every column, on all cores.
+    fn columns(&self, threads: usize) -> Result<Vec<Column>, SchedulerError> {
+        // A little beyond the diagram, so that its upper rim is inside.
+        let xi_max = 1.01 * self.up.iter().copied().fold(0.0, f64::max) + 0.1;
+        let column = |&x: &f64| {
+            let found = rest_shapes(&self.cell_at(x), &self.numerics, xi_max);
+            let (RestShapes { intervals, edges }, error) = match found {
+                Ok(shapes) => (shapes, None),
+                Err(error) => (RestShapes::default(), Some(error)),
+            };
+            Column { x, at_rest: intervals, edges, error }
+        };
+        let pool = scheduler::pool(threads)?;
+        Ok(pool.install(|| self.across.par_iter().map(column).collect()))
+    }
+
+    /// Computes the diagram.
+    ///
+    /// # Errors
+    /// [`SchedulerError`] if no workers can be started. A division that cannot be computed is counted in
+    /// [`PhaseDiagram::undecided`], and [`Summary::interrupted`] tells whether the run was stopped.
+    pub fn compute(&self, memo: &Memo, options: &SchedulerOptions<'_>) -> Result<PhaseDiagram, SchedulerError> {
+        let columns = self.columns(options.threads)?;
+        let rests = |column: &Column, xi_s: f64| column.at_rest.iter().any(|[a, b]| (*a..=*b).contains(&xi_s));
+        let points: Vec<(&Column, f64)> =
+            columns.iter().flat_map(|column| self.up.iter().map(move |xi_s| (column, *xi_s))).collect();
+        let moving = points.iter().filter(|(column, xi_s)| !rests(column, *xi_s));
+        let inputs = moving.map(|(column, xi_s)| {
+            let cell = Cell { xi_s: *xi_s, ..self.cell_at(column.x) };
+            DivisionInput { cell, numerics: self.numerics, seed: self.seed }
+        });
+        let Solved { divisions, unsolved, summary } = scheduler::solve_all(inputs, memo, options, divide)?;
+        let undecided = unsolved.first().map(|job| (job.failure.clone(), unsolved.len()));
+        let mut divisions = divisions.into_iter();
+        let cells = points.iter().map(|(column, xi_s)| {
+            if rests(column, *xi_s) {
+                point(column.x, *xi_s, Evidence::Curves, None)
+            } else {
+                point(column.x, *xi_s, Evidence::Division, divisions.next().flatten().as_ref())
+            }
+        });
+        Ok(PhaseDiagram { cells: cells.collect(), columns: columns.clone(), undecided, summary })
+    }
+}
+
+fn point(x: f64, xi_s: f64, by: Evidence, division: Option<&Division>) -> PhaseCell {
+    let outcome = match (by, division.map(|d| d.outcome)) {
+        (Evidence::Curves, _) | (_, Some(Outcome::Failed)) => PhaseOutcome::Failed,
+        (_, Some(Outcome::Symmetric)) => PhaseOutcome::Symmetric,
+        (_, Some(Outcome::Asymmetric)) => PhaseOutcome::Asymmetric,
+        (_, None) => PhaseOutcome::Undecided,
+    };
+    PhaseCell { x, xi_s, outcome, chi: division.and_then(|d| d.chi), by }
+}

@@ -1,0 +1,48 @@
+//! One cell divided several times, with noise of different seeds.
+
+use super::memo::Memo;
+use super::scheduler::{self, SchedulerError, SchedulerOptions, Solved, Summary, Unsolved};
+use furrow_mechanics::division::{Division, DivisionInput, divide};
+
+/// Divisions of one cell with noise of several seeds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Replicates {
+    /// Seeds and divisions, in the order of the seeds. If they and the undecided are fewer than asked for, the run was
+    /// interrupted.
+    pub divisions: Vec<(u64, Division)>,
+    /// Those that could not be computed; their `id`s count from the first seed.
+    pub undecided: Vec<Unsolved>,
+    /// What solving them took.
+    pub summary: Summary,
+}
+
+/// Divisions of one cell with the seeds from `input.seed` on, each as soon as a worker is free.
+///
+/// # Examples
+/// Noise decides on which side the smaller daughter is, and hardly how small:
+///
+/// ```
+/// use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, replicates};
+/// use furrow_cell::Cell;
+/// use furrow_mechanics::division::DivisionInput;
+/// let memo = Memo::new(Quantisation::DEFAULT);
+/// let found = replicates(&DivisionInput::new(Cell::new(2.0)), 3, &memo, &SchedulerOptions::default())?;
+/// assert_eq!((found.divisions.len(), found.summary.solved), (3, 3));
+/// assert!(found.divisions.iter().all(|(_, division)| (division.chi.unwrap() - 0.813).abs() < 0.005));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`SchedulerError`] if no workers can be started.
+pub fn replicates(
+    input: &DivisionInput,
+    count: usize,
+    memo: &Memo,
+    options: &SchedulerOptions<'_>,
+) -> Result<Replicates, SchedulerError> {
+    let seed = |id: usize| input.seed.wrapping_add(id as u64);
+    let inputs = (0..count).map(|id| DivisionInput { seed: seed(id), ..input.clone() });
+    let Solved { divisions, unsolved, summary } = scheduler::solve_all(inputs, memo, options, divide)?;
+    let solved = divisions.into_iter().enumerate().filter_map(|(id, division)| Some((seed(id), division?)));
+    Ok(Replicates { divisions: solved.collect(), undecided: unsolved, summary })
+}

@@ -1,0 +1,238 @@
+//! Solves divisions, and those that follow from them, on all cores: the most expected work first.
+//!
+//! One coordinating thread, the caller's, knows what follows from what; a rayon pool of [`SchedulerOptions::threads`]
+//! workers solves. A division that is known costs a look-up and never sees the pool. One that is being solved, by this
+//! run or another, waits as an entry in a list; no thread waits for it.
+
+mod effect;
+mod run;
+
+use std::sync::{atomic::AtomicBool, mpsc::channel};
+
+use self::run::Run;
+use super::{
+    memo::{Failure, Memo},
+    store::StoreWarning,
+};
+use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
+
+/// One division to solve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Job {
+    /// The caller's number for it.
+    pub id: usize,
+    /// Its input.
+    pub input: DivisionInput,
+}
+
+/// How to run.
+#[derive(Clone, Copy)]
+pub struct SchedulerOptions<'a> {
+    /// Divisions solved at once; 0 is one for each core.
+    pub threads: usize,
+    /// Set to true (by Ctrl-C, say) to stop: divisions being solved are finished and kept, no other is begun.
+    pub interrupt: Option<&'a AtomicBool>,
+    /// Called at every change in the number of divisions solved or running, and now and then at memo hits.
+    pub progress: Option<&'a dyn Fn(Progress)>,
+    /// Work expected of a division and of what it holds up, in any unit; the most is begun first. By default the radius.
+    /// Affects the order of work and so its duration, never a result.
+    pub expected_work: &'a dyn Fn(&DivisionInput) -> f64,
+}
+
+impl Default for SchedulerOptions<'_> {
+    fn default() -> Self {
+        SchedulerOptions { threads: 0, interrupt: None, progress: None, expected_work: &|input| input.cell.r0 }
+    }
+}
+
+impl std::fmt::Debug for SchedulerOptions<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("SchedulerOptions")
+            .field("threads", &self.threads)
+            .field("interrupt", &self.interrupt)
+            .finish_non_exhaustive()
+    }
+}
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Progress {
+    /// Divisions solved by this run.
+    pub solved: usize,
+    /// Divisions being solved now.
+    pub running: usize,
+    /// Divisions waiting for a worker.
+    pub queued: usize,
+    /// Jobs whose division was already known, or solved for another job.
+    pub memo_hits: usize,
+}
+
+/// What a run did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// Jobs done: `solved + memo_hits`.
+    pub jobs: usize,
+    /// Divisions solved by this run.
+    pub solved: usize,
+    /// Jobs that needed no solving of their own.
+    pub memo_hits: usize,
+    /// Distinct divisions of this run that came from the store.
+    pub store_hits: usize,
+    /// Damaged entries of the store that this run met and solved again.
+    pub corrupt: usize,
+    /// Whether the run was stopped before all was done.
+    pub interrupted: bool,
+    /// Largest relative shift of a radius by rounding.
+    pub max_size_shift: f64,
+    /// Estimated effect of that shift on χ: its steepest slope over ln R0, between neighbouring radii of this run whose
+    /// inputs are otherwise the same, times the largest shift.
+    pub shift_effect: f64,
+    /// What the user should know, such as a store that could not be written.
+    pub warnings: Vec<StoreWarning>,
+}
+
+/// A job without a division.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unsolved {
+    /// The caller's number for it.
+    pub id: usize,
+    /// Its radius, not rounded.
+    pub r0: f64,
+    /// What went wrong.
+    pub failure: Failure,
+}
+
+fn unsolved_text(jobs: &[Unsolved]) -> String {
+    match jobs {
+        [] => "no division is unsolved".to_owned(),
+        [Unsolved { id, r0, failure }] => format!("division {id} (R0 = {r0}): {failure}"),
+        [Unsolved { id, r0, failure }, others @ ..] => {
+            format!("division {id} (R0 = {r0}): {failure} ({} further divisions failed)", others.len())
+        }
+    }
+}
+
+/// Why a run is not complete.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SchedulerError {
+    /// Divisions could not be solved. All others were, and are kept.
+    #[error("{}", unsolved_text(.jobs))]
+    Unsolved {
+        /// The jobs without a division, the largest first; what would have followed from them is not counted. One or more.
+        jobs: Vec<Unsolved>,
+        /// What the run did.
+        summary: Box<Summary>,
+    },
+    /// The workers could not be started.
+    #[error("cannot start {threads} worker threads: {reason}")]
+    Pool {
+        /// Threads asked for.
+        threads: usize,
+        /// What the system said.
+        reason: String,
+    },
+}
+
+/// Solves `jobs` and all that follows from them, each distinct division once. `expand` says which jobs follow from one.
+///
+/// `solve` is called on the workers with inputs whose radii are rounded; `expand` on the calling thread with the job's
+/// number and its division, scaled to the job's own radius. The order in which jobs are expanded depends on timing; the
+/// whole is the same every time if what `expand` returns depends on its arguments alone.
+///
+/// An interrupted run returns what it did with [`Summary::interrupted`] set.
+///
+/// # Errors
+/// [`SchedulerError::Unsolved`] if a division failed, after all others are done. [`SchedulerError::Pool`] if no threads
+/// can be started.
+pub fn run<S, X>(
+    jobs: Vec<Job>,
+    memo: &Memo,
+    options: &SchedulerOptions<'_>,
+    solve: S,
+    mut expand: X,
+) -> Result<Summary, SchedulerError>
+where
+    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
+    X: FnMut(usize, &Division) -> Vec<Job>,
+{
+    let threads = workers(options.threads);
+    let (sender, events) = channel();
+    let mut run = Run::new(jobs, memo, options, sender);
+    // Where nothing needs solving no threads are needed either.
+    run.settle_known(&mut expand);
+    if run.is_incomplete() && cfg!(target_family = "wasm") {
+        // No threads: the calling thread is the only worker.
+        run.work(&events, 1, &mut expand, |assignment| assignment.lease.solve(&assignment.input, &solve));
+    } else if run.is_incomplete() {
+        pool(threads)?.in_place_scope(|scope| {
+            run.work(&events, threads, &mut expand, |assignment| {
+                let solve = &solve;
+                scope.spawn(move |_| assignment.lease.solve(&assignment.input, solve));
+            });
+        });
+    }
+    run.finish()
+}
+
+/// Divisions of which none follows from another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solved {
+    /// One for each input; none where it failed or the run was interrupted.
+    pub divisions: Vec<Option<Division>>,
+    /// Those that could not be computed, by the place of their input.
+    pub unsolved: Vec<Unsolved>,
+    /// What the run did.
+    pub summary: Summary,
+}
+
+/// Solves each of `inputs`, as [`run`] does.
+///
+/// # Errors
+/// [`SchedulerError::Pool`] if no threads can be started.
+pub fn solve_all<S>(
+    inputs: impl IntoIterator<Item = DivisionInput>,
+    memo: &Memo,
+    options: &SchedulerOptions<'_>,
+    solve: S,
+) -> Result<Solved, SchedulerError>
+where
+    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
+{
+    let jobs: Vec<Job> = inputs.into_iter().enumerate().map(|(id, input)| Job { id, input }).collect();
+    let mut divisions = vec![None; jobs.len()];
+    let run = run(jobs, memo, options, solve, |id, division| {
+        divisions[id] = Some(division.clone());
+        vec![]
+    });
+    let (summary, unsolved) = match run {
+        Ok(summary) => (summary, vec![]),
+        Err(SchedulerError::Unsolved { jobs, summary }) => (*summary, jobs),
+        Err(error) => return Err(error),
+    };
+    Ok(Solved { divisions, unsolved, summary })
+}
+
+/// How many workers a number of threads asks for: 0 is one for each core.
+pub fn workers(threads: usize) -> usize {
+    match threads {
+        0 => std::thread::available_parallelism().map_or(1, usize::from),
+        threads => threads,
+    }
+}
+
+/// The workers of a run.
+///
+/// # Errors
+/// [`SchedulerError::Pool`] if the threads cannot be started.
+pub fn pool(threads: usize) -> Result<rayon::ThreadPool, SchedulerError> {
+    let threads = workers(threads);
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(|index| format!("solver-{index}"))
+        .build()
+        .map_err(|error| SchedulerError::Pool { threads, reason: error.to_string() })
+}
+
+#[cfg(test)]
+mod tests;

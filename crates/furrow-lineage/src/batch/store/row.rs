@@ -1,0 +1,207 @@
+//! A division as a row: its input and outcome in named columns, and a checksum over them.
+
+use furrow_bvp::Work;
+use rusqlite::types::{Value, ValueRef};
+
+use crate::batch::Key;
+use furrow_cell::{Cell, Material, Numerics, RigidityGradient, Scheme, Shell};
+use furrow_mechanics::division::{Division, DivisionInput, Outcome};
+
+/// The columns. None has a declared type: in a column of reals SQLite would store −0 as 0.
+pub const COLUMNS: [&str; 44] = [
+    "key",
+    "solver",
+    "r0",
+    "epsilon",
+    "xi_s",
+    "cue",
+    "seed",
+    "kappa",
+    "eta_b",
+    "eta_s",
+    "friction",
+    "tension",
+    "xi_ratio",
+    "gain",
+    "rigidity_gradient",
+    "aspect",
+    "p0",
+    "w",
+    "stages",
+    "intervals",
+    "scheme",
+    "dt",
+    "first_step",
+    "time_tolerance",
+    "step_factor",
+    "t_max",
+    "noise",
+    "chi_symmetric",
+    "outcome",
+    "chi",
+    "chi_signed",
+    "u_furrow",
+    "t_end",
+    "first_r0",
+    "second_r0",
+    "growth_rate",
+    "slow_growth_rate",
+    "volume_drift",
+    "steps",
+    "rejected",
+    "newton_iterations",
+    "factorisations",
+    "remeshings",
+    "checksum",
+];
+
+/// Where the columns of the outcome begin.
+const OUTCOME: usize = 28;
+
+/// The values of all columns, in their order.
+pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division) -> Vec<Value> {
+    // Taken apart without `..`: a new field does not compile until it has its column.
+    let DivisionInput { cell, numerics, seed } = input;
+    let Cell { r0, epsilon, xi_s, cue, material, shell } = cell;
+    let Material { kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient } = *material;
+    let Shell { aspect, p0, w } = *shell;
+    let Numerics {
+        stages,
+        intervals,
+        scheme,
+        dt,
+        first_step,
+        time_tolerance,
+        step_factor,
+        t_max,
+        noise,
+        chi_symmetric,
+    } = *numerics;
+    let Division {
+        outcome,
+        chi,
+        chi_signed,
+        u_furrow,
+        t_end,
+        daughters,
+        growth_rate,
+        slow_growth_rate,
+        volume_drift,
+        work: Work { steps, rejected, iterations, factorisations, remeshings },
+    } = division;
+    let reals = |values: &[f64]| values.iter().copied().map(Value::Real).collect::<Vec<_>>();
+    let maybe = |value: Option<f64>| value.map_or(Value::Null, Value::Real);
+    let count = |value: usize| Value::Integer(value as i64);
+    let text = |value: &str| Value::Text(value.to_owned());
+
+    let mut row = Vec::with_capacity(COLUMNS.len());
+    row.extend([Value::Blob(key.as_bytes().to_vec()), Value::Integer(solver.into())]);
+    row.extend(reals(&[*r0, *epsilon, *xi_s]));
+    row.extend([Value::Text(cue.simplified().to_string()), Value::Integer(*seed as i64)]);
+    row.extend(reals(&[kappa, eta_b, eta_s, friction, tension, xi_ratio, gain]));
+    row.push(text(match rigidity_gradient {
+        RigidityGradient::Full => "full",
+        RigidityGradient::Dropped => "dropped",
+    }));
+    row.extend(reals(&[aspect, p0, w]));
+    row.extend([count(stages), count(intervals)]);
+    row.push(text(match scheme {
+        Scheme::Published => "published",
+        _ => "converged",
+    }));
+    row.extend(reals(&[dt, first_step, time_tolerance, step_factor, t_max, noise, chi_symmetric]));
+    row.push(text(outcome.name()));
+    row.extend([maybe(*chi), maybe(*chi_signed), maybe(*u_furrow), Value::Real(*t_end)]);
+    row.extend([0, 1].map(|k| maybe(daughters.map(|radii| radii[k]))));
+    row.extend([maybe(*growth_rate), maybe(*slow_growth_rate), Value::Real(*volume_drift)]);
+    row.extend([*steps, *rejected, *iterations, *factorisations, *remeshings].map(count));
+    let checksum = checksum(row.iter().map(ValueRef::from));
+    row.push(Value::Integer(checksum));
+    row
+}
+
+/// The division of a row; none unless its checksum holds and its numbers are those of a division.
+pub fn decode(row: &[ValueRef<'_>]) -> Option<Division> {
+    let (last, values) = row.split_last()?;
+    if *last != ValueRef::Integer(checksum(values.iter().copied())) {
+        return None;
+    }
+    let mut values = values.get(OUTCOME..)?.iter();
+    let mut next = || values.next().copied();
+    let outcome = match next()? {
+        ValueRef::Text(b"symmetric") => Outcome::Symmetric,
+        ValueRef::Text(b"asymmetric") => Outcome::Asymmetric,
+        ValueRef::Text(b"failed") => Outcome::Failed,
+        _ => return None,
+    };
+    let mut real = || match next()? {
+        ValueRef::Real(value) => Some(Some(value)),
+        ValueRef::Null => Some(None),
+        _ => None,
+    };
+    let division = Division {
+        outcome,
+        chi: real()?,
+        chi_signed: real()?,
+        u_furrow: real()?,
+        t_end: real()??,
+        daughters: match [real()?, real()?] {
+            [Some(first), Some(second)] => Some([first, second]),
+            _ => None,
+        },
+        growth_rate: real()?,
+        slow_growth_rate: real()?,
+        volume_drift: real()??,
+        work: {
+            let mut count = || match next()? {
+                ValueRef::Integer(value) => usize::try_from(value).ok(),
+                _ => None,
+            };
+            Work {
+                steps: count()?,
+                rejected: count()?,
+                iterations: count()?,
+                factorisations: count()?,
+                remeshings: count()?,
+            }
+        },
+    };
+    in_range(&division).then_some(division)
+}
+
+/// Whether the numbers are those of some division. NaN, which SQLite cannot store, is in no range.
+pub fn in_range(division: &Division) -> bool {
+    // The smaller daughter of a division that is all but none may have a volume below 0 by rounding.
+    let share = |number: f64| (0.0..=1.0 + 1e-6).contains(&number);
+    let positive = |number: f64| number.is_finite() && number >= 0.0;
+    division.chi.is_none_or(share)
+        && division.chi_signed.is_none_or(|chi| share(chi.abs()))
+        && division.u_furrow.is_none_or(share)
+        && division.daughters.is_none_or(|radii| radii.into_iter().all(positive))
+        && division.growth_rate.is_none_or(f64::is_finite)
+        && division.slow_growth_rate.is_none_or(f64::is_finite)
+        && positive(division.t_end)
+        && positive(division.volume_drift)
+}
+
+/// The first eight bytes of the blake3 hash of the values, each with its type.
+fn checksum<'v>(values: impl Iterator<Item = ValueRef<'v>>) -> i64 {
+    let mut bytes = Vec::with_capacity(512);
+    let mut put = |kind: u8, value: &[u8]| {
+        bytes.push(kind);
+        bytes.extend_from_slice(&(value.len() as u32).to_le_bytes());
+        bytes.extend_from_slice(value);
+    };
+    for value in values {
+        match value {
+            ValueRef::Null => put(0, &[]),
+            ValueRef::Integer(value) => put(1, &value.to_le_bytes()),
+            ValueRef::Real(value) => put(2, &value.to_bits().to_le_bytes()),
+            ValueRef::Text(text) => put(3, text),
+            ValueRef::Blob(blob) => put(4, blob),
+        }
+    }
+    let mut first = [0; 8];
+    first.copy_from_slice(&blake3::hash(&bytes).as_bytes()[..8]);
+    i64::from_le_bytes(first)
+}

@@ -1,0 +1,349 @@
+//! Reading and writing the database.
+
+use std::{
+    io,
+    path::{Path, PathBuf},
+    sync::{Mutex, MutexGuard, PoisonError},
+    time::Duration,
+};
+
+use rusqlite::{Connection, ErrorCode, OpenFlags, params_from_iter, types::Value};
+
+use super::{
+    StoreWarning,
+    row::{COLUMNS, decode, encode, in_range},
+};
+use crate::batch::{Key, SOLVER_VERSION};
+use furrow_mechanics::division::{Division, DivisionInput};
+
+/// Name of the database in the cache folder.
+pub const FILE: &str = "furrow.sqlite";
+
+/// Version of the table, the database's `user_version`.
+const SCHEMA: i64 = 1;
+
+/// How long a lock that another process holds is waited for. It holds it for milliseconds unless it is stopped.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Solved divisions in a cache folder.
+///
+/// # Examples
+/// What one run has solved, the next one finds:
+///
+/// ```
+/// use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Store, replicates};
+/// use furrow_cell::Cell;
+/// use furrow_mechanics::division::DivisionInput;
+/// let folder = tempfile::tempdir()?;
+/// let input = DivisionInput::new(Cell::new(3.0));
+/// let mut solved = Vec::new();
+/// for _ in 0..2 {
+///     let memo = Memo::new(Quantisation::DEFAULT).with_store(Store::open(folder.path())?);
+///     solved.push(replicates(&input, 1, &memo, &SchedulerOptions::default())?.summary.solved);
+/// }
+/// assert_eq!(solved, [1, 0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Store {
+    file: PathBuf,
+    solver: u32,
+    /// The process that opened it: a connection must not be used in a forked one.
+    process: u32,
+    /// Rows to be written: whoever gets hold of the connection writes all of them in one transaction.
+    pending: Mutex<Vec<Vec<Value>>>,
+    inner: Mutex<Inner>,
+}
+
+#[derive(Debug, Default)]
+struct Inner {
+    /// Open once the file exists and something is asked of it.
+    connection: Option<Connection>,
+    unreadable: bool,
+    unwritable: bool,
+    damaged: usize,
+    /// Damaged rows that no warning has named yet.
+    unnamed: usize,
+    warnings: Vec<StoreWarning>,
+}
+
+/// Why a store cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StoreError {
+    /// The cache folder is something else.
+    #[error("the cache {folder} is not a folder")]
+    NotAFolder {
+        /// The path given.
+        folder: PathBuf,
+    },
+    /// A newer version of furrow made the table.
+    #[error("{file} is from a newer version of furrow (schema {schema}, known here: {SCHEMA}); it is left alone")]
+    Newer {
+        /// The database.
+        file: PathBuf,
+        /// Version of its table.
+        schema: i64,
+    },
+    /// SQLite could not read or write.
+    #[error("{file}: {source}")]
+    Sqlite {
+        /// The database.
+        file: PathBuf,
+        /// What SQLite said.
+        source: rusqlite::Error,
+    },
+    /// The file could not be made.
+    #[error("{file}: {source}")]
+    Io {
+        /// The database.
+        file: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+}
+
+impl Store {
+    /// The store in a cache folder. The file is opened when something is looked up, and created, with its folder, when
+    /// something is committed.
+    ///
+    /// # Errors
+    /// [`StoreError::NotAFolder`]. Everything else is a warning of the run.
+    pub fn open(cache: &Path) -> Result<Store, StoreError> {
+        Store::of_solver(cache, SOLVER_VERSION)
+    }
+
+    pub(super) fn of_solver(cache: &Path, solver: u32) -> Result<Store, StoreError> {
+        Ok(Store {
+            file: file_in(cache)?,
+            solver,
+            process: std::process::id(),
+            pending: Mutex::default(),
+            inner: Mutex::default(),
+        })
+    }
+
+    /// Looks a division up.
+    pub fn get(&self, key: &Key) -> Option<Division> {
+        let mut inner = self.lock()?;
+        if inner.unreadable {
+            return None;
+        }
+        self.read(&mut inner, key).unwrap_or_else(|error| {
+            inner.unreadable = true;
+            self.give_up(&mut inner, "read", &error);
+            None
+        })
+    }
+
+    /// Writes a division. When this returns no kill of any process can lose it, unless a warning says that the store
+    /// could not be written.
+    pub fn commit(&self, key: &Key, input: &DivisionInput, division: &Division) {
+        if !in_range(division) {
+            return;
+        }
+        let row = encode(key, self.solver, input, division);
+        unpoisoned(&self.pending).push(row);
+        let Some(mut inner) = self.lock() else { return };
+        let rows = std::mem::take(&mut *unpoisoned(&self.pending));
+        if rows.is_empty() || inner.unreadable || inner.unwritable {
+            return;
+        }
+        if let Err(error) = self.write(&mut inner, &rows) {
+            self.give_up(&mut inner, "write", &error);
+        }
+    }
+
+    /// Rows that failed their checksum so far.
+    pub fn damaged(&self) -> usize {
+        self.lock().map_or(0, |inner| inner.damaged)
+    }
+
+    /// What the user should know, once.
+    pub fn take_warnings(&self) -> Vec<StoreWarning> {
+        let Some(mut inner) = self.lock() else { return Vec::new() };
+        let mut warnings = std::mem::take(&mut inner.warnings);
+        let entries = std::mem::take(&mut inner.unnamed);
+        if entries > 0 {
+            warnings.push(StoreWarning::Damaged { entries, file: self.file.clone() });
+        }
+        warnings
+    }
+
+    fn read(&self, inner: &mut Inner, key: &Key) -> Result<Option<Division>, StoreError> {
+        if inner.connection.is_none() {
+            inner.connection = connect(&self.file)?;
+        }
+        let Some(connection) = &inner.connection else { return Ok(None) };
+        let found = || -> rusqlite::Result<Option<Option<Division>>> {
+            let mut statement = connection.prepare_cached(&select("WHERE key = ?1 AND solver = ?2"))?;
+            let mut rows = statement.query((key.as_bytes(), self.solver))?;
+            rows.next()?.map(decoded).transpose()
+        };
+        let found = found().map_err(|source| self.failed(source))?;
+        if found == Some(None) {
+            inner.damaged += 1;
+            inner.unnamed += 1;
+        }
+        Ok(found.flatten())
+    }
+
+    fn write(&self, inner: &mut Inner, rows: &[Vec<Value>]) -> Result<(), StoreError> {
+        if inner.connection.is_none() {
+            inner.connection = match connect(&self.file)? {
+                Some(connection) => Some(connection),
+                None => {
+                    create(&self.file)?;
+                    connect(&self.file)?
+                }
+            };
+        }
+        let Some(connection) = &inner.connection else { return Ok(()) };
+        write(connection, "", rows).map_err(|source| self.failed(source))
+    }
+
+    fn failed(&self, source: rusqlite::Error) -> StoreError {
+        StoreError::Sqlite { file: self.file.clone(), source }
+    }
+
+    fn give_up(&self, inner: &mut Inner, access: &'static str, error: &StoreError) {
+        let reason = match error {
+            StoreError::Sqlite { source, .. } => match source.sqlite_error_code() {
+                Some(ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase) => {
+                    format!("{source}: `furrow cache verify --repair` mends it")
+                }
+                _ => source.to_string(),
+            },
+            StoreError::Io { source, .. } => source.to_string(),
+            other => other.to_string(),
+        };
+        inner.unwritable = true;
+        inner.warnings.push(StoreWarning::GivenUp { access, file: self.file.clone(), reason });
+    }
+
+    /// None in a process that was forked from the one that opened the store.
+    fn lock(&self) -> Option<MutexGuard<'_, Inner>> {
+        (self.process == std::process::id()).then(|| unpoisoned(&self.inner))
+    }
+}
+
+impl Drop for Store {
+    fn drop(&mut self) {
+        if self.process != std::process::id() {
+            // Closing it here would remove the log that the parent writes to.
+            let inner = self.inner.get_mut().unwrap_or_else(PoisonError::into_inner);
+            std::mem::forget(inner.connection.take());
+        }
+    }
+}
+
+fn unpoisoned<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // Nothing panics while one is held; were it to, the rows would still be whole ones.
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The database in a cache folder.
+pub(super) fn file_in(cache: &Path) -> Result<PathBuf, StoreError> {
+    if cache.exists() && !cache.is_dir() {
+        return Err(StoreError::NotAFolder { folder: cache.to_owned() });
+    }
+    Ok(cache.join(FILE))
+}
+
+/// Opens a database; none if there is no file.
+pub(super) fn connect(file: &Path) -> Result<Option<Connection>, StoreError> {
+    if !file.exists() {
+        return Ok(None);
+    }
+    let failed = |source| StoreError::Sqlite { file: file.to_owned(), source };
+    let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let connection = Connection::open_with_flags(file, flags).map_err(failed)?;
+    connection.busy_timeout(PATIENCE).map_err(failed)?;
+    match checked(&connection, file) {
+        // In a folder that cannot be written there is no place for the log of a database, and nobody changes it.
+        Err(StoreError::Sqlite { source, .. })
+            if matches!(source.sqlite_error_code(), Some(ErrorCode::CannotOpen | ErrorCode::ReadOnly)) =>
+        {
+            immutable(file).map(Some)
+        }
+        result => result.map(|()| Some(connection)),
+    }
+}
+
+/// Opens a database that nobody can change, without its log.
+fn immutable(file: &Path) -> Result<Connection, StoreError> {
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
+    let name = file.to_string_lossy().replace('%', "%25").replace('?', "%3f").replace('#', "%23");
+    let connection = Connection::open_with_flags(format!("file:{name}?immutable=1"), flags)
+        .map_err(|source| StoreError::Sqlite { file: file.to_owned(), source })?;
+    checked(&connection, file).map(|()| connection)
+}
+
+/// Refuses a table from a newer version of furrow.
+fn checked(connection: &Connection, file: &Path) -> Result<(), StoreError> {
+    let schema = connection
+        .pragma_query_value(None, "user_version", |row| row.get(0))
+        .map_err(|source| StoreError::Sqlite { file: file.to_owned(), source })?;
+    match schema {
+        ..=SCHEMA => Ok(()),
+        schema => Err(StoreError::Newer { file: file.to_owned(), schema }),
+    }
+}
+
+/// Creates the database and its folder, all at once: other processes see none of it or the whole.
+fn create(file: &Path) -> Result<(), StoreError> {
+    let failed = |source| StoreError::Io { file: file.to_owned(), source };
+    let folder = file.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(failed)?;
+    let new = tempfile::Builder::new().prefix(".furrow-").suffix(".sqlite").tempfile_in(folder).map_err(failed)?;
+    let new = new.into_temp_path();
+    let made = || -> rusqlite::Result<()> {
+        let connection = Connection::open(&new)?;
+        create_table(&connection)?;
+        connection.close().map_err(|(_, error)| error)
+    };
+    made().map_err(|source| StoreError::Sqlite { file: file.to_owned(), source })?;
+    match new.persist_noclobber(file) {
+        // Another process was quicker.
+        Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => Ok(()),
+        result => result.map_err(|error| failed(error.error)),
+    }
+}
+
+/// Makes an empty database one of furrow's.
+pub(super) fn create_table(connection: &Connection) -> rusqlite::Result<()> {
+    connection.execute_batch(&format!(
+        "PRAGMA journal_mode = WAL; BEGIN; \
+         CREATE TABLE division ({}, PRIMARY KEY (key, solver)) WITHOUT ROWID; \
+         PRAGMA user_version = {SCHEMA}; COMMIT;",
+        COLUMNS.join(", ")
+    ))
+}
+
+/// A query of whole rows.
+pub(super) fn select(condition: &str) -> String {
+    format!("SELECT {} FROM division {condition}", COLUMNS.join(", "))
+}
+
+/// The division of a row of [`select`]; none if the row is damaged.
+pub(super) fn decoded(row: &rusqlite::Row<'_>) -> rusqlite::Result<Option<Division>> {
+    let values = (0..COLUMNS.len()).map(|place| row.get_ref(place)).collect::<Result<Vec<_>, _>>()?;
+    Ok(decode(&values))
+}
+
+/// Writes rows in one transaction, after the statement `first`.
+pub(super) fn write(connection: &Connection, first: &str, rows: &[Vec<Value>]) -> rusqlite::Result<()> {
+    // A power cut may cost the last transactions and leaves the file whole.
+    connection.execute_batch("PRAGMA synchronous = NORMAL; BEGIN IMMEDIATE")?;
+    let places = vec!["?"; COLUMNS.len()].join(", ");
+    let written = || -> rusqlite::Result<()> {
+        connection.execute_batch(first)?;
+        let mut statement = connection.prepare_cached(&format!("REPLACE INTO division VALUES ({places})"))?;
+        rows.iter().try_for_each(|row| statement.execute(params_from_iter(row)).map(drop))?;
+        connection.execute_batch("COMMIT")
+    };
+    written().inspect_err(|_| {
+        // The first error is the one to report.
+        let _ = connection.execute_batch("ROLLBACK");
+    })
+}

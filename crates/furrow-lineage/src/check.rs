@@ -1,0 +1,327 @@
+//! Checks of a lineage file. Errors name place, value and what is allowed.
+
+use std::collections::HashMap;
+
+use super::clash;
+use super::definition::{CueRule, Daughter, Founder, Lineage};
+use furrow_cell::SIZES;
+use furrow_input::{InputError, did_you_mean, forbidden, listed, shown};
+
+/// A lineage with the text it was read from.
+pub(super) struct Check<'a> {
+    pub lineage: &'a Lineage,
+    pub text: &'a str,
+    /// What errors call the file.
+    pub file: &'a str,
+}
+
+impl Check<'_> {
+    /// `file:line` of the `nth` founder of a name, from 0, where the line is found. It searches the whole text: for errors
+    /// only.
+    fn place_of(&self, founder: &str, nth: usize) -> String {
+        let quoted = format!("\"{founder}\"");
+        let is_named = |(_, line): &(usize, &str)| {
+            let code = line.split("//").next().unwrap_or("");
+            code.match_indices(&quoted).any(|(at, _)| code[..at].trim_end().ends_with("name:"))
+        };
+        match self.text.lines().enumerate().filter(is_named).nth(nth) {
+            Some((n, _)) => format!("{}:{}", self.file, n + 1),
+            None => self.file.to_owned(),
+        }
+    }
+
+    /// `file:line` of a founder.
+    fn place(&self, founder: &str) -> String {
+        self.place_of(founder, 0)
+    }
+
+    fn founder_error(&self, f: &Founder, field: &str, value: impl ToString, allowed: impl Into<String>) -> InputError {
+        InputError::not_allowed(self.place(&f.name), format!("founder {}: {field}", shown(&f.name)), value, allowed)
+    }
+
+    /// Names in drawings and pages must be valid XML text.
+    fn printable(&self, field: &str, text: &str) -> Result<(), InputError> {
+        match forbidden(text) {
+            None => Ok(()),
+            Some(c) => {
+                let allowed = format!("free of control characters and of what XML cannot hold, here {c:?}");
+                Err(InputError::not_allowed(self.file, field, shown(text), allowed))
+            }
+        }
+    }
+
+    /// Checks a lineage that was parsed.
+    pub fn run(&self) -> Result<(), InputError> {
+        let lineage = self.lineage;
+        let limits = lineage.limits;
+        if !(1..=100_000).contains(&limits.max_depth) {
+            return Err(InputError::not_allowed(self.file, "limits.max_depth", limits.max_depth, "from 1 to 100000"));
+        }
+        if limits.max_cells < 1 {
+            return Err(InputError::not_allowed(self.file, "limits.max_cells", limits.max_cells, "at least 1"));
+        }
+        self.letters("naming", lineage.naming)?;
+        lineage.units().check(self.file)?;
+        self.printable("name", &lineage.name)?;
+        self.printable("citation", lineage.citation.as_deref().unwrap_or(""))?;
+        self.cues()?;
+        self.rules(&|| self.file.to_owned(), "cue_rules", &lineage.cue_rules)?;
+        if lineage.founders.is_empty() {
+            return Err(InputError::not_allowed(self.file, "founders", "[]", "a list of at least one founder"));
+        }
+        let mut index = HashMap::new();
+        for (i, f) in lineage.founders.iter().enumerate() {
+            self.founder(f)?;
+            if index.insert(f.name.as_str(), i).is_some() {
+                let (first, second) = (self.place(&f.name), self.place_of(&f.name, 1));
+                let field = format!("founders[{i}].name");
+                let allowed = format!("unique in the file: it is the name of a founder at {first} already");
+                return Err(InputError::not_allowed(second, field, shown(&f.name), allowed));
+            }
+        }
+        let mother = self.mothers(&index)?;
+        self.one_tree(&mother)?;
+        self.pairs(&mother)?;
+        self.clashes(&mother)
+    }
+
+    /// The cues that the file names.
+    fn cues(&self) -> Result<(), InputError> {
+        for (name, cue) in &self.lineage.cues {
+            if name == "none" {
+                let allowed = "another name: none is the absence of a cue";
+                return Err(InputError::not_allowed(self.file, "cues", "\"none\"", allowed));
+            }
+            self.printable("cues", name)?;
+            if name.is_empty() || name.chars().any(|c| c.is_whitespace() || ":+,\"'".contains(c)) {
+                let allowed = "a name without blanks, quotes and : + , as in \"polar\"";
+                return Err(InputError::not_allowed(self.file, "cues", shown(name), allowed));
+            }
+            cue.check().map_err(|error| {
+                let field = format!("cues[{name:?}].{}", error.field);
+                InputError::not_allowed(self.file, field, error.value, error.allowed)
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Checks that a cue exists; the error lists those that do.
+    fn known_cue(&self, name: &str) -> Result<(), String> {
+        if self.lineage.cue(name).is_some() {
+            return Ok(());
+        }
+        let known = || ["none"].into_iter().chain(self.lineage.cues.keys().map(String::as_str));
+        let hint = match name.contains(':') {
+            true => "; what it is is said under cues".to_owned(),
+            false => did_you_mean(name, known()),
+        };
+        match self.lineage.cues.is_empty() {
+            true => Err(format!("none, since the file has no cues{hint}")),
+            false => Err(format!("one of {}{hint}", listed(known(), ", "))),
+        }
+    }
+
+    fn rules(&self, place: &dyn Fn() -> String, field: &str, rules: &[CueRule]) -> Result<(), InputError> {
+        let refuse = |k: usize, name: &str, value: String, allowed: String| {
+            Err(InputError::not_allowed(place(), format!("{field}[{k}].{name}"), value, allowed))
+        };
+        for (k, rule) in rules.iter().enumerate() {
+            if let Err(allowed) = self.known_cue(&rule.cue) {
+                return refuse(k, "cue", shown(&rule.cue), allowed);
+            }
+            if let Some(last) = rule.to_generation.filter(|last| *last < rule.from_generation) {
+                let allowed = format!("from_generation = {} or later", rule.from_generation);
+                return refuse(k, "to_generation", last.to_string(), allowed);
+            }
+            for (name, limit) in [("below_r0", rule.below_r0), ("above_r0", rule.above_r0)] {
+                if let Some(limit) = limit.filter(|limit| !(limit.is_finite() && *limit > 0.0)) {
+                    return refuse(k, name, limit.to_string(), "a finite number above 0".to_owned());
+                }
+            }
+            if let (Some(below), Some(above)) = (rule.below_r0, rule.above_r0)
+                && above >= below
+            {
+                return refuse(k, "above_r0", above.to_string(), format!("less than below_r0 = {below}"));
+            }
+        }
+        Ok(())
+    }
+
+    fn letters(&self, field: &str, (a, p): (char, char)) -> Result<(), InputError> {
+        if a == p || !a.is_ascii_alphanumeric() || !p.is_ascii_alphanumeric() {
+            let allowed = "two different ASCII letters or digits, anterior first";
+            return Err(InputError::not_allowed(self.file, field, format!("({a:?}, {p:?})"), allowed));
+        }
+        Ok(())
+    }
+
+    fn founder(&self, f: &Founder) -> Result<(), InputError> {
+        if f.name.is_empty()
+            || forbidden(&f.name).is_some()
+            || f.name.chars().any(|c| c.is_whitespace() || "()[]{}:;,'\"=".contains(c))
+        {
+            let allowed = "not empty and free of spaces, control characters, brackets, quotes and of : ; , = (tree files reserve them)";
+            return Err(self.founder_error(f, "name", shown(&f.name), allowed));
+        }
+        for &pair in &f.letters {
+            self.letters(&format!("founder {:?}: letters", f.name), pair)?;
+        }
+        self.physics(f)?;
+        if let Some(cue) = &f.cue {
+            self.known_cue(cue).map_err(|allowed| self.founder_error(f, "cue", shown(cue), allowed))?;
+            if !f.cue_rules.is_empty() {
+                let allowed = "left out where cue_rules are given";
+                return Err(self.founder_error(f, "cue", shown(cue), allowed));
+            }
+        }
+        if !f.inherit && f.cue.is_none() {
+            let allowed =
+                "left out where the founder has no cue; cue_rules say themselves which generations they are for";
+            return Err(self.founder_error(f, "inherit", "false", allowed));
+        }
+        self.rules(&|| self.place(&f.name), &format!("founder {}: cue_rules", shown(&f.name)), &f.cue_rules)?;
+        match (&f.mother, f.daughter) {
+            (Some(_), None) => {
+                return Err(self.founder_error(
+                    f,
+                    "daughter",
+                    "(not given)",
+                    "larger or smaller where a mother is given",
+                ));
+            }
+            (None, Some(_)) => {
+                return Err(self.founder_error(
+                    f,
+                    "mother",
+                    "(not given)",
+                    "the mother's name where a daughter is given",
+                ));
+            }
+            _ => {}
+        }
+        if let Some((field, value, allowed)) = f.observed.and_then(|observed| observed.contradiction()) {
+            return Err(self.founder_error(f, &format!("observed.{field}"), value, allowed));
+        }
+        Ok(())
+    }
+
+    fn physics(&self, f: &Founder) -> Result<(), InputError> {
+        if let Some(given) = f.r0 {
+            let units = self.lineage.units();
+            let r0 = given
+                .in_units(&units)
+                .map_err(|allowed| self.founder_error(f, "r0", format!("\"{given}\""), allowed))?;
+            if !(r0.is_finite() && r0 > 0.0) {
+                return Err(self.founder_error(f, "r0", given, "a finite number above 0"));
+            }
+            if !SIZES.contains(&r0) {
+                return Err(self.founder_error(f, "r0", given, "a number of L_h from 1e-6 to 1e6"));
+            }
+        }
+        for (parameter, value) in f.physics.values() {
+            if let Some(allowed) = parameter.refuses(value) {
+                return Err(self.founder_error(f, &format!("physics.{parameter}"), value, allowed));
+            }
+        }
+        Ok(())
+    }
+
+    fn mothers(&self, index: &HashMap<&str, usize>) -> Result<Vec<Option<usize>>, InputError> {
+        let mut mother = Vec::with_capacity(self.lineage.founders.len());
+        for f in &self.lineage.founders {
+            mother.push(match f.mother.as_deref() {
+                None => None,
+                Some(name) => Some(*index.get(name).ok_or_else(|| {
+                    let names = || self.lineage.founders.iter().map(|f| f.name.as_str());
+                    let nearest = did_you_mean(name, names());
+                    let allowed = format!("a founder of this file: {}{nearest}", listed(names(), ", "));
+                    self.founder_error(f, "mother", shown(name), allowed)
+                })?),
+            });
+        }
+        Ok(mother)
+    }
+
+    /// Exactly one first cell, and every founder descends from it.
+    fn one_tree(&self, mother: &[Option<usize>]) -> Result<(), InputError> {
+        let founders = &self.lineage.founders;
+        // Founders known to reach the first cell; each is walked through once.
+        let mut reaches = vec![false; founders.len()];
+        let mut walk = vec![usize::MAX; founders.len()];
+        for start in 0..founders.len() {
+            let mut path = vec![];
+            let mut at = Some(start);
+            while let Some(i) = at {
+                if reaches[i] {
+                    break;
+                }
+                if walk[i] == start {
+                    let from = path.iter().position(|&j| j == i).unwrap_or(0);
+                    let ring = path[from..].iter().map(|&j: &usize| founders[j].name.as_str());
+                    let ring = listed(ring, " <- ");
+                    let message = format!(
+                        "the founders' mothers form a cycle: {ring} <- {}; one founder must have no mother, and all others descend from it",
+                        listed([founders[i].name.as_str()], "")
+                    );
+                    return Err(InputError::Founders { file: self.place(&founders[i].name), message });
+                }
+                walk[i] = start;
+                path.push(i);
+                at = mother[i];
+            }
+            path.into_iter().for_each(|i| reaches[i] = true);
+        }
+        let first = || founders.iter().filter(|f| f.mother.is_none()).map(|f| f.name.as_str());
+        if let Some(second) = first().nth(1) {
+            let message =
+                format!("founders {} have no mother; exactly one founder may have none", listed(first(), ", "));
+            return Err(InputError::Founders { file: self.place(second), message });
+        }
+        Ok(())
+    }
+
+    /// Below each founder: no founder, or a larger and a smaller one.
+    fn pairs(&self, mother: &[Option<usize>]) -> Result<(), InputError> {
+        let founders = &self.lineage.founders;
+        let mut taken: HashMap<(usize, bool), usize> = HashMap::new();
+        for (i, f) in founders.iter().enumerate() {
+            let (Some(m), Some(daughter)) = (mother[i], f.daughter) else { continue };
+            if let Some(other) = taken.insert((m, daughter == Daughter::Larger), i) {
+                let which = if daughter == Daughter::Larger { "larger" } else { "smaller" };
+                let allowed =
+                    format!("the other one: {} is already the {which} daughter", shown(&founders[other].name));
+                return Err(self.founder_error(f, "daughter", which, allowed));
+            }
+        }
+        for (i, f) in founders.iter().enumerate() {
+            let Some(m) = mother[i] else { continue };
+            let sister_larger = f.daughter == Some(Daughter::Smaller);
+            if !taken.contains_key(&(m, sister_larger)) {
+                let missing = if sister_larger { "larger" } else { "smaller" };
+                let message = format!(
+                    "founder {} is a daughter of {}, whose {missing} daughter is not in the list; list both or neither",
+                    shown(&f.name),
+                    shown(&founders[m].name)
+                );
+                return Err(InputError::Founders { file: self.place(&f.name), message });
+            }
+        }
+        Ok(())
+    }
+
+    /// No founder is called what the naming rule may call another cell.
+    fn clashes(&self, mother: &[Option<usize>]) -> Result<(), InputError> {
+        let founders = &self.lineage.founders;
+        let mut has_listed = vec![false; founders.len()];
+        mother.iter().flatten().for_each(|&m| has_listed[m] = true);
+        let names: Vec<&str> = founders.iter().map(|f| f.name.as_str()).collect();
+        match clash::first(&names, &has_listed, |founder, generation| self.lineage.letters(founder, generation)) {
+            None => Ok(()),
+            Some((above, i)) => {
+                let (f, above) = (&founders[i], shown(names[above]));
+                let allowed = format!("a name that no descendant of {above} may be given by the naming rule");
+                Err(self.founder_error(f, "name", shown(&f.name), allowed))
+            }
+        }
+    }
+}

@@ -1,0 +1,369 @@
+//! The lineage file: founders, cues, naming, limits, and the observed counts they are set beside.
+
+use std::collections::{BTreeMap, HashMap};
+
+use serde::{Deserialize, Serialize};
+
+use super::observed::ObservedRounds;
+use super::physics::FounderPhysics;
+use super::units::{Length, Units};
+use furrow_cell::cue::{Field, split_terms};
+use furrow_cell::{Cue, CueError};
+use furrow_input::{did_you_mean, listed, shown};
+
+/// The built-in lineage file, `lineages/c_elegans.ron`.
+pub const C_ELEGANS: &str = include_str!("../lineages/c_elegans.ron");
+
+/// A commented lineage file to begin with, `lineages/template.ron`.
+pub const TEMPLATE: &str = include_str!("../lineages/template.ron");
+
+/// Which daughter of an unequal division a founder is. Of equal daughters the one listed first takes the first place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Daughter {
+    /// The larger daughter.
+    Larger,
+    /// The smaller daughter.
+    Smaller,
+}
+
+/// One founder cell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Founder {
+    /// Name, unique in the file.
+    pub name: String,
+    /// The founder that divides into it; none for the first cell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mother: Option<String>,
+    /// Which of the mother's daughters it is; given exactly when `mother` is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub daughter: Option<Daughter>,
+    /// Name of its cue, inherited by its descendants up to the next founder unless `inherit` says otherwise. Without it, and
+    /// without rules of its own, the file's `cue_rules` apply.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cue: Option<String>,
+    /// Whether its descendants inherit its cue.
+    #[serde(default = "yes", skip_serializing_if = "is_yes")]
+    pub inherit: bool,
+    /// In place of `cue`: which of it and its descendants carry which cue, the first rule that applies. Generations are
+    /// counted from the founder.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cue_rules: Vec<CueRule>,
+    /// Radius R0 in place of the one its mother's division (or the physics, for the first cell) gives, in L_h, or in µm
+    /// where `units` say how long L_h is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub r0: Option<Length>,
+    /// Parameters of its own and of its descendants up to the next founder.
+    #[serde(default, skip_serializing_if = "FounderPhysics::is_empty")]
+    pub physics: FounderPhysics,
+    /// Letters (anterior, posterior) of the generations below it; the file's `naming` after these.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub letters: Vec<(char, char)>,
+    /// Observed rounds; `sulston` is an older word for them.
+    #[serde(default, alias = "sulston", skip_serializing_if = "Option::is_none")]
+    pub observed: Option<ObservedRounds>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+fn is_yes(value: &bool) -> bool {
+    *value
+}
+
+/// Which cells carry a cue: those of some generations, those of some sizes, or all.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CueRule {
+    /// Name of the cue, or `none`.
+    pub cue: String,
+    /// First generation it applies to; 0 if not given.
+    #[serde(default)]
+    pub from_generation: u32,
+    /// Last generation it applies to; no last one if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to_generation: Option<u32>,
+    /// It applies to cells of a smaller radius R0 than this, in L_h.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub below_r0: Option<f64>,
+    /// It applies to cells of a larger radius R0 than this, in L_h.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub above_r0: Option<f64>,
+}
+
+impl CueRule {
+    /// Whether it applies to a cell of a generation and radius.
+    pub fn applies(&self, generation: u32, r0: f64) -> bool {
+        generation >= self.from_generation
+            && self.to_generation.is_none_or(|last| generation <= last)
+            && self.below_r0.is_none_or(|limit| r0 < limit)
+            && self.above_r0.is_none_or(|limit| r0 > limit)
+    }
+}
+
+/// A cell's place in its lineage, as far as its cue depends on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// The founder it is or descends from, the nearest one (an index into the lineage's founders).
+    pub founder: usize,
+    /// Divisions from that founder.
+    pub round: u32,
+    /// Divisions from the first cell.
+    pub generation: u32,
+    /// Radius R0, in L_h.
+    pub r0: f64,
+}
+
+/// Limits that stop a lineage that does not end by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Limits {
+    /// Most generations below the first cell.
+    pub max_depth: u32,
+    /// Most cells, all generations together.
+    pub max_cells: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Limits { max_depth: 200, max_cells: 1_000_000 }
+    }
+}
+
+fn default_naming() -> (char, char) {
+    ('a', 'p')
+}
+
+/// A lineage as its file gives it. [`Lineage::parse`] has checked it: one first cell, every mother and cue known, no
+/// cycle, two founders or none below each founder, names that cannot clash.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lineage {
+    /// The organism.
+    pub name: String,
+    /// Source of the observed counts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub citation: Option<String>,
+    /// Letters added to the mother's name for the (anterior, posterior) daughter.
+    #[serde(default = "default_naming")]
+    pub naming: (char, char),
+    /// L_h and τ of this embryo.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub units: Option<Units>,
+    /// Limits.
+    #[serde(default)]
+    pub limits: Limits,
+    /// Cues by name. `none` always exists.
+    #[serde(default, deserialize_with = "unique")]
+    pub cues: BTreeMap<String, Cue>,
+    /// Cues of cells whose founder gives none, the first rule that applies. Generations are counted from
+    /// the first cell.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cue_rules: Vec<CueRule>,
+    /// Founders, in the order tables list them.
+    pub founders: Vec<Founder>,
+}
+
+impl Lineage {
+    /// The first cell: the founder without a mother (an index into `founders`).
+    pub fn first(&self) -> usize {
+        self.founders.iter().position(|f| f.mother.is_none()).unwrap_or(0)
+    }
+
+    /// L_h and τ; both unknown where the file does not give them.
+    pub fn units(&self) -> Units {
+        self.units.unwrap_or_default()
+    }
+
+    /// The radius R0 that the file gives a founder, in L_h.
+    pub fn given_r0(&self, founder: usize) -> Option<f64> {
+        self.founders[founder].r0.and_then(|length| length.in_units(&self.units()).ok())
+    }
+
+    /// The cue called `name`; `none` is always defined.
+    pub fn cue(&self, name: &str) -> Option<Cue> {
+        match name {
+            "none" => Some(Cue::none()),
+            _ => self.cues.get(name).cloned(),
+        }
+    }
+
+    /// Drops the radius that the file gives the first cell, where another one is to count.
+    pub fn forget_first_radius(&mut self) {
+        let first = self.first();
+        if let Some(founder) = self.founders.get_mut(first) {
+            founder.r0 = None;
+        }
+    }
+
+    /// The founder that divides into a founder; none for the first cell.
+    pub fn mother(&self, founder: usize) -> Option<usize> {
+        let name = self.founders[founder].mother.as_ref()?;
+        self.founders.iter().position(|other| other.name == *name)
+    }
+
+    /// Divisions from the first cell to a founder.
+    pub fn generation(&self, founder: usize) -> u32 {
+        self.mother(founder).map_or(0, |mother| 1 + self.generation(mother))
+    }
+
+    /// Name of the cue that a cell at a place carries.
+    pub fn cue_name_at(&self, place: Place) -> &str {
+        let founder = &self.founders[place.founder];
+        let first = |rules: &'_ [CueRule], generation| rules.iter().position(|rule| rule.applies(generation, place.r0));
+        if !founder.cue_rules.is_empty() {
+            return first(&founder.cue_rules, place.round).map_or("none", |k| &founder.cue_rules[k].cue);
+        }
+        match &founder.cue {
+            Some(name) if place.round == 0 || founder.inherit => name,
+            Some(_) => "none",
+            None => first(&self.cue_rules, place.generation).map_or("none", |k| &self.cue_rules[k].cue),
+        }
+    }
+
+    /// The cue that a cell at a place carries.
+    pub fn cue_at(&self, place: Place) -> Cue {
+        self.cue(self.cue_name_at(place)).unwrap_or_default()
+    }
+
+    /// Whether a founder gives itself or descendants a cue.
+    pub fn gives_cue(&self, founder: usize) -> bool {
+        let founder = &self.founders[founder];
+        let acts = |name: &String| self.cues.get(name).is_some_and(|cue| !cue.is_none());
+        founder.cue.iter().chain(founder.cue_rules.iter().map(|rule| &rule.cue)).any(acts)
+    }
+
+    /// The same lineage with another cue, under a name, in the place of every cue that its founders or rules give.
+    ///
+    /// ```
+    /// use furrow_cell::Cue;
+    /// use furrow_lineage::Lineage;
+    ///
+    /// let lineage = Lineage::c_elegans()?.with_cues_replaced("none", &Cue::none());
+    /// assert!((0..lineage.founders.len()).all(|founder| !lineage.gives_cue(founder)));
+    /// # Ok::<(), furrow_input::InputError>(())
+    /// ```
+    pub fn with_cues_replaced(mut self, name: &str, cue: &Cue) -> Lineage {
+        let mut name = name.to_owned();
+        if name != "none" {
+            // Another cue keeps its name.
+            while self.cues.get(&name).is_some_and(|other| other != cue) {
+                name.push('*');
+            }
+            self.cues.insert(name.clone(), cue.clone());
+        }
+        let rules = self.founders.iter_mut().flat_map(|founder| founder.cue_rules.iter_mut().map(|rule| &mut rule.cue));
+        rules.chain(self.cue_rules.iter_mut().map(|rule| &mut rule.cue)).for_each(|given| replace(given, &name));
+        self.founders.iter_mut().filter_map(|founder| founder.cue.as_mut()).for_each(|given| replace(given, &name));
+        self
+    }
+
+    /// [`with_cues_replaced`](Self::with_cues_replaced) by a cue as users write it. One written as terms is called `given`.
+    ///
+    /// # Errors
+    /// As [`parse_cue`](Self::parse_cue).
+    pub fn carrying(&self, text: &str) -> Result<Lineage, CueError> {
+        let cue = self.parse_cue(text)?;
+        let name = match self.cue(text) {
+            _ if cue.is_none() => "none",
+            Some(_) => text,
+            None => "given",
+        };
+        Ok(self.clone().with_cues_replaced(name, &cue))
+    }
+
+    /// Reads a cue as users write it: `none`, a name of this lineage, or terms, joined by `+`.
+    ///
+    /// # Errors
+    /// [`CueError`] names the part, what it is and what it may be.
+    pub fn parse_cue(&self, text: &str) -> Result<Cue, CueError> {
+        for part in split_terms(text) {
+            let is_field = Field::ALL.iter().any(|field| part.starts_with(field.name()));
+            if !part.contains(':') && !part.is_empty() && !is_field && self.cue(part).is_none() {
+                let names = || self.cues.keys().map(String::as_str);
+                let nearest = did_you_mean(part, names().chain(["none"]));
+                let known = if self.cues.is_empty() { "none" } else { &format!("none, {},", listed(names(), ", ")) };
+                let allowed = format!("{known} or terms FIELD:PROFILE,key=value,.. joined by +{nearest}");
+                return Err(CueError { field: "cue".to_owned(), value: shown(part), allowed });
+            }
+        }
+        Cue::parse_with(text, |name| self.cues.get(name).cloned())
+    }
+
+    /// For each founder its listed daughters (larger, smaller), and whether the larger is listed first.
+    pub fn daughters(&self) -> Vec<Option<ListedDaughters>> {
+        let index: HashMap<&str, usize> = self.founders.iter().enumerate().map(|(i, f)| (f.name.as_str(), i)).collect();
+        let mut pairs = vec![(None, None); self.founders.len()];
+        for (i, f) in self.founders.iter().enumerate() {
+            if let Some(&mother) = f.mother.as_deref().and_then(|m| index.get(m)) {
+                match f.daughter {
+                    Some(Daughter::Smaller) => pairs[mother].1 = Some(i),
+                    _ => pairs[mother].0 = Some(i),
+                }
+            }
+        }
+        pairs
+            .into_iter()
+            .map(|(larger, smaller)| Some(ListedDaughters { larger: larger?, smaller: smaller? }))
+            .collect()
+    }
+
+    /// Letters (anterior, posterior) of the daughters born `generation` rounds below a founder (1 = its own daughters).
+    pub fn letters(&self, founder: usize, generation: usize) -> (char, char) {
+        let below = generation.checked_sub(1).and_then(|k| self.founders[founder].letters.get(k));
+        below.copied().unwrap_or(self.naming)
+    }
+}
+
+fn replace(given: &mut String, name: &str) {
+    if given != "none" {
+        given.clear();
+        given.push_str(name);
+    }
+}
+
+/// Reads cues by name, and refuses duplicate names.
+pub(super) fn unique<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, Cue>, D::Error> {
+    struct Cues;
+    impl<'de> serde::de::Visitor<'de> for Cues {
+        type Value = BTreeMap<String, Cue>;
+
+        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            f.write_str("cues by name")
+        }
+
+        fn visit_map<A: serde::de::MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+            let mut cues = BTreeMap::new();
+            while let Some((name, cue)) = map.next_entry::<String, Cue>()? {
+                if cues.insert(name.clone(), cue).is_some() {
+                    return Err(serde::de::Error::custom(format!("the cue {} stands twice", shown(&name))));
+                }
+            }
+            Ok(cues)
+        }
+    }
+    deserializer.deserialize_map(Cues)
+}
+
+/// The two founders a founder divides into (indices into [`Lineage::founders`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ListedDaughters {
+    /// The larger.
+    pub larger: usize,
+    /// The smaller.
+    pub smaller: usize,
+}
+
+impl ListedDaughters {
+    /// The founder listed first, which the anterior of two equal daughters becomes.
+    pub fn first(&self) -> usize {
+        self.larger.min(self.smaller)
+    }
+
+    /// The founder listed second.
+    pub fn second(&self) -> usize {
+        self.larger.max(self.smaller)
+    }
+}

@@ -1,0 +1,47 @@
+//! Lineages: founders, which cells divide, the tree that grows and its rounds per founder beside the observed ones.
+//!
+//! | file | contents |
+//! |---|---|
+//! | [`definition`] | the lineage file: founders, cues, names, limits, observed counts |
+//! | [`observed`], [`physics`], [`units`] | observed counts and parameters of a founder, µm and minutes |
+//! | [`grow`] | growth: daughters inherit volumes; a division starts as soon as the mother's is solved |
+//! | [`thresholds`] | which cells are too small to divide |
+//! | [`priority`] | which divisions are solved first |
+//! | [`tree`] | the grown tree |
+//! | [`rounds`] | rounds of division per founder |
+
+pub mod batch;
+mod check;
+mod clash;
+pub mod definition;
+pub mod grow;
+pub mod observed;
+pub mod physics;
+pub mod priority;
+mod read;
+pub mod rounds;
+pub mod scenario;
+pub mod thresholds;
+pub mod tree;
+pub mod units;
+
+pub use definition::{C_ELEGANS, CueRule, Daughter, Founder, Limits, Lineage, ListedDaughters, Place, TEMPLATE};
+pub use grow::{GrowError, Grower, grow_together};
+pub use observed::ObservedRounds;
+pub use physics::FounderPhysics;
+pub use priority::expected_work;
+pub use rounds::{FounderRounds, Rounds, founder_rounds};
+pub use scenario::Scenario;
+pub use thresholds::Thresholds;
+pub use tree::{CellId, Fate, Side, TerminalReason, Tree, TreeCell, TreeSettings};
+pub use units::{Length, Units};
+
+/// Reads a cue from an option: `none`, names of the lineage file, or terms, joined by `+`.
+///
+/// # Errors
+/// Names the part of the cue, its value and what is allowed.
+pub fn parse_cue(text: &str, lineage: &Lineage) -> Result<furrow_cell::Cue, furrow_input::InputError> {
+    lineage
+        .parse_cue(text)
+        .map_err(|error| furrow_input::InputError::not_allowed("--cue", error.field, error.value, error.allowed))
+}

@@ -1,0 +1,81 @@
+//! Parameters that a founder changes for its part of the lineage.
+
+use serde::{Deserialize, Serialize};
+
+use furrow_cell::{Cell, Parameter};
+
+/// Parameters of a founder and of its descendants up to the next founder, in place of those of the run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename = "Physics")]
+pub struct FounderPhysics {
+    /// Activity ξ_s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub xi_s: Option<f64>,
+    /// Ratio ξ_b/ξ_s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub xi_ratio: Option<f64>,
+    /// Gain g.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gain: Option<f64>,
+    /// Volume fraction ε.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub epsilon: Option<f64>,
+    /// Shell aspect ratio a/b.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub aspect: Option<f64>,
+    /// Shell strength.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p0: Option<f64>,
+    /// Shell width w.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub w: Option<f64>,
+    /// Bending rigidity κ.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kappa: Option<f64>,
+    /// Bulk viscosity η_b.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub eta_b: Option<f64>,
+    /// Shear viscosity η_s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub eta_s: Option<f64>,
+    /// Friction Γ.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<f64>,
+    /// Tension γ.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tension: Option<f64>,
+}
+
+impl FounderPhysics {
+    /// The parameters that it sets.
+    pub fn values(&self) -> impl Iterator<Item = (Parameter, f64)> + use<> {
+        // Without `..`: a new field does not compile until it has its parameter.
+        let FounderPhysics { xi_s, xi_ratio, gain, epsilon, aspect, p0, w, kappa, eta_b, eta_s, friction, tension } =
+            *self;
+        let all = [
+            (Parameter::XiS, xi_s),
+            (Parameter::XiRatio, xi_ratio),
+            (Parameter::Gain, gain),
+            (Parameter::Epsilon, epsilon),
+            (Parameter::Aspect, aspect),
+            (Parameter::P0, p0),
+            (Parameter::W, w),
+            (Parameter::Kappa, kappa),
+            (Parameter::EtaB, eta_b),
+            (Parameter::EtaS, eta_s),
+            (Parameter::Friction, friction),
+            (Parameter::Tension, tension),
+        ];
+        all.into_iter().filter_map(|(parameter, value)| Some((parameter, value?)))
+    }
+
+    /// Whether it changes nothing.
+    pub fn is_empty(&self) -> bool {
+        self.values().next().is_none()
+    }
+
+    /// Sets it in a cell.
+    pub fn apply(&self, cell: &mut Cell) {
+        self.values().for_each(|(parameter, value)| parameter.set(cell, value));
+    }
+}

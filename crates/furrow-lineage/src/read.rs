@@ -1,0 +1,161 @@
+//! Reading a lineage file, whole or as what differs from another: `base: "c_elegans"`.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+use super::check::Check;
+use super::definition::{C_ELEGANS, CueRule, Founder, Limits, Lineage, unique};
+use super::units::Units;
+use furrow_cell::Cue;
+use furrow_input::{InputError, did_you_mean, parse_document, parse_ron, read_text, shown};
+
+impl Lineage {
+    /// The built-in C. elegans founders.
+    pub fn c_elegans() -> Result<Lineage, InputError> {
+        Lineage::parse(C_ELEGANS, "c_elegans.ron (built in)")
+    }
+
+    /// Reads and checks a lineage file.
+    pub fn read(path: &Path) -> Result<Lineage, InputError> {
+        Lineage::parse(&read_text(path)?, &path.display().to_string())
+    }
+
+    /// The lineage of a file if one is given, else the built-in one.
+    pub fn load(path: Option<&Path>) -> Result<Lineage, InputError> {
+        path.map_or_else(Lineage::c_elegans, Lineage::read)
+    }
+
+    /// Reads and checks a lineage from RON text; `file` is what errors call it. A text with `base: "c_elegans"` overrides
+    /// the built-in lineage of that name:
+    ///
+    /// ```
+    /// use furrow_lineage::Lineage;
+    ///
+    /// let text = r#"(base: "c_elegans", founders: [(name: "P1", cue: "none")])"#;
+    /// let lineage = Lineage::parse(text, "mine.ron")?;
+    /// assert_eq!(lineage.founders.len(), Lineage::c_elegans()?.founders.len());
+    /// # Ok::<(), furrow_input::InputError>(())
+    /// ```
+    pub fn parse(text: &str, file: &str) -> Result<Lineage, InputError> {
+        let lineage = match with_base(text, file)? {
+            Some(lineage) => lineage,
+            None => parse_document(text, file, "a lineage file", "Lineage")?,
+        };
+        Check { lineage: &lineage, text, file }.run()?;
+        Ok(lineage)
+    }
+
+    /// Checks a lineage that was not read by [`parse`](Self::parse); `file` is what errors call where it comes from.
+    ///
+    /// # Errors
+    /// Names the founder, cue or field, its value and what is allowed.
+    pub fn check(&self, file: &str) -> Result<(), InputError> {
+        Check { lineage: self, text: "", file }.run()
+    }
+}
+
+/// Built-in lineages that may be a base, by name.
+const BASES: [(&str, &str); 1] = [("c_elegans", C_ELEGANS)];
+
+/// Whether a file has a base; other fields are ignored.
+#[derive(Deserialize)]
+#[serde(rename = "Lineage")]
+struct Probe {
+    base: Option<IgnoredAny>,
+}
+
+/// A file with a base, whose values are kept where the file sets none.
+#[derive(Deserialize)]
+#[serde(rename = "Lineage", deny_unknown_fields)]
+struct Differing {
+    base: String,
+    name: Option<String>,
+    citation: Option<String>,
+    naming: Option<(char, char)>,
+    units: Option<Units>,
+    limits: Option<Limits>,
+    /// Beside those of the base, or in place of those of the same name.
+    #[serde(default, deserialize_with = "unique")]
+    cues: BTreeMap<String, Cue>,
+    /// In place of those of the base, if there are any.
+    #[serde(default)]
+    cue_rules: Vec<CueRule>,
+    /// Founders of the base by name, with what differs, and further ones.
+    #[serde(default)]
+    founders: Vec<Founder>,
+}
+
+/// The unchecked lineage of a text that names a base; `None` if it names none.
+///
+/// # Errors
+/// As [`Lineage::parse`].
+fn with_base(text: &str, file: &str) -> Result<Option<Lineage>, InputError> {
+    // Files are parsed twice only where the word occurs. The second parse reports malformed RON.
+    if !text.contains("base") || !parse_ron::<Probe>(text, file).is_ok_and(|probe| probe.base.is_some()) {
+        return Ok(None);
+    }
+    let differing: Differing = parse_document(text, file, "a lineage file", "Lineage")?;
+    let Some((name, base)) = BASES.into_iter().find(|(name, _)| *name == differing.base) else {
+        let names = || BASES.iter().map(|(name, _)| *name);
+        let known: Vec<String> = names().map(shown).collect();
+        let allowed =
+            format!("the name of a built-in lineage: {}{}", known.join(", "), did_you_mean(&differing.base, names()));
+        return Err(InputError::not_allowed(file, "base", shown(&differing.base), allowed));
+    };
+    let base = Lineage::parse(base, &format!("{name}.ron (built in)"))?;
+    differing.over(base, file).map(Some)
+}
+
+impl Differing {
+    fn over(self, mut base: Lineage, file: &str) -> Result<Lineage, InputError> {
+        let Differing { base: _, name, citation, naming, units, limits, cues, cue_rules, founders } = self;
+        base.name = name.unwrap_or(base.name);
+        base.citation = citation.or(base.citation);
+        base.naming = naming.unwrap_or(base.naming);
+        base.units = units.or(base.units);
+        base.limits = limits.unwrap_or(base.limits);
+        base.cues.extend(cues);
+        if !cue_rules.is_empty() {
+            base.cue_rules = cue_rules;
+        }
+        let of_base = base.founders.len();
+        let mut changed = vec![false; of_base];
+        for founder in founders {
+            match base.founders[..of_base].iter().position(|other| other.name == founder.name) {
+                None => base.founders.push(founder),
+                // A file without a base is refused for this by the check.
+                Some(k) if std::mem::replace(&mut changed[k], true) => {
+                    let field = format!("founder {}", shown(&founder.name));
+                    return Err(InputError::not_allowed(file, field, "(given twice)", "given once"));
+                }
+                Some(k) => replace(&mut base.founders[k], founder),
+            }
+        }
+        Ok(base)
+    }
+}
+
+/// Overrides a founder of the base.
+fn replace(founder: &mut Founder, with: Founder) {
+    // Without `..`: a new field does not compile until it is handled.
+    let Founder { name: _, mother, daughter, cue, inherit, cue_rules, r0, physics, letters, observed } = with;
+    founder.mother = mother.or(founder.mother.take());
+    founder.daughter = daughter.or(founder.daughter);
+    // A cue and rules exclude each other, so that either takes the place of both.
+    if cue.is_some() || !cue_rules.is_empty() {
+        (founder.cue, founder.cue_rules, founder.inherit) = (cue, cue_rules, inherit);
+    } else if !inherit {
+        founder.inherit = false;
+    }
+    founder.r0 = r0.or(founder.r0);
+    if !physics.is_empty() {
+        founder.physics = physics;
+    }
+    if !letters.is_empty() {
+        founder.letters = letters;
+    }
+    founder.observed = observed.or(founder.observed);
+}

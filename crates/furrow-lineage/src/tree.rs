@@ -1,0 +1,334 @@
+//! The lineage tree.
+
+use serde::{Deserialize, Serialize};
+
+use super::definition::Lineage;
+use crate::batch::Quantisation;
+use furrow_cell::{Cell, Cue, Numerics, ZYGOTE};
+use furrow_mechanics::division::{Division, Outcome};
+use furrow_mechanics::equilibria::critical::{BoundaryKind, End};
+
+/// Why a cell has no daughters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+#[serde(tag = "reason", rename_all = "snake_case", deny_unknown_fields)]
+pub enum TerminalReason {
+    /// Its division was computed and came to rest, undivided, in a stable shape.
+    AtRest {
+        /// Leading growth rate of perturbations of that shape, in 1/τ (negative: stable).
+        growth_rate: Option<f64>,
+    },
+    /// No cue, and R0 below the critical radius at which the pitchfork lies at the cell's activity.
+    BelowPitchfork {
+        /// The critical radius R0_c.
+        r0_c: f64,
+    },
+    /// A cue, and R0 below the radius at which the fold of the cued branch lies at the cell's activity.
+    BelowCuedFold {
+        /// The radius of the fold.
+        r0: f64,
+    },
+    /// Its division could not be computed: whether it divides is not known.
+    Undecided {
+        /// Why.
+        why: String,
+    },
+    /// The lineage file's `limits.max_depth` is reached.
+    MaxDepth {
+        /// The limit.
+        max_depth: u32,
+    },
+    /// The lineage file's `limits.max_cells` is reached.
+    MaxCells {
+        /// The limit.
+        max_cells: usize,
+    },
+}
+
+impl TerminalReason {
+    /// True if a limit stopped the cell and mechanics did not.
+    pub fn is_limit(&self) -> bool {
+        matches!(self, TerminalReason::MaxDepth { .. } | TerminalReason::MaxCells { .. })
+    }
+
+    /// True if the cell cannot divide by mechanics.
+    fn is_mechanical(&self) -> bool {
+        !self.is_limit() && !matches!(self, TerminalReason::Undecided { .. })
+    }
+
+    /// The reason's name in files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            TerminalReason::AtRest { .. } => "at_rest",
+            TerminalReason::BelowPitchfork { .. } => "below_pitchfork",
+            TerminalReason::BelowCuedFold { .. } => "below_cued_fold",
+            TerminalReason::Undecided { .. } => "undecided",
+            TerminalReason::MaxDepth { .. } => "max_depth",
+            TerminalReason::MaxCells { .. } => "max_cells",
+        }
+    }
+}
+
+impl std::fmt::Display for TerminalReason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            TerminalReason::AtRest { growth_rate: Some(s) } => {
+                write!(f, "failed: at rest, stable (growth rate {s:.3}/τ)")
+            }
+            TerminalReason::AtRest { growth_rate: None } => write!(f, "failed: at rest"),
+            TerminalReason::BelowPitchfork { r0_c } => write!(f, "below the pitchfork boundary R0_c = {r0_c:.4}"),
+            TerminalReason::BelowCuedFold { r0 } => write!(f, "below the fold of the cued branch, R0 = {r0:.4}"),
+            TerminalReason::Undecided { why } => write!(f, "undecided: {why}"),
+            TerminalReason::MaxDepth { max_depth } => write!(f, "limit: {max_depth} generations"),
+            TerminalReason::MaxCells { max_cells } => write!(f, "limit: {max_cells} cells"),
+        }
+    }
+}
+
+impl From<End> for TerminalReason {
+    fn from(end: End) -> TerminalReason {
+        match end.kind {
+            BoundaryKind::CuedFold => TerminalReason::BelowCuedFold { r0: end.critical_r0 },
+            _ => TerminalReason::BelowPitchfork { r0_c: end.critical_r0 },
+        }
+    }
+}
+
+/// The fate of a cell: its division, if one was computed, and why it has no daughters, if it has none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fate {
+    /// Its division; none where it need not be computed, or a limit stopped the cell.
+    pub division: Option<Division>,
+    /// Why there are no daughters; none if there are.
+    pub ended: Option<TerminalReason>,
+}
+
+impl Fate {
+    /// The fate that a computed division gives.
+    pub fn of(division: &Division) -> Fate {
+        let failed = division.outcome == Outcome::Failed;
+        let ended = failed.then_some(TerminalReason::AtRest { growth_rate: division.growth_rate });
+        Fate { division: Some(division.clone()), ended }
+    }
+
+    /// The fate of a cell whose division need not be computed: it cannot divide (outcome failed), or a limit stops it.
+    pub fn ended(reason: TerminalReason) -> Fate {
+        Fate { division: None, ended: Some(reason) }
+    }
+
+    /// How its division ended; none for a cell that a limit stopped, and for one that is undecided.
+    pub fn outcome(&self) -> Option<Outcome> {
+        match (&self.division, &self.ended) {
+            (Some(division), _) => Some(division.outcome),
+            (None, Some(reason)) => reason.is_mechanical().then_some(Outcome::Failed),
+            (None, None) => None,
+        }
+    }
+
+    /// Size asymmetry χ of its division.
+    pub fn chi(&self) -> Option<f64> {
+        self.division.as_ref()?.chi
+    }
+
+    /// Time of pinch-off or of rest, in τ; none if no division was computed.
+    pub fn t_end(&self) -> Option<f64> {
+        self.division.as_ref().map(|division| division.t_end)
+    }
+
+    /// Volumes of the anterior and the posterior daughter of a mother of volume `mother`; none if it does not divide. They
+    /// sum to `mother` to rounding, and are equal to the last bit where the division is symmetric.
+    pub fn daughter_volumes(&self, mother: f64) -> Option<[f64; 2]> {
+        let [posterior, _] = self.division.as_ref().filter(|_| self.ended.is_none())?.shares()?;
+        let posterior = posterior * mother;
+        Some([mother - posterior, posterior])
+    }
+}
+
+/// Which daughter a cell is. The pole u = 0 is the posterior one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// From u above the furrow.
+    Anterior,
+    /// From u below the furrow.
+    Posterior,
+}
+
+impl Side {
+    /// As an adjective in drawings.
+    pub fn adjective(self) -> &'static str {
+        match self {
+            Side::Anterior => "anterior, ",
+            Side::Posterior => "posterior, ",
+        }
+    }
+}
+
+/// One cell of the tree.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TreeCell {
+    /// Name, unique in the tree.
+    pub name: String,
+    /// The founder it is or descends from, the nearest one (an index into the lineage's founders).
+    pub founder: usize,
+    /// Divisions from the first cell.
+    pub generation: u32,
+    /// Radius R0 of the sphere with the cell's volume, in L_h.
+    pub r0: f64,
+    /// Volume as a fraction of the first cell's.
+    pub volume_fraction: f64,
+    /// Polarity cue.
+    pub cue: Cue,
+    /// Its fate.
+    pub fate: Fate,
+}
+
+/// A cell's place in a tree, counted in breadth-first order from the first cell, 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct CellId(usize);
+
+impl CellId {
+    /// As a number, for tables by cell.
+    pub fn index(self) -> usize {
+        self.0
+    }
+}
+
+/// Parameters of all divisions of a tree.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TreeSettings {
+    /// Radius of the first cell; confinement, activity, material and shell of all. Cues are the lineage's.
+    pub cell: Cell,
+    /// Discretisation.
+    pub numerics: Numerics,
+    /// Seed of the noise.
+    pub seed: u64,
+    /// Relative step to which R0 is rounded before a division is solved; 0 if it is not.
+    pub r0_step: f64,
+}
+
+impl Default for TreeSettings {
+    /// The preset's C. elegans zygote, seed 0 and the default rounding of R0.
+    fn default() -> TreeSettings {
+        TreeSettings {
+            cell: Cell::new(ZYGOTE),
+            numerics: Numerics::default(),
+            seed: 0,
+            r0_step: Quantisation::DEFAULT.relative_step(),
+        }
+    }
+}
+
+/// A grown lineage. Cells are in breadth-first order, the anterior daughter before the posterior, whatever the order
+/// in which they were solved.
+///
+/// # Examples
+/// [`Grower`](super::Grower) grows one.
+#[derive(Clone, Debug)]
+pub struct Tree {
+    /// Its lineage.
+    pub lineage: Lineage,
+    /// Parameters of its divisions.
+    pub settings: TreeSettings,
+    nodes: Vec<Node>,
+    founder_cells: Vec<Option<CellId>>,
+}
+
+#[derive(Clone, Debug)]
+struct Node {
+    cell: TreeCell,
+    /// The mother, and which of her daughters this is; none for the first cell.
+    mother: Option<(CellId, Side)>,
+    /// Anterior and posterior.
+    daughters: [Option<CellId>; 2],
+    daughter_count: usize,
+}
+
+impl Node {
+    fn new(cell: TreeCell, mother: Option<(CellId, Side)>) -> Node {
+        Node { cell, mother, daughters: [None; 2], daughter_count: 0 }
+    }
+}
+
+impl Tree {
+    /// A tree of the first cell alone.
+    pub fn new(lineage: Lineage, settings: TreeSettings, first: TreeCell) -> Tree {
+        let mut founder_cells = vec![None; lineage.founders.len()];
+        founder_cells[first.founder] = Some(CellId(0));
+        Tree { lineage, settings, nodes: vec![Node::new(first, None)], founder_cells }
+    }
+
+    /// Adds a daughter, after all cells of earlier generations and after its anterior sister. `is_founder`: it is the
+    /// founder `cell.founder` itself.
+    pub fn add(&mut self, mother: CellId, side: Side, cell: TreeCell, is_founder: bool) -> CellId {
+        let id = CellId(self.nodes.len());
+        if is_founder {
+            self.founder_cells[cell.founder] = Some(id);
+        }
+        self.nodes.push(Node::new(cell, Some((mother, side))));
+        let above = &mut self.nodes[mother.0];
+        above.daughters[usize::from(side == Side::Posterior)] = Some(id);
+        above.daughter_count += 1;
+        id
+    }
+
+    /// The first cell.
+    pub fn first(&self) -> CellId {
+        CellId(0)
+    }
+
+    /// Number of cells, all generations together.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// A tree has at least its first cell.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// All cells in breadth-first order.
+    pub fn cells(&self) -> impl DoubleEndedIterator<Item = CellId> + ExactSizeIterator + use<> {
+        (0..self.nodes.len()).map(CellId)
+    }
+
+    /// A cell.
+    pub fn cell(&self, id: CellId) -> &TreeCell {
+        &self.nodes[id.0].cell
+    }
+
+    pub(super) fn cell_mut(&mut self, id: CellId) -> &mut TreeCell {
+        &mut self.nodes[id.0].cell
+    }
+
+    /// A cell's mother.
+    pub fn mother(&self, id: CellId) -> Option<CellId> {
+        self.nodes[id.0].mother.map(|(mother, _)| mother)
+    }
+
+    /// Which daughter of its mother a cell is.
+    pub fn side(&self, id: CellId) -> Option<Side> {
+        self.nodes[id.0].mother.map(|(_, side)| side)
+    }
+
+    /// The anterior and posterior daughter.
+    pub fn daughters(&self, id: CellId) -> Option<[CellId; 2]> {
+        let [anterior, posterior] = self.nodes[id.0].daughters;
+        Some([anterior?, posterior?])
+    }
+
+    /// How many daughters a cell has been given; 0 or 2 in a whole tree.
+    pub fn daughter_count(&self, id: CellId) -> usize {
+        self.nodes[id.0].daughter_count
+    }
+
+    /// The cell of a founder (an index into the lineage's founders); none if it was never born.
+    pub fn founder_cell(&self, founder: usize) -> Option<CellId> {
+        self.founder_cells[founder]
+    }
+
+    /// Name of the founder a cell is or descends from.
+    pub fn founder_name(&self, id: CellId) -> &str {
+        &self.lineage.founders[self.cell(id).founder].name
+    }
+}

@@ -1,0 +1,147 @@
+//! Micrometres and minutes, where a lineage file gives L_h and τ.
+
+use serde::{Deserialize, Serialize};
+
+use furrow_input::InputError;
+
+/// L_h and τ of an embryo. The paper prints neither: users give them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Units {
+    /// L_h, in µm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length_um: Option<f64>,
+    /// τ, in minutes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_min: Option<f64>,
+}
+
+impl Units {
+    /// A length given in L_h, in µm.
+    pub fn micrometres(&self, length: f64) -> Option<f64> {
+        self.length_um.map(|unit| unit * length)
+    }
+
+    /// A time given in τ, in minutes.
+    pub fn minutes(&self, time: f64) -> Option<f64> {
+        self.time_min.map(|unit| unit * time)
+    }
+
+    /// A length in L_h as text, followed by µm where L_h is known: ` (17.06 µm)`.
+    pub fn in_micrometres(&self, length: f64) -> String {
+        self.micrometres(length).map_or(String::new(), |length| format!(" ({length:.2} µm)"))
+    }
+
+    /// A time in τ as text, followed by minutes where τ is known: ` (3.10 min)`.
+    pub fn in_minutes(&self, time: f64) -> String {
+        self.minutes(time).map_or(String::new(), |time| format!(" ({time:.2} min)"))
+    }
+
+    pub(super) fn check(&self, file: &str) -> Result<(), InputError> {
+        for (name, value) in [("units.length_um", self.length_um), ("units.time_min", self.time_min)] {
+            if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
+                return Err(InputError::not_allowed(file, name, value, "a finite number above 0"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A length as users write it: a number of L_h, or of µm with the unit behind it.
+///
+/// ```
+/// use furrow_lineage::{Length, Units};
+///
+/// let units = Units { length_um: Some(3.0), time_min: None };
+/// assert_eq!("17.1um".parse::<Length>()?.in_units(&units)?, 17.1 / 3.0);
+/// assert_eq!("5.4".parse::<Length>()?.in_units(&Units::default())?, 5.4);
+/// assert!("17.1um".parse::<Length>()?.in_units(&Units::default()).is_err());
+/// # Ok::<(), String>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Length {
+    /// In L_h.
+    Natural(f64),
+    /// In µm.
+    Micrometres(f64),
+}
+
+impl Length {
+    /// The length in L_h.
+    ///
+    /// # Errors
+    /// The length is in µm, and L_h is not given.
+    pub fn in_units(self, units: &Units) -> Result<f64, String> {
+        match (self, units.length_um) {
+            (Length::Natural(length), _) => Ok(length),
+            (Length::Micrometres(length), Some(unit)) => Ok(length / unit),
+            (Length::Micrometres(_), None) => Err(
+                "a number of L_h, or of um where the lineage file says how long L_h is, as in units: (length_um: 3.16)"
+                    .to_owned(),
+            ),
+        }
+    }
+}
+
+impl std::fmt::Display for Length {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Length::Natural(length) => write!(f, "{length}"),
+            Length::Micrometres(length) => write!(f, "{length}um"),
+        }
+    }
+}
+
+impl std::str::FromStr for Length {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Length, String> {
+        let text = text.trim();
+        let (number, micrometres) =
+            match text.strip_suffix("um").or(text.strip_suffix("µm")).or(text.strip_suffix("μm")) {
+                Some(number) => (number.trim_end(), true),
+                None => (text, false),
+            };
+        let value: f64 = number.parse().map_err(|_| "a number of L_h, as in 5.4, or of um, as in 17um".to_owned())?;
+        Ok(if micrometres { Length::Micrometres(value) } else { Length::Natural(value) })
+    }
+}
+
+impl Serialize for Length {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Length::Natural(length) => serializer.serialize_f64(*length),
+            Length::Micrometres(_) => serializer.collect_str(self),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Length {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Length, D::Error> {
+        struct Written;
+        impl serde::de::Visitor<'_> for Written {
+            type Value = Length;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a length: a number of L_h, as in 5.4, or of µm, as in \"17um\"")
+            }
+
+            fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<Length, E> {
+                Ok(Length::Natural(value))
+            }
+
+            fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<Length, E> {
+                Ok(Length::Natural(value as f64))
+            }
+
+            fn visit_u64<E: serde::de::Error>(self, value: u64) -> Result<Length, E> {
+                Ok(Length::Natural(value as f64))
+            }
+
+            fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Length, E> {
+                text.parse().map_err(|_| E::invalid_value(serde::de::Unexpected::Str(text), &self))
+            }
+        }
+        deserializer.deserialize_any(Written)
+    }
+}

@@ -1,0 +1,204 @@
+//! The contour of a cell in a mask: a picture, PNG, in which the cell has one colour and what is around it another.
+
+use std::io::Read;
+
+use furrow_input::InputError;
+use png::{BitDepth, ColorType, Decoder, Limits, Transformations};
+
+use super::Contour;
+use super::polygons::{Contours, LeftOut, Traced};
+
+/// Pixels that a mask has at most.
+const MOST_PIXELS: usize = 100_000_000;
+
+/// A picture by its values: grey values, or labels.
+struct Picture {
+    width: usize,
+    height: usize,
+    values: Vec<u16>,
+}
+
+impl Contours {
+    /// Adds the contour of the largest piece of the cell in a mask: what is on the other side of the middle between the darkest and
+    /// the brightest value than most of the picture's rim; or what has the value `label` in a picture of labels. The contour runs
+    /// through the middles of the outer sides of its pixels; holes are filled.
+    ///
+    /// # Errors
+    /// A file that is no such picture.
+    pub fn read_mask(&mut self, from: impl Read, file: &str, label: Option<u16>) -> Result<(), InputError> {
+        let picture = decode(from, file, label.is_some())?;
+        let inside = match label {
+            Some(label) => picture.values.iter().map(|value| *value == label).collect(),
+            None => foreground(&picture),
+        };
+        let out = |why: String| LeftOut { file: file.to_owned(), contour: String::new(), line: None, why };
+        let Some((piece, notes)) = largest_piece(&picture, inside) else {
+            let why = match label {
+                Some(label) => format!("no pixel of it has the label {label}"),
+                None => "it has one colour alone".to_owned(),
+            };
+            self.left_out.push(out(why));
+            return Ok(());
+        };
+        match Contour::new(outline(&piece, picture.width)) {
+            Ok((contour, _)) => {
+                let (file, name) = (file.to_owned(), String::new());
+                self.traced.push(Traced { file, name, contour, pixel: Some(1.0), notes });
+            }
+            Err(why) => self.left_out.push(out(why.to_string())),
+        }
+        Ok(())
+    }
+}
+
+fn decode(from: impl Read, file: &str, labels: bool) -> Result<Picture, InputError> {
+    let refused = |reason: String| InputError::OtherFile {
+        file: file.to_owned(),
+        wanted: "a mask, a PNG picture".to_owned(),
+        reason,
+    };
+    // The decoder has to seek, which cannot be done in a pipe: all is read before, up to two bytes for each pixel that is allowed.
+    let mut bytes = Vec::new();
+    from.take(2 * MOST_PIXELS as u64).read_to_end(&mut bytes).map_err(|e| refused(e.to_string()))?;
+    let mut decoder = Decoder::new_with_limits(std::io::Cursor::new(bytes), Limits { bytes: 16 * MOST_PIXELS });
+    decoder.set_transformations(if labels { Transformations::IDENTITY } else { Transformations::EXPAND });
+    let mut reader = decoder.read_info().map_err(|e| refused(e.to_string()))?;
+    let [width, height] = [reader.info().width as usize, reader.info().height as usize];
+    if width.saturating_mul(height) > MOST_PIXELS {
+        return Err(refused(format!("{width} × {height} pixels; at most {MOST_PIXELS} are read")));
+    }
+    let size = reader.output_buffer_size().ok_or_else(|| refused("it is too large".to_owned()))?;
+    let mut buffer = vec![0; size];
+    let frame = reader.next_frame(&mut buffer).map_err(|e| refused(e.to_string()))?;
+    if labels && !matches!(frame.color_type, ColorType::Grayscale | ColorType::Indexed) {
+        return Err(refused("labels are grey values or numbers of a palette; this picture has colours".to_owned()));
+    }
+    let row = |y: usize| &buffer[y * frame.line_size..(y + 1) * frame.line_size];
+    let mut values = Vec::with_capacity(width * height);
+    for y in 0..height {
+        let row = row(y);
+        values.extend((0..width).map(|x| value(row, x, frame.color_type, frame.bit_depth)));
+    }
+    Ok(Picture { width, height, values })
+}
+
+/// The value of a pixel: the mean of its colours, 0 where it is transparent.
+fn value(row: &[u8], x: usize, color: ColorType, depth: BitDepth) -> u16 {
+    let channel = |at: usize| match depth {
+        BitDepth::Sixteen => u16::from_be_bytes([row[2 * at], row[2 * at + 1]]),
+        BitDepth::Eight => u16::from(row[at]),
+        packed => {
+            let bits = packed as usize;
+            let shift = 8 - bits - (at * bits) % 8;
+            u16::from(row[at * bits / 8] >> shift) & ((1 << bits) - 1)
+        }
+    };
+    let samples = color.samples();
+    let with_alpha = matches!(color, ColorType::GrayscaleAlpha | ColorType::Rgba);
+    let colours = samples - usize::from(with_alpha);
+    let sum: u32 = (0..colours).map(|k| u32::from(channel(samples * x + k))).sum();
+    let clear = with_alpha && channel(samples * x + samples - 1) == 0;
+    if clear { 0 } else { (sum / colours as u32) as u16 }
+}
+
+/// What is not like most of the rim.
+fn foreground(picture: &Picture) -> Vec<bool> {
+    let (least, most) = picture.values.iter().fold((u16::MAX, 0), |(a, b), v| (a.min(*v), b.max(*v)));
+    let middle = (u32::from(least) + u32::from(most)) / 2;
+    let bright = |at: usize| u32::from(picture.values[at]) > middle;
+    let (width, height) = (picture.width, picture.height);
+    let rim = (0..width * height).filter(|at| {
+        let (x, y) = (at % width, at / width);
+        x == 0 || y == 0 || x + 1 == width || y + 1 == height
+    });
+    let (mut of_rim, mut bright_of_rim) = (0_usize, 0_usize);
+    for at in rim {
+        of_rim += 1;
+        bright_of_rim += usize::from(bright(at));
+    }
+    let dark_cell = 2 * bright_of_rim > of_rim;
+    (0..width * height).map(|at| least < most && bright(at) != dark_cell).collect()
+}
+
+/// The pixels of the largest piece that hangs together by sides, and what there is to say of the others; none without a pixel.
+fn largest_piece(picture: &Picture, mut inside: Vec<bool>) -> Option<(Vec<bool>, Vec<String>)> {
+    let (width, height) = (picture.width, picture.height);
+    let mut pieces: Vec<Vec<usize>> = Vec::new();
+    for start in 0..inside.len() {
+        if !inside[start] {
+            continue;
+        }
+        inside[start] = false;
+        let (mut piece, mut next) = (vec![start], 0);
+        while let Some(&at) = piece.get(next) {
+            next += 1;
+            let (x, y) = (at % width, at / width);
+            let sides = [
+                (x > 0).then(|| at - 1),
+                (x + 1 < width).then(|| at + 1),
+                (y > 0).then(|| at - width),
+                (y + 1 < height).then(|| at + width),
+            ];
+            for side in sides.into_iter().flatten() {
+                if std::mem::take(&mut inside[side]) {
+                    piece.push(side);
+                }
+            }
+        }
+        pieces.push(piece);
+    }
+    // Of equal ones the first.
+    let largest = (0..pieces.len()).rev().max_by_key(|k| pieces[*k].len())?;
+    let piece = pieces.swap_remove(largest);
+    let mut notes = Vec::new();
+    if !pieces.is_empty() {
+        let others: usize = pieces.iter().map(Vec::len).sum();
+        let (count, of) = (pieces.len(), piece.len());
+        notes.push(format!("{count} smaller pieces, {others} pixels beside {of}, were left out"));
+    }
+    let on_rim = |at: &usize| [0, width - 1].contains(&(at % width)) || [0, height - 1].contains(&(at / width));
+    if piece.iter().any(on_rim) {
+        notes.push("touches the picture's rim, where the cell may go on".to_owned());
+    }
+    let mut pixels = vec![false; width * height];
+    for at in piece {
+        pixels[at] = true;
+    }
+    Some((pixels, notes))
+}
+
+/// The outline of a piece, through the middles of the outer sides of its pixels: a walk along these sides with the piece on the
+/// right-hand side.
+fn outline(piece: &[bool], width: usize) -> Vec<[f64; 2]> {
+    let Some(first) = piece.iter().position(|inside| *inside) else { return Vec::new() };
+    let inside = |x: i64, y: i64| {
+        let (column, row) = (usize::try_from(x), usize::try_from(y));
+        let (Ok(column), Ok(row)) = (column, row) else { return false };
+        column < width && piece.get(row * width + column).copied().unwrap_or(false)
+    };
+    const WAYS: [[i64; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
+    // The first pixel of all is the leftmost of the topmost ones: its upper side is an outer one.
+    let start = [(first % width) as i64, (first / width) as i64];
+    let (mut corner, mut way) = (start, 0);
+    let mut points = Vec::new();
+    loop {
+        let [dx, dy] = WAYS[way];
+        points.push([corner[0] as f64 + 0.5 * dx as f64, corner[1] as f64 + 0.5 * dy as f64]);
+        corner = [corner[0] + dx, corner[1] + dy];
+        // The pixels ahead on both sides of the way; the one with the corner as its upper left is (x, y).
+        let ahead = |right: bool| {
+            let [x, y] = corner;
+            let [px, py] = if right { [-dy, dx] } else { [dy, -dx] };
+            inside(x + (dx + px - 1) / 2, y + (dy + py - 1) / 2)
+        };
+        // Pixels that touch in a corner alone do not hang together.
+        if !ahead(true) {
+            way = (way + 1) % 4;
+        } else if ahead(false) {
+            way = (way + 3) % 4;
+        }
+        if (corner, way) == (start, 0) {
+            return points;
+        }
+    }
+}

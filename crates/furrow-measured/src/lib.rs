@@ -1,0 +1,38 @@
+//! Measured embryos: volumes of named cells, size asymmetries of their divisions, and the statistics they are told with.
+//!
+//! | file | what it says |
+//! |---|---|
+//! | [`names`] | Sulston's names: a cell's mother, and which of two sisters is named first |
+//! | [`volumes`], `layout` | tables of volumes: long ones and those of frames × cells |
+//! | [`events`] | divisions with both daughters measured: χ by group and mother |
+//! | [`trend`] | χ by decades of the mother's volume |
+//! | [`published`] | means over published embryos |
+//! | [`statistics`] | means, boxes, rank sums, straight lines |
+//! | `contour` | outlines of cells, how deep they are furrowed, how far two overlap (feature `contours`) |
+//!
+//! # Examples
+//! χ of one division from a table of two cells:
+//!
+//! ```
+//! use furrow_measured::events::{divisions, summaries};
+//! use furrow_measured::volumes::{ReadOptions, Volumes};
+//! let mut volumes = Volumes::default();
+//! let table = "cell,volume,embryo\nAB,59,e1\nP1,41,e1\nAB,62,e2\nP1,38,e2\n";
+//! volumes.read(table.as_bytes(), "table.csv", &ReadOptions::default())?;
+//! let events = divisions(&volumes);
+//! let p0 = &summaries(&events.divisions)[0].events[0];
+//! assert_eq!((p0.mother.as_str(), p0.n), ("P0", 2));
+//! assert!((p0.mean - 0.21).abs() < 1e-12);
+//! # Ok::<(), furrow_input::InputError>(())
+//! ```
+
+#[cfg(feature = "contours")]
+pub mod contour;
+pub mod events;
+mod layout;
+pub mod names;
+pub mod published;
+pub mod statistics;
+mod table;
+pub mod trend;
+pub mod volumes;

@@ -1,0 +1,189 @@
+//! Means, boxes, rank sums and straight lines.
+//!
+//! # References
+//! Mann & Whitney, *Ann. Math. Stat.* 18, 50 (1947); Wilcoxon, *Biometrics Bull.* 1, 80 (1945).
+
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+/// Mean of some values; NaN of none.
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Standard deviation of a sample, by n − 1; none of fewer than two values.
+pub fn sd(values: &[f64]) -> Option<f64> {
+    let mean = mean(values);
+    let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
+    (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
+}
+
+/// A box with whiskers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BoxPlot {
+    /// Median and the quartiles about it, linear between values.
+    pub quartiles: [f64; 3],
+    /// The outermost values within three times the interquartile range of the box.
+    pub whiskers: [f64; 2],
+    /// Values beyond.
+    pub outliers: Vec<f64>,
+}
+
+/// The box of some values; none of none.
+pub fn box_plot(values: &[f64]) -> Option<BoxPlot> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len().checked_sub(1)?;
+    let quantile = |share: f64| {
+        let place = share * last as f64;
+        let below = place.floor() as usize;
+        sorted[below] + (place - below as f64) * (sorted[(below + 1).min(last)] - sorted[below])
+    };
+    let quartiles = [0.25, 0.5, 0.75].map(quantile);
+    let reach = 3.0 * (quartiles[2] - quartiles[0]);
+    let inside = |x: &&f64| (quartiles[0] - reach..=quartiles[2] + reach).contains(*x);
+    let first = sorted.iter().find(inside).copied()?;
+    let whiskers = [first, sorted.iter().rev().find(inside).copied()?];
+    let outliers = sorted.iter().filter(|x| !inside(x)).copied().collect();
+    Some(BoxPlot { quartiles, whiskers, outliers })
+}
+
+/// How a p value was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// By counting all arrangements.
+    Exact,
+    /// By the normal distribution, with ties and continuity corrected for.
+    Asymptotic,
+}
+
+/// A rank-sum test of whether values of one sample tend to be larger than those of another.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct RankSum {
+    /// Mann and Whitney's U of the first sample: pairs in which its value is the larger, ties counted half.
+    pub u: f64,
+    /// Probability of a U as large if both samples were drawn alike.
+    pub p: f64,
+    /// How it was found.
+    pub method: Method,
+}
+
+/// Samples of which the smaller has no more values are tested exactly, if there are no ties.
+const EXACT_UP_TO: usize = 8;
+
+/// Wilcoxon's rank-sum test, one-sided: whether values of `a` tend to be larger than those of `b`. Exact where one sample has at
+/// most eight values and there are no ties, else asymptotic. None if either is empty.
+///
+/// # Examples
+/// ```
+/// use furrow_measured::statistics::rank_sum;
+/// let test = rank_sum(&[0.41, 0.32, 0.39], &[0.17, 0.18, 0.12, 0.20]).unwrap();
+/// // All twelve pairs, which one arrangement of 35 has.
+/// assert_eq!((test.u, test.p), (12.0, 1.0 / 35.0));
+/// ```
+pub fn rank_sum(a: &[f64], b: &[f64]) -> Option<RankSum> {
+    let (n_a, n_b) = (a.len(), b.len());
+    if n_a == 0 || n_b == 0 {
+        return None;
+    }
+    let mut all: Vec<(f64, bool)> = a.iter().map(|x| (*x, true)).chain(b.iter().map(|x| (*x, false))).collect();
+    all.sort_by(|x, y| x.0.total_cmp(&y.0));
+    let (mut ranks_of_a, mut ties, mut tied) = (0.0, 0.0, false);
+    let mut rank = 0.0;
+    for equal in all.chunk_by(|x, y| x.0 == y.0) {
+        let count = equal.len() as f64;
+        // Equal values share the mean of their ranks.
+        ranks_of_a += equal.iter().filter(|(_, of_a)| *of_a).count() as f64 * (rank + 0.5 * (count + 1.0));
+        rank += count;
+        ties += count.powi(3) - count;
+        tied |= equal.len() > 1;
+    }
+    let u = ranks_of_a - 0.5 * (n_a * (n_a + 1)) as f64;
+    if n_a.min(n_b) <= EXACT_UP_TO && !tied {
+        return Some(RankSum { u, p: exact(u, n_a, n_b), method: Method::Exact });
+    }
+    let (n, pairs) = ((n_a + n_b) as f64, (n_a * n_b) as f64);
+    let variance = pairs / 12.0 * (n + 1.0 - ties / (n * (n - 1.0)));
+    // All values are equal: nothing tells the samples apart.
+    let p = if variance > 0.0 { Normal::standard().sf((u - 0.5 * pairs - 0.5) / variance.sqrt()) } else { 1.0 };
+    Some(RankSum { u, p, method: Method::Asymptotic })
+}
+
+/// Share of the arrangements of n_a and n_b values with a U of at least `u`.
+///
+/// U of an arrangement is a sum of n_a numbers from 0 to n_b in rising order, so that there are as many of them as partitions;
+/// these are counted by adding one value of `a` after the other to those before.
+fn exact(u: f64, n_a: usize, n_b: usize) -> f64 {
+    let (few, many) = (n_a.min(n_b), n_a.max(n_b));
+    let most = few * many;
+    // Coefficients of the Gaussian binomial: products of (1 − q^(many+k)) / (1 − q^k), as probabilities.
+    let mut counts = vec![0.0_f64; most + 1];
+    counts[0] = 1.0;
+    for k in 1..=few {
+        for at in (many + k..=most).rev() {
+            counts[at] -= counts[at - many - k];
+        }
+        for at in k..=most {
+            counts[at] += counts[at - k];
+        }
+    }
+    let total: f64 = counts.iter().sum();
+    counts.iter().enumerate().filter(|(at, _)| *at as f64 >= u).map(|(_, count)| count).sum::<f64>() / total
+}
+
+/// The stars of a p value: none, *, ** and *** at 0.1, 0.05 and 0.001.
+pub fn stars(p: f64) -> &'static str {
+    match p {
+        p if p < 0.001 => "***",
+        p if p < 0.05 => "**",
+        p if p < 0.1 => "*",
+        _ => "n.s.",
+    }
+}
+
+/// A straight line through points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Line {
+    /// Points.
+    pub n: usize,
+    /// Slope.
+    pub slope: f64,
+    /// Standard error of the slope.
+    pub slope_error: f64,
+    /// Intercept; 0 of a line through the origin.
+    pub intercept: f64,
+    /// Share of the variation that it explains: about the mean, and of a line through the origin about 0.
+    pub r_squared: f64,
+}
+
+/// The line of least squares through points (x, y), with an intercept; none of fewer than three points or where x does not vary.
+pub fn line(points: &[[f64; 2]]) -> Option<Line> {
+    let centre = [0, 1].map(|k| mean(&points.iter().map(|p| p[k]).collect::<Vec<_>>()));
+    least_squares(points, Some(centre))
+}
+
+/// The line of least squares through the origin; none of fewer than two points or where x is 0.
+pub fn line_through_origin(points: &[[f64; 2]]) -> Option<Line> {
+    least_squares(points, None)
+}
+
+/// The best line through a centre, or through the origin.
+fn least_squares(points: &[[f64; 2]], centre: Option<[f64; 2]>) -> Option<Line> {
+    let (n, parameters) = (points.len(), if centre.is_some() { 2 } else { 1 });
+    let [x, y] = centre.unwrap_or_default();
+    let sum = |of: fn(f64, f64) -> f64| points.iter().map(|p| of(p[0] - x, p[1] - y)).sum::<f64>();
+    let (xx, xy, yy) = (sum(|x, _| x * x), sum(|x, y| x * y), sum(|_, y| y * y));
+    if n <= parameters || xx <= 0.0 {
+        return None;
+    }
+    let slope = xy / xx;
+    let left = (yy - slope * xy).max(0.0);
+    let slope_error = (left / (n - parameters) as f64 / xx).sqrt();
+    let r_squared = match centre {
+        _ if yy <= 0.0 => 0.0,
+        Some(_) => xy * xy / (xx * yy),
+        None => 1.0 - left / yy,
+    };
+    Some(Line { n, slope, slope_error, intercept: y - slope * x, r_squared })
+}

@@ -1,0 +1,230 @@
+//! Contours as people trace them: tables of points and masks, sound and broken.
+
+use furrow_measured::contour::furrow::furrow;
+use furrow_measured::contour::overlap::{overlap, overlap_of_pixels};
+use furrow_measured::contour::polygons::Contours;
+use furrow_measured::contour::{Contour, Unusable};
+use proptest::prelude::*;
+
+fn table(text: &[u8]) -> Contours {
+    let mut found = Contours::default();
+    found.read_table(text, "t.csv").unwrap();
+    found
+}
+
+fn refused(text: &[u8]) -> String {
+    Contours::default().read_table(text, "t.csv").unwrap_err().to_string()
+}
+
+fn left_out(text: &[u8]) -> Vec<String> {
+    let line = |line: Option<u64>| line.map_or(String::new(), |line| line.to_string());
+    table(text)
+        .left_out
+        .iter()
+        .map(|left| format!("{}:{} {}: {}", left.file, line(left.line), left.contour, left.why))
+        .collect()
+}
+
+/// A mask by its rows, `#` inside.
+fn mask(rows: &[&str], [background, cell]: [u8; 2]) -> Vec<u8> {
+    let pixels = rows.iter().flat_map(|row| row.bytes()).map(|byte| if byte == b'#' { cell } else { background });
+    grey([rows[0].len() as u32, rows.len() as u32], &pixels.collect::<Vec<u8>>())
+}
+
+fn grey([width, height]: [u32; 2], pixels: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.write_header().unwrap().write_image_data(pixels).unwrap();
+    bytes
+}
+
+fn masked(bytes: &[u8], label: Option<u16>) -> Contours {
+    let mut found = Contours::default();
+    found.read_mask(bytes, "m.png", label).unwrap();
+    found
+}
+
+const SQUARES: &str = "contour,x,y\na,0,0\nb,5,5\na,2,0\nb,5,8\na,2,2\nb,8,8\na,0,2\nb,8,5\n";
+
+#[test]
+fn contours_of_one_table_are_kept_apart_in_any_dress() {
+    for text in [
+        SQUARES.to_owned(),
+        format!("\u{feff}{}", SQUARES.replace('\n', "\r\n")),
+        SQUARES.replace(',', ";"),
+        SQUARES.replace(',', "\t").replace("contour", "Stage").replace("\tx\ty", "\tR\tZ"),
+    ] {
+        let found = table(text.as_bytes());
+        let areas: Vec<(&str, f64)> =
+            found.traced.iter().map(|traced| (traced.name.as_str(), traced.contour.moments().area)).collect();
+        assert_eq!(areas, [("a", 4.0), ("b", 9.0)], "{text}");
+        assert!(found.left_out.is_empty());
+    }
+    let bare = table(b"0,0\n4,0\n4,1\n0,1\n0,0\n");
+    assert_eq!(bare.traced[0].contour.points().len(), 4);
+}
+
+#[test]
+fn what_is_no_contour_is_left_out_with_its_place_and_the_others_stay() {
+    let broken = "id,x,y\na,0,0\na,2,0\na,2,2\nb,0,0\nb,nan,1\nb,1,0\nc,0,0\nc,1,1\nd,0,0\nd,1,1\nd,2,2\ne,0,0\ne,2,2\ne,2,0\ne,0,2\n";
+    let found = left_out(broken.as_bytes());
+    assert_eq!(table(broken.as_bytes()).traced.len(), 1);
+    assert_eq!(found[0], "t.csv:6 b: column 2: \"nan\" is not a finite number");
+    assert_eq!(found[1], "t.csv:8 c: 2 points; a contour has at least 3 that differ");
+    assert_eq!(found[2], "t.csv:10 d: it encloses no area");
+    assert!(found[3].starts_with("t.csv:13 e: it ") && found.len() == 4, "{found:?}");
+}
+
+#[test]
+fn tables_of_something_else_are_refused() {
+    assert!(refused(b"a,b\n1,2\n").contains("columns x and y (or r and z)"), "{}", refused(b"a,b\n1,2\n"));
+    assert!(refused(b"").contains("the table is empty"));
+    assert!(refused(b"x,y\n").contains("no points"));
+    assert!(refused(b"\xff\xfex\0").contains("UTF-16"));
+}
+
+/// A slip of the hand is cut off and told; a contour of two halves is none.
+#[test]
+fn small_loops_are_cut_off_and_large_ones_refused() {
+    let mut points: Vec<[f64; 2]> = (0..200)
+        .map(|k| {
+            let t = f64::from(k) / 200.0 * std::f64::consts::TAU;
+            [3.0 * t.cos(), 2.0 * t.sin()]
+        })
+        .collect();
+    let (whole, none) = Contour::new(points.clone()).unwrap();
+    assert_eq!(none, 0.0);
+    // Two neighbours in the wrong order.
+    points.swap(40, 41);
+    let (mended, cut) = Contour::new(points).unwrap();
+    assert!(cut > 0.0 && cut < 1e-2, "{cut}");
+    assert!((mended.moments().area / whole.moments().area - 1.0).abs() < 1e-2);
+    let eight = vec![[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 1.9]];
+    assert!(matches!(Contour::new(eight), Err(Unusable::Crosses(_) | Unusable::NoArea)));
+}
+
+/// Wherever it lies and however it is turned: an ellipse by its formulas.
+#[test]
+fn moments_are_those_of_an_ellipse_wherever_it_lies() {
+    for (turn, [x, y]) in [(0.0, [0.0, 0.0]), (0.7, [1e4, -3e3]), (2.9, [-50.0, 1e6])] {
+        let (sin, cos) = f64::sin_cos(turn);
+        let points = (0..2000).map(|k| {
+            let t = f64::from(k) / 2000.0 * std::f64::consts::TAU;
+            let (u, v) = (3.0 * t.cos(), 2.0 * t.sin());
+            [x + u * cos - v * sin, y + u * sin + v * cos]
+        });
+        let moments = Contour::new(points.collect()).unwrap().0.moments();
+        assert!((moments.area / (6.0 * std::f64::consts::PI) - 1.0).abs() < 1e-5);
+        assert!((moments.elongation - 1.5).abs() < 1e-5);
+        assert!((moments.centroid - nalgebra::Point2::new(x, y)).norm() < 1e-6);
+        let axis = nalgebra::Vector2::new(cos, sin);
+        assert!(moments.long_axis.dot(&axis).abs() > 1.0 - 1e-8 && moments.long_axis.x >= 0.0);
+    }
+}
+
+/// By hand: a plus of five pixels has the outline of an octagon through the middles of its outer sides.
+#[test]
+fn the_outline_of_a_mask_goes_around_its_pixels() {
+    let plus = ["......", "..#...", ".###..", "..#...", "......"];
+    for values in [[0, 255], [255, 0], [7, 9]] {
+        let found = masked(&mask(&plus, values), None);
+        let moments = found.traced[0].contour.moments();
+        // Of each of eight outer corners an eighth of a pixel is cut off, and each of four inner ones has one more.
+        assert!((moments.area - (5.0 - 8.0 / 8.0 + 4.0 / 8.0)).abs() < 1e-12, "{}", moments.area);
+        assert_eq!((moments.centroid.x, moments.centroid.y), (2.5, 2.5));
+        assert_eq!(found.traced[0].pixel, Some(1.0));
+    }
+}
+
+#[test]
+fn the_largest_piece_is_taken_its_holes_filled_and_the_rest_told() {
+    let rows = ["#.........", "..#####...", "..#...#...", "..#.#.#...", "..#...#..#", "..#####.##"];
+    let found = masked(&mask(&rows, [0, 200]), None);
+    let traced = &found.traced[0];
+    assert!((traced.contour.moments().area - (25.0 - 0.5)).abs() < 1e-12);
+    assert_eq!(traced.notes[0], "3 smaller pieces, 5 pixels beside 16, were left out");
+    assert!(traced.notes[1].contains("rim"));
+}
+
+#[test]
+fn cells_of_a_picture_of_labels_are_told_apart() {
+    let pixels: Vec<u8> = [0, 1, 1, 2, 2, 2, 0, 1, 1, 2, 2, 2].into();
+    let bytes = grey([6, 2], &pixels);
+    let area = |label| masked(&bytes, Some(label)).traced[0].contour.moments().area;
+    assert!((area(1) - 3.5).abs() < 1e-12 && (area(2) - 5.5).abs() < 1e-12);
+    let none = masked(&bytes, Some(3));
+    assert_eq!((none.traced.len(), none.left_out[0].why.as_str()), (0, "no pixel of it has the label 3"));
+}
+
+#[test]
+fn pictures_that_are_no_masks_are_refused_or_left_out() {
+    assert_eq!(masked(&grey([4, 4], &[9; 16]), None).left_out[0].why, "it has one colour alone");
+    let whole = grey([64, 64], &(0..4096_u32).map(|k| (k % 251) as u8).collect::<Vec<u8>>());
+    for bytes in [&b"GIF89a"[..], &whole[..whole.len() / 2], b""] {
+        let error = Contours::default().read_mask(bytes, "m.png", None).unwrap_err().to_string();
+        assert!(error.starts_with("m.png: is not a mask, a PNG picture: "), "{error}");
+    }
+}
+
+/// The depth is a ratio of widths: it does not change with place, angle and scale.
+#[test]
+fn depth_does_not_depend_on_how_a_cell_lies() {
+    let peanut = |turn: f64, scale: f64| {
+        let (sin, cos) = turn.sin_cos();
+        let points = (0..800).map(|k| {
+            let t = f64::from(k) / 800.0 * std::f64::consts::TAU;
+            let radius = scale * (1.0 + 0.5 * (2.0 * t).cos());
+            let (u, v) = (radius * t.cos(), radius * t.sin());
+            [9.0 + u * cos - v * sin, u * sin + v * cos]
+        });
+        furrow(&Contour::new(points.collect()).unwrap().0.upright()).depth
+    };
+    let straight = peanut(0.0, 1.0);
+    // Half a width of 0.5 at the waist; the widest place is where r sin t is largest.
+    let widest = (0..100_000).map(|k| f64::from(k) * 1e-5 * std::f64::consts::FRAC_PI_2);
+    let widest = widest.map(|t| (1.0 + 0.5 * (2.0 * t).cos()) * t.sin()).fold(0.0, f64::max);
+    assert!((straight - (1.0 - 0.5 / widest)).abs() < 1e-3, "{straight}");
+    for (turn, scale) in [(0.3, 1.0), (1.9, 40.0), (-1.2, 1e-3)] {
+        assert!((peanut(turn, scale) - straight).abs() < 2e-3);
+    }
+}
+
+proptest! {
+    /// Two ways that share nothing: exact areas, and the pixels of a fine grid. Stars of any corners, on one side of each other or upon.
+    #[test]
+    fn exact_areas_are_those_of_pixels(
+        radii in prop::collection::vec(0.3_f64..1.0, 5..40),
+        others in prop::collection::vec(0.3_f64..1.0, 5..40),
+        aside in -2.0_f64..2.0,
+    ) {
+        let star = |radii: &[f64], aside: f64| {
+            let corner = |(k, radius): (usize, &f64)| {
+                let t = k as f64 / radii.len() as f64 * std::f64::consts::TAU;
+                [aside + radius * t.cos(), radius * t.sin()]
+            };
+            Contour::new(radii.iter().enumerate().map(corner).collect()).unwrap()
+        };
+        let ((a, none), (b, _)) = (star(&radii, 0.0), star(&others, aside));
+        prop_assert_eq!(none, 0.0);
+        let (exact, pixels) = (overlap(&a, &b), overlap_of_pixels(&a, &b, 0.005));
+        prop_assert!((exact.similarity - pixels.similarity).abs() < 0.02, "{exact:?} {pixels:?}");
+        prop_assert!((exact.jaccard - pixels.jaccard).abs() < 0.02, "{exact:?} {pixels:?}");
+        let own = overlap(&a, &a);
+        prop_assert!((own.similarity - 1.0).abs() < 1e-6 && (own.jaccard - 1.0).abs() < 1e-6, "{own:?}");
+        // Nothing changes where both are turned alike.
+        let turned = overlap(&a.turned(), &b.turned());
+        prop_assert!((turned.similarity - exact.similarity).abs() < 1e-6, "{turned:?} {exact:?}");
+    }
+
+    /// Whatever the bytes are: a contour, something told, or an error; never a panic.
+    #[test]
+    fn no_bytes_break_the_readers(bytes in prop::collection::vec(any::<u8>(), 0..400), head in 0_usize..4) {
+        let heads: [&[u8]; 4] = [b"", b"x,y\n", b"contour,x,y\n1,0,0\n", b"\x89PNG\r\n\x1a\n"];
+        let whole = [heads[head], &bytes].concat();
+        let mut found = Contours::default();
+        let _ = found.read_table(&whole[..], "t.csv");
+        let _ = found.read_mask(&whole[..], "m.png", None);
+        let _ = found.read_mask(&whole[..], "m.png", Some(1));
+    }
+}

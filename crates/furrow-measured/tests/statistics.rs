@@ -1,0 +1,80 @@
+//! Statistics beside SciPy's (`data/make_reference.py` says how they were made).
+
+use furrow_measured::statistics::{Method, box_plot, line, line_through_origin, mean, rank_sum, sd, stars};
+use serde_json::Value;
+
+fn reference() -> Value {
+    serde_json::from_str(include_str!("data/reference.json")).unwrap()
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+fn close(found: f64, expected: &Value) {
+    let expected = expected.as_f64().unwrap();
+    assert!((found - expected).abs() <= 1e-10 * expected.abs(), "{found} {expected}");
+}
+
+#[test]
+fn rank_sums_are_those_of_scipy() {
+    let mut methods = Vec::new();
+    for case in reference()["ranks"].as_array().unwrap() {
+        let found = rank_sum(&numbers(&case["a"]), &numbers(&case["b"])).unwrap();
+        close(found.u, &case["u"]);
+        close(found.p, &case["p"]);
+        methods.push(found.method);
+    }
+    assert!(methods.contains(&Method::Exact) && methods.contains(&Method::Asymptotic));
+    assert_eq!(rank_sum(&[1.0; 4], &[1.0; 12]).unwrap().p, 1.0);
+    assert!(rank_sum(&[], &[1.0]).is_none());
+}
+
+#[test]
+fn lines_are_those_of_scipy() {
+    for case in reference()["lines"].as_array().unwrap() {
+        let points: Vec<[f64; 2]> =
+            numbers(&case["x"]).into_iter().zip(numbers(&case["y"])).map(|(x, y)| [x, y]).collect();
+        let found = line(&points).unwrap();
+        close(found.slope, &case["slope"]);
+        close(found.slope_error, &case["slope_error"]);
+        close(found.r_squared, &case["r_squared"]);
+        assert!((found.intercept - case["intercept"].as_f64().unwrap()).abs() < 1e-10);
+    }
+    assert!(line(&[[1.0, 1.0], [1.0, 2.0], [1.0, 3.0]]).is_none());
+}
+
+#[test]
+fn a_line_through_the_origin_has_no_intercept() {
+    let exact: Vec<[f64; 2]> = (1..5).map(|x| [f64::from(x), 1.151 * f64::from(x)]).collect();
+    let found = line_through_origin(&exact).unwrap();
+    assert!((found.slope - 1.151).abs() < 1e-14 && found.slope_error < 1e-7 && (found.r_squared - 1.0).abs() < 1e-14);
+    // By hand: Σxy/Σx² = 5/5, residuals 1 and −1/2 … of (1, 2) and (2, 3/2).
+    let found = line_through_origin(&[[1.0, 2.0], [2.0, 1.5]]).unwrap();
+    assert!((found.slope - 1.0).abs() < 1e-15);
+    assert!((found.slope_error - (1.25_f64 / 5.0).sqrt()).abs() < 1e-15);
+    assert!((found.r_squared - (1.0 - 1.25 / 6.25)).abs() < 1e-15);
+}
+
+#[test]
+fn boxes_have_quartiles_between_values_and_whiskers_of_three_interquartile_ranges() {
+    for case in reference()["boxes"].as_array().unwrap() {
+        let values = numbers(&case["x"]);
+        let found = box_plot(&values).unwrap();
+        found.quartiles.iter().zip(case["quartiles"].as_array().unwrap()).for_each(|(q, expected)| close(*q, expected));
+        assert!((mean(&values) - case["mean"].as_f64().unwrap()).abs() < 1e-12);
+        match sd(&values) {
+            Some(sd) => close(sd, &case["sd"]),
+            None => assert!(case["sd"].is_null()),
+        }
+    }
+    let found = box_plot(&[1.0, 2.0, 3.0, 4.0, 5.0, 11.0, 11.5]).unwrap();
+    assert_eq!((found.quartiles, found.whiskers, found.outliers), ([2.5, 4.0, 8.0], [1.0, 11.5], vec![]));
+    let found = box_plot(&[1.0, 2.0, 3.0, 4.0, 50.0]).unwrap();
+    assert_eq!((found.whiskers, found.outliers), ([1.0, 4.0], vec![50.0]));
+}
+
+#[test]
+fn stars_follow_the_rule() {
+    assert_eq!([0.2, 0.1, 0.09, 0.05, 0.049, 0.001, 0.0009].map(stars), ["n.s.", "n.s.", "*", "*", "**", "**", "***"]);
+}

@@ -1,0 +1,514 @@
+//! Material and shell constants from measured thresholds.
+//!
+//! Given pitchfork thresholds ξ_s at some (R0, ε), the parameters θ minimise Σ_i ρ_i² with
+//!
+//! * \[F.1 residual\] ρ_i = weight_i (ξ_s*(R0_i, ε_i; θ) / ξ_s,i − 1),
+//!
+//! by Levenberg–Marquardt steps. The sensitivities ∂ξ_s*/∂θ are exact: directions of the curve of pitchforks in the plane
+//! (ξ_s, θ), from the extended system. Singular values of ∂ρ/∂ln θ tell which combinations of the parameters the
+//! thresholds determine, and which they leave open: stationary shapes depend on κ, p0, γ and the activity gξ only through
+//! their ratios (M.18), and not at all on a common factor of the viscosities and the friction.
+//!
+//! # References
+//! Nocedal & Wright, *Numerical Optimization*, Springer 2006, ch. 10.
+
+use furrow_bvp::metric::scalar_condition;
+use furrow_bvp::{Direction, LinearCondition, MinimallyAugmented, SingularError, Solution, SymmetryBreaking};
+use furrow_spectra::{NoSingularValues, Svd};
+use serde::{Deserialize, Serialize};
+
+use crate::cortex::observables::elongation;
+use crate::cortex::{Cortex, Domain};
+use crate::equilibria::branch::{XI, metric};
+use crate::equilibria::{BranchOptions, ShapeError, pitchfork};
+use furrow_cell::{Cell, Numerics, Parameter};
+use furrow_input::InputError;
+
+pub mod statements;
+
+use statements::{GivenCriticality, GivenEpsilon, GivenFolds, GivenSymmetric, check_cell, tolerance};
+
+/// A measured pitchfork threshold.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Threshold {
+    /// Cell radius R0.
+    pub r0: f64,
+    /// Volume fraction ε.
+    pub epsilon: f64,
+    /// Threshold ξ_s*, as published.
+    pub xi_s: f64,
+    /// Weight of its relative deviation.
+    #[serde(default = "unit_weight")]
+    pub weight: f64,
+    /// Its relative tolerance: the standard deviation that an ensemble of constants is given.
+    #[serde(default = "tolerance")]
+    pub tolerance: f64,
+}
+
+impl Threshold {
+    /// The cell it was measured of, with the constants of another.
+    pub fn cell(&self, constants: &Cell) -> Cell {
+        Cell { r0: self.r0, epsilon: self.epsilon, ..constants.clone() }
+    }
+
+    /// Checks every value; `name` is the threshold's place in the file that errors call `source_name`.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn check(&self, source_name: &str, name: &str) -> Result<(), InputError> {
+        let Threshold { r0, epsilon, xi_s, weight, tolerance } = *self;
+        let fields = [
+            ("r0", r0, r0 > 0.0 && r0.is_finite(), "a finite number above 0"),
+            ("epsilon", epsilon, epsilon > 0.0 && epsilon < 1.0, "above 0 and below 1"),
+            ("xi_s", xi_s, xi_s > 0.0 && xi_s.is_finite(), "a finite number above 0"),
+            ("weight", weight, weight > 0.0 && weight.is_finite(), "a finite number above 0"),
+            ("tolerance", tolerance, tolerance > 0.0 && tolerance < 1.0, "above 0 and below 1"),
+        ];
+        match fields.into_iter().find(|(_, _, ok, _)| !ok) {
+            None => Ok(()),
+            Some((field, value, _, allowed)) => {
+                Err(InputError::not_allowed(source_name, format!("{name}.{field}"), value, allowed))
+            }
+        }
+    }
+}
+
+fn unit_weight() -> f64 {
+    1.0
+}
+
+/// A parameter to be found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Unknown {
+    /// Which.
+    pub parameter: Parameter,
+    /// Where to start; default its present value.
+    #[serde(default)]
+    pub start: Option<f64>,
+}
+
+/// What is to be found, from what.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Targets {
+    /// Parameters to be found.
+    pub unknowns: Vec<Unknown>,
+    /// Measured thresholds.
+    pub thresholds: Vec<Threshold>,
+    /// On which side asymmetric branches lie.
+    #[serde(default)]
+    pub criticalities: Vec<GivenCriticality>,
+    /// Which folds are the higher.
+    #[serde(default)]
+    pub folds: Vec<GivenFolds>,
+    /// Cells that divide into equal daughters.
+    #[serde(default)]
+    pub symmetric: Vec<GivenSymmetric>,
+    /// Volume fractions up to which cells divide.
+    #[serde(default)]
+    pub critical_epsilons: Vec<GivenEpsilon>,
+}
+
+/// A threshold beside the model's.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ThresholdResidual {
+    /// Cell radius R0.
+    pub r0: f64,
+    /// Volume fraction ε.
+    pub epsilon: f64,
+    /// Threshold ξ_s* given.
+    pub xi_s: f64,
+    /// Threshold ξ_s* of the model.
+    pub computed: f64,
+    /// computed / given − 1.
+    pub relative: f64,
+    /// Weight.
+    pub weight: f64,
+}
+
+/// A direction in the space of the parameters, and how firmly the thresholds hold it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Combination {
+    /// Relative change of the thresholds per relative change of the parameters along this direction.
+    pub singular_value: f64,
+    /// Whether the thresholds determine it at all.
+    pub determined: bool,
+    /// Its components, one a parameter: relative changes, with Σ² = 1.
+    pub components: Vec<f64>,
+}
+
+/// Parameters found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// Parameters with their values.
+    pub parameters: Vec<(Parameter, f64)>,
+    /// A cell with these parameters, and all others as they were.
+    pub cell: Cell,
+    /// Thresholds beside the model's.
+    pub residuals: Vec<ThresholdResidual>,
+    /// Root of the weighted mean square of the relative deviations.
+    pub rms: f64,
+    /// Directions in the order of falling singular value.
+    pub combinations: Vec<Combination>,
+    /// Steps accepted.
+    pub iterations: usize,
+}
+
+/// Why no parameters were found.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CalibrateError {
+    /// A threshold cannot be computed where the search starts.
+    #[error("threshold {index}: {source}; start from other values")]
+    Threshold {
+        /// Its place in the list, from 0.
+        index: usize,
+        /// What the search for it said.
+        source: ShapeError,
+    },
+    /// The sensitivity of a threshold cannot be computed.
+    #[error("threshold {index}: no sensitivity to {parameter}: {source}")]
+    Sensitivity {
+        /// Its place in the list, from 0.
+        index: usize,
+        /// The parameter.
+        parameter: Parameter,
+        /// What the solver said.
+        source: SingularError,
+    },
+    /// The sensitivities have no singular values.
+    #[error("the sensitivities of the thresholds: {0}")]
+    NotFinite(#[from] NoSingularValues),
+    /// The search does not end.
+    #[error("the deviations are still {rms:.3e} (rms) and falling after {iterations} steps; start from other values")]
+    Stalled {
+        /// Steps done.
+        iterations: usize,
+        /// Root mean square of the relative deviations.
+        rms: f64,
+    },
+}
+
+/// Most steps.
+const MOST: usize = 100;
+/// Longest step in ln θ.
+const LONGEST: f64 = 0.25;
+/// Singular values below this fraction of the largest are nil.
+const NIL: f64 = 1e-7;
+
+impl Targets {
+    /// Checks every value; `source_name` is what errors call the file.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn check(&self, source_name: &str) -> Result<(), InputError> {
+        let refuse = |field: String, value: String, allowed: &str| {
+            Err(InputError::not_allowed(source_name, field, value, allowed))
+        };
+        if self.unknowns.is_empty() {
+            return refuse("unknowns".into(), "[]".into(), "at least one parameter");
+        }
+        if self.thresholds.is_empty() {
+            return refuse("thresholds".into(), "[]".into(), "at least one threshold");
+        }
+        for (k, unknown) in self.unknowns.iter().enumerate() {
+            let name = |field: &str| format!("unknowns[{k}].{field}");
+            let shown = || unknown.parameter.to_string();
+            if scale_of(unknown.parameter).is_none() {
+                let allowed = "one of gain, xi_ratio, aspect, p0, w, kappa, eta_b, eta_s, friction, tension";
+                return refuse(name("parameter"), shown(), allowed);
+            }
+            if self.unknowns[..k].iter().any(|other| other.parameter == unknown.parameter) {
+                return refuse(name("parameter"), shown(), "named only once");
+            }
+            match (unknown.start, scale_of(unknown.parameter)) {
+                (Some(v), Some(Scale::Logarithmic)) if !(v.is_finite() && v > 0.0) => {
+                    return refuse(name("start"), v.to_string(), "a finite number above 0");
+                }
+                (Some(v), _) if !v.is_finite() => return refuse(name("start"), v.to_string(), "a finite number"),
+                _ => {}
+            }
+        }
+        for (k, t) in self.thresholds.iter().enumerate() {
+            t.check(source_name, &format!("thresholds[{k}]"))?;
+        }
+        self.check_statements(source_name)
+    }
+
+    fn check_statements(&self, source_name: &str) -> Result<(), InputError> {
+        let check =
+            |list: &str, k: usize, numbers: &[(&str, f64)]| check_cell(source_name, &format!("{list}[{k}]"), numbers);
+        for (k, given) in self.criticalities.iter().enumerate() {
+            check("criticalities", k, &[("r0", given.r0), ("epsilon", given.epsilon)])?;
+        }
+        for (k, given) in self.folds.iter().enumerate() {
+            check("folds", k, &[("r0", given.r0), ("epsilon", given.epsilon)])?;
+        }
+        for (k, given) in self.symmetric.iter().enumerate() {
+            let (epsilon, xi_s) = (given.epsilon.unwrap_or(0.5), given.xi_s.unwrap_or(1.0));
+            check("symmetric", k, &[("r0", given.r0), ("epsilon", epsilon), ("xi_s", xi_s)])?;
+        }
+        for (k, given) in self.critical_epsilons.iter().enumerate() {
+            let numbers =
+                [("r0", given.r0), ("xi_s", given.xi_s), ("epsilon", given.epsilon), ("tolerance", given.tolerance)];
+            check("critical_epsilons", k, &numbers)?;
+        }
+        Ok(())
+    }
+}
+
+/// How a parameter is varied.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Scale {
+    /// Positive, by its logarithm.
+    Logarithmic,
+    /// Of either sign, in units of 1 (or of its size, if larger).
+    Linear,
+}
+
+fn scale_of(parameter: Parameter) -> Option<Scale> {
+    match parameter {
+        Parameter::Gain
+        | Parameter::Aspect
+        | Parameter::P0
+        | Parameter::W
+        | Parameter::Kappa
+        | Parameter::EtaB
+        | Parameter::EtaS
+        | Parameter::Friction => Some(Scale::Logarithmic),
+        Parameter::XiRatio | Parameter::Tension => Some(Scale::Linear),
+        Parameter::XiS | Parameter::R0 | Parameter::Epsilon | Parameter::Cue { .. } => None,
+    }
+}
+
+/// A cell with other values of some parameters.
+pub fn with_values(cell: &Cell, parameters: &[(Parameter, f64)]) -> Cell {
+    let mut out = cell.clone();
+    for &(parameter, value) in parameters {
+        parameter.set(&mut out, value);
+    }
+    out
+}
+
+/// θ moved by δ in the search's own coordinates: relative changes, of parameters that may have either sign those relative to
+/// their size or 1.
+pub fn moved(parameters: &[(Parameter, f64)], delta: &[f64]) -> Vec<(Parameter, f64)> {
+    let step = |(&(parameter, value), d): (&(Parameter, f64), &f64)| match scale_of(parameter) {
+        Some(Scale::Linear) => (parameter, value + d * value.abs().max(1.0)),
+        _ => (parameter, value * d.exp()),
+    };
+    parameters.iter().zip(delta).map(step).collect()
+}
+
+/// dθ/dx of the search's coordinates.
+fn unit(parameter: Parameter, value: f64) -> f64 {
+    match scale_of(parameter) {
+        Some(Scale::Linear) => value.abs().max(1.0),
+        _ => value,
+    }
+}
+
+/// The first pitchfork at given parameters: with a neighbouring one at hand by Newton from there, else along the branch.
+fn threshold(cell: &Cell, numerics: &Numerics, near: Option<&Solution>) -> Result<Solution, ShapeError> {
+    if let Some(near) = near {
+        let free = [Parameter::XiS];
+        let cortex = Cortex::new(cell, Domain::Half, &free);
+        let metric = metric(cell.r0, &free);
+        let mut y = near.clone();
+        let tangent = along_scalar(&y, XI);
+        let mut augmented = MinimallyAugmented::new(cortex, SymmetryBreaking::default(), y.m, metric, &tangent);
+        if let Ok(report) = augmented.solve(&mut y, None) {
+            let [before, after] = [near, &y].map(|y| elongation(y, Domain::Half, cell.r0));
+            // Another pitchfork than the one sought would lie further away.
+            if report.iterations <= 8 && (before - after).abs() < 0.1 && y.scalars[XI] > 0.0 {
+                return Ok(y);
+            }
+        }
+    }
+    let pitchfork = pitchfork::first(cell, numerics, &BranchOptions::default())?;
+    Ok(pitchfork.shape)
+}
+
+/// The direction in which only scalar unknown `index` changes.
+fn along_scalar(y: &Solution, index: usize) -> Direction {
+    let mut scalars = vec![0.0; y.scalars.len()];
+    scalars[index] = 1.0;
+    Direction { nodes: vec![0.0; y.nodes.len()], stages: vec![0.0; y.stages.len()], scalars }
+}
+
+/// ∂ξ_s*/∂θ of the pitchfork `y`.
+///
+/// # Errors
+/// [`SingularError`] where the curve of pitchforks has no such slope.
+pub fn sensitivity(cell: &Cell, y: &Solution, parameter: Parameter) -> Result<f64, SingularError> {
+    let free = [Parameter::XiS, parameter];
+    let cortex = Cortex::new(cell, Domain::Half, &free);
+    let metric = metric(cell.r0, &free);
+    let mut y = y.clone();
+    let value = cortex.get(parameter);
+    y.scalars.push(value);
+    let tangent = along_scalar(&y, XI);
+    let mut augmented = MinimallyAugmented::new(cortex, SymmetryBreaking::default(), y.m, metric, &tangent);
+    let mut closing = LinearCondition::default();
+    scalar_condition(&y, XI + 1, value, &mut closing);
+    augmented.solve(&mut y, Some(&closing))?;
+    let direction = augmented.curve_direction(&y);
+    Ok(direction.scalars[XI] / direction.scalars[XI + 1])
+}
+
+/// Everything at one set of parameters.
+struct Evaluation {
+    shapes: Vec<Solution>,
+    residuals: Vec<f64>,
+    cost: f64,
+}
+
+fn evaluate(
+    targets: &Targets,
+    cell: &Cell,
+    numerics: &Numerics,
+    near: Option<&[Solution]>,
+) -> Result<Evaluation, CalibrateError> {
+    let mut out = Evaluation { shapes: Vec::new(), residuals: Vec::new(), cost: 0.0 };
+    for (index, t) in targets.thresholds.iter().enumerate() {
+        let y = threshold(&t.cell(cell), numerics, near.map(|near| &near[index]))
+            .map_err(|source| CalibrateError::Threshold { index, source })?;
+        let residual = t.weight * (y.scalars[XI] / t.xi_s - 1.0);
+        out.cost += residual * residual;
+        out.residuals.push(residual);
+        out.shapes.push(y);
+    }
+    Ok(out)
+}
+
+/// ∂ρ/∂x in the search's coordinates.
+fn jacobian(
+    targets: &Targets,
+    cell: &Cell,
+    parameters: &[(Parameter, f64)],
+    shapes: &[Solution],
+) -> Result<Vec<Vec<f64>>, CalibrateError> {
+    let mut out = vec![vec![0.0; parameters.len()]; shapes.len()];
+    for (index, (t, y)) in targets.thresholds.iter().zip(shapes).enumerate() {
+        let cell = t.cell(cell);
+        for (k, &(parameter, value)) in parameters.iter().enumerate() {
+            let slope = sensitivity(&cell, y, parameter).map_err(|source| CalibrateError::Sensitivity {
+                index,
+                parameter,
+                source,
+            })?;
+            out[index][k] = t.weight / t.xi_s * slope * unit(parameter, value);
+        }
+    }
+    Ok(out)
+}
+
+/// The step −(JᵀJ + λ²)⁻¹ Jᵀ ρ, blind to directions without sensitivity.
+fn step(svd: &Svd, residuals: &[f64], lambda: f64) -> Vec<f64> {
+    let mut out = vec![0.0; svd.right.len()];
+    for (k, &value) in svd.values.iter().enumerate() {
+        if value <= NIL * svd.values[0] {
+            continue;
+        }
+        let along: f64 = svd.left[k].iter().zip(residuals).map(|(u, r)| u * r).sum();
+        let size = -value * along / (value * value + lambda * lambda);
+        out.iter_mut().zip(&svd.right[k]).for_each(|(x, v)| *x += size * v);
+    }
+    let longest = out.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    if longest > LONGEST {
+        out.iter_mut().for_each(|x| *x *= LONGEST / longest);
+    }
+    out
+}
+
+fn combinations(svd: &Svd) -> Vec<Combination> {
+    let one = |(k, right): (usize, &Vec<f64>)| {
+        let singular_value = svd.values.get(k).copied().unwrap_or(0.0);
+        let determined = singular_value > NIL * svd.values[0];
+        // The largest component is positive.
+        let largest = right.iter().fold(0.0f64, |m, v| if v.abs() > m.abs() { *v } else { m });
+        Combination { singular_value, determined, components: right.iter().map(|v| v * largest.signum()).collect() }
+    };
+    svd.right.iter().enumerate().map(one).collect()
+}
+
+/// Finds the parameters that fit the thresholds best, starting from the constants of `cell` and the starts of the unknowns.
+///
+/// # Examples
+/// The shell's strength from one threshold, as the paper prints it:
+///
+/// ```
+/// use furrow_mechanics::calibration::{Targets, calibrate};
+/// use furrow_cell::{Cell, Numerics};
+/// use furrow_input::parse_document;
+/// let text = "Targets(unknowns: [(parameter: p0)], thresholds: [(r0: 2, epsilon: 0.87, xi_s: 22.006)])";
+/// let targets: Targets = parse_document(text, "targets.ron", "a file of targets", "Targets")?;
+/// let found = calibrate(&targets, &Cell::new(2.0), &Numerics { intervals: 32, ..Numerics::default() })?;
+/// assert!(found.rms < 1e-6 && (found.cell.shell.p0 - 0.123).abs() < 0.003);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`CalibrateError`].
+pub fn calibrate(targets: &Targets, cell: &Cell, numerics: &Numerics) -> Result<Calibration, CalibrateError> {
+    let present = |parameter: Parameter| parameter.get(cell);
+    let mut parameters: Vec<(Parameter, f64)> =
+        targets.unknowns.iter().map(|u| (u.parameter, u.start.unwrap_or(present(u.parameter)))).collect();
+    let mut now = evaluate(targets, &with_values(cell, &parameters), numerics, None)?;
+    let mut lambda: Option<f64> = None;
+    let mut iterations = 0;
+    let count = targets.thresholds.len() as f64;
+    let decomposition = loop {
+        let here = with_values(cell, &parameters);
+        let decomposition = Svd::of_rows(&jacobian(targets, &here, &parameters, &now.shapes)?)?;
+        let mut damping = lambda.unwrap_or(1e-2 * decomposition.values[0]);
+        let settled = loop {
+            let step = step(&decomposition, &now.residuals, damping);
+            let size = step.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            if size < 1e-11 {
+                break true;
+            }
+            let trial = moved(&parameters, &step);
+            match evaluate(targets, &with_values(cell, &trial), numerics, Some(&now.shapes)) {
+                // At rounding, cost no longer falls.
+                Ok(next) if next.cost < now.cost => {
+                    let settled = now.cost - next.cost < 1e-15 * now.cost && size < 1e-7;
+                    (parameters, now) = (trial, next);
+                    iterations += 1;
+                    damping *= 0.1;
+                    break settled;
+                }
+                _ if size < 1e-8 => break true,
+                _ => damping = (damping * 8.0).max(1e-6 * decomposition.values[0]),
+            }
+        };
+        lambda = Some(if damping < 1e-9 * decomposition.values[0] { 0.0 } else { damping });
+        if settled {
+            let here = with_values(cell, &parameters);
+            break Svd::of_rows(&jacobian(targets, &here, &parameters, &now.shapes)?)?;
+        }
+        if iterations >= MOST {
+            return Err(CalibrateError::Stalled { iterations, rms: (now.cost / count).sqrt() });
+        }
+    };
+    // Newton from neighbours may have left the first pitchfork of the branch: look again from the passive shape.
+    let fitted = with_values(cell, &parameters);
+    let last = evaluate(targets, &fitted, numerics, None)?;
+    let row = |(t, y): (&Threshold, &Solution)| ThresholdResidual {
+        r0: t.r0,
+        epsilon: t.epsilon,
+        xi_s: t.xi_s,
+        computed: y.scalars[XI],
+        relative: y.scalars[XI] / t.xi_s - 1.0,
+        weight: t.weight,
+    };
+    Ok(Calibration {
+        cell: fitted,
+        residuals: targets.thresholds.iter().zip(&last.shapes).map(row).collect(),
+        rms: (last.cost / count).sqrt(),
+        combinations: combinations(&decomposition),
+        parameters,
+        iterations,
+    })
+}

@@ -1,0 +1,86 @@
+//! Second and third directional derivatives of the equations, for singular points and their normal forms.
+
+use furrow_bvp::CollocationPoint;
+use furrow_bvp::derivatives::{Directional, PointDirection};
+use num_dual::{Dual3_64, HyperDual64};
+
+use super::Cortex;
+use super::equations::{COMPONENTS, Constants, LENGTH, Motion, PRESSURE, equations};
+use super::problem::SHAPE_SCALARS;
+use furrow_cell::Number;
+
+/// Constants, length and pressure of a cortex with derivatives along scalar directions.
+#[derive(Clone, Debug)]
+pub struct Lifted<D> {
+    constants: Constants<D>,
+    length: D,
+    pressure: D,
+}
+
+fn lift<D: Number>(cortex: &Cortex, p: &[f64], number: impl Fn(usize, f64) -> D) -> Lifted<D> {
+    let constants =
+        Constants::new(&cortex.cell, |parameter, value| match cortex.free.iter().position(|free| *free == parameter) {
+            Some(k) => number(SHAPE_SCALARS + k, value),
+            None => D::from(value),
+        });
+    Lifted { constants, length: number(LENGTH, p[LENGTH]), pressure: number(PRESSURE, p[PRESSURE]) }
+}
+
+/// For stationary problems (`rate` = 0, no noise).
+impl Directional for Cortex {
+    type Second = Lifted<HyperDual64>;
+    type Third = Lifted<Dual3_64>;
+
+    fn prepare_second(&self, p: &[f64], a: &[f64], b: &[f64]) -> Self::Second {
+        lift(self, p, |k, value| HyperDual64::new(value, a[k], b[k], 0.0))
+    }
+
+    fn second(
+        &self,
+        prepared: &Self::Second,
+        at: CollocationPoint,
+        y: &[f64],
+        _p: &[f64],
+        a: PointDirection<'_>,
+        b: PointDirection<'_>,
+        f: &mut [f64],
+        g: &mut [f64],
+    ) {
+        let state: [HyperDual64; COMPONENTS] = std::array::from_fn(|k| HyperDual64::new(y[k], a.y[k], b.y[k], 0.0));
+        let (value, volume) =
+            equations(&prepared.constants, at.x, Motion::default(), 1.0, &state, prepared.length, prepared.pressure);
+        for (f, value) in f.iter_mut().zip(&value) {
+            *f = value.eps1eps2;
+        }
+        g[0] = volume.eps1eps2;
+    }
+
+    fn second_offset(&self, prepared: &Self::Second, _k: usize) -> f64 {
+        -self.domain.share() * prepared.constants.volume.eps1eps2
+    }
+
+    fn prepare_third(&self, p: &[f64], a: &[f64]) -> Self::Third {
+        lift(self, p, |k, value| Dual3_64::new(value, a[k], 0.0, 0.0))
+    }
+
+    fn third(
+        &self,
+        prepared: &Self::Third,
+        at: CollocationPoint,
+        y: &[f64],
+        _p: &[f64],
+        a: PointDirection<'_>,
+        f2: &mut [f64],
+        g2: &mut [f64],
+        f3: &mut [f64],
+    ) {
+        let state: [Dual3_64; COMPONENTS] = std::array::from_fn(|k| Dual3_64::new(y[k], a.y[k], 0.0, 0.0));
+        let (value, volume) =
+            equations(&prepared.constants, at.x, Motion::default(), 1.0, &state, prepared.length, prepared.pressure);
+        for (k, value) in value.iter().enumerate() {
+            f2[k] = value.v2;
+            f3[k] = value.v3;
+        }
+        g2[0] = volume.v2;
+    }
+}

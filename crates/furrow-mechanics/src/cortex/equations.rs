@@ -1,0 +1,329 @@
+//! The force balance of the cortex, stated once for any number type.
+//!
+//! Numbers in brackets are those of the book (`docs/book`), here and wherever comments cite an equation.
+//!
+//! State on u ∈ [0, 1] (or the mirror-symmetric half [0, ½]): y = (r, z, m, ψ, q, v, T) with arclength s = L u; the first
+//! three are quadrature components, see [`Dimensions::quadratures`](furrow_bvp::Dimensions::quadratures). The eighth equation of
+//! the model, V′ = πr² sinψ \[M.11 volume\], is a quadrature and enters as the integral condition V(1) = 4πR0³/3. Scalar unknowns are
+//! (L, p) and any free parameters after them.
+//!
+//! With c2 = sinψ/r and C = c1 + c2 \[M.2 curvatures\], which m = κC \[M.3 bending\] gives as C = m/κ, c1 = C − c2, X_s = gξ_s and X_b = gξ_b, all coefficients those of the place u:
+//!
+//! * \[M.1 geometry\] r_s = cosψ, z_s = −sinψ, ψ_s = c1, m_s = q
+//! * \[M.4 strain rate\] S_φφ = (cosψ/r) v + c2 v_n, S_uu = (T − X_s(½C − c2) − X_b C − (η_b − η_s)S_φφ)/(η_b + η_s)
+//! * \[M.5 stress\] T_φφ = (η_b − η_s)S_uu + (η_b + η_s)S_φφ − X_s(½C − c2) + X_b C
+//! * \[M.6 normal\] q_s = −(cosψ/r) q + c1 T + c2 T_φφ + γC − ½κ(c1 − c2)²C − p − f_c
+//! * \[M.7 tangential\] T_s = −(cosψ/r)(T − T_φφ) + Γv − ½C²κ_s − γ_s
+//! * \[M.8 flow\] v_s = S_uu − c1 v_n, v_n = sinψ ∂_t r + cosψ ∂_t z
+//! * \[M.9 shell\] f_c = −(2P0/w²) exp\[(z²/a² + r²/b² − 1)/w²\] (r sinψ/b² + z cosψ/a²)
+//!
+//! The elastic part of M.6 uses c1 t_uu + c2 t_φφ = γC − ½κ(c1 − c2)²C.
+
+use std::f64::consts::PI;
+
+use super::lanes::Arithmetic;
+use furrow_cell::cue::{Field, Term};
+use furrow_cell::{Cell, Number, Parameter, RigidityGradient};
+
+/// Radius r.
+pub const R: usize = 0;
+/// Axial position z.
+pub const Z: usize = 1;
+/// Bending moment m = κC.
+pub const M: usize = 2;
+/// Tangent angle ψ.
+pub const PSI: usize = 3;
+/// Transverse shear q.
+pub const Q: usize = 4;
+/// Tangential velocity v.
+pub const V: usize = 5;
+/// Meridional dissipative tension T_uu.
+pub const T: usize = 6;
+/// Number of components.
+pub const COMPONENTS: usize = 7;
+/// Index of L among the scalar unknowns.
+pub const LENGTH: usize = 0;
+/// Index of p among the scalar unknowns.
+pub const PRESSURE: usize = 1;
+
+/// Which part of the contour is solved for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Domain {
+    /// u ∈ [0, 1], pole to pole.
+    Full,
+    /// u ∈ [0, ½] of a mirror-symmetric shape; L and V are still those of the whole cell.
+    Half,
+}
+
+impl Domain {
+    /// Right end of the mesh.
+    pub fn end(self) -> f64 {
+        match self {
+            Domain::Full => 1.0,
+            Domain::Half => 0.5,
+        }
+    }
+
+    /// Its part of the whole cell.
+    pub fn share(self) -> f64 {
+        self.end()
+    }
+
+    /// The part that suffices for a cell: half of it if it is mirror-symmetric and its shape too.
+    pub fn of(cell: &Cell) -> Domain {
+        if cell.is_mirror_symmetric() { Domain::Half } else { Domain::Full }
+    }
+}
+
+/// Local rates of change entering the equations at one point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion<D = f64> {
+    /// 1/Δt of the implicit step (0 for a stationary shape).
+    pub rate: D,
+    /// Past r: ∂_t r = rate · (r − r_past).
+    pub r_past: D,
+    /// Past z.
+    pub z_past: D,
+}
+
+/// The coefficients of the equations at one place of the contour: the constants of the material, modulated by the cue.
+#[derive(Clone, Copy, Debug)]
+pub struct Local<D> {
+    /// Bending rigidity κ.
+    pub kappa: D,
+    /// ∂κ/∂u.
+    pub kappa_u: D,
+    /// η_b + η_s.
+    pub eta_sum: D,
+    /// η_b − η_s.
+    pub eta_difference: D,
+    /// Friction Γ.
+    pub friction: D,
+    /// Passive tension γ.
+    pub tension: D,
+    /// ∂γ/∂u.
+    pub tension_u: D,
+    /// Effective anisotropic activity X_s = gξ_s.
+    pub xi_s: D,
+    /// Effective isotropic activity X_b = gξ_b.
+    pub xi_b: D,
+}
+
+impl<D> Local<D> {
+    /// The same with numbers of another kind.
+    pub fn map<E>(self, number: impl Fn(D) -> E) -> Local<E> {
+        Local {
+            kappa: number(self.kappa),
+            kappa_u: number(self.kappa_u),
+            eta_sum: number(self.eta_sum),
+            eta_difference: number(self.eta_difference),
+            friction: number(self.friction),
+            tension: number(self.tension),
+            tension_u: number(self.tension_u),
+            xi_s: number(self.xi_s),
+            xi_b: number(self.xi_b),
+        }
+    }
+}
+
+impl<D: Number> Local<D> {
+    /// Adds what one term of a cue does, M.16: `f` is A f and `f_u` is A ∂f/∂u at the place, `uniform` the coefficients without
+    /// the cue. The one place where fields enter the equations; derivatives along the contour matter for κ and γ alone.
+    fn modulate(&mut self, field: Field, uniform: &Local<D>, f: D, f_u: D) {
+        let [eta_b, eta_s] = [1.0, -1.0].map(|sign| (uniform.eta_sum + uniform.eta_difference * sign) * 0.5);
+        match field {
+            Field::Kappa => {
+                self.kappa += uniform.kappa * f;
+                self.kappa_u += uniform.kappa * f_u;
+            }
+            Field::Activity => {
+                self.xi_s += uniform.xi_s * f;
+                self.xi_b += uniform.xi_b * f;
+            }
+            Field::XiS => self.xi_s += uniform.xi_s * f,
+            Field::XiB => self.xi_b += uniform.xi_b * f,
+            Field::EtaB => {
+                self.eta_sum += eta_b * f;
+                self.eta_difference += eta_b * f;
+            }
+            Field::EtaS => {
+                self.eta_sum += eta_s * f;
+                self.eta_difference -= eta_s * f;
+            }
+            Field::Viscosity => {
+                self.eta_sum += uniform.eta_sum * f;
+                self.eta_difference += uniform.eta_difference * f;
+            }
+            Field::Friction => self.friction += uniform.friction * f,
+            Field::Tension => {
+                self.tension += f;
+                self.tension_u += f_u;
+            }
+        }
+    }
+}
+
+/// What of a cell's constants is the same all along the contour.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings<D> {
+    /// 1/a² of the shell.
+    pub inverse_a2: D,
+    /// 1/b² of the shell.
+    pub inverse_b2: D,
+    /// 2P0/w².
+    pub shell_force: D,
+    /// 1/w².
+    pub inverse_w2: D,
+    /// Whether ½C²∂_sκ is kept.
+    pub rigidity_gradient: bool,
+}
+
+impl<D> Surroundings<D> {
+    /// The same with numbers of another kind.
+    #[inline(always)]
+    pub fn map<E>(self, number: impl Fn(D) -> E) -> Surroundings<E> {
+        Surroundings {
+            inverse_a2: number(self.inverse_a2),
+            inverse_b2: number(self.inverse_b2),
+            shell_force: number(self.shell_force),
+            inverse_w2: number(self.inverse_w2),
+            rigidity_gradient: self.rigidity_gradient,
+        }
+    }
+}
+
+/// The constants of one cell, ready for evaluation; generic so that their derivatives can be carried along.
+#[derive(Clone, Debug)]
+pub struct Constants<D> {
+    /// Coefficients where the cue does nothing.
+    pub uniform: Local<D>,
+    /// The cue's terms.
+    pub cue: Vec<Term<D>>,
+    /// The shell, and what is kept of the equations.
+    pub surroundings: Surroundings<D>,
+    /// Volume of the whole cell, 4πR0³/3.
+    pub volume: D,
+}
+
+impl<D: Number> Constants<D> {
+    /// Constants of a cell, the half-axes of its shell by M.10; `vary` may replace any named parameter by a number that carries derivatives.
+    pub fn new(cell: &Cell, vary: impl Fn(Parameter, f64) -> D) -> Constants<D> {
+        let at = |parameter: Parameter| vary(parameter, parameter.get(cell));
+        let (r0, epsilon) = (at(Parameter::R0), at(Parameter::Epsilon));
+        let (aspect, w) = (at(Parameter::Aspect), at(Parameter::W));
+        let b3 = r0.powi(3) / (epsilon * aspect);
+        let b2 = b3.powf(2.0 / 3.0);
+        let inverse_w2 = w.powi(-2);
+        let (eta_b, eta_s) = (at(Parameter::EtaB), at(Parameter::EtaS));
+        let xi_s = at(Parameter::Gain) * at(Parameter::XiS);
+        let term = |(term, of): (usize, &Term)| of.map(|quantity, v| vary(Parameter::Cue { term, quantity }, v));
+        Constants {
+            uniform: Local {
+                kappa: at(Parameter::Kappa),
+                kappa_u: D::from(0.0),
+                eta_sum: eta_b + eta_s,
+                eta_difference: eta_b - eta_s,
+                friction: at(Parameter::Friction),
+                tension: at(Parameter::Tension),
+                tension_u: D::from(0.0),
+                xi_s,
+                xi_b: xi_s * at(Parameter::XiRatio),
+            },
+            cue: cell.cue.terms().iter().enumerate().map(term).collect(),
+            surroundings: Surroundings {
+                inverse_a2: (b2 * aspect.powi(2)).recip(),
+                inverse_b2: b2.recip(),
+                shell_force: at(Parameter::P0) * inverse_w2 * 2.0,
+                inverse_w2,
+                rigidity_gradient: cell.material.rigidity_gradient == RigidityGradient::Full,
+            },
+            volume: r0.powi(3) * (4.0 * PI / 3.0),
+        }
+    }
+
+    /// ∂²κ/∂u² at u on a contour of length `length`.
+    pub fn rigidity_curvature(&self, u: f64, length: D) -> D {
+        let kappa = self.cue.iter().filter(|term| term.field == Field::Kappa);
+        kappa.fold(D::from(0.0), |sum, term| sum + self.uniform.kappa * term.at(u, length)[2])
+    }
+
+    /// The coefficients at u on a contour of length `length`.
+    #[inline]
+    pub fn at(&self, u: f64, length: D) -> Local<D> {
+        let mut local = self.uniform;
+        for term in &self.cue {
+            let [f, f_u, _] = term.at(u, length);
+            local.modulate(term.field, &self.uniform, f, f_u);
+        }
+        local
+    }
+}
+
+/// Right-hand side d/du of the seven equations and the integrand of the volume, for any number type.
+///
+/// `noise` multiplies the activity.
+pub fn equations<D: Number>(
+    c: &Constants<D>,
+    u: f64,
+    motion: Motion,
+    noise: f64,
+    y: &[D; COMPONENTS],
+    length: D,
+    pressure: D,
+) -> ([D; COMPONENTS], D) {
+    let Motion { rate, r_past, z_past } = motion;
+    let motion = Motion { rate: D::from(rate), r_past: D::from(r_past), z_past: D::from(z_past) };
+    balances(&c.surroundings, &c.at(u, length), motion, D::from(noise), y, length, pressure)
+}
+
+/// [`equations`] with the coefficients of the place at hand. This is the readable statement;
+/// [`linearised`](super::jacobian::linearised) is the same with hand-written derivatives, and a test holds the two together.
+#[inline(always)]
+pub fn balances<D: Arithmetic>(
+    c: &Surroundings<D>,
+    here: &Local<D>,
+    motion: Motion<D>,
+    noise: D,
+    y: &[D; COMPONENTS],
+    length: D,
+    pressure: D,
+) -> ([D; COMPONENTS], D) {
+    let [r, z, m, psi, q, v, t] = *y;
+    let (sin, cos) = psi.sin_cos();
+    let inverse_r = r.recip();
+    let c2 = sin * inverse_r;
+    let mean = m / here.kappa;
+    let c1 = mean - c2;
+    let cot = cos * inverse_r;
+    let (xi_s, xi_b) = (here.xi_s * noise, here.xi_b * noise);
+    let v_n = (sin * (r - motion.r_past) + cos * (z - motion.z_past)) * motion.rate;
+    let s_phi = cot * v + c2 * v_n;
+    let deviator = xi_s * (mean * 0.5 - c2);
+    let s_u = (t - deviator - xi_b * mean - here.eta_difference * s_phi) / here.eta_sum;
+    let t_phi = here.eta_difference * s_u + here.eta_sum * s_phi - deviator + xi_b * mean;
+    let inside = ((z * z * c.inverse_a2 + r * r * c.inverse_b2 - 1.0) * c.inverse_w2).exp();
+    let shell = -(c.shell_force * inside * (r * sin * c.inverse_b2 + z * cos * c.inverse_a2));
+    let difference = c1 - c2;
+    let elastic = here.tension * mean - here.kappa * difference * difference * mean * 0.5;
+    let mut t_u = (here.friction * v - cot * (t - t_phi)) * length - here.tension_u;
+    if c.rigidity_gradient {
+        t_u = t_u - mean * mean * here.kappa_u * 0.5;
+    }
+    (
+        [
+            length * cos,
+            -(length * sin),
+            length * q,
+            length * c1,
+            length * (c1 * t + c2 * t_phi + elastic - cot * q - pressure - shell),
+            length * (s_u - c1 * v_n),
+            t_u,
+        ],
+        length * r * r * sin * PI,
+    )
+}
+
+/// Multiplies the activity in the first step \[M.19 noise\]: 1 + Σ_{n=1..10} r_n cos(nπu).
+pub fn noise_factor(coefficients: &[f64; 10], u: f64) -> f64 {
+    1.0 + coefficients.iter().enumerate().map(|(k, r)| r * ((k + 1) as f64 * PI * u).cos()).sum::<f64>()
+}

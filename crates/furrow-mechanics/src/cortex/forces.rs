@@ -1,0 +1,408 @@
+//! Everything that acts at a place of the contour: curvatures, tensions, velocities, and the normal forces that balance there
+//! (Figs 1B–D and S2 of the paper).
+//!
+//! The normal balance of the model, ∂_s q + (cosψ/r) q − c1 (t_uu + T_uu) − c2 (t_φφ + T_φφ) + p + f_c = 0, is split by what
+//! each term comes from (M.12); outwards is positive:
+//!
+//! | part | |
+//! |---|---|
+//! | active | −(c1 Tᵃ_uu + c2 Tᵃ_φφ), Tᵃ_uu = ½X_s(c1 − c2) + X_b C, Tᵃ_φφ = −½X_s(c1 − c2) + X_b C |
+//! | viscous | −(c1 Tᵈ_uu + c2 Tᵈ_φφ) with what is left of T, η_b(S_uu + S_φφ) ± η_s(S_uu − S_φφ) |
+//! | elastic | ∂_s q + (cosψ/r) q − γC + ½κ(c1 − c2)²C: bending, and passive tension |
+//! | pressure | p |
+//! | shell | f_c |
+//!
+//! At collocation points the parts sum to zero as exactly as the shape was solved for; between them as exactly as the collocation
+//! polynomial resolves the shape.
+
+use furrow_bvp::{Gauss, Solution};
+
+use super::Cortex;
+use super::equations::{COMPONENTS, LENGTH, M, PRESSURE, PSI, Q, R, T, V, Z};
+use furrow_cell::cue::Field;
+
+/// Closer to the axis than this, relative to R0, cosψ/r and sinψ/r are taken at their limits on the axis.
+const ON_AXIS: f64 = 1e-9;
+
+/// The normal forces at a place, by what they come from; outwards is positive, in κ0/L_h³.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NormalForces {
+    /// Of active tension.
+    pub active: f64,
+    /// Of viscous tension.
+    pub viscous: f64,
+    /// Of bending and passive tension.
+    pub elastic: f64,
+    /// Pressure p.
+    pub pressure: f64,
+    /// Of the shell.
+    pub shell: f64,
+}
+
+impl NormalForces {
+    /// All parts, in the order of their names in files: active, viscous, elastic, pressure, shell.
+    pub fn parts(&self) -> [f64; 5] {
+        [self.active, self.viscous, self.elastic, self.pressure, self.shell]
+    }
+
+    /// What is left of the balance: 0 of an exact solution.
+    pub fn residual(&self) -> f64 {
+        self.parts().iter().sum()
+    }
+}
+
+/// What is known at one place of the contour. Lengths in L_h, tensions in κ0/L_h², velocities in L_h/τ.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Place {
+    /// Arclength fraction u.
+    pub u: f64,
+    /// Distance from the axis r.
+    pub r: f64,
+    /// Position along the axis z.
+    pub z: f64,
+    /// Tangent angle ψ.
+    pub psi: f64,
+    /// Meridional curvature c1 = C^u_u.
+    pub c_uu: f64,
+    /// Azimuthal curvature c2 = C^φ_φ.
+    pub c_pp: f64,
+    /// Meridional tension T_uu, active and viscous.
+    pub t_uu: f64,
+    /// Azimuthal tension T_φφ, active and viscous.
+    pub t_pp: f64,
+    /// Tangential velocity v, towards larger u.
+    pub v: f64,
+    /// Normal velocity v_n, outwards.
+    pub v_n: f64,
+    /// ∂_t r and ∂_t z at fixed u: how the contour moves in its own coordinate, which is not how the cortex flows.
+    pub moving: [f64; 2],
+    /// Tangential active force density ∂_s Tᵃ_uu + (cosψ/r)(Tᵃ_uu − Tᵃ_φφ), towards larger u, in κ0/L_h³; its normal
+    /// component is `normal.active`.
+    pub active_tangential: f64,
+    /// The normal forces.
+    pub normal: NormalForces,
+}
+
+impl Place {
+    /// What is known part of the way from this place to another of the same u, at times `dt` apart. The contour follows the
+    /// cubic with the rates at both ends, all else a straight line: normal forces that balance at both ends do so between.
+    pub fn between(&self, later: &Place, share: f64, dt: f64) -> Place {
+        let line = |a: f64, b: f64| a + share * (b - a);
+        let (left, right) = (share * (1.0 - share) * (1.0 - share) * dt, share * share * (share - 1.0) * dt);
+        let ease = share * share * (3.0 - 2.0 * share);
+        let cubic = |a: f64, b: f64, k: usize| a + ease * (b - a) + left * self.moving[k] + right * later.moving[k];
+        let force = |of: fn(&NormalForces) -> f64| line(of(&self.normal), of(&later.normal));
+        Place {
+            u: self.u,
+            r: cubic(self.r, later.r, 0),
+            z: cubic(self.z, later.z, 1),
+            psi: line(self.psi, later.psi),
+            c_uu: line(self.c_uu, later.c_uu),
+            c_pp: line(self.c_pp, later.c_pp),
+            t_uu: line(self.t_uu, later.t_uu),
+            t_pp: line(self.t_pp, later.t_pp),
+            v: line(self.v, later.v),
+            v_n: line(self.v_n, later.v_n),
+            moving: [0, 1].map(|k| line(self.moving[k], later.moving[k])),
+            active_tangential: line(self.active_tangential, later.active_tangential),
+            normal: NormalForces {
+                active: force(|f| f.active),
+                viscous: force(|f| f.viscous),
+                elastic: force(|f| f.elastic),
+                pressure: force(|f| f.pressure),
+                shell: force(|f| f.shell),
+            },
+        }
+    }
+
+    /// The active force density as a vector (r, z).
+    pub fn active_force(&self) -> [f64; 2] {
+        let (sin, cos) = self.psi.sin_cos();
+        let (along, outwards) = (self.active_tangential, self.normal.active);
+        [along * cos + outwards * sin, -along * sin + outwards * cos]
+    }
+}
+
+/// The shape and its rate of change at one place, before anything is derived from them.
+struct State {
+    u: f64,
+    y: [f64; COMPONENTS],
+    /// ∂y/∂u.
+    slope: [f64; COMPONENTS],
+    /// ∂_t (r, z) at fixed u.
+    rate: [f64; 2],
+    /// Factor on the activity.
+    noise: f64,
+}
+
+/// What acts at u on a shape `y` of `cortex`, which must hold the motion that the shape was solved with: its rate and past at
+/// the collocation points of the mesh of `y`.
+pub fn at(cortex: &Cortex, gauss: &Gauss, y: &Solution, u: f64) -> Place {
+    let i = y.interval_of(u);
+    let theta = (u - y.mesh[i]) / (y.mesh[i + 1] - y.mesh[i]);
+    place(cortex, y, &between(cortex, gauss, y, i, theta))
+}
+
+/// What acts at the collocation points and at the two ends of the mesh, where the equations themselves were solved.
+///
+/// # Examples
+/// The normal forces on a cell at rest add up to nothing:
+///
+/// ```
+/// use furrow_cell::{Cell, Numerics};
+/// use furrow_mechanics::cortex::forces;
+/// use furrow_mechanics::equilibria::stationary::stationary;
+/// let shape = stationary(&Cell::new(1.6), &Numerics::default())?;
+/// let gauss = furrow_bvp::Gauss::new(shape.solution.m);
+/// let places = forces::profile(&shape.cortex, &gauss, &shape.solution);
+/// // The ends, where a derivative is only as good as the mesh, aside.
+/// let inside = &places[1..places.len() - 1];
+/// assert!(inside.iter().all(|place| place.normal.residual().abs() < 1e-6));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn profile(cortex: &Cortex, gauss: &Gauss, y: &Solution) -> Vec<Place> {
+    along(cortex, gauss, y, &gauss.c)
+}
+
+/// What acts at `count` evenly spaced places of each mesh interval, and at the two ends of the mesh: for pictures, where the
+/// collocation points are too far apart.
+pub fn dense_profile(cortex: &Cortex, gauss: &Gauss, y: &Solution, count: usize) -> Vec<Place> {
+    let thetas: Vec<f64> = (0..count).map(|k| (k as f64 + 0.5) / count as f64).collect();
+    along(cortex, gauss, y, &thetas)
+}
+
+/// What acts at the same places θ of each mesh interval, and at the two ends of the mesh.
+fn along(cortex: &Cortex, gauss: &Gauss, y: &Solution, thetas: &[f64]) -> Vec<Place> {
+    let last = y.intervals() - 1;
+    let at = |i: usize, theta: f64| place(cortex, y, &between(cortex, gauss, y, i, theta));
+    let mut places = vec![at(0, 0.0)];
+    places.extend((0..=last).flat_map(|i| thetas.iter().map(move |theta| (i, *theta))).map(|(i, theta)| at(i, theta)));
+    places.push(at(last, 1.0));
+    places
+}
+
+/// The polynomials of interval i at θ: of the shape, and of its rate of change, which is known at the Gauss points.
+fn between(cortex: &Cortex, gauss: &Gauss, y: &Solution, i: usize, theta: f64) -> State {
+    let mut state = State {
+        u: y.mesh[i] + theta * (y.mesh[i + 1] - y.mesh[i]),
+        y: [0.0; COMPONENTS],
+        slope: [0.0; COMPONENTS],
+        rate: [0.0; 2],
+        noise: if cortex.noise.is_empty() { 1.0 } else { 0.0 },
+    };
+    y.eval_in(gauss, i, theta, &mut state.y);
+    y.slope_in(gauss, i, theta, &mut state.slope);
+    for j in 0..y.m {
+        let others = (0..y.m).filter(|k| *k != j);
+        let weight: f64 = others.map(|k| (theta - gauss.c[k]) / (gauss.c[j] - gauss.c[k])).product();
+        let (index, stage) = (i * y.m + j, y.stage(i, j));
+        if let Some([r_past, z_past]) = cortex.past.get(index).filter(|_| cortex.rate != 0.0) {
+            state.rate[0] += weight * cortex.rate * (stage[R] - r_past);
+            state.rate[1] += weight * cortex.rate * (stage[Z] - z_past);
+        }
+        state.noise += weight * cortex.noise.get(index).copied().unwrap_or(0.0);
+    }
+    state
+}
+
+fn place(cortex: &Cortex, shape: &Solution, state: &State) -> Place {
+    let State { u, y, slope, rate, noise } = state;
+    let (length, constants) = (shape.scalars[LENGTH], cortex.constants());
+    let here = constants.at(*u, length);
+    let (sin, cos) = y[PSI].sin_cos();
+    let mean = y[M] / here.kappa;
+    let on_axis = y[R].abs() < ON_AXIS * cortex.cell.r0;
+    // What goes with cosψ/r vanishes on the axis, and its quotient there is its derivative.
+    let by_r = |value: f64, value_u: f64| if on_axis { value_u / length } else { cos / y[R] * value };
+    let c_pp = if on_axis { 0.5 * mean } else { sin / y[R] };
+    let c_uu = mean - c_pp;
+    let v_n = sin * rate[0] + cos * rate[1];
+    let s_pp = by_r(y[V], slope[V]) + c_pp * v_n;
+    let (x_s, x_b) = (here.xi_s * noise, here.xi_b * noise);
+    let active_uu = 0.5 * x_s * (c_uu - c_pp) + x_b * mean;
+    let active_pp = -0.5 * x_s * (c_uu - c_pp) + x_b * mean;
+    let s_uu = (y[T] - active_uu - here.eta_difference * s_pp) / here.eta_sum;
+    let viscous_uu = y[T] - active_uu;
+    let viscous_pp = here.eta_difference * s_uu + here.eta_sum * s_pp;
+    let difference = c_uu - c_pp;
+    let bending = slope[Q] / length + by_r(y[Q], slope[Q]);
+    Place {
+        u: *u,
+        r: y[R],
+        z: y[Z],
+        psi: y[PSI],
+        c_uu,
+        c_pp,
+        t_uu: y[T],
+        t_pp: active_pp + viscous_pp,
+        v: y[V],
+        v_n,
+        moving: *rate,
+        active_tangential: if on_axis { 0.0 } else { active_tangential(cortex, shape, state) },
+        normal: NormalForces {
+            active: -(c_uu * active_uu + c_pp * active_pp),
+            viscous: -(c_uu * viscous_uu + c_pp * viscous_pp),
+            elastic: bending - here.tension * mean + 0.5 * here.kappa * difference * difference * mean,
+            pressure: shape.scalars[PRESSURE],
+            shell: shell(cortex, y),
+        },
+    }
+}
+
+/// f_c, the normal force of the shell.
+fn shell(cortex: &Cortex, y: &[f64; COMPONENTS]) -> f64 {
+    let c = cortex.constants();
+    let (sin, cos) = y[PSI].sin_cos();
+    let (a, b) = (c.surroundings.inverse_a2, c.surroundings.inverse_b2);
+    let inside = ((y[Z] * y[Z] * a + y[R] * y[R] * b - 1.0) * c.surroundings.inverse_w2).exp();
+    -(c.surroundings.shell_force * inside * (y[R] * sin * b + y[Z] * cos * a))
+}
+
+/// ∂_s Tᵃ_uu + (cosψ/r)(Tᵃ_uu − Tᵃ_φφ) off the axis. Noise, which lasts for the first step alone, counts as uniform.
+fn active_tangential(cortex: &Cortex, shape: &Solution, state: &State) -> f64 {
+    let State { u, y, noise, .. } = state;
+    let (length, constants) = (shape.scalars[LENGTH], cortex.constants());
+    let here = constants.at(*u, length);
+    let (sin, cos) = y[PSI].sin_cos();
+    let mean = y[M] / here.kappa;
+    let (c_pp, cot) = (sin / y[R], cos / y[R]);
+    let c_uu = mean - c_pp;
+    // Along the arclength: of κC = m with m′ = q, and of sinψ/r.
+    let mean_s = (y[Q] - mean * here.kappa_u / length) / here.kappa;
+    let c_pp_s = cot * (c_uu - c_pp);
+    let (mut x_s_u, mut x_b_u) = (0.0, 0.0);
+    for term in &constants.cue {
+        let [_, f_u, _] = term.at(*u, length);
+        if matches!(term.field, Field::Activity | Field::XiS) {
+            x_s_u += constants.uniform.xi_s * f_u;
+        }
+        if matches!(term.field, Field::Activity | Field::XiB) {
+            x_b_u += constants.uniform.xi_b * f_u;
+        }
+    }
+    let along = (x_s_u * (0.5 * mean - c_pp) + x_b_u * mean) / length
+        + here.xi_s * (0.5 * mean_s - c_pp_s)
+        + here.xi_b * mean_s;
+    noise * (along + cot * here.xi_s * (c_uu - c_pp))
+}
+
+/// The ellipsoid that confines the cell: its half axes along z and across, in L_h.
+pub fn shell_axes(cortex: &Cortex) -> [f64; 2] {
+    let constants = cortex.constants();
+    [constants.surroundings.inverse_a2, constants.surroundings.inverse_b2].map(|inverse| inverse.powf(-0.5))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::division::stepper::SOLVED_TO;
+    use crate::division::{DivisionInput, divide_observed};
+    use furrow_cell::{Cell, Cue};
+    use std::f64::consts::PI;
+
+    /// Profiles of a division at the collocation points, each with its contour length and the cell's radius in question.
+    fn profiles(cell: Cell) -> Vec<(f64, Vec<Place>)> {
+        let mut found = Vec::new();
+        divide_observed(&DivisionInput::new(cell), |frame| {
+            found.push((frame.shape.scalars[LENGTH], profile(frame.cortex, frame.gauss, frame.shape)));
+        })
+        .unwrap();
+        found
+    }
+
+    fn cued() -> Cell {
+        Cell::new(4.0).with_cue(
+            "kappa:u0=0.465,omega=0.0577,amplitude=0.1+xi_s:step,u0=0.6,omega=0.2,amplitude=0.1".parse().unwrap(),
+        )
+    }
+
+    /// A shape is solved for to a few 1e-7 of itself, and so its velocities, which are differences of shapes, to that times the
+    /// rate of the step; forces are sums of several terms of either.
+    #[test]
+    fn normal_forces_sum_to_zero_at_every_collocation_point_of_a_division() {
+        for cell in [Cell::new(2.0), cued()] {
+            divide_observed(&DivisionInput::new(cell), |frame| {
+                let places = profile(frame.cortex, frame.gauss, frame.shape);
+                for place in &places[1..places.len() - 1] {
+                    let largest = place.normal.parts().iter().fold(1.0, |m: f64, part| m.max(part.abs()));
+                    let solved_to = SOLVED_TO * (30.0 * largest + 3.0 * frame.cortex.rate);
+                    assert!(place.normal.residual().abs() < solved_to, "{} {place:?}", place.normal.residual());
+                }
+            })
+            .unwrap();
+        }
+    }
+
+    #[test]
+    fn normal_forces_balance_between_collocation_points_to_the_accuracy_of_the_mesh() {
+        let mut checked = 0;
+        divide_observed(&DivisionInput::new(cued()), |frame| {
+            // A narrow neck closes faster than the walls beside it, where little acts, are resolved.
+            if frame.neck.is_some_and(|neck| neck.radius < 0.2 * frame.cortex.cell.r0) {
+                return;
+            }
+            for k in 1..200 {
+                let place = at(frame.cortex, frame.gauss, frame.shape, k as f64 / 200.0);
+                let size: f64 = place.normal.parts().iter().map(|part| part.abs()).sum();
+                assert!(place.normal.residual().abs() < 0.05 * size, "{place:?}");
+                checked += 1;
+            }
+        })
+        .unwrap();
+        assert!(checked > 5000, "{checked}");
+    }
+
+    /// The shell and friction are all that acts on the cell from outside: their axial forces cancel.
+    #[test]
+    fn forces_from_outside_cancel_along_the_axis() {
+        for (length, places) in profiles(cued()).into_iter().skip(1) {
+            let (mut sum, mut size) = (0.0, 0.0);
+            for pair in places.windows(2) {
+                let part = |p: &Place| {
+                    let (sin, cos) = p.psi.sin_cos();
+                    2.0 * PI * p.r * (p.normal.shell * cos + p.v * sin)
+                };
+                let step = (pair[1].u - pair[0].u) * length;
+                sum += 0.5 * (part(&pair[0]) + part(&pair[1])) * step;
+                size += 0.5 * (part(&pair[0]).abs() + part(&pair[1]).abs()) * step;
+            }
+            assert!(sum.abs() < 1e-2 * size, "{sum} of {size}");
+        }
+    }
+
+    #[test]
+    fn the_tangential_active_force_is_the_divergence_of_active_tension() {
+        let mut checked = 0;
+        divide_observed(&DivisionInput::new(cued()), |frame| {
+            let tension = |u: f64| {
+                let place = at(frame.cortex, frame.gauss, frame.shape, u);
+                let here = frame.cortex.constants().at(u, frame.shape.scalars[LENGTH]);
+                let (difference, mean) = (place.c_uu - place.c_pp, place.c_uu + place.c_pp);
+                0.5 * here.xi_s * difference + here.xi_b * mean
+            };
+            let y = frame.shape;
+            for i in (1..y.intervals() - 1).step_by(3) {
+                let u = y.stage_x(frame.gauss, i, 1);
+                let step = 1e-3 * (y.mesh[i + 1] - y.mesh[i]);
+                let place = at(frame.cortex, frame.gauss, y, u);
+                let here = frame.cortex.constants().at(u, y.scalars[LENGTH]);
+                let along = (tension(u + step) - tension(u - step)) / (2.0 * step * y.scalars[LENGTH]);
+                let round = place.psi.cos() / place.r * here.xi_s * (place.c_uu - place.c_pp);
+                let size = along.abs() + round.abs() + 1.0;
+                assert!((along + round - place.active_tangential).abs() < 1e-4 * size, "{}: {place:?}", along + round);
+                checked += 1;
+            }
+        })
+        .unwrap();
+        assert!(checked > 200, "{checked}");
+    }
+
+    #[test]
+    fn a_cell_without_activity_has_no_active_and_no_viscous_force() {
+        let first = &profiles(Cell { cue: Cue::none(), ..cued() })[0].1;
+        assert!(first.iter().all(|place| place.normal.active == 0.0 && place.normal.viscous.abs() < 1e-9));
+        // What is left is bending, which the pressure and the shell hold.
+        assert!(first.iter().all(|place| place.normal.residual().abs() < 1e-3), "{first:?}");
+        assert!(first.iter().any(|place| place.normal.shell < -0.01) && first[0].normal.pressure != 0.0, "{first:?}");
+    }
+}

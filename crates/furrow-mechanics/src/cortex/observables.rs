@@ -1,0 +1,147 @@
+//! What is read off a shape: elongation, neck, furrow, volumes.
+
+use std::f64::consts::PI;
+
+use furrow_bvp::{Gauss, Solution};
+
+use super::Cortex;
+use super::equations::{COMPONENTS, Domain, LENGTH, M, PSI, R, Z};
+
+/// Collects (r, z) at the collocation points of a solution.
+pub fn positions(y: &Solution, out: &mut Vec<[f64; 2]>) {
+    out.clear();
+    out.extend(y.stages.chunks_exact(COMPONENTS).map(|s| [s[R], s[Z]]));
+}
+
+/// The whole contour as (r, z) at `count` + 1 values of u, evenly spaced from pole to pole; that of a half is completed by its
+/// mirror image.
+pub fn contour(gauss: &Gauss, y: &Solution, domain: Domain, count: usize) -> Vec<[f64; 2]> {
+    let mut out = [0.0; COMPONENTS];
+    let mut at = |u: f64| {
+        let mirrored = domain == Domain::Half && u > 0.5;
+        y.eval(gauss, if mirrored { 1.0 - u } else { u }, &mut out);
+        [out[R], if mirrored { -out[Z] } else { out[Z] }]
+    };
+    (0..=count).map(|k| at(k as f64 / count as f64)).collect()
+}
+
+/// Elongation H = (z(0) − z(1))/R0.
+pub fn elongation(y: &Solution, domain: Domain, r0: f64) -> f64 {
+    let (first, last) = (y.node(0)[Z], y.node(y.intervals())[Z]);
+    match domain {
+        Domain::Full => (first - last) / r0,
+        Domain::Half => 2.0 * first / r0,
+    }
+}
+
+/// Radius at u = ½.
+pub fn equator_radius(gauss: &Gauss, y: &Solution) -> f64 {
+    let mut out = [0.0; COMPONENTS];
+    y.eval(gauss, 0.5, &mut out);
+    out[R]
+}
+
+/// A cell has divided when its neck is narrower than this, relative to R0 (M.20); thinner ones are no shapes of one cell.
+pub const PINCH_OFF: f64 = 1e-3;
+
+/// The narrowest interior minimum of r.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Neck {
+    /// Arclength fraction.
+    pub u: f64,
+    /// Radius r.
+    pub radius: f64,
+}
+
+/// Finds the neck of a full contour: the smallest radius where the tangent angle passes ψ = π/2 downwards. None if the
+/// contour has no waist.
+pub fn neck(gauss: &Gauss, y: &Solution) -> Option<Neck> {
+    let mut best: Option<Neck> = None;
+    let mut value = [0.0; COMPONENTS];
+    for i in 0..y.intervals() {
+        // ψ above π/2 means r falls.
+        let mut before = (0.0, y.node(i)[PSI]);
+        for j in 0..=y.m {
+            let theta = if j < y.m { gauss.c[j] } else { 1.0 };
+            let psi = if j < y.m { y.stage(i, j)[PSI] } else { y.node(i + 1)[PSI] };
+            if before.1 > 0.5 * PI && psi <= 0.5 * PI {
+                let (mut low, mut high) = (before.0, theta);
+                for _ in 0..60 {
+                    let middle = 0.5 * (low + high);
+                    y.eval_in(gauss, i, middle, &mut value);
+                    if value[PSI] > 0.5 * PI { low = middle } else { high = middle }
+                }
+                y.eval_in(gauss, i, 0.5 * (low + high), &mut value);
+                let found = Neck { u: y.mesh[i] + 0.5 * (low + high) * (y.mesh[i + 1] - y.mesh[i]), radius: value[R] };
+                if best.is_none_or(|b| found.radius < b.radius) {
+                    best = Some(found);
+                }
+            }
+            before = (theta, psi);
+        }
+    }
+    best
+}
+
+/// Volume enclosed between the first pole and the plane at u, by Gauss quadrature of πr² sinψ.
+pub fn volume_until(gauss: &Gauss, y: &Solution, u: f64) -> f64 {
+    let length = y.scalars[LENGTH];
+    let mut value = [0.0; COMPONENTS];
+    let mut total = 0.0;
+    for i in 0..y.intervals() {
+        let h = y.mesh[i + 1] - y.mesh[i];
+        let part = ((u - y.mesh[i]) / h).clamp(0.0, 1.0);
+        if part == 0.0 {
+            break;
+        }
+        for (c, b) in gauss.c.iter().zip(&gauss.b) {
+            y.eval_in(gauss, i, c * part, &mut value);
+            total += b * part * h * PI * length * value[R] * value[R] * value[PSI].sin();
+        }
+    }
+    total
+}
+
+/// (V_above − V_below)/V of the parts from u above and below a place, as a rule the neck: χ with its sign, M.21.
+pub fn asymmetry(gauss: &Gauss, y: &Solution, u: f64) -> f64 {
+    1.0 - 2.0 * volume_until(gauss, y, u) / volume_until(gauss, y, 1.0)
+}
+
+/// The meridional furrow position: where the curvature c1 is most negative, refined on the collocation polynomial;
+/// `None` if c1 is positive everywhere.
+pub fn furrow_position(gauss: &Gauss, cortex: &Cortex, y: &Solution) -> Option<f64> {
+    let curvature = |i: usize, theta: f64| {
+        let mut value = [0.0; COMPONENTS];
+        y.eval_in(gauss, i, theta, &mut value);
+        let u = y.mesh[i] + theta * (y.mesh[i + 1] - y.mesh[i]);
+        value[M] / cortex.constants().at(u, y.scalars[LENGTH]).kappa - value[PSI].sin() / value[R]
+    };
+    let at = |u: f64| {
+        let i = y.interval_of(u);
+        curvature(i, (u - y.mesh[i]) / (y.mesh[i + 1] - y.mesh[i]))
+    };
+    let mut best = (f64::INFINITY, 0.0);
+    for i in 0..y.intervals() {
+        for k in 0..4 {
+            let theta = (k as f64 + 0.5) / 4.0;
+            let c1 = curvature(i, theta);
+            if c1 < best.0 {
+                best = (c1, y.mesh[i] + theta * (y.mesh[i + 1] - y.mesh[i]));
+            }
+        }
+    }
+    if best.0 >= 0.0 {
+        return None;
+    }
+    // Golden section on the bracketing quarter intervals.
+    let i = y.interval_of(best.1);
+    let width = 0.3 * (y.mesh[i + 1] - y.mesh[i]);
+    let end = y.mesh[y.intervals()];
+    let (mut low, mut high) = ((best.1 - width).max(y.mesh[0]), (best.1 + width).min(end));
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    for _ in 0..60 {
+        let (x1, x2) = (high - golden * (high - low), low + golden * (high - low));
+        if at(x1) < at(x2) { high = x2 } else { low = x1 }
+    }
+    Some(0.5 * (low + high))
+}

@@ -1,0 +1,279 @@
+//! The boundary-value problem of one cell: a stationary shape, or one implicit time step.
+
+use std::f64::consts::PI;
+use std::sync::{Mutex, PoisonError};
+
+use furrow_bvp::{
+    BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, Dimensions, Kernels, PointJacobian,
+};
+use num_dual::Dual64;
+
+use super::equations::{COMPONENTS, Constants, Domain, LENGTH, Local, M, Motion, PRESSURE, PSI, Q, R, T, V, equations};
+use super::lanes::sin_cos;
+use super::sweep;
+use super::symmetry::{CENTRE, ODD};
+use furrow_cell::cue::{Term, Width};
+use furrow_cell::{Cell, Parameter};
+
+/// The first three components, r, z and m, are quadratures, see [`Dimensions::quadratures`].
+const QUADRATURES: usize = 3;
+
+/// Conditions at the pole where u = 0, and as many at the other end.
+const LEFT: usize = 4;
+
+/// Number of scalar unknowns before the free parameters: L and p.
+pub const SHAPE_SCALARS: usize = 2;
+
+/// The boundary-value problem of one cell: stationary (`rate` = 0) or one implicit time step.
+///
+/// # Examples
+/// ```
+/// use furrow_bvp::BoundaryValueProblem;
+/// use furrow_cell::{Cell, Parameter};
+/// use furrow_mechanics::cortex::{Cortex, Domain};
+/// // The stationary shapes of a half cell, with ξ_s free: one condition short, and so a curve.
+/// let cortex = Cortex::new(&Cell::new(2.0), Domain::Half, &[Parameter::XiS]);
+/// assert_eq!(cortex.dimensions().missing_conditions(), 1);
+/// assert_eq!(cortex.get(Parameter::XiS), 25.0);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Cortex {
+    /// The cell.
+    pub cell: Cell,
+    /// Part of the contour.
+    pub domain: Domain,
+    /// Parameters that are scalar unknowns, in the order they follow (L, p).
+    pub free: Vec<Parameter>,
+    /// 1/Δt of the implicit step; 0 for stationary shapes.
+    pub rate: f64,
+    /// Past (r, z) at every collocation point; may be empty if `rate` = 0.
+    pub past: Vec<[f64; 2]>,
+    /// Factor on the activity at every collocation point; empty for none.
+    pub noise: Vec<f64>,
+    constants: Constants<f64>,
+    /// The constants with their derivatives by each free parameter.
+    sensitivities: Vec<Constants<Dual64>>,
+    /// The constants as numbers that carry derivatives, where the contour's length enters by the cue's widths.
+    along_length: Option<Constants<Dual64>>,
+    /// The coefficients where the equations were evaluated last.
+    known: Shelf,
+}
+
+/// Where [`Known`] coefficients are kept, apart from what the problem is: whoever evaluates it may fill it.
+#[derive(Debug, Default)]
+struct Shelf(Mutex<Known>);
+
+impl Clone for Shelf {
+    fn clone(&self) -> Shelf {
+        Shelf::default()
+    }
+}
+
+/// Coefficients at places along the contour, which a cue takes an exponential for, and which stay as they are as long as the mesh
+/// does and the contour's length has no part in them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Known {
+    x: Vec<f64>,
+    local: Vec<Local<f64>>,
+}
+
+impl Cortex {
+    /// The stationary problem.
+    pub fn new(cell: &Cell, domain: Domain, free: &[Parameter]) -> Cortex {
+        let mut cortex = Cortex {
+            cell: cell.clone(),
+            domain,
+            free: free.to_vec(),
+            rate: 0.0,
+            past: Vec::new(),
+            noise: Vec::new(),
+            constants: Constants::new(cell, |_, v| v),
+            sensitivities: Vec::new(),
+            along_length: None,
+            known: Shelf::default(),
+        };
+        cortex.refresh();
+        cortex
+    }
+
+    /// Sizes for a number of free parameters, on either domain.
+    pub fn dimensions_for(free: usize) -> Dimensions {
+        Dimensions {
+            components: COMPONENTS,
+            quadratures: QUADRATURES,
+            scalars: SHAPE_SCALARS + free,
+            left: 4,
+            right: 4,
+            integrals: 1,
+        }
+    }
+
+    /// Constants at the current parameters.
+    pub fn constants(&self) -> &Constants<f64> {
+        &self.constants
+    }
+
+    /// Changes one parameter.
+    pub fn set(&mut self, parameter: Parameter, value: f64) {
+        parameter.set(&mut self.cell, value);
+        self.refresh();
+    }
+
+    /// Current value of a parameter.
+    pub fn get(&self, parameter: Parameter) -> f64 {
+        parameter.get(&self.cell)
+    }
+
+    /// Recomputes the constants after `cell` was changed directly.
+    pub fn refresh(&mut self) {
+        self.constants = Constants::new(&self.cell, |_, v| v);
+        let with_slope =
+            |which: &Parameter| Constants::new(&self.cell, |p, v| Dual64::new(v, if p == *which { 1.0 } else { 0.0 }));
+        self.sensitivities = self.free.iter().map(with_slope).collect();
+        // A term of amplitude 0 leaves no trace, not even in roundings.
+        let by_length = |term: &Term| term.amplitude != 0.0 && matches!(term.profile.width(), Some(Width::Length(_)));
+        let by_length = self.cell.cue.terms().iter().any(by_length);
+        self.along_length = by_length.then(|| Constants::new(&self.cell, |_, v| Dual64::from_re(v)));
+        self.known = Shelf::default();
+    }
+
+    /// The coefficients at the places `x` on a contour of length `length`, for a `use_of` them.
+    pub(super) fn with_coefficients<T>(&self, x: &[f64], length: f64, use_of: impl FnOnce(&[Local<f64>]) -> T) -> T {
+        let known = &mut *self.known.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if self.along_length.is_some() || known.x != x {
+            known.x.clear();
+            known.x.extend_from_slice(x);
+            known.local.clear();
+            known.local.extend(x.iter().map(|&x| self.constants.at(x, length)));
+        }
+        use_of(&known.local)
+    }
+
+    /// The rates of change at a collocation point.
+    pub(super) fn motion(&self, at: CollocationPoint) -> Motion {
+        if self.rate == 0.0 {
+            return Motion::default();
+        }
+        let [r_past, z_past] = self.past[at.index];
+        Motion { rate: self.rate, r_past, z_past }
+    }
+
+    /// ∂f/∂v_n at one point of state `y` and contour length `length`: what a normal velocity of the cortex adds to the
+    /// right-hand sides of q′, v′ and T′. The equations are linear in v_n.
+    pub fn response_to_normal_velocity(&self, u: f64, y: &[f64], length: f64) -> [f64; COMPONENTS] {
+        let here = self.constants.at(u, length);
+        let (sin, cos) = sin_cos(y[PSI]);
+        let c2 = sin / y[R];
+        let c1 = y[M] / here.kappa - c2;
+        let d_s_u = -here.eta_difference * c2 / here.eta_sum;
+        let d_t_phi = here.eta_difference * d_s_u + here.eta_sum * c2;
+        let mut out = [0.0; COMPONENTS];
+        out[Q] = length * c2 * d_t_phi;
+        out[V] = length * (d_s_u - c1);
+        out[T] = length * cos / y[R] * d_t_phi;
+        out
+    }
+
+    /// The factor on the activity at a collocation point.
+    pub(super) fn noise_at(&self, at: CollocationPoint) -> f64 {
+        self.noise.get(at.index).copied().unwrap_or(1.0)
+    }
+
+    /// Columns of ∂f/∂p for L, where the cue's widths bring it in by more than the factor L, and for the free parameters.
+    fn scalar_columns(&self, at: CollocationPoint, y: &[f64], p: &[f64], fp: &mut [f64]) {
+        let scalars = SHAPE_SCALARS + self.free.len();
+        let state: [Dual64; COMPONENTS] = std::array::from_fn(|i| Dual64::from_re(y[i]));
+        let [length, pressure] = [p[LENGTH], p[PRESSURE]].map(Dual64::from_re);
+        let (motion, noise) = (self.motion(at), self.noise_at(at));
+        let mut put = |column: usize, constants: &Constants<Dual64>, length: Dual64| {
+            let (f, _) = equations(constants, at.x, motion, noise, &state, length, pressure);
+            for i in 0..COMPONENTS {
+                fp[i * scalars + column] = f[i].eps;
+            }
+        };
+        if let Some(constants) = &self.along_length {
+            put(LENGTH, constants, Dual64::new(p[LENGTH], 1.0));
+        }
+        for (k, constants) in self.sensitivities.iter().enumerate() {
+            put(SHAPE_SCALARS + k, constants, length);
+        }
+    }
+}
+
+impl BoundaryValueProblem for Cortex {
+    fn dimensions(&self) -> Dimensions {
+        Cortex::dimensions_for(self.free.len())
+    }
+
+    /// Compiled for the sizes of a cell without and with up to seven free parameters: most of a division is spent there.
+    /// Never inlined, so that no crate above compiles kernels of its own, with what optimisation it happens to have.
+    #[inline(never)]
+    fn kernels(&self, stages: usize) -> Kernels {
+        match stages {
+            3 => Kernels::sized::<COMPONENTS, QUADRATURES, 3, LEFT>(),
+            4 => Kernels::sized::<COMPONENTS, QUADRATURES, 4, LEFT>(),
+            _ => Kernels::general(),
+        }
+    }
+
+    fn prepare(&mut self, p: &[f64]) {
+        if self.free.is_empty() {
+            return;
+        }
+        for k in 0..self.free.len() {
+            self.free[k].set(&mut self.cell, p[SHAPE_SCALARS + k]);
+        }
+        self.refresh();
+    }
+
+    fn rhs(&self, at: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], g: &mut [f64]) {
+        self.rhs_many(CollocationPoints { first: at.index, x: &[at.x], y }, p, f, g);
+    }
+
+    fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
+        self.rhs_jacobian_many(CollocationPoints { first: at.index, x: &[at.x], y }, p, out);
+    }
+
+    fn rhs_many(&self, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64], g: &mut [f64]) {
+        sweep::rhs_many(self, points, p, f, g);
+    }
+
+    fn rhs_jacobian_many(&self, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
+        sweep::jacobian_many(self, points, p, out);
+        if self.sensitivities.is_empty() && self.along_length.is_none() {
+            return;
+        }
+        let scalars = SHAPE_SCALARS + self.free.len();
+        let values = points.x.iter().zip(points.y.chunks_exact(COMPONENTS));
+        for (i, ((&x, y), fp)) in values.zip(out.fp.chunks_exact_mut(COMPONENTS * scalars)).enumerate() {
+            self.scalar_columns(CollocationPoint { x, index: points.first + i }, y, p, fp);
+        }
+    }
+
+    fn left(&self, y: &[f64], _p: &[f64], out: &mut BoundaryJacobian<'_>) {
+        for (k, component) in [R, PSI, Q, V].into_iter().enumerate() {
+            out.r[k] = y[component];
+            out.ry[k * COMPONENTS + component] = 1.0;
+        }
+    }
+
+    /// At the far pole r = 0, ψ = π, q = 0, v = 0 \[M.13 poles\]; at the mirror everything odd is at its centre, M.14.
+    fn right(&self, y: &[f64], _p: &[f64], out: &mut BoundaryJacobian<'_>) {
+        let conditions = match self.domain {
+            Domain::Full => [(R, 0.0), (PSI, PI), (Q, 0.0), (V, 0.0)],
+            Domain::Half => ODD.map(|component| (component, CENTRE[component])),
+        };
+        for (k, (component, value)) in conditions.into_iter().enumerate() {
+            out.r[k] = y[component] - value;
+            out.ry[k * COMPONENTS + component] = 1.0;
+        }
+    }
+
+    fn integral_offset(&self, _k: usize, _p: &[f64], hp: &mut [f64]) -> f64 {
+        let share = self.domain.share();
+        for (k, constants) in self.sensitivities.iter().enumerate() {
+            hp[SHAPE_SCALARS + k] = -share * constants.volume.eps;
+        }
+        -share * self.constants.volume
+    }
+}

@@ -1,0 +1,75 @@
+//! Where a mesh has to be fine: the monitor that meshes follow.
+
+use furrow_bvp::Solution;
+
+use super::Cortex;
+use super::equations::{LENGTH, M, PSI, R};
+
+/// What is added to the mesh monitor everywhere, as a part of its mean.
+const FLOOR: f64 = 0.3;
+/// Growth of the interval width per interval that the monitor allows.
+const GRADING: f64 = 1.0;
+
+/// Weight of a cue's slope beside the turning of the contour.
+const CUE: f64 = 10.0;
+
+/// How steep the cue is in an interval, over all its terms; amplitudes count by what they change in proportion. Steep
+/// places between the collocation points count, however narrow: the mesh sees the narrowest term.
+fn steepness(cortex: &Cortex, from: f64, to: f64, length: f64) -> f64 {
+    let term = |term: &furrow_cell::cue::Term| {
+        let amplitude = term.amplitude.abs();
+        CUE * amplitude / (1.0 + amplitude) * term.profile.steepest(from, to, length)
+    };
+    cortex.constants().cue.iter().map(term).sum()
+}
+
+/// Mesh monitor per interval, N.7: turning of the contour |c1| + |c2| and the slopes of the cue, over a floor of
+/// three tenths of their mean, so that no region is left empty. `symmetric` averages it with its mirror image on a mirror-symmetric mesh.
+pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<f64>) {
+    let length = y.scalars[LENGTH];
+    let end = y.mesh[y.intervals()] - y.mesh[0];
+    weight.clear();
+    for i in 0..y.intervals() {
+        let (from, to) = (y.mesh[i], y.mesh[i + 1]);
+        let mut largest: f64 = 0.0;
+        for j in 0..y.m {
+            let s = y.stage(i, j);
+            let u = from + (to - from) * (j as f64 + 0.5) / y.m as f64;
+            let c2 = s[PSI].sin() / s[R];
+            let c1 = s[M] / cortex.constants().at(u, length).kappa - c2;
+            largest = largest.max(length * (c1.abs() + c2.abs()));
+        }
+        weight.push(largest + steepness(cortex, from, to, length));
+    }
+    if symmetric {
+        average_with_mirror(weight);
+    }
+    spread(&y.mesh, end, weight);
+}
+
+fn average_with_mirror(weight: &mut [f64]) {
+    let n = weight.len();
+    for i in 0..n / 2 {
+        let both = 0.5 * (weight[i] + weight[n - 1 - i]);
+        weight[i] = both;
+        weight[n - 1 - i] = both;
+    }
+}
+
+/// Lifts the weights to their floor and lets the interval widths they ask for vary gently: the wanted width 1/w may grow
+/// by at most [`GRADING`] per unit of u.
+fn spread(mesh: &[f64], end: f64, weight: &mut [f64]) {
+    let n = weight.len();
+    let total = |weight: &[f64]| mesh.windows(2).zip(weight).map(|(x, w)| (x[1] - x[0]) * w).sum::<f64>();
+    let floor = FLOOR * total(weight) / end;
+    weight.iter_mut().for_each(|w| *w += floor);
+    let slope = GRADING * n as f64 / total(weight);
+    for i in 1..n {
+        let distance = 0.5 * (mesh[i + 1] - mesh[i - 1]);
+        weight[i] = weight[i].max(1.0 / (1.0 / weight[i - 1] + slope * distance));
+    }
+    for i in (0..n - 1).rev() {
+        let distance = 0.5 * (mesh[i + 2] - mesh[i]);
+        weight[i] = weight[i].max(1.0 / (1.0 / weight[i + 1] + slope * distance));
+    }
+}

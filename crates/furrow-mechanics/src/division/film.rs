@@ -1,0 +1,226 @@
+//! A division that is kept: every shape on its way with what acts on it, to be looked at at any time.
+
+use furrow_bvp::{Gauss, Solution};
+
+use super::DivisionInput;
+use super::outcome::{Division, DivisionError};
+use super::run::{Frame, run};
+use super::start::Start;
+use crate::cortex::equations::{LENGTH, PRESSURE};
+use crate::cortex::forces::{self, Place};
+use crate::cortex::observables::{self, Neck};
+use crate::cortex::{Cortex, Domain};
+
+/// One accepted step: a shape, and the problem that it solves.
+#[derive(Clone, Debug)]
+struct Step {
+    t: f64,
+    shape: Solution,
+    cortex: Cortex,
+    neck: Option<Neck>,
+}
+
+/// A division with all its shapes.
+///
+/// ```
+/// use furrow_cell::Cell;
+/// use furrow_mechanics::division::{DivisionInput, film};
+///
+/// let film = film(&DivisionInput::new(Cell::new(2.5)))?;
+/// let middle = film.at(0.5 * film.division.t_end);
+/// assert!(middle.places.len() > 50);
+/// assert!(middle.places.iter().all(|place| place.normal.residual().abs() < 0.1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Film {
+    /// How it ended.
+    pub division: Division,
+    cortex: Cortex,
+    gauss: Gauss,
+    steps: Vec<Step>,
+    /// Places of each mesh interval, where not the collocation points are taken.
+    dense: Option<usize>,
+}
+
+/// The cell at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Still {
+    /// Time, in τ.
+    pub t: f64,
+    /// Contour length L, in L_h.
+    pub length: f64,
+    /// Pressure p, in κ0/L_h³.
+    pub pressure: f64,
+    /// The contour from pole to pole, at the collocation points of its mesh, or as many places as the film was asked for, and at
+    /// both ends.
+    pub places: Vec<Place>,
+    /// Its neck, if it has a waist.
+    pub neck: Option<Neck>,
+    /// (V_above − V_below)/V of the parts from u above and below the neck; 0 without one.
+    pub asymmetry: f64,
+}
+
+impl Still {
+    /// The contour alone, as (r, z).
+    pub fn contour(&self) -> Vec<[f64; 2]> {
+        self.places.iter().map(|place| [place.r, place.z]).collect()
+    }
+}
+
+/// Computes a division and keeps its shapes.
+///
+/// # Errors
+/// [`DivisionError`], as [`divide`](super::divide).
+pub fn film(input: &DivisionInput) -> Result<Film, DivisionError> {
+    let mut recording = Recording::default();
+    let (division, _) = run(input, &Start::Passive, &mut |frame| recording.keep(frame), &[])?;
+    Ok(recording.film(input, division))
+}
+
+/// The shapes of a division under way.
+#[derive(Debug, Default)]
+pub(crate) struct Recording(Vec<Step>);
+
+impl Recording {
+    /// Keeps a shape.
+    pub(crate) fn keep(&mut self, frame: Frame<'_>) {
+        let (shape, cortex) = (frame.shape.clone(), frame.cortex.clone());
+        self.0.push(Step { t: frame.t, shape, cortex, neck: frame.neck });
+    }
+
+    /// The film of the division, once it has ended.
+    pub(crate) fn film(self, input: &DivisionInput, division: Division) -> Film {
+        let cortex = Cortex::new(&input.cell, Domain::Full, &[]);
+        Film { division, cortex, gauss: Gauss::new(input.numerics.stages), steps: self.0, dense: None }
+    }
+}
+
+impl Film {
+    /// The same with `count` evenly spaced places in each mesh interval, by the collocation polynomial.
+    pub fn with_places(self, count: usize) -> Film {
+        Film { dense: Some(count.max(1)), ..self }
+    }
+
+    /// Where a step is looked at.
+    fn profile(&self, step: &Step) -> Vec<Place> {
+        match self.dense {
+            None => forces::profile(&step.cortex, &self.gauss, &step.shape),
+            Some(count) => forces::dense_profile(&step.cortex, &self.gauss, &step.shape, count),
+        }
+    }
+
+    /// The half axes of the shell along z and across, in L_h.
+    pub fn shell(&self) -> [f64; 2] {
+        forces::shell_axes(&self.cortex)
+    }
+
+    /// The time of every step, the first at 0. The last is that of the shape whose neck is below pinch-off, a little later than
+    /// the division is said to end.
+    pub fn times(&self) -> Vec<f64> {
+        self.steps.iter().map(|step| step.t).collect()
+    }
+
+    /// The cell at a time of [`times`](Self::times), by its number, counted from 0; past the last the last.
+    pub fn step(&self, number: usize) -> Still {
+        let Some(step) = self.steps.get(number).or(self.steps.last()) else { return Still::empty() };
+        let places = self.profile(step);
+        self.still(step.t, step, None, places)
+    }
+
+    /// The cell at any time, between the first step and the last: at the places of the step behind, interpolated in time
+    /// at fixed u.
+    pub fn at(&self, t: f64) -> Still {
+        let behind = self.steps.partition_point(|step| step.t < t);
+        if behind == 0 || behind >= self.steps.len() {
+            return self.step(behind);
+        }
+        let (before, after) = (&self.steps[behind - 1], &self.steps[behind]);
+        let dt = after.t - before.t;
+        let share = (t - before.t) / dt;
+        let then = self.profile(after);
+        let blend =
+            |place: Place| forces::at(&before.cortex, &self.gauss, &before.shape, place.u).between(&place, share, dt);
+        let places = then.into_iter().map(blend).collect();
+        self.still(t, before, Some((after, share)), places)
+    }
+
+    /// The times k·step, and the last; the last alone where the step is not above 0.
+    pub fn uniform_times(&self, step: f64) -> Vec<f64> {
+        let end = self.steps.last().map_or(0.0, |step| step.t);
+        let count = if step > 0.0 { ((end - 1e-9 * step) / step).ceil().max(0.0) as usize } else { 0 };
+        let mut times: Vec<f64> = (0..count).map(|k| k as f64 * step).collect();
+        times.push(end);
+        times
+    }
+
+    fn still(&self, t: f64, before: &Step, after: Option<(&Step, f64)>, places: Vec<Place>) -> Still {
+        let blend = |of: &dyn Fn(&Step) -> f64| {
+            after.map_or(of(before), |(after, share)| of(before) + share * (of(after) - of(before)))
+        };
+        let neck = match (before.neck, after) {
+            (Some(a), Some((Step { neck: Some(b), .. }, share))) => {
+                Some(Neck { u: a.u + share * (b.u - a.u), radius: a.radius + share * (b.radius - a.radius) })
+            }
+            (neck, None) => neck,
+            _ => None,
+        };
+        Still {
+            t,
+            length: blend(&|step| step.shape.scalars[LENGTH]),
+            pressure: blend(&|step| step.shape.scalars[PRESSURE]),
+            asymmetry: blend(&|step| self.asymmetry(step)),
+            neck,
+            places,
+        }
+    }
+
+    fn asymmetry(&self, step: &Step) -> f64 {
+        step.neck.map_or(0.0, |neck| observables::asymmetry(&self.gauss, &step.shape, neck.u))
+    }
+}
+
+impl Still {
+    fn empty() -> Still {
+        Still { t: 0.0, length: 0.0, pressure: 0.0, places: Vec::new(), neck: None, asymmetry: 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use furrow_cell::{Cell, Cue};
+
+    #[test]
+    fn between_steps_the_contour_is_that_of_a_finer_division() {
+        let cell = Cell::new(4.0).with_cue(Cue::published());
+        let coarse = film(&DivisionInput::new(cell.clone())).unwrap();
+        let mut input = DivisionInput::new(cell);
+        input.numerics.step_factor = 0.25;
+        let fine = film(&input).unwrap();
+        for t in [0.05, 0.2, 0.35] {
+            let (a, b) = (coarse.at(t), fine.at(t));
+            let at = |still: &Still, u: f64| {
+                let k = still.places.partition_point(|place| place.u < u).clamp(1, still.places.len() - 1);
+                let (left, right) = (&still.places[k - 1], &still.places[k]);
+                let share = (u - left.u) / (right.u - left.u);
+                [left.r + share * (right.r - left.r), left.z + share * (right.z - left.z)]
+            };
+            for k in 0..=20 {
+                let ([r, z], [r2, z2]) = (at(&a, k as f64 / 20.0), at(&b, k as f64 / 20.0));
+                assert!((r - r2).abs() < 0.01 && (z - z2).abs() < 0.01, "{t} {k}: {r} {r2} {z} {z2}");
+            }
+        }
+    }
+
+    #[test]
+    fn uniform_times_begin_at_zero_and_end_with_the_division() {
+        let film = film(&DivisionInput::new(Cell::new(2.5))).unwrap();
+        let times = film.uniform_times(0.25);
+        assert_eq!(times[..3], [0.0, 0.25, 0.5]);
+        assert_eq!(times.last(), film.times().last());
+        let last = film.at(*times.last().unwrap());
+        assert!(last.neck.unwrap().radius < 1e-3 * 2.5);
+        assert!((last.asymmetry.abs() - film.division.chi.unwrap()).abs() < 1e-3);
+    }
+}

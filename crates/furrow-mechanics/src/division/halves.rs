@@ -1,0 +1,169 @@
+//! Steps of a nearly mirror-symmetric cell on half of its contour.
+//!
+//! While the antisymmetric part of a shape is small it does not act back on the symmetric one. That solves the step by itself, on
+//! half of the contour with the conditions of the mirror (M.14); the antisymmetric part solves the step linearised about it, with
+//! those of M.15: N.16. Both have the same intervals, so that one elimination serves both. What is left out is of second order in the
+//! antisymmetric part, which has its own error in the step-size control.
+//!
+//! Neither needs the factors of this step: the symmetric part is found by chord steps with those of a step before, and the
+//! antisymmetric part by corrections of what is left of its linear equations, which are evaluated about the solution.
+
+use furrow_bvp::newton::NewtonScratch;
+use furrow_bvp::{
+    AntisymmetricEnd, Direction, Newton, NewtonError, NewtonReport, PivotFailure, Residual, Solution, System,
+};
+
+use crate::cortex::equations::{COMPONENTS, LENGTH, PSI, Q, T, V};
+use crate::cortex::lanes::sin_cos;
+use crate::cortex::symmetry::{EVEN, fold, join};
+use crate::cortex::{Cortex, Domain};
+
+/// The antisymmetric part of a step is solved to this part of itself.
+const EXACT: f64 = 1e-4;
+/// Corrections of it go on from one at most this fraction of the one before.
+const LEAST_CONTRACTION: f64 = 0.5;
+/// Most corrections before the factors are made anew.
+const MOST_CORRECTIONS: usize = 8;
+
+/// What a step on halves is solved with.
+pub struct Halves {
+    /// Linear algebra.
+    pub system: System,
+    cortex: Cortex,
+    scratch: NewtonScratch,
+    end: AntisymmetricEnd,
+    even: Solution,
+    odd: Direction,
+    /// Antisymmetric part of the past (r, z) at the collocation points of the half.
+    odd_past: Vec<[f64; 2]>,
+    /// What the past does to the equations of the antisymmetric part.
+    source: Residual,
+    residual: Residual,
+    correction: Direction,
+}
+
+impl Halves {
+    /// For the shapes of a mirror-symmetric cell that are discretised like `shape`.
+    pub fn new(cortex: &Cortex, shape: &Solution) -> Halves {
+        Halves {
+            system: System::new(Cortex::dimensions_for(0), shape.m),
+            cortex: Cortex::new(&cortex.cell, Domain::Half, &[]),
+            scratch: NewtonScratch::default(),
+            end: AntisymmetricEnd::default(),
+            even: shape.clone(),
+            odd: Direction::default(),
+            odd_past: Vec::new(),
+            source: Residual::default(),
+            residual: Residual::default(),
+            correction: Direction::default(),
+        }
+    }
+
+    /// Solves the step that `cortex` states on a mirrored mesh, from and into `y`. With `reuse` the factors at hand are tried
+    /// first.
+    ///
+    /// # Errors
+    /// [`NewtonError`] if the iteration does not converge from there.
+    pub fn solve(
+        &mut self,
+        newton: &Newton,
+        cortex: &Cortex,
+        y: &mut Solution,
+        reuse: bool,
+    ) -> Result<NewtonReport, NewtonError> {
+        fold(y, &mut self.even, &mut self.odd);
+        self.fold_past(cortex);
+        let Halves { system, cortex, scratch, even, end, .. } = self;
+        let mut report = newton.solve(system, scratch, cortex, even, &[], reuse)?;
+        let singular = |failure| NewtonError::of_pivot(failure, report.iterations);
+        if report.factorisations > 0 {
+            system.eliminate_antisymmetric(&EVEN, end).map_err(singular)?;
+        }
+        system.evaluate(cortex, even, &[], true);
+        self.find_source();
+        match self.correct_repeatedly() {
+            Some(corrections) => report.iterations += corrections,
+            None => {
+                self.factorise().map_err(singular)?;
+                self.correct();
+                report.factorisations += 1;
+                report.iterations += 1;
+            }
+        }
+        join(&self.even, &self.odd, y);
+        Ok(report)
+    }
+
+    /// The symmetric part of the past becomes that of the half's own problem.
+    fn fold_past(&mut self, cortex: &Cortex) {
+        self.cortex.rate = cortex.rate;
+        self.cortex.past.clear();
+        self.odd_past.clear();
+        let half = cortex.past.len() / 2;
+        for ([r, z], [rm, zm]) in cortex.past.iter().zip(cortex.past.iter().rev()).take(half) {
+            self.cortex.past.push([0.5 * (r + rm), 0.5 * (z - zm)]);
+            self.odd_past.push([0.5 * (r - rm), 0.5 * (z + zm)]);
+        }
+    }
+
+    /// The residual of the antisymmetric part if there were none of it now, only in the past, about the symmetric part that the
+    /// system was evaluated at. The past enters by the normal velocity, in which the equations are linear.
+    fn find_source(&mut self) {
+        let Halves { system, cortex, even, source, odd_past, .. } = self;
+        system.zero_residual_into(source);
+        source.right.truncate(EVEN.len());
+        let length = even.scalars[LENGTH];
+        for (i, interval) in even.mesh.windows(2).enumerate() {
+            let h = interval[1] - interval[0];
+            for j in 0..even.m {
+                let (point, state) = (i * even.m + j, even.stage(i, j));
+                let [r, z] = odd_past[point];
+                let (sin, cos) = sin_cos(state[PSI]);
+                let velocity = cortex.rate * (sin * r + cos * z);
+                let response = cortex.response_to_normal_velocity(even.stage_x(&system.gauss, i, j), state, length);
+                for k in [Q, V, T] {
+                    source.stages[point * COMPONENTS + k] = h * velocity * response[k];
+                }
+            }
+        }
+    }
+
+    /// Factors of both problems where the system was evaluated.
+    fn factorise(&mut self) -> Result<(), PivotFailure> {
+        self.system.condense()?;
+        self.system.factor_blocks(&[])?;
+        self.system.eliminate_antisymmetric(&EVEN, &mut self.end)
+    }
+
+    /// Corrects the antisymmetric part with the factors at hand.
+    fn correct(&mut self) {
+        let Halves { system, end, odd, residual, source, correction, .. } = self;
+        residual.clone_from(source);
+        system.apply_antisymmetric(end, odd, residual);
+        system.solve_antisymmetric(end, residual, correction);
+        let values = odd.nodes.iter_mut().chain(&mut odd.stages);
+        values.zip(correction.nodes.iter().chain(&correction.stages)).for_each(|(y, d)| *y += d);
+    }
+
+    /// Corrects the antisymmetric part until it is exact enough, and counts; none if corrections do not contract.
+    fn correct_repeatedly(&mut self) -> Option<usize> {
+        let mut before = f64::INFINITY;
+        for corrections in 1..=MOST_CORRECTIONS {
+            self.correct();
+            let size = largest(&self.correction.nodes);
+            let contraction = if corrections == 1 { LEAST_CONTRACTION } else { size / before };
+            if !(contraction <= LEAST_CONTRACTION && size.is_finite()) {
+                return None;
+            }
+            if size * contraction / (1.0 - contraction) <= EXACT * largest(&self.odd.nodes) {
+                return Some(corrections);
+            }
+            before = size;
+        }
+        None
+    }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, v| v.abs().max(largest))
+}

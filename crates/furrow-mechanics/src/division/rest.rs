@@ -1,0 +1,156 @@
+//! Whether a shape is at rest: the stationary state next to it, and whether that is stable.
+
+use furrow_bvp::newton::NewtonScratch;
+use furrow_bvp::{Newton, Solution, System, mesh};
+
+use super::stepper::{Stepper, parity_norm};
+use crate::cortex::equations::{COMPONENTS, R, Z};
+use crate::cortex::symmetry::unfold;
+use crate::cortex::{Cortex, Domain};
+use crate::stability::Stability;
+
+/// A shape slower than this, relative to R0 and in 1/τ, may be at rest.
+const REST_SPEED: f64 = 1e-2;
+/// Time between two looks for a stationary state, in τ.
+pub const REST_INTERVAL: f64 = 0.5;
+/// A slow shape that seems to be farther from rest than this, relative to R0, is passed over: it has left a saddle, or not come near.
+const SURELY_TOO_FAR: f64 = 2.0 * REST_DISTANCE;
+/// How many in a row are passed over at most: what it seems is of one mode alone.
+const MOST_PASSED_OVER: usize = 20;
+/// Below this, in 1/τ, a growth rate is looked at on finer and finer meshes until it is known to a hundredth.
+const CRITICAL: f64 = 5e-4;
+/// Most halvings of a mesh for it.
+const MOST_HALVINGS: u32 = 4;
+
+/// Largest L² distance to a stationary state, relative to R0, at which its stability decides.
+const REST_DISTANCE: f64 = 2e-3;
+
+/// Symmetric shapes that grow or decay more slowly than this, in 1/τ, may have asymmetric ones as near to them.
+const CLEAR: f64 = 1e-3;
+
+/// The first iteration for it. From so near it takes one factorisation. Next to a singular point it takes more, and goes on; what
+/// has gone away by then had nothing near it.
+const NEARBY: Newton = Newton {
+    tolerance: 1e-9,
+    max_factorisations: 2,
+    max_iterations: 12,
+    min_damping: 0.1,
+    leniency: 1.0,
+    chord_contraction: 0.3,
+};
+
+/// A stationary shape next to that of the cell, on a finer mesh than the division's.
+pub struct Rest {
+    /// The cell's own shape on that mesh.
+    pub here: Solution,
+    /// The stationary shape.
+    pub stationary: Solution,
+    /// Its leading growth rate, in 1/τ.
+    pub growth_rate: f64,
+    /// How many times every interval of the division's mesh is halved.
+    pub halvings: u32,
+}
+
+/// Looks at slow shapes in the course of a division for whether they rest.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Looks {
+    /// When to look next, in τ.
+    pub next: f64,
+    /// Slow shapes since the last look that seemed too far from rest.
+    passed_over: usize,
+}
+
+impl Looks {
+    /// The stationary state that the shape has come near to, if it has.
+    ///
+    /// A slow shape is only a hint: near a saddle it is slow too. The stationary state next to it is solved for, and its
+    /// leading growth rate decides.
+    pub fn at(&mut self, stepper: &Stepper, nearly_symmetric: bool) -> Option<Rest> {
+        let t = stepper.levels[0].t;
+        if t < self.next || stepper.speed() > REST_SPEED {
+            return None;
+        }
+        self.next = t + REST_INTERVAL;
+        let far = stepper.distance_to_rest().is_some_and(|distance| distance > SURELY_TOO_FAR);
+        if far && self.passed_over < MOST_PASSED_OVER {
+            self.passed_over += 1;
+            return None;
+        }
+        self.passed_over = 0;
+        let mut rest = Rest::near(stepper, 1, nearly_symmetric)?;
+        // The mesh of the division is coarse; near the critical radius its growth rate may have the wrong sign.
+        while rest.growth_rate.abs() < CRITICAL && rest.halvings < MOST_HALVINGS {
+            let finer = Rest::near(stepper, rest.halvings + 1, nearly_symmetric)?;
+            let change = (finer.growth_rate - rest.growth_rate).abs();
+            rest = finer;
+            if change < 0.01 * rest.growth_rate.abs() {
+                break;
+            }
+        }
+        (rest.growth_rate != 0.0 && rest.growth_rate.is_finite()).then_some(rest)
+    }
+}
+
+impl Rest {
+    /// The stationary state next to the newest shape, on the division's mesh with every interval halved so many times. Where a
+    /// mirror-symmetric one may be near enough it is looked for first, on half of the contour.
+    pub fn near(stepper: &Stepper, halvings: u32, nearly_symmetric: bool) -> Option<Rest> {
+        let newest = &stepper.levels[0].y;
+        let grid = (0..halvings).fold(newest.mesh.clone(), |grid, _| mesh::halved(&grid));
+        let here = newest.on_mesh(&stepper.system.gauss, &grid);
+        let cell = &stepper.cortex.cell;
+        let on_half = nearly_symmetric && cell.is_mirror_symmetric() && grid.len() % 2 == 1 && {
+            let value = |i: usize| [here.stages[i * COMPONENTS + R], here.stages[i * COMPONENTS + Z]];
+            parity_norm(&stepper.system.gauss, &here.mesh, value).odd < REST_DISTANCE * cell.r0
+        };
+        let symmetric = if on_half { beside(stepper, &here, Domain::Half) } else { None };
+        let (stationary, growth_rate) = match symmetric {
+            Some(found) if found.1.abs() > CLEAR => found,
+            _ => beside(stepper, &here, Domain::Full)?,
+        };
+        Some(Rest { here, stationary, growth_rate, halvings })
+    }
+}
+
+/// The stationary state beside the shape `here`, solved for on a domain, with its leading growth rate; none if it is too far.
+fn beside(stepper: &Stepper, here: &Solution, domain: Domain) -> Option<(Solution, f64)> {
+    let mut cortex = Cortex::new(&stepper.cortex.cell, domain, &[]);
+    let mut y = match domain {
+        Domain::Full => here.clone(),
+        Domain::Half => first_half(here),
+    };
+    let (mut system, mut scratch) = (System::new(Cortex::dimensions_for(0), y.m), NewtonScratch::default());
+    let near = |y: &Solution| {
+        let whole = match domain {
+            Domain::Full => y.clone(),
+            Domain::Half => unfold(y),
+        };
+        let distance = parity_norm(&stepper.system.gauss, &here.mesh, |i| {
+            let moved = |c: usize| whole.stages[i * COMPONENTS + c] - here.stages[i * COMPONENTS + c];
+            [moved(R), moved(Z)]
+        });
+        (distance.even.hypot(distance.odd) <= REST_DISTANCE * stepper.cortex.cell.r0).then_some(whole)
+    };
+    if NEARBY.solve(&mut system, &mut scratch, &mut cortex, &mut y, &[], false).is_err() {
+        near(&y)?;
+        Newton::default().solve(&mut system, &mut scratch, &mut cortex, &mut y, &[], false).ok()?;
+    }
+    let whole = near(&y)?;
+    let growth_rate = Stability::new(y.m).leading(&cortex, &y).ok()?.growth_rate();
+    Some((whole, growth_rate))
+}
+
+/// The half up to u = ½ of a shape on a mirror-symmetric mesh of an even number of intervals.
+fn first_half(whole: &Solution) -> Solution {
+    let intervals = whole.intervals() / 2;
+    let mut mesh = whole.mesh[..=intervals].to_vec();
+    mesh[intervals] = Domain::Half.end();
+    Solution {
+        components: whole.components,
+        m: whole.m,
+        mesh,
+        nodes: whole.nodes[..(intervals + 1) * COMPONENTS].to_vec(),
+        stages: whole.stages[..intervals * whole.m * COMPONENTS].to_vec(),
+        scalars: whole.scalars.clone(),
+    }
+}

@@ -1,0 +1,481 @@
+//! One division from the passive shape to pinch-off or rest.
+
+use furrow_bvp::{Gauss, Solution, Work};
+
+use super::DivisionInput;
+use super::limits;
+use super::noise;
+use super::oscillation::Oscillation;
+use super::outcome::{Division, DivisionError, Outcome, StepFailure};
+use super::rest::{Looks, REST_INTERVAL, Rest};
+use super::sensitivity::{Sensitivity, Tangent};
+use super::slow;
+use super::start::{FIRST_MESH, Start, check};
+use super::step_size::StepSize;
+use super::stepper::{MAX_ORDER, Stepper};
+use crate::cortex::Cortex;
+use crate::cortex::equations::{LENGTH, PSI, R, noise_factor};
+use crate::cortex::lanes::sin_cos;
+use crate::cortex::observables::{self, Neck, PINCH_OFF};
+use furrow_cell::{Cell, Numerics, Parameter, Scheme};
+
+/// The first step is not made shorter than about this, in τ.
+const SHORTEST_FIRST_STEP: f64 = 1e-9;
+/// Longest first step after a wait at a saddle, in τ: no growing mode is as fast as that there.
+const FIRST_LEAP: f64 = 1.0;
+/// Largest relative narrowing of the neck per step.
+const NECK_STEP: f64 = 0.4;
+/// The same in the published scheme, whose error nothing else controls.
+const PUBLISHED_NECK_STEP: f64 = 0.08;
+/// Below this neck radius, relative to R0, the neck closes faster than anything else happens.
+const CLOSING: f64 = 0.3;
+/// Errors that are allowed then, in units of the time tolerance: they move the time of pinch-off alone.
+const CLOSING_TOLERANCE: f64 = 4.0;
+/// Size of the antisymmetric part of a shape, relative to R0, up to which it does not act back on the symmetric part: what its square
+/// does to the volume stays below 1e-8 of it.
+const NEARLY_SYMMETRIC: f64 = 1.5e-5;
+/// The same while the neck closes, when that has no time to add up.
+const NEARLY_SYMMETRIC_CLOSING: f64 = 4e-5;
+/// Local error of the odd part relative to its size, in units of the time tolerance.
+const ODD_TOLERANCE: f64 = 375.0;
+/// An odd part below this, relative to R0, is rounding and is not resolved: without noise there is nothing else at first.
+const ODD_ROUNDING: f64 = 1e-12;
+
+/// A time that falls short of another by less than this part of it is that time.
+const ROUNDING: f64 = 1e-9;
+
+/// A saddle that grows more slowly than this, in 1/τ, is left on a finer mesh: its growth rate must be right.
+const NEAR_CRITICAL: f64 = 0.1;
+/// What grows needs several times 1/σ to leave a saddle.
+const STAY: f64 = 5.0;
+/// How often a shape is found at a saddle before the mesh is taken to hold it there.
+const PATIENCE: usize = 3;
+/// Time that a cell which has left a saddle is given to divide or come to rest elsewhere, in 1/σ.
+const AFTERWARDS: f64 = 1e3;
+
+/// What an observer of a division sees after every accepted step.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// Time, in τ.
+    pub t: f64,
+    /// The shape on the full contour.
+    pub shape: &'a Solution,
+    /// Its neck, if it has a waist.
+    pub neck: Option<Neck>,
+    /// The problem that the shape solves, with its motion: what [`forces`](crate::cortex::forces) reads. At t = 0 that of the
+    /// passive cell, or of the stationary shape that it starts from.
+    pub cortex: &'a Cortex,
+    /// The collocation scheme of the shape.
+    pub gauss: &'a Gauss,
+}
+
+/// Computes one division.
+///
+/// # Errors
+/// [`DivisionError`], naming the cell and what was tried.
+pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
+    Ok(run(input, &Start::Passive, &mut |_| {}, &[])?.0)
+}
+
+/// [`divide`] with an observer called with the start shape and after every accepted step.
+///
+/// # Errors
+/// See [`divide`].
+pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)) -> Result<Division, DivisionError> {
+    Ok(run(input, &Start::Passive, &mut observe, &[])?.0)
+}
+
+/// [`divide`] with the exact derivatives of the outcome by each of `parameters`, by the tangent of every time step: see
+/// [`sensitivity`](super::sensitivity). None where the outcome is not smooth in them: where the cell does not divide, or has
+/// waited at a stationary shape for so long that the wait was leapt over.
+///
+/// # Errors
+/// See [`divide`].
+///
+/// # Examples
+/// How χ of a cell with the germline's cue follows its size and the strength of the cue:
+///
+/// ```
+/// use furrow_cell::{Cell, Cue, Parameter};
+/// use furrow_mechanics::division::{DivisionInput, divide_with_sensitivities};
+/// let input = DivisionInput::new(Cell::new(3.3).with_cue(Cue::published()));
+/// let parameters = [Parameter::R0, "cue.amplitude".parse()?];
+/// let (division, sensitivities) = divide_with_sensitivities(&input, &parameters)?;
+/// let by = sensitivities.ok_or("does not divide")?;
+/// println!("χ = {:?}; ∂χ/∂R0 = {}, ∂χ/∂Δκ = {}", division.chi_signed, by[0].chi_signed, by[1].chi_signed);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn divide_with_sensitivities(
+    input: &DivisionInput,
+    parameters: &[Parameter],
+) -> Result<(Division, Option<Vec<Sensitivity>>), DivisionError> {
+    run(input, &Start::Passive, &mut |_| {}, parameters)
+}
+
+/// The division itself, which is compiled here once and not with everyone who observes it.
+pub(crate) fn run(
+    input: &DivisionInput,
+    start: &Start<'_>,
+    observe: &mut dyn FnMut(Frame<'_>),
+    parameters: &[Parameter],
+) -> Result<(Division, Option<Vec<Sensitivity>>), DivisionError> {
+    let DivisionInput { cell, numerics, seed } = input;
+    check(cell)?;
+    let mut stepper = start.stepper(cell, numerics)?;
+    let tangent = (!parameters.is_empty()).then(|| Tangent::of_start(&stepper, parameters));
+    let (shape, gauss) = (&stepper.levels[0].y, &stepper.system.gauss);
+    observe(Frame { t: 0.0, shape, neck: None, cortex: &start.cortex(cell), gauss });
+    let parity = cell.is_mirror_symmetric();
+    if start.until().is_none() {
+        stepper.adapt(parity, FIRST_MESH);
+    }
+    stepper.extrapolates = numerics.scheme == Scheme::Converged;
+    let mut run = Run::new(numerics, parity, tangent);
+    run.first_step(&mut stepper, noise::coefficients(*seed, numerics.noise))?;
+    // Without noise there is no antisymmetric part but for roundings, which are to grow as they do on the whole contour.
+    if parity && numerics.scheme == Scheme::Converged && numerics.noise != 0.0 {
+        stepper.nearly_symmetric = NEARLY_SYMMETRIC;
+        stepper.halve();
+    }
+    loop {
+        run.shorten(start, stepper.levels[0].t);
+        run.advance(&mut stepper)?;
+        let newest = &stepper.levels[0];
+        let (cortex, gauss) = (&stepper.cortex, &stepper.system.gauss);
+        observe(Frame { t: newest.t, shape: &newest.y, neck: run.neck, cortex, gauss });
+        if let Some(neck) = run.neck
+            && neck.radius < PINCH_OFF * cell.r0
+        {
+            let division = run.divided(&stepper, neck, numerics.chi_symmetric);
+            let smooth = division.slow_growth_rate.is_none();
+            return Ok((division, run.tangent.filter(|_| smooth).and_then(|tangent| tangent.read(&stepper))));
+        }
+        if let Some(until) = start.until() {
+            if stepper.levels[0].t >= until * (1.0 - ROUNDING) {
+                return Ok((run.watched(&stepper), None));
+            }
+            run.prepare_mesh(&mut stepper);
+            continue;
+        }
+        if let Some(rest) = run.looks.at(&stepper, run.parity) {
+            if rest.growth_rate < 0.0 || run.is_attractor(&rest) {
+                return Ok((run.failed(&stepper, rest.growth_rate), None));
+            }
+            run.stay(&mut stepper, &rest);
+        }
+        let newest = &stepper.levels[0];
+        if let Some(period) = run.oscillation.note(newest.t, newest.y.scalars[LENGTH]) {
+            return Err(DivisionError::Oscillates { r0: cell.r0, period });
+        }
+        if run.steps > run.most_steps {
+            let t = stepper.levels[0].t;
+            return Err(DivisionError::Restless { r0: cell.r0, t, steps: run.steps });
+        }
+        if stepper.levels[0].t > run.t_max {
+            if run.fixed.is_none()
+                && let Some(growth_rate) = limits::afloat(&stepper)
+            {
+                return Ok((run.failed(&stepper, growth_rate), None));
+            }
+            return Err(run.undecided(cell));
+        }
+        run.prepare_mesh(&mut stepper);
+    }
+}
+
+/// Controls of one run.
+struct Run {
+    tolerance: f64,
+    factor: f64,
+    /// The shape is nearly mirror-symmetric and its odd part is resolved in its own right.
+    parity: bool,
+    odd_floor: f64,
+    dt: f64,
+    step_size: StepSize,
+    /// The step of the published scheme.
+    fixed: Option<f64>,
+    steps: usize,
+    rejected: usize,
+    looks: Looks,
+    drift: f64,
+    neck: Option<Neck>,
+    neck_rate: f64,
+    /// Largest time of the numerics, in τ.
+    longest: f64,
+    /// Most steps.
+    most_steps: usize,
+    /// Largest time of this cell: later for one that has waited at a saddle.
+    t_max: f64,
+    /// How often the shape was found at a saddle.
+    stays: usize,
+    /// Growth rate of that saddle.
+    slow_growth_rate: Option<f64>,
+    /// How the shape changes with parameters, if that is asked.
+    tangent: Option<Tangent>,
+    /// The length of the contour so far.
+    oscillation: Oscillation,
+}
+
+impl Run {
+    /// Before the first step.
+    fn new(numerics: &Numerics, parity: bool, tangent: Option<Tangent>) -> Run {
+        Run {
+            tolerance: numerics.time_tolerance,
+            factor: numerics.step_factor,
+            parity,
+            odd_floor: 0.0,
+            dt: numerics.first_step,
+            step_size: StepSize::default(),
+            fixed: (numerics.scheme == Scheme::Published).then_some(numerics.dt),
+            steps: 0,
+            rejected: 0,
+            looks: Looks::default(),
+            drift: 0.0,
+            neck: None,
+            neck_rate: 0.0,
+            longest: numerics.t_max,
+            most_steps: limits::most_steps(numerics),
+            t_max: numerics.t_max,
+            stays: 0,
+            slow_growth_rate: None,
+            tangent,
+            oscillation: Oscillation::default(),
+        }
+    }
+
+    /// The first step, whose activity is noisy. The noise belongs to a step of given length, whatever the step factor; where
+    /// that step cannot be solved, as where a strong cue makes the cortex a hundred times quicker, to one of a tenth of it, and
+    /// so on: what the noise starts there grows as much sooner.
+    fn first_step(&mut self, stepper: &mut Stepper, coefficients: [f64; 10]) -> Result<(), DivisionError> {
+        let (y, gauss) = (&stepper.levels[0].y, &stepper.system.gauss);
+        let points = 0..y.intervals() * y.m;
+        stepper.cortex.noise =
+            points.map(|i| noise_factor(&coefficients, y.stage_x(gauss, i / y.m, i % y.m))).collect();
+        let first = loop {
+            match stepper.attempt(self.dt, 1) {
+                Ok(first) => break first,
+                Err(_) if self.dt > SHORTEST_FIRST_STEP => {
+                    self.rejected += 1;
+                    self.dt *= 0.1;
+                }
+                Err(error) => {
+                    let r0 = stepper.cortex.cell.r0;
+                    return Err(DivisionError::Stalled { r0, t: 0.0, dt: self.dt, source: error.into() });
+                }
+            }
+        };
+        self.odd_floor = f64::max(0.3 * first.odd_size, ODD_ROUNDING * stepper.cortex.cell.r0);
+        stepper.accept();
+        self.tangent.iter_mut().for_each(|tangent| tangent.follow(stepper));
+        stepper.cortex.noise.clear();
+        stepper.restart();
+        self.steps = 1;
+        Ok(())
+    }
+
+    /// One step of the published scheme. Steps double from the first, short one to their fixed length, and are shorter again
+    /// where a step cannot be solved or the neck closes.
+    fn advance_fixed(&mut self, stepper: &mut Stepper, fixed: f64) -> Result<(), DivisionError> {
+        while let Err(error) = stepper.attempt(self.dt, 1) {
+            self.rejected += 1;
+            self.dt *= 0.5;
+            if self.dt < 1e-12 {
+                let (r0, t) = (stepper.cortex.cell.r0, stepper.levels[0].t);
+                return Err(DivisionError::Stalled { r0, t, dt: self.dt, source: error.into() });
+            }
+        }
+        self.accept(stepper, 2.0);
+        self.dt = self.dt.min(fixed);
+        Ok(())
+    }
+
+    /// Keeps the next step within the longest that the start allows, and within the time that is watched.
+    fn shorten(&mut self, start: &Start<'_>, t: f64) {
+        let Some(until) = start.until() else { return };
+        let factor = if self.fixed.is_some() { 1.0 } else { self.factor };
+        self.dt = self.dt.min(start.longest_step().min(until - t) / factor);
+    }
+
+    fn neck_step(&self) -> f64 {
+        if self.fixed.is_some() { PUBLISHED_NECK_STEP } else { NECK_STEP }
+    }
+
+    /// Whether the published scheme cannot leave a shape that grows: backward Euler multiplies by 1/(1 − σΔt).
+    fn is_attractor(&self, rest: &Rest) -> bool {
+        self.fixed.is_some_and(|dt| rest.growth_rate * dt > 2.0)
+    }
+
+    /// One accepted step.
+    fn advance(&mut self, stepper: &mut Stepper) -> Result<(), DivisionError> {
+        if let Some(fixed) = self.fixed {
+            return self.advance_fixed(stepper, fixed);
+        }
+        let r0 = stepper.cortex.cell.r0;
+        let mut failures = 0;
+        loop {
+            let order = MAX_ORDER.min(stepper.levels.len());
+            let dt = self.dt * self.factor;
+            let t = stepper.levels[0].t;
+            let attempt = stepper.attempt(dt, order);
+            let shrink = match &attempt {
+                Ok(a) => {
+                    // The step factor scales steps chosen for the tolerance: a smaller error does not win them back.
+                    let error = self.error_ratio(a.error.even, a.error.odd, a.odd_size, r0)
+                        / self.factor.powi(order as i32 + 1);
+                    if error <= 1.0 || stepper.levels.len() == 1 {
+                        let growth = self.step_size.growth(self.dt, error, order);
+                        self.accept(stepper, growth);
+                        return Ok(());
+                    }
+                    StepSize::shrinkage(error, order)
+                }
+                Err(_) => 0.4,
+            };
+            self.rejected += 1;
+            failures += 1;
+            self.dt *= shrink;
+            if failures > 3 {
+                stepper.restart();
+            }
+            if self.dt < 1e-12 {
+                let source = attempt.map_or_else(StepFailure::Newton, |_| StepFailure::Inaccurate);
+                return Err(DivisionError::Stalled { r0, t, dt: self.dt, source });
+            }
+        }
+    }
+
+    fn closes(&self, r0: f64) -> bool {
+        self.neck.is_some_and(|neck| neck.radius < CLOSING * r0)
+    }
+
+    /// Error of a step in units of what is allowed: N.14 while the shape is nearly mirror-symmetric.
+    fn error_ratio(&self, even: f64, odd: f64, odd_size: f64, r0: f64) -> f64 {
+        // Once the neck closes the outcome is decided and no odd mode has time to grow.
+        let closing = self.closes(r0);
+        let tolerance = self.tolerance * if closing { CLOSING_TOLERANCE } else { 1.0 };
+        let absolute = even.hypot(odd) / (tolerance * r0);
+        if self.parity && !closing {
+            absolute.max(odd / (ODD_TOLERANCE * self.tolerance * odd_size.max(self.odd_floor)))
+        } else {
+            absolute
+        }
+    }
+
+    fn accept(&mut self, stepper: &mut Stepper, growth: f64) {
+        let dt = self.dt * if self.fixed.is_some() { 1.0 } else { self.factor };
+        stepper.accept();
+        self.tangent.iter_mut().for_each(|tangent| tangent.follow(stepper));
+        self.steps += 1;
+        self.dt *= growth;
+        let y = &stepper.levels[0].y;
+        let gauss = &stepper.system.gauss;
+        let mut area = 0.0;
+        for (k, interval) in y.mesh.windows(2).enumerate() {
+            for (j, b) in gauss.b.iter().enumerate() {
+                let s = y.stage(k, j);
+                area += (interval[1] - interval[0]) * b * s[R] * s[R] * sin_cos(s[PSI]).0;
+            }
+        }
+        let volume = std::f64::consts::PI * y.scalars[LENGTH] * area;
+        self.drift = self.drift.max((volume / stepper.cortex.constants().volume - 1.0).abs());
+        let neck = observables::neck(gauss, y);
+        if let (Some(new), Some(old)) = (neck, self.neck) {
+            self.neck_rate = (old.radius - new.radius) / dt;
+            if self.neck_rate > 0.0 {
+                self.dt = self.dt.min(self.neck_step() * new.radius / self.neck_rate);
+            }
+        }
+        self.neck = neck;
+        self.parity &= stepper.levels[0].size.is_some_and(|size| size.odd < 0.05 * size.even);
+        if self.closes(stepper.cortex.cell.r0) {
+            stepper.nearly_symmetric = NEARLY_SYMMETRIC_CLOSING;
+            // Whatever was slow is behind it.
+            stepper.coarsen();
+        }
+    }
+
+    fn prepare_mesh(&self, stepper: &mut Stepper) {
+        stepper.adapt(self.parity, 1.5);
+    }
+
+    /// At a saddle: waits for it to be left or, where that would take too long, leaps over the wait.
+    fn stay(&mut self, stepper: &mut Stepper, rest: &Rest) {
+        let (growth, t) = (rest.growth_rate, stepper.levels[0].t);
+        self.looks.next = t + (STAY / growth).max(REST_INTERVAL);
+        self.stays += 1;
+        // What does not leave in the time it should take is held by the mesh.
+        if growth < NEAR_CRITICAL || self.stays > PATIENCE {
+            stepper.refine(rest.halvings);
+        }
+        if self.looks.next > self.longest && self.slow_growth_rate.is_none() {
+            self.leap(stepper, rest);
+        }
+        // As slow as it grows it comes to rest elsewhere, off-centre by a little.
+        self.t_max = self.t_max.max(stepper.levels[0].t + AFTERWARDS / growth);
+    }
+
+    fn leap(&mut self, stepper: &mut Stepper, rest: &Rest) {
+        let growth = rest.growth_rate;
+        self.slow_growth_rate = Some(growth);
+        // Where the direction cannot be told the cell goes on as it is.
+        let Ok(departure) = slow::depart(&stepper.cortex, &rest.here, &rest.stationary, growth) else { return };
+        let t = stepper.levels[0].t + departure.waited;
+        stepper.start_again(t, departure.shape);
+        self.dt = FIRST_LEAP.min(0.01 / growth);
+        self.step_size.forget();
+        self.parity = stepper.cortex.cell.is_mirror_symmetric();
+        self.looks.next = t + STAY / growth;
+    }
+
+    fn undecided(&self, cell: &Cell) -> DivisionError {
+        let Cell { r0, epsilon, .. } = *cell;
+        match self.slow_growth_rate {
+            Some(growth_rate) => DivisionError::Critical { r0, growth_rate },
+            None => DivisionError::Undecided { r0, epsilon, t_max: self.t_max },
+        }
+    }
+
+    fn division(&self, stepper: &Stepper, outcome: Outcome) -> Division {
+        Division {
+            outcome,
+            chi: None,
+            chi_signed: None,
+            u_furrow: None,
+            t_end: stepper.levels[0].t,
+            daughters: None,
+            growth_rate: None,
+            slow_growth_rate: self.slow_growth_rate,
+            volume_drift: self.drift,
+            work: Work { steps: self.steps, rejected: self.rejected, ..stepper.work },
+        }
+    }
+
+    /// A cell that has not divided in the time that it was watched, with the growth rate of the shape that it has come to.
+    fn watched(&self, stepper: &Stepper) -> Division {
+        let growth_rate = Rest::near(stepper, 0, self.parity).map(|rest| rest.growth_rate);
+        Division { growth_rate, ..self.division(stepper, Outcome::Failed) }
+    }
+
+    fn failed(&self, stepper: &Stepper, growth_rate: f64) -> Division {
+        Division { growth_rate: Some(growth_rate), ..self.division(stepper, Outcome::Failed) }
+    }
+
+    fn divided(&self, stepper: &Stepper, neck: Neck, symmetric_below: f64) -> Division {
+        let (y, r0) = (&stepper.levels[0].y, stepper.cortex.cell.r0);
+        let gauss = &stepper.system.gauss;
+        let chi_signed = observables::asymmetry(gauss, y, neck.u);
+        let chi = chi_signed.abs();
+        let outcome = if chi < symmetric_below { Outcome::Symmetric } else { Outcome::Asymmetric };
+        // The neck passed the threshold within the last step.
+        let past = (PINCH_OFF * r0 - neck.radius) / self.neck_rate;
+        let dt = stepper.levels[0].t - stepper.levels[1].t;
+        let division = Division {
+            chi: Some(chi),
+            chi_signed: Some(chi_signed),
+            u_furrow: Some(neck.u),
+            t_end: stepper.levels[0].t - past.clamp(0.0, dt),
+            ..self.division(stepper, outcome)
+        };
+        division.with_daughters_of(r0)
+    }
+}

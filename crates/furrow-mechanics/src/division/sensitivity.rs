@@ -1,0 +1,286 @@
+//! Sensitivities: how the outcome of a division changes with the cell's parameters, exactly.
+//!
+//! A step solves F(y; past, p) = 0 for the new shape y. Its derivative by a parameter p follows the shape from step to step,
+//!
+//! * \[N.17 tangent\] ∂F/∂y · dy/dp = −∂F/∂p − ∂F/∂past · d(past)/dp,
+//!
+//! with the Jacobian that Newton's method has at the solution: one more factorisation a step, and one solve for each
+//! parameter. The past is the combination of former shapes that the backward differentiation formula says, and its
+//! derivative is the same combination of theirs. Steps and meshes are taken as they are: what depends on them is the error
+//! of the division, not its outcome.
+//!
+//! The division ends when the neck is as narrow as [`PINCH_OFF`], at a time t\* that depends on p too: with the rates of
+//! change of the last shape, dt\*/dp = −(∂(neck)/∂p − 10⁻³ ∂R0/∂p)/(d neck/dt) and dχ/dp = ∂χ/∂p + dχ/dt · dt\*/dp.
+//!
+//! # References
+//! Maly & Petzold, *Appl. Numer. Math.* 20, 57 (1996), staggered direct method.
+
+use furrow_bvp::{BoundaryValueProblem, CollocationPoint, Direction, LinearCondition, Solution, System, metric};
+use serde::{Deserialize, Serialize};
+
+use super::stepper::{MAX_ORDER, Stepper};
+use crate::cortex::equations::{COMPONENTS, R, Z};
+use crate::cortex::observables::{self, PINCH_OFF};
+use crate::cortex::problem::SHAPE_SCALARS;
+use crate::cortex::{Cortex, Domain};
+use furrow_cell::Parameter;
+
+/// Largest displacement, relative to R0, by which what is read off the last shape is differentiated: small beside the neck.
+const DISPLACEMENT: f64 = 1e-5;
+
+/// Derivatives of a division's outcome by one parameter, in units of one over the parameter's.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sensitivity {
+    /// Of the signed size asymmetry χ.
+    pub chi_signed: f64,
+    /// Of the furrow's position in u.
+    pub u_furrow: f64,
+    /// Of the time of pinch-off, in τ.
+    pub t_end: f64,
+}
+
+/// Derivatives of the shapes of a running division by some parameters.
+pub(super) struct Tangent {
+    parameters: Vec<Parameter>,
+    /// The problem of a step with the parameters as unknowns, each held where it is.
+    cortex: Cortex,
+    system: System,
+    held: Vec<LinearCondition>,
+    /// Derivatives of the last shapes, newest first, by each parameter; on the mesh of the newest.
+    levels: Vec<Vec<Solution>>,
+    /// Whether all steps so far could be differentiated.
+    sound: bool,
+}
+
+impl Tangent {
+    /// At the passive shape, which a division starts from.
+    pub(super) fn of_start(stepper: &Stepper, parameters: &[Parameter]) -> Tangent {
+        let cell = &stepper.cortex.cell;
+        let stages = stepper.levels[0].y.m;
+        // The start has neither activity nor cue, whatever their numbers: these are replaced by one that shapes at rest do
+        // not depend on either, and their derivatives come out as nothing.
+        let acts = |p: &Parameter| matches!(p, Parameter::XiS | Parameter::Cue { .. });
+        let known = parameters.iter().map(|p| if acts(p) { Parameter::Friction } else { *p });
+        let mut tangent = Tangent {
+            parameters: parameters.to_vec(),
+            cortex: Cortex::new(&cell.passive(), Domain::Full, &known.collect::<Vec<_>>()),
+            system: System::new(Cortex::dimensions_for(parameters.len()), stages),
+            held: vec![LinearCondition::default(); parameters.len()],
+            levels: Vec::new(),
+            sound: true,
+        };
+        let still = vec![0.0; 2 * stepper.levels[0].y.stages.len() / COMPONENTS];
+        let pasts = vec![still; parameters.len()];
+        let start = tangent.solve(&stepper.levels[0].y, &pasts);
+        tangent.levels.push(start);
+        tangent.cortex = Cortex::new(cell, Domain::Full, parameters);
+        tangent
+    }
+
+    /// Follows the step just accepted.
+    pub(super) fn follow(&mut self, stepper: &Stepper) {
+        if !self.sound {
+            return;
+        }
+        let y = &stepper.levels[0].y;
+        let gauss = &self.system.gauss;
+        // The shapes that the step started from: a restart has forgotten the older ones.
+        self.levels.truncate(stepper.weights.len() - 1);
+        for derivative in self.levels.iter_mut().flatten().filter(|derivative| derivative.mesh != y.mesh) {
+            *derivative = derivative.on_mesh(gauss, &y.mesh);
+        }
+        let points = y.stages.len() / COMPONENTS;
+        let weights = &stepper.weights;
+        let past_of = |k: usize| -> Vec<f64> {
+            let at = |i: usize, c: usize| {
+                let sum: f64 =
+                    self.levels.iter().zip(&weights[1..]).map(|(l, w)| w * l[k].stages[i * COMPONENTS + c]).sum();
+                -sum / weights[0]
+            };
+            (0..points).flat_map(|i| [at(i, R), at(i, Z)]).collect()
+        };
+        let pasts: Vec<Vec<f64>> = (0..self.parameters.len()).map(past_of).collect();
+        self.cortex.rate = stepper.cortex.rate;
+        self.cortex.past.clone_from(&stepper.cortex.past);
+        self.cortex.noise.clone_from(&stepper.cortex.noise);
+        let newest = self.solve(y, &pasts);
+        self.levels.insert(0, newest);
+        self.levels.truncate(MAX_ORDER + 1);
+    }
+
+    /// Derivatives of the solution `y` of the problem at hand, given those of (r, z) of the past at every collocation point.
+    fn solve(&mut self, y: &Solution, pasts: &[Vec<f64>]) -> Vec<Solution> {
+        let mut y = y.clone();
+        y.scalars.truncate(SHAPE_SCALARS);
+        y.scalars.extend(self.cortex.free.iter().map(|p| p.get(&self.cortex.cell)));
+        for (k, condition) in self.held.iter_mut().enumerate() {
+            metric::scalar_condition(&y, SHAPE_SCALARS + k, y.scalars[SHAPE_SCALARS + k], condition);
+        }
+        self.system.evaluate(&mut self.cortex, &y, &self.held, true);
+        let factored = self.system.condense().and_then(|()| self.system.factor_blocks(&self.held));
+        self.sound &= factored.is_ok();
+        if !self.sound {
+            return Vec::new();
+        }
+        let integrals = self.system.dimensions().integrals;
+        let one = |(k, past): (usize, &Vec<f64>)| {
+            let (mut residual, mut direction) = (self.system.zero_residual(), Direction::default());
+            self.add_past(&y, past, &mut residual.stages);
+            // The system solves J δ = −residual: the parameter moves by one.
+            residual.border[integrals + k] = -1.0;
+            self.system.solve(&residual, &mut direction);
+            Solution {
+                components: y.components,
+                m: y.m,
+                mesh: y.mesh.clone(),
+                nodes: direction.nodes,
+                stages: direction.stages,
+                scalars: direction.scalars,
+            }
+        };
+        pasts.iter().enumerate().map(one).collect()
+    }
+
+    /// ∂F/∂past · `past`, to the residuals at the stages. The equations are linear in the velocities, and these in the past:
+    /// a difference is the derivative, whatever its size.
+    fn add_past(&self, y: &Solution, past: &[f64], stages: &mut [f64]) {
+        if self.cortex.rate == 0.0 {
+            return;
+        }
+        let mut moved = self.cortex.clone();
+        for (place, change) in moved.past.iter_mut().zip(past.chunks_exact(2)) {
+            place[0] += change[0];
+            place[1] += change[1];
+        }
+        let gauss = &self.system.gauss;
+        let ([mut here, mut there], mut integrand) = ([[0.0; COMPONENTS]; 2], [0.0]);
+        for index in 0..y.intervals() * y.m {
+            let (i, j) = (index / y.m, index % y.m);
+            let at = CollocationPoint { x: y.stage_x(gauss, i, j), index };
+            self.cortex.rhs(at, y.stage(i, j), &y.scalars, &mut here, &mut integrand);
+            moved.rhs(at, y.stage(i, j), &y.scalars, &mut there, &mut integrand);
+            let h = y.mesh[i + 1] - y.mesh[i];
+            for c in 0..COMPONENTS {
+                stages[index * COMPONENTS + c] -= h * (there[c] - here[c]);
+            }
+        }
+    }
+
+    /// Derivatives of the outcome at the last shape; none if a step could not be differentiated.
+    pub(super) fn read(&self, stepper: &Stepper) -> Option<Vec<Sensitivity>> {
+        let newest = self.levels.first().filter(|_| self.sound)?;
+        let shapes: Vec<&Solution> = stepper.levels.iter().map(|level| &level.y).collect();
+        let velocity = combination(&shapes[..stepper.weights.len()], &stepper.weights);
+        let [chi_rate, u_rate, neck_rate] = self.along(shapes[0], &velocity)?;
+        let of = |(k, derivative): (usize, &Solution)| {
+            let [chi, u, neck] = self.along(shapes[0], derivative)?;
+            let widened = if self.parameters[k] == Parameter::R0 { PINCH_OFF } else { 0.0 };
+            let t_end = -(neck - widened) / neck_rate;
+            // χ and u are told in the frame of the last shape, at a later or earlier time by t_end.
+            Some(Sensitivity { chi_signed: chi + chi_rate * t_end, u_furrow: u + u_rate * t_end, t_end })
+        };
+        newest.iter().enumerate().map(of).collect()
+    }
+
+    /// Derivatives of χ, the furrow's u and the neck's radius at shape `y` along a direction.
+    fn along(&self, y: &Solution, direction: &Solution) -> Option<[f64; 3]> {
+        let gauss = &self.system.gauss;
+        let places = direction.stages.chunks_exact(COMPONENTS);
+        let largest = places.map(|s| s[R].abs().max(s[Z].abs())).fold(0.0, f64::max);
+        if largest == 0.0 {
+            return Some([0.0; 3]);
+        }
+        let step = DISPLACEMENT * self.cortex.cell.r0 / largest;
+        let at = |amount: f64| {
+            let moved = combination(&[y, direction], &[1.0, amount]);
+            let neck = observables::neck(gauss, &moved)?;
+            Some([observables::asymmetry(gauss, &moved, neck.u), neck.u, neck.radius])
+        };
+        let (above, below) = (at(step)?, at(-step)?);
+        Some(std::array::from_fn(|i| (above[i] - below[i]) / (2.0 * step)))
+    }
+}
+
+/// Σ w_j y_j of solutions on one mesh.
+fn combination(of: &[&Solution], weights: &[f64]) -> Solution {
+    let sum = |get: fn(&Solution) -> &[f64]| -> Vec<f64> {
+        let entry = |i: usize| of.iter().zip(weights).map(|(y, w)| w * get(y)[i]).sum();
+        (0..get(of[0]).len()).map(entry).collect()
+    };
+    Solution {
+        components: of[0].components,
+        m: of[0].m,
+        mesh: of[0].mesh.clone(),
+        nodes: sum(|y| &y.nodes),
+        stages: sum(|y| &y.stages),
+        scalars: sum(|y| &y.scalars[..SHAPE_SCALARS]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::division::{Division, DivisionInput, divide, divide_with_sensitivities};
+    use furrow_cell::cue::Quantity;
+    use furrow_cell::{Cell, Cue, Numerics};
+
+    /// Fine enough that differences of divisions are derivatives.
+    fn fine(cell: Cell) -> DivisionInput {
+        let numerics = Numerics { time_tolerance: 1e-8, intervals: 96, noise: 0.0, ..Numerics::default() };
+        DivisionInput { numerics, ..DivisionInput::new(cell) }
+    }
+
+    fn numbers(division: &Division) -> [f64; 3] {
+        [division.chi_signed.unwrap(), division.u_furrow.unwrap(), division.t_end]
+    }
+
+    /// Central differences of converged divisions by a parameter, to fourth order in `step` of its value.
+    fn differences(input: &DivisionInput, parameter: Parameter, step: f64) -> [f64; 3] {
+        let value = parameter.get(&input.cell);
+        let at = |amount: f64| {
+            let mut moved = input.clone();
+            parameter.set(&mut moved.cell, value * (1.0 + amount));
+            numbers(&divide(&moved).unwrap())
+        };
+        let [far, near] = [2.0, 1.0].map(|k| {
+            let (above, below) = (at(k * step), at(-k * step));
+            std::array::from_fn::<f64, 3, _>(|i| (above[i] - below[i]) / (2.0 * k * step * value))
+        });
+        std::array::from_fn(|i| (4.0 * near[i] - far[i]) / 3.0)
+    }
+
+    #[test]
+    fn tangents_are_what_differences_tend_to() {
+        let cue = |quantity| Parameter::Cue { term: 0, quantity };
+        // Steps within which the outcome is smooth: it turns quickly with ε, and slowly enough with the others for what is
+        // left of the error of a division, 10⁻⁶, to be small beside the difference.
+        let steps = [
+            (Parameter::R0, 1e-2),
+            (Parameter::XiS, 1e-2),
+            (Parameter::Epsilon, 2e-3),
+            (cue(Quantity::U0), 1e-2),
+            (cue(Quantity::Omega), 2e-2),
+            (cue(Quantity::Amplitude), 2e-2),
+        ];
+        let parameters = steps.map(|(parameter, _)| parameter);
+        let input = fine(Cell::new(3.3).with_cue(Cue::published()));
+        let (division, sensitivities) = divide_with_sensitivities(&input, &parameters).unwrap();
+        assert_eq!(division, divide(&input).unwrap());
+        for ((parameter, step), found) in steps.into_iter().zip(sensitivities.unwrap()) {
+            let expected = differences(&input, parameter, step);
+            let found = [found.chi_signed, found.u_furrow, found.t_end];
+            // What is nothing beside a change by all of its value is compared by that.
+            let floor = 3e-4 / parameter.get(&input.cell);
+            for (found, expected) in found.into_iter().zip(expected) {
+                assert!((found - expected).abs() < 5e-3 * expected.abs() + floor, "{parameter}: {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_divide_has_no_sensitivities() {
+        let (division, sensitivities) =
+            divide_with_sensitivities(&DivisionInput::new(Cell::new(1.6)), &[Parameter::R0]).unwrap();
+        assert!(division.chi.is_none() && sensitivities.is_none());
+    }
+}

@@ -1,0 +1,69 @@
+//! Slow cells: a shape beside a stationary one that it must leave, which takes longer than can be waited for.
+//!
+//! Just above a threshold of division the stationary shape is a saddle that grows at a rate σ near zero. The cell comes up
+//! to it along what decays and leaves it along the one direction that grows, as a e^{σt}, M.24: everything about this wait is
+//! known without following it. So the wait is taken in one leap, to an amplitude that is still small, and the division goes
+//! on from there.
+
+use furrow_bvp::{Direction, Gauss, Solution};
+
+use crate::cortex::Cortex;
+use crate::cortex::equations::{COMPONENTS, R, Z};
+use crate::stability::{Stability, StabilityError};
+
+/// Amplitude, relative to R0 and as the L² norm of (r, z) over u, at which the leap ends: far below 1, so that what grows
+/// is still one linear mode, and far above what a time step is solved to.
+const DEPARTURE: f64 = 1e-3;
+/// A smaller amplitude than this, relative to R0, is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// Where a shape leaves a saddle.
+pub struct Departure {
+    /// The shape there, on the saddle's mesh.
+    pub shape: Solution,
+    /// Time that the leap takes, in τ: ln(amplitude after/amplitude before)/σ.
+    pub waited: f64,
+}
+
+/// The shape that `here` becomes after its wait at `saddle`, a stationary shape on the same mesh that grows at `growth`, to
+/// the side on which it is. Without noise that is rounding.
+///
+/// # Errors
+/// The growing direction cannot be computed.
+pub fn depart(cortex: &Cortex, here: &Solution, saddle: &Solution, growth: f64) -> Result<Departure, StabilityError> {
+    let mut stability = Stability::new(saddle.m);
+    let mode = stability.unstable_direction(cortex, saddle, growth)?;
+    let r0 = cortex.cell.r0;
+    let before = amplitude(&Gauss::new(saddle.m), here, saddle, &mode);
+    let known = before.abs().max(ROUNDING * r0);
+    let after = known.max(DEPARTURE * r0);
+    Ok(Departure { shape: displaced(saddle, &mode, after.copysign(before)), waited: (after / known).ln() / growth })
+}
+
+/// How far `here` is from `saddle` along `mode`, a direction of length 1.
+fn amplitude(gauss: &Gauss, here: &Solution, saddle: &Solution, mode: &Direction) -> f64 {
+    let points = saddle.intervals() * saddle.m;
+    (0..points)
+        .map(|k| {
+            let weight = (saddle.mesh[k / saddle.m + 1] - saddle.mesh[k / saddle.m]) * gauss.b[k % saddle.m];
+            let part = |c: usize| {
+                let i = k * COMPONENTS + c;
+                (here.stages[i] - saddle.stages[i]) * mode.stages[i]
+            };
+            weight * (part(R) + part(Z))
+        })
+        .sum()
+}
+
+/// `shape` moved by `amount` along a direction.
+fn displaced(shape: &Solution, direction: &Direction, amount: f64) -> Solution {
+    let mut out = shape.clone();
+    for (to, by) in [
+        (&mut out.nodes, &direction.nodes),
+        (&mut out.stages, &direction.stages),
+        (&mut out.scalars, &direction.scalars),
+    ] {
+        to.iter_mut().zip(by).for_each(|(to, by)| *to += amount * by);
+    }
+    out
+}

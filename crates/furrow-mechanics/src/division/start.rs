@@ -1,0 +1,145 @@
+//! What a division starts from: the passive shape, or a stationary shape of the active cell.
+
+use std::cell::RefCell;
+
+use furrow_bvp::newton::NewtonScratch;
+use furrow_bvp::{Newton, NewtonError, NewtonReport, Solution};
+
+use super::outcome::DivisionError;
+use super::stepper::Stepper;
+use crate::cortex::symmetry::unfold;
+use crate::cortex::{Cortex, Domain};
+use crate::equilibria::error::CellName;
+use crate::equilibria::passive;
+use furrow_cell::{Cell, Numerics};
+
+/// Out-of-balance of a mesh at which it is made anew before the first step.
+pub(super) const FIRST_MESH: f64 = 1.2;
+
+/// What a division starts from, and how it is watched.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Start<'a> {
+    /// The passive shape without the cue, which is switched on together with the activity.
+    Passive,
+    /// A stationary shape of the cell on the whole contour. What follows is watched for a given time, and nothing is leapt
+    /// over in it.
+    Stationary {
+        /// The shape.
+        shape: &'a Solution,
+        /// How long it is watched, in τ.
+        until: f64,
+        /// Longest time step, in τ: what grows from a tiny disturbance is not seen by the error of a step, and a long one
+        /// would damp it.
+        longest_step: f64,
+    },
+}
+
+/// Refuses sizes that no cell has.
+pub(super) fn check(cell: &Cell) -> Result<(), DivisionError> {
+    let Cell { r0, epsilon, .. } = *cell;
+    if !(r0.is_finite() && r0 > 0.0) {
+        return Err(DivisionError::BadInput { field: "r0", value: r0, allowed: "a finite radius above 0" });
+    }
+    if !(epsilon > 0.0 && epsilon < 1.0) {
+        let allowed = "a volume fraction between 0 and 1, both excluded";
+        return Err(DivisionError::BadInput { field: "epsilon", value: epsilon, allowed });
+    }
+    Ok(())
+}
+
+impl Start<'_> {
+    /// The cell at t = 0.
+    pub(super) fn stepper(&self, cell: &Cell, numerics: &Numerics) -> Result<Stepper, DivisionError> {
+        // Cues that say the same in other words have one key, and so must give the same to the last bit.
+        let active = Cell { cue: cell.cue.simplified(), ..cell.clone() };
+        let cortex = Cortex::new(&active, Domain::Full, &[]);
+        match self {
+            Start::Passive => {
+                let (whole, report) = passive_whole(cell, numerics)
+                    .map_err(|source| DivisionError::NoPassiveShape { cell: CellName::of(cell), source })?;
+                let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, whole);
+                stepper.solve_for(numerics.time_tolerance);
+                stepper.count(report);
+                Ok(stepper)
+            }
+            Start::Stationary { shape, .. } => {
+                let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, (*shape).clone());
+                stepper.solve_for(numerics.time_tolerance);
+                stepper.exacting();
+                stepper.adapt(cell.is_mirror_symmetric(), FIRST_MESH);
+                settle(&mut stepper)?;
+                Ok(stepper)
+            }
+        }
+    }
+
+    /// The problem that the shape at t = 0 solves.
+    pub(super) fn cortex(&self, cell: &Cell) -> Cortex {
+        match self {
+            Start::Passive => Cortex::new(&cell.passive(), Domain::Full, &[]),
+            Start::Stationary { .. } => Cortex::new(cell, Domain::Full, &[]),
+        }
+    }
+
+    /// Time after which nothing more is watched, in τ.
+    pub(super) fn until(&self) -> Option<f64> {
+        match *self {
+            Start::Passive => None,
+            Start::Stationary { until, .. } => Some(until),
+        }
+    }
+
+    /// Longest time step, in τ.
+    pub(super) fn longest_step(&self) -> f64 {
+        match *self {
+            Start::Passive => f64::INFINITY,
+            Start::Stationary { longest_step, .. } => longest_step,
+        }
+    }
+}
+
+/// A passive shape, with what belongs to it and to it alone.
+struct Known {
+    cell: Cell,
+    stages: usize,
+    intervals: usize,
+    whole: Solution,
+    report: NewtonReport,
+}
+
+thread_local! {
+    static LAST: RefCell<Option<Known>> = const { RefCell::new(None) };
+}
+
+/// The passive shape on the whole contour, and the work that it takes. Cells that differ in seed, activity or cue alone have the same,
+/// and come one after the other: replicates, and the rows of a diagram. The last one is kept for each thread; whether it is at
+/// hand changes nothing but the time.
+fn passive_whole(cell: &Cell, numerics: &Numerics) -> Result<(Solution, NewtonReport), NewtonError> {
+    let Numerics { stages, intervals, .. } = *numerics;
+    let cell = cell.passive();
+    let known = LAST.with_borrow(|last| {
+        let last =
+            last.as_ref().filter(|last| (last.stages, last.intervals) == (stages, intervals) && last.cell == cell);
+        last.map(|last| (last.whole.clone(), last.report))
+    });
+    if let Some(known) = known {
+        return Ok(known);
+    }
+    let (half, report) = passive(&cell, numerics)?;
+    let whole = unfold(&half);
+    LAST.set(Some(Known { cell, stages, intervals, whole: whole.clone(), report }));
+    Ok((whole, report))
+}
+
+/// Makes the start shape stationary on the mesh of the division: carried over from another mesh it is so to the accuracy of
+/// that mesh alone, which may be a larger disturbance than the noise.
+fn settle(stepper: &mut Stepper) -> Result<(), DivisionError> {
+    let mut cortex = Cortex::new(&stepper.cortex.cell, Domain::Full, &[]);
+    let newton = Newton { tolerance: 1e-11, ..Newton::default() };
+    let level = &mut stepper.levels[0];
+    let solved =
+        newton.solve(&mut stepper.system, &mut NewtonScratch::default(), &mut cortex, &mut level.y, &[], false);
+    let report = solved.map_err(|source| DivisionError::NotStationary { cell: CellName::of(&cortex.cell), source })?;
+    stepper.count(report);
+    Ok(())
+}

@@ -1,0 +1,435 @@
+//! Implicit time stepping of the cortex: variable-step backward differentiation formulas on a moving mesh.
+//!
+//! One step solves the boundary-value problem with ∂_t x = α₀ (x − x_past), N.13: α₀ and x_past follow from differentiating
+//! the polynomial through the new and the last k shapes at fixed u. The difference to the extrapolated shape estimates
+//! the local error. Backward differentiation damps what it does not resolve, so an unresolved *growing* mode would be
+//! damped too; while the shape is nearly mirror-symmetric its odd part is therefore held to a tolerance relative to its
+//! own size.
+//!
+//! # References
+//! Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, Springer 1993, ch. III.5 (variable steps).
+
+use furrow_bvp::newton::NewtonScratch;
+use furrow_bvp::{Gauss, Newton, NewtonError, NewtonReport, Solution, System, Transfer, Work, mesh};
+
+use super::halves::Halves;
+use crate::cortex::equations::{COMPONENTS, R, Z};
+use crate::cortex::{Cortex, resolution, symmetry};
+
+/// Share of the mesh monitor (about the turning of the contour, in radians) of one interval at the default resolution
+/// of 48.
+const SHARE: f64 = 1.1;
+/// Part of that share a new mesh uses, so that the shape can sharpen before the mesh must move again.
+const ROOM: f64 = 0.85;
+/// Most intervals a mesh may grow to.
+const MAX_INTERVALS: usize = 1024;
+
+/// Every step is solved to this, relative to 1 + |value|, at the preset's time tolerance, and to less where that is less: to a small
+/// part of the error that it may make in time. Volumes are kept to a tenth of it.
+pub const SOLVED_TO: f64 = 1e-7;
+/// The same as a part of the time tolerance.
+const SOLVED_SHARE: f64 = 6.25e-3;
+/// Steps of a large cell, or short ones, cannot be solved to less: velocities are differences of shapes over the step.
+const ROUNDING: f64 = 1e-8;
+
+/// The iteration of a step. A factorisation costs as much as a dozen solves, so that slow chord steps are preferred to a new one.
+/// While a neck closes, forces there are far larger than all else and grow at first on the way to the solution.
+const NEWTON: Newton = Newton {
+    tolerance: SOLVED_TO,
+    max_factorisations: 6,
+    max_iterations: 24,
+    min_damping: 1e-3,
+    leniency: 2.0,
+    chord_contraction: 0.5,
+};
+
+/// Factors serve for steps whose rate is at most so much another, relative to it.
+const SAME_RATE: f64 = 0.25;
+
+/// Highest order of the formulas.
+pub const MAX_ORDER: usize = 4;
+
+/// A shape at a time.
+#[derive(Clone, Debug)]
+pub struct Level {
+    /// Time, in τ.
+    pub t: f64,
+    /// The full state.
+    pub y: Solution,
+    /// Size of (r, z) by parity where the shape is one that a step has led to.
+    pub size: Option<ParityNorm>,
+}
+
+/// Weights of the values at `times` in the derivative at `times[0]` of the interpolating polynomial.
+pub fn derivative_weights(times: &[f64], out: &mut [f64]) {
+    let t0 = times[0];
+    out[0] = times[1..].iter().map(|t| 1.0 / (t0 - t)).sum();
+    for i in 1..times.len() {
+        let mut weight = 1.0 / (times[i] - t0);
+        for j in (1..times.len()).filter(|&j| j != i) {
+            weight *= (t0 - times[j]) / (times[i] - times[j]);
+        }
+        out[i] = weight;
+    }
+}
+
+/// Weights of the values at `times` in the polynomial through them, evaluated at t.
+pub fn extrapolation_weights(times: &[f64], t: f64, out: &mut [f64]) {
+    for i in 0..times.len() {
+        out[i] = (0..times.len()).filter(|&j| j != i).map(|j| (t - times[j]) / (times[i] - times[j])).product();
+    }
+}
+
+/// Sizes of displacements or shapes, split by parity under u → 1 − u; L² over u of (r, z).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ParityNorm {
+    /// Mirror-symmetric part.
+    pub even: f64,
+    /// Antisymmetric part.
+    pub odd: f64,
+}
+
+/// Parity norms of (r, z) combinations at the stages of a mirror-symmetric mesh; `value(i)` gives (r, z) at stage i.
+pub fn parity_norm(gauss: &Gauss, mesh: &[f64], value: impl Fn(usize) -> [f64; 2]) -> ParityNorm {
+    let last = (mesh.len() - 1) * gauss.m - 1;
+    let (mut even, mut odd) = (0.0, 0.0);
+    for (k, interval) in mesh.windows(2).enumerate() {
+        for (j, b) in gauss.b.iter().enumerate() {
+            let i = k * gauss.m + j;
+            let weight = (interval[1] - interval[0]) * b * 0.25;
+            let ([r, z], [rm, zm]) = (value(i), value(last - i));
+            even += weight * ((r + rm) * (r + rm) + (z - zm) * (z - zm));
+            odd += weight * ((r - rm) * (r - rm) + (z + zm) * (z + zm));
+        }
+    }
+    ParityNorm { even: even.sqrt(), odd: odd.sqrt() }
+}
+
+/// The result of one attempted step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attempt {
+    /// Estimated local error.
+    pub error: ParityNorm,
+    /// Odd part of the new shape.
+    pub odd_size: f64,
+    /// Newton's work.
+    pub report: NewtonReport,
+}
+
+/// Time stepper of one cell. `levels[0]` is the newest accepted shape.
+pub struct Stepper {
+    /// The problem, with the rate and past of the step last attempted.
+    pub cortex: Cortex,
+    /// Linear algebra.
+    pub system: System,
+    /// Accepted shapes, newest first, all on the same mesh.
+    pub levels: Vec<Level>,
+    /// Whether steps are begun from the polynomial through the last shapes, and not from the last shape itself.
+    pub extrapolates: bool,
+    /// Work of all attempts; steps are counted by the caller.
+    pub work: Work,
+    /// Size of the antisymmetric part of a shape, relative to R0, below which the step from there may be solved on
+    /// [halves](Self::halve).
+    pub nearly_symmetric: f64,
+    /// Weights of the shapes in the rate of change of the newest, newest first: those of the formula last attempted.
+    pub weights: Vec<f64>,
+    spare: Vec<Level>,
+    trial: Level,
+    scratch: NewtonScratch,
+    newton: Newton,
+    weight: Vec<f64>,
+    grid: Vec<f64>,
+    /// Whether the factors at hand are those of halves, and the rate they belong to.
+    factored: Option<(bool, f64)>,
+    share: f64,
+    halvings: u32,
+    halves: Option<Halves>,
+}
+
+impl Stepper {
+    /// Starts from a shape at t = 0. `resolution` is the nominal number of intervals; the mesh follows the shape and
+    /// uses fewer while it is smooth, more where it is sharp.
+    pub fn new(cortex: Cortex, stages: usize, resolution: usize, start: Solution) -> Stepper {
+        let system = System::new(Cortex::dimensions_for(0), stages);
+        Stepper {
+            cortex,
+            system,
+            trial: Level { t: 0.0, y: start.clone(), size: None },
+            levels: vec![Level { t: 0.0, y: start, size: None }],
+            extrapolates: true,
+            work: Work::default(),
+            nearly_symmetric: 0.0,
+            weights: Vec::new(),
+            spare: Vec::new(),
+            scratch: NewtonScratch::default(),
+            newton: NEWTON,
+            weight: Vec::new(),
+            grid: Vec::new(),
+            factored: None,
+            share: SHARE * 48.0 / resolution as f64,
+            halvings: 0,
+            halves: None,
+        }
+    }
+
+    /// Solves steps on half of the contour from now on wherever the shape of this mirror-symmetric cell is
+    /// [nearly symmetric](Self::nearly_symmetric).
+    pub fn halve(&mut self) {
+        self.halves = Some(Halves::new(&self.cortex, &self.levels[0].y));
+    }
+
+    /// Whether the next step is solved on halves.
+    fn solves_halves(&self) -> bool {
+        let newest = &self.levels[0];
+        self.halves.is_some()
+            && newest.size.is_some_and(|size| size.odd < self.nearly_symmetric * self.cortex.cell.r0)
+            && symmetry::is_mirrored(&newest.y.mesh)
+    }
+
+    /// Solves steps as exactly as a time tolerance asks for.
+    pub fn solve_for(&mut self, time_tolerance: f64) {
+        self.newton.tolerance = (SOLVED_SHARE * time_tolerance).clamp(ROUNDING, SOLVED_TO);
+    }
+
+    /// Solves steps more exactly, on a finer mesh: for small disturbances of a shape that does not change.
+    pub fn exacting(&mut self) {
+        self.newton.tolerance *= 0.3;
+        self.share *= 0.7;
+    }
+
+    /// Counts the work of a Newton iteration.
+    pub fn count(&mut self, report: NewtonReport) {
+        self.work.iterations += report.iterations;
+        self.work.factorisations += report.factorisations;
+    }
+
+    /// Forgets all but the newest shape: the next step is of first order.
+    pub fn restart(&mut self) {
+        self.spare.extend(self.levels.drain(1..));
+        self.factored = None;
+    }
+
+    /// Goes on from another shape at time t.
+    pub fn start_again(&mut self, t: f64, shape: Solution) {
+        self.restart();
+        self.levels[0] = Level { t, y: shape, size: None };
+    }
+
+    /// Attempts a step of size dt with order at most `order`; [`accept`](Self::accept) makes it count.
+    pub fn attempt(&mut self, dt: f64, order: usize) -> Result<Attempt, NewtonError> {
+        let order = order.min(self.levels.len()).min(MAX_ORDER);
+        let t = self.levels[0].t + dt;
+        let mut times = [0.0; MAX_ORDER + 2];
+        times[0] = t;
+        let known = if self.extrapolates { (order + 1).min(self.levels.len()) } else { 1 };
+        for (time, level) in times[1..].iter_mut().zip(&self.levels) {
+            *time = level.t;
+        }
+        let mut alpha = [0.0; MAX_ORDER + 2];
+        derivative_weights(&times[..=order], &mut alpha);
+        let mut predict = [0.0; MAX_ORDER + 2];
+        extrapolation_weights(&times[1..=known], t, &mut predict);
+        self.state(&alpha[..=order]);
+        self.trial.t = t;
+        extrapolate(&self.levels[..known], &predict[..known], &mut self.trial.y);
+        let report = self.solve_trial()?;
+        let share = dt / (t - times[known]);
+        let gauss = &self.system.gauss;
+        let new = &self.trial.y.stages;
+        let error = parity_norm(gauss, &self.trial.y.mesh, |i| {
+            let mut d = [new[i * COMPONENTS + R], new[i * COMPONENTS + Z]];
+            for (level, weight) in self.levels.iter().zip(&predict[..known]) {
+                d[0] -= weight * level.y.stages[i * COMPONENTS + R];
+                d[1] -= weight * level.y.stages[i * COMPONENTS + Z];
+            }
+            [d[0] * share, d[1] * share]
+        });
+        let size = parity_norm(gauss, &self.trial.y.mesh, |i| [new[i * COMPONENTS + R], new[i * COMPONENTS + Z]]);
+        self.trial.size = Some(size);
+        Ok(Attempt { error, odd_size: size.odd, report })
+    }
+
+    /// States the step with these weights of the shapes in the rate of change, newest first: its rate and its past.
+    fn state(&mut self, weights: &[f64]) {
+        self.weights.clear();
+        self.weights.extend_from_slice(weights);
+        let points = self.levels[0].y.stages.len() / COMPONENTS;
+        self.cortex.past.clear();
+        self.cortex.past.extend((0..points).map(|i| {
+            let mut past = [0.0; 2];
+            for (level, weight) in self.levels.iter().zip(&weights[1..]) {
+                let s = &level.y.stages[i * COMPONENTS..(i + 1) * COMPONENTS];
+                past[0] -= weight * s[R];
+                past[1] -= weight * s[Z];
+            }
+            [past[0] / weights[0], past[1] / weights[0]]
+        }));
+        self.cortex.rate = weights[0];
+    }
+
+    /// Solves the step that is stated from the trial shape and into it, on halves if it may be, and with the factors at hand if
+    /// they are of such a step and of nearly its rate.
+    fn solve_trial(&mut self) -> Result<NewtonReport, NewtonError> {
+        let (halved, rate) = (self.solves_halves(), self.cortex.rate);
+        let near = |(of_halves, other): (bool, f64)| of_halves == halved && (rate / other - 1.0).abs() < SAME_RATE;
+        let reuse = self.factored.is_some_and(near);
+        let Stepper { newton, system, scratch, cortex, trial, halves, .. } = self;
+        let solved = match halves {
+            Some(halves) if halved => halves.solve(newton, cortex, &mut trial.y, reuse),
+            _ => newton.solve(system, scratch, cortex, &mut trial.y, &[], reuse),
+        };
+        match solved {
+            Ok(report) => {
+                if report.factorisations > 0 {
+                    self.factored = Some((halved, rate));
+                }
+                self.count(report);
+            }
+            Err(_) => {
+                self.factored = None;
+                self.work.iterations += self.newton.max_factorisations;
+                // The next attempt is on the whole contour.
+                self.levels[0].size = None;
+            }
+        }
+        solved
+    }
+
+    /// Makes the attempted step the newest level.
+    pub fn accept(&mut self) {
+        let mut level = match self.spare.pop() {
+            Some(level) => level,
+            None if self.levels.len() > MAX_ORDER => self.levels.remove(self.levels.len() - 1),
+            None => self.trial.clone(),
+        };
+        std::mem::swap(&mut level, &mut self.trial);
+        self.levels.insert(0, level);
+        while self.levels.len() > MAX_ORDER + 1 {
+            self.spare.extend(self.levels.pop());
+        }
+    }
+
+    /// L² speed of the shape at fixed u over the last step, relative to R0; infinite before two levels are known.
+    pub fn speed(&self) -> f64 {
+        let [new, old, ..] = &self.levels[..] else { return f64::INFINITY };
+        self.rate_of_change(|i, k| (new.y.stages[i + k] - old.y.stages[i + k]) / (new.t - old.t))
+    }
+
+    /// About how far the shape is from where it would be at rest, in L² and relative to R0. A mode of rate σ, real or not, that
+    /// decays towards it or leaves it by, has σ times that for its speed, and σ times its speed for its acceleration. None before
+    /// three levels are known.
+    pub fn distance_to_rest(&self) -> Option<f64> {
+        let [new, old, older, ..] = &self.levels[..] else { return None };
+        let velocity = |a: &Level, b: &Level, i: usize| (a.y.stages[i] - b.y.stages[i]) / (a.t - b.t);
+        let between = 0.5 * (new.t - older.t);
+        let acceleration =
+            self.rate_of_change(|i, k| (velocity(new, old, i + k) - velocity(old, older, i + k)) / between);
+        Some(self.speed().powi(2) / acceleration)
+    }
+
+    /// L² over u, relative to R0, of a change whose component k at the stage that begins at i is given.
+    fn rate_of_change(&self, change: impl Fn(usize, usize) -> f64) -> f64 {
+        let norm = parity_norm(&self.system.gauss, &self.levels[0].y.mesh, |i| {
+            [change(i * COMPONENTS, R), change(i * COMPONENTS, Z)]
+        });
+        norm.even.hypot(norm.odd) / self.cortex.cell.r0
+    }
+
+    /// Makes meshes finer than at first by so many halvings from the next [`adapt`](Self::adapt) on, if they are not yet.
+    pub fn refine(&mut self, halvings: u32) {
+        self.halvings = self.halvings.max(halvings);
+    }
+
+    /// Makes meshes as fine as at first again.
+    pub fn coarsen(&mut self) {
+        self.halvings = 0;
+    }
+
+    /// Even number of intervals that keeps each one's share of the monitor below `room` of its limit.
+    fn wanted_intervals(&self, mesh: &[f64], room: f64) -> usize {
+        let total: f64 = mesh.windows(2).zip(&self.weight).map(|(x, w)| (x[1] - x[0]) * w).sum();
+        let share = self.share * 0.5f64.powi(self.halvings as i32);
+        let wanted = (total / (room * share)).ceil() as usize;
+        (2 * wanted.div_ceil(2)).clamp(8, MAX_INTERVALS)
+    }
+
+    /// Moves the mesh if the monitor is out of balance by more than `tolerance` or the number of intervals no longer
+    /// fits the shape; all levels follow by their own collocation polynomials. `symmetric` keeps the mesh
+    /// mirror-symmetric.
+    pub fn adapt(&mut self, symmetric: bool, tolerance: f64) {
+        let y = &self.levels[0].y;
+        resolution::monitor(&self.cortex, y, symmetric, &mut self.weight);
+        let (now, wanted) = (y.intervals(), self.wanted_intervals(&y.mesh, 1.0));
+        if mesh::imbalance(&y.mesh, &self.weight) < tolerance && wanted <= now && 3 * wanted >= 2 * now {
+            return;
+        }
+        // The monitor is only known at the old points, so a sharp neck takes a second look on the new ones.
+        let mut source = self.spare.pop().unwrap_or_else(|| self.levels[0].clone());
+        source.y.clone_from(&self.levels[0].y);
+        for _ in 0..3 {
+            let wanted = self.wanted_intervals(&source.y.mesh, ROOM);
+            mesh::equidistribute(&source.y.mesh, &self.weight, wanted, &mut self.grid);
+            if symmetric {
+                let n = self.grid.len() - 1;
+                for i in 0..=n / 2 {
+                    let half = 0.5 * (self.grid[i] + 1.0 - self.grid[n - i]);
+                    self.grid[i] = half;
+                    self.grid[n - i] = 1.0 - half;
+                }
+            }
+            self.levels[0].y.transfer_into(&self.system.gauss, &self.grid, &mut source.y);
+            resolution::monitor(&self.cortex, &source.y, symmetric, &mut self.weight);
+            if mesh::imbalance(&self.grid, &self.weight) < 1.2 {
+                break;
+            }
+        }
+        self.spare.push(source);
+        let transfer = Transfer::new(&self.system.gauss, &self.levels[0].y.mesh, &self.grid);
+        for level in &mut self.levels {
+            transfer.apply(&level.y, &mut self.trial.y);
+            std::mem::swap(&mut level.y, &mut self.trial.y);
+        }
+        self.work.remeshings += 1;
+        self.factored = None;
+    }
+}
+
+/// Σ w_j y_j over levels into `out`, taking mesh and shape from the first.
+fn extrapolate(levels: &[Level], weights: &[f64], out: &mut Solution) {
+    out.clone_from(&levels[0].y);
+    let mut part = |get: fn(&Solution) -> &Vec<f64>, put: fn(&mut Solution) -> &mut Vec<f64>| {
+        let target = put(out);
+        for v in target.iter_mut() {
+            *v *= weights[0];
+        }
+        for (level, weight) in levels.iter().zip(weights).skip(1) {
+            for (v, w) in target.iter_mut().zip(get(&level.y)) {
+                *v += weight * w;
+            }
+        }
+    };
+    part(|y| &y.nodes, |y| &mut y.nodes);
+    part(|y| &y.stages, |y| &mut y.stages);
+    part(|y| &y.scalars, |y| &mut y.scalars);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_are_exact_for_polynomials() {
+        let times = [1.7, 1.2, 1.1, 0.4];
+        let (mut d, mut e) = ([0.0; 4], [0.0; 4]);
+        derivative_weights(&times, &mut d);
+        extrapolation_weights(&times, 2.5, &mut e);
+        for degree in 0..4 {
+            let value = |t: f64| t.powi(degree);
+            let slope: f64 = times.iter().zip(d).map(|(t, w)| w * value(*t)).sum();
+            let exact = if degree == 0 { 0.0 } else { degree as f64 * 1.7f64.powi(degree - 1) };
+            assert!((slope - exact).abs() < 1e-12);
+            let ahead: f64 = times.iter().zip(e).map(|(t, w)| w * value(*t)).sum();
+            assert!((ahead - value(2.5)).abs() < 1e-11);
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Where a cell comes to rest undivided: exact intervals of ξ_s between the folds and pitchforks of the branch that grows
+//! out of the passive shape.
+//!
+//! Stability changes at folds and pitchforks, and so in whole segments between two of them; where a cue makes a cell lose it
+//! by oscillation within a segment, the interval ends between the points that show it.
+
+use serde::Serialize;
+
+use super::branch::{BranchEvent, BranchOptions, ShapePoint};
+use super::error::ShapeError;
+use super::pitchfork::Criticality;
+use super::primary;
+use furrow_cell::{Cell, Numerics};
+
+/// A fold or pitchfork in a phase diagram.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Edge {
+    /// The mirror symmetry breaks.
+    Pitchfork {
+        /// ξ_s*.
+        xi_s: f64,
+        /// Sub- or supercritical.
+        criticality: Criticality,
+    },
+    /// The branch turns.
+    Fold {
+        /// Where.
+        xi_s: f64,
+        /// Whether ξ_s is largest here.
+        maximum: bool,
+    },
+}
+
+impl Edge {
+    /// Its ξ_s.
+    pub fn xi_s(&self) -> f64 {
+        match self {
+            Edge::Pitchfork { xi_s, .. } | Edge::Fold { xi_s, .. } => *xi_s,
+        }
+    }
+}
+
+/// The stable part of the branch of one cell.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct RestShapes {
+    /// Intervals of ξ_s with a stable shape, in order along the branch.
+    pub intervals: Vec<[f64; 2]>,
+    /// Folds and pitchforks in order along the branch.
+    pub edges: Vec<Edge>,
+}
+
+impl RestShapes {
+    /// Whether there is a stable shape at ξ_s.
+    pub fn contains(&self, xi_s: f64) -> bool {
+        self.intervals.iter().any(|[low, high]| (*low..=*high).contains(&xi_s))
+    }
+}
+
+/// The stable shapes on the primary branch of a cell for ξ_s from 0 to `xi_max`.
+///
+/// # Errors
+/// [`ShapeError`] if the branch cannot be followed.
+pub fn rest_shapes(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<RestShapes, ShapeError> {
+    let options = BranchOptions { xi: [0.0, xi_max], growth_rates: true, ..BranchOptions::default() };
+    let branch = primary::follow(cell, numerics, &options, |_| true)?;
+    let edges: Vec<Edge> = branch
+        .events
+        .iter()
+        .map(|event| match event {
+            BranchEvent::Pitchfork(p) => Edge::Pitchfork { xi_s: p.point.xi_s, criticality: p.criticality() },
+            BranchEvent::Fold(f) => Edge::Fold { xi_s: f.point.xi_s, maximum: f.maximum },
+        })
+        .collect();
+    Ok(RestShapes { intervals: stable_intervals(&edges, &branch.points), edges })
+}
+
+/// Growth rates nearer to zero than this, in 1/τ, are those of an edge itself, and may have either sign beside it.
+const MARGINAL: f64 = 1e-3;
+
+/// The stable part of every segment between two edges: what surrounds its middle point, if that is stable. A segment
+/// shorter than a step has no point and is left to divisions.
+fn stable_intervals(edges: &[Edge], points: &[ShapePoint]) -> Vec<[f64; 2]> {
+    let ends: Vec<f64> = edges.iter().map(Edge::xi_s).collect();
+    let [Some(first), Some(last)] = [points.first(), points.last()] else { return Vec::new() };
+    let mut intervals = Vec::new();
+    for segment in 0..=edges.len() {
+        let inside: Vec<&ShapePoint> = points.iter().filter(|point| point.passed == segment).collect();
+        let middle = inside.len() / 2;
+        let stable = inside.get(middle).and_then(|point| point.growth_rate).is_some_and(|rate| rate < 0.0);
+        if stable {
+            let from = if segment == 0 { first.xi_s } else { ends[segment - 1] };
+            let to = ends.get(segment).copied().unwrap_or(last.xi_s);
+            let before: Vec<&ShapePoint> = inside[..=middle].iter().rev().copied().collect();
+            let from = oscillates_at(&before).unwrap_or(from);
+            let to = oscillates_at(&inside[middle..]).unwrap_or(to);
+            intervals.push([from.min(to), from.max(to)]);
+        }
+    }
+    intervals
+}
+
+/// Where stability is lost along points that begin with a stable one, if it is lost clearly: without a fold or a pitchfork
+/// between, by a pair of complex rates, as a cue can bring about. Between its two points the rate is taken as linear.
+fn oscillates_at(points: &[&ShapePoint]) -> Option<f64> {
+    points.windows(2).find_map(|pair| {
+        let [a, b] = [pair[0].growth_rate?, pair[1].growth_rate?];
+        (a < 0.0 && b > MARGINAL).then(|| pair[0].xi_s + (pair[1].xi_s - pair[0].xi_s) * a / (a - b))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(passed: usize, xi_s: f64, growth_rate: f64) -> ShapePoint {
+        ShapePoint {
+            xi_s,
+            elongation: 2.0,
+            length: 1.0,
+            pressure: 0.0,
+            equator_radius: 1.0,
+            delta_u: 0.0,
+            arclength: 0.0,
+            passed,
+            growth_rate: Some(growth_rate),
+        }
+    }
+
+    #[test]
+    fn intervals_of_an_s_shaped_branch() {
+        let fold = |xi_s, maximum| Edge::Fold { xi_s, maximum };
+        let pitchfork = Edge::Pitchfork { xi_s: 6.24, criticality: Criticality::Subcritical };
+        let edges = [fold(6.14, true), fold(3.9, false), pitchfork, fold(6.6, true)];
+        let points = [
+            point(0, 0.0, -3.0),
+            point(0, 3.0, -1.0),
+            point(0, 6.0, -0.2),
+            point(1, 5.0, 0.5),
+            // The first growth rate after an edge is next to nothing, and may have either sign.
+            point(2, 3.91, 1e-9),
+            point(2, 5.0, -0.3),
+            point(2, 6.2, -0.1),
+            point(3, 6.3, 0.2),
+            point(4, 2.0, 0.7),
+        ];
+        assert_eq!(stable_intervals(&edges, &points), [[0.0, 6.14], [3.9, 6.24]]);
+        assert_eq!(stable_intervals(&[], &points[..2]), [[0.0, 3.0]]);
+        // Lost by oscillation, a quarter of the way from 6 to 8.
+        let lost = [point(0, 0.0, -3.0), point(0, 3.0, -1.0), point(0, 6.0, -0.2), point(0, 8.0, 0.6)];
+        assert_eq!(stable_intervals(&[fold(8.2, true)], &lost), [[0.0, 6.5]]);
+        assert_eq!(stable_intervals(&[fold(6.85, true)], &points[..3]), [[0.0, 6.85]]);
+    }
+}

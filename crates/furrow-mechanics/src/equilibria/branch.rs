@@ -1,0 +1,360 @@
+//! What is said of a branch of stationary shapes: its points, its folds and pitchforks, and where it ends.
+
+use furrow_bvp::{
+    Continuation, ContinuationError, ContinuationSettings, Gauss, Metric, Solution, Termination, Work, mesh,
+};
+
+use super::error::{CellName, PointKind, ShapeError};
+use super::pitchfork::Pitchfork;
+use crate::cortex::equations::{COMPONENTS, LENGTH, M, PRESSURE, Q, R, T, V, Z};
+use crate::cortex::problem::SHAPE_SCALARS;
+use crate::cortex::{Cortex, Domain, observables, resolution};
+use crate::stability::Stability;
+use furrow_cell::{Cell, Parameter};
+
+/// Index of the activity ξ_s among the scalar unknowns of every branch.
+pub const XI: usize = SHAPE_SCALARS;
+
+/// What is followed, and how far.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BranchOptions {
+    /// Range of ξ_s; the branch ends where it leaves it.
+    pub xi: [f64; 2],
+    /// Most points.
+    pub points: usize,
+    /// Continuation settings.
+    pub settings: ContinuationSettings,
+    /// Whether growth rates are computed at every point.
+    pub growth_rates: bool,
+    /// Whether the contour of every point is kept.
+    pub contours: bool,
+}
+
+impl Default for BranchOptions {
+    fn default() -> Self {
+        BranchOptions {
+            xi: [0.0, 100.0],
+            points: 400,
+            settings: ContinuationSettings { first_step: 0.3, max_step: 3.0, ..Default::default() },
+            growth_rates: false,
+            contours: false,
+        }
+    }
+}
+
+impl BranchOptions {
+    /// With steps of at most `max_step`, in arclength of the branch.
+    pub fn with_max_step(mut self, max_step: f64) -> BranchOptions {
+        self.settings.max_step = max_step;
+        self.settings.first_step = self.settings.first_step.min(max_step);
+        self
+    }
+}
+
+/// A stationary shape on a branch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapePoint {
+    /// Activity ξ_s.
+    pub xi_s: f64,
+    /// Elongation H = (z(0) − z(1))/R0.
+    pub elongation: f64,
+    /// Contour length L, in L_h.
+    pub length: f64,
+    /// Pressure p, in κ0/L_h³.
+    pub pressure: f64,
+    /// Radius at the equator u = ½, in L_h.
+    pub equator_radius: f64,
+    /// Furrow position u_f − ½ of asymmetric shapes; 0 on the symmetric branch.
+    pub delta_u: f64,
+    /// Arclength along the branch.
+    pub arclength: f64,
+    /// Folds and pitchforks passed since the start of the branch.
+    pub passed: usize,
+    /// Largest growth rate of disturbances, in 1/τ, if asked for and found.
+    pub growth_rate: Option<f64>,
+}
+
+impl ShapePoint {
+    /// Observables of a solution.
+    pub fn of(y: &Solution, cortex: &Cortex, gauss: &Gauss) -> ShapePoint {
+        let half = cortex.domain == Domain::Half;
+        ShapePoint {
+            xi_s: y.scalars.get(XI).copied().unwrap_or(cortex.cell.xi_s),
+            elongation: observables::elongation(y, cortex.domain, cortex.cell.r0),
+            length: y.scalars[LENGTH],
+            pressure: y.scalars[PRESSURE],
+            equator_radius: if half { y.node(y.intervals())[R] } else { observables::equator_radius(gauss, y) },
+            delta_u: if half { 0.0 } else { observables::furrow_position(gauss, cortex, y).map_or(0.0, |u| u - 0.5) },
+            arclength: 0.0,
+            passed: 0,
+            growth_rate: None,
+        }
+    }
+
+    /// The newest point of a branch, after so many folds and pitchforks; with its growth rate if there is a workspace for
+    /// it.
+    pub(super) fn newest(
+        branch: &Continuation<Cortex>,
+        passed: usize,
+        stability: &mut Option<Stability>,
+    ) -> ShapePoint {
+        let (y, cortex) = (&branch.state.solution, &branch.problem);
+        ShapePoint {
+            arclength: branch.state.arclength,
+            passed,
+            growth_rate: stability.as_mut().and_then(|stability| stability.growth_rate(cortex, y).ok()),
+            ..ShapePoint::of(y, cortex, &branch.system.gauss)
+        }
+    }
+}
+
+/// A turning point of ξ_s.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoldPoint {
+    /// Its observables.
+    pub point: ShapePoint,
+    /// Whether ξ_s is largest (rather than smallest) here along the branch.
+    pub maximum: bool,
+    /// How the location converged.
+    pub report: furrow_bvp::AugmentedReport,
+    /// The shape with (L, p, ξ_s).
+    pub shape: Solution,
+}
+
+/// Something on a branch.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum BranchEvent {
+    /// A pitchfork.
+    Pitchfork(Box<Pitchfork>),
+    /// A fold.
+    Fold(Box<FoldPoint>),
+}
+
+impl BranchEvent {
+    /// Observables of the point.
+    pub fn point(&self) -> &ShapePoint {
+        match self {
+            BranchEvent::Pitchfork(pitchfork) => &pitchfork.point,
+            BranchEvent::Fold(fold) => &fold.point,
+        }
+    }
+
+    /// Which kind it is.
+    pub fn kind(&self) -> PointKind {
+        match self {
+            BranchEvent::Pitchfork(_) => PointKind::Pitchfork,
+            BranchEvent::Fold(_) => PointKind::Fold,
+        }
+    }
+
+    /// The pitchfork, if it is one.
+    pub fn pitchfork(&self) -> Option<&Pitchfork> {
+        match self {
+            BranchEvent::Pitchfork(pitchfork) => Some(pitchfork),
+            BranchEvent::Fold(_) => None,
+        }
+    }
+
+    /// The fold, if it is one.
+    pub fn fold(&self) -> Option<&FoldPoint> {
+        match self {
+            BranchEvent::Fold(fold) => Some(fold),
+            BranchEvent::Pitchfork(_) => None,
+        }
+    }
+}
+
+/// How a branch ended.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum BranchEnd {
+    /// ξ_s left its range; the last point lies on the bound.
+    Bound(f64),
+    /// The largest number of points is reached.
+    PointLimit(usize),
+    /// The neck is narrower than this, relative to R0: the shapes beyond are two cells on a thread.
+    Pinched(f64),
+    /// An asymmetric branch has come back to mirror-symmetric shapes, at a pitchfork of theirs.
+    Rejoined,
+    /// The caller had seen enough.
+    Enough,
+    /// The branch could not be followed further.
+    Lost(ShapeError),
+    /// A singular point that was passed could not be located; the events before it are complete.
+    NotLocated(ShapeError),
+}
+
+impl BranchEnd {
+    /// Its name in files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            BranchEnd::Bound(_) => "bound",
+            BranchEnd::PointLimit(_) => "point_limit",
+            BranchEnd::Pinched(_) => "pinched",
+            BranchEnd::Rejoined => "rejoined",
+            BranchEnd::Enough => "enough",
+            BranchEnd::Lost(_) => "lost",
+            BranchEnd::NotLocated(_) => "not_located",
+        }
+    }
+
+    /// What went wrong, if something did.
+    pub fn error(&self) -> Option<&ShapeError> {
+        match self {
+            BranchEnd::Lost(error) | BranchEnd::NotLocated(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+impl std::fmt::Display for BranchEnd {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            BranchEnd::Bound(_) => f.write_str("the bound of ξ_s"),
+            BranchEnd::PointLimit(_) => f.write_str("the largest number of points"),
+            BranchEnd::Pinched(neck) => write!(f, "its neck is narrower than {neck} R0"),
+            BranchEnd::Rejoined => f.write_str("its shapes are mirror-symmetric again"),
+            BranchEnd::Enough => f.write_str("no more was asked for"),
+            BranchEnd::Lost(_) => f.write_str("lost"),
+            BranchEnd::NotLocated(_) => f.write_str("a singular point that cannot be located"),
+        }
+    }
+}
+
+/// Places of a contour that is kept, besides the first: evenly spaced in u.
+const CONTOUR: usize = 240;
+
+/// The contour of the newest point of a branch.
+pub(super) fn newest_contour(branch: &Continuation<Cortex>) -> Vec<[f64; 2]> {
+    observables::contour(&branch.system.gauss, &branch.state.solution, branch.problem.domain, CONTOUR)
+}
+
+/// A branch followed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Branch {
+    /// Its points in order of arclength.
+    pub points: Vec<ShapePoint>,
+    /// Their contours (r, z) from pole to pole, if asked for; else none.
+    pub contours: Vec<Vec<[f64; 2]>>,
+    /// Folds and pitchforks in order.
+    pub events: Vec<BranchEvent>,
+    /// How it ended.
+    pub ended: BranchEnd,
+    /// Work of the continuation.
+    pub work: Work,
+}
+
+impl Branch {
+    /// What a run along `branch` has found, with how the continuation ended and, if it was stopped on the way, why.
+    pub(super) fn complete(
+        branch: &Continuation<Cortex>,
+        (points, contours): (Vec<ShapePoint>, Vec<Vec<[f64; 2]>>),
+        events: Vec<BranchEvent>,
+        ended: Result<Termination, ContinuationError>,
+        stopped: Option<BranchEnd>,
+    ) -> Branch {
+        let ended = match (ended, stopped) {
+            (Err(source), _) => {
+                BranchEnd::Lost(ShapeError::Branch { cell: CellName::of(&branch.problem.cell), source })
+            }
+            (_, Some(end @ BranchEnd::NotLocated(_))) => end,
+            (Ok(Termination::ParameterBound(bound)), _) => BranchEnd::Bound(bound),
+            (Ok(Termination::PointLimit(points)), _) => BranchEnd::PointLimit(points),
+            (Ok(_), stopped) => stopped.unwrap_or(BranchEnd::Enough),
+        };
+        Branch { points, contours, events, ended, work: branch.work }
+    }
+
+    /// Its pitchforks in order.
+    pub fn pitchforks(&self) -> impl Iterator<Item = &Pitchfork> {
+        self.events.iter().filter_map(BranchEvent::pitchfork)
+    }
+
+    /// Its folds in order.
+    pub fn folds(&self) -> impl Iterator<Item = &FoldPoint> {
+        self.events.iter().filter_map(BranchEvent::fold)
+    }
+}
+
+/// Norm of branches of cells of radius R0: lengths in R0, stresses in κ/R0², and ξ_s with weight 1 on its own scale. Other
+/// free parameters count by their own value until the caller says otherwise.
+pub fn metric(r0: f64, free: &[Parameter]) -> Metric {
+    let mut components = vec![1.0; COMPONENTS];
+    for c in [R, Z] {
+        components[c] = 1.0 / (r0 * r0);
+    }
+    components[M] = r0 * r0;
+    for c in [Q, T] {
+        components[c] = 0.01 * r0.powi(4);
+    }
+    components[V] = 0.1;
+    let mut scalars = vec![1.0 / (r0 * r0), 0.01 * r0.powi(6)];
+    scalars.extend(free.iter().map(|p| if *p == Parameter::XiS { 0.04 * r0 * r0 } else { 1.0 }));
+    Metric { components, scalars }
+}
+
+/// The mesh monitor of branches. Their meshes seldom move, so that what is located on them changes smoothly with a cell's numbers,
+/// to the last digits: calibrations and sensitivities rely on it.
+pub fn mesh_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f64>) {
+    resolution::monitor(cortex, y, false, weight);
+}
+
+/// Share of what [`mesh_monitor`] sees in [`error_monitor`]: a coarse mesh does not see in its defect what lies between its points.
+const SEEN: f64 = 0.3;
+
+/// A mesh monitor for branches that asks for equal parts of the estimated error, by the defect. With
+/// [`remesh_above`](ContinuationSettings::remesh_above) at 1.3 folds are a few times closer on the same number of intervals, but no
+/// longer smooth in the cell's numbers below that error, since meshes move in leaps.
+///
+/// # Examples
+/// ```
+/// use furrow_cell::{Cell, Numerics};
+/// use furrow_mechanics::equilibria::{BranchOptions, branch::error_monitor, primary};
+/// let (cell, mut settings) = (Cell::new(2.0), BranchOptions::default().settings);
+/// settings.remesh_above = 1.3;
+/// let mut branch = primary::start(&cell, &Numerics::default(), &settings)?;
+/// branch.monitor = Some(error_monitor);
+/// # Ok::<(), crate::equilibria::ShapeError>(())
+/// ```
+pub fn error_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f64>) {
+    resolution::monitor(cortex, y, false, weight);
+    let defects = mesh::defect(&Gauss::new(y.m), &mut cortex.clone(), y);
+    let mut by_defect = Vec::with_capacity(defects.len());
+    mesh::defect_monitor(&y.mesh, &defects, y.m, &mut by_defect);
+    let end = y.mesh[y.intervals()] - y.mesh[0];
+    let mean = |of: &[f64]| y.mesh.windows(2).zip(of).map(|(x, w)| (x[1] - x[0]) * w).sum::<f64>() / end;
+    let (seen, estimated) = (mean(weight), mean(&by_defect));
+    for (weight, by_defect) in weight.iter_mut().zip(&by_defect) {
+        *weight = SEEN * *weight / seen + by_defect / estimated;
+    }
+}
+
+/// A singular point near the newest point of a branch that cannot be located.
+pub(super) fn not_located(
+    branch: &Continuation<Cortex>,
+    kind: PointKind,
+    source: furrow_bvp::SingularError,
+) -> BranchEnd {
+    let cell = CellName::of(&branch.problem.cell);
+    BranchEnd::NotLocated(ShapeError::Point { cell, kind, xi_s: branch.state.parameter(), source })
+}
+
+/// The branch upwards in ξ_s from the shape `y` of a cell at ξ_s = 0.
+///
+/// # Errors
+/// [`ShapeError::Branch`].
+pub(super) fn begin(
+    mut y: Solution,
+    cell: &Cell,
+    domain: Domain,
+    settings: &ContinuationSettings,
+) -> Result<Continuation<Cortex>, ShapeError> {
+    y.scalars.push(0.0);
+    let free = [Parameter::XiS];
+    let cortex = Cortex::new(cell, domain, &free);
+    let mut branch = Continuation::start(cortex, y, metric(cell.r0, &free), settings.clone(), true)
+        .map_err(|source| ShapeError::Branch { cell: CellName::of(cell), source })?;
+    branch.monitor = Some(mesh_monitor);
+    Ok(branch)
+}

@@ -1,0 +1,508 @@
+//! Critical radii: below which radius a cell cannot divide, and why.
+//!
+//! For a mirror-symmetric cell it is the pitchfork, ξ_s*(R0_c, ε) = ξ_s; with a cue that breaks the symmetry, the fold at
+//! which its stable branch ends. The radii of the preset are kept in a small file in `data/`, compiled in, with a hash of
+//! the parameters they belong to; others are solved for when first asked about.
+
+use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
+
+use furrow_bvp::{AugmentedReport, Codim2Curve, CurveError, Singularity};
+use serde::{Deserialize, Serialize};
+
+use super::branch::{BranchOptions, XI};
+use super::curves::{self, Curve, CurvePoint, MOST_STEPS, SECOND, at_value, coefficient, curve_point};
+use super::effort::Effort;
+use super::error::{PointKind, ShapeError};
+use super::{pitchfork, primary};
+use crate::cortex::{Cortex, Domain};
+use furrow_cell::{Cell, Cue, Numerics, Parameter};
+
+/// Version of the file's format and of the method behind its numbers.
+pub const FORMAT: u32 = 2;
+
+/// The file kept for the preset `gao2026`; `furrow boundary` writes it anew.
+const PRESET: &str = include_str!("../../data/gao2026.boundary.json");
+
+/// What bounds division.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum BoundaryKind {
+    /// The pitchfork of the mirror-symmetric branch.
+    Pitchfork,
+    /// The fold of the stable branch of a cell whose cue breaks the symmetry.
+    CuedFold,
+}
+
+/// The radius at which cells with one cue begin to divide.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CriticalRadius {
+    /// Their cue.
+    pub cue: Cue,
+    /// What bounds them.
+    pub kind: BoundaryKind,
+    /// Critical radius R0, in L_h.
+    pub r0: f64,
+    /// Slope dξ_s/dR0 of the curve there.
+    pub slope: f64,
+}
+
+/// Why a cell cannot divide.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct End {
+    /// What bounds it.
+    pub kind: BoundaryKind,
+    /// Radius below which cells like it do not divide.
+    pub critical_r0: f64,
+    /// R0/critical − 1 of the cell: negative.
+    pub margin: f64,
+}
+
+/// Why a stored boundary is not used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BoundaryError {
+    /// It is not a boundary file.
+    #[error("{file}: not a boundary file: {reason}")]
+    Malformed {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// It belongs to other parameters or to an older method.
+    #[error("{file}: stale: computed for parameters {found}, not {expected}; compute it anew")]
+    Stale {
+        /// The file.
+        file: String,
+        /// Hash of the parameters in force.
+        expected: String,
+        /// Hash in the file.
+        found: String,
+    },
+}
+
+/// A boundary as stored.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stored {
+    /// Version of the format.
+    pub format: u32,
+    /// Hash of what the numbers depend on, see [`parameters_hash`].
+    pub parameters: String,
+    /// The kind of cell, to be read by people; its radius and cue do not matter.
+    pub cell: Cell,
+    /// Critical radii at the activity of `cell`.
+    pub radii: Vec<CriticalRadius>,
+    /// The curve of pitchforks ξ_s*(R0) of cells without a cue.
+    pub pitchfork: Vec<CurvePoint>,
+    /// Where criticality changes sign on it.
+    pub degenerate: Vec<CurvePoint>,
+}
+
+/// What cells that differ by radius and cue alone have in common.
+fn kin(cell: &Cell) -> Cell {
+    Cell { r0: 1.0, cue: Cue::none(), ..cell.clone() }
+}
+
+/// Hash of everything a boundary depends on: the cell but for its radius and cue, collocation, and the method's version.
+pub fn parameters_hash(cell: &Cell, numerics: &Numerics) -> String {
+    let mut hasher = blake3::Hasher::new();
+    // Fields in the order of their names and numbers in shortest form: the same on every host.
+    let text = serde_json::to_string(&(FORMAT, kin(cell), numerics.stages, numerics.intervals)).unwrap_or_default();
+    hasher.update(text.as_bytes());
+    hasher.finalize().to_hex()[..16].to_string()
+}
+
+impl Stored {
+    /// Computes the boundary of cells like `cell` for a set of cues, with the curve of pitchforks over a range of R0.
+    ///
+    /// # Errors
+    /// [`ShapeError`].
+    pub fn compute(cell: &Cell, numerics: &Numerics, cues: &[Cue], range: [f64; 2]) -> Result<Stored, ShapeError> {
+        let radius = |cue: &Cue| critical_radius(&kin(cell).with_cue(cue.clone()), numerics);
+        let radii = cues.iter().map(radius).collect::<Result<_, _>>()?;
+        let Curve { points, degenerate, .. } = curves::pitchfork_curve(&kin(cell), numerics, Parameter::R0, range)?;
+        Ok(Stored {
+            format: FORMAT,
+            parameters: parameters_hash(cell, numerics),
+            cell: kin(cell),
+            radii,
+            pitchfork: points,
+            degenerate,
+        })
+    }
+
+    /// The boundary kept for the preset `gao2026`, for cells of its parameters.
+    ///
+    /// # Errors
+    /// [`BoundaryError::Stale`] for other parameters.
+    pub fn preset(cell: &Cell, numerics: &Numerics) -> Result<Stored, BoundaryError> {
+        Stored::parse(PRESET, "gao2026.boundary.json", cell, numerics)
+    }
+
+    /// Reads a stored boundary (`file` is what errors call it), refusing one that belongs to other parameters.
+    ///
+    /// # Errors
+    /// [`BoundaryError`].
+    pub fn parse(text: &str, file: &str, cell: &Cell, numerics: &Numerics) -> Result<Stored, BoundaryError> {
+        let stored: Stored = serde_json::from_str(text)
+            .map_err(|error| BoundaryError::Malformed { file: file.into(), reason: error.to_string() })?;
+        let expected = parameters_hash(cell, numerics);
+        if stored.format != FORMAT || stored.parameters != expected {
+            return Err(BoundaryError::Stale { file: file.into(), expected, found: stored.parameters });
+        }
+        Ok(stored)
+    }
+}
+
+/// Radii at which a curve is looked for first, in order.
+pub const STARTS: [f64; 7] = [2.0, 2.5, 3.0, 1.6, 4.0, 6.0, 1.0];
+
+/// Values of a parameter that curves may run through.
+fn allowed_range(parameter: Parameter) -> std::ops::Range<f64> {
+    match parameter {
+        Parameter::R0 => 0.05..50.0,
+        Parameter::Epsilon => 0.05..0.99,
+        _ => f64::NEG_INFINITY..f64::INFINITY,
+    }
+}
+
+/// Follows a curve to the point with ξ_s = `xi_s`, in whichever direction leads there; how that converged. Where a curve of
+/// folds turns back in the parameter there is a cusp, beyond which it is another fold; a curve that leads well away from
+/// ξ_s again is given up.
+fn to_activity<S: Singularity<Cortex> + Clone>(
+    curve: &mut Codim2Curve<Cortex, S>,
+    xi_s: f64,
+    parameter: Parameter,
+    through_cusps: bool,
+    effort: &Effort<'_>,
+) -> Result<AugmentedReport, CurveError> {
+    curve.head_for(XI, xi_s);
+    let mut tried = curve.work.steps + curve.work.rejected;
+    let mut last = AugmentedReport::default();
+    let direction = curve.tangent.scalars[SECOND];
+    let mut nearest = f64::INFINITY;
+    curve.follow_to(XI, xi_s, MOST_STEPS, |curve, report| {
+        last = *report;
+        let distance = (curve.solution.scalars[XI] - xi_s).abs();
+        nearest = nearest.min(distance);
+        let goes_on = through_cusps || curve.tangent.scalars[SECOND] * direction > 0.0;
+        let before = std::mem::replace(&mut tried, curve.work.steps + curve.work.rejected);
+        let affordable = effort.spend(tried - before);
+        affordable
+            && goes_on
+            && distance < 2.0 * nearest + 1.0
+            && allowed_range(parameter).contains(&curve.solution.scalars[SECOND])
+    })?;
+    Ok(last)
+}
+
+/// The value of `parameter` at which the first pitchfork of a mirror-symmetric cell lies at its activity ξ_s. The curve is
+/// looked for at each of `starts` in turn. Along R0 that is the critical radius R0_c; smaller cells do not divide.
+///
+/// # Errors
+/// [`ShapeError`] if the curve of pitchforks does not pass that activity.
+pub fn critical_pitchfork(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    starts: &[f64],
+) -> Result<CurvePoint, ShapeError> {
+    pitchfork_within(cell, numerics, parameter, starts, &Effort::unlimited())
+}
+
+fn pitchfork_within(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    starts: &[f64],
+    effort: &Effort<'_>,
+) -> Result<CurvePoint, ShapeError> {
+    first_success(
+        PointKind::Pitchfork,
+        cell,
+        starts,
+        effort,
+        |cell| {
+            let lost = |source| curve_error(PointKind::Pitchfork, cell.xi_s, source);
+            let first = pitchfork::first_within(cell, numerics, &BranchOptions::default(), effort)?;
+            let mut curve = curves::through_pitchfork(cell, &first, parameter, true).map_err(lost)?;
+            let report = to_activity(&mut curve, cell.xi_s, parameter, true, effort).map_err(lost)?;
+            let y = curve.solution.clone();
+            let c = coefficient(&mut curve, &y, &report).map_err(|error| lost(CurveError::Start(error)))?;
+            Ok(curve_point(&curve, Some(c)))
+        },
+        parameter,
+    )
+}
+
+/// The value of `parameter` at which the stable branch of a cell whose cue breaks the symmetry ends, in a fold, at its
+/// activity ξ_s. Along R0: smaller cells do not divide.
+///
+/// # Errors
+/// [`ShapeError`] if the curve of folds does not pass that activity.
+pub fn critical_fold(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    starts: &[f64],
+) -> Result<CurvePoint, ShapeError> {
+    fold_within(cell, numerics, parameter, starts, &Effort::unlimited())
+}
+
+fn fold_within(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    starts: &[f64],
+    effort: &Effort<'_>,
+) -> Result<CurvePoint, ShapeError> {
+    first_success(
+        PointKind::Fold,
+        cell,
+        starts,
+        effort,
+        |cell| {
+            let lost = |source| curve_error(PointKind::Fold, cell.xi_s, source);
+            let fold = primary::failure_fold_within(cell, numerics, &BranchOptions::default(), effort)?;
+            let mut curve = curves::through_fold(cell, &fold, parameter, true).map_err(lost)?;
+            to_activity(&mut curve, cell.xi_s, parameter, false, effort).map_err(lost)?;
+            Ok(curve_point(&curve, None))
+        },
+        parameter,
+    )
+}
+
+fn curve_error(kind: PointKind, xi_s: f64, source: CurveError) -> ShapeError {
+    ShapeError::Curve { kind, parameter: Parameter::XiS, value: xi_s, source }
+}
+
+/// The first success among cells with `parameter` at each of the starts; else the last failure.
+fn first_success(
+    kind: PointKind,
+    cell: &Cell,
+    starts: &[f64],
+    effort: &Effort<'_>,
+    mut attempt: impl FnMut(&Cell) -> Result<CurvePoint, ShapeError>,
+    parameter: Parameter,
+) -> Result<CurvePoint, ShapeError> {
+    let mut last = curve_error(kind, cell.xi_s, CurveError::NotReached { steps: 0, reached: f64::NAN });
+    for start in starts {
+        match attempt(&at_value(cell, parameter, *start)) {
+            Ok(point) => return Ok(point),
+            Err(error) => last = error,
+        }
+        effort.check(cell)?;
+    }
+    Err(last)
+}
+
+/// The value of `parameter` that bounds the division of a cell at its activity: of the pitchfork if the cell is
+/// mirror-symmetric whatever the value, else of the fold that ends its stable shapes.
+///
+/// # Errors
+/// [`ShapeError`] if there is none.
+pub fn critical_value(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    starts: &[f64],
+) -> Result<(BoundaryKind, CurvePoint), ShapeError> {
+    value_within(cell, numerics, parameter, starts, &Effort::unlimited())
+}
+
+fn value_within(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    starts: &[f64],
+    effort: &Effort<'_>,
+) -> Result<(BoundaryKind, CurvePoint), ShapeError> {
+    if curves::domain_along(cell, parameter) == Domain::Half {
+        Ok((BoundaryKind::Pitchfork, pitchfork_within(cell, numerics, parameter, starts, effort)?))
+    } else {
+        Ok((BoundaryKind::CuedFold, fold_within(cell, numerics, parameter, starts, effort)?))
+    }
+}
+
+/// The critical radius of cells like `cell`, whatever its own radius, solved for directly.
+///
+/// ```
+/// use furrow_cell::{Cell, Numerics};
+///
+/// let critical = furrow_mechanics::equilibria::critical_radius(&Cell::new(1.0), &Numerics::default())?;
+/// assert!((critical.r0 - 1.7063248).abs() < 1e-6);
+/// # Ok::<(), furrow_mechanics::equilibria::ShapeError>(())
+/// ```
+///
+/// # Errors
+/// [`ShapeError`] if there is none.
+pub fn critical_radius(cell: &Cell, numerics: &Numerics) -> Result<CriticalRadius, ShapeError> {
+    critical_radius_within(cell, numerics, &Effort::unlimited())
+}
+
+/// As [`critical_radius`], with so much work.
+///
+/// # Errors
+/// Those of [`critical_radius`]; [`ShapeError::Effort`] and [`ShapeError::Interrupted`] if the search must end before it has
+/// come to an end.
+pub fn critical_radius_within(
+    cell: &Cell,
+    numerics: &Numerics,
+    effort: &Effort<'_>,
+) -> Result<CriticalRadius, ShapeError> {
+    let (kind, point) = value_within(cell, numerics, Parameter::R0, &STARTS, effort)?;
+    Ok(CriticalRadius { cue: cell.cue.clone(), kind, r0: point.value, slope: point.slope })
+}
+
+/// What is known of the critical radius of one kind of cell.
+#[derive(Debug)]
+enum Knowledge {
+    /// The radius, and what the finer mesh gives once a cell came near it.
+    Radius(CriticalRadius, Option<Result<CriticalRadius, ShapeError>>),
+    /// It was looked for and cannot be found.
+    None(ShapeError),
+}
+
+/// Answers whether cells divide, from stored radii where they apply and solving for others once each.
+#[derive(Debug)]
+pub struct CriticalRadii<'a> {
+    numerics: Numerics,
+    interrupt: Option<&'a AtomicBool>,
+    /// By the cell with its radius set to 1.
+    known: Mutex<Vec<(Cell, Knowledge)>>,
+}
+
+/// Most steps, along branches and curves, of one search for a critical radius. Nearly all searches that find one take 20 to
+/// 500, those that find none or a very small one a thousand to ten thousand. A radius saves some dozens of divisions, of the
+/// cells that are too small, and each costs as much as 20 to 40 steps.
+pub const MOST_SEARCHED: usize = 600;
+
+/// Cells nearer to their critical radius than this, relative, are judged by one computed on a mesh twice as fine.
+const NEAR: f64 = 1e-3;
+
+impl<'a> CriticalRadii<'a> {
+    /// With the radii stored for the preset `gao2026`.
+    pub fn new(numerics: &Numerics) -> CriticalRadii<'a> {
+        let preset = Cell::new(1.0);
+        let stored = Stored::preset(&preset, numerics);
+        CriticalRadii::with_radii(&preset, numerics, stored.map_or_else(|_| Vec::new(), |stored| stored.radii))
+    }
+
+    /// With given radii of cells like `cell`.
+    pub fn with_radii(cell: &Cell, numerics: &Numerics, radii: Vec<CriticalRadius>) -> CriticalRadii<'a> {
+        let entry = |radius: CriticalRadius| (kin(cell).with_cue(radius.cue.clone()), Knowledge::Radius(radius, None));
+        let known = Mutex::new(radii.into_iter().map(entry).collect());
+        CriticalRadii { numerics: *numerics, interrupt: None, known }
+    }
+
+    /// Whether an answer about cells like this one takes no search.
+    pub fn knows(&self, cell: &Cell) -> bool {
+        let one = kind(cell);
+        self.known.lock().unwrap_or_else(std::sync::PoisonError::into_inner).iter().any(|(other, _)| *other == one)
+    }
+
+    /// The same, whose searches end when the flag is set.
+    #[must_use]
+    pub fn interrupted_by(self, flag: &'a AtomicBool) -> CriticalRadii<'a> {
+        CriticalRadii { interrupt: Some(flag), ..self }
+    }
+
+    /// Solves for the critical radius of cells like `cell`, with bounded work.
+    fn search(&self, cell: &Cell, numerics: &Numerics) -> Result<CriticalRadius, ShapeError> {
+        critical_radius_within(cell, numerics, &Effort::new(MOST_SEARCHED, self.interrupt))
+    }
+
+    /// Why a cell cannot divide; `None` if it can.
+    ///
+    /// # Errors
+    /// [`ShapeError`] if its critical radius cannot be found in [`MOST_SEARCHED`] steps; it is looked for once.
+    pub fn ends(&self, cell: &Cell) -> Result<Option<End>, ShapeError> {
+        let mut known = self.known.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let one = kind(cell);
+        let index = match known.iter().position(|(other, _)| *other == one) {
+            Some(index) => index,
+            None => {
+                let found = self.search(&one, &self.numerics);
+                if let Err(error @ ShapeError::Interrupted) = found {
+                    return Err(error);
+                }
+                known.push((one, found.map_or_else(Knowledge::None, |radius| Knowledge::Radius(radius, None))));
+                known.len() - 1
+            }
+        };
+        let (of, knowledge) = &mut known[index];
+        let (coarse, refined) = match knowledge {
+            Knowledge::Radius(radius, refined) => (radius, refined),
+            Knowledge::None(error) => return Err(error.clone()),
+        };
+        // Cells farther away keep the coarser radius: what is said of a cell must not depend on those asked about before,
+        // whose order is one of timing.
+        if (cell.r0 / coarse.r0 - 1.0).abs() >= NEAR {
+            return Ok(end(cell, coarse));
+        }
+        let finer = Numerics { intervals: 2 * self.numerics.intervals, ..self.numerics };
+        match refined.get_or_insert_with(|| self.search(of, &finer)) {
+            Ok(radius) => Ok(end(cell, radius)),
+            Err(error) => Err(error.clone()),
+        }
+    }
+}
+
+/// The kind of a cell: what it has in common with cells of other radii.
+fn kind(cell: &Cell) -> Cell {
+    Cell { r0: 1.0, cue: cell.cue.simplified(), ..cell.clone() }
+}
+
+fn end(cell: &Cell, radius: &CriticalRadius) -> Option<End> {
+    let margin = cell.r0 / radius.r0 - 1.0;
+    (margin < 0.0).then_some(End { kind: radius.kind, critical_r0: radius.r0, margin })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn preset() -> Stored {
+        Stored::parse(PRESET, "preset", &Cell::new(1.0), &Numerics::default()).unwrap()
+    }
+
+    #[test]
+    fn the_stored_boundary_is_fresh_and_right() {
+        let stored = preset();
+        assert!(stored.radii.len() >= 2);
+        for radius in &stored.radii {
+            let cell = Cell::new(1.0).with_cue(radius.cue.clone());
+            let again = critical_radius(&cell, &Numerics::default()).unwrap();
+            assert_eq!(again.kind, radius.kind);
+            assert!((again.r0 / radius.r0 - 1.0).abs() < 1e-9, "{again:?} {radius:?}");
+        }
+    }
+
+    #[test]
+    fn other_parameters_are_refused() {
+        let cell = Cell { epsilon: 0.86, ..Cell::new(1.0) };
+        let error = Stored::parse(PRESET, "preset", &cell, &Numerics::default()).unwrap_err();
+        assert!(matches!(error, BoundaryError::Stale { .. }), "{error}");
+        let error = Stored::parse("{}", "preset", &cell, &Numerics::default()).unwrap_err();
+        assert!(matches!(error, BoundaryError::Malformed { .. }), "{error}");
+        // Radius and cue are no parameters of the boundary.
+        let cell = Cell::new(4.0).with_cue(Cue::published());
+        assert!(Stored::parse(PRESET, "preset", &cell, &Numerics::default()).is_ok());
+    }
+
+    #[test]
+    fn cells_near_the_boundary_are_judged_by_a_finer_solution() {
+        // A stored radius that is off by 5e-4 must not decide about a cell within 1e-3 of it.
+        let exact = preset().radii.into_iter().find(|radius| radius.cue.is_none()).unwrap();
+        let r0_c = exact.r0;
+        let off = CriticalRadius { r0: r0_c * 1.0005, ..exact };
+        let radii = CriticalRadii::with_radii(&Cell::new(1.0), &Numerics::default(), vec![off]);
+        assert_eq!(radii.ends(&Cell::new(r0_c * 1.0002)).unwrap(), None);
+        let end = radii.ends(&Cell::new(r0_c * 0.9999)).unwrap().unwrap();
+        assert!((end.critical_r0 / r0_c - 1.0).abs() < 1e-8);
+        assert!((end.margin + 1e-4).abs() < 1e-7);
+    }
+}

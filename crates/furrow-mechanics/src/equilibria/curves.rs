@@ -1,0 +1,414 @@
+//! Curves of pitchforks and folds of cells in ξ_s and one further parameter.
+
+use furrow_bvp::normal_form::pitchfork_normal_form;
+use furrow_bvp::{
+    AugmentedReport, Codim2Curve, CurveError, CurveSettings, Direction, Fold, SingularError, Singularity, Solution,
+    SymmetryBreaking,
+};
+
+use super::branch::{BranchOptions, FoldPoint, ShapePoint, XI, mesh_monitor, metric};
+use super::error::{PointKind, ShapeError};
+use super::pitchfork::{self, Criticality, Pitchfork, furrow_shift};
+use super::primary;
+use crate::cortex::equations::LENGTH;
+use crate::cortex::symmetry::unfold;
+use crate::cortex::{Cortex, Domain};
+use furrow_cell::{Cell, Numerics, Parameter};
+
+/// Index of the second free parameter among the scalar unknowns of a curve.
+pub const SECOND: usize = XI + 1;
+
+/// A point of a curve.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct CurvePoint {
+    /// Cell radius R0.
+    pub r0: f64,
+    /// Confinement ε.
+    pub epsilon: f64,
+    /// Value of the parameter varied.
+    pub value: f64,
+    /// Activity ξ_s at the singular point.
+    pub xi_s: f64,
+    /// Slope dξ_s/d(value) along the curve.
+    pub slope: f64,
+    /// Elongation H there.
+    pub elongation: f64,
+    /// Of a pitchfork: c of ξ_s = ξ_s* + c (u_f − ½)².
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub coefficient: Option<f64>,
+}
+
+impl CurvePoint {
+    /// Sub- or supercritical, of a pitchfork.
+    pub fn criticality(&self) -> Option<Criticality> {
+        self.coefficient.map(Criticality::of)
+    }
+}
+
+/// How a curve ended.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum CurveEnd {
+    /// At the value it was followed to.
+    #[default]
+    Reached,
+    /// It turned back in its parameter, at a cusp in which two folds are born.
+    Cusp(CurvePoint),
+    /// It could not be followed further.
+    Stopped(ShapeError),
+}
+
+impl CurveEnd {
+    /// Its name in files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            CurveEnd::Reached => "reached",
+            CurveEnd::Cusp(_) => "cusp",
+            CurveEnd::Stopped(_) => "stopped",
+        }
+    }
+}
+
+/// A curve followed over a range of its parameter.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Curve {
+    /// Its points, in the order followed.
+    pub points: Vec<CurvePoint>,
+    /// Points where criticality changes sign (pitchforks).
+    pub degenerate: Vec<CurvePoint>,
+    /// How it ended.
+    pub ended: CurveEnd,
+    /// Newton iterations of the whole curve.
+    pub iterations: usize,
+}
+
+impl Curve {
+    /// The cusp it ended in, if it did.
+    pub fn cusp(&self) -> Option<CurvePoint> {
+        match self.ended {
+            CurveEnd::Cusp(point) => Some(point),
+            _ => None,
+        }
+    }
+
+    /// Why it ended before the value it was followed to, if it did and not in a cusp.
+    pub fn error(&self) -> Option<&ShapeError> {
+        match &self.ended {
+            CurveEnd::Stopped(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+/// A curve of pitchforks of cells, being followed.
+pub type PitchforkCurve = Codim2Curve<Cortex, SymmetryBreaking>;
+/// A curve of folds of cells, being followed.
+pub type FoldCurve = Codim2Curve<Cortex, Fold>;
+
+/// Largest number of steps of one curve.
+pub(super) const MOST_STEPS: usize = 2000;
+
+/// Settings of curves of cells.
+pub fn settings() -> CurveSettings {
+    CurveSettings { first_step: 0.02, max_step: 1.0, ..CurveSettings::default() }
+}
+
+/// A cell with one parameter at another value.
+pub(super) fn at_value(cell: &Cell, parameter: Parameter, value: f64) -> Cell {
+    let mut moved = cell.clone();
+    parameter.set(&mut moved, value);
+    moved
+}
+
+/// The part of the contour that shapes along a curve need: half of it if the cell is mirror-symmetric whatever the value of
+/// the parameter.
+pub(super) fn domain_along(cell: &Cell, parameter: Parameter) -> Domain {
+    let elsewhere = at_value(cell, parameter, parameter.get(cell) + 0.01);
+    if cell.is_mirror_symmetric() { Domain::of(&elsewhere) } else { Domain::Full }
+}
+
+/// The curve through a singular point of a cell, ready to be followed.
+fn through<S: Singularity<Cortex> + Clone>(
+    cell: &Cell,
+    domain: Domain,
+    parameter: Parameter,
+    singularity: S,
+    shape: &Solution,
+    upwards: bool,
+) -> Result<Codim2Curve<Cortex, S>, CurveError> {
+    let free = [Parameter::XiS, parameter];
+    let cortex = Cortex::new(cell, domain, &free);
+    let mut metric = metric(cell.r0, &free);
+    let value = cortex.get(parameter);
+    // The parameter varied counts relative to its own size.
+    metric.scalars[SECOND] = 1.0 / (value * value).max(1e-2);
+    let tangent = branch_direction(shape);
+    let mut y = shape.clone();
+    y.scalars.truncate(SECOND);
+    y.scalars.push(value);
+    let mut curve = Codim2Curve::start(cortex, singularity, y, metric, &tangent, settings(), upwards)?;
+    curve.monitor = Some(mesh_monitor);
+    Ok(curve)
+}
+
+/// The tangent that normalises at a singular point: any direction the branch is not orthogonal to. The contour length
+/// grows along every branch near its singular points.
+fn branch_direction(shape: &Solution) -> Direction {
+    let mut scalars = vec![0.0; SECOND];
+    scalars[LENGTH] = 1.0;
+    Direction { nodes: vec![0.0; shape.nodes.len()], stages: vec![0.0; shape.stages.len()], scalars }
+}
+
+/// The curve of pitchforks through one of them, ready to be followed.
+///
+/// # Errors
+/// [`CurveError::Start`].
+pub fn through_pitchfork(
+    cell: &Cell,
+    pitchfork: &Pitchfork,
+    parameter: Parameter,
+    upwards: bool,
+) -> Result<PitchforkCurve, CurveError> {
+    through(cell, Domain::Half, parameter, SymmetryBreaking::default(), &pitchfork.shape, upwards)
+}
+
+/// The curve of folds through one of them, ready to be followed.
+///
+/// # Errors
+/// [`CurveError::Start`].
+pub fn through_fold(
+    cell: &Cell,
+    fold: &FoldPoint,
+    parameter: Parameter,
+    upwards: bool,
+) -> Result<FoldCurve, CurveError> {
+    let domain = domain_along(cell, parameter);
+    let shape = match (Domain::of(cell), domain) {
+        // A mirror-symmetric cell that is none at other values.
+        (Domain::Half, Domain::Full) => &unfold(&fold.shape),
+        _ => &fold.shape,
+    };
+    through(cell, domain, parameter, Fold::new(XI), shape, upwards)
+}
+
+/// The newest point of a curve.
+pub fn curve_point<S: Singularity<Cortex> + Clone>(
+    curve: &Codim2Curve<Cortex, S>,
+    coefficient: Option<f64>,
+) -> CurvePoint {
+    let cortex = &curve.augmented.problem;
+    let point = ShapePoint::of(&curve.solution, cortex, &curve.augmented.system.gauss);
+    CurvePoint {
+        r0: cortex.cell.r0,
+        epsilon: cortex.cell.epsilon,
+        value: curve.solution.scalars[SECOND],
+        xi_s: point.xi_s,
+        slope: curve.tangent.scalars[XI] / curve.tangent.scalars[SECOND],
+        elongation: point.elongation,
+        coefficient,
+    }
+}
+
+/// c of ξ_s = ξ_s* + c (u_f − ½)² at the point `y` on which the curve has just converged, as `report` says. Third derivatives
+/// magnify what the factors are off by: they are those of the last iteration if its correction was next to nothing.
+///
+/// # Errors
+/// [`SingularError`].
+pub fn coefficient(curve: &mut PitchforkCurve, y: &Solution, report: &AugmentedReport) -> Result<f64, SingularError> {
+    if report.correction > NEGLIGIBLE {
+        curve.augmented.refresh(y)?;
+    }
+    let form = pitchfork_normal_form(&mut curve.augmented, y)?;
+    let shift = furrow_shift(&curve.augmented.problem, y, &curve.augmented.singularity.null);
+    Ok(form.parameters[0] / (shift * shift))
+}
+
+/// Corrections below this change a coefficient by less than 10⁻⁵ of itself.
+const NEGLIGIBLE: f64 = 2e-9;
+
+fn lost(kind: PointKind, parameter: Parameter, value: f64) -> impl Fn(CurveError) -> ShapeError {
+    move |source| ShapeError::Curve { kind, parameter, value, source }
+}
+
+/// Follows the curve of the first pitchfork of a mirror-symmetric cell from one value of a parameter (where it is looked
+/// for first) to another.
+///
+/// # Errors
+/// [`ShapeError`]; `Curve` if the curve ends on the way, `NoPitchfork` if the cell's cue breaks the symmetry.
+pub fn pitchfork_curve(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    [from, to]: [f64; 2],
+) -> Result<Curve, ShapeError> {
+    let cell = at_value(cell, parameter, from);
+    let first = pitchfork::first(&cell, numerics, &BranchOptions::default())?;
+    let lost = lost(PointKind::Pitchfork, parameter, to);
+    let mut curve = through_pitchfork(&cell, &first, parameter, to > from).map_err(&lost)?;
+    let mut found = Curve { points: vec![curve_point(&curve, Some(first.coefficient))], ..Curve::default() };
+    let mut before = [found.points[0].value, first.coefficient];
+    let mut failure = None;
+    let followed = curve.follow_to(SECOND, to, MOST_STEPS, |curve, report| {
+        let y = curve.solution.clone();
+        match coefficient(curve, &y, report) {
+            Ok(c) => {
+                let point = curve_point(curve, Some(c));
+                let now = [point.value, c];
+                if before[1] * c < 0.0 {
+                    found.degenerate.extend(degenerate(curve, [before, now]));
+                }
+                found.points.push(point);
+                before = now;
+            }
+            Err(error) => failure = Some(error),
+        }
+        failure.is_none()
+    });
+    followed.map_err(|error| lost(failure.map_or(error, CurveError::Start)))?;
+    found.iterations = curve.work.iterations;
+    Ok(found)
+}
+
+/// The point between two values of the parameter where the coefficient vanishes, by the Illinois method.
+fn degenerate(curve: &mut PitchforkCurve, [mut low, mut high]: [[f64; 2]; 2]) -> Option<CurvePoint> {
+    let mut last_side = 0.0;
+    for _ in 0..40 {
+        let value = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1]);
+        let (y, report) = curve.at(SECOND, value).ok()?;
+        let c = coefficient(curve, &y, &report).ok()?;
+        if c.abs() < 1e-8 || (high[0] - low[0]).abs() < 1e-10 * value.abs() {
+            let mut found = curve.clone();
+            found.tangent = found.augmented.curve_direction(&y);
+            found.solution = y;
+            return Some(curve_point(&found, Some(c)));
+        }
+        if c * low[1] > 0.0 {
+            low = [value, c];
+            if last_side < 0.0 {
+                high[1] *= 0.5;
+            }
+            last_side = -1.0;
+        } else {
+            high = [value, c];
+            if last_side > 0.0 {
+                low[1] *= 0.5;
+            }
+            last_side = 1.0;
+        }
+    }
+    None
+}
+
+/// Follows one fold until the parameter reaches `to`, the curve turns back at a cusp or leaves ξ_s > 0, or it cannot be
+/// followed further.
+pub fn follow_fold(curve: &mut FoldCurve, parameter: Parameter, to: f64) -> Curve {
+    let mut found = Curve { points: vec![curve_point(curve, None)], ..Curve::default() };
+    let direction = curve.tangent.scalars[SECOND].signum();
+    let (mut cusp, mut passive) = (false, false);
+    let followed = curve.follow_to(SECOND, to, MOST_STEPS, |curve, _| {
+        cusp = curve.tangent.scalars[SECOND] * direction < 0.0;
+        passive = curve.solution.scalars[XI] <= 0.0;
+        if !cusp && !passive {
+            found.points.push(curve_point(curve, None));
+        }
+        !cusp && !passive
+    });
+    found.iterations = curve.work.iterations;
+    found.ended = match followed {
+        Err(CurveError::NotReached { .. }) if cusp => {
+            if let Some(y) = curve.turning_point(SECOND) {
+                curve.solution = y;
+            }
+            CurveEnd::Cusp(curve_point(curve, None))
+        }
+        Err(CurveError::NotReached { .. }) if passive => {
+            CurveEnd::Stopped(ShapeError::Inactive { kind: PointKind::Fold, parameter, value: to })
+        }
+        Err(error) => CurveEnd::Stopped(lost(PointKind::Fold, parameter, to)(error)),
+        Ok(()) => CurveEnd::Reached,
+    };
+    found
+}
+
+/// All folds of the primary branch of a mirror-symmetric cell at parameter value `from`, each followed towards `to`, and
+/// those at `to` that no curve has led to, followed towards `from`. A curve that cannot be followed to its end keeps what
+/// there is of it, and why in [`Curve::ended`].
+///
+/// # Errors
+/// [`ShapeError`] of the primary branches at both ends.
+pub fn fold_curves(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    [from, to]: [f64; 2],
+) -> Result<Vec<Curve>, ShapeError> {
+    let mut curves: Vec<Curve> = Vec::new();
+    for [start, end] in [[from, to], [to, from]] {
+        let cell = at_value(cell, parameter, start);
+        let branch = primary::follow(&cell, numerics, &BranchOptions::default(), |_| true)?;
+        for fold in branch.folds() {
+            let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (1.0 + b.abs());
+            let known = curves.iter().filter_map(|curve| curve.points.last()).any(|p| {
+                same(p.value, start) && same(p.xi_s, fold.point.xi_s) && same(p.elongation, fold.point.elongation)
+            });
+            if known {
+                continue;
+            }
+            let curve = through_fold(&cell, fold, parameter, end > start);
+            let mut curve = curve.map_err(lost(PointKind::Fold, parameter, end))?;
+            curves.push(follow_fold(&mut curve, parameter, end));
+        }
+    }
+    Ok(curves)
+}
+
+/// The curve of the fold that ends the stable shapes of a cell whose cue breaks the symmetry, over a range of a parameter, as
+/// far as it can be followed; [`Curve::ended`] says how it ended.
+///
+/// # Errors
+/// [`ShapeError`].
+pub fn failure_fold_curve(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    [from, to]: [f64; 2],
+) -> Result<Curve, ShapeError> {
+    let cell = at_value(cell, parameter, from);
+    let fold = primary::failure_fold(&cell, numerics, &BranchOptions::default())?;
+    let curve = through_fold(&cell, &fold, parameter, to > from);
+    let mut curve = curve.map_err(lost(PointKind::Fold, parameter, to))?;
+    Ok(follow_fold(&mut curve, parameter, to))
+}
+
+/// What bounds the division of a cell over a range of a parameter: the curve of its first pitchfork if it is
+/// mirror-symmetric whatever the parameter's value, else that of the fold which ends its stable shapes. Where that cannot be
+/// found at one end of the range it is followed from the other; where it ends on the way, in a cusp say, the curve from the
+/// other end is the second.
+///
+/// # Errors
+/// [`ShapeError`] as from the first end.
+pub fn boundary_curves(
+    cell: &Cell,
+    numerics: &Numerics,
+    parameter: Parameter,
+    [from, to]: [f64; 2],
+) -> Result<(PointKind, Vec<Curve>), ShapeError> {
+    if domain_along(cell, parameter) == Domain::Half {
+        let forwards = pitchfork_curve(cell, numerics, parameter, [from, to]);
+        let curve = forwards.or_else(|error| {
+            let mut curve = pitchfork_curve(cell, numerics, parameter, [to, from]).map_err(|_| error)?;
+            curve.points.reverse();
+            Ok(curve)
+        })?;
+        return Ok((PointKind::Pitchfork, vec![curve]));
+    }
+    let forwards = failure_fold_curve(cell, numerics, parameter, [from, to]);
+    if let Ok(Curve { ended: CurveEnd::Reached, .. }) = forwards {
+        return Ok((PointKind::Fold, vec![forwards?]));
+    }
+    let backwards = failure_fold_curve(cell, numerics, parameter, [to, from]);
+    match (forwards, backwards) {
+        (Err(error), Err(_)) => Err(error),
+        (forwards, backwards) => Ok((PointKind::Fold, forwards.into_iter().chain(backwards).collect())),
+    }
+}

@@ -1,0 +1,153 @@
+//! Why a branch of stationary shapes, or a point of it, could not be computed.
+
+use furrow_bvp::{ContinuationError, CurveError, NewtonError, SingularError};
+
+use furrow_cell::{Cell, Parameter};
+use furrow_input::shown_number;
+
+/// A kind of singular point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum PointKind {
+    /// The mirror symmetry breaks.
+    Pitchfork,
+    /// The branch turns in ξ_s.
+    Fold,
+}
+
+impl std::fmt::Display for PointKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            PointKind::Pitchfork => "pitchfork",
+            PointKind::Fold => "fold",
+        })
+    }
+}
+
+/// Which cell an error is about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellName {
+    /// Radius R0.
+    pub r0: f64,
+    /// Confinement ε.
+    pub epsilon: f64,
+}
+
+impl CellName {
+    /// The name of a cell in messages.
+    pub fn of(cell: &Cell) -> CellName {
+        CellName { r0: cell.r0, epsilon: cell.epsilon }
+    }
+
+    /// What may help where a cell has no passive shape.
+    pub(crate) fn advice(&self) -> &'static str {
+        match self.r0 {
+            0.01..1000.0 => "try a tension nearer to 0, an aspect nearer to 1, or more mesh intervals",
+            _ => "passive shapes are found of cells of R0 from 0.01 to 1000",
+        }
+    }
+}
+
+impl std::fmt::Display for CellName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "R0 = {}, epsilon = {}", shown_number(self.r0), shown_number(self.epsilon))
+    }
+}
+
+/// Why a stationary branch, or a point of it, could not be computed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShapeError {
+    /// No passive shape to start from.
+    #[error("no passive shape for {cell} ({source}); {}", cell.advice())]
+    Passive {
+        /// The cell.
+        cell: CellName,
+        /// What the solver said.
+        source: NewtonError,
+    },
+    /// With its cue, the passive cell has no shape.
+    #[error(
+        "no passive shape with the cue for {cell} ({source}); try a cue of smaller amplitude, or more mesh intervals"
+    )]
+    Cue {
+        /// The cell.
+        cell: CellName,
+        /// What the solver said.
+        source: NewtonError,
+    },
+    /// The branch cannot be followed.
+    #[error("{cell}: {source}; try more mesh intervals")]
+    Branch {
+        /// The cell.
+        cell: CellName,
+        /// What the continuation said.
+        source: ContinuationError,
+    },
+    /// A singular point seen on the way cannot be located.
+    #[error("{cell}: the {kind} near xi_s = {xi_s} cannot be located: {source}")]
+    Point {
+        /// The cell.
+        cell: CellName,
+        /// Pitchfork or fold.
+        kind: PointKind,
+        /// Where it was seen.
+        xi_s: f64,
+        /// What the solver said.
+        source: SingularError,
+    },
+    /// There is none in the range searched.
+    #[error("{cell}: no {kind} for xi_s up to {xi_max}")]
+    NotFound {
+        /// The cell.
+        cell: CellName,
+        /// Pitchfork or fold.
+        kind: PointKind,
+        /// End of the range searched.
+        xi_max: f64,
+    },
+    /// The cell's cue tells the poles apart: its branch has no pitchfork but folds.
+    #[error(
+        "{cell}: the cue {cue} breaks the mirror symmetry, and with it the pitchfork; what bounds its shapes is a fold"
+    )]
+    NoPitchfork {
+        /// The cell.
+        cell: CellName,
+        /// Its cue.
+        cue: String,
+    },
+    /// A curve of singular points does not reach the value asked for.
+    #[error("the curve of {kind}s does not reach {parameter} = {value}: {source}")]
+    Curve {
+        /// Pitchfork or fold.
+        kind: PointKind,
+        /// The unknown.
+        parameter: Parameter,
+        /// Value asked for.
+        value: f64,
+        /// Why.
+        source: CurveError,
+    },
+    /// A curve of singular points ends at shapes without activity.
+    #[error("the curve of {kind}s does not reach {parameter} = {value}: xi_s falls to 0 on the way")]
+    Inactive {
+        /// Pitchfork or fold.
+        kind: PointKind,
+        /// The unknown.
+        parameter: Parameter,
+        /// Value asked for.
+        value: f64,
+    },
+    /// It is not found with the work allowed.
+    #[error("{cell}: not found in {steps} steps along branches and curves, the most that are tried")]
+    Effort {
+        /// The cell.
+        cell: CellName,
+        /// Steps allowed.
+        steps: usize,
+    },
+    /// The search was interrupted.
+    #[error("interrupted")]
+    Interrupted,
+}

@@ -1,0 +1,254 @@
+//! The primary branch: the stationary shapes that grow out of the passive one as activity rises.
+//!
+//! Of a mirror-symmetric cell, without a cue or with an even one, they are mirror-symmetric and are computed on the half
+//! domain, where pitchforks are simple zeros of one determinant. A cue that tells the poles apart breaks the symmetry, and
+//! the pitchfork with it: the branch leans to one side and, where the cell begins to divide, ends its stable part in a fold.
+
+use furrow_bvp::newton::NewtonScratch;
+use furrow_bvp::{Continuation, ContinuationSettings, Fold, Gauss, Newton, Solution, SymmetryBreaking, System, locate};
+
+use super::asymmetric::NARROWEST;
+use super::branch::{
+    Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, ShapePoint, XI, begin, newest_contour, not_located,
+};
+use super::effort::Effort;
+use super::error::{CellName, PointKind, ShapeError};
+use super::passive::passive;
+use super::pitchfork::pitchfork_near;
+use crate::cortex::equations::R;
+use crate::cortex::observables::{self, PINCH_OFF};
+use crate::cortex::symmetry::unfold;
+use crate::cortex::{Cortex, Domain};
+use crate::stability::Stability;
+use furrow_cell::{Cell, Numerics};
+
+/// Smallest part of a cue by which it is switched on.
+const SMALLEST_PART: f64 = 1e-3;
+
+/// The shape of a cell without activity, with its cue: the half of it if the cell is mirror-symmetric. In a wide shell a
+/// weak cue moves the passive cell far: it is reached from the shape without a cue, by parts of the cue where need be.
+///
+/// # Errors
+/// [`ShapeError::Passive`], [`ShapeError::Cue`].
+pub fn passive_with_cue(cell: &Cell, numerics: &Numerics) -> Result<Solution, ShapeError> {
+    let name = CellName::of(cell);
+    let (half, _) = passive(cell, numerics).map_err(|source| ShapeError::Passive { cell: name, source })?;
+    let domain = Domain::of(cell);
+    let mut y = if domain == Domain::Half { half } else { unfold(&half) };
+    if cell.cue.is_none() {
+        return Ok(y);
+    }
+    let mut cortex = Cortex::new(&Cell { xi_s: 0.0, ..cell.clone() }, domain, &[]);
+    let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
+    let mut scratch = NewtonScratch::default();
+    let (mut share, mut step) = (0.0, 1.0);
+    while share < 1.0 {
+        let next = f64::min(share + step, 1.0);
+        cortex.cell.cue = cell.cue.scaled(next);
+        cortex.refresh();
+        let mut trial = y.clone();
+        match Newton::default().solve(&mut system, &mut scratch, &mut cortex, &mut trial, &[], false) {
+            Ok(_) => (share, y) = (next, trial),
+            Err(source) => {
+                step *= 0.5;
+                if step < SMALLEST_PART {
+                    return Err(ShapeError::Cue { cell: name, source });
+                }
+            }
+        }
+    }
+    Ok(y)
+}
+
+/// The primary branch at ξ_s = 0, ready to be followed upwards.
+///
+/// # Errors
+/// [`ShapeError::Passive`], [`ShapeError::Cue`], [`ShapeError::Branch`].
+pub fn start(
+    cell: &Cell,
+    numerics: &Numerics,
+    settings: &ContinuationSettings,
+) -> Result<Continuation<Cortex>, ShapeError> {
+    let y = passive_with_cue(cell, numerics)?;
+    begin(y, cell, Domain::of(cell), settings)
+}
+
+/// What is watched along the branch.
+struct Watch {
+    breaking: SymmetryBreaking,
+    /// Passive shapes have no antisymmetric null vector; their sign is the first one seen.
+    sign: Option<f64>,
+    stop: Option<BranchEnd>,
+}
+
+impl Watch {
+    /// The pitchfork between the last two points, if the antisymmetric determinant has changed its sign.
+    ///
+    /// It is judged at the point itself: on constricted shapes the corrector's prediction, off by a good part of the neck's
+    /// radius, can lie on the other side of a pitchfork for several points. A failed pivot has no sign; the next point has.
+    fn pitchfork(&mut self, branch: &mut Continuation<Cortex>) -> Option<BranchEvent> {
+        if branch.problem.domain == Domain::Full || branch.factorise_newest().is_err() {
+            return None;
+        }
+        let (now, _) = self.breaking.test(&branch.system, &branch.problem).ok()?;
+        if now == 0.0 {
+            return None;
+        }
+        let before = self.sign.replace(now)?;
+        if before == now {
+            return None;
+        }
+        match pitchfork_near(branch, [before, now]) {
+            Ok(pitchfork) => Some(BranchEvent::Pitchfork(Box::new(pitchfork))),
+            Err(source) => {
+                self.stop = Some(not_located(branch, PointKind::Pitchfork, source));
+                None
+            }
+        }
+    }
+
+    /// The fold between the last two points, which is known to be there.
+    fn fold(&mut self, branch: &mut Continuation<Cortex>) -> Option<BranchEvent> {
+        match fold_near(branch) {
+            Ok(fold) => Some(BranchEvent::Fold(Box::new(fold))),
+            Err(source) => {
+                self.stop = Some(not_located(branch, PointKind::Fold, source));
+                None
+            }
+        }
+    }
+}
+
+/// Follows the primary branch until ξ_s leaves its range or the neck is pinched off, and locates every fold and pitchfork
+/// on the way. `wanted` may end it early, being shown every event. A singular point that cannot be located, or a branch
+/// that is lost, ends it with what came before; [`Branch::ended`] says so.
+///
+/// # Examples
+/// At R0 = 2 the symmetric shapes lose their stability at a pitchfork, and end in a fold at a larger activity:
+///
+/// ```
+/// use furrow_cell::{Cell, Numerics};
+/// use furrow_mechanics::equilibria::{BranchOptions, PointKind, primary};
+/// let branch = primary::follow(&Cell::new(2.0), &Numerics::default(), &BranchOptions::default(), |_| true)?;
+/// let xi = |kind| branch.events.iter().find(|event| event.kind() == kind).map(|event| event.point().xi_s);
+/// let (pitchfork, fold) = (xi(PointKind::Pitchfork).unwrap(), xi(PointKind::Fold).unwrap());
+/// assert!((pitchfork - 22.057).abs() < 1e-3 && (fold - 27.03).abs() < 0.01);
+/// # Ok::<(), furrow_mechanics::equilibria::ShapeError>(())
+/// ```
+///
+/// # Errors
+/// [`ShapeError::Passive`], [`ShapeError::Cue`], [`ShapeError::Branch`] at ξ_s = 0.
+pub fn follow(
+    cell: &Cell,
+    numerics: &Numerics,
+    options: &BranchOptions,
+    mut wanted: impl FnMut(&BranchEvent) -> bool,
+) -> Result<Branch, ShapeError> {
+    follow_within(cell, numerics, options, &Effort::unlimited(), &mut wanted)
+}
+
+/// As [`follow`], with so much work.
+///
+/// # Errors
+/// Those of [`follow`]; [`ShapeError::Effort`] and [`ShapeError::Interrupted`] if the search must end before the branch
+/// does.
+pub fn follow_within(
+    cell: &Cell,
+    numerics: &Numerics,
+    options: &BranchOptions,
+    effort: &Effort<'_>,
+    wanted: &mut dyn FnMut(&BranchEvent) -> bool,
+) -> Result<Branch, ShapeError> {
+    effort.check(cell)?;
+    let mut branch = start(cell, numerics, &options.settings)?;
+    let mut watch = Watch { breaking: SymmetryBreaking::default(), sign: None, stop: None };
+    let mut stability = options.growth_rates.then(|| Stability::new(branch.state.solution.m));
+    let (mut points, mut events) = (vec![ShapePoint::newest(&branch, 0, &mut stability)], Vec::new());
+    let mut contours = Vec::from_iter(options.contours.then(|| newest_contour(&branch)));
+    let ended = branch.follow(options.xi, options.points, |branch, advance| {
+        contours.extend(options.contours.then(|| newest_contour(branch)));
+        let mut new: Vec<BranchEvent> = watch.pitchfork(branch).into_iter().collect();
+        if advance.passed_fold {
+            new.extend(watch.fold(branch));
+        }
+        new.sort_by(|a, b| a.point().arclength.total_cmp(&b.point().arclength));
+        points.push(ShapePoint::newest(branch, events.len() + new.len(), &mut stability));
+        let enough = new.iter().any(|event| !wanted(event));
+        events.extend(new);
+        if watch.stop.is_none() {
+            watch.stop = pinched(branch);
+        }
+        effort.spend(1 + advance.rejected) && watch.stop.is_none() && !enough
+    });
+    effort.check(cell)?;
+    Ok(Branch::complete(&branch, (points, contours), events, ended, watch.stop))
+}
+
+/// Whether the newest shape is so narrow somewhere that the branch is left there.
+fn pinched(branch: &Continuation<Cortex>) -> Option<BranchEnd> {
+    let (gauss, y) = (&branch.system.gauss, &branch.state.solution);
+    let (narrow, limit) = match branch.problem.domain {
+        Domain::Half => (Some(narrowest(gauss, y)), PINCH_OFF),
+        Domain::Full => (observables::neck(gauss, y).map(|neck| neck.radius), NARROWEST),
+    };
+    narrow.filter(|radius| *radius < limit * branch.problem.cell.r0).map(|_| BranchEnd::Pinched(limit))
+}
+
+/// The narrowest place of a half contour, its equator or a furrow beside it.
+fn narrowest(gauss: &Gauss, y: &Solution) -> f64 {
+    let equator = y.node(y.intervals())[R];
+    observables::neck(gauss, y).map_or(equator, |neck| neck.radius.min(equator))
+}
+
+/// The fold between the last two points of a continuation.
+///
+/// # Errors
+/// [`furrow_bvp::SingularError`].
+pub fn fold_near(branch: &mut Continuation<Cortex>) -> Result<FoldPoint, furrow_bvp::SingularError> {
+    // Past a maximum ξ_s falls.
+    let maximum = branch.state.parameter_slope() < 0.0;
+    let signs = if maximum { [1.0, -1.0] } else { [-1.0, 1.0] };
+    let found = locate::between_last_points(branch, Fold::new(XI), signs)?;
+    let mut point = ShapePoint::of(&found.solution, &found.augmented.problem, &found.augmented.system.gauss);
+    point.arclength = found.arclength;
+    Ok(FoldPoint { point, maximum, report: found.report, shape: found.solution })
+}
+
+/// Growth rates at a fold that ends a stable shape are none above this, in 1/τ: the mode of the fold itself neither grows
+/// nor decays.
+const MARGINAL: f64 = 1e-3;
+
+/// The fold at which the last stable shape of the branch ends; above its ξ_s a cell with a cue divides. In a wide shell
+/// that is not the first one, but that of the second rise of an S.
+///
+/// # Errors
+/// [`ShapeError`]; `NotFound` if no stable shape ends in a fold in the range.
+pub fn failure_fold(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Result<FoldPoint, ShapeError> {
+    failure_fold_within(cell, numerics, options, &Effort::unlimited())
+}
+
+/// As [`failure_fold`], with so much work.
+///
+/// # Errors
+/// Those of [`failure_fold`] and [`follow_within`].
+pub fn failure_fold_within(
+    cell: &Cell,
+    numerics: &Numerics,
+    options: &BranchOptions,
+    effort: &Effort<'_>,
+) -> Result<FoldPoint, ShapeError> {
+    let Branch { events, ended, .. } = follow_within(cell, numerics, options, effort, &mut |_| true)?;
+    let cortex = Cortex::new(cell, Domain::of(cell), &[furrow_cell::Parameter::XiS]);
+    let mut stability = Stability::new(numerics.stages);
+    let mut ends_stable = |fold: &FoldPoint| {
+        fold.maximum && stability.growth_rate(&cortex, &fold.shape).is_ok_and(|rate| rate < MARGINAL)
+    };
+    let folds = events.into_iter().filter_map(|event| match event {
+        BranchEvent::Fold(fold) => Some(*fold),
+        BranchEvent::Pitchfork(_) => None,
+    });
+    folds.filter(|fold| ends_stable(fold)).max_by(|a, b| a.point.xi_s.total_cmp(&b.point.xi_s)).ok_or_else(|| {
+        let none = ShapeError::NotFound { cell: CellName::of(cell), kind: PointKind::Fold, xi_max: options.xi[1] };
+        ended.error().cloned().unwrap_or(none)
+    })
+}

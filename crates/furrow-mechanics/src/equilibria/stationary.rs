@@ -1,0 +1,198 @@
+//! One stationary shape: the first one at a given activity on the branch that starts at the passive shape.
+
+use furrow_bvp::newton::NewtonScratch;
+use furrow_bvp::{ContinuationError, ContinuationSettings, Gauss, Newton, Solution, System, Termination};
+
+use super::error::{CellName, ShapeError};
+use super::primary;
+use crate::cortex::equations::{COMPONENTS, LENGTH, PRESSURE, R};
+use crate::cortex::problem::SHAPE_SCALARS;
+use crate::cortex::{Cortex, Domain, observables};
+use crate::stability::{Spectrum, Stability, StabilityError};
+use furrow_cell::{Cell, Numerics};
+
+/// A stationary shape of one cell.
+#[derive(Clone, Debug)]
+pub struct StationaryShape {
+    /// The cell; its domain says which part of the contour `solution` is.
+    pub cortex: Cortex,
+    /// The shape with (L, p): the half of a mirror-symmetric cell, else the whole contour.
+    pub solution: Solution,
+    /// ξ_s where the branch turned back on the way here.
+    pub folds: Vec<f64>,
+}
+
+/// Why there is no such shape.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StationaryError {
+    /// The branch could not be followed.
+    #[error(transparent)]
+    Branch(#[from] ShapeError),
+    /// The branch never reaches the activity asked for.
+    #[error(
+        "{cell}: no stationary shape at xi_s = {xi_s} on the branch of the passive shape, which turns back at xi_s = {turn}"
+    )]
+    OutOfReach {
+        /// The cell.
+        cell: CellName,
+        /// ξ_s asked for.
+        xi_s: f64,
+        /// ξ_s furthest reached.
+        turn: f64,
+    },
+    /// The branch is lost before it reaches the activity asked for.
+    #[error("{cell}: the branch of the passive shape could not be followed to xi_s = {xi_s}: {source}")]
+    Lost {
+        /// The cell.
+        cell: CellName,
+        /// ξ_s asked for.
+        xi_s: f64,
+        /// What the continuation said.
+        source: ContinuationError,
+    },
+    /// The branch takes too many points to the activity asked for.
+    #[error("{cell}: the branch of the passive shape does not reach xi_s = {xi_s} in {points} points")]
+    PointLimit {
+        /// The cell.
+        cell: CellName,
+        /// ξ_s asked for.
+        xi_s: f64,
+        /// Points followed.
+        points: usize,
+    },
+}
+
+/// Most points of a branch followed for one shape.
+const MOST_POINTS: usize = 400;
+/// Beyond a fold, a branch whose waist falls below this fraction of R0 leads to pinched shapes and is left there.
+const PINCHING: f64 = 0.25;
+
+/// Longest steps along the branch, in its arclength. Landing on ξ_s extrapolates over a step of the branch: shorter ones are
+/// tried where that fails.
+const STEPS: [f64; 3] = [3.0, 0.6, 0.1];
+
+/// The narrowest waist, or the largest radius of a contour without one.
+fn waist(gauss: &Gauss, y: &Solution, domain: Domain) -> f64 {
+    let widest = || y.stages.chunks_exact(COMPONENTS).map(|s| s[R]).fold(0.0, f64::max);
+    match domain {
+        Domain::Half => y.node(y.intervals())[R],
+        Domain::Full => observables::neck(gauss, y).map_or_else(widest, |neck| neck.radius),
+    }
+}
+
+/// The first stationary shape at the activity of the cell along its primary branch.
+///
+/// # Examples
+/// A cell below the critical radius has a shape to rest in; a large one has none and must divide.
+///
+/// ```
+/// use furrow_cell::{Cell, Numerics};
+/// use furrow_mechanics::equilibria::stationary::stationary;
+/// let small = stationary(&Cell::new(1.6), &Numerics::default())?;
+/// assert!(small.folds.is_empty());
+/// assert!(stationary(&Cell::new(3.0), &Numerics::default()).is_err());
+/// # Ok::<(), furrow_mechanics::equilibria::StationaryError>(())
+/// ```
+///
+/// # Errors
+/// [`StationaryError`]; `OutOfReach` when the cell has no such shape, as one that must divide.
+pub fn stationary(cell: &Cell, numerics: &Numerics) -> Result<StationaryShape, StationaryError> {
+    let mut result = along_branch(cell, numerics, STEPS[0]);
+    for max_step in &STEPS[1..] {
+        if !matches!(result, Err(StationaryError::Lost { .. } | StationaryError::PointLimit { .. })) {
+            break;
+        }
+        result = along_branch(cell, numerics, *max_step);
+    }
+    result
+}
+
+fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<StationaryShape, StationaryError> {
+    let (name, xi_s) = (CellName::of(cell), cell.xi_s);
+    let settings = ContinuationSettings { first_step: 0.3f64.min(max_step), max_step, ..Default::default() };
+    let mut branch = primary::start(cell, numerics, &settings)?;
+    let domain = branch.problem.domain;
+    let mut folds = Vec::new();
+    // A number too small to be normal is as good as none, and leaves no room between itself and 0.
+    if xi_s.abs() > f64::MIN_POSITIVE {
+        if xi_s < 0.0 {
+            branch.reverse();
+        }
+        let range = if xi_s > 0.0 { [f64::MIN_POSITIVE, xi_s] } else { [xi_s, -f64::MIN_POSITIVE] };
+        let (mut furthest, mut before) = (0.0f64, 0.0);
+        let ended = branch.follow(range, MOST_POINTS, |branch, advance| {
+            let here = branch.state.parameter();
+            if here.abs() > furthest.abs() {
+                furthest = here;
+            }
+            if advance.passed_fold {
+                // The exact fold, or else the nearest point to it.
+                folds.push(primary::fold_near(branch).map_or(before, |fold| fold.point.xi_s));
+            }
+            before = here;
+            folds.is_empty() || waist(&branch.system.gauss, &branch.state.solution, domain) > PINCHING * cell.r0
+        });
+        let turn = folds.iter().copied().fold(furthest, |a, b| if b.abs() > a.abs() { b } else { a });
+        match ended {
+            Ok(Termination::ParameterBound(bound)) if bound == xi_s => {}
+            _ if !folds.is_empty() => return Err(StationaryError::OutOfReach { cell: name, xi_s, turn }),
+            Err(source) => return Err(StationaryError::Lost { cell: name, xi_s, source }),
+            Ok(Termination::PointLimit(points)) => {
+                return Err(StationaryError::PointLimit { cell: name, xi_s, points });
+            }
+            // Back at ξ_s = 0 without a fold seen, or stopped: no shape on the way either.
+            Ok(_) => return Err(StationaryError::OutOfReach { cell: name, xi_s, turn }),
+        }
+    }
+    Ok(polished(cell, numerics, domain, branch.state.solution, folds))
+}
+
+/// The shape to rounding; at a fold itself the branch's own accuracy has to do.
+fn polished(
+    cell: &Cell,
+    numerics: &Numerics,
+    domain: Domain,
+    mut solution: Solution,
+    folds: Vec<f64>,
+) -> StationaryShape {
+    let mut cortex = Cortex::new(cell, domain, &[]);
+    solution.scalars.truncate(SHAPE_SCALARS);
+    let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
+    let newton = Newton { tolerance: 1e-12, max_factorisations: 4, ..Newton::default() };
+    let mut polished = solution.clone();
+    if newton.solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut polished, &[], false).is_ok() {
+        solution = polished;
+    }
+    StationaryShape { cortex, solution, folds }
+}
+
+impl StationaryShape {
+    /// Contour length L.
+    pub fn length(&self) -> f64 {
+        self.solution.scalars[LENGTH]
+    }
+
+    /// Pressure p.
+    pub fn pressure(&self) -> f64 {
+        self.solution.scalars[PRESSURE]
+    }
+
+    /// Elongation H = (z(0) − z(1))/R0.
+    pub fn elongation(&self) -> f64 {
+        observables::elongation(&self.solution, self.cortex.domain, self.cortex.cell.r0)
+    }
+
+    /// Radius at u = ½, in L_h.
+    pub fn equator_radius(&self) -> f64 {
+        observables::equator_radius(&Gauss::new(self.solution.m), &self.solution)
+    }
+
+    /// The rightmost growth rates.
+    ///
+    /// # Errors
+    /// As [`Stability::leading`].
+    pub fn spectrum(&self) -> Result<Spectrum, StabilityError> {
+        Stability::new(self.solution.m).leading(&self.cortex, &self.solution)
+    }
+}

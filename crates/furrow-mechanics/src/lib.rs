@@ -1,0 +1,27 @@
+//! The mechanics of [furrow](https://docs.rs/furrow): what a cell is, the equations of its cortex, its stationary shapes and
+//! its division.
+//!
+//! What decides a division is here and nothing else: no tree, no store, no command line, no threads and no clock. `furrow`
+//! gives all of it under its own name (`furrow_cell`, `furrow_mechanics::division`, …), and everybody takes it from there. It is a
+//! crate of its own because it is what must be fast: it is compiled as one unit with full optimisation, while what is built on
+//! it, twice as much code, is compiled beside it.
+//!
+//! | module | role |
+//! |---|---|
+//! | [`cortex`] | the equations of the surface, their derivatives, symmetry, observables |
+//! | [`stability`] | growth rates of small disturbances of a stationary shape |
+//! | [`equilibria`] | branches of stationary shapes, folds and pitchforks, critical radii |
+//! | [`calibration`] | constants from thresholds |
+//! | [`division`] | one division in time |
+//! | [`perturbation`] | a stationary shape that is disturbed, and watched |
+//!
+//! # References
+//! Gao, Guan, Tang & Ma, "Cell size and confinement drive asymmetric cell division through a cortical instability",
+//! called *the paper* throughout.
+
+pub mod calibration;
+pub mod cortex;
+pub mod division;
+pub mod equilibria;
+pub mod perturbation;
+pub mod stability;

@@ -1,0 +1,172 @@
+//! What becomes of a stationary shape that is disturbed: the paper's test of stability (its figure S5).
+//!
+//! The cell starts at a stationary shape of its own activity instead of at the passive one, and the noise of the first step
+//! is the disturbance. Its distance from the start,
+//!
+//! * \[distance\] dis(t) = ‖r − r₀‖ + ‖z − z₀‖, L² norms over u,
+//!
+//! falls where the shape is stable and rises where it is not, at the rate of the leading mode while it is small.
+
+use furrow_bvp::{Gauss, Solution};
+
+use crate::cortex::Domain;
+use crate::cortex::equations::{COMPONENTS, R, Z};
+use crate::cortex::symmetry::unfold;
+use crate::division::film::Recording;
+use crate::division::run::run;
+use crate::division::start::Start;
+use crate::division::{Division, DivisionError, DivisionInput, Film, Frame, Outcome};
+use crate::equilibria::{StationaryError, StationaryShape, stationary};
+use crate::stability::StabilityError;
+
+/// How long a disturbed shape is watched in the paper, in τ.
+pub const WATCHED: f64 = 40.0;
+/// Fewest steps in that time.
+const STEPS: f64 = 200.0;
+/// Distances below this, in L_h, are as exact as time steps are solved, and no longer tell whether they grow.
+const SOLVED: f64 = 1e-8;
+/// Longest step times the rate at which the disturbance grows.
+const GROWTH_PER_STEP: f64 = 0.1;
+
+/// What became of a disturbed stationary shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Perturbation {
+    /// How it ended: divided; or `failed`, where it has not divided in the time that it was watched. The growth rate of a
+    /// cell that has not is that of the stationary shape it has come to, and absent if it is still on its way.
+    pub division: Division,
+    /// [t, dis(t)] after every step, the first at t = 0.
+    pub distances: Vec<[f64; 2]>,
+    /// Leading growth rate of the shape that it started from, in 1/τ, from its spectrum.
+    pub start_growth_rate: f64,
+}
+
+impl Perturbation {
+    /// Whether the cell has come back: it has not divided, is nearer to its start than the noise had moved it, and in the end
+    /// not further away than at half-time. The last tells a mode that grows slowly from nearly nothing.
+    pub fn returned(&self) -> bool {
+        let end = self.distances.last().copied().unwrap_or_default();
+        let half = self.distances.iter().find(|[t, _]| *t >= 0.5 * end[0]).map_or(0.0, |[_, distance]| *distance);
+        let noise = self.distances.get(1).map_or(0.0, |[_, distance]| *distance);
+        self.division.outcome == Outcome::Failed && end[1] < noise && (end[1] <= half || end[1] < SOLVED)
+    }
+
+    /// The rate at which dis(t) grows (or, below 0, falls) while it is between `low` and `high` for the first time: the slope
+    /// of ln dis by least squares. None where fewer than three steps lie there.
+    pub fn rate_between(&self, low: f64, high: f64) -> Option<f64> {
+        let inside = |[_, distance]: &&[f64; 2]| (low..=high).contains(distance);
+        let skipped = self.distances.iter().skip(1).skip_while(|point| !inside(point));
+        let points: Vec<[f64; 2]> = skipped.take_while(inside).map(|[t, distance]| [*t, distance.ln()]).collect();
+        let n = points.len() as f64;
+        let (t_mean, d_mean) = points.iter().fold((0.0, 0.0), |(t, d), point| (t + point[0] / n, d + point[1] / n));
+        let spread: f64 = points.iter().map(|point| (point[0] - t_mean).powi(2)).sum();
+        let along: f64 = points.iter().map(|point| (point[0] - t_mean) * (point[1] - d_mean)).sum();
+        (points.len() >= 3).then(|| along / spread)
+    }
+}
+
+/// Why a stationary shape could not be disturbed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PerturbationError {
+    /// There is no such shape.
+    #[error(transparent)]
+    Stationary(#[from] StationaryError),
+    /// Its growth rates could not be computed.
+    #[error(transparent)]
+    Stability(#[from] StabilityError),
+    /// What becomes of it could not be computed.
+    #[error(transparent)]
+    Division(#[from] DivisionError),
+}
+
+/// Disturbs the first stationary shape at the cell's activity on its primary branch, and watches it for so many τ.
+///
+/// # Errors
+/// [`PerturbationError`]; of [`StationaryError::OutOfReach`] where the cell has no such shape.
+///
+/// # Examples
+/// Above its pitchfork the symmetric shape of a cell of R0 = 2 is left, below it is come back to:
+///
+/// ```
+/// use furrow_cell::Cell;
+/// use furrow_mechanics::division::DivisionInput;
+/// use furrow_mechanics::perturbation::perturbed;
+/// let returned = |xi_s: f64| {
+///     let cell = Cell { xi_s, ..Cell::new(2.0) };
+///     perturbed(&DivisionInput::new(cell), 40.0).map(|watched| watched.returned())
+/// };
+/// assert!(returned(20.0)? && !returned(25.0)?);
+/// # Ok::<(), crate::perturbation::PerturbationError>(())
+/// ```
+pub fn perturbed(input: &DivisionInput, until: f64) -> Result<Perturbation, PerturbationError> {
+    perturbed_from(input, &stationary(&input.cell, &input.numerics)?, until)
+}
+
+/// [`perturbed`] of any stationary shape of the cell.
+///
+/// # Errors
+/// See [`perturbed`].
+pub fn perturbed_from(
+    input: &DivisionInput,
+    start: &StationaryShape,
+    until: f64,
+) -> Result<Perturbation, PerturbationError> {
+    watch(input, start, until, &mut |_| {})
+}
+
+/// [`perturbed`] as a film, with its distances.
+///
+/// # Errors
+/// See [`perturbed`].
+pub fn film_perturbed(input: &DivisionInput, until: f64) -> Result<(Film, Perturbation), PerturbationError> {
+    let start = stationary(&input.cell, &input.numerics)?;
+    let mut recording = Recording::default();
+    let perturbation = watch(input, &start, until, &mut |frame| recording.keep(frame))?;
+    Ok((recording.film(input, perturbation.division.clone()), perturbation))
+}
+
+fn watch(
+    input: &DivisionInput,
+    start: &StationaryShape,
+    until: f64,
+    observe: &mut dyn FnMut(Frame<'_>),
+) -> Result<Perturbation, PerturbationError> {
+    if !(until.is_finite() && until > input.numerics.first_step) {
+        let allowed = "a finite time, in τ, above that of the first step";
+        return Err(DivisionError::BadInput { field: "until", value: until, allowed }.into());
+    }
+    let start_growth_rate = start.spectrum()?.growth_rate();
+    let unfolded = (start.cortex.domain == Domain::Half).then(|| unfold(&start.solution));
+    let shape = unfolded.as_ref().unwrap_or(&start.solution);
+    let longest_step = (until / STEPS).min(GROWTH_PER_STEP / start_growth_rate.max(0.0));
+    let mut reference: Option<Solution> = None;
+    let mut distances = Vec::new();
+    let mut note = |frame: Frame<'_>| {
+        let from = reference.get_or_insert_with(|| frame.shape.clone());
+        distances.push([frame.t, distance(frame.gauss, frame.shape, from)]);
+        observe(frame);
+    };
+    let start = Start::Stationary { shape, until, longest_step };
+    let (division, _) = run(input, &start, &mut note, &[])?;
+    Ok(Perturbation { division, distances, start_growth_rate })
+}
+
+/// \[distance\], by the quadrature of the shape's own mesh.
+fn distance(gauss: &Gauss, shape: &Solution, from: &Solution) -> f64 {
+    let moved;
+    let from = if shape.mesh == from.mesh {
+        from
+    } else {
+        moved = from.on_mesh(gauss, &shape.mesh);
+        &moved
+    };
+    let (mut r, mut z) = (0.0, 0.0);
+    let places = shape.stages.chunks_exact(COMPONENTS).zip(from.stages.chunks_exact(COMPONENTS));
+    for (k, (here, there)) in places.enumerate() {
+        let interval = k / shape.m;
+        let weight = (shape.mesh[interval + 1] - shape.mesh[interval]) * gauss.b[k % shape.m];
+        r += weight * (here[R] - there[R]).powi(2);
+        z += weight * (here[Z] - there[Z]).powi(2);
+    }
+    r.sqrt() + z.sqrt()
+}

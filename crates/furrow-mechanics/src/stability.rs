@@ -1,0 +1,585 @@
+//! Growth rates of small disturbances of a stationary shape.
+//!
+//! Linearising the dynamics about a stationary state gives the pencil J x = σ M x (M.22), where M multiplies ∂_t(r, z). It acts
+//! only through the normal velocity v_n = sinψ ∂_t r + cosψ ∂_t z, so a disturbance is described by its normal
+//! displacement w at the collocation points; everything else follows instantly. One implicit step of rate s maps
+//! w ↦ P_s w = s (sM − J)⁻¹ M w, with eigenvalues
+//!
+//! * \[N.12 shift\] μ = s/(s − σ), σ = s (1 − 1/μ),
+//!
+//! so that the rightmost σ belong to the extreme μ, which an Arnoldi iteration finds first. A shift s > 0 misses nothing
+//! that grows: σ > s has μ < 0, outside the disc |μ − ½| ≤ ½ that holds all decaying modes. The step is the implicit time
+//! step of the division itself, with the same factors.
+//!
+//! Mirror-symmetric states are given on the half domain; even modes solve the half problem, odd modes the same intervals
+//! with δr = δm = δT = 0 at u = ½ and no scalar unknowns.
+//!
+//! # References
+//! Saad, *Numerical Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 6 and 8. Physics of the pencil: the paper's
+//! criterion dis(t) = ‖r − r₀‖ + ‖z − z₀‖ decides the same by evolving a disturbance.
+
+use furrow_bvp::{AntisymmetricEnd, BoundaryValueProblem, Direction, PivotFailure, Residual, Solution, System};
+use furrow_spectra::{Arnoldi, Krylov, NoEigenvalues, RitzValue};
+
+use crate::cortex::equations::{COMPONENTS, LENGTH, M, PSI, R, Z};
+use crate::cortex::observables::positions;
+use crate::cortex::problem::SHAPE_SCALARS;
+use crate::cortex::symmetry::EVEN;
+use crate::cortex::{Cortex, Domain};
+
+/// Symmetry of a mode under reflection at the equator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parity {
+    /// r even, z odd: the mode keeps the mirror symmetry.
+    Even,
+    /// r odd, z even: the mode breaks it.
+    Odd,
+    /// The state itself was given on the full domain; nothing is known.
+    Mixed,
+}
+
+/// One growth rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GrowthRate {
+    /// Re σ, in 1/τ; positive grows.
+    pub re: f64,
+    /// Im σ, in 1/τ.
+    pub im: f64,
+    /// Symmetry of the mode.
+    pub parity: Parity,
+    /// Estimated error of σ, from the residual of its Ritz pair.
+    pub error: f64,
+}
+
+/// The rightmost growth rates of a stationary state.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Spectrum {
+    /// Sorted by falling real part; complex pairs appear with both signs.
+    pub values: Vec<GrowthRate>,
+    /// Linear solves spent.
+    pub solves: usize,
+}
+
+impl Spectrum {
+    /// Rightmost growth rate of all, or of one parity.
+    pub fn rightmost(&self, parity: Option<Parity>) -> Option<&GrowthRate> {
+        self.values.iter().find(|v| parity.is_none_or(|p| v.parity == p))
+    }
+
+    /// Largest real part.
+    pub fn growth_rate(&self) -> f64 {
+        self.values.first().map_or(f64::NAN, |v| v.re)
+    }
+
+    /// Adds what another shift saw and this spectrum does not hold yet: rates found from both agree.
+    fn add(&mut self, other: Spectrum, shift: f64) {
+        self.solves += other.solves;
+        for value in other.values {
+            let slack = 1e-5 * (value.re.abs() + shift) + 10.0 * value.error;
+            let known = self.values.iter().any(|v| {
+                v.parity == value.parity && (v.re - value.re).hypot(v.im - value.im) <= slack + 10.0 * v.error
+            });
+            if !known {
+                self.values.push(value);
+            }
+        }
+        sort(&mut self.values);
+    }
+
+    /// Whether every disturbance decays.
+    pub fn is_stable(&self) -> bool {
+        self.growth_rate() < 0.0
+    }
+}
+
+/// Why no spectrum could be computed.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum StabilityError {
+    /// The shifted system could not be factorised.
+    #[error("the system shifted by {shift} is singular or not finite (pivot {column})")]
+    Factorisation {
+        /// Shift s in 1/τ.
+        shift: f64,
+        /// Column of the failing pivot in its block.
+        column: usize,
+    },
+    /// The eigenvalues of the projected matrix could not be computed.
+    #[error("the projected matrix of dimension {dimension} has no computable eigenvalues")]
+    Projected {
+        /// Krylov dimension.
+        dimension: usize,
+    },
+    /// The rightmost growth rate did not settle.
+    #[error("the rightmost growth rate {value} is still uncertain by {error:.1e} after {dimension} Arnoldi steps")]
+    NotConverged {
+        /// Best value of Re σ.
+        value: f64,
+        /// Its estimated error.
+        error: f64,
+        /// Krylov dimension.
+        dimension: usize,
+    },
+}
+
+/// Steps of the power iteration for one mode: each leaves a third of what is nearest to it, and far less of what decays at
+/// the cell's own pace.
+const DIRECTION_STEPS: usize = 12;
+
+/// Growth rates further than this many shifts from the shift are left to other shifts.
+const REACH: f64 = 50.0;
+
+/// Workspace for growth rates; nothing large is allocated once it has seen the largest mesh.
+///
+/// # Examples
+/// A small cell rests in a shape whose slowest disturbance is odd, and decays:
+///
+/// ```
+/// use furrow_cell::{Cell, Numerics};
+/// use furrow_mechanics::equilibria::stationary::stationary;
+/// use furrow_mechanics::stability::{Parity, Stability};
+/// let shape = stationary(&Cell::new(1.6), &Numerics::default())?;
+/// let spectrum = Stability::new(shape.solution.m).leading(&shape.cortex, &shape.solution)?;
+/// assert!(spectrum.is_stable() && (spectrum.growth_rate() + 0.450183).abs() < 1e-5);
+/// assert_eq!(spectrum.values[0].parity, Parity::Odd);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Stability {
+    /// Settings.
+    pub arnoldi: Arnoldi,
+    system: System,
+    antisymmetric: AntisymmetricEnd,
+    right_hand_side: Residual,
+    update: Direction,
+    /// h s ∂f/∂v_n at every collocation point.
+    response: Vec<[f64; COMPONENTS]>,
+    /// (sinψ, cosψ).
+    normal: Vec<[f64; 2]>,
+    /// Quadrature weights of the inner product ∫ w² du.
+    weights: Vec<f64>,
+    krylov: Krylov,
+}
+
+impl Stability {
+    /// Workspace for solutions with m stages per interval.
+    pub fn new(stages: usize) -> Stability {
+        Stability {
+            arnoldi: Arnoldi::default(),
+            system: System::new(Cortex::dimensions_for(0), stages),
+            antisymmetric: AntisymmetricEnd::default(),
+            right_hand_side: Residual::default(),
+            update: Direction::default(),
+            response: Vec::new(),
+            normal: Vec::new(),
+            weights: Vec::new(),
+            krylov: Krylov::default(),
+        }
+    }
+
+    /// The rightmost growth rates of the stationary state `y` of `cortex`, from two shifts. Half-domain states give even
+    /// and odd modes. Continuation parameters are taken from `y`; `rate`, `past` and `noise` of `cortex` are ignored.
+    ///
+    /// # Errors
+    /// A failed factorisation, or a rightmost growth rate that does not converge.
+    pub fn leading(&mut self, cortex: &Cortex, y: &Solution) -> Result<Spectrum, StabilityError> {
+        let (mut fixed, state) = freeze(cortex, y);
+        let (near, mut spectrum) = self.within_reach(&mut fixed, &state, self.arnoldi.wanted)?;
+        let far = self.at_shift(&mut fixed, &state, 8.0 * near, self.arnoldi.wanted)?;
+        spectrum.add(far, near);
+        self.add_fast(&mut fixed, &state, 8.0 * near, self.arnoldi.wanted, &mut spectrum)?;
+        Ok(spectrum)
+    }
+
+    /// The largest growth rate only, from one shift, and from more where the shape has a narrow neck.
+    ///
+    /// # Errors
+    /// As [`leading`](Self::leading).
+    pub fn growth_rate(&mut self, cortex: &Cortex, y: &Solution) -> Result<f64, StabilityError> {
+        let (mut fixed, state) = freeze(cortex, y);
+        let (near, mut spectrum) = self.within_reach(&mut fixed, &state, 1)?;
+        self.add_fast(&mut fixed, &state, near, 1, &mut spectrum)?;
+        Ok(spectrum.growth_rate())
+    }
+
+    /// The mode that grows at `growth` > 0, the rightmost rate of the stationary state `y`: the change of the whole state
+    /// that goes with it, of length 1 in the L² norm of (r, z) over u. Its sign is that of chance.
+    ///
+    /// # Errors
+    /// A factorisation that fails.
+    pub fn unstable_direction(
+        &mut self,
+        cortex: &Cortex,
+        y: &Solution,
+        growth: f64,
+    ) -> Result<Direction, StabilityError> {
+        let (mut fixed, state) = freeze(cortex, y);
+        // A step at a rate just above the mode's own magnifies it threefold, and what decays hardly at all.
+        let shift = 1.5 * growth;
+        let failed = |f: PivotFailure| StabilityError::Factorisation { shift, column: f.column };
+        self.linearise(&mut fixed, &state, shift).map_err(failed)?;
+        self.system.factor_blocks(&[]).map_err(failed)?;
+        self.right_hand_side = self.system.zero_residual();
+        let mut mode: Vec<f64> = (0..self.weights.len()).map(|k| 1.0 + k as f64).collect();
+        let mut next = mode.clone();
+        for _ in 0..DIRECTION_STEPS {
+            self.apply(Parity::Mixed, &mode, &mut next);
+            let largest = next.iter().fold(0.0f64, |most, w| most.max(w.abs()));
+            if !(largest.is_finite() && largest > 0.0) {
+                return Err(StabilityError::Factorisation { shift, column: 0 });
+            }
+            mode.iter_mut().zip(&next).for_each(|(mode, next)| *mode = next / largest);
+        }
+        let mut out = self.update.clone();
+        let size: f64 = (out.stages.chunks_exact(COMPONENTS).zip(&self.weights))
+            .map(|(s, weight)| weight * (s[R] * s[R] + s[Z] * s[Z]))
+            .sum();
+        let scale = 1.0 / size.sqrt();
+        for values in [&mut out.nodes, &mut out.stages, &mut out.scalars] {
+            values.iter_mut().for_each(|v| *v *= scale);
+        }
+        Ok(out)
+    }
+
+    /// Modes too fast for `shift` to see: a neck pinches at the rate its own curvature sets, whatever the cell's size.
+    fn add_fast(
+        &mut self,
+        cortex: &mut Cortex,
+        y: &Solution,
+        mut shift: f64,
+        wanted: usize,
+        spectrum: &mut Spectrum,
+    ) -> Result<(), StabilityError> {
+        let fastest = fastest(cortex, y);
+        while 0.5 * REACH * shift < fastest {
+            shift *= 0.5 * REACH;
+            let seen = self.at_shift(cortex, y, shift, wanted)?;
+            spectrum.add(seen, shift);
+        }
+        Ok(())
+    }
+
+    /// The smallest shift, from the scale of the cell upwards, that sees any mode, and what it sees.
+    fn within_reach(
+        &mut self,
+        cortex: &mut Cortex,
+        y: &Solution,
+        wanted: usize,
+    ) -> Result<(f64, Spectrum), StabilityError> {
+        let mut shift = shift_scale(cortex);
+        let mut solves = 0;
+        loop {
+            let mut spectrum = self.at_shift(cortex, y, shift, wanted)?;
+            spectrum.solves += solves;
+            // Every mode decays faster than the shift can see: none is missed, but none is known.
+            if spectrum.values.is_empty() && shift < 1e12 {
+                solves = spectrum.solves;
+                shift *= 0.5 * REACH;
+                continue;
+            }
+            return Ok((shift, spectrum));
+        }
+    }
+
+    fn at_shift(
+        &mut self,
+        cortex: &mut Cortex,
+        y: &Solution,
+        shift: f64,
+        wanted: usize,
+    ) -> Result<Spectrum, StabilityError> {
+        let failed = |f: PivotFailure| StabilityError::Factorisation { shift, column: f.column };
+        self.linearise(cortex, y, shift).map_err(failed)?;
+        let mut out = Spectrum::default();
+        let parities: &[Parity] = match cortex.domain {
+            Domain::Full => &[Parity::Mixed],
+            Domain::Half => &[Parity::Even, Parity::Odd],
+        };
+        for &parity in parities {
+            match parity {
+                Parity::Odd => {
+                    // From the factors of the even problem, which comes first.
+                    let end = &mut self.antisymmetric;
+                    let det = self.system.factor_antisymmetric(&EVEN, end).map_err(failed)?;
+                    if det.sign == 0.0 {
+                        return Err(StabilityError::Factorisation { shift, column: 0 });
+                    }
+                }
+                _ => self.system.factor_blocks(&[]).map_err(failed)?,
+            }
+            self.right_hand_side = self.system.zero_residual();
+            if parity == Parity::Odd {
+                self.right_hand_side.right.truncate(EVEN.len());
+            }
+            let rates = self.rightmost(parity, shift, wanted, &mut out.solves)?;
+            out.values.extend(rates);
+        }
+        sort(&mut out.values);
+        Ok(out)
+    }
+
+    /// Factors of the stages at rate `shift` with the state as its own past, and how the stages respond to w.
+    fn linearise(&mut self, cortex: &mut Cortex, y: &Solution, shift: f64) -> Result<(), PivotFailure> {
+        cortex.rate = shift;
+        positions(y, &mut cortex.past);
+        self.system.evaluate(cortex, y, &[], true);
+        self.system.condense()?;
+        let gauss = &self.system.gauss;
+        self.response.clear();
+        self.normal.clear();
+        self.weights.clear();
+        for i in 0..y.intervals() {
+            let h = y.mesh[i + 1] - y.mesh[i];
+            for j in 0..y.m {
+                let state = y.stage(i, j);
+                let mut row = cortex.response_to_normal_velocity(y.stage_x(gauss, i, j), state, y.scalars[LENGTH]);
+                row.iter_mut().for_each(|v| *v *= h * shift);
+                self.response.push(row);
+                let (sin, cos) = state[PSI].sin_cos();
+                self.normal.push([sin, cos]);
+                self.weights.push(h * gauss.b[j]);
+            }
+        }
+        Ok(())
+    }
+
+    /// w ↦ P_s w.
+    fn apply(&mut self, parity: Parity, from: &[f64], to: &mut [f64]) {
+        let rhs = &mut self.right_hand_side;
+        for ((row, w), response) in rhs.stages.chunks_exact_mut(COMPONENTS).zip(from).zip(&self.response) {
+            // The stage residual is … − h f with ∂f/∂(past w) = −s ∂f/∂v_n.
+            for (r, f) in row.iter_mut().zip(response) {
+                *r = f * w;
+            }
+        }
+        match parity {
+            Parity::Odd => self.system.solve_antisymmetric(&self.antisymmetric, rhs, &mut self.update),
+            _ => self.system.solve(rhs, &mut self.update),
+        }
+        for ((w, y), n) in to.iter_mut().zip(self.update.stages.chunks_exact(COMPONENTS)).zip(&self.normal) {
+            *w = n[0] * y[R] + n[1] * y[Z];
+        }
+    }
+
+    /// The `wanted` rightmost growth rates of one parity that the shift can see.
+    fn rightmost(
+        &mut self,
+        parity: Parity,
+        shift: f64,
+        wanted: usize,
+        solves: &mut usize,
+    ) -> Result<Vec<GrowthRate>, StabilityError> {
+        let limit = self.arnoldi.max_dimension.min(self.weights.len() - 1);
+        let tolerance = self.arnoldi.tolerance;
+        let (mut krylov, weights) = (std::mem::take(&mut self.krylov), std::mem::take(&mut self.weights));
+        let apply = |from: &[f64], to: &mut [f64]| {
+            *solves += 1;
+            self.apply(parity, from, to);
+        };
+        let result = krylov.run(&weights, limit, apply, |values, dimension| {
+            let mut rates = growth_rates(values, shift, parity);
+            rates.truncate(wanted.max(1));
+            let allowed = |r: &GrowthRate| tolerance * (r.re.hypot(r.im) + shift);
+            match rates.iter().find(|r| r.error > allowed(r)) {
+                None if !rates.is_empty() => Some(Ok(rates)),
+                Some(r) if dimension == limit && rates[0].error > allowed(&rates[0]) => {
+                    Some(Err(StabilityError::NotConverged { value: r.re, error: r.error, dimension }))
+                }
+                // Later values are given with their errors as they stand.
+                _ if dimension == limit => Some(Ok(rates)),
+                _ => None,
+            }
+        });
+        (self.krylov, self.weights) = (krylov, weights);
+        match result {
+            Ok(Some(rates)) => rates,
+            Ok(None) => Ok(Vec::new()),
+            Err(NoEigenvalues { dimension }) => Err(StabilityError::Projected { dimension }),
+        }
+    }
+}
+
+/// N.12 for the Ritz values within reach of the shift, sorted by falling real part.
+fn growth_rates(values: &[RitzValue], shift: f64, parity: Parity) -> Vec<GrowthRate> {
+    let mut out: Vec<GrowthRate> = values
+        .iter()
+        .filter(|mu| mu.re.hypot(mu.im) * REACH >= 1.0)
+        .map(|mu| {
+            // σ = s (1 − 1/μ), 1/μ = conj(μ)/|μ|².
+            let size = mu.re.hypot(mu.im);
+            let square = size * size;
+            GrowthRate {
+                re: shift * (1.0 - mu.re / square),
+                im: shift * mu.im / square,
+                parity,
+                error: shift / square * mu.residual,
+            }
+        })
+        .collect();
+    sort(&mut out);
+    out
+}
+
+/// The cell with its free parameters fixed at the values they have in `y`.
+fn freeze(cortex: &Cortex, y: &Solution) -> (Cortex, Solution) {
+    let mut fixed = Cortex::new(&cortex.cell, cortex.domain, &cortex.free);
+    fixed.prepare(&y.scalars);
+    let fixed = Cortex::new(&fixed.cell, fixed.domain, &[]);
+    let mut state = y.clone();
+    state.scalars.truncate(SHAPE_SCALARS);
+    (fixed, state)
+}
+
+/// A positive rate of the order of the fastest slow mode: bending over the size of the cell against viscosity, plus what
+/// the activity can add.
+fn shift_scale(cortex: &Cortex) -> f64 {
+    let (cell, material) = (&cortex.cell, &cortex.cell.material);
+    let viscosity = material.eta_b + material.eta_s;
+    let activity = material.gain * cell.xi_s;
+    material.kappa / (viscosity * cell.r0 * cell.r0) + activity * activity / (16.0 * material.kappa * viscosity)
+}
+
+/// A bound of growth rates: bending and active stress at the largest curvature of the shape against viscosity.
+fn fastest(cortex: &Cortex, y: &Solution) -> f64 {
+    let (cell, material) = (&cortex.cell, &cortex.cell.material);
+    let curvature = y.stages.chunks_exact(COMPONENTS).fold(0.0f64, |most, s| {
+        let c2 = s[PSI].sin() / s[R];
+        most.max(c2.abs()).max((s[M] / material.kappa - c2).abs())
+    });
+    let stress = material.kappa * curvature * curvature + material.gain * cell.xi_s.abs() * curvature;
+    stress / (material.eta_b + material.eta_s)
+}
+
+fn sort(values: &mut [GrowthRate]) {
+    values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+
+    use super::*;
+    use crate::cortex::symmetry::unfold;
+    use crate::equilibria::passive;
+    use furrow_bvp::Newton;
+    use furrow_bvp::newton::NewtonScratch;
+    use furrow_cell::{Cell, Numerics, Parameter};
+
+    /// The symmetric state at ξ_s by natural steps from the passive shape.
+    fn symmetric(r0: f64, epsilon: f64, targets: &[f64], numerics: &Numerics) -> Vec<(Cortex, Solution)> {
+        let cell = Cell { epsilon, ..Cell::new(r0) };
+        let (mut y, _) = passive(&cell, numerics).unwrap();
+        let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
+        let mut scratch = NewtonScratch::default();
+        let mut cortex = Cortex::new(&cell, Domain::Half, &[]);
+        let (mut xi, mut out) = (0.0, Vec::new());
+        for &target in targets {
+            while xi < target {
+                xi = f64::min(xi + 0.5, target);
+                cortex.set(Parameter::XiS, xi);
+                Newton::default().solve(&mut system, &mut scratch, &mut cortex, &mut y, &[], false).unwrap();
+            }
+            out.push((cortex.clone(), y.clone()));
+        }
+        out
+    }
+
+    fn state(r0: f64, epsilon: f64, xi: f64, numerics: &Numerics) -> (Cortex, Solution) {
+        symmetric(r0, epsilon, &[xi], numerics).pop().unwrap()
+    }
+
+    /// All residuals as one vector.
+    fn flat(system: &System) -> Vec<f64> {
+        let r = &system.residual;
+        [&r.stages, &r.nodes, &r.left, &r.right, &r.border].into_iter().flatten().copied().collect()
+    }
+
+    /// Arnoldi against every finite eigenvalue of the pencil itself, assembled densely by differences of the residual.
+    #[test]
+    fn agrees_with_the_dense_pencil() {
+        let numerics = Numerics { stages: 3, intervals: 12, ..Numerics::default() };
+        let (mut cortex, y) = state(2.0, 0.87, 24.0, &numerics);
+        let mut system = System::new(cortex.dimensions(), 3);
+        let size = y.nodes.len() + y.stages.len() + y.scalars.len();
+        let mut derivative = |cortex: &mut Cortex| {
+            let mut column = |k: usize, step: f64, cortex: &mut Cortex| {
+                let mut moved = y.clone();
+                let nodes = moved.nodes.len();
+                let stages = moved.stages.len();
+                let value = match k {
+                    k if k < nodes => &mut moved.nodes[k],
+                    k if k < nodes + stages => &mut moved.stages[k - nodes],
+                    k => &mut moved.scalars[k - nodes - stages],
+                };
+                *value += step;
+                system.evaluate(cortex, &moved, &[], false);
+                flat(&system)
+            };
+            let mut out = Mat::<f64>::zeros(size, size);
+            for k in 0..size {
+                // Fourth-order differences.
+                let h = 2e-3;
+                let at = [-2.0, -1.0, 1.0, 2.0].map(|x| column(k, x * h, cortex));
+                for i in 0..size {
+                    out[(i, k)] = (at[0][i] - 8.0 * at[1][i] + 8.0 * at[2][i] - at[3][i]) / (12.0 * h);
+                }
+            }
+            out
+        };
+        let jacobian = derivative(&mut cortex);
+        cortex.rate = 1.0;
+        positions(&y, &mut cortex.past);
+        let mass = derivative(&mut cortex) - &jacobian;
+        cortex.rate = 0.0;
+        let minus = Mat::from_fn(size, size, |i, j| -jacobian[(i, j)]);
+        let dense = minus.generalized_eigen(&mass).unwrap();
+        let mut expected: Vec<f64> = (0..size)
+            .map(|i| (dense.S_a()[i], dense.S_b()[i]))
+            .filter(|(a, b)| b.norm() > 1e-8 * a.norm())
+            .map(|(a, b)| a / b)
+            .filter(|x| x.norm() < 1e3)
+            .map(|x| x.re)
+            .collect();
+        expected.sort_by(|a, b| b.total_cmp(a));
+        assert!(expected.len() > 3, "{expected:?}");
+        let spectrum = Stability::new(3).leading(&cortex, &y).unwrap();
+        let even: Vec<_> = spectrum.values.iter().filter(|v| v.parity == Parity::Even).collect();
+        for (v, e) in even.iter().zip(&expected).take(3) {
+            assert!((v.re - e).abs() < 1e-5 * (1.0 + e.abs()), "{v:?} {expected:?}");
+        }
+    }
+
+    /// R0 = 2.00, ε = 0.87: the odd mode starts to grow at the pitchfork, the even one at the fold.
+    #[test]
+    fn modes_cross_zero_at_the_bifurcations() {
+        let targets = [22.046_88, 22.056_88, 22.066_88, 27.0, 27.02];
+        let states = symmetric(2.0, 0.87, &targets, &Numerics::default());
+        let mut stability = Stability::new(4);
+        let spectra: Vec<Spectrum> = states.iter().map(|(c, y)| stability.leading(c, y).unwrap()).collect();
+        let rate = |k: usize, parity| spectra[k].rightmost(Some(parity)).unwrap().re;
+        assert!(rate(0, Parity::Odd) < -1e-3 && rate(2, Parity::Odd) > 1e-3);
+        assert!(rate(1, Parity::Odd).abs() < 3e-6, "{}", rate(1, Parity::Odd));
+        assert!(spectra[0].is_stable() && !spectra[2].is_stable());
+        // σ of the even mode closes like a square root: σ² is linear in ξ_s.
+        let [a, b] = [3, 4].map(|k| rate(k, Parity::Even).powi(2));
+        let fold = targets[4] + b * (targets[4] - targets[3]) / (a - b);
+        assert!((fold - 27.029_71).abs() < 1e-4, "{fold}");
+    }
+
+    /// The two parities of the half domain are the modes of the full domain.
+    #[test]
+    fn half_and_full_domain_agree() {
+        let mut stability = Stability::new(4);
+        for (r0, epsilon, xi) in [(2.0, 0.87, 25.0), (1.0, 0.6, 10.0), (5.0, 0.87, 8.0), (2.22, 0.64, 0.0)] {
+            let (cortex, y) = state(r0, epsilon, xi, &Numerics::default());
+            let half = stability.leading(&cortex, &y).unwrap();
+            let whole = Cortex::new(&cortex.cell, Domain::Full, &[]);
+            let unfolded = unfold(&y);
+            let full = stability.leading(&whole, &unfolded).unwrap();
+            for (h, f) in half.values.iter().zip(&full.values).take(3) {
+                assert!((h.re - f.re).abs() < 1e-6 * (1.0 + h.re.abs()), "{h:?} {f:?}");
+            }
+            let fast = stability.growth_rate(&cortex, &y).unwrap();
+            assert!((fast - half.growth_rate()).abs() < 1e-8 * (1.0 + fast.abs()));
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! What every function answers with: a JSON text and, behind it, plain numbers.
+
+use furrow_mechanics::division::DivisionError;
+use furrow_mechanics::equilibria::ShapeError;
+use serde::Serialize;
+
+/// Why there is no answer. The text is for the reader of the page.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PageError {
+    /// The request is not what the function takes.
+    #[error("the request cannot be read: {0}")]
+    Request(#[from] serde_json::Error),
+    /// A cue cannot be read.
+    #[error(transparent)]
+    Cue(#[from] furrow_cell::CueError),
+    /// A division could not be computed.
+    #[error(transparent)]
+    Division(#[from] DivisionError),
+    /// A curve of thresholds could not be computed.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// A tree could not be grown.
+    #[error(transparent)]
+    Grow(#[from] furrow_lineage::GrowError),
+}
+
+/// A JSON text with single-precision numbers behind it, which is exact enough for what they are for: drawing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Answer {
+    /// The JSON text.
+    pub text: String,
+    /// The numbers; the text says what they are.
+    pub numbers: Vec<f32>,
+}
+
+#[derive(Serialize)]
+struct Refusal {
+    error: String,
+}
+
+impl Answer {
+    /// An answer without numbers.
+    pub fn of(text: String) -> Answer {
+        Answer { text, numbers: Vec::new() }
+    }
+
+    /// The answer of a request that failed: `{"error": "…"}`.
+    pub fn refusal(error: &PageError) -> Answer {
+        Answer::of(serde_json::to_string(&Refusal { error: error.to_string() }).unwrap_or_default())
+    }
+
+    /// As bytes: length of the text and count of the numbers (each a little-endian u32), the text, blanks up to a multiple
+    /// of four, the numbers (little-endian f32).
+    pub fn bytes(&self) -> Vec<u8> {
+        let padding = self.text.len().next_multiple_of(4) - self.text.len();
+        let mut out = Vec::with_capacity(8 + self.text.len() + padding + 4 * self.numbers.len());
+        for length in [self.text.len() + padding, self.numbers.len()] {
+            out.extend_from_slice(&(length as u32).to_le_bytes());
+        }
+        out.extend_from_slice(self.text.as_bytes());
+        out.extend_from_slice(&b"   "[..padding]);
+        self.numbers.iter().for_each(|number| out.extend_from_slice(&number.to_le_bytes()));
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_begin_at_a_multiple_of_four() {
+        for length in 0..9 {
+            let answer = Answer { text: "x".repeat(length), numbers: vec![1.5, -2.0] };
+            let bytes = answer.bytes();
+            let text = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
+            assert!(text.is_multiple_of(4) && text - length < 4);
+            assert_eq!(bytes.len(), 8 + text + 8);
+            assert_eq!(bytes[8 + text..8 + text + 4], 1.5f32.to_le_bytes());
+        }
+    }
+}

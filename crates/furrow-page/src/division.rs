@@ -1,0 +1,265 @@
+//! One division, and what its film is drawn from: contour, cue and active force of every step.
+
+use furrow_bvp::{Gauss, Solution};
+use furrow_cell::{Cell, Numerics};
+use furrow_lineage::FounderPhysics;
+use furrow_lineage::batch::Quantisation;
+use furrow_mechanics::cortex::equations::{COMPONENTS, LENGTH, M, PSI, R, Z};
+use furrow_mechanics::cortex::{Cortex, Domain};
+use furrow_mechanics::division::{Division, DivisionInput, divide_observed};
+use serde::{Deserialize, Serialize};
+
+use super::answer::{Answer, PageError};
+
+/// Equal parts in u of a contour that is drawn.
+const PARTS: usize = 160;
+/// Further points on either side of the furrow, and how far from it in u they reach.
+const NEAR: (usize, f64) = (14, 0.04);
+/// Arrows of the active force along a contour.
+const ARROWS: usize = 36;
+/// Arrows on either side of the furrow, in place of those that are as near: their distances from it in u.
+const ARROWS_NEAR: [f64; 4] = [0.009, 0.02, 0.034, 0.05];
+/// Distance in u over which the active tension is differentiated.
+const STEP: f64 = 1e-5;
+
+/// Which shapes of the division are wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Wanted {
+    /// After every step.
+    #[default]
+    All,
+    /// The last one: enough to follow a slider.
+    Last,
+}
+
+#[derive(Debug, Deserialize)]
+struct Request {
+    cell: Cell,
+    numerics: Numerics,
+    seed: u64,
+    /// What the founder of a cell in a tree changes of the physics.
+    #[serde(default)]
+    physics: FounderPhysics,
+    /// Relative step to which R0 is rounded, as it is before a division of a tree is solved.
+    #[serde(default)]
+    r0_step: f64,
+    #[serde(default)]
+    frames: Wanted,
+}
+
+/// A step of the film.
+#[derive(Serialize)]
+struct Step {
+    /// Time, in τ.
+    t: f64,
+    /// Radius of the neck, in L_h; none without a waist.
+    neck: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct Found<'a> {
+    #[serde(flatten)]
+    division: &'a Division,
+    /// Half axes of the shell along the axis of division and across it, in L_h.
+    shell: [f64; 2],
+    frames: Vec<Step>,
+    /// Points of each contour; the first numbers of a frame are (r, z, cue) of these.
+    points: usize,
+    /// Arrows of each frame; the next numbers are (r, z, force along r, force along z) of these.
+    arrows: usize,
+}
+
+/// Half axes a and b of a cell's shell, in L_h: ε = V/(4πab²/3).
+fn shell(cell: &Cell) -> [f64; 2] {
+    let b = (cell.r0.powi(3) / (cell.epsilon * cell.shell.aspect)).cbrt();
+    [cell.shell.aspect * b, b]
+}
+
+/// Computes a division and answers with its record and, as numbers, what is drawn of its steps.
+///
+/// # Errors
+/// A request that cannot be read, a cell outside what is allowed, a division that could not be computed.
+pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
+    let Request { mut cell, numerics, seed, physics, r0_step, frames: wanted } = serde_json::from_slice(request)?;
+    physics.apply(&mut cell);
+    cell.r0 = Quantisation::with_relative_step(r0_step).unwrap_or(Quantisation::EXACT).apply(cell.r0);
+    let input = DivisionInput { cell, numerics, seed };
+    let mut shapes: Vec<(Step, Solution)> = Vec::new();
+    let division = divide_observed(&input, |frame| {
+        if wanted == Wanted::Last {
+            shapes.clear();
+        }
+        shapes.push((Step { t: frame.t, neck: frame.neck.map(|neck| neck.radius) }, frame.shape.clone()));
+    })?;
+    let film = Film::new(&input, division.u_furrow);
+    let mut numbers = Vec::new();
+    let mut frames = Vec::with_capacity(shapes.len());
+    for (step, shape) in shapes {
+        film.draw(&shape, step.t > 0.0, &mut numbers);
+        frames.push(step);
+    }
+    let found = Found {
+        division: &division,
+        shell: shell(&input.cell),
+        frames,
+        points: film.places.len(),
+        arrows: film.arrows.len(),
+    };
+    Ok(Answer { text: serde_json::to_string(&found)?, numbers })
+}
+
+/// Where shapes are sampled, and by what.
+struct Film {
+    gauss: Gauss,
+    cortex: Cortex,
+    /// Places u of the points of a contour.
+    places: Vec<f64>,
+    /// Places u where arrows begin.
+    arrows: Vec<f64>,
+}
+
+impl Film {
+    fn new(input: &DivisionInput, furrow: Option<f64>) -> Film {
+        let mut places: Vec<f64> = (0..=PARTS).map(|k| k as f64 / PARTS as f64).collect();
+        if let Some(furrow) = furrow {
+            let (count, reach) = NEAR;
+            // Denser towards the furrow, where the contour turns within a thousandth of its length.
+            let offset = |k: usize| reach * (k as f64 / count as f64).powi(2);
+            places.extend((0..=count).flat_map(|k| [furrow - offset(k), furrow + offset(k)]));
+            places.retain(|u| (0.0..=1.0).contains(u));
+            places.sort_by(f64::total_cmp);
+            places.dedup();
+        }
+        let gauss = Gauss::new(input.numerics.stages);
+        Film { gauss, cortex: Cortex::new(&input.cell, Domain::Full, &[]), places, arrows: Self::arrows(furrow) }
+    }
+
+    /// Where arrows begin: evenly along the contour, and closer at the furrow, where the force is greatest.
+    fn arrows(furrow: Option<f64>) -> Vec<f64> {
+        let mut arrows: Vec<f64> = (0..ARROWS).map(|k| (k as f64 + 0.5) / ARROWS as f64).collect();
+        if let Some(furrow) = furrow {
+            let [.., farthest] = ARROWS_NEAR;
+            arrows.retain(|u| (u - furrow).abs() > 1.2 * farthest);
+            arrows.push(furrow);
+            arrows.extend(ARROWS_NEAR.iter().flat_map(|near| [furrow - near, furrow + near]));
+            // Not at a pole, where the radius is none to divide by.
+            arrows.retain(|u| (0.005..=0.995).contains(u));
+        }
+        arrows
+    }
+
+    /// Adds the numbers of a shape. Before the activity is switched on there is neither cue nor active force.
+    fn draw(&self, shape: &Solution, active: bool, numbers: &mut Vec<f32>) {
+        let mut state = [0.0; COMPONENTS];
+        let length = shape.scalars[LENGTH];
+        let terms = self.cortex.cell.cue.terms();
+        for &u in &self.places {
+            shape.eval(&self.gauss, u, &mut state);
+            let cue = if active { terms.iter().map(|term| term.at(u, length)[0]).sum() } else { 0.0 };
+            numbers.extend([state[R], state[Z], cue].map(|v| v as f32));
+        }
+        for &u in &self.arrows {
+            let [along_r, along_z] = if active { self.active_force(shape, u) } else { [0.0; 2] };
+            shape.eval(&self.gauss, u, &mut state);
+            numbers.extend([state[R], state[Z], along_r, along_z].map(|v| v as f32));
+        }
+    }
+
+    /// Active tensions T^a_uu = X_s(½C − c2) + X_b C and T^a_φφ = −X_s(½C − c2) + X_b C at u.
+    fn active_tensions(&self, shape: &Solution, u: f64) -> [f64; 2] {
+        let mut state = [0.0; COMPONENTS];
+        shape.eval(&self.gauss, u, &mut state);
+        let here = self.cortex.constants().at(u, shape.scalars[LENGTH]);
+        let mean = state[M] / here.kappa;
+        let deviator = here.xi_s * (0.5 * mean - state[PSI].sin() / state[R]);
+        [deviator + here.xi_b * mean, here.xi_b * mean - deviator]
+    }
+
+    /// Active force density div T^a at u, along r and z. With the outward normal n = (sinψ, cosψ) and the tangent
+    /// t = (cosψ, −sinψ) it is (∂_s T^a_uu + (cosψ/r)(T^a_uu − T^a_φφ)) t − (c1 T^a_uu + c2 T^a_φφ) n.
+    fn active_force(&self, shape: &Solution, u: f64) -> [f64; 2] {
+        let mut state = [0.0; COMPONENTS];
+        shape.eval(&self.gauss, u, &mut state);
+        let length = shape.scalars[LENGTH];
+        let (sin, cos) = state[PSI].sin_cos();
+        let c2 = sin / state[R];
+        let c1 = state[M] / self.cortex.constants().at(u, length).kappa - c2;
+        let [t_u, t_phi] = self.active_tensions(shape, u);
+        let [before, after] = [u - STEP, u + STEP].map(|u| self.active_tensions(shape, u)[0]);
+        let tangential = (after - before) / (2.0 * STEP * length) + cos / state[R] * (t_u - t_phi);
+        let normal = -(c1 * t_u + c2 * t_phi);
+        [tangential * cos + normal * sin, normal * cos - tangential * sin]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use furrow_cell::Cue;
+    use furrow_mechanics::division::divide as divide_alone;
+    use serde_json::{Value, json};
+
+    use super::*;
+
+    /// Numbers of a point and of an arrow.
+    const OF_EACH: [usize; 2] = [3, 4];
+
+    fn asked(cell: &Cell, frames: &str) -> (Value, Vec<f32>) {
+        let request = json!({ "cell": cell, "numerics": Numerics::default(), "seed": 0, "frames": frames });
+        let answer = divide(request.to_string().as_bytes()).unwrap();
+        (serde_json::from_str(&answer.text).unwrap(), answer.numbers)
+    }
+
+    #[test]
+    fn the_record_is_that_of_the_division() {
+        let cell = Cell::new(2.0).with_cue(Cue::published());
+        let (found, numbers) = asked(&cell, "all");
+        let alone = divide_alone(&DivisionInput::new(cell)).unwrap();
+        assert_eq!(found["chi"].as_f64(), alone.chi);
+        let [contour, arrows] = ["points", "arrows"].map(|name| found[name].as_u64().unwrap() as usize);
+        let (contour, arrows) = (OF_EACH[0] * contour, OF_EACH[1] * arrows);
+        let of_frame = contour + arrows;
+        let frames = found["frames"].as_array().unwrap();
+        assert_eq!(numbers.len(), frames.len() * of_frame);
+        assert!(numbers.iter().all(|number| number.is_finite()));
+        // Pinch-off lies within the last step.
+        assert!((frames.last().unwrap()["t"].as_f64().unwrap() - alone.t_end).abs() < 1e-3 * alone.t_end);
+        // From pole to pole, at every step.
+        for frame in numbers.chunks_exact(of_frame) {
+            assert!(frame[0].abs() < 1e-6 && frame[contour - OF_EACH[0]].abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn the_last_frame_alone_is_the_last_of_all() {
+        let cell = Cell::new(1.5);
+        let ((all, every), (last, one)) = (asked(&cell, "all"), asked(&cell, "last"));
+        assert_eq!(last["frames"].as_array().unwrap().len(), 1);
+        assert_eq!(all["outcome"], last["outcome"]);
+        assert_eq!(every[every.len() - one.len()..], one);
+    }
+
+    /// On a sphere all of it is known: C = 2/R, both tensions are X_b C, and the force is −X_b C² along the normal.
+    #[test]
+    fn a_sphere_is_pressed_by_its_isotropic_activity() {
+        let radius = 2.0;
+        let cell = Cell::new(radius);
+        let film = Film::new(&DivisionInput::new(cell), None);
+        let gauss = Gauss::new(Numerics::default().stages);
+        let mesh = furrow_bvp::mesh::uniform(0.0, 1.0, 48);
+        let sphere = Solution::from_fn(&gauss, &mesh, COMPONENTS, &[PI * radius, 0.0], |u, state| {
+            let (sin, cos) = (PI * u).sin_cos();
+            state.fill(0.0);
+            (state[R], state[Z], state[M], state[PSI]) = (radius * sin, radius * cos, 2.0 / radius, PI * u);
+        });
+        let xi_b = film.cortex.constants().uniform.xi_b;
+        for u in [0.1, 0.37, 0.5, 0.8] {
+            let [along_r, along_z] = film.active_force(&sphere, u);
+            let (sin, cos) = (PI * u).sin_cos();
+            let expected = -xi_b * (2.0 / radius).powi(2);
+            assert!((along_r - expected * sin).abs() < 1e-6 && (along_z - expected * cos).abs() < 1e-6);
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! A founder tree grown anew, by the same functions as `furrow tree`, so that the counts are the same.
+
+use furrow_cell::{Cell, Cue, Numerics};
+use furrow_formats::tree_to_json;
+use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions};
+use furrow_lineage::{Grower, Lineage, Thresholds, TreeSettings, expected_work};
+use furrow_mechanics::division::{DivisionInput, divide};
+use furrow_mechanics::equilibria::CriticalRadii;
+use serde::Deserialize;
+
+use super::answer::{Answer, PageError};
+
+/// What a tree is grown from: the head of `tree.json`, and what the reader of the page has changed.
+#[derive(Debug, Deserialize)]
+struct Request {
+    lineage: Lineage,
+    cell: Cell,
+    numerics: Numerics,
+    seed: u64,
+    r0_step: f64,
+    /// Takes the place of every cue of the lineage, as `--cue` does: `none`, a name of the lineage, or terms.
+    #[serde(default)]
+    cue: Option<String>,
+}
+
+/// Grows a tree and answers with the text of its `tree.json`. `tell` is told how many divisions are solved and how many wait.
+///
+/// # Errors
+/// A request or a cue that cannot be read. A cell whose division cannot be computed ends its branch and is no error.
+pub fn regrow(request: &[u8], tell: &dyn Fn(usize, usize)) -> Result<Answer, PageError> {
+    let Request { mut lineage, cell, numerics, seed, r0_step, cue } = serde_json::from_slice(request)?;
+    if let Some(cue) = cue {
+        lineage = lineage.carrying(&cue)?;
+    }
+    let memo = Memo::new(Quantisation::with_relative_step(r0_step).unwrap_or(Quantisation::DEFAULT));
+    let rule = Thresholds::new(CriticalRadii::new(&numerics));
+    // The first cell of a kind whose radius would have to be searched for is left to its division, as `furrow tree` does.
+    let first = std::cell::Cell::new(true);
+    let ends = |cell: &Cell| {
+        let is_first = first.replace(false);
+        if is_first && !rule.knows(cell) { None } else { rule.of(cell) }
+    };
+    let plain = cell.clone().with_cue(Cue::none());
+    let order = |input: &DivisionInput| {
+        let critical = if rule.knows(&plain) { rule.critical_radius(&plain) } else { None };
+        critical.map_or(input.cell.r0, |critical| expected_work(critical)(input))
+    };
+    let progress = |Progress { solved, running, queued, .. }: Progress| tell(solved, running + queued);
+    let options = SchedulerOptions {
+        threads: 1,
+        progress: Some(&progress),
+        expected_work: &order,
+        ..SchedulerOptions::default()
+    };
+    let settings = TreeSettings { cell, numerics, seed, r0_step };
+    let grower = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options };
+    let (tree, _) = grower.grow(divide)?;
+    Ok(Answer::of(tree_to_json(&tree)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell as Counter;
+
+    use serde_json::{Value, json};
+
+    use super::*;
+    use furrow_formats::tree_from_json;
+
+    fn head(cell: &Cell, cue: Option<&str>) -> Vec<u8> {
+        let TreeSettings { numerics, seed, r0_step, .. } = TreeSettings::default();
+        let lineage = Lineage::c_elegans().unwrap();
+        let request = json!({
+            "lineage": lineage, "cell": cell, "numerics": numerics, "seed": seed, "r0_step": r0_step, "cue": cue,
+        });
+        request.to_string().into_bytes()
+    }
+
+    /// A request made of what a page finds in its own tree gives that tree again.
+    #[test]
+    fn a_tree_that_is_grown_from_its_own_head_is_the_same() {
+        let counted = Counter::new(0);
+        let first = regrow(&head(&Cell::new(3.0), Some("none")), &|solved, _| counted.set(solved)).unwrap();
+        assert!(counted.get() > 3);
+        let tree = tree_from_json(&first.text).unwrap();
+        assert!(tree.len() > 10);
+        let mut document: Value = serde_json::from_str(&first.text).unwrap();
+        document.as_object_mut().unwrap().remove("cells");
+        let again = regrow(document.to_string().as_bytes(), &|_, _| {}).unwrap();
+        assert_eq!(again.text, first.text);
+    }
+
+    #[test]
+    fn a_cue_that_is_none_is_refused_with_what_is_allowed() {
+        let error = regrow(&head(&Cell::new(3.0), Some("germlin")), &|_, _| {}).unwrap_err();
+        assert!(error.to_string().contains("germline"), "{error}");
+    }
+}

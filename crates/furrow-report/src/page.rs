@@ -1,0 +1,159 @@
+//! The frame of a page that computes: style, scripts, the solver and its data.
+//!
+//! The files of `page/` are embedded unchanged, so that a page is one file and needs no network. `crates/page` builds the
+//! solver.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+
+use super::svg::colours;
+use furrow_cell::{Cell, Numerics};
+use furrow_lineage::{Lineage, TreeSettings};
+use furrow_mechanics::equilibria::critical::Stored;
+
+const STYLE: &str = include_str!("page/page.css");
+const LINEAGE: &str = include_str!("page/lineage.html");
+const WHAT_IF: &str = include_str!("page/whatif.html");
+/// The script of the worker, which runs the solver.
+const WORKER: &str = include_str!("page/worker.js");
+/// In the order of the page: definitions come before their use.
+const SCRIPTS: [&str; 9] = [
+    include_str!("page/solver.js"),
+    include_str!("page/data.js"),
+    include_str!("page/theme.js"),
+    include_str!("page/lineage.js"),
+    include_str!("page/film.js"),
+    include_str!("page/cell.js"),
+    include_str!("page/phase.js"),
+    concat!(include_str!("page/whatif.js"), include_str!("page/regrow.js")),
+    include_str!("page/main.js"),
+];
+/// The solver: its version on the first line, gzipped and in base64 on the second.
+const MODULE: &str = include_str!("page/furrow.wasm.txt");
+
+/// A page runs its own scripts and fetches nothing.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:; img-src data:";
+
+/// The parts that differ from page to page, as HTML.
+pub struct Page {
+    /// Title of the document.
+    pub title: String,
+    /// Heading of the page.
+    pub heading: String,
+    /// Below the heading.
+    pub top: String,
+    /// In place of the lineage where scripts do not run.
+    pub still: String,
+    /// At the end.
+    pub below: String,
+    /// Data of the scripts, as JSON.
+    pub data: String,
+}
+
+impl Page {
+    /// The whole page.
+    pub fn html(&self) -> String {
+        let Page { title, heading, top, still, below, data } = self;
+        let module = MODULE.lines().nth(1).unwrap_or_default();
+        let mut out = String::with_capacity(still.len() + below.len() + data.len() + module.len() + 100_000);
+        let _ = write!(
+            out,
+            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\"><link rel=\"icon\" href=\"data:,\"><title>{title}</title>\n<style>\n{STYLE}</style></head><body>\n\
+             <header class=\"top\"><div class=\"grow\"><h1>{heading}</h1>\n{top}</div><button id=\"theme\" type=\"button\" hidden>Dark</button></header>\n<main>\n\
+             <p id=\"without-solver\" class=\"card notice\" role=\"status\" hidden></p>\n<div id=\"live\" hidden>\n{LINEAGE}{WHAT_IF}</div>\n<noscript>\n{still}</noscript>\n{below}</main>\n"
+        );
+        let mut put = |kind: &str, id: &str, text: &str| {
+            let _ = writeln!(out, "<script type=\"{kind}\" id=\"{id}\">{text}</script>");
+        };
+        put("application/json", "furrow-data", data);
+        put("text/plain", "furrow-module", module);
+        put("text/plain", "furrow-worker", WORKER);
+        out.push_str("<script>\n\"use strict\";\n(() => {\n");
+        SCRIPTS.iter().for_each(|script| out.push_str(script));
+        out.push_str("})();\n</script>\n</body></html>\n");
+        out
+    }
+}
+
+/// Parameters of all divisions of a page; it grows trees from them.
+#[derive(Serialize)]
+struct Head<'a> {
+    lineage: &'a Lineage,
+    cell: &'a Cell,
+    numerics: &'a Numerics,
+    seed: u64,
+    r0_step: f64,
+}
+
+/// The edge of division that the page begins with: pitchforks (R0, ξ_s, coefficient of the normal form) at one ε.
+#[derive(Serialize)]
+struct Edge {
+    epsilon: f64,
+    points: Vec<(f64, f64, Option<f64>)>,
+}
+
+impl Edge {
+    /// The stored one, for cells in whose constants it differs from the preset's by ε and ξ_s at most.
+    fn stored(cell: &Cell, numerics: &Numerics) -> Option<Edge> {
+        let Cell { epsilon, xi_s, .. } = Cell::new(1.0);
+        let stored = Stored::preset(&Cell { epsilon, xi_s, ..cell.clone() }, numerics).ok()?;
+        Some(Edge { epsilon, points: stored.pitchfork.iter().map(|p| (p.r0, p.xi_s, p.coefficient)).collect() })
+    }
+}
+
+#[derive(Serialize)]
+struct Told<'a> {
+    head: Head<'a>,
+    colours: Vec<&'static str>,
+    edge: Option<Edge>,
+}
+
+/// Data of the scripts, as JSON: parameters, colours of founders, the edge of division, and the text of `tree.json`.
+pub fn data(lineage: &Lineage, settings: &TreeSettings, tree: Option<String>) -> String {
+    let TreeSettings { cell, numerics, seed, r0_step } = settings;
+    let told = Told {
+        head: Head { lineage, cell, numerics, seed: *seed, r0_step: *r0_step },
+        colours: colours(lineage),
+        edge: Edge::stored(cell, numerics),
+    };
+    let told = serde_json::to_string(&told).unwrap_or_else(|_| "{}".to_owned());
+    let tree = tree.unwrap_or_else(|| "null".to_owned());
+    // One object of both, without parsing either again. `<` is escaped: a name could close the script element.
+    let told = told.strip_suffix('}').unwrap_or_default();
+    format!("{told},\"tree\":{tree}}}").replace('<', "\\u003c")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_name_ends_the_element_that_the_data_stand_in() {
+        let mut lineage = Lineage::c_elegans().unwrap();
+        lineage.name = "</script><script>alert(1)".to_owned();
+        let text = data(&lineage, &TreeSettings::default(), None);
+        assert!(!text.contains('<'));
+        let read: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(read["head"]["lineage"]["name"], lineage.name);
+        assert!(read["tree"].is_null() && read["edge"]["points"].as_array().unwrap().len() > 10);
+    }
+
+    #[test]
+    fn other_constants_have_no_stored_edge() {
+        let numerics = Numerics::default();
+        let mut cell = Cell { epsilon: 0.7, ..Cell::new(3.0) };
+        assert!(Edge::stored(&cell, &numerics).is_some());
+        cell.shell.aspect = 1.3;
+        assert!(Edge::stored(&cell, &numerics).is_none());
+    }
+
+    #[test]
+    fn nothing_in_a_script_ends_it() {
+        for script in SCRIPTS.iter().chain([&WORKER]) {
+            assert!(!script.contains("</script") && !script.contains("<!--"));
+        }
+        assert!(MODULE.lines().count() == 2 && MODULE.lines().nth(1).is_some_and(|text| text.starts_with("H4sI")));
+    }
+}

@@ -1,0 +1,154 @@
+//! The paper reproduced, as a page of Markdown and as lines for a terminal.
+
+use std::fmt::Write;
+
+use furrow_analysis::reproduce::{Item, Reproduction, Value, Verdict};
+
+/// An empty cell of the table.
+const NOTHING: &str = "-";
+
+/// The page that ships as `docs/reproduction.md`, of the constants that `constants` names. It has no times: equal inputs give
+/// equal bytes.
+pub fn markdown(found: &Reproduction, constants: &str) -> String {
+    let mut out = format!("{HEAD}\n{}\n", counts(found, constants));
+    out.push_str("\n| figure | quantity | paper | furrow | published scheme | off by | verdict |\n|---|---|---|---|---|---|---|\n");
+    for item in &found.items {
+        out.push_str(&row(item));
+    }
+    out.push_str("\n## Criteria and notes\n\n");
+    for group in found.items.chunk_by(|a, b| a.figure == b.figure) {
+        for item in group {
+            let _ = write!(out, "- **{}**, {}: ", figure(item), item.quantity);
+            let judged = if item.criterion == "none" { "nothing is judged" } else { item.criterion.as_str() };
+            let note = item.note.as_ref().map_or(String::new(), |note| format!(". {}", capital(note)));
+            let _ = writeln!(out, "{judged}{note}.");
+        }
+    }
+    out
+}
+
+const HEAD: &str = "# The paper, reproduced
+
+What the paper (Gao, Guan, Tang & Ma) says, statement by statement, beside what furrow computes. This page is written by
+`furrow reproduce --table docs/reproduction.md`; `furrow reproduce --out DIR` draws the figures as well, and every row can be
+had by itself, as with `furrow reproduce 2C S5`.
+
+*furrow* is the converged result. *Published scheme* is that of backward Euler at Δt = 0.1 τ, the paper's kind of time step,
+where divisions are followed in time and the two may differ; the paper does not print its Δt. Where one of the two agrees and
+the other does not, or neither does, that is said there too. A row **agrees** if a printed
+number is met to the tolerance below, or if what the paper says in words is true by the criterion below, which is ours. It is
+**not pinned down** where the paper's own words are not known here, or do not say enough: the result is given and nothing is
+judged. The constants of the shell are not printed: they are fitted to the four thresholds, and to nothing else here.
+";
+
+fn counts(found: &Reproduction, constants: &str) -> String {
+    let of = |verdict| found.count(verdict);
+    let (agrees, differs, open) = (of(Verdict::Agrees), of(Verdict::Differs), of(Verdict::NotPinnedDown));
+    format!(
+        "With the constants `{constants}`: {agrees} statements agree, {differs} differ, {open} are not pinned down."
+    )
+}
+
+/// The row of a statement in the table.
+pub fn row(item: &Item) -> String {
+    let verdict = match item.verdict {
+        Verdict::Differs => "**differs**".to_owned(),
+        verdict => verdict.to_string(),
+    };
+    let cells = [
+        figure(item),
+        item.quantity.clone(),
+        value(item.paper.as_ref()),
+        value(Some(&item.computed)),
+        published(item),
+        item.rel_error.map_or(NOTHING.to_owned(), off_by),
+        verdict,
+    ];
+    format!("| {} |\n", cells.map(|cell| cell.replace('|', "\\|")).join(" | "))
+}
+
+/// The result of the published scheme, and whether it agrees where the converged result does not.
+fn published(item: &Item) -> String {
+    let told = match (item.verdict, item.published_scheme_agrees) {
+        (Verdict::Differs, Some(true)) => " (agrees)",
+        (Verdict::Differs, Some(false)) => " (differs)",
+        (Verdict::Agrees, Some(false)) => " (differs)",
+        _ => "",
+    };
+    format!("{}{told}", value(item.published_scheme.as_ref()))
+}
+
+/// A figure as it is printed: panels from one to another.
+fn figure(item: &Item) -> String {
+    item.figure.replace('-', "–")
+}
+
+/// Text with a capital at its beginning; symbols stay as they are.
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| std::iter::once(first.to_ascii_uppercase()).chain(letters).collect())
+}
+
+/// A number to five digits, or words.
+pub fn value(value: Option<&Value>) -> String {
+    match value {
+        None => NOTHING.to_owned(),
+        Some(Value::Words(words)) => words.clone(),
+        Some(Value::Number(number)) => {
+            let digits = if *number == 0.0 { 0 } else { 4 - number.abs().log10().floor() as i32 };
+            let text = format!("{number:.*}", digits.clamp(0, 12) as usize);
+            let short = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+            short.replace('-', "−")
+        }
+    }
+}
+
+/// A relative error in percent, to two digits.
+fn off_by(error: f64) -> String {
+    match error {
+        0.0 => "0".to_owned(),
+        _ => {
+            let percent = 100.0 * error;
+            let digits = (1 - percent.log10().floor() as i32).clamp(0, 9) as usize;
+            format!("{percent:.digits$} %")
+        }
+    }
+}
+
+/// Lines for a terminal.
+pub fn text(found: &Reproduction, constants: &str) -> String {
+    let mut out = String::new();
+    for group in found.items.chunk_by(|a, b| a.figure == b.figure) {
+        let Some(first) = group.first() else { continue };
+        let _ = writeln!(out, "{} ({:.1} s)", figure(first), first.seconds);
+        for item in group {
+            let _ = writeln!(out, "  {:<16} {}", item.verdict.to_string(), item.quantity);
+            let paper = item.paper.as_ref().map_or("not known".to_owned(), |paper| value(Some(paper)));
+            let _ = writeln!(out, "{:19}paper: {paper}", "");
+            let off = item.rel_error.map_or(String::new(), |error| format!(" (off by {})", off_by(error)));
+            let _ = writeln!(out, "{:19}furrow: {}{off}", "", value(Some(&item.computed)));
+            if item.published_scheme.is_some() {
+                let _ = writeln!(out, "{:19}published scheme: {}", "", published(item));
+            }
+        }
+    }
+    let _ = writeln!(out, "{}", counts(found, constants));
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_five_digits_and_errors_two() {
+        let shown = |number: f64| value(Some(&Value::Number(number)));
+        assert_eq!(
+            [25.796_83, 0.5, -2.5, 0.0, 4.0, 0.895_398, 20_890.4].map(shown),
+            ["25.797", "0.5", "−2.5", "0", "4", "0.8954", "20890"]
+        );
+        assert_eq!([0.0, 0.002_31, 0.045, 3.0e-5].map(off_by), ["0", "0.23 %", "4.5 %", "0.0030 %"]);
+        assert_eq!(value(None), "-");
+        assert_eq!([capital("ε is"), capital("it is")], ["ε is", "It is"]);
+    }
+}

@@ -1,0 +1,273 @@
+//! Extreme eigenvalues of a linear map that is known by what it does to vectors.
+//!
+//! # References
+//! Saad, *Numerical Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 6.
+
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::evd::{ComputeEigenvectors, evd_real, evd_scratch};
+use faer::{Mat, Par};
+
+/// Settings of the Arnoldi iteration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arnoldi {
+    /// Eigenvalues wanted.
+    pub wanted: usize,
+    /// Largest Krylov dimension.
+    pub max_dimension: usize,
+    /// Error allowed in an eigenvalue, as far as the caller's scale goes.
+    pub tolerance: f64,
+}
+
+impl Default for Arnoldi {
+    fn default() -> Self {
+        Arnoldi { wanted: 3, max_dimension: 48, tolerance: 1e-9 }
+    }
+}
+
+/// Why eigenvalues were not found.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EigenError {
+    /// The small dense problem failed.
+    #[error(transparent)]
+    Dense(#[from] NoEigenvalues),
+    /// Eigenvalues are not yet as accurate as asked for.
+    #[error("eigenvalues are uncertain by {residual:.1e} in a Krylov space of dimension {dimension}")]
+    NotConverged {
+        /// Krylov dimension.
+        dimension: usize,
+        /// Largest residual of the eigenvalues wanted.
+        residual: f64,
+    },
+}
+
+impl Arnoldi {
+    /// The eigenvalues of largest modulus of the linear map `apply` (from, to), in the inner product Σ w a b with positive
+    /// `weights`; the largest first, complex pairs with both signs. Fewer than wanted where the map has no more.
+    ///
+    /// # Errors
+    /// [`EigenError::NotConverged`] if a residual is above the tolerance in the largest space allowed.
+    ///
+    /// # Examples
+    /// ```
+    /// use furrow_spectra::{Arnoldi, Krylov};
+    /// // Eigenvalues 1, 1/2, 1/4, …
+    /// let apply = |from: &[f64], to: &mut [f64]| {
+    ///     to.iter_mut().zip(from).enumerate().for_each(|(k, (to, from))| *to = 0.5f64.powi(k as i32) * from);
+    /// };
+    /// let found = Arnoldi::default().largest(&mut Krylov::default(), &[1.0; 40], apply)?;
+    /// for (value, exact) in found.iter().zip([1.0, 0.5, 0.25]) {
+    ///     assert!((value.re - exact).abs() < 1e-9 && value.im == 0.0);
+    /// }
+    /// # Ok::<(), crate::EigenError>(())
+    /// ```
+    pub fn largest(
+        &self,
+        krylov: &mut Krylov,
+        weights: &[f64],
+        apply: impl FnMut(&[f64], &mut [f64]),
+    ) -> Result<Vec<RitzValue>, EigenError> {
+        let limit = self.max_dimension.min(weights.len());
+        let mut worst = f64::INFINITY;
+        let found = krylov.run(weights, limit, apply, |values, dimension| {
+            let mut values = values.to_vec();
+            let modulus = |v: &RitzValue| v.re.hypot(v.im);
+            values.sort_by(|a, b| modulus(b).total_cmp(&modulus(a)).then(b.im.total_cmp(&a.im)));
+            values.truncate(self.wanted);
+            worst = values.iter().map(|v| v.residual).fold(0.0, f64::max);
+            (worst <= self.tolerance && (values.len() == self.wanted || dimension == limit)).then_some(values)
+        })?;
+        found.ok_or(EigenError::NotConverged { dimension: limit, residual: worst })
+    }
+}
+
+/// An eigenvalue of the map on the Krylov space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RitzValue {
+    /// Real part.
+    pub re: f64,
+    /// Imaginary part; complex pairs appear with both signs.
+    pub im: f64,
+    /// Norm of the residual of its Ritz vector of length 1.
+    pub residual: f64,
+}
+
+/// The eigenvalues of the projected matrix could not be computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the projected matrix of dimension {dimension} has no computable eigenvalues")]
+pub struct NoEigenvalues {
+    /// Krylov dimension.
+    pub dimension: usize,
+}
+
+/// Workspace of the iteration, for use again and again. [`Arnoldi::largest`] is the simple way to run it.
+#[derive(Clone, Debug, Default)]
+pub struct Krylov {
+    basis: Vec<Vec<f64>>,
+    hessenberg: Vec<f64>,
+}
+
+/// Krylov dimension of the first look at the Ritz values, and how many later the next follows.
+const LOOKS: [usize; 2] = [10, 4];
+
+impl Krylov {
+    /// Iterates `apply` (from, to) in the inner product Σ w a b until `enough`, shown the Ritz values at a dimension now and
+    /// then and at the last, `limit`, gives its result; `None` if it never does. An invariant subspace found on the way
+    /// counts as the last.
+    ///
+    /// # Errors
+    /// [`NoEigenvalues`] if those of the small projected matrix cannot be computed.
+    ///
+    /// # Examples
+    /// The largest real eigenvalue of a rotation beside a decay by 0.9, as soon as it is known to 1e-10:
+    ///
+    /// ```
+    /// use furrow_spectra::Krylov;
+    /// let apply = |from: &[f64], to: &mut [f64]| to.copy_from_slice(&[-from[1], from[0], 0.9 * from[2]]);
+    /// let found = Krylov::default().run(&[1.0; 3], 3, apply, |values, _| {
+    ///     values.iter().find(|v| v.im == 0.0 && v.residual < 1e-10).map(|v| v.re)
+    /// })?;
+    /// assert!((found.unwrap() - 0.9).abs() < 1e-12);
+    /// # Ok::<(), crate::NoEigenvalues>(())
+    /// ```
+    pub fn run<T>(
+        &mut self,
+        weights: &[f64],
+        limit: usize,
+        mut apply: impl FnMut(&[f64], &mut [f64]),
+        mut enough: impl FnMut(&[RitzValue], usize) -> Option<T>,
+    ) -> Result<Option<T>, NoEigenvalues> {
+        let points = weights.len();
+        let stride = limit + 1;
+        self.basis.resize(self.basis.len().max(stride), Vec::new());
+        self.basis.iter_mut().for_each(|v| v.resize(points, 0.0));
+        self.hessenberg.clear();
+        self.hessenberg.resize(stride * stride, 0.0);
+        // Any vector with a part in every smooth mode starts the iteration; this one is the same on every run.
+        let mut seed = 0x9e37_79b9_7f4a_7c15u64;
+        for w in self.basis[0].iter_mut() {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            *w = (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
+        }
+        let norm = weighted_dot(weights, &self.basis[0], &self.basis[0]).sqrt();
+        self.basis[0].iter_mut().for_each(|w| *w /= norm);
+        for k in 0..limit {
+            let (known, new) = self.basis.split_at_mut(k + 1);
+            let new = &mut new[0];
+            apply(&known[k], new);
+            let before = weighted_dot(weights, new, new).sqrt();
+            // Twice is enough (Kahan).
+            for _ in 0..2 {
+                for (j, v) in known.iter().enumerate() {
+                    let dot = weighted_dot(weights, v, new);
+                    self.hessenberg[j * stride + k] += dot;
+                    new.iter_mut().zip(v).for_each(|(a, b)| *a -= dot * b);
+                }
+            }
+            let rest = weighted_dot(weights, new, new).sqrt();
+            self.hessenberg[(k + 1) * stride + k] = rest;
+            // An invariant subspace: all its Ritz values are exact.
+            let exhausted = rest <= 1e-14 * before;
+            if !exhausted {
+                new.iter_mut().for_each(|w| *w /= rest);
+            }
+            let dimension = k + 1;
+            let last = exhausted || dimension == limit;
+            if last || (dimension >= LOOKS[0] && (dimension - LOOKS[0]).is_multiple_of(LOOKS[1])) {
+                let values = self.ritz(dimension, stride, if exhausted { 0.0 } else { rest })?;
+                let found = enough(&values, if last { limit } else { dimension });
+                if last || found.is_some() {
+                    return Ok(found);
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    fn ritz(&self, k: usize, stride: usize, rest: f64) -> Result<Vec<RitzValue>, NoEigenvalues> {
+        let failed = NoEigenvalues { dimension: k };
+        let h = Mat::<f64>::from_fn(k, k, |i, j| self.hessenberg[i * stride + j]);
+        let (mut re, mut im, mut vectors) = (Diag::<f64>::zeros(k), Diag::<f64>::zeros(k), Mat::<f64>::zeros(k, k));
+        let (no, yes) = (ComputeEigenvectors::No, ComputeEigenvectors::Yes);
+        let mut memory = MemBuffer::new(evd_scratch::<f64>(k, no, yes, Par::Seq, Default::default()));
+        let stack = MemStack::new(&mut memory);
+        evd_real(
+            h.as_ref(),
+            re.as_mut(),
+            im.as_mut(),
+            None,
+            Some(vectors.as_mut()),
+            Par::Seq,
+            stack,
+            Default::default(),
+        )
+        .map_err(|_| failed)?;
+        let mut out = Vec::with_capacity(k);
+        let mut i = 0;
+        while i < k {
+            let (a, b) = (re[i], im[i]);
+            // A complex pair shares two columns, the real and the imaginary part.
+            let width = if b != 0.0 && i + 1 < k { 2 } else { 1 };
+            let (mut norm, mut tail) = (0.0f64, 0.0f64);
+            for c in i..i + width {
+                norm += (0..k).map(|r| vectors[(r, c)].powi(2)).sum::<f64>();
+                tail += vectors[(k - 1, c)].powi(2);
+            }
+            if !(a.is_finite() && b.is_finite() && norm.is_finite()) {
+                return Err(failed);
+            }
+            let residual = rest * (tail / norm).sqrt();
+            out.push(RitzValue { re: a, im: b, residual });
+            if width == 2 {
+                out.push(RitzValue { re: a, im: -b, residual });
+            }
+            i += width;
+        }
+        Ok(out)
+    }
+}
+
+fn weighted_dot(weights: &[f64], a: &[f64], b: &[f64]) -> f64 {
+    weights.iter().zip(a).zip(b).map(|((w, a), b)| w * a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A block of rotation beside decaying modes: a complex pair and the largest real eigenvalues, all known.
+    #[test]
+    fn finds_real_and_complex_eigenvalues() {
+        let size = 60;
+        let apply = |from: &[f64], to: &mut [f64]| {
+            (to[0], to[1]) = (0.9 * from[0] - 0.4 * from[1], 0.4 * from[0] + 0.9 * from[1]);
+            for k in 2..size {
+                to[k] = 0.7 / (k * k) as f64 * from[k];
+            }
+        };
+        let found = Krylov::default()
+            .run(&vec![0.5; size], 40, apply, |values, _| {
+                let mut values = values.to_vec();
+                values.sort_by(|a, b| b.re.total_cmp(&a.re).then(b.im.total_cmp(&a.im)));
+                (values.iter().take(3).all(|v| v.residual < 1e-11)).then_some(values)
+            })
+            .unwrap()
+            .unwrap();
+        for (value, [re, im]) in found.iter().zip([[0.9, 0.4], [0.9, -0.4], [0.175, 0.0], [0.7 / 9.0, 0.0]]) {
+            assert!((value.re - re).hypot(value.im - im) < 1e-10, "{value:?}");
+        }
+    }
+
+    #[test]
+    fn an_invariant_subspace_ends_the_iteration() {
+        let mut applied = 0;
+        let apply = |from: &[f64], to: &mut [f64]| {
+            applied += 1;
+            to.copy_from_slice(from);
+        };
+        let values = Krylov::default().run(&[1.0; 8], 6, apply, |values, _| Some(values.to_vec())).unwrap().unwrap();
+        assert_eq!((applied, values.len()), (1, 1));
+        assert!((values[0].re - 1.0).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,59 @@
+//! Singular values of a small dense matrix, such as the sensitivities of many points to many parameters: which combinations
+//! of parameters the points determine, and which they leave open.
+//!
+//! # References
+//! Golub & Van Loan, *Matrix Computations*, 4th ed., Johns Hopkins 2013, § 2.4.
+
+use faer::Mat;
+
+/// A = Σ σ u vᵀ, singular values σ from large to small.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Svd {
+    /// σ, as many as the smaller side of the matrix.
+    pub values: Vec<f64>,
+    /// Left vectors u, one a value.
+    pub left: Vec<Vec<f64>>,
+    /// Right vectors v, one a column of the matrix; those beyond the values span what the matrix maps to zero.
+    pub right: Vec<Vec<f64>>,
+}
+
+/// The matrix has entries that are not finite, or too large for singular values to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the matrix, or what becomes of it, is not finite")]
+pub struct NoSingularValues;
+
+impl Svd {
+    /// Decomposes the matrix with these rows, all of one length.
+    ///
+    /// # Errors
+    /// [`NoSingularValues`].
+    ///
+    /// # Examples
+    /// ```
+    /// use furrow_spectra::Svd;
+    /// // Two points that both see the sum of two parameters, and nothing else.
+    /// let svd = Svd::of_rows(&[vec![3.0, 3.0], vec![4.0, 4.0]])?;
+    /// assert!((svd.values[0] - 50.0f64.sqrt()).abs() < 1e-14 && svd.values[1] < 1e-14);
+    /// let open = &svd.right[1];
+    /// assert!((open[0] + open[1]).abs() < 1e-14);
+    /// # Ok::<(), crate::NoSingularValues>(())
+    /// ```
+    pub fn of_rows(rows: &[Vec<f64>]) -> Result<Svd, NoSingularValues> {
+        let columns = rows.first().map_or(0, Vec::len);
+        if rows.iter().flatten().any(|x| !x.is_finite()) {
+            return Err(NoSingularValues);
+        }
+        let svd = Mat::from_fn(rows.len(), columns, |i, j| rows[i][j]).svd().map_err(|_| NoSingularValues)?;
+        let (u, s, v) = (svd.U(), svd.S().column_vector(), svd.V());
+        let count = rows.len().min(columns);
+        let values: Vec<f64> = (0..count).map(|k| s[k]).collect();
+        if values.iter().any(|value| !value.is_finite()) {
+            return Err(NoSingularValues);
+        }
+        Ok(Svd {
+            values,
+            left: (0..count).map(|k| (0..rows.len()).map(|i| u[(i, k)]).collect()).collect(),
+            right: (0..columns).map(|k| (0..columns).map(|i| v[(i, k)]).collect()).collect(),
+        })
+    }
+}

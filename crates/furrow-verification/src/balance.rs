@@ -1,0 +1,47 @@
+//! The balance of forces as rates along the contour, written down from the paper a second time: stresses first, then the
+//! tangential and the normal balance, with η_b, η_s and the elastic stress as they stand there.
+
+use furrow_cell::{Cell, Number, RigidityGradient};
+use furrow_mechanics::cortex::equations::COMPONENTS;
+
+use crate::coefficients::{coefficients, shell_force};
+
+/// In-plane stresses (uu, φφ) of the cortex that depend on how it flows: viscous and active.
+pub fn stress<D: Number>([eta_b, eta_s, xi_s, xi_b]: [D; 4], strain: [D; 2], curvature: [D; 2]) -> [D; 2] {
+    let ([s_uu, s_pp], [c1, c2]) = (strain, curvature);
+    let isotropic = eta_b * (s_uu + s_pp) + xi_b * (c1 + c2);
+    let deviatoric = eta_s * (s_uu - s_pp) + xi_s * (c1 - c2) * 0.5;
+    [isotropic + deviatoric, isotropic - deviatoric]
+}
+
+/// ∂_s of (r, z, m, ψ, q, v, T) at u, where the contour moves by `motion` = ∂_t(r, z) and activity is multiplied by `noise`.
+pub fn rates<D: Number>(
+    cell: &Cell,
+    u: D,
+    length: f64,
+    pressure: f64,
+    noise: f64,
+    y: &[D; COMPONENTS],
+    motion: [D; 2],
+) -> [D; COMPONENTS] {
+    let [r, z, m, psi, q, v, t] = *y;
+    let c = coefficients(cell, u, length);
+    let (sin, cos) = psi.sin_cos();
+    let c2 = sin / r;
+    let c1 = m / c.kappa - c2;
+    let v_n = sin * motion[0] + cos * motion[1];
+    let s_pp = cos * v / r + c2 * v_n;
+    // T is linear in S_uu: its value without S_uu, and what is missing.
+    let law = [c.eta_b, c.eta_s, c.xi_s * noise, c.xi_b * noise];
+    let without = stress(law, [D::from(0.0), s_pp], [c1, c2]);
+    let s_uu = (t - without[0]) / (c.eta_b + c.eta_s);
+    let t_pp = stress(law, [s_uu, s_pp], [c1, c2])[1];
+    let elastic = c.kappa * (c2 * c2 - c1 * c1) * 0.5;
+    let (h_uu, h_pp) = (c.tension + elastic, c.tension - elastic);
+    let mut t_s = c.friction * v - cos / r * (t - t_pp) - c.tension_s;
+    if cell.material.rigidity_gradient == RigidityGradient::Full {
+        t_s -= (c1 + c2) * (c1 + c2) * c.kappa_s * 0.5;
+    }
+    let q_s = c1 * (h_uu + t) + c2 * (h_pp + t_pp) - cos / r * q - pressure - shell_force(cell, r, z, psi);
+    [cos, -sin, q, c1, q_s, s_uu - c1 * v_n, t_s]
+}

@@ -1,0 +1,105 @@
+//! The coefficients of the model at a place of the contour, from what a cue is defined to do:
+//! X(u) = X0·(1 + Σ A f(u)) for every field but tension, for which γ(u) = γ0 + Σ A f(u).
+
+use furrow_cell::cue::{Field, Profile, Width};
+use furrow_cell::{Cell, Number};
+
+/// Coefficients at one place, activities with the gain. Units are those of [`Cell`].
+#[derive(Clone, Copy, Debug)]
+pub struct Coefficients<D> {
+    /// Bending rigidity κ.
+    pub kappa: D,
+    /// ∂_s κ.
+    pub kappa_s: D,
+    /// Bulk viscosity η_b.
+    pub eta_b: D,
+    /// Shear viscosity η_s.
+    pub eta_s: D,
+    /// Friction Γ.
+    pub friction: D,
+    /// Passive tension γ.
+    pub tension: D,
+    /// ∂_s γ.
+    pub tension_s: D,
+    /// gξ_s.
+    pub xi_s: D,
+    /// gξ_b.
+    pub xi_b: D,
+}
+
+/// A profile f and ∂f/∂u.
+fn profile<D: Number>(profile: &Profile, u: D, length: f64) -> [D; 2] {
+    let in_u = |omega: Width| match omega {
+        Width::Fraction(omega) => omega,
+        Width::Length(omega) => omega / length,
+    };
+    match *profile {
+        Profile::Band { u0, omega } => {
+            let omega = in_u(omega);
+            let x = (u - u0) / omega;
+            let f = (-(x * x)).exp();
+            [f, f * x * (-2.0 / omega)]
+        }
+        Profile::Step { u0, omega } => {
+            // ½(1 + tanh x) = 1/(1 + e^(−2x)), and its slope by the logistic's f(1 − f).
+            let omega = in_u(omega);
+            let f = (((u - u0) * (-2.0 / omega)).exp() + 1.0).recip();
+            [f, f * (-f + 1.0) * (2.0 / omega)]
+        }
+        Profile::Gradient => [u * -2.0 + 1.0, D::from(-2.0)],
+        // A profile that is added to the model is added here as well.
+    }
+}
+
+/// The coefficients of a cell at u on a contour of length `length`.
+///
+/// # Panics
+/// For a field or a profile that was added to the model and not here.
+pub fn coefficients<D: Number>(cell: &Cell, u: D, length: f64) -> Coefficients<D> {
+    let one = D::from(1.0);
+    let [mut kappa, mut eta_b, mut eta_s, mut friction, mut xi_s, mut xi_b] = [one; 6];
+    let (mut kappa_u, mut tension, mut tension_u) = (D::from(0.0), D::from(cell.material.tension), D::from(0.0));
+    for term in cell.cue.terms() {
+        let [f, f_u] = profile(&term.profile, u, length).map(|f| f * term.amplitude);
+        match term.field {
+            Field::Kappa => (kappa, kappa_u) = (kappa + f, kappa_u + f_u),
+            Field::Activity => (xi_s, xi_b) = (xi_s + f, xi_b + f),
+            Field::XiS => xi_s += f,
+            Field::XiB => xi_b += f,
+            Field::EtaB => eta_b += f,
+            Field::EtaS => eta_s += f,
+            Field::Viscosity => (eta_b, eta_s) = (eta_b + f, eta_s + f),
+            Field::Friction => friction += f,
+            Field::Tension => (tension, tension_u) = (tension + f, tension_u + f_u),
+        }
+    }
+    let material = &cell.material;
+    let activity = material.gain * cell.xi_s;
+    Coefficients {
+        kappa: kappa * material.kappa,
+        kappa_s: kappa_u * (material.kappa / length),
+        eta_b: eta_b * material.eta_b,
+        eta_s: eta_s * material.eta_s,
+        friction: friction * material.friction,
+        tension,
+        tension_s: tension_u / length,
+        xi_s: xi_s * activity,
+        xi_b: xi_b * (activity * material.xi_ratio),
+    }
+}
+
+/// Half axes a (along z) and b of the shell: 4πab²/3 is the cell's volume over ε.
+pub fn shell_axes(cell: &Cell) -> [f64; 2] {
+    let b = (cell.r0.powi(3) / (cell.epsilon * cell.shell.aspect)).cbrt();
+    [cell.shell.aspect * b, b]
+}
+
+/// The outward normal force f_c of the shell on a place (r, z) of tangent angle ψ: −n·∇U with
+/// U = P0 exp[(z²/a² + r²/b² − 1)/w²].
+pub fn shell_force<D: Number>(cell: &Cell, r: D, z: D, psi: D) -> D {
+    let [a, b] = shell_axes(cell);
+    let w2 = cell.shell.w * cell.shell.w;
+    let potential = ((z * z / (a * a) + r * r / (b * b) - 1.0) / w2).exp() * cell.shell.p0;
+    let [by_r, by_z] = [r * (2.0 / (b * b * w2)), z * (2.0 / (a * a * w2))].map(|slope| slope * potential);
+    -(by_r * psi.sin() + by_z * psi.cos())
+}

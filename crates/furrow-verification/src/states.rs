@@ -1,0 +1,100 @@
+//! States that the equations are held against: shapes at rest, shapes in motion, and what is drawn at random.
+
+use furrow_bvp::newton::NewtonScratch;
+use furrow_bvp::{Newton, NewtonError, Solution, System};
+use furrow_cell::cue::Field;
+use furrow_cell::{Cell, CueError, Numerics};
+use furrow_mechanics::cortex::observables::positions;
+use furrow_mechanics::cortex::symmetry::unfold;
+use furrow_mechanics::cortex::{Cortex, Domain};
+use furrow_mechanics::equilibria::{StationaryError, passive, stationary};
+
+use crate::contour::Computed;
+
+/// Numbers drawn one after another: the same on every machine.
+#[derive(Clone, Debug)]
+pub struct Draws(pub u64);
+
+impl Draws {
+    /// The next number between two.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        low + (high - low) * (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// No cue, every field with every profile, widths in u and in L_h, and a sum of two terms.
+pub fn cues() -> Vec<String> {
+    let mut out = vec!["none".to_owned()];
+    for name in Field::ALL.map(Field::name) {
+        out.push(format!("{name}:band,u0=0.44,omega=0.15,amplitude=0.2"));
+        out.push(format!("{name}:step,u0=0.4,omega=0.9Lh,amplitude=-0.3"));
+        out.push(format!("{name}:gradient,amplitude=0.25"));
+    }
+    out.push("kappa:gradient,amplitude=0.2+tension:band,u0=0.6,omega=0.8Lh,amplitude=0.5".to_owned());
+    out
+}
+
+/// A cell none of whose constants is that of another or 1, so that none can stand for another unseen.
+pub fn uneven_cell(r0: f64, xi_s: f64, cue: &str) -> Result<Cell, CueError> {
+    let mut cell = Cell { xi_s, ..Cell::new(r0).with_cue(cue.parse()?) };
+    let material = &mut cell.material;
+    (material.kappa, material.eta_b, material.eta_s) = (1.3, 0.9, 0.7);
+    (material.friction, material.tension, material.xi_ratio) = (1.2, 0.15, -0.12);
+    Ok(cell)
+}
+
+/// Discretisation of [`resting`] and [`moving`] shapes: fine enough for sums over collocation points to be integrals to
+/// about 1e-8.
+pub fn fine() -> Numerics {
+    Numerics { intervals: 96, ..Numerics::default() }
+}
+
+/// The whole contour of a shape at rest, activity and cue at work.
+///
+/// # Errors
+/// What the search for it says.
+pub fn resting(cell: &Cell) -> Result<Computed, StationaryError> {
+    let found = stationary(cell, &fine())?;
+    let shape = match found.cortex.domain {
+        Domain::Half => unfold(&found.solution),
+        Domain::Full => found.solution,
+    };
+    Ok(Computed { cell: cell.clone(), shape, motion: Vec::new(), noise: Vec::new() })
+}
+
+/// The passive shape of a cell without its cue, on the whole contour.
+///
+/// # Errors
+/// What Newton's method says.
+pub fn passive_shape(cell: &Cell, numerics: &Numerics) -> Result<Solution, NewtonError> {
+    Ok(unfold(&passive(cell, numerics)?.0))
+}
+
+/// The cell after `steps` implicit steps from its passive shape, the first of 10⁻³ τ and each twice as long as the one before,
+/// solved to rounding, with the velocity that the last step gave it. Activity is uneven in that step, as noise makes it.
+///
+/// # Errors
+/// What Newton's method says.
+pub fn moving(cell: &Cell, steps: usize) -> Result<Computed, NewtonError> {
+    let mut shape = passive_shape(cell, &fine())?;
+    let mut cortex = Cortex::new(cell, Domain::Full, &[]);
+    let mut system = System::new(Cortex::dimensions_for(0), shape.m);
+    let newton = Newton { tolerance: 1e-11, ..Newton::default() };
+    let (mut before, mut after) = (Vec::new(), Vec::new());
+    let mut dt = 5e-4;
+    for step in 0..steps {
+        dt *= 2.0;
+        cortex.rate = 1.0 / dt;
+        positions(&shape, &mut before);
+        cortex.past.clone_from(&before);
+        if step + 1 == steps {
+            let count = before.len() as f64;
+            cortex.noise = (0..before.len()).map(|k| 1.0 + 0.05 * (9.0 * k as f64 / count).cos()).collect();
+        }
+        newton.solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut shape, &[], false)?;
+    }
+    positions(&shape, &mut after);
+    let motion = after.iter().zip(&before).map(|(new, old)| [0, 1].map(|k| (new[k] - old[k]) / dt)).collect();
+    Ok(Computed { cell: cell.clone(), shape, motion, noise: cortex.noise })
+}

@@ -1,0 +1,112 @@
+//! What decides how a division ends: stability of the shape that a cell has come to rest in, the sign of a growth rate however
+//! small, and the neck's radius.
+
+use furrow_cell::{Cell, Cue, Numerics};
+use furrow_mechanics::cortex::observables::positions;
+use furrow_mechanics::cortex::symmetry::mirror;
+use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide, divide_observed};
+use furrow_mechanics::equilibria::{BranchOptions, pitchfork};
+use furrow_verification::report::{near, within};
+use furrow_verification::states::{resting, uneven_cell};
+
+fn solve(cell: Cell) -> Division {
+    divide(&DivisionInput::new(cell)).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A cell whose symmetric shape grows, by however little, does not rest in it; one whose shape decays, by however little,
+/// does. Its pitchfork is subcritical: beyond there is no other shape to rest in.
+#[test]
+fn a_growth_rate_above_zero_divides_and_one_below_rests() {
+    let cell = Cell::new(1.64);
+    let threshold = pitchfork::first(&cell, &Numerics::default(), &BranchOptions::default()).unwrap().point.xi_s;
+    for margin in [1e-5, 1e-6] {
+        let above = solve(Cell { xi_s: threshold * (1.0 + margin), ..cell.clone() });
+        let growing = above.growth_rate.unwrap_or(0.0);
+        assert!(above.outcome == Outcome::Asymmetric, "at rest in a shape that grows at {growing:.1e}");
+        let rate = above.slow_growth_rate.unwrap();
+        println!("ξ_s/ξ_s* − 1 = {margin:e}: σ = {rate:.1e}, {:?} after {:.0} τ", above.outcome, above.t_end);
+        assert!(rate > 0.0 && rate < 1e-3, "{rate}");
+        let below = solve(Cell { xi_s: threshold * (1.0 - margin), ..cell.clone() });
+        assert_eq!(below.outcome, Outcome::Failed, "below by {margin:e}");
+        let rate = below.growth_rate.unwrap();
+        assert!(rate < 0.0 && rate > -1e-3, "{rate}");
+    }
+}
+
+/// A division ends where the neck is narrower than 10⁻³ R0, and no sooner.
+#[test]
+fn a_division_ends_at_a_thousandth_of_the_radius() {
+    let cell = Cell::new(3.0);
+    let mut necks = Vec::new();
+    let division = divide_observed(&DivisionInput::new(cell.clone()), |frame| {
+        necks.extend(frame.neck.map(|neck| neck.radius / cell.r0));
+    });
+    assert_eq!(division.unwrap().outcome, Outcome::Symmetric);
+    let [.., before, last] = necks[..] else { panic!("{necks:?}") };
+    assert!(last < 1e-3 && before > 1e-3, "the last two necks are {before:.1e} and {last:.1e} of R0");
+}
+
+/// Shapes at rest of a cell and of its mirror image are mirror images.
+#[test]
+fn mirror_images_rest_as_mirror_images() {
+    let mut largest = 0.0f64;
+    for cue in ["kappa:band,u0=0.44,omega=0.15,amplitude=0.2", "tension:gradient,amplitude=0.25"] {
+        let cell = uneven_cell(2.0, 9.0, cue).unwrap();
+        let [one, image] = [cell.clone(), cell.mirrored()].map(|cell| resting(&cell).unwrap().shape);
+        let mut mirrored = vec![0.0; one.components];
+        for i in 0..=one.intervals() {
+            mirror(one.node(i), &mut mirrored);
+            let there = image.node(one.intervals() - i);
+            largest = mirrored.iter().zip(there).fold(largest, |most, (a, b)| most.max((a - b).abs()));
+        }
+    }
+    within("mirror images at rest", largest, 1e-8);
+}
+
+/// The passive shape is that of any activity and cue: a division starts from it.
+#[test]
+fn a_division_starts_from_the_passive_shape_without_its_cue() {
+    let cell = uneven_cell(3.0, 25.0, "none").unwrap();
+    let cued = cell.clone().with_cue("kappa:band,u0=0.44,omega=0.15,amplitude=0.2".parse().unwrap());
+    let [a, b] = [cell, cued].map(|cell| {
+        let mut start = Vec::new();
+        divide_observed(&DivisionInput::new(cell), |frame| {
+            if frame.t == 0.0 {
+                positions(frame.shape, &mut start);
+            }
+        })
+        .unwrap();
+        start
+    });
+    let apart = a.iter().zip(&b).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f64::max);
+    assert!(!a.is_empty() && a.len() == b.len());
+    within("the shape at t = 0, to that without the cue", apart, 1e-12);
+}
+
+/// χ is what the two sides of the neck hold, by their volumes.
+#[test]
+fn chi_is_that_of_the_volumes_on_the_two_sides() {
+    let cell = Cell::new(3.3).with_cue(Cue::published());
+    let mut last = None;
+    let division = divide_observed(&DivisionInput::new(cell.clone()), |frame| {
+        // By frusta between many points, which know no quadrature of the solver.
+        let mut y = vec![0.0; frame.shape.components];
+        let mut at = |u: f64| {
+            frame.shape.eval(frame.gauss, u, &mut y);
+            [y[0], y[1]]
+        };
+        if let Some(neck) = frame.neck {
+            let mut volume = |from: f64, to: f64| {
+                let points: Vec<[f64; 2]> =
+                    (0..=4000).map(|k| at(from + (to - from) * f64::from(k) / 4000.0)).collect();
+                let frustum =
+                    |w: &[[f64; 2]]| (w[0][1] - w[1][1]) * (w[0][0] * w[0][0] + w[0][0] * w[1][0] + w[1][0] * w[1][0]);
+                std::f64::consts::PI / 3.0 * points.windows(2).map(frustum).sum::<f64>()
+            };
+            let [first, second] = [volume(0.0, neck.u), volume(neck.u, 1.0)];
+            last = Some((second - first) / (first + second));
+        }
+    })
+    .unwrap();
+    near("χ", division.chi_signed.unwrap(), last.unwrap(), 1e-5);
+}

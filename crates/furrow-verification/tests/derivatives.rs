@@ -1,0 +1,317 @@
+//! Derivatives of the equations three times: as written by hand, by dual numbers, by differences; and how the equations take
+//! mirror images and other units. On random states, for every field and profile of a cue.
+
+use furrow_bvp::derivatives::PointDirection;
+use furrow_bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Directional, PointJacobian};
+use furrow_cell::cue::{Field, Profile, Quantity, Width};
+use furrow_cell::{Cell, Parameter};
+use furrow_mechanics::cortex::equations::{COMPONENTS, Constants, M, Motion, PSI, Q, R, T, V, Z, equations};
+use furrow_mechanics::cortex::symmetry::{ODD, mirror};
+use furrow_mechanics::cortex::{Cortex, Domain};
+use furrow_verification::balance::rates;
+use furrow_verification::report::within;
+use furrow_verification::states::{Draws, cues, uneven_cell};
+use num_dual::Dual64;
+
+/// A random state away from the axis, with (L, p).
+fn state(draws: &mut Draws) -> ([f64; COMPONENTS], [f64; 2]) {
+    let mut y: [f64; COMPONENTS] = std::array::from_fn(|_| draws.between(-1.0, 1.0));
+    (y[R], y[PSI]) = (draws.between(0.5, 2.0), draws.between(0.1, 3.0));
+    (y, [draws.between(6.0, 8.0), draws.between(0.0, 3.0)])
+}
+
+/// One place of a random cell in motion.
+const AT: CollocationPoint = CollocationPoint { x: 0.41, index: 0 };
+
+/// A cortex in motion, its activity uneven.
+fn cortex(cue: &str, free: &[Parameter]) -> Cortex {
+    let mut cortex = Cortex::new(&uneven_cell(2.3, 21.0, cue).unwrap(), Domain::Full, free);
+    (cortex.rate, cortex.past, cortex.noise) = (3.0, vec![[1.1, -0.2]], vec![1.03]);
+    cortex
+}
+
+/// Right-hand sides and integrand at a state, all in one.
+fn values(cortex: &Cortex, y: &[f64], p: &[f64]) -> Vec<f64> {
+    let (mut f, mut g) = (vec![0.0; COMPONENTS], vec![0.0]);
+    cortex.rhs(AT, y, p, &mut f, &mut g);
+    f.extend(g);
+    f
+}
+
+/// What is solved is the balance of forces as it is stated a second time.
+#[test]
+fn the_equations_are_those_of_the_second_statement() {
+    let (mut draws, mut largest) = (Draws(3), 0.0f64);
+    for cue in cues() {
+        let cortex = cortex(&cue, &[]);
+        for _ in 0..5 {
+            let (y, p) = state(&mut draws);
+            let motion = [y[R] - cortex.past[0][0], y[Z] - cortex.past[0][1]].map(|d| d * cortex.rate);
+            let expected = rates(&cortex.cell, AT.x, p[0], p[1], 1.03, &y, motion);
+            for (found, expected) in values(&cortex, &y, &p).iter().zip(expected) {
+                largest = largest.max((found / p[0] - expected).abs() / (1.0 + expected.abs()));
+            }
+        }
+    }
+    within("the second statement", largest, 1e-12);
+}
+
+/// Jacobians of the equations in all unknowns and free parameters.
+#[test]
+fn jacobians_by_hand_by_dual_numbers_and_by_differences_agree() {
+    let (mut draws, mut by_dual, mut by_difference) = (Draws(4), 0.0f64, 0.0f64);
+    for cue in cues() {
+        let cell = uneven_cell(2.3, 21.0, &cue).unwrap();
+        let mut free = vec![Parameter::XiS, Parameter::R0, Parameter::Kappa, Parameter::W];
+        free.extend(Quantity::ALL.map(|quantity| Parameter::Cue { term: 0, quantity }));
+        free.retain(|parameter| parameter.is_of(&cell));
+        let mut cortex = cortex(&cue, &free);
+        for _ in 0..3 {
+            let (y, p) = state(&mut draws);
+            let mut p = p.to_vec();
+            p.extend(free.iter().map(|parameter| parameter.get(&cell)));
+            let (n, np) = (COMPONENTS, p.len());
+            let (f, jacobian) = by_hand(&mut cortex, &y, &p);
+            for (by_hand, once) in f.iter().zip(values(&cortex, &y, &p)) {
+                by_dual = by_dual.max((by_hand - once).abs() / (1.0 + once.abs()));
+            }
+            for k in 0..n + np {
+                let dual = dual_column(&cortex, &y, &p, k);
+                let difference = difference_column(&mut cortex, &y, &p, k);
+                cortex.prepare(&p);
+                for i in 0..=n {
+                    let exact = jacobian[k][i];
+                    by_dual = by_dual.max((exact - dual[i]).abs() / (1.0 + exact.abs()));
+                    by_difference = by_difference.max((exact - difference[i]).abs() / (1.0 + exact.abs()));
+                }
+            }
+        }
+    }
+    within("by hand and by dual numbers", by_dual, 1e-11);
+    within("by hand and by differences", by_difference, 1e-6);
+}
+
+/// What is differentiated, and columns of the hand-written Jacobian: by y, then by the scalars.
+fn by_hand(cortex: &mut Cortex, y: &[f64], p: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
+    cortex.prepare(p);
+    let (n, np) = (COMPONENTS, p.len());
+    let (mut f, mut fy, mut fp) = (vec![0.0; n], vec![0.0; n * n], vec![0.0; n * np]);
+    let (mut g, mut gy, mut gp) = (vec![0.0], vec![0.0; n], vec![0.0; np]);
+    let mut out = PointJacobian { f: &mut f, fy: &mut fy, fp: &mut fp, g: &mut g, gy: &mut gy, gp: &mut gp };
+    cortex.rhs_jacobian(AT, y, p, &mut out);
+    let by_y = (0..n).map(|k| (0..n).map(|i| fy[i * n + k]).chain([gy[k]]).collect());
+    let columns = by_y.chain((0..np).map(|k| (0..n).map(|i| fp[i * np + k]).chain([gp[k]]).collect())).collect();
+    f.extend(g);
+    (f, columns)
+}
+
+/// What a normal velocity does to the right-hand sides, which growth rates are made of: the past lies a step further back.
+#[test]
+fn the_response_to_a_normal_velocity_is_that_to_an_earlier_past() {
+    let (mut draws, mut largest) = (Draws(6), 0.0f64);
+    for cue in cues() {
+        let mut cortex = cortex(&cue, &[]);
+        for _ in 0..5 {
+            let (y, p) = state(&mut draws);
+            let [before, response] =
+                [values(&cortex, &y, &p), cortex.response_to_normal_velocity(AT.x, &y, p[0]).to_vec()];
+            let (here, (sin, cos)) = (cortex.past[0], y[PSI].sin_cos());
+            cortex.past[0] = [here[0] - sin / cortex.rate, here[1] - cos / cortex.rate];
+            for ((after, before), response) in values(&cortex, &y, &p).iter().zip(&before).zip(&response) {
+                largest = largest.max((after - before - response).abs() / (1.0 + response.abs()));
+            }
+            cortex.past[0] = here;
+        }
+    }
+    within("the response to a normal velocity", largest, 1e-11);
+}
+
+/// One of them by dual numbers.
+fn dual_column(cortex: &Cortex, y: &[f64; COMPONENTS], p: &[f64], k: usize) -> Vec<f64> {
+    let n = COMPONENTS;
+    let unit = |i: usize, v: f64| Dual64::new(v, if i == k { 1.0 } else { 0.0 });
+    let constants = Constants::new(&cortex.cell, |parameter, v| {
+        cortex.free.iter().position(|f| *f == parameter).map_or(Dual64::from_re(v), |i| unit(n + 2 + i, v))
+    });
+    let lifted: [Dual64; COMPONENTS] = std::array::from_fn(|i| unit(i, y[i]));
+    let motion = Motion { rate: cortex.rate, r_past: cortex.past[0][0], z_past: cortex.past[0][1] };
+    let (f, g) = equations(&constants, AT.x, motion, 1.03, &lifted, unit(n, p[0]), unit(n + 1, p[1]));
+    f.iter().chain([&g]).map(|f| f.eps).collect()
+}
+
+/// One of them by differences of fourth order.
+fn difference_column(cortex: &mut Cortex, y: &[f64; COMPONENTS], p: &[f64], k: usize) -> Vec<f64> {
+    let h = 1e-3;
+    let mut at = |steps: f64| {
+        let (mut y, mut p) = (*y, p.to_vec());
+        match k.checked_sub(COMPONENTS) {
+            None => y[k] += steps * h,
+            Some(k) => p[k] += steps * h * p[k].abs().max(0.1) / 10.0,
+        }
+        cortex.prepare(&p);
+        values(cortex, &y, &p)
+    };
+    let h = if k < COMPONENTS { h } else { h * p[k - COMPONENTS].abs().max(0.1) / 10.0 };
+    let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(&mut at);
+    (0..a.len()).map(|i| (a[i] - 8.0 * b[i] + 8.0 * c[i] - d[i]) / (12.0 * h)).collect()
+}
+
+/// Conditions at both ends.
+#[test]
+fn jacobians_of_the_conditions_are_their_slopes() {
+    for domain in [Domain::Full, Domain::Half] {
+        let mut cortex = cortex("none", &[]);
+        cortex.domain = domain;
+        let (y, p) = state(&mut Draws(9));
+        for at_left in [true, false] {
+            let at = |y: &[f64]| {
+                let (mut r, mut ry, mut rp) = ([0.0; 4], [0.0; 4 * COMPONENTS], [0.0; 8]);
+                let mut out = BoundaryJacobian { r: &mut r, ry: &mut ry, rp: &mut rp };
+                if at_left {
+                    cortex.left(y, &p, &mut out)
+                } else {
+                    cortex.right(y, &p, &mut out)
+                }
+                (r, ry)
+            };
+            let (r, ry) = at(&y);
+            for k in 0..COMPONENTS {
+                let mut moved = y;
+                moved[k] += 1.0;
+                let (there, _) = at(&moved);
+                (0..4).for_each(|i| assert!((there[i] - r[i] - ry[i * COMPONENTS + k]).abs() < 1e-14, "{i} {k}"));
+            }
+        }
+    }
+}
+
+/// Second and third derivatives along directions, which normal forms are made of, by differences of the first.
+#[test]
+fn higher_derivatives_are_slopes_of_the_lower() {
+    let mut draws = Draws(5);
+    let (mut second, mut third) = (0.0f64, 0.0f64);
+    for cue in cues() {
+        let cell = uneven_cell(2.3, 21.0, &cue).unwrap();
+        let mut cortex = Cortex::new(&cell, Domain::Full, &[Parameter::XiS]);
+        let (y, p) = state(&mut draws);
+        let p = [p[0], p[1], cell.xi_s];
+        let mut direction = || -> (Vec<f64>, [f64; 3]) {
+            (
+                (0..COMPONENTS).map(|_| draws.between(-1.0, 1.0)).collect(),
+                std::array::from_fn(|_| draws.between(-1.0, 1.0)),
+            )
+        };
+        let (a, b) = (direction(), direction());
+        let h = 1e-3;
+        // The slope along a of the slope along b.
+        let mut at = |s: f64, t: f64| {
+            let y: [f64; COMPONENTS] = std::array::from_fn(|k| y[k] + h * (s * a.0[k] + t * b.0[k]));
+            let p: [f64; 3] = std::array::from_fn(|k| p[k] + h * (s * a.1[k] + t * b.1[k]));
+            cortex.prepare(&p);
+            values(&cortex, &y, &p)
+        };
+        let corner = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(s, t)| at(s, t));
+        let line = [-2.0, -1.0, 1.0, 2.0].map(|s| at(s, 0.0));
+        cortex.prepare(&p);
+        let (mut f, mut g) = (vec![0.0; COMPONENTS], vec![0.0]);
+        let [along_a, along_b] = [&a, &b].map(|d| PointDirection { y: &d.0, p: &d.1 });
+        let prepared = cortex.prepare_second(&p, &a.1, &b.1);
+        cortex.second(&prepared, AT, &y, &p, along_a, along_b, &mut f, &mut g);
+        f.extend(g);
+        for i in 0..=COMPONENTS {
+            let slope = (corner[0][i] - corner[1][i] - corner[2][i] + corner[3][i]) / (4.0 * h * h);
+            second = second.max((slope - f[i]).abs() / (10.0 + slope.abs()));
+        }
+        let (mut f2, mut g2, mut f3) = (vec![0.0; COMPONENTS], vec![0.0], vec![0.0; COMPONENTS]);
+        let prepared = cortex.prepare_third(&p, &a.1);
+        cortex.third(&prepared, AT, &y, &p, along_a, &mut f2, &mut g2, &mut f3);
+        for i in 0..COMPONENTS {
+            let slope = (line[3][i] - 2.0 * line[2][i] + 2.0 * line[1][i] - line[0][i]) / (2.0 * h.powi(3));
+            third = third.max((slope - f3[i]).abs() / (100.0 + slope.abs()));
+        }
+    }
+    within("second derivatives", second, 1e-3);
+    within("third derivatives", third, 1e-3);
+}
+
+/// The mirrored cell at 1 − u, in the mirrored state and motion, changes as the mirror image does.
+#[test]
+fn the_equations_have_no_side() {
+    let (mut draws, mut largest) = (Draws(6), 0.0f64);
+    for cue in cues() {
+        let one = cortex(&cue, &[]);
+        let mut image = one.clone();
+        image.cell = one.cell.mirrored();
+        image.refresh();
+        image.past = vec![[one.past[0][0], -one.past[0][1]]];
+        for _ in 0..5 {
+            let (y, p) = state(&mut draws);
+            let mut mirrored = [0.0; COMPONENTS];
+            mirror(&y, &mut mirrored);
+            let here = values(&one, &y, &p);
+            let (mut there, mut g) = (vec![0.0; COMPONENTS], vec![0.0]);
+            image.rhs(CollocationPoint { x: 1.0 - AT.x, index: 0 }, &mirrored, &p, &mut there, &mut g);
+            for k in 0..COMPONENTS {
+                // d/du changes its sign under u → 1 − u, and so does what is odd.
+                let sign = if ODD.contains(&k) { 1.0 } else { -1.0 };
+                largest = largest.max((there[k] - sign * here[k]).abs() / (1.0 + here[k].abs()));
+            }
+            largest = largest.max((g[0] - here[COMPONENTS]).abs());
+        }
+    }
+    within("mirror images", largest, 1e-12);
+}
+
+/// The cell with lengths, energies and times in other units.
+fn in_units(cell: &Cell, length: f64, energy: f64, time: f64) -> Cell {
+    let mut other = cell.clone();
+    let tension = energy / (length * length);
+    other.r0 *= length;
+    other.xi_s *= energy / length;
+    other.shell.p0 *= tension;
+    let material = &mut other.material;
+    material.kappa *= energy;
+    material.tension *= tension;
+    material.eta_b *= tension * time;
+    material.eta_s *= tension * time;
+    material.friction *= tension * time / (length * length);
+    for term in other.cue.terms_mut() {
+        if term.field == Field::Tension {
+            term.amplitude *= tension;
+        }
+        if let Profile::Band { omega: Width::Length(omega), .. } | Profile::Step { omega: Width::Length(omega), .. } =
+            &mut term.profile
+        {
+            *omega *= length;
+        }
+    }
+    other
+}
+
+/// Units of length, energy and time, each by itself: every term of every equation has the dimension it should.
+#[test]
+fn the_equations_have_no_units() {
+    let (mut draws, mut largest) = (Draws(7), 0.0f64);
+    for cue in cues() {
+        for (length, energy, time) in [(1.7, 1.0, 1.0), (1.0, 2.3, 1.0), (1.0, 1.0, 0.4)] {
+            let one = cortex(&cue, &[]);
+            let mut other = one.clone();
+            other.cell = in_units(&one.cell, length, energy, time);
+            other.refresh();
+            other.rate /= time;
+            other.past = vec![one.past[0].map(|x| x * length)];
+            let tension = energy / (length * length);
+            let mut units = [1.0; COMPONENTS];
+            (units[R], units[Z], units[M], units[V]) = (length, length, energy / length, length / time);
+            (units[Q], units[T]) = (tension, tension);
+            let (y, p) = state(&mut draws);
+            let scaled: Vec<f64> = y.iter().zip(units).map(|(y, unit)| y * unit).collect();
+            let here = values(&one, &y, &p);
+            let there = values(&other, &scaled, &[p[0] * length, p[1] * tension / length]);
+            for k in 0..COMPONENTS {
+                largest = largest.max((there[k] / units[k] - here[k]).abs() / (1.0 + here[k].abs()));
+            }
+        }
+    }
+    within("other units", largest, 1e-11);
+}

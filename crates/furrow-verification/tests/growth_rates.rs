@@ -1,0 +1,148 @@
+//! Growth rates of a sphere in a spherical shell, which are known in closed form, by the pencil of a stationary shape and by
+//! steps in time.
+//!
+//! On a sphere of radius R the displacement w P_ℓ(cosθ) outwards and the velocity β ∂_θP_ℓ along it separate. With λ = ℓ(ℓ+1),
+//! δC = (λ−2)w/R² P_ℓ and ∂_θD + 2cotθ D = (2−λ)∂_θP_ℓ for D = (∂_θ² − cotθ ∂_θ)P_ℓ, the balance of forces to first order is
+//!
+//! * \[normal\] τ = −Kw, K = (R/2)\[(γ + 2gξ_b/R)(λ−2)/R² + κλ(λ−2)/R⁴ − f′\], f′ = ∂f_c/∂ρ of the shell at ρ = R,
+//! * \[tangential\] τ − (λ−2)(η_sβ/R − ½gξ_s w/R²) = ΓRβ,
+//! * \[stress\] τ = η_b(2ẇ − λβ)/R + gξ_b(λ−2)w/R²,
+//!
+//! τ P_ℓ being the isotropic part of the stress. Elimination of τ and β leaves ẇ = σw.
+
+use furrow_bvp::newton::NewtonScratch;
+use furrow_bvp::{Gauss, Newton, Solution, System};
+use furrow_cell::{Cell, Numerics, Shell};
+use furrow_mechanics::cortex::equations::{COMPONENTS, M, PSI, Q, R, Z};
+use furrow_mechanics::cortex::{Cortex, Domain};
+use furrow_mechanics::division::stepper::Stepper;
+use furrow_mechanics::stability::{Parity, Stability};
+use furrow_verification::report::near;
+use furrow_verification::states::{passive_shape, uneven_cell};
+
+/// A cell that is a sphere at any activity.
+fn sphere(r0: f64, xi_s: f64) -> Cell {
+    Cell { epsilon: 0.7, shell: Shell { aspect: 1.0, p0: 0.2, w: 0.4 }, ..uneven_cell(r0, xi_s, "none").unwrap() }
+}
+
+/// σ of mode ℓ.
+fn exact(cell: &Cell, l: f64) -> f64 {
+    let (radius, material, shell) = (cell.r0, &cell.material, &cell.shell);
+    let [xi_s, xi_b] = [1.0, material.xi_ratio].map(|ratio| material.gain * cell.xi_s * ratio);
+    let lambda = l * (l + 1.0);
+    // f_c(ρ) = −(2P0/w²) ρ/b² exp[(ρ²/b² − 1)/w²].
+    let (b2, w2) = ((radius.powi(3) / cell.epsilon).powf(2.0 / 3.0), shell.w * shell.w);
+    let pushed = -(2.0 * shell.p0 / w2) * radius / b2 * ((radius * radius / b2 - 1.0) / w2).exp();
+    let slope = pushed * (1.0 / radius + 2.0 * radius / (b2 * w2));
+    let tension = material.tension + 2.0 * xi_b / radius;
+    let bending = material.kappa * lambda * (lambda - 2.0) / radius.powi(4);
+    let k = 0.5 * radius * (tension * (lambda - 2.0) / radius.powi(2) + bending - slope);
+    let resistance = material.friction * radius + (lambda - 2.0) * material.eta_s / radius;
+    let beta = (0.5 * (lambda - 2.0) * xi_s / radius.powi(2) - k) / resistance;
+    let isotropic = xi_b * (lambda - 2.0) / radius.powi(2);
+    0.5 * (lambda * beta - radius * (k + isotropic) / material.eta_b)
+}
+
+/// The sphere at its activity, on the whole contour or half of it.
+fn at_rest(cell: &Cell, domain: Domain, numerics: &Numerics) -> (Cortex, Solution) {
+    let mut y = match domain {
+        Domain::Full => passive_shape(cell, numerics).unwrap(),
+        Domain::Half => furrow_mechanics::equilibria::passive(cell, numerics).unwrap().0,
+    };
+    let mut cortex = Cortex::new(cell, domain, &[]);
+    let mut system = System::new(Cortex::dimensions_for(0), y.m);
+    let newton = Newton { tolerance: 1e-12, ..Newton::default() };
+    newton.solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false).unwrap();
+    (cortex, y)
+}
+
+#[test]
+fn modes_of_a_sphere_grow_at_the_rates_of_theory() {
+    for (r0, xi_s) in [(1.0, 0.0), (2.0, 6.0), (2.0, 14.0), (3.0, 20.0), (3.0, 40.0)] {
+        let cell = sphere(r0, xi_s);
+        let (cortex, y) = at_rest(&cell, Domain::Half, &Numerics::default());
+        let spectrum = Stability::new(y.m).leading(&cortex, &y).unwrap();
+        let mut of_parity = [Vec::new(), Vec::new()];
+        for l in 1..40 {
+            of_parity[l % 2].push(exact(&cell, l as f64));
+        }
+        of_parity.iter_mut().for_each(|rates| rates.sort_by(|a, b| b.total_cmp(a)));
+        for (parity, expected) in [(Parity::Even, &of_parity[0]), (Parity::Odd, &of_parity[1])] {
+            let found = spectrum.values.iter().filter(|rate| rate.parity == parity);
+            for (found, expected) in found.zip(expected).take(3) {
+                near(&format!("R0 = {r0}, ξ_s = {xi_s}, {parity:?}"), found.re, *expected, 1e-6);
+            }
+        }
+    }
+}
+
+/// P_2 or P_3 with its slope.
+fn legendre(l: i32, x: f64) -> [f64; 2] {
+    match l {
+        2 => [1.5 * x * x - 0.5, 3.0 * x],
+        _ => [2.5 * x.powi(3) - 1.5 * x, 7.5 * x * x - 1.5],
+    }
+}
+
+/// The sphere with a little of mode ℓ on it, as a guess of that shape.
+fn bulged(gauss: &Gauss, cell: &Cell, rest: &Solution, amplitude: f64, l: i32) -> Solution {
+    let r0 = cell.r0;
+    Solution::from_fn(gauss, &rest.mesh, COMPONENTS, &rest.scalars, |u, y| {
+        rest.eval(gauss, u, y);
+        let theta = std::f64::consts::PI * u;
+        let (sin, cos) = theta.sin_cos();
+        let [p, slope] = legendre(l, cos);
+        let (w, slope) = (amplitude * p, -amplitude * slope * sin);
+        y[R] += w * sin;
+        y[Z] += w * cos;
+        y[PSI] -= slope / r0;
+        y[M] += cell.material.kappa * (f64::from(l * (l + 1)) - 2.0) * w / (r0 * r0);
+        y[Q] += cell.material.kappa * (f64::from(l * (l + 1)) - 2.0) * slope / r0.powi(3);
+    })
+}
+
+/// Amplitude of mode ℓ in a shape: the projection of its distance from the middle on P_ℓ.
+fn amplitude(gauss: &Gauss, y: &Solution, r0: f64, l: i32) -> f64 {
+    let mut sum = 0.0;
+    for i in 0..y.intervals() {
+        for j in 0..y.m {
+            let s = y.stage(i, j);
+            let rho = s[R].hypot(s[Z]);
+            let x = s[Z] / rho;
+            let weight = (y.mesh[i + 1] - y.mesh[i]) * gauss.b[j] * std::f64::consts::PI * s[R] / rho;
+            sum += weight * (rho - r0) * legendre(l, x)[0];
+        }
+    }
+    sum * 0.5 * (2.0 * f64::from(l) + 1.0)
+}
+
+/// Steps in time follow e^(σt), growing and decaying, with all that the stepper does to a rate of change.
+#[test]
+fn small_disturbances_of_a_sphere_follow_the_exponential_of_theory() {
+    for (xi_s, l) in [(3.0, 2), (40.0, 2), (40.0, 3)] {
+        let cell = sphere(2.0, xi_s);
+        let sigma = exact(&cell, f64::from(l));
+        let numerics = Numerics { intervals: 16, ..Numerics::default() };
+        let (cortex, rest) = at_rest(&cell, Domain::Full, &numerics);
+        let gauss = Gauss::new(rest.m);
+        let start = bulged(&gauss, &cell, &rest, 1e-5, l);
+        let mut stepper = Stepper::new(cortex, rest.m, 16, start);
+        let dt = 0.02 / sigma.abs();
+        // The first steps, of low order, are short; what they bring about is not looked at.
+        for (dt, count) in [(0.1 * dt, 20), (dt, 5)] {
+            for _ in 0..count {
+                stepper.attempt(dt, 4).unwrap();
+                stepper.accept();
+            }
+        }
+        let size = |stepper: &Stepper| amplitude(&gauss, &stepper.levels[0].y, cell.r0, l);
+        let before = size(&stepper);
+        for _ in 0..50 {
+            stepper.attempt(dt, 4).unwrap();
+            stepper.accept();
+        }
+        let rate = (size(&stepper) / before).ln() / (50.0 * dt);
+        println!("σ = {sigma}, amplitudes {before:e} {:e}", size(&stepper));
+        near(&format!("ξ_s = {xi_s}, ℓ = {l}: rate of growth over σ"), rate / sigma, 1.0, 1e-3);
+    }
+}

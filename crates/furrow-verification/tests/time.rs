@@ -1,0 +1,180 @@
+//! Time: the order of the steps, and what a relaxing cell loses.
+
+use furrow_bvp::newton::NewtonScratch;
+use furrow_bvp::{Newton, Solution, System};
+use furrow_cell::{Cell, Numerics, Shell};
+use furrow_mechanics::cortex::equations::{COMPONENTS, R, Z};
+use furrow_mechanics::cortex::{Cortex, Domain};
+use furrow_mechanics::division::stepper::{Level, Stepper};
+use furrow_mechanics::division::{DivisionInput, divide};
+use furrow_verification::contour::Computed;
+use furrow_verification::report::within;
+use furrow_verification::states::{passive_shape, uneven_cell};
+
+/// Mesh of these runs: what is looked at is the error in time on it.
+fn numerics() -> Numerics {
+    Numerics { stages: 3, intervals: 20, ..Numerics::default() }
+}
+
+fn step(stepper: &mut Stepper, dt: f64, order: usize, count: usize) {
+    for _ in 0..count {
+        stepper.attempt(dt, order).unwrap();
+        stepper.accept();
+    }
+}
+
+/// Short steps, each longer than the one before, from the start up to length `dt`; then so many of that length.
+fn begin(stepper: &mut Stepper, dt: f64, count: usize) {
+    let mut short = dt * 1.25f64.powi(-40);
+    while short < dt {
+        step(stepper, short, 4, 1);
+        short *= 1.25;
+    }
+    step(stepper, dt, 4, count);
+}
+
+/// L² distance of two shapes on one mesh.
+fn distance(a: &Solution, b: &Solution) -> f64 {
+    let pairs = a.stages.chunks_exact(COMPONENTS).zip(b.stages.chunks_exact(COMPONENTS));
+    let square: f64 = pairs.map(|(a, b)| (a[R] - b[R]).powi(2) + (a[Z] - b[Z]).powi(2)).sum();
+    (square / (a.intervals() * a.m) as f64).sqrt()
+}
+
+/// Steps of one length by the formulas of order 1 to 4, from exact shapes, beside steps that are far shorter.
+#[test]
+fn steps_converge_with_the_order_of_their_formula() {
+    let cell = uneven_cell(3.0, 35.0, "none").unwrap();
+    let start = passive_shape(&cell, &numerics()).unwrap();
+    let stepper = || Stepper::new(Cortex::new(&cell, Domain::Full, &[]), start.m, numerics().intervals, start.clone());
+    let (long, parts, steps) = (0.008, 8, 16);
+    let short = long / parts as f64;
+    let mut fine = stepper();
+    begin(&mut fine, short, 4);
+    // The last shapes before the comparison begins, newest first; the stepper itself keeps five.
+    let mut history: Vec<Level> = Vec::new();
+    for _ in 0..5 * parts {
+        step(&mut fine, short, 4, 1);
+        history.insert(0, fine.levels[0].clone());
+    }
+    step(&mut fine, short, 4, steps * parts);
+    let end = fine.levels[0].y.clone();
+    println!("the shape moves by {:.3}", distance(&end, &history[0].y));
+    assert!(distance(&end, &history[0].y) > 0.02, "the shape moves");
+    for order in 1..=4 {
+        let error = |every: usize| {
+            let mut coarse = stepper();
+            coarse.levels = history.iter().step_by(every).take(5).cloned().collect();
+            step(&mut coarse, short * every as f64, order, steps * parts / every);
+            assert!((coarse.levels[0].t - fine.levels[0].t).abs() < 1e-9);
+            distance(&coarse.levels[0].y, &end)
+        };
+        let [coarse, fine] = [parts / 2, parts / 4].map(error);
+        let seen = (coarse / fine).log2();
+        println!("order {order}: {seen:.2}, from errors of {coarse:.1e} and {fine:.1e}");
+        within(&format!("order in time of formula {order}"), (seen - order as f64).abs(), 0.4);
+    }
+}
+
+/// A whole division, whose steps and orders are its own choice. The error of a step of order 4 goes with dt⁵ and there are 1/dt of
+/// them: with a tolerance a hundred times smaller χ and the time of pinch-off are 100^(4/5) = 40 times nearer to theirs.
+#[test]
+fn divisions_converge_with_the_tolerance_of_their_steps() {
+    let cell = Cell::new(3.0).with_cue("tension:gradient,amplitude=0.2".parse().unwrap());
+    let [coarse, fine, exact] = [1e-4, 1e-6, 1e-8].map(|time_tolerance| {
+        // On a fine mesh: what is left of the error of a coarse one goes with where it was moved, and so with the steps.
+        let numerics = Numerics { time_tolerance, noise: 0.0, intervals: 120, ..Numerics::default() };
+        let division = divide(&DivisionInput { numerics, ..DivisionInput::new(cell.clone()) }).unwrap();
+        [division.chi_signed.unwrap(), division.t_end]
+    });
+    for (k, what) in ["χ", "t_end"].into_iter().enumerate() {
+        let [coarse, fine] = [coarse, fine].map(|found| (found[k] - exact[k]).abs());
+        println!("{what}: errors of {coarse:.1e} and {fine:.1e}");
+        within(&format!("{what} at a tolerance of 1e-6, to what it was at 1e-4"), fine / coarse, 0.05);
+    }
+}
+
+/// What was observed at one time of a run: energy, and what changes it.
+struct Observed {
+    /// ∫ (½κC² + γ) dA.
+    energy: f64,
+    /// ∫ (Tᵈ:S + Γv²) dA, twice the dissipation function.
+    dissipated: f64,
+    /// ∫ f_c v_n dA.
+    by_shell: f64,
+    /// −∫ Tᵃ:S dA.
+    by_activity: f64,
+}
+
+fn observe(stepper: &Stepper) -> Observed {
+    let (cortex, shape) = (&stepper.cortex, &stepper.levels[0].y);
+    let moved = shape.stages.chunks_exact(COMPONENTS).zip(&cortex.past);
+    let motion = moved.map(|(y, past)| [y[R] - past[0], y[Z] - past[1]].map(|d| d * cortex.rate)).collect();
+    let state = Computed { cell: cortex.cell.clone(), shape: shape.clone(), motion, noise: Vec::new() };
+    let on = |stress: [f64; 2], strain: [f64; 2]| stress[0] * strain[0] + stress[1] * strain[1];
+    Observed {
+        energy: state.integral(|p| 0.5 * p.here.kappa * (p.curvature[0] + p.curvature[1]).powi(2) + p.here.tension),
+        dissipated: state.integral(|p| on(p.viscous, p.strain) + p.here.friction * p.v * p.v),
+        by_shell: state.integral(|p| p.shell * p.v_n),
+        by_activity: -state.integral(|p| on(p.active, p.strain)),
+    }
+}
+
+/// Energy lost over a run against the integral of what takes and gives it, by Simpson's rule over even steps; relative to
+/// what was dissipated.
+fn imbalance(cell: &Cell, start: Solution, dt: f64) -> f64 {
+    let mut stepper = Stepper::new(Cortex::new(cell, Domain::Full, &[]), start.m, numerics().intervals, start);
+    begin(&mut stepper, dt, 5);
+    let mut run = vec![observe(&stepper)];
+    for _ in 0..40 {
+        step(&mut stepper, dt, 4, 1);
+        run.push(observe(&stepper));
+    }
+    let integral = |of: fn(&Observed) -> f64| -> f64 {
+        run.windows(3).step_by(2).map(|w| dt / 3.0 * (of(&w[0]) + 4.0 * of(&w[1]) + of(&w[2]))).sum()
+    };
+    let (lost, dissipated) = (run[0].energy - run[40].energy, integral(|o| o.dissipated));
+    let given = integral(|o| o.by_shell + o.by_activity);
+    println!("energy lost {lost:.6}, dissipated {dissipated:.6}, given {given:.6}");
+    assert!(dissipated > 0.1, "{dissipated}");
+    (lost + given - dissipated).abs() / dissipated
+}
+
+/// A cell without activity whose shell is gone: dE/dt = −2Φ, Φ the dissipation function of the Rayleighian, and nothing else.
+#[test]
+fn a_relaxing_cell_loses_what_it_dissipates() {
+    let pressed = Cell { shell: Shell { aspect: 3.0, ..Shell::GAO2026 }, ..uneven_cell(2.0, 0.0, "none").unwrap() };
+    let start = passive_shape(&pressed, &numerics()).unwrap();
+    let free = Cell { shell: Shell { p0: 0.0, ..pressed.shell }, ..pressed.clone() };
+    within("energy of a free cell", imbalance(&free, start.clone(), 0.002), 1e-4);
+    // In a shell, which is soft here, and whose force is no gradient of an energy of the cell: its power is work from outside.
+    let held = Cell { shell: Shell { aspect: 1.2, p0: 0.4, w: 0.6 }, ..pressed };
+    within("energy of a cell in a shell", imbalance(&held, start, 0.002), 1e-4);
+}
+
+/// With activity its power is added: −∫ Tᵃ:S dA.
+#[test]
+fn an_active_cell_spends_what_activity_gives() {
+    let cell = uneven_cell(2.0, 20.0, "none").unwrap();
+    let start = passive_shape(&cell, &numerics()).unwrap();
+    within("energy of an active cell", imbalance(&cell, start, 0.004), 1e-4);
+}
+
+/// One implicit step is the rate of change that it says: the same step, solved for at twice its rate from half as far behind.
+#[test]
+fn a_step_is_a_rate_of_change_and_a_past() {
+    let cell = uneven_cell(2.0, 18.0, "none").unwrap();
+    let start = passive_shape(&cell, &numerics()).unwrap();
+    let solve = |rate: f64, past: Vec<[f64; 2]>| {
+        let mut cortex = Cortex::new(&cell, Domain::Full, &[]);
+        (cortex.rate, cortex.past) = (rate, past);
+        let (mut y, mut system) = (start.clone(), System::new(Cortex::dimensions_for(0), start.m));
+        let newton = Newton { tolerance: 1e-12, ..Newton::default() };
+        newton.solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false).unwrap();
+        y
+    };
+    let places = |y: &Solution| -> Vec<[f64; 2]> { y.stages.chunks_exact(COMPONENTS).map(|s| [s[R], s[Z]]).collect() };
+    let once = solve(100.0, places(&start));
+    let halfway = places(&start).iter().zip(places(&once)).map(|(a, b)| [0, 1].map(|k| 0.5 * (a[k] + b[k]))).collect();
+    let again = solve(200.0, halfway);
+    within("the same step at twice its rate", distance(&once, &again), 1e-10);
+}

@@ -1,0 +1,164 @@
+//! The principle of virtual power: the forces of a computed state do no work on any imagined motion.
+//!
+//! It is how the paper's balance of forces comes about, from the variation of a Rayleighian, and uses neither the shear nor the
+//! elastic stresses of the equations that are solved. An error in any of their terms is left over on some motion.
+
+use std::f64::consts::PI;
+
+use furrow_cell::{Cell, RigidityGradient};
+use furrow_mechanics::cortex::equations::{COMPONENTS, M, PSI, Q, R, T, V, Z};
+use furrow_mechanics::division::{DivisionInput, divide_observed};
+use furrow_verification::coefficients::coefficients;
+use furrow_verification::contour::{Computed, Place};
+use furrow_verification::report::{near, within};
+use furrow_verification::states::{cues, moving, resting, uneven_cell};
+use furrow_verification::virtual_power::{Power, motions, power};
+
+/// Sums over collocation points are integrals, and shapes solved, to better than this.
+const EXACT: f64 = 1e-9;
+
+/// The same for a division at its default resolution.
+const SOLVED: f64 = 1e-3;
+
+/// The largest imbalance of a state on all motions, relative to the largest of all powers: on some motions of a symmetric state
+/// every force does nothing.
+fn worst(state: &Computed) -> f64 {
+    let largest = |power: &Power| power.parts().iter().fold(0.0, |most: f64, part| most.max(part.abs()));
+    let powers: Vec<Power> = motions().iter().map(|motion| power(state, motion)).collect();
+    let size = powers.iter().map(largest).fold(0.0, f64::max);
+    powers.iter().map(|power| power.imbalance()).fold(0.0, f64::max) / size
+}
+
+#[test]
+fn forces_at_rest_do_no_work_whatever_the_cue() {
+    let mut largest = 0.0f64;
+    for cue in cues() {
+        let state = resting(&uneven_cell(2.0, 9.0, &cue).unwrap()).unwrap();
+        largest = largest.max(worst(&state));
+        println!("{cue}: {:.1e}", worst(&state));
+    }
+    within("virtual power at rest", largest, EXACT);
+}
+
+#[test]
+fn forces_in_motion_do_no_work_whatever_the_cue() {
+    let mut largest = 0.0f64;
+    for cue in cues() {
+        let state = moving(&uneven_cell(2.2, 20.0, &cue).unwrap(), 5).unwrap();
+        let speed = state.places().iter().fold(0.0f64, |most, place| most.max(place.v_n.abs()));
+        assert!(speed > 0.05, "{cue}: the shape moves: {speed}");
+        largest = largest.max(worst(&state));
+        println!("{cue}: {:.1e}", worst(&state));
+    }
+    within("virtual power in motion", largest, EXACT);
+}
+
+/// Where κ stays with the mesh, as the paper has it, its gradient pulls at nothing.
+#[test]
+fn a_rigidity_that_stays_with_the_mesh_pulls_at_nothing() {
+    let mut cell = uneven_cell(2.0, 9.0, "kappa:band,u0=0.44,omega=0.15,amplitude=0.2").unwrap();
+    cell.material.rigidity_gradient = RigidityGradient::Dropped;
+    let mut state = resting(&cell).unwrap();
+    within("virtual power, κ with the mesh", worst(&state), EXACT);
+    state.cell.material.rigidity_gradient = RigidityGradient::Full;
+    assert!(worst(&state) > 1e-3, "the two readings differ: {:.1e}", worst(&state));
+}
+
+/// The state itself: its curve is one and ends on the axis, its moment is κC, its tension that of its flow, and it holds the cell's
+/// volume.
+#[test]
+fn a_state_is_what_its_unknowns_say() {
+    let cells = ["none", "kappa:band,u0=0.44,omega=0.15,amplitude=0.2", "viscosity:gradient,amplitude=0.25"];
+    for cell in cells.map(|cue| uneven_cell(2.2, 9.0, cue).unwrap()) {
+        for state in [resting(&cell).unwrap(), moving(&cell, 5).unwrap()] {
+            let most = |of: fn(&Place) -> f64| state.places().iter().fold(0.0f64, |most, place| most.max(of(place)));
+            within("the curve and κC", most(|p| p.geometry.iter().fold(0.0, |most: f64, g| most.max(g.abs()))), 1e-8);
+            within("T_uu", most(|p| (p.viscous[0] + p.active[0] - p.tension).abs()), 1e-8);
+            // On the poles it is smooth, with nothing that comes out of a point.
+            let last = state.shape.node(state.shape.intervals());
+            let [first, last] = [state.shape.node(0), last].map(|y| [y[R], y[PSI], y[Q], y[V]]);
+            let ends =
+                first.iter().zip(last).zip([0.0, PI, 0.0, 0.0]).map(|((a, b), at_end)| a.abs().max((b - at_end).abs()));
+            within("the poles", ends.fold(0.0, f64::max), 1e-8);
+            // Of a surface of revolution, by the divergence theorem: 3V = ∮ x·n dA.
+            let volume = state.integral(|p| p.r * p.normal[0] + p.z * p.normal[1]) / 3.0;
+            near("volume", volume, 4.0 * PI * cell.r0.powi(3) / 3.0, EXACT);
+        }
+    }
+}
+
+/// The resultant along the axis of what one part of a cut surface does to the other, tension, shear and pressure, against all
+/// that acts on that part from outside: the shell and friction. The last cut leaves nothing on the other side.
+#[test]
+fn axial_forces_balance_at_every_cut() {
+    let mut largest = 0.0f64;
+    for cue in cues() {
+        let state = resting(&uneven_cell(2.0, 9.0, &cue).unwrap()).unwrap();
+        let (y, places, mut outside, mut size) = (&state.shape, state.places(), 0.0, 0.0f64);
+        for (i, points) in places.chunks(y.m).enumerate() {
+            let force = |p: &Place| p.area * (p.shell * p.normal[1] + p.here.friction * p.v * p.normal[0]);
+            outside += points.iter().map(force).sum::<f64>();
+            size += points.iter().map(|p| force(p).abs()).sum::<f64>();
+            let node = y.node(i + 1);
+            let (sin, cos) = node[PSI].sin_cos();
+            let here = coefficients(&state.cell, y.mesh[i + 1], state.length());
+            // On the axis all of it vanishes with r.
+            let c2 = if i + 1 < y.intervals() { sin / node[R] } else { 0.0 };
+            let c1 = node[M] / here.kappa - c2;
+            let along = node[T] + here.tension + 0.5 * here.kappa * (c2 * c2 - c1 * c1);
+            let through = 2.0 * PI * node[R] * (node[Q] * cos - along * sin) + state.pressure() * PI * node[R].powi(2);
+            largest = largest.max((through + outside).abs() / size);
+        }
+    }
+    within("axial forces at cuts", largest, EXACT);
+}
+
+/// What a state at rest burns is what activity gives: tension, bending, pressure and shell do no work on it.
+#[test]
+fn at_rest_activity_pays_for_all_dissipation() {
+    let mut largest = 0.0f64;
+    for cue in cues() {
+        let state = resting(&uneven_cell(2.0, 9.0, &cue).unwrap()).unwrap();
+        let on = |stress: [f64; 2], place: &Place| stress[0] * place.strain[0] + stress[1] * place.strain[1];
+        let viscous = state.integral(|place| on(place.viscous, place));
+        let friction = state.integral(|place| place.here.friction * place.v * place.v);
+        let active = state.integral(|place| on(place.active, place));
+        let passive = state.integral(|place| {
+            let [c1, c2] = place.curvature;
+            let pull = 0.5 * (c1 + c2).powi(2) * place.here.kappa_s;
+            on([place.here.tension; 2], place) - pull * place.v
+        });
+        assert!(viscous > 0.0 && friction > 0.0, "{cue}: {viscous} {friction}");
+        largest = largest.max((viscous + friction + active + passive).abs() / (viscous + friction));
+    }
+    within("power at rest", largest, EXACT);
+}
+
+/// A division as it is computed: at t = 0 the balance is that of the cell without activity and without cue, on a
+/// mirror-symmetric shape; from the first step on that with both.
+#[test]
+fn the_cue_is_switched_on_with_the_activity() {
+    let cue = "kappa:band,u0=0.44,omega=0.15,amplitude=0.2+tension:gradient,amplitude=0.3";
+    let cell = Cell::new(3.0).with_cue(cue.parse().unwrap());
+    let (mut before, mut after, mut frames) = (None, 0.0f64, 0);
+    divide_observed(&DivisionInput::new(cell.clone()), |frame| {
+        if frame.t == 0.0 {
+            let passive = Cell { xi_s: 0.0, cue: "none".parse().unwrap(), ..cell.clone() };
+            let state = Computed { cell: passive, shape: frame.shape.clone(), motion: Vec::new(), noise: Vec::new() };
+            before = Some(worst(&state));
+            return;
+        }
+        if frame.neck.is_some() || !frame.cortex.noise.is_empty() {
+            return;
+        }
+        let moved = frame.shape.stages.chunks_exact(COMPONENTS).zip(&frame.cortex.past);
+        let motion = moved.map(|(y, past)| [y[R] - past[0], y[Z] - past[1]].map(|d| d * frame.cortex.rate)).collect();
+        let state = Computed { cell: cell.clone(), shape: frame.shape.clone(), motion, noise: Vec::new() };
+        after = after.max(worst(&state));
+        frames += 1;
+    })
+    .unwrap();
+    assert!(frames > 5, "{frames} shapes without noise before there is a neck");
+    within("virtual power at t = 0, without cue", before.unwrap(), SOLVED);
+    within("virtual power after the first step, with cue", after, SOLVED);
+}
