@@ -122,7 +122,7 @@ fn main() {
     let mut sum = 0.0;
     for r0 in [2.0, 2.5, 5.4] {
         let (ms, division) = best(3, || divide(&DivisionInput::new(Cell::new(r0))).expect("a division"));
-        println!("one division at R0 = {r0}: {ms:.1} ms ({:?})", division.outcome);
+        println!("one division at R0 = {r0}: {ms:.1} ms ({:?})", division.outcome());
         sum += ms;
     }
     println!("boundary of 100 points over these three divisions: {:.2}", 100.0 * boundary / points as f64 / sum);
@@ -133,7 +133,7 @@ fn main() {
             let xi_s = 0.5 * (low + high);
             let cell = Cell { xi_s, ..cell.clone() };
             let division = divide(&DivisionInput::new(cell)).expect("a division");
-            if division.outcome == Outcome::Failed {
+            if division.outcome() == Outcome::Arrested {
                 low = xi_s
             } else {
                 high = xi_s

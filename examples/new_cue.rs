@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{cue}");
     for cue in [cue.clone(), cue.mirrored()] {
         let division = divide(&DivisionInput::new(Cell::new(3.5).with_cue(cue)))?;
-        println!("{}: χ = {:?}, daughters {:?}", division.outcome, division.chi_signed, division.daughters);
+        println!("{}: χ = {:?}, daughters {:?}", division.outcome(), division.chi_signed(), division.daughters());
     }
     let critical = critical_radius(&Cell::new(1.0).with_cue(cue), &Numerics::default())?;
     println!("cells with it do not divide below R0 = {:.4}", critical.r0);

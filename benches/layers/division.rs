@@ -21,8 +21,8 @@ pub fn print_work() {
         let d = division(r0, cue);
         println!(
             "{kind:18} {:10} {:>7} {:5} {:8} {:6} {:14} {:10} {:11.2}",
-            format!("{:?}", d.outcome),
-            d.chi.map_or("-".to_owned(), |chi| format!("{chi:.4}")),
+            format!("{:?}", d.outcome()),
+            d.chi().map_or("-".to_owned(), |chi| format!("{chi:.4}")),
             d.work.steps,
             d.work.rejected,
             d.work.iterations,

@@ -10,7 +10,7 @@ use furrow_formats::newick;
 use furrow_lineage::batch::memo::Request;
 use furrow_lineage::batch::{Key, Memo, Quantisation, SchedulerOptions, Store};
 use furrow_lineage::{Grower, Lineage, Tree, TreeSettings};
-use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome, divide};
+use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Ending, divide};
 
 /// Look-ups of one sample.
 const HITS: usize = 100_000;
@@ -25,13 +25,13 @@ fn input(number: usize) -> DivisionInput {
 /// A division that cost nothing.
 fn free(input: &DivisionInput) -> Division {
     Division {
-        outcome: Outcome::Symmetric,
-        chi: Some(0.0),
-        chi_signed: Some(0.0),
-        u_furrow: Some(0.5),
+        ending: Ending::Divided {
+            symmetric: true,
+            chi_signed: 0.0,
+            u_furrow: 0.5,
+            daughters: [input.cell.r0 * 0.5f64.cbrt(); 2],
+        },
         t_end: 1.0,
-        daughters: Some([input.cell.r0 * 0.5f64.cbrt(); 2]),
-        growth_rate: None,
         slow_growth_rate: None,
         volume_drift: 0.0,
         work: furrow_bvp::Work::default(),

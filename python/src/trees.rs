@@ -255,9 +255,9 @@ impl GrownTree {
             vec![
                 ("r0", number(&|cell| cell.r0)),
                 ("volume_fraction", number(&|cell| cell.volume_fraction)),
-                ("chi", division(|d| d.chi)),
-                ("chi_signed", division(|d| d.chi_signed)),
-                ("u_furrow", division(|d| d.u_furrow)),
+                ("chi", division(|d| d.chi())),
+                ("chi_signed", division(|d| d.chi_signed())),
+                ("u_furrow", division(|d| d.u_furrow())),
                 ("t_end", division(|d| Some(d.t_end))),
             ],
         )?;

@@ -155,8 +155,8 @@ fn text(document: &Answer<'_>, units: &Units) -> String {
     if !document.cue.is_none() {
         let _ = write!(out, ", {}", document.cue);
     }
-    let _ = writeln!(out, ": {}", d.outcome);
-    if let (Some(chi), Some(u), Some([below, above])) = (d.chi, d.u_furrow, d.daughters) {
+    let _ = writeln!(out, ": {}", d.outcome());
+    if let (Some(chi), Some(u), Some([below, above])) = (d.chi(), d.u_furrow(), d.daughters()) {
         let _ = writeln!(
             out,
             "χ = {chi:.4}, furrow at u = {u:.4}, daughters R0 = {below:.4}{} (at u = 0), {above:.4}{} (at u = 1)",
@@ -167,7 +167,7 @@ fn text(document: &Answer<'_>, units: &Units) -> String {
     } else {
         let _ = write!(out, "at rest at t = {:.2} τ{}", d.t_end, units.in_minutes(d.t_end));
         let stability = |s: f64| if s < 0.0 { "stable" } else { "where the published scheme cannot leave" };
-        let stable = d.growth_rate.map_or(String::new(), |s| format!(", {}: growth rate {s:.4}/τ", stability(s)));
+        let stable = d.growth_rate().map_or(String::new(), |s| format!(", {}: growth rate {s:.4}/τ", stability(s)));
         let _ = writeln!(out, "{stable}");
     }
     if let Some(rate) = d.slow_growth_rate {

@@ -155,7 +155,7 @@ fn text(document: &Answer<'_>) -> String {
         let _ = write!(out, "seed {}: dis = {:.2e} after the noise", replicate.seed, distance(1));
         let last = distance(replicate.dis.len().saturating_sub(1));
         let division = replicate.division;
-        let _ = match (division.chi, replicate.returned) {
+        let _ = match (division.chi(), replicate.returned) {
             (Some(chi), _) => writeln!(out, "; divides at t = {:.4} τ, χ = {chi:.4}", division.t_end),
             (None, true) => writeln!(out, ", {last:.2e} at t = {:.2} τ: it returns", division.t_end),
             (None, false) => writeln!(out, ", {last:.2e} at t = {:.2} τ: it leaves", division.t_end),

@@ -40,13 +40,14 @@ struct Images {
 
 fn images(r0: f64, cue: &Cue, numerics: Numerics) -> Images {
     let [a, b] = [cue, &cue.mirrored()].map(|cue| solve(r0, cue, numerics));
-    assert_eq!(a.outcome, b.outcome, "R0 = {r0}, {cue}");
+    assert_eq!(a.outcome(), b.outcome(), "R0 = {r0}, {cue}");
     let sum = |of: fn(&Division) -> Option<f64>| of(&a).unwrap() + of(&b).unwrap();
-    let deviation = [sum(|d| d.chi_signed).abs(), (sum(|d| d.u_furrow) - 1.0).abs(), (a.t_end / b.t_end - 1.0).abs()];
+    let deviation =
+        [sum(|d| d.chi_signed()).abs(), (sum(|d| d.u_furrow()) - 1.0).abs(), (a.t_end / b.t_end - 1.0).abs()];
     let same_path = (a.work.steps, a.work.rejected) == (b.work.steps, b.work.rejected);
     let same_iterations = a.work.iterations == b.work.iterations;
     println!("R0 = {r0}, {cue}: same path {same_path}, same iterations {same_iterations}, {deviation:?}");
-    Images { chi: a.chi_signed.unwrap(), deviation, same_path, same_iterations }
+    Images { chi: a.chi_signed().unwrap(), deviation, same_path, same_iterations }
 }
 
 impl Images {
@@ -65,7 +66,7 @@ fn divisions_match_the_reference() {
     for row in rows {
         let r0 = row.number("R0");
         let division = solve(r0, &cue(row.text("cue")), Numerics::default());
-        let (chi, u) = (division.chi.unwrap(), division.u_furrow.unwrap());
+        let (chi, u) = (division.chi().unwrap(), division.u_furrow().unwrap());
         let [below, _] = division.shares().unwrap();
         println!("{row:?}: {chi:.5} {below:.5} {u:.5}");
         let allowed = if r0 == 5.4 { 0.02 } else { 0.01 };
@@ -109,7 +110,7 @@ fn without_noise_mirrored_cues_mirror_the_division() {
 #[test]
 fn every_field_with_every_profile_mirrors() {
     let numerics = Numerics { noise: 0.0, ..Numerics::default() };
-    assert!(solve(3.0, &Cue::none(), numerics).chi.unwrap() < 1e-6);
+    assert!(solve(3.0, &Cue::none(), numerics).chi().unwrap() < 1e-6);
     for field in Field::ALL {
         for profile in NAMES {
             let place = if profile == "gradient" { "" } else { "u0=0.42,omega=0.1," };
@@ -129,7 +130,7 @@ fn narrow_cues_are_seen_by_the_mesh() {
     let coarse = DivisionInput::new(Cell::new(3.0).with_cue(cue));
     let numerics = Numerics { intervals: 192, step_factor: 0.5, ..Numerics::default() };
     let fine = DivisionInput { numerics, ..coarse.clone() };
-    let [a, b] = [coarse, fine].map(|input| divide(&input).unwrap().chi_signed.unwrap());
+    let [a, b] = [coarse, fine].map(|input| divide(&input).unwrap().chi_signed().unwrap());
     println!("{a} {b}");
     assert!((a - b).abs() < 2e-4 && a.abs() > 0.015, "{a} {b}");
 }

@@ -44,7 +44,7 @@ fn numerics_that_are_allowed_work() {
         for cell in [Cell::new(r0), Cell::new(r0).with_cue(germline.clone())] {
             let outcome = |numerics: Numerics| {
                 let solved = divide(&DivisionInput { cell: cell.clone(), numerics, seed: 0 });
-                solved.map(|division| division.outcome).map_err(|error| error.to_string())
+                solved.map(|division| division.outcome()).map_err(|error| error.to_string())
             };
             let preset = outcome(Numerics::default());
             assert!(preset.is_ok(), "{preset:?}");

@@ -74,12 +74,12 @@ fn volume_is_kept() {
     for cell in cells(24).into_iter().chain(plain.map(|(r0, epsilon)| at(r0, epsilon))) {
         let division = solve(&cell, NOISE);
         assert!(division.volume_drift < 1e-8, "{}: {}", name(&cell), division.volume_drift);
-        if let Some([below, above]) = division.daughters {
+        if let Some([below, above]) = division.daughters() {
             let sum = (below.powi(3) + above.powi(3)) / cell.r0.powi(3);
             assert!((sum - 1.0).abs() < 4.0 * f64::EPSILON, "{}: {sum}", name(&cell));
             assert_eq!(division.shares().map(|[a, b]| a + b), Some(1.0));
         }
-        outcomes[division.outcome as usize] += 1;
+        outcomes[division.outcome() as usize] += 1;
     }
     assert!(outcomes.iter().all(|count| *count > 0), "{outcomes:?} of each outcome");
 }
@@ -104,8 +104,8 @@ fn vanish(found: &[(String, [f64; 2])]) {
 fn mirror_images_divide_as_mirror_images() {
     let image = |cell: &Cell| {
         let [a, b] = [cell, &cell.mirrored()].map(|cell| solve(cell, 0.0));
-        assert_eq!(a.outcome, b.outcome, "{}", name(cell));
-        let chi = a.chi_signed.zip(b.chi_signed).map_or(0.0, |(a, b)| (a + b).abs());
+        assert_eq!(a.outcome(), b.outcome(), "{}", name(cell));
+        let chi = a.chi_signed().zip(b.chi_signed()).map_or(0.0, |(a, b)| (a + b).abs());
         (name(cell), [chi, (a.t_end / b.t_end - 1.0).abs()])
     };
     let cells = cells(24).into_iter().filter(|cell| !cell.is_mirror_symmetric());
@@ -119,8 +119,8 @@ fn mirror_images_divide_as_mirror_images() {
 fn unlike(cell: &Cell, other: &Cell) -> (String, [f64; 2]) {
     let numerics = Numerics { noise: NOISE, time_tolerance: 4e-6, ..Numerics::default() };
     let [a, b] = [cell, other].map(|cell| solve_with(cell, numerics));
-    assert_eq!(a.outcome, b.outcome, "{}", name(cell));
-    let chi = a.chi_signed.zip(b.chi_signed).map_or(0.0, |(a, b)| (a - b).abs());
+    assert_eq!(a.outcome(), b.outcome(), "{}", name(cell));
+    let chi = a.chi_signed().zip(b.chi_signed()).map_or(0.0, |(a, b)| (a - b).abs());
     (name(cell), [chi, (b.t_end / a.t_end - 1.0).abs()])
 }
 
@@ -192,10 +192,10 @@ fn cells_without_a_cue_divide_without_noise() {
         for cue in [Cue::none(), Cue::kappa_band(0.5, 0.1, 0.05)] {
             let cell = Cell::new(r0).with_cue(cue);
             let [with, without] = [NOISE, 0.0].map(|noise| solve(&cell, noise));
-            assert_eq!(with.outcome, without.outcome, "{}", name(&cell));
-            if let (Some(a), Some(b)) = (with.chi, without.chi) {
+            assert_eq!(with.outcome(), without.outcome(), "{}", name(&cell));
+            if let (Some(a), Some(b)) = (with.chi(), without.chi()) {
                 assert!((a - b).abs() < 1e-3, "{}: {a} {b}", name(&cell));
-                assert!(with.outcome == Outcome::Symmetric || without.t_end > with.t_end, "{}", name(&cell));
+                assert!(with.outcome() == Outcome::Symmetric || without.t_end > with.t_end, "{}", name(&cell));
             }
         }
     }

@@ -22,11 +22,11 @@ const DIVISIONS: [(f64, f64, &str, u64, bool, &str); 12] = [
 
 fn hash(division: &Division) -> String {
     let d = division;
-    let [first, second] = d.daughters.map_or([None; 2], |radii| radii.map(Some));
-    let maybe = [d.chi, d.chi_signed, d.u_furrow, first, second, d.growth_rate, d.slow_growth_rate];
+    let [first, second] = d.daughters().map_or([None; 2], |radii| radii.map(Some));
+    let maybe = [d.chi(), d.chi_signed(), d.u_furrow(), first, second, d.growth_rate(), d.slow_growth_rate];
     let reals = maybe.map(|real| real.map(f64::to_bits));
     let numbers = (reals, d.t_end.to_bits(), d.volume_drift.to_bits(), d.work.steps, d.work.iterations);
-    let text = format!("{} {numbers:?}", d.outcome);
+    let text = format!("{} {numbers:?}", d.outcome());
     blake3::hash(text.as_bytes()).to_hex()[..16].to_owned()
 }
 

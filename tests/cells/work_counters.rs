@@ -31,7 +31,7 @@ fn work_of_each_kind_of_division() {
         String::from("division                 outcome      steps rejected factorisations remeshings newton~\n");
     for (kind, r0, cue) in kinds() {
         let d = solve(Cell::new(r0).with_cue(cue));
-        let outcome = format!("{:?}", d.outcome);
+        let outcome = format!("{:?}", d.outcome());
         let furrow_bvp::Work { steps, rejected, iterations, factorisations, remeshings } = d.work;
         let newton = (iterations + 25) / 50 * 50;
         writeln!(table, "{kind:24} {outcome:11} {steps:6} {rejected:8} {factorisations:14} {remeshings:10} {newton:7}")

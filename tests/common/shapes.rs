@@ -29,8 +29,8 @@ pub fn first(cell: &Cell) -> Pitchfork {
 pub fn check_threshold(margin: f64, cell: impl Fn(f64) -> Cell) {
     for (factor, rests) in [(1.0 - margin, true), (1.0 + margin, false)] {
         let cell = cell(factor);
-        let outcome = solve(cell.clone()).outcome;
-        assert_eq!(outcome == Outcome::Failed, rests, "{factor} of the threshold: {cell:?}");
+        let outcome = solve(cell.clone()).outcome();
+        assert_eq!(outcome == Outcome::Arrested, rests, "{factor} of the threshold: {cell:?}");
     }
 }
 

@@ -4,13 +4,13 @@ use furrow_cell::Cell;
 use furrow_formats::tree_to_json;
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use furrow_lineage::{Grower, Lineage, TerminalReason, Tree, TreeSettings};
-use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome};
+use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Ending, Outcome};
 
 /// Symmetric above R0 = 2.25, asymmetric with χ = 0.88 down to 1.7, failed below; with a cue χ = 0.2 above 1.7.
 pub fn fake(input: &DivisionInput) -> Result<Division, DivisionError> {
     let cued = !input.cell.cue.is_none();
     Ok(match input.cell.r0 {
-        r0 if r0 < 1.7 => division(r0, Outcome::Failed, 0.0),
+        r0 if r0 < 1.7 => division(r0, Outcome::Arrested, 0.0),
         r0 if cued => division(r0, Outcome::Asymmetric, 0.2),
         r0 if r0 < 2.25 => division(r0, Outcome::Asymmetric, -0.88),
         r0 => division(r0, Outcome::Symmetric, 0.0),
@@ -19,16 +19,18 @@ pub fn fake(input: &DivisionInput) -> Result<Division, DivisionError> {
 
 /// A division with the given signed χ.
 pub fn division(r0: f64, outcome: Outcome, chi_signed: f64) -> Division {
-    let divided = outcome != Outcome::Failed;
-    let radius = |share: f64| r0 * share.cbrt();
+    let ending = match outcome {
+        Outcome::Arrested => Ending::Arrested { growth_rate: Some(-0.25) },
+        _ => Ending::Divided {
+            symmetric: outcome == Outcome::Symmetric,
+            chi_signed,
+            u_furrow: 0.5 - 0.2 * chi_signed,
+            daughters: [1.0 - chi_signed, 1.0 + chi_signed].map(|share| r0 * f64::cbrt(0.5 * share)),
+        },
+    };
     Division {
-        outcome,
-        chi: divided.then_some(chi_signed.abs()),
-        chi_signed: divided.then_some(chi_signed),
-        u_furrow: divided.then_some(0.5 - 0.2 * chi_signed),
+        ending,
         t_end: 1.0 + 1.0 / r0,
-        daughters: divided.then(|| [radius(0.5 * (1.0 - chi_signed)), radius(0.5 * (1.0 + chi_signed))]),
-        growth_rate: (!divided).then_some(-0.25),
         slow_growth_rate: None,
         volume_drift: 0.0,
         work: furrow_bvp::Work { steps: 1, iterations: 1, factorisations: 1, ..furrow_bvp::Work::default() },

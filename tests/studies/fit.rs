@@ -95,7 +95,7 @@ fn a_cue_that_gave_the_data_is_found_and_what_they_leave_open_is_said() {
         founders: [(name: "P0", cue: "c")])"#;
     let lineage = Lineage::parse(text, "one.ron").unwrap();
     let settings = TreeSettings { cell: Cell::new(3.9), ..TreeSettings::default() };
-    let given = divide(&DivisionInput::new(Cell::new(3.9).with_cue(Cue::published()))).unwrap().chi.unwrap();
+    let given = divide(&DivisionInput::new(Cell::new(3.9).with_cue(Cue::published()))).unwrap().chi().unwrap();
     let text = format!(
         r#"Fit(unknowns: [(parameter: p0, from: 0.1, to: 0.2)], founders: [], chi: [(cell: "P0", mean: {given}, sd: 0.01)])"#
     );
@@ -109,7 +109,7 @@ fn a_cue_that_gave_the_data_is_found_and_what_they_leave_open_is_said() {
     assert!(combinations.iter().filter(|held| held.determined).count() <= 1, "{combinations:?}");
     // The cue as printed gives the χ printed beside it.
     let cell = Cell::new(3.9).with_cue(found.cue.parse().unwrap());
-    assert_eq!(divide(&DivisionInput::new(cell)).unwrap().chi, found.residuals[0].computed);
+    assert_eq!(divide(&DivisionInput::new(cell)).unwrap().chi(), found.residuals[0].computed);
 }
 
 #[test]

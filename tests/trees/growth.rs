@@ -135,7 +135,7 @@ fn boundary_ends_branches_without_solving() {
     let (tree, _) = grow_with(&alone(4.0), 2, &ends, solve);
     for node in tree.cells().filter(|n| tree.daughters(*n).is_none()) {
         assert_eq!(tree.cell(node).fate.ended, Some(TerminalReason::BelowPitchfork { r0_c: 1.7 }));
-        assert_eq!(tree.cell(node).fate.outcome(), Some(Outcome::Failed));
+        assert_eq!(tree.cell(node).fate.outcome(), Some(Outcome::Arrested));
     }
 }
 
@@ -184,8 +184,8 @@ fn sides_of_uncued_divisions_are_drawn_for_each_cell() {
             .map(|(id, [anterior, posterior])| {
                 let smaller_posterior = tree.cell(posterior).r0 < tree.cell(anterior).r0;
                 let division = tree.cell(id).fate.division.as_ref().unwrap();
-                assert_eq!(division.chi, Some(0.3));
-                assert_eq!(division.chi_signed, Some(if smaller_posterior { 0.3 } else { -0.3 }));
+                assert_eq!(division.chi(), Some(0.3));
+                assert_eq!(division.chi_signed(), Some(if smaller_posterior { 0.3 } else { -0.3 }));
                 smaller_posterior
             })
             .collect()
@@ -202,7 +202,7 @@ fn sides_of_uncued_divisions_are_drawn_for_each_cell() {
 fn deep_chain() {
     let shrinking = |input: &DivisionInput| {
         Ok(match input.cell.r0 < 5.0 {
-            true => division(input.cell.r0, Outcome::Failed, 0.0),
+            true => division(input.cell.r0, Outcome::Arrested, 0.0),
             false => division(input.cell.r0, Outcome::Asymmetric, 0.9999),
         })
     };

@@ -16,7 +16,7 @@ use furrow_lineage::batch::{
     Job, Key, Memo, Quantisation, SchedulerOptions, Store, Summary, scheduler,
     store::maintenance::{self, CacheReport},
 };
-use furrow_mechanics::division::{Division, DivisionInput, Outcome};
+use furrow_mechanics::division::{Division, DivisionInput, Ending};
 
 const ROLE: &str = "FURROW_TEST_ROLE";
 const CACHE: &str = "FURROW_TEST_CACHE";
@@ -32,16 +32,14 @@ fn input(r0: f64) -> DivisionInput {
 /// Stands in for the solver: unequal at every size, so that hardly two cells are alike.
 fn model(input: &DivisionInput) -> Division {
     let r0 = input.cell.r0;
-    let chi = (r0 > 2.2).then_some(0.2 + 0.1 * r0.sin());
-    let radius = |sign: f64| chi.map(|chi| r0 * (0.5 * (1.0 + sign * chi)).cbrt());
+    let chi = 0.2 + 0.1 * r0.sin();
+    let daughters = [-1.0, 1.0].map(|sign| r0 * f64::cbrt(0.5 * (1.0 + sign * chi)));
     Division {
-        outcome: if chi.is_some() { Outcome::Asymmetric } else { Outcome::Failed },
-        chi,
-        chi_signed: chi,
-        u_furrow: chi,
+        ending: match r0 > 2.2 {
+            true => Ending::Divided { symmetric: false, chi_signed: chi, u_furrow: chi, daughters },
+            false => Ending::Arrested { growth_rate: None },
+        },
         t_end: 1.0 / r0,
-        daughters: radius(-1.0).zip(radius(1.0)).map(|(anterior, posterior)| [anterior, posterior]),
-        growth_rate: None,
         slow_growth_rate: None,
         volume_drift: 1e-12,
         work: furrow_bvp::Work { steps: 100, rejected: 1, iterations: 300, factorisations: 120, remeshings: 5 },
@@ -58,7 +56,7 @@ fn grow(memo: &Memo, pause: Duration) -> (String, Summary) {
     };
     let expand = |cell: usize, division: &Division| {
         tree.insert(cell, format!("{:x} {division:?}", f64::to_bits(radii[&cell])));
-        let daughters = division.daughters.into_iter().flatten().zip([2 * cell, 2 * cell + 1]);
+        let daughters = division.daughters().into_iter().flatten().zip([2 * cell, 2 * cell + 1]);
         let named: Vec<(f64, usize)> = daughters.collect();
         radii.extend(named.iter().map(|&(r0, cell)| (cell, r0)));
         named.into_iter().map(|(r0, cell)| Job { id: cell, input: input(r0) }).collect()

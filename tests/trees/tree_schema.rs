@@ -104,7 +104,7 @@ fn documents() -> Vec<Value> {
     let slow = |input: &DivisionInput| -> Result<Division, DivisionError> {
         let r0 = input.cell.r0;
         match r0 < 2.0 {
-            true => Ok(division(r0, Outcome::Failed, 0.0)),
+            true => Ok(division(r0, Outcome::Arrested, 0.0)),
             false => Ok(Division { slow_growth_rate: Some(1e-4), ..division(r0, Outcome::Asymmetric, 0.3) }),
         }
     };

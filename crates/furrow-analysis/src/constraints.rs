@@ -109,10 +109,10 @@ pub fn check_constraints(targets: &Targets, cell: &Cell, numerics: &Numerics, al
         let (epsilon, xi_s) = (given.epsilon.unwrap_or(cell.epsilon), given.xi_s.unwrap_or(cell.xi_s));
         let cell = Cell { r0: given.r0, epsilon, xi_s, ..cell.clone() };
         let found = match divide(&DivisionInput { numerics: *numerics, ..DivisionInput::new(cell) }) {
-            Ok(division) if division.outcome == Outcome::Symmetric => Ok(()),
-            Ok(division) => Err(match division.chi {
-                Some(chi) => format!("{} (chi {chi:.3})", division.outcome),
-                None => division.outcome.to_string(),
+            Ok(division) if division.outcome() == Outcome::Symmetric => Ok(()),
+            Ok(division) => Err(match division.chi() {
+                Some(chi) => format!("{} (chi {chi:.3})", division.outcome()),
+                None => division.outcome().to_string(),
             }),
             Err(error) => Err(error.to_string()),
         };

@@ -348,7 +348,7 @@ impl<'a> Run<'a> {
 fn division_results(divisions: &[Option<Division>]) -> Vec<Value> {
     match divisions {
         [None] => vec![UNDECIDED.into(), Value::Null, Value::Null, Value::Null],
-        [Some(d)] => vec![d.outcome.name().into(), d.chi.into(), d.u_furrow.into(), d.t_end.into()],
+        [Some(d)] => vec![d.outcome().name().into(), d.chi().into(), d.u_furrow().into(), d.t_end.into()],
         several => {
             let Statistics { symmetric, asymmetric, failed, chi_mean, chi_sd } =
                 Statistics::of(several.iter().flatten());

@@ -216,10 +216,10 @@ impl Growth<'_> {
     /// so that one record serves many cells and the tree is reproducible.
     fn oriented(&self, index: usize, division: &Division) -> Division {
         let cell = &self.cells[index].cell;
-        let smaller_posterior = division.chi_signed.is_some_and(|chi| chi > 0.0);
+        let smaller_posterior = division.chi_signed().is_some_and(|chi| chi > 0.0);
         if cell.cue.is_mirror_symmetric() && smaller_posterior != draws_posterior(self.grower.settings.seed, &cell.name)
         {
-            return division.mirrored();
+            return division.clone().mirrored();
         }
         division.clone()
     }

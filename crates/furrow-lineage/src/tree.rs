@@ -106,8 +106,8 @@ pub struct Fate {
 impl Fate {
     /// The fate that a computed division gives.
     pub fn of(division: &Division) -> Fate {
-        let failed = division.outcome == Outcome::Failed;
-        let ended = failed.then_some(TerminalReason::AtRest { growth_rate: division.growth_rate });
+        let failed = division.outcome() == Outcome::Arrested;
+        let ended = failed.then_some(TerminalReason::AtRest { growth_rate: division.growth_rate() });
         Fate { division: Some(division.clone()), ended }
     }
 
@@ -119,15 +119,15 @@ impl Fate {
     /// How its division ended; none for a cell that a limit stopped, and for one that is undecided.
     pub fn outcome(&self) -> Option<Outcome> {
         match (&self.division, &self.ended) {
-            (Some(division), _) => Some(division.outcome),
-            (None, Some(reason)) => reason.is_mechanical().then_some(Outcome::Failed),
+            (Some(division), _) => Some(division.outcome()),
+            (None, Some(reason)) => reason.is_mechanical().then_some(Outcome::Arrested),
             (None, None) => None,
         }
     }
 
     /// Size asymmetry χ of its division.
     pub fn chi(&self) -> Option<f64> {
-        self.division.as_ref()?.chi
+        self.division.as_ref()?.chi()
     }
 
     /// Time of pinch-off or of rest, in τ; none if no division was computed.

@@ -47,7 +47,7 @@ impl Perturbation {
         let end = self.distances.last().copied().unwrap_or_default();
         let half = self.distances.iter().find(|[t, _]| *t >= 0.5 * end[0]).map_or(0.0, |[_, distance]| *distance);
         let noise = self.distances.get(1).map_or(0.0, |[_, distance]| *distance);
-        self.division.outcome == Outcome::Failed && end[1] < noise && (end[1] <= half || end[1] < SOLVED)
+        self.division.outcome() == Outcome::Arrested && end[1] < noise && (end[1] <= half || end[1] < SOLVED)
     }
 
     /// The rate at which dis(t) grows (or, below 0, falls) while it is between `low` and `high` for the first time: the slope

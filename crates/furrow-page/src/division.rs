@@ -92,7 +92,7 @@ pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
         }
         shapes.push((Step { t: frame.t, neck: frame.neck.map(|neck| neck.radius) }, frame.shape.clone()));
     })?;
-    let film = Film::new(&input, division.u_furrow);
+    let film = Film::new(&input, division.u_furrow());
     let mut numbers = Vec::new();
     let mut frames = Vec::with_capacity(shapes.len());
     for (step, shape) in shapes {
@@ -217,7 +217,7 @@ mod tests {
         let cell = Cell::new(2.0).with_cue(Cue::published());
         let (found, numbers) = asked(&cell, "all");
         let alone = divide_alone(&DivisionInput::new(cell)).unwrap();
-        assert_eq!(found["chi"].as_f64(), alone.chi);
+        assert_eq!(found["chi"].as_f64(), alone.chi());
         let [contour, arrows] = ["points", "arrows"].map(|name| found[name].as_u64().unwrap() as usize);
         let (contour, arrows) = (OF_EACH[0] * contour, OF_EACH[1] * arrows);
         let of_frame = contour + arrows;

@@ -84,7 +84,7 @@ fn divisions_converge_with_the_tolerance_of_their_steps() {
         // On a fine mesh: what is left of the error of a coarse one goes with where it was moved, and so with the steps.
         let numerics = Numerics { time_tolerance, noise: 0.0, intervals: 120, ..Numerics::default() };
         let division = divide(&DivisionInput { numerics, ..DivisionInput::new(cell.clone()) }).unwrap();
-        [division.chi_signed.unwrap(), division.t_end]
+        [division.chi_signed().unwrap(), division.t_end]
     });
     for (k, what) in ["χ", "t_end"].into_iter().enumerate() {
         let [coarse, fine] = [coarse, fine].map(|found| (found[k] - exact[k]).abs());

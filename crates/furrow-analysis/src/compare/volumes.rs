@@ -321,7 +321,7 @@ pub fn size_curves(
         }
     }
     let divisions = scheduler::solve_all(inputs, memo, options, divide)?.divisions;
-    let chi = |found: &Option<furrow_mechanics::division::Division>| found.as_ref().and_then(|found| found.chi);
+    let chi = |found: &Option<furrow_mechanics::division::Division>| found.as_ref().and_then(|found| found.chi());
     let points = |k: usize| radii.iter().copied().zip(divisions[k * radii.len()..].iter().map(chi)).collect();
     Ok(cues.into_iter().enumerate().map(|(k, (cue, _))| SizeCurve { cue, points: points(k) }).collect())
 }

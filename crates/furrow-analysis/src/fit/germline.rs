@@ -170,7 +170,7 @@ impl Chain<'_> {
             return Some(given);
         }
         let Some(mother) = self.objective.lineage.mother(founder) else { return Some(self.objective.settings.cell.r0) };
-        let daughters = self.division(mother)?.daughters?;
+        let daughters = self.division(mother)?.daughters()?;
         let [small, large] = [daughters[0].min(daughters[1]), daughters[0].max(daughters[1])];
         Some(if self.objective.lineage.founders[founder].daughter == Some(Daughter::Larger) { large } else { small })
     }
@@ -213,7 +213,7 @@ impl Chain<'_> {
         let own: Vec<Parameter> = numbers.filter(|number| number.is_of(&input.cell)).collect();
         let parameters: Vec<Parameter> = [Parameter::R0].into_iter().chain(own.iter().copied()).collect();
         let (division, by) = divide_with_sensitivities(&input, &parameters).ok()?;
-        let (by, sign) = (by?, division.chi_signed?.signum());
+        let (by, sign) = (by?, division.chi_signed()?.signum());
         let radius = match lineage.mother(founder).filter(|_| lineage.given_r0(founder).is_none()) {
             Some(mother) => self.slopes(mother)?.radius(lineage.founders[founder].daughter),
             None => vec![0.0; unknowns.len()],
@@ -253,7 +253,7 @@ impl Objective<'_> {
         let one = |measured: &MeasuredChi| {
             let founder = self.founder(measured);
             let r0 = founder.and_then(|founder| chain.r0(founder));
-            let computed = founder.and_then(|founder| chain.division(founder)).and_then(|division| division.chi);
+            let computed = founder.and_then(|founder| chain.division(founder)).and_then(|division| division.chi());
             ChiResidual {
                 cell: measured.cell.clone(),
                 r0,
@@ -315,8 +315,8 @@ impl Slopes {
     /// ∂R0/∂(number) of a daughter, whose R0 is the cell's times the third root of her share (1 ± χ)/2.
     fn radius(&self, which: Option<Daughter>) -> Vec<f64> {
         let way = if which == Some(Daughter::Larger) { 1.0 } else { -1.0 };
-        let asymmetric = self.division.outcome == Outcome::Asymmetric;
-        let chi = self.division.chi.filter(|_| asymmetric).unwrap_or(0.0);
+        let asymmetric = self.division.outcome() == Outcome::Asymmetric;
+        let chi = self.division.chi().filter(|_| asymmetric).unwrap_or(0.0);
         let share = 0.5 * (1.0 + way * chi);
         let of = |(radius, slope): (&f64, &f64)| {
             let change = if asymmetric { 0.5 * way * slope } else { 0.0 };

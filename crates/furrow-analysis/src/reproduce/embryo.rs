@@ -69,7 +69,7 @@ pub fn germline(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     figure.number("ab_rounds", symmetric.ok_or("AB is not born"));
     let chi = chi_of(&tree, ["P0", "P1", "P2", "P3"]);
     let outcome = cell_named(&tree, "P4").and_then(|cell| cell.fate.outcome());
-    let p4_divides = outcome.is_some_and(|outcome| outcome != Outcome::Failed);
+    let p4_divides = outcome.is_some_and(|outcome| outcome != Outcome::Arrested);
     match chi {
         [Some(p0), Some(p1), Some(p2), Some(p3)] => {
             let largest = p0.max(p1).max(p2);
@@ -119,7 +119,7 @@ fn compression(figure: &mut Figure<'_>, tree: &Tree) -> Result<Finding, Reproduc
             context.input(cell.with_cue(Cue::published()))
         };
         let divisions = figure.divisions([0.83, 0.85, 0.87].map(input).to_vec())?;
-        let chi: Option<Vec<f64>> = divisions.iter().map(|division| division.as_ref()?.chi).collect();
+        let chi: Option<Vec<f64>> = divisions.iter().map(|division| division.as_ref()?.chi()).collect();
         rises &= chi.as_ref().is_some_and(|chi| chi.windows(2).all(|pair| pair[1] > pair[0]));
         let each = chi.map_or("-".to_owned(), |chi| joined(&chi.into_iter().map(Some).collect::<Vec<_>>()));
         words.push(format!("{name} {each}"));

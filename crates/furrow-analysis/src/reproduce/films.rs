@@ -33,8 +33,9 @@ pub fn furrow(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     match neck {
         Some((still, neck, place)) => {
             let (end, force) = (film.division.t_end, place.normal.active);
-            let holds = film.division.chi.is_some() && force < 0.0;
-            let text = format!("{}, at t = {end:.2} τ; active normal force {force:+.1} κ0/L_h³", film.division.outcome);
+            let holds = film.division.chi().is_some() && force < 0.0;
+            let text =
+                format!("{}, at t = {end:.2} τ; active normal force {force:+.1} κ0/L_h³", film.division.outcome());
             figure.judge("furrow", holds, text);
             // Beside the neck, where the flow into it is; u grows from one pole to the other.
             let beside = |du: f64| nearest(&still.places, neck.u + du).map_or(0.0, |place| place.active_tangential);
@@ -110,8 +111,8 @@ pub fn movies(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     for ((id, cell), film) in scenes.into_iter().zip(films) {
         match film {
             Ok(film) => {
-                let chi = film.division.chi.map_or(String::new(), |chi| format!(", χ = {chi:.3}"));
-                figure.report(id, format!("{}{chi}", film.division.outcome));
+                let chi = film.division.chi().map_or(String::new(), |chi| format!(", χ = {chi:.3}"));
+                figure.report(id, format!("{}{chi}", film.division.outcome()));
                 figure.show(id, Artifact::Film(cell, Box::new(film)));
             }
             Err(error) => figure.report(id, format!("not computed: {error}")),

@@ -263,7 +263,7 @@ fn confinement_edge(figure: &mut Figure<'_>) -> Result<Option<f64>, ReproduceErr
     let mut rests = |epsilons: &[f64]| -> Result<Vec<Option<bool>>, ReproduceError> {
         let input = |epsilon: &f64| figure.context.input(figure.context.cell(2.22, *epsilon));
         let divisions = figure.divisions(epsilons.iter().map(input).collect())?;
-        Ok(divisions.iter().map(|division| Some(division.as_ref()?.outcome == Outcome::Failed)).collect())
+        Ok(divisions.iter().map(|division| Some(division.as_ref()?.outcome() == Outcome::Arrested)).collect())
     };
     let [mut low, mut high] = [0.88, 0.91];
     if rests(&[low, high])? != [Some(false), Some(true)] {

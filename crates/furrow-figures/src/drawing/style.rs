@@ -81,7 +81,7 @@ pub fn outcome(outcome: Outcome) -> Colour {
     match outcome {
         Outcome::Symmetric => SYMMETRIC,
         Outcome::Asymmetric => ASYMMETRIC,
-        Outcome::Failed => FAILED,
+        Outcome::Arrested => FAILED,
     }
 }
 
@@ -91,7 +91,7 @@ pub fn tile(outcome: Option<Outcome>, chi: Option<f64>) -> Colour {
     match outcome {
         Some(Outcome::Symmetric) => tint(SYMMETRIC, 0.55),
         Some(Outcome::Asymmetric) => tint(ASYMMETRIC, 0.25 + 0.5 * chi.unwrap_or(1.0)),
-        Some(Outcome::Failed) => tint(FAILED, 0.45),
+        Some(Outcome::Arrested) => tint(FAILED, 0.45),
         None => tint(UNDECIDED, 0.8),
     }
 }

@@ -102,8 +102,8 @@ impl<'a> Stage<'a> {
         }
         let division = &self.film.division;
         if still.t >= 0.999 * division.t_end {
-            let (word, colour) = match (division.outcome, division.chi) {
-                (Outcome::Failed, _) => ("stays at rest".to_owned(), style::MUTED),
+            let (word, colour) = match (division.outcome(), division.chi()) {
+                (Outcome::Arrested, _) => ("stays at rest".to_owned(), style::MUTED),
                 (outcome, Some(chi)) => (format!("{outcome}, χ = {chi:.2}"), style::outcome(outcome)),
                 (outcome, None) => (outcome.to_string(), style::outcome(outcome)),
             };

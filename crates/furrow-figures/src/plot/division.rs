@@ -19,8 +19,8 @@ const STILLS: usize = 6;
 
 /// Draws a division.
 pub fn draw(cell: &Cell, film: &Film) -> Canvas {
-    let title = match (film.division.outcome, film.division.chi) {
-        (Outcome::Failed, _) => "stays at rest".to_owned(),
+    let title = match (film.division.outcome(), film.division.chi()) {
+        (Outcome::Arrested, _) => "stays at rest".to_owned(),
         (outcome, Some(chi)) => format!("{outcome}, χ = {chi:.3}"),
         (outcome, None) => outcome.to_string(),
     };
@@ -40,8 +40,8 @@ fn stills(film: &Film) -> Vec<Still> {
     let Some(first) = all.first() else { return Vec::new() };
     let widest = |still: &Still| still.places.iter().map(|place| place.r).fold(0.0, f64::max);
     let waist = |still: &Still| still.neck.map_or(widest(still), |neck| neck.radius);
-    let progress = |still: &Still| match film.division.outcome {
-        Outcome::Failed => (still.length / first.length).ln(),
+    let progress = |still: &Still| match film.division.outcome() {
+        Outcome::Arrested => (still.length / first.length).ln(),
         // Early on the cell lengthens before it has a waist.
         _ => 0.5 * (still.length / first.length).ln() + 1.0 - waist(still) / waist(first),
     };

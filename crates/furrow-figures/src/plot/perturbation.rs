@@ -36,7 +36,7 @@ pub fn draw_many(title: &str, watched: &[Watched<'_>]) -> Canvas {
         let key = if w.perturbation.returned() { Key::Line(colour(k)) } else { Key::Dashes(colour(k), style::DASHED) };
         legend = legend.with(key, w.name.as_str());
     }
-    let divided = watched.iter().any(|w| w.perturbation.division.chi.is_some());
+    let divided = watched.iter().any(|w| w.perturbation.division.chi().is_some());
     let legend = legend
         .with(Key::Line(style::INK), "returns")
         .with(Key::Dashes(style::INK, style::DASHED), "leaves")
@@ -55,7 +55,7 @@ pub fn draw_many(title: &str, watched: &[Watched<'_>]) -> Canvas {
         let drawn: Vec<[f64; 2]> =
             perturbation.distances.iter().skip(1).take_while(|[_, distance]| *distance >= up[0]).copied().collect();
         chart.line(drawn.iter().copied(), Stroke { colour: colour(k), width: style::CURVE, dash });
-        if let (Some(_), Some(end)) = (perturbation.division.chi, drawn.last()) {
+        if let (Some(_), Some(end)) = (perturbation.division.chi(), drawn.last()) {
             chart.point(*end, 5.5, Marker::Disc, colour(k));
         }
     }

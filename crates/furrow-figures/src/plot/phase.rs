@@ -73,7 +73,7 @@ fn outcome(outcome: PhaseOutcome) -> Option<Outcome> {
     match outcome {
         PhaseOutcome::Symmetric => Some(Outcome::Symmetric),
         PhaseOutcome::Asymmetric => Some(Outcome::Asymmetric),
-        PhaseOutcome::Failed => Some(Outcome::Failed),
+        PhaseOutcome::Failed => Some(Outcome::Arrested),
         _ => None,
     }
 }

@@ -99,13 +99,13 @@ fn point(sweep: &Sweep, row: &Row) -> Point {
             let outcome = match results.first().and_then(Value::as_str) {
                 Some("symmetric") => Some(Outcome::Symmetric),
                 Some("asymmetric") => Some(Outcome::Asymmetric),
-                Some("failed") => Some(Outcome::Failed),
+                Some("failed") => Some(Outcome::Arrested),
                 _ => None,
             };
             (number(1), None, outcome)
         }
         Kind::Division => {
-            let all = [Outcome::Symmetric, Outcome::Asymmetric, Outcome::Failed];
+            let all = [Outcome::Symmetric, Outcome::Asymmetric, Outcome::Arrested];
             let most = (0..3).max_by_key(|k| results.get(*k).and_then(Value::as_u64).unwrap_or(0));
             let any = (0..3).any(|k| results.get(k).and_then(Value::as_u64).is_some_and(|n| n > 0));
             (number(3), number(4), most.filter(|_| any).map(|k| all[k]))
@@ -147,7 +147,7 @@ fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Can
     let division = sweep.kind == Kind::Division;
     let heights = points.iter().filter_map(|p| p.value.map(|v| (v, p.sd.unwrap_or(0.0))));
     let mut up = widened(heights.flat_map(|(v, sd)| [v - sd, v + sd]).chain(division.then_some(0.0)), 0.06);
-    let resting = points.iter().any(|p| p.outcome == Some(Outcome::Failed) && p.value.is_none());
+    let resting = points.iter().any(|p| p.outcome == Some(Outcome::Arrested) && p.value.is_none());
     let unknown = points.iter().any(|p| p.undecided);
     if division && (resting || unknown) {
         up[0] = -(0.06 + 0.03 * groups.len().min(6) as f64) * up[1].max(0.1);
@@ -262,7 +262,7 @@ fn mark(chart: &mut Chart<'_>, point: &Point, x: f64, baseline: f64, colour: Opt
     let Some(value) = point.value else {
         if point.undecided {
             chart.point([x, baseline], 5.5, Marker::Triangle, style::UNDECIDED);
-        } else if point.outcome == Some(Outcome::Failed) {
+        } else if point.outcome == Some(Outcome::Arrested) {
             chart.point([x, baseline], 5.0, Marker::Square, colour.unwrap_or(style::FAILED));
         }
         return;
@@ -289,7 +289,7 @@ fn map_of_outcomes(sweep: &Sweep, points: &[Point], [x, y]: [&(usize, Vec<f64>);
         .with(Key::Area(style::tile(equal, None)), "symmetric")
         .with(Key::Area(style::tile(unequal, Some(0.2))), "asymmetric, χ = 0.2")
         .with(Key::Area(style::tile(unequal, Some(0.8))), "χ = 0.8")
-        .with(Key::Area(style::tile(Some(Outcome::Failed), None)), "stays at rest");
+        .with(Key::Area(style::tile(Some(Outcome::Arrested), None)), "stays at rest");
     let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep), &legend);
     let axis = |k: usize, bins: &[[f64; 2]]| Axis::new(label(sweep, k), widened(bins.iter().flatten().copied(), 0.0));
     let panel = Panel::new([0.0, top], [WIDTH, CHART], axis(x.0, &columns), axis(y.0, &rows));

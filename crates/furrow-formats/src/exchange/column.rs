@@ -42,8 +42,8 @@ pub const COLUMNS: [Column; 17] = [
     column("cue_terms", Kind::Text, false, |tree, id| Some(tree.cell(id).cue.to_string())),
     column("outcome", Kind::Text, true, |tree, id| Some(tree.cell(id).fate.outcome()?.name().to_owned())),
     column("chi", Kind::Number, true, chi),
-    column("chi_signed", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division.as_ref()?.chi_signed)),
-    column("u_furrow", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division.as_ref()?.u_furrow)),
+    column("chi_signed", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division.as_ref()?.chi_signed())),
+    column("u_furrow", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division.as_ref()?.u_furrow())),
     column("t_end", Kind::Number, true, |tree, id| number(tree.cell(id).fate.t_end())),
     column("slow_growth_rate", Kind::Number, true, |tree, id| {
         number(tree.cell(id).fate.division.as_ref()?.slow_growth_rate)

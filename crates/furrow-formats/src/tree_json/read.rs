@@ -12,7 +12,7 @@ use furrow_cell::settings::Settings;
 use furrow_cell::{Cell, Cue, Numerics};
 use furrow_input::{InputError, forbidden, read_text_up_to, shown};
 use furrow_lineage::{CellId, Fate, Lineage, Side, TerminalReason, Tree, TreeCell, TreeSettings};
-use furrow_mechanics::division::{Division, Outcome};
+use furrow_mechanics::division::{Division, DivisionRow, Outcome};
 
 /// The longest file of a tree that is read, in bytes: 512 MB, which the million cells take that a lineage grows to unless it
 /// says otherwise.
@@ -196,7 +196,7 @@ impl<'a> Builder<'a> {
             r0: record.r0,
             volume_fraction: record.volume_fraction,
             cue: record.cue.as_ref().clone(),
-            fate: record.fate(),
+            fate: record.fate()?,
         };
         let node = match (&mut self.tree, &record.mother, record.daughter) {
             (None, None, None) => {
@@ -315,26 +315,30 @@ fn whole(tree: &Tree, id: CellId) -> Result<(), Complaint> {
 
 impl Record<'_> {
     /// The cell's fate. A tree file does not keep the work of a division, which is zero.
-    fn fate(&self) -> Fate {
+    fn fate(&self) -> Result<Fate, Complaint> {
         let growth_rate = match self.ended {
             Some(TerminalReason::AtRest { growth_rate }) => growth_rate,
             _ => None,
         };
-        let division = self.outcome.zip(self.t_end).map(|(outcome, t_end)| {
-            let division = Division {
-                outcome,
-                chi: self.chi,
-                chi_signed: self.chi_signed,
-                u_furrow: self.u_furrow,
-                t_end,
-                daughters: None,
-                growth_rate,
-                slow_growth_rate: self.slow_growth_rate,
-                volume_drift: 0.0,
-                work: furrow_bvp::Work::default(),
-            };
-            division.with_daughters_of(self.r0)
-        });
-        Fate { division, ended: self.ended.clone() }
+        let division = match self.outcome.zip(self.t_end) {
+            None => None,
+            Some((outcome, t_end)) => {
+                let row = DivisionRow {
+                    outcome,
+                    chi: self.chi,
+                    chi_signed: self.chi_signed,
+                    u_furrow: self.u_furrow,
+                    t_end,
+                    daughters: Some([0.0; 2]),
+                    growth_rate,
+                    slow_growth_rate: self.slow_growth_rate,
+                    volume_drift: 0.0,
+                    work: furrow_bvp::Work::default(),
+                };
+                let missing = |_| format!("outcome = {outcome}: needs chi and u_furrow");
+                Some(Division::try_from(row).map_err(missing)?.with_daughters_of(self.r0))
+            }
+        };
+        Ok(Fate { division, ended: self.ended.clone() })
     }
 }

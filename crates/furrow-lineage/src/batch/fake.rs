@@ -3,7 +3,7 @@
 use furrow_bvp::Work;
 
 use furrow_cell::Cell;
-use furrow_mechanics::division::{Division, DivisionInput, Outcome};
+use furrow_mechanics::division::{Division, DivisionInput, Ending};
 
 pub fn input(r0: f64) -> DivisionInput {
     DivisionInput::new(Cell::new(r0))
@@ -13,19 +13,14 @@ pub fn input(r0: f64) -> DivisionInput {
 /// unlike a cell, they hand on their radius and not their volume.
 pub fn divide(input: &DivisionInput) -> Division {
     let r0 = input.cell.r0;
-    let chi = (r0 >= 1.0).then(|| if r0 < 8.0 { 0.1 * (8.0 - r0) } else { 0.0 });
+    let chi = if r0 < 8.0 { 0.1 * (8.0 - r0) } else { 0.0 };
+    let daughters = [-1.0, 1.0].map(|sign| 0.5 * r0 * (1.0 + sign * chi));
     Division {
-        outcome: match chi {
-            None => Outcome::Failed,
-            Some(0.0) => Outcome::Symmetric,
-            Some(_) => Outcome::Asymmetric,
+        ending: match r0 >= 1.0 {
+            false => Ending::Arrested { growth_rate: None },
+            true => Ending::Divided { symmetric: chi == 0.0, chi_signed: -chi, u_furrow: 0.5, daughters },
         },
-        chi,
-        chi_signed: chi.map(|chi| -chi),
-        u_furrow: None,
         t_end: 1.0 / r0,
-        daughters: chi.map(|chi| [-1.0, 1.0].map(|sign| 0.5 * r0 * (1.0 + sign * chi))),
-        growth_rate: None,
         slow_growth_rate: None,
         volume_drift: 1e-12,
         work: Work { steps: 100, rejected: 1, iterations: 300, factorisations: 120, remeshings: 5 },

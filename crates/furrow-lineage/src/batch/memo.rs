@@ -187,8 +187,7 @@ impl Slot {
 /// A division as it is handed to a cell of `factor` times the radius that was solved. The daughters' radii go with the
 /// cell's, so that no volume is lost to rounding.
 pub(super) fn scaled(division: &Division, factor: f64) -> Division {
-    let daughters = division.daughters.map(|radii| radii.map(|r0| r0 * factor));
-    Division { daughters, ..division.clone() }
+    division.clone().with_daughters_scaled(factor)
 }
 
 /// The duty to solve one division, held by exactly one at a time. Dropped unused, it lets the waiters ask again.
@@ -261,11 +260,10 @@ mod tests {
 
     #[test]
     fn the_daughters_of_a_scaled_division_have_its_volume() {
-        let daughters = Some([0.4_f64, 0.6].map(|share| 2.0 * share.cbrt()));
-        let division = Division { daughters, ..fake::divide(&fake::input(2.0)) };
+        let division = fake::divide(&fake::input(2.0)).with_daughters_of(2.0);
         let larger = scaled(&division, 1.001);
-        let volume: f64 = larger.daughters.unwrap().iter().map(|r0| r0.powi(3)).sum();
+        let volume: f64 = larger.daughters().unwrap().iter().map(|r0| r0.powi(3)).sum();
         assert!((volume / 2.002_f64.powi(3) - 1.0).abs() < 1e-14);
-        assert_eq!(Division { daughters: division.daughters, ..larger }, division);
+        assert_eq!(larger.with_daughters_of(2.0), division);
     }
 }

@@ -172,11 +172,11 @@ impl PhasePlane {
 }
 
 fn point(x: f64, xi_s: f64, by: Evidence, division: Option<&Division>) -> PhaseCell {
-    let outcome = match (by, division.map(|d| d.outcome)) {
-        (Evidence::Curves, _) | (_, Some(Outcome::Failed)) => PhaseOutcome::Failed,
+    let outcome = match (by, division.map(|d| d.outcome())) {
+        (Evidence::Curves, _) | (_, Some(Outcome::Arrested)) => PhaseOutcome::Failed,
         (_, Some(Outcome::Symmetric)) => PhaseOutcome::Symmetric,
         (_, Some(Outcome::Asymmetric)) => PhaseOutcome::Asymmetric,
         (_, None) => PhaseOutcome::Undecided,
     };
-    PhaseCell { x, xi_s, outcome, chi: division.and_then(|d| d.chi), by }
+    PhaseCell { x, xi_s, outcome, chi: division.and_then(|d| d.chi()), by }
 }

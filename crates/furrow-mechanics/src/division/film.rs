@@ -221,6 +221,6 @@ mod tests {
         assert_eq!(times.last(), film.times().last());
         let last = film.at(*times.last().unwrap());
         assert!(last.neck.unwrap().radius < 1e-3 * 2.5);
-        assert!((last.asymmetry.abs() - film.division.chi.unwrap()).abs() < 1e-3);
+        assert!((last.asymmetry.abs() - film.division.chi().unwrap()).abs() < 1e-3);
     }
 }

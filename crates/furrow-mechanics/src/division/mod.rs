@@ -31,7 +31,7 @@ mod step_size;
 pub mod stepper;
 
 pub use film::{Film, Still, film};
-pub use outcome::{Division, DivisionError, Outcome};
+pub use outcome::{Division, DivisionError, DivisionRow, Ending, Outcome};
 pub use run::{Frame, divide, divide_observed, divide_with_sensitivities};
 pub use sensitivity::Sensitivity;
 pub use statistics::Statistics;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::equilibria::error::CellName;
 
-/// How a division ended.
+/// How a division ended, in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
@@ -13,8 +13,9 @@ pub enum Outcome {
     Symmetric,
     /// Divided into unequal daughters.
     Asymmetric,
-    /// Came to rest in a stable, undivided shape.
-    Failed,
+    /// Came to rest undivided. Files and answers call it `failed`.
+    #[serde(rename = "failed")]
+    Arrested,
 }
 
 impl Outcome {
@@ -23,7 +24,7 @@ impl Outcome {
         match self {
             Outcome::Symmetric => "symmetric",
             Outcome::Asymmetric => "asymmetric",
-            Outcome::Failed => "failed",
+            Outcome::Arrested => "failed",
         }
     }
 }
@@ -34,67 +35,184 @@ impl std::fmt::Display for Outcome {
     }
 }
 
-/// The outcome of one division and the work it took: the one record of it, in the memo, the store, the tree and answers.
+/// How a division ended, with the numbers that belong to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ending {
+    /// The neck closed.
+    Divided {
+        /// Whether |χ| is below the documented tolerance.
+        symmetric: bool,
+        /// (V_above − V_below)/V of the daughters from u above and below the furrow: positive when the daughter at the pole
+        /// u = 0 is the smaller.
+        chi_signed: f64,
+        /// Furrow position in arclength fraction from the pole u = 0.
+        u_furrow: f64,
+        /// Radii R0 of the daughters from u below and above the furrow, in L_h.
+        daughters: [f64; 2],
+    },
+    /// The cell came to rest undivided.
+    Arrested {
+        /// Leading growth rate of the final state, in 1/τ: negative (stable), except where the published scheme rests at a
+        /// shape that grows. Absent if a disturbed shape still moved when its time was over.
+        growth_rate: Option<f64>,
+    },
+}
+
+/// The outcome of one division and the work it took, as the memo, the store, the tree and answers hold it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "DivisionRow", try_from = "DivisionRow")]
 pub struct Division {
     /// How it ended.
-    pub outcome: Outcome,
-    /// Size asymmetry χ = |V1 − V2|/V; absent if failed.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub chi: Option<f64>,
-    /// (V_above − V_below)/V of the daughters from u above and below the furrow: positive when the daughter at the pole
-    /// u = 0 is the smaller.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub chi_signed: Option<f64>,
-    /// Furrow position in arclength fraction from the pole u = 0; absent if failed.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub u_furrow: Option<f64>,
+    pub ending: Ending,
     /// Time of pinch-off, or the time at which the shape was found at rest, in τ.
     pub t_end: f64,
-    /// Radii R0 of the daughters from u below and above the furrow, in L_h; absent if failed.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub daughters: Option<[f64; 2]>,
-    /// Leading growth rate of the final state where the outcome is `failed`, in 1/τ: negative, stable, except where the
-    /// published scheme rests at a shape that grows.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub growth_rate: Option<f64>,
     /// For a cell just above the threshold of division: growth rate σ of the stationary shape at which it waited for longer
     /// than `t_max` allows, in 1/τ. The wait, ln(amplitude after/amplitude before)/σ, is in `t_end`.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
     pub slow_growth_rate: Option<f64>,
     /// Largest relative deviation of the cell volume over the whole division.
     pub volume_drift: f64,
     /// Work it took.
-    #[serde(flatten)]
     pub work: Work,
 }
 
 impl Division {
+    /// How it ended, in one word.
+    pub fn outcome(&self) -> Outcome {
+        match self.ending {
+            Ending::Divided { symmetric: true, .. } => Outcome::Symmetric,
+            Ending::Divided { .. } => Outcome::Asymmetric,
+            Ending::Arrested { .. } => Outcome::Arrested,
+        }
+    }
+
+    /// Size asymmetry χ = |V1 − V2|/V; none if the cell did not divide.
+    pub fn chi(&self) -> Option<f64> {
+        self.chi_signed().map(f64::abs)
+    }
+
+    /// χ with the sign of [`Ending::Divided`]; none if the cell did not divide.
+    pub fn chi_signed(&self) -> Option<f64> {
+        match self.ending {
+            Ending::Divided { chi_signed, .. } => Some(chi_signed),
+            Ending::Arrested { .. } => None,
+        }
+    }
+
+    /// Furrow position in arclength fraction from the pole u = 0; none if the cell did not divide.
+    pub fn u_furrow(&self) -> Option<f64> {
+        match self.ending {
+            Ending::Divided { u_furrow, .. } => Some(u_furrow),
+            Ending::Arrested { .. } => None,
+        }
+    }
+
+    /// Radii R0 of the daughters from u below and above the furrow, in L_h; none if the cell did not divide.
+    pub fn daughters(&self) -> Option<[f64; 2]> {
+        match self.ending {
+            Ending::Divided { daughters, .. } => Some(daughters),
+            Ending::Arrested { .. } => None,
+        }
+    }
+
+    /// Leading growth rate of the shape in which an undivided cell rests, in 1/τ.
+    pub fn growth_rate(&self) -> Option<f64> {
+        match self.ending {
+            Ending::Divided { .. } => None,
+            Ending::Arrested { growth_rate } => growth_rate,
+        }
+    }
+
     /// Volumes of the daughters from u below and above the furrow, as parts of the mother's; none if it did not divide.
     /// Equal to the last bit where the division is symmetric.
     pub fn shares(&self) -> Option<[f64; 2]> {
-        let below = match self.outcome {
-            Outcome::Symmetric => 0.5,
-            Outcome::Asymmetric => 0.5 * (1.0 - self.chi_signed.or(self.chi)?),
-            Outcome::Failed => return None,
+        let below = match self.ending {
+            Ending::Divided { symmetric: true, .. } => 0.5,
+            Ending::Divided { chi_signed, .. } => 0.5 * (1.0 - chi_signed),
+            Ending::Arrested { .. } => return None,
         };
         Some([below, 1.0 - below])
     }
 
     /// The mirror image of the division under u → 1 − u: the division of the mirrored cell.
-    pub fn mirrored(&self) -> Division {
-        Division {
-            chi_signed: self.chi_signed.map(|chi| -chi),
-            u_furrow: self.u_furrow.map(|u| 1.0 - u),
-            daughters: self.daughters.map(|[below, above]| [above, below]),
-            ..self.clone()
+    pub fn mirrored(mut self) -> Division {
+        if let Ending::Divided { chi_signed, u_furrow, daughters, .. } = &mut self.ending {
+            (*chi_signed, *u_furrow) = (-*chi_signed, 1.0 - *u_furrow);
+            daughters.reverse();
         }
+        self
     }
 
     /// The same division with the daughters' radii of a mother of radius `r0`, M.25.
     pub fn with_daughters_of(mut self, r0: f64) -> Division {
-        self.daughters = self.shares().map(|shares| shares.map(|share| r0 * share.cbrt()));
+        let shares = self.shares();
+        if let (Ending::Divided { daughters, .. }, Some(shares)) = (&mut self.ending, shares) {
+            *daughters = shares.map(|share| r0 * share.cbrt());
+        }
         self
+    }
+
+    /// The same division with daughters' radii `factor` times as large.
+    pub fn with_daughters_scaled(mut self, factor: f64) -> Division {
+        if let Ending::Divided { daughters, .. } = &mut self.ending {
+            *daughters = daughters.map(|r0| r0 * factor);
+        }
+        self
+    }
+}
+
+/// A division as one row of a table or one flat JSON object. The fields are those of [`Division`] and [`Ending`].
+#[expect(missing_docs, reason = "documented at `Division` and `Ending`")]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DivisionRow {
+    pub outcome: Outcome,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub chi: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub chi_signed: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub u_furrow: Option<f64>,
+    pub t_end: f64,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub daughters: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub growth_rate: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub slow_growth_rate: Option<f64>,
+    pub volume_drift: f64,
+    #[serde(flatten)]
+    pub work: Work,
+}
+
+impl From<Division> for DivisionRow {
+    fn from(division: Division) -> DivisionRow {
+        DivisionRow {
+            outcome: division.outcome(),
+            chi: division.chi(),
+            chi_signed: division.chi_signed(),
+            u_furrow: division.u_furrow(),
+            t_end: division.t_end,
+            daughters: division.daughters(),
+            growth_rate: division.growth_rate(),
+            slow_growth_rate: division.slow_growth_rate,
+            volume_drift: division.volume_drift,
+            work: division.work,
+        }
+    }
+}
+
+impl TryFrom<DivisionRow> for Division {
+    type Error = &'static str;
+
+    fn try_from(row: DivisionRow) -> Result<Division, &'static str> {
+        let ending = match (row.outcome, row.chi_signed.or(row.chi), row.u_furrow, row.daughters) {
+            (Outcome::Arrested, ..) => Ending::Arrested { growth_rate: row.growth_rate },
+            (outcome, Some(chi_signed), Some(u_furrow), Some(daughters)) => {
+                Ending::Divided { symmetric: outcome == Outcome::Symmetric, chi_signed, u_furrow, daughters }
+            }
+            _ => return Err("a division into two has chi, u_furrow and daughters"),
+        };
+        let DivisionRow { t_end, slow_growth_rate, volume_drift, work, .. } = row;
+        Ok(Division { ending, t_end, slow_growth_rate, volume_drift, work })
     }
 }
 

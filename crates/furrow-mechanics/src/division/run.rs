@@ -6,7 +6,7 @@ use super::DivisionInput;
 use super::limits;
 use super::noise;
 use super::oscillation::Oscillation;
-use super::outcome::{Division, DivisionError, Outcome, StepFailure};
+use super::outcome::{Division, DivisionError, Ending, StepFailure};
 use super::rest::{Looks, REST_INTERVAL, Rest};
 use super::sensitivity::{Sensitivity, Tangent};
 use super::slow;
@@ -102,7 +102,7 @@ pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)
 /// let parameters = [Parameter::R0, "cue.amplitude".parse()?];
 /// let (division, sensitivities) = divide_with_sensitivities(&input, &parameters)?;
 /// let by = sensitivities.ok_or("does not divide")?;
-/// println!("χ = {:?}; ∂χ/∂R0 = {}, ∂χ/∂Δκ = {}", division.chi_signed, by[0].chi_signed, by[1].chi_signed);
+/// println!("χ = {:?}; ∂χ/∂R0 = {}, ∂χ/∂Δκ = {}", division.chi_signed(), by[0].chi_signed, by[1].chi_signed);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn divide_with_sensitivities(
@@ -159,7 +159,7 @@ pub(crate) fn run(
         }
         if let Some(rest) = run.looks.at(&stepper, run.parity) {
             if rest.growth_rate < 0.0 || run.is_attractor(&rest) {
-                return Ok((run.failed(&stepper, rest.growth_rate), None));
+                return Ok((run.arrested(&stepper, rest.growth_rate), None));
             }
             run.stay(&mut stepper, &rest);
         }
@@ -175,7 +175,7 @@ pub(crate) fn run(
             if run.fixed.is_none()
                 && let Some(growth_rate) = limits::afloat(&stepper)
             {
-                return Ok((run.failed(&stepper, growth_rate), None));
+                return Ok((run.arrested(&stepper, growth_rate), None));
             }
             return Err(run.undecided(cell));
         }
@@ -435,15 +435,10 @@ impl Run {
         }
     }
 
-    fn division(&self, stepper: &Stepper, outcome: Outcome) -> Division {
+    fn division(&self, stepper: &Stepper, ending: Ending) -> Division {
         Division {
-            outcome,
-            chi: None,
-            chi_signed: None,
-            u_furrow: None,
+            ending,
             t_end: stepper.levels[0].t,
-            daughters: None,
-            growth_rate: None,
             slow_growth_rate: self.slow_growth_rate,
             volume_drift: self.drift,
             work: Work { steps: self.steps, rejected: self.rejected, ..stepper.work },
@@ -453,29 +448,23 @@ impl Run {
     /// A cell that has not divided in the time that it was watched, with the growth rate of the shape that it has come to.
     fn watched(&self, stepper: &Stepper) -> Division {
         let growth_rate = Rest::near(stepper, 0, self.parity).map(|rest| rest.growth_rate);
-        Division { growth_rate, ..self.division(stepper, Outcome::Failed) }
+        self.division(stepper, Ending::Arrested { growth_rate })
     }
 
-    fn failed(&self, stepper: &Stepper, growth_rate: f64) -> Division {
-        Division { growth_rate: Some(growth_rate), ..self.division(stepper, Outcome::Failed) }
+    fn arrested(&self, stepper: &Stepper, growth_rate: f64) -> Division {
+        self.division(stepper, Ending::Arrested { growth_rate: Some(growth_rate) })
     }
 
     fn divided(&self, stepper: &Stepper, neck: Neck, symmetric_below: f64) -> Division {
         let (y, r0) = (&stepper.levels[0].y, stepper.cortex.cell.r0);
         let gauss = &stepper.system.gauss;
         let chi_signed = observables::asymmetry(gauss, y, neck.u);
-        let chi = chi_signed.abs();
-        let outcome = if chi < symmetric_below { Outcome::Symmetric } else { Outcome::Asymmetric };
+        let symmetric = chi_signed.abs() < symmetric_below;
         // The neck passed the threshold within the last step.
         let past = (PINCH_OFF * r0 - neck.radius) / self.neck_rate;
         let dt = stepper.levels[0].t - stepper.levels[1].t;
-        let division = Division {
-            chi: Some(chi),
-            chi_signed: Some(chi_signed),
-            u_furrow: Some(neck.u),
-            t_end: stepper.levels[0].t - past.clamp(0.0, dt),
-            ..self.division(stepper, outcome)
-        };
-        division.with_daughters_of(r0)
+        let ending = Ending::Divided { symmetric, chi_signed, u_furrow: neck.u, daughters: [0.0; 2] };
+        let t_end = stepper.levels[0].t - past.clamp(0.0, dt);
+        Division { t_end, ..self.division(stepper, ending) }.with_daughters_of(r0)
     }
 }

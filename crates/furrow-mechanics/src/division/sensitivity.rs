@@ -231,7 +231,7 @@ mod tests {
     }
 
     fn numbers(division: &Division) -> [f64; 3] {
-        [division.chi_signed.unwrap(), division.u_furrow.unwrap(), division.t_end]
+        [division.chi_signed().unwrap(), division.u_furrow().unwrap(), division.t_end]
     }
 
     /// Central differences of converged divisions by a parameter, to fourth order in `step` of its value.
@@ -281,6 +281,6 @@ mod tests {
     fn what_does_not_divide_has_no_sensitivities() {
         let (division, sensitivities) =
             divide_with_sensitivities(&DivisionInput::new(Cell::new(1.6)), &[Parameter::R0]).unwrap();
-        assert!(division.chi.is_none() && sensitivities.is_none());
+        assert!(division.chi().is_none() && sensitivities.is_none());
     }
 }

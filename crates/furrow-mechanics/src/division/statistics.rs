@@ -25,12 +25,12 @@ impl Statistics {
         let mut out = Statistics::default();
         let mut chi = Vec::new();
         for division in divisions {
-            match division.outcome {
+            match division.outcome() {
                 Outcome::Symmetric => out.symmetric += 1,
                 Outcome::Asymmetric => out.asymmetric += 1,
-                Outcome::Failed => out.failed += 1,
+                Outcome::Arrested => out.failed += 1,
             }
-            chi.extend(division.chi);
+            chi.extend(division.chi());
         }
         if !chi.is_empty() {
             let n = chi.len() as f64;

@@ -19,7 +19,7 @@ struct Sample {
 impl Responses {
     /// Notes χ of a canonical input's division.
     pub fn note(&mut self, key: Key, canonical: &DivisionInput, division: &Division) {
-        let Some(chi) = division.chi else { return };
+        let Some(chi) = division.chi() else { return };
         self.0.entry(key).or_insert_with(|| {
             let cell = Cell { r0: 0.0, ..canonical.cell.clone() };
             let family = Key::new(&DivisionInput { cell, ..*canonical });

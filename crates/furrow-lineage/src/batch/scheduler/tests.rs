@@ -30,7 +30,7 @@ fn grow(r0: f64, memo: &Memo, options: &SchedulerOptions<'_>) -> (Cells, Summary
     let mut cells = Cells::new();
     let summary = run(vec![Job { id: 1, input: input(r0) }], memo, options, solve, |id, division| {
         cells.insert(id, (radii[&id].to_bits(), division.clone()));
-        let daughters = division.daughters.into_iter().flatten().zip([2 * id, 2 * id + 1]);
+        let daughters = division.daughters().into_iter().flatten().zip([2 * id, 2 * id + 1]);
         let following: Vec<Job> = daughters.map(|(r0, id)| Job { id, input: input(r0) }).collect();
         radii.extend(following.iter().map(|job| (job.id, job.input.cell.r0)));
         following
@@ -61,7 +61,7 @@ fn trees_are_the_same_at_any_thread_count_and_from_a_warm_memo() {
 fn equal_divisions_are_solved_once() {
     let memo = Memo::new(Quantisation::DEFAULT);
     let (cells, summary) = grow(8.0 * 2.0_f64.powf(4.9), &memo, &SchedulerOptions::default());
-    assert_eq!(cells.values().filter(|(_, division)| division.chi == Some(0.0)).count(), 31);
+    assert_eq!(cells.values().filter(|(_, division)| division.chi() == Some(0.0)).count(), 31);
     let radii = cells.values().map(|(bits, _)| memo.quantisation().apply(f64::from_bits(*bits)).to_bits());
     assert_eq!(summary.solved, radii.collect::<std::collections::BTreeSet<_>>().len());
     assert!(summary.solved < cells.len() / 10, "{summary:?}");
@@ -72,7 +72,7 @@ fn rounding_loses_no_radius_and_reports_its_effect() {
     let memo = Memo::new(Quantisation::with_relative_step(1e-3).unwrap());
     let (cells, summary) = grow(21.0, &memo, &SchedulerOptions::default());
     for (r0, division) in cells.values() {
-        if let Some([left, right]) = division.daughters {
+        if let Some([left, right]) = division.daughters() {
             assert!(((left + right) / f64::from_bits(*r0) - 1.0).abs() < 1e-14);
         }
     }
@@ -223,7 +223,7 @@ fn an_interrupted_run_is_resumed_without_solving_anything_twice() {
                 solve(input)
             };
             let following =
-                |_: usize, division: &Division| jobs(&division.daughters.into_iter().flatten().collect::<Vec<_>>());
+                |_: usize, division: &Division| jobs(&division.daughters().into_iter().flatten().collect::<Vec<_>>());
             let options = SchedulerOptions { threads, interrupt: Some(&stop), ..Default::default() };
             let first = run(jobs(&[20.0]), &memo, &options, solve, following).unwrap();
             assert!(first.interrupted);

@@ -5,7 +5,7 @@ use rusqlite::types::{Value, ValueRef};
 
 use crate::batch::Key;
 use furrow_cell::{Cell, Material, Numerics, RigidityGradient, Scheme, Shell};
-use furrow_mechanics::division::{Division, DivisionInput, Outcome};
+use furrow_mechanics::division::{Division, DivisionInput, DivisionRow, Outcome};
 
 /// The columns. None has a declared type: in a column of reals SQLite would store −0 as 0.
 pub const COLUMNS: [&str; 44] = [
@@ -77,7 +77,7 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
         noise,
         chi_symmetric,
     } = *numerics;
-    let Division {
+    let DivisionRow {
         outcome,
         chi,
         chi_signed,
@@ -88,7 +88,7 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
         slow_growth_rate,
         volume_drift,
         work: Work { steps, rejected, iterations, factorisations, remeshings },
-    } = division;
+    } = division.clone().into();
     let reals = |values: &[f64]| values.iter().copied().map(Value::Real).collect::<Vec<_>>();
     let maybe = |value: Option<f64>| value.map_or(Value::Null, Value::Real);
     let count = |value: usize| Value::Integer(value as i64);
@@ -111,10 +111,10 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
     }));
     row.extend(reals(&[dt, first_step, time_tolerance, step_factor, t_max, noise, chi_symmetric]));
     row.push(text(outcome.name()));
-    row.extend([maybe(*chi), maybe(*chi_signed), maybe(*u_furrow), Value::Real(*t_end)]);
+    row.extend([maybe(chi), maybe(chi_signed), maybe(u_furrow), Value::Real(t_end)]);
     row.extend([0, 1].map(|k| maybe(daughters.map(|radii| radii[k]))));
-    row.extend([maybe(*growth_rate), maybe(*slow_growth_rate), Value::Real(*volume_drift)]);
-    row.extend([*steps, *rejected, *iterations, *factorisations, *remeshings].map(count));
+    row.extend([maybe(growth_rate), maybe(slow_growth_rate), Value::Real(volume_drift)]);
+    row.extend([steps, rejected, iterations, factorisations, remeshings].map(count));
     let checksum = checksum(row.iter().map(ValueRef::from));
     row.push(Value::Integer(checksum));
     row
@@ -131,7 +131,7 @@ pub fn decode(row: &[ValueRef<'_>]) -> Option<Division> {
     let outcome = match next()? {
         ValueRef::Text(b"symmetric") => Outcome::Symmetric,
         ValueRef::Text(b"asymmetric") => Outcome::Asymmetric,
-        ValueRef::Text(b"failed") => Outcome::Failed,
+        ValueRef::Text(b"failed") => Outcome::Arrested,
         _ => return None,
     };
     let mut real = || match next()? {
@@ -139,7 +139,7 @@ pub fn decode(row: &[ValueRef<'_>]) -> Option<Division> {
         ValueRef::Null => Some(None),
         _ => None,
     };
-    let division = Division {
+    let row = DivisionRow {
         outcome,
         chi: real()?,
         chi_signed: real()?,
@@ -166,7 +166,7 @@ pub fn decode(row: &[ValueRef<'_>]) -> Option<Division> {
             }
         },
     };
-    in_range(&division).then_some(division)
+    Division::try_from(row).ok().filter(in_range)
 }
 
 /// Whether the numbers are those of some division. NaN, which SQLite cannot store, is in no range.
@@ -174,11 +174,11 @@ pub fn in_range(division: &Division) -> bool {
     // The smaller daughter of a division that is all but none may have a volume below 0 by rounding.
     let share = |number: f64| (0.0..=1.0 + 1e-6).contains(&number);
     let positive = |number: f64| number.is_finite() && number >= 0.0;
-    division.chi.is_none_or(share)
-        && division.chi_signed.is_none_or(|chi| share(chi.abs()))
-        && division.u_furrow.is_none_or(share)
-        && division.daughters.is_none_or(|radii| radii.into_iter().all(positive))
-        && division.growth_rate.is_none_or(f64::is_finite)
+    division.chi().is_none_or(share)
+        && division.chi_signed().is_none_or(|chi| share(chi.abs()))
+        && division.u_furrow().is_none_or(share)
+        && division.daughters().is_none_or(|radii| radii.into_iter().all(positive))
+        && division.growth_rate().is_none_or(f64::is_finite)
         && division.slow_growth_rate.is_none_or(f64::is_finite)
         && positive(division.t_end)
         && positive(division.volume_drift)

@@ -6,7 +6,7 @@ use tempfile::TempDir;
 
 use super::{maintenance, sqlite::FILE, *};
 use crate::batch::{Key, SOLVER_VERSION, fake};
-use furrow_mechanics::division::{Division, Outcome};
+use furrow_mechanics::division::{Division, Ending};
 
 fn r0(number: usize) -> f64 {
     1.0 + number as f64 / 16.0
@@ -59,21 +59,24 @@ proptest! {
     #[test]
     fn a_division_comes_back_bit_for_bit(
         outcome in 0..3_usize,
-        reals in vec(number(), 4),
-        maybe in vec(option::of(number()), 6),
+        reals in vec(number(), 6),
+        maybe in vec(option::of(number()), 2),
         counts in any::<[u32; 5]>().prop_map(|counts| counts.map(|count| count as usize)),
     ) {
         let [steps, rejected, iterations, factorisations, remeshings] = counts;
         let division = Division {
-            outcome: [Outcome::Symmetric, Outcome::Asymmetric, Outcome::Failed][outcome],
-            chi: maybe[0],
-            chi_signed: maybe[1],
-            u_furrow: maybe[2],
-            t_end: reals[0],
-            daughters: maybe[3].map(|_| [reals[1], reals[2]]),
-            growth_rate: maybe[4],
-            slow_growth_rate: maybe[5],
-            volume_drift: reals[3],
+            ending: match outcome {
+                2 => Ending::Arrested { growth_rate: maybe[0] },
+                _ => Ending::Divided {
+                    symmetric: outcome == 0,
+                    chi_signed: reals[0],
+                    u_furrow: reals[1],
+                    daughters: [reals[2], reals[3]],
+                },
+            },
+            t_end: reals[4],
+            slow_growth_rate: maybe[1],
+            volume_drift: reals[5],
             work: furrow_bvp::Work { steps, rejected, iterations, factorisations, remeshings },
         };
         let cache = tempfile::tempdir().unwrap();
@@ -97,7 +100,7 @@ fn rows_can_be_read_by_others() {
     assert_eq!(counts(&cache), [100, 0, 0]);
     assert_eq!(sql::<u32>(&cache, "SELECT count(*) FROM division WHERE cue = 'none' AND r0 >= 2"), 84);
     let chi: f64 = sql(&cache, "SELECT chi FROM division WHERE r0 = 2");
-    assert_eq!(Some(chi), fake::divide(&fake::input(2.0)).chi);
+    assert_eq!(Some(chi), fake::divide(&fake::input(2.0)).chi());
     assert_eq!(sql::<u32>(&cache, "SELECT DISTINCT solver FROM division"), SOLVER_VERSION);
 }
 
