@@ -35,7 +35,7 @@
 //! | name | role |
 //! |---|---|
 //! | [`Cell`], [`Cue`], [`Parameter`], [`Numerics`], [`Settings`] | a cell, its polarity cue, its numbers by name, the discretisation, presets and files |
-//! | [`divide`], [`film()`] | one division: its outcome, or all its shapes |
+//! | [`divide`], [`Trajectory`] | one division: its outcome, or all its shapes |
 //! | [`stationary`], [`Stability`] | an equilibrium at some activity, its growth rates |
 //! | [`follow`], [`first_pitchfork`], [`critical_radius`] | a branch with its folds and pitchforks, a threshold, the radius below which cells rest |
 //! | [`calibrate`] | constants from thresholds |
@@ -64,7 +64,7 @@ pub use furrow_lineage::{Grower, Lineage, Thresholds, Tree, TreeSettings, founde
 #[doc(no_inline)]
 pub use furrow_mechanics::calibration::calibrate;
 #[doc(no_inline)]
-pub use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide, film};
+pub use furrow_mechanics::division::{Division, DivisionInput, Outcome, Trajectory, divide};
 #[doc(no_inline)]
 pub use furrow_mechanics::equilibria::{
     BranchOptions, CriticalRadii, critical_radius, pitchfork::first as first_pitchfork, primary::follow, stationary,

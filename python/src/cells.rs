@@ -7,7 +7,7 @@ use furrow_formats::frames::{COLUMNS, check_step, stills};
 use furrow_input::InputError;
 use furrow_lineage::batch::{Replicates, SchedulerOptions, replicates};
 use furrow_mechanics::cortex::forces::Place;
-use furrow_mechanics::division::{Division, Still, film as film_of};
+use furrow_mechanics::division::{Division, Snapshot, Trajectory};
 use furrow_mechanics::equilibria::{BranchEnd, BranchOptions, pitchfork as pitchforks, stationary};
 use furrow_report::{EventReport, StationaryReport, ThresholdReport};
 use numpy::PyArray1;
@@ -85,7 +85,7 @@ pub fn film<'py>(
         return Err(raised(py, error.into(), 0));
     }
     let (division, stills, shell) = supervised(py, Interrupt::Leaves, None, move |_| {
-        let film = film_of(&input)?;
+        let film = Trajectory::compute(&input)?;
         let film = match places {
             Some(count) => film.with_places(count),
             None => film,
@@ -105,8 +105,8 @@ fn division_json(division: &Division) -> PyResult<String> {
 }
 
 /// What is read off each frame.
-fn frame_columns(stills: &[Still]) -> Vec<(&'static str, Vec<f64>)> {
-    let column = |of: fn(&Still) -> f64| stills.iter().map(of).collect();
+fn frame_columns(stills: &[Snapshot]) -> Vec<(&'static str, Vec<f64>)> {
+    let column = |of: fn(&Snapshot) -> f64| stills.iter().map(of).collect();
     vec![
         ("t", column(|still| still.t)),
         ("neck_radius", column(|still| or_nan(still.neck.map(|neck| neck.radius)))),
@@ -118,7 +118,7 @@ fn frame_columns(stills: &[Still]) -> Vec<(&'static str, Vec<f64>)> {
 }
 
 /// Where the places of each frame end, the first beginning at 0.
-fn ends(stills: &[Still]) -> Vec<i64> {
+fn ends(stills: &[Snapshot]) -> Vec<i64> {
     let mut end = 0;
     let behind = stills.iter().map(|still| {
         end += still.places.len() as i64;

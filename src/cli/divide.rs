@@ -19,7 +19,7 @@ use furrow_cell::Cue;
 use furrow_formats::frames::INDEX;
 use furrow_lineage::Units;
 use furrow_lineage::batch::{Failure, Replicates, Unsolved, replicates};
-use furrow_mechanics::division::{Division, DivisionInput, Statistics, film};
+use furrow_mechanics::division::{Division, DivisionInput, Statistics, Trajectory};
 
 /// Computes one division, from the passive shape to pinch-off or rest
 ///
@@ -98,7 +98,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     let Replicates { divisions, undecided, .. } = solve(args, &context, &input)?;
     if args.frames.is_some() || picture.is_wanted() || movie.is_wanted() {
         interrupt::abort();
-        let film = film(&input)?;
+        let film = Trajectory::compute(&input)?;
         write_all_frames(args.frames.as_deref(), &film, every)?;
         let film = film.with_places(DENSE);
         picture.write(|| furrow_figures::plot::division::draw(&input.cell, &film))?;

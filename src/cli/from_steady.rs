@@ -17,8 +17,9 @@ use furrow_cell::Cue;
 use furrow_figures::plot::perturbation::{Watched, draw};
 use furrow_formats::frames::{check_step, write_frames};
 use furrow_lineage::batch::perturbations::{Disturbed, perturbations};
-use furrow_mechanics::division::{Division, DivisionInput, Film, Statistics};
-use furrow_mechanics::perturbation::{Perturbation, WATCHED, film_perturbed};
+use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Frame, Recorder, Statistics, Trajectory};
+use furrow_mechanics::equilibria::stationary;
+use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
 
 /// The options of a start from a stationary shape.
 #[derive(Debug, Args)]
@@ -126,7 +127,11 @@ fn write_files(
     output: Output<'_>,
 ) -> Result<(), CliError> {
     if output.frames.is_some() || output.movie.is_wanted() {
-        let (film, _) = film_perturbed(input, until)?;
+        let start = stationary(&input.cell, &input.numerics).map_err(PerturbationError::from)?;
+        let mut recorder = Recorder::default();
+        let mut record = |frame: Frame<'_>| recorder.record(frame);
+        let division = perturb(input, &start, until, DivisionOptions::observed_by(&mut record))?.division;
+        let film = recorder.finish(input, division);
         write_all_frames(output.frames, &film, output.every)?;
         output.movie.write(&input.cell, &film.with_places(DENSE))?;
     }
@@ -136,7 +141,7 @@ fn write_files(
 }
 
 /// Writes the frames of a film into a folder, if one is given, after every step or every so many τ; an interruption waits for them.
-pub fn write_all_frames(folder: Option<&Path>, film: &Film, every: Option<f64>) -> Result<(), CliError> {
+pub fn write_all_frames(folder: Option<&Path>, film: &Trajectory, every: Option<f64>) -> Result<(), CliError> {
     let Some(folder) = folder else { return Ok(()) };
     check_step("--frame-step", film, every)?;
     Ok(interrupt::defer(|| write_frames(folder, film, every))?)

@@ -10,7 +10,7 @@ use super::output::file_of_format;
 use furrow_cell::Cell;
 use furrow_figures::movie::{Movie, MovieFormat};
 use furrow_input::InputError;
-use furrow_mechanics::division::Film;
+use furrow_mechanics::division::Trajectory;
 
 /// Places of each mesh interval in pictures and movies.
 pub const DENSE: usize = 6;
@@ -55,7 +55,7 @@ impl MovieFile {
     ///
     /// # Errors
     /// It cannot be drawn or written.
-    pub fn write(&self, cell: &Cell, film: &Film) -> Result<(), CliError> {
+    pub fn write(&self, cell: &Cell, film: &Trajectory) -> Result<(), CliError> {
         let Some((path, format)) = &self.file else { return Ok(()) };
         let frames = self.frames.map_or(format.usual_frames(), |frames| frames as usize);
         write_deferred(path, &Movie { cell, film, frames }.bytes(*format)?)

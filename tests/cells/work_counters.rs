@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 use crate::common::shapes::{at, solve, whole};
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
-use furrow_mechanics::division::{DivisionInput, divide_observed};
+use furrow_mechanics::division::{DivisionInput, DivisionOptions, divide_with};
 use furrow_mechanics::equilibria::curves;
 
 /// One division of each kind.
@@ -50,7 +50,9 @@ fn intervals_of_each_kind_of_division() {
     for (kind, r0, cue) in kinds() {
         let mut intervals = Vec::new();
         let input = DivisionInput::new(Cell::new(r0).with_cue(cue));
-        let division = divide_observed(&input, |frame| intervals.push(frame.shape.intervals())).unwrap();
+        let (division, _) =
+            divide_with(&input, DivisionOptions::observed_by(&mut |frame| intervals.push(frame.shape.intervals())))
+                .unwrap();
         assert_eq!(intervals.len(), division.work.steps, "the start and all steps but the first");
         let steps = &intervals[1..];
         let (least, most) = (steps.iter().min().unwrap(), steps.iter().max().unwrap());

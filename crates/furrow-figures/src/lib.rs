@@ -14,9 +14,9 @@
 //! use furrow_figures::movie::{Movie, MovieFormat};
 //! use furrow_figures::plot;
 //! use furrow_cell::Cell;
-//! use furrow_mechanics::division::{DivisionInput, film};
+//! use furrow_mechanics::division::{DivisionInput, Trajectory};
 //! let cell = Cell::new(3.0);
-//! let film = film(&DivisionInput::new(cell.clone()))?;
+//! let film = Trajectory::compute(&DivisionInput::new(cell.clone()))?;
 //! assert!(plot::division::draw(&cell, &film).svg().starts_with("<svg"));
 //! let movie = Movie { cell: &cell, film: &film, frames: 2 };
 //! assert!(movie.bytes(MovieFormat::Gif)?.starts_with(b"GIF89a"));

@@ -2,7 +2,7 @@
 
 use super::files::{FileSet, WriteError};
 use furrow_input::{InputError, read_text};
-use furrow_mechanics::division::{Film, Still};
+use furrow_mechanics::division::{Snapshot, Trajectory};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::path::Path;
@@ -66,7 +66,7 @@ fn name(number: usize) -> String {
 }
 
 /// The times of the frames of a division: of its steps, or every so many τ and its last.
-pub fn stills(film: &Film, every: Option<f64>) -> Vec<Still> {
+pub fn stills(film: &Trajectory, every: Option<f64>) -> Vec<Snapshot> {
     match every {
         None => (0..film.times().len()).map(|number| film.step(number)).collect(),
         Some(step) => film.uniform_times(step).into_iter().map(|t| film.at(t)).collect(),
@@ -80,7 +80,7 @@ const MOST_FRAMES: f64 = 100_000.0;
 ///
 /// # Errors
 /// Says which step is long enough.
-pub fn check_step(source_name: &str, film: &Film, every: Option<f64>) -> Result<(), InputError> {
+pub fn check_step(source_name: &str, film: &Trajectory, every: Option<f64>) -> Result<(), InputError> {
     let least = film.division.t_end / MOST_FRAMES;
     match every.filter(|step| *step < least) {
         None => Ok(()),
@@ -99,7 +99,7 @@ pub fn check_step(source_name: &str, film: &Film, every: Option<f64>) -> Result<
 ///
 /// # Errors
 /// [`FramesError`].
-pub fn write_frames(folder: &Path, film: &Film, every: Option<f64>) -> Result<(), FramesError> {
+pub fn write_frames(folder: &Path, film: &Trajectory, every: Option<f64>) -> Result<(), FramesError> {
     let mut files = FileSet::new(folder);
     let mut entries: Vec<Entry> = vec![];
     for still in stills(film, every) {
@@ -123,7 +123,7 @@ pub fn write_frames(folder: &Path, film: &Film, every: Option<f64>) -> Result<()
 }
 
 /// One frame as CSV under the names of its columns.
-fn csv(still: &Still) -> String {
+fn csv(still: &Snapshot) -> String {
     let mut csv = COLUMNS.map(|(name, _)| name).join(",");
     csv.push('\n');
     for p in &still.places {

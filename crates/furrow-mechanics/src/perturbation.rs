@@ -12,10 +12,9 @@ use furrow_bvp::{Gauss, Solution};
 use crate::cortex::Domain;
 use crate::cortex::equations::{COMPONENTS, R, Z};
 use crate::cortex::symmetry::unfold;
-use crate::division::film::Recording;
 use crate::division::run::run;
 use crate::division::start::Start;
-use crate::division::{Division, DivisionError, DivisionInput, Film, Frame, Outcome};
+use crate::division::{Division, DivisionError, DivisionInput, DivisionOptions, Frame, Outcome};
 use crate::equilibria::{StationaryError, StationaryShape, stationary};
 use crate::stability::StabilityError;
 
@@ -79,13 +78,13 @@ pub enum PerturbationError {
     Division(#[from] DivisionError),
 }
 
-/// Disturbs the first stationary shape at the cell's activity on its primary branch, and watches it for so many τ.
+/// Disturbs the first stationary shape at the cell's activity on its primary branch, and follows it for so many τ.
 ///
 /// # Errors
 /// [`PerturbationError`]; of [`StationaryError::OutOfReach`] where the cell has no such shape.
 ///
 /// # Examples
-/// Above its pitchfork the symmetric shape of a cell of R0 = 2 is left, below it is come back to:
+/// A cell of R0 = 2 leaves its symmetric shape above its pitchfork, and comes back to it below:
 ///
 /// ```
 /// use furrow_cell::Cell;
@@ -96,40 +95,22 @@ pub enum PerturbationError {
 ///     perturbed(&DivisionInput::new(cell), 40.0).map(|watched| watched.returned())
 /// };
 /// assert!(returned(20.0)? && !returned(25.0)?);
-/// # Ok::<(), crate::perturbation::PerturbationError>(())
+/// # Ok::<(), furrow_mechanics::perturbation::PerturbationError>(())
 /// ```
 pub fn perturbed(input: &DivisionInput, until: f64) -> Result<Perturbation, PerturbationError> {
-    perturbed_from(input, &stationary(&input.cell, &input.numerics)?, until)
+    perturb(input, &stationary(&input.cell, &input.numerics)?, until, DivisionOptions::default())
 }
 
-/// [`perturbed`] of any stationary shape of the cell.
+/// [`perturbed`] from any stationary shape of the cell, with options. Parameters among them have no effect: there are no
+/// sensitivities of a disturbed shape.
 ///
 /// # Errors
 /// See [`perturbed`].
-pub fn perturbed_from(
+pub fn perturb(
     input: &DivisionInput,
     start: &StationaryShape,
     until: f64,
-) -> Result<Perturbation, PerturbationError> {
-    watch(input, start, until, &mut |_| {})
-}
-
-/// [`perturbed`] as a film, with its distances.
-///
-/// # Errors
-/// See [`perturbed`].
-pub fn film_perturbed(input: &DivisionInput, until: f64) -> Result<(Film, Perturbation), PerturbationError> {
-    let start = stationary(&input.cell, &input.numerics)?;
-    let mut recording = Recording::default();
-    let perturbation = watch(input, &start, until, &mut |frame| recording.keep(frame))?;
-    Ok((recording.film(input, perturbation.division.clone()), perturbation))
-}
-
-fn watch(
-    input: &DivisionInput,
-    start: &StationaryShape,
-    until: f64,
-    observe: &mut dyn FnMut(Frame<'_>),
+    options: DivisionOptions<'_>,
 ) -> Result<Perturbation, PerturbationError> {
     if !(until.is_finite() && until > input.numerics.first_step) {
         let allowed = "a finite time, in τ, above that of the first step";
@@ -141,13 +122,17 @@ fn watch(
     let longest_step = (until / STEPS).min(GROWTH_PER_STEP / start_growth_rate.max(0.0));
     let mut reference: Option<Solution> = None;
     let mut distances = Vec::new();
+    let mut observer = options.observer;
     let mut note = |frame: Frame<'_>| {
         let from = reference.get_or_insert_with(|| frame.shape.clone());
         distances.push([frame.t, distance(frame.gauss, frame.shape, from)]);
-        observe(frame);
+        if let Some(observe) = &mut observer {
+            observe(frame);
+        }
     };
     let start = Start::Stationary { shape, until, longest_step };
-    let (division, _) = run(input, &start, &mut note, &[])?;
+    let options = DivisionOptions { observer: Some(&mut note), cancel: options.cancel, parameters: &[] };
+    let (division, _) = run(input, &start, options)?;
     Ok(Perturbation { division, distances, start_growth_rate })
 }
 

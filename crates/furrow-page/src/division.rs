@@ -6,7 +6,7 @@ use furrow_lineage::FounderPhysics;
 use furrow_lineage::batch::Quantisation;
 use furrow_mechanics::cortex::equations::{COMPONENTS, LENGTH, M, PSI, R, Z};
 use furrow_mechanics::cortex::{Cortex, Domain};
-use furrow_mechanics::division::{Division, DivisionInput, divide_observed};
+use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, divide_with};
 use serde::{Deserialize, Serialize};
 
 use super::answer::{Answer, PageError};
@@ -86,12 +86,15 @@ pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
     cell.r0 = Quantisation::with_relative_step(r0_step).unwrap_or(Quantisation::EXACT).apply(cell.r0);
     let input = DivisionInput { cell, numerics, seed };
     let mut shapes: Vec<(Step, Solution)> = Vec::new();
-    let division = divide_observed(&input, |frame| {
-        if wanted == Wanted::Last {
-            shapes.clear();
-        }
-        shapes.push((Step { t: frame.t, neck: frame.neck.map(|neck| neck.radius) }, frame.shape.clone()));
-    })?;
+    let (division, _) = divide_with(
+        &input,
+        DivisionOptions::observed_by(&mut |frame| {
+            if wanted == Wanted::Last {
+                shapes.clear();
+            }
+            shapes.push((Step { t: frame.t, neck: frame.neck.map(|neck| neck.radius) }, frame.shape.clone()));
+        }),
+    )?;
     let film = Film::new(&input, division.u_furrow());
     let mut numbers = Vec::new();
     let mut frames = Vec::with_capacity(shapes.len());

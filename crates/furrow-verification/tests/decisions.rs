@@ -4,7 +4,7 @@
 use furrow_cell::{Cell, Cue, Numerics};
 use furrow_mechanics::cortex::observables::positions;
 use furrow_mechanics::cortex::symmetry::mirror;
-use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide, divide_observed};
+use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Outcome, divide, divide_with};
 use furrow_mechanics::equilibria::{BranchOptions, pitchfork};
 use furrow_verification::report::{near, within};
 use furrow_verification::states::{resting, uneven_cell};
@@ -38,10 +38,13 @@ fn a_growth_rate_above_zero_divides_and_one_below_rests() {
 fn a_division_ends_at_a_thousandth_of_the_radius() {
     let cell = Cell::new(3.0);
     let mut necks = Vec::new();
-    let division = divide_observed(&DivisionInput::new(cell.clone()), |frame| {
-        necks.extend(frame.neck.map(|neck| neck.radius / cell.r0));
-    });
-    assert_eq!(division.unwrap().outcome(), Outcome::Symmetric);
+    let division = divide_with(
+        &DivisionInput::new(cell.clone()),
+        DivisionOptions::observed_by(&mut |frame| {
+            necks.extend(frame.neck.map(|neck| neck.radius / cell.r0));
+        }),
+    );
+    assert_eq!(division.unwrap().0.outcome(), Outcome::Symmetric);
     let [.., before, last] = necks[..] else { panic!("{necks:?}") };
     assert!(last < 1e-3 && before > 1e-3, "the last two necks are {before:.1e} and {last:.1e} of R0");
 }
@@ -70,11 +73,14 @@ fn a_division_starts_from_the_passive_shape_without_its_cue() {
     let cued = cell.clone().with_cue("kappa:band,u0=0.44,omega=0.15,amplitude=0.2".parse().unwrap());
     let [a, b] = [cell, cued].map(|cell| {
         let mut start = Vec::new();
-        divide_observed(&DivisionInput::new(cell), |frame| {
-            if frame.t == 0.0 {
-                positions(frame.shape, &mut start);
-            }
-        })
+        divide_with(
+            &DivisionInput::new(cell),
+            DivisionOptions::observed_by(&mut |frame| {
+                if frame.t == 0.0 {
+                    positions(frame.shape, &mut start);
+                }
+            }),
+        )
         .unwrap();
         start
     });
@@ -88,25 +94,29 @@ fn a_division_starts_from_the_passive_shape_without_its_cue() {
 fn chi_is_that_of_the_volumes_on_the_two_sides() {
     let cell = Cell::new(3.3).with_cue(Cue::published());
     let mut last = None;
-    let division = divide_observed(&DivisionInput::new(cell.clone()), |frame| {
-        // By frusta between many points, which know no quadrature of the solver.
-        let mut y = vec![0.0; frame.shape.components];
-        let mut at = |u: f64| {
-            frame.shape.eval(frame.gauss, u, &mut y);
-            [y[0], y[1]]
-        };
-        if let Some(neck) = frame.neck {
-            let mut volume = |from: f64, to: f64| {
-                let points: Vec<[f64; 2]> =
-                    (0..=4000).map(|k| at(from + (to - from) * f64::from(k) / 4000.0)).collect();
-                let frustum =
-                    |w: &[[f64; 2]]| (w[0][1] - w[1][1]) * (w[0][0] * w[0][0] + w[0][0] * w[1][0] + w[1][0] * w[1][0]);
-                std::f64::consts::PI / 3.0 * points.windows(2).map(frustum).sum::<f64>()
+    let (division, _) = divide_with(
+        &DivisionInput::new(cell.clone()),
+        DivisionOptions::observed_by(&mut |frame| {
+            // By frusta between many points, which know no quadrature of the solver.
+            let mut y = vec![0.0; frame.shape.components];
+            let mut at = |u: f64| {
+                frame.shape.eval(frame.gauss, u, &mut y);
+                [y[0], y[1]]
             };
-            let [first, second] = [volume(0.0, neck.u), volume(neck.u, 1.0)];
-            last = Some((second - first) / (first + second));
-        }
-    })
+            if let Some(neck) = frame.neck {
+                let mut volume = |from: f64, to: f64| {
+                    let points: Vec<[f64; 2]> =
+                        (0..=4000).map(|k| at(from + (to - from) * f64::from(k) / 4000.0)).collect();
+                    let frustum = |w: &[[f64; 2]]| {
+                        (w[0][1] - w[1][1]) * (w[0][0] * w[0][0] + w[0][0] * w[1][0] + w[1][0] * w[1][0])
+                    };
+                    std::f64::consts::PI / 3.0 * points.windows(2).map(frustum).sum::<f64>()
+                };
+                let [first, second] = [volume(0.0, neck.u), volume(neck.u, 1.0)];
+                last = Some((second - first) / (first + second));
+            }
+        }),
+    )
     .unwrap();
     near("χ", division.chi_signed().unwrap(), last.unwrap(), 1e-5);
 }

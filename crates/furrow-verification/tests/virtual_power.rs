@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use furrow_cell::{Cell, RigidityGradient};
 use furrow_mechanics::cortex::equations::{COMPONENTS, M, PSI, Q, R, T, V, Z};
-use furrow_mechanics::division::{DivisionInput, divide_observed};
+use furrow_mechanics::division::{DivisionInput, DivisionOptions, divide_with};
 use furrow_verification::coefficients::coefficients;
 use furrow_verification::contour::{Computed, Place};
 use furrow_verification::report::{near, within};
@@ -141,22 +141,27 @@ fn the_cue_is_switched_on_with_the_activity() {
     let cue = "kappa:band,u0=0.44,omega=0.15,amplitude=0.2+tension:gradient,amplitude=0.3";
     let cell = Cell::new(3.0).with_cue(cue.parse().unwrap());
     let (mut before, mut after, mut frames) = (None, 0.0f64, 0);
-    divide_observed(&DivisionInput::new(cell.clone()), |frame| {
-        if frame.t == 0.0 {
-            let passive = Cell { xi_s: 0.0, cue: "none".parse().unwrap(), ..cell.clone() };
-            let state = Computed { cell: passive, shape: frame.shape.clone(), motion: Vec::new(), noise: Vec::new() };
-            before = Some(worst(&state));
-            return;
-        }
-        if frame.neck.is_some() || !frame.cortex.noise.is_empty() {
-            return;
-        }
-        let moved = frame.shape.stages.chunks_exact(COMPONENTS).zip(&frame.cortex.past);
-        let motion = moved.map(|(y, past)| [y[R] - past[0], y[Z] - past[1]].map(|d| d * frame.cortex.rate)).collect();
-        let state = Computed { cell: cell.clone(), shape: frame.shape.clone(), motion, noise: Vec::new() };
-        after = after.max(worst(&state));
-        frames += 1;
-    })
+    divide_with(
+        &DivisionInput::new(cell.clone()),
+        DivisionOptions::observed_by(&mut |frame| {
+            if frame.t == 0.0 {
+                let passive = Cell { xi_s: 0.0, cue: "none".parse().unwrap(), ..cell.clone() };
+                let state =
+                    Computed { cell: passive, shape: frame.shape.clone(), motion: Vec::new(), noise: Vec::new() };
+                before = Some(worst(&state));
+                return;
+            }
+            if frame.neck.is_some() || !frame.cortex.noise.is_empty() {
+                return;
+            }
+            let moved = frame.shape.stages.chunks_exact(COMPONENTS).zip(&frame.cortex.past);
+            let motion =
+                moved.map(|(y, past)| [y[R] - past[0], y[Z] - past[1]].map(|d| d * frame.cortex.rate)).collect();
+            let state = Computed { cell: cell.clone(), shape: frame.shape.clone(), motion, noise: Vec::new() };
+            after = after.max(worst(&state));
+            frames += 1;
+        }),
+    )
     .unwrap();
     assert!(frames > 5, "{frames} shapes without noise before there is a neck");
     within("virtual power at t = 0, without cue", before.unwrap(), SOLVED);

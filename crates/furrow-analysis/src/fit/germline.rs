@@ -22,7 +22,7 @@ use furrow_cell::cue::{Quantity, Width};
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_lineage::batch::scheduler;
 use furrow_lineage::{Daughter, Lineage, Place, TreeSettings};
-use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide, divide_with_sensitivities};
+use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Outcome, divide, divide_with};
 
 /// Between which values the numbers of a cue are searched: places, widths in u, widths in L_h, amplitudes.
 const PLACES: [f64; 2] = [0.05, 0.95];
@@ -212,7 +212,8 @@ impl Chain<'_> {
         let numbers = unknowns.iter().map(|unknown| unknown.parameter);
         let own: Vec<Parameter> = numbers.filter(|number| number.is_of(&input.cell)).collect();
         let parameters: Vec<Parameter> = [Parameter::R0].into_iter().chain(own.iter().copied()).collect();
-        let (division, by) = divide_with_sensitivities(&input, &parameters).ok()?;
+        let options = DivisionOptions { parameters: &parameters, ..DivisionOptions::default() };
+        let (division, by) = divide_with(&input, options).ok()?;
         let (by, sign) = (by?, division.chi_signed()?.signum());
         let radius = match lineage.mother(founder).filter(|_| lineage.given_r0(founder).is_none()) {
             Some(mother) => self.slopes(mother)?.radius(lineage.founders[founder].daughter),

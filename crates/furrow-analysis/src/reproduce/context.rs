@@ -14,7 +14,7 @@ use furrow_lineage::batch::{
     Memo, PhaseDiagram, PhasePlane, SchedulerError, SchedulerOptions, StoreWarning, scheduler,
 };
 use furrow_lineage::{GrowError, Tree};
-use furrow_mechanics::division::{Division, DivisionInput, Film, divide};
+use furrow_mechanics::division::{Division, DivisionInput, Trajectory, divide};
 use furrow_mechanics::equilibria::Branch;
 use furrow_mechanics::equilibria::curves::{self, Curve};
 use furrow_mechanics::perturbation::Perturbation;
@@ -155,7 +155,7 @@ pub enum Artifact {
     /// The boundaries of division over R0.
     Boundary(Cell, [f64; 2], Curve, Vec<Curve>),
     /// A division.
-    Film(Cell, Box<Film>),
+    Film(Cell, Box<Trajectory>),
     /// Disturbed shapes of one cell at several activities, each with its name.
     Perturbations(Cell, Vec<(String, Perturbation)>),
     /// A lineage.

@@ -6,13 +6,13 @@ use super::context::{Artifact, Figure, Finding, ReproduceError};
 use furrow_cell::{Cell, Cue};
 use furrow_lineage::batch::scheduler;
 use furrow_mechanics::cortex::forces::Place;
-use furrow_mechanics::division::{Film, Still, film};
+use furrow_mechanics::division::{Snapshot, Trajectory};
 
 /// The cell that forces are looked at in: it divides into equal halves.
 const R0: f64 = 3.0;
 
 /// The first step at which the neck is at most half as wide as the cell was.
-fn half_way(film: &Film) -> Option<Still> {
+fn half_way(film: &Trajectory) -> Option<Snapshot> {
     let width = film.step(0).places.iter().map(|place| place.r).fold(0.0, f64::max);
     let times = film.times().len();
     (0..times).map(|k| film.step(k)).find(|still| still.neck.is_some_and(|neck| neck.radius <= 0.5 * width))
@@ -21,7 +21,7 @@ fn half_way(film: &Film) -> Option<Still> {
 /// Figures 1B to 1D: the forces along the contour.
 pub fn furrow(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let cell = figure.context.cell(R0, 0.87);
-    let film = match film(&figure.context.input(cell.clone())) {
+    let film = match Trajectory::compute(&figure.context.input(cell.clone())) {
         Ok(film) => film,
         Err(error) => {
             figure.findings = ["furrow", "active_flow"].map(|id| Finding::not_computed(id, &error)).to_vec();
@@ -66,7 +66,7 @@ fn nearest(places: &[Place], u: f64) -> Option<&Place> {
 
 /// Figure S2: the balance of normal forces.
 pub fn balance(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
-    let finding = match film(&figure.context.input(figure.context.cell(R0, 0.87))) {
+    let finding = match Trajectory::compute(&figure.context.input(figure.context.cell(R0, 0.87))) {
         Ok(film) => Finding::judged("balance", half_way(&film).map_or((false, OPEN_NECK.to_owned()), balanced)),
         Err(error) => Finding::not_computed("balance", error),
     };
@@ -75,7 +75,7 @@ pub fn balance(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
 }
 
 /// Whether the normal forces add up to nothing, with the forces at the neck in words.
-fn balanced(still: Still) -> (bool, String) {
+fn balanced(still: Snapshot) -> (bool, String) {
     // The first and the last place are the poles, where no equation is solved.
     let inner = || still.places.iter().skip(1).take(still.places.len().saturating_sub(2));
     let largest = inner().flat_map(|place| place.normal.parts()).fold(0.0, |most: f64, force| most.max(force.abs()));
@@ -107,7 +107,7 @@ pub fn movies(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let ids = figure.statements.iter().map(|statement| statement.id.as_str());
     let scenes: Vec<(&str, Cell)> = ids.filter_map(|id| Some((id, scene(id)?))).collect();
     let films: Vec<_> = scheduler::pool(context.threads)?
-        .install(|| scenes.par_iter().map(|(_, cell)| film(&context.input(cell.clone()))).collect());
+        .install(|| scenes.par_iter().map(|(_, cell)| Trajectory::compute(&context.input(cell.clone()))).collect());
     for ((id, cell), film) in scenes.into_iter().zip(films) {
         match film {
             Ok(film) => {

@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use super::context::{Artifact, Context, Figure, Finding, ReproduceError};
 use furrow_cell::Cell;
 use furrow_lineage::batch::scheduler;
-use furrow_mechanics::division::DivisionInput;
+use furrow_mechanics::division::{DivisionInput, DivisionOptions};
 use furrow_mechanics::equilibria::{BranchOptions, ShapeError, StationaryError, pitchfork, stationary};
-use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturbed_from};
+use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
 
 /// Cells whose shapes are disturbed, R0 and ε: those whose branches the paper shows.
 const CELLS: [[f64; 2]; 4] = [[1.64, 0.87], [2.0, 0.87], [2.22, 0.64], [2.22, 0.88]];
@@ -68,7 +68,7 @@ fn cases(context: &Context<'_>, cell: &Cell) -> Vec<Case> {
     let one = |seed: u64| {
         let input = DivisionInput { cell: cell.clone(), numerics, seed };
         let start = start.as_ref().map_err(|error| PerturbationError::from(error.clone()));
-        let found = start.and_then(|start| perturbed_from(&input, start, WATCHED));
+        let found = start.and_then(|start| perturb(&input, start, WATCHED, DivisionOptions::default()));
         Case { name: format!("ξₛ = {:.2}", cell.xi_s), found }
     };
     (0..SEEDS).map(one).collect()

@@ -9,7 +9,7 @@ use super::surface::Fineness;
 use crate::drawing::format::extension;
 use crate::drawing::{FigureError, svg};
 use furrow_cell::Cell;
-use furrow_mechanics::division::Film;
+use furrow_mechanics::division::Trajectory;
 
 /// How long a frame is shown, in hundredths of a second, and the last.
 const DELAY: u16 = 5;
@@ -61,7 +61,7 @@ pub struct Movie<'a> {
     /// The cell.
     pub cell: &'a Cell,
     /// Its division.
-    pub film: &'a Film,
+    pub film: &'a Trajectory,
     /// Frames.
     pub frames: usize,
 }

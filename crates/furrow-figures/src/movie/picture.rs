@@ -6,7 +6,7 @@ use super::surface::{self, Fineness, View};
 use crate::drawing::style::{self, FORCES, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_cell::Cell;
-use furrow_mechanics::division::{Film, Outcome, Still};
+use furrow_mechanics::division::{Outcome, Snapshot, Trajectory};
 
 /// Width and height.
 pub const SIZE: [f64; 2] = [680.0, 460.0];
@@ -18,7 +18,7 @@ const LONGEST: f64 = 42.0;
 /// What all frames of a movie share.
 pub struct Stage<'a> {
     cell: &'a Cell,
-    film: &'a Film,
+    film: &'a Trajectory,
     view: View,
     /// The force that the longest arrow stands for.
     largest: f64,
@@ -28,7 +28,7 @@ pub struct Stage<'a> {
 
 impl<'a> Stage<'a> {
     /// For a division, at these times.
-    pub fn new(cell: &'a Cell, film: &'a Film, times: &[f64], fineness: Fineness) -> Stage<'a> {
+    pub fn new(cell: &'a Cell, film: &'a Trajectory, times: &[f64], fineness: Fineness) -> Stage<'a> {
         let [along, across] = film.shell();
         let centre = [0.5 * SIZE[0], 0.5 * SIZE[1] + 12.0];
         let [long, high] = View::new(centre, 1.0).lengths();
@@ -70,7 +70,7 @@ impl<'a> Stage<'a> {
         }
     }
 
-    fn forces(&self, canvas: &mut Canvas, still: &Still) {
+    fn forces(&self, canvas: &mut Canvas, still: &Snapshot) {
         for ([r, z], [force_r, force_z]) in arrows(still) {
             let size = force_r.hypot(force_z);
             if size <= 0.1 * self.largest {
@@ -86,7 +86,7 @@ impl<'a> Stage<'a> {
         }
     }
 
-    fn words(&self, canvas: &mut Canvas, still: &Still) {
+    fn words(&self, canvas: &mut Canvas, still: &Snapshot) {
         let Cell { r0, epsilon, xi_s, cue, .. } = self.cell;
         let cued = if cue.is_none() { "no cue" } else { "with a cue" };
         let title = format!("R₀ = {r0}, ε = {epsilon}, ξₛ = {xi_s}, {cued}");
@@ -113,7 +113,7 @@ impl<'a> Stage<'a> {
 }
 
 /// Places (r, z) evenly spaced along the contour, and the active force density there.
-fn arrows(still: &Still) -> Vec<([f64; 2], [f64; 2])> {
+fn arrows(still: &Snapshot) -> Vec<([f64; 2], [f64; 2])> {
     (0..ARROWS)
         .filter_map(|k| {
             let u = (k as f64 + 0.5) / ARROWS as f64;

@@ -6,7 +6,7 @@ use crate::drawing::Canvas;
 use crate::drawing::cell::strength;
 use crate::drawing::style::Colour;
 use furrow_cell::Cue;
-use furrow_mechanics::division::Still;
+use furrow_mechanics::division::Snapshot;
 
 /// How far the axis is turned towards the eye, and how far the eye looks down, in radians.
 const TURNED: [f64; 2] = [0.42, 0.30];
@@ -82,7 +82,7 @@ pub struct Fineness {
 }
 
 /// The meridian at evenly spaced values of a measure between u and arclength of the outline: (u, r, z).
-fn meridian(still: &Still, count: usize) -> Vec<[f64; 3]> {
+fn meridian(still: &Snapshot, count: usize) -> Vec<[f64; 3]> {
     let places = &still.places;
     (0..=count)
         .map(|k| {
@@ -102,7 +102,7 @@ fn meridian(still: &Still, count: usize) -> Vec<[f64; 3]> {
 
 /// Draws the surface of a cell ring by ring, the far ones first. Of one ring no two facets that are turned to the eye cover each
 /// other: those of one colour are drawn as one.
-pub fn draw(canvas: &mut Canvas, still: &Still, cue: &Cue, view: &View, fineness: Fineness) {
+pub fn draw(canvas: &mut Canvas, still: &Snapshot, cue: &Cue, view: &View, fineness: Fineness) {
     let mut facets = facets(still, cue, view, fineness);
     facets.sort_by(|a, b| a.depth.total_cmp(&b.depth).then(a.colour.cmp(&b.colour)));
     for alike in facets.chunk_by(|a, b| a.depth == b.depth && a.colour == b.colour) {
@@ -111,7 +111,7 @@ pub fn draw(canvas: &mut Canvas, still: &Still, cue: &Cue, view: &View, fineness
 }
 
 /// The facets that are turned to the eye.
-fn facets(still: &Still, cue: &Cue, view: &View, fineness: Fineness) -> Vec<Facet> {
+fn facets(still: &Snapshot, cue: &Cue, view: &View, fineness: Fineness) -> Vec<Facet> {
     let Fineness { along, around, shades } = fineness;
     let line = meridian(still, along);
     let strength = strength(cue, still.length);
@@ -158,11 +158,11 @@ fn larger(corners: [[f64; 2]; 4]) -> [[f64; 2]; 4] {
 mod tests {
     use super::*;
     use furrow_cell::Cell;
-    use furrow_mechanics::division::{DivisionInput, film};
+    use furrow_mechanics::division::{DivisionInput, Trajectory};
 
     #[test]
     fn the_facets_that_are_seen_cover_what_is_seen_of_the_cell() {
-        let film = film(&DivisionInput::new(Cell::new(2.5))).unwrap();
+        let film = Trajectory::compute(&DivisionInput::new(Cell::new(2.5))).unwrap();
         let view = View::new([0.0, 0.0], 1.0);
         let fineness = Fineness { along: 60, around: 48, shades: 32.0 };
         for t in [0.0, 0.5 * film.division.t_end] {

@@ -7,7 +7,7 @@ use crate::drawing::panel::{Axis, Panel, widened};
 use crate::drawing::style::{self, FORCES, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_cell::Cell;
-use furrow_mechanics::division::{Film, Outcome, Still};
+use furrow_mechanics::division::{Outcome, Snapshot, Trajectory};
 
 const WIDTH: f64 = 1160.0;
 /// Height of a row of contours.
@@ -18,7 +18,7 @@ const CHART: [f64; 2] = [440.0, 0.45 * WIDTH];
 const STILLS: usize = 6;
 
 /// Draws a division.
-pub fn draw(cell: &Cell, film: &Film) -> Canvas {
+pub fn draw(cell: &Cell, film: &Trajectory) -> Canvas {
     let title = match (film.division.outcome(), film.division.chi()) {
         (Outcome::Arrested, _) => "stays at rest".to_owned(),
         (outcome, Some(chi)) => format!("{outcome}, χ = {chi:.3}"),
@@ -35,12 +35,12 @@ pub fn draw(cell: &Cell, film: &Film) -> Canvas {
 
 /// Stills from the first to the last shape between which the neck closes by equal parts, or of a cell that stays at rest the
 /// contour's length grows by equal parts: what happens is seen, however long it waits.
-fn stills(film: &Film) -> Vec<Still> {
-    let all: Vec<Still> = (0..film.times().len()).map(|k| film.step(k)).collect();
+fn stills(film: &Trajectory) -> Vec<Snapshot> {
+    let all: Vec<Snapshot> = (0..film.times().len()).map(|k| film.step(k)).collect();
     let Some(first) = all.first() else { return Vec::new() };
-    let widest = |still: &Still| still.places.iter().map(|place| place.r).fold(0.0, f64::max);
-    let waist = |still: &Still| still.neck.map_or(widest(still), |neck| neck.radius);
-    let progress = |still: &Still| match film.division.outcome() {
+    let widest = |still: &Snapshot| still.places.iter().map(|place| place.r).fold(0.0, f64::max);
+    let waist = |still: &Snapshot| still.neck.map_or(widest(still), |neck| neck.radius);
+    let progress = |still: &Snapshot| match film.division.outcome() {
         Outcome::Arrested => (still.length / first.length).ln(),
         // Early on the cell lengthens before it has a waist.
         _ => 0.5 * (still.length / first.length).ln() + 1.0 - waist(still) / waist(first),
@@ -68,14 +68,14 @@ fn stills(film: &Film) -> Vec<Still> {
 }
 
 /// The cell when its neck is half as wide as the cell was; of one that stays at rest the last shape.
-fn half_way(film: &Film) -> Still {
+fn half_way(film: &Trajectory) -> Snapshot {
     let times = film.times();
     let widest = film.step(0).places.iter().map(|place| place.r).fold(0.0, f64::max);
     let narrow = |k: &usize| film.step(*k).neck.is_some_and(|neck| neck.radius < 0.5 * widest);
     film.step((0..times.len()).find(narrow).unwrap_or(times.len().saturating_sub(1)))
 }
 
-fn contours(canvas: &mut Canvas, cell: &Cell, film: &Film, top: f64) {
+fn contours(canvas: &mut Canvas, cell: &Cell, film: &Trajectory, top: f64) {
     let (shell, stills) = (film.shell(), stills(film));
     let longest = stills.iter().flat_map(|s| &s.places).map(|p| p.z.abs()).fold(shell[0], f64::max);
     let width = (WIDTH - 40.0) / stills.len().max(1) as f64;
@@ -94,7 +94,7 @@ fn contours(canvas: &mut Canvas, cell: &Cell, film: &Film, top: f64) {
 }
 
 /// The size of force that nine tenths of the contour stay below: at the neck they are far larger, and would hide all others.
-fn usual(still: &Still) -> f64 {
+fn usual(still: &Snapshot) -> f64 {
     let mut sizes: Vec<f64> = (0..=200)
         .filter_map(|k| {
             let at = still.places.partition_point(|place| place.u < k as f64 / 200.0);
@@ -105,7 +105,7 @@ fn usual(still: &Still) -> f64 {
     1.15 * sizes.get(sizes.len() * 9 / 10).copied().unwrap_or(1.0).max(1e-6)
 }
 
-fn over_time(canvas: &mut Canvas, cell: &Cell, film: &Film, top: f64) {
+fn over_time(canvas: &mut Canvas, cell: &Cell, film: &Trajectory, top: f64) {
     let times = film.times();
     let (mut neck, mut chi) = (Vec::new(), Vec::new());
     for (k, t) in times.iter().enumerate() {
@@ -128,7 +128,7 @@ fn over_time(canvas: &mut Canvas, cell: &Cell, film: &Film, top: f64) {
     }
 }
 
-fn balance(canvas: &mut Canvas, still: &Still, top: f64) {
+fn balance(canvas: &mut Canvas, still: &Snapshot, top: f64) {
     let left = CHART[1];
     let legend = FORCES.iter().fold(Legend::default(), |legend, (name, colour)| legend.with(Key::Line(*colour), *name));
     legend.draw(canvas, [left + 60.0, top + 10.0], WIDTH - left - 50.0);

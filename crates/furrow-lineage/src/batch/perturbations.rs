@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use super::scheduler::{self, SchedulerError};
-use furrow_mechanics::division::DivisionInput;
+use furrow_mechanics::division::{DivisionInput, DivisionOptions};
 use furrow_mechanics::equilibria::stationary;
-use furrow_mechanics::perturbation::{Perturbation, PerturbationError, perturbed_from};
+use furrow_mechanics::perturbation::{Perturbation, PerturbationError, perturb};
 
 /// A disturbed shape.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +30,9 @@ pub fn perturbations(
     let one = |k: usize| {
         let seed = input.seed.wrapping_add(k as u64);
         let start = start.as_ref().map_err(|error| PerturbationError::from(error.clone()));
-        let found = start.and_then(|start| perturbed_from(&DivisionInput { seed, ..input.clone() }, start, until));
+        let found = start.and_then(|start| {
+            perturb(&DivisionInput { seed, ..input.clone() }, start, until, DivisionOptions::default())
+        });
         Disturbed { seed, found }
     };
     Ok(scheduler::pool(threads)?.install(|| (0..count).into_par_iter().map(one).collect()))

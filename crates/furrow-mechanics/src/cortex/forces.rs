@@ -296,17 +296,20 @@ pub fn shell_axes(cortex: &Cortex) -> [f64; 2] {
 mod tests {
     use super::*;
     use crate::division::stepper::SOLVED_TO;
-    use crate::division::{DivisionInput, divide_observed};
+    use crate::division::{DivisionInput, DivisionOptions, Frame, divide_with};
     use furrow_cell::{Cell, Cue};
     use std::f64::consts::PI;
+
+    fn observe(cell: Cell, observer: &mut dyn FnMut(Frame<'_>)) {
+        divide_with(&DivisionInput::new(cell), DivisionOptions::observed_by(observer)).unwrap();
+    }
 
     /// Profiles of a division at the collocation points, each with its contour length and the cell's radius in question.
     fn profiles(cell: Cell) -> Vec<(f64, Vec<Place>)> {
         let mut found = Vec::new();
-        divide_observed(&DivisionInput::new(cell), |frame| {
+        observe(cell, &mut |frame| {
             found.push((frame.shape.scalars[LENGTH], profile(frame.cortex, frame.gauss, frame.shape)));
-        })
-        .unwrap();
+        });
         found
     }
 
@@ -321,22 +324,21 @@ mod tests {
     #[test]
     fn normal_forces_sum_to_zero_at_every_collocation_point_of_a_division() {
         for cell in [Cell::new(2.0), cued()] {
-            divide_observed(&DivisionInput::new(cell), |frame| {
+            observe(cell, &mut |frame| {
                 let places = profile(frame.cortex, frame.gauss, frame.shape);
                 for place in &places[1..places.len() - 1] {
                     let largest = place.normal.parts().iter().fold(1.0, |m: f64, part| m.max(part.abs()));
                     let solved_to = SOLVED_TO * (30.0 * largest + 3.0 * frame.cortex.rate);
                     assert!(place.normal.residual().abs() < solved_to, "{} {place:?}", place.normal.residual());
                 }
-            })
-            .unwrap();
+            });
         }
     }
 
     #[test]
     fn normal_forces_balance_between_collocation_points_to_the_accuracy_of_the_mesh() {
         let mut checked = 0;
-        divide_observed(&DivisionInput::new(cued()), |frame| {
+        observe(cued(), &mut |frame| {
             // A narrow neck closes faster than the walls beside it, where little acts, are resolved.
             if frame.neck.is_some_and(|neck| neck.radius < 0.2 * frame.cortex.cell.r0) {
                 return;
@@ -347,8 +349,7 @@ mod tests {
                 assert!(place.normal.residual().abs() < 0.05 * size, "{place:?}");
                 checked += 1;
             }
-        })
-        .unwrap();
+        });
         assert!(checked > 5000, "{checked}");
     }
 
@@ -373,7 +374,7 @@ mod tests {
     #[test]
     fn the_tangential_active_force_is_the_divergence_of_active_tension() {
         let mut checked = 0;
-        divide_observed(&DivisionInput::new(cued()), |frame| {
+        observe(cued(), &mut |frame| {
             let tension = |u: f64| {
                 let place = at(frame.cortex, frame.gauss, frame.shape, u);
                 let here = frame.cortex.constants().at(u, frame.shape.scalars[LENGTH]);
@@ -392,8 +393,7 @@ mod tests {
                 assert!((along + round - place.active_tangential).abs() < 1e-4 * size, "{}: {place:?}", along + round);
                 checked += 1;
             }
-        })
-        .unwrap();
+        });
         assert!(checked > 200, "{checked}");
     }
 

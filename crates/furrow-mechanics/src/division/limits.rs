@@ -8,7 +8,7 @@ use furrow_cell::{Numerics, Scheme};
 /// Most steps of a division with the preset's numerics.
 const MOST_STEPS: f64 = 1e4;
 /// What is slower than this, in 1/τ and relative to R0, over all of the time that a division is given, is rounding.
-const AFLOAT: f64 = 1e-8;
+const DRIFT: f64 = 1e-8;
 
 /// Steps after which a cell is given up: what divides, rests or repeats itself takes some hundreds with the preset's numerics,
 /// and as many more as they ask for shorter ones. Fixed steps take as many as they take.
@@ -26,8 +26,8 @@ pub fn most_steps(numerics: &Numerics) -> usize {
 /// The growth rate of a shape that rests where nothing holds it: in a very wide shell, whose force at the cell is less than
 /// rounding, a cell is at rest anywhere along the axis. No stationary state can be solved for there, being one of many, but
 /// that the shape does not move and that nothing of it grows can be seen as it is.
-pub fn afloat(stepper: &Stepper) -> Option<f64> {
-    if stepper.speed() > AFLOAT {
+pub fn neutral_drift(stepper: &Stepper) -> Option<f64> {
+    if stepper.speed() > DRIFT {
         return None;
     }
     let here = &stepper.levels[0].y;
@@ -36,5 +36,5 @@ pub fn afloat(stepper: &Stepper) -> Option<f64> {
     // The drift along the axis has none but that of rounding, of either sign, which goes with the fastest of all rates.
     let fastest = spectrum.values.iter().map(|rate| rate.re.hypot(rate.im)).fold(1.0, f64::max);
     let growth_rate = spectrum.growth_rate();
-    (growth_rate < AFLOAT * fastest).then_some(-growth_rate.abs())
+    (growth_rate < DRIFT * fastest).then_some(-growth_rate.abs())
 }

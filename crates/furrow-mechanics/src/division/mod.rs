@@ -1,21 +1,22 @@
 //! One division in time: implicit stepping of the cortex from the passive shape, or from a stationary one, to pinch-off or rest.
 //!
-//! | file | what it says |
+//! | file | what it holds |
 //! |---|---|
 //! | [`run`] | one division: noise, steps, pinch-off or rest |
 //! | [`stepper`] | backward differentiation formulas on a moving mesh |
 //! | `halves` | their steps on half of the contour, while the shape is nearly mirror-symmetric |
-//! | `step_size` | how long the next step is |
-//! | `start` | what it starts from |
+//! | `step_size` | the length of the next step |
+//! | `start` | the start shape |
 //! | [`noise`] | the seeded noise of the first step |
-//! | [`sensitivity`] | how the outcome changes with parameters, by the tangent of every step |
-//! | [`slow`] | cells that wait at a stationary shape for longer than can be waited for |
-//! | `oscillation` | cells that wander from side to side for ever |
-//! | [`outcome`] | how a division ended: [`Division`], the one record of it |
-//! | [`film`](mod@film) | a division that is kept, with what acts on every shape |
-//! | [`statistics`] | what several divisions say together |
+//! | [`sensitivity`] | derivatives of the outcome, by the tangent of every step |
+//! | `rest` | detection of equilibria |
+//! | [`saddle`] | skips the linear growth at a saddle, where a cell waits longer than the time it is given |
+//! | `oscillation` | detection of limit cycles |
+//! | `limits` | the step budget, and cells that drift freely |
+//! | [`outcome`] | how a division ended: [`Division`] |
+//! | [`trajectory`] | all shapes of a division, with the forces on them |
+//! | [`statistics`] | statistics of several divisions |
 
-pub mod film;
 mod halves;
 mod limits;
 pub mod noise;
@@ -23,18 +24,19 @@ mod oscillation;
 pub mod outcome;
 mod rest;
 pub mod run;
+pub mod saddle;
 pub mod sensitivity;
-pub mod slow;
 pub(crate) mod start;
 pub mod statistics;
 mod step_size;
 pub mod stepper;
+pub mod trajectory;
 
-pub use film::{Film, Still, film};
 pub use outcome::{Division, DivisionError, DivisionRow, Ending, Outcome};
-pub use run::{Frame, divide, divide_observed, divide_with_sensitivities};
+pub use run::{DivisionOptions, Frame, divide, divide_with};
 pub use sensitivity::Sensitivity;
 pub use statistics::Statistics;
+pub use trajectory::{Recorder, Snapshot, Trajectory};
 
 use furrow_cell::{Cell, Numerics};
 

@@ -305,6 +305,14 @@ pub enum DivisionError {
         /// Steps done.
         steps: usize,
     },
+    /// The caller stopped the division.
+    #[error("the division of the cell with R0 = {r0} was cancelled at t = {t:.3} τ")]
+    Cancelled {
+        /// Radius R0.
+        r0: f64,
+        /// Time reached, in τ.
+        t: f64,
+    },
     /// The cell neither divided nor came to rest in the time allowed.
     #[error("the cell with R0 = {r0} neither divided nor came to rest within t = {t_max}; {}", advice_on_rest(*epsilon))]
     Undecided {

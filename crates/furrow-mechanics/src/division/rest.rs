@@ -51,21 +51,21 @@ pub struct Rest {
     pub halvings: u32,
 }
 
-/// Looks at slow shapes in the course of a division for whether they rest.
+/// Detects during a division that a slow shape is at rest.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Looks {
+pub struct EquilibriumDetector {
     /// When to look next, in τ.
     pub next: f64,
     /// Slow shapes since the last look that seemed too far from rest.
     passed_over: usize,
 }
 
-impl Looks {
+impl EquilibriumDetector {
     /// The stationary state that the shape has come near to, if it has.
     ///
     /// A slow shape is only a hint: near a saddle it is slow too. The stationary state next to it is solved for, and its
     /// leading growth rate decides.
-    pub fn at(&mut self, stepper: &Stepper, nearly_symmetric: bool) -> Option<Rest> {
+    pub fn look(&mut self, stepper: &Stepper, nearly_symmetric: bool) -> Option<Rest> {
         let t = stepper.levels[0].t;
         if t < self.next || stepper.speed() > REST_SPEED {
             return None;

@@ -1,5 +1,7 @@
 //! One division from the passive shape to pinch-off or rest.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use furrow_bvp::{Gauss, Solution, Work};
 
 use super::DivisionInput;
@@ -7,9 +9,9 @@ use super::limits;
 use super::noise;
 use super::oscillation::Oscillation;
 use super::outcome::{Division, DivisionError, Ending, StepFailure};
-use super::rest::{Looks, REST_INTERVAL, Rest};
+use super::rest::{EquilibriumDetector, REST_INTERVAL, Rest};
+use super::saddle;
 use super::sensitivity::{Sensitivity, Tangent};
-use super::slow;
 use super::start::{FIRST_MESH, Start, check};
 use super::step_size::StepSize;
 use super::stepper::{MAX_ORDER, Stepper};
@@ -21,8 +23,8 @@ use furrow_cell::{Cell, Numerics, Parameter, Scheme};
 
 /// The first step is not made shorter than about this, in τ.
 const SHORTEST_FIRST_STEP: f64 = 1e-9;
-/// Longest first step after a wait at a saddle, in τ: no growing mode is as fast as that there.
-const FIRST_LEAP: f64 = 1.0;
+/// Longest first step after a skipped wait at a saddle, in τ: no growing mode is as fast as that there.
+const STEP_AFTER_SADDLE: f64 = 1.0;
 /// Largest relative narrowing of the neck per step.
 const NECK_STEP: f64 = 0.4;
 /// The same in the published scheme, whose error nothing else controls.
@@ -46,10 +48,10 @@ const ROUNDING: f64 = 1e-9;
 
 /// A saddle that grows more slowly than this, in 1/τ, is left on a finer mesh: its growth rate must be right.
 const NEAR_CRITICAL: f64 = 0.1;
-/// What grows needs several times 1/σ to leave a saddle.
-const STAY: f64 = 5.0;
-/// How often a shape is found at a saddle before the mesh is taken to hold it there.
-const PATIENCE: usize = 3;
+/// Time until the detector looks again at a saddle, in 1/σ: a growing mode needs several of these to leave it.
+const SADDLE_WAIT: f64 = 5.0;
+/// After so many visits to a saddle the mesh is taken to hold the shape there.
+const MOST_VISITS: usize = 3;
 /// Time that a cell which has left a saddle is given to divide or come to rest elsewhere, in 1/σ.
 const AFTERWARDS: f64 = 1e3;
 
@@ -69,25 +71,34 @@ pub struct Frame<'a> {
     pub gauss: &'a Gauss,
 }
 
+/// What to watch in a division, and when to stop it. The default watches nothing and never stops.
+#[derive(Default)]
+pub struct DivisionOptions<'a> {
+    /// Called with the start shape and after every accepted step.
+    pub observer: Option<&'a mut dyn FnMut(Frame<'_>)>,
+    /// Once set, the division stops after the current step with [`DivisionError::Cancelled`].
+    pub cancel: Option<&'a AtomicBool>,
+    /// Parameters by which the outcome is differentiated: see [`sensitivity`](super::sensitivity).
+    pub parameters: &'a [Parameter],
+}
+
+impl<'a> DivisionOptions<'a> {
+    /// With an observer alone.
+    pub fn observed_by(observer: &'a mut dyn FnMut(Frame<'_>)) -> DivisionOptions<'a> {
+        DivisionOptions { observer: Some(observer), ..DivisionOptions::default() }
+    }
+}
+
 /// Computes one division.
 ///
 /// # Errors
 /// [`DivisionError`], naming the cell and what was tried.
 pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
-    Ok(run(input, &Start::Passive, &mut |_| {}, &[])?.0)
+    Ok(divide_with(input, DivisionOptions::default())?.0)
 }
 
-/// [`divide`] with an observer called with the start shape and after every accepted step.
-///
-/// # Errors
-/// See [`divide`].
-pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)) -> Result<Division, DivisionError> {
-    Ok(run(input, &Start::Passive, &mut observe, &[])?.0)
-}
-
-/// [`divide`] with the exact derivatives of the outcome by each of `parameters`, by the tangent of every time step: see
-/// [`sensitivity`](super::sensitivity). None where the outcome is not smooth in them: where the cell does not divide, or has
-/// waited at a stationary shape for so long that the wait was leapt over.
+/// [`divide`] with options, and the exact derivatives of the outcome by each parameter that they name. There are no derivatives
+/// where the outcome is not smooth: where the cell does not divide, or where its wait at a stationary shape was skipped.
 ///
 /// # Errors
 /// See [`divide`].
@@ -97,28 +108,31 @@ pub fn divide_observed(input: &DivisionInput, mut observe: impl FnMut(Frame<'_>)
 ///
 /// ```
 /// use furrow_cell::{Cell, Cue, Parameter};
-/// use furrow_mechanics::division::{DivisionInput, divide_with_sensitivities};
+/// use furrow_mechanics::division::{DivisionInput, DivisionOptions, divide_with};
 /// let input = DivisionInput::new(Cell::new(3.3).with_cue(Cue::published()));
 /// let parameters = [Parameter::R0, "cue.amplitude".parse()?];
-/// let (division, sensitivities) = divide_with_sensitivities(&input, &parameters)?;
+/// let options = DivisionOptions { parameters: &parameters, ..DivisionOptions::default() };
+/// let (division, sensitivities) = divide_with(&input, options)?;
 /// let by = sensitivities.ok_or("does not divide")?;
 /// println!("χ = {:?}; ∂χ/∂R0 = {}, ∂χ/∂Δκ = {}", division.chi_signed(), by[0].chi_signed, by[1].chi_signed);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn divide_with_sensitivities(
+pub fn divide_with(
     input: &DivisionInput,
-    parameters: &[Parameter],
+    options: DivisionOptions<'_>,
 ) -> Result<(Division, Option<Vec<Sensitivity>>), DivisionError> {
-    run(input, &Start::Passive, &mut |_| {}, parameters)
+    run(input, &Start::Passive, options)
 }
 
-/// The division itself, which is compiled here once and not with everyone who observes it.
+/// One division from any start.
 pub(crate) fn run(
     input: &DivisionInput,
     start: &Start<'_>,
-    observe: &mut dyn FnMut(Frame<'_>),
-    parameters: &[Parameter],
+    options: DivisionOptions<'_>,
 ) -> Result<(Division, Option<Vec<Sensitivity>>), DivisionError> {
+    let DivisionOptions { observer, cancel, parameters } = options;
+    let mut unobserved = |_: Frame<'_>| {};
+    let observe = observer.unwrap_or(&mut unobserved);
     let DivisionInput { cell, numerics, seed } = input;
     check(cell)?;
     let mut stepper = start.stepper(cell, numerics)?;
@@ -138,6 +152,9 @@ pub(crate) fn run(
         stepper.halve();
     }
     loop {
+        if cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
+            return Err(DivisionError::Cancelled { r0: cell.r0, t: stepper.levels[0].t });
+        }
         run.shorten(start, stepper.levels[0].t);
         run.advance(&mut stepper)?;
         let newest = &stepper.levels[0];
@@ -157,11 +174,11 @@ pub(crate) fn run(
             run.prepare_mesh(&mut stepper);
             continue;
         }
-        if let Some(rest) = run.looks.at(&stepper, run.parity) {
+        if let Some(rest) = run.detector.look(&stepper, run.parity) {
             if rest.growth_rate < 0.0 || run.is_attractor(&rest) {
                 return Ok((run.arrested(&stepper, rest.growth_rate), None));
             }
-            run.stay(&mut stepper, &rest);
+            run.wait_at_saddle(&mut stepper, &rest);
         }
         let newest = &stepper.levels[0];
         if let Some(period) = run.oscillation.note(newest.t, newest.y.scalars[LENGTH]) {
@@ -173,7 +190,7 @@ pub(crate) fn run(
         }
         if stepper.levels[0].t > run.t_max {
             if run.fixed.is_none()
-                && let Some(growth_rate) = limits::afloat(&stepper)
+                && let Some(growth_rate) = limits::neutral_drift(&stepper)
             {
                 return Ok((run.arrested(&stepper, growth_rate), None));
             }
@@ -196,7 +213,7 @@ struct Run {
     fixed: Option<f64>,
     steps: usize,
     rejected: usize,
-    looks: Looks,
+    detector: EquilibriumDetector,
     drift: f64,
     neck: Option<Neck>,
     neck_rate: f64,
@@ -207,7 +224,7 @@ struct Run {
     /// Largest time of this cell: later for one that has waited at a saddle.
     t_max: f64,
     /// How often the shape was found at a saddle.
-    stays: usize,
+    saddle_visits: usize,
     /// Growth rate of that saddle.
     slow_growth_rate: Option<f64>,
     /// How the shape changes with parameters, if that is asked.
@@ -229,14 +246,14 @@ impl Run {
             fixed: (numerics.scheme == Scheme::Published).then_some(numerics.dt),
             steps: 0,
             rejected: 0,
-            looks: Looks::default(),
+            detector: EquilibriumDetector::default(),
             drift: 0.0,
             neck: None,
             neck_rate: 0.0,
             longest: numerics.t_max,
             most_steps: limits::most_steps(numerics),
             t_max: numerics.t_max,
-            stays: 0,
+            saddle_visits: 0,
             slow_growth_rate: None,
             tangent,
             oscillation: Oscillation::default(),
@@ -398,33 +415,32 @@ impl Run {
         stepper.adapt(self.parity, 1.5);
     }
 
-    /// At a saddle: waits for it to be left or, where that would take too long, leaps over the wait.
-    fn stay(&mut self, stepper: &mut Stepper, rest: &Rest) {
+    /// At a saddle: waits until the shape leaves it or, where that would take too long, skips the wait.
+    fn wait_at_saddle(&mut self, stepper: &mut Stepper, rest: &Rest) {
         let (growth, t) = (rest.growth_rate, stepper.levels[0].t);
-        self.looks.next = t + (STAY / growth).max(REST_INTERVAL);
-        self.stays += 1;
-        // What does not leave in the time it should take is held by the mesh.
-        if growth < NEAR_CRITICAL || self.stays > PATIENCE {
+        self.detector.next = t + (SADDLE_WAIT / growth).max(REST_INTERVAL);
+        self.saddle_visits += 1;
+        if growth < NEAR_CRITICAL || self.saddle_visits > MOST_VISITS {
             stepper.refine(rest.halvings);
         }
-        if self.looks.next > self.longest && self.slow_growth_rate.is_none() {
-            self.leap(stepper, rest);
+        if self.detector.next > self.longest && self.slow_growth_rate.is_none() {
+            self.skip_linear_growth(stepper, rest);
         }
         // As slow as it grows it comes to rest elsewhere, off-centre by a little.
         self.t_max = self.t_max.max(stepper.levels[0].t + AFTERWARDS / growth);
     }
 
-    fn leap(&mut self, stepper: &mut Stepper, rest: &Rest) {
+    fn skip_linear_growth(&mut self, stepper: &mut Stepper, rest: &Rest) {
         let growth = rest.growth_rate;
         self.slow_growth_rate = Some(growth);
-        // Where the direction cannot be told the cell goes on as it is.
-        let Ok(departure) = slow::depart(&stepper.cortex, &rest.here, &rest.stationary, growth) else { return };
+        // Without the direction the division continues as it is.
+        let Ok(departure) = saddle::leave(&stepper.cortex, &rest.here, &rest.stationary, growth) else { return };
         let t = stepper.levels[0].t + departure.waited;
         stepper.start_again(t, departure.shape);
-        self.dt = FIRST_LEAP.min(0.01 / growth);
+        self.dt = STEP_AFTER_SADDLE.min(0.01 / growth);
         self.step_size.forget();
         self.parity = stepper.cortex.cell.is_mirror_symmetric();
-        self.looks.next = t + STAY / growth;
+        self.detector.next = t + SADDLE_WAIT / growth;
     }
 
     fn undecided(&self, cell: &Cell) -> DivisionError {

@@ -220,7 +220,7 @@ fn combination(of: &[&Solution], weights: &[f64]) -> Solution {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::division::{Division, DivisionInput, divide, divide_with_sensitivities};
+    use crate::division::{Division, DivisionInput, DivisionOptions, divide, divide_with};
     use furrow_cell::cue::Quantity;
     use furrow_cell::{Cell, Cue, Numerics};
 
@@ -264,7 +264,8 @@ mod tests {
         ];
         let parameters = steps.map(|(parameter, _)| parameter);
         let input = fine(Cell::new(3.3).with_cue(Cue::published()));
-        let (division, sensitivities) = divide_with_sensitivities(&input, &parameters).unwrap();
+        let (division, sensitivities) =
+            divide_with(&input, DivisionOptions { parameters: &parameters, ..DivisionOptions::default() }).unwrap();
         assert_eq!(division, divide(&input).unwrap());
         for ((parameter, step), found) in steps.into_iter().zip(sensitivities.unwrap()) {
             let expected = differences(&input, parameter, step);
@@ -279,8 +280,8 @@ mod tests {
 
     #[test]
     fn what_does_not_divide_has_no_sensitivities() {
-        let (division, sensitivities) =
-            divide_with_sensitivities(&DivisionInput::new(Cell::new(1.6)), &[Parameter::R0]).unwrap();
+        let options = DivisionOptions { parameters: &[Parameter::R0], ..DivisionOptions::default() };
+        let (division, sensitivities) = divide_with(&DivisionInput::new(Cell::new(1.6)), options).unwrap();
         assert!(division.chi().is_none() && sensitivities.is_none());
     }
 }

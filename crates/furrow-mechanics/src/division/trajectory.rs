@@ -1,11 +1,10 @@
-//! A division that is kept: every shape on its way with what acts on it, to be looked at at any time.
+//! The trajectory of a division: every shape, with the forces on it, at any time.
 
 use furrow_bvp::{Gauss, Solution};
 
 use super::DivisionInput;
 use super::outcome::{Division, DivisionError};
-use super::run::{Frame, run};
-use super::start::Start;
+use super::run::{DivisionOptions, Frame, divide_with};
 use crate::cortex::equations::{LENGTH, PRESSURE};
 use crate::cortex::forces::{self, Place};
 use crate::cortex::observables::{self, Neck};
@@ -24,16 +23,16 @@ struct Step {
 ///
 /// ```
 /// use furrow_cell::Cell;
-/// use furrow_mechanics::division::{DivisionInput, film};
+/// use furrow_mechanics::division::{DivisionInput, Trajectory};
 ///
-/// let film = film(&DivisionInput::new(Cell::new(2.5)))?;
-/// let middle = film.at(0.5 * film.division.t_end);
+/// let trajectory = Trajectory::compute(&DivisionInput::new(Cell::new(2.5)))?;
+/// let middle = trajectory.at(0.5 * trajectory.division.t_end);
 /// assert!(middle.places.len() > 50);
 /// assert!(middle.places.iter().all(|place| place.normal.residual().abs() < 0.1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Film {
+pub struct Trajectory {
     /// How it ended.
     pub division: Division,
     cortex: Cortex,
@@ -45,14 +44,14 @@ pub struct Film {
 
 /// The cell at one time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Still {
+pub struct Snapshot {
     /// Time, in τ.
     pub t: f64,
     /// Contour length L, in L_h.
     pub length: f64,
     /// Pressure p, in κ0/L_h³.
     pub pressure: f64,
-    /// The contour from pole to pole, at the collocation points of its mesh, or as many places as the film was asked for, and at
+    /// The contour from pole to pole, at the collocation points of its mesh, or as many places as were asked for, and at
     /// both ends.
     pub places: Vec<Place>,
     /// Its neck, if it has a waist.
@@ -61,45 +60,45 @@ pub struct Still {
     pub asymmetry: f64,
 }
 
-impl Still {
+impl Snapshot {
     /// The contour alone, as (r, z).
     pub fn contour(&self) -> Vec<[f64; 2]> {
         self.places.iter().map(|place| [place.r, place.z]).collect()
     }
 }
 
-/// Computes a division and keeps its shapes.
-///
-/// # Errors
-/// [`DivisionError`], as [`divide`](super::divide).
-pub fn film(input: &DivisionInput) -> Result<Film, DivisionError> {
-    let mut recording = Recording::default();
-    let (division, _) = run(input, &Start::Passive, &mut |frame| recording.keep(frame), &[])?;
-    Ok(recording.film(input, division))
-}
-
-/// The shapes of a division under way.
+/// Records the shapes of a division while it runs.
 #[derive(Debug, Default)]
-pub(crate) struct Recording(Vec<Step>);
+pub struct Recorder(Vec<Step>);
 
-impl Recording {
-    /// Keeps a shape.
-    pub(crate) fn keep(&mut self, frame: Frame<'_>) {
+impl Recorder {
+    /// Records a shape; to be called by the division's observer.
+    pub fn record(&mut self, frame: Frame<'_>) {
         let (shape, cortex) = (frame.shape.clone(), frame.cortex.clone());
         self.0.push(Step { t: frame.t, shape, cortex, neck: frame.neck });
     }
 
-    /// The film of the division, once it has ended.
-    pub(crate) fn film(self, input: &DivisionInput, division: Division) -> Film {
+    /// The trajectory, once the division has ended.
+    pub fn finish(self, input: &DivisionInput, division: Division) -> Trajectory {
         let cortex = Cortex::new(&input.cell, Domain::Full, &[]);
-        Film { division, cortex, gauss: Gauss::new(input.numerics.stages), steps: self.0, dense: None }
+        Trajectory { division, cortex, gauss: Gauss::new(input.numerics.stages), steps: self.0, dense: None }
     }
 }
 
-impl Film {
+impl Trajectory {
+    /// Computes a division and keeps its shapes.
+    ///
+    /// # Errors
+    /// [`DivisionError`], as [`divide`](super::divide).
+    pub fn compute(input: &DivisionInput) -> Result<Trajectory, DivisionError> {
+        let mut recorder = Recorder::default();
+        let (division, _) = divide_with(input, DivisionOptions::observed_by(&mut |frame| recorder.record(frame)))?;
+        Ok(recorder.finish(input, division))
+    }
+
     /// The same with `count` evenly spaced places in each mesh interval, by the collocation polynomial.
-    pub fn with_places(self, count: usize) -> Film {
-        Film { dense: Some(count.max(1)), ..self }
+    pub fn with_places(self, count: usize) -> Trajectory {
+        Trajectory { dense: Some(count.max(1)), ..self }
     }
 
     /// Where a step is looked at.
@@ -122,15 +121,15 @@ impl Film {
     }
 
     /// The cell at a time of [`times`](Self::times), by its number, counted from 0; past the last the last.
-    pub fn step(&self, number: usize) -> Still {
-        let Some(step) = self.steps.get(number).or(self.steps.last()) else { return Still::empty() };
+    pub fn step(&self, number: usize) -> Snapshot {
+        let Some(step) = self.steps.get(number).or(self.steps.last()) else { return Snapshot::empty() };
         let places = self.profile(step);
-        self.still(step.t, step, None, places)
+        self.snapshot(step.t, step, None, places)
     }
 
     /// The cell at any time, between the first step and the last: at the places of the step behind, interpolated in time
     /// at fixed u.
-    pub fn at(&self, t: f64) -> Still {
+    pub fn at(&self, t: f64) -> Snapshot {
         let behind = self.steps.partition_point(|step| step.t < t);
         if behind == 0 || behind >= self.steps.len() {
             return self.step(behind);
@@ -142,7 +141,7 @@ impl Film {
         let blend =
             |place: Place| forces::at(&before.cortex, &self.gauss, &before.shape, place.u).between(&place, share, dt);
         let places = then.into_iter().map(blend).collect();
-        self.still(t, before, Some((after, share)), places)
+        self.snapshot(t, before, Some((after, share)), places)
     }
 
     /// The times k·step, and the last; the last alone where the step is not above 0.
@@ -154,7 +153,7 @@ impl Film {
         times
     }
 
-    fn still(&self, t: f64, before: &Step, after: Option<(&Step, f64)>, places: Vec<Place>) -> Still {
+    fn snapshot(&self, t: f64, before: &Step, after: Option<(&Step, f64)>, places: Vec<Place>) -> Snapshot {
         let blend = |of: &dyn Fn(&Step) -> f64| {
             after.map_or(of(before), |(after, share)| of(before) + share * (of(after) - of(before)))
         };
@@ -165,7 +164,7 @@ impl Film {
             (neck, None) => neck,
             _ => None,
         };
-        Still {
+        Snapshot {
             t,
             length: blend(&|step| step.shape.scalars[LENGTH]),
             pressure: blend(&|step| step.shape.scalars[PRESSURE]),
@@ -180,9 +179,9 @@ impl Film {
     }
 }
 
-impl Still {
-    fn empty() -> Still {
-        Still { t: 0.0, length: 0.0, pressure: 0.0, places: Vec::new(), neck: None, asymmetry: 0.0 }
+impl Snapshot {
+    fn empty() -> Snapshot {
+        Snapshot { t: 0.0, length: 0.0, pressure: 0.0, places: Vec::new(), neck: None, asymmetry: 0.0 }
     }
 }
 
@@ -194,15 +193,15 @@ mod tests {
     #[test]
     fn between_steps_the_contour_is_that_of_a_finer_division() {
         let cell = Cell::new(4.0).with_cue(Cue::published());
-        let coarse = film(&DivisionInput::new(cell.clone())).unwrap();
+        let coarse = Trajectory::compute(&DivisionInput::new(cell.clone())).unwrap();
         let mut input = DivisionInput::new(cell);
         input.numerics.step_factor = 0.25;
-        let fine = film(&input).unwrap();
+        let fine = Trajectory::compute(&input).unwrap();
         for t in [0.05, 0.2, 0.35] {
             let (a, b) = (coarse.at(t), fine.at(t));
-            let at = |still: &Still, u: f64| {
-                let k = still.places.partition_point(|place| place.u < u).clamp(1, still.places.len() - 1);
-                let (left, right) = (&still.places[k - 1], &still.places[k]);
+            let at = |snapshot: &Snapshot, u: f64| {
+                let k = snapshot.places.partition_point(|place| place.u < u).clamp(1, snapshot.places.len() - 1);
+                let (left, right) = (&snapshot.places[k - 1], &snapshot.places[k]);
                 let share = (u - left.u) / (right.u - left.u);
                 [left.r + share * (right.r - left.r), left.z + share * (right.z - left.z)]
             };
@@ -215,12 +214,12 @@ mod tests {
 
     #[test]
     fn uniform_times_begin_at_zero_and_end_with_the_division() {
-        let film = film(&DivisionInput::new(Cell::new(2.5))).unwrap();
-        let times = film.uniform_times(0.25);
+        let trajectory = Trajectory::compute(&DivisionInput::new(Cell::new(2.5))).unwrap();
+        let times = trajectory.uniform_times(0.25);
         assert_eq!(times[..3], [0.0, 0.25, 0.5]);
-        assert_eq!(times.last(), film.times().last());
-        let last = film.at(*times.last().unwrap());
+        assert_eq!(times.last(), trajectory.times().last());
+        let last = trajectory.at(*times.last().unwrap());
         assert!(last.neck.unwrap().radius < 1e-3 * 2.5);
-        assert!((last.asymmetry.abs() - film.division.chi().unwrap()).abs() < 1e-3);
+        assert!((last.asymmetry.abs() - trajectory.division.chi().unwrap()).abs() < 1e-3);
     }
 }

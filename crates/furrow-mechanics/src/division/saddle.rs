@@ -1,9 +1,8 @@
-//! Slow cells: a shape beside a stationary one that it must leave, which takes longer than can be waited for.
+//! Cells that wait at a saddle for longer than the time they are given.
 //!
-//! Just above a threshold of division the stationary shape is a saddle that grows at a rate σ near zero. The cell comes up
-//! to it along what decays and leaves it along the one direction that grows, as a e^{σt}, M.24: everything about this wait is
-//! known without following it. So the wait is taken in one leap, to an amplitude that is still small, and the division goes
-//! on from there.
+//! Just above a threshold of division the stationary shape is a saddle that grows at a rate σ near zero. The cell approaches
+//! it along the decaying modes and leaves it along the one growing mode, as a e^{σt}, M.24. This linear growth is known without
+//! stepping through it, so it is skipped, to an amplitude that is still small, and the division continues from there.
 
 use furrow_bvp::{Direction, Gauss, Solution};
 
@@ -11,8 +10,8 @@ use crate::cortex::Cortex;
 use crate::cortex::equations::{COMPONENTS, R, Z};
 use crate::stability::{Stability, StabilityError};
 
-/// Amplitude, relative to R0 and as the L² norm of (r, z) over u, at which the leap ends: far below 1, so that what grows
-/// is still one linear mode, and far above what a time step is solved to.
+/// Amplitude, relative to R0 and as the L² norm of (r, z) over u, after the skip: far below 1, so that the
+/// growing mode is still linear, and far above what a time step is solved to.
 const DEPARTURE: f64 = 1e-3;
 /// A smaller amplitude than this, relative to R0, is rounding.
 const ROUNDING: f64 = 1e-12;
@@ -21,7 +20,7 @@ const ROUNDING: f64 = 1e-12;
 pub struct Departure {
     /// The shape there, on the saddle's mesh.
     pub shape: Solution,
-    /// Time that the leap takes, in τ: ln(amplitude after/amplitude before)/σ.
+    /// Time that is skipped, in τ: ln(amplitude after/amplitude before)/σ.
     pub waited: f64,
 }
 
@@ -30,7 +29,7 @@ pub struct Departure {
 ///
 /// # Errors
 /// The growing direction cannot be computed.
-pub fn depart(cortex: &Cortex, here: &Solution, saddle: &Solution, growth: f64) -> Result<Departure, StabilityError> {
+pub fn leave(cortex: &Cortex, here: &Solution, saddle: &Solution, growth: f64) -> Result<Departure, StabilityError> {
     let mut stability = Stability::new(saddle.m);
     let mode = stability.unstable_direction(cortex, saddle, growth)?;
     let r0 = cortex.cell.r0;
