@@ -11,7 +11,7 @@ use furrow_mechanics::cortex::Cortex;
 use furrow_mechanics::division::{DivisionInput, Outcome, divide};
 use furrow_mechanics::equilibria::branch::error_monitor;
 use furrow_mechanics::equilibria::critical::{self, STARTS};
-use furrow_mechanics::equilibria::{BranchOptions, curves, pitchfork, primary};
+use furrow_mechanics::equilibria::{BranchOptions, curves, locate, pitchfork, primary};
 
 /// Processor time of this thread in ms; wall time where the system does not tell.
 fn now() -> f64 {
@@ -91,7 +91,7 @@ fn main() {
             let (numerics, options) = branch_settings(short, mesh);
             let passive = || primary::start(&Cell::new(2.0), &numerics, &options.settings);
             println!("{} x {}: of this the passive shape from nothing: {:.2} ms", mesh[0], mesh[1], best(7, passive).0);
-            let fold = primary::fold_near(&mut branch(short, mesh)).expect("a fold").point;
+            let fold = locate::fold_near(&mut branch(short, mesh)).expect("a fold").point;
             let pitchfork = pitchfork::first(&Cell::new(2.0), &numerics, &options).expect("a pitchfork").point;
             for (kind, point) in [("fold", fold), ("pitchfork", pitchfork)] {
                 println!(

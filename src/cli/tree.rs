@@ -261,7 +261,7 @@ fn warn_of_undecided(tree: &Tree, scenario: &str) {
 fn warn_of_searches(unknown: &[(Cue, ShapeError)]) {
     let mut given_up = Vec::new();
     for (cue, error) in unknown {
-        if let ShapeError::Effort { .. } = error {
+        if let ShapeError::OutOfBudget { .. } = error {
             given_up.push(cue.to_string());
         }
         tracing::info!("no critical radius for cells with the cue {cue}, whose divisions tell instead: {error}");

@@ -6,7 +6,7 @@ use furrow_cell::{Cell, Numerics};
 use furrow_lineage::parse_cue;
 use furrow_lineage::{Lineage, Thresholds};
 use furrow_mechanics::equilibria::critical::{MOST_SEARCHED, critical_radius_within};
-use furrow_mechanics::equilibria::{CriticalRadii, Effort, ShapeError};
+use furrow_mechanics::equilibria::{CriticalRadii, ShapeError, StepBudget};
 
 use crate::common::command::furrow;
 
@@ -23,15 +23,15 @@ fn long() -> Cell {
 fn a_search_ends_where_its_effort_does() {
     let numerics = Numerics::default();
     for most in [0, 10, 100] {
-        let effort = Effort::new(most, None);
-        let error = critical_radius_within(&long(), &numerics, &effort).unwrap_err();
-        assert!(matches!(error, ShapeError::Effort { steps, .. } if steps == most), "{error}");
+        let budget = StepBudget::new(most, None);
+        let error = critical_radius_within(&long(), &numerics, &budget).unwrap_err();
+        assert!(matches!(error, ShapeError::OutOfBudget { steps, .. } if steps == most), "{error}");
         // The step that passes the limit is the last; one along a branch may count for as many as it took attempts.
-        assert!(effort.spent() > most && effort.spent() < most + 40, "{} of {most}", effort.spent());
+        assert!(budget.spent() > most && budget.spent() < most + 40, "{} of {most}", budget.spent());
     }
     // A plain cell of another size of shell takes a fraction of what is allowed, and as much with a limit as without.
     let plain = Cell { epsilon: 0.8, ..Cell::new(1.0) };
-    let (free, bounded) = (Effort::unlimited(), Effort::new(MOST_SEARCHED, None));
+    let (free, bounded) = (StepBudget::unlimited(), StepBudget::new(MOST_SEARCHED, None));
     let found = critical_radius_within(&plain, &numerics, &free).unwrap();
     assert_eq!(critical_radius_within(&plain, &numerics, &bounded).unwrap(), found);
     assert_eq!(bounded.spent(), free.spent());
@@ -44,7 +44,7 @@ fn radii_are_searched_for_with_bounded_effort_and_once() {
     let radii = CriticalRadii::new(&numerics);
     assert!(!radii.knows(&long()));
     let error = radii.ends(&long()).unwrap_err();
-    assert!(matches!(error, ShapeError::Effort { steps: MOST_SEARCHED, .. }), "{error}");
+    assert!(matches!(error, ShapeError::OutOfBudget { steps: MOST_SEARCHED, .. }), "{error}");
     assert!(radii.knows(&long()));
     assert!(radii.knows(&Cell::new(2.0)), "the preset's radius is stored");
 }
@@ -53,9 +53,9 @@ fn radii_are_searched_for_with_bounded_effort_and_once() {
 fn an_interrupted_search_ends_at_once_and_is_not_remembered() {
     static FLAG: AtomicBool = AtomicBool::new(true);
     let cell = Cell { epsilon: 0.8, ..Cell::new(1.0) };
-    let effort = Effort::new(usize::MAX, Some(&FLAG));
-    assert_eq!(critical_radius_within(&cell, &Numerics::default(), &effort), Err(ShapeError::Interrupted));
-    assert_eq!(effort.spent(), 0);
+    let budget = StepBudget::new(usize::MAX, Some(&FLAG));
+    assert_eq!(critical_radius_within(&cell, &Numerics::default(), &budget), Err(ShapeError::Interrupted));
+    assert_eq!(budget.spent(), 0);
 
     let rule = Thresholds::new(CriticalRadii::new(&Numerics::default()).interrupted_by(&FLAG));
     assert_eq!(rule.of(&cell), None);

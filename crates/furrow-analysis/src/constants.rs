@@ -84,9 +84,7 @@ fn row(columns: &[&str], line: &str) -> Result<Constants, (String, String, Strin
         let value: f64 = field.parse().map_err(|_| wrong("a number"))?;
         match name.parse::<Parameter>() {
             Ok(parameter) => {
-                if let Some(allowed) = parameter.refuses(value) {
-                    return Err(wrong(allowed));
-                }
+                parameter.validate(value).map_err(wrong)?;
                 out.values.push((parameter, value));
             }
             Err(_) if value.is_finite() && value >= 0.0 => out.weight = value,

@@ -7,8 +7,7 @@ use furrow_mechanics::calibration::Targets;
 use furrow_mechanics::calibration::statements::HigherFold;
 use furrow_mechanics::division::{DivisionInput, Outcome, divide};
 use furrow_mechanics::equilibria::critical::critical_value;
-use furrow_mechanics::equilibria::pitchfork::Pitchfork;
-use furrow_mechanics::equilibria::{Branch, BranchOptions, ShapeError, pitchfork, primary};
+use furrow_mechanics::equilibria::{Branch, BranchOptions, Pitchfork, ShapeError, pitchfork, primary};
 
 /// A statement that is not true of a set of constants.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -275,7 +275,7 @@ impl Check<'_> {
         let refused = match trial.assign(self.file, &[(name, value.text())]) {
             Err(InputError::NotAllowed { allowed, .. }) => Some(allowed),
             Err(other) => return Err(other),
-            Ok(()) => trial.refuses(name).map(str::to_owned),
+            Ok(()) => trial.validate(name).err().map(str::to_owned),
         };
         let written = match value {
             AxisValue::Number(number) => number.to_string(),

@@ -17,7 +17,7 @@ use furrow_lineage::batch::{Job, Key, Memo, Progress, SchedulerError, SchedulerO
 use furrow_lineage::{GrowError, Grower, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds};
 use furrow_mechanics::division::{Division, DivisionInput, Statistics, divide};
 use furrow_mechanics::equilibria::critical::{BoundaryKind, critical_radius_within};
-use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, Effort, PointKind, ShapeError, pitchfork};
+use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, PointKind, ShapeError, StepBudget, pitchfork};
 
 /// Largest ξ_s up to which pitchforks are searched for.
 const XI_MAX: f64 = 100.0;
@@ -257,15 +257,15 @@ impl<'a> Run<'a> {
     fn shapes(
         &self,
         inputs: &mut Inputs<'_>,
-        solve: fn(&DivisionInput, &Effort<'_>) -> Result<Vec<Value>, ShapeError>,
+        solve: fn(&DivisionInput, &StepBudget<'_>) -> Result<Vec<Value>, ShapeError>,
     ) -> Result<SweepResult, SchedulerError> {
         let Inputs { firsts, results, open, .. } = inputs;
         let done = AtomicUsize::new(firsts.len() - open.len());
         let one = |number: &usize| {
             let point = firsts[*number];
-            let effort = Effort::new(usize::MAX, Some(self.cancel));
+            let budget = StepBudget::new(usize::MAX, Some(self.cancel));
             // A defect at one point is no reason to lose the others.
-            let solved = catch_unwind(AssertUnwindSafe(|| solve(&point.input, &effort)));
+            let solved = catch_unwind(AssertUnwindSafe(|| solve(&point.input, &budget)));
             let found = match solved {
                 Ok(Ok(values)) => (values, None),
                 Ok(Err(error)) => (self.no_results(), Some(error.to_string())),
@@ -388,9 +388,9 @@ fn tree_results(tree: &Tree) -> Vec<Value> {
 }
 
 /// A cell whose pitchfork does not exist, up to [`XI_MAX`] or because of its cue, has criticality `none`: that is a result too.
-fn pitchfork_results(input: &DivisionInput, effort: &Effort<'_>) -> Result<Vec<Value>, ShapeError> {
+fn pitchfork_results(input: &DivisionInput, budget: &StepBudget<'_>) -> Result<Vec<Value>, ShapeError> {
     let options = BranchOptions { xi: [0.0, XI_MAX], ..BranchOptions::default() };
-    match pitchfork::first_within(&input.cell, &input.numerics, &options, effort) {
+    match pitchfork::first_within(&input.cell, &input.numerics, &options, budget) {
         Ok(found) => {
             let (criticality, point) = (found.criticality().to_string(), &found.point);
             Ok(vec![point.xi_s.into(), criticality.into(), found.coefficient.into(), point.elongation.into()])
@@ -402,8 +402,8 @@ fn pitchfork_results(input: &DivisionInput, effort: &Effort<'_>) -> Result<Vec<V
     }
 }
 
-fn critical_results(input: &DivisionInput, effort: &Effort<'_>) -> Result<Vec<Value>, ShapeError> {
-    let found = critical_radius_within(&input.cell, &input.numerics, effort)?;
+fn critical_results(input: &DivisionInput, budget: &StepBudget<'_>) -> Result<Vec<Value>, ShapeError> {
+    let found = critical_radius_within(&input.cell, &input.numerics, budget)?;
     let kind = if found.kind == BoundaryKind::CuedFold { "cued_fold" } else { "pitchfork" };
     Ok(vec![found.r0.into(), kind.into()])
 }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Cell;
 use super::cue::Quantity;
+use super::settings::{Number, parameters};
 
 /// A scalar parameter of one cell.
 ///
@@ -80,66 +81,44 @@ impl Parameter {
         Parameter::Tension,
     ];
 
-    /// Where it is kept in a cell; none for a cue's, and the cue's own quantities are looked up in its terms.
-    fn slot(self, cell: &mut Cell) -> Option<&mut f64> {
-        Some(match self {
-            Parameter::XiS => &mut cell.xi_s,
-            Parameter::XiRatio => &mut cell.material.xi_ratio,
-            Parameter::Gain => &mut cell.material.gain,
-            Parameter::R0 => &mut cell.r0,
-            Parameter::Epsilon => &mut cell.epsilon,
-            Parameter::Aspect => &mut cell.shell.aspect,
-            Parameter::P0 => &mut cell.shell.p0,
-            Parameter::W => &mut cell.shell.w,
-            Parameter::Kappa => &mut cell.material.kappa,
-            Parameter::EtaB => &mut cell.material.eta_b,
-            Parameter::EtaS => &mut cell.material.eta_s,
-            Parameter::Friction => &mut cell.material.friction,
-            Parameter::Tension => &mut cell.material.tension,
-            Parameter::Cue { term, quantity } => return cell.cue.terms_mut().get_mut(term)?.quantity_mut(quantity),
-        })
+    /// Its row in the table of parameters, with its name; none for a cue's.
+    fn row(self) -> Option<(&'static Number, &'static str)> {
+        parameters().find(|(row, ..)| row.parameter == self).map(|(row, name, _)| (row, name))
     }
 
     /// Its value; 0 for a quantity that the cell's cue does not have.
     pub fn get(self, cell: &Cell) -> f64 {
-        match self {
-            Parameter::XiS => cell.xi_s,
-            Parameter::XiRatio => cell.material.xi_ratio,
-            Parameter::Gain => cell.material.gain,
-            Parameter::R0 => cell.r0,
-            Parameter::Epsilon => cell.epsilon,
-            Parameter::Aspect => cell.shell.aspect,
-            Parameter::P0 => cell.shell.p0,
-            Parameter::W => cell.shell.w,
-            Parameter::Kappa => cell.material.kappa,
-            Parameter::EtaB => cell.material.eta_b,
-            Parameter::EtaS => cell.material.eta_s,
-            Parameter::Friction => cell.material.friction,
-            Parameter::Tension => cell.material.tension,
-            Parameter::Cue { term, quantity } => {
+        match (self, self.row()) {
+            (Parameter::Cue { term, quantity }, _) => {
                 cell.cue.terms().get(term).and_then(|term| term.quantity(quantity)).unwrap_or(0.0)
             }
+            (_, row) => row.map_or(0.0, |(row, _)| (row.get)(cell)),
         }
     }
 
     /// Sets it. A quantity that the cell's cue does not have is left alone.
     pub fn set(self, cell: &mut Cell, value: f64) {
-        if let Some(slot) = self.slot(cell) {
+        let slot = match (self, self.row()) {
+            (Parameter::Cue { term, quantity }, _) => {
+                cell.cue.terms_mut().get_mut(term).and_then(|term| term.quantity_mut(quantity))
+            }
+            (_, row) => row.map(|(row, _)| (row.slot)(cell)),
+        };
+        if let Some(slot) = slot {
             *slot = value;
         }
     }
 
-    /// What is allowed, if `value` is not: for the parameters of a cell alone, not for those of its cue.
-    pub fn refuses(self, value: f64) -> Option<&'static str> {
-        let (allowed, what) = match self {
-            Parameter::XiS | Parameter::XiRatio | Parameter::Tension | Parameter::Cue { .. } => {
-                (value.is_finite(), "a finite number")
-            }
-            Parameter::Epsilon => (value > 0.0 && value < 1.0, "above 0 and below 1"),
-            Parameter::EtaS => (value.is_finite() && value >= 0.0, "a finite number, 0 or above"),
-            _ => (value.is_finite() && value > 0.0, "a finite number above 0"),
-        };
-        (!allowed).then_some(what)
+    /// Checks a value. Of a cue's quantity it need only be finite.
+    ///
+    /// # Errors
+    /// What is allowed.
+    pub fn validate(self, value: f64) -> Result<(), &'static str> {
+        match self.row() {
+            Some((row, _)) => (row.validate)(value),
+            None if value.is_finite() => Ok(()),
+            None => Err("a finite number"),
+        }
     }
 
     /// Whether the cell has it: false for quantities of terms that its cue does not have.
@@ -155,20 +134,8 @@ impl Parameter {
     /// Its name in files and options; of a cue's quantity the quantity's alone.
     pub fn name(self) -> &'static str {
         match self {
-            Parameter::XiS => "xi_s",
-            Parameter::XiRatio => "xi_ratio",
-            Parameter::Gain => "gain",
-            Parameter::R0 => "r0",
-            Parameter::Epsilon => "epsilon",
-            Parameter::Aspect => "aspect",
-            Parameter::P0 => "p0",
-            Parameter::W => "w",
-            Parameter::Kappa => "kappa",
-            Parameter::EtaB => "eta_b",
-            Parameter::EtaS => "eta_s",
-            Parameter::Friction => "friction",
-            Parameter::Tension => "tension",
             Parameter::Cue { quantity, .. } => quantity.name(),
+            _ => self.row().map_or("", |(_, name)| name),
         }
     }
 }
@@ -200,16 +167,7 @@ impl std::str::FromStr for Parameter {
             let quantity = Quantity::ALL.into_iter().find(|q| q.name() == name).ok_or_else(unknown)?;
             return Ok(Parameter::Cue { term, quantity });
         }
-        match text {
-            "xi" => Ok(Parameter::XiS),
-            "g" => Ok(Parameter::Gain),
-            "R0" => Ok(Parameter::R0),
-            "eps" => Ok(Parameter::Epsilon),
-            "a_over_b" => Ok(Parameter::Aspect),
-            "P0" => Ok(Parameter::P0),
-            "Gamma" => Ok(Parameter::Friction),
-            "gamma" => Ok(Parameter::Tension),
-            _ => Parameter::ALL.into_iter().find(|p| p.name() == text).ok_or_else(unknown),
-        }
+        let named = parameters().find(|(_, name, aliases)| *name == text || aliases.contains(&text));
+        named.map(|(row, ..)| row.parameter).ok_or_else(unknown)
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use crate::ZYGOTE;
-use crate::{Cell, Numerics, RigidityGradient, SIZES, Scheme};
+use crate::{Cell, Numerics, Parameter, RigidityGradient, SIZES, Scheme};
 use furrow_input::{InputError, did_you_mean, parse_document, read_text, shown};
 
 /// Parameters of a run, checked.
@@ -45,12 +45,22 @@ struct Field {
     set: Set,
     valid: Valid,
     show: fn(&Settings) -> String,
+    /// The [`Parameter`] of this field, if it has one.
+    parameter: &'static [Number],
 }
 
-/// One table of all fields: the overrides that a RON file may hold, `--set`, and the checks come from it.
+/// A row of the table that is a [`Parameter`].
+pub(crate) struct Number {
+    pub parameter: Parameter,
+    pub get: fn(&Cell) -> f64,
+    pub slot: fn(&mut Cell) -> &mut f64,
+    pub validate: fn(f64) -> Result<(), &'static str>,
+}
+
+/// The one table of parameters: RON files, `--set`, the checks, the listing and [`Parameter`] come from it.
 macro_rules! fields {
-    ($($section:ident $overrides:ident $shown:literal {
-        $($name:ident $([$($alias:literal),*])? at $($path:ident).+ : $kind:ty, $allowed:literal, |$v:ident| $ok:expr;)*
+    ($($section:ident $overrides:ident $shown:literal $part:ident {
+        $($name:ident $([$($alias:literal),*])? at $place:expr => $kind:ty $(as $parameter:ident)?, $allowed:literal, |$v:ident| $ok:expr;)*
     })*) => {
         $(
             /// What a file sets of one section; what it does not name keeps its value.
@@ -65,7 +75,8 @@ macro_rules! fields {
             impl $overrides {
                 /// Sets what the file sets.
                 pub fn apply(self, settings: &mut Settings) {
-                    $(if let Some(value) = self.$name { settings.$($path).+ = value; })*
+                    let $part = &mut settings.$part;
+                    $(if let Some(value) = self.$name { $place = value; })*
                 }
             }
         )*
@@ -76,48 +87,59 @@ macro_rules! fields {
                 name: stringify!($name),
                 aliases: &[$($($alias),*)?],
                 set: |settings, text| {
-                    settings.$($path).+ = <$kind as Value>::read(text).ok_or($allowed)?;
+                    let $part = &mut settings.$part;
+                    $place = <$kind as Value>::read(text).ok_or($allowed)?;
                     Ok(())
                 },
                 valid: |settings| {
-                    let $v: $kind = settings.$($path).+;
+                    let $part = &settings.$part;
+                    let $v: $kind = $place;
                     let ok: bool = $ok;
                     (!ok).then(|| (Value::show(&$v), $allowed))
                 },
-                show: |settings| Value::show(&settings.$($path).+),
+                show: |settings| {
+                    let $part = &settings.$part;
+                    Value::show(&$place)
+                },
+                parameter: &[$(Number {
+                    parameter: Parameter::$parameter,
+                    get: |$part| $place,
+                    slot: |$part| &mut $place,
+                    validate: |$v| if $ok { Ok(()) } else { Err($allowed) },
+                })?],
             },
         )*)*];
     };
 }
 
 fields! {
-    physics PhysicsOverrides "Physics" {
-        kappa at cell.material.kappa: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        eta_b at cell.material.eta_b: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        eta_s at cell.material.eta_s: f64, "a finite number, 0 or above", |v| v.is_finite() && v >= 0.0;
-        friction ["Gamma"] at cell.material.friction: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        tension ["gamma"] at cell.material.tension: f64, "a finite number", |v| v.is_finite();
-        xi_s ["xi"] at cell.xi_s: f64, "a finite number", |v| v.is_finite();
-        xi_ratio at cell.material.xi_ratio: f64, "a finite number", |v| v.is_finite();
-        gain ["g"] at cell.material.gain: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        aspect ["a_over_b"] at cell.shell.aspect: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        p0 ["P0"] at cell.shell.p0: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        w at cell.shell.w: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        r0 ["R0"] at cell.r0: f64, "a finite number above 0, from 1e-6 to 1e6", |v| SIZES.contains(&v);
-        epsilon ["eps"] at cell.epsilon: f64, "above 0 and below 1", |v| v > 0.0 && v < 1.0;
-        rigidity_gradient at cell.material.rigidity_gradient: RigidityGradient, "full or dropped", |_v| true;
+    physics PhysicsOverrides "Physics" cell {
+        kappa at cell.material.kappa => f64 as Kappa, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        eta_b at cell.material.eta_b => f64 as EtaB, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        eta_s at cell.material.eta_s => f64 as EtaS, "a finite number, 0 or above", |v| v.is_finite() && v >= 0.0;
+        friction ["Gamma"] at cell.material.friction => f64 as Friction, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        tension ["gamma"] at cell.material.tension => f64 as Tension, "a finite number", |v| v.is_finite();
+        xi_s ["xi"] at cell.xi_s => f64 as XiS, "a finite number", |v| v.is_finite();
+        xi_ratio at cell.material.xi_ratio => f64 as XiRatio, "a finite number", |v| v.is_finite();
+        gain ["g"] at cell.material.gain => f64 as Gain, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        aspect ["a_over_b"] at cell.shell.aspect => f64 as Aspect, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        p0 ["P0"] at cell.shell.p0 => f64 as P0, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        w at cell.shell.w => f64 as W, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        r0 ["R0"] at cell.r0 => f64 as R0, "a finite number above 0, from 1e-6 to 1e6", |v| SIZES.contains(&v);
+        epsilon ["eps"] at cell.epsilon => f64 as Epsilon, "above 0 and below 1", |v| v > 0.0 && v < 1.0;
+        rigidity_gradient at cell.material.rigidity_gradient => RigidityGradient, "full or dropped", |_v| true;
     }
-    numerics NumericsOverrides "Numerics" {
-        stages at numerics.stages: usize, "a whole number from 1 to 5", |v| (1..=5).contains(&v);
-        intervals at numerics.intervals: usize, "an even whole number from 16 to 4096", |v| v.is_multiple_of(2) && (16..=4096).contains(&v);
-        scheme at numerics.scheme: Scheme, "converged or published", |_v| true;
-        dt at numerics.dt: f64, "above 0 and at most 10", |v| v > 0.0 && v <= 10.0;
-        first_step at numerics.first_step: f64, "from 1e-6 to 0.1", |v| (1e-6..=0.1).contains(&v);
-        time_tolerance at numerics.time_tolerance: f64, "from 1e-9 to 0.1", |v| (1e-9..=0.1).contains(&v);
-        step_factor at numerics.step_factor: f64, "from 0.1 to 1", |v| (0.1..=1.0).contains(&v);
-        t_max at numerics.t_max: f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
-        noise at numerics.noise: f64, "0 or above and below 1", |v| (0.0..1.0).contains(&v);
-        chi_symmetric at numerics.chi_symmetric: f64, "0 or above and below 1", |v| (0.0..1.0).contains(&v);
+    numerics NumericsOverrides "Numerics" numerics {
+        stages at numerics.stages => usize, "a whole number from 1 to 5", |v| (1..=5).contains(&v);
+        intervals at numerics.intervals => usize, "an even whole number from 16 to 4096", |v| v.is_multiple_of(2) && (16..=4096).contains(&v);
+        scheme at numerics.scheme => Scheme, "converged or published", |_v| true;
+        dt at numerics.dt => f64, "above 0 and at most 10", |v| v > 0.0 && v <= 10.0;
+        first_step at numerics.first_step => f64, "from 1e-6 to 0.1", |v| (1e-6..=0.1).contains(&v);
+        time_tolerance at numerics.time_tolerance => f64, "from 1e-9 to 0.1", |v| (1e-9..=0.1).contains(&v);
+        step_factor at numerics.step_factor => f64, "from 0.1 to 1", |v| (0.1..=1.0).contains(&v);
+        t_max at numerics.t_max => f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
+        noise at numerics.noise => f64, "0 or above and below 1", |v| (0.0..1.0).contains(&v);
+        chi_symmetric at numerics.chi_symmetric => f64, "0 or above and below 1", |v| (0.0..1.0).contains(&v);
     }
 }
 
@@ -297,10 +319,13 @@ impl Settings {
         Ok(())
     }
 
-    /// What is allowed of one field, given by its [canonical name](canonical_name), if its value is not.
-    pub fn refuses(&self, name: &str) -> Option<&'static str> {
-        let field = FIELDS.iter().find(|field| field.name == name)?;
-        (field.valid)(self).map(|(_, allowed)| allowed)
+    /// Checks one field, given by its [canonical name](canonical_name).
+    ///
+    /// # Errors
+    /// What is allowed.
+    pub fn validate(&self, name: &str) -> Result<(), &'static str> {
+        let field = FIELDS.iter().find(|field| field.name == name);
+        field.and_then(|field| (field.valid)(self)).map_or(Ok(()), |(_, allowed)| Err(allowed))
     }
 
     /// Checks every field by itself; errors say the values came from `source_name`.
@@ -398,6 +423,11 @@ impl Settings {
 
 /// What errors call settings of the form `key=value`.
 const OVERRIDES: &str = "--set";
+
+/// The rows of the table that are parameters, each with its name and aliases.
+pub(crate) fn parameters() -> impl Iterator<Item = (&'static Number, &'static str, &'static [&'static str])> {
+    FIELDS.iter().flat_map(|field| field.parameter.iter().map(|number| (number, field.name, field.aliases)))
+}
 
 /// Sets `xi_ratio` from the ξ_s in force.
 const XI_B: &str = "xi_b";

@@ -219,7 +219,7 @@ impl Check<'_> {
             }
         }
         for (parameter, value) in f.physics.values() {
-            if let Some(allowed) = parameter.refuses(value) {
+            if let Err(allowed) = parameter.validate(value) {
                 return Err(self.founder_error(f, &format!("physics.{parameter}"), value, allowed));
             }
         }

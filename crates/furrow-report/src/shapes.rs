@@ -5,8 +5,7 @@
 
 use serde::Serialize;
 
-use furrow_mechanics::equilibria::pitchfork::Pitchfork;
-use furrow_mechanics::equilibria::{BranchEvent, Criticality, PointKind, StationaryShape};
+use furrow_mechanics::equilibria::{BranchEvent, Criticality, Pitchfork, PointKind, StationaryShape};
 use furrow_mechanics::stability::{Parity, Spectrum};
 
 /// A growth rate.

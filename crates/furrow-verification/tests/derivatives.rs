@@ -5,7 +5,7 @@ use furrow_bvp::derivatives::PointDirection;
 use furrow_bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Directional, PointJacobian};
 use furrow_cell::cue::{Field, Profile, Quantity, Width};
 use furrow_cell::{Cell, Parameter};
-use furrow_mechanics::cortex::equations::{COMPONENTS, Constants, M, Motion, PSI, Q, R, T, V, Z, equations};
+use furrow_mechanics::cortex::equations::{BdfTerm, COMPONENTS, Constants, M, PSI, Q, R, T, V, Z, equations};
 use furrow_mechanics::cortex::symmetry::{ODD, mirror};
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_verification::balance::rates;
@@ -134,7 +134,7 @@ fn dual_column(cortex: &Cortex, y: &[f64; COMPONENTS], p: &[f64], k: usize) -> V
         cortex.free.iter().position(|f| *f == parameter).map_or(Dual64::from_re(v), |i| unit(n + 2 + i, v))
     });
     let lifted: [Dual64; COMPONENTS] = std::array::from_fn(|i| unit(i, y[i]));
-    let motion = Motion { rate: cortex.rate, r_past: cortex.past[0][0], z_past: cortex.past[0][1] };
+    let motion = BdfTerm { rate: cortex.rate, r_past: cortex.past[0][0], z_past: cortex.past[0][1] };
     let (f, g) = equations(&constants, AT.x, motion, 1.03, &lifted, unit(n, p[0]), unit(n + 1, p[1]));
     f.iter().chain([&g]).map(|f| f.eps).collect()
 }

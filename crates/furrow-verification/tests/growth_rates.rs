@@ -135,7 +135,7 @@ fn small_disturbances_of_a_sphere_follow_the_exponential_of_theory() {
                 stepper.accept();
             }
         }
-        let size = |stepper: &Stepper| amplitude(&gauss, &stepper.levels[0].y, cell.r0, l);
+        let size = |stepper: &Stepper| amplitude(&gauss, &stepper.history[0].y, cell.r0, l);
         let before = size(&stepper);
         for _ in 0..50 {
             stepper.attempt(dt, 4).unwrap();

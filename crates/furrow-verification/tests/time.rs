@@ -5,7 +5,7 @@ use furrow_bvp::{Newton, Solution, System};
 use furrow_cell::{Cell, Numerics, Shell};
 use furrow_mechanics::cortex::equations::{COMPONENTS, R, Z};
 use furrow_mechanics::cortex::{Cortex, Domain};
-use furrow_mechanics::division::stepper::{Level, Stepper};
+use furrow_mechanics::division::stepper::{HistoryPoint, Stepper};
 use furrow_mechanics::division::{DivisionInput, divide};
 use furrow_verification::contour::Computed;
 use furrow_verification::report::within;
@@ -51,22 +51,22 @@ fn steps_converge_with_the_order_of_their_formula() {
     let mut fine = stepper();
     begin(&mut fine, short, 4);
     // The last shapes before the comparison begins, newest first; the stepper itself keeps five.
-    let mut history: Vec<Level> = Vec::new();
+    let mut history: Vec<HistoryPoint> = Vec::new();
     for _ in 0..5 * parts {
         step(&mut fine, short, 4, 1);
-        history.insert(0, fine.levels[0].clone());
+        history.insert(0, fine.history[0].clone());
     }
     step(&mut fine, short, 4, steps * parts);
-    let end = fine.levels[0].y.clone();
+    let end = fine.history[0].y.clone();
     println!("the shape moves by {:.3}", distance(&end, &history[0].y));
     assert!(distance(&end, &history[0].y) > 0.02, "the shape moves");
     for order in 1..=4 {
         let error = |every: usize| {
             let mut coarse = stepper();
-            coarse.levels = history.iter().step_by(every).take(5).cloned().collect();
+            coarse.history = history.iter().step_by(every).take(5).cloned().collect();
             step(&mut coarse, short * every as f64, order, steps * parts / every);
-            assert!((coarse.levels[0].t - fine.levels[0].t).abs() < 1e-9);
-            distance(&coarse.levels[0].y, &end)
+            assert!((coarse.history[0].t - fine.history[0].t).abs() < 1e-9);
+            distance(&coarse.history[0].y, &end)
         };
         let [coarse, fine] = [parts / 2, parts / 4].map(error);
         let seen = (coarse / fine).log2();
@@ -106,7 +106,7 @@ struct Observed {
 }
 
 fn observe(stepper: &Stepper) -> Observed {
-    let (cortex, shape) = (&stepper.cortex, &stepper.levels[0].y);
+    let (cortex, shape) = (&stepper.cortex, &stepper.history[0].y);
     let moved = shape.stages.chunks_exact(COMPONENTS).zip(&cortex.past);
     let motion = moved.map(|(y, past)| [y[R] - past[0], y[Z] - past[1]].map(|d| d * cortex.rate)).collect();
     let state = Computed { cell: cortex.cell.clone(), shape: shape.clone(), motion, noise: Vec::new() };

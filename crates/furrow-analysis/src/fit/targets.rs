@@ -119,7 +119,7 @@ impl Targets {
             let new = self.unknowns[..k].iter().all(|other| other.parameter != *parameter);
             require(new, field("parameter"), parameter, "named only once")?;
             for (name, value) in [("from", *from), ("to", *to)] {
-                let allowed = parameter.refuses(value);
+                let allowed = parameter.validate(value).err();
                 let holds = value > 0.0 && allowed.is_none();
                 require(holds, field(name), &value, allowed.unwrap_or("a finite number above 0"))?;
             }

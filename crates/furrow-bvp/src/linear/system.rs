@@ -115,7 +115,7 @@ impl System {
     }
 
     /// The collocation equations, and the integrals over the intervals.
-    fn evaluate_intervals<P: BoundaryValueProblem>(&mut self, problem: &P, y: &Solution, derivatives: bool) {
+    fn evaluate_intervals<P: BoundaryValueProblem>(&mut self, problem: &mut P, y: &Solution, derivatives: bool) {
         let dims = self.dimensions();
         let (n, m, ni) = (dims.components, self.gauss.m, dims.integrals);
         let intervals = y.intervals();
@@ -128,6 +128,7 @@ impl System {
             let h = interval[1] - interval[0];
             self.places.extend(self.gauss.c.iter().map(|c| interval[0] + h * c));
         }
+        problem.prepare_points(&self.places, &y.scalars);
         let (f, g) = (&mut r.stages[..], &mut self.integrands[..]);
         let points = CollocationPoints { first: 0, x: &self.places, y: &y.stages };
         if derivatives {

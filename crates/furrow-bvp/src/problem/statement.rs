@@ -106,6 +106,10 @@ pub trait BoundaryValueProblem {
     /// Called once before every sweep over the mesh with the scalar unknowns of that sweep.
     fn prepare(&mut self, _p: &[f64]) {}
 
+    /// Called after [`prepare`](Self::prepare) with the collocation points of a sweep, where what depends on them alone can be
+    /// computed and kept.
+    fn prepare_points(&mut self, _x: &[f64], _p: &[f64]) {}
+
     /// f into `f` (length n) and the integrands into `g`.
     fn rhs(&self, at: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], g: &mut [f64]);
 

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::equilibria::pitchfork::Criticality;
+use crate::equilibria::Criticality;
 use furrow_input::InputError;
 
 /// The asymmetric branch is known to lie on one side of a pitchfork.

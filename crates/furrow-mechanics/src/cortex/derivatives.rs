@@ -5,7 +5,7 @@ use furrow_bvp::derivatives::{Directional, PointDirection};
 use num_dual::{Dual3_64, HyperDual64};
 
 use super::Cortex;
-use super::equations::{COMPONENTS, Constants, LENGTH, Motion, PRESSURE, equations};
+use super::equations::{BdfTerm, COMPONENTS, Constants, LENGTH, PRESSURE, equations};
 use super::problem::SHAPE_SCALARS;
 use furrow_cell::Number;
 
@@ -48,7 +48,7 @@ impl Directional for Cortex {
     ) {
         let state: [HyperDual64; COMPONENTS] = std::array::from_fn(|k| HyperDual64::new(y[k], a.y[k], b.y[k], 0.0));
         let (value, volume) =
-            equations(&prepared.constants, at.x, Motion::default(), 1.0, &state, prepared.length, prepared.pressure);
+            equations(&prepared.constants, at.x, BdfTerm::default(), 1.0, &state, prepared.length, prepared.pressure);
         for (f, value) in f.iter_mut().zip(&value) {
             *f = value.eps1eps2;
         }
@@ -76,7 +76,7 @@ impl Directional for Cortex {
     ) {
         let state: [Dual3_64; COMPONENTS] = std::array::from_fn(|k| Dual3_64::new(y[k], a.y[k], 0.0, 0.0));
         let (value, volume) =
-            equations(&prepared.constants, at.x, Motion::default(), 1.0, &state, prepared.length, prepared.pressure);
+            equations(&prepared.constants, at.x, BdfTerm::default(), 1.0, &state, prepared.length, prepared.pressure);
         for (k, value) in value.iter().enumerate() {
             f2[k] = value.v2;
             f3[k] = value.v3;

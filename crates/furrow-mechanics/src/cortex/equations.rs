@@ -75,9 +75,9 @@ impl Domain {
     }
 }
 
-/// Local rates of change entering the equations at one point.
+/// The rates of change that enter the equations at one point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Motion<D = f64> {
+pub struct BdfTerm<D = f64> {
     /// 1/Δt of the implicit step (0 for a stationary shape).
     pub rate: D,
     /// Past r: ∂_t r = rate · (r − r_past).
@@ -88,7 +88,7 @@ pub struct Motion<D = f64> {
 
 /// The coefficients of the equations at one place of the contour: the constants of the material, modulated by the cue.
 #[derive(Clone, Copy, Debug)]
-pub struct Local<D> {
+pub struct LocalCoefficients<D> {
     /// Bending rigidity κ.
     pub kappa: D,
     /// ∂κ/∂u.
@@ -109,10 +109,10 @@ pub struct Local<D> {
     pub xi_b: D,
 }
 
-impl<D> Local<D> {
+impl<D> LocalCoefficients<D> {
     /// The same with numbers of another kind.
-    pub fn map<E>(self, number: impl Fn(D) -> E) -> Local<E> {
-        Local {
+    pub fn map<E>(self, number: impl Fn(D) -> E) -> LocalCoefficients<E> {
+        LocalCoefficients {
             kappa: number(self.kappa),
             kappa_u: number(self.kappa_u),
             eta_sum: number(self.eta_sum),
@@ -126,10 +126,10 @@ impl<D> Local<D> {
     }
 }
 
-impl<D: Number> Local<D> {
+impl<D: Number> LocalCoefficients<D> {
     /// Adds what one term of a cue does, M.16: `f` is A f and `f_u` is A ∂f/∂u at the place, `uniform` the coefficients without
     /// the cue. The one place where fields enter the equations; derivatives along the contour matter for κ and γ alone.
-    fn modulate(&mut self, field: Field, uniform: &Local<D>, f: D, f_u: D) {
+    fn modulate(&mut self, field: Field, uniform: &LocalCoefficients<D>, f: D, f_u: D) {
         let [eta_b, eta_s] = [1.0, -1.0].map(|sign| (uniform.eta_sum + uniform.eta_difference * sign) * 0.5);
         match field {
             Field::Kappa => {
@@ -163,9 +163,9 @@ impl<D: Number> Local<D> {
     }
 }
 
-/// What of a cell's constants is the same all along the contour.
+/// The shell: coefficients that are the same all along the contour.
 #[derive(Clone, Copy, Debug)]
-pub struct Surroundings<D> {
+pub struct ShellCoefficients<D> {
     /// 1/a² of the shell.
     pub inverse_a2: D,
     /// 1/b² of the shell.
@@ -178,11 +178,11 @@ pub struct Surroundings<D> {
     pub rigidity_gradient: bool,
 }
 
-impl<D> Surroundings<D> {
+impl<D> ShellCoefficients<D> {
     /// The same with numbers of another kind.
     #[inline(always)]
-    pub fn map<E>(self, number: impl Fn(D) -> E) -> Surroundings<E> {
-        Surroundings {
+    pub fn map<E>(self, number: impl Fn(D) -> E) -> ShellCoefficients<E> {
+        ShellCoefficients {
             inverse_a2: number(self.inverse_a2),
             inverse_b2: number(self.inverse_b2),
             shell_force: number(self.shell_force),
@@ -196,11 +196,11 @@ impl<D> Surroundings<D> {
 #[derive(Clone, Debug)]
 pub struct Constants<D> {
     /// Coefficients where the cue does nothing.
-    pub uniform: Local<D>,
+    pub uniform: LocalCoefficients<D>,
     /// The cue's terms.
     pub cue: Vec<Term<D>>,
     /// The shell, and what is kept of the equations.
-    pub surroundings: Surroundings<D>,
+    pub shell: ShellCoefficients<D>,
     /// Volume of the whole cell, 4πR0³/3.
     pub volume: D,
 }
@@ -218,7 +218,7 @@ impl<D: Number> Constants<D> {
         let xi_s = at(Parameter::Gain) * at(Parameter::XiS);
         let term = |(term, of): (usize, &Term)| of.map(|quantity, v| vary(Parameter::Cue { term, quantity }, v));
         Constants {
-            uniform: Local {
+            uniform: LocalCoefficients {
                 kappa: at(Parameter::Kappa),
                 kappa_u: D::from(0.0),
                 eta_sum: eta_b + eta_s,
@@ -230,7 +230,7 @@ impl<D: Number> Constants<D> {
                 xi_b: xi_s * at(Parameter::XiRatio),
             },
             cue: cell.cue.terms().iter().enumerate().map(term).collect(),
-            surroundings: Surroundings {
+            shell: ShellCoefficients {
                 inverse_a2: (b2 * aspect.powi(2)).recip(),
                 inverse_b2: b2.recip(),
                 shell_force: at(Parameter::P0) * inverse_w2 * 2.0,
@@ -249,7 +249,7 @@ impl<D: Number> Constants<D> {
 
     /// The coefficients at u on a contour of length `length`.
     #[inline]
-    pub fn at(&self, u: f64, length: D) -> Local<D> {
+    pub fn at(&self, u: f64, length: D) -> LocalCoefficients<D> {
         let mut local = self.uniform;
         for term in &self.cue {
             let [f, f_u, _] = term.at(u, length);
@@ -265,24 +265,24 @@ impl<D: Number> Constants<D> {
 pub fn equations<D: Number>(
     c: &Constants<D>,
     u: f64,
-    motion: Motion,
+    motion: BdfTerm,
     noise: f64,
     y: &[D; COMPONENTS],
     length: D,
     pressure: D,
 ) -> ([D; COMPONENTS], D) {
-    let Motion { rate, r_past, z_past } = motion;
-    let motion = Motion { rate: D::from(rate), r_past: D::from(r_past), z_past: D::from(z_past) };
-    balances(&c.surroundings, &c.at(u, length), motion, D::from(noise), y, length, pressure)
+    let BdfTerm { rate, r_past, z_past } = motion;
+    let motion = BdfTerm { rate: D::from(rate), r_past: D::from(r_past), z_past: D::from(z_past) };
+    balances(&c.shell, &c.at(u, length), motion, D::from(noise), y, length, pressure)
 }
 
 /// [`equations`] with the coefficients of the place at hand. This is the readable statement;
 /// [`linearised`](super::jacobian::linearised) is the same with hand-written derivatives, and a test holds the two together.
 #[inline(always)]
 pub fn balances<D: Arithmetic>(
-    c: &Surroundings<D>,
-    here: &Local<D>,
-    motion: Motion<D>,
+    c: &ShellCoefficients<D>,
+    here: &LocalCoefficients<D>,
+    motion: BdfTerm<D>,
     noise: D,
     y: &[D; COMPONENTS],
     length: D,

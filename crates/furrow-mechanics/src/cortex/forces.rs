@@ -253,9 +253,9 @@ fn place(cortex: &Cortex, shape: &Solution, state: &State) -> Place {
 fn shell(cortex: &Cortex, y: &[f64; COMPONENTS]) -> f64 {
     let c = cortex.constants();
     let (sin, cos) = y[PSI].sin_cos();
-    let (a, b) = (c.surroundings.inverse_a2, c.surroundings.inverse_b2);
-    let inside = ((y[Z] * y[Z] * a + y[R] * y[R] * b - 1.0) * c.surroundings.inverse_w2).exp();
-    -(c.surroundings.shell_force * inside * (y[R] * sin * b + y[Z] * cos * a))
+    let (a, b) = (c.shell.inverse_a2, c.shell.inverse_b2);
+    let inside = ((y[Z] * y[Z] * a + y[R] * y[R] * b - 1.0) * c.shell.inverse_w2).exp();
+    -(c.shell.shell_force * inside * (y[R] * sin * b + y[Z] * cos * a))
 }
 
 /// ∂_s Tᵃ_uu + (cosψ/r)(Tᵃ_uu − Tᵃ_φφ) off the axis. Noise, which lasts for the first step alone, counts as uniform.
@@ -289,7 +289,7 @@ fn active_tangential(cortex: &Cortex, shape: &Solution, state: &State) -> f64 {
 /// The ellipsoid that confines the cell: its half axes along z and across, in L_h.
 pub fn shell_axes(cortex: &Cortex) -> [f64; 2] {
     let constants = cortex.constants();
-    [constants.surroundings.inverse_a2, constants.surroundings.inverse_b2].map(|inverse| inverse.powf(-0.5))
+    [constants.shell.inverse_a2, constants.shell.inverse_b2].map(|inverse| inverse.powf(-0.5))
 }
 
 #[cfg(test)]

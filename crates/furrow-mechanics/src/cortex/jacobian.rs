@@ -5,7 +5,7 @@
 
 use std::f64::consts::PI;
 
-use super::equations::{COMPONENTS, Local, Motion, Surroundings};
+use super::equations::{BdfTerm, COMPONENTS, LocalCoefficients, ShellCoefficients};
 use super::lanes::Arithmetic;
 
 /// The equations at one place and their derivatives. Those not named here are zero.
@@ -33,9 +33,9 @@ pub struct Linearised<D> {
 /// [`balances`](super::equations::balances), with `_r`, `_z`, `_m`, `_psi`, `_v` and `_t` for derivatives.
 #[inline(always)]
 pub fn linearised<D: Arithmetic>(
-    c: &Surroundings<D>,
-    here: &Local<D>,
-    motion: Motion<D>,
+    c: &ShellCoefficients<D>,
+    here: &LocalCoefficients<D>,
+    motion: BdfTerm<D>,
     noise: D,
     y: &[D; COMPONENTS],
     length: D,

@@ -1,16 +1,18 @@
 //! The boundary-value problem of one cell: a stationary shape, or one implicit time step.
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
-use std::sync::{Mutex, PoisonError};
 
 use furrow_bvp::{
     BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, Dimensions, Kernels, PointJacobian,
 };
 use num_dual::Dual64;
 
-use super::equations::{COMPONENTS, Constants, Domain, LENGTH, Local, M, Motion, PRESSURE, PSI, Q, R, T, V, equations};
+use super::equations::{
+    BdfTerm, COMPONENTS, Constants, Domain, LENGTH, LocalCoefficients, M, PRESSURE, PSI, Q, R, T, V, equations,
+};
 use super::lanes::sin_cos;
-use super::sweep;
+use super::sweep::{self, Sweep};
 use super::symmetry::{CENTRE, ODD};
 use furrow_cell::cue::{Term, Width};
 use furrow_cell::{Cell, Parameter};
@@ -55,26 +57,17 @@ pub struct Cortex {
     sensitivities: Vec<Constants<Dual64>>,
     /// The constants as numbers that carry derivatives, where the contour's length enters by the cue's widths.
     along_length: Option<Constants<Dual64>>,
-    /// The coefficients where the equations were evaluated last.
-    known: Shelf,
+    /// The coefficients at the points of the sweep that was prepared last.
+    coefficients: CoefficientCache,
 }
 
-/// Where [`Known`] coefficients are kept, apart from what the problem is: whoever evaluates it may fill it.
-#[derive(Debug, Default)]
-struct Shelf(Mutex<Known>);
-
-impl Clone for Shelf {
-    fn clone(&self) -> Shelf {
-        Shelf::default()
-    }
-}
-
-/// Coefficients at places along the contour, which a cue takes an exponential for, and which stay as they are as long as the mesh
-/// does and the contour's length has no part in them.
+/// Coefficients at places along the contour. A cue takes an exponential for each; they change with the mesh, and with the
+/// contour's length where a width is given in L_h.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Known {
+struct CoefficientCache {
     x: Vec<f64>,
-    local: Vec<Local<f64>>,
+    length: f64,
+    local: Vec<LocalCoefficients<f64>>,
 }
 
 impl Cortex {
@@ -90,7 +83,7 @@ impl Cortex {
             constants: Constants::new(cell, |_, v| v),
             sensitivities: Vec::new(),
             along_length: None,
-            known: Shelf::default(),
+            coefficients: CoefficientCache::default(),
         };
         cortex.refresh();
         cortex
@@ -134,28 +127,35 @@ impl Cortex {
         let by_length = |term: &Term| term.amplitude != 0.0 && matches!(term.profile.width(), Some(Width::Length(_)));
         let by_length = self.cell.cue.terms().iter().any(by_length);
         self.along_length = by_length.then(|| Constants::new(&self.cell, |_, v| Dual64::from_re(v)));
-        self.known = Shelf::default();
+        self.coefficients = CoefficientCache::default();
     }
 
-    /// The coefficients at the places `x` on a contour of length `length`, for a `use_of` them.
-    pub(super) fn with_coefficients<T>(&self, x: &[f64], length: f64, use_of: impl FnOnce(&[Local<f64>]) -> T) -> T {
-        let known = &mut *self.known.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if self.along_length.is_some() || known.x != x {
-            known.x.clear();
-            known.x.extend_from_slice(x);
-            known.local.clear();
-            known.local.extend(x.iter().map(|&x| self.constants.at(x, length)));
+    /// The coefficients at collocation points on a contour of length `length`; empty without a cue.
+    fn coefficients(&self, points: CollocationPoints<'_>, length: f64) -> Cow<'_, [LocalCoefficients<f64>]> {
+        if self.constants.cue.is_empty() {
+            return Cow::Borrowed(&[]);
         }
-        use_of(&known.local)
+        let CoefficientCache { x, length: of_length, local } = &self.coefficients;
+        let range = points.first..points.first + points.x.len();
+        let same_length = self.along_length.is_none() || *of_length == length;
+        match x.get(range.clone()) {
+            Some(x) if x == points.x && same_length => Cow::Borrowed(&local[range]),
+            _ => points.x.iter().map(|&x| self.constants.at(x, length)).collect(),
+        }
+    }
+
+    fn sweep<'a>(&'a self, local: &'a [LocalCoefficients<f64>]) -> Sweep<'a> {
+        let Cortex { constants, rate, past, noise, free, .. } = self;
+        Sweep { constants, rate: *rate, past, noise, local, scalars: SHAPE_SCALARS + free.len() }
     }
 
     /// The rates of change at a collocation point.
-    pub(super) fn motion(&self, at: CollocationPoint) -> Motion {
+    fn motion(&self, at: CollocationPoint) -> BdfTerm {
         if self.rate == 0.0 {
-            return Motion::default();
+            return BdfTerm::default();
         }
         let [r_past, z_past] = self.past[at.index];
-        Motion { rate: self.rate, r_past, z_past }
+        BdfTerm { rate: self.rate, r_past, z_past }
     }
 
     /// ∂f/∂v_n at one point of state `y` and contour length `length`: what a normal velocity of the cortex adds to the
@@ -175,7 +175,7 @@ impl Cortex {
     }
 
     /// The factor on the activity at a collocation point.
-    pub(super) fn noise_at(&self, at: CollocationPoint) -> f64 {
+    fn noise_at(&self, at: CollocationPoint) -> f64 {
         self.noise.get(at.index).copied().unwrap_or(1.0)
     }
 
@@ -226,6 +226,19 @@ impl BoundaryValueProblem for Cortex {
         self.refresh();
     }
 
+    fn prepare_points(&mut self, x: &[f64], p: &[f64]) {
+        let length = p[LENGTH];
+        let CoefficientCache { x: known, length: of_length, .. } = &self.coefficients;
+        if self.constants.cue.is_empty() || known == x && (self.along_length.is_none() || *of_length == length) {
+            return;
+        }
+        let CoefficientCache { x: known, length: of_length, local } = &mut self.coefficients;
+        *of_length = length;
+        x.clone_into(known);
+        local.clear();
+        local.extend(x.iter().map(|&x| self.constants.at(x, length)));
+    }
+
     fn rhs(&self, at: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], g: &mut [f64]) {
         self.rhs_many(CollocationPoints { first: at.index, x: &[at.x], y }, p, f, g);
     }
@@ -235,11 +248,11 @@ impl BoundaryValueProblem for Cortex {
     }
 
     fn rhs_many(&self, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64], g: &mut [f64]) {
-        sweep::rhs_many(self, points, p, f, g);
+        sweep::rhs_many(&self.sweep(&self.coefficients(points, p[LENGTH])), points, p, f, g);
     }
 
     fn rhs_jacobian_many(&self, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
-        sweep::jacobian_many(self, points, p, out);
+        sweep::jacobian_many(&self.sweep(&self.coefficients(points, p[LENGTH])), points, p, out);
         if self.sensitivities.is_empty() && self.along_length.is_none() {
             return;
         }

@@ -4,14 +4,31 @@
 //! [`linearised`] for [`Each`] of them, and becomes vector code for whatever instructions the machine has. No sum is reordered
 //! and no multiply–add fused: the results are the same on all of them.
 
-use furrow_bvp::{CollocationPoint, CollocationPoints, PointJacobian};
+use furrow_bvp::{CollocationPoints, PointJacobian};
 use multiversion::multiversion;
 
-use super::Cortex;
-use super::equations::{COMPONENTS, LENGTH, Local, M, Motion, PRESSURE, PSI, Q, R, Surroundings, T, V, Z, balances};
+use super::equations::{
+    BdfTerm, COMPONENTS, Constants, LENGTH, LocalCoefficients, M, PRESSURE, PSI, Q, R, ShellCoefficients, T, V, Z,
+    balances,
+};
 use super::jacobian::{Linearised, linearised};
 use super::lanes::Each;
-use super::problem::SHAPE_SCALARS;
+
+/// What a sweep reads of the problem.
+pub(super) struct Sweep<'a> {
+    /// The constants.
+    pub constants: &'a Constants<f64>,
+    /// 1/Δt of the implicit step; 0 for stationary shapes.
+    pub rate: f64,
+    /// Past (r, z) at every collocation point.
+    pub past: &'a [[f64; 2]],
+    /// Factor on the activity at every collocation point; empty for none.
+    pub noise: &'a [f64],
+    /// The coefficients at the points of the sweep; empty without a cue.
+    pub local: &'a [LocalCoefficients<f64>],
+    /// Number of scalar unknowns.
+    pub scalars: usize,
+}
 
 /// Points of a group.
 const GROUP: usize = 8;
@@ -22,7 +39,7 @@ type Values = [f64; GROUP];
 /// What the equations read at the points of a group.
 struct Group {
     y: [Values; COMPONENTS],
-    local: Local<Values>,
+    local: LocalCoefficients<Values>,
     past: [Values; 2],
     noise: Values,
 }
@@ -30,7 +47,7 @@ struct Group {
 /// What is the same at all points.
 #[derive(Clone, Copy)]
 struct Shared {
-    surroundings: Surroundings<f64>,
+    shell: ShellCoefficients<f64>,
     rate: f64,
     length: f64,
     pressure: f64,
@@ -38,13 +55,13 @@ struct Shared {
 
 impl Group {
     /// A group of a cell without a cue, and without motion and noise.
-    fn of(cortex: &Cortex) -> Group {
-        let local = cortex.constants().uniform.map(|value| [value; GROUP]);
+    fn of(sweep: &Sweep<'_>) -> Group {
+        let local = sweep.constants.uniform.map(|value| [value; GROUP]);
         Group { y: [[0.0; GROUP]; COMPONENTS], local, past: [[0.0; GROUP]; 2], noise: [1.0; GROUP] }
     }
 
     /// Reads the group that starts at point `from`; behind the last point it is repeated.
-    fn read(&mut self, cortex: &Cortex, points: CollocationPoints<'_>, from: usize, local: &[Local<f64>]) {
+    fn read(&mut self, sweep: &Sweep<'_>, points: CollocationPoints<'_>, from: usize) {
         let last = points.x.len() - 1;
         for i in 0..GROUP {
             let point = (from + i).min(last);
@@ -52,15 +69,14 @@ impl Group {
             for (values, y) in self.y.iter_mut().zip(y) {
                 values[i] = *y;
             }
-            let at = CollocationPoint { x: points.x[point], index: points.first + point };
-            if cortex.rate != 0.0 {
-                let motion = cortex.motion(at);
-                (self.past[0][i], self.past[1][i]) = (motion.r_past, motion.z_past);
+            let index = points.first + point;
+            if sweep.rate != 0.0 {
+                [self.past[0][i], self.past[1][i]] = sweep.past[index];
             }
-            if !cortex.noise.is_empty() {
-                self.noise[i] = cortex.noise_at(at);
+            if !sweep.noise.is_empty() {
+                self.noise[i] = sweep.noise.get(index).copied().unwrap_or(1.0);
             }
-            if let Some(here) = local.get(point) {
+            if let Some(here) = sweep.local.get(point) {
                 self.local.put(i, *here);
             }
         }
@@ -68,14 +84,14 @@ impl Group {
 
     /// The arguments of the equations at point i.
     #[inline(always)]
-    fn at(&self, i: usize, shared: &Shared) -> (Local<Each>, Motion<Each>, Each, [Each; COMPONENTS]) {
-        let motion = Motion { rate: Each(shared.rate), r_past: Each(self.past[0][i]), z_past: Each(self.past[1][i]) };
+    fn at(&self, i: usize, shared: &Shared) -> (LocalCoefficients<Each>, BdfTerm<Each>, Each, [Each; COMPONENTS]) {
+        let motion = BdfTerm { rate: Each(shared.rate), r_past: Each(self.past[0][i]), z_past: Each(self.past[1][i]) };
         (self.local.each(i), motion, Each(self.noise[i]), std::array::from_fn(|k| Each(self.y[k][i])))
     }
 }
 
-impl Local<Values> {
-    fn put(&mut self, i: usize, here: Local<f64>) {
+impl LocalCoefficients<Values> {
+    fn put(&mut self, i: usize, here: LocalCoefficients<f64>) {
         self.kappa[i] = here.kappa;
         self.kappa_u[i] = here.kappa_u;
         self.eta_sum[i] = here.eta_sum;
@@ -88,8 +104,8 @@ impl Local<Values> {
     }
 
     #[inline(always)]
-    fn each(&self, i: usize) -> Local<Each> {
-        Local {
+    fn each(&self, i: usize) -> LocalCoefficients<Each> {
+        LocalCoefficients {
             kappa: Each(self.kappa[i]),
             kappa_u: Each(self.kappa_u[i]),
             eta_sum: Each(self.eta_sum[i]),
@@ -104,20 +120,19 @@ impl Local<Values> {
 }
 
 impl Shared {
-    fn of(cortex: &Cortex, p: &[f64]) -> Shared {
-        let surroundings = cortex.constants().surroundings;
-        Shared { surroundings, rate: cortex.rate, length: p[LENGTH], pressure: p[PRESSURE] }
+    fn of(sweep: &Sweep<'_>, p: &[f64]) -> Shared {
+        let shell = sweep.constants.shell;
+        Shared { shell, rate: sweep.rate, length: p[LENGTH], pressure: p[PRESSURE] }
     }
 }
 
 /// f, and behind it the integrand of the volume.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
 fn evaluate(group: &Group, shared: &Shared, out: &mut [Values; COMPONENTS + 1]) {
-    let surroundings = shared.surroundings.map(Each);
+    let shell = shared.shell.map(Each);
     for i in 0..GROUP {
         let (local, motion, noise, y) = group.at(i, shared);
-        let (f, volume) =
-            balances(&surroundings, &local, motion, noise, &y, Each(shared.length), Each(shared.pressure));
+        let (f, volume) = balances(&shell, &local, motion, noise, &y, Each(shared.length), Each(shared.pressure));
         for k in 0..COMPONENTS {
             out[k][i] = f[k].0;
         }
@@ -131,11 +146,11 @@ const NUMBERS: usize = 5 * COMPONENTS + 9;
 /// All numbers of a [`Linearised`], in the order of its fields.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
 fn linearise(group: &Group, shared: &Shared, out: &mut [Values; NUMBERS]) {
-    let surroundings = shared.surroundings.map(Each);
+    let shell = shared.shell.map(Each);
     for i in 0..GROUP {
         let (local, motion, noise, y) = group.at(i, shared);
         let Linearised { f, by_length, geometry, turning, normal, flow, tangential, volume } =
-            linearised(&surroundings, &local, motion, noise, &y, Each(shared.length), Each(shared.pressure));
+            linearised(&shell, &local, motion, noise, &y, Each(shared.length), Each(shared.pressure));
         let n = COMPONENTS;
         for k in 0..n {
             out[k][i] = f[k].0;
@@ -157,44 +172,35 @@ fn linearise(group: &Group, shared: &Shared, out: &mut [Values; NUMBERS]) {
 }
 
 /// f and the integrand of the volume at all points.
-pub(super) fn rhs_many(cortex: &Cortex, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64], g: &mut [f64]) {
-    let (mut group, shared) = (Group::of(cortex), Shared::of(cortex, p));
+pub(super) fn rhs_many(sweep: &Sweep<'_>, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64], g: &mut [f64]) {
+    let (mut group, shared) = (Group::of(sweep), Shared::of(sweep, p));
     let mut out = [[0.0; GROUP]; COMPONENTS + 1];
-    with_cue(cortex, points.x, shared.length, |local| {
-        let parts = f.chunks_mut(GROUP * COMPONENTS).zip(g.chunks_mut(GROUP));
-        for (j, (f, g)) in parts.enumerate() {
-            group.read(cortex, points, j * GROUP, local);
-            evaluate(&group, &shared, &mut out);
-            for (i, (f, g)) in f.chunks_exact_mut(COMPONENTS).zip(g).enumerate() {
-                for k in 0..COMPONENTS {
-                    f[k] = out[k][i];
-                }
-                *g = out[COMPONENTS][i];
+    let parts = f.chunks_mut(GROUP * COMPONENTS).zip(g.chunks_mut(GROUP));
+    for (j, (f, g)) in parts.enumerate() {
+        group.read(sweep, points, j * GROUP);
+        evaluate(&group, &shared, &mut out);
+        for (i, (f, g)) in f.chunks_exact_mut(COMPONENTS).zip(g).enumerate() {
+            for k in 0..COMPONENTS {
+                f[k] = out[k][i];
             }
+            *g = out[COMPONENTS][i];
         }
-    });
-}
-
-/// The coefficients at all points where there is a cue, none where there is not.
-fn with_cue(cortex: &Cortex, x: &[f64], length: f64, use_of: impl FnOnce(&[Local<f64>])) {
-    if cortex.constants().cue.is_empty() { use_of(&[]) } else { cortex.with_coefficients(x, length, use_of) }
+    }
 }
 
 /// f, g and their derivatives by the components, L and p at all points, but for what widths in L_h add to ∂f/∂L. What is zero
 /// is left as it is.
-pub(super) fn jacobian_many(cortex: &Cortex, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
-    let (mut group, shared) = (Group::of(cortex), Shared::of(cortex, p));
-    let scalars = SHAPE_SCALARS + cortex.free.len();
+pub(super) fn jacobian_many(sweep: &Sweep<'_>, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
+    let (mut group, shared) = (Group::of(sweep), Shared::of(sweep, p));
+    let scalars = sweep.scalars;
     let mut numbers = [[0.0; GROUP]; NUMBERS];
-    with_cue(cortex, points.x, shared.length, |local| {
-        for from in (0..points.x.len()).step_by(GROUP) {
-            group.read(cortex, points, from, local);
-            linearise(&group, &shared, &mut numbers);
-            for i in 0..GROUP.min(points.x.len() - from) {
-                scatter(&numbers, i, shared.length, scalars, &mut out.at(from + i, COMPONENTS, scalars, 1));
-            }
+    for from in (0..points.x.len()).step_by(GROUP) {
+        group.read(sweep, points, from);
+        linearise(&group, &shared, &mut numbers);
+        for i in 0..GROUP.min(points.x.len() - from) {
+            scatter(&numbers, i, shared.length, scalars, &mut out.at(from + i, COMPONENTS, scalars, 1));
         }
-    });
+    }
 }
 
 /// Puts the numbers of point i of a group into their places.

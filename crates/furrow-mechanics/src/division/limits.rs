@@ -30,7 +30,7 @@ pub fn neutral_drift(stepper: &Stepper) -> Option<f64> {
     if stepper.speed() > DRIFT {
         return None;
     }
-    let here = &stepper.levels[0].y;
+    let here = &stepper.history[0].y;
     let cortex = Cortex::new(&stepper.cortex.cell, Domain::Full, &[]);
     let spectrum = Stability::new(here.m).leading(&cortex, here).ok()?;
     // The drift along the axis has none but that of rounding, of either sign, which goes with the fastest of all rates.

@@ -66,7 +66,7 @@ impl EquilibriumDetector {
     /// A slow shape is only a hint: near a saddle it is slow too. The stationary state next to it is solved for, and its
     /// leading growth rate decides.
     pub fn look(&mut self, stepper: &Stepper, nearly_symmetric: bool) -> Option<Rest> {
-        let t = stepper.levels[0].t;
+        let t = stepper.history[0].t;
         if t < self.next || stepper.speed() > REST_SPEED {
             return None;
         }
@@ -95,7 +95,7 @@ impl Rest {
     /// The stationary state next to the newest shape, on the division's mesh with every interval halved so many times. Where a
     /// mirror-symmetric one may be near enough it is looked for first, on half of the contour.
     pub fn near(stepper: &Stepper, halvings: u32, nearly_symmetric: bool) -> Option<Rest> {
-        let newest = &stepper.levels[0].y;
+        let newest = &stepper.history[0].y;
         let grid = (0..halvings).fold(newest.mesh.clone(), |grid, _| mesh::halved(&grid));
         let here = newest.on_mesh(&stepper.system.gauss, &grid);
         let cell = &stepper.cortex.cell;

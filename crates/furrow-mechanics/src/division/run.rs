@@ -137,7 +137,7 @@ pub(crate) fn run(
     check(cell)?;
     let mut stepper = start.stepper(cell, numerics)?;
     let tangent = (!parameters.is_empty()).then(|| Tangent::of_start(&stepper, parameters));
-    let (shape, gauss) = (&stepper.levels[0].y, &stepper.system.gauss);
+    let (shape, gauss) = (&stepper.history[0].y, &stepper.system.gauss);
     observe(Frame { t: 0.0, shape, neck: None, cortex: &start.cortex(cell), gauss });
     let parity = cell.is_mirror_symmetric();
     if start.until().is_none() {
@@ -153,11 +153,11 @@ pub(crate) fn run(
     }
     loop {
         if cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
-            return Err(DivisionError::Cancelled { r0: cell.r0, t: stepper.levels[0].t });
+            return Err(DivisionError::Cancelled { r0: cell.r0, t: stepper.history[0].t });
         }
-        run.shorten(start, stepper.levels[0].t);
+        run.shorten(start, stepper.history[0].t);
         run.advance(&mut stepper)?;
-        let newest = &stepper.levels[0];
+        let newest = &stepper.history[0];
         let (cortex, gauss) = (&stepper.cortex, &stepper.system.gauss);
         observe(Frame { t: newest.t, shape: &newest.y, neck: run.neck, cortex, gauss });
         if let Some(neck) = run.neck
@@ -168,7 +168,7 @@ pub(crate) fn run(
             return Ok((division, run.tangent.filter(|_| smooth).and_then(|tangent| tangent.read(&stepper))));
         }
         if let Some(until) = start.until() {
-            if stepper.levels[0].t >= until * (1.0 - ROUNDING) {
+            if stepper.history[0].t >= until * (1.0 - ROUNDING) {
                 return Ok((run.watched(&stepper), None));
             }
             run.prepare_mesh(&mut stepper);
@@ -180,15 +180,15 @@ pub(crate) fn run(
             }
             run.wait_at_saddle(&mut stepper, &rest);
         }
-        let newest = &stepper.levels[0];
+        let newest = &stepper.history[0];
         if let Some(period) = run.oscillation.note(newest.t, newest.y.scalars[LENGTH]) {
             return Err(DivisionError::Oscillates { r0: cell.r0, period });
         }
         if run.steps > run.most_steps {
-            let t = stepper.levels[0].t;
+            let t = stepper.history[0].t;
             return Err(DivisionError::Restless { r0: cell.r0, t, steps: run.steps });
         }
-        if stepper.levels[0].t > run.t_max {
+        if stepper.history[0].t > run.t_max {
             if run.fixed.is_none()
                 && let Some(growth_rate) = limits::neutral_drift(&stepper)
             {
@@ -264,7 +264,7 @@ impl Run {
     /// that step cannot be solved, as where a strong cue makes the cortex a hundred times quicker, to one of a tenth of it, and
     /// so on: what the noise starts there grows as much sooner.
     fn first_step(&mut self, stepper: &mut Stepper, coefficients: [f64; 10]) -> Result<(), DivisionError> {
-        let (y, gauss) = (&stepper.levels[0].y, &stepper.system.gauss);
+        let (y, gauss) = (&stepper.history[0].y, &stepper.system.gauss);
         let points = 0..y.intervals() * y.m;
         stepper.cortex.noise =
             points.map(|i| noise_factor(&coefficients, y.stage_x(gauss, i / y.m, i % y.m))).collect();
@@ -297,7 +297,7 @@ impl Run {
             self.rejected += 1;
             self.dt *= 0.5;
             if self.dt < 1e-12 {
-                let (r0, t) = (stepper.cortex.cell.r0, stepper.levels[0].t);
+                let (r0, t) = (stepper.cortex.cell.r0, stepper.history[0].t);
                 return Err(DivisionError::Stalled { r0, t, dt: self.dt, source: error.into() });
             }
         }
@@ -330,16 +330,16 @@ impl Run {
         let r0 = stepper.cortex.cell.r0;
         let mut failures = 0;
         loop {
-            let order = MAX_ORDER.min(stepper.levels.len());
+            let order = MAX_ORDER.min(stepper.history.len());
             let dt = self.dt * self.factor;
-            let t = stepper.levels[0].t;
+            let t = stepper.history[0].t;
             let attempt = stepper.attempt(dt, order);
             let shrink = match &attempt {
                 Ok(a) => {
                     // The step factor scales steps chosen for the tolerance: a smaller error does not win them back.
                     let error = self.error_ratio(a.error.even, a.error.odd, a.odd_size, r0)
                         / self.factor.powi(order as i32 + 1);
-                    if error <= 1.0 || stepper.levels.len() == 1 {
+                    if error <= 1.0 || stepper.history.len() == 1 {
                         let growth = self.step_size.growth(self.dt, error, order);
                         self.accept(stepper, growth);
                         return Ok(());
@@ -384,7 +384,7 @@ impl Run {
         self.tangent.iter_mut().for_each(|tangent| tangent.follow(stepper));
         self.steps += 1;
         self.dt *= growth;
-        let y = &stepper.levels[0].y;
+        let y = &stepper.history[0].y;
         let gauss = &stepper.system.gauss;
         let mut area = 0.0;
         for (k, interval) in y.mesh.windows(2).enumerate() {
@@ -403,7 +403,7 @@ impl Run {
             }
         }
         self.neck = neck;
-        self.parity &= stepper.levels[0].size.is_some_and(|size| size.odd < 0.05 * size.even);
+        self.parity &= stepper.history[0].size.is_some_and(|size| size.odd < 0.05 * size.even);
         if self.closes(stepper.cortex.cell.r0) {
             stepper.nearly_symmetric = NEARLY_SYMMETRIC_CLOSING;
             // Whatever was slow is behind it.
@@ -417,7 +417,7 @@ impl Run {
 
     /// At a saddle: waits until the shape leaves it or, where that would take too long, skips the wait.
     fn wait_at_saddle(&mut self, stepper: &mut Stepper, rest: &Rest) {
-        let (growth, t) = (rest.growth_rate, stepper.levels[0].t);
+        let (growth, t) = (rest.growth_rate, stepper.history[0].t);
         self.detector.next = t + (SADDLE_WAIT / growth).max(REST_INTERVAL);
         self.saddle_visits += 1;
         if growth < NEAR_CRITICAL || self.saddle_visits > MOST_VISITS {
@@ -427,7 +427,7 @@ impl Run {
             self.skip_linear_growth(stepper, rest);
         }
         // As slow as it grows it comes to rest elsewhere, off-centre by a little.
-        self.t_max = self.t_max.max(stepper.levels[0].t + AFTERWARDS / growth);
+        self.t_max = self.t_max.max(stepper.history[0].t + AFTERWARDS / growth);
     }
 
     fn skip_linear_growth(&mut self, stepper: &mut Stepper, rest: &Rest) {
@@ -435,7 +435,7 @@ impl Run {
         self.slow_growth_rate = Some(growth);
         // Without the direction the division continues as it is.
         let Ok(departure) = saddle::leave(&stepper.cortex, &rest.here, &rest.stationary, growth) else { return };
-        let t = stepper.levels[0].t + departure.waited;
+        let t = stepper.history[0].t + departure.waited;
         stepper.start_again(t, departure.shape);
         self.dt = STEP_AFTER_SADDLE.min(0.01 / growth);
         self.step_size.forget();
@@ -454,7 +454,7 @@ impl Run {
     fn division(&self, stepper: &Stepper, ending: Ending) -> Division {
         Division {
             ending,
-            t_end: stepper.levels[0].t,
+            t_end: stepper.history[0].t,
             slow_growth_rate: self.slow_growth_rate,
             volume_drift: self.drift,
             work: Work { steps: self.steps, rejected: self.rejected, ..stepper.work },
@@ -472,15 +472,15 @@ impl Run {
     }
 
     fn divided(&self, stepper: &Stepper, neck: Neck, symmetric_below: f64) -> Division {
-        let (y, r0) = (&stepper.levels[0].y, stepper.cortex.cell.r0);
+        let (y, r0) = (&stepper.history[0].y, stepper.cortex.cell.r0);
         let gauss = &stepper.system.gauss;
         let chi_signed = observables::asymmetry(gauss, y, neck.u);
         let symmetric = chi_signed.abs() < symmetric_below;
         // The neck passed the threshold within the last step.
         let past = (PINCH_OFF * r0 - neck.radius) / self.neck_rate;
-        let dt = stepper.levels[0].t - stepper.levels[1].t;
+        let dt = stepper.history[0].t - stepper.history[1].t;
         let ending = Ending::Divided { symmetric, chi_signed, u_furrow: neck.u, daughters: [0.0; 2] };
-        let t_end = stepper.levels[0].t - past.clamp(0.0, dt);
+        let t_end = stepper.history[0].t - past.clamp(0.0, dt);
         Division { t_end, ..self.division(stepper, ending) }.with_daughters_of(r0)
     }
 }

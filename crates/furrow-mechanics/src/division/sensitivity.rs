@@ -47,7 +47,7 @@ pub(super) struct Tangent {
     system: System,
     held: Vec<LinearCondition>,
     /// Derivatives of the last shapes, newest first, by each parameter; on the mesh of the newest.
-    levels: Vec<Vec<Solution>>,
+    history: Vec<Vec<Solution>>,
     /// Whether all steps so far could be differentiated.
     sound: bool,
 }
@@ -56,7 +56,7 @@ impl Tangent {
     /// At the passive shape, which a division starts from.
     pub(super) fn of_start(stepper: &Stepper, parameters: &[Parameter]) -> Tangent {
         let cell = &stepper.cortex.cell;
-        let stages = stepper.levels[0].y.m;
+        let stages = stepper.history[0].y.m;
         // The start has neither activity nor cue, whatever their numbers: these are replaced by one that shapes at rest do
         // not depend on either, and their derivatives come out as nothing.
         let acts = |p: &Parameter| matches!(p, Parameter::XiS | Parameter::Cue { .. });
@@ -66,13 +66,13 @@ impl Tangent {
             cortex: Cortex::new(&cell.passive(), Domain::Full, &known.collect::<Vec<_>>()),
             system: System::new(Cortex::dimensions_for(parameters.len()), stages),
             held: vec![LinearCondition::default(); parameters.len()],
-            levels: Vec::new(),
+            history: Vec::new(),
             sound: true,
         };
-        let still = vec![0.0; 2 * stepper.levels[0].y.stages.len() / COMPONENTS];
+        let still = vec![0.0; 2 * stepper.history[0].y.stages.len() / COMPONENTS];
         let pasts = vec![still; parameters.len()];
-        let start = tangent.solve(&stepper.levels[0].y, &pasts);
-        tangent.levels.push(start);
+        let start = tangent.solve(&stepper.history[0].y, &pasts);
+        tangent.history.push(start);
         tangent.cortex = Cortex::new(cell, Domain::Full, parameters);
         tangent
     }
@@ -82,11 +82,11 @@ impl Tangent {
         if !self.sound {
             return;
         }
-        let y = &stepper.levels[0].y;
+        let y = &stepper.history[0].y;
         let gauss = &self.system.gauss;
         // The shapes that the step started from: a restart has forgotten the older ones.
-        self.levels.truncate(stepper.weights.len() - 1);
-        for derivative in self.levels.iter_mut().flatten().filter(|derivative| derivative.mesh != y.mesh) {
+        self.history.truncate(stepper.weights.len() - 1);
+        for derivative in self.history.iter_mut().flatten().filter(|derivative| derivative.mesh != y.mesh) {
             *derivative = derivative.on_mesh(gauss, &y.mesh);
         }
         let points = y.stages.len() / COMPONENTS;
@@ -94,7 +94,7 @@ impl Tangent {
         let past_of = |k: usize| -> Vec<f64> {
             let at = |i: usize, c: usize| {
                 let sum: f64 =
-                    self.levels.iter().zip(&weights[1..]).map(|(l, w)| w * l[k].stages[i * COMPONENTS + c]).sum();
+                    self.history.iter().zip(&weights[1..]).map(|(l, w)| w * l[k].stages[i * COMPONENTS + c]).sum();
                 -sum / weights[0]
             };
             (0..points).flat_map(|i| [at(i, R), at(i, Z)]).collect()
@@ -104,8 +104,8 @@ impl Tangent {
         self.cortex.past.clone_from(&stepper.cortex.past);
         self.cortex.noise.clone_from(&stepper.cortex.noise);
         let newest = self.solve(y, &pasts);
-        self.levels.insert(0, newest);
-        self.levels.truncate(MAX_ORDER + 1);
+        self.history.insert(0, newest);
+        self.history.truncate(MAX_ORDER + 1);
     }
 
     /// Derivatives of the solution `y` of the problem at hand, given those of (r, z) of the past at every collocation point.
@@ -168,8 +168,8 @@ impl Tangent {
 
     /// Derivatives of the outcome at the last shape; none if a step could not be differentiated.
     pub(super) fn read(&self, stepper: &Stepper) -> Option<Vec<Sensitivity>> {
-        let newest = self.levels.first().filter(|_| self.sound)?;
-        let shapes: Vec<&Solution> = stepper.levels.iter().map(|level| &level.y).collect();
+        let newest = self.history.first().filter(|_| self.sound)?;
+        let shapes: Vec<&Solution> = stepper.history.iter().map(|level| &level.y).collect();
         let velocity = combination(&shapes[..stepper.weights.len()], &stepper.weights);
         let [chi_rate, u_rate, neck_rate] = self.along(shapes[0], &velocity)?;
         let of = |(k, derivative): (usize, &Solution)| {

@@ -1,9 +1,7 @@
 //! What a division starts from: the passive shape, or a stationary shape of the active cell.
 
-use std::cell::RefCell;
-
 use furrow_bvp::newton::NewtonScratch;
-use furrow_bvp::{Newton, NewtonError, NewtonReport, Solution};
+use furrow_bvp::{Newton, Solution};
 
 use super::outcome::DivisionError;
 use super::stepper::Stepper;
@@ -55,9 +53,9 @@ impl Start<'_> {
         let cortex = Cortex::new(&active, Domain::Full, &[]);
         match self {
             Start::Passive => {
-                let (whole, report) = passive_whole(cell, numerics)
+                let (half, report) = passive(cell, numerics)
                     .map_err(|source| DivisionError::NoPassiveShape { cell: CellName::of(cell), source })?;
-                let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, whole);
+                let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, unfold(&half));
                 stepper.solve_for(numerics.time_tolerance);
                 stepper.count(report);
                 Ok(stepper)
@@ -98,45 +96,12 @@ impl Start<'_> {
     }
 }
 
-/// A passive shape, with what belongs to it and to it alone.
-struct Known {
-    cell: Cell,
-    stages: usize,
-    intervals: usize,
-    whole: Solution,
-    report: NewtonReport,
-}
-
-thread_local! {
-    static LAST: RefCell<Option<Known>> = const { RefCell::new(None) };
-}
-
-/// The passive shape on the whole contour, and the work that it takes. Cells that differ in seed, activity or cue alone have the same,
-/// and come one after the other: replicates, and the rows of a diagram. The last one is kept for each thread; whether it is at
-/// hand changes nothing but the time.
-fn passive_whole(cell: &Cell, numerics: &Numerics) -> Result<(Solution, NewtonReport), NewtonError> {
-    let Numerics { stages, intervals, .. } = *numerics;
-    let cell = cell.passive();
-    let known = LAST.with_borrow(|last| {
-        let last =
-            last.as_ref().filter(|last| (last.stages, last.intervals) == (stages, intervals) && last.cell == cell);
-        last.map(|last| (last.whole.clone(), last.report))
-    });
-    if let Some(known) = known {
-        return Ok(known);
-    }
-    let (half, report) = passive(&cell, numerics)?;
-    let whole = unfold(&half);
-    LAST.set(Some(Known { cell, stages, intervals, whole: whole.clone(), report }));
-    Ok((whole, report))
-}
-
 /// Makes the start shape stationary on the mesh of the division: carried over from another mesh it is so to the accuracy of
 /// that mesh alone, which may be a larger disturbance than the noise.
 fn settle(stepper: &mut Stepper) -> Result<(), DivisionError> {
     let mut cortex = Cortex::new(&stepper.cortex.cell, Domain::Full, &[]);
     let newton = Newton { tolerance: 1e-11, ..Newton::default() };
-    let level = &mut stepper.levels[0];
+    let level = &mut stepper.history[0];
     let solved =
         newton.solve(&mut stepper.system, &mut NewtonScratch::default(), &mut cortex, &mut level.y, &[], false);
     let report = solved.map_err(|source| DivisionError::NotStationary { cell: CellName::of(&cortex.cell), source })?;

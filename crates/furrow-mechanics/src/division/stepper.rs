@@ -51,7 +51,7 @@ pub const MAX_ORDER: usize = 4;
 
 /// A shape at a time.
 #[derive(Clone, Debug)]
-pub struct Level {
+pub struct HistoryPoint {
     /// Time, in τ.
     pub t: f64,
     /// The full state.
@@ -116,14 +116,14 @@ pub struct Attempt {
     pub report: NewtonReport,
 }
 
-/// Time stepper of one cell. `levels[0]` is the newest accepted shape.
+/// Time stepper of one cell. `history[0]` is the newest accepted shape.
 pub struct Stepper {
     /// The problem, with the rate and past of the step last attempted.
     pub cortex: Cortex,
     /// Linear algebra.
     pub system: System,
     /// Accepted shapes, newest first, all on the same mesh.
-    pub levels: Vec<Level>,
+    pub history: Vec<HistoryPoint>,
     /// Whether steps are begun from the polynomial through the last shapes, and not from the last shape itself.
     pub extrapolates: bool,
     /// Work of all attempts; steps are counted by the caller.
@@ -133,8 +133,8 @@ pub struct Stepper {
     pub nearly_symmetric: f64,
     /// Weights of the shapes in the rate of change of the newest, newest first: those of the formula last attempted.
     pub weights: Vec<f64>,
-    spare: Vec<Level>,
-    trial: Level,
+    spare: Vec<HistoryPoint>,
+    trial: HistoryPoint,
     scratch: NewtonScratch,
     newton: Newton,
     weight: Vec<f64>,
@@ -154,8 +154,8 @@ impl Stepper {
         Stepper {
             cortex,
             system,
-            trial: Level { t: 0.0, y: start.clone(), size: None },
-            levels: vec![Level { t: 0.0, y: start, size: None }],
+            trial: HistoryPoint { t: 0.0, y: start.clone(), size: None },
+            history: vec![HistoryPoint { t: 0.0, y: start, size: None }],
             extrapolates: true,
             work: Work::default(),
             nearly_symmetric: 0.0,
@@ -175,12 +175,12 @@ impl Stepper {
     /// Solves steps on half of the contour from now on wherever the shape of this mirror-symmetric cell is
     /// [nearly symmetric](Self::nearly_symmetric).
     pub fn halve(&mut self) {
-        self.halves = Some(Halves::new(&self.cortex, &self.levels[0].y));
+        self.halves = Some(Halves::new(&self.cortex, &self.history[0].y));
     }
 
     /// Whether the next step is solved on halves.
     fn solves_halves(&self) -> bool {
-        let newest = &self.levels[0];
+        let newest = &self.history[0];
         self.halves.is_some()
             && newest.size.is_some_and(|size| size.odd < self.nearly_symmetric * self.cortex.cell.r0)
             && symmetry::is_mirrored(&newest.y.mesh)
@@ -205,24 +205,24 @@ impl Stepper {
 
     /// Forgets all but the newest shape: the next step is of first order.
     pub fn restart(&mut self) {
-        self.spare.extend(self.levels.drain(1..));
+        self.spare.extend(self.history.drain(1..));
         self.factored = None;
     }
 
     /// Goes on from another shape at time t.
     pub fn start_again(&mut self, t: f64, shape: Solution) {
         self.restart();
-        self.levels[0] = Level { t, y: shape, size: None };
+        self.history[0] = HistoryPoint { t, y: shape, size: None };
     }
 
     /// Attempts a step of size dt with order at most `order`; [`accept`](Self::accept) makes it count.
     pub fn attempt(&mut self, dt: f64, order: usize) -> Result<Attempt, NewtonError> {
-        let order = order.min(self.levels.len()).min(MAX_ORDER);
-        let t = self.levels[0].t + dt;
+        let order = order.min(self.history.len()).min(MAX_ORDER);
+        let t = self.history[0].t + dt;
         let mut times = [0.0; MAX_ORDER + 2];
         times[0] = t;
-        let known = if self.extrapolates { (order + 1).min(self.levels.len()) } else { 1 };
-        for (time, level) in times[1..].iter_mut().zip(&self.levels) {
+        let known = if self.extrapolates { (order + 1).min(self.history.len()) } else { 1 };
+        for (time, level) in times[1..].iter_mut().zip(&self.history) {
             *time = level.t;
         }
         let mut alpha = [0.0; MAX_ORDER + 2];
@@ -231,14 +231,14 @@ impl Stepper {
         extrapolation_weights(&times[1..=known], t, &mut predict);
         self.state(&alpha[..=order]);
         self.trial.t = t;
-        extrapolate(&self.levels[..known], &predict[..known], &mut self.trial.y);
+        extrapolate(&self.history[..known], &predict[..known], &mut self.trial.y);
         let report = self.solve_trial()?;
         let share = dt / (t - times[known]);
         let gauss = &self.system.gauss;
         let new = &self.trial.y.stages;
         let error = parity_norm(gauss, &self.trial.y.mesh, |i| {
             let mut d = [new[i * COMPONENTS + R], new[i * COMPONENTS + Z]];
-            for (level, weight) in self.levels.iter().zip(&predict[..known]) {
+            for (level, weight) in self.history.iter().zip(&predict[..known]) {
                 d[0] -= weight * level.y.stages[i * COMPONENTS + R];
                 d[1] -= weight * level.y.stages[i * COMPONENTS + Z];
             }
@@ -253,11 +253,11 @@ impl Stepper {
     fn state(&mut self, weights: &[f64]) {
         self.weights.clear();
         self.weights.extend_from_slice(weights);
-        let points = self.levels[0].y.stages.len() / COMPONENTS;
+        let points = self.history[0].y.stages.len() / COMPONENTS;
         self.cortex.past.clear();
         self.cortex.past.extend((0..points).map(|i| {
             let mut past = [0.0; 2];
-            for (level, weight) in self.levels.iter().zip(&weights[1..]) {
+            for (level, weight) in self.history.iter().zip(&weights[1..]) {
                 let s = &level.y.stages[i * COMPONENTS..(i + 1) * COMPONENTS];
                 past[0] -= weight * s[R];
                 past[1] -= weight * s[Z];
@@ -289,7 +289,7 @@ impl Stepper {
                 self.factored = None;
                 self.work.iterations += self.newton.max_factorisations;
                 // The next attempt is on the whole contour.
-                self.levels[0].size = None;
+                self.history[0].size = None;
             }
         }
         solved
@@ -299,28 +299,28 @@ impl Stepper {
     pub fn accept(&mut self) {
         let mut level = match self.spare.pop() {
             Some(level) => level,
-            None if self.levels.len() > MAX_ORDER => self.levels.remove(self.levels.len() - 1),
+            None if self.history.len() > MAX_ORDER => self.history.remove(self.history.len() - 1),
             None => self.trial.clone(),
         };
         std::mem::swap(&mut level, &mut self.trial);
-        self.levels.insert(0, level);
-        while self.levels.len() > MAX_ORDER + 1 {
-            self.spare.extend(self.levels.pop());
+        self.history.insert(0, level);
+        while self.history.len() > MAX_ORDER + 1 {
+            self.spare.extend(self.history.pop());
         }
     }
 
-    /// L² speed of the shape at fixed u over the last step, relative to R0; infinite before two levels are known.
+    /// L² speed of the shape at fixed u over the last step, relative to R0; infinite before two shapes are known.
     pub fn speed(&self) -> f64 {
-        let [new, old, ..] = &self.levels[..] else { return f64::INFINITY };
+        let [new, old, ..] = &self.history[..] else { return f64::INFINITY };
         self.rate_of_change(|i, k| (new.y.stages[i + k] - old.y.stages[i + k]) / (new.t - old.t))
     }
 
     /// About how far the shape is from where it would be at rest, in L² and relative to R0. A mode of rate σ, real or not, that
     /// decays towards it or leaves it by, has σ times that for its speed, and σ times its speed for its acceleration. None before
-    /// three levels are known.
+    /// three shapes are known.
     pub fn distance_to_rest(&self) -> Option<f64> {
-        let [new, old, older, ..] = &self.levels[..] else { return None };
-        let velocity = |a: &Level, b: &Level, i: usize| (a.y.stages[i] - b.y.stages[i]) / (a.t - b.t);
+        let [new, old, older, ..] = &self.history[..] else { return None };
+        let velocity = |a: &HistoryPoint, b: &HistoryPoint, i: usize| (a.y.stages[i] - b.y.stages[i]) / (a.t - b.t);
         let between = 0.5 * (new.t - older.t);
         let acceleration =
             self.rate_of_change(|i, k| (velocity(new, old, i + k) - velocity(old, older, i + k)) / between);
@@ -329,7 +329,7 @@ impl Stepper {
 
     /// L² over u, relative to R0, of a change whose component k at the stage that begins at i is given.
     fn rate_of_change(&self, change: impl Fn(usize, usize) -> f64) -> f64 {
-        let norm = parity_norm(&self.system.gauss, &self.levels[0].y.mesh, |i| {
+        let norm = parity_norm(&self.system.gauss, &self.history[0].y.mesh, |i| {
             [change(i * COMPONENTS, R), change(i * COMPONENTS, Z)]
         });
         norm.even.hypot(norm.odd) / self.cortex.cell.r0
@@ -354,18 +354,18 @@ impl Stepper {
     }
 
     /// Moves the mesh if the monitor is out of balance by more than `tolerance` or the number of intervals no longer
-    /// fits the shape; all levels follow by their own collocation polynomials. `symmetric` keeps the mesh
+    /// fits the shape; all earlier shapes follow by their own collocation polynomials. `symmetric` keeps the mesh
     /// mirror-symmetric.
     pub fn adapt(&mut self, symmetric: bool, tolerance: f64) {
-        let y = &self.levels[0].y;
+        let y = &self.history[0].y;
         resolution::monitor(&self.cortex, y, symmetric, &mut self.weight);
         let (now, wanted) = (y.intervals(), self.wanted_intervals(&y.mesh, 1.0));
         if mesh::imbalance(&y.mesh, &self.weight) < tolerance && wanted <= now && 3 * wanted >= 2 * now {
             return;
         }
         // The monitor is only known at the old points, so a sharp neck takes a second look on the new ones.
-        let mut source = self.spare.pop().unwrap_or_else(|| self.levels[0].clone());
-        source.y.clone_from(&self.levels[0].y);
+        let mut source = self.spare.pop().unwrap_or_else(|| self.history[0].clone());
+        source.y.clone_from(&self.history[0].y);
         for _ in 0..3 {
             let wanted = self.wanted_intervals(&source.y.mesh, ROOM);
             mesh::equidistribute(&source.y.mesh, &self.weight, wanted, &mut self.grid);
@@ -377,15 +377,15 @@ impl Stepper {
                     self.grid[n - i] = 1.0 - half;
                 }
             }
-            self.levels[0].y.transfer_into(&self.system.gauss, &self.grid, &mut source.y);
+            self.history[0].y.transfer_into(&self.system.gauss, &self.grid, &mut source.y);
             resolution::monitor(&self.cortex, &source.y, symmetric, &mut self.weight);
             if mesh::imbalance(&self.grid, &self.weight) < 1.2 {
                 break;
             }
         }
         self.spare.push(source);
-        let transfer = Transfer::new(&self.system.gauss, &self.levels[0].y.mesh, &self.grid);
-        for level in &mut self.levels {
+        let transfer = Transfer::new(&self.system.gauss, &self.history[0].y.mesh, &self.grid);
+        for level in &mut self.history {
             transfer.apply(&level.y, &mut self.trial.y);
             std::mem::swap(&mut level.y, &mut self.trial.y);
         }
@@ -394,15 +394,15 @@ impl Stepper {
     }
 }
 
-/// Σ w_j y_j over levels into `out`, taking mesh and shape from the first.
-fn extrapolate(levels: &[Level], weights: &[f64], out: &mut Solution) {
-    out.clone_from(&levels[0].y);
+/// Σ w_j y_j over the history into `out`, taking mesh and shape from the first.
+fn extrapolate(history: &[HistoryPoint], weights: &[f64], out: &mut Solution) {
+    out.clone_from(&history[0].y);
     let mut part = |get: fn(&Solution) -> &Vec<f64>, put: fn(&mut Solution) -> &mut Vec<f64>| {
         let target = put(out);
         for v in target.iter_mut() {
             *v *= weights[0];
         }
-        for (level, weight) in levels.iter().zip(weights).skip(1) {
+        for (level, weight) in history.iter().zip(weights).skip(1) {
             for (v, w) in target.iter_mut().zip(get(&level.y)) {
                 *v += weight * w;
             }

@@ -4,11 +4,12 @@ use furrow_bvp::continuation::State;
 use furrow_bvp::predictor::History;
 use furrow_bvp::{Continuation, ContinuationSettings, Gauss, Solution};
 
-use super::branch::{Branch, BranchEnd, BranchEvent, BranchOptions, ShapePoint, mesh_monitor, metric};
-use super::branch::{newest_contour, not_located};
+use super::branch::{
+    Branch, BranchEnd, BranchEvent, BranchOptions, NARROWEST, Pitchfork, ShapePoint, mesh_monitor, metric,
+    newest_contour,
+};
 use super::error::PointKind;
-use super::pitchfork::Pitchfork;
-use super::primary::fold_near;
+use super::locate::{fold_near, not_located};
 use crate::cortex::equations::{COMPONENTS, R, Z};
 use crate::cortex::symmetry::{unfold, unfold_antisymmetric};
 use crate::cortex::{Cortex, Domain, observables};
@@ -72,9 +73,6 @@ pub struct AsymmetricBranch {
 
 /// Furrow shifts Δu used for the scaling.
 const SCALING_RANGE: [f64; 2] = [5e-4, 8e-3];
-
-/// A branch is followed until its neck is this narrow, in R0: it goes on to pinch-off at finite ξ_s without end.
-pub const NARROWEST: f64 = 0.03;
 
 /// A branch whose asymmetry has shrunk to this fraction of its largest has come back to mirror-symmetric shapes: at a
 /// pitchfork it can stop nowhere short of them.

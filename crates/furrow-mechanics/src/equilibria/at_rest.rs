@@ -6,9 +6,8 @@
 
 use serde::Serialize;
 
-use super::branch::{BranchEvent, BranchOptions, ShapePoint};
+use super::branch::{BranchEvent, BranchOptions, Criticality, ShapePoint};
 use super::error::ShapeError;
-use super::pitchfork::Criticality;
 use super::primary;
 use furrow_cell::{Cell, Numerics};
 

@@ -1,11 +1,11 @@
 //! What is said of a branch of stationary shapes: its points, its folds and pitchforks, and where it ends.
 
 use furrow_bvp::{
-    Continuation, ContinuationError, ContinuationSettings, Gauss, Metric, Solution, Termination, Work, mesh,
+    AugmentedReport, Continuation, ContinuationError, ContinuationSettings, Direction, Gauss, Metric, Solution,
+    Termination, Work, mesh,
 };
 
 use super::error::{CellName, PointKind, ShapeError};
-use super::pitchfork::Pitchfork;
 use crate::cortex::equations::{COMPONENTS, LENGTH, M, PRESSURE, Q, R, T, V, Z};
 use crate::cortex::problem::SHAPE_SCALARS;
 use crate::cortex::{Cortex, Domain, observables, resolution};
@@ -116,9 +116,60 @@ pub struct FoldPoint {
     /// Whether ξ_s is largest (rather than smallest) here along the branch.
     pub maximum: bool,
     /// How the location converged.
-    pub report: furrow_bvp::AugmentedReport,
+    pub report: AugmentedReport,
     /// The shape with (L, p, ξ_s).
     pub shape: Solution,
+}
+
+/// Whether the asymmetric branch exists above or below the pitchfork.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Criticality {
+    /// ξ_s > ξ_s* on the asymmetric branch.
+    Supercritical,
+    /// ξ_s < ξ_s* on the asymmetric branch.
+    Subcritical,
+}
+
+impl Criticality {
+    /// That of a coefficient c in ξ_s = ξ_s* + c a², M.23.
+    pub fn of(coefficient: f64) -> Criticality {
+        if coefficient < 0.0 { Criticality::Subcritical } else { Criticality::Supercritical }
+    }
+}
+
+impl std::fmt::Display for Criticality {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Criticality::Supercritical => "supercritical",
+            Criticality::Subcritical => "subcritical",
+        })
+    }
+}
+
+/// A pitchfork of the mirror-symmetric branch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pitchfork {
+    /// Threshold ξ_s*, with the other observables.
+    pub point: ShapePoint,
+    /// c of ξ_s = ξ_s* + c (u_f − ½)² on the asymmetric branch, u_f the furrow (most negative meridional curvature).
+    /// Positive: supercritical.
+    pub coefficient: f64,
+    /// How the location converged.
+    pub report: AugmentedReport,
+    /// The shape, on the half domain, with (L, p, ξ_s).
+    pub shape: Solution,
+    /// Antisymmetric null vector φ on the half domain.
+    pub null: Direction,
+    /// Furrow displacement u_f − ½ per unit of φ.
+    pub furrow_shift: f64,
+}
+
+impl Pitchfork {
+    /// Sub- or supercritical.
+    pub fn criticality(&self) -> Criticality {
+        Criticality::of(self.coefficient)
+    }
 }
 
 /// Something on a branch.
@@ -221,6 +272,9 @@ impl std::fmt::Display for BranchEnd {
         }
     }
 }
+
+/// A branch is followed until its neck is this narrow, in R0: it goes on to pinch-off at finite ξ_s without end.
+pub const NARROWEST: f64 = 0.03;
 
 /// Places of a contour that is kept, besides the first: evenly spaced in u.
 const CONTOUR: usize = 240;
@@ -328,16 +382,6 @@ pub fn error_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f64>) {
     for (weight, by_defect) in weight.iter_mut().zip(&by_defect) {
         *weight = SEEN * *weight / seen + by_defect / estimated;
     }
-}
-
-/// A singular point near the newest point of a branch that cannot be located.
-pub(super) fn not_located(
-    branch: &Continuation<Cortex>,
-    kind: PointKind,
-    source: furrow_bvp::SingularError,
-) -> BranchEnd {
-    let cell = CellName::of(&branch.problem.cell);
-    BranchEnd::NotLocated(ShapeError::Point { cell, kind, xi_s: branch.state.parameter(), source })
 }
 
 /// The branch upwards in ξ_s from the shape `y` of a cell at ξ_s = 0.

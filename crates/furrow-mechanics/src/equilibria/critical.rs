@@ -4,15 +4,15 @@
 //! which its stable branch ends. The radii of the preset are kept in a small file in `data/`, compiled in, with a hash of
 //! the parameters they belong to; others are solved for when first asked about.
 
-use std::sync::Mutex;
+use std::cell::RefCell;
 use std::sync::atomic::AtomicBool;
 
 use furrow_bvp::{AugmentedReport, Codim2Curve, CurveError, Singularity};
 use serde::{Deserialize, Serialize};
 
 use super::branch::{BranchOptions, XI};
+use super::budget::StepBudget;
 use super::curves::{self, Curve, CurvePoint, MOST_STEPS, SECOND, at_value, coefficient, curve_point};
-use super::effort::Effort;
 use super::error::{PointKind, ShapeError};
 use super::{pitchfork, primary};
 use crate::cortex::{Cortex, Domain};
@@ -102,7 +102,7 @@ pub struct Stored {
 }
 
 /// What cells that differ by radius and cue alone have in common.
-fn kin(cell: &Cell) -> Cell {
+fn without_size_and_cue(cell: &Cell) -> Cell {
     Cell { r0: 1.0, cue: Cue::none(), ..cell.clone() }
 }
 
@@ -110,7 +110,8 @@ fn kin(cell: &Cell) -> Cell {
 pub fn parameters_hash(cell: &Cell, numerics: &Numerics) -> String {
     let mut hasher = blake3::Hasher::new();
     // Fields in the order of their names and numbers in shortest form: the same on every host.
-    let text = serde_json::to_string(&(FORMAT, kin(cell), numerics.stages, numerics.intervals)).unwrap_or_default();
+    let text = serde_json::to_string(&(FORMAT, without_size_and_cue(cell), numerics.stages, numerics.intervals))
+        .unwrap_or_default();
     hasher.update(text.as_bytes());
     hasher.finalize().to_hex()[..16].to_string()
 }
@@ -121,13 +122,14 @@ impl Stored {
     /// # Errors
     /// [`ShapeError`].
     pub fn compute(cell: &Cell, numerics: &Numerics, cues: &[Cue], range: [f64; 2]) -> Result<Stored, ShapeError> {
-        let radius = |cue: &Cue| critical_radius(&kin(cell).with_cue(cue.clone()), numerics);
+        let radius = |cue: &Cue| critical_radius(&without_size_and_cue(cell).with_cue(cue.clone()), numerics);
         let radii = cues.iter().map(radius).collect::<Result<_, _>>()?;
-        let Curve { points, degenerate, .. } = curves::pitchfork_curve(&kin(cell), numerics, Parameter::R0, range)?;
+        let Curve { points, degenerate, .. } =
+            curves::pitchfork_curve(&without_size_and_cue(cell), numerics, Parameter::R0, range)?;
         Ok(Stored {
             format: FORMAT,
             parameters: parameters_hash(cell, numerics),
-            cell: kin(cell),
+            cell: without_size_and_cue(cell),
             radii,
             pitchfork: points,
             degenerate,
@@ -177,7 +179,7 @@ fn to_activity<S: Singularity<Cortex> + Clone>(
     xi_s: f64,
     parameter: Parameter,
     through_cusps: bool,
-    effort: &Effort<'_>,
+    budget: &StepBudget<'_>,
 ) -> Result<AugmentedReport, CurveError> {
     curve.head_for(XI, xi_s);
     let mut tried = curve.work.steps + curve.work.rejected;
@@ -190,7 +192,7 @@ fn to_activity<S: Singularity<Cortex> + Clone>(
         nearest = nearest.min(distance);
         let goes_on = through_cusps || curve.tangent.scalars[SECOND] * direction > 0.0;
         let before = std::mem::replace(&mut tried, curve.work.steps + curve.work.rejected);
-        let affordable = effort.spend(tried - before);
+        let affordable = budget.spend(tried - before);
         affordable
             && goes_on
             && distance < 2.0 * nearest + 1.0
@@ -210,7 +212,7 @@ pub fn critical_pitchfork(
     parameter: Parameter,
     starts: &[f64],
 ) -> Result<CurvePoint, ShapeError> {
-    pitchfork_within(cell, numerics, parameter, starts, &Effort::unlimited())
+    pitchfork_within(cell, numerics, parameter, starts, &StepBudget::unlimited())
 }
 
 fn pitchfork_within(
@@ -218,18 +220,18 @@ fn pitchfork_within(
     numerics: &Numerics,
     parameter: Parameter,
     starts: &[f64],
-    effort: &Effort<'_>,
+    budget: &StepBudget<'_>,
 ) -> Result<CurvePoint, ShapeError> {
     first_success(
         PointKind::Pitchfork,
         cell,
         starts,
-        effort,
+        budget,
         |cell| {
             let lost = |source| curve_error(PointKind::Pitchfork, cell.xi_s, source);
-            let first = pitchfork::first_within(cell, numerics, &BranchOptions::default(), effort)?;
+            let first = pitchfork::first_within(cell, numerics, &BranchOptions::default(), budget)?;
             let mut curve = curves::through_pitchfork(cell, &first, parameter, true).map_err(lost)?;
-            let report = to_activity(&mut curve, cell.xi_s, parameter, true, effort).map_err(lost)?;
+            let report = to_activity(&mut curve, cell.xi_s, parameter, true, budget).map_err(lost)?;
             let y = curve.solution.clone();
             let c = coefficient(&mut curve, &y, &report).map_err(|error| lost(CurveError::Start(error)))?;
             Ok(curve_point(&curve, Some(c)))
@@ -249,7 +251,7 @@ pub fn critical_fold(
     parameter: Parameter,
     starts: &[f64],
 ) -> Result<CurvePoint, ShapeError> {
-    fold_within(cell, numerics, parameter, starts, &Effort::unlimited())
+    fold_within(cell, numerics, parameter, starts, &StepBudget::unlimited())
 }
 
 fn fold_within(
@@ -257,18 +259,18 @@ fn fold_within(
     numerics: &Numerics,
     parameter: Parameter,
     starts: &[f64],
-    effort: &Effort<'_>,
+    budget: &StepBudget<'_>,
 ) -> Result<CurvePoint, ShapeError> {
     first_success(
         PointKind::Fold,
         cell,
         starts,
-        effort,
+        budget,
         |cell| {
             let lost = |source| curve_error(PointKind::Fold, cell.xi_s, source);
-            let fold = primary::failure_fold_within(cell, numerics, &BranchOptions::default(), effort)?;
+            let fold = primary::failure_fold_within(cell, numerics, &BranchOptions::default(), budget)?;
             let mut curve = curves::through_fold(cell, &fold, parameter, true).map_err(lost)?;
-            to_activity(&mut curve, cell.xi_s, parameter, false, effort).map_err(lost)?;
+            to_activity(&mut curve, cell.xi_s, parameter, false, budget).map_err(lost)?;
             Ok(curve_point(&curve, None))
         },
         parameter,
@@ -284,7 +286,7 @@ fn first_success(
     kind: PointKind,
     cell: &Cell,
     starts: &[f64],
-    effort: &Effort<'_>,
+    budget: &StepBudget<'_>,
     mut attempt: impl FnMut(&Cell) -> Result<CurvePoint, ShapeError>,
     parameter: Parameter,
 ) -> Result<CurvePoint, ShapeError> {
@@ -294,7 +296,7 @@ fn first_success(
             Ok(point) => return Ok(point),
             Err(error) => last = error,
         }
-        effort.check(cell)?;
+        budget.check(cell)?;
     }
     Err(last)
 }
@@ -310,7 +312,7 @@ pub fn critical_value(
     parameter: Parameter,
     starts: &[f64],
 ) -> Result<(BoundaryKind, CurvePoint), ShapeError> {
-    value_within(cell, numerics, parameter, starts, &Effort::unlimited())
+    value_within(cell, numerics, parameter, starts, &StepBudget::unlimited())
 }
 
 fn value_within(
@@ -318,12 +320,12 @@ fn value_within(
     numerics: &Numerics,
     parameter: Parameter,
     starts: &[f64],
-    effort: &Effort<'_>,
+    budget: &StepBudget<'_>,
 ) -> Result<(BoundaryKind, CurvePoint), ShapeError> {
     if curves::domain_along(cell, parameter) == Domain::Half {
-        Ok((BoundaryKind::Pitchfork, pitchfork_within(cell, numerics, parameter, starts, effort)?))
+        Ok((BoundaryKind::Pitchfork, pitchfork_within(cell, numerics, parameter, starts, budget)?))
     } else {
-        Ok((BoundaryKind::CuedFold, fold_within(cell, numerics, parameter, starts, effort)?))
+        Ok((BoundaryKind::CuedFold, fold_within(cell, numerics, parameter, starts, budget)?))
     }
 }
 
@@ -340,30 +342,29 @@ fn value_within(
 /// # Errors
 /// [`ShapeError`] if there is none.
 pub fn critical_radius(cell: &Cell, numerics: &Numerics) -> Result<CriticalRadius, ShapeError> {
-    critical_radius_within(cell, numerics, &Effort::unlimited())
+    critical_radius_within(cell, numerics, &StepBudget::unlimited())
 }
 
 /// As [`critical_radius`], with so much work.
 ///
 /// # Errors
-/// Those of [`critical_radius`]; [`ShapeError::Effort`] and [`ShapeError::Interrupted`] if the search must end before it has
+/// Those of [`critical_radius`]; [`ShapeError::OutOfBudget`] and [`ShapeError::Interrupted`] if the search must end before it has
 /// come to an end.
 pub fn critical_radius_within(
     cell: &Cell,
     numerics: &Numerics,
-    effort: &Effort<'_>,
+    budget: &StepBudget<'_>,
 ) -> Result<CriticalRadius, ShapeError> {
-    let (kind, point) = value_within(cell, numerics, Parameter::R0, &STARTS, effort)?;
+    let (kind, point) = value_within(cell, numerics, Parameter::R0, &STARTS, budget)?;
     Ok(CriticalRadius { cue: cell.cue.clone(), kind, r0: point.value, slope: point.slope })
 }
 
-/// What is known of the critical radius of one kind of cell.
-#[derive(Debug)]
-enum Knowledge {
-    /// The radius, and what the finer mesh gives once a cell came near it.
-    Radius(CriticalRadius, Option<Result<CriticalRadius, ShapeError>>),
-    /// It was looked for and cannot be found.
-    None(ShapeError),
+/// What is known of the critical radius of cells that differ by radius alone: on the given mesh, and on the finer one once a cell
+/// came near it. None where it was not looked for.
+#[derive(Debug, Default)]
+struct Searched {
+    coarse: Option<Result<CriticalRadius, ShapeError>>,
+    fine: Option<Result<CriticalRadius, ShapeError>>,
 }
 
 /// Answers whether cells divide, from stored radii where they apply and solving for others once each.
@@ -372,7 +373,7 @@ pub struct CriticalRadii<'a> {
     numerics: Numerics,
     interrupt: Option<&'a AtomicBool>,
     /// By the cell with its radius set to 1.
-    known: Mutex<Vec<(Cell, Knowledge)>>,
+    known: RefCell<Vec<(Cell, Searched)>>,
 }
 
 /// Most steps, along branches and curves, of one search for a critical radius. Nearly all searches that find one take 20 to
@@ -393,15 +394,18 @@ impl<'a> CriticalRadii<'a> {
 
     /// With given radii of cells like `cell`.
     pub fn with_radii(cell: &Cell, numerics: &Numerics, radii: Vec<CriticalRadius>) -> CriticalRadii<'a> {
-        let entry = |radius: CriticalRadius| (kin(cell).with_cue(radius.cue.clone()), Knowledge::Radius(radius, None));
-        let known = Mutex::new(radii.into_iter().map(entry).collect());
+        let entry = |radius: CriticalRadius| {
+            let cell = without_size_and_cue(cell).with_cue(radius.cue.clone());
+            (cell, Searched { coarse: Some(Ok(radius)), fine: None })
+        };
+        let known = RefCell::new(radii.into_iter().map(entry).collect());
         CriticalRadii { numerics: *numerics, interrupt: None, known }
     }
 
     /// Whether an answer about cells like this one takes no search.
     pub fn knows(&self, cell: &Cell) -> bool {
-        let one = kind(cell);
-        self.known.lock().unwrap_or_else(std::sync::PoisonError::into_inner).iter().any(|(other, _)| *other == one)
+        let one = without_size(cell);
+        self.known.borrow().iter().any(|(other, found)| *other == one && found.coarse.is_some())
     }
 
     /// The same, whose searches end when the flag is set.
@@ -410,49 +414,48 @@ impl<'a> CriticalRadii<'a> {
         CriticalRadii { interrupt: Some(flag), ..self }
     }
 
-    /// Solves for the critical radius of cells like `cell`, with bounded work.
-    fn search(&self, cell: &Cell, numerics: &Numerics) -> Result<CriticalRadius, ShapeError> {
-        critical_radius_within(cell, numerics, &Effort::new(MOST_SEARCHED, self.interrupt))
-    }
-
     /// Why a cell cannot divide; `None` if it can.
     ///
     /// # Errors
     /// [`ShapeError`] if its critical radius cannot be found in [`MOST_SEARCHED`] steps; it is looked for once.
     pub fn ends(&self, cell: &Cell) -> Result<Option<End>, ShapeError> {
-        let mut known = self.known.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let one = kind(cell);
-        let index = match known.iter().position(|(other, _)| *other == one) {
-            Some(index) => index,
-            None => {
-                let found = self.search(&one, &self.numerics);
-                if let Err(error @ ShapeError::Interrupted) = found {
-                    return Err(error);
-                }
-                known.push((one, found.map_or_else(Knowledge::None, |radius| Knowledge::Radius(radius, None))));
-                known.len() - 1
-            }
-        };
-        let (of, knowledge) = &mut known[index];
-        let (coarse, refined) = match knowledge {
-            Knowledge::Radius(radius, refined) => (radius, refined),
-            Knowledge::None(error) => return Err(error.clone()),
-        };
+        let one = without_size(cell);
+        let mut known = self.known.borrow_mut();
+        let index = known.iter().position(|(other, _)| *other == one).unwrap_or_else(|| {
+            known.push((one.clone(), Searched::default()));
+            known.len() - 1
+        });
+        let Searched { coarse, fine } = &mut known[index].1;
+        let coarse = self.searched(coarse, &one, &self.numerics)?;
         // Cells farther away keep the coarser radius: what is said of a cell must not depend on those asked about before,
         // whose order is one of timing.
         if (cell.r0 / coarse.r0 - 1.0).abs() >= NEAR {
-            return Ok(end(cell, coarse));
+            return Ok(end(cell, &coarse));
         }
         let finer = Numerics { intervals: 2 * self.numerics.intervals, ..self.numerics };
-        match refined.get_or_insert_with(|| self.search(of, &finer)) {
-            Ok(radius) => Ok(end(cell, radius)),
-            Err(error) => Err(error.clone()),
+        Ok(end(cell, &self.searched(fine, &one, &finer)?))
+    }
+
+    /// The critical radius of cells like `cell`, searched for with bounded work unless it is `known`.
+    fn searched(
+        &self,
+        known: &mut Option<Result<CriticalRadius, ShapeError>>,
+        cell: &Cell,
+        numerics: &Numerics,
+    ) -> Result<CriticalRadius, ShapeError> {
+        if let Some(known) = known {
+            return known.clone();
         }
+        let found = critical_radius_within(cell, numerics, &StepBudget::new(MOST_SEARCHED, self.interrupt));
+        if !matches!(found, Err(ShapeError::Interrupted)) {
+            *known = Some(found.clone());
+        }
+        found
     }
 }
 
-/// The kind of a cell: what it has in common with cells of other radii.
-fn kind(cell: &Cell) -> Cell {
+/// What a cell has in common with cells of other radii.
+fn without_size(cell: &Cell) -> Cell {
     Cell { r0: 1.0, cue: cell.cue.simplified(), ..cell.clone() }
 }
 

@@ -6,10 +6,10 @@ use furrow_bvp::{
     SymmetryBreaking,
 };
 
-use super::branch::{BranchOptions, FoldPoint, ShapePoint, XI, mesh_monitor, metric};
+use super::branch::{BranchOptions, Criticality, FoldPoint, Pitchfork, ShapePoint, XI, mesh_monitor, metric};
 use super::error::{PointKind, ShapeError};
-use super::pitchfork::{self, Criticality, Pitchfork, furrow_shift};
-use super::primary;
+use super::locate::furrow_shift;
+use super::{pitchfork, primary};
 use crate::cortex::equations::LENGTH;
 use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};

@@ -141,7 +141,7 @@ pub enum ShapeError {
     },
     /// It is not found with the work allowed.
     #[error("{cell}: not found in {steps} steps along branches and curves, the most that are tried")]
-    Effort {
+    OutOfBudget {
         /// The cell.
         cell: CellName,
         /// Steps allowed.

@@ -1,35 +1,36 @@
 //! Stationary shapes: their branches in ξ_s, the folds and pitchforks of these, and the radii that bound division.
 //!
-//! | file | what it says |
+//! | file | what it holds |
 //! |---|---|
 //! | [`mod@passive`] | the shape of a cell without activity, in its shell |
 //! | [`branch`] | points, events and ends of branches |
 //! | [`primary`] | the branch that grows out of the passive shape, with or without a cue |
-//! | [`pitchfork`] | where its symmetry breaks, and on which side |
+//! | [`locate`] | folds and pitchforks between two points of a branch |
+//! | [`pitchfork`] | the first pitchfork |
 //! | [`asymmetric`] | the branch that leaves there |
 //! | [`mod@stationary`] | one shape at one activity |
 //! | [`at_rest`] | the intervals of ξ_s in which a cell rests undivided |
 //! | [`curves`] | pitchforks and folds over R0, ε or any other parameter |
 //! | [`critical`] | below which radius a cell does not divide |
-//! | [`effort`] | how much work a search for it may take |
+//! | [`budget`] | the step budget of a search |
 
 pub mod asymmetric;
 pub mod at_rest;
 pub mod branch;
+pub mod budget;
 pub mod critical;
 pub mod curves;
-pub mod effort;
 pub mod error;
+pub mod locate;
 pub mod passive;
 pub mod pitchfork;
 pub mod primary;
 pub mod stationary;
 
 pub use at_rest::{RestShapes, rest_shapes};
-pub use branch::{Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, ShapePoint};
+pub use branch::{Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, FoldPoint, Pitchfork, ShapePoint};
+pub use budget::StepBudget;
 pub use critical::{CriticalRadii, CriticalRadius, critical_radius};
-pub use effort::Effort;
 pub use error::{PointKind, ShapeError};
 pub use passive::passive;
-pub use pitchfork::{Criticality, Pitchfork};
 pub use stationary::{StationaryError, StationaryShape, stationary};

@@ -5,16 +5,15 @@
 //! the pitchfork with it: the branch leans to one side and, where the cell begins to divide, ends its stable part in a fold.
 
 use furrow_bvp::newton::NewtonScratch;
-use furrow_bvp::{Continuation, ContinuationSettings, Fold, Gauss, Newton, Solution, SymmetryBreaking, System, locate};
+use furrow_bvp::{Continuation, ContinuationSettings, Gauss, Newton, Solution, SymmetryBreaking, System};
 
-use super::asymmetric::NARROWEST;
 use super::branch::{
-    Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, ShapePoint, XI, begin, newest_contour, not_located,
+    Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, NARROWEST, ShapePoint, begin, newest_contour,
 };
-use super::effort::Effort;
+use super::budget::StepBudget;
 use super::error::{CellName, PointKind, ShapeError};
+use super::locate::{fold_near, not_located, pitchfork_near};
 use super::passive::passive;
-use super::pitchfork::pitchfork_near;
 use crate::cortex::equations::R;
 use crate::cortex::observables::{self, PINCH_OFF};
 use crate::cortex::symmetry::unfold;
@@ -73,15 +72,15 @@ pub fn start(
     begin(y, cell, Domain::of(cell), settings)
 }
 
-/// What is watched along the branch.
-struct Watch {
+/// Detects folds and pitchforks along the branch.
+struct EventDetector {
     breaking: SymmetryBreaking,
     /// Passive shapes have no antisymmetric null vector; their sign is the first one seen.
     sign: Option<f64>,
     stop: Option<BranchEnd>,
 }
 
-impl Watch {
+impl EventDetector {
     /// The pitchfork between the last two points, if the antisymmetric determinant has changed its sign.
     ///
     /// It is judged at the point itself: on constricted shapes the corrector's prediction, off by a good part of the neck's
@@ -144,44 +143,44 @@ pub fn follow(
     options: &BranchOptions,
     mut wanted: impl FnMut(&BranchEvent) -> bool,
 ) -> Result<Branch, ShapeError> {
-    follow_within(cell, numerics, options, &Effort::unlimited(), &mut wanted)
+    follow_within(cell, numerics, options, &StepBudget::unlimited(), &mut wanted)
 }
 
 /// As [`follow`], with so much work.
 ///
 /// # Errors
-/// Those of [`follow`]; [`ShapeError::Effort`] and [`ShapeError::Interrupted`] if the search must end before the branch
+/// Those of [`follow`]; [`ShapeError::OutOfBudget`] and [`ShapeError::Interrupted`] if the search must end before the branch
 /// does.
 pub fn follow_within(
     cell: &Cell,
     numerics: &Numerics,
     options: &BranchOptions,
-    effort: &Effort<'_>,
+    budget: &StepBudget<'_>,
     wanted: &mut dyn FnMut(&BranchEvent) -> bool,
 ) -> Result<Branch, ShapeError> {
-    effort.check(cell)?;
+    budget.check(cell)?;
     let mut branch = start(cell, numerics, &options.settings)?;
-    let mut watch = Watch { breaking: SymmetryBreaking::default(), sign: None, stop: None };
+    let mut detector = EventDetector { breaking: SymmetryBreaking::default(), sign: None, stop: None };
     let mut stability = options.growth_rates.then(|| Stability::new(branch.state.solution.m));
     let (mut points, mut events) = (vec![ShapePoint::newest(&branch, 0, &mut stability)], Vec::new());
     let mut contours = Vec::from_iter(options.contours.then(|| newest_contour(&branch)));
     let ended = branch.follow(options.xi, options.points, |branch, advance| {
         contours.extend(options.contours.then(|| newest_contour(branch)));
-        let mut new: Vec<BranchEvent> = watch.pitchfork(branch).into_iter().collect();
+        let mut new: Vec<BranchEvent> = detector.pitchfork(branch).into_iter().collect();
         if advance.passed_fold {
-            new.extend(watch.fold(branch));
+            new.extend(detector.fold(branch));
         }
         new.sort_by(|a, b| a.point().arclength.total_cmp(&b.point().arclength));
         points.push(ShapePoint::newest(branch, events.len() + new.len(), &mut stability));
         let enough = new.iter().any(|event| !wanted(event));
         events.extend(new);
-        if watch.stop.is_none() {
-            watch.stop = pinched(branch);
+        if detector.stop.is_none() {
+            detector.stop = pinched(branch);
         }
-        effort.spend(1 + advance.rejected) && watch.stop.is_none() && !enough
+        budget.spend(1 + advance.rejected) && detector.stop.is_none() && !enough
     });
-    effort.check(cell)?;
-    Ok(Branch::complete(&branch, (points, contours), events, ended, watch.stop))
+    budget.check(cell)?;
+    Ok(Branch::complete(&branch, (points, contours), events, ended, detector.stop))
 }
 
 /// Whether the newest shape is so narrow somewhere that the branch is left there.
@@ -200,20 +199,6 @@ fn narrowest(gauss: &Gauss, y: &Solution) -> f64 {
     observables::neck(gauss, y).map_or(equator, |neck| neck.radius.min(equator))
 }
 
-/// The fold between the last two points of a continuation.
-///
-/// # Errors
-/// [`furrow_bvp::SingularError`].
-pub fn fold_near(branch: &mut Continuation<Cortex>) -> Result<FoldPoint, furrow_bvp::SingularError> {
-    // Past a maximum ξ_s falls.
-    let maximum = branch.state.parameter_slope() < 0.0;
-    let signs = if maximum { [1.0, -1.0] } else { [-1.0, 1.0] };
-    let found = locate::between_last_points(branch, Fold::new(XI), signs)?;
-    let mut point = ShapePoint::of(&found.solution, &found.augmented.problem, &found.augmented.system.gauss);
-    point.arclength = found.arclength;
-    Ok(FoldPoint { point, maximum, report: found.report, shape: found.solution })
-}
-
 /// Growth rates at a fold that ends a stable shape are none above this, in 1/τ: the mode of the fold itself neither grows
 /// nor decays.
 const MARGINAL: f64 = 1e-3;
@@ -224,7 +209,7 @@ const MARGINAL: f64 = 1e-3;
 /// # Errors
 /// [`ShapeError`]; `NotFound` if no stable shape ends in a fold in the range.
 pub fn failure_fold(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Result<FoldPoint, ShapeError> {
-    failure_fold_within(cell, numerics, options, &Effort::unlimited())
+    failure_fold_within(cell, numerics, options, &StepBudget::unlimited())
 }
 
 /// As [`failure_fold`], with so much work.
@@ -235,9 +220,9 @@ pub fn failure_fold_within(
     cell: &Cell,
     numerics: &Numerics,
     options: &BranchOptions,
-    effort: &Effort<'_>,
+    budget: &StepBudget<'_>,
 ) -> Result<FoldPoint, ShapeError> {
-    let Branch { events, ended, .. } = follow_within(cell, numerics, options, effort, &mut |_| true)?;
+    let Branch { events, ended, .. } = follow_within(cell, numerics, options, budget, &mut |_| true)?;
     let cortex = Cortex::new(cell, Domain::of(cell), &[furrow_cell::Parameter::XiS]);
     let mut stability = Stability::new(numerics.stages);
     let mut ends_stable = |fold: &FoldPoint| {

@@ -4,7 +4,7 @@ use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{ContinuationError, ContinuationSettings, Gauss, Newton, Solution, System, Termination};
 
 use super::error::{CellName, ShapeError};
-use super::primary;
+use super::{locate, primary};
 use crate::cortex::equations::{COMPONENTS, LENGTH, PRESSURE, R};
 use crate::cortex::problem::SHAPE_SCALARS;
 use crate::cortex::{Cortex, Domain, observables};
@@ -128,7 +128,7 @@ fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<Stati
             }
             if advance.passed_fold {
                 // The exact fold, or else the nearest point to it.
-                folds.push(primary::fold_near(branch).map_or(before, |fold| fold.point.xi_s));
+                folds.push(locate::fold_near(branch).map_or(before, |fold| fold.point.xi_s));
             }
             before = here;
             folds.is_empty() || waist(&branch.system.gauss, &branch.state.solution, domain) > PINCHING * cell.r0

@@ -10,21 +10,21 @@ use super::error::{CellName, ShapeError};
 /// Work is counted in steps tried along branches and curves, never in time: a search ends at the same point on every machine,
 /// and what follows from it is the same.
 #[derive(Debug)]
-pub struct Effort<'a> {
+pub struct StepBudget<'a> {
     most: usize,
     spent: Cell<usize>,
     interrupt: Option<&'a AtomicBool>,
 }
 
-impl<'a> Effort<'a> {
+impl<'a> StepBudget<'a> {
     /// At most so many steps, until the flag is set.
-    pub fn new(most: usize, interrupt: Option<&'a AtomicBool>) -> Effort<'a> {
-        Effort { most, spent: Cell::new(0), interrupt }
+    pub fn new(most: usize, interrupt: Option<&'a AtomicBool>) -> StepBudget<'a> {
+        StepBudget { most, spent: Cell::new(0), interrupt }
     }
 
     /// As many as it takes.
-    pub fn unlimited() -> Effort<'a> {
-        Effort::new(usize::MAX, None)
+    pub fn unlimited() -> StepBudget<'a> {
+        StepBudget::new(usize::MAX, None)
     }
 
     /// Steps tried so far.
@@ -45,13 +45,13 @@ impl<'a> Effort<'a> {
     /// Goes on only with a search that may.
     ///
     /// # Errors
-    /// [`ShapeError::Interrupted`], [`ShapeError::Effort`].
+    /// [`ShapeError::Interrupted`], [`ShapeError::OutOfBudget`].
     pub(super) fn check(&self, cell: &furrow_cell::Cell) -> Result<(), ShapeError> {
         if self.is_interrupted() {
             return Err(ShapeError::Interrupted);
         }
         match self.spent.get() > self.most {
-            true => Err(ShapeError::Effort { cell: CellName::of(cell), steps: self.most }),
+            true => Err(ShapeError::OutOfBudget { cell: CellName::of(cell), steps: self.most }),
             false => Ok(()),
         }
     }

@@ -1,0 +1,86 @@
+//! Folds and pitchforks, located between the last two points of a branch.
+
+use furrow_bvp::normal_form::pitchfork_normal_form;
+use furrow_bvp::{
+    AugmentedReport, BoundaryValueProblem, CollocationPoint, Continuation, Direction, Fold, MinimallyAugmented,
+    SingularError, Solution, SymmetryBreaking, locate,
+};
+
+use super::branch::{BranchEnd, FoldPoint, Pitchfork, ShapePoint, XI};
+use super::error::{CellName, PointKind, ShapeError};
+use crate::cortex::Cortex;
+use crate::cortex::equations::{COMPONENTS, LENGTH, M, PSI, Q, R};
+
+/// The fold between the last two points of a continuation.
+///
+/// # Errors
+/// [`SingularError`].
+pub fn fold_near(branch: &mut Continuation<Cortex>) -> Result<FoldPoint, SingularError> {
+    // Past a maximum ξ_s falls.
+    let maximum = branch.state.parameter_slope() < 0.0;
+    let signs = if maximum { [1.0, -1.0] } else { [-1.0, 1.0] };
+    let found = locate::between_last_points(branch, Fold::new(XI), signs)?;
+    let mut point = ShapePoint::of(&found.solution, &found.augmented.problem, &found.augmented.system.gauss);
+    point.arclength = found.arclength;
+    Ok(FoldPoint { point, maximum, report: found.report, shape: found.solution })
+}
+
+/// The pitchfork between the last two points of a continuation of symmetric shapes, where the antisymmetric determinant
+/// changes sign as given.
+///
+/// # Errors
+/// [`SingularError`].
+pub fn pitchfork_near(branch: &mut Continuation<Cortex>, signs: [f64; 2]) -> Result<Pitchfork, SingularError> {
+    let mut found = locate::between_last_points(branch, SymmetryBreaking::default(), signs)?;
+    let mut pitchfork = describe(&mut found.augmented, found.solution, found.report)?;
+    pitchfork.point.arclength = found.arclength;
+    Ok(pitchfork)
+}
+
+/// Observables and normal form of a pitchfork just converged.
+///
+/// # Errors
+/// [`SingularError`] if the normal form does not exist.
+fn describe(
+    point: &mut MinimallyAugmented<Cortex, SymmetryBreaking>,
+    y: Solution,
+    report: AugmentedReport,
+) -> Result<Pitchfork, SingularError> {
+    let form = pitchfork_normal_form(point, &y)?;
+    let furrow_shift = furrow_shift(&point.problem, &y, &point.singularity.null);
+    Ok(Pitchfork {
+        point: ShapePoint::of(&y, &point.problem, &point.system.gauss),
+        coefficient: form.parameters[0] / (furrow_shift * furrow_shift),
+        report,
+        null: point.singularity.null.clone(),
+        furrow_shift,
+        shape: y,
+    })
+}
+
+/// Displacement of the furrow, the minimum of the meridional curvature c1 at the equator, per unit of the antisymmetric
+/// direction φ: −∂_u δc1/∂_uu c1. With c1 = m/κ − c2, c2_s = (cosψ/r)(c1 − c2) and κ_s = 0, at the equator
+///
+/// * δc1_s = δq/κ + δψ (c1 − c2)/r, c1_ss = q_s/κ − m κ_ss/κ² + c1(c1 − c2)/r.
+pub fn furrow_shift(cortex: &Cortex, y: &Solution, null: &Direction) -> f64 {
+    let last = y.intervals();
+    let state = y.node(last);
+    let length = y.scalars[LENGTH];
+    let kappa = cortex.constants().at(0.5, length).kappa;
+    let kappa_ss = cortex.constants().rigidity_curvature(0.5, length) / (length * length);
+    let (mut f, mut g) = ([0.0; COMPONENTS], [0.0]);
+    cortex.rhs(CollocationPoint { x: 0.5, index: 0 }, state, &y.scalars, &mut f, &mut g);
+    let phi = &null.nodes[last * COMPONENTS..];
+    let c2 = 1.0 / state[R];
+    let c1 = state[M] / kappa - c2;
+    debug_assert!((state[PSI] - std::f64::consts::FRAC_PI_2).abs() < 1e-6);
+    let change = phi[Q] / kappa + phi[PSI] * (c1 - c2) / state[R];
+    let bend = f[Q] / length / kappa - state[M] * kappa_ss / (kappa * kappa) + c1 * (c1 - c2) / state[R];
+    -change / bend / length
+}
+
+/// A singular point near the newest point of a branch that cannot be located.
+pub(super) fn not_located(branch: &Continuation<Cortex>, kind: PointKind, source: SingularError) -> BranchEnd {
+    let cell = CellName::of(&branch.problem.cell);
+    BranchEnd::NotLocated(ShapeError::Point { cell, kind, xi_s: branch.state.parameter(), source })
+}
