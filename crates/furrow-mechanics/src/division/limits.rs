@@ -1,4 +1,4 @@
-//! When a division that neither divides nor is found at rest is given up, and what is then still known of it.
+//! The step budget of a division, and cells that drift freely.
 
 use super::stepper::{MAX_ORDER, Stepper};
 use crate::cortex::{Cortex, Domain};
@@ -23,9 +23,9 @@ pub fn most_steps(numerics: &Numerics) -> usize {
     }
 }
 
-/// The growth rate of a shape that rests where nothing holds it: in a very wide shell, whose force at the cell is less than
-/// rounding, a cell is at rest anywhere along the axis. No stationary state can be solved for there, being one of many, but
-/// that the shape does not move and that nothing of it grows can be seen as it is.
+/// The growth rate of a shape at rest under neutral drift. In a very wide shell, whose force at the cell is less than rounding,
+/// a cell rests anywhere along the axis, so Newton's method finds no isolated stationary state. The shape's own speed and spectrum
+/// decide instead.
 pub fn neutral_drift(stepper: &Stepper) -> Option<f64> {
     if stepper.speed() > DRIFT {
         return None;

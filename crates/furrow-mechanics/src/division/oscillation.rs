@@ -1,4 +1,4 @@
-//! Cells that oscillate: they neither divide nor come to rest, and would be followed to the last τ that is allowed.
+//! Detects limit cycles: cells that neither divide nor come to rest, and would run until `t_max`.
 //!
 //! Where a stationary shape off the centre loses its stability to a pair of complex growth rates, the furrow wanders from side
 //! to side around it, with the same period for ever. It is told by the length of the contour: a cycle lasts from one of its

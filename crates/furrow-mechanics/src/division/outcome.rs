@@ -250,8 +250,10 @@ pub enum DivisionError {
         /// What the solver said.
         source: NewtonError,
     },
-    /// The shape to start from is not stationary on the mesh of the division.
-    #[error("the stationary shape of {cell} is none on the mesh of its division ({source}); try more mesh intervals")]
+    /// The start shape did not converge on the division's mesh.
+    #[error(
+        "the stationary shape of {cell} did not converge on the division's mesh ({source}); try more mesh intervals"
+    )]
     NotStationary {
         /// The cell.
         cell: CellName,
@@ -273,9 +275,9 @@ pub enum DivisionError {
         /// What stopped it.
         source: StepFailure,
     },
-    /// The cell is too near the threshold of division for its outcome to be told.
+    /// The cell is too close to the threshold of division to decide.
     #[error(
-        "the cell with R0 = {r0} is at the threshold of division: what grows at {growth_rate:.1e}/τ from its stationary shape leads nowhere; change R0, epsilon or xi_s in the seventh digit"
+        "the cell with R0 = {r0} is too close to the threshold of division to decide (growth rate {growth_rate:.1e}/τ); change R0, epsilon or xi_s in the seventh digit"
     )]
     Critical {
         /// Radius R0.
@@ -283,7 +285,7 @@ pub enum DivisionError {
         /// Growth rate of the stationary shape, in 1/τ.
         growth_rate: f64,
     },
-    /// The cell oscillates: no stationary shape near it is stable, and none of what grows divides it.
+    /// The cell oscillates: no stationary shape near it is stable, and no growing mode divides it.
     #[error(
         "the cell with R0 = {r0} oscillates with a period of {period:.3} τ: it neither divides nor comes to rest; change R0, epsilon or xi_s by a percent"
     )]

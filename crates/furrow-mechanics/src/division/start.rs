@@ -14,7 +14,7 @@ use furrow_cell::{Cell, Numerics};
 /// Out-of-balance of a mesh at which it is made anew before the first step.
 pub(super) const FIRST_MESH: f64 = 1.2;
 
-/// What a division starts from, and how it is watched.
+/// What a division starts from, and for how long it runs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Start<'a> {
     /// The passive shape without the cue, which is switched on together with the activity.
@@ -32,7 +32,7 @@ pub(crate) enum Start<'a> {
     },
 }
 
-/// Refuses sizes that no cell has.
+/// Validates the sizes of a cell.
 pub(super) fn check(cell: &Cell) -> Result<(), DivisionError> {
     let Cell { r0, epsilon, .. } = *cell;
     if !(r0.is_finite() && r0 > 0.0) {

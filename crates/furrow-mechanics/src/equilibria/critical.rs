@@ -367,7 +367,7 @@ struct Searched {
     fine: Option<Result<CriticalRadius, ShapeError>>,
 }
 
-/// Answers whether cells divide, from stored radii where they apply and solving for others once each.
+/// Whether cells divide: from stored radii where they apply, else from a search, once for each kind of cell. For use on one thread.
 #[derive(Debug)]
 pub struct CriticalRadii<'a> {
     numerics: Numerics,
