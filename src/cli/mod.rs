@@ -54,6 +54,7 @@ struct Cli {
 }
 
 #[derive(Debug, Subcommand)]
+#[command(defer = true)]
 enum Command {
     Tree(tree::TreeArgs),
     Divide(divide::DivideArgs),

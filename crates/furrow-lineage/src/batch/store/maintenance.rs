@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::{
     StoreError,
     row::COLUMNS,
-    sqlite::{FILE, connect, create_table, decoded, file_in, select, write},
+    sqlite::{FILE, connect, create_table, decoded, file_in, write},
 };
 use crate::batch::SOLVER_VERSION;
 
@@ -91,7 +91,7 @@ fn contents(cache: &Path) -> Result<Contents, StoreError> {
 /// Reads as many rows as can be read.
 fn read(connection: &Connection, contents: &mut Contents) -> rusqlite::Result<()> {
     let Contents { report, rows } = contents;
-    let mut statement = connection.prepare(&select(""))?;
+    let mut statement = connection.prepare("SELECT * FROM division")?;
     let mut found = statement.query(())?;
     while let Some(row) = found.next()? {
         if decoded(row)?.is_none() {
