@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::{
     StoreError,
-    row::COLUMNS,
+    row::WIDTH,
     sqlite::{FILE, connect, create_table, decoded, file_in, write},
 };
 use crate::batch::SOLVER_VERSION;
@@ -98,7 +98,7 @@ fn read(connection: &Connection, contents: &mut Contents) -> rusqlite::Result<()
             report.damaged.push(format!("row {}", hex(row.get_ref("key")?.as_blob().unwrap_or_default())));
             continue;
         }
-        let entry = (0..COLUMNS.len()).map(|place| row.get(place)).collect::<Result<Vec<Value>, _>>()?;
+        let entry = (0..WIDTH).map(|place| row.get(place)).collect::<Result<Vec<Value>, _>>()?;
         let current = row.get_ref("solver")?.as_i64() == Ok(SOLVER_VERSION.into());
         *(if current { &mut report.entries } else { &mut report.other_versions }) += 1;
         rows.push(entry);

@@ -12,7 +12,7 @@ use rusqlite::{Connection, ErrorCode, OpenFlags, params_from_iter, types::Value}
 
 use super::{
     StoreWarning,
-    row::{COLUMNS, decode, encode, in_range},
+    row::{COLUMNS, WIDTH, decode, encode, in_range},
 };
 use crate::batch::{Key, SOLVER_VERSION};
 use furrow_mechanics::division::{Division, DivisionInput};
@@ -328,15 +328,14 @@ fn create(file: &Path) -> Result<(), StoreError> {
 pub(super) fn create_table(connection: &Connection) -> rusqlite::Result<()> {
     connection.execute_batch(&format!(
         "PRAGMA journal_mode = WAL; BEGIN; \
-         CREATE TABLE division ({}, PRIMARY KEY (key, solver)) WITHOUT ROWID; \
-         PRAGMA user_version = {SCHEMA}; COMMIT;",
-        COLUMNS.join(", ")
+         CREATE TABLE division ({COLUMNS}, PRIMARY KEY (key, solver)) WITHOUT ROWID; \
+         PRAGMA user_version = {SCHEMA}; COMMIT;"
     ))
 }
 
 /// The division of a whole row; none if the row is damaged.
 pub(super) fn decoded(row: &rusqlite::Row<'_>) -> rusqlite::Result<Option<Division>> {
-    let values = (0..COLUMNS.len()).map(|place| row.get_ref(place)).collect::<Result<Vec<_>, _>>()?;
+    let values = (0..WIDTH).map(|place| row.get_ref(place)).collect::<Result<Vec<_>, _>>()?;
     Ok(decode(&values))
 }
 
@@ -344,7 +343,7 @@ pub(super) fn decoded(row: &rusqlite::Row<'_>) -> rusqlite::Result<Option<Divisi
 pub(super) fn write(connection: &Connection, first: &str, rows: &[Vec<Value>]) -> rusqlite::Result<()> {
     // A power cut may cost the last transactions and leaves the file whole.
     connection.execute_batch("PRAGMA synchronous = NORMAL; BEGIN IMMEDIATE")?;
-    let places = vec!["?"; COLUMNS.len()].join(", ");
+    let places = vec!["?"; WIDTH].join(", ");
     let written = || -> rusqlite::Result<()> {
         connection.execute_batch(first)?;
         let mut statement = connection.prepare_cached(&format!("REPLACE INTO division VALUES ({places})"))?;
