@@ -14,7 +14,7 @@ const DIVISIONS: [(f64, f64, &str, u64, bool, &str); 12] = [
     (3.0, 0.8, "none", 0, false, "c64f914a07673abb"),
     (5.4, 0.87, "none", 0, false, "0b20762e3600645d"),
     (2.0, 0.87, "none", 1, true, "c6c6b39e32ae225d"),
-    (5.4, 0.87, "band,u0=0.465,omega=0.0577,amplitude=0.1", 0, false, "f"),
+    (5.4, 0.87, "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1", 0, false, "d49b91b541135a0a"),
     (2.2, 0.87, "activity:step,u0=0.5,omega=0.1,amplitude=0.1", 0, false, "5f4b58a9d96ef8a8"),
     (2.8, 0.87, "tension:gradient,amplitude=0.1", 0, false, "3508d675a3405ee5"),
     (
