@@ -223,7 +223,8 @@ impl Store {
     fn give_up(&self, inner: &mut Inner, access: &'static str, error: &StoreError) {
         let reason = match error {
             StoreError::Sqlite { source, .. } => match source.sqlite_error_code() {
-                Some(ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase) => {
+                // `Unknown`: the table is missing or another one.
+                Some(ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase | ErrorCode::Unknown) => {
                     format!("{source}: `furrow cache verify --repair` mends it")
                 }
                 _ => source.to_string(),
