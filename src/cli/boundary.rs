@@ -21,9 +21,6 @@ use furrow_mechanics::equilibria::critical::{self, Stored};
 use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
 use furrow_mechanics::equilibria::{Criticality, PointKind};
 
-/// Continues the boundary of division over a parameter: the pitchfork and the folds of mirror-symmetric shapes
-///
-/// With a cue without mirror symmetry the boundary is the fold that ends the stable shapes.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -19,9 +19,6 @@ use furrow_mechanics::equilibria::asymmetric::Scaling;
 use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, ShapePoint};
 use furrow_report::EventReport;
 
-/// Continues symmetric and asymmetric stationary shapes over ξ_s, with their folds and pitchforks
-///
-/// With a cue without mirror symmetry it continues the shapes that start at the passive one.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -7,7 +7,6 @@ use clap::{Args, Subcommand};
 use furrow_lineage::batch::store::maintenance;
 use std::fmt::Write;
 
-/// Inspects, verifies or clears the cache
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -14,7 +14,6 @@ use serde_json::{Map, Value};
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Fits material and shell constants to measured thresholds and shows which combinations stay undetermined
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -4,7 +4,6 @@ use super::error::CliError;
 use super::output::print;
 use clap::Args;
 
-/// Prints a completion script for a shell
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -21,9 +21,6 @@ use furrow_lineage::Units;
 use furrow_lineage::batch::{Failure, Replicates, Unsolved, replicates};
 use furrow_mechanics::division::{Division, DivisionInput, Statistics, film};
 
-/// Computes one division, from the passive shape to pinch-off or rest
-///
-/// With --from-steady the division starts from a stationary shape of the active cell, disturbed by the noise of the first step.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -17,11 +17,6 @@ use furrow_input::InputError;
 use furrow_lineage::Tree;
 use furrow_report::founder_colours;
 
-/// Writes a grown tree in the formats of other programs
-///
-/// newick, nhx and nexus are trees with named inner nodes; nhx and nexus add the data of each cell. csv has one row per cell.
-/// lineagetree is the numeric CSV of the Python package LineageTree. graphml is a graph. itol is a folder with a tree and its
-/// annotations for itol.embl.de.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

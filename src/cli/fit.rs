@@ -25,12 +25,6 @@ use furrow_formats::write_atomically;
 use furrow_input::{InputError, parse_document, read_text};
 use furrow_lineage::{Lineage, TreeSettings};
 
-/// Fits constants, activities or a cue to observations
-///
-/// constants: one set of constants for the observed rounds and terminal cells of founders and the measured χ of the germline, with
-/// the Pareto front between this fit and the published thresholds.
-/// activity: for each founder by itself, the activity that gives its observed rounds.
-/// cue: the cue that gives the measured χ of the germline, and which combinations of its numbers stay undetermined.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -11,9 +11,6 @@ use super::output::{print_as, writable_folder};
 use furrow_analysis::sweep_files::{SWEEP_FILES, merge};
 use furrow_input::InputError;
 
-/// Merges the parts of a sweep into the files of the whole sweep, byte for byte
-///
-/// Fails if parts are missing or come from different sweeps or versions of furrow.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

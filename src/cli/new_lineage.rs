@@ -10,7 +10,6 @@ use furrow_formats::write_atomically;
 use furrow_input::InputError;
 use furrow_lineage::TEMPLATE;
 
-/// Writes a commented lineage file as a starting point
 #[derive(Debug, Args)]
 pub struct NewLineageArgs {
     /// Output file; an existing file is not overwritten

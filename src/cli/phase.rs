@@ -22,7 +22,6 @@ use furrow_mechanics::equilibria::PointKind;
 use furrow_mechanics::equilibria::at_rest::Edge;
 use furrow_mechanics::equilibria::curves;
 
-/// Maps outcomes over a parameter and ξ_s: rest from the exact edges of stable shapes, χ from divisions elsewhere
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -11,7 +11,6 @@ use furrow_cell::Cue;
 use furrow_mechanics::equilibria::{BranchOptions, pitchfork};
 use furrow_report::ThresholdReport;
 
-/// Locates the first pitchfork of the mirror-symmetric shapes and its criticality
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

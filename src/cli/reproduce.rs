@@ -20,11 +20,6 @@ use furrow_figures::plot::reproduction::draw;
 use furrow_formats::files::FileSet;
 use furrow_report::reproduction::{markdown, text};
 
-/// Recomputes the paper figure by figure and lists what agrees and what differs
-///
-/// FIGURE is a figure, panel, table or movie of the paper, such as 2A, S5, `Table S3` or `Movie 1`, or a group, such as 2 or movies.
-/// All of them take a minute or two. Sizes, confinement, activity and cues of single cells are the paper's; the constants, and
-/// everything of lineages, come from --preset, --config and --set.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

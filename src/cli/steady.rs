@@ -14,7 +14,6 @@ use furrow_mechanics::equilibria::{StationaryShape, stationary};
 use furrow_mechanics::stability::Spectrum;
 use furrow_report::StationaryReport;
 
-/// Computes the stationary shape at one activity, on the branch of the passive shape, and its growth rates
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

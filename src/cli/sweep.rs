@@ -16,10 +16,6 @@ use furrow_analysis::sweep_files::{SWEEP_FILES, SweepFilesError, SweepTable, ope
 use furrow_analysis::{Run, Shard, Sweep, SweepProgress};
 use furrow_cell::settings::Settings;
 
-/// Computes divisions, trees, pitchforks or critical radii over axes of parameters
-///
-/// Writes results.csv (one row per point, the first axis varies slowest), the same rows in results.jsonl, and all inputs in
-/// sweep.json. Interrupted sweeps resume.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -24,13 +24,6 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Grows a lineage from one cell, division by division, until no cell can divide
-///
-/// Prints the rounds of division of each founder next to the observed ones. Writes tree.nwk, tree.json, tree.svg, report.html and
-/// run.json.
-///
-/// With several lineages or several --cue, every combination is a scenario. One run grows and compares all of them, writes
-/// scenarios.csv, report.html and run.json, and writes each tree into a folder with the scenario's name.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -14,7 +14,6 @@ use super::tree::grown;
 use furrow_analysis::scenarios_of;
 use furrow_lineage::{Lineage, Tree};
 
-/// Compares the model with measured embryos
 #[derive(Debug, Args)]
 pub struct CompareArgs {
     #[command(subcommand)]
