@@ -1,13 +1,12 @@
 //! The model beside measured embryos.
 
-use std::fs::File;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use furrow_analysis::compare::counts::counts as counted;
 use furrow_analysis::compare::volumes::{GroupBeside, Scale, ScaleFrom, add_bands, beside, model, scale};
 use furrow_analysis::{Constants, grown, read_constants, scenarios_of, tree_settings};
-use furrow_input::{InputError, read_text};
+use furrow_input::{InputError, open_file, read_text};
 use furrow_lineage::batch::SchedulerOptions;
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::polygons::Traced;
@@ -97,13 +96,7 @@ impl VolumesPlan {
             volumes.read(text.as_bytes(), "volumes", &self.read)?;
         }
         for file in &self.files {
-            let name = file.display().to_string();
-            let opened = File::open(file).and_then(|opened| match opened.metadata()?.is_dir() {
-                true => Err(std::io::Error::other("it is a folder, not a file")),
-                false => Ok(opened),
-            });
-            let opened = opened.map_err(|e| InputError::Unreadable { file: name.clone(), reason: e.to_string() })?;
-            volumes.read(opened, &name, &self.read)?;
+            volumes.read(open_file(file)?, &file.display().to_string(), &self.read)?;
         }
         Ok(volumes)
     }

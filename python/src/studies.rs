@@ -4,9 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use furrow_analysis::scenarios::Scenario;
-use furrow_analysis::{
-    Constants, EnsembleError, Exclusion, check_constraints, ensemble as sampled, ranges as ranges_over,
-};
+use furrow_analysis::{EnsembleError, Exclusion, check_constraints, ensemble as sampled, ranges as ranges_over};
 use furrow_analysis::{read_constants, write_constants};
 use furrow_cell::settings::Settings;
 use furrow_input::{InputError, parse_document, read_text};
@@ -115,19 +113,14 @@ pub fn ensemble(
             error => Error::no_outcome(error),
         };
         let found = sampled(&targets, cell, numerics, count, seed, threads, watch.stop()).map_err(failed)?;
-        let set = |member: &furrow_analysis::Member| Constants {
-            values: found.parameters.iter().copied().zip(member.values.iter().copied()).collect(),
-            weight: member.weight,
-        };
-        let sets: Vec<Constants> = found.members.iter().map(set).collect();
         Ok(Sample {
             parameters: found.parameters.iter().map(ToString::to_string).collect(),
             values: found.members.iter().map(|member| member.values.clone()).collect(),
             weights: found.members.iter().map(|member| member.weight).collect(),
             effective_sample_size: found.effective_sample_size,
             draws: found.draws,
+            csv: write_constants(&found.constants()),
             excluded: found.excluded,
-            csv: write_constants(&sets),
         })
     })?;
     serde_json::to_string(&found).map_err(unwritable)

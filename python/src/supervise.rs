@@ -17,9 +17,9 @@ use crate::errors::{Error, defect, interrupted, raised};
 const TICK: Duration = Duration::from_millis(50);
 
 /// How far work is, and whether it is to stop: what it shares with the thread that waits for it.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Watch {
-    stop: &'static AtomicBool,
+    stop: Arc<AtomicBool>,
     counts: Arc<Counts>,
 }
 
@@ -31,13 +31,9 @@ struct Counts {
 }
 
 impl Watch {
-    fn new() -> Watch {
-        Watch { stop: Flags::take(), counts: Arc::default() }
-    }
-
     /// Set when the work is to stop.
-    pub fn stop(&self) -> &'static AtomicBool {
-        self.stop
+    pub fn stop(&self) -> &AtomicBool {
+        &self.stop
     }
 
     /// Takes in where divisions stand.
@@ -57,24 +53,6 @@ impl Watch {
 
     fn solved(&self) -> usize {
         self.counts.solved.load(Ordering::Relaxed)
-    }
-}
-
-/// Flags that no work uses now. Searches for critical radii want one that lives for ever; there are as many as calls at one time.
-struct Flags;
-
-static FREE: Mutex<Vec<&'static AtomicBool>> = Mutex::new(Vec::new());
-
-impl Flags {
-    fn take() -> &'static AtomicBool {
-        let free = FREE.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        let flag = free.unwrap_or_else(|| Box::leak(Box::new(AtomicBool::new(false))));
-        flag.store(false, Ordering::SeqCst);
-        flag
-    }
-
-    fn give(flag: &'static AtomicBool) {
-        FREE.lock().unwrap_or_else(PoisonError::into_inner).push(flag);
     }
 }
 
@@ -99,14 +77,13 @@ pub fn supervised<T: Send + 'static>(
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Watch) -> Result<T, Error> + Send + 'static,
 ) -> PyResult<T> {
-    let watch = Watch::new();
+    let watch = Watch::default();
     let (sender, receiver) = channel();
     // Shared with a closure that waits off the lock, which may not hold what belongs to one thread.
     let receiver = Mutex::new(receiver);
     let own = watch.clone();
     let begun = std::thread::Builder::new().name("furrow".to_owned()).spawn(move || {
         let done = catch_unwind(AssertUnwindSafe(|| work(&own)));
-        Flags::give(own.stop);
         // Nobody may be waiting any longer.
         let _ = sender.send(done);
     });

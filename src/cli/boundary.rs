@@ -11,7 +11,7 @@ use super::context::Context;
 use super::error::CliError;
 use super::interrupt::write_deferred;
 use super::output::{csv_of, print_as, to_json, writable_file};
-use super::plot::PlotArgs;
+use super::picture::PlotArgs;
 use super::vary::{Varied, VaryArgs};
 use furrow_cell::{Cue, Parameter};
 use furrow_figures::plot::{self, boundary::Boundary};

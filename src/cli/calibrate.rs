@@ -4,7 +4,7 @@ use super::context::Context;
 use super::ensemble::sample;
 use super::error::CliError;
 use super::output::print_as;
-use super::plot::PlotArgs;
+use super::picture::PlotArgs;
 use clap::Args;
 use furrow_analysis::{Exclusion, check_constraints};
 use furrow_input::{parse_document, read_text};

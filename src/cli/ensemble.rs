@@ -12,8 +12,8 @@ use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
 use super::output::{print_as, writable_file};
-use super::plot::Picture;
-use furrow_analysis::{Constants, Ensemble, LineageRanges, Range, ensemble, ranges, read_constants, write_constants};
+use super::picture::Picture;
+use furrow_analysis::{Ensemble, LineageRanges, Range, ensemble, ranges, read_constants, write_constants};
 use furrow_formats::write_atomically;
 use furrow_input::read_text;
 use furrow_lineage::{Lineage, TreeSettings};
@@ -50,15 +50,7 @@ pub fn sample(
     let settings = &context.settings;
     let found =
         ensemble(targets, &settings.cell, &settings.numerics, count, seed, context.threads, &AtomicBool::new(false))?;
-    let sets: Vec<Constants> = found
-        .members
-        .iter()
-        .map(|member| Constants {
-            values: found.parameters.iter().copied().zip(member.values.iter().copied()).collect(),
-            weight: member.weight,
-        })
-        .collect();
-    let table = write_constants(&sets);
+    let table = write_constants(&found.constants());
     if let Some(file) = out {
         write_atomically(file, table.as_bytes())?;
     }

@@ -10,7 +10,7 @@ use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
 use super::output::print_as;
-use super::plot::PlotArgs;
+use super::picture::PlotArgs;
 use super::progress::ProgressLine;
 use super::vary::{Varied, VaryArgs};
 use furrow_cell::{Cue, Parameter};

@@ -144,9 +144,8 @@ fn table(panel: &Panel) -> Result<Option<Vec<u8>>, CliError> {
         Artifact::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows)?),
         Artifact::Map(map) => Some(csv_of("x,xi_s,outcome,chi,by", &map.diagram.cells)?),
         Artifact::Perturbations(_, watched) => {
-            let rows = watched.iter().flat_map(|(shape, found)| {
-                found.distances.iter().map(move |[t, dis]| serde_json::json!({ "shape": shape, "t": t, "dis": dis }))
-            });
+            let rows =
+                watched.iter().flat_map(|(shape, found)| found.distances.iter().map(move |[t, dis]| (shape, t, dis)));
             Some(csv_of("shape,t,dis", rows)?)
         }
         _ => None,

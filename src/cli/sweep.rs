@@ -10,7 +10,7 @@ use super::context::{Context, Globals, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
 use super::output::{print_as, writable_folder};
-use super::plot::PlotArgs;
+use super::picture::PlotArgs;
 use super::progress::ProgressLine;
 use furrow_analysis::sweep_files::{SWEEP_FILES, SweepFilesError, SweepTable, open_journal};
 use furrow_analysis::{Run, Shard, Sweep, SweepProgress};

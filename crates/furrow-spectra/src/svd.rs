@@ -36,7 +36,7 @@ impl Svd {
     /// assert!((svd.values[0] - 50.0f64.sqrt()).abs() < 1e-14 && svd.values[1] < 1e-14);
     /// let open = &svd.right[1];
     /// assert!((open[0] + open[1]).abs() < 1e-14);
-    /// # Ok::<(), crate::NoSingularValues>(())
+    /// # Ok::<(), furrow_spectra::NoSingularValues>(())
     /// ```
     pub fn of_rows(rows: &[Vec<f64>]) -> Result<Svd, NoSingularValues> {
         let columns = rows.first().map_or(0, Vec::len);

@@ -10,7 +10,7 @@ use super::trees_of;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::output::print_as;
-use crate::cli::plot::PlotArgs;
+use crate::cli::picture::PlotArgs;
 use furrow_analysis::compare::counts::{Counts, READINGS, counts};
 use furrow_input::{InputError, read_text};
 use furrow_lineage::Lineage;

@@ -1,7 +1,6 @@
 //! `furrow compare volumes`: size asymmetries beside the measured ones.
 
 use std::fmt::Write;
-use std::fs::File;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -17,7 +16,7 @@ use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::interrupt;
 use crate::cli::output::{print, to_json, writable_folder};
-use crate::cli::plot::PlotArgs;
+use crate::cli::picture::PlotArgs;
 use crate::cli::progress::ProgressLine;
 use furrow_analysis::compare::volumes::{
     Band, Beside, GroupBeside, Modelled, Regression, Scale, ScaleFrom, SizeCurve, add_bands, beside, model, regression,
@@ -25,7 +24,7 @@ use furrow_analysis::compare::volumes::{
 };
 use furrow_analysis::{Range, read_constants, tree_settings};
 use furrow_figures::plot::comparison::{self, Comparison};
-use furrow_input::{InputError, read_text};
+use furrow_input::{InputError, open_file, read_text};
 use furrow_lineage::{Lineage, TreeSettings};
 
 /// Compares size asymmetries of measured divisions with the model's
@@ -224,13 +223,7 @@ fn read(args: &VolumesArgs) -> Result<Measured, CliError> {
     for (files, group) in [(&args.files, names("measured")), (&args.against, names("against"))] {
         let options = ReadOptions { voxel: args.voxel, group };
         for file in files {
-            let name = file.display().to_string();
-            let opened = File::open(file).and_then(|opened| match opened.metadata()?.is_dir() {
-                true => Err(std::io::Error::other("it is a folder, not a file")),
-                false => Ok(opened),
-            });
-            let opened = opened.map_err(|e| InputError::Unreadable { file: name.clone(), reason: e.to_string() })?;
-            volumes.read(opened, &name, &options)?;
+            volumes.read(open_file(file)?, &file.display().to_string(), &options)?;
         }
     }
     let found = divisions(&volumes);
