@@ -46,7 +46,7 @@ struct VolumesFound {
     tests: Vec<AdjacentTest>,
 }
 
-/// What volumes are held against, and how.
+/// The input of a comparison of volumes.
 struct VolumesPlan {
     files: Vec<PathBuf>,
     text: Option<String>,
@@ -58,8 +58,8 @@ struct VolumesPlan {
     threads: usize,
 }
 
-/// Size asymmetries of measured divisions beside the model's, as JSON. Volumes are tables in files, or one as text; without either
-/// they are the published means.
+/// Size asymmetries of measured divisions beside the model's, as JSON. Volumes are tables in files or one table as text; default the
+/// published means.
 #[pyfunction]
 #[pyo3(signature = (files, text, voxel, group, lineage, constants, length, parameters, memo, preset, config, threads, progress=None))]
 pub fn compare_volumes(
@@ -83,7 +83,7 @@ pub fn compare_volumes(
     let read = ReadOptions { voxel, group };
     let plan = VolumesPlan { files, text, read, lineage, constants, settings, length, threads };
     let memo = Arc::clone(&memo.solved);
-    let found = supervised(py, Interrupt::Tells, progress, move |watch| plan.held(&memo, watch))?;
+    let found = supervised(py, Interrupt::Finishes, progress, move |watch| plan.compare(&memo, watch))?;
     serde_json::to_string(&found).map_err(unwritable)
 }
 
@@ -101,7 +101,7 @@ impl VolumesPlan {
         Ok(volumes)
     }
 
-    fn held(&self, memo: &Solved, watch: &Watch) -> Result<VolumesFound, Error> {
+    fn compare(&self, memo: &Solved, watch: &Watch) -> Result<VolumesFound, Error> {
         if let Some(length) = self.length.filter(|length| !(length.is_finite() && *length > 0.0)) {
             let allowed = "a length above 0, in the cube root of the tables' unit";
             return Err(InputError::not_allowed(ARGUMENTS, "length_scale", length, allowed).into());
@@ -140,7 +140,7 @@ impl VolumesPlan {
         })
     }
 
-    /// Sets of constants, where there are such.
+    /// Sets of constants, if any.
     fn sets(&self) -> Result<Vec<Constants>, InputError> {
         match &self.constants {
             Some((Some(text), _)) => read_constants(text, "constants"),
@@ -150,7 +150,7 @@ impl VolumesPlan {
     }
 }
 
-/// A series of contours beside the model's, and both of each as they were laid upon each other.
+/// A series of contours beside the model's, with each pair after alignment.
 #[derive(Serialize)]
 struct ContoursFound<'a> {
     #[serde(flatten)]
@@ -171,7 +171,7 @@ pub fn compare_contours(
     };
     let measured: Vec<Vec<[f64; 2]>> = measured.iter().map(points).collect();
     let model: Vec<(f64, Vec<[f64; 2]>)> = model.iter().map(|(t, array)| (*t, points(array))).collect();
-    supervised(py, Interrupt::Leaves, None, move |_| {
+    supervised(py, Interrupt::Abandons, None, move |_| {
         if let Some(length) = length.filter(|length| !(length.is_finite() && *length > 0.0)) {
             let allowed = "a length above 0, in the unit of the contours";
             return Err(InputError::not_allowed(ARGUMENTS, "length_scale", length, allowed).into());

@@ -1,4 +1,4 @@
-//! Constants from thresholds, as many sets of them as agree with what is known, and a lineage over these.
+//! Constants from thresholds, ensembles of admissible constants, and lineages over them.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -34,7 +34,7 @@ fn targets_of(text: Option<&str>, file: Option<&Path>) -> Result<Targets, InputE
     Ok(targets)
 }
 
-/// What is computed from: targets and what they do not name.
+/// Targets, and the settings of everything that they do not name.
 fn read(
     text: Option<&str>,
     file: Option<&Path>,
@@ -66,7 +66,7 @@ pub fn calibrate(
     config: Option<PathBuf>,
 ) -> PyResult<String> {
     let pairs = pairs(parameters)?;
-    let found = supervised(py, Interrupt::Leaves, None, move |_| {
+    let found = supervised(py, Interrupt::Abandons, None, move |_| {
         let (targets, settings) = read(text.as_deref(), file.as_deref(), &preset, config.as_ref(), &pairs)?;
         let failed = |error: CalibrateError| Error::no_outcome(error);
         let found = calibrated(&targets, &settings.cell, &settings.numerics).map_err(failed)?;
@@ -104,7 +104,7 @@ pub fn ensemble(
     threads: usize,
 ) -> PyResult<String> {
     let pairs = pairs(parameters)?;
-    let found = supervised(py, Interrupt::Tells, None, move |watch| {
+    let found = supervised(py, Interrupt::Finishes, None, move |watch| {
         let (targets, settings) = read(text.as_deref(), file.as_deref(), &preset, config.as_ref(), &pairs)?;
         let Settings { cell, numerics } = &settings;
         let failed = |error| match error {
@@ -143,7 +143,7 @@ pub fn ranges(
 ) -> PyResult<String> {
     let plan = Plan { lineages: vec![lineage], cues, preset, config, pairs: pairs(parameters)?, seed };
     let memo = Arc::clone(&memo.solved);
-    let found = supervised(py, Interrupt::Tells, None, move |watch| {
+    let found = supervised(py, Interrupt::Finishes, None, move |watch| {
         let sets = match (text, file) {
             (Some(text), _) => read_constants(&text, "constants")?,
             (None, Some(file)) => read_constants(&read_text(&file)?, &file.display().to_string())?,

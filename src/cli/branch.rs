@@ -1,16 +1,8 @@
 //! `furrow branch`: stationary shapes of one cell over activity.
 
-use std::fmt::Write;
-use std::path::PathBuf;
-
-use clap::Args;
-use serde::Serialize;
-
-use super::cell::{CellArgs, number, positive};
-use super::context::Context;
-use super::error::CliError;
-use super::output::{csv_of, print_as, writable_file};
-use super::picture::PlotArgs;
+use super::cell::CellArgs;
+use super::output::{csv_of, writable_file};
+use super::prelude::*;
 use furrow_analysis::{Diagram, diagram};
 use furrow_cell::{Cell, Cue};
 use furrow_figures::plot::{self, branch::Named};
@@ -188,12 +180,9 @@ impl Answer {
             let _ = writeln!(out, "{} of the {} branch at ξ_s = {:.6}, H = {:.6}: {of}", e.kind, e.branch, e.xi_s, e.H);
         }
         for end in &self.ends {
-            let count = self.points.iter().filter(|point| point.branch == end.branch).count();
-            let _ = writeln!(
-                out,
-                "the {} branch is followed to ξ_s = {:.6}, in {count} points: {}",
-                end.branch, end.xi_s, end.why
-            );
+            let EndAnswer { branch, xi_s, why, .. } = end;
+            let count = self.points.iter().filter(|point| point.branch == *branch).count();
+            let _ = writeln!(out, "the {branch} branch is followed to ξ_s = {xi_s:.6}, in {count} points: {why}");
         }
         if let Some(s) = &self.scaling {
             let _ = writeln!(out, "|Δu| = {:.4} |ξ_s − ξ_s*|^{:.4} from {} points", s.prefactor, s.exponent, s.points);

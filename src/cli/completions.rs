@@ -1,8 +1,7 @@
 //! `furrow completions`.
 
-use super::error::CliError;
 use super::output::print;
-use clap::Args;
+use super::prelude::*;
 
 /// Prints a completion script for a shell
 #[derive(Debug, Args)]

@@ -1,17 +1,11 @@
 //! `furrow divide`: one division, from the passive shape or from a stationary shape that is disturbed.
 
-use std::fmt::Write;
-use std::path::PathBuf;
-
-use clap::Args;
-use serde::Serialize;
-
-use super::cell::{ActiveCellArgs, number, positive};
-use super::context::{Context, warn_of_store};
-use super::error::CliError;
+use super::cell::ActiveCellArgs;
+use super::context::warn_of_store;
 use super::interrupt;
-use super::output::{print_as, writable_folder};
-use super::picture::{DENSE, MovieArgs, PlotArgs};
+use super::output::writable_folder;
+use super::picture::{DENSE, MovieArgs};
+use super::prelude::*;
 use super::progress::ProgressLine;
 use furrow_cell::Cue;
 use furrow_figures::plot;

@@ -1,19 +1,14 @@
-//! `furrow fit`: what would make it the worm.
+//! `furrow fit`: constants, activities or a cue fitted to observations.
 
-use std::fmt::Write;
-use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use clap::{Args, ValueEnum};
-use serde::Serialize;
+use clap::ValueEnum;
 
 use super::cell::one_of;
-use super::context::Context;
-use super::error::CliError;
 use super::interrupt;
-use super::output::{print_as, writable_file};
-use super::picture::PlotArgs;
+use super::output::writable_file;
+use super::prelude::*;
 use super::progress::ProgressLine;
 use super::tree::bad_cue;
 use furrow_analysis::fit::{
@@ -23,7 +18,7 @@ use furrow_analysis::fit::{
 use furrow_analysis::tree_settings;
 use furrow_cell::Parameter;
 use furrow_formats::write_atomically;
-use furrow_input::{InputError, parse_document, read_text};
+use furrow_input::{parse_document, read_text};
 use furrow_lineage::{Lineage, TreeSettings};
 
 /// Fits constants, activities or a cue to observations
@@ -104,7 +99,7 @@ pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
         return Err(InputError::not_allowed("--out", "out", format!("{:?}", args.out), allowed).into());
     }
     if args.what != What::Cue {
-        // Divisions of trees are kept, those of a cue that is tried are not.
+        // Divisions of trees go to the cache, those of trial cues do not.
         interrupt::finish();
     }
     let fit = Fit { args, context, lineage: &lineage, settings, start, flag: Some(interrupt::flag()) };
@@ -115,7 +110,7 @@ pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
     }
 }
 
-/// What is fitted from.
+/// The input of a fit.
 struct Fit<'a> {
     args: &'a FitArgs,
     context: &'a Context,
@@ -312,7 +307,7 @@ fn constants_text(found: &FittedConstants, targets: &Targets) -> String {
     out
 }
 
-/// The constants of the start and of the best, and how sharp it is.
+/// The constants of the start and of the best fit, with the sharpness of its minimum.
 fn values_text(found: &FittedConstants) -> String {
     let FittedConstants { best, start, sharpness, plateau, .. } = found;
     let mut out = String::new();
@@ -343,7 +338,7 @@ fn or_dash(value: Option<impl std::fmt::Display>) -> String {
     value.map_or("-".to_owned(), |value| value.to_string())
 }
 
-/// The founders of the best beside what was observed of them.
+/// The founders of the best fit beside the observed ones.
 fn founders_text(best: &Evaluated, targets: &Targets) -> String {
     let mut out = String::new();
     let _ =

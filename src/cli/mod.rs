@@ -21,6 +21,7 @@ mod output;
 mod phase;
 mod picture;
 mod pitchfork;
+mod prelude;
 mod progress;
 mod reproduce;
 mod steady;

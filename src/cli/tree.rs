@@ -1,13 +1,11 @@
 //! `furrow tree`: one lineage, or several lineages and cues side by side.
 
 use super::cell::FirstCellArgs;
-use super::context::{Context, warn_of_store};
-use super::error::CliError;
+use super::context::warn_of_store;
 use super::interrupt;
-use super::output::{print_as, to_json, writable_folder};
-use super::picture::PlotArgs;
+use super::output::{to_json, writable_folder};
+use super::prelude::*;
 use super::progress::ProgressLine;
-use clap::Args;
 use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
 use furrow_analysis::{self as study, Grown, scenarios_csv, tree_settings};
 use furrow_cell::{Cue, CueError};
@@ -15,14 +13,12 @@ use furrow_figures::plot::rounds;
 use furrow_formats::files::FileSet;
 use furrow_formats::tree_to_json;
 use furrow_formats::{FounderRow, Provenance, founder_rows, newick};
-use furrow_input::InputError;
 use furrow_lineage::batch::Summary;
 use furrow_lineage::batch::scheduler::workers;
 use furrow_lineage::{Lineage, TerminalReason, Tree, TreeSettings};
 use furrow_mechanics::equilibria::ShapeError;
 use furrow_report as report;
-use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 /// Grows a lineage from one cell, division by division, until no cell can divide
@@ -297,7 +293,7 @@ pub fn prepared(
     let given = cell.settings(&context.settings, &lineage.units())?;
     given.check_divisions("settings")?;
     if cell.r0.is_some() {
-        // What the option says counts, also where the lineage gives its first cell a radius.
+        // The option overrides the radius in the lineage file.
         lineage.forget_first_radius();
     }
     let settings = tree_settings(given, &lineage, seed, context.quantisation);

@@ -1,23 +1,17 @@
 //! `furrow compare contour`: outlines of cells beside those of a simulated division.
 
-use std::fmt::Write;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use clap::Args;
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::polygons::{Contours, LeftOut};
 use furrow_measured::contour::series::{Beside, Modelled, Series, series};
-use serde::Serialize;
 
 use super::files;
-use crate::cli::cell::number;
-use crate::cli::context::Context;
-use crate::cli::error::CliError;
 use crate::cli::output::{print, to_json, writable_folder};
-use crate::cli::picture::PlotArgs;
+use crate::cli::prelude::*;
 use furrow_formats::frames::read_frames;
-use furrow_input::{InputError, open_file};
+use furrow_input::open_file;
 
 /// Compares measured outlines of a dividing cell with those of a simulated division
 ///
