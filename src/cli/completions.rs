@@ -1,8 +1,7 @@
 //! `furrow completions`.
 
-use super::error::CliError;
 use super::output::print;
-use clap::Args;
+use super::prelude::*;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

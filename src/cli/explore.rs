@@ -1,13 +1,8 @@
 //! `furrow explore`: the page that computes.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
 use super::cell::FirstCellArgs;
-use super::context::Context;
-use super::error::CliError;
-use super::output::{print_as, writable_file};
+use super::output::writable_file;
+use super::prelude::*;
 use super::tree::prepared;
 use furrow_formats::write_atomically;
 use furrow_report as report;

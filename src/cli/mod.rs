@@ -14,18 +14,16 @@ mod error;
 mod explore;
 mod export;
 mod fit;
-mod from_steady;
 mod interrupt;
 mod merge;
-mod movie;
 mod new_lineage;
 mod output;
 mod phase;
+mod picture;
 mod pitchfork;
-mod plot;
+mod prelude;
 mod progress;
 mod reproduce;
-mod scenarios;
 mod steady;
 mod sweep;
 mod tree;
@@ -160,7 +158,6 @@ fn survive_full_disks() {
 
 fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
-        Command::Tree(args) if args.has_scenarios() => scenarios::run(&args, &Context::new(&cli.globals)?),
         Command::Tree(args) => tree::run(&args, &Context::new(&cli.globals)?),
         Command::Divide(args) => divide::run(&args, Context::new(&cli.globals)?),
         Command::Steady(args) => steady::run(&args, Context::new(&cli.globals)?),

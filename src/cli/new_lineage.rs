@@ -1,13 +1,8 @@
 //! `furrow new-lineage`: a lineage file to begin with.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::error::CliError;
 use super::output::print;
+use super::prelude::*;
 use furrow_formats::write_atomically;
-use furrow_input::InputError;
 use furrow_lineage::TEMPLATE;
 
 #[derive(Debug, Args)]

@@ -1,14 +1,7 @@
 //! `furrow steady`: one stationary shape and its stability.
 
-use std::fmt::Write;
-
-use clap::Args;
-use serde::Serialize;
-
 use super::cell::ActiveCellArgs;
-use super::context::Context;
-use super::error::CliError;
-use super::output::print_as;
+use super::prelude::*;
 use furrow_cell::Cue;
 use furrow_mechanics::equilibria::{StationaryShape, stationary};
 use furrow_mechanics::stability::Spectrum;
