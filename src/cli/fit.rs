@@ -166,7 +166,7 @@ fn constants(
     writable_file("--out", args.out.as_deref())?;
     let line = ProgressLine::new(context.progress);
     let show = |tried: usize, misfit: f64| line.message(format!("{tried} sets of constants, least misfit {misfit:.3}"));
-    let (memo, flag) = (context.memo()?, Some(interrupt::flag()));
+    let (memo, flag) = (context.memo()?, interrupt::flag());
     let found = fit_constants(lineage, &targets, settings, &memo, effort(args), context.threads, flag, Some(&show))?;
     drop(line);
     if let Some(file) = &args.out {
@@ -326,7 +326,7 @@ fn activity(
         let allowed = format!("above --xi-from = {}", range[0]);
         return Err(InputError::not_allowed("--xi-to", "xi_s", range[1], allowed).into());
     }
-    let (memo, flag, reading) = (context.memo()?, Some(interrupt::flag()), args.rounds);
+    let (memo, flag, reading) = (context.memo()?, interrupt::flag(), args.rounds);
     let picture = args.plot.file()?;
     let (found, trees) = activities(lineage, settings, &memo, reading, range, context.threads, flag)?;
     picture.write(|| furrow_figures::plot::fit::draw_activities(&found, settings.cell.xi_s))?;
@@ -390,7 +390,7 @@ fn cue(
         let file = args.targets.as_ref().map_or(String::new(), |path| path.display().to_string());
         return Err(InputError::not_allowed(file, "chi", "[]", "at least one measured χ").into());
     }
-    let flag = Some(interrupt::flag());
+    let flag = interrupt::flag();
     let picture = args.plot.file()?;
     let found = fit_cue(lineage, &targets, settings, &template, effort(args), context.threads, flag)?;
     picture.write(|| furrow_figures::plot::fit::draw_cue(&found))?;

@@ -9,45 +9,13 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{FitError, is_set};
+use super::error::{FitError, check_cancelled};
 use furrow_cell::Cell;
 use furrow_lineage::batch::{Memo, scheduler};
 
-use crate::ranges::grow_alone;
-use furrow_lineage::{GrowError, Lineage, ObservedRounds, Rounds, Thresholds, TreeSettings, founder_rounds};
+use crate::ranges::{Reading, grow_alone};
+use furrow_lineage::{GrowError, Lineage, Thresholds, TreeSettings, founder_rounds};
 use furrow_mechanics::equilibria::CriticalRadii;
-
-/// Which reading of "rounds" is to be met.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Reading {
-    /// Fewest rounds to a terminal cell.
-    Min,
-    /// Mean over terminal cells.
-    Mean,
-    /// Most rounds.
-    Max,
-}
-
-impl Reading {
-    /// The model's.
-    pub fn of(self, rounds: &Rounds) -> f64 {
-        match self {
-            Reading::Min => f64::from(rounds.min),
-            Reading::Mean => rounds.mean,
-            Reading::Max => f64::from(rounds.max),
-        }
-    }
-
-    /// The observed.
-    pub fn observed(self, rounds: &ObservedRounds) -> Option<f64> {
-        match self {
-            Reading::Min => rounds.min.map(f64::from),
-            Reading::Mean => rounds.mean,
-            Reading::Max => rounds.max.map(f64::from),
-        }
-    }
-}
 
 /// The activity that a founder would need.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -85,7 +53,7 @@ struct Search<'a> {
     lineage: &'a Lineage,
     settings: &'a TreeSettings,
     memo: &'a Memo,
-    cancel: Option<&'a AtomicBool>,
+    cancel: &'a AtomicBool,
     reading: Reading,
     founder: usize,
     /// The critical radii that are stored.
@@ -134,12 +102,13 @@ impl Search<'_> {
         }
         // Where rounds begin and cease to be the observed ones, between neighbours.
         let edge = |inside: f64, outside: f64| -> Result<f64, GrowError> {
-            let mut ends = [inside, outside];
-            for _ in 0..HALVINGS {
-                let middle = (ends[0] * ends[1]).sqrt();
-                ends[usize::from(!meets(self.rounds(middle)?))] = middle;
-            }
-            Ok(ends[0])
+            let mut last = inside;
+            self.bisect([inside, outside], |xi_s, rounds| {
+                let met = meets(rounds);
+                last = if met { xi_s } else { last };
+                Some(met)
+            })?;
+            Ok(last)
         };
         // Rounds are steps: an interval may lie between two neighbours, one with too few rounds and one with too many.
         let mut points = tried.clone();
@@ -147,7 +116,11 @@ impl Search<'_> {
             let [(below, few), (above, many)] = [pair[0], pair[1]];
             let [few, many] = [few, many].map(|r| r.unwrap_or(0.0) - observed);
             if few * many < 0.0 && few.abs() > WITHIN && many.abs() > WITHIN {
-                points.extend(self.hidden([below, above], few < 0.0, observed)?);
+                self.bisect([below, above], |xi_s, rounds| {
+                    points.push((xi_s, rounds));
+                    let off = rounds.unwrap_or(0.0) - observed;
+                    (off.abs() > WITHIN).then_some((off < 0.0) == (few < 0.0))
+                })?;
             }
         }
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -178,20 +151,20 @@ impl Search<'_> {
         })
     }
 
-    /// Activities between two neighbours, one of which has too few rounds and the other too many, that home in on the step.
-    fn hidden(&self, mut ends: [f64; 2], rises: bool, observed: f64) -> Result<Vec<(f64, Option<f64>)>, GrowError> {
-        let mut found = Vec::new();
+    /// Halves an interval of activities: `is_first` says whether the middle replaces the first end, or `None` to stop.
+    fn bisect(
+        &self,
+        mut ends: [f64; 2],
+        mut is_first: impl FnMut(f64, Option<f64>) -> Option<bool>,
+    ) -> Result<(), GrowError> {
         for _ in 0..HALVINGS {
             let middle = (ends[0] * ends[1]).sqrt();
-            let rounds = self.rounds(middle)?;
-            found.push((middle, rounds));
-            let off = rounds.unwrap_or(0.0) - observed;
-            if off.abs() <= WITHIN {
-                break;
+            match is_first(middle, self.rounds(middle)?) {
+                Some(first) => ends[usize::from(!first)] = middle,
+                None => break,
             }
-            ends[usize::from((off > 0.0) == rises)] = middle;
         }
-        Ok(found)
+        Ok(())
     }
 }
 
@@ -207,7 +180,7 @@ pub fn activities(
     reading: Reading,
     range: [f64; 2],
     threads: usize,
-    cancel: Option<&AtomicBool>,
+    cancel: &AtomicBool,
 ) -> Result<(Vec<FounderActivity>, usize), FitError> {
     let trees = &AtomicUsize::new(0);
     let one = |founder: usize| -> Option<Result<FounderActivity, GrowError>> {
@@ -219,8 +192,6 @@ pub fn activities(
     let found: Vec<Option<Result<_, _>>> =
         scheduler::pool(threads)?.install(|| (0..founders).into_par_iter().with_max_len(1).map(one).collect());
     let trees = trees.load(Ordering::Relaxed);
-    if is_set(cancel) {
-        return Err(FitError::Interrupted { tried: trees, what: "trees" });
-    }
+    check_cancelled(cancel, trees, "trees")?;
     Ok((found.into_iter().flatten().collect::<Result<_, _>>()?, trees))
 }

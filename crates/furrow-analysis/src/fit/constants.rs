@@ -21,9 +21,9 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::search::{Region, SearchBudget, swarm};
+use super::error::{FitError, check_cancelled};
+use super::search::{Region, SearchBudget, moved, swarm};
 use super::targets::{MeasuredChi, Searched, Targets};
-use super::{FitError, is_set, moved};
 use crate::ranges::grow_alone;
 use furrow_cell::{Cell, Parameter};
 use furrow_lineage::batch::{Memo, scheduler};
@@ -163,7 +163,7 @@ struct Objective<'a> {
     targets: &'a Targets,
     settings: &'a TreeSettings,
     memo: &'a Memo,
-    cancel: Option<&'a AtomicBool>,
+    cancel: &'a AtomicBool,
     /// Called with the number of sets tried and the least misfit so far.
     progress: Option<&'a (dyn Fn(usize, f64) + Sync)>,
     /// All that was tried, by the bits of its place: in the same order whatever the threads did.
@@ -172,10 +172,7 @@ struct Objective<'a> {
 
 impl Objective<'_> {
     fn check_cancelled(&self) -> Result<(), FitError> {
-        match is_set(self.cancel) {
-            true => Err(FitError::Interrupted { tried: self.known().len(), what: SETS }),
-            false => Ok(()),
-        }
+        check_cancelled(self.cancel, self.known().len(), SETS)
     }
 
     /// The set of constants at a place of the unit cube; `None` where no tree can be grown.
@@ -184,13 +181,9 @@ impl Objective<'_> {
         if let Some(known) = self.known().get(&key) {
             return known.clone();
         }
-        if is_set(self.cancel) {
-            return None;
-        }
+        self.check_cancelled().ok()?;
         let found = self.evaluate(&self.targets.cell_at(&self.settings.cell, place));
-        if is_set(self.cancel) {
-            return None;
-        }
+        self.check_cancelled().ok()?;
         let mut seen = self.known();
         seen.insert(key, found.clone());
         if let Some(progress) = self.progress {
@@ -269,17 +262,15 @@ impl Objective<'_> {
     /// The published thresholds with these constants, and the cell with the gain that suits them best; `None` for them where one
     /// is not found.
     fn thresholds(&self, cell: &Cell) -> (Cell, Vec<ThresholdFit>) {
-        let mut computed = Vec::new();
-        for given in &self.targets.thresholds {
-            match pitchfork::first(&given.cell(cell), &self.settings.numerics, &BranchOptions::default()) {
-                Ok(found) => computed.push(found.point.xi_s),
-                Err(_) => return (cell.clone(), vec![]),
-            }
-        }
-        if computed.is_empty() {
-            return (cell.clone(), vec![]);
-        }
         let given = &self.targets.thresholds;
+        let threshold = |given: &Threshold| {
+            let found = pitchfork::first(&given.cell(cell), &self.settings.numerics, &BranchOptions::default());
+            found.map(|found| found.point.xi_s)
+        };
+        let computed: Vec<f64> = match given.iter().map(threshold).collect() {
+            Ok(computed) if !given.is_empty() => computed,
+            _ => return (cell.clone(), vec![]),
+        };
         let logs: f64 = computed.iter().zip(given).map(|(found, given)| (found / given.xi_s).ln()).sum();
         let factor = (logs / computed.len() as f64).exp();
         let mut cell = cell.clone();
@@ -374,7 +365,7 @@ pub fn fit_constants(
     memo: &Memo,
     effort: SearchBudget,
     threads: usize,
-    cancel: Option<&AtomicBool>,
+    cancel: &AtomicBool,
     progress: Option<&(dyn Fn(usize, f64) + Sync)>,
 ) -> Result<FittedConstants, FitError> {
     let lineage = &bounded(lineage);

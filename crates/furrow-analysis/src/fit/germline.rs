@@ -15,9 +15,9 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use furrow_spectra::Svd;
 use serde::Serialize;
 
+use super::error::{FitError, check_cancelled};
 use super::search::{SearchBudget, descend, swarm};
 use super::targets::{MeasuredChi, Targets};
-use super::{FitError, is_set};
 use furrow_cell::cue::{Quantity, Width};
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_lineage::batch::scheduler;
@@ -235,11 +235,15 @@ struct Objective<'a> {
     settings: &'a TreeSettings,
     template: &'a Cue,
     unknowns: Vec<Unknown>,
-    cancel: Option<&'a AtomicBool>,
+    cancel: &'a AtomicBool,
     tried: AtomicUsize,
 }
 
 impl Objective<'_> {
+    fn check_cancelled(&self) -> Result<(), FitError> {
+        check_cancelled(self.cancel, self.tried.load(Ordering::Relaxed), CUES)
+    }
+
     fn cue(&self, place: &[f64]) -> Cue {
         let mut cell = Cell::new(1.0).with_cue(self.template.clone());
         for (unknown, share) in self.unknowns.iter().zip(place) {
@@ -272,7 +276,7 @@ impl Objective<'_> {
 
     fn chi_squared(&self, place: &[f64]) -> f64 {
         let outside: f64 = place.iter().map(|x| (x - x.clamp(0.0, 1.0)).abs()).sum();
-        if is_set(self.cancel) || outside > 0.0 {
+        if self.check_cancelled().is_err() || outside > 0.0 {
             return f64::INFINITY;
         }
         self.tried.fetch_add(1, Ordering::Relaxed);
@@ -337,25 +341,20 @@ pub fn fit_cue(
     template: &Cue,
     effort: SearchBudget,
     threads: usize,
-    cancel: Option<&AtomicBool>,
+    cancel: &AtomicBool,
 ) -> Result<FittedCue, FitError> {
     let unknowns = unknowns(template);
     let objective = Objective { lineage, targets, settings, template, unknowns, cancel, tried: AtomicUsize::new(0) };
     scheduler::pool(threads)?.install(|| {
         let region = vec![[0.0, 1.0]; objective.unknowns.len()];
         let found = swarm(&region, effort, &|place| objective.chi_squared(place));
-        let tried = || objective.tried.load(Ordering::Relaxed);
-        let check_cancelled = || match is_set(cancel) {
-            true => Err(FitError::Interrupted { tried: tried(), what: CUES }),
-            false => Ok(()),
-        };
-        check_cancelled()?;
-        let nothing = || FitError::Nothing { tried: tried(), what: CUES, advice: "try terms on other fields" };
-        let (place, least) = found.ok_or_else(nothing)?;
+        objective.check_cancelled()?;
+        let (tried, advice) = (objective.tried.load(Ordering::Relaxed), "try terms on other fields");
+        let (place, least) = found.ok_or(FitError::Nothing { tried, what: CUES, advice })?;
         let (place, chi_squared) = descend(&place, EDGE, DESCENT, &|place| objective.chi_squared(place))
             .filter(|(_, better)| *better <= least)
             .unwrap_or((place, least));
-        check_cancelled()?;
+        objective.check_cancelled()?;
         complete(&objective, &place, chi_squared)
     })
 }
@@ -435,7 +434,7 @@ mod tests {
             settings: &settings,
             template: &template,
             unknowns,
-            cancel: None,
+            cancel: &AtomicBool::new(false),
             tried,
         };
         then(&objective, place)
@@ -448,7 +447,7 @@ mod tests {
             assert_eq!(exact.len(), 4);
             for (k, unknown) in objective.unknowns.iter().enumerate() {
                 let chi = |share: f64| -> Vec<f64> {
-                    let moved = super::super::moved(&place, k, share);
+                    let moved = super::super::search::moved(&place, k, share);
                     objective.fitted(&moved).iter().map(|residual| residual.computed.unwrap()).collect()
                 };
                 // χ of P3 turns quickly with the place of the cue.
