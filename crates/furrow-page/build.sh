@@ -1,13 +1,13 @@
 #!/bin/sh
-# Builds what runs inside the report, crates/page/furrow.wasm.txt, from the sources as they are. Runs from any folder.
+# Builds what runs inside the report, crates/furrow-report/src/page/furrow.wasm.txt, from the sources as they are. Runs from any folder.
 #
 # The file has two lines: the version of the solver, and the module, compressed and in base64.
 # `tests/project/page_artefact.rs` refuses a module with another solver; this is then the one command to run.
 #
-#   crates/page/build.sh [FILE]     writes FILE in place of crates/page/furrow.wasm.txt
+#   crates/furrow-page/build.sh [FILE]     writes FILE in place of crates/furrow-report/src/page/furrow.wasm.txt
 set -eu
 cd "$(dirname "$0")/../.."
-out=${1:-crates/page/furrow.wasm.txt}
+out=${1:-crates/furrow-report/src/page/furrow.wasm.txt}
 target=wasm32-unknown-unknown
 
 rustup target list --installed | grep -qx "$target" || rustup target add "$target"
@@ -20,7 +20,7 @@ done
 RUSTFLAGS="$flags" cargo build --locked --quiet --package furrow-page --lib --profile page --target "$target"
 
 built=${CARGO_TARGET_DIR:-target}/$target/page
-solver=$(sed -n 's/^pub const SOLVER_VERSION: u32 = \([0-9]*\);$/\1/p' crates/embryo/src/batch/key.rs)
+solver=$(sed -n 's/^pub const SOLVER_VERSION: u32 = \([0-9]*\);$/\1/p' crates/furrow-lineage/src/batch/key.rs)
 {
     echo "solver ${solver:?not found}"
     gzip -9 --no-name --stdout "$built/page.wasm" | base64 | tr -d '\n'
