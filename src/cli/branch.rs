@@ -13,7 +13,7 @@ use super::output::{csv_of, print_as, writable_file};
 use super::plot::PlotArgs;
 use furrow_analysis::diagram;
 use furrow_cell::Cue;
-use furrow_figures::plot::{self, branch::Named};
+use furrow_figures::plot;
 use furrow_formats::write_atomically;
 use furrow_mechanics::equilibria::asymmetric::Scaling;
 use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, ShapePoint};
@@ -159,8 +159,7 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     if let Some(file) = &args.csv {
         write_atomically(file, &csv_of(HEADER, &document.points)?)?;
     }
-    let named: Vec<Named<'_>> = found.branches.iter().map(|(name, branch)| Named { name, branch }).collect();
-    picture.write(|| plot::branch::draw(&cell, &named))?;
+    picture.write(|| plot::branch::draw(&cell, &found.branches))?;
     print_as(context.json, &document, || document.text(args.points))
 }
 

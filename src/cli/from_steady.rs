@@ -14,7 +14,8 @@ use super::movie::{DENSE, MovieFile};
 use super::output::print_as;
 use super::plot::Picture;
 use furrow_cell::Cue;
-use furrow_figures::plot::perturbation::{Watched, draw};
+use furrow_figures::drawing::style::described;
+use furrow_figures::plot::perturbation::draw;
 use furrow_formats::frames::{check_step, write_frames};
 use furrow_lineage::batch::perturbations::{Disturbed, perturbations};
 use furrow_mechanics::division::{Division, DivisionInput, Film, Statistics};
@@ -130,9 +131,9 @@ fn write_files(
         write_all_frames(output.frames, &film, output.every)?;
         output.movie.write(&input.cell, &film.with_places(DENSE))?;
     }
-    let named: Vec<Watched<'_>> =
-        watched.iter().map(|(seed, p)| Watched { name: format!("seed {seed}"), perturbation: p }).collect();
-    output.picture.write(|| draw(&input.cell, &named))
+    let title = format!("Disturbed stationary shape at {}", described(&input.cell, &[]));
+    let named: Vec<_> = watched.iter().map(|(seed, found)| (format!("seed {seed}"), found.clone())).collect();
+    output.picture.write(|| draw(&title, &named))
 }
 
 /// Writes the frames of a film into a folder, if one is given, after every step or every so many τ; an interruption waits for them.

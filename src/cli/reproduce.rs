@@ -13,7 +13,9 @@ use super::interrupt::{self, write_deferred};
 use super::output::{csv_of, print, to_json, writable_file, writable_folder};
 use super::progress::ProgressLine;
 use furrow_analysis::reproduce::paper::selected;
-use furrow_analysis::reproduce::{self, Artifact, Item, Panel, ReproduceError, Reproduction, Verdict, reproduce};
+use furrow_analysis::reproduce::{
+    self, Artifact, Item, NamedArtifact, ReproduceError, Reproduction, Verdict, reproduce,
+};
 use furrow_analysis::table::csv_text;
 use furrow_figures::drawing::Format;
 use furrow_figures::plot::reproduction::draw;
@@ -139,7 +141,7 @@ fn pictures(files: &mut FileSet, found: &Reproduction, (extension, format): (&st
 }
 
 /// The numbers behind a picture, where they are not those of a single cell.
-fn table(panel: &Panel) -> Result<Option<Vec<u8>>, CliError> {
+fn table(panel: &NamedArtifact) -> Result<Option<Vec<u8>>, CliError> {
     Ok(match &panel.artifact {
         Artifact::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows)?),
         Artifact::Map(map) => Some(csv_of("x,xi_s,outcome,chi,by", &map.diagram.cells)?),

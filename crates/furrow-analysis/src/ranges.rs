@@ -130,7 +130,7 @@ pub struct Dependence {
 
 /// One tree of the ensemble, as far as ranges are taken of it.
 #[derive(Clone, Debug, PartialEq)]
-struct Grown {
+struct TreeCounts {
     weight: f64,
     cells: usize,
     /// Rounds, χ and whether it divides, by founder.
@@ -162,7 +162,7 @@ pub struct LineageRanges {
 /// Grows the lineage with every set of constants, in parallel over the sets; `cancel` ends it early.
 ///
 /// # Errors
-/// [`GrowError`] of the first set that cannot be grown.
+/// [`GrowError`] of the first set that cannot be tree_counts.
 pub fn ranges(
     lineage: &Lineage,
     settings: &TreeSettings,
@@ -170,7 +170,7 @@ pub fn ranges(
     threads: usize,
     cancel: &AtomicBool,
 ) -> Result<LineageRanges, GrowError> {
-    let trees = each_tree(lineage, settings, sets, threads, cancel, grown)?;
+    let trees = each_tree(lineage, settings, sets, threads, cancel, tree_counts)?;
     Ok(summed_up(lineage, sets, &trees))
 }
 
@@ -201,7 +201,7 @@ pub fn each_tree<T: Send>(
     pool.install(|| sets.par_iter().map(grow).collect())
 }
 
-fn grown(set: &Constants, tree: &Tree, summary: &Summary) -> Grown {
+fn tree_counts(set: &Constants, tree: &Tree, summary: &Summary) -> TreeCounts {
     let founders = founder_rounds(tree)
         .into_iter()
         .map(|row| {
@@ -210,7 +210,7 @@ fn grown(set: &Constants, tree: &Tree, summary: &Summary) -> Grown {
             (row.rounds, cell.and_then(|id| tree.cell(id).fate.chi()), divides)
         })
         .collect();
-    Grown { weight: set.weight, cells: tree.len(), founders, solved: summary.solved, hits: summary.memo_hits }
+    TreeCounts { weight: set.weight, cells: tree.len(), founders, solved: summary.solved, hits: summary.memo_hits }
 }
 
 /// Grows one tree on the calling thread's behalf: studies of many trees grow them side by side.
@@ -226,13 +226,13 @@ pub(super) fn grow_alone(
 }
 
 /// How much of the weight of all trees those have for which something holds.
-fn share(trees: &[Grown], holds: impl Fn(&Grown) -> bool) -> f64 {
+fn share(trees: &[TreeCounts], holds: impl Fn(&TreeCounts) -> bool) -> f64 {
     // A fold from 0: `sum` gives −0 for no numbers, which files would show.
     let total = trees.iter().fold(0.0, |weight, tree| weight + tree.weight);
     trees.iter().filter(|tree| holds(tree)).fold(0.0, |weight, tree| weight + tree.weight) / total
 }
 
-fn founder_range(lineage: &Lineage, sets: &[Constants], trees: &[Grown], k: usize) -> FounderRange {
+fn founder_range(lineage: &Lineage, sets: &[Constants], trees: &[TreeCounts], k: usize) -> FounderRange {
     let rounds = |of: fn(&Rounds) -> f64| -> Option<Range> {
         Range::of(trees.iter().filter_map(|tree| Some((of(tree.founders[k].0.as_ref()?), tree.weight))).collect())
     };
@@ -266,7 +266,7 @@ fn founder_range(lineage: &Lineage, sets: &[Constants], trees: &[Grown], k: usiz
     }
 }
 
-fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[Grown]) -> LineageRanges {
+fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[TreeCounts]) -> LineageRanges {
     let total: f64 = trees.iter().map(|tree| tree.weight).sum();
     let founder = |k: usize| founder_range(lineage, sets, trees, k);
     let symmetric = |k: usize| {
@@ -285,7 +285,7 @@ fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[Grown]) -> LineageR
             Some((k, lineage.founders[k].observed?.max?))
         };
         let both = [of("EMS")?, of("P4")?];
-        let near = |tree: &Grown, (k, most): (usize, u32)| {
+        let near = |tree: &TreeCounts, (k, most): (usize, u32)| {
             tree.founders[k].0.as_ref().is_some_and(|rounds| rounds.max.abs_diff(most) <= 1)
         };
         Some(share(trees, |tree| both.iter().all(|one| near(tree, *one))))

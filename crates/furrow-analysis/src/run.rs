@@ -1,4 +1,4 @@
-//! Solves the points of a sweep, equal inputs once.
+//! Solves the points of a sweep; equal inputs are solved once.
 
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -111,8 +111,7 @@ impl<'a> Run<'a> {
         Run { sweep, shard: None, memo, threads: 0, cancel, journal: None, progress: &|_| () }
     }
 
-    /// Solves the points. Rows depend on the sweep alone, whatever the threads, the shards and what the memo and the journal
-    /// hold.
+    /// Solves the points. Rows depend only on the sweep, not on threads, shards, memo or journal.
     ///
     /// # Errors
     /// [`SchedulerError::Pool`] if no workers can be started. A point that cannot be computed is a row of its own.

@@ -53,10 +53,10 @@ struct Head<'a> {
     /// Version of the solver of divisions.
     solver: u32,
     kind: Kind,
-    /// What no axis says.
+    /// Values of parameters without an axis.
     cell: &'a Cell,
     numerics: &'a Numerics,
-    /// The cue where no axis says otherwise; of a tree none stands for the lineage's own.
+    /// The default cue; `None` keeps a tree's own cues.
     cue: Option<String>,
     axes: Vec<HeadAxis<'a>>,
     replicates: u32,
@@ -67,7 +67,7 @@ struct Head<'a> {
     lineage: Option<&'a Lineage>,
     columns: Vec<String>,
     points: usize,
-    /// Which part of the sweep this is, and its rows; not there where it is the whole.
+    /// The shard and its rows; absent for a whole sweep.
     #[serde(skip_serializing_if = "Option::is_none")]
     shard: Option<HeadShard>,
 }
@@ -76,7 +76,7 @@ struct Head<'a> {
 struct HeadAxis<'a> {
     parameter: &'a str,
     values: &'a [AxisValue],
-    /// Of an axis of cues what they mean.
+    /// The meaning of cues on an axis of cues.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     cues: BTreeMap<String, String>,
     sampled: bool,

@@ -1,4 +1,4 @@
-//! Published size asymmetries, as means over embryos: what a comparison without tables of one's own is held against.
+//! Published size asymmetries as means over embryos, the default of a comparison.
 //!
 //! # References
 //! Jankele, Jelier & Gönczy, *eLife* 10, e61714 (2021): segmented volumes of 6 wild-type embryos (`wt`), 8 of the same strain as

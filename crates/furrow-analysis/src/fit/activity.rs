@@ -1,8 +1,8 @@
-//! Which activity each founder by itself would need for its observed rounds.
+//! The activity that each founder alone would need for its observed rounds.
 //!
-//! The paper leaves open what stops lineages that its mechanics would divide further. Were it activity alone, a founder and
-//! all its descendants would have one of their own: the ξ_s for which the model's rounds are the observed ones. A founder is
-//! as large as it is born with the constants of the run, all other cells keep their activity.
+//! The paper leaves open what stops lineages that mechanics would divide further. If it were activity alone, a founder and
+//! its descendants would share the ξ_s at which the model's rounds are the observed ones. A founder keeps the size it has
+//! with the run's constants, and all other cells keep their activity.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -26,7 +26,7 @@ pub struct FounderActivity {
     pub observed: f64,
     /// Rounds at the activity of the run; `None` if it is never born.
     pub rounds: Option<f64>,
-    /// The widest interval of ξ_s in which rounds are the observed ones to within half a round; `None` if there is none.
+    /// The widest interval of ξ_s in which rounds are within half a round of the observed; `None` if no interval exists.
     pub xi_s: Option<[f64; 2]>,
     /// All such intervals.
     pub intervals: Vec<[f64; 2]>,
@@ -40,8 +40,8 @@ pub struct FounderActivity {
 pub const WITHIN: f64 = 0.5;
 /// The search ends where rounds are so many more than observed.
 pub const BEYOND: f64 = 1.5;
-/// Branches are cut so many rounds below the most observed. Fewest and most rounds are too many then, whatever follows; what is
-/// cut off a few long branches moves a mean little.
+/// Rounds beyond the most observed after which growth stops, for extremes and for means. Fewest and most rounds are too
+/// many then; cutting a few long branches changes a mean little.
 const DEEPER: [u32; 2] = [2, 8];
 /// Activities tried, evenly in their logarithm.
 const TRIED: usize = 20;

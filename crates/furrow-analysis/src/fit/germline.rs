@@ -1,13 +1,13 @@
-//! Which cue gives the measured size asymmetries of the germline.
+//! Fits a cue to the measured size asymmetries of the germline.
 //!
-//! A cue is evaluated by the divisions of the founders whose χ was measured and of those they descend from, each as large as its
-//! mother's division makes it:
+//! The misfit of a cue follows from the divisions of the measured founders and their ancestors, each as large as its mother's
+//! division makes it:
 //!
 //! * \[F.5 chi squared\] χ² = Σ ((χ − measured)/sd)².
 //!
-//! A swarm looks for its least value over the numbers of the cue's terms, a simplex goes on from there. The sensitivities of χ
-//! to those numbers, exact by the tangents of the divisions and handed down from mother to daughter with the radius, tell how
-//! firmly the measurements hold each of them, and which combinations they leave open.
+//! A swarm minimises it over the numbers of the cue's terms, and a simplex refines the minimum. The sensitivities of χ to
+//! those numbers, exact by the divisions' tangents and passed from mother to daughter with the radius, show how well the
+//! measurements determine each number, and which combinations they leave open.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -29,18 +29,17 @@ const PLACES: [f64; 2] = [0.05, 0.95];
 const WIDTHS: [f64; 2] = [0.01, 0.5];
 const LENGTHS: [f64; 2] = [0.05, 5.0];
 const AMPLITUDES: [f64; 2] = [0.005, 2.0];
-/// Misfit, in standard deviations, of a χ that is not there because the cell does not divide.
+/// Misfit, in standard deviations, of a cell that does not divide.
 const UNDIVIDED: f64 = 10.0;
 /// Steps of the simplex, and its edges in the unit cube.
 const DESCENT: u64 = 120;
 const EDGE: f64 = 0.02;
-/// Part of the time tolerance with which sensitivities are followed, and the least they are followed with: a derivative of a
-/// cell that turns quickly with its numbers shows errors that its χ does not.
+/// Factor on the time tolerance for sensitivities, and the least tolerance: derivatives show errors that χ does not.
 const FINER: f64 = 1e-2;
 const FINEST: f64 = 1e-8;
 /// What is tried, in errors.
 const CUES: &str = "cues";
-/// Combinations whose change by a factor e, or by all of u, moves χ less than a standard deviation are left open.
+/// Combinations are open if a factor e, or a shift over all of u, changes χ by less than a standard deviation.
 const OPEN: f64 = 1.0;
 
 /// A measured χ beside the model's.
@@ -69,7 +68,7 @@ pub struct CueNumber {
     pub value: f64,
     /// Between which values was searched.
     pub searched: [f64; 2],
-    /// Its standard deviation by the measurements', if they hold it at all.
+    /// Its standard deviation, if the measurements determine it.
     pub sd: Option<f64>,
 }
 
