@@ -93,9 +93,9 @@ impl Search<'_> {
         let meets = |rounds: Option<f64>| rounds.is_some_and(|r| (r - observed).abs() <= WITHIN);
         let xi_at = |k: usize| range[0] * (range[1] / range[0]).powf(k as f64 / (TRIED - 1) as f64);
         let mut tried: Vec<(f64, Option<f64>)> = Vec::new();
-        for k in 0..TRIED {
-            let rounds = self.rounds(xi_at(k))?;
-            tried.push((xi_at(k), rounds));
+        for xi_s in (0..TRIED).map(xi_at) {
+            let rounds = self.rounds(xi_s)?;
+            tried.push((xi_s, rounds));
             if rounds.is_some_and(|r| r > observed + BEYOND) {
                 break;
             }
@@ -138,7 +138,7 @@ impl Search<'_> {
         }
         let searched = [range[0], points.last().map_or(range[1], |last| last.0)];
         intervals.extend(open.map(|from| [from, searched[1]]));
-        let width = |interval: &[f64; 2]| interval[1] / interval[0];
+        let width = |[from, to]: &[f64; 2]| to / from;
         let nearest = points.iter().filter_map(|&(xi_s, rounds)| Some((xi_s, rounds?)));
         Ok(FounderActivity {
             name: self.lineage.founders[self.founder].name.clone(),

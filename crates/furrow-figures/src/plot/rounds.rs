@@ -143,11 +143,15 @@ fn range_bar(chart: &mut Chart<'_>, x: f64, colour: Colour, bar: &Bar) {
     chart.line(ends.map(|y| [x, y]), Stroke::solid(colour, 5.0));
     // Ranges of the ends, beside the bar itself.
     for range in [bar.min, bar.mean, bar.max] {
-        if range.p95 > range.p5 {
-            chart.error_bar(x, [range.p5, range.p95], 9.0, 3.0, Stroke::solid(colour, 1.8));
-        }
+        whisker(chart, x, range, colour);
     }
     if bar.mean.p50.is_finite() {
         chart.point([x, bar.mean.p50], 6.2, Marker::Disc, colour);
+    }
+}
+
+fn whisker(chart: &mut Chart<'_>, x: f64, range: Range, colour: Colour) {
+    if range.p95 > range.p5 {
+        chart.error_bar(x, [range.p5, range.p95], 9.0, 3.0, Stroke::solid(colour, 1.8));
     }
 }
