@@ -122,7 +122,7 @@ impl VolumesPlan {
         })?;
         let mut groups = beside(summed, &found.divisions, &free, &firsts, None);
         let sets = self.sets()?;
-        add_bands(&mut groups, &free, &lineage, &settings, &sets, self.threads, Some(watch.stop()))?;
+        add_bands(&mut groups, &free, &lineage, &settings, &sets, self.threads, watch.stop())?;
         let bins = volume_bins(&found.divisions, None);
         let length_scale = match self.length {
             Some(length) => Some(Scale { length, from: ScaleFrom::Given }),
@@ -187,7 +187,7 @@ pub fn compare_contours(
         let mut frames = Vec::new();
         for (k, (t, points)) in model.into_iter().enumerate() {
             let (contour, _) = Contour::new(points).map_err(|why| refused(format!("frames[{k}]"), &why))?;
-            frames.push(series::Modelled { frame: k.to_string(), t, contour });
+            frames.push(series::ModelContour { frame: k.to_string(), t, contour });
         }
         let none = || InputError::not_allowed(ARGUMENTS, "contours", "none", "at least one contour and one frame");
         let series = laid_beside(&traced, &frames, length).ok_or_else(none)?;

@@ -153,7 +153,7 @@ pub fn ranges(
         let Some(Scenario { lineage, settings, .. }) = scenarios.first() else {
             return Err(InputError::not_allowed(ARGUMENTS, "lineage", "none", "one lineage").into());
         };
-        Ok(ranges_over(lineage, settings, &sets, threads, Some(watch.stop()))?)
+        Ok(ranges_over(lineage, settings, &sets, threads, watch.stop())?)
     })?;
     serde_json::to_string(&found).map_err(unwritable)
 }
