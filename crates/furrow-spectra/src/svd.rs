@@ -19,7 +19,7 @@ pub struct Svd {
 
 /// The matrix has entries that are not finite, or too large for singular values to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the matrix, or what becomes of it, is not finite")]
+#[error("the matrix contains NaN or infinity")]
 pub struct NoSingularValues;
 
 impl Svd {

@@ -1,24 +1,17 @@
 //! `furrow compare contour`: outlines of cells beside those of a simulated division.
 
-use std::fmt::Write;
-use std::fs::File;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use clap::Args;
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::polygons::{Contours, LeftOut};
-use furrow_measured::contour::series::{Beside, Modelled, Series, series};
-use serde::Serialize;
+use furrow_measured::contour::series::{ContourMatch, ModelContour, Series, series};
 
 use super::files;
-use crate::cli::cell::number;
-use crate::cli::context::Context;
-use crate::cli::error::CliError;
 use crate::cli::output::{print, to_json, writable_folder};
-use crate::cli::plot::PlotArgs;
+use crate::cli::prelude::*;
 use furrow_formats::frames::read_frames;
-use furrow_input::InputError;
+use furrow_input::open_file;
 
 /// Compares measured outlines of a dividing cell with those of a simulated division
 ///
@@ -81,7 +74,7 @@ pub fn run(args: &ContourArgs, context: &Context) -> Result<(), CliError> {
 }
 
 /// The contours of a simulated division, both sides of the axis.
-fn modelled(folder: &Path) -> Result<Vec<Modelled>, CliError> {
+fn modelled(folder: &Path) -> Result<Vec<ModelContour>, CliError> {
     let mut out = Vec::new();
     for frame in read_frames(folder)? {
         let other = frame.points.iter().rev().map(|[r, z]| [-r, *z]);
@@ -91,7 +84,7 @@ fn modelled(folder: &Path) -> Result<Vec<Modelled>, CliError> {
             wanted: "a contour from pole to pole".to_owned(),
             reason: why.to_string(),
         })?;
-        out.push(Modelled { frame: frame.file, t: frame.t, contour });
+        out.push(ModelContour { frame: frame.file, t: frame.t, contour });
     }
     Ok(out)
 }
@@ -99,12 +92,9 @@ fn modelled(folder: &Path) -> Result<Vec<Modelled>, CliError> {
 fn read(args: &ContourArgs) -> Result<Contours, InputError> {
     let mut found = Contours::default();
     for path in &args.measured {
+        let mut opened = open_file(path)?;
         let file = path.display().to_string();
         let unreadable = |e: std::io::Error| InputError::Unreadable { file: file.clone(), reason: e.to_string() };
-        let mut opened = File::open(path).map_err(unreadable)?;
-        if opened.metadata().map_err(unreadable)?.is_dir() {
-            return Err(unreadable(std::io::Error::other("it is a folder, not a file")));
-        }
         // The signature decides, since extensions of pictures may be wrong.
         let mut first = Vec::new();
         (&mut opened).take(SIGNATURE.len() as u64).read_to_end(&mut first).map_err(unreadable)?;
@@ -149,7 +139,7 @@ fn text(series: &Series, left_out: &[LeftOut]) -> String {
         "contour", "stage", "depth (model)", "long (model)", "t", "|A∩B|/|A|", "pixels", "|A∩B|/|A∪B|"
     );
     for (beside, name) in series.contours.iter().zip(&names) {
-        let Beside { measured, model, overlap, pixels, .. } = beside;
+        let ContourMatch { measured, model, overlap, pixels, .. } = beside;
         let pair = |a: f64, b: f64| format!("{a:.3} ({b:.3})");
         let _ = writeln!(
             out,
@@ -179,7 +169,7 @@ fn text(series: &Series, left_out: &[LeftOut]) -> String {
 }
 
 /// How a contour is called: by its file, and its name within it.
-fn name(beside: &Beside) -> String {
+fn name(beside: &ContourMatch) -> String {
     let file =
         Path::new(&beside.file).file_name().map_or(beside.file.clone(), |file| file.to_string_lossy().into_owned());
     if beside.contour.is_empty() { file } else { format!("{file} {}", beside.contour) }
