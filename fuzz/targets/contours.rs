@@ -1,4 +1,4 @@
-//! Contours, in tables of points and in masks. The first byte says which, and whether a label is asked for.
+//! Contours, in tables of points and in masks. The first byte selects the kind and the label.
 
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::furrow::furrow;
@@ -7,7 +7,7 @@ use furrow_measured::contour::polygons::Contours;
 
 use super::{FILE, says_where};
 
-/// A contour that is read encloses an area, is read again as it is written, and lies upon itself.
+/// A contour encloses an area, survives writing and reading, and overlaps itself fully.
 pub fn check(data: &[u8]) {
     let Some((&how, bytes)) = data.split_first() else { return };
     let mut found = Contours::default();
@@ -29,7 +29,7 @@ pub fn check(data: &[u8]) {
 
 fn holds(contour: &Contour) {
     let moments = contour.moments();
-    // A sliver has moments that are lost to rounding.
+    // The moments of a sliver are lost to rounding.
     if moments.area.is_nan() || moments.elongation > 1e3 {
         return;
     }

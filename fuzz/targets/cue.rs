@@ -1,4 +1,4 @@
-//! Cues as options have them, and keys and values of `--set`.
+//! Cues of options, keys and values of `--set`.
 
 use furrow_cell::Cue;
 use furrow_cell::settings::Settings;
@@ -6,8 +6,7 @@ use furrow_lineage::parse_cue;
 
 use super::{built_in, text};
 
-/// A cue that is read is what it is when it is written, as text and as JSON, and read again; its mirror image has itself for
-/// mirror image; at every place its fields have a number.
+/// A cue survives writing and reading, as text and as JSON, and mirroring twice. Its fields are finite everywhere.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data) else { return };
     check_setting(text);

@@ -1,7 +1,7 @@
-//! What is tried of every reader: one function a reader, which takes any bytes and panics where the reader does wrong. The
-//! fuzzers call them with bytes of their own, `tests/project/hostile_corpus.rs` with the files in `fuzz/corpus`.
+//! One function per reader, which takes any bytes and panics if the reader is wrong. The fuzzers call them with generated
+//! bytes, `tests/project/hostile_corpus.rs` with the files in `fuzz/corpus`.
 
-// Each fuzzer is a program of its own that calls one of these.
+// Each fuzzer is a separate program that calls one of these.
 #![allow(dead_code)]
 
 pub mod config;

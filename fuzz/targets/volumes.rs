@@ -1,11 +1,11 @@
-//! Tables of volumes, long ones and grids. The first byte says how the table is read.
+//! Tables of volumes, long ones and grids. The first byte sets the options.
 
 use furrow_measured::events::{divisions, summaries};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 
 use super::{FILE, says_where};
 
-/// The means that are read are what they are when they are written as a long table and read again, and so are the divisions.
+/// Means and divisions survive writing as a long table and reading.
 pub fn check(data: &[u8]) {
     let Some((&how, table)) = data.split_first() else { return };
     let options =
