@@ -1,4 +1,4 @@
-//! Reading files: whatever a path names, in bounded time and memory.
+//! Reads files of any kind in bounded time and memory.
 
 use std::fs::File;
 use std::io::Read;
@@ -6,11 +6,11 @@ use std::path::Path;
 
 use super::InputError;
 
-/// The longest file that is read, in bytes: 64 MB. What users write is far shorter; a longer one is some other file, or one
-/// that never ends.
+/// The longest file that is read, in bytes: 64 MB. Files that users write are far shorter; a longer one is another kind of file
+/// or endless.
 pub const LONGEST: u64 = 64 << 20;
 
-/// Reads a whole text file in UTF-8, at most [`LONGEST`] bytes of it. It may be a pipe.
+/// Reads a text file in UTF-8 of at most [`LONGEST`] bytes. It may be a pipe.
 ///
 /// # Errors
 /// Names the file and why it cannot be read.
@@ -18,7 +18,7 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
     read_text_up_to(path, LONGEST)
 }
 
-/// [`read_text`] with another limit, in bytes: for what programs write and users do not.
+/// [`read_text`] with another limit in bytes, for files that programs write.
 ///
 /// # Errors
 /// As [`read_text`].
@@ -34,7 +34,7 @@ pub fn read_text_up_to(path: &Path, longest: u64) -> Result<String, InputError> 
     if about.is_dir() {
         return Err(unreadable("it is a folder, not a file".to_owned()));
     }
-    // The length of a pipe or a device is 0 here; they are read up to the limit and no further.
+    // Pipes and devices have length 0 here.
     if about.len() > longest {
         return Err(too_long(&format!("it has {} MB, which is ", about.len() >> 20)));
     }
