@@ -1,4 +1,4 @@
-//! Cues on every field: against independent reference runs, and their mirror images.
+//! Cues on every field, compared with independent reference runs and their mirror images.
 
 use crate::common::tables;
 use furrow_cell::cue::Field;

@@ -1,4 +1,4 @@
-//! Searches for critical radii take a bounded number of steps, the same on every machine, and end when they are told to.
+//! Searches for critical radii take a bounded number of steps, the same on every machine, and can be cancelled.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

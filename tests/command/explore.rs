@@ -1,4 +1,4 @@
-//! `furrow explore`: the page that computes, without a tree.
+//! `furrow explore`: the interactive page without a tree.
 
 use serde_json::Value;
 

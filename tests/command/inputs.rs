@@ -1,4 +1,4 @@
-//! Whatever a path names and whatever it holds is read in bounded time and memory, and refused in one message.
+//! Any input file is read in bounded time and memory, and an invalid one gives one error message.
 
 use std::path::Path;
 use std::process::Command;

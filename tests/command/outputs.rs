@@ -1,4 +1,4 @@
-//! No run is lost: streams that are full or closed, places that cannot be written, full disks, runs before, Ctrl-C.
+//! Output: full or closed streams, unwritable places, full disks, files of earlier runs, Ctrl-C.
 
 use std::fs::{self, File};
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What would make it the embryo: constants, activities and a cue from what was observed.
+//! `furrow fit`: constants, activities and a cue from observations.
 
 use furrow_analysis::fit::{
     Evaluated, FittedConstants, Reading, SearchBudget, Targets, activities, fit_constants, fit_cue,

@@ -1,4 +1,4 @@
-//! The paper reproduced: the page that ships is current, and what is known to differ is said to.
+//! docs/reproduction.md is current and reports the known differences from the paper.
 
 use furrow_analysis::reproduce::Value;
 use furrow_analysis::reproduce::paper::{Statement, statements};

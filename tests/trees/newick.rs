@@ -1,4 +1,4 @@
-//! Newick, NHX and Nexus: brackets, names and lengths, as a reader of its own sees them.
+//! Newick, NHX and Nexus: brackets, names and lengths, read by an independent parser.
 
 use crate::common::stand_in::{fake, grown};
 use furrow_formats::exchange::{BranchLengths, COLUMNS, Exported, Format, export};

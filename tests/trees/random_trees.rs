@@ -1,5 +1,5 @@
-//! Trees of random cells, confinements, activities and cues: every one is whole, and what is told ahead of a cell's division
-//! its division tells too.
+//! Trees of random cells, confinements, activities and cues: every tree is complete, and predicted ends agree with the
+//! dynamics.
 
 use crate::common::stand_in::grow;
 use furrow_cell::{Cell, Numerics};

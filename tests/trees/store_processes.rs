@@ -1,6 +1,6 @@
-//! The store among processes: killed writers, two growers on one cache, a full disk.
+//! The store shared by processes: killed writers, two runs on one cache, a full disk.
 //!
-//! The other processes are this test binary again, told by an environment variable what to be.
+//! The other processes run this test binary; an environment variable selects their role.
 
 use std::{
     collections::BTreeMap,

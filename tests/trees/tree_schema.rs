@@ -1,4 +1,4 @@
-//! The JSON Schema of `tree.json` that is published, `docs/tree.schema.json`, is held to the trees that are written.
+//! Written trees follow the published JSON Schema of `tree.json`, `docs/tree.schema.json`.
 
 use furrow_formats::{tree_from_json, tree_to_json};
 use std::collections::{BTreeMap, BTreeSet};
