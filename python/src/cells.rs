@@ -21,8 +21,8 @@ use crate::inputs::{ARGUMENTS, Inputs};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 
-/// Divisions of one cell with noise of the seeds from `seed` on: the divisions with their seeds, and the seeds of those that could
-/// not be computed with the reasons, as JSON.
+/// Divisions of one cell with the seeds from `seed` on. Gives the divisions with their seeds, and the failed seeds with their
+/// reasons, as JSON.
 #[pyfunction]
 #[pyo3(signature = (inputs, memo, seed, count, threads, progress=None))]
 pub fn divide(
@@ -36,14 +36,14 @@ pub fn divide(
 ) -> PyResult<String> {
     let input = inputs.division(seed).map_err(|error| raised(py, error, 0))?;
     let memo = Arc::clone(&memo.solved);
-    // What is known needs no thread that Ctrl-C could stop.
+    // A known division needs no thread that Ctrl-C could stop.
     if count == 1
         && let Some(division) = py.detach(|| memo.known(&input))
     {
         let found: (_, [(u64, String); 0]) = ([(seed, division)], []);
         return serde_json::to_string(&found).map_err(unwritable);
     }
-    // Of a single division nothing is kept before it has ended, which it does by itself and for the memo.
+    // An interrupted single division continues in the background and goes to the memo.
     let interrupt = if count == 1 { Interrupt::Leaves } else { Interrupt::Tells };
     let found = supervised(py, interrupt, progress, move |watch| {
         let show = |progress| watch.divisions(progress);
@@ -65,11 +65,11 @@ pub fn divide(
     serde_json::to_string(&found).map_err(unwritable)
 }
 
-/// A division with its shapes: how it ended as JSON, what is read off each shape, and where its places begin and end in the columns
-/// of all places, one after the other.
+/// A division with its shapes: the outcome as JSON, the observables of each shape, and the ranges of its points in the columns of
+/// all points.
 type Filmed<'py> = (String, Bound<'py, PyDict>, Bound<'py, PyArray1<i64>>, Bound<'py, PyDict>, [f64; 2]);
 
-/// Computes a division and keeps its shapes, after every step or every so many τ.
+/// Computes a division and keeps its shapes, after every step or at even times in τ.
 #[pyfunction]
 #[pyo3(signature = (inputs, seed, every=None, places=None))]
 pub fn film<'py>(
@@ -104,7 +104,7 @@ fn division_json(division: &Division) -> PyResult<String> {
     serde_json::to_string(division).map_err(unwritable)
 }
 
-/// What is read off each frame.
+/// Observables of each frame.
 fn frame_columns(stills: &[Still]) -> Vec<(&'static str, Vec<f64>)> {
     let column = |of: fn(&Still) -> f64| stills.iter().map(of).collect();
     vec![
@@ -117,7 +117,7 @@ fn frame_columns(stills: &[Still]) -> Vec<(&'static str, Vec<f64>)> {
     ]
 }
 
-/// Where the places of each frame end, the first beginning at 0.
+/// Ends of the points of each frame; the first begins at 0.
 fn ends(stills: &[Still]) -> Vec<i64> {
     let mut end = 0;
     let behind = stills.iter().map(|still| {
@@ -127,7 +127,7 @@ fn ends(stills: &[Still]) -> Vec<i64> {
     behind.collect()
 }
 
-/// Places as columns, under the names that they have in files.
+/// Points as columns, with their names in files.
 fn place_columns<'a>(places: impl Iterator<Item = &'a Place>) -> Vec<(&'static str, Vec<f64>)> {
     let names = COLUMNS.map(|(name, _)| name);
     let mut columns = names.map(|_| Vec::with_capacity(places.size_hint().0));
@@ -139,7 +139,7 @@ fn place_columns<'a>(places: impl Iterator<Item = &'a Place>) -> Vec<(&'static s
     names.into_iter().zip(columns).collect()
 }
 
-/// The stationary shape at one activity, on the branch of the passive shape, and its growth rates: JSON, and the places of its
+/// The stationary shape at one activity, on the branch of the passive shape, and its growth rates as JSON, with the points of its
 /// contour.
 #[pyfunction]
 pub fn steady<'py>(py: Python<'py>, inputs: &Inputs) -> PyResult<(String, Bound<'py, PyDict>)> {
@@ -196,7 +196,7 @@ struct Branches {
     ends: Vec<End>,
 }
 
-/// The branches of a cell: JSON, and the points of each by its name.
+/// The branches of a cell as JSON, and their points by name.
 #[pyfunction]
 pub fn branch<'py>(
     py: Python<'py>,

@@ -1,4 +1,4 @@
-//! The model beside measured embryos.
+//! Comparisons of the model with measured embryos.
 
 use std::fs::File;
 use std::path::PathBuf;
@@ -27,14 +27,14 @@ use crate::memo::Memo;
 use crate::supervise::{Interrupt, Watch, supervised};
 use crate::trees::GrownTree;
 
-/// A tree beside the observed embryo, by every reading of "rounds", as JSON.
+/// Compares a tree with the observed embryo, by every definition of "rounds". Gives JSON.
 #[pyfunction]
 pub fn compare_counts(py: Python<'_>, tree: &GrownTree) -> PyResult<String> {
     let found = py.detach(|| counted(&tree.tree)).map_err(|error| raised(py, error.into(), 0))?;
     serde_json::to_string(&found).map_err(unwritable)
 }
 
-/// Measured volumes beside the model.
+/// Arguments of a comparison of measured volumes.
 #[derive(Serialize)]
 struct VolumesFound {
     groups: Vec<GroupBeside>,
@@ -47,7 +47,7 @@ struct VolumesFound {
     tests: Vec<AdjacentTest>,
 }
 
-/// What volumes are held against, and how.
+/// The model of a comparison of volumes, and its options.
 struct VolumesPlan {
     files: Vec<PathBuf>,
     text: Option<String>,
@@ -59,8 +59,8 @@ struct VolumesPlan {
     threads: usize,
 }
 
-/// Size asymmetries of measured divisions beside the model's, as JSON. Volumes are tables in files, or one as text; without either
-/// they are the published means.
+/// Compares size asymmetries of measured divisions with the model's. Volumes are tables in files or one as text, by default the
+/// published means. Gives JSON.
 #[pyfunction]
 #[pyo3(signature = (files, text, voxel, group, lineage, constants, length, parameters, memo, preset, config, threads, progress=None))]
 pub fn compare_volumes(
@@ -147,7 +147,7 @@ impl VolumesPlan {
         })
     }
 
-    /// Sets of constants, where there are such.
+    /// Sets of constants, if given.
     fn sets(&self) -> Result<Vec<Constants>, InputError> {
         match &self.constants {
             Some((Some(text), _)) => read_constants(text, "constants"),
@@ -157,7 +157,7 @@ impl VolumesPlan {
     }
 }
 
-/// A series of contours beside the model's, and both of each as they were laid upon each other.
+/// A comparison of contours, and both aligned contours of each pair.
 #[derive(Serialize)]
 struct ContoursFound<'a> {
     #[serde(flatten)]
@@ -165,7 +165,7 @@ struct ContoursFound<'a> {
     laid: Vec<[Vec<[f64; 2]>; 2]>,
 }
 
-/// Measured contours beside those of frames, which are sections through the axis with their times, as JSON.
+/// Compares measured contours with frames, which are sections through the axis with their times. Gives JSON.
 #[pyfunction]
 pub fn compare_contours(
     py: Python<'_>,

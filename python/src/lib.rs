@@ -1,17 +1,17 @@
-//! What Python calls. Everything here is thin: values are checked and computed by the library, results go over as numpy arrays that
-//! take the memory they were computed in, or as JSON, and `python/furrow/` makes of them what users see.
+//! The compiled part of the Python package. The library checks and computes all values; results are numpy arrays, without copies, or
+//! JSON, from which `python/furrow/` makes the objects that users see.
 //!
-//! | file | what it says |
+//! | file | contents |
 //! |---|---|
 //! | `errors` | the library's errors as Python's exceptions |
-//! | `supervise` | work off the interpreter's lock, which Ctrl-C stops |
+//! | `supervise` | work without the interpreter's lock, which Ctrl-C stops |
 //! | `inputs` | a cell and its numerics, checked |
-//! | `memo` | divisions that are solved already |
+//! | `memo` | solved divisions |
 //! | `cells` | one cell: its division, its stationary shapes, its threshold |
 //! | `trees` | lineages |
 //! | `sweeps` | many points |
 //! | `studies` | constants from thresholds, lineages over sets of them |
-//! | `comparisons` | the model beside measured embryos |
+//! | `comparisons` | the model and measured embryos |
 
 mod cells;
 mod columns;
@@ -26,7 +26,7 @@ mod trees;
 
 use pyo3::prelude::*;
 
-/// The part of `furrow` that is compiled.
+/// The compiled part of `furrow`.
 #[pymodule]
 fn _furrow(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;

@@ -1,4 +1,4 @@
-//! Constants from thresholds, as many sets of them as agree with what is known, and a lineage over these.
+//! Constants from thresholds, samples of constants that meet all targets, and lineages over these.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -36,7 +36,7 @@ fn targets_of(text: Option<&str>, file: Option<&Path>) -> Result<Targets, InputE
     Ok(targets)
 }
 
-/// What is computed from: targets and what they do not name.
+/// Targets and the settings that they do not name.
 fn read(
     text: Option<&str>,
     file: Option<&Path>,
@@ -88,7 +88,7 @@ struct Sample {
     effective_sample_size: f64,
     draws: usize,
     excluded: std::collections::BTreeMap<String, usize>,
-    /// As the table that `furrow tree --constants` reads.
+    /// The table that `furrow tree --constants` reads.
     csv: String,
 }
 
@@ -133,7 +133,7 @@ pub fn ensemble(
     serde_json::to_string(&found).map_err(unwritable)
 }
 
-/// A lineage over sets of constants, which are a table as text or in a file, as JSON.
+/// A lineage over sets of constants from a table, as text or in a file. Gives JSON.
 #[pyfunction]
 pub fn ranges(
     py: Python<'_>,

@@ -1,5 +1,4 @@
-//! Work off the interpreter's lock, on a thread of its own, while the calling thread waits for it: it looks whether Ctrl-C was
-//! pressed, and shows how far the work is.
+//! Runs work on a separate thread without the interpreter's lock, while the calling thread checks for Ctrl-C and reports progress.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -13,10 +12,10 @@ use pyo3::prelude::*;
 
 use crate::errors::{Error, defect, interrupted, raised};
 
-/// How late Ctrl-C may be noticed, and how often progress is shown.
+/// Interval of checks for Ctrl-C and of progress reports.
 const TICK: Duration = Duration::from_millis(50);
 
-/// How far work is, and whether it is to stop: what it shares with the thread that waits for it.
+/// Progress and the stop request, shared by the work and the waiting thread.
 #[derive(Clone)]
 pub struct Watch {
     stop: &'static AtomicBool,
@@ -35,12 +34,12 @@ impl Watch {
         Watch { stop: Flags::take(), counts: Arc::default() }
     }
 
-    /// Set when the work is to stop.
+    /// Set to stop the work.
     pub fn stop(&self) -> &'static AtomicBool {
         self.stop
     }
 
-    /// Takes in where divisions stand.
+    /// Records the progress of divisions.
     pub fn divisions(&self, progress: Progress) {
         let Progress { solved, running, queued, memo_hits } = progress;
         self.counts.solved.store(solved, Ordering::Relaxed);
@@ -48,7 +47,7 @@ impl Watch {
         self.counts.of.store(solved + memo_hits + running + queued, Ordering::Relaxed);
     }
 
-    /// Takes in where a sweep stands, and whether what it has done is kept: divisions are, shapes are not.
+    /// Records the progress of a sweep, and whether its results are kept: divisions are, shapes are not.
     pub fn points(&self, progress: SweepProgress, kept: bool) {
         self.counts.solved.store(if kept { progress.done } else { 0 }, Ordering::Relaxed);
         self.counts.done.store(progress.done, Ordering::Relaxed);
@@ -78,21 +77,21 @@ impl Flags {
     }
 }
 
-/// What Ctrl-C does to work.
+/// The effect of Ctrl-C on work.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Interrupt {
-    /// The work is told, finishes what is under way and says so.
+    /// The work finishes divisions in progress and stops.
     Tells,
-    /// Nobody waits for the work any longer; what it solves meanwhile goes to the memo all the same.
+    /// The call returns; the work continues and its result goes to the memo.
     Leaves,
 }
 
-/// Does work on a thread of its own and waits for it.
+/// Runs work on a separate thread and waits for it.
 ///
-/// `progress` is called, now and then and on the calling thread, with how many divisions or points are done and how many there are.
+/// `progress` is called regularly on the calling thread with the numbers of finished and of all divisions or points.
 ///
 /// # Errors
-/// What the work ends with; `Interrupted` after Ctrl-C; what `progress` raises.
+/// The error of the work; `Interrupted` after Ctrl-C; an exception of `progress`.
 pub fn supervised<T: Send + 'static>(
     py: Python<'_>,
     interrupt: Interrupt,
@@ -101,13 +100,13 @@ pub fn supervised<T: Send + 'static>(
 ) -> PyResult<T> {
     let watch = Watch::new();
     let (sender, receiver) = channel();
-    // Shared with a closure that waits off the lock, which may not hold what belongs to one thread.
+    // A closure that runs without the lock may only hold values that can be sent between threads.
     let receiver = Mutex::new(receiver);
     let own = watch.clone();
     let begun = std::thread::Builder::new().name("furrow".to_owned()).spawn(move || {
         let done = catch_unwind(AssertUnwindSafe(|| work(&own)));
         Flags::give(own.stop);
-        // Nobody may be waiting any longer.
+        // The receiver may be gone.
         let _ = sender.send(done);
     });
     if let Err(error) = begun {
@@ -118,7 +117,7 @@ pub fn supervised<T: Send + 'static>(
         let news = py.detach(|| receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(TICK));
         match news {
             Ok(Ok(done)) => {
-                // A signal that came last is not lost: what was solved is in the memo.
+                // An interrupted call raises even if the work has finished: the memo has the results.
                 return match stopped {
                     Some(error) => Err(explained(py, error, watch.solved())),
                     None => done.map_err(|error| raised(py, error, watch.solved())),
@@ -134,7 +133,7 @@ pub fn supervised<T: Send + 'static>(
         });
         if let Err(error) = heard {
             watch.stop.store(true, Ordering::SeqCst);
-            // The second time nobody wants to wait for what is under way.
+            // A second Ctrl-C does not wait for divisions in progress.
             if interrupt == Interrupt::Leaves || stopped.is_some() {
                 return Err(explained(py, error, watch.solved()));
             }
@@ -143,7 +142,7 @@ pub fn supervised<T: Send + 'static>(
     }
 }
 
-/// A KeyboardInterrupt that says what was kept; any other exception as it is.
+/// Turns a KeyboardInterrupt into one with what was kept; leaves other exceptions.
 fn explained(py: Python<'_>, error: PyErr, solved: usize) -> PyErr {
     if error.is_instance_of::<pyo3::exceptions::PyKeyboardInterrupt>(py) { interrupted(py, solved) } else { error }
 }

@@ -1,4 +1,4 @@
-//! Many points: divisions, trees, thresholds or critical radii over axes of parameters.
+//! Sweeps: divisions, trees, thresholds or critical radii over axes of parameters.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -23,7 +23,7 @@ use crate::supervise::{Interrupt, supervised};
 /// number of their row; the text of its CSV; what solving it took.
 type Table<'py> = (Bound<'py, PyDict>, Vec<(usize, String)>, String, (usize, usize));
 
-/// Solves a sweep that is given as a file or as its text. With `out` its files are written there.
+/// Solves a sweep from a file or text. With `out` it writes the files there.
 #[pyfunction]
 #[pyo3(signature = (text, file, parameters, memo, preset, config, out, threads, progress=None))]
 pub fn sweep<'py>(
@@ -83,7 +83,7 @@ fn read(text: Option<&str>, file: Option<&Path>, base: &Settings, pairs: &Pairs)
     }
 }
 
-/// One column: an array where it has numbers alone, what is missing as NaN, else a list.
+/// One column: an array if it has only numbers, with NaN for missing ones, else a list.
 fn column<'py>(py: Python<'py>, rows: &[Row], place: usize) -> PyResult<Bound<'py, PyAny>> {
     let cells = || rows.iter().map(|row| row.cells.get(place).unwrap_or(&Value::Null));
     if cells().any(|cell| cell.is_string()) {

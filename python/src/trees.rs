@@ -1,4 +1,4 @@
-//! Lineages: growing them, and what is read off a tree.
+//! Grows lineages and reads trees.
 
 use furrow_formats::{tree_from_json, tree_to_json};
 use std::path::PathBuf;
@@ -31,7 +31,7 @@ pub struct GrownTree {
     pub tree: Arc<Tree>,
 }
 
-/// What growing trees took.
+/// The cost of growing trees.
 #[derive(Serialize)]
 struct Work {
     divisions_solved: usize,
@@ -56,11 +56,11 @@ impl Work {
     }
 }
 
-/// What trees are grown from.
+/// Arguments of growing trees.
 pub struct Plan {
-    /// Lineages with what tables call them.
+    /// Lineages with their names in tables.
     pub lineages: Vec<(String, Option<String>)>,
-    /// Cues in place of those that the lineages give; none for their own.
+    /// Cues that replace those of the lineages; empty for their own.
     pub cues: Vec<String>,
     /// The preset.
     pub preset: String,
@@ -108,7 +108,7 @@ impl Plan {
 /// A tree with the name, the lineage and the cue of its scenario.
 type Named = (String, String, Option<String>, GrownTree);
 
-/// Grows every lineage with every cue in one run; with what the run took, as JSON.
+/// Grows every lineage with every cue in one run, and gives its cost as JSON.
 #[pyfunction]
 #[pyo3(signature = (lineages, cues, parameters, memo, preset, config, seed, dynamics, threads, progress=None))]
 pub fn grow(
@@ -142,7 +142,7 @@ pub fn grow(
     Ok((named.collect(), work))
 }
 
-/// Reads a tree that was written before.
+/// Reads a `tree.json`.
 #[pyfunction]
 pub fn read_tree(py: Python<'_>, file: PathBuf) -> PyResult<GrownTree> {
     let read = || {
@@ -167,12 +167,12 @@ impl GrownTree {
         self.tree.len()
     }
 
-    /// As the text of `tree.json`.
+    /// The text of `tree.json`.
     fn to_json(&self, py: Python<'_>) -> PyResult<String> {
         py.detach(|| tree_to_json(&self.tree)).map_err(unwritable)
     }
 
-    /// Reads what [`to_json`](GrownTree::to_json) wrote.
+    /// Reads the text of [`to_json`](GrownTree::to_json).
     #[staticmethod]
     fn from_json(py: Python<'_>, text: &str) -> PyResult<GrownTree> {
         py.detach(|| tree_of(text, ARGUMENTS)).map_err(|error| raised(py, error.into(), 0))
@@ -199,7 +199,7 @@ impl GrownTree {
         report::founders_table(&self.tree, &founder_rows(&self.tree))
     }
 
-    /// Cells that ended, by why they did, as JSON.
+    /// Terminal cells by reason, as JSON.
     fn ended(&self) -> PyResult<String> {
         serde_json::to_string(&TreeSummary::of(&self.tree).ended).map_err(unwritable)
     }
@@ -215,12 +215,12 @@ impl GrownTree {
         py.detach(|| newick(&self.tree))
     }
 
-    /// The tree as a drawing; of a large one the first generations.
+    /// The tree as a drawing; a large one is cut to its first generations.
     fn svg(&self, py: Python<'_>) -> String {
         py.detach(|| report::svg(&self.tree))
     }
 
-    /// The tree as a page that computes.
+    /// The tree as an interactive page.
     fn html(&self, py: Python<'_>) -> String {
         py.detach(|| report::html(&self.tree, &founder_rows(&self.tree)))
     }
