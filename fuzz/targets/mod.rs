@@ -26,7 +26,7 @@ pub fn text(data: &[u8]) -> Option<&str> {
     std::str::from_utf8(data).ok()
 }
 
-/// An error names the file, says something more, and is short however long what it complains of.
+/// An error names the file, says more than that, and is short.
 pub fn says_where(error: &impl ToString) {
     let said = error.to_string();
     assert!(said.starts_with(FILE) && said.len() > FILE.len() + 2, "does not begin with the file: {said}");

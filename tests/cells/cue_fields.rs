@@ -27,7 +27,7 @@ fn solve(r0: f64, cue: &Cue, numerics: Numerics) -> Division {
     divide(&DivisionInput { numerics, ..DivisionInput::new(Cell::new(r0).with_cue(cue.clone())) }).unwrap()
 }
 
-/// A division beside that of the mirrored cue.
+/// Compares a division with that of the mirrored cue.
 struct Images {
     chi: f64,
     /// How far they are from mirror images: in χ, in the furrow's place, and in time.

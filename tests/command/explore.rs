@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::common::command::{answer, json};
 
-/// What the scripts of a page are told.
+/// The data of a page's scripts.
 fn told(page: &str) -> Value {
     let (_, behind) = page.split_once("id=\"furrow-data\">").unwrap();
     serde_json::from_str(behind.split("</script>").next().unwrap()).unwrap()

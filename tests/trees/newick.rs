@@ -11,7 +11,7 @@ struct Node {
     name: String,
     /// Open brackets around it.
     depth: u32,
-    /// All else that stands behind its name: comment and length.
+    /// The rest after its name: comment and length.
     rest: String,
 }
 

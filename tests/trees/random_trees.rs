@@ -41,7 +41,7 @@ fn every_tree_is_whole_and_equals_that_of_all_its_divisions() {
         };
         let cue = cue(&mut random);
         let lineage = Lineage::c_elegans().unwrap().with_cues_replaced("random", &cue.parse().unwrap());
-        // Both trees on one coarse mesh: it is each other that they are held against.
+        // The two trees are compared with each other, so a coarse mesh suffices.
         let numerics = Numerics { intervals: 32, ..Numerics::default() };
         let settings = TreeSettings { cell, numerics, seed: number, ..TreeSettings::default() };
         let rule = Thresholds::new(CriticalRadii::new(&settings.numerics));

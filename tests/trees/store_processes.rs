@@ -240,7 +240,7 @@ fn a_grower_killed_again_and_again_ends_with_the_same_tree() {
     assert_eq!((report.entries, report.corrupt), (solved, 0));
 }
 
-/// A limit on the size of files stands in for the full disk.
+/// A limit on file size simulates a full disk.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_is_reported_and_the_tree_still_grows() {

@@ -201,7 +201,7 @@ impl Validator {
         Ok(fields)
     }
 
-    /// Checks a value that stands by itself: it has no fields that are not named.
+    /// Checks a whole value: it has no fields that the schema does not name.
     fn check_whole(&mut self, at: &str, value: &Value, place: &str) -> Result<(), String> {
         let fields = self.check(at, value, place)?;
         match value.as_object().and_then(|map| map.keys().find(|key| !fields.contains(*key))) {
