@@ -4,7 +4,7 @@ use furrow_cell::settings::{Settings, listing};
 
 use super::{FILE, says_where, text};
 
-/// A configuration survives writing all values to a file and reading it, and setting them one by one.
+/// A valid configuration is the same after all its values are written to a file and read, or set one by one.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data) else { return };
     let mut settings = Settings::default();

@@ -1,10 +1,10 @@
-//! Tables of constants, such as an ensemble's.
+//! Tables of constants, as an ensemble is written.
 
 use furrow_analysis::{read_constants, write_constants};
 
 use super::{FILE, says_where, text};
 
-/// Sets survive writing and reading.
+/// Valid sets survive writing and reading.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data) else { return };
     match read_constants(text, FILE) {

@@ -1,4 +1,4 @@
-//! Contours, in tables of points and in masks. The first byte selects the kind and the label.
+//! Contours, in tables of points and in masks. The first byte says which, and whether a label is asked for.
 
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::furrow::furrow;
@@ -7,7 +7,7 @@ use furrow_measured::contour::polygons::Contours;
 
 use super::{FILE, says_where};
 
-/// A contour encloses an area, survives writing and reading, and overlaps itself fully.
+/// A valid contour encloses an area, survives writing and reading, and overlaps with itself.
 pub fn check(data: &[u8]) {
     let Some((&how, bytes)) = data.split_first() else { return };
     let mut found = Contours::default();

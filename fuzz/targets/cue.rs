@@ -1,4 +1,4 @@
-//! Cues of options, keys and values of `--set`.
+//! Cues as options have them, and keys and values of `--set`.
 
 use furrow_cell::Cue;
 use furrow_cell::settings::Settings;
@@ -6,7 +6,7 @@ use furrow_lineage::parse_cue;
 
 use super::{built_in, text};
 
-/// A cue survives writing and reading, as text and as JSON, and mirroring twice. Its fields are finite everywhere.
+/// A valid cue survives writing and reading, as text and as JSON; mirrored twice it is itself; its fields are finite everywhere.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data) else { return };
     check_setting(text);
@@ -34,7 +34,7 @@ pub fn check(data: &[u8]) {
     }
 }
 
-/// A setting is taken or refused by its name.
+/// A setting is accepted, or the error names --set.
 fn check_setting(text: &str) {
     let mut settings = Settings::default();
     match settings.apply_overrides(&[text.to_owned()]) {

@@ -1,5 +1,5 @@
-//! One function per reader, which takes any bytes and panics if the reader is wrong. The fuzzers call them with generated
-//! bytes, `tests/project/hostile_corpus.rs` with the files in `fuzz/corpus`.
+//! Checks of every reader: one function per reader takes any bytes and panics if the reader misbehaves. The fuzzers call them
+//! with random bytes, `tests/project/hostile_corpus.rs` with the files in `fuzz/corpus`.
 
 // Each fuzzer is a separate program that calls one of these.
 #![allow(dead_code)]
@@ -18,15 +18,15 @@ use std::sync::OnceLock;
 
 use furrow_lineage::Lineage;
 
-/// What errors call the text.
+/// The file name in errors.
 pub const FILE: &str = "given.file";
 
-/// The text, if it is text: files are refused before they reach a reader where they are not.
+/// The bytes as text, if they are UTF-8: other files never reach a reader.
 pub fn text(data: &[u8]) -> Option<&str> {
     std::str::from_utf8(data).ok()
 }
 
-/// An error names the file, says more than that, and is short.
+/// An error starts with the file, has a message, and is short for any input.
 pub fn says_where(error: &impl ToString) {
     let said = error.to_string();
     assert!(said.starts_with(FILE) && said.len() > FILE.len() + 2, "does not begin with the file: {said}");

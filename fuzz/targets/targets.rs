@@ -1,4 +1,4 @@
-//! Files of targets, for `calibrate` and `fit`.
+//! Files of targets: of `calibrate`, and of `fit`.
 
 use furrow_analysis::fit;
 use furrow_input::parse_document;
@@ -6,7 +6,7 @@ use furrow_mechanics::calibration;
 
 use super::{FILE, built_in, says_where, text};
 
-/// Targets survive writing and reading. Those of a fit begin with another word and are checked against the built-in lineage.
+/// Valid targets survive writing and reading. Those of a fit begin with another word and are checked against the built-in lineage.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data) else { return };
     let read = parse_document::<calibration::Targets>(text, FILE, "a file of targets", "Targets");

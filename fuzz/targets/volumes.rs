@@ -1,11 +1,11 @@
-//! Tables of volumes, long ones and grids. The first byte sets the options.
+//! Tables of volumes, long ones and grids. The first byte says how the table is read.
 
 use furrow_measured::events::{divisions, summaries};
 use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 
 use super::{FILE, says_where};
 
-/// Means and divisions survive writing as a long table and reading.
+/// The means and the divisions are the same after they are written as a long table and read again.
 pub fn check(data: &[u8]) {
     let Some((&how, table)) = data.split_first() else { return };
     let options =

@@ -1,13 +1,12 @@
-//! Comparisons of the model with measured embryos.
+//! The model beside measured embryos.
 
-use std::fs::File;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use furrow_analysis::compare::counts::counts as counted;
 use furrow_analysis::compare::volumes::{GroupBeside, Scale, ScaleFrom, add_bands, beside, model, scale};
 use furrow_analysis::{Constants, grown, read_constants, scenarios_of, tree_settings};
-use furrow_input::{InputError, read_text};
+use furrow_input::{InputError, open_file, read_text};
 use furrow_lineage::batch::SchedulerOptions;
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::polygons::Traced;
@@ -27,14 +26,14 @@ use crate::memo::Memo;
 use crate::supervise::{Interrupt, Watch, supervised};
 use crate::trees::GrownTree;
 
-/// Compares a tree with the observed embryo, by every definition of "rounds". Gives JSON.
+/// A tree beside the observed embryo, by every reading of "rounds", as JSON.
 #[pyfunction]
 pub fn compare_counts(py: Python<'_>, tree: &GrownTree) -> PyResult<String> {
     let found = py.detach(|| counted(&tree.tree)).map_err(|error| raised(py, error.into(), 0))?;
     serde_json::to_string(&found).map_err(unwritable)
 }
 
-/// Arguments of a comparison of measured volumes.
+/// Measured volumes beside the model.
 #[derive(Serialize)]
 struct VolumesFound {
     groups: Vec<GroupBeside>,
@@ -47,7 +46,7 @@ struct VolumesFound {
     tests: Vec<AdjacentTest>,
 }
 
-/// The model of a comparison of volumes, and its options.
+/// The input of a comparison of volumes.
 struct VolumesPlan {
     files: Vec<PathBuf>,
     text: Option<String>,
@@ -59,8 +58,8 @@ struct VolumesPlan {
     threads: usize,
 }
 
-/// Compares size asymmetries of measured divisions with the model's. Volumes are tables in files or one as text, by default the
-/// published means. Gives JSON.
+/// Size asymmetries of measured divisions beside the model's, as JSON. Volumes are tables in files or one table as text; default the
+/// published means.
 #[pyfunction]
 #[pyo3(signature = (files, text, voxel, group, lineage, constants, length, parameters, memo, preset, config, threads, progress=None))]
 pub fn compare_volumes(
@@ -84,7 +83,7 @@ pub fn compare_volumes(
     let read = ReadOptions { voxel, group };
     let plan = VolumesPlan { files, text, read, lineage, constants, settings, length, threads };
     let memo = Arc::clone(&memo.solved);
-    let found = supervised(py, Interrupt::Tells, progress, move |watch| plan.held(&memo, watch))?;
+    let found = supervised(py, Interrupt::Finishes, progress, move |watch| plan.compare(&memo, watch))?;
     serde_json::to_string(&found).map_err(unwritable)
 }
 
@@ -97,18 +96,12 @@ impl VolumesPlan {
             volumes.read(text.as_bytes(), "volumes", &self.read)?;
         }
         for file in &self.files {
-            let name = file.display().to_string();
-            let opened = File::open(file).and_then(|opened| match opened.metadata()?.is_dir() {
-                true => Err(std::io::Error::other("it is a folder, not a file")),
-                false => Ok(opened),
-            });
-            let opened = opened.map_err(|e| InputError::Unreadable { file: name.clone(), reason: e.to_string() })?;
-            volumes.read(opened, &name, &self.read)?;
+            volumes.read(open_file(file)?, &file.display().to_string(), &self.read)?;
         }
         Ok(volumes)
     }
 
-    fn held(&self, memo: &Solved, watch: &Watch) -> Result<VolumesFound, Error> {
+    fn compare(&self, memo: &Solved, watch: &Watch) -> Result<VolumesFound, Error> {
         if let Some(length) = self.length.filter(|length| !(length.is_finite() && *length > 0.0)) {
             let allowed = "a length above 0, in the cube root of the tables' unit";
             return Err(InputError::not_allowed(ARGUMENTS, "length_scale", length, allowed).into());
@@ -129,7 +122,7 @@ impl VolumesPlan {
         })?;
         let mut groups = beside(summed, &found.divisions, &free, &firsts, None);
         let sets = self.sets()?;
-        add_bands(&mut groups, &free, &lineage, &settings, &sets, self.threads, Some(watch.stop()))?;
+        add_bands(&mut groups, &free, &lineage, &settings, &sets, self.threads, watch.stop())?;
         let bins = volume_bins(&found.divisions, None);
         let length_scale = match self.length {
             Some(length) => Some(Scale { length, from: ScaleFrom::Given }),
@@ -147,7 +140,7 @@ impl VolumesPlan {
         })
     }
 
-    /// Sets of constants, if given.
+    /// Sets of constants, if any.
     fn sets(&self) -> Result<Vec<Constants>, InputError> {
         match &self.constants {
             Some((Some(text), _)) => read_constants(text, "constants"),
@@ -157,7 +150,7 @@ impl VolumesPlan {
     }
 }
 
-/// A comparison of contours, and both aligned contours of each pair.
+/// A series of contours beside the model's, with each pair after alignment.
 #[derive(Serialize)]
 struct ContoursFound<'a> {
     #[serde(flatten)]
@@ -165,7 +158,7 @@ struct ContoursFound<'a> {
     laid: Vec<[Vec<[f64; 2]>; 2]>,
 }
 
-/// Compares measured contours with frames, which are sections through the axis with their times. Gives JSON.
+/// Measured contours beside those of frames, which are sections through the axis with their times, as JSON.
 #[pyfunction]
 pub fn compare_contours(
     py: Python<'_>,
@@ -178,7 +171,7 @@ pub fn compare_contours(
     };
     let measured: Vec<Vec<[f64; 2]>> = measured.iter().map(points).collect();
     let model: Vec<(f64, Vec<[f64; 2]>)> = model.iter().map(|(t, array)| (*t, points(array))).collect();
-    supervised(py, Interrupt::Leaves, None, move |_| {
+    supervised(py, Interrupt::Abandons, None, move |_| {
         if let Some(length) = length.filter(|length| !(length.is_finite() && *length > 0.0)) {
             let allowed = "a length above 0, in the unit of the contours";
             return Err(InputError::not_allowed(ARGUMENTS, "length_scale", length, allowed).into());
@@ -194,7 +187,7 @@ pub fn compare_contours(
         let mut frames = Vec::new();
         for (k, (t, points)) in model.into_iter().enumerate() {
             let (contour, _) = Contour::new(points).map_err(|why| refused(format!("frames[{k}]"), &why))?;
-            frames.push(series::Modelled { frame: k.to_string(), t, contour });
+            frames.push(series::ModelContour { frame: k.to_string(), t, contour });
         }
         let none = || InputError::not_allowed(ARGUMENTS, "contours", "none", "at least one contour and one frame");
         let series = laid_beside(&traced, &frames, length).ok_or_else(none)?;

@@ -1,4 +1,4 @@
-//! Converts the library's errors to the exceptions of `furrow/_errors.py`, with field, value and what is allowed.
+//! The library's errors as the exceptions of `furrow/_errors.py`, with field, value and what is allowed.
 
 use std::fmt::Display;
 
@@ -9,12 +9,12 @@ use furrow_mechanics::division::DivisionError;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 
-/// Why a call has no result. It uses no Python, so work without the interpreter's lock can return it.
+/// Why a call failed. Free of Python types, so that work without the interpreter's lock can return it.
 #[derive(Debug)]
 pub enum Error {
     /// Bad input.
     Input(InputError),
-    /// Valid input without a result.
+    /// The computation failed on valid input.
     NoOutcome(String),
     /// An error of the system: a folder, threads.
     System(String),
@@ -23,7 +23,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Valid input without a result, with the reason.
+    /// A failed computation.
     pub fn no_outcome(why: impl Display) -> Error {
         Error::NoOutcome(why.to_string())
     }
@@ -100,7 +100,7 @@ fn exception<'py>(py: Python<'py>, name: &str, arguments: impl pyo3::call::PyCal
     made.map_or_else(|error| error, PyErr::from_value)
 }
 
-/// The Python exception of an error, after `solved` divisions.
+/// An error as a Python exception, after `solved` divisions.
 pub fn raised(py: Python<'_>, error: Error, solved: usize) -> PyErr {
     match error {
         Error::Input(error) => input(py, &error),
@@ -110,25 +110,25 @@ pub fn raised(py: Python<'_>, error: Error, solved: usize) -> PyErr {
     }
 }
 
-/// The exception after Ctrl-C.
+/// The exception for a run that Ctrl-C stopped.
 pub fn interrupted(py: Python<'_>, solved: usize) -> PyErr {
     exception(py, "Interrupted", (solved,))
 }
 
-/// The exception for a panic of the solver, which is a bug.
+/// The exception for a solver that panicked, which is a bug.
 pub fn defect(py: Python<'_>, panic: &(dyn std::any::Any + Send)) -> PyErr {
     let said =
         panic.downcast_ref::<&str>().map(|text| (*text).to_owned()).or_else(|| panic.downcast_ref::<String>().cloned());
     let said = said.unwrap_or_default();
-    exception(py, "NoOutcome", (format!("the solver broke off: {said} (a defect of furrow, please report it)"),))
+    exception(py, "NoOutcome", (format!("internal error: the solver panicked: {said} (please report it)"),))
 }
 
-/// Bad input with the exception's attributes: message, field, value, allowed and source.
+/// Bad input; the exception has message, field, value, allowed and source.
 fn input(py: Python<'_>, error: &InputError) -> PyErr {
     let message = error.to_string();
     match error {
         InputError::NotAllowed { source_name, field, value, allowed } => {
-            // Parameters are keywords here, without a section.
+            // Parameters are keywords in Python, without a section.
             let plain = field.strip_prefix("physics.").or_else(|| field.strip_prefix("numerics."));
             let plain = plain.unwrap_or(field);
             let message = message.replacen(&format!(": {field} = "), &format!(": {plain} = "), 1);
@@ -139,23 +139,21 @@ fn input(py: Python<'_>, error: &InputError) -> PyErr {
         }
         InputError::Unreadable { file, .. }
         | InputError::OtherFile { file, .. }
-        | InputError::Founders { file, .. } => {
-            exception(py, "InputError", (message, None::<&str>, None::<&str>, None::<&str>, file))
-        }
-        InputError::Malformed { file, .. } => {
+        | InputError::Founders { file, .. }
+        | InputError::Malformed { file, .. } => {
             exception(py, "InputError", (message, None::<&str>, None::<&str>, None::<&str>, file))
         }
     }
 }
 
-/// Bad input that does not reach the library, such as a list instead of a number.
+/// An argument of the wrong Python type, such as a list in place of a number.
 pub fn refused(py: Python<'_>, field: &str, value: &Bound<'_, PyAny>, allowed: &str) -> PyErr {
     let kind = value.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
     let message = format!("furrow: {field} is of the type {kind}: must be {allowed}");
     exception(py, "InputError", (message, field, value, allowed, "furrow"))
 }
 
-/// An internal error: a result cannot be serialised.
+/// A result that cannot be serialised: a bug.
 pub fn unwritable(error: impl Display) -> PyErr {
     PyRuntimeError::new_err(error.to_string())
 }

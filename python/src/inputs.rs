@@ -1,4 +1,4 @@
-//! A cell and its numerics, with every value checked.
+//! A cell and how it is computed, every value checked.
 
 use std::path::PathBuf;
 
@@ -17,13 +17,13 @@ use crate::errors::{Error, raised, refused, unwritable};
 /// The source that errors name for arguments of a call.
 pub const ARGUMENTS: &str = "furrow";
 
-/// Keyword parameters by their names in `--set`, as text.
+/// Parameters by the names of `--set`, with their values as text.
 pub type Pairs = Vec<(String, String)>;
 
-/// The text of a parameter's value.
+/// A value as the text that a parameter is set by.
 ///
 /// # Errors
-/// InputError for anything but a number or a word.
+/// InputError for what is neither a number nor a word.
 pub fn value_text(name: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
     if let Ok(text) = value.cast::<PyString>() {
         return Ok(text.to_str()?.trim().to_owned());
@@ -35,7 +35,7 @@ pub fn value_text(name: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
     if value.is_instance_of::<PyInt>() {
         return Ok(value.str()?.to_str()?.to_owned());
     }
-    // Integers of numpy have an index.
+    // Numbers of numpy are whole where they have an index.
     if let Ok(whole) = value.call_method0("__index__") {
         return Ok(whole.str()?.to_str()?.to_owned());
     }
@@ -57,7 +57,7 @@ pub fn pairs(parameters: &Bound<'_, pyo3::types::PyDict>) -> PyResult<Pairs> {
     Ok(pairs)
 }
 
-/// A preset, changed by a configuration file and then by keywords, and checked.
+/// A preset, overridden by a configuration file and then by keywords, and checked.
 pub fn settings_of(preset: &str, config: Option<&PathBuf>, pairs: &Pairs) -> Result<Settings, InputError> {
     let mut settings = Settings::load(preset, config.map(PathBuf::as_path), &[])?;
     let mut named = Vec::new();
@@ -70,7 +70,7 @@ pub fn settings_of(preset: &str, config: Option<&PathBuf>, pairs: &Pairs) -> Res
     Ok(settings)
 }
 
-/// The lineage of a file or text, or the built-in one.
+/// The lineage of a file, of a text that begins with one, or the built-in one.
 pub fn lineage_of(given: Option<&str>) -> Result<Lineage, InputError> {
     match given {
         None | Some("c_elegans") => Lineage::c_elegans(),
@@ -95,12 +95,12 @@ pub fn radius_of(text: &str, lineage: &Lineage) -> Result<f64, InputError> {
 pub struct Inputs {
     /// The cell.
     pub cell: Cell,
-    /// Its numerics.
+    /// How it is computed.
     pub numerics: Numerics,
 }
 
 impl Inputs {
-    /// The checked input of its division with a seed.
+    /// The input of its division with a seed, checked as such.
     pub fn division(&self, seed: u64) -> Result<DivisionInput, Error> {
         let settings = self.settings();
         settings.check_activity(ARGUMENTS)?;
@@ -116,7 +116,7 @@ impl Inputs {
 
 #[pymethods]
 impl Inputs {
-    /// A cell from a preset, a configuration file, keywords and a cue, which may be a name in the lineage.
+    /// A cell from a preset, a configuration file, keywords and a cue, which may be one that a lineage names.
     #[new]
     #[pyo3(signature = (parameters, cue="none", preset="gao2026", config=None, lineage=None))]
     fn new(
@@ -141,7 +141,7 @@ impl Inputs {
         build().map_err(|error| raised(py, error.into(), 0))
     }
 
-    /// All parameters by name, and the cue, as JSON.
+    /// Every parameter by its name, and the cue, as JSON.
     fn parameters(&self) -> PyResult<String> {
         let settings = self.settings();
         let mut map = serde_json::Map::new();
@@ -157,13 +157,13 @@ impl Inputs {
         serde_json::to_string(&map).map_err(unwritable)
     }
 
-    /// The cue in the syntax of the command line.
+    /// The cue as users write it.
     #[getter]
     fn cue(&self) -> String {
         self.cell.cue.to_string()
     }
 
-    /// The terms of the cue at points of a contour of a given length: the name of the field, and A f(u) at each point.
+    /// The values A f(u) of each term of the cue on a contour of the given length, by the name of its field.
     fn cue_at<'py>(
         &self,
         py: Python<'py>,
@@ -180,17 +180,17 @@ impl Inputs {
         Inputs { cell: self.cell.mirrored(), numerics: self.numerics }
     }
 
-    /// Whether the poles are equivalent.
+    /// Whether the cell is mirror-symmetric.
     fn is_mirror_symmetric(&self) -> bool {
         self.cell.is_mirror_symmetric()
     }
 
-    /// JSON that [`from_json`](Inputs::from_json) reads back exactly.
+    /// As JSON that [`from_json`](Inputs::from_json) reads to the last bit.
     fn to_json(&self) -> PyResult<String> {
         serde_json::to_string(self).map_err(unwritable)
     }
 
-    /// Reads the text of [`to_json`](Inputs::to_json).
+    /// Reads what [`to_json`](Inputs::to_json) wrote.
     #[staticmethod]
     fn from_json(py: Python<'_>, text: &str) -> PyResult<Inputs> {
         let read = || -> Result<Inputs, InputError> {
@@ -210,7 +210,7 @@ impl Inputs {
     }
 }
 
-/// The names of all parameters and their sections.
+/// The names of all parameters, and for each the section it is in.
 #[pyfunction]
 pub fn parameter_names() -> Vec<(String, String)> {
     let listed = settings::listing(&Settings::default());

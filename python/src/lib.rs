@@ -1,17 +1,17 @@
-//! The compiled part of the Python package. The library checks and computes all values; results are numpy arrays, without copies, or
-//! JSON, from which `python/furrow/` makes the objects that users see.
+//! The compiled part of the Python package, a thin layer: the library checks and computes, and results reach Python as numpy
+//! arrays without copies, or as JSON. `python/furrow/` turns them into what users see.
 //!
 //! | file | contents |
 //! |---|---|
 //! | `errors` | the library's errors as Python's exceptions |
-//! | `supervise` | work without the interpreter's lock, which Ctrl-C stops |
+//! | `supervise` | work without the interpreter's lock, stopped by Ctrl-C |
 //! | `inputs` | a cell and its numerics, checked |
 //! | `memo` | solved divisions |
 //! | `cells` | one cell: its division, its stationary shapes, its threshold |
 //! | `trees` | lineages |
 //! | `sweeps` | many points |
-//! | `studies` | constants from thresholds, lineages over sets of them |
-//! | `comparisons` | the model and measured embryos |
+//! | `studies` | constants from thresholds, lineages over sets of constants |
+//! | `comparisons` | the model beside measured embryos |
 
 mod cells;
 mod columns;
@@ -26,7 +26,7 @@ mod trees;
 
 use pyo3::prelude::*;
 
-/// The compiled part of `furrow`.
+/// The part of `furrow` that is compiled.
 #[pymodule]
 fn _furrow(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;

@@ -18,7 +18,7 @@ pub struct Memo {
     folder: Option<PathBuf>,
 }
 
-/// How a memo is pickled: its class and arguments.
+/// A pickled memo: its class and arguments.
 type Reduced<'py> = (Bound<'py, PyAny>, (Option<PathBuf>, f64));
 
 #[pymethods]
@@ -48,12 +48,12 @@ impl Memo {
         self.solved.len()
     }
 
-    /// An empty memo is true too.
+    /// An empty memo is true, too.
     fn __bool__(&self) -> bool {
         true
     }
 
-    /// The folder of its store.
+    /// The folder of the store.
     #[getter]
     fn store(&self) -> Option<PathBuf> {
         self.folder.clone()
@@ -65,7 +65,7 @@ impl Memo {
         self.solved.quantisation().relative_step()
     }
 
-    /// A pickled memo is empty, with the same store if it has one.
+    /// An unpickled memo is empty, but has the same store.
     fn __reduce__<'py>(slf: &Bound<'py, Memo>) -> PyResult<Reduced<'py>> {
         let memo = slf.get();
         Ok((slf.get_type().into_any(), (memo.folder.clone(), memo.r0_step())))

@@ -1,4 +1,4 @@
-//! Runs work on a separate thread without the interpreter's lock, while the calling thread checks for Ctrl-C and reports progress.
+//! Runs work on its own thread, without the interpreter's lock. The calling thread waits, polls for Ctrl-C and shows progress.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -12,13 +12,13 @@ use pyo3::prelude::*;
 
 use crate::errors::{Error, defect, interrupted, raised};
 
-/// Interval of checks for Ctrl-C and of progress reports.
+/// Interval between polls for Ctrl-C and updates of progress.
 const TICK: Duration = Duration::from_millis(50);
 
-/// Progress and the stop request, shared by the work and the waiting thread.
-#[derive(Clone)]
+/// Progress and the stop flag, shared with the thread that waits.
+#[derive(Clone, Default)]
 pub struct Watch {
-    stop: &'static AtomicBool,
+    stop: Arc<AtomicBool>,
     counts: Arc<Counts>,
 }
 
@@ -30,13 +30,9 @@ struct Counts {
 }
 
 impl Watch {
-    fn new() -> Watch {
-        Watch { stop: Flags::take(), counts: Arc::default() }
-    }
-
-    /// Set to stop the work.
-    pub fn stop(&self) -> &'static AtomicBool {
-        self.stop
+    /// Set when the work is to stop.
+    pub fn stop(&self) -> &AtomicBool {
+        &self.stop
     }
 
     /// Records the progress of divisions.
@@ -47,7 +43,7 @@ impl Watch {
         self.counts.of.store(solved + memo_hits + running + queued, Ordering::Relaxed);
     }
 
-    /// Records the progress of a sweep, and whether its results are kept: divisions are, shapes are not.
+    /// Records the progress of a sweep. `kept`: finished points are stored (divisions are, shapes are not).
     pub fn points(&self, progress: SweepProgress, kept: bool) {
         self.counts.solved.store(if kept { progress.done } else { 0 }, Ordering::Relaxed);
         self.counts.done.store(progress.done, Ordering::Relaxed);
@@ -59,54 +55,35 @@ impl Watch {
     }
 }
 
-/// Flags that no work uses now. Searches for critical radii want one that lives for ever; there are as many as calls at one time.
-struct Flags;
-
-static FREE: Mutex<Vec<&'static AtomicBool>> = Mutex::new(Vec::new());
-
-impl Flags {
-    fn take() -> &'static AtomicBool {
-        let free = FREE.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        let flag = free.unwrap_or_else(|| Box::leak(Box::new(AtomicBool::new(false))));
-        flag.store(false, Ordering::SeqCst);
-        flag
-    }
-
-    fn give(flag: &'static AtomicBool) {
-        FREE.lock().unwrap_or_else(PoisonError::into_inner).push(flag);
-    }
-}
-
-/// The effect of Ctrl-C on work.
+/// What Ctrl-C does to work.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Interrupt {
-    /// The work finishes divisions in progress and stops.
-    Tells,
-    /// The call returns; the work continues and its result goes to the memo.
-    Leaves,
+    /// The work finishes divisions that have begun.
+    Finishes,
+    /// The call returns at once; divisions that finish later still reach the memo.
+    Abandons,
 }
 
-/// Runs work on a separate thread and waits for it.
+/// Runs work on its own thread and waits for it.
 ///
-/// `progress` is called regularly on the calling thread with the numbers of finished and of all divisions or points.
+/// `progress` is called regularly, on the calling thread, with the numbers of finished and of all divisions or points.
 ///
 /// # Errors
-/// The error of the work; `Interrupted` after Ctrl-C; an exception of `progress`.
+/// The error of the work; `Interrupted` after Ctrl-C; what `progress` raises.
 pub fn supervised<T: Send + 'static>(
     py: Python<'_>,
     interrupt: Interrupt,
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Watch) -> Result<T, Error> + Send + 'static,
 ) -> PyResult<T> {
-    let watch = Watch::new();
+    let watch = Watch::default();
     let (sender, receiver) = channel();
-    // A closure that runs without the lock may only hold values that can be sent between threads.
+    // The closure that waits without the lock must be Send, which a receiver alone is not.
     let receiver = Mutex::new(receiver);
     let own = watch.clone();
     let begun = std::thread::Builder::new().name("furrow".to_owned()).spawn(move || {
         let done = catch_unwind(AssertUnwindSafe(|| work(&own)));
-        Flags::give(own.stop);
-        // The receiver may be gone.
+        // The caller may have returned.
         let _ = sender.send(done);
     });
     if let Err(error) = begun {
@@ -117,14 +94,14 @@ pub fn supervised<T: Send + 'static>(
         let news = py.detach(|| receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(TICK));
         match news {
             Ok(Ok(done)) => {
-                // An interrupted call raises even if the work has finished: the memo has the results.
+                // A late signal still raises; solved divisions are in the memo.
                 return match stopped {
                     Some(error) => Err(explained(py, error, watch.solved())),
                     None => done.map_err(|error| raised(py, error, watch.solved())),
                 };
             }
             Ok(Err(panic)) => return Err(defect(py, &*panic)),
-            Err(RecvTimeoutError::Disconnected) => return Err(defect(py, &"its thread is gone")),
+            Err(RecvTimeoutError::Disconnected) => return Err(defect(py, &"its thread has ended")),
             Err(RecvTimeoutError::Timeout) => {}
         }
         let heard = py.check_signals().and_then(|()| match progress {
@@ -133,8 +110,8 @@ pub fn supervised<T: Send + 'static>(
         });
         if let Err(error) = heard {
             watch.stop.store(true, Ordering::SeqCst);
-            // A second Ctrl-C does not wait for divisions in progress.
-            if interrupt == Interrupt::Leaves || stopped.is_some() {
+            // The second Ctrl-C does not wait.
+            if interrupt == Interrupt::Abandons || stopped.is_some() {
                 return Err(explained(py, error, watch.solved()));
             }
             stopped = Some(error);
@@ -142,7 +119,7 @@ pub fn supervised<T: Send + 'static>(
     }
 }
 
-/// Turns a KeyboardInterrupt into one with what was kept; leaves other exceptions.
+/// A KeyboardInterrupt that says what was kept; any other exception as it is.
 fn explained(py: Python<'_>, error: PyErr, solved: usize) -> PyErr {
     if error.is_instance_of::<pyo3::exceptions::PyKeyboardInterrupt>(py) { interrupted(py, solved) } else { error }
 }

@@ -1,4 +1,4 @@
-//! Grows lineages and reads trees.
+//! Growing lineages, and the contents of trees.
 
 use furrow_formats::{tree_from_json, tree_to_json};
 use std::path::PathBuf;
@@ -31,7 +31,7 @@ pub struct GrownTree {
     pub tree: Arc<Tree>,
 }
 
-/// The cost of growing trees.
+/// The work of growing trees.
 #[derive(Serialize)]
 struct Work {
     divisions_solved: usize,
@@ -56,11 +56,11 @@ impl Work {
     }
 }
 
-/// Arguments of growing trees.
+/// The input of trees.
 pub struct Plan {
-    /// Lineages with their names in tables.
+    /// Lineages with their labels.
     pub lineages: Vec<(String, Option<String>)>,
-    /// Cues that replace those of the lineages; empty for their own.
+    /// Cues that replace those of the lineages; empty to keep them.
     pub cues: Vec<String>,
     /// The preset.
     pub preset: String,
@@ -97,7 +97,7 @@ impl Plan {
         let refused = |error| match error {
             ScenarioError::Cue(e) => InputError::not_allowed(ARGUMENTS, e.field, e.value, e.allowed),
             ScenarioError::Same { first, second } => {
-                let allowed = format!("scenarios that differ; it is the same as {first}, and each is named but once");
+                let allowed = format!("a different scenario; it duplicates {first}");
                 InputError::not_allowed(ARGUMENTS, "cues", second, allowed)
             }
         };
@@ -108,7 +108,7 @@ impl Plan {
 /// A tree with the name, the lineage and the cue of its scenario.
 type Named = (String, String, Option<String>, GrownTree);
 
-/// Grows every lineage with every cue in one run, and gives its cost as JSON.
+/// Grows every lineage with every cue in one run; returns the trees, and the run's work as JSON.
 #[pyfunction]
 #[pyo3(signature = (lineages, cues, parameters, memo, preset, config, seed, dynamics, threads, progress=None))]
 pub fn grow(
@@ -126,7 +126,7 @@ pub fn grow(
 ) -> PyResult<(Vec<Named>, String)> {
     let plan = Plan { lineages, cues, preset, config, pairs: pairs(parameters)?, seed };
     let memo = Arc::clone(&memo.solved);
-    let (scenarios, grown) = supervised(py, Interrupt::Tells, progress, move |watch| {
+    let (scenarios, grown) = supervised(py, Interrupt::Finishes, progress, move |watch| {
         let scenarios = plan.scenarios(memo.quantisation())?;
         let show = |progress| watch.divisions(progress);
         let options = SchedulerOptions { threads, progress: Some(&show), ..SchedulerOptions::default() };
@@ -142,7 +142,7 @@ pub fn grow(
     Ok((named.collect(), work))
 }
 
-/// Reads a `tree.json`.
+/// Reads a tree.json.
 #[pyfunction]
 pub fn read_tree(py: Python<'_>, file: PathBuf) -> PyResult<GrownTree> {
     let read = || {
@@ -167,12 +167,12 @@ impl GrownTree {
         self.tree.len()
     }
 
-    /// The text of `tree.json`.
+    /// As the text of `tree.json`.
     fn to_json(&self, py: Python<'_>) -> PyResult<String> {
         py.detach(|| tree_to_json(&self.tree)).map_err(unwritable)
     }
 
-    /// Reads the text of [`to_json`](GrownTree::to_json).
+    /// Reads what [`to_json`](GrownTree::to_json) wrote.
     #[staticmethod]
     fn from_json(py: Python<'_>, text: &str) -> PyResult<GrownTree> {
         py.detach(|| tree_of(text, ARGUMENTS)).map_err(|error| raised(py, error.into(), 0))
@@ -199,7 +199,7 @@ impl GrownTree {
         report::founders_table(&self.tree, &founder_rows(&self.tree))
     }
 
-    /// Terminal cells by reason, as JSON.
+    /// Cells that ended, by why they did, as JSON.
     fn ended(&self) -> PyResult<String> {
         serde_json::to_string(&TreeSummary::of(&self.tree).ended).map_err(unwritable)
     }
@@ -215,7 +215,7 @@ impl GrownTree {
         py.detach(|| newick(&self.tree))
     }
 
-    /// The tree as a drawing; a large one is cut to its first generations.
+    /// The tree as a drawing; of a large tree only the first generations.
     fn svg(&self, py: Python<'_>) -> String {
         py.detach(|| report::svg(&self.tree))
     }

@@ -156,7 +156,6 @@ where
     S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
     X: FnMut(usize, &Division) -> Vec<Job>,
 {
-    let threads = workers(options.threads);
     let (sender, events) = channel();
     let mut run = Run::new(jobs, memo, options, sender);
     // Where nothing needs solving no threads are needed either.
@@ -165,6 +164,7 @@ where
         // No threads: the calling thread is the only worker.
         run.work(&events, 1, &mut expand, |assignment| assignment.lease.solve(&assignment.input, &solve));
     } else if run.is_incomplete() {
+        let threads = workers(options.threads);
         pool(threads)?.in_place_scope(|scope| {
             run.work(&events, threads, &mut expand, |assignment| {
                 let solve = &solve;
