@@ -5,7 +5,7 @@ use super::output::{csv_of, writable_file};
 use super::prelude::*;
 use furrow_analysis::{Diagram, diagram};
 use furrow_cell::{Cell, Cue};
-use furrow_figures::plot::{self, branch::Named};
+use furrow_figures::plot;
 use furrow_formats::write_atomically;
 use furrow_mechanics::equilibria::asymmetric::Scaling;
 use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, ShapePoint};
@@ -130,8 +130,7 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     if let Some(file) = &args.csv {
         write_atomically(file, &csv_of(HEADER, &document.points)?)?;
     }
-    let named: Vec<Named<'_>> = found.branches.iter().map(|(name, branch)| Named { name, branch }).collect();
-    picture.write(|| plot::branch::draw(&cell, &named))?;
+    picture.write(|| plot::branch::draw(&cell, &found.branches))?;
     print_as(context.json, &document, || document.text(args.points))
 }
 

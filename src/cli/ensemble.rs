@@ -105,7 +105,7 @@ pub fn grow_over(
 ) -> Result<(), CliError> {
     let start = std::time::Instant::now();
     let sets = read_constants(&read_text(file)?, &file.display().to_string())?;
-    let found = ranges(lineage, settings, &sets, context.threads, Some(interrupt::flag()))?;
+    let found = ranges(lineage, settings, &sets, context.threads, interrupt::flag())?;
     let elapsed_s = start.elapsed().as_secs_f64();
     picture.write(|| furrow_figures::plot::rounds::draw_ranges(lineage, &found))?;
     let document = RangesAnswer { ranges: &found, elapsed_s };

@@ -9,7 +9,9 @@ use super::output::{csv_of, print, to_json, writable_file, writable_folder};
 use super::prelude::*;
 use super::progress::ProgressLine;
 use furrow_analysis::reproduce::paper::selected;
-use furrow_analysis::reproduce::{self, Artifact, Item, Panel, ReproduceError, Reproduction, Verdict, reproduce};
+use furrow_analysis::reproduce::{
+    self, Artifact, Item, NamedArtifact, ReproduceError, Reproduction, Verdict, reproduce,
+};
 use furrow_analysis::table::csv_text;
 use furrow_figures::drawing::Format;
 use furrow_figures::plot::reproduction::draw;
@@ -130,7 +132,7 @@ fn pictures(files: &mut FileSet, found: &Reproduction, (extension, format): (&st
 }
 
 /// The table of a panel that is drawn from many cells.
-fn table(panel: &Panel) -> Result<Option<Vec<u8>>, CliError> {
+fn table(panel: &NamedArtifact) -> Result<Option<Vec<u8>>, CliError> {
     Ok(match &panel.artifact {
         Artifact::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows)?),
         Artifact::Map(map) => Some(csv_of("x,xi_s,outcome,chi,by", &map.diagram.cells)?),

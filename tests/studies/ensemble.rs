@@ -91,7 +91,7 @@ fn ranges_of_one_set_are_its_tree() {
     let lineage = Lineage::c_elegans().unwrap();
     let set = |aspect: f64, weight: f64| Constants { values: vec![(Parameter::Aspect, aspect)], weight };
     let settings = TreeSettings::default();
-    let one = ranges(&lineage, &settings, &[set(1.5, 1.0)], 1, None).unwrap();
+    let one = ranges(&lineage, &settings, &[set(1.5, 1.0)], 1, &AtomicBool::new(false)).unwrap();
     let cells = one.cells.unwrap();
     assert_eq!([cells.p5, cells.p50, cells.p95], [285.0; 3]);
     let ems = one.founders.iter().find(|founder| founder.name == "EMS").unwrap();
@@ -104,7 +104,7 @@ fn ranges_of_one_set_are_its_tree() {
     assert!(!none.is_empty() && none.iter().all(|share| share.is_sign_positive()), "{none:?}");
     // EMS 10 of 9 observed, P4 0 of 1.
     assert_eq!(one.paper_sentence, Some(1.0));
-    let two = ranges(&lineage, &settings, &[set(1.5, 1.0), set(1.4, 0.0)], 2, None).unwrap();
+    let two = ranges(&lineage, &settings, &[set(1.5, 1.0), set(1.4, 0.0)], 2, &AtomicBool::new(false)).unwrap();
     assert_eq!(two.cells, one.cells);
     assert_eq!(two.members, 2);
 }

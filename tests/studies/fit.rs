@@ -1,5 +1,7 @@
 //! `furrow fit`: constants, activities and a cue from observations.
 
+use std::sync::atomic::AtomicBool;
+
 use furrow_analysis::fit::{
     Evaluated, FittedConstants, Reading, SearchBudget, Targets, activities, fit_constants, fit_cue,
 };
@@ -55,7 +57,7 @@ fn constants_are_found_and_the_same_at_any_number_of_threads() {
         .into_iter()
         .map(|threads| {
             let memo = Memo::new(Quantisation::DEFAULT);
-            fit_constants(&lineage, &targets, &settings, &memo, effort, threads, None, None).unwrap()
+            fit_constants(&lineage, &targets, &settings, &memo, effort, threads, &AtomicBool::new(false), None).unwrap()
         })
         .collect();
     assert_eq!(found[0], found[1]);
@@ -79,7 +81,8 @@ fn constants_are_found_and_the_same_at_any_number_of_threads() {
 fn rounds_are_the_observed_ones_inside_an_activity_interval_and_not_beyond_it() {
     let (lineage, settings) = clone();
     let memo = Memo::new(Quantisation::DEFAULT);
-    let (found, trees) = activities(&lineage, &settings, &memo, Reading::Max, [10.0, 60.0], 1, None).unwrap();
+    let (found, trees) =
+        activities(&lineage, &settings, &memo, Reading::Max, [10.0, 60.0], 1, &AtomicBool::new(false)).unwrap();
     let [from, to] = found[0].xi_s.unwrap();
     assert!(trees > 10 && from < to, "{found:?}");
     let rounds = |xi_s: f64| rounds_at(&lineage, &settings, xi_s).max;
@@ -101,7 +104,7 @@ fn a_cue_that_gave_the_data_is_found_and_what_they_leave_open_is_said() {
     );
     let targets = targets(&text, &lineage);
     let effort = SearchBudget { particles: 5, moves: 3, seed: 2 };
-    let found = fit_cue(&lineage, &targets, &settings, &Cue::published(), effort, 2, None).unwrap();
+    let found = fit_cue(&lineage, &targets, &settings, &Cue::published(), effort, 2, &AtomicBool::new(false)).unwrap();
     assert!(found.chi_squared < 0.1, "{found:?}");
     assert_eq!(found.numbers.len(), 3);
     // One number was measured: one combination of three is held, at most.

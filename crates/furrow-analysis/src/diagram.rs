@@ -2,7 +2,17 @@
 
 use furrow_cell::{Cell, Numerics};
 use furrow_mechanics::equilibria::asymmetric::{self, Scaling};
+use furrow_mechanics::equilibria::curves::Curve;
 use furrow_mechanics::equilibria::{Branch, BranchOptions, ShapeError, primary};
+
+/// The curves that bound the outcomes over a plane, as far as they could be followed.
+#[derive(Clone, Debug, Default)]
+pub struct Edges {
+    /// Curves of pitchforks.
+    pub pitchforks: Vec<Curve>,
+    /// Curves of folds.
+    pub folds: Vec<Curve>,
+}
 
 /// The branches of a cell under their names.
 #[derive(Clone, Debug)]

@@ -26,6 +26,7 @@ use super::constants::Constants;
 use super::constraints::{ConstraintCheck, check_constraints};
 use super::sample::seed_of;
 use furrow_cell::{Cell, Numerics, Parameter};
+use furrow_lineage::batch::{SchedulerError, scheduler};
 use furrow_mechanics::calibration::{CalibrateError, Targets, calibrate, moved, with_values};
 
 /// Standard deviation s of the prior, in x.
@@ -92,8 +93,8 @@ pub enum EnsembleError {
     #[error("the sensitivities at the best fit have no covariance; start the unknowns elsewhere")]
     NoCovariance,
     /// The workers could not be started.
-    #[error("cannot start worker threads: {0}")]
-    Workers(String),
+    #[error(transparent)]
+    Workers(#[from] SchedulerError),
     /// It was interrupted.
     #[error("interrupted")]
     Interrupted,
@@ -200,8 +201,8 @@ impl Posterior<'_> {
 
 /// Normalised weights of draws, 0 for those that are excluded.
 fn weights(draws: &[Draw]) -> Vec<f64> {
-    let admissible = |draw: &&Draw| draw.check.is_admissible();
-    let largest = draws.iter().filter(admissible).map(|draw| draw.ln_weight).fold(f64::NEG_INFINITY, f64::max);
+    let ln = |draw: &Draw| if draw.check.is_admissible() { draw.ln_weight } else { f64::NEG_INFINITY };
+    let largest = draws.iter().map(ln).fold(f64::NEG_INFINITY, f64::max);
     let raw: Vec<f64> = draws
         .iter()
         .map(|draw| if draw.check.is_admissible() { (draw.ln_weight - largest).exp() } else { 0.0 })
@@ -243,10 +244,7 @@ pub fn ensemble(
 ) -> Result<Ensemble, EnsembleError> {
     let start = targets.unknowns.iter().map(|u| (u.parameter, u.start.unwrap_or(u.parameter.get(cell)))).collect();
     let posterior = Posterior { targets, cell, numerics, start };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| EnsembleError::Workers(error.to_string()))?;
+    let pool = scheduler::pool(threads)?;
     let mut proposal = posterior.laplace()?;
     let mut draws = 0u64;
     let mut excluded = BTreeMap::new();

@@ -38,7 +38,7 @@ pub mod table;
 
 pub use constants::{Constants, read_constants, write_constants};
 pub use constraints::{ConstraintCheck, Exclusion, check_constraints};
-pub use diagram::{Diagram, diagram};
+pub use diagram::{Diagram, Edges, diagram};
 pub use ensemble::{Ensemble, EnsembleError, Member, ensemble};
 pub use growth::{Grown, grown, scenarios_of, tree_settings};
 pub use journal::Journal;

@@ -1,4 +1,4 @@
-//! Axes and their values, and the points that they span.
+//! Axes, their values, and the points they span.
 
 use std::borrow::Cow;
 
@@ -63,7 +63,7 @@ impl Axes {
         self.independent().try_fold(1usize, |product, axis| product.checked_mul(axis.values.len()))
     }
 
-    /// Every axis that is not sampled, and of the sampled ones the first, which stands for all of them.
+    /// Every axis that is not sampled, and the first sampled axis, which represents all sampled axes.
     fn independent(&self) -> impl DoubleEndedIterator<Item = &Axis> {
         let first = self.0.iter().position(|axis| axis.sampled);
         self.0.iter().enumerate().filter(move |(k, axis)| !axis.sampled || Some(*k) == first).map(|(_, axis)| axis)

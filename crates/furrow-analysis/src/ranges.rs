@@ -7,12 +7,44 @@ use serde::Serialize;
 
 use super::constants::Constants;
 use furrow_cell::{Cell, Parameter};
-use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary};
+use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, scheduler};
 use furrow_lineage::{
-    GrowError, Grower, Lineage, Rounds, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
+    GrowError, Grower, Lineage, ObservedRounds, Rounds, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
 };
 use furrow_mechanics::division::divide;
 use furrow_mechanics::equilibria::CriticalRadii;
+
+/// A reading of "rounds".
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reading {
+    /// Fewest rounds to a terminal cell.
+    Min,
+    /// Mean over terminal cells.
+    Mean,
+    /// Most rounds.
+    Max,
+}
+
+impl Reading {
+    /// The model's.
+    pub fn of(self, rounds: &Rounds) -> f64 {
+        match self {
+            Reading::Min => f64::from(rounds.min),
+            Reading::Mean => rounds.mean,
+            Reading::Max => f64::from(rounds.max),
+        }
+    }
+
+    /// The observed.
+    pub fn observed(self, rounds: &ObservedRounds) -> Option<f64> {
+        match self {
+            Reading::Min => rounds.min.map(f64::from),
+            Reading::Mean => rounds.mean,
+            Reading::Max => rounds.max.map(f64::from),
+        }
+    }
+}
 
 /// Weighted quantiles of a number over the sets of constants.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -98,7 +130,7 @@ pub struct Dependence {
 
 /// One tree of the ensemble, as far as ranges are taken of it.
 #[derive(Clone, Debug, PartialEq)]
-struct Grown {
+struct TreeCounts {
     weight: f64,
     cells: usize,
     /// Rounds, χ and whether it divides, by founder.
@@ -130,15 +162,15 @@ pub struct LineageRanges {
 /// Grows the lineage with every set of constants, in parallel over the sets; `cancel` ends it early.
 ///
 /// # Errors
-/// [`GrowError`] of the first set that cannot be grown.
+/// [`GrowError`] of the first set that cannot be tree_counts.
 pub fn ranges(
     lineage: &Lineage,
     settings: &TreeSettings,
     sets: &[Constants],
     threads: usize,
-    cancel: Option<&AtomicBool>,
+    cancel: &AtomicBool,
 ) -> Result<LineageRanges, GrowError> {
-    let trees = each_tree(lineage, settings, sets, threads, cancel, grown)?;
+    let trees = each_tree(lineage, settings, sets, threads, cancel, tree_counts)?;
     Ok(summed_up(lineage, sets, &trees))
 }
 
@@ -151,11 +183,11 @@ pub fn each_tree<T: Send>(
     settings: &TreeSettings,
     sets: &[Constants],
     threads: usize,
-    cancel: Option<&AtomicBool>,
+    cancel: &AtomicBool,
     read: impl Fn(&Constants, &Tree, &Summary) -> T + Sync,
 ) -> Result<Vec<T>, GrowError> {
     let grow = |set: &Constants| {
-        if cancel.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+        if cancel.load(Ordering::Relaxed) {
             return Err(GrowError::Interrupted { solved: 0 });
         }
         let settings = TreeSettings { cell: set.of(&settings.cell), ..settings.clone() };
@@ -165,15 +197,11 @@ pub fn each_tree<T: Send>(
         let (tree, summary) = grow_alone(lineage, settings, &|cell| rule.of(cell), &memo, cancel)?;
         Ok(read(set, &tree, &summary))
     };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    match pool {
-        Ok(pool) => pool.install(|| sets.par_iter().map(grow).collect()),
-        // Without a pool of one's own the trees are grown one after the other.
-        Err(_) => sets.iter().map(grow).collect(),
-    }
+    let pool = scheduler::pool(threads).map_err(GrowError::Workers)?;
+    pool.install(|| sets.par_iter().map(grow).collect())
 }
 
-fn grown(set: &Constants, tree: &Tree, summary: &Summary) -> Grown {
+fn tree_counts(set: &Constants, tree: &Tree, summary: &Summary) -> TreeCounts {
     let founders = founder_rounds(tree)
         .into_iter()
         .map(|row| {
@@ -182,7 +210,7 @@ fn grown(set: &Constants, tree: &Tree, summary: &Summary) -> Grown {
             (row.rounds, cell.and_then(|id| tree.cell(id).fate.chi()), divides)
         })
         .collect();
-    Grown { weight: set.weight, cells: tree.len(), founders, solved: summary.solved, hits: summary.memo_hits }
+    TreeCounts { weight: set.weight, cells: tree.len(), founders, solved: summary.solved, hits: summary.memo_hits }
 }
 
 /// Grows one tree on the calling thread's behalf: studies of many trees grow them side by side.
@@ -191,60 +219,56 @@ pub(super) fn grow_alone(
     settings: TreeSettings,
     ends: &dyn Fn(&Cell) -> Option<TerminalReason>,
     memo: &Memo,
-    cancel: Option<&AtomicBool>,
+    cancel: &AtomicBool,
 ) -> Result<(Tree, Summary), GrowError> {
-    let options = SchedulerOptions { threads: 1, interrupt: cancel, ..SchedulerOptions::default() };
+    let options = SchedulerOptions { threads: 1, interrupt: Some(cancel), ..SchedulerOptions::default() };
     Grower { lineage, settings, ends, memo, options }.grow(divide)
 }
 
 /// How much of the weight of all trees those have for which something holds.
-fn share(trees: &[Grown], holds: impl Fn(&Grown) -> bool) -> f64 {
-    // From 0 on: `sum` gives −0 where there is nothing to add, and files would say so.
-    let weight = |of: &dyn Fn(&Grown) -> bool| {
-        trees.iter().filter(|tree| of(tree)).fold(0.0, |weight, tree| weight + tree.weight)
-    };
-    weight(&holds) / weight(&|_| true)
+fn share(trees: &[TreeCounts], holds: impl Fn(&TreeCounts) -> bool) -> f64 {
+    // A fold from 0: `sum` gives −0 for no numbers, which files would show.
+    let total = trees.iter().fold(0.0, |weight, tree| weight + tree.weight);
+    trees.iter().filter(|tree| holds(tree)).fold(0.0, |weight, tree| weight + tree.weight) / total
 }
 
-fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[Grown]) -> LineageRanges {
-    let total: f64 = trees.iter().map(|tree| tree.weight).sum();
-    let founder = |k: usize| {
-        let rounds = |of: fn(&Rounds) -> f64| -> Option<Range> {
-            Range::of(trees.iter().filter_map(|tree| Some((of(tree.founders[k].0.as_ref()?), tree.weight))).collect())
-        };
-        let all = || {
-            Some(RoundsRange {
-                min: rounds(|r| f64::from(r.min))?,
-                mean: rounds(|r| r.mean)?,
-                max: rounds(|r| f64::from(r.max))?,
-                full_doublings: rounds(|r| f64::from(r.full_doublings))?,
-                symmetric: rounds(|r| f64::from(r.symmetric))?,
-                terminal: rounds(|r| f64::from(r.terminal))?,
-            })
-        };
-        let terminal: Vec<f64> = trees
-            .iter()
-            .map(|tree| tree.founders[k].0.as_ref().map_or(0.0, |rounds| f64::from(rounds.terminal)))
-            .collect();
-        let near = |of: fn(&Rounds) -> f64, observed: Option<f64>| {
-            let observed = observed?;
-            let is_near = |tree: &Grown| tree.founders[k].0.as_ref().is_some_and(|r| (of(r) - observed).abs() <= 1.0);
-            Some(share(trees, is_near))
-        };
-        let within_one_round = lineage.founders[k].observed.map(|observed| WithinOne {
-            min: near(|r| f64::from(r.min), observed.min.map(f64::from)),
-            mean: near(|r| r.mean, observed.mean),
-            max: near(|r| f64::from(r.max), observed.max.map(f64::from)),
-        });
-        FounderRange {
-            within_one_round,
-            name: lineage.founders[k].name.clone(),
-            rounds: all(),
-            chi: Range::of(trees.iter().filter_map(|tree| Some((tree.founders[k].1?, tree.weight))).collect()),
-            divides: share(trees, |tree| tree.founders[k].2),
-            depends_on: strongest(sets, &terminal),
-        }
+fn founder_range(lineage: &Lineage, sets: &[Constants], trees: &[TreeCounts], k: usize) -> FounderRange {
+    let rounds = |of: fn(&Rounds) -> f64| -> Option<Range> {
+        Range::of(trees.iter().filter_map(|tree| Some((of(tree.founders[k].0.as_ref()?), tree.weight))).collect())
     };
+    let all = || {
+        Some(RoundsRange {
+            min: rounds(|r| f64::from(r.min))?,
+            mean: rounds(|r| r.mean)?,
+            max: rounds(|r| f64::from(r.max))?,
+            full_doublings: rounds(|r| f64::from(r.full_doublings))?,
+            symmetric: rounds(|r| f64::from(r.symmetric))?,
+            terminal: rounds(|r| f64::from(r.terminal))?,
+        })
+    };
+    let founders = || trees.iter().map(|tree| &tree.founders[k]);
+    let terminal: Vec<f64> =
+        founders().map(|(rounds, ..)| rounds.map_or(0.0, |rounds| f64::from(rounds.terminal))).collect();
+    let within_one_round = lineage.founders[k].observed.map(|observed| {
+        let near = |reading: Reading| {
+            let observed = reading.observed(&observed)?;
+            Some(share(trees, |tree| tree.founders[k].0.is_some_and(|r| (reading.of(&r) - observed).abs() <= 1.0)))
+        };
+        WithinOne { min: near(Reading::Min), mean: near(Reading::Mean), max: near(Reading::Max) }
+    });
+    FounderRange {
+        within_one_round,
+        name: lineage.founders[k].name.clone(),
+        rounds: all(),
+        chi: Range::of(trees.iter().filter_map(|tree| Some((tree.founders[k].1?, tree.weight))).collect()),
+        divides: share(trees, |tree| tree.founders[k].2),
+        depends_on: strongest(sets, &terminal),
+    }
+}
+
+fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[TreeCounts]) -> LineageRanges {
+    let total: f64 = trees.iter().map(|tree| tree.weight).sum();
+    let founder = |k: usize| founder_range(lineage, sets, trees, k);
     let symmetric = |k: usize| {
         let mut shares: Vec<f64> = Vec::new();
         for tree in trees {
@@ -261,7 +285,7 @@ fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[Grown]) -> LineageR
             Some((k, lineage.founders[k].observed?.max?))
         };
         let both = [of("EMS")?, of("P4")?];
-        let near = |tree: &Grown, (k, most): (usize, u32)| {
+        let near = |tree: &TreeCounts, (k, most): (usize, u32)| {
             tree.founders[k].0.as_ref().is_some_and(|rounds| rounds.max.abs_diff(most) <= 1)
         };
         Some(share(trees, |tree| both.iter().all(|one| near(tree, *one))))

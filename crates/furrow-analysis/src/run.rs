@@ -1,4 +1,4 @@
-//! Solves the points of a sweep, equal inputs once.
+//! Solves the points of a sweep; equal inputs are solved once.
 
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -111,8 +111,7 @@ impl<'a> Run<'a> {
         Run { sweep, shard: None, memo, threads: 0, cancel, journal: None, progress: &|_| () }
     }
 
-    /// Solves the points. Rows depend on the sweep alone, whatever the threads, the shards and what the memo and the journal
-    /// hold.
+    /// Solves the points. Rows depend only on the sweep, not on threads, shards, memo or journal.
     ///
     /// # Errors
     /// [`SchedulerError::Pool`] if no workers can be started. A point that cannot be computed is a row of its own.
@@ -177,7 +176,7 @@ impl<'a> Run<'a> {
         self.cancel.load(Ordering::Relaxed)
     }
 
-    /// Keeps the results of an input for a run that resumes this one.
+    /// Appends the results of an input to the journal.
     fn record(&self, point: &Point, (values, why): &Results) {
         if let Some(journal) = self.journal {
             journal.append(&self.sweep.row(point.index, values.clone(), why.clone()));
@@ -262,16 +261,19 @@ impl<'a> Run<'a> {
         let Inputs { firsts, results, open, .. } = inputs;
         let done = AtomicUsize::new(firsts.len() - open.len());
         let one = |number: &usize| {
+            if self.cancelled() {
+                return None;
+            }
             let point = firsts[*number];
             let effort = Effort::new(usize::MAX, Some(self.cancel));
-            // A defect at one point is no reason to lose the others.
+            // A panic at one point must not lose the others.
             let solved = catch_unwind(AssertUnwindSafe(|| solve(&point.input, &effort)));
             let found = match solved {
                 Ok(Ok(values)) => (values, None),
                 Ok(Err(error)) => (self.no_results(), Some(error.to_string())),
                 Err(_) => (self.no_results(), Some("internal error: the solver panicked, please report it".to_owned())),
             };
-            // What an interrupted search says is no result.
+            // The result of an interrupted search is not valid.
             if self.cancelled() {
                 return None;
             }
@@ -281,10 +283,7 @@ impl<'a> Run<'a> {
             Some(found)
         };
         let pool = scheduler::pool(self.threads)?;
-        let solved: Vec<Option<Results>> = pool.install(|| {
-            let one = |number: &usize| if self.cancelled() { None } else { one(number) };
-            open.par_iter().map(one).collect()
-        });
+        let solved: Vec<Option<Results>> = pool.install(|| open.par_iter().map(one).collect());
         let interrupted = self.cancelled();
         open.iter().zip(solved).for_each(|(number, found)| results[*number] = found);
         Ok(SweepResult { solved: open.len(), interrupted, ..SweepResult::default() })

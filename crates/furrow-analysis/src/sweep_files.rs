@@ -1,4 +1,4 @@
-//! The files of a sweep: its table, and all that decides it. Parts of a sweep are put together from theirs.
+//! The files of a sweep: its table and its definition. Merges the files of shards.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::table::{TableError, csv_text, json_lines, read_line};
+use crate::table::{csv_text, json_lines, read_line};
 use crate::{AxisValue, Journal, Kind, Row, Shard, Sweep};
 use furrow_cell::{Cell, Numerics};
 use furrow_formats::files::{FileSet, WriteError};
@@ -27,15 +27,15 @@ const CSV: &str = "results.csv";
 const LINES: &str = "results.jsonl";
 const HEAD: &str = "sweep.json";
 
-/// The files of a sweep, in the order in which they are put in place: where the last one is, all are.
+/// The files of a sweep, in the order they are written: where the last exists, all do.
 pub const SWEEP_FILES: [&str; 3] = [CSV, LINES, HEAD];
 
 /// Why the files of a sweep could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepFilesError {
-    /// The table has no form as text.
+    /// The rows have different lengths.
     #[error(transparent)]
-    Table(#[from] TableError),
+    Csv(#[from] csv::Error),
     /// The definition has no JSON form.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
@@ -44,7 +44,7 @@ pub enum SweepFilesError {
     Write(#[from] WriteError),
 }
 
-/// `sweep.json`: everything that decides the results, and nothing that does not.
+/// `sweep.json`: everything the results depend on, and nothing else.
 #[derive(Serialize)]
 struct Head<'a> {
     schema: &'a str,
@@ -53,10 +53,10 @@ struct Head<'a> {
     /// Version of the solver of divisions.
     solver: u32,
     kind: Kind,
-    /// What no axis says.
+    /// Values of parameters without an axis.
     cell: &'a Cell,
     numerics: &'a Numerics,
-    /// The cue where no axis says otherwise; of a tree none stands for the lineage's own.
+    /// The default cue; `None` keeps a tree's own cues.
     cue: Option<String>,
     axes: Vec<HeadAxis<'a>>,
     replicates: u32,
@@ -67,7 +67,7 @@ struct Head<'a> {
     lineage: Option<&'a Lineage>,
     columns: Vec<String>,
     points: usize,
-    /// Which part of the sweep this is, and its rows; not there where it is the whole.
+    /// The shard and its rows; absent for a whole sweep.
     #[serde(skip_serializing_if = "Option::is_none")]
     shard: Option<HeadShard>,
 }
@@ -76,7 +76,7 @@ struct Head<'a> {
 struct HeadAxis<'a> {
     parameter: &'a str,
     values: &'a [AxisValue],
-    /// Of an axis of cues what they mean.
+    /// The meaning of cues on an axis of cues.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     cues: BTreeMap<String, String>,
     sampled: bool,
@@ -103,7 +103,7 @@ pub fn open_journal(
     Ok(Journal::open(folder, &head, columns)?)
 }
 
-/// A table and what decided it, as its files hold them.
+/// A table and its definition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepTable {
     head: Value,
@@ -148,7 +148,7 @@ impl SweepTable {
             points: sweep.points(),
             shard: shard.map(|shard| HeadShard { shard, rows: rows.len() }),
         };
-        // By way of a value, whose fields are in the order of their names: so they are as well once they have been read.
+        // A value sorts its fields by name, as do those that are read from a file.
         Ok(SweepTable { head: serde_json::to_value(head)?, columns, rows })
     }
 
@@ -174,8 +174,8 @@ impl SweepTable {
         let name = file.display().to_string();
         let unreadable =
             |error: std::io::Error| InputError::Unreadable { file: name.clone(), reason: error.to_string() };
-        let columns: Option<Vec<String>> = serde_json::from_value(head["columns"].clone()).ok();
-        let columns = columns.ok_or_else(|| not_ours(&folder.join(HEAD), "it names no columns"))?;
+        let columns: Vec<String> = serde_json::from_value(head["columns"].clone())
+            .map_err(|_| not_ours(&folder.join(HEAD), "it names no columns"))?;
         let mut rows = Vec::new();
         for (k, line) in BufReader::new(File::open(&file).map_err(unreadable)?).lines().enumerate() {
             let row = read_line(&columns, &line.map_err(unreadable)?);
@@ -201,7 +201,7 @@ impl SweepTable {
         Err(InputError::not_allowed(folder.join(LINES).display().to_string(), "rows", self.rows.len(), allowed))
     }
 
-    /// The definition without what tells the parts of a sweep from each other.
+    /// The definition without the shard, which is the same for all parts of a sweep.
     fn definition(&self) -> Value {
         let mut head = self.head.clone();
         if let Some(fields) = head.as_object_mut() {
@@ -257,7 +257,7 @@ fn differences(name: &str, there: &Value, now: &Value, found: &mut Vec<String>) 
     }
 }
 
-/// Puts the parts of a sweep together: the same table as of the whole sweep, byte for byte.
+/// Merges the parts of a sweep: the same table as of the whole sweep, byte for byte.
 ///
 /// # Errors
 /// Names the folder and what is wrong: parts of different sweeps or versions, a part that is missing or not whole, two rows of

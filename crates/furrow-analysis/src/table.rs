@@ -10,25 +10,14 @@ use super::sweep::{Kind, Sweep};
 /// The outcome of a point that could not be computed.
 pub const UNDECIDED: &str = "undecided";
 
-/// What a table could not be written for.
-#[derive(Debug, thiserror::Error)]
-pub enum TableError {
-    /// A row has no CSV form.
-    #[error(transparent)]
-    Csv(#[from] csv::Error),
-    /// A row has no JSON form.
-    #[error(transparent)]
-    Json(#[from] serde_json::Error),
-}
-
-/// One row: a point and what came of it.
+/// One row: a point and its results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Number of the point.
     pub index: usize,
-    /// One a column: numbers, words, or nothing.
+    /// One value per column: a number, a word, or null.
     pub cells: Vec<Value>,
-    /// Why it could not be computed, or not all of it, if so.
+    /// Why it was not, or not entirely, computed.
     pub why: Option<String>,
 }
 
@@ -39,7 +28,7 @@ impl Sweep {
         axes.chain(self.result_columns()).collect()
     }
 
-    /// The columns behind those of the axes.
+    /// The columns after those of the axes.
     pub fn result_columns(&self) -> Vec<String> {
         let fixed: &[&str] = match self.kind {
             Kind::Division if self.replicates == 1 => &["outcome", "chi", "u_furrow", "t_end"],
@@ -92,8 +81,8 @@ impl Serialize for Line<'_> {
 /// The rows as JSON, one a line.
 ///
 /// # Errors
-/// [`TableError`].
-pub fn json_lines(columns: &[String], rows: &[Row]) -> Result<Vec<u8>, TableError> {
+/// A row without a JSON form.
+pub fn json_lines(columns: &[String], rows: &[Row]) -> Result<Vec<u8>, serde_json::Error> {
     let mut out = Vec::new();
     for row in rows {
         serde_json::to_writer(&mut out, &Line { columns, row })?;
@@ -115,11 +104,11 @@ pub fn read_line(columns: &[String], line: &str) -> Option<Row> {
     fields.is_empty().then_some(Row { index, cells, why })
 }
 
-/// The rows as CSV under a line of the columns' names. What is not there is an empty cell.
+/// The rows as CSV with a header. Missing values are empty fields.
 ///
 /// # Errors
-/// [`TableError`].
-pub fn csv_text(columns: &[String], rows: &[Row]) -> Result<Vec<u8>, TableError> {
+/// [`csv::Error`] if rows have different lengths.
+pub fn csv_text(columns: &[String], rows: &[Row]) -> Result<Vec<u8>, csv::Error> {
     let cells = rows.iter().map(|row| row.cells.iter().map(csv_cell).collect());
     Ok(csv_of(std::iter::once(columns.to_vec()).chain(cells))?.into_bytes())
 }
@@ -137,7 +126,7 @@ pub fn csv_of<R: IntoIterator<Item = String>>(records: impl IntoIterator<Item = 
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Numbers with as many digits as it takes to get the same number back, and 3 for 3.0.
+/// Numbers with the fewest digits that read back as the same number.
 fn csv_cell(cell: &Value) -> String {
     match cell {
         Value::Null => String::new(),

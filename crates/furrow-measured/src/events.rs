@@ -1,14 +1,14 @@
-//! Divisions with both daughters measured, and their size asymmetries.
+//! Size asymmetries of divisions with both daughters measured.
 //!
-//! * \[χ\] χ = |V₁ − V₂|/(V₁ + V₂), signed: (V₁ − V₂)/(V₁ + V₂) with V₁ of the daughter that is named first.
+//! * \[χ\] χ = |V₁ − V₂|/(V₁ + V₂); signed, (V₁ − V₂)/(V₁ + V₂), where V₁ belongs to the daughter named first.
 //!
-//! A mother is as large as her daughters together: she is not always seen herself, and she grows or is squeezed while she is.
+//! A mother's volume is the sum of her daughters': segmentations do not always show her, and she grows while they do.
 
 use std::collections::{BTreeMap, HashMap};
 
 use serde::Serialize;
 
-use crate::names::{generation, is_cell, mother, sister};
+use crate::names::{birth, generation};
 use crate::statistics::{mean, sd};
 use crate::volumes::Volumes;
 
@@ -21,7 +21,7 @@ pub struct Division {
     pub group: String,
     /// The cell that divides.
     pub mother: String,
-    /// Its daughters, the one that is named first before the other.
+    /// Its daughters, in the order of their names.
     pub daughters: [String; 2],
     /// Their volumes, in the unit of the table.
     pub volumes: [f64; 2],
@@ -41,7 +41,7 @@ impl Division {
     }
 }
 
-/// A division of which one daughter alone is measured.
+/// A division with only one daughter measured.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct HalfSeen {
     /// The embryo.
@@ -59,7 +59,7 @@ pub struct HalfSeen {
 pub struct Divisions {
     /// Those with both daughters measured.
     pub divisions: Vec<Division>,
-    /// Those with one.
+    /// Those with only one.
     pub half_seen: Vec<HalfSeen>,
 }
 
@@ -70,7 +70,7 @@ pub fn divisions(volumes: &Volumes) -> Divisions {
         let measured = embryo.cells.iter().filter(|cell| cell.frames > 0);
         let known: BTreeMap<&str, f64> = measured.map(|cell| (cell.cell.as_str(), cell.volume())).collect();
         for (&name, &volume) in &known {
-            let (Some(of), Some((other, is_first))) = (mother(name), sister(name)) else { continue };
+            let Some((of, other, is_first)) = birth(name) else { continue };
             let Some(&second) = known.get(other.as_str()) else {
                 found.half_seen.push(HalfSeen {
                     embryo: embryo.name.clone(),
@@ -104,13 +104,13 @@ pub struct MotherSummary {
     pub n: usize,
     /// Mean of |χ|.
     pub mean: f64,
-    /// Its standard deviation, by n − 1; none of one embryo.
+    /// Its sample standard deviation; `None` for one embryo.
     pub sd: Option<f64>,
     /// Mean of the signed χ.
     pub mean_signed: f64,
     /// Its standard deviation.
     pub sd_signed: Option<f64>,
-    /// Mean volume of the mother, that of her daughters together; none where it is not published.
+    /// Mean volume of the mother; `None` where it is not published.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mother_volume: Option<f64>,
 }
@@ -170,8 +170,7 @@ fn summary(group: &str, divisions: &[&Division]) -> GroupSummary {
     GroupSummary { group: group.to_owned(), embryos: embryos.len(), events: by_mother.into_iter().map(of).collect() }
 }
 
-/// Where a cell stands among others: by generation, then by name.
+/// The order of cells: by generation, then by name.
 pub(crate) fn place(name: &str) -> (u32, &str) {
-    debug_assert!(is_cell(name));
     (generation(name), name)
 }

@@ -1,4 +1,4 @@
-//! The two layouts of tables of volumes, told by their first line.
+//! The two layouts of tables of volumes, recognised by their first line, and the units of volumes.
 
 use std::collections::HashSet;
 
@@ -6,49 +6,43 @@ use furrow_input::InputError;
 use serde::Serialize;
 
 use crate::names::is_cell;
-use crate::table::malformed;
+use crate::table::{listed, malformed};
 
-/// What volumes are measured in.
+/// Unit of volumes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Unit {
     /// µm³.
     CubicMicrometres,
-    /// Voxels of a size that is not known.
+    /// Voxels of unknown size.
     Voxels,
-    /// Parts of P0's volume, or of anything else.
+    /// Fractions, such as of P0's volume.
     Relative,
 }
 
+/// For each unit its symbol, the columns of volumes named after it, and what a column of units calls it.
+const UNITS: [(Unit, &str, &[&str], &[&str]); 3] = [
+    (Unit::CubicMicrometres, "µm³", &["volume_um3", "volume_µm3", "volume_µm³"], &["um3", "um^3", "µm3", "µm³", "um³"]),
+    (Unit::Voxels, "voxels", &["volume_voxels", "volume_voxel"], &["voxel", "voxels"]),
+    (Unit::Relative, "relative", &["relative_volume", "volume_relative", "volume_fraction"], &["relative", "1"]),
+];
+
 impl Unit {
-    /// How it is written behind a number.
+    /// The symbol behind a number.
     pub fn symbol(self) -> &'static str {
-        match self {
-            Unit::CubicMicrometres => "µm³",
-            Unit::Voxels => "voxels",
-            Unit::Relative => "relative",
-        }
+        UNITS[self as usize].1
     }
 
-    /// The unit that a column of volumes has in its name.
+    /// The unit in the name of a column of volumes.
     pub(crate) fn of_column(name: &str) -> Option<Unit> {
         let lower = name.to_lowercase();
-        match lower.strip_prefix("mean_").unwrap_or(&lower) {
-            "volume_um3" | "volume_µm3" | "volume_µm³" => Some(Unit::CubicMicrometres),
-            "volume_voxels" | "volume_voxel" => Some(Unit::Voxels),
-            "relative_volume" | "volume_relative" | "volume_fraction" => Some(Unit::Relative),
-            _ => None,
-        }
+        let name = lower.strip_prefix("mean_").unwrap_or(&lower);
+        UNITS.iter().find(|(_, _, columns, _)| columns.contains(&name)).map(|(unit, ..)| *unit)
     }
 
     /// The unit that a column of units names.
     pub(crate) fn written(text: &str) -> Option<Unit> {
-        match text.to_lowercase().as_str() {
-            "um3" | "um^3" | "µm3" | "µm³" | "um³" => Some(Unit::CubicMicrometres),
-            "voxel" | "voxels" => Some(Unit::Voxels),
-            "relative" | "1" => Some(Unit::Relative),
-            _ => None,
-        }
+        UNITS.iter().find(|(_, _, _, words)| words.contains(&text.to_lowercase().as_str())).map(|(unit, ..)| *unit)
     }
 }
 
@@ -64,19 +58,16 @@ pub(crate) struct Columns {
 }
 
 impl Columns {
-    /// The columns of a long table; none if it is a grid.
+    /// The columns of a long table; `None` for a grid.
     pub(crate) fn of(header: &[String], file: &str) -> Result<Option<Columns>, InputError> {
         let lower: Vec<String> = header.iter().map(|name| name.to_lowercase().replace([' ', '-'], "_")).collect();
         let find = |names: &[&str]| lower.iter().position(|name| names.contains(&name.as_str()));
-        let is_volume = |name: &String| {
-            let name = name.strip_prefix("mean_").unwrap_or(name);
-            name == "volume" || Unit::of_column(name).is_some()
-        };
+        let is_volume =
+            |name: &String| ["volume", "mean_volume"].contains(&name.as_str()) || Unit::of_column(name).is_some();
         let mut seen = HashSet::new();
         for (column, name) in lower.iter().enumerate() {
             if !name.is_empty() && !seen.insert(name) {
-                let message = format!("two columns are called {:?}", header[column]);
-                return Err(malformed(file, 1, &message));
+                return Err(malformed(file, 1, format!("two columns are called {:?}", header[column])));
             }
         }
         let cell = find(&["cell", "cell_name", "name"]);
@@ -98,18 +89,11 @@ impl Columns {
             missing.join(" or "),
             listed(header)
         );
-        Err(malformed(file, 1, &message))
+        Err(malformed(file, 1, message))
     }
 }
 
-/// The first few names.
-pub(crate) fn listed(header: &[String]) -> String {
-    let shown: Vec<String> = header.iter().take(8).map(|name| format!("{name:?}")).collect();
-    let more = header.len().saturating_sub(shown.len());
-    shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
-}
-
-/// The embryo that a grid is of: the file's name without what says that it is a table of volumes.
+/// The embryo of a grid: the file's name without its extension and `_volume`.
 pub(crate) fn embryo_of_file(file: &str) -> String {
     let name = std::path::Path::new(file).file_stem().map_or(file.into(), |stem| stem.to_string_lossy());
     let lower = name.to_lowercase();

@@ -1,14 +1,14 @@
-//! Measured embryos: volumes of named cells, size asymmetries of their divisions, and the statistics they are told with.
+//! Measured embryos: volumes of named cells, size asymmetries of their divisions, statistics.
 //!
-//! | file | what it says |
+//! | file | content |
 //! |---|---|
-//! | [`names`] | Sulston's names: a cell's mother, and which of two sisters is named first |
+//! | [`names`] | Sulston's names: a cell's mother and sister |
 //! | [`volumes`], `layout` | tables of volumes: long ones and those of frames × cells |
 //! | [`events`] | divisions with both daughters measured: χ by group and mother |
 //! | [`trend`] | χ by decades of the mother's volume |
 //! | [`published`] | means over published embryos |
 //! | [`statistics`] | means, boxes, rank sums, straight lines |
-//! | `contour` | outlines of cells, how deep they are furrowed, how far two overlap (feature `contours`) |
+//! | `contour` | outlines of cells, their furrows and overlaps (feature `contours`) |
 //!
 //! # Examples
 //! χ of one division from a table of two cells:

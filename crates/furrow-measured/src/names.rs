@@ -1,10 +1,9 @@
-//! Sulston's names: every cell is called after its mother and the side on which it is born, except for the founders.
+//! Sulston's names: a cell is named after its mother and the side on which it is born, except for the founders.
 //!
 //! # References
 //! Sulston, Schierenberg, White & Thomson, *Dev. Biol.* 100, 64 (1983).
 
-/// Cells with names of their own: mother, daughter that is named first (the anterior one; of EMS and P4 as in Sulston's chart),
-/// the other.
+/// Founders: mother, the daughter named first (the anterior one; of EMS and P4 as in Sulston's chart), the other daughter.
 const NAMED: [(&str, &str, &str); 6] = [
     ("P0", "AB", "P1"),
     ("P1", "EMS", "P2"),
@@ -14,53 +13,52 @@ const NAMED: [(&str, &str, &str); 6] = [
     ("P4", "Z3", "Z2"),
 ];
 
-/// Founders whose descendants are called by letters.
+/// Founders whose descendants are named by letters.
 const STEMS: [&str; 5] = ["AB", "MS", "E", "C", "D"];
 
 /// Letters of two sisters: anterior and posterior, left and right, dorsal and ventral.
 const SIDES: [(char, char); 3] = [('a', 'p'), ('l', 'r'), ('d', 'v')];
 
-/// Letters of the longest name that is taken for one: no lineage is known to have half as many rounds.
+/// Longest name, in bytes: no known lineage has half as many rounds.
 const LONGEST: usize = 64;
 
-/// The mother of a cell by its name; none for P0 and for what is no name of a cell.
+/// The other letter of a pair of sides, and whether `letter` is the one that is named first.
+fn other_side(letter: char) -> Option<(char, bool)> {
+    let (first, second) = SIDES.iter().find(|(first, second)| [*first, *second].contains(&letter))?;
+    Some(if letter == *first { (*second, true) } else { (*first, false) })
+}
+
+/// A cell's mother, its sister, and whether the cell is named before its sister; `None` for P0 and for anything that is not
+/// the name of a cell.
 ///
 /// # Examples
 /// ```
-/// use furrow_measured::names::mother;
-/// assert_eq!(mother("ABal"), Some("ABa"));
-/// assert_eq!(mother("P4"), Some("P3"));
-/// assert_eq!(mother("Nuc12"), None);
+/// use furrow_measured::names::birth;
+/// assert_eq!(birth("ABal"), Some(("ABa", "ABar".to_owned(), true)));
+/// assert_eq!(birth("Nuc12"), None);
 /// ```
-pub fn mother(name: &str) -> Option<&str> {
-    if let Some((mother, ..)) = NAMED.iter().find(|(_, first, second)| [*first, *second].contains(&name)) {
-        return Some(mother);
+pub fn birth(name: &str) -> Option<(&str, String, bool)> {
+    for (mother, first, second) in NAMED {
+        if name == first || name == second {
+            let sister = if name == first { second } else { first };
+            return Some((mother, sister.to_owned(), name == first));
+        }
     }
-    let (before, last) = name.char_indices().next_back().map(|(at, last)| (&name[..at], last))?;
-    if name.len() > LONGEST {
-        return None;
-    }
-    let is_side = |letter: char| SIDES.iter().any(|(first, second)| [*first, *second].contains(&letter));
-    let letters = STEMS.iter().find_map(|stem| before.strip_prefix(stem))?;
-    (is_side(last) && letters.chars().all(is_side)).then_some(before)
+    let (at, last) = name.char_indices().next_back().filter(|_| name.len() <= LONGEST)?;
+    let mother = &name[..at];
+    let letters = STEMS.iter().find_map(|stem| mother.strip_prefix(stem))?;
+    let (other, first) = other_side(last)?;
+    letters.chars().all(|letter| other_side(letter).is_some()).then(|| (mother, format!("{mother}{other}"), first))
 }
 
-/// Whether a name is one of a cell.
+/// The mother of a cell, if it has one.
+fn mother(name: &str) -> Option<&str> {
+    birth(name).map(|(mother, ..)| mother)
+}
+
+/// Whether this is the name of a cell.
 pub fn is_cell(name: &str) -> bool {
     name == "P0" || mother(name).is_some()
-}
-
-/// The other daughter of a cell's mother, and whether the cell itself is the one that is named first.
-pub fn sister(name: &str) -> Option<(String, bool)> {
-    if let Some((_, first, second)) = NAMED.iter().find(|(_, first, second)| [*first, *second].contains(&name)) {
-        let is_first = *first == name;
-        return Some((if is_first { *second } else { *first }.to_owned(), is_first));
-    }
-    let before = mother(name)?;
-    let last = name.chars().next_back()?;
-    let (first, second) = SIDES.iter().find(|(first, second)| [*first, *second].contains(&last))?;
-    let other = if last == *first { second } else { first };
-    Some((format!("{before}{other}"), last == *first))
 }
 
 /// Generations from P0 to a cell.
@@ -83,8 +81,7 @@ mod tests {
             ("MSpr", "MSp", "MSpl", false),
             ("ABplv", "ABpl", "ABpld", false),
         ] {
-            assert_eq!(mother(name), Some(of));
-            assert_eq!(sister(name), Some((other.to_owned(), first)));
+            assert_eq!(birth(name), Some((of, other.to_owned(), first)));
             assert!(is_cell(name));
         }
         assert_eq!(generation("ABala"), 4);
@@ -92,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_name_is_told() {
+    fn other_words_are_not_names() {
         for name in ["", "AB ", "ABx", "abal", "Eaz", "P5", "P", "Nuc1", "ABé", "EMSa", "é"] {
             assert!(!is_cell(name), "{name}");
         }

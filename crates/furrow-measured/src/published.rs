@@ -1,4 +1,4 @@
-//! Published size asymmetries, as means over embryos: what a comparison without tables of one's own is held against.
+//! Published size asymmetries as means over embryos, the default of a comparison.
 //!
 //! # References
 //! Jankele, Jelier & Gönczy, *eLife* 10, e61714 (2021): segmented volumes of 6 wild-type embryos (`wt`), 8 of the same strain as
@@ -9,6 +9,7 @@ use furrow_input::InputError;
 use serde::Deserialize;
 
 use crate::events::{GroupSummary, MotherSummary, place};
+use crate::table::malformed;
 
 /// The table, as shipped.
 const JANKELE: &str = include_str!("../data/jankele2021.csv");
@@ -34,11 +35,8 @@ struct Row {
 pub fn jankele2021() -> Result<Vec<GroupSummary>, InputError> {
     let mut groups: Vec<GroupSummary> = Vec::new();
     for row in csv::Reader::from_reader(JANKELE.as_bytes()).deserialize() {
-        let row: Row = row.map_err(|error| InputError::Malformed {
-            file: "jankele2021.csv".to_owned(),
-            line: error.position().map_or(1, csv::Position::line) as usize,
-            column: 1,
-            message: error.to_string(),
+        let row: Row = row.map_err(|error| {
+            malformed("jankele2021.csv", error.position().map_or(1, csv::Position::line) as usize, error.to_string())
         })?;
         let event = MotherSummary {
             mother: row.mother,

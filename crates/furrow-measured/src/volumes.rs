@@ -1,36 +1,41 @@
-//! Tables of cell volumes, in the two layouts that segmentations come in.
+//! Tables of cell volumes, in two layouts.
 //!
-//! * *Long*: a row for each cell, or for each cell and frame. The columns, in any order: `cell`, `volume` (or with its unit:
-//!   `volume_um3`, `volume_voxels`, `relative_volume`, each also with `mean_` before it), `embryo`, and if wanted `group`,
-//!   `frame` and `n`.
-//! * *Grid*: a row for each frame, a column for each cell, volumes in voxels, of the embryo that the file is named after: the
-//!   layout of `Sample04_Volume.csv`.
+//! * *Long*: one row per cell, or per cell and frame. The columns, in any order: `cell`, `volume` (or with its unit:
+//!   `volume_um3`, `volume_voxels`, `relative_volume`, each also with the prefix `mean_`), `embryo`, and optionally `group`,
+//!   `frame`, `n` and `unit`.
+//! * *Grid*: one row per frame, one column per cell, in voxels. The file is named after the embryo, as `Sample04_Volume.csv`.
 //!
-//! A cell's volume is the mean over the frames in which it is seen. What a row says that cannot be used is skipped and told with
-//! its place; a table that is none of the two is refused.
+//! A cell's volume is the mean over its frames. A value that cannot be used is skipped and reported with its place; a table
+//! with neither layout is an error.
 
 use std::collections::HashMap;
 use std::io::Read;
 
-use csv::ByteRecord;
 use furrow_input::InputError;
 use serde::Serialize;
 
 pub use crate::layout::Unit;
 use crate::layout::{Columns, embryo_of_file};
 use crate::names::is_cell;
-use crate::table::{malformed, next, number, open, whole};
+use crate::table::{Table, malformed, names, number};
 
-/// How a table is to be read.
+/// Options for reading a table.
 #[derive(Clone, Debug, Default)]
 pub struct ReadOptions {
-    /// Length of a voxel's edge, in µm: volumes in voxels are µm³ by it.
+    /// Edge of a voxel in µm, which converts voxels to µm³.
     pub voxel: Option<f64>,
-    /// Group of the rows that name none.
+    /// Group of rows without one.
     pub group: Option<String>,
 }
 
-/// The volume of one cell of an embryo, in the frames in which it is seen.
+impl ReadOptions {
+    /// The volume of a voxel, 1 if unknown.
+    fn voxel_volume(&self) -> f64 {
+        self.voxel.map_or(1.0, |voxel| voxel.powi(3))
+    }
+}
+
+/// The volume of one cell of an embryo, over its frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lifespan {
     /// Its name.
@@ -40,7 +45,7 @@ pub struct Lifespan {
     pub frames: u64,
     /// Line of its first value.
     line: u64,
-    /// Frames seen so far, in order, where the table tells them.
+    /// Its frames in order, where the table has a column of frames.
     seen: Vec<f64>,
 }
 
@@ -62,7 +67,7 @@ pub struct Embryo {
     pub cells: Vec<Lifespan>,
 }
 
-/// Something that a table says and that could not be used.
+/// A value that could not be used.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Skipped {
     /// The file.
@@ -71,13 +76,13 @@ pub struct Skipped {
     pub line: u64,
     /// Column, from 1, and its name.
     pub column: String,
-    /// What stands there.
+    /// The text there.
     pub value: String,
     /// Why it cannot be used.
     pub why: String,
 }
 
-/// How many skipped values are kept with their places; all are counted.
+/// Most skipped values that are kept; all are counted.
 pub const MOST_PLACES: usize = 1000;
 
 /// Volumes of the cells of some embryos.
@@ -85,47 +90,21 @@ pub const MOST_PLACES: usize = 1000;
 pub struct Volumes {
     /// Embryos, in the order of the tables.
     pub embryos: Vec<Embryo>,
-    /// The unit of all; none before anything is read.
+    /// The unit of all; `None` before a table is read.
     pub unit: Option<Unit>,
     /// Values used.
     pub used: u64,
-    /// Values that could not be used: the first [`MOST_PLACES`] with their places.
+    /// Values that could not be used, at most [`MOST_PLACES`].
     pub skipped: Vec<Skipped>,
     /// How many there are.
     pub skipped_count: u64,
-    /// Where embryos are kept, by group and name, and their cells.
+    /// Indices of embryos by group and name, and of their cells.
     embryo_places: HashMap<(String, String), usize>,
     cell_places: HashMap<(usize, String), usize>,
 }
 
-/// A long table that is being read.
-struct LongTable<'t> {
-    file: &'t str,
-    options: &'t ReadOptions,
-    columns: &'t Columns,
-    /// The unit that the column of volumes is named after.
-    named: Option<Unit>,
-    /// The unit that rows say.
-    said: Option<Unit>,
-    /// Group, embryo and cell of the row before, and where its value went: rows of one cell follow each other as a rule.
-    last: Option<([Vec<u8>; 3], (usize, usize))>,
-    largest: f64,
-}
-
-impl LongTable<'_> {
-    fn unit(&self) -> Unit {
-        // A bare number that is nowhere above 1 is a share.
-        let bare = if self.largest <= 1.5 { Unit::Relative } else { Unit::CubicMicrometres };
-        self.said.or(self.named).unwrap_or(bare)
-    }
-}
-
-/// What a volume is multiplied by to be in the unit that its table is taken in.
-fn scale(unit: Unit, options: &ReadOptions) -> f64 {
-    if unit == Unit::Voxels { options.voxel.map_or(1.0, |voxel| voxel.powi(3)) } else { 1.0 }
-}
-
 /// A value with its place.
+#[derive(Clone, Copy)]
 struct Value<'r> {
     line: u64,
     column: usize,
@@ -133,178 +112,157 @@ struct Value<'r> {
     text: &'r [u8],
 }
 
+impl<'r> Value<'r> {
+    fn new((line, record): (u64, &'r csv::ByteRecord), header: &'r [String], column: usize) -> Value<'r> {
+        let name = header.get(column).map_or("", String::as_str);
+        Value { line, column, name, text: record.get(column).unwrap_or_default().trim_ascii() }
+    }
+}
+
+/// A value that cannot be used, and why.
+type Rejected<'r> = (Value<'r>, String);
+
 impl Volumes {
-    /// Adds a table. `file` is what it is called in what is told of it.
+    /// Adds a table. Reports name it `file`.
     ///
     /// # Errors
-    /// A table without the columns that it needs, or in another unit than those before.
+    /// A table without the required columns, or in another unit than the tables before.
     pub fn read(&mut self, from: impl Read, file: &str, options: &ReadOptions) -> Result<(), InputError> {
-        let mut reader = open(from, file)?;
-        let mut record = ByteRecord::new();
-        if !next(&mut reader, &mut record, file)? {
+        let mut table = Table::open(from, file)?;
+        let Some((_, first)) = table.next()? else {
             return Err(malformed(file, 1, "the table is empty; its first line must name its columns"));
-        }
-        let header: Vec<String> = record.iter().map(|name| String::from_utf8_lossy(name).trim().to_owned()).collect();
-        match Columns::of(&header, file)? {
-            Some(columns) => self.read_long(&mut reader, file, options, &header, &columns)?,
-            None => self.read_grid(&mut reader, file, options, &header)?,
-        }
-        whole(&reader, file)
+        };
+        let header = names(first);
+        let unit = match Columns::of(&header, file)? {
+            Some(columns) => self.read_long(&mut table, file, options, &header, &columns)?,
+            None => self.read_grid(&mut table, file, options, &header)?,
+        };
+        self.settle(file, options, unit)
     }
 
     fn read_long<R: Read>(
         &mut self,
-        reader: &mut csv::Reader<R>,
+        table: &mut Table<'_, R>,
         file: &str,
         options: &ReadOptions,
         header: &[String],
         columns: &Columns,
-    ) -> Result<(), InputError> {
+    ) -> Result<Unit, InputError> {
         let named = Unit::of_column(&header[columns.volume]);
-        let mut table = LongTable { file, options, columns, named, said: None, last: None, largest: 0.0 };
-        let mut record = ByteRecord::new();
-        while next(reader, &mut record, file)? {
-            let line = record.position().map_or(0, csv::Position::line);
-            let at = |column: usize| Value {
-                line,
-                column,
-                name: header.get(column).map_or("", String::as_str),
-                text: record.get(column).unwrap_or_default().trim_ascii(),
-            };
-            if let Some((value, why)) = self.read_row(&mut table, at)? {
-                self.skip(file, &value, &why);
+        let (mut said, mut largest) = (None, 0.0_f64);
+        while let Some(row) = table.next()? {
+            let at = |column: usize| Value::new(row, header, column);
+            if let Some(column) = columns.unit {
+                note_unit(file, &at(column), &mut said)?;
+            }
+            let factor = if said.or(named) == Some(Unit::Voxels) { options.voxel_volume() } else { 1.0 };
+            match self.read_row(columns, at, options, factor) {
+                Ok(volume) => largest = largest.max(volume),
+                Err(rejected) => self.skip(file, &rejected),
             }
         }
-        self.settle(file, options, table.unit())
+        // Without a unit, numbers that never exceed 1 are fractions.
+        let bare = if largest <= 1.5 { Unit::Relative } else { Unit::CubicMicrometres };
+        Ok(said.or(named).unwrap_or(bare))
     }
 
-    /// Takes one row of a long table; gives what cannot be used of it, and why.
+    /// Adds the volume, times `factor`, of a row of a long table, and returns it as written.
     fn read_row<'r>(
         &mut self,
-        table: &mut LongTable<'_>,
+        columns: &Columns,
         at: impl Fn(usize) -> Value<'r>,
-    ) -> Result<Option<(Value<'r>, String)>, InputError> {
-        let columns = table.columns;
-        if let Some(column) = columns.unit {
-            note_unit(table.file, &at(column), &mut table.said)?;
-        }
-        let volume = match positive(at(columns.volume).text) {
-            Ok(volume) => volume,
-            Err(why) => return Ok(Some((at(columns.volume), why.to_owned()))),
-        };
-        let group = columns.group.map(|column| at(column).text).unwrap_or_default();
+        options: &ReadOptions,
+        factor: f64,
+    ) -> Result<f64, Rejected<'r>> {
+        let volume = positive(at(columns.volume))?;
         let (cell, embryo) = (at(columns.cell), at(columns.embryo));
-        let names = [group, embryo.text, cell.text];
-        let (embryo_place, cell_place) = match &table.last {
-            Some((known, places)) if *known == names => *places,
-            _ => {
-                if !std::str::from_utf8(cell.text).is_ok_and(is_cell) {
-                    let why = if cell.text.is_empty() { "no name of a cell" } else { "no name of Sulston's" };
-                    return Ok(Some((cell, why.to_owned())));
-                }
-                if embryo.text.is_empty() {
-                    return Ok(Some((embryo, "no name of an embryo".to_owned())));
-                }
-                let [group, name, cell_name] = names.map(|name| String::from_utf8_lossy(name).into_owned());
-                let given = table.options.group.clone().filter(|_| group.is_empty());
-                let place = self.embryo(given.unwrap_or(group), name);
-                let places = (place, self.cell(place, &cell_name, cell.line));
-                table.last = Some((names.map(<[u8]>::to_vec), places));
-                places
-            }
-        };
-        let frame = match columns.frame.map(&at) {
-            Some(frame) => match number(frame.text) {
-                Some(number) => Some(number),
-                None => return Ok(Some((frame, "not a number".to_owned()))),
-            },
-            None => None,
-        };
+        let name = str::from_utf8(cell.text).ok().filter(|name| is_cell(name)).ok_or_else(|| {
+            (cell, (if cell.text.is_empty() { "no name of a cell" } else { "no name of Sulston's" }).to_owned())
+        })?;
+        if embryo.text.is_empty() {
+            return Err((embryo, "no name of an embryo".to_owned()));
+        }
+        let text = |value: Value<'_>| String::from_utf8_lossy(value.text).into_owned();
+        let group = columns.group.map(|column| text(at(column))).unwrap_or_default();
+        let given = options.group.clone().filter(|_| group.is_empty());
+        let embryo = self.embryo(given.unwrap_or(group), text(embryo));
+        let cell_place = self.cell(embryo, name, cell.line);
+        let frame = columns.frame.map(&at);
+        let frame = frame.map(|frame| number(frame.text).ok_or((frame, "not a number".to_owned()))).transpose()?;
         if let Some(n) = columns.n.map(&at)
             && !n.text.is_empty()
             && number(n.text).is_none_or(|n| n < 1.0)
         {
-            return Ok(Some((n, "not a number of frames".to_owned())));
+            return Err((n, "not a number of frames".to_owned()));
         }
-        let scaled = volume * scale(table.unit(), table.options);
-        if let Some(why) = self.embryos[embryo_place].cells[cell_place].note(scaled, frame, cell.line) {
-            return Ok(Some((cell, why)));
-        }
-        self.used += 1;
-        table.largest = table.largest.max(volume);
-        Ok(None)
+        self.note([embryo, cell_place], volume * factor, frame, cell)?;
+        Ok(volume)
     }
 
     fn read_grid<R: Read>(
         &mut self,
-        reader: &mut csv::Reader<R>,
+        table: &mut Table<'_, R>,
         file: &str,
         options: &ReadOptions,
         header: &[String],
-    ) -> Result<(), InputError> {
-        let stem = embryo_of_file(file);
-        let group = options.group.clone().unwrap_or_default();
-        let embryo = self.embryo(group, stem);
+    ) -> Result<Unit, InputError> {
+        let embryo = self.embryo(options.group.clone().unwrap_or_default(), embryo_of_file(file));
         let mut places: Vec<Option<usize>> = vec![None];
         for (column, name) in header.iter().enumerate().skip(1) {
             let known = is_cell(name);
             if !known {
-                self.skip(file, &Value { line: 1, column, name, text: name.as_bytes() }, "no name of Sulston's");
+                let value = Value { line: 1, column, name, text: name.as_bytes() };
+                self.skip(file, &(value, "no name of Sulston's".to_owned()));
             }
             places.push(known.then(|| self.cell(embryo, name, 1)));
         }
-        let mut record = ByteRecord::new();
-        while next(reader, &mut record, file)? {
-            let line = record.position().map_or(0, csv::Position::line);
-            for (column, text) in record.iter().enumerate().skip(1) {
-                let value = Value {
-                    line,
-                    column,
-                    name: header.get(column).map_or("", String::as_str),
-                    text: text.trim_ascii(),
-                };
-                // A cell that is not there in a frame has no volume in it.
+        while let Some(row) = table.next()? {
+            for column in 1..row.1.len() {
+                let value = Value::new(row, header, column);
+                // An empty field: the cell does not exist in this frame.
                 if value.text.is_empty() || value.text.eq_ignore_ascii_case(b"nan") {
                     continue;
                 }
-                if column >= header.len() {
-                    self.skip(file, &value, "no column has a name for it");
-                    continue;
-                }
-                let Some(cell) = places[column] else { continue };
-                let volume = match positive(value.text) {
-                    Ok(volume) => volume * scale(Unit::Voxels, options),
-                    Err(why) => {
-                        self.skip(file, &value, why);
-                        continue;
-                    }
+                let noted = match places.get(column) {
+                    None => Err((value, "no column has a name for it".to_owned())),
+                    Some(None) => continue,
+                    Some(Some(cell)) => positive(value).and_then(|volume| {
+                        self.note([embryo, *cell], volume * options.voxel_volume(), Some(row.0 as f64), value)
+                    }),
                 };
-                // Rows are frames, each told once.
-                match self.embryos[embryo].cells[cell].note(volume, Some(line as f64), line) {
-                    Some(why) => self.skip(file, &value, &why),
-                    None => self.used += 1,
+                if let Err(rejected) = noted {
+                    self.skip(file, &rejected);
                 }
             }
         }
-        self.settle(file, options, Unit::Voxels)
+        Ok(Unit::Voxels)
     }
 
-    /// The unit of a table must be that of all.
+    /// Adds a volume of a cell.
+    fn note<'r>(
+        &mut self,
+        [embryo, cell]: [usize; 2],
+        volume: f64,
+        frame: Option<f64>,
+        place: Value<'r>,
+    ) -> Result<(), Rejected<'r>> {
+        self.embryos[embryo].cells[cell].note(volume, frame, place.line).map_err(|why| (place, why))?;
+        self.used += 1;
+        Ok(())
+    }
+
+    /// Requires one unit for all tables.
     fn settle(&mut self, file: &str, options: &ReadOptions, unit: Unit) -> Result<(), InputError> {
         let unit = match (unit, options.voxel) {
             (Unit::Voxels, Some(_)) => Unit::CubicMicrometres,
             (unit, _) => unit,
         };
         match self.unit.replace(unit).filter(|before| *before != unit) {
-            Some(before) => Err(InputError::NotAllowed {
-                source_name: file.to_owned(),
-                field: "unit".to_owned(),
-                value: unit.symbol().to_owned(),
-                allowed: format!(
-                    "{}, the unit of the tables before (--voxel gives voxels their size)",
-                    before.symbol()
-                ),
-            }),
+            Some(before) => {
+                let before = before.symbol();
+                let allowed = format!("{before}, the unit of the tables before (--voxel gives voxels their size)");
+                Err(InputError::not_allowed(file, "unit", unit.symbol(), allowed))
+            }
             None => Ok(()),
         }
     }
@@ -325,7 +283,7 @@ impl Volumes {
         })
     }
 
-    fn skip(&mut self, file: &str, value: &Value<'_>, why: &str) {
+    fn skip(&mut self, file: &str, (value, why): &Rejected<'_>) {
         self.skipped_count += 1;
         if self.skipped.len() < MOST_PLACES {
             self.skipped.push(Skipped {
@@ -333,53 +291,42 @@ impl Volumes {
                 line: value.line,
                 column: format!("{} ({})", value.column + 1, value.name),
                 value: String::from_utf8_lossy(&value.text[..value.text.len().min(80)]).into_owned(),
-                why: why.to_owned(),
+                why: why.clone(),
             });
         }
     }
 }
 
 impl Lifespan {
-    /// Adds a value; says why not if it is one too many.
-    fn note(&mut self, volume: f64, frame: Option<f64>, line: u64) -> Option<String> {
-        match frame {
-            None if self.frames > 0 => {
-                return Some(format!(
-                    "a second volume of this cell, without a frame; the first is on line {}",
-                    self.line
-                ));
+    /// Adds a value, or says why it is one too many.
+    fn note(&mut self, volume: f64, frame: Option<f64>, line: u64) -> Result<(), String> {
+        if let Some(frame) = frame {
+            // Usually frames are in order.
+            let place = match self.seen.last() {
+                Some(last) if frame > *last => Err(self.seen.len()),
+                _ => self.seen.binary_search_by(|seen| seen.total_cmp(&frame)),
+            };
+            match place {
+                Ok(_) => return Err(format!("a second volume of this cell in frame {frame}")),
+                Err(place) => self.seen.insert(place, frame),
             }
-            None => {}
-            Some(frame) => {
-                // Frames come in order as a rule.
-                let place = match self.seen.last() {
-                    Some(last) if frame > *last => Err(self.seen.len()),
-                    _ => self.seen.binary_search_by(|seen| seen.total_cmp(&frame)),
-                };
-                match place {
-                    Ok(_) => return Some(format!("a second volume of this cell in frame {frame}")),
-                    Err(place) => self.seen.insert(place, frame),
-                }
-            }
+        } else if self.frames > 0 {
+            return Err(format!("a second volume of this cell, without a frame; the first is on line {}", self.line));
         }
         if self.frames == 0 {
             self.line = line;
         }
         self.sum += volume;
         self.frames += 1;
-        None
+        Ok(())
     }
 }
 
-/// A unit column must say the same all along.
+/// Requires one unit in all rows.
 fn note_unit(file: &str, value: &Value<'_>, said: &mut Option<Unit>) -> Result<(), InputError> {
     let text = String::from_utf8_lossy(value.text);
-    let refused = |allowed: String| InputError::NotAllowed {
-        source_name: file.to_owned(),
-        field: format!("{} on line {}, column {}", value.name, value.line, value.column + 1),
-        value: text.to_string(),
-        allowed,
-    };
+    let field = format!("{} on line {}, column {}", value.name, value.line, value.column + 1);
+    let refused = |allowed: String| InputError::not_allowed(file, &field, &text, allowed);
     let unit = Unit::written(&text).ok_or_else(|| refused("um3, voxels or relative".to_owned()))?;
     match said.replace(unit) {
         Some(before) if before != unit => Err(refused(format!("{}, the unit of the rows before", before.symbol()))),
@@ -387,16 +334,17 @@ fn note_unit(file: &str, value: &Value<'_>, said: &mut Option<Unit>) -> Result<(
     }
 }
 
-/// Volumes of any cell, in any unit. Beyond, sums of them would be lost to overflow.
+/// Limits of a volume in any unit; sums beyond them could overflow.
 const VOLUMES: [f64; 2] = [1e-100, 1e100];
 
-/// A volume, which is positive; else why it is none.
-fn positive(text: &[u8]) -> Result<f64, &'static str> {
-    match number(text) {
-        Some(volume) if volume > VOLUMES[0] && volume < VOLUMES[1] => Ok(volume),
-        Some(volume) if volume > 0.0 => Err("a volume must be from 1e-100 to 1e100"),
-        Some(_) => Err("a volume must be above 0"),
-        None if text.is_empty() => Err("no volume"),
-        None => Err("not a number"),
-    }
+/// A volume, which is positive.
+fn positive(value: Value<'_>) -> Result<f64, Rejected<'_>> {
+    let why = match number(value.text) {
+        Some(volume) if volume > VOLUMES[0] && volume < VOLUMES[1] => return Ok(volume),
+        Some(volume) if volume > 0.0 => "a volume must be from 1e-100 to 1e100",
+        Some(_) => "a volume must be above 0",
+        None if value.text.is_empty() => "no volume",
+        None => "not a number",
+    };
+    Err((value, why.to_owned()))
 }

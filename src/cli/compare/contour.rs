@@ -5,7 +5,7 @@ use std::path::Path;
 
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::polygons::{Contours, LeftOut};
-use furrow_measured::contour::series::{Beside, Modelled, Series, series};
+use furrow_measured::contour::series::{ContourMatch, ModelContour, Series, series};
 
 use super::files;
 use crate::cli::output::{print, to_json, writable_folder};
@@ -74,7 +74,7 @@ pub fn run(args: &ContourArgs, context: &Context) -> Result<(), CliError> {
 }
 
 /// The contours of a simulated division, both sides of the axis.
-fn modelled(folder: &Path) -> Result<Vec<Modelled>, CliError> {
+fn modelled(folder: &Path) -> Result<Vec<ModelContour>, CliError> {
     let mut out = Vec::new();
     for frame in read_frames(folder)? {
         let other = frame.points.iter().rev().map(|[r, z]| [-r, *z]);
@@ -84,7 +84,7 @@ fn modelled(folder: &Path) -> Result<Vec<Modelled>, CliError> {
             wanted: "a contour from pole to pole".to_owned(),
             reason: why.to_string(),
         })?;
-        out.push(Modelled { frame: frame.file, t: frame.t, contour });
+        out.push(ModelContour { frame: frame.file, t: frame.t, contour });
     }
     Ok(out)
 }
@@ -139,7 +139,7 @@ fn text(series: &Series, left_out: &[LeftOut]) -> String {
         "contour", "stage", "depth (model)", "long (model)", "t", "|A∩B|/|A|", "pixels", "|A∩B|/|A∪B|"
     );
     for (beside, name) in series.contours.iter().zip(&names) {
-        let Beside { measured, model, overlap, pixels, .. } = beside;
+        let ContourMatch { measured, model, overlap, pixels, .. } = beside;
         let pair = |a: f64, b: f64| format!("{a:.3} ({b:.3})");
         let _ = writeln!(
             out,
@@ -169,7 +169,7 @@ fn text(series: &Series, left_out: &[LeftOut]) -> String {
 }
 
 /// How a contour is called: by its file, and its name within it.
-fn name(beside: &Beside) -> String {
+fn name(beside: &ContourMatch) -> String {
     let file =
         Path::new(&beside.file).file_name().map_or(beside.file.clone(), |file| file.to_string_lossy().into_owned());
     if beside.contour.is_empty() { file } else { format!("{file} {}", beside.contour) }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use furrow_measured::contour::series::{Beside, Series};
+use furrow_measured::contour::series::{ContourMatch, Series};
 use furrow_measured::events::Division;
 use furrow_measured::trend::{AdjacentTest, VolumeBin};
 use serde_json::{Value, json};
@@ -60,8 +60,8 @@ pub const CONTOUR_NAMES: [&str; 2] = ["contours.csv", "compare.json"];
 /// The columns of `contours.csv`.
 const CONTOUR: &str = "file,contour,stage,depth,model_depth,elongation,model_elongation,area,centroid_x,centroid_y,angle,frame,t,similarity,similarity_pixels,jaccard";
 
-fn contour_row(beside: &Beside) -> Value {
-    let Beside { measured, model, overlap, pixels, centroid: [x, y], angle, .. } = beside;
+fn contour_row(beside: &ContourMatch) -> Value {
+    let ContourMatch { measured, model, overlap, pixels, centroid: [x, y], angle, .. } = beside;
     let stage = beside.stage.map(|stage| stage + 1);
     let [depth, elongation] = [[measured.depth, model.depth], [measured.elongation, model.elongation]];
     let similar = [overlap.similarity, pixels.similarity, overlap.jaccard];

@@ -123,7 +123,7 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     let (free, firsts) = model(&lineage, settings.cell.r0, &measured.groups, grow)?;
     let all = &measured.found.divisions;
     let mut groups = beside(measured.groups.clone(), all, &free, &firsts, args.bins.as_deref());
-    let flag = Some(interrupt::flag());
+    let flag = interrupt::flag();
     add_bands(&mut groups, &free, &lineage, &settings, &sets, context.threads, flag)?;
     let bins = volume_bins(all, args.bins.as_deref());
     let length_scale = match args.length_scale {

@@ -1,8 +1,7 @@
-//! Rounds of founders beside the observed ones (figure 5A), by every reading of "rounds" and at every stage.
+//! Rounds of founders compared with the observed ones (figure 5A), by every reading of "rounds" and at every stage.
 //!
-//! The paper holds rounds of division against Sulston's and does not say which reading of them: fewest, mean or most divisions
-//! from the founder to a terminal cell, or generations that doubled fully. All are reported, at hatching and in embryos of fewer
-//! cells, where the lineage is cut at that time.
+//! The paper compares rounds with Sulston's without defining them: fewest, mean or most divisions from the founder to a
+//! terminal cell, or full doublings. All are reported, at hatching and at earlier stages.
 
 use std::collections::BTreeMap;
 
@@ -105,9 +104,9 @@ pub struct StageCounts {
     pub founders: Vec<FounderCounts>,
 }
 
-/// How often cells of a founder end for a reason.
+/// Terminal cells of a founder, by reason.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Thresholds {
+pub struct TerminalCells {
     /// The founder.
     pub founder: String,
     /// Its terminal cells by reason.
@@ -124,7 +123,7 @@ pub struct Counts {
     /// The paper's sentence by every reading.
     pub sentence: Vec<Sentence>,
     /// Which cells ended where, and why.
-    pub ends: Vec<Thresholds>,
+    pub ends: Vec<TerminalCells>,
     /// Divisions on the way P0, P1, P2, P3, P4 in the model, and in the embryo to Z2 and Z3.
     pub germline: [u32; 2],
 }
@@ -186,7 +185,7 @@ fn germline_divisions(tree: &Tree) -> u32 {
 }
 
 /// Which cells ended where, and why; by the founder that they descend from directly.
-fn ends(tree: &Tree) -> Vec<Thresholds> {
+fn ends(tree: &Tree) -> Vec<TerminalCells> {
     let of = |k: usize| {
         let (mut ended, mut radii) = (BTreeMap::new(), Vec::new());
         for id in tree.cells() {
@@ -198,7 +197,7 @@ fn ends(tree: &Tree) -> Vec<Thresholds> {
         }
         let smallest = radii.iter().copied().reduce(f64::min);
         let r0 = smallest.zip(radii.iter().copied().reduce(f64::max)).map(|(least, most)| [least, most]);
-        Thresholds { founder: tree.lineage.founders[k].name.clone(), ended, r0 }
+        TerminalCells { founder: tree.lineage.founders[k].name.clone(), ended, r0 }
     };
     (0..tree.lineage.founders.len()).map(of).filter(|ends| !ends.ended.is_empty()).collect()
 }

@@ -1,9 +1,9 @@
-//! The model beside measured embryos.
+//! Compares the model with measured embryos.
 //!
-//! | file | what it says |
+//! | file | content |
 //! |---|---|
-//! | [`volumes`] | χ of measured divisions beside the tree's, free and with the first division as measured |
-//! | [`counts`] | rounds of founders beside the observed ones, by every reading and at every stage |
+//! | [`volumes`] | χ of measured divisions and of the tree, free or with the measured first division |
+//! | [`counts`] | rounds of founders, by every reading and at every stage |
 
 pub mod counts;
 pub mod volumes;

@@ -3,7 +3,7 @@
 //! The model computes χ of a cell twice: in the tree grown from the zygote, and in the tree whose AB and P1 are as large as a
 //! group of embryos measures them. The second can be compared with embryos whose first division was changed.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::AtomicBool;
 
 use furrow_measured::events::{Division, GroupSummary, MotherSummary, by_group};
@@ -198,37 +198,10 @@ pub fn regression(x: &GroupBeside, y: &GroupBeside) -> Regression {
     }
 }
 
-/// χ of these cells over sets of constants, the tree grown from the zygote with each.
+/// Adds χ over sets of constants to all mothers in `free`, the tree from the zygote; nothing without sets.
 ///
 /// # Errors
-/// [`GrowError`] of the first set that cannot be grown.
-pub fn bands(
-    lineage: &Lineage,
-    settings: &TreeSettings,
-    sets: &[Constants],
-    mothers: &[String],
-    threads: usize,
-    cancel: Option<&AtomicBool>,
-) -> Result<BTreeMap<String, Band>, GrowError> {
-    let read = |set: &Constants, tree: &Tree, _: &_| {
-        let cells = modelled(tree);
-        let chi: Vec<Option<f64>> = mothers.iter().map(|mother| cells.get(mother).and_then(|cell| cell.chi)).collect();
-        (set.weight, chi)
-    };
-    let trees = each_tree(lineage, settings, sets, threads, cancel, read)?;
-    let total: f64 = trees.iter().map(|(weight, _)| weight).sum();
-    let of = |(k, mother): (usize, &String)| {
-        let divided: Vec<(f64, f64)> = trees.iter().filter_map(|(weight, chi)| Some((chi[k]?, *weight))).collect();
-        let divides = divided.iter().map(|(_, weight)| weight).sum::<f64>() / total + 0.0;
-        (mother.clone(), Band { chi: Range::of(divided), divides })
-    };
-    Ok(mothers.iter().enumerate().map(of).collect())
-}
-
-/// Gives all mothers that the tree from the zygote, `free`, has their χ over sets of constants; nothing where there are no sets.
-///
-/// # Errors
-/// As [`bands`].
+/// [`GrowError`] of the first set whose tree cannot be grown.
 pub fn add_bands(
     groups: &mut [GroupBeside],
     free: &Cells,
@@ -236,17 +209,23 @@ pub fn add_bands(
     settings: &TreeSettings,
     sets: &[Constants],
     threads: usize,
-    cancel: Option<&AtomicBool>,
+    cancel: &AtomicBool,
 ) -> Result<(), GrowError> {
     if sets.is_empty() {
         return Ok(());
     }
-    let mothers: BTreeSet<String> =
-        groups.iter().flat_map(|group| &group.events).map(|event| event.measured.mother.clone()).collect();
-    let mothers: Vec<String> = mothers.into_iter().filter(|mother| free.contains_key(mother)).collect();
-    let bands = bands(lineage, settings, sets, &mothers, threads, cancel)?;
+    let trees = each_tree(lineage, settings, sets, threads, cancel, |set, tree, _| (set.weight, modelled(tree)))?;
+    let total: f64 = trees.iter().map(|(weight, _)| weight).sum();
+    let band = |mother: &String| {
+        let divided = trees.iter().filter_map(|(weight, cells)| Some((cells.get(mother)?.chi?, *weight)));
+        let divided: Vec<(f64, f64)> = divided.collect();
+        // Adding 0 takes the sign from a zero.
+        let divides = divided.iter().map(|(_, weight)| weight).sum::<f64>() / total + 0.0;
+        Band { chi: Range::of(divided), divides }
+    };
     for event in groups.iter_mut().flat_map(|group| &mut group.events) {
-        event.band = bands.get(&event.measured.mother).copied();
+        let mother = &event.measured.mother;
+        event.band = free.contains_key(mother).then(|| band(mother));
     }
     Ok(())
 }

@@ -1,53 +1,21 @@
-//! Which activity each founder by itself would need for its observed rounds.
+//! The activity that each founder alone would need for its observed rounds.
 //!
-//! The paper leaves open what stops lineages that its mechanics would divide further. Were it activity alone, a founder and
-//! all its descendants would have one of their own: the ξ_s for which the model's rounds are the observed ones. A founder is
-//! as large as it is born with the constants of the run, all other cells keep their activity.
+//! The paper leaves open what stops lineages that mechanics would divide further. If it were activity alone, a founder and
+//! its descendants would share the ξ_s at which the model's rounds are the observed ones. A founder keeps the size it has
+//! with the run's constants, and all other cells keep their activity.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{FitError, is_set};
+use super::error::{FitError, check_cancelled};
 use furrow_cell::Cell;
 use furrow_lineage::batch::{Memo, scheduler};
 
-use crate::ranges::grow_alone;
-use furrow_lineage::{GrowError, Lineage, ObservedRounds, Rounds, Thresholds, TreeSettings, founder_rounds};
+use crate::ranges::{Reading, grow_alone};
+use furrow_lineage::{GrowError, Lineage, Thresholds, TreeSettings, founder_rounds};
 use furrow_mechanics::equilibria::CriticalRadii;
-
-/// Which reading of "rounds" is to be met.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Reading {
-    /// Fewest rounds to a terminal cell.
-    Min,
-    /// Mean over terminal cells.
-    Mean,
-    /// Most rounds.
-    Max,
-}
-
-impl Reading {
-    /// The model's.
-    pub fn of(self, rounds: &Rounds) -> f64 {
-        match self {
-            Reading::Min => f64::from(rounds.min),
-            Reading::Mean => rounds.mean,
-            Reading::Max => f64::from(rounds.max),
-        }
-    }
-
-    /// The observed.
-    pub fn observed(self, rounds: &ObservedRounds) -> Option<f64> {
-        match self {
-            Reading::Min => rounds.min.map(f64::from),
-            Reading::Mean => rounds.mean,
-            Reading::Max => rounds.max.map(f64::from),
-        }
-    }
-}
 
 /// The activity that a founder would need.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -58,7 +26,7 @@ pub struct FounderActivity {
     pub observed: f64,
     /// Rounds at the activity of the run; `None` if it is never born.
     pub rounds: Option<f64>,
-    /// The widest interval of ξ_s in which rounds are the observed ones to within half a round; `None` if there is none.
+    /// The widest interval of ξ_s in which rounds are within half a round of the observed; `None` if no interval exists.
     pub xi_s: Option<[f64; 2]>,
     /// All such intervals.
     pub intervals: Vec<[f64; 2]>,
@@ -72,8 +40,8 @@ pub struct FounderActivity {
 pub const WITHIN: f64 = 0.5;
 /// The search ends where rounds are so many more than observed.
 pub const BEYOND: f64 = 1.5;
-/// Branches are cut so many rounds below the most observed. Fewest and most rounds are too many then, whatever follows; what is
-/// cut off a few long branches moves a mean little.
+/// Rounds beyond the most observed after which growth stops, for extremes and for means. Fewest and most rounds are too
+/// many then; cutting a few long branches changes a mean little.
 const DEEPER: [u32; 2] = [2, 8];
 /// Activities tried, evenly in their logarithm.
 const TRIED: usize = 20;
@@ -85,7 +53,7 @@ struct Search<'a> {
     lineage: &'a Lineage,
     settings: &'a TreeSettings,
     memo: &'a Memo,
-    cancel: Option<&'a AtomicBool>,
+    cancel: &'a AtomicBool,
     reading: Reading,
     founder: usize,
     /// The critical radii that are stored.
@@ -125,21 +93,22 @@ impl Search<'_> {
         let meets = |rounds: Option<f64>| rounds.is_some_and(|r| (r - observed).abs() <= WITHIN);
         let xi_at = |k: usize| range[0] * (range[1] / range[0]).powf(k as f64 / (TRIED - 1) as f64);
         let mut tried: Vec<(f64, Option<f64>)> = Vec::new();
-        for k in 0..TRIED {
-            let rounds = self.rounds(xi_at(k))?;
-            tried.push((xi_at(k), rounds));
+        for xi_s in (0..TRIED).map(xi_at) {
+            let rounds = self.rounds(xi_s)?;
+            tried.push((xi_s, rounds));
             if rounds.is_some_and(|r| r > observed + BEYOND) {
                 break;
             }
         }
         // Where rounds begin and cease to be the observed ones, between neighbours.
         let edge = |inside: f64, outside: f64| -> Result<f64, GrowError> {
-            let mut ends = [inside, outside];
-            for _ in 0..HALVINGS {
-                let middle = (ends[0] * ends[1]).sqrt();
-                ends[usize::from(!meets(self.rounds(middle)?))] = middle;
-            }
-            Ok(ends[0])
+            let mut last = inside;
+            self.bisect([inside, outside], |xi_s, rounds| {
+                let met = meets(rounds);
+                last = if met { xi_s } else { last };
+                Some(met)
+            })?;
+            Ok(last)
         };
         // Rounds are steps: an interval may lie between two neighbours, one with too few rounds and one with too many.
         let mut points = tried.clone();
@@ -147,7 +116,11 @@ impl Search<'_> {
             let [(below, few), (above, many)] = [pair[0], pair[1]];
             let [few, many] = [few, many].map(|r| r.unwrap_or(0.0) - observed);
             if few * many < 0.0 && few.abs() > WITHIN && many.abs() > WITHIN {
-                points.extend(self.hidden([below, above], few < 0.0, observed)?);
+                self.bisect([below, above], |xi_s, rounds| {
+                    points.push((xi_s, rounds));
+                    let off = rounds.unwrap_or(0.0) - observed;
+                    (off.abs() > WITHIN).then_some((off < 0.0) == (few < 0.0))
+                })?;
             }
         }
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -165,7 +138,7 @@ impl Search<'_> {
         }
         let searched = [range[0], points.last().map_or(range[1], |last| last.0)];
         intervals.extend(open.map(|from| [from, searched[1]]));
-        let width = |interval: &[f64; 2]| interval[1] / interval[0];
+        let width = |[from, to]: &[f64; 2]| to / from;
         let nearest = points.iter().filter_map(|&(xi_s, rounds)| Some((xi_s, rounds?)));
         Ok(FounderActivity {
             name: self.lineage.founders[self.founder].name.clone(),
@@ -178,20 +151,20 @@ impl Search<'_> {
         })
     }
 
-    /// Activities between two neighbours, one of which has too few rounds and the other too many, that home in on the step.
-    fn hidden(&self, mut ends: [f64; 2], rises: bool, observed: f64) -> Result<Vec<(f64, Option<f64>)>, GrowError> {
-        let mut found = Vec::new();
+    /// Halves an interval of activities: `is_first` says whether the middle replaces the first end, or `None` to stop.
+    fn bisect(
+        &self,
+        mut ends: [f64; 2],
+        mut is_first: impl FnMut(f64, Option<f64>) -> Option<bool>,
+    ) -> Result<(), GrowError> {
         for _ in 0..HALVINGS {
             let middle = (ends[0] * ends[1]).sqrt();
-            let rounds = self.rounds(middle)?;
-            found.push((middle, rounds));
-            let off = rounds.unwrap_or(0.0) - observed;
-            if off.abs() <= WITHIN {
-                break;
+            match is_first(middle, self.rounds(middle)?) {
+                Some(first) => ends[usize::from(!first)] = middle,
+                None => break,
             }
-            ends[usize::from((off > 0.0) == rises)] = middle;
         }
-        Ok(found)
+        Ok(())
     }
 }
 
@@ -207,7 +180,7 @@ pub fn activities(
     reading: Reading,
     range: [f64; 2],
     threads: usize,
-    cancel: Option<&AtomicBool>,
+    cancel: &AtomicBool,
 ) -> Result<(Vec<FounderActivity>, usize), FitError> {
     let trees = &AtomicUsize::new(0);
     let one = |founder: usize| -> Option<Result<FounderActivity, GrowError>> {
@@ -219,8 +192,6 @@ pub fn activities(
     let found: Vec<Option<Result<_, _>>> =
         scheduler::pool(threads)?.install(|| (0..founders).into_par_iter().with_max_len(1).map(one).collect());
     let trees = trees.load(Ordering::Relaxed);
-    if is_set(cancel) {
-        return Err(FitError::Interrupted { tried: trees, what: "trees" });
-    }
+    check_cancelled(cancel, trees, "trees")?;
     Ok((found.into_iter().flatten().collect::<Result<_, _>>()?, trees))
 }

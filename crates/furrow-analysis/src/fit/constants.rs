@@ -1,18 +1,17 @@
-//! One set of constants for the embryo.
+//! Fits one set of constants to the embryo.
 //!
-//! A set of constants is evaluated by the tree that it grows. Its misfit is
+//! The misfit of a set of constants follows from its tree:
 //!
 //! * \[F.3 misfit\] M = w_r ⟨|mean rounds − observed|⟩ + w_t ⟨|log₂(terminal cells/observed)|⟩ + w_χ ⟨|χ − measured|⟩ + (1 for each
 //!   founder that should divide symmetrically and does not),
 //!
-//! means over the founders and the divisions that the targets name. Counts are steps of the constants, so that absolute
-//! deviations serve, and no derivative. The second objective is
+//! averaged over the founders and divisions in the targets. Counts are piecewise constant and have no useful derivative.
+//! The second objective is
 //!
 //! * \[F.4 thresholds\] T = rms of ξ_s*/published − 1, over the published pitchforks.
 //!
-//! Shapes depend on gain and activity only through gξ_s: the gain is that with which the logarithms of the thresholds are off
-//! by nothing on average, and the activity follows. Swarms look for the least M + λT at several λ; all that was tried makes
-//! the front between the embryo's counts and the published thresholds.
+//! Shapes depend on gain and activity only through gξ_s: the gain makes the mean logarithmic deviation of the thresholds
+//! zero, and the activity follows. Swarms minimise M + λT at several λ; the Pareto front comes from all evaluated sets.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -21,9 +20,9 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::search::{Region, SearchBudget, swarm};
+use super::error::{FitError, check_cancelled};
+use super::search::{Region, SearchBudget, moved, swarm};
 use super::targets::{MeasuredChi, Searched, Targets};
-use super::{FitError, is_set, moved};
 use crate::ranges::grow_alone;
 use furrow_cell::{Cell, Parameter};
 use furrow_lineage::batch::{Memo, scheduler};
@@ -39,13 +38,13 @@ const TRADES: [f64; 4] = [0.0, 1.0, 5.0, 25.0];
 const SHARE: u64 = 3;
 /// Places on the straight line from the start to the best.
 const STEPS: usize = 8;
-/// By how much more misfit a constant is moved to tell how sharp the best is.
+/// Increase of the misfit that defines the sharpness of the best.
 const WORSE: f64 = 0.05;
 /// Smallest and largest move, in the unit cube.
 const MOVES: [f64; 2] = [0.0025, 0.32];
 /// Halvings of the last move.
 const HALVINGS: usize = 4;
-/// More generations than observed, and more cells for each observed, need not be grown to know that a set is far off.
+/// Generations beyond the observed and cells per observed cell after which growth stops: the misfit is large then.
 const BEYOND: [u32; 2] = [5, 6];
 
 /// A founder of a tree beside what was observed of it.
@@ -146,7 +145,7 @@ pub struct FittedConstants {
     pub best: Evaluated,
     /// The constants of the start.
     pub start: Evaluated,
-    /// Sets that no other beats in both, from the least misfit to the best thresholds.
+    /// The Pareto front, from the least misfit to the best thresholds.
     pub front: Vec<Evaluated>,
     /// How sharp the best is.
     pub sharpness: Vec<Sharpness>,
@@ -163,19 +162,16 @@ struct Objective<'a> {
     targets: &'a Targets,
     settings: &'a TreeSettings,
     memo: &'a Memo,
-    cancel: Option<&'a AtomicBool>,
+    cancel: &'a AtomicBool,
     /// Called with the number of sets tried and the least misfit so far.
     progress: Option<&'a (dyn Fn(usize, f64) + Sync)>,
-    /// All that was tried, by the bits of its place: in the same order whatever the threads did.
+    /// All evaluated places by their bits, so that their order does not depend on threads.
     seen: Mutex<BTreeMap<Vec<u64>, Option<Evaluated>>>,
 }
 
 impl Objective<'_> {
     fn check_cancelled(&self) -> Result<(), FitError> {
-        match is_set(self.cancel) {
-            true => Err(FitError::Interrupted { tried: self.known().len(), what: SETS }),
-            false => Ok(()),
-        }
+        check_cancelled(self.cancel, self.known().len(), SETS)
     }
 
     /// The set of constants at a place of the unit cube; `None` where no tree can be grown.
@@ -184,13 +180,9 @@ impl Objective<'_> {
         if let Some(known) = self.known().get(&key) {
             return known.clone();
         }
-        if is_set(self.cancel) {
-            return None;
-        }
+        self.check_cancelled().ok()?;
         let found = self.evaluate(&self.targets.cell_at(&self.settings.cell, place));
-        if is_set(self.cancel) {
-            return None;
-        }
+        self.check_cancelled().ok()?;
         let mut seen = self.known();
         seen.insert(key, found.clone());
         if let Some(progress) = self.progress {
@@ -269,17 +261,15 @@ impl Objective<'_> {
     /// The published thresholds with these constants, and the cell with the gain that suits them best; `None` for them where one
     /// is not found.
     fn thresholds(&self, cell: &Cell) -> (Cell, Vec<ThresholdFit>) {
-        let mut computed = Vec::new();
-        for given in &self.targets.thresholds {
-            match pitchfork::first(&given.cell(cell), &self.settings.numerics, &BranchOptions::default()) {
-                Ok(found) => computed.push(found.point.xi_s),
-                Err(_) => return (cell.clone(), vec![]),
-            }
-        }
-        if computed.is_empty() {
-            return (cell.clone(), vec![]);
-        }
         let given = &self.targets.thresholds;
+        let threshold = |given: &Threshold| {
+            let found = pitchfork::first(&given.cell(cell), &self.settings.numerics, &BranchOptions::default());
+            found.map(|found| found.point.xi_s)
+        };
+        let computed: Vec<f64> = match given.iter().map(threshold).collect() {
+            Ok(computed) if !given.is_empty() => computed,
+            _ => return (cell.clone(), vec![]),
+        };
         let logs: f64 = computed.iter().zip(given).map(|(found, given)| (found / given.xi_s).ln()).sum();
         let factor = (logs / computed.len() as f64).exp();
         let mut cell = cell.clone();
@@ -350,7 +340,7 @@ impl Objective<'_> {
     }
 }
 
-/// A lineage that is not grown further than tells a set of constants that is far off.
+/// The lineage with limits of growth that suffice to recognise bad constants.
 fn bounded(lineage: &Lineage) -> Lineage {
     let mut out = lineage.clone();
     let observed = || lineage.founders.iter().filter_map(|founder| founder.observed);
@@ -374,7 +364,7 @@ pub fn fit_constants(
     memo: &Memo,
     effort: SearchBudget,
     threads: usize,
-    cancel: Option<&AtomicBool>,
+    cancel: &AtomicBool,
     progress: Option<&(dyn Fn(usize, f64) + Sync)>,
 ) -> Result<FittedConstants, FitError> {
     let lineage = &bounded(lineage);
@@ -467,7 +457,7 @@ fn between(a: &[f64], b: &[f64]) -> Region {
     a.iter().zip(b).map(side).collect()
 }
 
-/// Sets that no other beats in both misfit and thresholds, by rising misfit.
+/// The Pareto front of misfit and thresholds, by rising misfit.
 fn front<'a>(all: impl Iterator<Item = &'a Evaluated>) -> Vec<Evaluated> {
     let mut sets: Vec<&Evaluated> = all.filter(|e| e.thresholds_rms.is_some()).collect();
     sets.sort_by(|a, b| by_misfit(a, b));

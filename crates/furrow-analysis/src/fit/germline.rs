@@ -1,13 +1,13 @@
-//! Which cue gives the measured size asymmetries of the germline.
+//! Fits a cue to the measured size asymmetries of the germline.
 //!
-//! A cue is evaluated by the divisions of the founders whose χ was measured and of those they descend from, each as large as its
-//! mother's division makes it:
+//! The misfit of a cue follows from the divisions of the measured founders and their ancestors, each as large as its mother's
+//! division makes it:
 //!
 //! * \[F.5 chi squared\] χ² = Σ ((χ − measured)/sd)².
 //!
-//! A swarm looks for its least value over the numbers of the cue's terms, a simplex goes on from there. The sensitivities of χ
-//! to those numbers, exact by the tangents of the divisions and handed down from mother to daughter with the radius, tell how
-//! firmly the measurements hold each of them, and which combinations they leave open.
+//! A swarm minimises it over the numbers of the cue's terms, and a simplex refines the minimum. The sensitivities of χ to
+//! those numbers, exact by the divisions' tangents and passed from mother to daughter with the radius, show how well the
+//! measurements determine each number, and which combinations they leave open.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -15,9 +15,9 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use furrow_spectra::Svd;
 use serde::Serialize;
 
+use super::error::{FitError, check_cancelled};
 use super::search::{SearchBudget, descend, swarm};
 use super::targets::{MeasuredChi, Targets};
-use super::{FitError, is_set};
 use furrow_cell::cue::{Quantity, Width};
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_lineage::batch::scheduler;
@@ -29,18 +29,17 @@ const PLACES: [f64; 2] = [0.05, 0.95];
 const WIDTHS: [f64; 2] = [0.01, 0.5];
 const LENGTHS: [f64; 2] = [0.05, 5.0];
 const AMPLITUDES: [f64; 2] = [0.005, 2.0];
-/// Misfit, in standard deviations, of a χ that is not there because the cell does not divide.
+/// Misfit, in standard deviations, of a cell that does not divide.
 const UNDIVIDED: f64 = 10.0;
 /// Steps of the simplex, and its edges in the unit cube.
 const DESCENT: u64 = 120;
 const EDGE: f64 = 0.02;
-/// Part of the time tolerance with which sensitivities are followed, and the least they are followed with: a derivative of a
-/// cell that turns quickly with its numbers shows errors that its χ does not.
+/// Factor on the time tolerance for sensitivities, and the least tolerance: derivatives show errors that χ does not.
 const FINER: f64 = 1e-2;
 const FINEST: f64 = 1e-8;
 /// What is tried, in errors.
 const CUES: &str = "cues";
-/// Combinations whose change by a factor e, or by all of u, moves χ less than a standard deviation are left open.
+/// Combinations are open if a factor e, or a shift over all of u, changes χ by less than a standard deviation.
 const OPEN: f64 = 1.0;
 
 /// A measured χ beside the model's.
@@ -69,7 +68,7 @@ pub struct CueNumber {
     pub value: f64,
     /// Between which values was searched.
     pub searched: [f64; 2],
-    /// Its standard deviation by the measurements', if they hold it at all.
+    /// Its standard deviation, if the measurements determine it.
     pub sd: Option<f64>,
 }
 
@@ -235,11 +234,15 @@ struct Objective<'a> {
     settings: &'a TreeSettings,
     template: &'a Cue,
     unknowns: Vec<Unknown>,
-    cancel: Option<&'a AtomicBool>,
+    cancel: &'a AtomicBool,
     tried: AtomicUsize,
 }
 
 impl Objective<'_> {
+    fn check_cancelled(&self) -> Result<(), FitError> {
+        check_cancelled(self.cancel, self.tried.load(Ordering::Relaxed), CUES)
+    }
+
     fn cue(&self, place: &[f64]) -> Cue {
         let mut cell = Cell::new(1.0).with_cue(self.template.clone());
         for (unknown, share) in self.unknowns.iter().zip(place) {
@@ -272,7 +275,7 @@ impl Objective<'_> {
 
     fn chi_squared(&self, place: &[f64]) -> f64 {
         let outside: f64 = place.iter().map(|x| (x - x.clamp(0.0, 1.0)).abs()).sum();
-        if is_set(self.cancel) || outside > 0.0 {
+        if self.check_cancelled().is_err() || outside > 0.0 {
             return f64::INFINITY;
         }
         self.tried.fetch_add(1, Ordering::Relaxed);
@@ -337,25 +340,20 @@ pub fn fit_cue(
     template: &Cue,
     effort: SearchBudget,
     threads: usize,
-    cancel: Option<&AtomicBool>,
+    cancel: &AtomicBool,
 ) -> Result<FittedCue, FitError> {
     let unknowns = unknowns(template);
     let objective = Objective { lineage, targets, settings, template, unknowns, cancel, tried: AtomicUsize::new(0) };
     scheduler::pool(threads)?.install(|| {
         let region = vec![[0.0, 1.0]; objective.unknowns.len()];
         let found = swarm(&region, effort, &|place| objective.chi_squared(place));
-        let tried = || objective.tried.load(Ordering::Relaxed);
-        let check_cancelled = || match is_set(cancel) {
-            true => Err(FitError::Interrupted { tried: tried(), what: CUES }),
-            false => Ok(()),
-        };
-        check_cancelled()?;
-        let nothing = || FitError::Nothing { tried: tried(), what: CUES, advice: "try terms on other fields" };
-        let (place, least) = found.ok_or_else(nothing)?;
+        objective.check_cancelled()?;
+        let (tried, advice) = (objective.tried.load(Ordering::Relaxed), "try terms on other fields");
+        let (place, least) = found.ok_or(FitError::Nothing { tried, what: CUES, advice })?;
         let (place, chi_squared) = descend(&place, EDGE, DESCENT, &|place| objective.chi_squared(place))
             .filter(|(_, better)| *better <= least)
             .unwrap_or((place, least));
-        check_cancelled()?;
+        objective.check_cancelled()?;
         complete(&objective, &place, chi_squared)
     })
 }
@@ -435,7 +433,7 @@ mod tests {
             settings: &settings,
             template: &template,
             unknowns,
-            cancel: None,
+            cancel: &AtomicBool::new(false),
             tried,
         };
         then(&objective, place)
@@ -448,7 +446,7 @@ mod tests {
             assert_eq!(exact.len(), 4);
             for (k, unknown) in objective.unknowns.iter().enumerate() {
                 let chi = |share: f64| -> Vec<f64> {
-                    let moved = super::super::moved(&place, k, share);
+                    let moved = super::super::search::moved(&place, k, share);
                     objective.fitted(&moved).iter().map(|residual| residual.computed.unwrap()).collect()
                 };
                 // χ of P3 turns quickly with the place of the cue.

@@ -1,4 +1,4 @@
-//! The search itself: a swarm of particles, which needs no derivatives. Counts are piecewise constant and have none.
+//! Particle swarms, which need no derivatives: counts are piecewise constant.
 //!
 //! # References
 //! Zambrano-Bigiarini, Clerc & Rojas, "Standard Particle Swarm Optimisation 2011 at CEC-2013", IEEE CEC 2013.
@@ -22,7 +22,7 @@ pub struct SearchBudget {
     pub particles: usize,
     /// Moves of each.
     pub moves: u64,
-    /// Seed of their first places and of their random moves.
+    /// Seed of their positions and moves.
     pub seed: u64,
 }
 
@@ -42,8 +42,8 @@ impl CostFunction for Problem<'_> {
     }
 }
 
-/// The best place that a swarm finds in a region, and its misfit; `None` if it finds nothing finite. Particles are evaluated in
-/// parallel, on the pool it is called in, and where they go does not depend on how many threads that has.
+/// The best place that a swarm finds in a region, and its misfit; `None` if no misfit is finite. Evaluates particles in
+/// parallel on the current pool; the result does not depend on the number of threads.
 pub fn swarm(region: &Region, effort: SearchBudget, misfit: Misfit<'_>) -> Option<(Vec<f64>, f64)> {
     let bounds = (region.iter().map(|r| r[0]).collect::<Vec<_>>(), region.iter().map(|r| r[1]).collect());
     let solver =
@@ -53,7 +53,7 @@ pub fn swarm(region: &Region, effort: SearchBudget, misfit: Misfit<'_>) -> Optio
     best.cost.is_finite().then_some((best.position, best.cost))
 }
 
-/// The lowest place near another one, for misfits that are smooth there (Nelder & Mead's simplex, of edges `edge`).
+/// A local minimum near a place, for smooth misfits (Nelder & Mead's simplex with edges `edge`).
 pub fn descend(place: &[f64], edge: f64, steps: u64, misfit: Misfit<'_>) -> Option<(Vec<f64>, f64)> {
     let corner = |k: usize| {
         let mut corner = place.to_vec();
@@ -65,6 +65,13 @@ pub fn descend(place: &[f64], edge: f64, steps: u64, misfit: Misfit<'_>) -> Opti
     let run = Executor::new(Problem(misfit), solver).configure(|state| state.max_iters(steps)).run().ok()?;
     let cost = run.state.best_cost;
     Some((run.state.best_param?, cost)).filter(|(_, cost)| cost.is_finite())
+}
+
+/// A place of the unit cube with one of its coordinates at another value.
+pub(super) fn moved(place: &[f64], index: usize, share: f64) -> Vec<f64> {
+    let mut out = place.to_vec();
+    out[index] = share;
+    out
 }
 
 #[cfg(test)]

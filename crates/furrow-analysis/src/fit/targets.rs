@@ -1,6 +1,7 @@
-//! The file of targets: what a fit compares with, and the limits of the search.
+//! The file of targets: observations, and the limits of the search.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 
 use serde::Deserialize;
 
@@ -12,7 +13,7 @@ use furrow_mechanics::calibration::Threshold;
 /// The built-in targets: the wild-type embryo of C. elegans.
 pub const EMBRYO: &str = include_str!("../../data/embryo.ron");
 
-/// A constant that is searched for, evenly in its logarithm.
+/// A constant to search for, uniformly in its logarithm.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Searched {
@@ -54,13 +55,13 @@ impl Default for Weights {
     }
 }
 
-/// Measurements that nothing is fitted to.
+/// Measurements that the fit does not use.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OutOfSample {
     /// Their name.
     pub name: String,
-    /// Volumes that are given in place of what divisions give, as shares of the first cell's.
+    /// Volumes that replace those from divisions, as shares of the first cell's.
     pub volumes: BTreeMap<String, f64>,
     /// What was measured.
     pub chi: Vec<MeasuredChi>,
@@ -72,7 +73,7 @@ pub struct OutOfSample {
 pub struct Targets {
     /// Constants searched for.
     pub unknowns: Vec<Searched>,
-    /// Founders whose observed rounds and terminal cells are to be met.
+    /// Founders whose observed rounds and terminal cells the fit should meet.
     pub founders: Vec<String>,
     /// Founders that divide into equal daughters.
     #[serde(default)]
@@ -91,6 +92,14 @@ pub struct Targets {
     pub out_of_sample: Option<OutOfSample>,
 }
 
+/// Turns a condition on a field of a file into an error.
+fn requirement(file: &str) -> impl Fn(bool, String, &dyn Display, &str) -> Result<(), InputError> + '_ {
+    move |holds, field, value, allowed| match holds {
+        true => Ok(()),
+        false => Err(InputError::not_allowed(file, field, value, allowed)),
+    }
+}
+
 impl Targets {
     /// The built-in ones.
     ///
@@ -100,31 +109,14 @@ impl Targets {
         parse_document(EMBRYO, "embryo.ron (built in)", "a file of targets", "Fit")
     }
 
-    /// Checks every value, and that the lineage has the founders named and their counts; errors name the file
+    /// Checks every value, and that the lineage has the named founders with their counts; errors name the file
     /// `source_name`.
     ///
     /// # Errors
     /// Names the field, its value and what is allowed.
     pub fn check(&self, source_name: &str, lineage: &Lineage) -> Result<(), InputError> {
-        let require = |holds: bool, field: String, value: &dyn std::fmt::Display, allowed: &str| match holds {
-            true => Ok(()),
-            false => Err(InputError::not_allowed(source_name, field, value, allowed)),
-        };
-        require(!self.unknowns.is_empty(), "unknowns".into(), &"[]", "at least one constant")?;
-        for (k, Searched { parameter, from, to }) in self.unknowns.iter().enumerate() {
-            let field = |name: &str| format!("unknowns[{k}].{name}");
-            let searchable = !matches!(parameter, Parameter::R0 | Parameter::Cue { .. } | Parameter::Gain);
-            let allowed = "a constant of the cortex or of the shell, the activity or epsilon; the gain follows from the thresholds";
-            require(searchable, field("parameter"), parameter, allowed)?;
-            let new = self.unknowns[..k].iter().all(|other| other.parameter != *parameter);
-            require(new, field("parameter"), parameter, "named only once")?;
-            for (name, value) in [("from", *from), ("to", *to)] {
-                let allowed = parameter.refuses(value);
-                let holds = value > 0.0 && allowed.is_none();
-                require(holds, field(name), &value, allowed.unwrap_or("a finite number above 0"))?;
-            }
-            require(to > from, field("to"), to, &format!("above from = {from}"))?;
-        }
+        let require = requirement(source_name);
+        self.check_unknowns(&require)?;
         for (k, threshold) in self.thresholds.iter().enumerate() {
             threshold.check(source_name, &format!("thresholds[{k}]"))?;
         }
@@ -155,14 +147,35 @@ impl Targets {
         }
         for (name, share) in self.out_of_sample.iter().flat_map(|out| &out.volumes) {
             founder("out_of_sample.volumes".into(), name)?;
-            let field = format!("out_of_sample.volumes of {name}");
             let allowed = "a share of the first cell's volume, above 0 and below 1";
-            require(*share > 0.0 && *share < 1.0, field, share, allowed)?;
+            require(*share > 0.0 && *share < 1.0, format!("out_of_sample.volumes of {name}"), share, allowed)?;
         }
         let Weights { rounds, terminal, chi } = self.weights;
         for (name, value) in [("rounds", rounds), ("terminal", terminal), ("chi", chi)] {
             let holds = value.is_finite() && value >= 0.0;
             require(holds, format!("weights.{name}"), &value, "a finite number, 0 or above")?;
+        }
+        Ok(())
+    }
+
+    fn check_unknowns(
+        &self,
+        require: &impl Fn(bool, String, &dyn Display, &str) -> Result<(), InputError>,
+    ) -> Result<(), InputError> {
+        require(!self.unknowns.is_empty(), "unknowns".into(), &"[]", "at least one constant")?;
+        for (k, Searched { parameter, from, to }) in self.unknowns.iter().enumerate() {
+            let field = |name: &str| format!("unknowns[{k}].{name}");
+            let searchable = !matches!(parameter, Parameter::R0 | Parameter::Cue { .. } | Parameter::Gain);
+            let allowed = "a constant of the cortex or of the shell, the activity or epsilon; the gain follows from the thresholds";
+            require(searchable, field("parameter"), parameter, allowed)?;
+            let new = self.unknowns[..k].iter().all(|other| other.parameter != *parameter);
+            require(new, field("parameter"), parameter, "named only once")?;
+            for (name, value) in [("from", *from), ("to", *to)] {
+                let allowed = parameter.refuses(value);
+                let holds = value > 0.0 && allowed.is_none();
+                require(holds, field(name), &value, allowed.unwrap_or("a finite number above 0"))?;
+            }
+            require(to > from, field("to"), to, &format!("above from = {from}"))?;
         }
         Ok(())
     }

@@ -1,10 +1,11 @@
-//! The context that all figures share, and what comes of a figure: findings and artifacts.
+//! The context of all figures, and their results: findings and artifacts.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::Serialize;
 
 use super::paper::Statement;
+use crate::diagram::Edges;
 use crate::{Row, Run, Sweep};
 use furrow_cell::ZYGOTE;
 use furrow_cell::settings::Settings;
@@ -24,7 +25,7 @@ pub const PUBLISHED_ACTIVITY: f64 = 25.0;
 /// ε of the paper's cells (Table S3).
 pub const PUBLISHED_CONFINEMENT: f64 = 0.87;
 
-/// What figures are computed with. Results depend on the settings alone, whatever the threads and what the memo holds.
+/// Settings and resources for figures. Results depend only on the settings, not on threads or the memo.
 pub struct Context<'a> {
     /// Constants and discretisation. Size, confinement and activity of single cells are the paper's, those of lineages the
     /// settings'.
@@ -137,10 +138,8 @@ pub struct Map {
     pub plane: PhasePlane,
     /// How divisions end.
     pub diagram: PhaseDiagram,
-    /// The curve of pitchforks in it, if it could be followed.
-    pub pitchforks: Vec<Curve>,
-    /// Those of folds.
-    pub folds: Vec<Curve>,
+    /// The curves of pitchforks and folds in it.
+    pub edges: Edges,
 }
 
 /// A result that can be drawn or written as a table.
@@ -162,9 +161,9 @@ pub enum Artifact {
     Tree(Box<Tree>),
 }
 
-/// A picture to be drawn.
+/// An artifact under the name of its file.
 #[derive(Debug)]
-pub struct Panel {
+pub struct NamedArtifact {
     /// The name of its file, without the extension.
     pub name: String,
     /// What it shows.
@@ -179,8 +178,8 @@ pub struct Figure<'a> {
     pub statements: &'a [Statement],
     /// What was found.
     pub findings: Vec<Finding>,
-    /// What it can be seen in.
-    pub panels: Vec<Panel>,
+    /// Its artifacts.
+    pub panels: Vec<NamedArtifact>,
     /// Warnings about the store.
     pub warnings: Vec<StoreWarning>,
 }
@@ -239,7 +238,7 @@ impl<'a> Figure<'a> {
         self.findings.push(Finding::judged(id, (holds, computed)));
     }
 
-    /// Adds a number, or the reason why there is none.
+    /// Adds a number, or why it is missing.
     pub fn number(&mut self, id: &str, computed: Result<f64, impl std::fmt::Display>) {
         self.findings.push(match computed {
             Ok(number) => Finding::new(id, number),
@@ -249,7 +248,7 @@ impl<'a> Figure<'a> {
 
     /// Adds a picture.
     pub fn show(&mut self, name: &str, artifact: Artifact) {
-        self.panels.push(Panel { name: name.to_owned(), artifact });
+        self.panels.push(NamedArtifact { name: name.to_owned(), artifact });
     }
 
     /// The cell of a statement; the paper's zygote where it names none.
@@ -302,7 +301,8 @@ impl<'a> Figure<'a> {
         let range = ends.map_or([0.0; 2], |(first, last)| [*first, *last]);
         let pitchforks = curves::pitchfork_curve(cell, numerics, plane.parameter, range).into_iter().collect();
         let folds = curves::fold_curves(cell, numerics, plane.parameter, range).unwrap_or_default();
-        self.show(name, Artifact::Map(Box::new(Map { plane, diagram: diagram.clone(), pitchforks, folds })));
+        let edges = Edges { pitchforks, folds };
+        self.show(name, Artifact::Map(Box::new(Map { plane, diagram: diagram.clone(), edges })));
         Ok(diagram)
     }
 }

@@ -35,7 +35,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-pub use context::{Artifact, Context, Figure, Finding, Map, Panel, ReproduceError, Value};
+pub use context::{Artifact, Context, Figure, Finding, Map, NamedArtifact, ReproduceError, Value};
 use furrow_lineage::batch::StoreWarning;
 use paper::Statement;
 
@@ -102,7 +102,7 @@ pub struct Reproduction {
     /// Statements in the order of the paper.
     pub items: Vec<Item>,
     /// Pictures of them.
-    pub panels: Vec<Panel>,
+    pub panels: Vec<NamedArtifact>,
     /// Warnings about the store.
     pub warnings: Vec<StoreWarning>,
 }
@@ -125,10 +125,10 @@ const FIGURES: [(&str, Compute); 19] = [
     ("2C-F", branches::shapes),
     ("2G", sweeps::confinement),
     ("2H-L", branches::over_confinement),
-    ("4B-C", sweeps::cues),
-    ("4C", sweeps::cues),
-    ("4D", sweeps::cues),
-    ("4E", sweeps::cues),
+    ("4B-C", sweeps::over_axis),
+    ("4C", sweeps::over_axis),
+    ("4D", sweeps::over_axis),
+    ("4E", sweeps::over_axis),
     ("5A", embryo::rounds),
     ("5B-C", embryo::germline),
     ("6D-E", embryo::trends),
@@ -208,11 +208,8 @@ mod tests {
             says: "much".into(),
             criterion: "more".into(),
             printed,
-            cell: None,
-            kind: None,
-            higher: None,
-            constant: None,
             open: open.map(str::to_owned),
+            ..Statement::default()
         }
     }
 

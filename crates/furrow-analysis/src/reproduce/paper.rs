@@ -1,6 +1,6 @@
 //! The paper's statements by figure.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 use serde::Deserialize;
 
@@ -40,8 +40,71 @@ pub struct OfCell {
     pub epsilon: f64,
 }
 
-/// One statement of the paper, or one thing that can be computed of which the paper's own words are not known.
+/// A shipped sweep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Study {
+    /// χ over R0.
+    Size,
+    /// χ over ε.
+    Confinement,
+    /// χ over the cue's place.
+    CuePosition,
+    /// χ over R0, with the cue.
+    CueSize,
+    /// χ over ε, with the cue.
+    CueConfinement,
+}
+
+/// What χ over an axis must do within a range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Criterion {
+    /// All divisions fail up to a place in the range, and none above it.
+    Rest,
+    /// All divisions are equal.
+    Halves,
+    /// χ falls, from above 0.8 to below 0.7.
+    Falling,
+    /// χ rises, from above 0.5.
+    Tightening,
+    /// χ stays within 15 % of the middle of its values.
+    Flat,
+    /// χ is proportional to the cue's distance from the middle, within 10 %.
+    Proportional,
+    /// Every furrow is nearer to the middle than its cue.
+    FurrowShort,
+    /// Every furrow is farther from the middle than its cue.
+    FurrowBeyond,
+    /// χ falls to a third between the ends of the range.
+    Steep,
+    /// χ rises.
+    Rising,
+}
+
+/// A statement on χ over one axis of a sweep.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OverAxis {
+    /// The sweep.
+    pub study: Study,
+    /// Values of its other axes.
+    #[serde(default)]
+    pub held: BTreeMap<String, f64>,
+    /// The part of the axis that counts.
+    pub range: [f64; 2],
+    /// What χ must do there.
+    pub criterion: Criterion,
+    /// Whether the published scheme is compared too.
+    #[serde(default)]
+    pub both_schemes: bool,
+    /// A remark on the result.
+    #[serde(default)]
+    pub note: Option<String>,
+}
+
+/// One statement of the paper, or a computable quantity of which the paper's words are not known.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Statement {
     /// Its name, unique.
@@ -61,6 +124,9 @@ pub struct Statement {
     /// The cell.
     #[serde(default)]
     pub cell: Option<OfCell>,
+    /// What it says of χ over an axis.
+    #[serde(default)]
+    pub over: Option<OverAxis>,
     /// Of a pitchfork, its kind.
     #[serde(default)]
     pub kind: Option<Criticality>,

@@ -31,7 +31,7 @@ pub fn shapes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
         let found = pitchfork::first(&cell, &context.converged(), &BranchOptions::default())?;
         Ok((cell, found.point.xi_s))
     };
-    // All of them, so that the error is that of the first cell whatever the threads do.
+    // All of them: the error is that of the first cell, independent of threads.
     let thresholds: Vec<Result<(Cell, f64), ShapeError>> = pool.install(|| CELLS.par_iter().map(threshold).collect());
     let cells: Vec<(Cell, f64)> = match thresholds.into_iter().collect::<Result<_, _>>() {
         Ok(cells) => cells,

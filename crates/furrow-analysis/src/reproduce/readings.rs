@@ -9,7 +9,7 @@ const EQUAL: f64 = 0.005;
 
 /// The divisions at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
+pub struct ChiPoint {
     /// Where along the axis.
     pub x: f64,
     /// χ, or its mean over those that divided.
@@ -23,7 +23,7 @@ pub struct Reading {
 }
 
 /// The points along the axis `x` at which other axes have these values, from the smallest x on.
-pub fn readings(sweep: &Sweep, rows: &[Row], x: &str, held: &[(&str, Value)]) -> Vec<Reading> {
+pub fn readings(sweep: &Sweep, rows: &[Row], x: &str, held: &[(&str, Value)]) -> Vec<ChiPoint> {
     let columns = sweep.columns();
     let cell = |row: &Row, name: &str| {
         let at = columns.iter().position(|column| column == name)?;
@@ -42,7 +42,7 @@ pub fn readings(sweep: &Sweep, rows: &[Row], x: &str, held: &[(&str, Value)]) ->
                 (of[2], of.iter().sum())
             }
         };
-        Some(Reading {
+        Some(ChiPoint {
             x: number(x)?,
             chi: number("chi").or(number("chi_mean")),
             u_furrow: number("u_furrow"),
@@ -50,24 +50,24 @@ pub fn readings(sweep: &Sweep, rows: &[Row], x: &str, held: &[(&str, Value)]) ->
             ended,
         })
     };
-    let mut found: Vec<Reading> = rows.iter().filter(here).filter_map(reading).collect();
+    let mut found: Vec<ChiPoint> = rows.iter().filter(here).filter_map(reading).collect();
     found.sort_by(|a, b| a.x.total_cmp(&b.x));
     found
 }
 
 /// Those from one place of the axis to another.
-pub fn between(readings: &[Reading], [from, to]: [f64; 2]) -> Vec<Reading> {
+pub fn between(readings: &[ChiPoint], [from, to]: [f64; 2]) -> Vec<ChiPoint> {
     // Places are sums of steps.
     readings.iter().copied().filter(|reading| (from - 1e-9..=to + 1e-9).contains(&reading.x)).collect()
 }
 
 /// χ at one place.
-pub fn chi_at(readings: &[Reading], x: f64) -> Option<f64> {
+pub fn chi_at(readings: &[ChiPoint], x: f64) -> Option<f64> {
     between(readings, [x, x]).first()?.chi
 }
 
 /// The last place up to which every division fails, and the next, from which none does; `None` if there are no such places.
-pub fn edge(readings: &[Reading]) -> Option<[f64; 2]> {
+pub fn edge(readings: &[ChiPoint]) -> Option<[f64; 2]> {
     let resting = readings.iter().take_while(|reading| reading.ended > 0 && reading.failed == reading.ended).count();
     let divides = readings.get(resting..)?.iter().all(|reading| reading.ended > 0 && reading.failed == 0);
     divides.then_some([readings.get(resting.checked_sub(1)?)?.x, readings.get(resting)?.x])
@@ -79,7 +79,7 @@ pub fn chi_in_words(chi: Option<f64>) -> String {
 }
 
 /// χ of all readings; `None` if one of them does not divide.
-fn all_chi(readings: &[Reading]) -> Option<Vec<f64>> {
+fn all_chi(readings: &[ChiPoint]) -> Option<Vec<f64>> {
     readings.iter().map(|reading| reading.chi).collect()
 }
 
@@ -88,7 +88,7 @@ fn extremes(chis: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// The first and the last χ, and whether all neighbours are in order; `None` if not all divide.
-pub fn monotone_ends(readings: &[Reading], in_order: fn(f64, f64) -> bool) -> Option<([f64; 2], bool)> {
+pub fn monotone_ends(readings: &[ChiPoint], in_order: fn(f64, f64) -> bool) -> Option<([f64; 2], bool)> {
     match all_chi(readings)?[..] {
         ref chi @ [first, .., last] => Some(([first, last], chi.windows(2).all(|pair| in_order(pair[0], pair[1])))),
         _ => None,
@@ -96,7 +96,7 @@ pub fn monotone_ends(readings: &[Reading], in_order: fn(f64, f64) -> bool) -> Op
 }
 
 /// Half-width of the range of χ relative to its middle, and the range in words; infinite if not all divide.
-pub fn flatness(readings: &[Reading]) -> (f64, String) {
+pub fn flatness(readings: &[ChiPoint]) -> (f64, String) {
     let Some(all) = all_chi(readings).filter(|all| !all.is_empty()) else {
         return (f64::INFINITY, "not all divide".to_owned());
     };
@@ -107,8 +107,8 @@ pub fn flatness(readings: &[Reading]) -> (f64, String) {
 }
 
 /// Whether every division is into equal halves, and in words where they are not.
-pub fn halves(readings: &[Reading]) -> (bool, String) {
-    let unequal = |reading: &Reading| reading.chi.is_none_or(|chi| chi >= EQUAL);
+pub fn halves(readings: &[ChiPoint]) -> (bool, String) {
+    let unequal = |reading: &ChiPoint| reading.chi.is_none_or(|chi| chi >= EQUAL);
     let all_equal = !readings.is_empty() && readings.iter().all(|reading| reading.failed == 0 && !unequal(reading));
     let mut stretches = Vec::new();
     for stretch in readings.chunk_by(|a, b| unequal(a) == unequal(b)).filter(|stretch| unequal(&stretch[0])) {
@@ -130,8 +130,8 @@ pub fn halves(readings: &[Reading]) -> (bool, String) {
 mod tests {
     use super::*;
 
-    fn at(x: f64, chi: Option<f64>) -> Reading {
-        Reading { x, chi, u_furrow: None, failed: u64::from(chi.is_none()), ended: 1 }
+    fn at(x: f64, chi: Option<f64>) -> ChiPoint {
+        ChiPoint { x, chi, u_furrow: None, failed: u64::from(chi.is_none()), ended: 1 }
     }
 
     #[test]

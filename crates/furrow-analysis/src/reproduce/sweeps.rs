@@ -3,146 +3,61 @@
 use serde_json::json;
 
 use super::context::{Artifact, Figure, Finding, ReproduceError};
-use super::readings::{Reading, between, chi_at, chi_in_words, edge, flatness, halves, monotone_ends, readings};
+use super::paper::{Criterion, Study};
+use super::readings::{ChiPoint, between, chi_at, chi_in_words, edge, flatness, halves, monotone_ends, readings};
 use furrow_cell::{Parameter, Scheme};
 use furrow_lineage::batch::phase::{PhaseDiagram, PhaseOutcome, PhasePlane, spaced};
 use furrow_mechanics::division::Outcome;
 use furrow_mechanics::equilibria::critical_radius;
 
-/// A quantity that is read off a sweep.
-struct Quantity {
-    id: &'static str,
-    /// Values of other axes.
-    held: &'static [(&'static str, f64)],
-    /// The part of the axis that is judged.
-    range: [f64; 2],
-    /// Whether readings meet the criterion, in words.
-    judge: fn(&[Reading]) -> (bool, String),
-    /// Whether the published scheme is judged too.
-    published: bool,
-    note: Option<&'static str>,
-}
-
-impl Quantity {
-    /// Of the converged scheme, without other axes.
-    const fn new(id: &'static str, range: [f64; 2], judge: fn(&[Reading]) -> (bool, String)) -> Quantity {
-        Quantity { id, held: &[], range, judge, published: false, note: None }
-    }
-
-    /// The same, judged for the published scheme too.
-    const fn both(self) -> Quantity {
-        Quantity { published: true, ..self }
-    }
-
-    /// The same at values of other axes.
-    const fn at(self, held: &'static [(&'static str, f64)]) -> Quantity {
-        Quantity { held, ..self }
-    }
-
-    const fn noting(self, note: &'static str) -> Quantity {
-        Quantity { note: Some(note), ..self }
+/// The name, the text and the axis of a shipped sweep.
+fn shipped(study: Study) -> [&'static str; 3] {
+    match study {
+        Study::Size => ["size.ron", include_str!("../../studies/size.ron"), "r0"],
+        Study::Confinement => ["confinement.ron", include_str!("../../studies/confinement.ron"), "epsilon"],
+        Study::CuePosition => ["cue-position.ron", include_str!("../../studies/cue-position.ron"), "cue.u0"],
+        Study::CueSize => ["cue-size.ron", include_str!("../../studies/cue-size.ron"), "r0"],
+        Study::CueConfinement => ["cue-confinement.ron", include_str!("../../studies/cue-confinement.ron"), "epsilon"],
     }
 }
 
-/// A sweep that ships, and what is read off it.
-struct Study {
-    file: &'static str,
-    text: &'static str,
-    axis: &'static str,
-    quantities: &'static [Quantity],
+/// Whether χ does within a range what a criterion says, and what it does in words.
+fn meets(criterion: Criterion, all: &[ChiPoint], range: [f64; 2]) -> (bool, String) {
+    let part = &between(all, range);
+    match criterion {
+        Criterion::Rest => at_rest(all, range),
+        Criterion::Halves => halves(part),
+        Criterion::Falling => falling(part),
+        Criterion::Tightening => tightening(part),
+        Criterion::Flat => flat(part),
+        Criterion::Proportional => proportional(part),
+        Criterion::FurrowShort => furrows(part, |furrow, cue| furrow < cue),
+        Criterion::FurrowBeyond => furrows(part, |furrow, cue| furrow > cue),
+        Criterion::Steep => steep(part),
+        Criterion::Rising => rising(part),
+    }
 }
 
-/// A range without ends.
-const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
-
-const SIZE: Study = Study {
-    file: "size.ron",
-    text: include_str!("../../studies/size.ron"),
-    axis: "r0",
-    quantities: &[
-        Quantity::new("size_rest", ALL, |all| at_rest(all, [1.6, 1.8])),
-        Quantity::new("size_unequal", [1.8, 2.2], falling),
-        Quantity::new("size_halves", [2.3, 5.4], halves)
-            .both()
-            .noting("several modes of a large cell's furrow grow early on; backward Euler at Δt = 0.1 τ damps them"),
-    ],
-};
-
-const CONFINEMENT: Study = Study {
-    file: "confinement.ron",
-    text: include_str!("../../studies/confinement.ron"),
-    axis: "epsilon",
-    quantities: &[
-        Quantity::new("confinement_halves", [0.54, 0.86], halves),
-        Quantity::new("confinement_unequal", [0.87, 0.89], tightening),
-    ],
-};
-
-const CUE_POSITION: Study = Study {
-    file: "cue-position.ron",
-    text: include_str!("../../studies/cue-position.ron"),
-    axis: "cue.u0",
-    quantities: &[
-        Quantity::new("cue_narrow", [0.46, 0.49], proportional)
-            .both()
-            .at(&[("cue.omega", 0.0577), ("cue.amplitude", 0.1)]),
-        Quantity::new("cue_broad", [0.35, 0.45], flat).both().at(&[("cue.omega", 0.3), ("cue.amplitude", 0.1)]),
-        Quantity::new("cue_weak", [0.35, 0.48], |all| furrows(all, |furrow, cue| furrow < cue))
-            .both()
-            .at(&[("cue.omega", 0.0577), ("cue.amplitude", 0.005)])
-            .noting("converged, the zygote divides unequally without any cue"),
-        Quantity::new("cue_strong", [0.44, 0.48], |all| furrows(all, |furrow, cue| furrow > cue))
-            .both()
-            .at(&[("cue.omega", 0.0577), ("cue.amplitude", 2.0)]),
-    ],
-};
-
-const CUE_SIZE: Study = Study {
-    file: "cue-size.ron",
-    text: include_str!("../../studies/cue-size.ron"),
-    axis: "r0",
-    quantities: &[
-        Quantity::new("cued_rest", ALL, |all| at_rest(all, [1.8, 2.0])).both(),
-        Quantity::new("cued_steep", ALL, steep).both(),
-        Quantity::new("cued_plateau", [3.0, 5.4], flat).both(),
-    ],
-};
-
-const CUE_CONFINEMENT: Study = Study {
-    file: "cue-confinement.ron",
-    text: include_str!("../../studies/cue-confinement.ron"),
-    axis: "epsilon",
-    quantities: &[Quantity::new("cued_confinement", [0.60, 0.91], rising).both()],
-};
-
-/// Figures 4B to 4E: the place of a cue, and size and confinement with the cue.
-pub fn cues(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
-    judge(
-        figure,
-        match figure.name() {
-            "4D" => &CUE_SIZE,
-            "4E" => &CUE_CONFINEMENT,
-            _ => &CUE_POSITION,
-        },
-    )
-}
-
-/// Solves a sweep, judges the quantities that the figure's statements are about, and shows it.
-fn judge(figure: &mut Figure<'_>, study: &Study) -> Result<(), ReproduceError> {
-    let (sweep, rows) = figure.sweep(study.text, study.file)?;
+/// Figures 2A, 2G and 4B to 4E: solves the sweep of the figure's statements, compares χ with them, and shows it.
+pub fn over_axis(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
+    let Some(study) = figure.statements.iter().find_map(|statement| Some(statement.over.as_ref()?.study)) else {
+        return Ok(());
+    };
+    let [file, text, axis] = shipped(study);
+    let (sweep, rows) = figure.sweep(text, file)?;
     let has_schemes = sweep.columns().iter().any(|column| column == "scheme");
     for statement in figure.statements {
-        let Some(quantity) = study.quantities.iter().find(|quantity| quantity.id == statement.id) else { continue };
+        let Some(over) = &statement.over else { continue };
         let judged = |scheme: &str| {
-            let held = quantity.held.iter().map(|(name, value)| (*name, json!(value)));
+            let held = over.held.iter().map(|(name, value)| (name.as_str(), json!(value)));
             let held: Vec<_> = held.chain(has_schemes.then(|| ("scheme", json!(scheme)))).collect();
-            (quantity.judge)(&between(&readings(&sweep, &rows, study.axis, &held), quantity.range))
+            meets(over.criterion, &readings(&sweep, &rows, axis, &held), over.range)
         };
-        let mut finding = Finding::judged(quantity.id, judged("converged"));
-        if quantity.published {
+        let mut finding = Finding::judged(&statement.id, judged("converged"));
+        if over.both_schemes {
             finding = finding.beside(judged("published"));
         }
-        finding.note = quantity.note.map(str::to_owned);
+        finding.note.clone_from(&over.note);
         figure.findings.push(finding);
     }
     match figure.name() {
@@ -160,7 +75,7 @@ fn judge(figure: &mut Figure<'_>, study: &Study) -> Result<(), ReproduceError> {
 }
 
 /// Whether all cells below some size in these limits rest and all above divide.
-fn at_rest(readings: &[Reading], [from, to]: [f64; 2]) -> (bool, String) {
+fn at_rest(readings: &[ChiPoint], [from, to]: [f64; 2]) -> (bool, String) {
     match edge(readings) {
         Some([last, first]) => {
             let holds = last >= from - 1e-9 && first <= to + 1e-9;
@@ -171,7 +86,7 @@ fn at_rest(readings: &[Reading], [from, to]: [f64; 2]) -> (bool, String) {
 }
 
 /// Whether χ falls from above 0.8 to below 0.7.
-fn falling(readings: &[Reading]) -> (bool, String) {
+fn falling(readings: &[ChiPoint]) -> (bool, String) {
     match monotone_ends(readings, |a, b| b < a) {
         Some(([first, last], falls)) => {
             (falls && first > 0.8 && last < 0.7, format!("χ = {first:.2} at R0 = 1.8, {last:.2} at 2.2"))
@@ -181,7 +96,7 @@ fn falling(readings: &[Reading]) -> (bool, String) {
 }
 
 /// Whether χ rises from above 0.5.
-fn tightening(readings: &[Reading]) -> (bool, String) {
+fn tightening(readings: &[ChiPoint]) -> (bool, String) {
     match monotone_ends(readings, |a, b| b > a) {
         Some(([first, last], rises)) => {
             (rises && first > 0.5, format!("χ = {first:.2} at ε = 0.87, {last:.2} at 0.89"))
@@ -191,13 +106,13 @@ fn tightening(readings: &[Reading]) -> (bool, String) {
 }
 
 /// Whether χ stays within 15 % of the middle of its range.
-fn flat(readings: &[Reading]) -> (bool, String) {
+fn flat(readings: &[ChiPoint]) -> (bool, String) {
     let (half_width, text) = flatness(readings);
     (half_width <= 0.15, text)
 }
 
 /// Whether χ is proportional to the distance of the cue from the middle.
-fn proportional(readings: &[Reading]) -> (bool, String) {
+fn proportional(readings: &[ChiPoint]) -> (bool, String) {
     let ratios: Option<Vec<f64>> = readings.iter().map(|reading| Some(reading.chi? / (0.5 - reading.x))).collect();
     let Some(ratios) = ratios.filter(|ratios| !ratios.is_empty()) else { return (false, "not all divide".to_owned()) };
     let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
@@ -206,8 +121,8 @@ fn proportional(readings: &[Reading]) -> (bool, String) {
 }
 
 /// Whether every furrow compares with its cue as it should, by their distances from the middle.
-fn furrows(readings: &[Reading], compares: fn(f64, f64) -> bool) -> (bool, String) {
-    let right = |reading: &&Reading| reading.u_furrow.is_some_and(|u| compares((u - 0.5).abs(), 0.5 - reading.x));
+fn furrows(readings: &[ChiPoint], compares: fn(f64, f64) -> bool) -> (bool, String) {
+    let right = |reading: &&ChiPoint| reading.u_furrow.is_some_and(|u| compares((u - 0.5).abs(), 0.5 - reading.x));
     let count = readings.iter().filter(right).count();
     let example = readings.get(readings.len() / 2).and_then(|reading| Some((reading.x, reading.u_furrow?)));
     let example = example.map_or(String::new(), |(u0, u)| format!("; u = {u:.3} for u0 = {u0:.2}"));
@@ -215,14 +130,14 @@ fn furrows(readings: &[Reading], compares: fn(f64, f64) -> bool) -> (bool, Strin
 }
 
 /// Whether χ falls to a third from R0 = 2 to 2.6.
-fn steep(readings: &[Reading]) -> (bool, String) {
+fn steep(readings: &[ChiPoint]) -> (bool, String) {
     let [small, large] = [2.0, 2.6].map(|r0| chi_at(readings, r0));
     let falls = small.zip(large).is_some_and(|(small, large)| small >= 3.0 * large);
     (falls, format!("χ = {} at R0 = 2.0, {} at 2.6", chi_in_words(small), chi_in_words(large)))
 }
 
 /// Whether χ rises with ε.
-fn rising(readings: &[Reading]) -> (bool, String) {
+fn rising(readings: &[ChiPoint]) -> (bool, String) {
     let rises = readings.windows(2).all(|pair| pair[0].chi.zip(pair[1].chi).is_some_and(|(a, b)| b > a));
     let chis = readings.iter().filter_map(|reading| Some((reading.x, reading.chi?)));
     let Some((x, least)) = chis.min_by(|a, b| a.1.total_cmp(&b.1)) else { return (rises, "none divides".to_owned()) };
@@ -232,7 +147,7 @@ fn rising(readings: &[Reading]) -> (bool, String) {
 
 /// Figure 2A: χ over R0 without a cue.
 pub fn sizes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
-    judge(figure, &SIZE)?;
+    over_axis(figure)?;
     let critical = critical_radius(&figure.context.cell(1.0, 0.87), &figure.context.converged());
     if let Some(rest) = figure.findings.iter_mut().find(|finding| finding.id == "size_rest") {
         rest.note = Some(match critical {
@@ -245,7 +160,7 @@ pub fn sizes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
 
 /// Figure 2G: χ over ε without a cue, and where division ends.
 pub fn confinement(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
-    judge(figure, &CONFINEMENT)?;
+    over_axis(figure)?;
     let edge = confinement_edge(figure)?;
     figure.number("confinement_edge", edge.ok_or("divisions do not end between ε = 0.88 and 0.91"));
     if let (Some(_), Some(finding)) = (edge, figure.findings.last_mut()) {

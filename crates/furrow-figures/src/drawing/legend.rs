@@ -1,4 +1,4 @@
-//! Markers, and the legend that says what a colour, a dash or a marker stands for.
+//! Markers and legends.
 
 use super::canvas::{Anchor, Canvas, Stroke};
 use super::style::{Colour, INK, MUTED, WHITE, text};
@@ -10,7 +10,7 @@ pub enum Marker {
     Disc,
     /// A ring.
     Ring,
-    /// A filled square that stands on a corner.
+    /// A filled square on its corner.
     Diamond,
     /// A filled square.
     Square,
@@ -18,7 +18,7 @@ pub enum Marker {
     Triangle,
 }
 
-/// What stands before a word of a legend.
+/// The symbol of a legend entry.
 #[derive(Clone, Copy, Debug)]
 pub enum Key {
     /// A line of a colour.
@@ -39,12 +39,12 @@ pub struct Legend(Vec<(Key, String)>);
 const LINE: f64 = 26.0;
 
 impl Legend {
-    /// The same with one more entry.
+    /// Adds an entry.
     pub fn with(self, key: Key, word: impl Into<String>) -> Legend {
         self.with_if(true, key, word)
     }
 
-    /// The same with one more entry if there is something that it explains.
+    /// Adds an entry if it is shown.
     pub fn with_if(mut self, shown: bool, key: Key, word: impl Into<String>) -> Legend {
         if shown {
             self.0.push((key, word.into()));
@@ -52,7 +52,7 @@ impl Legend {
         self
     }
 
-    /// Where each entry stands in rows of at most a width.
+    /// Positions of the entries in rows of at most a width.
     fn places(&self, width: f64) -> Vec<[f64; 2]> {
         let (mut at, mut row) = (0.0, 0.0);
         let mut places = Vec::new();

@@ -1,4 +1,4 @@
-//! What all pictures are drawn with: one style, a canvas for SVG and PNG, charts, legends, cells.
+//! Drawing for all pictures: one style, a canvas for SVG and PNG, charts, legends, cells.
 //!
 //! | file | content |
 //! |---|---|
@@ -6,7 +6,7 @@
 //! | [`canvas`] | lines, areas and text |
 //! | `svg`, `raster`, [`format`](mod@format) | the finished picture as SVG, as pixels, as a file |
 //! | [`panel`] | a chart's axes, and what is drawn at the coordinates of its data |
-//! | [`legend`] | what a colour, a dash or a marker stands for |
+//! | [`legend`] | markers and legends |
 //! | [`cell`] | a cell: its contour in its shell, the cue along it |
 
 pub mod canvas;

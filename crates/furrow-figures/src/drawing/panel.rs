@@ -1,4 +1,4 @@
-//! A chart: its axes, and what is drawn at the coordinates of its data.
+//! Charts: axes, and drawing in data coordinates.
 
 use super::canvas::{Anchor, Canvas, Stroke};
 use super::legend::{Marker, point};
@@ -248,7 +248,7 @@ impl Chart<'_> {
     }
 }
 
-/// The interval that each of several values stands for: half-way to its neighbours.
+/// The interval around each value: half-way to its neighbours.
 pub fn bins(values: &[f64]) -> Vec<[f64; 2]> {
     let half = |k: usize| values.get(k + 1).map(|next| 0.5 * (next - values[k]));
     (0..values.len())

@@ -1,6 +1,6 @@
 //! The one style of all pictures.
 //!
-//! Colours are those of Okabe & Ito (*Color universal design*, 2008), which are told apart with every common colour vision and
+//! Colours are those of Okabe & Ito (*Color universal design*, 2008), which are distinguishable with every common colour vision and
 //! differ in lightness in print. An outcome has the same colour in every picture.
 
 use furrow_cell::{Cell, Parameter};

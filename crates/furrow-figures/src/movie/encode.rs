@@ -14,10 +14,10 @@ use furrow_mechanics::division::Film;
 /// How long a frame is shown, in hundredths of a second, and the last.
 const DELAY: u16 = 5;
 const LAST: u16 = 150;
-/// What the encoder of GIF may take its time for, from 1 (longest) to 30.
+/// Speed of the GIF encoder, from 1 (slowest) to 30.
 const HASTE: i32 = 10;
 
-/// What kind of file a movie becomes.
+/// The file format of a movie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MovieFormat {
     /// Dots in 256 colours a frame; plays everywhere.
@@ -29,7 +29,7 @@ pub enum MovieFormat {
 }
 
 impl MovieFormat {
-    /// By the extension of a file, in any case; none if it is none of `.gif`, `.png`, `.apng`, `.svg`.
+    /// By a file's extension, in any case: `.gif`, `.png`, `.apng` or `.svg`.
     pub fn of(path: &Path) -> Option<MovieFormat> {
         match extension(path)?.as_str() {
             "gif" => Some(MovieFormat::Gif),

@@ -1,6 +1,6 @@
 //! A division as a moving picture: its surface, shaded, in its shell, with the cue and the active forces.
 //!
-//! | file | what it says |
+//! | file | content |
 //! |---|---|
 //! | [`surface`] | the surface of revolution as facets, turned and projected |
 //! | [`picture`] | one frame |

@@ -20,7 +20,7 @@ pub struct Stage<'a> {
     cell: &'a Cell,
     film: &'a Film,
     view: View,
-    /// The force that the longest arrow stands for.
+    /// The force of the longest arrow.
     largest: f64,
     /// How finely the surface is drawn.
     fineness: Fineness,

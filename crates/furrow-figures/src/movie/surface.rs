@@ -20,7 +20,7 @@ const AMBIENT: f64 = 0.58;
 /// By how much facets are larger than they are, so that nothing shines through between two.
 const OVERLAP: f64 = 0.9;
 
-/// How a cell is looked at.
+/// A viewing direction.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     rotation: Rotation3<f64>,
@@ -77,7 +77,7 @@ pub struct Fineness {
     pub along: usize,
     /// Facets around the axis.
     pub around: usize,
-    /// Steps of light that are told apart.
+    /// Number of shades.
     pub shades: f64,
 }
 

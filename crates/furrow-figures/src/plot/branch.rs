@@ -11,13 +11,8 @@ use furrow_mechanics::cortex::forces::shell_axes;
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_mechanics::equilibria::{Branch, Criticality, PointKind, ShapePoint};
 
-/// A branch under its name: `symmetric`, `asymmetric` or `cued`.
-pub struct Named<'a> {
-    /// Its name.
-    pub name: &'a str,
-    /// The branch, with contours.
-    pub branch: &'a Branch,
-}
+/// A branch with contours under its name: `symmetric`, `asymmetric` or `cued`.
+type Named = (&'static str, Branch);
 
 /// Most shapes beside the diagram.
 const MOST_SHAPES: usize = 6;
@@ -35,8 +30,8 @@ struct Shape<'a> {
 }
 
 /// Draws the branches of one cell.
-pub fn draw(cell: &Cell, branches: &[Named<'_>]) -> Canvas {
-    let breaks = branches.iter().flat_map(|b| &b.branch.points).any(|point| point.delta_u.abs() > 1e-6);
+pub fn draw(cell: &Cell, branches: &[Named]) -> Canvas {
+    let breaks = branches.iter().flat_map(|(_, branch)| &branch.points).any(|point| point.delta_u.abs() > 1e-6);
     let title = format!("Stationary shapes at {}", style::described(cell, &[Parameter::XiS]));
     let below = SHAPES + 12.0 + CHART * if breaks { 2.0 } else { 1.0 };
     let (mut canvas, top) = titled(WIDTH, below, &title, &legend(branches));
@@ -50,12 +45,12 @@ pub fn draw(cell: &Cell, branches: &[Named<'_>]) -> Canvas {
     canvas
 }
 
-fn legend(branches: &[Named<'_>]) -> Legend {
+fn legend(branches: &[Named]) -> Legend {
     let mut legend = Legend::default();
-    for Named { name, .. } in branches {
+    for (name, _) in branches {
         legend = legend.with(Key::Line(colour(name)), format!("{name} shapes"));
     }
-    let has = |kind| branches.iter().flat_map(|b| &b.branch.events).any(|event| event.kind() == kind);
+    let has = |kind| branches.iter().flat_map(|(_, branch)| &branch.events).any(|event| event.kind() == kind);
     legend
         .with(Key::Line(style::INK), "stable")
         .with(Key::Dashes(style::INK, style::DASHED), "unstable")
@@ -74,9 +69,9 @@ fn colour(name: &str) -> Colour {
 
 /// The shapes that tell most: the first, those at folds and pitchforks, and those at the ends; evenly thinned out where they are
 /// too many.
-fn chosen<'a>(branches: &[Named<'a>]) -> Vec<Shape<'a>> {
+fn chosen<'a>(branches: &'a [Named]) -> Vec<Shape<'a>> {
     let mut found: Vec<(ShapePoint, &'a [[f64; 2]])> = Vec::new();
-    for (k, Named { branch, .. }) in branches.iter().enumerate() {
+    for (k, (_, branch)) in branches.iter().enumerate() {
         let at = |index: usize| Some((*branch.points.get(index)?, branch.contours.get(index)?.as_slice()));
         if k == 0 {
             found.extend(at(0));
@@ -115,24 +110,24 @@ fn row_of_shapes(canvas: &mut Canvas, cell: &Cell, shapes: &[Shape<'_>], top: f6
 /// One chart; points of `value` that lie elsewhere than the range of all branches do not occur.
 fn chart(
     canvas: &mut Canvas,
-    branches: &[Named<'_>],
+    branches: &[Named],
     shapes: &[Shape<'_>],
     top: f64,
     label: &str,
     value: fn(&ShapePoint) -> f64,
 ) {
-    let points = || branches.iter().flat_map(|b| &b.branch.points);
+    let points = || branches.iter().flat_map(|(_, branch)| &branch.points);
     let x = Axis::new(style::ACTIVITY, widened(points().map(|p| p.xi_s), 0.03));
     let y = Axis::new(label, widened(points().map(value), 0.12));
     let mut chart = Panel::new([0.0, top], [WIDTH, CHART], x, y).draw(canvas);
-    for Named { name, branch } in branches {
+    for (name, branch) in branches {
         for (stable, piece) in pieces(branch, value) {
             let dash = (!stable).then_some(style::DASHED);
             chart.line(piece, Stroke { colour: colour(name), width: style::CURVE, dash });
         }
     }
     letters(&mut chart, shapes, value);
-    for Named { name, branch } in branches {
+    for (name, branch) in branches {
         for event in &branch.events {
             let place = [event.point().xi_s, value(event.point())];
             let Some(pitchfork) = event.pitchfork() else {

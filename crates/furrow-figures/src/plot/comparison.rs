@@ -27,7 +27,7 @@ pub struct Comparison<'a> {
     pub divisions: &'a [Division],
     /// |χ| by the mother's volume, of all groups.
     pub bins: &'a [VolumeBin],
-    /// What stands behind "volume of the mother".
+    /// The unit in the label of the volume axis.
     pub unit: String,
     /// One L_h in the cube root of the unit, by which the model's cells have a volume too.
     pub length: Option<f64>,

@@ -1,7 +1,7 @@
 //! Measured outlines of a dividing cell with the model's laid over them, stage by stage.
 
 use furrow_measured::contour::Contour;
-use furrow_measured::contour::series::{Beside, Series};
+use furrow_measured::contour::series::{ContourMatch, Series};
 
 use crate::drawing::cell::Site;
 use crate::drawing::legend::{Key, Legend, titled};
@@ -18,7 +18,7 @@ const MEASURED: Colour = [0xc9; 3];
 
 /// Draws the stages of a series, those with the deepest furrow last. The long axis lies across.
 pub fn draw(series: &Series) -> Canvas {
-    let mut stages: Vec<&Beside> = series.contours.iter().filter(|beside| beside.stage.is_some()).collect();
+    let mut stages: Vec<&ContourMatch> = series.contours.iter().filter(|beside| beside.stage.is_some()).collect();
     stages.sort_by_key(|beside| beside.stage);
     let in_row = stages.len().clamp(1, IN_ROW);
     let each = (WIDTH - 40.0) / in_row as f64;
@@ -53,7 +53,7 @@ pub fn draw(series: &Series) -> Canvas {
 }
 
 /// Both contours of a stage.
-fn stage(canvas: &mut Canvas, beside: &Beside, site: &Site) {
+fn stage(canvas: &mut Canvas, beside: &ContourMatch, site: &Site) {
     let closed = |contour: &Contour| -> Vec<[f64; 2]> {
         let points = contour.points();
         points.iter().chain(points.first()).map(|point| site.point([point.x, point.y])).collect()

@@ -4,7 +4,6 @@ use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Panel};
 use crate::drawing::style::{self, SERIES};
 use crate::drawing::{Canvas, Stroke};
-use furrow_cell::Cell;
 use furrow_mechanics::perturbation::Perturbation;
 
 const WIDTH: f64 = 1000.0;
@@ -14,42 +13,28 @@ const SMALLEST: f64 = 1e-9;
 /// Most curves that a legend names.
 const NAMED: usize = 12;
 
-/// A disturbed shape and what it is called.
-#[derive(Clone, Debug)]
-pub struct Watched<'a> {
-    /// Its name in the legend.
-    pub name: String,
-    /// What became of it.
-    pub perturbation: &'a Perturbation,
-}
-
-/// Draws what became of disturbances of one cell's shape, with noise of several seeds.
-pub fn draw(cell: &Cell, watched: &[Watched<'_>]) -> Canvas {
-    draw_many(&format!("Disturbed stationary shape at {}", style::described(cell, &[])), watched)
-}
-
-/// Draws disturbances of several shapes under a title of their own.
-pub fn draw_many(title: &str, watched: &[Watched<'_>]) -> Canvas {
+/// Draws disturbed shapes, each with its name in the legend.
+pub fn draw(title: &str, watched: &[(String, Perturbation)]) -> Canvas {
     let colour = |k: usize| style::series(k, watched.len(), &SERIES);
     let mut legend = Legend::default();
-    for (k, w) in watched.iter().enumerate().filter(|_| watched.len() <= NAMED) {
-        let key = if w.perturbation.returned() { Key::Line(colour(k)) } else { Key::Dashes(colour(k), style::DASHED) };
-        legend = legend.with(key, w.name.as_str());
+    for (k, (name, perturbation)) in watched.iter().enumerate().filter(|_| watched.len() <= NAMED) {
+        let key = if perturbation.returned() { Key::Line(colour(k)) } else { Key::Dashes(colour(k), style::DASHED) };
+        legend = legend.with(key, name.as_str());
     }
-    let divided = watched.iter().any(|w| w.perturbation.division.chi.is_some());
+    let divided = watched.iter().any(|(_, perturbation)| perturbation.division.chi.is_some());
     let legend = legend
         .with(Key::Line(style::INK), "returns")
         .with(Key::Dashes(style::INK, style::DASHED), "leaves")
         .with_if(divided, Key::Point(style::INK, Marker::Disc), "pinches off");
     let (mut canvas, top) = titled(WIDTH, CHART, title, &legend);
-    let points = || watched.iter().flat_map(|w| w.perturbation.distances.iter().skip(1));
+    let points = || watched.iter().flat_map(|(_, perturbation)| perturbation.distances.iter().skip(1));
     let last = points().map(|[t, _]| *t).fold(0.0, f64::max);
     let (least, most) = points().fold((1.0, 1e-3), |(low, high): (f64, f64), [_, d]| (low.min(*d), high.max(*d)));
     let up = [10f64.powf(least.max(SMALLEST).log10().floor()), 10f64.powf(most.log10().ceil())];
     let across = Axis::new(style::TIME, [0.0, 1.02 * last]);
     let y = Axis::new("distance dis(t) from the start (Lₕ)", up).logarithmic();
     let mut chart = Panel::new([0.0, top], [WIDTH, CHART], across, y).draw(&mut canvas);
-    for (k, Watched { perturbation, .. }) in watched.iter().enumerate() {
+    for (k, (_, perturbation)) in watched.iter().enumerate() {
         let dash = (!perturbation.returned()).then_some(style::DASHED);
         // What has come back to rounding is drawn no further.
         let drawn: Vec<[f64; 2]> =

@@ -4,26 +4,17 @@ use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Panel, bins, widened};
 use crate::drawing::style::{self, FOLD, PITCHFORK, WHITE, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
+use furrow_analysis::Edges;
 use furrow_cell::Parameter;
 use furrow_lineage::batch::phase::PhaseOutcome;
 use furrow_lineage::batch::{PhaseDiagram, PhasePlane};
 use furrow_mechanics::division::Outcome;
 use furrow_mechanics::equilibria::at_rest::Edge;
-use furrow_mechanics::equilibria::curves::Curve;
 
 const WIDTH: f64 = 940.0;
 const CHART: f64 = 588.0;
 /// Most values across and upwards that have their χ written in.
 const WRITTEN: [usize; 2] = [13, 15];
-
-/// The bounding curves of a plane, as far as they could be followed.
-#[derive(Default)]
-pub struct Edges {
-    /// Curves of pitchforks.
-    pub pitchforks: Vec<Curve>,
-    /// Curves of folds.
-    pub folds: Vec<Curve>,
-}
 
 /// Draws a diagram.
 pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Canvas {

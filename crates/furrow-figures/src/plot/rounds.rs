@@ -77,7 +77,7 @@ fn bars(tree: &Tree, order: &Lineage) -> Vec<Option<Bar>> {
     order.founders.iter().map(|founder| bar(&founder.name)).collect()
 }
 
-/// What was observed, as far as it is known: a mean alone stands for fewest and most too.
+/// The observed rounds; a mean alone also serves as fewest and most.
 fn observed(of: &ObservedRounds) -> Option<Bar> {
     let (min, max) = (of.min.map(f64::from), of.max.map(f64::from));
     let mean = of.mean.or(min.zip(max).map(|(min, max)| 0.5 * (min + max))).or(min).or(max)?;
@@ -124,7 +124,7 @@ fn picture(lineage: &Lineage, mut sets: Vec<Set>) -> Canvas {
     canvas
 }
 
-/// Every bar with where it stands across: beside its founder, sets side by side.
+/// Every bar with its position: at its founder, sets side by side.
 fn each(sets: &[Set], mut draw: impl FnMut(f64, &Set, &Bar)) {
     let count = sets.len() as f64;
     for (k, set) in sets.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! The results of a sweep: χ, or whatever its kind gives, over its first axis of many numbers (or of any, where none has many), a
-//! curve for each value of the other axes; outcomes as a map where two axes are dense.
+//! The results of a sweep: χ, or another quantity, over its first dense axis, with a curve for each value of the other axes;
+//! a map of outcomes if two axes are dense.
 
 use serde_json::Value;
 
@@ -18,6 +18,9 @@ const DENSE: usize = 8;
 /// Most curves that a legend names.
 const NAMED: usize = 12;
 
+/// Outcomes in the order of a sweep's columns of counts.
+const OUTCOMES: [Outcome; 3] = [Outcome::Symmetric, Outcome::Asymmetric, Outcome::Failed];
+
 /// A row as it is drawn.
 struct Point {
     /// Places of the axes' values in their lists.
@@ -29,7 +32,7 @@ struct Point {
     undecided: bool,
 }
 
-/// Draws the rows of a sweep, be they all of them or those of a part.
+/// Draws the rows of a sweep or of a shard.
 pub fn draw(sweep: &Sweep, rows: &[Row]) -> Canvas {
     let points: Vec<Point> = rows.iter().map(|row| point(sweep, row)).collect();
     let numeric: Vec<(usize, Vec<f64>)> =
@@ -96,19 +99,13 @@ fn point(sweep: &Sweep, row: &Row) -> Point {
     let number = |k: usize| results.get(k).and_then(Value::as_f64);
     let (value, sd, outcome) = match sweep.kind {
         Kind::Division if sweep.replicates == 1 => {
-            let outcome = match results.first().and_then(Value::as_str) {
-                Some("symmetric") => Some(Outcome::Symmetric),
-                Some("asymmetric") => Some(Outcome::Asymmetric),
-                Some("failed") => Some(Outcome::Failed),
-                _ => None,
-            };
-            (number(1), None, outcome)
+            let name = results.first().and_then(Value::as_str);
+            (number(1), None, OUTCOMES.into_iter().find(|outcome| Some(outcome.name()) == name))
         }
         Kind::Division => {
-            let all = [Outcome::Symmetric, Outcome::Asymmetric, Outcome::Failed];
-            let most = (0..3).max_by_key(|k| results.get(*k).and_then(Value::as_u64).unwrap_or(0));
-            let any = (0..3).any(|k| results.get(k).and_then(Value::as_u64).is_some_and(|n| n > 0));
-            (number(3), number(4), most.filter(|_| any).map(|k| all[k]))
+            let count = |k: usize| results.get(k).and_then(Value::as_u64).unwrap_or(0);
+            let most = (0..3).max_by_key(|k| count(*k)).filter(|k| count(*k) > 0);
+            (number(3), number(4), most.map(|k| OUTCOMES[k]))
         }
         Kind::Tree | Kind::Pitchfork | Kind::Critical => (number(0), None, None),
     };
@@ -257,7 +254,7 @@ fn legend(groups: &[Group<'_>], division: bool, resting: bool, unknown: bool) ->
         .with_if(unknown, Key::Point(style::UNDECIDED, Marker::Triangle), "undecided")
 }
 
-/// A point with its standard deviation; what has no value stands below the axis of χ.
+/// A point with its standard deviation; points without a value lie below the axis of χ.
 fn mark(chart: &mut Chart<'_>, point: &Point, x: f64, baseline: f64, colour: Option<Colour>) {
     let Some(value) = point.value else {
         if point.undecided {

@@ -5,8 +5,7 @@ use std::io::Read;
 use furrow_input::InputError;
 use png::{BitDepth, ColorType, Decoder, Limits, Transformations};
 
-use super::Contour;
-use super::polygons::{Contours, LeftOut, Traced};
+use super::polygons::{Contours, LeftOut};
 
 /// Pixels that a mask has at most.
 const MOST_PIXELS: usize = 100_000_000;
@@ -16,6 +15,12 @@ struct Picture {
     width: usize,
     height: usize,
     values: Vec<u16>,
+}
+
+impl Picture {
+    fn is_on_rim(&self, at: usize) -> bool {
+        [0, self.width - 1].contains(&(at % self.width)) || [0, self.height - 1].contains(&(at / self.width))
+    }
 }
 
 impl Contours {
@@ -31,22 +36,13 @@ impl Contours {
             Some(label) => picture.values.iter().map(|value| *value == label).collect(),
             None => foreground(&picture),
         };
-        let out = |why: String| LeftOut { file: file.to_owned(), contour: String::new(), line: None, why };
         let Some((piece, notes)) = largest_piece(&picture, inside) else {
-            let why = match label {
-                Some(label) => format!("no pixel of it has the label {label}"),
-                None => "it has one colour alone".to_owned(),
-            };
-            self.left_out.push(out(why));
+            let why = label
+                .map_or("it has one colour alone".to_owned(), |label| format!("no pixel of it has the label {label}"));
+            self.left_out.push(LeftOut { file: file.to_owned(), contour: String::new(), line: None, why });
             return Ok(());
         };
-        match Contour::new(outline(&piece, picture.width)) {
-            Ok((contour, _)) => {
-                let (file, name) = (file.to_owned(), String::new());
-                self.traced.push(Traced { file, name, contour, pixel: Some(1.0), notes });
-            }
-            Err(why) => self.left_out.push(out(why.to_string())),
-        }
+        self.add(file, String::new(), None, outline(&piece, picture.width), Some(1.0), notes);
         Ok(())
     }
 }
@@ -73,12 +69,8 @@ fn decode(from: impl Read, file: &str, labels: bool) -> Result<Picture, InputErr
     if labels && !matches!(frame.color_type, ColorType::Grayscale | ColorType::Indexed) {
         return Err(refused("labels are grey values or numbers of a palette; this picture has colours".to_owned()));
     }
-    let row = |y: usize| &buffer[y * frame.line_size..(y + 1) * frame.line_size];
-    let mut values = Vec::with_capacity(width * height);
-    for y in 0..height {
-        let row = row(y);
-        values.extend((0..width).map(|x| value(row, x, frame.color_type, frame.bit_depth)));
-    }
+    let rows = buffer.chunks_exact(frame.line_size).take(height);
+    let values = rows.flat_map(|row| (0..width).map(|x| value(row, x, frame.color_type, frame.bit_depth))).collect();
     Ok(Picture { width, height, values })
 }
 
@@ -107,16 +99,8 @@ fn foreground(picture: &Picture) -> Vec<bool> {
     let middle = (u32::from(least) + u32::from(most)) / 2;
     let bright = |at: usize| u32::from(picture.values[at]) > middle;
     let (width, height) = (picture.width, picture.height);
-    let rim = (0..width * height).filter(|at| {
-        let (x, y) = (at % width, at / width);
-        x == 0 || y == 0 || x + 1 == width || y + 1 == height
-    });
-    let (mut of_rim, mut bright_of_rim) = (0_usize, 0_usize);
-    for at in rim {
-        of_rim += 1;
-        bright_of_rim += usize::from(bright(at));
-    }
-    let dark_cell = 2 * bright_of_rim > of_rim;
+    let rim: Vec<usize> = (0..width * height).filter(|at| picture.is_on_rim(*at)).collect();
+    let dark_cell = 2 * rim.iter().filter(|at| bright(**at)).count() > rim.len();
     (0..width * height).map(|at| least < most && bright(at) != dark_cell).collect()
 }
 
@@ -156,8 +140,7 @@ fn largest_piece(picture: &Picture, mut inside: Vec<bool>) -> Option<(Vec<bool>,
         let (count, of) = (pieces.len(), piece.len());
         notes.push(format!("{count} smaller pieces, {others} pixels beside {of}, were left out"));
     }
-    let on_rim = |at: &usize| [0, width - 1].contains(&(at % width)) || [0, height - 1].contains(&(at / width));
-    if piece.iter().any(on_rim) {
+    if piece.iter().any(|at| picture.is_on_rim(*at)) {
         notes.push("touches the picture's rim, where the cell may go on".to_owned());
     }
     let mut pixels = vec![false; width * height];

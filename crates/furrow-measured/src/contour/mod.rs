@@ -1,6 +1,6 @@
 //! Closed contours of cells in an axial section: their area, centroid, long axis and furrow, and how far two of them overlap.
 //!
-//! | file | what it says |
+//! | file | content |
 //! |---|---|
 //! | `mod.rs` | a closed contour, its moments, and where it is put so that contours of several sources lie on each other |
 //! | [`furrow`] | how deep a contour is furrowed |
@@ -102,7 +102,7 @@ impl Contour {
         let kept = signed_area(largest).abs();
         let rest: f64 = rings[1..].iter().map(|ring| signed_area(ring).abs()).sum();
         let cut = (rest / kept).max((kept - drawn.abs()).abs() / kept);
-        // What the grid of the clipping rounds away is none.
+        // Below the grid of the clipping a difference is rounding.
         let cut = if cut < 1e-7 { 0.0 } else { cut };
         if cut > MOST_CUT {
             return Err(Unusable::Crosses(cut));

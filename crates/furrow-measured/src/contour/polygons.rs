@@ -1,7 +1,7 @@
-//! Contours in a table: a row for each point, in order around the cell.
+//! Contours in tables: one row per point, in order around the cell.
 //!
-//! The columns are `x` and `y` (or `r` and `z`), in one length unit, and if the table has several contours `contour` (or `stage`,
-//! `frame`, `id`), which is the same in all rows of one. A table of two columns of numbers needs no names.
+//! The columns are `x` and `y` (or `r` and `z`), in one unit, and for several contours `contour` (or `stage`, `frame`, `id`).
+//! A table of two columns of numbers needs no header.
 
 use std::collections::HashMap;
 use std::io::Read;
@@ -11,8 +11,7 @@ use furrow_input::{InputError, shown};
 use serde::Serialize;
 
 use super::Contour;
-use crate::layout::listed;
-use crate::table::{malformed, next, number, open, whole};
+use crate::table::{Table, listed, malformed, names, number};
 
 /// A contour as it was measured.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +24,7 @@ pub struct Traced {
     pub contour: Contour,
     /// Side of a pixel in that unit, if it was traced in pixels.
     pub pixel: Option<f64>,
-    /// What was done to it or is to be known of it.
+    /// Remarks, such as loops that were cut off.
     pub notes: Vec<String>,
 }
 
@@ -42,7 +41,7 @@ pub struct LeftOut {
     pub why: String,
 }
 
-/// What files of contours say.
+/// The contours of some files.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contours {
     /// Contours, in the order of the files.
@@ -51,7 +50,7 @@ pub struct Contours {
     pub left_out: Vec<LeftOut>,
 }
 
-/// Where points, and the name of their contour, stand.
+/// Columns of the points and of the name of their contour.
 struct Places {
     x: usize,
     y: usize,
@@ -68,82 +67,92 @@ struct Ring {
 }
 
 impl Contours {
-    /// Adds the contours of a table. `file` is what it is called in what is told of it.
+    /// Adds the contours of a table. Reports name it `file`.
     ///
     /// # Errors
-    /// A table without the columns that it needs.
+    /// A table without the required columns.
     pub fn read_table(&mut self, from: impl Read, file: &str) -> Result<(), InputError> {
-        let mut reader = open(from, file)?;
-        let mut record = ByteRecord::new();
-        if !next(&mut reader, &mut record, file)? {
+        let mut table = Table::open(from, file)?;
+        let Some((line, record)) = table.next()? else {
             return Err(malformed(file, 1, "the table is empty; its columns are x and y, a row for each point"));
-        }
+        };
+        let mut rings = Rings::default();
         let bare = record.len() == 2 && record.iter().all(|text| number(text.trim_ascii()).is_some());
-        let places = if bare { Places { x: 0, y: 1, contour: None } } else { places(&record, file)? };
-        let mut rings: Vec<Ring> = Vec::new();
-        let mut known: HashMap<String, usize> = HashMap::new();
-        let mut more = bare || next(&mut reader, &mut record, file)?;
-        while more {
-            let line = record.position().map_or(0, csv::Position::line);
-            let text = |column: usize| record.get(column).unwrap_or_default().trim_ascii();
-            let name = places.contour.map_or(String::new(), |at| String::from_utf8_lossy(text(at)).into_owned());
-            let ring = *known.entry(name).or_insert_with_key(|name| {
-                rings.push(Ring { name: name.clone(), first_line: line, ..Ring::default() });
-                rings.len() - 1
-            });
-            rings[ring].take(line, [places.x, places.y].map(|column| (column, text(column))));
-            more = next(&mut reader, &mut record, file)?;
+        let places = if bare { Places { x: 0, y: 1, contour: None } } else { places(record, file)? };
+        if bare {
+            rings.take(line, record, &places);
         }
-        whole(&reader, file)?;
-        if rings.is_empty() {
+        while let Some((line, record)) = table.next()? {
+            rings.take(line, record, &places);
+        }
+        if rings.rings.is_empty() {
             return Err(malformed(file, 1, "the table has columns but no points"));
         }
-        for ring in rings {
-            self.close(ring, file);
+        for Ring { name, first_line, points, wrong } in rings.rings {
+            match wrong {
+                Some((line, why)) => {
+                    self.left_out.push(LeftOut { file: file.to_owned(), contour: name, line: Some(line), why });
+                }
+                None => self.add(file, name, Some(first_line), points, None, Vec::new()),
+            }
         }
         Ok(())
     }
 
-    fn close(&mut self, ring: Ring, file: &str) {
-        let (file, name) = (file.to_owned(), ring.name);
-        if let Some((line, why)) = ring.wrong {
-            self.left_out.push(LeftOut { file, contour: name, line: Some(line), why });
-            return;
-        }
-        match Contour::new(ring.points) {
+    /// Adds the contour through these points, if it is one.
+    pub(super) fn add(
+        &mut self,
+        file: &str,
+        name: String,
+        line: Option<u64>,
+        points: Vec<[f64; 2]>,
+        pixel: Option<f64>,
+        mut notes: Vec<String>,
+    ) {
+        let file = file.to_owned();
+        match Contour::new(points) {
             Ok((contour, cut)) => {
-                let told = format!("crosses itself; loops of {:.2} % of its area were cut off", 100.0 * cut);
-                let notes = if cut > 0.0 { vec![told] } else { Vec::new() };
-                self.traced.push(Traced { file, name, contour, pixel: None, notes });
+                if cut > 0.0 {
+                    notes.push(format!("crosses itself; loops of {:.2} % of its area were cut off", 100.0 * cut));
+                }
+                self.traced.push(Traced { file, name, contour, pixel, notes });
             }
-            Err(why) => {
-                let line = Some(ring.first_line);
-                self.left_out.push(LeftOut { file, contour: name, line, why: why.to_string() });
-            }
+            Err(why) => self.left_out.push(LeftOut { file, contour: name, line, why: why.to_string() }),
         }
     }
 }
 
-impl Ring {
-    /// Takes a point. One that cannot be read would leave a dent where it is missing: its contour is not used.
-    fn take(&mut self, line: u64, texts: [(usize, &[u8]); 2]) {
-        let mut point = [0.0; 2];
-        for (value, (column, text)) in point.iter_mut().zip(texts) {
-            match number(text) {
-                Some(number) => *value = number,
-                None if self.wrong.is_none() => {
-                    let text = shown(&String::from_utf8_lossy(text));
-                    self.wrong = Some((line, format!("column {}: {text} is not a finite number", column + 1)));
-                }
-                None => {}
-            }
-        }
-        self.points.push(point);
+/// The contours of a table so far, and their indices by name.
+#[derive(Default)]
+struct Rings {
+    rings: Vec<Ring>,
+    known: HashMap<String, usize>,
+}
+
+impl Rings {
+    /// Takes a row. An unreadable point would leave a dent, so its contour is not used.
+    fn take(&mut self, line: u64, record: &ByteRecord, places: &Places) {
+        let text = |column: usize| record.get(column).unwrap_or_default().trim_ascii();
+        let name = places.contour.map_or(String::new(), |at| String::from_utf8_lossy(text(at)).into_owned());
+        let rings = &mut self.rings;
+        let ring = *self.known.entry(name).or_insert_with_key(|name| {
+            rings.push(Ring { name: name.clone(), first_line: line, ..Ring::default() });
+            rings.len() - 1
+        });
+        let ring = &mut rings[ring];
+        let point = [places.x, places.y].map(|column| {
+            number(text(column)).unwrap_or_else(|| {
+                let text = shown(&String::from_utf8_lossy(text(column)));
+                ring.wrong.get_or_insert((line, format!("column {}: {text} is not a finite number", column + 1)));
+                f64::NAN
+            })
+        });
+        ring.points.push(point);
     }
 }
 
 fn places(header: &ByteRecord, file: &str) -> Result<Places, InputError> {
-    let names: Vec<String> = header.iter().map(|name| String::from_utf8_lossy(name).trim().to_lowercase()).collect();
+    let names: Vec<String> = names(header).iter().map(|name| name.to_lowercase()).collect();
     let find = |known: &[&str]| names.iter().position(|name| known.contains(&name.as_str()));
     let x = find(&["x", "x_um", "x_px", "r"]);
     let y = find(&["y", "y_um", "y_px", "z"]);
@@ -155,7 +164,7 @@ fn places(header: &ByteRecord, file: &str) -> Result<Places, InputError> {
                 "a table of contours has the columns x and y (or r and z), and contour if it has several; the columns here are {}",
                 listed(&names)
             );
-            Err(malformed(file, 1, &message))
+            Err(malformed(file, 1, message))
         }
     }
 }

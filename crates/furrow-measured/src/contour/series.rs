@@ -26,7 +26,7 @@ const ROUND: f64 = 1.03;
 
 /// A contour of the model.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Modelled {
+pub struct ModelContour {
     /// The frame it is from.
     pub frame: String,
     /// Time, in τ.
@@ -48,7 +48,7 @@ pub struct Look {
 
 /// A measured contour beside the model's.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Beside {
+pub struct ContourMatch {
     /// Its file.
     pub file: String,
     /// Its name within the file.
@@ -92,7 +92,7 @@ pub struct Series {
     /// Mean similarity of the stages.
     pub similarity_of_stages: f64,
     /// Each contour, in the order of the files.
-    pub contours: Vec<Beside>,
+    pub contours: Vec<ContourMatch>,
 }
 
 /// A contour that is laid upright, with what it looks like.
@@ -114,7 +114,7 @@ impl Laid {
 
 /// Holds contours beside the model's. `length_scale` is one L_h in the unit of the contours; without it they have together the
 /// area of the model's. None if there are no contours of either.
-pub fn series(measured: &[Traced], model: &[Modelled], length_scale: Option<f64>) -> Option<Series> {
+pub fn series(measured: &[Traced], model: &[ModelContour], length_scale: Option<f64>) -> Option<Series> {
     let models: Vec<Laid> = model.iter().map(|modelled| Laid::of(&modelled.contour)).collect();
     let laid: Vec<Laid> = measured.iter().map(|traced| Laid::of(&traced.contour)).collect();
     let matched: Vec<usize> = laid.iter().map(|laid| matching(&laid.look, &models)).collect::<Option<_>>()?;
@@ -124,7 +124,7 @@ pub fn series(measured: &[Traced], model: &[Modelled], length_scale: Option<f64>
         return None;
     }
     let length_scale = length_scale.unwrap_or((areas / of_models).sqrt());
-    let mut contours: Vec<Beside> = measured
+    let mut contours: Vec<ContourMatch> = measured
         .iter()
         .zip(&laid)
         .zip(&matched)
@@ -155,7 +155,7 @@ fn matching(look: &Look, models: &[Laid]) -> Option<usize> {
     (0..models.len()).filter(|k| off(*k) <= nearest + ALIKE).min_by(|a, b| longer(*a).total_cmp(&longer(*b)))
 }
 
-fn beside(traced: &Traced, laid: &Laid, (modelled, model): (&Modelled, &Laid), length_scale: f64) -> Beside {
+fn beside(traced: &Traced, laid: &Laid, (modelled, model): (&ModelContour, &Laid), length_scale: f64) -> ContourMatch {
     // An axis has two directions, and contours do not say which end is which: the one that fits better.
     let upright = laid.contour.scaled(1.0 / length_scale);
     let turned = upright.turned();
@@ -168,7 +168,7 @@ fn beside(traced: &Traced, laid: &Laid, (modelled, model): (&Modelled, &Laid), l
         notes.push("is nearly round: its long axis means little".to_owned());
     }
     let axis = laid.moments.long_axis;
-    Beside {
+    ContourMatch {
         file: traced.file.clone(),
         contour: traced.name.clone(),
         measured: laid.look,
@@ -186,7 +186,7 @@ fn beside(traced: &Traced, laid: &Laid, (modelled, model): (&Modelled, &Laid), l
 }
 
 /// As many contours as are shown, in the order of their depth: those nearest to depths that are spread evenly.
-fn stages(contours: &[Beside]) -> Vec<usize> {
+fn stages(contours: &[ContourMatch]) -> Vec<usize> {
     let depth = |k: usize| contours[k].measured.depth;
     let mut free: Vec<usize> = (0..contours.len()).collect();
     free.sort_by(|a, b| depth(*a).total_cmp(&depth(*b)));
