@@ -1,5 +1,5 @@
-//! A tree of more than 100,000 cells, all of them answered by the memo: grown, written, read back. The only test of its process, so
-//! that the memory measured is its own.
+//! A tree of more than 100,000 cells, all from the memo: grown, written, read back. The only test of its program, since it measures
+//! the memory of the process.
 
 mod common;
 

@@ -8,7 +8,7 @@ use std::{
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    // The folder of the whole: this crate is in `crates/embryo`.
+    // The root of the workspace.
     let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../..");
     // Debug builds skip it: they would be rebuilt after every commit. So does what runs in a page, which is kept in the
     // repository and cannot know the commit that it will be part of.

@@ -1,4 +1,4 @@
-//! Cells a hair above the threshold of division: slow, and not undecided.
+//! Cells just above the threshold of division are slow, but not undecided.
 
 use crate::common::shapes::{first, solve};
 use crate::common::stand_in::grow;

@@ -1,4 +1,4 @@
-//! A stand-in for the division solver, so that growth is tested apart from mechanics.
+//! A fake division solver, to test growth without mechanics.
 
 use furrow_cell::Cell;
 use furrow_formats::tree_to_json;

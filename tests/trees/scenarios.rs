@@ -1,4 +1,4 @@
-//! Scenarios side by side: every lineage with every cue, grown in one run.
+//! Scenarios: every lineage with every cue, grown in one run.
 
 use std::fs;
 use std::path::{Path, PathBuf};
