@@ -6,11 +6,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::constants::Constants;
-use furrow_cell::{Cell, Parameter};
+use furrow_cell::Parameter;
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary};
-use furrow_lineage::{
-    GrowError, Grower, Lineage, Rounds, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
-};
+use furrow_lineage::{EndRule, GrowError, Grower, Lineage, Rounds, Thresholds, Tree, TreeSettings, founder_rounds};
 use furrow_mechanics::division::divide;
 use furrow_mechanics::equilibria::CriticalRadii;
 
@@ -162,7 +160,7 @@ pub fn each_tree<T: Send>(
         let quantisation = Quantisation::with_relative_step(settings.r0_step).unwrap_or(Quantisation::DEFAULT);
         let rule = Thresholds::new(CriticalRadii::new(&settings.numerics));
         let memo = Memo::new(quantisation);
-        let (tree, summary) = grow_alone(lineage, settings, &|cell| rule.of(cell), &memo, cancel)?;
+        let (tree, summary) = grow_alone(lineage, settings, EndRule::Thresholds(&rule), &memo, cancel)?;
         Ok(read(set, &tree, &summary))
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -189,7 +187,7 @@ fn grown(set: &Constants, tree: &Tree, summary: &Summary) -> Grown {
 pub(super) fn grow_alone(
     lineage: &Lineage,
     settings: TreeSettings,
-    ends: &dyn Fn(&Cell) -> Option<TerminalReason>,
+    ends: EndRule<'_>,
     memo: &Memo,
     cancel: Option<&AtomicBool>,
 ) -> Result<(Tree, Summary), GrowError> {

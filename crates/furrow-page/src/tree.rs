@@ -3,7 +3,7 @@
 use furrow_cell::{Cell, Cue, Numerics};
 use furrow_formats::tree_to_json;
 use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions};
-use furrow_lineage::{Grower, Lineage, Thresholds, TreeSettings, expected_work};
+use furrow_lineage::{EndRule, Grower, Lineage, Scope, Thresholds, TreeSettings, expected_work};
 use furrow_mechanics::division::{DivisionInput, divide};
 use furrow_mechanics::equilibria::CriticalRadii;
 use serde::Deserialize;
@@ -33,17 +33,11 @@ pub fn regrow(request: &[u8], tell: &dyn Fn(usize, usize)) -> Result<Answer, Pag
         lineage = lineage.carrying(&cue)?;
     }
     let memo = Memo::new(Quantisation::with_relative_step(r0_step).unwrap_or(Quantisation::DEFAULT));
-    let rule = Thresholds::new(CriticalRadii::new(&numerics));
-    // The first cell of a kind whose radius would have to be searched for is left to its division, as `furrow tree` does.
-    let first = std::cell::Cell::new(true);
-    let ends = |cell: &Cell| {
-        let is_first = first.replace(false);
-        if is_first && !rule.knows(cell) { None } else { rule.of(cell) }
-    };
+    // As `furrow tree` does.
+    let rule = Thresholds::new(CriticalRadii::new(&numerics)).with_scope(Scope::FirstIfKnown);
     let plain = cell.clone().with_cue(Cue::none());
     let order = |input: &DivisionInput| {
-        let critical = if rule.knows(&plain) { rule.critical_radius(&plain) } else { None };
-        critical.map_or(input.cell.r0, |critical| expected_work(critical)(input))
+        rule.critical_radius(&plain).map_or(input.cell.r0, |critical| expected_work(critical)(input))
     };
     let progress = |Progress { solved, running, queued, .. }: Progress| tell(solved, running + queued);
     let options = SchedulerOptions {
@@ -53,7 +47,7 @@ pub fn regrow(request: &[u8], tell: &dyn Fn(usize, usize)) -> Result<Answer, Pag
         ..SchedulerOptions::default()
     };
     let settings = TreeSettings { cell, numerics, seed, r0_step };
-    let grower = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options };
+    let grower = Grower { lineage: &lineage, settings, ends: EndRule::Thresholds(&rule), memo: &memo, options };
     let (tree, _) = grower.grow(divide)?;
     Ok(Answer::of(tree_to_json(&tree)?))
 }
