@@ -66,7 +66,7 @@ fn the_module_divides_and_grows_as_the_command_line_does() {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    let module = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/page/furrow.wasm.txt");
+    let module = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/furrow-report/src/page/furrow.wasm.txt");
     // The second has a founder with physics of its own, µm, and cues by rules.
     for lineage in ["lineages/c_elegans.ron", "lineages/template.ron"] {
         let lineage = Path::new(env!("CARGO_MANIFEST_DIR")).join(lineage);

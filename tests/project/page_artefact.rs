@@ -11,7 +11,7 @@ fn the_module_in_the_page_has_this_version_of_the_solver() {
     let wanted = format!("solver {SOLVER_VERSION}");
     assert_eq!(
         lines[0], wanted,
-        "crates/page/furrow.wasm.txt was built from another version of the solver: run crates/page/build.sh"
+        "crates/furrow-report/src/page/furrow.wasm.txt was built from another version of the solver: run crates/furrow-page/build.sh"
     );
     // Gzip, in base64.
     assert!(lines.len() == 2 && lines[1].starts_with("H4sI"));
