@@ -226,16 +226,16 @@ impl CellId {
 }
 
 /// Parameters of all divisions of a tree.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TreeSettings {
-    /// Radius of the first cell; confinement, activity, material and shell of all. Cues are the lineage's.
-    pub cell: Cell,
-    /// Discretisation.
-    pub numerics: Numerics,
     /// Seed of the noise.
     pub seed: u64,
     /// Relative step to which R0 is rounded before a division is solved; 0 if it is not.
     pub r0_step: f64,
+    /// Radius of the first cell; confinement, activity, material and shell of all. Cues are the lineage's.
+    pub cell: Cell,
+    /// Discretisation.
+    pub numerics: Numerics,
 }
 
 impl Default for TreeSettings {

@@ -11,8 +11,10 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::provenance::Provenance;
-use furrow_cell::{Cell, Cue, Numerics};
-use furrow_lineage::{CellId, Lineage, ObservedRounds, Rounds, Side, TerminalReason, Tree, founder_rounds};
+use furrow_cell::Cue;
+use furrow_lineage::{
+    CellId, Lineage, ObservedRounds, Rounds, Side, TerminalReason, Tree, TreeSettings, founder_rounds,
+};
 use furrow_mechanics::division::Outcome;
 
 /// Name of the format.
@@ -88,11 +90,8 @@ struct Head<'a> {
     schema: &'a str,
     schema_version: u32,
     provenance: Provenance,
-    seed: u64,
-    r0_step: f64,
-    /// The first cell; what all cells share is taken from it.
-    cell: &'a Cell,
-    numerics: &'a Numerics,
+    #[serde(flatten)]
+    settings: &'a TreeSettings,
     lineage: &'a Lineage,
     founders: Vec<FounderRow>,
 }
@@ -153,10 +152,7 @@ pub fn tree_to_json(tree: &Tree) -> Result<String, serde_json::Error> {
         schema: SCHEMA,
         schema_version: SCHEMA_VERSION,
         provenance: Provenance::current(),
-        seed: tree.settings.seed,
-        r0_step: tree.settings.r0_step,
-        cell: &tree.settings.cell,
-        numerics: &tree.settings.numerics,
+        settings: &tree.settings,
         lineage: &tree.lineage,
         founders: founder_rows(tree),
     };
