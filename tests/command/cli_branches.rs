@@ -94,7 +94,7 @@ fn a_stored_boundary_is_written_whole() {
         Stored::parse(&text, path, &Cell::new(1.0), &Numerics::default()).unwrap()
     };
     let (written, kept) =
-        (read(path), read(concat!(env!("CARGO_MANIFEST_DIR"), "/crates/mechanics/data/gao2026.boundary.json")));
+        (read(path), read(concat!(env!("CARGO_MANIFEST_DIR"), "/crates/furrow-mechanics/data/gao2026.boundary.json")));
     let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-7, "{a} {b}");
     assert_eq!(written.radii.len(), kept.radii.len());
     for (a, b) in written.radii.iter().zip(&kept.radii) {
