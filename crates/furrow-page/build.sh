@@ -1,19 +1,11 @@
 #!/bin/sh
-<<<<<<< HEAD
 # Builds the module that runs inside the page and writes it to crates/furrow-report/src/page/furrow.wasm.txt. Runs from any
 # folder.
-=======
-# Builds what runs inside the report, crates/furrow-report/src/page/furrow.wasm.txt, from the sources as they are. Runs from any folder.
->>>>>>> main
 #
 # The file has two lines: the version of the solver, and the module, compressed and in base64.
 # `tests/project/page_artefact.rs` fails if the version is another one; then run this script.
 #
-<<<<<<< HEAD
 #   crates/furrow-page/build.sh [FILE]     writes FILE instead
-=======
-#   crates/furrow-page/build.sh [FILE]     writes FILE in place of crates/furrow-report/src/page/furrow.wasm.txt
->>>>>>> main
 set -eu
 cd "$(dirname "$0")/../.."
 out=${1:-crates/furrow-report/src/page/furrow.wasm.txt}
@@ -28,11 +20,7 @@ for folder in "${CARGO_HOME:-$HOME/.cargo}"/registry/src/*; do
 done
 RUSTFLAGS="$flags" cargo build --locked --quiet --package furrow-page --lib --profile page --target "$target"
 
-<<<<<<< HEAD
 built=${CARGO_TARGET_DIR:-target}/$target/page/furrow_page.wasm
-=======
-built=${CARGO_TARGET_DIR:-target}/$target/page
->>>>>>> main
 solver=$(sed -n 's/^pub const SOLVER_VERSION: u32 = \([0-9]*\);$/\1/p' crates/furrow-lineage/src/batch/key.rs)
 {
     echo "solver ${solver:?not found}"

@@ -45,7 +45,7 @@ fn divisions_have_the_bits_of_this_version() {
     assert!(
         differ.is_empty(),
         "these divisions have other bits than in version {SOLVER_VERSION} of the solver, and stored divisions would be mixed \
-         with others: raise SOLVER_VERSION in crates/embryo/src/batch/key.rs, store the new bits here, and run \
+         with others: raise SOLVER_VERSION in crates/furrow-lineage/src/batch/key.rs, store the new bits here, and run \
          crates/furrow-page/build.sh\n{}",
         differ.join("\n")
     );
