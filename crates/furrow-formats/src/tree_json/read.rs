@@ -123,7 +123,7 @@ pub fn tree_from_json(text: &str) -> Result<Tree, TreeFileError> {
             if let Ok(Heading { schema, schema_version }) = serde_json::from_str(text) {
                 another(&schema, schema_version)?;
             }
-            return Err(malformed::<Document<'_>>(text, &error));
+            return Err(malformed(text, &error));
         }
     };
     another(&document.schema, document.schema_version)?;
