@@ -4,8 +4,7 @@ use furrow_cell::settings::{Settings, listing};
 
 use super::{FILE, says_where, text};
 
-/// A configuration that is read is what it is when all of its values are written into a file and read again, and when they
-/// are set one by one.
+/// A valid configuration is the same after all its values are written to a file and read, or set one by one.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data) else { return };
     let mut settings = Settings::default();

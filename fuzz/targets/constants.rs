@@ -4,7 +4,7 @@ use furrow_analysis::{read_constants, write_constants};
 
 use super::{FILE, says_where, text};
 
-/// Sets that are read are what they are when they are written and read again.
+/// Valid sets survive writing and reading.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data) else { return };
     match read_constants(text, FILE) {

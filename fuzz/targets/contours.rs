@@ -7,7 +7,7 @@ use furrow_measured::contour::polygons::Contours;
 
 use super::{FILE, says_where};
 
-/// A contour that is read encloses an area, is read again as it is written, and lies upon itself.
+/// A valid contour encloses an area, survives writing and reading, and overlaps with itself.
 pub fn check(data: &[u8]) {
     let Some((&how, bytes)) = data.split_first() else { return };
     let mut found = Contours::default();
@@ -29,7 +29,7 @@ pub fn check(data: &[u8]) {
 
 fn holds(contour: &Contour) {
     let moments = contour.moments();
-    // A sliver has moments that are lost to rounding.
+    // The moments of a sliver are lost to rounding.
     if moments.area.is_nan() || moments.elongation > 1e3 {
         return;
     }

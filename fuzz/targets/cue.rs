@@ -6,8 +6,7 @@ use furrow_lineage::parse_cue;
 
 use super::{built_in, text};
 
-/// A cue that is read is what it is when it is written, as text and as JSON, and read again; its mirror image has itself for
-/// mirror image; at every place its fields have a number.
+/// A valid cue survives writing and reading, as text and as JSON; mirrored twice it is itself; its fields are finite everywhere.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data) else { return };
     check_setting(text);
@@ -35,7 +34,7 @@ pub fn check(data: &[u8]) {
     }
 }
 
-/// A setting is taken or refused by its name.
+/// A setting is accepted, or the error names --set.
 fn check_setting(text: &str) {
     let mut settings = Settings::default();
     match settings.apply_overrides(&[text.to_owned()]) {

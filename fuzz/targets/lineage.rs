@@ -4,7 +4,7 @@ use furrow_lineage::Lineage;
 
 use super::{FILE, says_where, text};
 
-/// A lineage that is read is what it is when it is written and read again, and every founder in it can be asked for.
+/// A valid lineage survives writing and reading, and every founder has its properties.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data) else { return };
     let lineage = match Lineage::parse(text, FILE) {

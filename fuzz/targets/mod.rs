@@ -1,7 +1,7 @@
-//! What is tried of every reader: one function a reader, which takes any bytes and panics where the reader does wrong. The
-//! fuzzers call them with bytes of their own, `tests/project/hostile_corpus.rs` with the files in `fuzz/corpus`.
+//! Checks of every reader: one function per reader takes any bytes and panics if the reader misbehaves. The fuzzers call them
+//! with random bytes, `tests/project/hostile_corpus.rs` with the files in `fuzz/corpus`.
 
-// Each fuzzer is a program of its own that calls one of these.
+// Each fuzzer is a separate program that calls one of these.
 #![allow(dead_code)]
 
 pub mod config;
@@ -18,15 +18,15 @@ use std::sync::OnceLock;
 
 use furrow_lineage::Lineage;
 
-/// What errors call the text.
+/// The file name in errors.
 pub const FILE: &str = "given.file";
 
-/// The text, if it is text: files are refused before they reach a reader where they are not.
+/// The bytes as text, if they are UTF-8: other files never reach a reader.
 pub fn text(data: &[u8]) -> Option<&str> {
     std::str::from_utf8(data).ok()
 }
 
-/// An error names the file, says something more, and is short however long what it complains of.
+/// An error starts with the file, has a message, and is short for any input.
 pub fn says_where(error: &impl ToString) {
     let said = error.to_string();
     assert!(said.starts_with(FILE) && said.len() > FILE.len() + 2, "does not begin with the file: {said}");

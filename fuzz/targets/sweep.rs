@@ -5,10 +5,10 @@ use furrow_cell::settings::Settings;
 
 use super::{FILE, says_where, text};
 
-/// Points that are looked at one by one.
+/// Most points that are checked one by one.
 const LOOKED_AT: usize = 16;
 
-/// Every point of a sweep that is read has a value of each axis, and a cell that can be computed or a reason why not.
+/// Every point of a valid sweep has a value of each axis, and a valid cell or a reason why not.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data).filter(|text| has_few_points(text) && !names_a_file(text)) else { return };
     let sweep = match Sweep::parse(text, FILE, &Settings::default(), &[]) {
@@ -35,7 +35,7 @@ pub fn check(data: &[u8]) {
     assert_eq!(again, sweep);
 }
 
-/// Ten million points are allowed and take seconds each time; what is looked for here needs none of that.
+/// Ten million points are allowed but take seconds, and find nothing more here.
 fn has_few_points(text: &str) -> bool {
     let long = |rest: &str| {
         let number = rest.trim_start_matches([':', ' ', '\t', '\n', '\r']);
@@ -44,7 +44,7 @@ fn has_few_points(text: &str) -> bool {
     !text.split("count").skip(1).any(long)
 }
 
-/// What a lineage's file holds is another target's.
+/// Lineage files have their own target.
 fn names_a_file(text: &str) -> bool {
     text.contains("lineage")
 }

@@ -6,8 +6,7 @@ use furrow_mechanics::calibration;
 
 use super::{FILE, built_in, says_where, text};
 
-/// Targets that are read are what they are when they are written and read again. Those of a fit begin with another word, and
-/// are held against the built-in lineage.
+/// Valid targets survive writing and reading. Those of a fit begin with another word and are checked against the built-in lineage.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data) else { return };
     let read = parse_document::<calibration::Targets>(text, FILE, "a file of targets", "Targets");

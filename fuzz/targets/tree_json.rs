@@ -6,7 +6,7 @@ use furrow_lineage::Tree;
 
 use super::text;
 
-/// A tree that is read is what it is when it is written and read again; it is exported to every format.
+/// A valid tree survives writing and reading, and is exported to every format.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data) else { return };
     let tree = match tree_from_json(text) {
@@ -22,7 +22,7 @@ pub fn check(data: &[u8]) {
     assert_eq!(tree_to_json(&again).expect("a tree is written"), written);
     let names = |tree: &Tree| -> Vec<String> { tree.cells().map(|id| tree.cell(id).name.clone()).collect() };
     assert_eq!(names(&again), names(&tree));
-    // All formats with one kind of length each: the kinds differ in nothing but a number.
+    // One kind of length per format: the kinds differ in numbers only.
     for (k, format) in Format::ALL.into_iter().enumerate() {
         let lengths = [BranchLengths::Time, BranchLengths::Generation, BranchLengths::None][k % 3];
         match export(&tree, format, lengths, &["#000000"]) {

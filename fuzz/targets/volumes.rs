@@ -5,7 +5,7 @@ use furrow_measured::volumes::{ReadOptions, Unit, Volumes};
 
 use super::{FILE, says_where};
 
-/// The means that are read are what they are when they are written as a long table and read again, and so are the divisions.
+/// The means and the divisions are the same after they are written as a long table and read again.
 pub fn check(data: &[u8]) {
     let Some((&how, table)) = data.split_first() else { return };
     let options =

@@ -21,8 +21,7 @@ use crate::inputs::{ARGUMENTS, Inputs};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 
-/// Divisions of one cell with noise of the seeds from `seed` on: the divisions with their seeds, and the seeds of those that could
-/// not be computed with the reasons, as JSON.
+/// Divisions of one cell with the seeds from `seed` on, as JSON: the divisions with their seeds, and the failures with their seeds.
 #[pyfunction]
 #[pyo3(signature = (inputs, memo, seed, count, threads, progress=None))]
 pub fn divide(
@@ -36,15 +35,15 @@ pub fn divide(
 ) -> PyResult<String> {
     let input = inputs.division(seed).map_err(|error| raised(py, error, 0))?;
     let memo = Arc::clone(&memo.solved);
-    // What is known needs no thread that Ctrl-C could stop.
+    // A known division needs no thread.
     if count == 1
         && let Some(division) = py.detach(|| memo.known(&input))
     {
         let found: (_, [(u64, String); 0]) = ([(seed, division)], []);
         return serde_json::to_string(&found).map_err(unwritable);
     }
-    // Of a single division nothing is kept before it has ended, which it does by itself and for the memo.
-    let interrupt = if count == 1 { Interrupt::Leaves } else { Interrupt::Tells };
+    // A single division leaves nothing to keep before it ends; it goes on to the memo by itself.
+    let interrupt = if count == 1 { Interrupt::Abandons } else { Interrupt::Finishes };
     let found = supervised(py, interrupt, progress, move |watch| {
         let show = |progress| watch.divisions(progress);
         let stop = Some(watch.stop()).filter(|_| count > 1);
@@ -65,8 +64,8 @@ pub fn divide(
     serde_json::to_string(&found).map_err(unwritable)
 }
 
-/// A division with its shapes: how it ended as JSON, what is read off each shape, and where its places begin and end in the columns
-/// of all places, one after the other.
+/// A division with its shapes: its outcome as JSON, the columns of frames, and where the places of each frame end in the columns of
+/// all places.
 type Filmed<'py> = (String, Bound<'py, PyDict>, Bound<'py, PyArray1<i64>>, Bound<'py, PyDict>, [f64; 2]);
 
 /// Computes a division and keeps its shapes, after every step or every so many τ.
@@ -84,7 +83,7 @@ pub fn film<'py>(
         let error = InputError::not_allowed(ARGUMENTS, "frames", step, "True, False or a finite number of τ above 0");
         return Err(raised(py, error.into(), 0));
     }
-    let (division, stills, shell) = supervised(py, Interrupt::Leaves, None, move |_| {
+    let (division, stills, shell) = supervised(py, Interrupt::Abandons, None, move |_| {
         let film = film_of(&input)?;
         let film = match places {
             Some(count) => film.with_places(count),
@@ -104,7 +103,7 @@ fn division_json(division: &Division) -> PyResult<String> {
     serde_json::to_string(division).map_err(unwritable)
 }
 
-/// What is read off each frame.
+/// The columns of frames.
 fn frame_columns(stills: &[Still]) -> Vec<(&'static str, Vec<f64>)> {
     let column = |of: fn(&Still) -> f64| stills.iter().map(of).collect();
     vec![
@@ -127,7 +126,7 @@ fn ends(stills: &[Still]) -> Vec<i64> {
     behind.collect()
 }
 
-/// Places as columns, under the names that they have in files.
+/// Places as columns, with the names of the files of frames.
 fn place_columns<'a>(places: impl Iterator<Item = &'a Place>) -> Vec<(&'static str, Vec<f64>)> {
     let names = COLUMNS.map(|(name, _)| name);
     let mut columns = names.map(|_| Vec::with_capacity(places.size_hint().0));
@@ -145,7 +144,7 @@ fn place_columns<'a>(places: impl Iterator<Item = &'a Place>) -> Vec<(&'static s
 pub fn steady<'py>(py: Python<'py>, inputs: &Inputs) -> PyResult<(String, Bound<'py, PyDict>)> {
     inputs.settings().check_activity(ARGUMENTS).map_err(|error| raised(py, error.into(), 0))?;
     let Inputs { cell, numerics } = inputs.clone();
-    let (found, places) = supervised(py, Interrupt::Leaves, None, move |_| {
+    let (found, places) = supervised(py, Interrupt::Abandons, None, move |_| {
         let shape = stationary(&cell, &numerics).map_err(Error::no_outcome)?;
         let spectrum = shape.spectrum().map_err(Error::no_outcome)?;
         let found = StationaryReport::new(&shape, &spectrum);
@@ -170,7 +169,7 @@ fn range(xi_max: f64) -> Result<[f64; 2], Error> {
 pub fn pitchfork(py: Python<'_>, inputs: &Inputs, xi_max: f64) -> PyResult<String> {
     let xi = range(xi_max).map_err(|error| raised(py, error, 0))?;
     let Inputs { cell, numerics } = inputs.clone();
-    let found = supervised(py, Interrupt::Leaves, None, move |_| {
+    let found = supervised(py, Interrupt::Abandons, None, move |_| {
         let options = BranchOptions { xi, ..BranchOptions::default() };
         let found = pitchforks::first(&cell, &numerics, &options).map_err(Error::no_outcome)?;
         Ok(ThresholdReport::new(&found))
@@ -210,7 +209,7 @@ pub fn branch<'py>(
         return Err(raised(py, error.into(), 0));
     }
     let Inputs { cell, numerics } = inputs.clone();
-    let found = supervised(py, Interrupt::Leaves, None, move |_| {
+    let found = supervised(py, Interrupt::Abandons, None, move |_| {
         let options = BranchOptions { xi, growth_rates: true, ..BranchOptions::default() }.with_max_step(max_step);
         diagram(&cell, &numerics, &options).map_err(Error::no_outcome)
     })?;

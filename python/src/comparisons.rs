@@ -1,13 +1,12 @@
 //! The model beside measured embryos.
 
-use std::fs::File;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use furrow_analysis::compare::counts::counts as counted;
 use furrow_analysis::compare::volumes::{GroupBeside, Scale, ScaleFrom, add_bands, beside, model, scale};
 use furrow_analysis::{Constants, grown, read_constants, scenarios_of, tree_settings};
-use furrow_input::{InputError, read_text};
+use furrow_input::{InputError, open_file, read_text};
 use furrow_lineage::batch::SchedulerOptions;
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::polygons::Traced;
@@ -47,7 +46,7 @@ struct VolumesFound {
     tests: Vec<AdjacentTest>,
 }
 
-/// What volumes are held against, and how.
+/// The input of a comparison of volumes.
 struct VolumesPlan {
     files: Vec<PathBuf>,
     text: Option<String>,
@@ -59,8 +58,8 @@ struct VolumesPlan {
     threads: usize,
 }
 
-/// Size asymmetries of measured divisions beside the model's, as JSON. Volumes are tables in files, or one as text; without either
-/// they are the published means.
+/// Size asymmetries of measured divisions beside the model's, as JSON. Volumes are tables in files or one table as text; default the
+/// published means.
 #[pyfunction]
 #[pyo3(signature = (files, text, voxel, group, lineage, constants, length, parameters, memo, preset, config, threads, progress=None))]
 pub fn compare_volumes(
@@ -84,7 +83,7 @@ pub fn compare_volumes(
     let read = ReadOptions { voxel, group };
     let plan = VolumesPlan { files, text, read, lineage, constants, settings, length, threads };
     let memo = Arc::clone(&memo.solved);
-    let found = supervised(py, Interrupt::Tells, progress, move |watch| plan.held(&memo, watch))?;
+    let found = supervised(py, Interrupt::Finishes, progress, move |watch| plan.compare(&memo, watch))?;
     serde_json::to_string(&found).map_err(unwritable)
 }
 
@@ -97,18 +96,12 @@ impl VolumesPlan {
             volumes.read(text.as_bytes(), "volumes", &self.read)?;
         }
         for file in &self.files {
-            let name = file.display().to_string();
-            let opened = File::open(file).and_then(|opened| match opened.metadata()?.is_dir() {
-                true => Err(std::io::Error::other("it is a folder, not a file")),
-                false => Ok(opened),
-            });
-            let opened = opened.map_err(|e| InputError::Unreadable { file: name.clone(), reason: e.to_string() })?;
-            volumes.read(opened, &name, &self.read)?;
+            volumes.read(open_file(file)?, &file.display().to_string(), &self.read)?;
         }
         Ok(volumes)
     }
 
-    fn held(&self, memo: &Solved, watch: &Watch) -> Result<VolumesFound, Error> {
+    fn compare(&self, memo: &Solved, watch: &Watch) -> Result<VolumesFound, Error> {
         if let Some(length) = self.length.filter(|length| !(length.is_finite() && *length > 0.0)) {
             let allowed = "a length above 0, in the cube root of the tables' unit";
             return Err(InputError::not_allowed(ARGUMENTS, "length_scale", length, allowed).into());
@@ -147,7 +140,7 @@ impl VolumesPlan {
         })
     }
 
-    /// Sets of constants, where there are such.
+    /// Sets of constants, if any.
     fn sets(&self) -> Result<Vec<Constants>, InputError> {
         match &self.constants {
             Some((Some(text), _)) => read_constants(text, "constants"),
@@ -157,7 +150,7 @@ impl VolumesPlan {
     }
 }
 
-/// A series of contours beside the model's, and both of each as they were laid upon each other.
+/// A series of contours beside the model's, with each pair after alignment.
 #[derive(Serialize)]
 struct ContoursFound<'a> {
     #[serde(flatten)]
@@ -178,7 +171,7 @@ pub fn compare_contours(
     };
     let measured: Vec<Vec<[f64; 2]>> = measured.iter().map(points).collect();
     let model: Vec<(f64, Vec<[f64; 2]>)> = model.iter().map(|(t, array)| (*t, points(array))).collect();
-    supervised(py, Interrupt::Leaves, None, move |_| {
+    supervised(py, Interrupt::Abandons, None, move |_| {
         if let Some(length) = length.filter(|length| !(length.is_finite() && *length > 0.0)) {
             let allowed = "a length above 0, in the unit of the contours";
             return Err(InputError::not_allowed(ARGUMENTS, "length_scale", length, allowed).into());

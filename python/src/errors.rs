@@ -1,5 +1,4 @@
-//! The library's errors as Python's exceptions, which `furrow/_errors.py` defines: what users catch, with field, value and what is
-//! allowed.
+//! The library's errors as the exceptions of `furrow/_errors.py`, with field, value and what is allowed.
 
 use std::fmt::Display;
 
@@ -10,21 +9,21 @@ use furrow_mechanics::division::DivisionError;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 
-/// Why a call has no result. It knows no Python, so that work off the interpreter's lock can end with it.
+/// Why a call failed. Free of Python types, so that work without the interpreter's lock can return it.
 #[derive(Debug)]
 pub enum Error {
     /// Bad input.
     Input(InputError),
-    /// Good input that nothing came of.
+    /// The computation failed on valid input.
     NoOutcome(String),
-    /// Something of the system: a folder, threads.
+    /// An error of the system: a folder, threads.
     System(String),
-    /// Stopped on the way; what was solved is kept.
+    /// Interrupted; solved divisions are kept.
     Interrupted,
 }
 
 impl Error {
-    /// Good input that nothing came of, for a reason.
+    /// A failed computation.
     pub fn no_outcome(why: impl Display) -> Error {
         Error::NoOutcome(why.to_string())
     }
@@ -94,14 +93,14 @@ impl From<StoreError> for Error {
     }
 }
 
-/// The exception of `furrow/_errors.py` that a name and arguments make; what went wrong with that itself where something did.
+/// The exception of `furrow/_errors.py` with this name and arguments, or the error of creating it.
 fn exception<'py>(py: Python<'py>, name: &str, arguments: impl pyo3::call::PyCallArgs<'py>) -> PyErr {
     let made =
         py.import("furrow._errors").and_then(|module| module.getattr(name)).and_then(|class| class.call1(arguments));
     made.map_or_else(|error| error, PyErr::from_value)
 }
 
-/// An error as Python raises it, `solved` divisions having been solved before.
+/// An error as a Python exception, after `solved` divisions.
 pub fn raised(py: Python<'_>, error: Error, solved: usize) -> PyErr {
     match error {
         Error::Input(error) => input(py, &error),
@@ -116,20 +115,20 @@ pub fn interrupted(py: Python<'_>, solved: usize) -> PyErr {
     exception(py, "Interrupted", (solved,))
 }
 
-/// The exception for a solver that panicked, which is a defect.
+/// The exception for a solver that panicked, which is a bug.
 pub fn defect(py: Python<'_>, panic: &(dyn std::any::Any + Send)) -> PyErr {
     let said =
         panic.downcast_ref::<&str>().map(|text| (*text).to_owned()).or_else(|| panic.downcast_ref::<String>().cloned());
     let said = said.unwrap_or_default();
-    exception(py, "NoOutcome", (format!("the solver broke off: {said} (a defect of furrow, please report it)"),))
+    exception(py, "NoOutcome", (format!("internal error: the solver panicked: {said} (please report it)"),))
 }
 
-/// Bad input, with what the exception says of it: message, field, value, allowed and source.
+/// Bad input; the exception has message, field, value, allowed and source.
 fn input(py: Python<'_>, error: &InputError) -> PyErr {
     let message = error.to_string();
     match error {
         InputError::NotAllowed { source_name, field, value, allowed } => {
-            // Parameters are keywords here, which have no section before them.
+            // Parameters are keywords in Python, without a section.
             let plain = field.strip_prefix("physics.").or_else(|| field.strip_prefix("numerics."));
             let plain = plain.unwrap_or(field);
             let message = message.replacen(&format!(": {field} = "), &format!(": {plain} = "), 1);
@@ -140,23 +139,21 @@ fn input(py: Python<'_>, error: &InputError) -> PyErr {
         }
         InputError::Unreadable { file, .. }
         | InputError::OtherFile { file, .. }
-        | InputError::Founders { file, .. } => {
-            exception(py, "InputError", (message, None::<&str>, None::<&str>, None::<&str>, file))
-        }
-        InputError::Malformed { file, .. } => {
+        | InputError::Founders { file, .. }
+        | InputError::Malformed { file, .. } => {
             exception(py, "InputError", (message, None::<&str>, None::<&str>, None::<&str>, file))
         }
     }
 }
 
-/// Bad input of a kind that the library never sees, as a list in place of a number.
+/// An argument of the wrong Python type, such as a list in place of a number.
 pub fn refused(py: Python<'_>, field: &str, value: &Bound<'_, PyAny>, allowed: &str) -> PyErr {
     let kind = value.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
     let message = format!("furrow: {field} is of the type {kind}: must be {allowed}");
     exception(py, "InputError", (message, field, value, allowed, "furrow"))
 }
 
-/// What should not happen: a result that has no form as text.
+/// A result that cannot be serialised: a bug.
 pub fn unwritable(error: impl Display) -> PyErr {
     PyRuntimeError::new_err(error.to_string())
 }

@@ -14,10 +14,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::errors::{Error, raised, refused, unwritable};
 
-/// What errors call the arguments of a call.
+/// The source that errors name for arguments of a call.
 pub const ARGUMENTS: &str = "furrow";
 
-/// Parameters as keywords, by the names that `--set` knows, as text.
+/// Parameters by the names of `--set`, with their values as text.
 pub type Pairs = Vec<(String, String)>;
 
 /// A value as the text that a parameter is set by.
@@ -57,7 +57,7 @@ pub fn pairs(parameters: &Bound<'_, pyo3::types::PyDict>) -> PyResult<Pairs> {
     Ok(pairs)
 }
 
-/// A preset with a configuration file and then with keywords, each field checked by itself and all of them together.
+/// A preset, overridden by a configuration file and then by keywords, and checked.
 pub fn settings_of(preset: &str, config: Option<&PathBuf>, pairs: &Pairs) -> Result<Settings, InputError> {
     let mut settings = Settings::load(preset, config.map(PathBuf::as_path), &[])?;
     let mut named = Vec::new();
@@ -81,7 +81,7 @@ pub fn lineage_of(given: Option<&str>) -> Result<Lineage, InputError> {
     }
 }
 
-/// A radius as it is given: a number of L_h, or of µm where the lineage has units.
+/// A radius in L_h, or in µm if the lineage has units.
 pub fn radius_of(text: &str, lineage: &Lineage) -> Result<f64, InputError> {
     let refused = |allowed: String| InputError::not_allowed(ARGUMENTS, "r0", shown(text), allowed);
     let length: Length =
@@ -163,7 +163,7 @@ impl Inputs {
         self.cell.cue.to_string()
     }
 
-    /// What each term of the cue comes to at places of a contour of a length: the name of its field, and A f(u) at each.
+    /// The values A f(u) of each term of the cue on a contour of the given length, by the name of its field.
     fn cue_at<'py>(
         &self,
         py: Python<'py>,
@@ -175,12 +175,12 @@ impl Inputs {
         terms.map(|term| (term.field.name(), PyArray1::from_vec(py, at(term)))).collect()
     }
 
-    /// The same cell seen in a mirror.
+    /// The mirror image of the cell.
     fn mirrored(&self) -> Inputs {
         Inputs { cell: self.cell.mirrored(), numerics: self.numerics }
     }
 
-    /// Whether nothing tells one pole from the other.
+    /// Whether the cell is mirror-symmetric.
     fn is_mirror_symmetric(&self) -> bool {
         self.cell.is_mirror_symmetric()
     }

@@ -1,16 +1,16 @@
-//! What Python calls. Everything here is thin: values are checked and computed by the library, results go over as numpy arrays that
-//! take the memory they were computed in, or as JSON, and `python/furrow/` makes of them what users see.
+//! The compiled part of the Python package, a thin layer: the library checks and computes, and results reach Python as numpy
+//! arrays without copies, or as JSON. `python/furrow/` turns them into what users see.
 //!
-//! | file | what it says |
+//! | file | contents |
 //! |---|---|
 //! | `errors` | the library's errors as Python's exceptions |
-//! | `supervise` | work off the interpreter's lock, which Ctrl-C stops |
+//! | `supervise` | work without the interpreter's lock, stopped by Ctrl-C |
 //! | `inputs` | a cell and its numerics, checked |
-//! | `memo` | divisions that are solved already |
+//! | `memo` | solved divisions |
 //! | `cells` | one cell: its division, its stationary shapes, its threshold |
 //! | `trees` | lineages |
 //! | `sweeps` | many points |
-//! | `studies` | constants from thresholds, lineages over sets of them |
+//! | `studies` | constants from thresholds, lineages over sets of constants |
 //! | `comparisons` | the model beside measured embryos |
 
 mod cells;

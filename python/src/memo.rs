@@ -1,4 +1,4 @@
-//! Divisions that are solved already, shared by calls and threads.
+//! Solved divisions, shared by calls and threads.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -13,12 +13,12 @@ use crate::errors::{Error, raised};
 /// command line.
 #[pyclass(frozen, module = "furrow._furrow")]
 pub struct Memo {
-    /// What is known.
+    /// The divisions.
     pub solved: Arc<Solved>,
     folder: Option<PathBuf>,
 }
 
-/// What a memo is made of again elsewhere: its class and the arguments of it.
+/// A pickled memo: its class and arguments.
 type Reduced<'py> = (Bound<'py, PyAny>, (Option<PathBuf>, f64));
 
 #[pymethods]
@@ -48,12 +48,12 @@ impl Memo {
         self.solved.len()
     }
 
-    /// A memo is one even when it knows nothing yet.
+    /// An empty memo is true, too.
     fn __bool__(&self) -> bool {
         true
     }
 
-    /// The folder it is kept in.
+    /// The folder of the store.
     #[getter]
     fn store(&self) -> Option<PathBuf> {
         self.folder.clone()
@@ -65,7 +65,7 @@ impl Memo {
         self.solved.quantisation().relative_step()
     }
 
-    /// A memo arrives elsewhere empty, on the same store if it has one.
+    /// An unpickled memo is empty, but has the same store.
     fn __reduce__<'py>(slf: &Bound<'py, Memo>) -> PyResult<Reduced<'py>> {
         let memo = slf.get();
         Ok((slf.get_type().into_any(), (memo.folder.clone(), memo.r0_step())))

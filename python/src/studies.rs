@@ -1,12 +1,10 @@
-//! Constants from thresholds, as many sets of them as agree with what is known, and a lineage over these.
+//! Constants from thresholds, ensembles of admissible constants, and lineages over them.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use furrow_analysis::scenarios::Scenario;
-use furrow_analysis::{
-    Constants, EnsembleError, Exclusion, check_constraints, ensemble as sampled, ranges as ranges_over,
-};
+use furrow_analysis::{EnsembleError, Exclusion, check_constraints, ensemble as sampled, ranges as ranges_over};
 use furrow_analysis::{read_constants, write_constants};
 use furrow_cell::settings::Settings;
 use furrow_input::{InputError, parse_document, read_text};
@@ -36,7 +34,7 @@ fn targets_of(text: Option<&str>, file: Option<&Path>) -> Result<Targets, InputE
     Ok(targets)
 }
 
-/// What is computed from: targets and what they do not name.
+/// Targets, and the settings of everything that they do not name.
 fn read(
     text: Option<&str>,
     file: Option<&Path>,
@@ -68,7 +66,7 @@ pub fn calibrate(
     config: Option<PathBuf>,
 ) -> PyResult<String> {
     let pairs = pairs(parameters)?;
-    let found = supervised(py, Interrupt::Leaves, None, move |_| {
+    let found = supervised(py, Interrupt::Abandons, None, move |_| {
         let (targets, settings) = read(text.as_deref(), file.as_deref(), &preset, config.as_ref(), &pairs)?;
         let failed = |error: CalibrateError| Error::no_outcome(error);
         let found = calibrated(&targets, &settings.cell, &settings.numerics).map_err(failed)?;
@@ -106,7 +104,7 @@ pub fn ensemble(
     threads: usize,
 ) -> PyResult<String> {
     let pairs = pairs(parameters)?;
-    let found = supervised(py, Interrupt::Tells, None, move |watch| {
+    let found = supervised(py, Interrupt::Finishes, None, move |watch| {
         let (targets, settings) = read(text.as_deref(), file.as_deref(), &preset, config.as_ref(), &pairs)?;
         let Settings { cell, numerics } = &settings;
         let failed = |error| match error {
@@ -115,19 +113,14 @@ pub fn ensemble(
             error => Error::no_outcome(error),
         };
         let found = sampled(&targets, cell, numerics, count, seed, threads, watch.stop()).map_err(failed)?;
-        let set = |member: &furrow_analysis::Member| Constants {
-            values: found.parameters.iter().copied().zip(member.values.iter().copied()).collect(),
-            weight: member.weight,
-        };
-        let sets: Vec<Constants> = found.members.iter().map(set).collect();
         Ok(Sample {
             parameters: found.parameters.iter().map(ToString::to_string).collect(),
             values: found.members.iter().map(|member| member.values.clone()).collect(),
             weights: found.members.iter().map(|member| member.weight).collect(),
             effective_sample_size: found.effective_sample_size,
             draws: found.draws,
+            csv: write_constants(&found.constants()),
             excluded: found.excluded,
-            csv: write_constants(&sets),
         })
     })?;
     serde_json::to_string(&found).map_err(unwritable)
@@ -150,7 +143,7 @@ pub fn ranges(
 ) -> PyResult<String> {
     let plan = Plan { lineages: vec![lineage], cues, preset, config, pairs: pairs(parameters)?, seed };
     let memo = Arc::clone(&memo.solved);
-    let found = supervised(py, Interrupt::Tells, None, move |watch| {
+    let found = supervised(py, Interrupt::Finishes, None, move |watch| {
         let sets = match (text, file) {
             (Some(text), _) => read_constants(&text, "constants")?,
             (None, Some(file)) => read_constants(&read_text(&file)?, &file.display().to_string())?,

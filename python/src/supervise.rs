@@ -1,5 +1,4 @@
-//! Work off the interpreter's lock, on a thread of its own, while the calling thread waits for it: it looks whether Ctrl-C was
-//! pressed, and shows how far the work is.
+//! Runs work on its own thread, without the interpreter's lock. The calling thread waits, polls for Ctrl-C and shows progress.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -13,13 +12,13 @@ use pyo3::prelude::*;
 
 use crate::errors::{Error, defect, interrupted, raised};
 
-/// How late Ctrl-C may be noticed, and how often progress is shown.
+/// Interval between polls for Ctrl-C and updates of progress.
 const TICK: Duration = Duration::from_millis(50);
 
-/// How far work is, and whether it is to stop: what it shares with the thread that waits for it.
-#[derive(Clone)]
+/// Progress and the stop flag, shared with the thread that waits.
+#[derive(Clone, Default)]
 pub struct Watch {
-    stop: &'static AtomicBool,
+    stop: Arc<AtomicBool>,
     counts: Arc<Counts>,
 }
 
@@ -31,16 +30,12 @@ struct Counts {
 }
 
 impl Watch {
-    fn new() -> Watch {
-        Watch { stop: Flags::take(), counts: Arc::default() }
-    }
-
     /// Set when the work is to stop.
-    pub fn stop(&self) -> &'static AtomicBool {
-        self.stop
+    pub fn stop(&self) -> &AtomicBool {
+        &self.stop
     }
 
-    /// Takes in where divisions stand.
+    /// Records the progress of divisions.
     pub fn divisions(&self, progress: Progress) {
         let Progress { solved, running, queued, memo_hits } = progress;
         self.counts.solved.store(solved, Ordering::Relaxed);
@@ -48,7 +43,7 @@ impl Watch {
         self.counts.of.store(solved + memo_hits + running + queued, Ordering::Relaxed);
     }
 
-    /// Takes in where a sweep stands, and whether what it has done is kept: divisions are, shapes are not.
+    /// Records the progress of a sweep. `kept`: finished points are stored (divisions are, shapes are not).
     pub fn points(&self, progress: SweepProgress, kept: bool) {
         self.counts.solved.store(if kept { progress.done } else { 0 }, Ordering::Relaxed);
         self.counts.done.store(progress.done, Ordering::Relaxed);
@@ -60,54 +55,35 @@ impl Watch {
     }
 }
 
-/// Flags that no work uses now. Searches for critical radii want one that lives for ever; there are as many as calls at one time.
-struct Flags;
-
-static FREE: Mutex<Vec<&'static AtomicBool>> = Mutex::new(Vec::new());
-
-impl Flags {
-    fn take() -> &'static AtomicBool {
-        let free = FREE.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        let flag = free.unwrap_or_else(|| Box::leak(Box::new(AtomicBool::new(false))));
-        flag.store(false, Ordering::SeqCst);
-        flag
-    }
-
-    fn give(flag: &'static AtomicBool) {
-        FREE.lock().unwrap_or_else(PoisonError::into_inner).push(flag);
-    }
-}
-
 /// What Ctrl-C does to work.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Interrupt {
-    /// The work is told, finishes what is under way and says so.
-    Tells,
-    /// Nobody waits for the work any longer; what it solves meanwhile goes to the memo all the same.
-    Leaves,
+    /// The work finishes divisions that have begun.
+    Finishes,
+    /// The call returns at once; divisions that finish later still reach the memo.
+    Abandons,
 }
 
-/// Does work on a thread of its own and waits for it.
+/// Runs work on its own thread and waits for it.
 ///
-/// `progress` is called, now and then and on the calling thread, with how many divisions or points are done and how many there are.
+/// `progress` is called regularly, on the calling thread, with the numbers of finished and of all divisions or points.
 ///
 /// # Errors
-/// What the work ends with; `Interrupted` after Ctrl-C; what `progress` raises.
+/// The error of the work; `Interrupted` after Ctrl-C; what `progress` raises.
 pub fn supervised<T: Send + 'static>(
     py: Python<'_>,
     interrupt: Interrupt,
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Watch) -> Result<T, Error> + Send + 'static,
 ) -> PyResult<T> {
-    let watch = Watch::new();
+    let watch = Watch::default();
     let (sender, receiver) = channel();
-    // Shared with a closure that waits off the lock, which may not hold what belongs to one thread.
+    // The closure that waits without the lock must be Send, which a receiver alone is not.
     let receiver = Mutex::new(receiver);
     let own = watch.clone();
     let begun = std::thread::Builder::new().name("furrow".to_owned()).spawn(move || {
         let done = catch_unwind(AssertUnwindSafe(|| work(&own)));
-        Flags::give(own.stop);
-        // Nobody may be waiting any longer.
+        // The caller may have returned.
         let _ = sender.send(done);
     });
     if let Err(error) = begun {
@@ -118,14 +94,14 @@ pub fn supervised<T: Send + 'static>(
         let news = py.detach(|| receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(TICK));
         match news {
             Ok(Ok(done)) => {
-                // A signal that came last is not lost: what was solved is in the memo.
+                // A late signal still raises; solved divisions are in the memo.
                 return match stopped {
                     Some(error) => Err(explained(py, error, watch.solved())),
                     None => done.map_err(|error| raised(py, error, watch.solved())),
                 };
             }
             Ok(Err(panic)) => return Err(defect(py, &*panic)),
-            Err(RecvTimeoutError::Disconnected) => return Err(defect(py, &"its thread is gone")),
+            Err(RecvTimeoutError::Disconnected) => return Err(defect(py, &"its thread has ended")),
             Err(RecvTimeoutError::Timeout) => {}
         }
         let heard = py.check_signals().and_then(|()| match progress {
@@ -134,8 +110,8 @@ pub fn supervised<T: Send + 'static>(
         });
         if let Err(error) = heard {
             watch.stop.store(true, Ordering::SeqCst);
-            // The second time nobody wants to wait for what is under way.
-            if interrupt == Interrupt::Leaves || stopped.is_some() {
+            // The second Ctrl-C does not wait.
+            if interrupt == Interrupt::Abandons || stopped.is_some() {
                 return Err(explained(py, error, watch.solved()));
             }
             stopped = Some(error);

@@ -19,11 +19,11 @@ use crate::inputs::{ARGUMENTS, Pairs, pairs};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 
-/// A table: its columns by name in their order, numbers as arrays and words as lists; the reasons why points are undecided by the
-/// number of their row; the text of its CSV; what solving it took.
+/// A table: columns by name (numbers as arrays, words as lists), reasons of undecided points by row, the text of the CSV, and the
+/// numbers of points solved and reused.
 type Table<'py> = (Bound<'py, PyDict>, Vec<(usize, String)>, String, (usize, usize));
 
-/// Solves a sweep that is given as a file or as its text. With `out` its files are written there.
+/// Solves a sweep given as a file or as text. With `out` its files are written there.
 #[pyfunction]
 #[pyo3(signature = (text, file, parameters, memo, preset, config, out, threads, progress=None))]
 pub fn sweep<'py>(
@@ -40,7 +40,7 @@ pub fn sweep<'py>(
 ) -> PyResult<Table<'py>> {
     let pairs = pairs(parameters)?;
     let memo = Arc::clone(&memo.solved);
-    let (sweep, done) = supervised(py, Interrupt::Tells, progress, move |watch| {
+    let (sweep, done) = supervised(py, Interrupt::Finishes, progress, move |watch| {
         let base = Settings::load(&preset, config.as_deref(), &[])?;
         let sweep = read(text.as_deref(), file.as_deref(), &base, &pairs)?;
         let kept = out.is_some() || matches!(sweep.kind, Kind::Division | Kind::Tree);
@@ -83,7 +83,7 @@ fn read(text: Option<&str>, file: Option<&Path>, base: &Settings, pairs: &Pairs)
     }
 }
 
-/// One column: an array where it has numbers alone, what is missing as NaN, else a list.
+/// One column: an array if it is numeric, with NaN for missing values, else a list.
 fn column<'py>(py: Python<'py>, rows: &[Row], place: usize) -> PyResult<Bound<'py, PyAny>> {
     let cells = || rows.iter().map(|row| row.cells.get(place).unwrap_or(&Value::Null));
     if cells().any(|cell| cell.is_string()) {

@@ -1,4 +1,4 @@
-//! Lineages: growing them, and what is read off a tree.
+//! Growing lineages, and the contents of trees.
 
 use furrow_formats::{tree_from_json, tree_to_json};
 use std::path::PathBuf;
@@ -31,7 +31,7 @@ pub struct GrownTree {
     pub tree: Arc<Tree>,
 }
 
-/// What growing trees took.
+/// The work of growing trees.
 #[derive(Serialize)]
 struct Work {
     divisions_solved: usize,
@@ -56,11 +56,11 @@ impl Work {
     }
 }
 
-/// What trees are grown from.
+/// The input of trees.
 pub struct Plan {
-    /// Lineages with what tables call them.
+    /// Lineages with their labels.
     pub lineages: Vec<(String, Option<String>)>,
-    /// Cues in place of those that the lineages give; none for their own.
+    /// Cues that replace those of the lineages; empty to keep them.
     pub cues: Vec<String>,
     /// The preset.
     pub preset: String,
@@ -97,7 +97,7 @@ impl Plan {
         let refused = |error| match error {
             ScenarioError::Cue(e) => InputError::not_allowed(ARGUMENTS, e.field, e.value, e.allowed),
             ScenarioError::Same { first, second } => {
-                let allowed = format!("scenarios that differ; it is the same as {first}, and each is named but once");
+                let allowed = format!("a different scenario; it duplicates {first}");
                 InputError::not_allowed(ARGUMENTS, "cues", second, allowed)
             }
         };
@@ -108,7 +108,7 @@ impl Plan {
 /// A tree with the name, the lineage and the cue of its scenario.
 type Named = (String, String, Option<String>, GrownTree);
 
-/// Grows every lineage with every cue in one run; with what the run took, as JSON.
+/// Grows every lineage with every cue in one run; returns the trees, and the run's work as JSON.
 #[pyfunction]
 #[pyo3(signature = (lineages, cues, parameters, memo, preset, config, seed, dynamics, threads, progress=None))]
 pub fn grow(
@@ -126,7 +126,7 @@ pub fn grow(
 ) -> PyResult<(Vec<Named>, String)> {
     let plan = Plan { lineages, cues, preset, config, pairs: pairs(parameters)?, seed };
     let memo = Arc::clone(&memo.solved);
-    let (scenarios, grown) = supervised(py, Interrupt::Tells, progress, move |watch| {
+    let (scenarios, grown) = supervised(py, Interrupt::Finishes, progress, move |watch| {
         let scenarios = plan.scenarios(memo.quantisation())?;
         let show = |progress| watch.divisions(progress);
         let options = SchedulerOptions { threads, progress: Some(&show), ..SchedulerOptions::default() };
@@ -142,7 +142,7 @@ pub fn grow(
     Ok((named.collect(), work))
 }
 
-/// Reads a tree that was written before.
+/// Reads a tree.json.
 #[pyfunction]
 pub fn read_tree(py: Python<'_>, file: PathBuf) -> PyResult<GrownTree> {
     let read = || {
@@ -215,12 +215,12 @@ impl GrownTree {
         py.detach(|| newick(&self.tree))
     }
 
-    /// The tree as a drawing; of a large one the first generations.
+    /// The tree as a drawing; of a large tree only the first generations.
     fn svg(&self, py: Python<'_>) -> String {
         py.detach(|| report::svg(&self.tree))
     }
 
-    /// The tree as a page that computes.
+    /// The tree as an interactive page.
     fn html(&self, py: Python<'_>) -> String {
         py.detach(|| report::html(&self.tree, &founder_rows(&self.tree)))
     }

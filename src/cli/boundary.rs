@@ -1,29 +1,16 @@
 //! `furrow boundary`: curves of pitchforks and folds, and the critical radius.
 
-use std::fmt::Write;
-use std::path::PathBuf;
-
-use clap::Args;
-use serde::Serialize;
-
-use super::cell::number;
-use super::context::Context;
-use super::error::CliError;
 use super::interrupt::write_deferred;
-use super::output::{csv_of, print_as, to_json, writable_file};
-use super::plot::PlotArgs;
+use super::output::{csv_of, to_json, writable_file};
+use super::prelude::*;
 use super::vary::{Varied, VaryArgs};
 use furrow_cell::{Cue, Parameter};
 use furrow_figures::plot::{self, boundary::Boundary};
 use furrow_formats::write_atomically;
-use furrow_input::InputError;
 use furrow_mechanics::equilibria::critical::{self, Stored};
 use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
 use furrow_mechanics::equilibria::{Criticality, PointKind};
 
-/// Continues the boundary of division over a parameter: the pitchfork and the folds of mirror-symmetric shapes
-///
-/// With a cue without mirror symmetry the boundary is the fold that ends the stable shapes.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -296,9 +283,6 @@ impl Answer {
 
 fn line(out: &mut String, name: &str, p: &PointAnswer) {
     let of = p.criticality.map_or(String::new(), |criticality| format!("  {criticality}"));
-    let _ = writeln!(
-        out,
-        "{name:<12} {:>8.5} {:>9.6} {:>10.6} {:>11.6} {:>9.6}{of}",
-        p.r0, p.epsilon, p.value, p.xi_s, p.H
-    );
+    let PointAnswer { r0, epsilon, value, xi_s, H: h, .. } = p;
+    let _ = writeln!(out, "{name:<12} {r0:>8.5} {epsilon:>9.6} {value:>10.6} {xi_s:>11.6} {h:>9.6}{of}");
 }

@@ -1,27 +1,16 @@
 //! `furrow branch`: stationary shapes of one cell over activity.
 
-use std::fmt::Write;
-use std::path::PathBuf;
-
-use clap::Args;
-use serde::Serialize;
-
-use super::cell::{CellArgs, number, positive};
-use super::context::Context;
-use super::error::CliError;
-use super::output::{csv_of, print_as, writable_file};
-use super::plot::PlotArgs;
-use furrow_analysis::diagram;
-use furrow_cell::Cue;
+use super::cell::CellArgs;
+use super::output::{csv_of, writable_file};
+use super::prelude::*;
+use furrow_analysis::{Diagram, diagram};
+use furrow_cell::{Cell, Cue};
 use furrow_figures::plot::{self, branch::Named};
 use furrow_formats::write_atomically;
 use furrow_mechanics::equilibria::asymmetric::Scaling;
 use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, ShapePoint};
 use furrow_report::EventReport;
 
-/// Continues symmetric and asymmetric stationary shapes over ξ_s, with their folds and pitchforks
-///
-/// With a cue without mirror symmetry it continues the shapes that start at the passive one.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -96,13 +85,15 @@ struct EndAnswer {
     why: String,
 }
 
-/// How Δu opens at the pitchfork: |Δu| = prefactor |ξ_s − ξ_s*|^exponent.
-#[derive(Serialize)]
-struct ScalingAnswer {
-    exponent: f64,
-    prefactor: f64,
-    coefficient: f64,
-    points: usize,
+impl EndAnswer {
+    fn new(name: &'static str, branch: &Branch) -> EndAnswer {
+        let neck = match branch.ended {
+            BranchEnd::Pinched(neck) => Some(neck),
+            _ => None,
+        };
+        let xi_s = branch.points.last().map_or(f64::NAN, |point| point.xi_s);
+        EndAnswer { branch: name, xi_s, reason: branch.ended.name(), neck, why: branch.ended.to_string() }
+    }
 }
 
 #[derive(Serialize)]
@@ -114,7 +105,7 @@ struct Answer {
     events: Vec<EventReport>,
     /// Of the asymmetric branch of the first pitchfork.
     #[serde(skip_serializing_if = "Option::is_none")]
-    scaling: Option<ScalingAnswer>,
+    scaling: Option<Scaling>,
     steps: usize,
     newton_iterations: usize,
     ends: Vec<EndAnswer>,
@@ -134,28 +125,8 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
         ..BranchOptions::default()
     };
     let options = options.with_max_step(positive("--max-step", args.max_step)?);
-    let mut document = Answer {
-        r0: cell.r0,
-        epsilon: cell.epsilon,
-        cue: cell.cue.clone(),
-        points: Vec::new(),
-        events: Vec::new(),
-        scaling: None,
-        steps: 0,
-        newton_iterations: 0,
-        ends: Vec::new(),
-        stopped_by: Vec::new(),
-    };
     let found = diagram(&cell, &context.settings.numerics, &options)?;
-    document.scaling = found.scaling.map(|s: Scaling| ScalingAnswer {
-        exponent: s.exponent,
-        prefactor: s.prefactor,
-        coefficient: s.coefficient,
-        points: s.points,
-    });
-    for (name, branch) in &found.branches {
-        document.add(name, branch);
-    }
+    let document = Answer::new(&cell, &found);
     if let Some(file) = &args.csv {
         write_atomically(file, &csv_of(HEADER, &document.points)?)?;
     }
@@ -165,22 +136,31 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
 }
 
 impl Answer {
-    fn add(&mut self, name: &'static str, branch: &Branch) {
-        if let Some(reason) = branch.ended.error() {
+    fn new(cell: &Cell, found: &Diagram) -> Answer {
+        let branches = || found.branches.iter().map(|(name, branch)| (*name, branch));
+        let stopped = |(name, branch): (&str, &Branch)| {
+            let reason = branch.ended.error()?;
             tracing::warn!("the {name} branch is followed no further: {reason}");
-            self.stopped_by.push(reason.to_string());
-        }
-        let neck = match branch.ended {
-            BranchEnd::Pinched(neck) => Some(neck),
-            _ => None,
+            Some(reason.to_string())
         };
-        let xi_s = branch.points.last().map_or(f64::NAN, |point| point.xi_s);
-        let (reason, why) = (branch.ended.name(), branch.ended.to_string());
-        self.ends.push(EndAnswer { branch: name, xi_s, reason, neck, why });
-        self.points.extend(branch.points.iter().map(|p| PointAnswer::new(name, p)));
-        self.events.extend(branch.events.iter().map(|event| EventReport::new(name, event)));
-        self.steps += branch.work.steps;
-        self.newton_iterations += branch.work.iterations;
+        let points = |(name, branch): (&'static str, &Branch)| -> Vec<PointAnswer> {
+            branch.points.iter().map(|p| PointAnswer::new(name, p)).collect()
+        };
+        let events = |(name, branch): (&'static str, &Branch)| -> Vec<EventReport> {
+            branch.events.iter().map(|event| EventReport::new(name, event)).collect()
+        };
+        Answer {
+            r0: cell.r0,
+            epsilon: cell.epsilon,
+            cue: cell.cue.clone(),
+            points: branches().flat_map(points).collect(),
+            events: branches().flat_map(events).collect(),
+            scaling: found.scaling,
+            steps: branches().map(|(_, branch)| branch.work.steps).sum(),
+            newton_iterations: branches().map(|(_, branch)| branch.work.iterations).sum(),
+            ends: branches().map(|(name, branch)| EndAnswer::new(name, branch)).collect(),
+            stopped_by: branches().filter_map(stopped).collect(),
+        }
     }
 
     fn text(&self, points: bool) -> String {
@@ -197,12 +177,9 @@ impl Answer {
             let _ = writeln!(out, "{} of the {} branch at ξ_s = {:.6}, H = {:.6}: {of}", e.kind, e.branch, e.xi_s, e.H);
         }
         for end in &self.ends {
-            let count = self.points.iter().filter(|point| point.branch == end.branch).count();
-            let _ = writeln!(
-                out,
-                "the {} branch is followed to ξ_s = {:.6}, in {count} points: {}",
-                end.branch, end.xi_s, end.why
-            );
+            let EndAnswer { branch, xi_s, why, .. } = end;
+            let count = self.points.iter().filter(|point| point.branch == *branch).count();
+            let _ = writeln!(out, "the {branch} branch is followed to ξ_s = {xi_s:.6}, in {count} points: {why}");
         }
         if let Some(s) = &self.scaling {
             let _ = writeln!(out, "|Δu| = {:.4} |ξ_s − ξ_s*|^{:.4} from {} points", s.prefactor, s.exponent, s.points);

@@ -1,13 +1,10 @@
 //! `furrow cache`: inspects, verifies and clears the cache of solved divisions.
 
 use super::context::{Globals, cache_folder, start_logs};
-use super::error::CliError;
-use super::output::print_as;
-use clap::{Args, Subcommand};
+use super::prelude::*;
+use clap::Subcommand;
 use furrow_lineage::batch::store::maintenance;
-use std::fmt::Write;
 
-/// Inspects, verifies or clears the cache
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -42,14 +39,10 @@ pub fn run(args: &CacheArgs, globals: &Globals) -> Result<(), CliError> {
         Action::Clear => maintenance::clear(&folder)?,
     };
     print_as(globals.json, &report, || {
+        let maintenance::CacheReport { folder, entries, other_versions, bytes, corrupt, .. } = &report;
+        let (done, folder) = (if matches!(args.action, Action::Clear) { "cleared " } else { "" }, folder.display());
         let mut text = format!(
-            "{}{}: {} entries, {} of other versions, {} bytes, {} corrupt\n",
-            if matches!(args.action, Action::Clear) { "cleared " } else { "" },
-            report.folder.display(),
-            report.entries,
-            report.other_versions,
-            report.bytes,
-            report.corrupt
+            "{done}{folder}: {entries} entries, {other_versions} of other versions, {bytes} bytes, {corrupt} corrupt\n"
         );
         if matches!(args.action, Action::Verify { .. }) {
             for damaged in &report.damaged {

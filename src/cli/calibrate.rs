@@ -1,20 +1,12 @@
 //! `furrow calibrate`: constants from thresholds.
 
-use super::context::Context;
 use super::ensemble::sample;
-use super::error::CliError;
-use super::output::print_as;
-use super::plot::PlotArgs;
-use clap::Args;
+use super::prelude::*;
 use furrow_analysis::{Exclusion, check_constraints};
 use furrow_input::{parse_document, read_text};
 use furrow_mechanics::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
-use serde::Serialize;
 use serde_json::{Map, Value};
-use std::fmt::Write;
-use std::path::PathBuf;
 
-/// Fits material and shell constants to measured thresholds and shows which combinations stay undetermined
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -1,10 +1,8 @@
 //! `furrow completions`.
 
-use super::error::CliError;
 use super::output::print;
-use clap::Args;
+use super::prelude::*;
 
-/// Prints a completion script for a shell
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

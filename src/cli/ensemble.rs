@@ -1,25 +1,20 @@
-//! `furrow calibrate --ensemble`: constants that agree with what is known, and `furrow tree --constants`: what follows from
-//! them.
+//! `furrow calibrate --ensemble` samples admissible constants; `furrow tree --constants` grows a lineage over them.
 
 use std::collections::BTreeMap;
-use std::fmt::Write;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use serde::Serialize;
-
-use super::context::Context;
-use super::error::CliError;
 use super::interrupt;
-use super::output::{print_as, writable_file};
-use super::plot::Picture;
-use furrow_analysis::{Constants, Ensemble, LineageRanges, Range, ensemble, ranges, read_constants, write_constants};
+use super::output::writable_file;
+use super::picture::Picture;
+use super::prelude::*;
+use furrow_analysis::{Ensemble, LineageRanges, Range, ensemble, ranges, read_constants, write_constants};
 use furrow_formats::write_atomically;
 use furrow_input::read_text;
 use furrow_lineage::{Lineage, TreeSettings};
 use furrow_mechanics::calibration::Targets;
 
-/// How many of the sets drawn a statement excluded.
+/// Draws that a statement of the targets excluded.
 #[derive(Serialize)]
 struct Excluded {
     datum: String,
@@ -50,15 +45,7 @@ pub fn sample(
     let settings = &context.settings;
     let found =
         ensemble(targets, &settings.cell, &settings.numerics, count, seed, context.threads, &AtomicBool::new(false))?;
-    let sets: Vec<Constants> = found
-        .members
-        .iter()
-        .map(|member| Constants {
-            values: found.parameters.iter().copied().zip(member.values.iter().copied()).collect(),
-            weight: member.weight,
-        })
-        .collect();
-    let table = write_constants(&sets);
+    let table = write_constants(&found.constants());
     if let Some(file) = out {
         write_atomically(file, table.as_bytes())?;
     }
@@ -86,15 +73,9 @@ fn ensemble_text(found: &Ensemble, document: &EnsembleAnswer, out: Option<&Path>
         document.members, document.draws, document.effective_sample_size, "", "5 %", "median", "95 %"
     );
     for parameter in &found.parameters {
-        if let Some(range) = document.constants.get(&parameter.to_string()) {
-            let _ = writeln!(
-                text,
-                "{:<10} {:>10.5} {:>10.5} {:>10.5}",
-                parameter.to_string(),
-                range.p5,
-                range.p50,
-                range.p95
-            );
+        let name = parameter.to_string();
+        if let Some(Range { p5, p50, p95 }) = document.constants.get(&name) {
+            let _ = writeln!(text, "{name:<10} {p5:>10.5} {p50:>10.5} {p95:>10.5}");
         }
     }
     for (datum, count) in &found.excluded {

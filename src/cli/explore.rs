@@ -1,20 +1,12 @@
 //! `furrow explore`: the page that computes.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
 use super::cell::FirstCellArgs;
-use super::context::Context;
-use super::error::CliError;
-use super::output::{print_as, writable_file};
+use super::output::writable_file;
+use super::prelude::*;
 use super::tree::prepared;
 use furrow_formats::write_atomically;
 use furrow_report as report;
 
-/// Writes a web page that computes divisions in the browser: any cell you choose, and the founders' tree under another cue
-///
-/// The page is one file and works offline. `furrow tree` writes the same page with its tree, as report.html.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -1,27 +1,18 @@
 //! `furrow export`: a tree for other programs.
 
 use furrow_formats::read_tree;
-use std::path::{Path, PathBuf};
-
-use clap::Args;
-use serde::Serialize;
+use std::path::Path;
 
 use super::cell::one_of;
 use super::context::{Globals, start_logs};
-use super::error::CliError;
-use super::output::{print, print_as, writable_file, writable_folder};
+use super::output::{print, writable_file, writable_folder};
+use super::prelude::*;
 use furrow_formats::exchange::{BranchLengths, Exported, Format, ITOL_FILES, export};
 use furrow_formats::files::FileSet;
 use furrow_formats::{TREE_SCHEMA, write_atomically};
-use furrow_input::InputError;
 use furrow_lineage::Tree;
 use furrow_report::founder_colours;
 
-/// Writes a grown tree in the formats of other programs
-///
-/// newick, nhx and nexus are trees with named inner nodes; nhx and nexus add the data of each cell. csv has one row per cell.
-/// lineagetree is the numeric CSV of the Python package LineageTree. graphml is a graph. itol is a folder with a tree and its
-/// annotations for itol.embl.de.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

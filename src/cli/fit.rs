@@ -1,18 +1,14 @@
-//! `furrow fit`: what would make it the worm.
+//! `furrow fit`: constants, activities or a cue fitted to observations.
 
-use std::fmt::Write;
-use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use clap::{Args, ValueEnum};
-use serde::Serialize;
+use clap::ValueEnum;
 
 use super::cell::one_of;
-use super::context::Context;
-use super::error::CliError;
 use super::interrupt;
-use super::output::{print_as, writable_file};
-use super::plot::PlotArgs;
+use super::output::writable_file;
+use super::prelude::*;
 use super::progress::ProgressLine;
 use super::tree::bad_cue;
 use furrow_analysis::fit::{
@@ -22,15 +18,9 @@ use furrow_analysis::fit::{
 use furrow_analysis::tree_settings;
 use furrow_cell::Parameter;
 use furrow_formats::write_atomically;
-use furrow_input::{InputError, parse_document, read_text};
+use furrow_input::{parse_document, read_text};
 use furrow_lineage::{Lineage, TreeSettings};
 
-/// Fits constants, activities or a cue to observations
-///
-/// constants: one set of constants for the observed rounds and terminal cells of founders and the measured χ of the germline, with
-/// the Pareto front between this fit and the published thresholds.
-/// activity: for each founder by itself, the activity that gives its observed rounds.
-/// cue: the cue that gives the measured χ of the germline, and which combinations of its numbers stay undetermined.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -97,37 +87,31 @@ pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
     let settings = &context.settings;
     settings.check_divisions("settings")?;
     settings.check_activity("settings")?;
-    let settings = tree_settings(settings.clone(), &lineage, 0, context.quantisation);
+    let settings = &tree_settings(settings.clone(), &lineage, 0, context.quantisation);
     if args.out.is_some() && args.what != What::Constants {
         let allowed = "used only with constants";
         return Err(InputError::not_allowed("--out", "out", format!("{:?}", args.out), allowed).into());
     }
     if args.what != What::Cue {
-        // Divisions of trees are kept, those of a cue that is tried are not.
+        // Divisions of trees go to the cache, those of trial cues do not.
         interrupt::finish();
     }
+    let fit = Fit { args, context, lineage: &lineage, settings, start, flag: Some(interrupt::flag()) };
     match args.what {
-        What::Constants => constants(args, context, &lineage, &settings, start),
-        What::Activity => activity(args, context, &lineage, &settings, start),
-        What::Cue => cue(args, context, &lineage, &settings, start),
+        What::Constants => fit.constants(),
+        What::Activity => fit.activity(),
+        What::Cue => fit.cue(),
     }
 }
 
-/// The targets of a file, or the built-in ones, checked.
-fn targets(args: &FitArgs, lineage: &Lineage) -> Result<Targets, CliError> {
-    let (targets, file) = match &args.targets {
-        None => (Targets::embryo()?, "embryo.ron (built in)".to_owned()),
-        Some(path) => {
-            let file = path.display().to_string();
-            (parse_document(&read_text(path)?, &file, "a file of targets of a fit", "Fit")?, file)
-        }
-    };
-    targets.check(&file, lineage)?;
-    Ok(targets)
-}
-
-fn effort(args: &FitArgs) -> SearchBudget {
-    SearchBudget { particles: args.particles as usize, moves: u64::from(args.moves), seed: args.seed }
+/// The input of a fit.
+struct Fit<'a> {
+    args: &'a FitArgs,
+    context: &'a Context,
+    lineage: &'a Lineage,
+    settings: &'a TreeSettings,
+    start: Instant,
+    flag: Option<&'static AtomicBool>,
 }
 
 /// What `fit constants --json` prints.
@@ -154,52 +138,118 @@ struct Residual<'a> {
     computed: Option<f64>,
 }
 
-fn constants(
-    args: &FitArgs,
-    context: &Context,
-    lineage: &Lineage,
-    settings: &TreeSettings,
-    start: Instant,
-) -> Result<(), CliError> {
-    let targets = targets(args, lineage)?;
-    let picture = args.plot.file()?;
-    writable_file("--out", args.out.as_deref())?;
-    let line = ProgressLine::new(context.progress);
-    let show = |tried: usize, misfit: f64| line.message(format!("{tried} sets of constants, least misfit {misfit:.3}"));
-    let (memo, flag) = (context.memo()?, Some(interrupt::flag()));
-    let found = fit_constants(lineage, &targets, settings, &memo, effort(args), context.threads, flag, Some(&show))?;
-    drop(line);
-    if let Some(file) = &args.out {
-        write_atomically(file, config(&found.best).as_bytes())?;
+impl Fit<'_> {
+    /// The targets of a file, or the built-in ones, checked.
+    fn targets(&self) -> Result<Targets, CliError> {
+        let (targets, file) = match &self.args.targets {
+            None => (Targets::embryo()?, "embryo.ron (built in)".to_owned()),
+            Some(path) => {
+                let file = path.display().to_string();
+                (parse_document(&read_text(path)?, &file, "a file of targets of a fit", "Fit")?, file)
+            }
+        };
+        targets.check(&file, self.lineage)?;
+        Ok(targets)
     }
-    picture.write(|| furrow_figures::plot::fit::draw_constants(&found))?;
-    let elapsed_s = start.elapsed().as_secs_f64();
-    let number = |(parameter, value): &(Parameter, f64)| (parameter.to_string(), (*value).into());
-    let sharpness = found.sharpness.iter().zip(&found.plateau).map(|(sharp, (_, plateau))| {
-        serde_json::json!({ "parameter": sharp.parameter.to_string(), "from": sharp.from, "to": sharp.to,
-            "reaches_limit": sharp.reaches_limit, "plateau": plateau })
-    });
-    let document = ConstantsAnswer {
-        constants: found.best.constants.iter().map(number).collect(),
-        misfit: found.best.misfit,
-        residuals: residuals(&found.best, &targets),
-        best: &found.best,
-        start: &found.start,
-        front: &found.front,
-        sharpness: sharpness.collect(),
-        tried: found.tried,
-        seed: args.seed,
-        elapsed_s,
-    };
-    print_as(context.json, &document, || {
-        let written =
-            args.out.as_ref().map_or(String::new(), |file| format!("; use them with --config {}", file.display()));
-        format!(
-            "{}{} sets of constants tried, {elapsed_s:.0} s{written}\n",
-            constants_text(&found, &targets),
-            found.tried
-        )
-    })
+
+    fn budget(&self) -> SearchBudget {
+        let FitArgs { particles, moves, seed, .. } = *self.args;
+        SearchBudget { particles: particles as usize, moves: u64::from(moves), seed }
+    }
+
+    fn constants(&self) -> Result<(), CliError> {
+        let Fit { args, context, lineage, settings, flag, .. } = self;
+        let targets = self.targets()?;
+        let picture = args.plot.file()?;
+        writable_file("--out", args.out.as_deref())?;
+        let line = ProgressLine::new(context.progress);
+        let show =
+            |tried: usize, misfit: f64| line.message(format!("{tried} sets of constants, least misfit {misfit:.3}"));
+        let memo = context.memo()?;
+        let found =
+            fit_constants(lineage, &targets, settings, &memo, self.budget(), context.threads, *flag, Some(&show))?;
+        drop(line);
+        if let Some(file) = &args.out {
+            write_atomically(file, config(&found.best).as_bytes())?;
+        }
+        picture.write(|| furrow_figures::plot::fit::draw_constants(&found))?;
+        let elapsed_s = self.start.elapsed().as_secs_f64();
+        let number = |(parameter, value): &(Parameter, f64)| (parameter.to_string(), (*value).into());
+        let sharpness = found.sharpness.iter().zip(&found.plateau).map(|(sharp, (_, plateau))| {
+            serde_json::json!({ "parameter": sharp.parameter.to_string(), "from": sharp.from, "to": sharp.to,
+                "reaches_limit": sharp.reaches_limit, "plateau": plateau })
+        });
+        let document = ConstantsAnswer {
+            constants: found.best.constants.iter().map(number).collect(),
+            misfit: found.best.misfit,
+            residuals: residuals(&found.best, &targets),
+            best: &found.best,
+            start: &found.start,
+            front: &found.front,
+            sharpness: sharpness.collect(),
+            tried: found.tried,
+            seed: args.seed,
+            elapsed_s,
+        };
+        print_as(context.json, &document, || {
+            let written =
+                args.out.as_ref().map_or(String::new(), |file| format!("; use them with --config {}", file.display()));
+            format!(
+                "{}{} sets of constants tried, {elapsed_s:.0} s{written}\n",
+                constants_text(&found, &targets),
+                found.tried
+            )
+        })
+    }
+
+    fn activity(&self) -> Result<(), CliError> {
+        let Fit { args, context, lineage, settings, flag, .. } = self;
+        for (option, value) in [("--xi-from", args.xi_from), ("--xi-to", args.xi_to)] {
+            let mut one = context.settings.clone();
+            one.cell.xi_s = value;
+            if value <= 0.0 {
+                return Err(InputError::not_allowed(option, "xi_s", value, "a number above 0").into());
+            }
+            one.check_activity(option)?;
+        }
+        let range = [args.xi_from, args.xi_to];
+        if range[1] <= range[0] {
+            let allowed = format!("above --xi-from = {}", range[0]);
+            return Err(InputError::not_allowed("--xi-to", "xi_s", range[1], allowed).into());
+        }
+        let (memo, reading) = (context.memo()?, args.rounds);
+        let picture = args.plot.file()?;
+        let (found, trees) = activities(lineage, settings, &memo, reading, range, context.threads, *flag)?;
+        picture.write(|| furrow_figures::plot::fit::draw_activities(&found, settings.cell.xi_s))?;
+        let elapsed_s = self.start.elapsed().as_secs_f64();
+        let document = ActivityAnswer { rounds: reading, founders: &found, trees, elapsed_s };
+        print_as(context.json, &document, || {
+            format!("{}\n{trees} trees, {elapsed_s:.0} s\n", activity_text(&found, reading, settings))
+        })
+    }
+
+    fn cue(&self) -> Result<(), CliError> {
+        let Fit { args, context, lineage, settings, flag, .. } = self;
+        let targets = self.targets()?;
+        let template = lineage.parse_cue(&args.cue).map_err(bad_cue)?;
+        if template.is_none() {
+            let allowed = "a cue with at least one term";
+            return Err(InputError::not_allowed("--cue", "cue", &args.cue, allowed).into());
+        }
+        if targets.chi.is_empty() {
+            let file = args.targets.as_ref().map_or(String::new(), |path| path.display().to_string());
+            return Err(InputError::not_allowed(file, "chi", "[]", "at least one measured χ").into());
+        }
+        let picture = args.plot.file()?;
+        let found = fit_cue(lineage, &targets, settings, &template, self.budget(), context.threads, *flag)?;
+        picture.write(|| furrow_figures::plot::fit::draw_cue(&found))?;
+        let elapsed_s = self.start.elapsed().as_secs_f64();
+        let document = CueAnswer { found: &found, seed: args.seed, elapsed_s };
+        print_as(context.json, &document, || {
+            let out_of_sample = targets.out_of_sample.as_ref().map_or("", |out| &out.name);
+            format!("{}{} cues tried, {elapsed_s:.0} s\n", cue_text(&found, out_of_sample), found.tried)
+        })
+    }
 }
 
 fn residuals<'a>(best: &'a Evaluated, targets: &'a Targets) -> Vec<Residual<'a>> {
@@ -230,8 +280,7 @@ fn config(best: &Evaluated) -> String {
 
 fn constants_text(found: &FittedConstants, targets: &Targets) -> String {
     let FittedConstants { best, start, .. } = found;
-    let mut out = values_text(found);
-    out += &founders_text(best, targets);
+    let mut out = values_text(found) + &founders_text(best, targets);
     for (name, e) in [("start", start), ("best", best)] {
         let rms = e.thresholds_rms.map_or("not found".to_owned(), |rms| format!("{:.2} %", 100.0 * rms));
         let _ = writeln!(
@@ -252,7 +301,7 @@ fn constants_text(found: &FittedConstants, targets: &Targets) -> String {
     out
 }
 
-/// The constants of the start and of the best, and how sharp it is.
+/// The constants of the start and of the best fit, with the sharpness of its minimum.
 fn values_text(found: &FittedConstants) -> String {
     let FittedConstants { best, start, sharpness, plateau, .. } = found;
     let mut out = String::new();
@@ -278,19 +327,23 @@ fn values_text(found: &FittedConstants) -> String {
     out
 }
 
-/// The founders of the best beside what was observed of them.
+/// A number that may be missing.
+fn or_dash(value: Option<impl std::fmt::Display>) -> String {
+    value.map_or("-".to_owned(), |value| value.to_string())
+}
+
+/// The founders of the best fit beside the observed ones.
 fn founders_text(best: &Evaluated, targets: &Targets) -> String {
     let mut out = String::new();
     let _ =
         writeln!(out, "\n{:<8} {:>22} {:>22} {:>16}", "founder", "mean rounds, observed", "terminal, observed", "χ");
     for founder in &best.founders {
-        let rounds = founder.rounds.map_or("-".to_owned(), |r| format!("{:.2}", r.mean));
-        let terminal = founder.rounds.map_or("-".to_owned(), |r| r.terminal.to_string());
-        let mean = founder.observed_mean.map_or("-".to_owned(), |mean| format!("{mean:.2}"));
-        let cells = founder.observed_terminal.map_or("-".to_owned(), |n| n.to_string());
+        let [rounds, mean] = [founder.rounds.map(|r| r.mean), founder.observed_mean]
+            .map(|mean| or_dash(mean.map(|mean| format!("{mean:.2}"))));
+        let [terminal, cells] = [founder.rounds.map(|r| r.terminal), founder.observed_terminal].map(or_dash);
         let measured = targets.chi.iter().find(|chi| chi.cell == founder.name);
         let beside = measured.map_or(String::new(), |chi| format!(", {:.3}", chi.mean));
-        let chi = founder.chi.map_or("-".to_owned(), |chi| format!("{chi:.3}{beside}"));
+        let chi = or_dash(founder.chi.map(|chi| format!("{chi:.3}{beside}")));
         let mark = if targets.founders.contains(&founder.name) { "  fitted" } else { "" };
         let _ = writeln!(out, "{:<8} {rounds:>14}, {mean:>6} {terminal:>14}, {cells:>6} {chi:>16}{mark}", founder.name);
     }
@@ -306,37 +359,6 @@ struct ActivityAnswer<'a> {
     elapsed_s: f64,
 }
 
-fn activity(
-    args: &FitArgs,
-    context: &Context,
-    lineage: &Lineage,
-    settings: &TreeSettings,
-    start: Instant,
-) -> Result<(), CliError> {
-    for (option, value) in [("--xi-from", args.xi_from), ("--xi-to", args.xi_to)] {
-        let mut one = context.settings.clone();
-        one.cell.xi_s = value;
-        if value <= 0.0 {
-            return Err(InputError::not_allowed(option, "xi_s", value, "a number above 0").into());
-        }
-        one.check_activity(option)?;
-    }
-    let range = [args.xi_from, args.xi_to];
-    if range[1] <= range[0] {
-        let allowed = format!("above --xi-from = {}", range[0]);
-        return Err(InputError::not_allowed("--xi-to", "xi_s", range[1], allowed).into());
-    }
-    let (memo, flag, reading) = (context.memo()?, Some(interrupt::flag()), args.rounds);
-    let picture = args.plot.file()?;
-    let (found, trees) = activities(lineage, settings, &memo, reading, range, context.threads, flag)?;
-    picture.write(|| furrow_figures::plot::fit::draw_activities(&found, settings.cell.xi_s))?;
-    let elapsed_s = start.elapsed().as_secs_f64();
-    let document = ActivityAnswer { rounds: reading, founders: &found, trees, elapsed_s };
-    print_as(context.json, &document, || {
-        format!("{}\n{trees} trees, {elapsed_s:.0} s\n", activity_text(&found, reading, settings))
-    })
-}
-
 fn activity_text(found: &[FounderActivity], reading: Reading, settings: &TreeSettings) -> String {
     let mut out = format!(
         "Activity that a founder and its descendants would need for the observed rounds ({}), all else at xi_s = {}\n\n",
@@ -349,7 +371,7 @@ fn activity_text(found: &[FounderActivity], reading: Reading, settings: &TreeSet
     );
     let _ = writeln!(out, "{:<8} {:>8} {:>8}   {:<22} nearest", "founder", "observed", "model", "xi_s");
     for founder in found {
-        let model = founder.rounds.map_or("-".to_owned(), |rounds| format!("{rounds:.2}"));
+        let model = or_dash(founder.rounds.map(|rounds| format!("{rounds:.2}")));
         let interval = |[from, to]: [f64; 2]| {
             let (below, above) = (from <= founder.searched[0], to >= founder.searched[1]);
             format!("{}{from:.3} .. {to:.3}{}", if below { "≤ " } else { "" }, if above { " ≤" } else { "" })
@@ -373,35 +395,6 @@ struct CueAnswer<'a> {
     elapsed_s: f64,
 }
 
-fn cue(
-    args: &FitArgs,
-    context: &Context,
-    lineage: &Lineage,
-    settings: &TreeSettings,
-    start: Instant,
-) -> Result<(), CliError> {
-    let targets = targets(args, lineage)?;
-    let template = lineage.parse_cue(&args.cue).map_err(bad_cue)?;
-    if template.is_none() {
-        let allowed = "a cue with at least one term";
-        return Err(InputError::not_allowed("--cue", "cue", &args.cue, allowed).into());
-    }
-    if targets.chi.is_empty() {
-        let file = args.targets.as_ref().map_or(String::new(), |path| path.display().to_string());
-        return Err(InputError::not_allowed(file, "chi", "[]", "at least one measured χ").into());
-    }
-    let flag = Some(interrupt::flag());
-    let picture = args.plot.file()?;
-    let found = fit_cue(lineage, &targets, settings, &template, effort(args), context.threads, flag)?;
-    picture.write(|| furrow_figures::plot::fit::draw_cue(&found))?;
-    let elapsed_s = start.elapsed().as_secs_f64();
-    let document = CueAnswer { found: &found, seed: args.seed, elapsed_s };
-    print_as(context.json, &document, || {
-        let out_of_sample = targets.out_of_sample.as_ref().map_or("", |out| &out.name);
-        format!("{}{} cues tried, {elapsed_s:.0} s\n", cue_text(&found, out_of_sample), found.tried)
-    })
-}
-
 fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
     let mut out = format!("cue {}\n\n", found.cue);
     for number in &found.numbers {
@@ -412,8 +405,8 @@ fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
     let table = |out: &mut String, residuals: &[ChiResidual]| {
         let _ = writeln!(out, "{:<8} {:>8} {:>18} {:>8} {:>10}", "cell", "R0", "χ measured", "model", "off by sd");
         for r in residuals {
-            let [r0, chi] = [r.r0, r.computed].map(|v| v.map_or("-".to_owned(), |v| format!("{v:.3}")));
-            let off = r.residual.map_or("-".to_owned(), |v| format!("{v:+.2}"));
+            let [r0, chi] = [r.r0, r.computed].map(|v| or_dash(v.map(|v| format!("{v:.3}"))));
+            let off = or_dash(r.residual.map(|v| format!("{v:+.2}")));
             let measured = format!("{:.3} ± {:.3}", r.measured, r.sd);
             let _ = writeln!(out, "{:<8} {r0:>8} {measured:>18} {chi:>8} {off:>10}", r.cell);
         }

@@ -1,19 +1,12 @@
 //! `furrow merge`: the parts of a sweep put together.
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
-use serde::Serialize;
+use std::path::Path;
 
 use super::context::{Globals, start_logs};
-use super::error::CliError;
-use super::output::{print_as, writable_folder};
+use super::output::writable_folder;
+use super::prelude::*;
 use furrow_analysis::sweep_files::{SWEEP_FILES, merge};
-use furrow_input::InputError;
 
-/// Merges the parts of a sweep into the files of the whole sweep, byte for byte
-///
-/// Fails if parts are missing or come from different sweeps or versions of furrow.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -40,7 +33,7 @@ struct Answer {
 
 pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
     start_logs(globals);
-    // The whole in place of a part would be the end of that part.
+    // The merged files would overwrite the part.
     let same = |a: &Path, b: &Path| a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b));
     if let Some(part) = args.parts.iter().find(|part| same(part, &args.out)) {
         let allowed = "another folder than those of the parts";

@@ -14,18 +14,16 @@ mod error;
 mod explore;
 mod export;
 mod fit;
-mod from_steady;
 mod interrupt;
 mod merge;
-mod movie;
 mod new_lineage;
 mod output;
 mod phase;
+mod picture;
 mod pitchfork;
-mod plot;
+mod prelude;
 mod progress;
 mod reproduce;
-mod scenarios;
 mod steady;
 mod sweep;
 mod tree;
@@ -54,24 +52,75 @@ struct Cli {
 }
 
 #[derive(Debug, Subcommand)]
+#[command(defer = true)]
 enum Command {
+    /// Grows a lineage from one cell, division by division, until no cell can divide
+    ///
+    /// Prints the rounds of division of each founder next to the observed ones. Writes tree.nwk, tree.json, tree.svg, report.html and
+    /// run.json.
+    ///
+    /// With several lineages or several --cue, every combination is a scenario. One run grows and compares all of them, writes
+    /// scenarios.csv, report.html and run.json, and writes each tree into a folder with the scenario's name.
     Tree(tree::TreeArgs),
+    /// Computes one division, from the passive shape to pinch-off or rest
+    ///
+    /// With --from-steady the division starts from a stationary shape of the active cell, disturbed by the noise of the first step.
     Divide(divide::DivideArgs),
+    /// Computes the stationary shape at one activity, on the branch of the passive shape, and its growth rates
     Steady(steady::SteadyArgs),
+    /// Continues symmetric and asymmetric stationary shapes over ξ_s, with their folds and pitchforks
+    ///
+    /// With a cue without mirror symmetry it continues the shapes that start at the passive one.
     Branch(branch::BranchArgs),
+    /// Locates the first pitchfork of the mirror-symmetric shapes and its criticality
     Pitchfork(pitchfork::PitchforkArgs),
+    /// Continues the boundary of division over a parameter: the pitchfork and the folds of mirror-symmetric shapes
+    ///
+    /// With a cue without mirror symmetry the boundary is the fold that ends the stable shapes.
     Boundary(boundary::BoundaryArgs),
+    /// Maps outcomes over a parameter and ξ_s: rest from the exact edges of stable shapes, χ from divisions elsewhere
     Phase(phase::PhaseArgs),
+    /// Computes divisions, trees, pitchforks or critical radii over axes of parameters
+    ///
+    /// Writes results.csv (one row per point, the first axis varies slowest), the same rows in results.jsonl, and all inputs in
+    /// sweep.json. Interrupted sweeps resume.
     Sweep(sweep::SweepArgs),
+    /// Merges the parts of a sweep into the files of the whole sweep, byte for byte
+    ///
+    /// Fails if parts are missing or come from different sweeps or versions of furrow.
     Merge(merge::MergeArgs),
+    /// Writes a grown tree in the formats of other programs
+    ///
+    /// newick, nhx and nexus are trees with named inner nodes; nhx and nexus add the data of each cell. csv has one row per cell.
+    /// lineagetree is the numeric CSV of the Python package LineageTree. graphml is a graph. itol is a folder with a tree and its
+    /// annotations for itol.embl.de.
     Export(export::ExportArgs),
+    /// Fits material and shell constants to measured thresholds and shows which combinations stay undetermined
     Calibrate(calibrate::CalibrateArgs),
+    /// Fits constants, activities or a cue to observations
+    ///
+    /// constants: one set of constants for the observed rounds and terminal cells of founders and the measured χ of the germline, with
+    /// the Pareto front between this fit and the published thresholds.
+    /// activity: for each founder by itself, the activity that gives its observed rounds.
+    /// cue: the cue that gives the measured χ of the germline, and which combinations of its numbers stay undetermined.
     Fit(fit::FitArgs),
+    /// Compares the model with measured embryos
     Compare(compare::CompareArgs),
+    /// Recomputes the paper figure by figure and lists what agrees and what differs
+    ///
+    /// FIGURE is a figure, panel, table or movie of the paper, such as 2A, S5, `Table S3` or `Movie 1`, or a group, such as 2 or movies.
+    /// All of them take a minute or two. Sizes, confinement, activity and cues of single cells are the paper's; the constants, and
+    /// everything of lineages, come from --preset, --config and --set.
     Reproduce(reproduce::ReproduceArgs),
+    /// Writes a web page that computes divisions in the browser: any cell you choose, and the founders' tree under another cue
+    ///
+    /// The page is one file and works offline. `furrow tree` writes the same page with its tree, as report.html.
     Explore(explore::ExploreArgs),
+    /// Writes a commented lineage file as a starting point
     NewLineage(new_lineage::NewLineageArgs),
+    /// Inspects, verifies or clears the cache
     Cache(cache::CacheArgs),
+    /// Prints a completion script for a shell
     Completions(completions::CompletionsArgs),
 }
 
@@ -109,7 +158,6 @@ fn survive_full_disks() {
 
 fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
-        Command::Tree(args) if args.has_scenarios() => scenarios::run(&args, &Context::new(&cli.globals)?),
         Command::Tree(args) => tree::run(&args, &Context::new(&cli.globals)?),
         Command::Divide(args) => divide::run(&args, Context::new(&cli.globals)?),
         Command::Steady(args) => steady::run(&args, Context::new(&cli.globals)?),

@@ -1,16 +1,10 @@
 //! `furrow new-lineage`: a lineage file to begin with.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::error::CliError;
 use super::output::print;
+use super::prelude::*;
 use furrow_formats::write_atomically;
-use furrow_input::InputError;
 use furrow_lineage::TEMPLATE;
 
-/// Writes a commented lineage file as a starting point
 #[derive(Debug, Args)]
 pub struct NewLineageArgs {
     /// Output file; an existing file is not overwritten

@@ -8,19 +8,19 @@ use furrow_input::InputError;
 use serde::Serialize;
 use serde_json::Value;
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// Records as CSV under a header of field names, the same as in `--json`; fields that a record lacks stay empty.
+/// Records as CSV under a header: lists in its order, or objects with its names as in `--json`, whose missing fields stay empty.
 pub fn csv_of<T: Serialize>(header: &str, records: impl IntoIterator<Item = T>) -> Result<Vec<u8>, CliError> {
     let names: Vec<String> = header.split(',').map(str::to_owned).collect();
     let mut rows = Vec::new();
     for (index, record) in records.into_iter().enumerate() {
         let record = serde_json::to_value(record)?;
-        let cell = |name: &String| match record.get(name) {
+        let cell = |(k, name): (usize, &String)| match record.get(name).or_else(|| record.get(k)) {
             Some(Value::Bool(yes)) => Value::from(yes.to_string()),
             cell => cell.cloned().unwrap_or(Value::Null),
         };
-        rows.push(Row { index, cells: names.iter().map(cell).collect(), why: None });
+        rows.push(Row { index, cells: names.iter().enumerate().map(cell).collect(), why: None });
     }
     Ok(csv_text(&names, &rows)?)
 }
@@ -83,19 +83,6 @@ pub fn writable_folder<'a>(
 pub fn writable_file<'a>(option: &str, file: impl Into<Option<&'a Path>>) -> Result<(), InputError> {
     let Some(file) = file.into() else { return Ok(()) };
     check_file(file).map_err(|error| not_writable(option, file, "a file that can be written", &error))
-}
-
-/// The file of an option with its format, which follows from its extension.
-pub fn file_of_format<F>(
-    option: &str,
-    file: &Path,
-    format: Option<F>,
-    allowed: &str,
-) -> Result<(PathBuf, F), InputError> {
-    let field = option.trim_start_matches('-');
-    let format = format.ok_or_else(|| InputError::not_allowed(option, field, format!("{file:?}"), allowed))?;
-    writable_file(option, file)?;
-    Ok((file.to_owned(), format))
 }
 
 fn not_writable(option: &str, given: &Path, allowed: &str, error: &WriteError) -> InputError {

@@ -1,28 +1,18 @@
 //! `furrow phase`: outcomes over a plane of one parameter and activity.
 
-use std::fmt::Write;
-
-use clap::Args;
-use serde::Serialize;
-
-use super::cell::number;
-use super::context::{Context, warn_of_store};
-use super::error::CliError;
+use super::context::warn_of_store;
 use super::interrupt;
-use super::output::print_as;
-use super::plot::PlotArgs;
+use super::prelude::*;
 use super::progress::ProgressLine;
 use super::vary::{Varied, VaryArgs};
 use furrow_cell::{Cue, Parameter};
 use furrow_figures::plot::{self, phase::Edges};
-use furrow_input::InputError;
 use furrow_lineage::batch::phase::{Column, PhaseCell, PhaseOutcome, spaced};
 use furrow_lineage::batch::{PhaseDiagram, PhasePlane};
 use furrow_mechanics::equilibria::PointKind;
 use furrow_mechanics::equilibria::at_rest::Edge;
 use furrow_mechanics::equilibria::curves;
 
-/// Maps outcomes over a parameter and ξ_s: rest from the exact edges of stable shapes, χ from divisions elsewhere
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -108,7 +98,7 @@ fn solve(context: &Context, plane: &PhasePlane) -> Result<PhaseDiagram, CliError
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let show = |progress| {
-        // The shapes at rest, computed before, are not kept: divisions are.
+        // Divisions are cached; the shapes at rest, computed before, are not.
         interrupt::finish();
         line.show(progress);
     };

@@ -1,17 +1,11 @@
 //! `furrow pitchfork`: the threshold of asymmetry of one cell.
 
-use clap::Args;
-use serde::Serialize;
-
-use super::cell::{CellArgs, number, positive};
-use super::context::Context;
-use super::error::CliError;
-use super::output::print_as;
+use super::cell::CellArgs;
+use super::prelude::*;
 use furrow_cell::Cue;
 use furrow_mechanics::equilibria::{BranchOptions, pitchfork};
 use furrow_report::ThresholdReport;
 
-/// Locates the first pitchfork of the mirror-symmetric shapes and its criticality
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

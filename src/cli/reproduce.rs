@@ -1,16 +1,12 @@
-//! `furrow reproduce`: every statement of the paper that computation can reach, beside what is computed.
+//! `furrow reproduce`: the paper's statements beside computed values.
 
-use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::Args;
-use serde::Serialize;
-
 use super::cell::one_of;
-use super::context::{Context, Globals, warn_of_store};
-use super::error::CliError;
+use super::context::{Globals, warn_of_store};
 use super::interrupt::{self, write_deferred};
 use super::output::{csv_of, print, to_json, writable_file, writable_folder};
+use super::prelude::*;
 use super::progress::ProgressLine;
 use furrow_analysis::reproduce::paper::selected;
 use furrow_analysis::reproduce::{self, Artifact, Item, Panel, ReproduceError, Reproduction, Verdict, reproduce};
@@ -20,11 +16,6 @@ use furrow_figures::plot::reproduction::draw;
 use furrow_formats::files::FileSet;
 use furrow_report::reproduction::{markdown, text};
 
-/// Recomputes the paper figure by figure and lists what agrees and what differs
-///
-/// FIGURE is a figure, panel, table or movie of the paper, such as 2A, S5, `Table S3` or `Movie 1`, or a group, such as 2 or movies.
-/// All of them take a minute or two. Sizes, confinement, activity and cues of single cells are the paper's; the constants, and
-/// everything of lineages, come from --preset, --config and --set.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -138,15 +129,14 @@ fn pictures(files: &mut FileSet, found: &Reproduction, (extension, format): (&st
     Ok(())
 }
 
-/// The numbers behind a picture, where they are not those of a single cell.
+/// The table of a panel that is drawn from many cells.
 fn table(panel: &Panel) -> Result<Option<Vec<u8>>, CliError> {
     Ok(match &panel.artifact {
         Artifact::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows)?),
         Artifact::Map(map) => Some(csv_of("x,xi_s,outcome,chi,by", &map.diagram.cells)?),
         Artifact::Perturbations(_, watched) => {
-            let rows = watched.iter().flat_map(|(shape, found)| {
-                found.distances.iter().map(move |[t, dis]| serde_json::json!({ "shape": shape, "t": t, "dis": dis }))
-            });
+            let rows =
+                watched.iter().flat_map(|(shape, found)| found.distances.iter().map(move |[t, dis]| (shape, t, dis)));
             Some(csv_of("shape,t,dis", rows)?)
         }
         _ => None,

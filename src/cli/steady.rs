@@ -1,20 +1,12 @@
 //! `furrow steady`: one stationary shape and its stability.
 
-use std::fmt::Write;
-
-use clap::Args;
-use serde::Serialize;
-
 use super::cell::ActiveCellArgs;
-use super::context::Context;
-use super::error::CliError;
-use super::output::print_as;
+use super::prelude::*;
 use furrow_cell::Cue;
 use furrow_mechanics::equilibria::{StationaryShape, stationary};
 use furrow_mechanics::stability::Spectrum;
 use furrow_report::StationaryReport;
 
-/// Computes the stationary shape at one activity, on the branch of the passive shape, and its growth rates
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

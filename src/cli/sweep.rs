@@ -1,25 +1,16 @@
 //! `furrow sweep`: many divisions, trees, pitchforks or critical radii.
 
-use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::Args;
-use serde::Serialize;
-
-use super::context::{Context, Globals, warn_of_store};
-use super::error::CliError;
+use super::context::{Globals, warn_of_store};
 use super::interrupt;
-use super::output::{print_as, writable_folder};
-use super::plot::PlotArgs;
+use super::output::writable_folder;
+use super::prelude::*;
 use super::progress::ProgressLine;
 use furrow_analysis::sweep_files::{SWEEP_FILES, SweepFilesError, SweepTable, open_journal};
 use furrow_analysis::{Run, Shard, Sweep, SweepProgress};
 use furrow_cell::settings::Settings;
 
-/// Computes divisions, trees, pitchforks or critical radii over axes of parameters
-///
-/// Writes results.csv (one row per point, the first axis varies slowest), the same rows in results.jsonl, and all inputs in
-/// sweep.json. Interrupted sweeps resume.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -58,7 +49,7 @@ struct Answer {
 pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(), CliError> {
     let start = Instant::now();
     interrupt::finish();
-    // What the sweep file says comes between the configuration file and the settings of the command line.
+    // The sweep file overrides --config; --set overrides the sweep file.
     let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &globals.set)?;
     writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;

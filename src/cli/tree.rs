@@ -1,36 +1,26 @@
-//! `furrow tree`: the main job.
+//! `furrow tree`: one lineage, or several lineages and cues side by side.
 
 use super::cell::FirstCellArgs;
-use super::context::{Context, warn_of_store};
-use super::error::CliError;
+use super::context::warn_of_store;
 use super::interrupt;
-use super::output::{print_as, to_json, writable_folder};
-use super::plot::PlotArgs;
+use super::output::{to_json, writable_folder};
+use super::prelude::*;
 use super::progress::ProgressLine;
-use clap::Args;
-use furrow_analysis::scenarios::Scenario;
-use furrow_analysis::{self as study, Grown, tree_settings};
+use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
+use furrow_analysis::{self as study, Grown, scenarios_csv, tree_settings};
 use furrow_cell::{Cue, CueError};
+use furrow_figures::plot::rounds;
 use furrow_formats::files::FileSet;
 use furrow_formats::tree_to_json;
 use furrow_formats::{FounderRow, Provenance, founder_rows, newick};
-use furrow_input::InputError;
 use furrow_lineage::batch::Summary;
 use furrow_lineage::batch::scheduler::workers;
 use furrow_lineage::{Lineage, TerminalReason, Tree, TreeSettings};
 use furrow_mechanics::equilibria::ShapeError;
 use furrow_report as report;
-use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
-/// Grows a lineage from one cell, division by division, until no cell can divide
-///
-/// Prints the rounds of division of each founder next to the observed ones. Writes tree.nwk, tree.json, tree.svg, report.html and
-/// run.json.
-///
-/// With several lineages or several --cue, every combination is a scenario. One run grows and compares all of them, writes
-/// scenarios.csv, report.html and run.json, and writes each tree into a folder with the scenario's name.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -70,23 +60,62 @@ const TREE_FILES: [&str; 5] = ["tree.nwk", "tree.json", "tree.svg", "report.html
 /// Undecided cells that get a warning each.
 const MOST_WARNINGS: usize = 5;
 
-/// What `--json` prints.
+/// The files of one scenario, in a folder of its name.
+const SCENARIO_FILES: [&str; 3] = ["tree.nwk", "tree.json", "tree.svg"];
+
+/// The files beside the scenarios' folders.
+const SCENARIOS_FILES: [&str; 3] = ["scenarios.csv", "report.html", "run.json"];
+
+/// What `--json` prints: of a single tree its counts, of several the scenarios.
 #[derive(Serialize)]
 struct Answer<'a> {
-    founders: &'a [FounderRow],
-    cells: usize,
-    generations: usize,
-    ended: &'a std::collections::BTreeMap<&'static str, usize>,
-    slow_cells: usize,
+    #[serde(flatten)]
+    tree: Option<TreeCounts>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    scenarios: Vec<ScenarioCounts<'a>>,
     divisions_solved: usize,
     memo_hits: usize,
     elapsed_s: f64,
     out: String,
 }
 
+#[derive(Serialize)]
+struct TreeCounts {
+    founders: Vec<FounderRow>,
+    cells: usize,
+    generations: usize,
+    ended: std::collections::BTreeMap<&'static str, usize>,
+    slow_cells: usize,
+}
+
+#[derive(Serialize)]
+struct ScenarioCounts<'a> {
+    name: &'a str,
+    lineage: &'a str,
+    /// As it was asked for; null where the lineage's own cues are in force.
+    cue: Option<&'a str>,
+    #[serde(flatten)]
+    tree: TreeCounts,
+}
+
+impl TreeCounts {
+    fn of(tree: &Tree) -> TreeCounts {
+        let report::TreeSummary { generations, ended, slow, .. } = report::TreeSummary::of(tree);
+        let (founders, generations) = (founder_rows(tree), generations.len());
+        TreeCounts { founders, cells: tree.len(), generations, ended, slow_cells: slow }
+    }
+}
+
+impl ScenarioCounts<'_> {
+    fn of<'a>((scenario, tree): (&'a Scenario, &Tree)) -> ScenarioCounts<'a> {
+        let Scenario { name, label: lineage, cue, .. } = scenario;
+        ScenarioCounts { name, lineage, cue: cue.as_deref(), tree: TreeCounts::of(tree) }
+    }
+}
+
 /// `run.json`: what this run did; it differs between runs.
 #[derive(Serialize)]
-pub struct RunRecord<'a> {
+struct RunRecord<'a> {
     schema: &'static str,
     schema_version: u32,
     provenance: Provenance,
@@ -118,7 +147,7 @@ struct QuantisationRecord {
 
 impl<'a> RunRecord<'a> {
     /// Of a run that was begun at `start` and has grown so many cells.
-    pub fn of(
+    fn of(
         args: &TreeArgs,
         context: &Context,
         summary: &Summary,
@@ -149,54 +178,101 @@ impl<'a> RunRecord<'a> {
     }
 }
 
-impl TreeArgs {
-    /// Whether several trees are grown and set side by side.
-    pub fn has_scenarios(&self) -> bool {
-        self.lineage.len() > 1 || self.cue.len() > 1
-    }
-}
-
 pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
     interrupt::finish();
+    let several = args.lineage.len() > 1 || args.cue.len() > 1;
+    if let (true, Some(file)) = (several, &args.constants) {
+        let allowed = "given with one lineage and at most one --cue";
+        return Err(InputError::not_allowed("--constants", "constants", format!("{file:?}"), allowed).into());
+    }
     let picture = args.plot.file()?;
-    let (mut lineage, settings) = prepared(&args.cell, args.seed, context, args.lineage.first().map(PathBuf::as_path))?;
+    let scenarios = if several { combined(args, context)? } else { vec![single(args, context)?] };
+    if let (Some(file), [Scenario { lineage, settings, .. }]) = (&args.constants, &scenarios[..]) {
+        return super::ensemble::grow_over(file, lineage, settings, context, &picture);
+    }
+    writable_folder("--out", args.out.as_path(), if several { &SCENARIOS_FILES[..] } else { &TREE_FILES })?;
+    for scenario in scenarios.iter().filter(|_| several) {
+        writable_folder("--out", args.out.join(&scenario.name).as_path(), &SCENARIO_FILES)?;
+    }
+    let Grown { trees, summary, .. } = grown(&scenarios, args.dynamics, context)?;
+    let mut files = FileSet::new(&args.out);
+    for (Scenario { name, .. }, tree) in scenarios.iter().zip(&trees) {
+        let [nwk, json, svg] =
+            SCENARIO_FILES.map(|file| if several { format!("{name}/{file}") } else { file.to_owned() });
+        files.stage(&nwk, newick(tree).as_bytes())?;
+        files.stage(&json, tree_to_json(tree)?.as_bytes())?;
+        files.stage(&svg, report::svg(tree).as_bytes())?;
+    }
+    let names: Vec<&str> = scenarios.iter().map(|scenario| scenario.name.as_str()).collect();
+    let named: Vec<(&str, &Tree)> = names.iter().copied().zip(&trees).collect();
+    let only = trees.first().filter(|_| !several);
+    let page = match only {
+        Some(tree) => report::html(tree, &founder_rows(tree)),
+        None => {
+            files.stage("scenarios.csv", scenarios_csv(&scenarios, &trees).as_bytes())?;
+            report::scenarios_page(&scenarios, &trees)
+        }
+    };
+    files.stage("report.html", page.as_bytes())?;
+    let cells = trees.iter().map(Tree::len).sum();
+    let record = RunRecord::of(args, context, &summary, start, cells, several.then_some(names));
+    files.stage("run.json", to_json(&record)?.as_bytes())?;
+    files.commit()?;
+    let drawing = || match only {
+        Some(tree) => Some(rounds::draw(tree)),
+        None => rounds::draw_scenarios(&named),
+    };
+    if let Some(drawing) = picture.is_wanted().then(drawing).flatten() {
+        picture.write(|| drawing)?;
+    }
+    let document = Answer {
+        tree: only.map(TreeCounts::of),
+        scenarios: scenarios.iter().zip(&trees).filter(|_| several).map(ScenarioCounts::of).collect(),
+        divisions_solved: summary.solved,
+        memo_hits: summary.memo_hits,
+        elapsed_s: start.elapsed().as_secs_f64(),
+        out: args.out.display().to_string(),
+    };
+    print_as(context.json, &document, || {
+        let table = match only {
+            Some(tree) => report::founders_table(tree, &founder_rows(tree)),
+            None => report::scenarios_table(&scenarios, &trees),
+        };
+        let Answer { divisions_solved, memo_hits, elapsed_s, out, .. } = &document;
+        format!("{table}{divisions_solved} divisions solved, {memo_hits} memo hits, {elapsed_s:.2} s; files in {out}\n")
+    })
+}
+
+/// The one lineage, with the one cue if it is given.
+fn single(args: &TreeArgs, context: &Context) -> Result<Scenario, CliError> {
+    let file = args.lineage.first().map(PathBuf::as_path);
+    let (mut lineage, settings) = prepared(&args.cell, args.seed, context, file)?;
     if let Some(text) = args.cue.first() {
         lineage = lineage.carrying(text).map_err(bad_cue)?;
     }
-    if let Some(file) = &args.constants {
-        return super::ensemble::grow_over(file, &lineage, &settings, context, &picture);
+    Ok(Scenario { name: String::new(), label: String::new(), cue: None, lineage, settings })
+}
+
+/// Every lineage file with every cue.
+fn combined(args: &TreeArgs, context: &Context) -> Result<Vec<Scenario>, CliError> {
+    let files = args.lineage.iter().map(|file| Some(file.as_path()));
+    let built_in = args.lineage.is_empty().then_some(None);
+    let mut sources = Vec::new();
+    for file in files.chain(built_in) {
+        let (lineage, settings) = prepared(&args.cell, args.seed, context, file)?;
+        let stem = |file: &Path| file.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
+        sources.push(Source { label: file.map_or("c_elegans".to_owned(), stem), lineage, settings });
     }
-    writable_folder("--out", args.out.as_path(), &TREE_FILES)?;
-    let only = Scenario { name: String::new(), label: String::new(), cue: None, lineage, settings };
-    let Grown { trees, summary, .. } = grown(&[only], args.dynamics, context)?;
-    for tree in &trees {
-        let (rows, counts) = (founder_rows(tree), report::TreeSummary::of(tree));
-        let mut files = FileSet::new(&args.out);
-        files.stage("tree.nwk", newick(tree).as_bytes())?;
-        files.stage("tree.json", tree_to_json(&tree)?.as_bytes())?;
-        files.stage("tree.svg", report::svg(tree).as_bytes())?;
-        files.stage("report.html", report::html(tree, &rows).as_bytes())?;
-        let record = RunRecord::of(args, context, &summary, start, tree.len(), None);
-        files.stage("run.json", to_json(&record)?.as_bytes())?;
-        files.commit()?;
-        picture.write(|| furrow_figures::plot::rounds::draw(tree))?;
-        let document = Answer {
-            founders: &rows,
-            cells: tree.len(),
-            generations: counts.generations.len(),
-            ended: &counts.ended,
-            slow_cells: counts.slow,
-            divisions_solved: summary.solved,
-            memo_hits: summary.memo_hits,
-            elapsed_s: start.elapsed().as_secs_f64(),
-            out: args.out.display().to_string(),
-        };
-        print_as(context.json, &document, || {
-            report::founders_table(tree, &rows) + &run_text(args, &summary, document.elapsed_s)
-        })?;
-    }
-    Ok(())
+    let cues: Vec<&str> = args.cue.iter().map(String::as_str).collect();
+    combine(&sources, &cues).map_err(|error| match error {
+        ScenarioError::Cue(error) => bad_cue(error).into(),
+        ScenarioError::Same { first, second } => {
+            let option = if args.cue.len() > 1 { "--cue" } else { "LINEAGE.ron" };
+            let allowed = format!("a different scenario; it duplicates {first}");
+            InputError::not_allowed("tree", option, second, allowed).into()
+        }
+    })
 }
 
 /// The lineage of a file, or the built-in one, with the parameters of its divisions.
@@ -210,7 +286,7 @@ pub fn prepared(
     let given = cell.settings(&context.settings, &lineage.units())?;
     given.check_divisions("settings")?;
     if cell.r0.is_some() {
-        // What the option says counts, also where the lineage gives its first cell a radius.
+        // The option overrides the radius in the lineage file.
         lineage.forget_first_radius();
     }
     let settings = tree_settings(given, &lineage, seed, context.quantisation);
@@ -272,10 +348,4 @@ fn warn_of_searches(unknown: &[(Cue, ShapeError)]) {
             given_up.join(" and ")
         );
     }
-}
-
-/// What a run took and where its files are.
-pub fn run_text(args: &TreeArgs, summary: &Summary, elapsed_s: f64) -> String {
-    let Summary { solved, memo_hits, .. } = summary;
-    format!("{solved} divisions solved, {memo_hits} memo hits, {elapsed_s:.2} s; files in {}\n", args.out.display())
 }

@@ -1,11 +1,9 @@
 //! Options that let one parameter of a cell run over a range.
 
-use clap::Args;
-
-use super::cell::{CueArgs, length, natural, number};
-use super::context::Context;
+use super::cell::{CueArgs, length, natural};
+use super::prelude::*;
 use furrow_cell::{Cell, Parameter};
-use furrow_input::{InputError, did_you_mean};
+use furrow_input::did_you_mean;
 use furrow_lineage::Length;
 use furrow_lineage::parse_cue;
 

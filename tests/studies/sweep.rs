@@ -201,7 +201,7 @@ fn what_does_not_make_a_whole_is_refused() {
     };
     part("cut", rows.split_inclusive('\n').next().unwrap(), "{", "{");
     part("altered", &rows.replace("failed", "symmetric"), "{", "{");
-    part("solver", &rows, "\"solver\": \"", "\"solver\": \"0");
+    part("solver", &rows, "\"solver\": ", "\"solver\": 9");
     part("garbled", &rows.replace("\"r0\":", "\"r1\":"), "{", "{");
     let refused = |folders: &[&str], said: &str| {
         let output = furrow(at, &[&["merge"], folders, &["--out", "m"]].concat());
@@ -329,7 +329,7 @@ fn killed_sweeps_of_trees_resume() {
 }
 
 #[test]
-fn finished_rows_of_another_sweep_are_kept() {
+fn finished_rows_of_another_sweep_are_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     write(at, "s.ron", r#"Sweep(kind: division, axes: [(parameter: "r0", list: [1.5])])"#);
@@ -337,9 +337,8 @@ fn finished_rows_of_another_sweep_are_kept() {
     write(at, "out/results.partial.jsonl", "{\"kind\":\"tree\"}\n");
     let output = furrow(at, &["sweep", "s.ron", "--out", "out", "--no-cache"]);
     let stderr = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success() && stderr.contains("another sweep are kept in out/earlier-1"), "{stderr}");
-    assert_eq!(fs::read(at.join("out/earlier-1/results.partial.jsonl")).unwrap(), b"{\"kind\":\"tree\"}\n");
-    assert_eq!(table(at, "out").len(), 2);
+    assert!(output.status.code() == Some(1) && stderr.contains("finished rows of another sweep"), "{stderr}");
+    assert_eq!(fs::read(at.join("out/results.partial.jsonl")).unwrap(), b"{\"kind\":\"tree\"}\n");
 }
 
 #[test]
@@ -362,23 +361,6 @@ fn a_point_that_cannot_be_computed_is_a_row() {
     assert!(rows[1..4].iter().all(|row| row[2] != "undecided"));
     let lines = fs::read_to_string(at.join("out/results.jsonl")).unwrap();
     assert!(lines.lines().last().unwrap().contains("\"why\":\"s.ron: xi_s = 25: must be from"), "{lines}");
-}
-
-#[test]
-fn files_of_another_sweep_are_kept() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
-    let text = r#"Sweep(kind: division, axes: [(parameter: "r0", list: [1.5])])"#;
-    write(at, "s.ron", text);
-    json(at, &["sweep", "s.ron", "--out", "out", "--no-cache"]);
-    let first = files(at, "out");
-    json(at, &["sweep", "s.ron", "--out", "out", "--no-cache"]);
-    assert!(!at.join("out/earlier-1").exists());
-    write(at, "s.ron", &text.replace("1.5", "1.6"));
-    let output = furrow(at, &["sweep", "s.ron", "--out", "out", "--no-cache"]);
-    assert!(String::from_utf8(output.stderr).unwrap().contains("another sweep were moved to out/earlier-1"));
-    assert_eq!(files(at, "out/earlier-1"), first);
-    assert_ne!(files(at, "out"), first);
 }
 
 #[test]

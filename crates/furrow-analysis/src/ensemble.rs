@@ -22,6 +22,7 @@ use rand_mt::Mt64;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::constants::Constants;
 use super::constraints::{ConstraintCheck, check_constraints};
 use super::sample::seed_of;
 use furrow_cell::{Cell, Numerics, Parameter};
@@ -62,6 +63,14 @@ pub struct Ensemble {
     pub excluded: BTreeMap<String, usize>,
     /// Draws checked.
     pub draws: usize,
+}
+
+impl Ensemble {
+    /// Its members with the names of their values.
+    pub fn constants(&self) -> Vec<Constants> {
+        let values = |member: &Member| self.parameters.iter().copied().zip(member.values.iter().copied()).collect();
+        self.members.iter().map(|member| Constants { values: values(member), weight: member.weight }).collect()
+    }
 }
 
 /// Why there is no ensemble.

@@ -28,18 +28,20 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens the journal of a folder, or creates one. A journal with another definition is overwritten.
+    /// Opens the journal of a folder, or creates one. A journal of another sweep is refused: its rows would be lost.
     ///
     /// # Errors
-    /// [`WriteError`], also where another run holds the journal.
+    /// [`WriteError`], also where another run holds the journal, or another sweep filled it.
     pub fn open(folder: &Path, definition: &Value, columns: Vec<String>) -> Result<Journal, WriteError> {
         let path = folder.join(JOURNAL);
         let failed = |source: io::Error| WriteError { path: path.display().to_string(), source };
         fs::create_dir_all(folder).map_err(failed)?;
-        let (mut file, mut text) = lock_and_read(&path).map_err(failed)?;
+        let (mut file, text) = lock_and_read(&path).map_err(failed)?;
         let head = whole_lines(&text).next().map(serde_json::from_slice::<Value>);
-        if head.is_some_and(|head| head.ok().as_ref() != Some(definition)) {
-            text.clear();
+        if head.is_some_and(|head| !head.is_ok_and(|head| same_sweep(&head, definition))) {
+            return Err(failed(io::Error::other(
+                "holds finished rows of another sweep; choose another folder, or remove the file",
+            )));
         }
         let mut valid = whole_lines(&text).next().map_or(0, <[u8]>::len);
         let mut rows = BTreeMap::new();
@@ -97,6 +99,16 @@ fn lock_and_read(path: &Path) -> io::Result<(File, Vec<u8>)> {
     Ok((file, text))
 }
 
+/// Whether two definitions are of one sweep, whichever build of the program wrote them.
+fn same_sweep(a: &Value, b: &Value) -> bool {
+    let plain = |definition: &Value| {
+        let mut definition = definition.clone();
+        definition.as_object_mut().map(|fields| fields.remove("provenance"));
+        definition
+    };
+    plain(a) == plain(b)
+}
+
 /// The lines that end with a line break.
 fn whole_lines(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     text.split_inclusive(|byte| *byte == b'\n').filter(|line| line.ends_with(b"\n"))
@@ -108,7 +120,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn torn_lines_are_dropped_and_another_sweep_starts_anew() {
+    fn torn_lines_are_dropped_and_another_sweep_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let at = folder.path();
         let columns = vec!["r0".to_owned()];
@@ -130,9 +142,8 @@ mod tests {
             drop(journal);
             assert_eq!(fs::read(&path).unwrap(), whole, "cut at {cut}");
         }
-        let journal = open(json!({"a": 2})).unwrap();
-        assert_eq!(journal.rows().len(), 0);
-        journal.finish().unwrap();
+        assert!(open(json!({"a": 2})).unwrap_err().to_string().contains("another sweep"));
+        open(json!({"a": 1, "provenance": 1})).unwrap().finish().unwrap();
         assert!(!path.exists());
     }
 }

@@ -103,7 +103,7 @@ pub enum CurveError {
 /// curve.follow_to(1, 0.1, 100, |_, _| true)?;
 /// assert_eq!(curve.parameters()[1], 0.1);
 /// assert!(curve.parameters()[0] > 3.9, "the fold comes later");
-/// # Ok::<(), crate::CurveError>(())
+/// # Ok::<(), furrow_bvp::CurveError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Codim2Curve<P, S> {

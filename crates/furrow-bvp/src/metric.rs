@@ -89,7 +89,7 @@ pub fn scalar_condition(y: &Solution, index: usize, value: f64, out: &mut Linear
 /// Carries a direction over to another mesh.
 pub fn transfer_direction(gauss: &Gauss, from: &[f64], to: &[f64], direction: &mut Direction) {
     let components = direction.nodes.len() / from.len();
-    let mut before = Solution {
+    let before = Solution {
         components,
         m: gauss.m,
         mesh: from.to_vec(),
@@ -97,10 +97,8 @@ pub fn transfer_direction(gauss: &Gauss, from: &[f64], to: &[f64], direction: &m
         stages: std::mem::take(&mut direction.stages),
         scalars: std::mem::take(&mut direction.scalars),
     };
-    let mut after = before.clone();
-    before.transfer_into(gauss, to, &mut after);
-    before = after;
-    (direction.nodes, direction.stages, direction.scalars) = (before.nodes, before.stages, before.scalars);
+    let Solution { nodes, stages, scalars, .. } = before.on_mesh(gauss, to);
+    *direction = Direction { nodes, stages, scalars };
 }
 
 #[cfg(test)]

@@ -130,14 +130,7 @@ impl Solution {
     /// each interval. For a solution they are its collocation polynomials; for values that only approximate one, such as
     /// those carried over before, they treat left and right alike: a mirrored problem stays a mirrored problem.
     pub fn on_mesh(&self, gauss: &Gauss, mesh: &[f64]) -> Solution {
-        let mut out = Solution {
-            components: self.components,
-            m: self.m,
-            mesh: Vec::new(),
-            nodes: Vec::new(),
-            stages: Vec::new(),
-            scalars: Vec::new(),
-        };
+        let mut out = self.clone();
         self.transfer_into(gauss, mesh, &mut out);
         out
     }

@@ -1,7 +1,7 @@
 //! Reading files: whatever a path names, in bounded time and memory.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 
 use super::InputError;
@@ -9,6 +9,18 @@ use super::InputError;
 /// The longest file that is read, in bytes: 64 MB. What users write is far shorter; a longer one is some other file, or one
 /// that never ends.
 pub const LONGEST: u64 = 64 << 20;
+
+/// Opens a file for reading; a folder is an error.
+///
+/// # Errors
+/// Names the file and why it cannot be read.
+pub fn open_file(path: &Path) -> Result<File, InputError> {
+    let opened = File::open(path).and_then(|opened| match opened.metadata()?.is_dir() {
+        true => Err(io::Error::other("it is a folder, not a file")),
+        false => Ok(opened),
+    });
+    opened.map_err(|e| InputError::Unreadable { file: path.display().to_string(), reason: e.to_string() })
+}
 
 /// Reads a whole text file in UTF-8, at most [`LONGEST`] bytes of it. It may be a pipe.
 ///
@@ -29,14 +41,11 @@ pub fn read_text_up_to(path: &Path, longest: u64) -> Result<String, InputError> 
         let most = longest as f64 / f64::from(1 << 20);
         unreadable(format!("{size}longer than {most} MB, the most that is read of a file"))
     };
-    let mut opened = File::open(path).map_err(|e| unreadable(e.to_string()))?;
-    let about = opened.metadata().map_err(|e| unreadable(e.to_string()))?;
-    if about.is_dir() {
-        return Err(unreadable("it is a folder, not a file".to_owned()));
-    }
+    let mut opened = open_file(path)?;
     // The length of a pipe or a device is 0 here; they are read up to the limit and no further.
-    if about.len() > longest {
-        return Err(too_long(&format!("it has {} MB, which is ", about.len() >> 20)));
+    let length = opened.metadata().map_err(|e| unreadable(e.to_string()))?.len();
+    if length > longest {
+        return Err(too_long(&format!("it has {} MB, which is ", length >> 20)));
     }
     let mut bytes = Vec::new();
     (&mut opened).take(longest + 1).read_to_end(&mut bytes).map_err(|e| unreadable(e.to_string()))?;

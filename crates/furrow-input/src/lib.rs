@@ -11,7 +11,7 @@ mod names;
 mod place;
 mod ron;
 
-pub use file::{LONGEST, read_text, read_text_up_to};
+pub use file::{LONGEST, open_file, read_text, read_text_up_to};
 pub use names::{did_you_mean, forbidden, listed, printable, shown, shown_number};
 pub use ron::{parse_document, parse_ron};
 

@@ -96,7 +96,7 @@ pub enum PerturbationError {
 ///     perturbed(&DivisionInput::new(cell), 40.0).map(|watched| watched.returned())
 /// };
 /// assert!(returned(20.0)? && !returned(25.0)?);
-/// # Ok::<(), crate::perturbation::PerturbationError>(())
+/// # Ok::<(), furrow_mechanics::perturbation::PerturbationError>(())
 /// ```
 pub fn perturbed(input: &DivisionInput, until: f64) -> Result<Perturbation, PerturbationError> {
     perturbed_from(input, &stationary(&input.cell, &input.numerics)?, until)

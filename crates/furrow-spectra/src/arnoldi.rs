@@ -60,7 +60,7 @@ impl Arnoldi {
     /// for (value, exact) in found.iter().zip([1.0, 0.5, 0.25]) {
     ///     assert!((value.re - exact).abs() < 1e-9 && value.im == 0.0);
     /// }
-    /// # Ok::<(), crate::EigenError>(())
+    /// # Ok::<(), furrow_spectra::EigenError>(())
     /// ```
     pub fn largest(
         &self,
@@ -129,7 +129,7 @@ impl Krylov {
     ///     values.iter().find(|v| v.im == 0.0 && v.residual < 1e-10).map(|v| v.re)
     /// })?;
     /// assert!((found.unwrap() - 0.9).abs() < 1e-12);
-    /// # Ok::<(), crate::NoEigenvalues>(())
+    /// # Ok::<(), furrow_spectra::NoEigenvalues>(())
     /// ```
     pub fn run<T>(
         &mut self,

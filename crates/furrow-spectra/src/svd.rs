@@ -19,7 +19,7 @@ pub struct Svd {
 
 /// The matrix has entries that are not finite, or too large for singular values to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the matrix, or what becomes of it, is not finite")]
+#[error("the matrix contains NaN or infinity")]
 pub struct NoSingularValues;
 
 impl Svd {
@@ -36,7 +36,7 @@ impl Svd {
     /// assert!((svd.values[0] - 50.0f64.sqrt()).abs() < 1e-14 && svd.values[1] < 1e-14);
     /// let open = &svd.right[1];
     /// assert!((open[0] + open[1]).abs() < 1e-14);
-    /// # Ok::<(), crate::NoSingularValues>(())
+    /// # Ok::<(), furrow_spectra::NoSingularValues>(())
     /// ```
     pub fn of_rows(rows: &[Vec<f64>]) -> Result<Svd, NoSingularValues> {
         let columns = rows.first().map_or(0, Vec::len);

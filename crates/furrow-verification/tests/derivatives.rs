@@ -1,7 +1,7 @@
 //! Derivatives of the equations three times: as written by hand, by dual numbers, by differences; and how the equations take
 //! mirror images and other units. On random states, for every field and profile of a cue.
 
-use furrow_bvp::derivatives::PointDirection;
+use furrow_bvp::derivatives::{PointDirection, PointValues};
 use furrow_bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Directional, PointJacobian};
 use furrow_cell::cue::{Field, Profile, Quantity, Width};
 use furrow_cell::{Cell, Parameter};
@@ -216,7 +216,8 @@ fn higher_derivatives_are_slopes_of_the_lower() {
         let (mut f, mut g) = (vec![0.0; COMPONENTS], vec![0.0]);
         let [along_a, along_b] = [&a, &b].map(|d| PointDirection { y: &d.0, p: &d.1 });
         let prepared = cortex.prepare_second(&p, &a.1, &b.1);
-        cortex.second(&prepared, AT, &y, &p, along_a, along_b, &mut f, &mut g);
+        let point = PointValues { at: AT, y: &y, p: &p };
+        cortex.second(&prepared, point, [along_a, along_b], [&mut f, &mut g]);
         f.extend(g);
         for i in 0..=COMPONENTS {
             let slope = (corner[0][i] - corner[1][i] - corner[2][i] + corner[3][i]) / (4.0 * h * h);
@@ -224,7 +225,7 @@ fn higher_derivatives_are_slopes_of_the_lower() {
         }
         let (mut f2, mut g2, mut f3) = (vec![0.0; COMPONENTS], vec![0.0], vec![0.0; COMPONENTS]);
         let prepared = cortex.prepare_third(&p, &a.1);
-        cortex.third(&prepared, AT, &y, &p, along_a, &mut f2, &mut g2, &mut f3);
+        cortex.third(&prepared, point, along_a, [&mut f2, &mut g2, &mut f3]);
         for i in 0..COMPONENTS {
             let slope = (line[3][i] - 2.0 * line[2][i] + 2.0 * line[1][i] - line[0][i]) / (2.0 * h.powi(3));
             third = third.max((slope - f3[i]).abs() / (100.0 + slope.abs()));

@@ -1,24 +1,17 @@
 //! `furrow compare contour`: outlines of cells beside those of a simulated division.
 
-use std::fmt::Write;
-use std::fs::File;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use clap::Args;
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::polygons::{Contours, LeftOut};
 use furrow_measured::contour::series::{Beside, Modelled, Series, series};
-use serde::Serialize;
 
 use super::files;
-use crate::cli::cell::number;
-use crate::cli::context::Context;
-use crate::cli::error::CliError;
 use crate::cli::output::{print, to_json, writable_folder};
-use crate::cli::plot::PlotArgs;
+use crate::cli::prelude::*;
 use furrow_formats::frames::read_frames;
-use furrow_input::InputError;
+use furrow_input::open_file;
 
 /// Compares measured outlines of a dividing cell with those of a simulated division
 ///
@@ -99,12 +92,9 @@ fn modelled(folder: &Path) -> Result<Vec<Modelled>, CliError> {
 fn read(args: &ContourArgs) -> Result<Contours, InputError> {
     let mut found = Contours::default();
     for path in &args.measured {
+        let mut opened = open_file(path)?;
         let file = path.display().to_string();
         let unreadable = |e: std::io::Error| InputError::Unreadable { file: file.clone(), reason: e.to_string() };
-        let mut opened = File::open(path).map_err(unreadable)?;
-        if opened.metadata().map_err(unreadable)?.is_dir() {
-            return Err(unreadable(std::io::Error::other("it is a folder, not a file")));
-        }
         // The signature decides, since extensions of pictures may be wrong.
         let mut first = Vec::new();
         (&mut opened).take(SIGNATURE.len() as u64).read_to_end(&mut first).map_err(unreadable)?;

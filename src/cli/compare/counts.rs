@@ -1,18 +1,11 @@
 //! `furrow compare counts`: rounds beside the observed ones.
 
 use furrow_formats::tree_from_json;
-use std::fmt::Write;
-use std::path::PathBuf;
-
-use clap::Args;
 
 use super::trees_of;
-use crate::cli::context::Context;
-use crate::cli::error::CliError;
-use crate::cli::output::print_as;
-use crate::cli::plot::PlotArgs;
+use crate::cli::prelude::*;
 use furrow_analysis::compare::counts::{Counts, READINGS, counts};
-use furrow_input::{InputError, read_text};
+use furrow_input::read_text;
 use furrow_lineage::Lineage;
 
 /// Compares rounds of division with the observed ones, by every definition of "rounds" and at several stages
@@ -70,21 +63,15 @@ fn counts_text(found: &Counts) -> String {
         writeln!(out, "\"To within a single round for the EMS and P lineages\", and not elsewhere, at the last stage:");
     for sentence in &found.sentence {
         let word = |holds: bool| if holds { "yes" } else { "no" };
+        let parts = [sentence.ems, sentence.germline, sentence.elsewhere_not, sentence.holds];
+        let ([ems, germline, off, all], reading) = (parts.map(word), sentence.reading.replace('_', " "));
         let _ = writeln!(
             out,
-            "  {:<16} EMS {:<4} germline {:<4} AB, C and D off by more {:<4} all: {}",
-            sentence.reading.replace('_', " "),
-            word(sentence.ems),
-            word(sentence.germline),
-            word(sentence.elsewhere_not),
-            word(sentence.holds)
+            "  {reading:<16} EMS {ems:<4} germline {germline:<4} AB, C and D off by more {off:<4} all: {all}"
         );
     }
-    let _ = writeln!(
-        out,
-        "Divisions down the germline: {} in the model, {} observed",
-        found.germline[0], found.germline[1]
-    );
+    let [model, observed] = found.germline;
+    let _ = writeln!(out, "Divisions down the germline: {model} in the model, {observed} observed");
     let _ = writeln!(out, "\nWhere cells of each founder end, and why:");
     for ends in &found.ends {
         let reasons: Vec<String> = ends.ended.iter().map(|(why, n)| format!("{n} {}", why.replace('_', " "))).collect();

@@ -34,43 +34,21 @@ pub fn write(
 ) -> Result<(), CliError> {
     let each = groups.iter().flat_map(|group| group.events.iter().map(move |event| (group, event)));
     let chi = each.map(|(group, event)| {
-        json!({
-            "group": &group.group,
-            "mother": &event.measured.mother,
-            "n": event.measured.n,
-            "chi_mean": event.measured.mean,
-            "chi_sd": event.measured.sd,
-            "chi_signed_mean": event.measured.mean_signed,
-            "chi_signed_sd": event.measured.sd_signed,
-            "model_chi": event.model.and_then(|model| model.chi),
-            "model_chi_given_first": event.given_first.and_then(|model| model.chi),
-        })
+        let (measured, [model, given]) =
+            (&event.measured, [event.model, event.given_first].map(|m| m.and_then(|m| m.chi)));
+        let [sd, sd_signed] = [measured.sd, measured.sd_signed];
+        let [mean, mean_signed] = [measured.mean, measured.mean_signed];
+        json!([group.group, measured.mother, measured.n, mean, sd, mean_signed, sd_signed, model, given])
     });
-    let division = divisions.iter().map(|division| {
-        json!({
-            "group": &division.group,
-            "embryo": &division.embryo,
-            "mother": &division.mother,
-            "first": &division.daughters[0],
-            "second": &division.daughters[1],
-            "volume_first": division.volumes[0],
-            "volume_second": division.volumes[1],
-            "chi_signed": division.chi_signed,
-        })
+    let division = divisions.iter().map(|d| {
+        let ([first, second], [v_first, v_second]) = (&d.daughters, d.volumes);
+        json!([d.group, d.embryo, d.mother, first, second, v_first, v_second, d.chi_signed])
     });
     let bin = bins.iter().enumerate().map(|(k, bin)| {
         // The first bin, of the largest cells, has none to be held against.
         let test = k.checked_sub(1).and_then(|k| tests.get(k));
-        json!({
-            "from": bin.from,
-            "to": bin.to,
-            "n": bin.n,
-            "chi_mean": bin.mean,
-            "chi_sd": bin.sd,
-            "u": test.map(|test| test.test.u),
-            "p": test.map(|test| test.test.p),
-            "stars": test.map(|test| test.stars),
-        })
+        let [u, p] = [test.map(|test| test.test.u), test.map(|test| test.test.p)];
+        json!([bin.from, bin.to, bin.n, bin.mean, bin.sd, u, p, test.map(|test| test.stars)])
     });
     let tables = [csv_of(CHI, chi)?, csv_of(DIVISION, division)?, csv_of(BIN, bin)?, json.as_bytes().to_vec()];
     write_all(folder, &NAMES, tables)
@@ -83,25 +61,28 @@ pub const CONTOUR_NAMES: [&str; 2] = ["contours.csv", "compare.json"];
 const CONTOUR: &str = "file,contour,stage,depth,model_depth,elongation,model_elongation,area,centroid_x,centroid_y,angle,frame,t,similarity,similarity_pixels,jaccard";
 
 fn contour_row(beside: &Beside) -> Value {
-    let Beside { measured, model, overlap, pixels, centroid, .. } = beside;
-    json!({
-        "file": &beside.file,
-        "contour": &beside.contour,
-        "stage": beside.stage.map(|stage| stage + 1),
-        "depth": measured.depth,
-        "model_depth": model.depth,
-        "elongation": measured.elongation,
-        "model_elongation": model.elongation,
-        "area": measured.area,
-        "centroid_x": centroid[0],
-        "centroid_y": centroid[1],
-        "angle": beside.angle,
-        "frame": &beside.frame,
-        "t": beside.t,
-        "similarity": overlap.similarity,
-        "similarity_pixels": pixels.similarity,
-        "jaccard": overlap.jaccard,
-    })
+    let Beside { measured, model, overlap, pixels, centroid: [x, y], angle, .. } = beside;
+    let stage = beside.stage.map(|stage| stage + 1);
+    let [depth, elongation] = [[measured.depth, model.depth], [measured.elongation, model.elongation]];
+    let similar = [overlap.similarity, pixels.similarity, overlap.jaccard];
+    json!([
+        beside.file,
+        beside.contour,
+        stage,
+        depth[0],
+        depth[1],
+        elongation[0],
+        elongation[1],
+        measured.area,
+        x,
+        y,
+        angle,
+        beside.frame,
+        beside.t,
+        similar[0],
+        similar[1],
+        similar[2]
+    ])
 }
 
 /// Writes them, or none. `json` is what `--json` prints.

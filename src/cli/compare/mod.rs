@@ -5,16 +5,14 @@ mod counts;
 mod files;
 mod volumes;
 
-use clap::{Args, Subcommand};
+use clap::Subcommand;
 
-use super::context::Context;
-use super::error::CliError;
 use super::interrupt;
 use super::tree::grown;
+use crate::cli::prelude::*;
 use furrow_analysis::scenarios_of;
 use furrow_lineage::{Lineage, Tree};
 
-/// Compares the model with measured embryos
 #[derive(Debug, Args)]
 pub struct CompareArgs {
     #[command(subcommand)]

@@ -1,23 +1,15 @@
 //! `furrow compare volumes`: size asymmetries beside the measured ones.
 
-use std::fmt::Write;
-use std::fs::File;
-use std::path::PathBuf;
-
-use clap::Args;
 use furrow_measured::events::{Division, Divisions, GroupSummary, divisions, summaries};
 use furrow_measured::published::{SOURCE, jankele2021};
+use furrow_measured::statistics::Line;
 use furrow_measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
 use furrow_measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
-use serde::Serialize;
 
 use super::{files, trees_of};
-use crate::cli::cell::number;
-use crate::cli::context::Context;
-use crate::cli::error::CliError;
 use crate::cli::interrupt;
 use crate::cli::output::{print, to_json, writable_folder};
-use crate::cli::plot::PlotArgs;
+use crate::cli::prelude::*;
 use crate::cli::progress::ProgressLine;
 use furrow_analysis::compare::volumes::{
     Band, Beside, GroupBeside, Modelled, Regression, Scale, ScaleFrom, SizeCurve, add_bands, beside, model, regression,
@@ -25,7 +17,7 @@ use furrow_analysis::compare::volumes::{
 };
 use furrow_analysis::{Range, read_constants, tree_settings};
 use furrow_figures::plot::comparison::{self, Comparison};
-use furrow_input::{InputError, read_text};
+use furrow_input::{open_file, read_text};
 use furrow_lineage::{Lineage, TreeSettings};
 
 /// Compares size asymmetries of measured divisions with the model's
@@ -71,7 +63,7 @@ pub struct VolumesArgs {
     plot: PlotArgs,
 }
 
-/// What is asked for as one L_h.
+/// The value of --length-scale.
 #[derive(Clone, Copy, Debug)]
 enum WantedScale {
     Length(f64),
@@ -85,7 +77,7 @@ fn wanted_scale(text: &str) -> Result<WantedScale, String> {
     }
 }
 
-/// What is told of so much that was skipped, a line each.
+/// Skipped values that are listed.
 const MOST_SKIPPED: usize = 10;
 
 /// What `compare volumes --json` prints.
@@ -169,8 +161,7 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
     print(&if context.json { json } else { volumes_text(&answer_of) })
 }
 
-/// What the model says of cells as large as the measured mothers, for a picture; nothing where it is not known how large these
-/// are.
+/// The model's χ over the sizes of the measured mothers, for the picture; empty without a length scale.
 fn curves(
     lineage: &Lineage,
     settings: &TreeSettings,
@@ -181,7 +172,7 @@ fn curves(
     let Some(length) = length else { return Ok(Vec::new()) };
     let radii = divisions.iter().map(|d| (0.75 / std::f64::consts::PI * d.mother_volume()).cbrt() / length);
     let [least, most] = radii.fold([f64::INFINITY, 0.0], |[a, b], r| [f64::min(a, r), f64::max(b, r)]);
-    // From a cell that never divides to one a little larger than the zygote.
+    // From a cell at rest to one slightly larger than the zygote.
     let [from, to] = [least.clamp(SMALLEST, settings.cell.r0), most.clamp(SMALLEST, 1.2 * settings.cell.r0)];
     if from >= to {
         return Ok(Vec::new());
@@ -191,7 +182,7 @@ fn curves(
     Ok(size_curves(lineage, settings, [from, to], &context.memo()?, &context.scheduling(&show))?)
 }
 
-/// Smaller cells stay at rest, and the curve has nothing to show of them.
+/// Smallest radius of the curve, in L_h: smaller cells stay at rest.
 const SMALLEST: f64 = 1.0;
 
 fn check(args: &VolumesArgs) -> Result<(), InputError> {
@@ -224,13 +215,7 @@ fn read(args: &VolumesArgs) -> Result<Measured, CliError> {
     for (files, group) in [(&args.files, names("measured")), (&args.against, names("against"))] {
         let options = ReadOptions { voxel: args.voxel, group };
         for file in files {
-            let name = file.display().to_string();
-            let opened = File::open(file).and_then(|opened| match opened.metadata()?.is_dir() {
-                true => Err(std::io::Error::other("it is a folder, not a file")),
-                false => Ok(opened),
-            });
-            let opened = opened.map_err(|e| InputError::Unreadable { file: name.clone(), reason: e.to_string() })?;
-            volumes.read(opened, &name, &options)?;
+            volumes.read(open_file(file)?, &file.display().to_string(), &options)?;
         }
     }
     let found = divisions(&volumes);
@@ -253,7 +238,7 @@ fn regressions(args: &VolumesArgs, groups: &[GroupBeside]) -> Result<Vec<Regress
     let (x, y) = names.ok_or_else(refused)?;
     match (find(&x), find(&y)) {
         (Some(x), Some(y)) => Ok(vec![regression(x, y)]),
-        // Tables that name groups of their own have none by the condition.
+        // Tables with their own groups lack those of the two conditions.
         _ if args.regress.is_none() => Ok(Vec::new()),
         _ => Err(refused()),
     }
@@ -289,13 +274,9 @@ fn volumes_text(found: &Answer<'_>) -> String {
         let _ = writeln!(out, "one L_h is {:.4} {unit}, {from}", scale.length);
     }
     if found.source.is_none() {
-        let _ = writeln!(
-            out,
-            "{} volumes used, {} skipped; {} divisions with both daughters, {} with one",
-            found.used,
-            found.skipped_count,
-            found.divisions,
-            found.half_seen.len()
+        let (Answer { used, skipped_count, divisions, .. }, one) = (found, found.half_seen.len());
+        out += &format!(
+            "{used} volumes used, {skipped_count} skipped; {divisions} divisions with both daughters, {one} with one\n"
         );
     }
     for skipped in found.skipped.iter().take(MOST_SKIPPED) {
@@ -349,7 +330,7 @@ fn group_text(out: &mut String, group: &GroupBeside) {
     out.push('\n');
 }
 
-/// The range of χ over sets of constants, and with how many the cell divides at all.
+/// The range of χ over sets of constants, and the share of sets with which the cell divides.
 fn band_text(band: Band) -> String {
     let divides =
         if band.divides < 1.0 { format!(", divides with {:.0} %", 100.0 * band.divides) } else { String::new() };
@@ -372,19 +353,11 @@ fn bins_text(out: &mut String, bins: &[VolumeBin], tests: &[AdjacentTest]) {
 
 fn regression_text(out: &mut String, regression: &Regression) {
     let _ = writeln!(out, "χ of {} over χ of {}, {} mothers:", regression.y, regression.x, regression.mothers.len());
-    if let Some(line) = &regression.through_origin {
-        let _ = writeln!(
-            out,
-            "  through the origin: slope {:.4} ± {:.4}, R² = {:.4}",
-            line.slope, line.slope_error, line.r_squared
-        );
-    }
-    if let Some(line) = &regression.with_intercept {
-        let _ = writeln!(
-            out,
-            "  with an intercept: slope {:.4} ± {:.4}, intercept {:+.4}, R² = {:.4}",
-            line.slope, line.slope_error, line.intercept, line.r_squared
-        );
+    let lines = [("through the origin", &regression.through_origin), ("with an intercept", &regression.with_intercept)];
+    for (k, (name, line)) in lines.into_iter().enumerate() {
+        let Some(Line { slope, slope_error, intercept, r_squared, .. }) = line else { continue };
+        let intercept = if k == 1 { format!(", intercept {intercept:+.4}") } else { String::new() };
+        let _ = writeln!(out, "  {name}: slope {slope:.4} ± {slope_error:.4}{intercept}, R² = {r_squared:.4}");
     }
     out.push('\n');
 }

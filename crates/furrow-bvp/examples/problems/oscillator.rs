@@ -1,6 +1,6 @@
 // u″ + λ w(u) = 0: with w = eᵘ Bratu's problem, with w = sin u the elastica. Shared by examples and tests.
 
-use furrow_bvp::derivatives::PointDirection;
+use furrow_bvp::derivatives::{PointDirection, PointValues};
 use furrow_bvp::{
     BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Directional, Gauss, MirrorSymmetric,
     PointJacobian, Solution, mesh,
@@ -92,13 +92,9 @@ impl Directional for Oscillator {
     fn second(
         &self,
         _: &(),
-        _: CollocationPoint,
-        y: &[f64],
-        p: &[f64],
-        a: PointDirection<'_>,
-        b: PointDirection<'_>,
-        f: &mut [f64],
-        _: &mut [f64],
+        PointValues { y, p, .. }: PointValues,
+        [a, b]: [PointDirection; 2],
+        [f, _]: [&mut [f64]; 2],
     ) {
         let [_, w_u, w_uu, _, w_mu, w_umu, w_mumu] = self.derivatives(y[0], p);
         let ([au, am], [bu, bm]) = ([a.y[0], along_mu(a)], [b.y[0], along_mu(b)]);
@@ -108,17 +104,7 @@ impl Directional for Oscillator {
 
     fn prepare_third(&self, _: &[f64], _: &[f64]) {}
 
-    fn third(
-        &self,
-        _: &(),
-        _: CollocationPoint,
-        y: &[f64],
-        p: &[f64],
-        a: PointDirection<'_>,
-        f2: &mut [f64],
-        _: &mut [f64],
-        f3: &mut [f64],
-    ) {
+    fn third(&self, _: &(), PointValues { y, p, .. }: PointValues, a: PointDirection, [f2, _, f3]: [&mut [f64]; 3]) {
         // Along u alone.
         let [_, _, w_uu, w_uuu, ..] = self.derivatives(y[0], p);
         f2[1] = -p[0] * w_uu * a.y[0] * a.y[0];

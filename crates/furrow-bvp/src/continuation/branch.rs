@@ -208,7 +208,7 @@ pub type MeshMonitor<P> = fn(&P, &Solution, &mut Vec<f64>);
 /// branch.state.solution.eval(&branch.system.gauss, 0.5, &mut y);
 /// let cosh = (0.5 * y[0]).exp();
 /// assert!((8.0 * (cosh.acosh() / cosh).powi(2) - 2.0).abs() < 1e-7);
-/// # Ok::<(), crate::ContinuationError>(())
+/// # Ok::<(), furrow_bvp::ContinuationError>(())
 /// ```
 pub struct Continuation<P> {
     /// The problem; its last scalar unknown is the parameter λ. One condition short of square.

@@ -37,7 +37,7 @@ use crate::solution::Solution;
 ///     step.apply(1.0, &mut y);
 /// }
 /// assert!(step.norm(&y) < 1e-12);
-/// # Ok::<(), crate::PivotFailure>(())
+/// # Ok::<(), furrow_bvp::PivotFailure>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct System {

@@ -37,7 +37,7 @@ use crate::solution::Solution;
 /// // u(½) = 2 ln cosh θ belongs to λ = 8(θ/cosh θ)².
 /// let cosh = (0.5 * y.node(10)[0]).exp();
 /// assert!((8.0 * (cosh.acosh() / cosh).powi(2) - 1.0).abs() < 1e-8);
-/// # Ok::<(), crate::NewtonError>(())
+/// # Ok::<(), furrow_bvp::NewtonError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Newton {

@@ -135,12 +135,12 @@ const NEWTON_SHARE: f64 = 1e-2;
 ///
 /// let gauss = Gauss::new(4);
 /// let line = |x: f64, y: &mut [f64]| y.copy_from_slice(&[4.0 - 3.0 * x, -3.0]);
-/// let guess = Solution::from_fn(&gauss, &crate::mesh::uniform(0.0, 1.0, 4), 2, &[], line);
-/// let solved = crate::solve(&mut Example, &guess, &Settings { tolerance: 1e-9, ..Settings::default() })?;
+/// let guess = Solution::from_fn(&gauss, &furrow_bvp::mesh::uniform(0.0, 1.0, 4), 2, &[], line);
+/// let solved = furrow_bvp::solve(&mut Example, &guess, &Settings { tolerance: 1e-9, ..Settings::default() })?;
 /// let mut y = [0.0; 2];
 /// solved.solution.eval(&gauss, 0.5, &mut y);
 /// assert!((y[0] - 4.0 / 1.5f64.powi(2)).abs() < 1e-9);
-/// # Ok::<(), crate::SolveError>(())
+/// # Ok::<(), furrow_bvp::SolveError>(())
 /// ```
 pub fn solve<P: BoundaryValueProblem>(
     problem: &mut P,

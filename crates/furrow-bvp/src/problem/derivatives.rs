@@ -9,6 +9,17 @@ use crate::solution::Solution;
 
 use super::statement::{BoundaryValueProblem, CollocationPoint};
 
+/// A collocation point with the unknowns there.
+#[derive(Clone, Copy, Debug)]
+pub struct PointValues<'a> {
+    /// The point.
+    pub at: CollocationPoint,
+    /// Components of y.
+    pub y: &'a [f64],
+    /// Scalar unknowns.
+    pub p: &'a [f64],
+}
+
 /// A direction in the unknowns at one point: components of y and scalar unknowns.
 #[derive(Clone, Copy, Debug)]
 pub struct PointDirection<'a> {
@@ -29,19 +40,8 @@ pub trait Directional: BoundaryValueProblem {
     /// Prepares D²f\[a, b\] for scalar unknowns p and their directions.
     fn prepare_second(&self, p: &[f64], a: &[f64], b: &[f64]) -> Self::Second;
 
-    /// D²f\[a, b\] into `f` and D²g\[a, b\] into `g`.
-    #[allow(clippy::too_many_arguments)]
-    fn second(
-        &self,
-        prepared: &Self::Second,
-        at: CollocationPoint,
-        y: &[f64],
-        p: &[f64],
-        a: PointDirection<'_>,
-        b: PointDirection<'_>,
-        f: &mut [f64],
-        g: &mut [f64],
-    );
+    /// D²f\[a, b\] and D²g\[a, b\] into the two of `out`.
+    fn second(&self, prepared: &Self::Second, point: PointValues, along: [PointDirection; 2], out: [&mut [f64]; 2]);
 
     /// The same of the part h(p) of an integral condition.
     fn second_offset(&self, _prepared: &Self::Second, _k: usize) -> f64 {
@@ -51,19 +51,8 @@ pub trait Directional: BoundaryValueProblem {
     /// Prepares the powers of one direction.
     fn prepare_third(&self, p: &[f64], a: &[f64]) -> Self::Third;
 
-    /// D²f\[a, a\] into `f2`, D²g\[a, a\] into `g2` and D³f\[a, a, a\] into `f3`.
-    #[allow(clippy::too_many_arguments)]
-    fn third(
-        &self,
-        prepared: &Self::Third,
-        at: CollocationPoint,
-        y: &[f64],
-        p: &[f64],
-        a: PointDirection<'_>,
-        f2: &mut [f64],
-        g2: &mut [f64],
-        f3: &mut [f64],
-    );
+    /// D²f\[a, a\], D²g\[a, a\] and D³f\[a, a, a\] into the three of `out`.
+    fn third(&self, prepared: &Self::Third, point: PointValues, along: PointDirection, out: [&mut [f64]; 3]);
 }
 
 /// Clears `out` in the shape of the problem and the mesh of `y`.
@@ -78,7 +67,7 @@ fn sweep<P: BoundaryValueProblem>(
     y: &Solution,
     border: usize,
     out: &mut Residual,
-    mut point: impl FnMut(&P, CollocationPoint, &[f64], &mut [f64], &mut [f64]),
+    mut point: impl FnMut(&P, PointValues, [&mut [f64]; 2]),
 ) {
     let dims = problem.dimensions();
     let n = dims.components;
@@ -92,7 +81,8 @@ fn sweep<P: BoundaryValueProblem>(
             let index = i * y.m + j;
             f.fill(0.0);
             g.fill(0.0);
-            point(problem, CollocationPoint { x: y.mesh[i] + h * gauss.c[j], index }, y.stage(i, j), f, g);
+            let at = CollocationPoint { x: y.mesh[i] + h * gauss.c[j], index };
+            point(problem, PointValues { at, y: y.stage(i, j), p: &y.scalars }, [f, g]);
             for (row, f) in out.stages[index * n..(index + 1) * n].iter_mut().zip(f.iter()) {
                 *row = -h * f;
             }
@@ -115,13 +105,10 @@ pub fn second_residual<P: Directional>(
     problem.prepare(&y.scalars);
     let prepared = problem.prepare_second(&y.scalars, &a.scalars, &b.scalars);
     let (n, integrals) = (y.components, problem.dimensions().integrals);
-    sweep(gauss, problem, y, integrals + conditions, out, |problem, at, value, f, g| {
-        let range = at.index * n..(at.index + 1) * n;
-        let (a, b) = (
-            PointDirection { y: &a.stages[range.clone()], p: &a.scalars },
-            PointDirection { y: &b.stages[range], p: &b.scalars },
-        );
-        problem.second(&prepared, at, value, &y.scalars, a, b, f, g);
+    sweep(gauss, problem, y, integrals + conditions, out, |problem, point, out| {
+        let range = point.at.index * n..(point.at.index + 1) * n;
+        let along = [a, b].map(|d| PointDirection { y: &d.stages[range.clone()], p: &d.scalars });
+        problem.second(&prepared, point, along, out);
     });
     for k in 0..integrals {
         out.border[k] += problem.second_offset(&prepared, k);
@@ -143,12 +130,12 @@ pub fn power_residuals<P: Directional>(
     let dims = problem.dimensions();
     let n = dims.components;
     clear(dims, y, dims.integrals + conditions, third);
-    sweep(gauss, problem, y, dims.integrals + conditions, second, |problem, at, value, f, g| {
-        let range = at.index * n..(at.index + 1) * n;
-        let a = PointDirection { y: &a.stages[range.clone()], p: &a.scalars };
+    sweep(gauss, problem, y, dims.integrals + conditions, second, |problem, point, [f, g]| {
+        let range = point.at.index * n..(point.at.index + 1) * n;
+        let along = PointDirection { y: &a.stages[range.clone()], p: &a.scalars };
         let f3 = &mut third.stages[range];
-        problem.third(&prepared, at, value, &y.scalars, a, f, g, f3);
-        let interval = at.index / y.m;
+        problem.third(&prepared, point, along, [f, g, f3]);
+        let interval = point.at.index / y.m;
         let h = y.mesh[interval + 1] - y.mesh[interval];
         f3.iter_mut().for_each(|f| *f *= -h);
     });

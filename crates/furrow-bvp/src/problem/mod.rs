@@ -4,6 +4,6 @@ pub mod derivatives;
 mod statement;
 mod symmetry;
 
-pub use derivatives::{Directional, PointDirection};
+pub use derivatives::{Directional, PointDirection, PointValues};
 pub use statement::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, CollocationPoints, PointJacobian};
 pub use symmetry::MirrorSymmetric;

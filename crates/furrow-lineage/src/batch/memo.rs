@@ -5,13 +5,15 @@
 //! the table is held while solving, sending or reading the store.
 
 use std::{
-    collections::hash_map::Entry,
+    hash::BuildHasherDefault,
     panic::{AssertUnwindSafe, catch_unwind},
-    sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc::Sender},
+    sync::{Arc, mpsc::Sender},
 };
 
+use dashmap::{DashMap, Entry};
+
 use super::{
-    key::{Key, KeyMap},
+    key::{Key, PrefixHasher},
     quantisation::Quantisation,
     store::Store,
 };
@@ -22,7 +24,7 @@ use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
 #[derive(Debug)]
 pub struct Memo {
     quantisation: Quantisation,
-    table: Mutex<KeyMap<Slot>>,
+    table: DashMap<Key, Slot, BuildHasherDefault<PrefixHasher>>,
     store: Option<Store>,
 }
 
@@ -88,7 +90,9 @@ pub enum Request<'m> {
 impl Memo {
     /// An empty memo, in memory only.
     pub fn new(quantisation: Quantisation) -> Memo {
-        Memo { quantisation, table: Mutex::default(), store: None }
+        // The default number of shards asks the system for its cores, which takes longer than a look-up.
+        let table = DashMap::with_hasher_and_shard_amount(BuildHasherDefault::default(), 16);
+        Memo { quantisation, table, store: None }
     }
 
     /// The same over a store: what it holds is known, and what is solved is committed to it.
@@ -125,7 +129,7 @@ impl Memo {
     pub fn known(&self, input: &DivisionInput) -> Option<Division> {
         let canonical = self.canonical(input);
         let key = Key::new(&canonical);
-        let here = self.lock().get(&key).map(Slot::solved);
+        let here = self.table.get(&key).map(|slot| slot.solved());
         let division = match here {
             Some(here) => here?,
             None => self.stored(&key)?,
@@ -135,7 +139,7 @@ impl Memo {
 
     /// Divisions known.
     pub fn len(&self) -> usize {
-        self.lock().values().filter(|slot| matches!(slot, Slot::Solved(_))).count()
+        self.table.iter().filter(|slot| slot.solved().is_some()).count()
     }
 
     /// Whether no division is known.
@@ -145,13 +149,8 @@ impl Memo {
 
     /// Asks for a division. Unless it is known, `waiter` gets one [`Event`].
     pub fn request(&self, key: Key, waiter: &Sender<Event>) -> Request<'_> {
-        let absent = match self.lock().get(&key) {
-            Some(Slot::Solved(division)) => return Request::Known(Arc::clone(division)),
-            Some(Slot::InFlight(_)) => false,
-            None => true,
-        };
-        let stored = if absent { self.stored(&key) } else { None };
-        match (self.lock().entry(key), stored) {
+        let stored = if self.table.contains_key(&key) { None } else { self.stored(&key) };
+        match (self.table.entry(key), stored) {
             (Entry::Occupied(mut occupied), _) => match occupied.get_mut() {
                 Slot::Solved(division) => Request::Known(Arc::clone(division)),
                 Slot::InFlight(waiters) => {
@@ -172,11 +171,6 @@ impl Memo {
 
     fn stored(&self, key: &Key) -> Option<Arc<Division>> {
         self.store.as_ref()?.get(key).map(Arc::new)
-    }
-
-    fn lock(&self) -> MutexGuard<'_, KeyMap<Slot>> {
-        // Nothing panics while it is held.
-        self.table.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -234,9 +228,9 @@ impl Lease<'_> {
     fn complete(&self, completion: Completion) {
         let before = match &completion {
             Completion::Solved(division) | Completion::Stored(division) => {
-                self.memo.lock().insert(self.key, Slot::Solved(Arc::clone(division)))
+                self.memo.table.insert(self.key, Slot::Solved(Arc::clone(division)))
             }
-            Completion::Failed(_) | Completion::Abandoned => self.memo.lock().remove(&self.key),
+            Completion::Failed(_) | Completion::Abandoned => self.memo.table.remove(&self.key).map(|(_, slot)| slot),
         };
         let Some(Slot::InFlight(waiters)) = before else { return };
         for waiter in waiters {

@@ -33,7 +33,7 @@ const SIZES: [f64; 2] = [1e-60, 1e60];
 /// let moments = square.moments();
 /// assert_eq!((moments.area, cut), (4.0, 0.0));
 /// assert!((moments.centroid.x - 2.0).abs() + (moments.centroid.y - 2.0).abs() < 1e-12);
-/// # Ok::<(), crate::contour::Unusable>(())
+/// # Ok::<(), furrow_measured::contour::Unusable>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contour {

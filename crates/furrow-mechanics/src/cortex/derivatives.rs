@@ -1,7 +1,6 @@
 //! Second and third directional derivatives of the equations, for singular points and their normal forms.
 
-use furrow_bvp::CollocationPoint;
-use furrow_bvp::derivatives::{Directional, PointDirection};
+use furrow_bvp::derivatives::{Directional, PointDirection, PointValues};
 use num_dual::{Dual3_64, HyperDual64};
 
 use super::Cortex;
@@ -35,17 +34,8 @@ impl Directional for Cortex {
         lift(self, p, |k, value| HyperDual64::new(value, a[k], b[k], 0.0))
     }
 
-    fn second(
-        &self,
-        prepared: &Self::Second,
-        at: CollocationPoint,
-        y: &[f64],
-        _p: &[f64],
-        a: PointDirection<'_>,
-        b: PointDirection<'_>,
-        f: &mut [f64],
-        g: &mut [f64],
-    ) {
+    fn second(&self, prepared: &Self::Second, point: PointValues, along: [PointDirection; 2], out: [&mut [f64]; 2]) {
+        let (PointValues { at, y, .. }, [a, b], [f, g]) = (point, along, out);
         let state: [HyperDual64; COMPONENTS] = std::array::from_fn(|k| HyperDual64::new(y[k], a.y[k], b.y[k], 0.0));
         let (value, volume) =
             equations(&prepared.constants, at.x, Motion::default(), 1.0, &state, prepared.length, prepared.pressure);
@@ -63,17 +53,8 @@ impl Directional for Cortex {
         lift(self, p, |k, value| Dual3_64::new(value, a[k], 0.0, 0.0))
     }
 
-    fn third(
-        &self,
-        prepared: &Self::Third,
-        at: CollocationPoint,
-        y: &[f64],
-        _p: &[f64],
-        a: PointDirection<'_>,
-        f2: &mut [f64],
-        g2: &mut [f64],
-        f3: &mut [f64],
-    ) {
+    fn third(&self, prepared: &Self::Third, point: PointValues, a: PointDirection, out: [&mut [f64]; 3]) {
+        let (PointValues { at, y, .. }, [f2, g2, f3]) = (point, out);
         let state: [Dual3_64; COMPONENTS] = std::array::from_fn(|k| Dual3_64::new(y[k], a.y[k], 0.0, 0.0));
         let (value, volume) =
             equations(&prepared.constants, at.x, Motion::default(), 1.0, &state, prepared.length, prepared.pressure);

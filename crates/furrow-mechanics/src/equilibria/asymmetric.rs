@@ -49,7 +49,7 @@ pub fn switch(
 }
 
 /// Fit of |u_f − ½| = A |ξ_s − ξ_s*|^β near a pitchfork.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Scaling {
     /// Exponent β; ½ at a pitchfork.
     pub exponent: f64,

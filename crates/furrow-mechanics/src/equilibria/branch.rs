@@ -315,7 +315,7 @@ const SEEN: f64 = 0.3;
 /// settings.remesh_above = 1.3;
 /// let mut branch = primary::start(&cell, &Numerics::default(), &settings)?;
 /// branch.monitor = Some(error_monitor);
-/// # Ok::<(), crate::equilibria::ShapeError>(())
+/// # Ok::<(), furrow_mechanics::equilibria::ShapeError>(())
 /// ```
 pub fn error_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f64>) {
     resolution::monitor(cortex, y, false, weight);

@@ -189,7 +189,6 @@ where
     S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
     X: FnMut(usize, Option<&Division>) -> Vec<Step<'s>>,
 {
-    let threads = workers(options.threads);
     let (sender, events) = channel();
     let mut run = Run::new(steps, memo, options, sender.clone());
     let perform = |task: Task<'_, '_>| match task {
@@ -206,6 +205,7 @@ where
         // No threads: the calling thread is the only worker.
         run.work(&events, 1, &mut expand, perform);
     } else if run.is_incomplete() {
+        let threads = workers(options.threads);
         pool(threads)?.in_place_scope(|scope| {
             let perform = &perform;
             run.work(&events, threads, &mut expand, |task| scope.spawn(move |_| perform(task)));

@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use super::{
     StoreError,
-    row::COLUMNS,
-    sqlite::{FILE, connect, create_table, decoded, file_in, select, write},
+    row::WIDTH,
+    sqlite::{FILE, connect, create_table, decoded, file_in, write},
 };
 use crate::batch::SOLVER_VERSION;
 
@@ -91,14 +91,14 @@ fn contents(cache: &Path) -> Result<Contents, StoreError> {
 /// Reads as many rows as can be read.
 fn read(connection: &Connection, contents: &mut Contents) -> rusqlite::Result<()> {
     let Contents { report, rows } = contents;
-    let mut statement = connection.prepare(&select(""))?;
+    let mut statement = connection.prepare("SELECT * FROM division")?;
     let mut found = statement.query(())?;
     while let Some(row) = found.next()? {
         if decoded(row)?.is_none() {
             report.damaged.push(format!("row {}", hex(row.get_ref("key")?.as_blob().unwrap_or_default())));
             continue;
         }
-        let entry = (0..COLUMNS.len()).map(|place| row.get(place)).collect::<Result<Vec<Value>, _>>()?;
+        let entry = (0..WIDTH).map(|place| row.get(place)).collect::<Result<Vec<Value>, _>>()?;
         let current = row.get_ref("solver")?.as_i64() == Ok(SOLVER_VERSION.into());
         *(if current { &mut report.entries } else { &mut report.other_versions }) += 1;
         rows.push(entry);

@@ -8,52 +8,14 @@ use furrow_cell::{Cell, Material, Numerics, RigidityGradient, Scheme, Shell};
 use furrow_mechanics::division::{Division, DivisionInput, Outcome};
 
 /// The columns. None has a declared type: in a column of reals SQLite would store −0 as 0.
-pub const COLUMNS: [&str; 44] = [
-    "key",
-    "solver",
-    "r0",
-    "epsilon",
-    "xi_s",
-    "cue",
-    "seed",
-    "kappa",
-    "eta_b",
-    "eta_s",
-    "friction",
-    "tension",
-    "xi_ratio",
-    "gain",
-    "rigidity_gradient",
-    "aspect",
-    "p0",
-    "w",
-    "stages",
-    "intervals",
-    "scheme",
-    "dt",
-    "first_step",
-    "time_tolerance",
-    "step_factor",
-    "t_max",
-    "noise",
-    "chi_symmetric",
-    "outcome",
-    "chi",
-    "chi_signed",
-    "u_furrow",
-    "t_end",
-    "first_r0",
-    "second_r0",
-    "growth_rate",
-    "slow_growth_rate",
-    "volume_drift",
-    "steps",
-    "rejected",
-    "newton_iterations",
-    "factorisations",
-    "remeshings",
-    "checksum",
-];
+pub const COLUMNS: &str = "key, solver, \
+    r0, epsilon, xi_s, cue, seed, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient, aspect, p0, w, \
+    stages, intervals, scheme, dt, first_step, time_tolerance, step_factor, t_max, noise, chi_symmetric, \
+    outcome, chi, chi_signed, u_furrow, t_end, first_r0, second_r0, growth_rate, slow_growth_rate, volume_drift, \
+    steps, rejected, newton_iterations, factorisations, remeshings, checksum";
+
+/// How many columns there are.
+pub const WIDTH: usize = 44;
 
 /// Where the columns of the outcome begin.
 const OUTCOME: usize = 28;
@@ -94,7 +56,7 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
     let count = |value: usize| Value::Integer(value as i64);
     let text = |value: &str| Value::Text(value.to_owned());
 
-    let mut row = Vec::with_capacity(COLUMNS.len());
+    let mut row = Vec::with_capacity(WIDTH);
     row.extend([Value::Blob(key.as_bytes().to_vec()), Value::Integer(solver.into())]);
     row.extend(reals(&[*r0, *epsilon, *xi_s]));
     row.extend([Value::Text(cue.simplified().to_string()), Value::Integer(*seed as i64)]);

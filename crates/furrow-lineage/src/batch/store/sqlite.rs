@@ -2,6 +2,7 @@
 
 use std::{
     io,
+    mem::ManuallyDrop,
     path::{Path, PathBuf},
     sync::{Mutex, MutexGuard, PoisonError},
     time::Duration,
@@ -11,7 +12,7 @@ use rusqlite::{Connection, ErrorCode, OpenFlags, params_from_iter, types::Value}
 
 use super::{
     StoreWarning,
-    row::{COLUMNS, decode, encode, in_range},
+    row::{COLUMNS, WIDTH, decode, encode, in_range},
 };
 use crate::batch::{Key, SOLVER_VERSION};
 use furrow_mechanics::division::{Division, DivisionInput};
@@ -57,7 +58,10 @@ pub struct Store {
 
 #[derive(Debug, Default)]
 struct Inner {
-    /// Open once the file exists and something is asked of it.
+    /// Reads the file without locks or log, until the first row it does not find. A row whose checksum holds is right even
+    /// if the file changes meanwhile. Never closed: that would release the locks of this process's other connections.
+    snapshot: Option<ManuallyDrop<Connection>>,
+    /// Open once the file exists and the snapshot does not suffice.
     connection: Option<Connection>,
     unreadable: bool,
     unwritable: bool,
@@ -172,20 +176,30 @@ impl Store {
 
     fn read(&self, inner: &mut Inner, key: &Key) -> Result<Option<Division>, StoreError> {
         if inner.connection.is_none() {
+            if inner.snapshot.is_none() && self.file.exists() {
+                inner.snapshot = immutable(&self.file).ok().map(ManuallyDrop::new);
+            }
+            let found = inner.snapshot.as_ref().map(|snapshot| self.find(snapshot, key));
+            if let Some(Ok(Some(Some(division)))) = found {
+                return Ok(Some(division));
+            }
+            inner.snapshot = None;
             inner.connection = connect(&self.file)?;
         }
         let Some(connection) = &inner.connection else { return Ok(None) };
-        let found = || -> rusqlite::Result<Option<Option<Division>>> {
-            let mut statement = connection.prepare_cached(&select("WHERE key = ?1 AND solver = ?2"))?;
-            let mut rows = statement.query((key.as_bytes(), self.solver))?;
-            rows.next()?.map(decoded).transpose()
-        };
-        let found = found().map_err(|source| self.failed(source))?;
+        let found = self.find(connection, key).map_err(|source| self.failed(source))?;
         if found == Some(None) {
             inner.damaged += 1;
             inner.unnamed += 1;
         }
         Ok(found.flatten())
+    }
+
+    /// The row, if there is one; its division, unless it is damaged.
+    fn find(&self, connection: &Connection, key: &Key) -> rusqlite::Result<Option<Option<Division>>> {
+        let mut statement = connection.prepare_cached("SELECT * FROM division WHERE key = ?1 AND solver = ?2")?;
+        let mut rows = statement.query((key.as_bytes(), self.solver))?;
+        rows.next()?.map(decoded).transpose()
     }
 
     fn write(&self, inner: &mut Inner, rows: &[Vec<Value>]) -> Result<(), StoreError> {
@@ -209,7 +223,8 @@ impl Store {
     fn give_up(&self, inner: &mut Inner, access: &'static str, error: &StoreError) {
         let reason = match error {
             StoreError::Sqlite { source, .. } => match source.sqlite_error_code() {
-                Some(ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase) => {
+                // `Unknown`: the table is missing or another one.
+                Some(ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase | ErrorCode::Unknown) => {
                     format!("{source}: `furrow cache verify --repair` mends it")
                 }
                 _ => source.to_string(),
@@ -314,20 +329,14 @@ fn create(file: &Path) -> Result<(), StoreError> {
 pub(super) fn create_table(connection: &Connection) -> rusqlite::Result<()> {
     connection.execute_batch(&format!(
         "PRAGMA journal_mode = WAL; BEGIN; \
-         CREATE TABLE division ({}, PRIMARY KEY (key, solver)) WITHOUT ROWID; \
-         PRAGMA user_version = {SCHEMA}; COMMIT;",
-        COLUMNS.join(", ")
+         CREATE TABLE division ({COLUMNS}, PRIMARY KEY (key, solver)) WITHOUT ROWID; \
+         PRAGMA user_version = {SCHEMA}; COMMIT;"
     ))
 }
 
-/// A query of whole rows.
-pub(super) fn select(condition: &str) -> String {
-    format!("SELECT {} FROM division {condition}", COLUMNS.join(", "))
-}
-
-/// The division of a row of [`select`]; none if the row is damaged.
+/// The division of a whole row; none if the row is damaged.
 pub(super) fn decoded(row: &rusqlite::Row<'_>) -> rusqlite::Result<Option<Division>> {
-    let values = (0..COLUMNS.len()).map(|place| row.get_ref(place)).collect::<Result<Vec<_>, _>>()?;
+    let values = (0..WIDTH).map(|place| row.get_ref(place)).collect::<Result<Vec<_>, _>>()?;
     Ok(decode(&values))
 }
 
@@ -335,7 +344,7 @@ pub(super) fn decoded(row: &rusqlite::Row<'_>) -> rusqlite::Result<Option<Divisi
 pub(super) fn write(connection: &Connection, first: &str, rows: &[Vec<Value>]) -> rusqlite::Result<()> {
     // A power cut may cost the last transactions and leaves the file whole.
     connection.execute_batch("PRAGMA synchronous = NORMAL; BEGIN IMMEDIATE")?;
-    let places = vec!["?"; COLUMNS.len()].join(", ");
+    let places = vec!["?"; WIDTH].join(", ");
     let written = || -> rusqlite::Result<()> {
         connection.execute_batch(first)?;
         let mut statement = connection.prepare_cached(&format!("REPLACE INTO division VALUES ({places})"))?;

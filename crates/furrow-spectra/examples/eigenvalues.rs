@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use furrow_bvp::{Direction, LinearCondition, System, metric};
 use furrow_spectra::{Arnoldi, Krylov};
 
-#[path = "problems/oscillator.rs"]
+#[path = "../../furrow-bvp/examples/problems/oscillator.rs"]
 mod oscillator;
 
 use oscillator::{Force, Oscillator};

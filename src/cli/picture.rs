@@ -1,0 +1,114 @@
+//! `--plot` and `--movie`: what a command computes as a picture or a movie.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::error::CliError;
+use super::interrupt::write_deferred;
+use super::output::writable_file;
+use furrow_cell::Cell;
+use furrow_figures::drawing::{Canvas, Format};
+use furrow_figures::movie::{Movie, MovieFormat};
+use furrow_input::InputError;
+use furrow_mechanics::division::Film;
+
+/// Places of each mesh interval in pictures and movies.
+pub const DENSE: usize = 6;
+
+/// The option of all commands that draw.
+#[derive(Debug, Args)]
+pub struct PlotArgs {
+    /// Draws the result, as SVG or PNG by the file's extension
+    #[arg(help_heading = "Output", long, value_name = "FILE.svg|.png")]
+    plot: Option<PathBuf>,
+}
+
+/// The options of a movie.
+#[derive(Debug, Args)]
+pub struct MovieArgs {
+    /// Writes a movie of the first replicate: GIF, animated PNG or animated SVG by the file's extension
+    #[arg(help_heading = "Output", long = "movie", value_name = "FILE.gif|.png|.svg")]
+    movie: Option<PathBuf>,
+    /// Frames of the movie, evenly spaced in time; default 80, for SVG 20
+    #[arg(help_heading = "Output", long, value_name = "N", requires = "movie", value_parser = clap::value_parser!(u32).range(2..=2000))]
+    movie_frames: Option<u32>,
+}
+
+/// The file of an option, if it is given, and the format that follows from its extension.
+#[derive(Debug)]
+pub struct FormatFile<F>(Option<(PathBuf, F)>);
+
+/// The file of a picture.
+pub type Picture = FormatFile<Format>;
+
+/// The file of a movie, with its number of frames.
+pub type MovieFile = FormatFile<(MovieFormat, usize)>;
+
+impl PlotArgs {
+    /// Checks the file before the work that it shows.
+    ///
+    /// # Errors
+    /// Its extension is neither SVG nor PNG, or it cannot be written.
+    pub fn file(&self) -> Result<Picture, InputError> {
+        FormatFile::new("--plot", self.plot.as_deref(), Format::of, "a file whose name ends in .svg or .png")
+    }
+}
+
+impl MovieArgs {
+    /// Checks the file before the work that it shows.
+    ///
+    /// # Errors
+    /// Its extension is no format of movies, or it cannot be written.
+    pub fn file(&self) -> Result<MovieFile, InputError> {
+        let format = |path: &Path| {
+            let format = MovieFormat::of(path)?;
+            Some((format, self.movie_frames.map_or(format.usual_frames(), |frames| frames as usize)))
+        };
+        let allowed = "a file whose name ends in .gif, .png, .apng or .svg";
+        FormatFile::new("--movie", self.movie.as_deref(), format, allowed)
+    }
+}
+
+impl<F> FormatFile<F> {
+    fn new(
+        option: &str,
+        file: Option<&Path>,
+        format: impl FnOnce(&Path) -> Option<F>,
+        allowed: &str,
+    ) -> Result<FormatFile<F>, InputError> {
+        let Some(file) = file else { return Ok(FormatFile(None)) };
+        let field = option.trim_start_matches('-');
+        let format =
+            format(file).ok_or_else(|| InputError::not_allowed(option, field, format!("{file:?}"), allowed))?;
+        writable_file(option, file)?;
+        Ok(FormatFile(Some((file.to_owned(), format))))
+    }
+
+    /// Whether the option is given.
+    pub fn is_wanted(&self) -> bool {
+        self.0.is_some()
+    }
+}
+
+impl Picture {
+    /// Draws and writes the picture, if one is asked for; an existing file is replaced, whole or not at all.
+    ///
+    /// # Errors
+    /// It cannot be drawn or written.
+    pub fn write(&self, draw: impl FnOnce() -> Canvas) -> Result<(), CliError> {
+        let Some((path, format)) = &self.0 else { return Ok(()) };
+        write_deferred(path, &draw().bytes(*format)?)
+    }
+}
+
+impl MovieFile {
+    /// Writes the movie of a division, if one is asked for; an existing file is replaced, whole or not at all.
+    ///
+    /// # Errors
+    /// It cannot be drawn or written.
+    pub fn write(&self, cell: &Cell, film: &Film) -> Result<(), CliError> {
+        let Some((path, (format, frames))) = &self.0 else { return Ok(()) };
+        write_deferred(path, &Movie { cell, film, frames: *frames }.bytes(*format)?)
+    }
+}
