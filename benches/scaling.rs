@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use furrow_cell::Cell;
 use furrow_lineage::batch::{Key, Memo, Quantisation, SchedulerOptions};
-use furrow_lineage::{Grower, Lineage, Tree, TreeSettings};
+use furrow_lineage::{EndRule, Grower, Lineage, Tree, TreeSettings};
 use furrow_mechanics::division::{DivisionInput, divide};
 
 /// CPU time of this thread in seconds; wall time if the system has none.
@@ -51,7 +51,7 @@ impl Run {
             cost.lock().unwrap().insert(Key::new(input), seconds);
             division
         };
-        let grower = Grower { lineage: &lineage, settings, ends: &|_| None, memo: &memo, options };
+        let grower = Grower { lineage: &lineage, settings, ends: EndRule::Dynamics, memo: &memo, options };
         let (tree, _) = grower.grow(timed).unwrap();
         let wall = began.elapsed().as_secs_f64();
         let cost = cost.into_inner().unwrap();

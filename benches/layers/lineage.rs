@@ -9,7 +9,7 @@ use furrow_cell::Cell;
 use furrow_formats::newick;
 use furrow_lineage::batch::memo::Request;
 use furrow_lineage::batch::{Key, Memo, Quantisation, SchedulerOptions, Store};
-use furrow_lineage::{Grower, Lineage, Tree, TreeSettings};
+use furrow_lineage::{EndRule, Grower, Lineage, Tree, TreeSettings};
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome, divide};
 
 /// Look-ups of one sample.
@@ -96,7 +96,7 @@ fn grow(
 ) -> Tree {
     let settings = TreeSettings::default();
     let options = SchedulerOptions { threads, ..SchedulerOptions::default() };
-    Grower { lineage, settings, ends: &|_| None, memo, options }.grow(solve).unwrap().0
+    Grower { lineage, settings, ends: EndRule::Dynamics, memo, options }.grow(solve).unwrap().0
 }
 
 /// The built-in tree without a cache, all ends by dynamics.

@@ -52,7 +52,7 @@ fn every_tree_is_whole_and_equals_that_of_all_its_divisions() {
         };
         assert_eq!(fates(&ahead), fates(&all), "{:?}, {cue}", settings.cell);
         assert!(fates(&all).iter().all(|(.., outcome)| outcome.is_some()), "{:?}, {cue}", settings.cell);
-        let waited = |id| all.cell(id).fate.division.as_ref().is_some_and(|d| d.slow_growth_rate.is_some());
+        let waited = |id| all.cell(id).fate.division().is_some_and(|d| d.slow_growth_rate.is_some());
         cells += all.len();
         slow += all.cells().filter(|id| waited(*id)).count();
     }

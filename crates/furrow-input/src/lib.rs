@@ -1,4 +1,10 @@
-//! Reading what users write, with errors that name file, field, value and what is allowed.
+//! Input that users write, with errors that name file, field, value, what is allowed.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `ron`, `place` | RON documents; the field that an error is about |
+//! | `file` | text files of bounded length |
+//! | `names` | names in messages: quoted, shortened, listed, the nearest known one |
 
 mod file;
 mod names;

@@ -8,6 +8,7 @@ use furrow_mechanics::cortex::equations::{COMPONENTS, LENGTH, M, PSI, R, Z};
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_mechanics::division::{Division, DivisionInput, divide_observed};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use super::answer::{Answer, PageError};
 
@@ -48,22 +49,14 @@ struct Request {
     frames: Wanted,
 }
 
-/// A step of the film.
-#[derive(Serialize)]
-struct Step {
-    /// Time, in τ.
-    t: f64,
-    /// Radius of the neck, in L_h; none without a waist.
-    neck: Option<f64>,
-}
-
 #[derive(Serialize)]
 struct Found<'a> {
     #[serde(flatten)]
     division: &'a Division,
     /// Half axes of the shell along the axis of division and across it, in L_h.
     shell: [f64; 2],
-    frames: Vec<Step>,
+    /// Time, in τ, and radius of the neck, in L_h, of each step.
+    frames: Vec<Value>,
     /// Points of each contour; the first numbers of a frame are (r, z, cue) of these.
     points: usize,
     /// Arrows of each frame; the next numbers are (r, z, force along r, force along z) of these.
@@ -85,19 +78,20 @@ pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
     physics.apply(&mut cell);
     cell.r0 = Quantisation::with_relative_step(r0_step).unwrap_or(Quantisation::EXACT).apply(cell.r0);
     let input = DivisionInput { cell, numerics, seed };
-    let mut shapes: Vec<(Step, Solution)> = Vec::new();
+    let mut shapes: Vec<(f64, Solution)> = Vec::new();
+    let mut frames = Vec::new();
     let division = divide_observed(&input, |frame| {
         if wanted == Wanted::Last {
             shapes.clear();
+            frames.clear();
         }
-        shapes.push((Step { t: frame.t, neck: frame.neck.map(|neck| neck.radius) }, frame.shape.clone()));
+        frames.push(json!({ "t": frame.t, "neck": frame.neck.map(|neck| neck.radius) }));
+        shapes.push((frame.t, frame.shape.clone()));
     })?;
     let film = Film::new(&input, division.u_furrow);
     let mut numbers = Vec::new();
-    let mut frames = Vec::with_capacity(shapes.len());
-    for (step, shape) in shapes {
-        film.draw(&shape, step.t > 0.0, &mut numbers);
-        frames.push(step);
+    for (t, shape) in &shapes {
+        film.draw(shape, *t > 0.0, &mut numbers);
     }
     let found = Found {
         division: &division,
@@ -197,11 +191,9 @@ impl Film {
 mod tests {
     use std::f64::consts::PI;
 
+    use super::*;
     use furrow_cell::Cue;
     use furrow_mechanics::division::divide as divide_alone;
-    use serde_json::{Value, json};
-
-    use super::*;
 
     /// Numbers of a point and of an arrow.
     const OF_EACH: [usize; 2] = [3, 4];

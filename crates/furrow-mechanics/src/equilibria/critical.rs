@@ -4,8 +4,8 @@
 //! which its stable branch ends. The radii of the preset are kept in a small file in `data/`, compiled in, with a hash of
 //! the parameters they belong to; others are solved for when first asked about.
 
-use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use furrow_bvp::{AugmentedReport, Codim2Curve, CurveError, Singularity};
 use serde::{Deserialize, Serialize};
@@ -357,22 +357,30 @@ pub fn critical_radius_within(
     Ok(CriticalRadius { cue: cell.cue.clone(), kind, r0: point.value, slope: point.slope })
 }
 
-/// What is known of the critical radius of one kind of cell.
-#[derive(Debug)]
-enum Knowledge {
-    /// The radius, and what the finer mesh gives once a cell came near it.
-    Radius(CriticalRadius, Option<Result<CriticalRadius, ShapeError>>),
-    /// It was looked for and cannot be found.
-    None(ShapeError),
+/// A search for the critical radius of cells that differ by their radius alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Search {
+    /// Such a cell, of radius 1.
+    cell: Cell,
+    /// On a mesh twice as fine, for cells close to their critical radius.
+    fine: bool,
 }
 
-/// Answers whether cells divide, from stored radii where they apply and solving for others once each.
+impl Search {
+    fn of(cell: &Cell, fine: bool) -> Search {
+        Search { cell: Cell { r0: 1.0, cue: cell.cue.simplified(), ..cell.clone() }, fine }
+    }
+}
+
+/// Tells whether cells divide, from stored critical radii where they apply and from searches, once each, for others.
+///
+/// [`ends`](Self::ends) searches where it must. A program with several threads asks for [`missing`](Self::missing)
+/// searches and [runs](Self::run) them where it likes; no lock is held meanwhile.
 #[derive(Debug)]
 pub struct CriticalRadii<'a> {
     numerics: Numerics,
     interrupt: Option<&'a AtomicBool>,
-    /// By the cell with its radius set to 1.
-    known: Mutex<Vec<(Cell, Knowledge)>>,
+    found: Mutex<Vec<(Search, Result<CriticalRadius, ShapeError>)>>,
 }
 
 /// Most steps, along branches and curves, of one search for a critical radius. Nearly all searches that find one take 20 to
@@ -380,7 +388,7 @@ pub struct CriticalRadii<'a> {
 /// cells that are too small, and each costs as much as 20 to 40 steps.
 pub const MOST_SEARCHED: usize = 600;
 
-/// Cells nearer to their critical radius than this, relative, are judged by one computed on a mesh twice as fine.
+/// Cells closer to their critical radius than this, relative, are compared with one from a mesh twice as fine.
 const NEAR: f64 = 1e-3;
 
 impl<'a> CriticalRadii<'a> {
@@ -393,15 +401,10 @@ impl<'a> CriticalRadii<'a> {
 
     /// With given radii of cells like `cell`.
     pub fn with_radii(cell: &Cell, numerics: &Numerics, radii: Vec<CriticalRadius>) -> CriticalRadii<'a> {
-        let entry = |radius: CriticalRadius| (kin(cell).with_cue(radius.cue.clone()), Knowledge::Radius(radius, None));
-        let known = Mutex::new(radii.into_iter().map(entry).collect());
-        CriticalRadii { numerics: *numerics, interrupt: None, known }
-    }
-
-    /// Whether an answer about cells like this one takes no search.
-    pub fn knows(&self, cell: &Cell) -> bool {
-        let one = kind(cell);
-        self.known.lock().unwrap_or_else(std::sync::PoisonError::into_inner).iter().any(|(other, _)| *other == one)
+        let entry =
+            |radius: CriticalRadius| (Search { cell: kin(cell).with_cue(radius.cue.clone()), fine: false }, Ok(radius));
+        let found = Mutex::new(radii.into_iter().map(entry).collect());
+        CriticalRadii { numerics: *numerics, interrupt: None, found }
     }
 
     /// The same, whose searches end when the flag is set.
@@ -410,9 +413,25 @@ impl<'a> CriticalRadii<'a> {
         CriticalRadii { interrupt: Some(flag), ..self }
     }
 
-    /// Solves for the critical radius of cells like `cell`, with bounded work.
-    fn search(&self, cell: &Cell, numerics: &Numerics) -> Result<CriticalRadius, ShapeError> {
-        critical_radius_within(cell, numerics, &Effort::new(MOST_SEARCHED, self.interrupt))
+    /// Whether the critical radius of cells like this one, or that there is none, is known.
+    pub fn knows(&self, cell: &Cell) -> bool {
+        self.result(&Search::of(cell, false)).is_some()
+    }
+
+    /// The search that an answer about a cell needs next; none if the answer is known. A cell close to its critical radius
+    /// needs two.
+    pub fn missing(&self, cell: &Cell) -> Option<Search> {
+        self.known_end(cell).err()
+    }
+
+    /// Searches for a critical radius, with at most [`MOST_SEARCHED`] steps. An interrupted search leaves no result.
+    pub fn run(&self, search: &Search) {
+        let intervals = if search.fine { 2 * self.numerics.intervals } else { self.numerics.intervals };
+        let numerics = Numerics { intervals, ..self.numerics };
+        let found = critical_radius_within(&search.cell, &numerics, &Effort::new(MOST_SEARCHED, self.interrupt));
+        if found != Err(ShapeError::Interrupted) {
+            self.lock().push((search.clone(), found));
+        }
     }
 
     /// Why a cell cannot divide; `None` if it can.
@@ -420,40 +439,41 @@ impl<'a> CriticalRadii<'a> {
     /// # Errors
     /// [`ShapeError`] if its critical radius cannot be found in [`MOST_SEARCHED`] steps; it is looked for once.
     pub fn ends(&self, cell: &Cell) -> Result<Option<End>, ShapeError> {
-        let mut known = self.known.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let one = kind(cell);
-        let index = match known.iter().position(|(other, _)| *other == one) {
-            Some(index) => index,
-            None => {
-                let found = self.search(&one, &self.numerics);
-                if let Err(error @ ShapeError::Interrupted) = found {
-                    return Err(error);
+        let mut last = None;
+        loop {
+            match self.known_end(cell) {
+                Ok(end) => return end,
+                Err(search) if last.as_ref() == Some(&search) => return Err(ShapeError::Interrupted),
+                Err(search) => {
+                    self.run(&search);
+                    last = Some(search);
                 }
-                known.push((one, found.map_or_else(Knowledge::None, |radius| Knowledge::Radius(radius, None))));
-                known.len() - 1
             }
-        };
-        let (of, knowledge) = &mut known[index];
-        let (coarse, refined) = match knowledge {
-            Knowledge::Radius(radius, refined) => (radius, refined),
-            Knowledge::None(error) => return Err(error.clone()),
-        };
-        // Cells farther away keep the coarser radius: what is said of a cell must not depend on those asked about before,
-        // whose order is one of timing.
-        if (cell.r0 / coarse.r0 - 1.0).abs() >= NEAR {
-            return Ok(end(cell, coarse));
-        }
-        let finer = Numerics { intervals: 2 * self.numerics.intervals, ..self.numerics };
-        match refined.get_or_insert_with(|| self.search(of, &finer)) {
-            Ok(radius) => Ok(end(cell, radius)),
-            Err(error) => Err(error.clone()),
         }
     }
-}
 
-/// The kind of a cell: what it has in common with cells of other radii.
-fn kind(cell: &Cell) -> Cell {
-    Cell { r0: 1.0, cue: cell.cue.simplified(), ..cell.clone() }
+    /// As [`ends`](Self::ends) where no search is needed, else that search.
+    fn known_end(&self, cell: &Cell) -> Result<Result<Option<End>, ShapeError>, Search> {
+        let known = |fine| {
+            let search = Search::of(cell, fine);
+            self.result(&search).ok_or(search)
+        };
+        let coarse = known(false)?;
+        // Cells farther away keep the coarser radius: what is said of a cell must not depend on those asked about before,
+        // whose order is one of timing.
+        let near = coarse.as_ref().is_ok_and(|radius| (cell.r0 / radius.r0 - 1.0).abs() < NEAR);
+        let radius = if near { known(true)? } else { coarse };
+        Ok(radius.map(|radius| end(cell, &radius)))
+    }
+
+    fn result(&self, search: &Search) -> Option<Result<CriticalRadius, ShapeError>> {
+        self.lock().iter().find(|(other, _)| other == search).map(|(_, found)| found.clone())
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<(Search, Result<CriticalRadius, ShapeError>)>> {
+        // An entry is whole before it is added.
+        self.found.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 fn end(cell: &Cell, radius: &CriticalRadius) -> Option<End> {
