@@ -1,13 +1,12 @@
-//! How the cost of a tree grows with its distinct divisions, on one thread and on two.
+//! Cost of a tree over its number of distinct divisions, on one thread and on two.
 //!
 //! ```text
 //! cargo bench --bench scaling
 //! ```
 //!
-//! The built-in tree is grown cold to increasing depth; the limit stops the rest. CPU time counts what the divisions took on
-//! their threads, so that it holds on a busy machine too, where wall time does not. The longest chain of divisions, each
-//! waiting for its mother's, bounds what threads can bring: on two of them the ratio is at most
-//! total / max(total / 2, chain).
+//! The built-in tree is grown without a cache to increasing depth. CPU time is that of the divisions on their threads, which is
+//! valid on a busy machine too. The longest chain of divisions, each of which waits for its mother's, limits the gain: on two
+//! threads the ratio is at most total / max(total / 2, chain).
 
 use furrow_formats::tree_to_json;
 use std::collections::HashMap;
@@ -16,12 +15,12 @@ use std::time::Instant;
 
 use furrow_cell::Cell;
 use furrow_lineage::batch::{Key, Memo, Quantisation, SchedulerOptions};
-use furrow_lineage::{Grower, Lineage, Tree, TreeSettings};
+use furrow_lineage::{EndRule, Grower, Lineage, Tree, TreeSettings};
 use furrow_mechanics::division::{DivisionInput, divide};
 
-/// CPU time of this thread in seconds; wall time where the system does not tell.
+/// CPU time of this thread in seconds; wall time if the system has none.
 fn thread_seconds(since: Instant) -> f64 {
-    // The count is brought up to date at clock ticks, 4 ms apart, and when the thread gives way.
+    // The system updates the count at clock ticks, 4 ms apart, and when the thread yields.
     std::thread::yield_now();
     let busy = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
     let nanoseconds = busy.and_then(|text| text.split_whitespace().next()?.parse::<f64>().ok());
@@ -52,7 +51,7 @@ impl Run {
             cost.lock().unwrap().insert(Key::new(input), seconds);
             division
         };
-        let grower = Grower { lineage: &lineage, settings, ends: &|_| None, memo: &memo, options };
+        let grower = Grower { lineage: &lineage, settings, ends: EndRule::Dynamics, memo: &memo, options };
         let (tree, _) = grower.grow(timed).unwrap();
         let wall = began.elapsed().as_secs_f64();
         let cost = cost.into_inner().unwrap();
@@ -63,7 +62,7 @@ impl Run {
         self.cost.values().sum()
     }
 
-    /// CPU seconds of the costliest line of descent.
+    /// CPU seconds of the most expensive line of descent.
     fn chain(&self) -> f64 {
         let TreeSettings { cell: first, numerics, seed, .. } = &self.tree.settings;
         let mut below = vec![0.0f64; self.tree.len()];

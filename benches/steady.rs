@@ -2,8 +2,8 @@
 //!
 //! `cargo bench --bench steady`; `cargo bench --bench steady -- branch` for the first lines alone. These follow one
 //! branch on the half domain, 40 intervals of 3 Gauss points, tolerance 1e-8, R0 = 2.00, from ξ_s = 0 past the fold: with
-//! steps as long as they may be, and with those of `benches/baseline/auto/compare.py`, which runs AUTO-07p beside it; with the
-//! latter also on 20 intervals of 4 points, whose fold is as close as AUTO's.
+//! steps of any length, and with the steps of `benches/baseline/auto/compare.py`, which runs AUTO-07p too; the latter also on 20
+//! intervals of 4 points, whose fold is as accurate as AUTO's.
 
 use furrow_bvp::{Continuation, SymmetryBreaking, Work};
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
@@ -13,11 +13,11 @@ use furrow_mechanics::equilibria::branch::error_monitor;
 use furrow_mechanics::equilibria::critical::{self, STARTS};
 use furrow_mechanics::equilibria::{BranchOptions, curves, locate, pitchfork, primary};
 
-/// Processor time of this thread in ms; wall time where the system does not tell.
+/// Processor time of this thread in ms; wall time if the system has none.
 fn now() -> f64 {
     static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
     let start = START.get_or_init(std::time::Instant::now);
-    // The count is brought up to date at clock ticks, 4 ms apart, and when the thread gives way.
+    // The system updates the count at clock ticks, 4 ms apart, and when the thread yields.
     std::thread::yield_now();
     std::fs::read_to_string("/proc/thread-self/schedstat")
         .ok()
@@ -25,7 +25,7 @@ fn now() -> f64 {
         .map_or_else(|| start.elapsed().as_secs_f64() * 1e3, |ns| ns * 1e-6)
 }
 
-/// Least time of several runs, and the last result.
+/// The shortest time of several runs, and the last result.
 fn best<T>(runs: usize, mut work: impl FnMut() -> T) -> (f64, T) {
     let mut least = f64::INFINITY;
     let mut result = None;
@@ -40,11 +40,11 @@ fn best<T>(runs: usize, mut work: impl FnMut() -> T) -> (f64, T) {
 /// A mesh of the half domain: intervals, and Gauss points of each.
 type Mesh = [usize; 2];
 
-/// That of the comparison with AUTO.
+/// The mesh of the comparison with AUTO.
 const SAME: Mesh = [40, 3];
-/// One with a fold as close as AUTO's on that mesh.
+/// A mesh whose fold is as accurate as AUTO's.
 const AS_CLOSE: Mesh = [20, 4];
-/// One with a fold to ten digits.
+/// A mesh whose fold has ten digits.
 const FINE: Mesh = [80, 5];
 
 /// Tolerance 1e-8.

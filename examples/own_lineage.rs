@@ -5,7 +5,7 @@
 use furrow::Cell;
 use furrow::divide;
 use furrow::founders_table;
-use furrow::{Grower, Lineage, Thresholds, TreeSettings};
+use furrow::{EndRule, Grower, Lineage, Thresholds, TreeSettings};
 use furrow::{Memo, Quantisation, SchedulerOptions};
 use furrow::{founder_rows, newick};
 use furrow_mechanics::equilibria::CriticalRadii;
@@ -27,8 +27,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let settings = TreeSettings { cell: Cell::new(4.0), ..TreeSettings::default() };
     let rule = Thresholds::new(CriticalRadii::new(&settings.numerics));
     let memo = Memo::new(Quantisation::DEFAULT);
-    let ends = |cell: &Cell| rule.of(cell);
-    let grower = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options: SchedulerOptions::default() };
+    let (ends, options) = (EndRule::Thresholds(&rule), SchedulerOptions::default());
+    let grower = Grower { lineage: &lineage, settings, ends, memo: &memo, options };
     let (tree, summary) = grower.grow(divide)?;
     print!("{}", founders_table(&tree, &founder_rows(&tree)));
     println!("{} divisions solved for {} cells", summary.solved, tree.len());

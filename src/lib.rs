@@ -60,7 +60,7 @@ pub use furrow_formats::{founder_rows, newick, tree_from_json, tree_to_json};
 #[doc(no_inline)]
 pub use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions};
 #[doc(no_inline)]
-pub use furrow_lineage::{Grower, Lineage, Thresholds, Tree, TreeSettings, founder_rounds};
+pub use furrow_lineage::{EndRule, Grower, Lineage, Thresholds, Tree, TreeSettings, founder_rounds};
 #[doc(no_inline)]
 pub use furrow_mechanics::calibration::calibrate;
 #[doc(no_inline)]

@@ -1,5 +1,5 @@
-//! A tree of more than 100,000 cells, all of them answered by the memo: grown, written, read back. The only test of its process, so
-//! that the memory measured is its own.
+//! A tree of more than 100,000 cells, all from the memo: grown, written, read back. The only test of its program, since it measures
+//! the memory of the process.
 
 mod common;
 
@@ -9,7 +9,7 @@ use std::time::Instant;
 use common::stand_in::division;
 use furrow_formats::{newick, write_atomically};
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions};
-use furrow_lineage::{Grower, Lineage, TreeSettings};
+use furrow_lineage::{EndRule, Grower, Lineage, TreeSettings};
 use furrow_mechanics::division::{DivisionInput, Outcome};
 
 /// Generations below the first cell.
@@ -33,7 +33,7 @@ fn hundred_thousand_cells_from_the_memo() {
     let memo = Memo::new(Quantisation::DEFAULT);
     let settings = TreeSettings::default();
     let options = SchedulerOptions { threads: 2, ..SchedulerOptions::default() };
-    let grower = Grower { lineage: &lineage, settings, ends: &|_| None, memo: &memo, options };
+    let grower = Grower { lineage: &lineage, settings, ends: EndRule::Dynamics, memo: &memo, options };
     // Unequal to the last: g + 1 sizes in generation g.
     let unequal = |input: &DivisionInput| Ok(division(input.cell.r0, Outcome::Asymmetric, 0.2));
     let (first, solved) = grower.grow(unequal).unwrap();

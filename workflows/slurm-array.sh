@@ -1,15 +1,15 @@
 #!/bin/sh
-# One part of a sweep for each task of a Slurm array:
+# Solves one part of a sweep in each task of a Slurm array:
 #
 #   sbatch --array=1-4 workflows/slurm-array.sh studies/size.ron size 4
 #
-# and, once all of them are done, the whole:
+# When all tasks are done, merge the parts:
 #
 #   furrow merge size/parts/* --out size
 #
-# Arguments: the sweep file, the folder of the results, the number of parts. The number is said again, so that a part that
-# failed can be run alone, as --array=3. Solved divisions are kept in the folder's `cache`: that part goes on from there.
-# FURROW names the program, if it is not `furrow` on the PATH.
+# Arguments: sweep file, output folder, number of parts. A failed part can be run alone, as with --array=3, and resumes from its
+# finished rows. There is no cache, since an SQLite file must not be on a network file system. FURROW is the program, if it is
+# not `furrow` on the PATH.
 #
 #SBATCH --job-name=furrow-sweep
 #SBATCH --cpus-per-task=1
@@ -23,7 +23,7 @@ if [ $# -ne 3 ]; then
     exit 2
 fi
 sweep=$1 out=$2 parts=$3
-part=${SLURM_ARRAY_TASK_ID:?this is a task of a Slurm array: sbatch --array=1-$parts}
+part=${SLURM_ARRAY_TASK_ID:?run this as a task of a Slurm array: sbatch --array=1-$parts}
 
 exec "${FURROW:-furrow}" sweep "$sweep" --shard "$part/$parts" --out "$out/parts/$part" \
-    --cache "$out/cache" --threads "${SLURM_CPUS_PER_TASK:-1}" --quiet
+    --no-cache --threads "${SLURM_CPUS_PER_TASK:-1}" --quiet

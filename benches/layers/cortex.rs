@@ -1,4 +1,4 @@
-//! Shapes without activity, and what is read off a shape.
+//! Passive shapes and their observables.
 
 use divan::{Bencher, black_box};
 use furrow_cell::{Cell, Numerics};

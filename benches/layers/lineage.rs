@@ -9,12 +9,12 @@ use furrow_cell::Cell;
 use furrow_formats::newick;
 use furrow_lineage::batch::memo::Request;
 use furrow_lineage::batch::{Key, Memo, Quantisation, SchedulerOptions, Store};
-use furrow_lineage::{Grower, Lineage, Tree, TreeSettings};
+use furrow_lineage::{EndRule, Grower, Lineage, Tree, TreeSettings};
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Ending, divide};
 
 /// Look-ups of one sample.
 const HITS: usize = 100_000;
-/// Distinct divisions they go round.
+/// Distinct divisions among them.
 const DIVISIONS: usize = 1000;
 
 fn input(number: usize) -> DivisionInput {
@@ -22,7 +22,7 @@ fn input(number: usize) -> DivisionInput {
     DivisionInput::new(Cell::new(r0))
 }
 
-/// A division that cost nothing.
+/// A division without solving.
 fn free(input: &DivisionInput) -> Division {
     Division {
         ending: Ending::Divided {
@@ -96,17 +96,17 @@ fn grow(
 ) -> Tree {
     let settings = TreeSettings::default();
     let options = SchedulerOptions { threads, ..SchedulerOptions::default() };
-    Grower { lineage, settings, ends: &|_| None, memo, options }.grow(solve).unwrap().0
+    Grower { lineage, settings, ends: EndRule::Dynamics, memo, options }.grow(solve).unwrap().0
 }
 
-/// The built-in tree from nothing; every cell's end is left to the dynamics.
+/// The built-in tree without a cache, all ends by dynamics.
 #[divan::bench(args = [1, 2], sample_count = 3, sample_size = 1)]
 fn tree_cold(bencher: Bencher, threads: usize) {
     let lineage = Lineage::c_elegans().unwrap();
     bencher.bench_local(|| grow(&lineage, &Memo::new(Quantisation::DEFAULT), threads, divide));
 }
 
-/// The same with all its divisions in the store: opened, grown, written as text.
+/// The same with all divisions in the store: opened, grown, written.
 #[divan::bench]
 fn tree_warm(bencher: Bencher) {
     let lineage = Lineage::c_elegans().unwrap();
@@ -119,7 +119,7 @@ fn tree_warm(bencher: Bencher) {
     });
 }
 
-/// 131,071 cells of a lineage cut at 16 generations, all of them hits.
+/// 131,071 cells of a lineage of 16 generations, all from the memo.
 #[divan::bench(sample_count = 5, sample_size = 1)]
 fn tree_of_hits(bencher: Bencher) {
     let text = "Lineage(name: \"x\", limits: (max_depth: 16), founders: [(name: \"Q\")])";

@@ -1,8 +1,7 @@
 //! Benchmarks, one module per layer of the crate. `cargo bench --bench layers` runs all of them,
 //! `cargo bench --bench layers -- division` those of one layer.
 //!
-//! The work that each takes (Newton iterations, factorisations) is printed first: unlike times, it does not depend on the
-//! machine and its load.
+//! The work of each (Newton iterations, factorisations) is printed first, since it does not depend on the machine and its load.
 
 mod cortex;
 mod division;

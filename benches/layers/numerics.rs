@@ -85,7 +85,7 @@ fn newton_step(bencher: Bencher) {
     });
 }
 
-/// A further step with the factors at hand.
+/// A further step with the same factors.
 #[divan::bench]
 fn chord_step(bencher: Bencher) {
     let Step { mut system, mut cortex, y, mut update } = step();

@@ -1,28 +1,25 @@
-//! Sets `FURROW_COMMIT` where the crate is in a git checkout of its own. A copy without git builds without it.
+//! Sets `FURROW_COMMIT` where the crate is in furrow's own git checkout. Elsewhere it is not set.
 
-use std::{
-    env,
-    path::{Path, PathBuf},
-    process::Command,
-};
+use std::{env, path::Path, process::Command};
+
+/// This crate's folder in the checkout.
+const FOLDER: &str = "crates/furrow-formats/";
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    // The folder of the whole: this crate is in `crates/embryo`.
-    let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../..");
-    // Debug builds skip it: they would be rebuilt after every commit. So does what runs in a page, which is kept in the
-    // repository and cannot know the commit that it will be part of.
+    // Debug builds skip it: they would be rebuilt after every commit. So does the module of the page, which is committed and
+    // cannot know its own commit.
     let in_page = env::var("CARGO_CFG_TARGET_FAMILY").as_deref() == Ok("wasm");
     if env::var("PROFILE").as_deref() != Ok("release") || in_page {
         return;
     }
-    // A crate unpacked inside some other repository must not take that repository's commit for its own.
-    let top = git(&["rev-parse", "--show-toplevel"]).and_then(|top| Path::new(&top).canonicalize().ok());
-    if top.is_none() || top != root.canonicalize().ok() {
+    // A copy inside another repository (packaged, vendored, in a registry) must not take that repository's commit for its own.
+    if git(&["rev-parse", "--show-prefix"]).as_deref() != Some(FOLDER) {
         return;
     }
-    println!("cargo::rerun-if-changed={}", root.join("src").display());
-    println!("cargo::rerun-if-changed={}", root.join("crates").display());
+    for folder in ["../../src", ".."] {
+        println!("cargo::rerun-if-changed={folder}");
+    }
     for name in ["HEAD", "logs/HEAD"] {
         if let Some(path) = git(&["rev-parse", "--git-path", name]).filter(|path| Path::new(path).exists()) {
             println!("cargo::rerun-if-changed={path}");

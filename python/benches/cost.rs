@@ -1,4 +1,4 @@
-//! What divisions cost in Rust: the same cells that `cost.py` beside this divides from Python. Prints the seconds of each round.
+//! Cost of divisions in Rust, of the same cells that `cost.py` divides from Python. Prints the seconds of each round.
 
 use std::time::Instant;
 

@@ -4,7 +4,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Columns by name; the arrays take the memory of the vectors.
+/// Columns by name; the arrays take over the memory of the vectors.
 pub fn columns<'py>(
     py: Python<'py>,
     columns: impl IntoIterator<Item = (&'static str, Vec<f64>)>,

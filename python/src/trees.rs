@@ -248,7 +248,7 @@ impl GrownTree {
         let tree = &self.tree;
         let number = |of: &dyn Fn(&TreeCell) -> f64| tree.cells().map(|id| of(tree.cell(id))).collect::<Vec<f64>>();
         let division = |of: fn(&furrow_mechanics::division::Division) -> Option<f64>| {
-            number(&|cell| or_nan(cell.fate.division.as_ref().and_then(of)))
+            number(&|cell| or_nan(cell.fate.division().and_then(of)))
         };
         let dict = columns(
             py,
@@ -269,7 +269,10 @@ impl GrownTree {
         dict.set_item("founder", words(&|id| Some(tree.founder_name(id).to_owned()))?)?;
         dict.set_item("cue", words(&|id| Some(tree.cell(id).cue.to_string()))?)?;
         dict.set_item("outcome", words(&|id| tree.cell(id).fate.outcome().map(|outcome| outcome.name().to_owned()))?)?;
-        dict.set_item("ended", words(&|id| tree.cell(id).fate.ended.as_ref().map(|ended| ended.name().to_owned()))?)?;
+        dict.set_item(
+            "ended",
+            words(&|id| tree.cell(id).fate.terminal_reason().map(|ended| ended.name().to_owned()))?,
+        )?;
         Ok(dict)
     }
 }

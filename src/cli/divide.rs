@@ -8,8 +8,8 @@ use super::picture::{DENSE, MovieArgs};
 use super::prelude::*;
 use super::progress::ProgressLine;
 use furrow_cell::Cue;
+use furrow_figures::drawing::style::described;
 use furrow_figures::plot;
-use furrow_figures::plot::perturbation::Watched;
 use furrow_formats::frames::{INDEX, check_step, write_frames};
 use furrow_lineage::Units;
 use furrow_lineage::batch::perturbations::perturbations;
@@ -146,10 +146,11 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         movie.write(&input.cell, &film)?;
     }
     if until.is_some() {
-        let named = solved.iter().filter_map(|Solved { seed, perturbation, .. }| {
-            Some(Watched { name: format!("seed {seed}"), perturbation: perturbation.as_ref()? })
-        });
-        picture.write(|| plot::perturbation::draw(&input.cell, &named.collect::<Vec<_>>()))?;
+        let named = solved
+            .iter()
+            .filter_map(|Solved { seed, perturbation, .. }| Some((format!("seed {seed}"), perturbation.clone()?)));
+        let title = format!("Disturbed stationary shape at {}", described(&input.cell, &[]));
+        picture.write(|| plot::perturbation::draw(&title, &named.collect::<Vec<_>>()))?;
     }
     // Results from a stationary shape are in natural units alone.
     let units = if until.is_some() { Units::default() } else { context.units };

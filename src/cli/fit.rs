@@ -96,7 +96,7 @@ pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
         // Divisions of trees go to the cache, those of trial cues do not.
         interrupt::finish();
     }
-    let fit = Fit { args, context, lineage: &lineage, settings, start, flag: Some(interrupt::flag()) };
+    let fit = Fit { args, context, lineage: &lineage, settings, start, flag: interrupt::flag() };
     match args.what {
         What::Constants => fit.constants(),
         What::Activity => fit.activity(),
@@ -111,7 +111,7 @@ struct Fit<'a> {
     lineage: &'a Lineage,
     settings: &'a TreeSettings,
     start: Instant,
-    flag: Option<&'static AtomicBool>,
+    flag: &'static AtomicBool,
 }
 
 /// What `fit constants --json` prints.
@@ -167,7 +167,7 @@ impl Fit<'_> {
             |tried: usize, misfit: f64| line.message(format!("{tried} sets of constants, least misfit {misfit:.3}"));
         let memo = context.memo()?;
         let found =
-            fit_constants(lineage, &targets, settings, &memo, self.budget(), context.threads, *flag, Some(&show))?;
+            fit_constants(lineage, &targets, settings, &memo, self.budget(), context.threads, flag, Some(&show))?;
         drop(line);
         if let Some(file) = &args.out {
             write_atomically(file, config(&found.best).as_bytes())?;
@@ -219,7 +219,7 @@ impl Fit<'_> {
         }
         let (memo, reading) = (context.memo()?, args.rounds);
         let picture = args.plot.file()?;
-        let (found, trees) = activities(lineage, settings, &memo, reading, range, context.threads, *flag)?;
+        let (found, trees) = activities(lineage, settings, &memo, reading, range, context.threads, flag)?;
         picture.write(|| furrow_figures::plot::fit::draw_activities(&found, settings.cell.xi_s))?;
         let elapsed_s = self.start.elapsed().as_secs_f64();
         let document = ActivityAnswer { rounds: reading, founders: &found, trees, elapsed_s };
@@ -241,7 +241,7 @@ impl Fit<'_> {
             return Err(InputError::not_allowed(file, "chi", "[]", "at least one measured χ").into());
         }
         let picture = args.plot.file()?;
-        let found = fit_cue(lineage, &targets, settings, &template, self.budget(), context.threads, *flag)?;
+        let found = fit_cue(lineage, &targets, settings, &template, self.budget(), context.threads, flag)?;
         picture.write(|| furrow_figures::plot::fit::draw_cue(&found))?;
         let elapsed_s = self.start.elapsed().as_secs_f64();
         let document = CueAnswer { found: &found, seed: args.seed, elapsed_s };

@@ -320,7 +320,7 @@ pub fn grown(scenarios: &[Scenario], dynamics: bool, context: &Context) -> Resul
 /// Warns of undecided cells. Their branches end there; the rest of the tree is valid.
 fn warn_of_undecided(tree: &Tree, scenario: &str) {
     let place = if scenario.is_empty() { String::new() } else { format!("{scenario}: ") };
-    let undecided = tree.cells().map(|id| tree.cell(id)).filter_map(|cell| match &cell.fate.ended {
+    let undecided = tree.cells().map(|id| tree.cell(id)).filter_map(|cell| match cell.fate.terminal_reason() {
         Some(TerminalReason::Undecided { why }) => Some((cell, why)),
         _ => None,
     });

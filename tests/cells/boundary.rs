@@ -1,4 +1,4 @@
-//! Curves in two parameters, and the boundary of division against division itself.
+//! Curves in two parameters, and the boundary of division compared with divisions.
 
 use crate::common::shapes::{at, check_threshold, first, whole};
 use furrow_cell::{Cell, Cue, Numerics, Parameter};

@@ -1,4 +1,4 @@
-//! Branches far out, where necks are thin and other branches near, and how they end.
+//! Ends of branches, where necks are thin and other branches are near.
 
 use crate::common::shapes::{at, first};
 use furrow_cell::{Cell, Numerics, Parameter};

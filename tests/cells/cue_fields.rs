@@ -1,4 +1,4 @@
-//! Cues on every field: against independent reference runs, and their mirror images.
+//! Cues on every field, compared with independent reference runs and their mirror images.
 
 use crate::common::tables;
 use furrow_cell::cue::Field;
@@ -27,7 +27,7 @@ fn solve(r0: f64, cue: &Cue, numerics: Numerics) -> Division {
     divide(&DivisionInput { numerics, ..DivisionInput::new(Cell::new(r0).with_cue(cue.clone())) }).unwrap()
 }
 
-/// A division beside that of the mirrored cue.
+/// Compares a division with that of the mirrored cue.
 struct Images {
     chi: f64,
     /// How far they are from mirror images: in χ, in the furrow's place, and in time.

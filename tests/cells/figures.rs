@@ -1,4 +1,4 @@
-//! What the figures of the paper that ship as sweeps (`studies/`) are expected to show, at a few of their points.
+//! Expected results of the sweeps in `studies/`, at a few of their points.
 
 use furrow_cell::{Cell, Cue, Numerics, Scheme};
 use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide};

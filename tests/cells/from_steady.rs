@@ -1,5 +1,5 @@
-//! Divisions that start from a stationary shape (figure S5): what is stable is come back to, what is not is left, at the rate
-//! that the spectrum says.
+//! Divisions from a stationary shape (figure S5): disturbances of stable shapes decay, of unstable ones grow, at the rate of the
+//! spectrum.
 
 use furrow_cell::{Cell, Numerics};
 use furrow_mechanics::division::{DivisionInput, Outcome};

@@ -1,4 +1,4 @@
-//! Single cells: their shapes and thresholds, what is stable, how they divide, and what an independent computation says of all of it.
+//! Single cells: shapes, thresholds, stability and divisions, compared with an independent computation.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,4 +1,4 @@
-//! Numbers with which nothing can be computed are refused ahead, and the advice of errors helps.
+//! Numerics that cannot work are rejected, and the advice in errors helps.
 
 use furrow_cell::settings::Settings;
 use furrow_cell::{Cell, Numerics};
@@ -66,7 +66,7 @@ fn activities_that_are_allowed_work() {
     answer(&["steady", "--r0", "4", "--xi", "-300"]);
 }
 
-/// Whoever does what an error says gets a division. The library checks no ranges, and so gets to these errors.
+/// The advice in an error leads to a division. The library checks no ranges, so it reaches these errors.
 #[test]
 fn the_advice_of_errors_helps() {
     let preset = Numerics::default();
@@ -87,6 +87,6 @@ fn the_advice_of_errors_helps() {
         assert!(said.contains(advice) && !said.contains("smaller"), "{said}");
         solve(followed).unwrap();
     }
-    // What `steady --xi 1 --set tension=-10` is told to try.
+    // The advice of `steady --xi 1 --set tension=-10`.
     answer(&["steady", "--r0", "2", "--xi", "1", "--set", "tension=-0.1"]);
 }

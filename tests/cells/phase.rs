@@ -1,4 +1,4 @@
-//! The exact edges of a phase diagram against divisions on both sides of them.
+//! The exact edges of a phase diagram compared with divisions on both sides.
 
 use crate::common::shapes::{at, check_threshold};
 use furrow_cell::{Cell, Cue, Numerics};

@@ -1,5 +1,5 @@
-//! What must hold of every division whatever its cell, on cells drawn at random: volume is kept, mirror images and rescaled
-//! cells divide alike, and equal cells give equal bits.
+//! Invariants of divisions, on random cells: volume is conserved, mirrored and rescaled cells divide alike, and equal cells give
+//! equal bits.
 
 use crate::common::shapes::at;
 use furrow_cell::cue::{Field, Profile, Term, Width};

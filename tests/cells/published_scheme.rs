@@ -1,4 +1,4 @@
-//! The paper's kind of time step beside the converged one: at steps of 0.1 τ it loses the growing modes of large cells.
+//! The paper's time step compared with the converged one: at 0.1 τ it loses the growing modes of large cells.
 
 use crate::common::shapes::solve;
 use furrow_cell::{Cell, Numerics, Scheme};

@@ -1,4 +1,4 @@
-//! Thresholds, folds and branches against independent reference values, and the printed thresholds of the paper.
+//! Thresholds, folds and branches compared with independent reference values and the paper's printed thresholds.
 
 use crate::common::shapes::{at, first, whole};
 use crate::common::tables;

@@ -1,4 +1,4 @@
-//! Divisions against independent reference runs, and the properties every division must have.
+//! Divisions compared with independent reference runs, and properties of every division.
 
 use crate::common::tables;
 use furrow_cell::{Cell, Cue};

@@ -1,4 +1,4 @@
-//! Stationary shapes against independent reference values.
+//! Stationary shapes compared with independent reference values.
 
 use crate::common::tables;
 use furrow_bvp::newton::{Newton, NewtonScratch};

@@ -1,4 +1,4 @@
-//! Searches for critical radii take a bounded number of steps, the same on every machine, and end when they are told to.
+//! Searches for critical radii take a bounded number of steps, the same on every machine, and can be cancelled.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -87,7 +87,7 @@ fn a_search_given_up_is_told_once_and_changes_no_tree() {
     }
 }
 
-/// A first cell that does not divide is told by its own division, with no search.
+/// A first cell that does not divide needs no search: its own division shows it.
 #[test]
 fn no_radius_is_searched_for_where_nothing_divides() {
     let (answer, said) = tree(&["--set", "epsilon=0.92"]);

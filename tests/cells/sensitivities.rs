@@ -1,4 +1,4 @@
-//! How folds and pitchforks move with every number of a cue, against differences of those located one at a time.
+//! Derivatives of folds and pitchforks by every number of a cue, compared with differences.
 
 use crate::common::shapes::first;
 use furrow_cell::cue::Quantity;

@@ -1,4 +1,4 @@
-//! Cells a hair above the threshold of division: slow, and not undecided.
+//! Cells just above the threshold of division are slow, but not undecided.
 
 use crate::common::shapes::{first, solve};
 use crate::common::stand_in::grow;
@@ -54,7 +54,7 @@ fn trees_with_a_slow_cell_are_whole() {
         let settings = TreeSettings { cell: cell.clone(), ..TreeSettings::default() };
         let (tree, _) = grow(&lineage, &settings, 2, &|_| None, divide);
         let fates = || tree.cells().map(|id| &tree.cell(id).fate);
-        let slow = fates().filter(|fate| fate.division.as_ref().is_some_and(|d| d.slow_growth_rate.is_some())).count();
+        let slow = fates().filter(|fate| fate.division().is_some_and(|d| d.slow_growth_rate.is_some())).count();
         assert!(slow > 0, "{cell:?}");
         assert!(fates().all(|fate| fate.outcome().is_some()), "{cell:?}");
     }

@@ -1,4 +1,4 @@
-//! The version of the solver follows what it gives: a change to a bit of a division raises it.
+//! Every change to a bit of a division needs a new solver version.
 
 use furrow_cell::{Cell, Numerics, Scheme};
 use furrow_lineage::batch::SOLVER_VERSION;

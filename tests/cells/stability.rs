@@ -1,4 +1,4 @@
-//! Growth rates against the dynamics they linearise: the paper's dis(t) = ‖r − r₀‖ + ‖z − z₀‖ over 40 τ.
+//! Growth rates compared with the dynamics: the paper's dis(t) = ‖r − r₀‖ + ‖z − z₀‖ over 40 τ.
 
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{Newton, Solution, System};

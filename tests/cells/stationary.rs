@@ -73,8 +73,8 @@ fn a_cued_cell_that_must_divide_has_no_shape() {
 
 /// Growth rates exist for small and large, loose and tight cells, with and without a cue, down to no activity, where a
 /// small cell's slowest mode decays far faster than the scale of its size suggests. The rightmost of those found from two
-/// shifts is that found from one; and its sign is told by what knows nothing of growth rates: up to the first fold or
-/// pitchfork of its branch, which determinants locate, a shape is stable, and beyond it no longer.
+/// shifts is that found from one; and its sign agrees with the determinants: a shape is stable up to the first fold or
+/// pitchfork of its branch, and unstable beyond.
 #[test]
 fn growth_rates_of_all_sorts_of_cells() {
     let numerics = Numerics::default();

@@ -1,4 +1,4 @@
-//! Cues that leave both poles alike: those of amplitude 0, which are no cue, and even ones, which keep the pitchfork.
+//! Symmetric cues: those of amplitude 0 act as none, and even ones keep the pitchfork.
 
 use crate::common::shapes::{check_threshold, first, whole};
 use crate::common::stand_in;

@@ -1,8 +1,7 @@
-//! The work each kind of division takes, held in snapshots: a change that costs steps or factorisations shows here,
-//! whatever the machine and its load.
+//! Snapshots of the work of each kind of division: steps and factorisations, which do not depend on the machine and its load.
 //!
-//! After a change that is meant to alter the work, `INSTA_UPDATE=always cargo test --test cells work_counters` writes the new
-//! numbers to `tests/snapshots/`, where the difference is to be read before it is committed.
+//! After an intended change, `INSTA_UPDATE=always cargo test --test cells work_counters` writes the new numbers to
+//! `tests/cells/snapshots/`. Review the difference before you commit it.
 
 use std::fmt::Write;
 

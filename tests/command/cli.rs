@@ -1,4 +1,4 @@
-//! The command as users meet it: JSON keys, files.
+//! JSON keys and files of commands.
 
 use furrow_formats::tree_from_json;
 use std::path::Path;

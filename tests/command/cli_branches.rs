@@ -1,4 +1,4 @@
-//! `furrow branch`, `pitchfork` and `boundary` as users meet them.
+//! The commands `branch`, `pitchfork` and `boundary`.
 
 use furrow_cell::{Cell, Numerics};
 use furrow_mechanics::equilibria::critical::Stored;

@@ -1,4 +1,4 @@
-//! `furrow steady`, `phase` and `calibrate` as users meet them.
+//! The commands `steady`, `phase` and `calibrate`.
 
 use serde_json::Value;
 

@@ -1,10 +1,10 @@
-//! `furrow explore`: the page that computes, without a tree.
+//! `furrow explore`: the interactive page without a tree.
 
 use serde_json::Value;
 
 use crate::common::command::{answer, json};
 
-/// What the scripts of a page are told.
+/// The data of a page's scripts.
 fn told(page: &str) -> Value {
     let (_, behind) = page.split_once("id=\"furrow-data\">").unwrap();
     serde_json::from_str(behind.split("</script>").next().unwrap()).unwrap()

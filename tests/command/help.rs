@@ -1,4 +1,4 @@
-//! The help pages: every example runs as it stands, every option has its group.
+//! Help pages: every example runs and every option has a group.
 
 use std::path::Path;
 
@@ -170,7 +170,7 @@ fn examples_of_exports_run_where_there_is_a_tree() {
     run_examples_in(&folder, "export");
 }
 
-/// Under "Options" stand only clap's own --help and --version: all else is in a group that says what it is about.
+/// "Options" has only clap's --help and --version; all other options are in named groups.
 #[test]
 fn options_stand_in_groups() {
     for command in COMMANDS.into_iter().chain([""]) {

@@ -1,4 +1,4 @@
-//! Whatever a path names and whatever it holds is read in bounded time and memory, and refused in one message.
+//! Any input file is read in bounded time and memory, and an invalid one gives one error message.
 
 use std::path::Path;
 use std::process::Command;
@@ -115,7 +115,7 @@ fn pipes_are_read_and_endless_ones_are_left() {
         refusal(HERE, &["tree", "/dev/zero"]),
         "furrow: error: /dev/zero: cannot be read: it is longer than 64 MB, the most that is read of a file\n"
     );
-    // Tables of volumes may be far longer than other files: what is no text is told by its first bytes.
+    // Tables of volumes may be far longer than other files: the first bytes show whether they are text.
     let said = refusal(HERE, &["compare", "volumes", "/dev/zero"]);
     assert_eq!(said, "furrow: error: /dev/zero:1:1: this is no text: it has a byte 0\n");
     // As long as it says, with nothing in it: its length alone is looked at.
@@ -130,7 +130,7 @@ fn pipes_are_read_and_endless_ones_are_left() {
     );
 }
 
-/// What stands in a file is quoted without the characters that a terminal would obey.
+/// Quoted file contents have no control characters.
 #[test]
 fn messages_have_no_control_characters() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! The command as users meet it: its help, its answers and pictures, and what it refuses.
+//! The command line: help, output, pictures and errors.
 
 #[path = "../common/mod.rs"]
 mod common;

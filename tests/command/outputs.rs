@@ -1,4 +1,4 @@
-//! No run is lost: streams that are full or closed, places that cannot be written, full disks, runs before, Ctrl-C.
+//! Output: full or closed streams, unwritable places, full disks, files of earlier runs, Ctrl-C.
 
 use std::fs::{self, File};
 use std::path::Path;
@@ -136,7 +136,7 @@ fn places_that_cannot_be_written_are_refused_before_the_work() {
     assert_eq!(names(folder.path()), before);
 }
 
-/// A limit on the size of files stands in for a full disk; the largest file of the set is not the first.
+/// A limit on file size simulates a full disk; the largest file of the set is not the first.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_leaves_all_files_of_a_run_or_none() {
@@ -239,7 +239,7 @@ fn interrupt(child: &Child) {
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
 }
 
-/// Commands that keep nothing on the way end at once. None of these would end by itself within the test's patience.
+/// Uncached commands stop immediately. None of these would end within the test's time limit.
 #[cfg(target_os = "linux")]
 #[test]
 fn ctrl_c_ends_a_computation() {

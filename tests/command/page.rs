@@ -1,7 +1,7 @@
-//! The page that computes, and the module in it by itself: what they say is what the command line says.
+//! The interactive page and its WebAssembly module give the results of the command line.
 //!
-//! Skipped, and said so, where there is no `node` or no Chromium (`FURROW_CHROMIUM` names one). `FURROW_SCREENSHOTS` names a
-//! folder for pictures of the pages, `FURROW_LARGE_REPORT` a report of many cells, whose opening is then timed.
+//! Skipped without `node` or Chromium (`FURROW_CHROMIUM` names one). `FURROW_SCREENSHOTS` names a folder for pictures of the pages,
+//! `FURROW_LARGE_REPORT` a report of many cells, whose opening is then timed.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

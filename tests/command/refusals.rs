@@ -1,4 +1,4 @@
-//! What the command refuses, and what it says: exit code 2 for bad input, 1 for a computation that fails, nothing on stdout, no file.
+//! Errors: exit code 2 for bad input, 1 for a failed computation, the message, nothing on stdout, no files.
 
 use std::fs::{self, File};
 

@@ -1,8 +1,8 @@
-//! Cases in text files: lines of input, marked with `> `, and below them what must come out, where `[..]` stands for anything.
+//! Cases in text files: input lines, marked with `> `, followed by the expected output, in which `[..]` matches anything.
 
 use std::path::Path;
 
-/// Runs every case of a file of this folder and compares what comes out with what the file says.
+/// Runs every case of a file in `tests` and compares the output with the expected one.
 ///
 /// With `UPDATE_CASES=1` it rewrites the cases that differ instead. Read the difference before you commit it.
 pub fn check_cases(file: &str, mut run: impl FnMut(&str) -> String) {
@@ -24,7 +24,7 @@ pub fn check_cases(file: &str, mut run: impl FnMut(&str) -> String) {
     }
 }
 
-/// Whether a text is another one in which `[..]` stands for anything.
+/// Whether a text matches a pattern in which `[..]` matches anything.
 fn is_like(found: &str, pattern: &str) -> bool {
     let mut parts = pattern.split("[..]");
     let Some(mut rest) = parts.next().and_then(|first| found.strip_prefix(first)) else { return false };

@@ -1,4 +1,4 @@
-//! What tests share. None of their programs uses all of it.
+//! Helpers that tests share. No test program uses all of them.
 #![allow(dead_code)]
 
 pub mod cases;

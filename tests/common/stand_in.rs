@@ -1,9 +1,9 @@
-//! A stand-in for the division solver, so that growth is tested apart from mechanics.
+//! A fake division solver, to test growth without mechanics.
 
 use furrow_cell::Cell;
 use furrow_formats::tree_to_json;
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary};
-use furrow_lineage::{Grower, Lineage, TerminalReason, Tree, TreeSettings};
+use furrow_lineage::{EndRule, Grower, Lineage, TerminalReason, Tree, TreeSettings};
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Ending, Outcome};
 
 /// Symmetric above R0 = 2.25, asymmetric with χ = 0.88 down to 1.7, failed below; with a cue χ = 0.2 above 1.7.
@@ -47,7 +47,9 @@ pub fn grow(
 ) -> (Tree, Summary) {
     let memo = Memo::new(Quantisation::DEFAULT);
     let options = SchedulerOptions { threads, ..SchedulerOptions::default() };
-    Grower { lineage, settings: settings.clone(), ends, memo: &memo, options }.grow(solve).unwrap()
+    Grower { lineage, settings: settings.clone(), ends: EndRule::Custom(ends), memo: &memo, options }
+        .grow(solve)
+        .unwrap()
 }
 
 /// A tree of the default settings grown on one thread, by a stand-in for the solver.

@@ -1,4 +1,4 @@
-//! Documents: their links lead somewhere, their commands are understood, and the equations that comments cite are in the book.
+//! Documents: links exist, commands parse, and the book has the equations that comments cite.
 
 use std::collections::BTreeMap;
 use std::fs;

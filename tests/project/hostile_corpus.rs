@@ -1,5 +1,4 @@
-//! What the fuzzers of `fuzz/` have found worth keeping, tried of every reader again: each file of `fuzz/corpus` goes through the
-//! same function as there.
+//! Replays the files of `fuzz/corpus` with the functions of the fuzzers.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,7 +16,7 @@ fn corpus(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
     paths.into_iter().map(read).collect()
 }
 
-/// Runs a target over its corpus, and says which file it fails on.
+/// Runs a target over its corpus and names the file on which it fails.
 fn try_all(target: &str, check: fn(&[u8])) {
     for (path, bytes) in corpus(target) {
         let tried = std::panic::catch_unwind(|| check(&bytes));

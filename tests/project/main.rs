@@ -1,4 +1,4 @@
-//! The project itself: its documents, the module of its page, what fuzzers found.
+//! Documents, the page's module, and the fuzz corpus.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,8 +1,8 @@
-//! The module that runs inside the page has the solver of the sources.
+//! The WebAssembly module of the page has the solver version of the sources.
 
 use furrow_lineage::batch::SOLVER_VERSION;
 
-/// What the page carries.
+/// The module in the page.
 const MODULE: &str = include_str!("../../crates/furrow-report/src/page/furrow.wasm.txt");
 
 #[test]

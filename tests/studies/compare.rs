@@ -1,4 +1,4 @@
-//! `furrow compare`: the model beside measured embryos.
+//! `furrow compare`: the model and measured embryos.
 
 use std::fmt::Write;
 use std::path::Path;

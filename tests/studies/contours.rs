@@ -1,7 +1,7 @@
-//! `furrow compare contour`: outlines of cells beside those of a simulated division.
+//! `furrow compare contour`: outlines of cells and of a simulated division.
 //!
-//! Images of embryos are not public. What is measured here is made of a simulated division itself: its contours, moved, turned,
-//! scaled and blurred by known amounts, which the comparison has to find again.
+//! Images of embryos are not public. The measured outlines here are those of a simulated division, moved, turned, scaled and blurred
+//! by known amounts, which the comparison must find.
 
 use std::fmt::Write;
 use std::path::Path;

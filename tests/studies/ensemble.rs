@@ -1,4 +1,4 @@
-//! Constants that are not known: which sets of them agree with what the paper prints, and what follows for the lineage.
+//! Ensembles: the sets of constants that meet the paper's statements, and the resulting lineages.
 
 use std::sync::atomic::AtomicBool;
 

@@ -1,4 +1,4 @@
-//! What would make it the embryo: constants, activities and a cue from what was observed.
+//! `furrow fit`: constants, activities and a cue from observations.
 
 use std::sync::atomic::AtomicBool;
 
@@ -20,7 +20,7 @@ const CLONE: &str =
 
 fn clone() -> (Lineage, TreeSettings) {
     let lineage = Lineage::parse(CLONE, "clone.ron").unwrap();
-    // Trees are held against each other, all of them on one coarse mesh.
+    // Trees are compared with each other, so a coarse mesh suffices.
     let numerics = Numerics { intervals: 32, ..Numerics::default() };
     (lineage, TreeSettings { cell: Cell::new(2.4), numerics, ..TreeSettings::default() })
 }
@@ -110,7 +110,7 @@ fn a_cue_that_gave_the_data_is_found_and_what_they_leave_open_is_said() {
     // One number was measured: one combination of three is held, at most.
     let combinations = found.combinations.as_ref().unwrap();
     assert!(combinations.iter().filter(|held| held.determined).count() <= 1, "{combinations:?}");
-    // The cue as printed gives the χ printed beside it.
+    // The printed cue gives the printed χ.
     let cell = Cell::new(3.9).with_cue(found.cue.parse().unwrap());
     assert_eq!(divide(&DivisionInput::new(cell)).unwrap().chi(), found.residuals[0].computed);
 }

@@ -1,4 +1,4 @@
-//! Many trees and divisions with one question: sweeps, ensembles of constants, fits, measured embryos, the paper reproduced.
+//! Sweeps, ensembles of constants, fits, comparisons with measured embryos, and the reproduction of the paper.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,4 +1,4 @@
-//! The paper reproduced: the page that ships is current, and what is known to differ is said to.
+//! docs/reproduction.md is current and reports the known differences from the paper.
 
 use furrow_analysis::reproduce::Value;
 use furrow_analysis::reproduce::paper::{Statement, statements};
@@ -41,7 +41,7 @@ fn the_page_is_current_as_far_as_is_quickly_told() {
     for line in quick {
         assert!(PAGE.lines().any(|known| known == line), "docs/reproduction.md has no such line, {HELP}:\n{line}");
     }
-    // What stands before the first number is the same words.
+    // The words before the first number are equal.
     let before = |page: &str| page.split("With the constants").next().map(str::to_owned);
     assert_eq!(before(&page), before(PAGE), "{HELP}");
 }
@@ -81,7 +81,7 @@ fn what_differs_is_said_to() {
     let rows = rows(PAGE);
     let differing: Vec<&str> = rows.iter().filter(|row| row[6] == "**differs**").map(|row| row[0].as_str()).collect();
     assert_eq!(differing, ["2A", "2B", "2G", "4C", "4D", "4E"]);
-    // Where the time step is the cause, its results stand beside the converged ones.
+    // If the time step is the cause, the page has its results next to the converged ones.
     for figure in ["2A", "2B", "4C", "4D"] {
         assert!(rows.iter().any(|row| row[0] == figure && row[6] == "**differs**" && row[4] != "-"), "{figure}");
     }

@@ -1,4 +1,4 @@
-//! `furrow sweep` and `furrow merge`: tables, parts of them, what is refused, and what a kill leaves.
+//! `furrow sweep` and `furrow merge`: tables, shards, rejected input, and resuming after a kill.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! The workflows that spread a sweep over jobs: each is run where its engine is installed, else the test says why it is not.
+//! The workflows that run a sweep as jobs. Each test is skipped if its engine is not installed.
 
 use std::fs;
 use std::path::Path;
@@ -15,7 +15,7 @@ fn workflow(name: &str) -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("workflows").join(name).display().to_string()
 }
 
-/// Whether a program is there and answers; says so where it does not.
+/// Whether a program runs; prints why not.
 fn answers(program: &str, arguments: &[&str]) -> bool {
     match Command::new(program).args(arguments).output() {
         Ok(output) if output.status.success() => true,
@@ -64,7 +64,7 @@ fn snakemake_merges_parts_to_the_whole_after_one_of_them_was_lost() {
         is_whole(folder.path(), "out");
     };
     run();
-    // What a job that was killed leaves: nothing of its part, and no whole.
+    // A killed job leaves no results of its part, and no merged ones.
     fs::remove_dir_all(folder.path().join("out/parts/2")).unwrap();
     FILES.into_iter().for_each(|file| fs::remove_file(folder.path().join("out").join(file)).unwrap());
     run();
@@ -84,7 +84,7 @@ fn an_array_of_slurm_solves_the_parts() {
     is_whole(folder.path(), "out");
 }
 
-/// The script can be tried without Slurm: it needs the number of a task and its arguments.
+/// The script runs without Slurm, given a task number and its arguments.
 #[test]
 fn the_script_of_the_array_solves_one_part_and_says_how_it_is_called() {
     if !answers("sh", &["-c", "true"]) {

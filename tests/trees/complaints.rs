@@ -1,4 +1,4 @@
-//! What is said of lineage files and of trees that cannot be.
+//! Error messages for invalid lineage files and trees.
 
 use crate::common::cases::check_cases;
 use crate::common::stand_in::small_tree_file;

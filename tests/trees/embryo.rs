@@ -1,15 +1,15 @@
 //! The built-in lineage grown from mechanics.
 
-use furrow_cell::{Cell, Numerics};
+use furrow_cell::Numerics;
 use furrow_formats::founder_rows;
 use furrow_formats::tree_to_json;
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary};
-use furrow_lineage::{Grower, Lineage, TerminalReason, Thresholds, Tree, TreeSettings};
+use furrow_lineage::{EndRule, Grower, Lineage, TerminalReason, Thresholds, Tree, TreeSettings};
 use furrow_mechanics::division::{Outcome, divide};
 use furrow_mechanics::equilibria::CriticalRadii;
 use furrow_report::TreeSummary;
 
-fn grow(memo: &Memo, threads: usize, ends: &dyn Fn(&Cell) -> Option<TerminalReason>) -> (Tree, Summary) {
+fn grow(memo: &Memo, threads: usize, ends: EndRule<'_>) -> (Tree, Summary) {
     let lineage = Lineage::c_elegans().unwrap();
     let settings = TreeSettings { r0_step: memo.quantisation().relative_step(), ..TreeSettings::default() };
     let options = SchedulerOptions { threads, ..SchedulerOptions::default() };
@@ -18,7 +18,7 @@ fn grow(memo: &Memo, threads: usize, ends: &dyn Fn(&Cell) -> Option<TerminalReas
 
 fn by_boundary(memo: &Memo, threads: usize) -> Tree {
     let ends = Thresholds::new(CriticalRadii::new(&Numerics::default()));
-    let tree = grow(memo, threads, &|cell| ends.of(cell)).0;
+    let tree = grow(memo, threads, EndRule::Thresholds(&ends)).0;
     assert!(ends.unknown().is_empty(), "{:?}", ends.unknown());
     tree
 }
@@ -27,7 +27,7 @@ fn by_boundary(memo: &Memo, threads: usize) -> Tree {
 #[test]
 fn the_embryo() {
     let memo = Memo::new(Quantisation::DEFAULT);
-    let (tree, summary) = grow(&memo, 2, &|_| None);
+    let (tree, summary) = grow(&memo, 2, EndRule::Dynamics);
     assert!(!TreeSummary::of(&tree).limited(), "the tree must end by itself");
     let rows = founder_rows(&tree);
     let row = |name: &str| rows.iter().find(|row| row.name == name).unwrap();
@@ -54,11 +54,11 @@ fn the_embryo() {
     for node in ended.cells() {
         let (short, long) = (ended.cell(node), tree.cell(node));
         assert_eq!((&short.name, short.r0, short.fate.outcome()), (&long.name, long.r0, long.fate.outcome()));
-        match &short.fate.ended {
+        match short.fate.terminal_reason() {
             None => assert_eq!(short.fate, long.fate),
             Some(reason) => {
                 assert!(matches!(reason, TerminalReason::BelowPitchfork { .. }), "{}: {reason:?}", short.name);
-                assert!(matches!(long.fate.ended, Some(TerminalReason::AtRest { .. })), "{}", long.name);
+                assert!(matches!(long.fate.terminal_reason(), Some(TerminalReason::AtRest { .. })), "{}", long.name);
             }
         }
     }

@@ -1,5 +1,4 @@
-//! `furrow export`, by the command: what it writes, and that other programs read the exports of the real tree as
-//! the tree that was grown.
+//! `furrow export`: its files, and that other programs read the real tree from them unchanged.
 
 use std::process::Command;
 

@@ -75,7 +75,7 @@ fn rounds_of_a_known_tree() {
     let sum: u32 = (1..=chain).sum::<u32>() + chain;
     assert!((rounds.mean - (3.0 + f64::from(sum) / f64::from(chain + 1))).abs() < 1e-12);
     assert!(tree.cells().all(|n| tree.daughters(n).is_some()
-        || tree.cell(n).fate.ended == Some(TerminalReason::AtRest { growth_rate: Some(-0.25) })));
+        || tree.cell(n).fate.terminal_reason() == Some(&TerminalReason::AtRest { growth_rate: Some(-0.25) })));
 }
 
 #[test]
@@ -116,12 +116,14 @@ fn limits_end_a_tree_that_does_not() {
     let tree = grown(&limited(5, 1_000_000), 2);
     assert_eq!(tree.len(), 63);
     let leaf = tree.cells().next_back().unwrap();
-    assert_eq!(tree.cell(leaf).fate.ended, Some(TerminalReason::MaxDepth { max_depth: 5 }));
+    assert_eq!(tree.cell(leaf).fate.terminal_reason(), Some(&TerminalReason::MaxDepth { max_depth: 5 }));
     assert_eq!(tree.cell(leaf).fate.outcome(), None);
     let one = grown(&limited(60, 101), 1);
     assert_eq!(one.len(), 101);
     assert_eq!(tree_to_json(&one).unwrap(), tree_to_json(&grown(&limited(60, 101), 4)).unwrap());
-    assert!(one.cells().any(|n| one.cell(n).fate.ended == Some(TerminalReason::MaxCells { max_cells: 101 })));
+    assert!(
+        one.cells().any(|n| one.cell(n).fate.terminal_reason() == Some(&TerminalReason::MaxCells { max_cells: 101 }))
+    );
 }
 
 #[test]
@@ -134,7 +136,7 @@ fn boundary_ends_branches_without_solving() {
     };
     let (tree, _) = grow_with(&alone(4.0), 2, &ends, solve);
     for node in tree.cells().filter(|n| tree.daughters(*n).is_none()) {
-        assert_eq!(tree.cell(node).fate.ended, Some(TerminalReason::BelowPitchfork { r0_c: 1.7 }));
+        assert_eq!(tree.cell(node).fate.terminal_reason(), Some(&TerminalReason::BelowPitchfork { r0_c: 1.7 }));
         assert_eq!(tree.cell(node).fate.outcome(), Some(Outcome::Arrested));
     }
 }
@@ -152,7 +154,7 @@ fn cells_that_cannot_be_computed_are_undecided() {
         let undecided: Vec<(&str, String)> = tree
             .cells()
             .map(|id| tree.cell(id))
-            .filter_map(|cell| match &cell.fate.ended {
+            .filter_map(|cell| match cell.fate.terminal_reason() {
                 Some(TerminalReason::Undecided { why }) => Some((cell.name.as_str(), why.clone())),
                 _ => None,
             })
@@ -183,7 +185,7 @@ fn sides_of_uncued_divisions_are_drawn_for_each_cell() {
         dividing
             .map(|(id, [anterior, posterior])| {
                 let smaller_posterior = tree.cell(posterior).r0 < tree.cell(anterior).r0;
-                let division = tree.cell(id).fate.division.as_ref().unwrap();
+                let division = tree.cell(id).fate.division().unwrap();
                 assert_eq!(division.chi(), Some(0.3));
                 assert_eq!(division.chi_signed(), Some(if smaller_posterior { 0.3 } else { -0.3 }));
                 smaller_posterior

@@ -1,4 +1,4 @@
-//! Who carries which cue in a lineage: founders' cues and rules, rules of the file, and the table's column.
+//! Cues in a lineage: those of founders, rules, and the table's column.
 
 use crate::common::stand_in::{fake, grown};
 use furrow_cell::Cue;

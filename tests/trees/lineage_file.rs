@@ -1,4 +1,4 @@
-//! The lineage file: the built-in one against the published counts.
+//! The built-in lineage file compared with the published counts.
 
 use crate::common::tables;
 use furrow_lineage::{C_ELEGANS, Lineage};

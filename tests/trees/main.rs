@@ -1,4 +1,4 @@
-//! Lineages: who carries which cue, growth, ends, the solved divisions that are kept, and the files that trees are written to.
+//! Lineages: cues, growth, ends, the cache, and the files of trees.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,4 +1,4 @@
-//! Newick, NHX and Nexus: brackets, names and lengths, as a reader of its own sees them.
+//! Newick, NHX and Nexus: brackets, names and lengths, read by an independent parser.
 
 use crate::common::stand_in::{fake, grown};
 use furrow_formats::exchange::{BranchLengths, COLUMNS, Exported, Format, export};
@@ -11,7 +11,7 @@ struct Node {
     name: String,
     /// Open brackets around it.
     depth: u32,
-    /// All else that stands behind its name: comment and length.
+    /// The rest after its name: comment and length.
     rest: String,
 }
 

@@ -1,4 +1,4 @@
-//! A lineage of one's own: the template, units, what a founder changes, observed counts with gaps.
+//! Custom lineages: the template, units, physics of founders, observed counts with gaps.
 
 use std::fs;
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! Trees of random cells, confinements, activities and cues: every one is whole, and what is told ahead of a cell's division
-//! its division tells too.
+//! Trees of random cells, confinements, activities and cues: every tree is complete, and predicted ends agree with the
+//! dynamics.
 
 use crate::common::stand_in::grow;
 use furrow_cell::{Cell, Numerics};
@@ -41,7 +41,7 @@ fn every_tree_is_whole_and_equals_that_of_all_its_divisions() {
         };
         let cue = cue(&mut random);
         let lineage = Lineage::c_elegans().unwrap().with_cues_replaced("random", &cue.parse().unwrap());
-        // Both trees on one coarse mesh: it is each other that they are held against.
+        // The two trees are compared with each other, so a coarse mesh suffices.
         let numerics = Numerics { intervals: 32, ..Numerics::default() };
         let settings = TreeSettings { cell, numerics, seed: number, ..TreeSettings::default() };
         let rule = Thresholds::new(CriticalRadii::new(&settings.numerics));
@@ -52,7 +52,7 @@ fn every_tree_is_whole_and_equals_that_of_all_its_divisions() {
         };
         assert_eq!(fates(&ahead), fates(&all), "{:?}, {cue}", settings.cell);
         assert!(fates(&all).iter().all(|(.., outcome)| outcome.is_some()), "{:?}, {cue}", settings.cell);
-        let waited = |id| all.cell(id).fate.division.as_ref().is_some_and(|d| d.slow_growth_rate.is_some());
+        let waited = |id| all.cell(id).fate.division().is_some_and(|d| d.slow_growth_rate.is_some());
         cells += all.len();
         slow += all.cells().filter(|id| waited(*id)).count();
     }

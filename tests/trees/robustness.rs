@@ -1,4 +1,4 @@
-//! Far from what the paper looked at: cells divide, come to rest, or are given a reason whose advice helps.
+//! Far outside the paper's range, cells divide, come to rest, or fail with a reason whose advice helps.
 
 use std::path::Path;
 

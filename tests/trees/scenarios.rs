@@ -1,11 +1,11 @@
-//! Scenarios side by side: every lineage with every cue, grown in one run.
+//! Scenarios: every lineage with every cue, grown in one run.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use furrow_analysis::scenarios::{Scenario, Source, combine, grow};
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions};
-use furrow_lineage::{Length, Lineage, Tree, TreeSettings};
+use furrow_lineage::{EndRule, Length, Lineage, Tree, TreeSettings};
 use furrow_mechanics::division::divide;
 use furrow_report as report;
 use serde_json::Value;
@@ -184,7 +184,7 @@ fn shallow(lineage: Lineage, label: &str) -> Source {
 fn grown(sources: &[Source]) -> (Vec<Scenario>, Vec<Tree>) {
     let scenarios = combine(sources, &[]).unwrap();
     let memo = Memo::new(Quantisation::DEFAULT);
-    let (trees, _) = grow(&scenarios, &|_| None, &memo, SchedulerOptions::default(), divide).unwrap();
+    let (trees, _) = grow(&scenarios, EndRule::Dynamics, &memo, SchedulerOptions::default(), divide).unwrap();
     (scenarios, trees)
 }
 

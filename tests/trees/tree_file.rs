@@ -1,4 +1,4 @@
-//! `tree.json` read back: whatever a file holds is a whole tree, or refused in one message.
+//! Reading `tree.json`: any file gives a complete tree or one error message.
 
 use crate::common::stand_in::small_tree_file;
 use crate::complaints::changed;

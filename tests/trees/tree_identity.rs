@@ -1,5 +1,4 @@
-//! The built-in tree, grown by the command with the real solver, is the same file to the last byte: cold or warm, on any
-//! number of threads, interrupted and resumed or not.
+//! The built-in tree is byte-identical with and without a cache, on any number of threads, interrupted and resumed or not.
 #![cfg(unix)]
 
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! The JSON Schema of `tree.json` that is published, `docs/tree.schema.json`, is held to the trees that are written.
+//! Written trees follow the published JSON Schema of `tree.json`, `docs/tree.schema.json`.
 
 use furrow_formats::{tree_from_json, tree_to_json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -201,7 +201,7 @@ impl Validator {
         Ok(fields)
     }
 
-    /// Checks a value that stands by itself: it has no fields that are not named.
+    /// Checks a whole value: it has no fields that the schema does not name.
     fn check_whole(&mut self, at: &str, value: &Value, place: &str) -> Result<(), String> {
         let fields = self.check(at, value, place)?;
         match value.as_object().and_then(|map| map.keys().find(|key| !fields.contains(*key))) {

@@ -6,7 +6,7 @@ use super::scenarios::{Scenario, grow};
 use furrow_cell::settings::Settings;
 use furrow_cell::{Cell, Cue};
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary};
-use furrow_lineage::{GrowError, Lineage, Thresholds, Tree, TreeSettings, expected_work};
+use furrow_lineage::{EndRule, GrowError, Lineage, Scope, Thresholds, Tree, TreeSettings, expected_work};
 use furrow_mechanics::division::{DivisionInput, divide};
 use furrow_mechanics::equilibria::{CriticalRadii, ShapeError};
 
@@ -57,24 +57,18 @@ pub fn grown(
 ) -> Result<Grown, GrowError> {
     // Scenarios have the same numerics, and what all cells share is the same.
     let Some(Scenario { settings, .. }) = scenarios.first() else { return Ok(Grown::default()) };
-    let rule = Thresholds::new(CriticalRadii::new(&settings.numerics).interrupted_by(cancel));
+    let radii = CriticalRadii::new(&settings.numerics).interrupted_by(cancel);
+    let rule = Thresholds::new(radii).with_scope(Scope::FirstIfKnown);
     let plain = settings.cell.clone().with_cue(Cue::none());
     // The order of the work is no reason to search for a radius, which growth does when it comes to such cells.
     let order = |input: &DivisionInput| {
-        let critical = if rule.knows(&plain) { rule.critical_radius(&plain) } else { None };
-        critical.map_or(input.cell.r0, |critical| expected_work(critical)(input))
+        rule.critical_radius(&plain).map_or(input.cell.r0, |critical| expected_work(critical)(input))
     };
     let mut options = SchedulerOptions { interrupt: Some(cancel), ..options };
     if !dynamics {
         options.expected_work = &order;
     }
-    // The first cells come first. The division of one costs less than a search, and if it fails there are no others.
-    let first = std::cell::Cell::new(scenarios.len());
-    let by_dynamics = |cell: &Cell| {
-        let is_first = first.replace(first.get().saturating_sub(1)) > 0;
-        is_first && !rule.knows(cell) || dynamics
-    };
-    let ends = |cell: &Cell| if by_dynamics(cell) { None } else { rule.of(cell) };
-    let (trees, summary) = grow(scenarios, &ends, memo, options, divide)?;
+    let ends = if dynamics { EndRule::Dynamics } else { EndRule::Thresholds(&rule) };
+    let (trees, summary) = grow(scenarios, ends, memo, options, divide)?;
     Ok(Grown { trees, summary, unknown: rule.unknown() })
 }

@@ -1,4 +1,4 @@
-//! Studies: many trees and divisions with one question.
+//! Studies of many divisions or trees.
 //!
 //! | file | contents |
 //! |---|---|

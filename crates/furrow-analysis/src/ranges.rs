@@ -6,10 +6,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::constants::Constants;
-use furrow_cell::{Cell, Parameter};
+use furrow_cell::Parameter;
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, scheduler};
 use furrow_lineage::{
-    GrowError, Grower, Lineage, ObservedRounds, Rounds, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
+    EndRule, GrowError, Grower, Lineage, ObservedRounds, Rounds, Thresholds, Tree, TreeSettings, founder_rounds,
 };
 use furrow_mechanics::division::divide;
 use furrow_mechanics::equilibria::CriticalRadii;
@@ -194,7 +194,7 @@ pub fn each_tree<T: Send>(
         let quantisation = Quantisation::with_relative_step(settings.r0_step).unwrap_or(Quantisation::DEFAULT);
         let rule = Thresholds::new(CriticalRadii::new(&settings.numerics));
         let memo = Memo::new(quantisation);
-        let (tree, summary) = grow_alone(lineage, settings, &|cell| rule.of(cell), &memo, cancel)?;
+        let (tree, summary) = grow_alone(lineage, settings, EndRule::Thresholds(&rule), &memo, cancel)?;
         Ok(read(set, &tree, &summary))
     };
     let pool = scheduler::pool(threads).map_err(GrowError::Workers)?;
@@ -217,7 +217,7 @@ fn tree_counts(set: &Constants, tree: &Tree, summary: &Summary) -> TreeCounts {
 pub(super) fn grow_alone(
     lineage: &Lineage,
     settings: TreeSettings,
-    ends: &dyn Fn(&Cell) -> Option<TerminalReason>,
+    ends: EndRule<'_>,
     memo: &Memo,
     cancel: &AtomicBool,
 ) -> Result<(Tree, Summary), GrowError> {

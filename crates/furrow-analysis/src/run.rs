@@ -12,9 +12,11 @@ use super::points::Point;
 use super::shard::Shard;
 use super::sweep::{Kind, Sweep};
 use super::table::{Row, UNDECIDED};
-use furrow_cell::{Cell, Numerics};
+use furrow_cell::Numerics;
 use furrow_lineage::batch::{Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, StoreWarning, scheduler};
-use furrow_lineage::{GrowError, Grower, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds};
+use furrow_lineage::{
+    EndRule, GrowError, Grower, Scope, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
+};
 use furrow_mechanics::division::{Division, DivisionInput, Statistics, divide};
 use furrow_mechanics::equilibria::critical::{BoundaryKind, critical_radius_within};
 use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, PointKind, ShapeError, StepBudget, pitchfork};
@@ -302,7 +304,10 @@ impl<'a> Run<'a> {
             let (_, ends) = match rule.take().filter(|(of, _)| *of == numerics) {
                 Some(same) => rule.insert(same),
                 None => {
-                    rule.insert((numerics, Thresholds::new(CriticalRadii::new(&numerics).interrupted_by(self.cancel))))
+                    let radii = CriticalRadii::new(&numerics).interrupted_by(self.cancel);
+                    // The first cell's division is always computed: it costs less than a search for its critical radius,
+                    // and no row may depend on what was searched for before.
+                    rule.insert((numerics, Thresholds::new(radii).with_scope(Scope::AllButFirst)))
                 }
             };
             let tree = match self.tree(&point.input, ends, &mut out) {
@@ -327,15 +332,12 @@ impl<'a> Run<'a> {
             seed: input.seed,
             r0_step: self.memo.quantisation().relative_step(),
         };
-        // The first cell's division is always computed: it costs less than a search for its critical radius, and no row may
-        // depend on what was searched for before.
-        let first = std::cell::Cell::new(true);
-        let ends = |cell: &Cell| if first.replace(false) { None } else { ends.of(cell) };
         let options =
             SchedulerOptions { threads: self.threads, interrupt: Some(self.cancel), ..SchedulerOptions::default() };
         let lineage = self.sweep.lineage_at(&input.cell);
         let (tree, summary) =
-            Grower { lineage: &lineage, settings, ends: &ends, memo: self.memo, options }.grow(divide)?;
+            Grower { lineage: &lineage, settings, ends: EndRule::Thresholds(ends), memo: self.memo, options }
+                .grow(divide)?;
         out.solved += summary.solved;
         out.reused += summary.memo_hits;
         out.warnings.extend(summary.warnings);
@@ -358,7 +360,7 @@ fn division_results(divisions: &[Option<Division>]) -> Vec<Value> {
 
 /// How many cells of a tree are undecided, and why the first is.
 fn undecided_cells(tree: &Tree) -> Option<String> {
-    let mut cells = tree.cells().filter_map(|id| match &tree.cell(id).fate.ended {
+    let mut cells = tree.cells().filter_map(|id| match tree.cell(id).fate.terminal_reason() {
         Some(TerminalReason::Undecided { why }) => Some((&tree.cell(id).name, why)),
         _ => None,
     });

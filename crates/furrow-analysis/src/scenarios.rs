@@ -13,10 +13,10 @@
 
 use std::collections::{BTreeMap, HashSet};
 
-use furrow_cell::{Cell, CueError};
+use furrow_cell::CueError;
 pub use furrow_lineage::Scenario;
 use furrow_lineage::batch::{Memo, SchedulerOptions, Summary};
-use furrow_lineage::{GrowError, Grower, Length, Lineage, TerminalReason, Tree, TreeSettings, grow_together};
+use furrow_lineage::{EndRule, GrowError, Grower, Length, Lineage, Tree, TreeSettings, grow_together};
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
 
 /// Names that scenarios do not get: those of the files that stand beside their folders.
@@ -80,14 +80,13 @@ pub fn combine(sources: &[Source], cues: &[&str]) -> Result<Vec<Scenario>, Scena
     Ok(scenarios)
 }
 
-/// Grows all scenarios in one run, which shares what is solved and the workers; one tree for each, in their order. `ends` is
-/// asked about the first cell of each of them before it is asked about any other cell.
+/// Grows all scenarios in one run, which shares what is solved and the workers; one tree for each, in their order.
 ///
 /// # Errors
 /// As [`Grower::grow`].
 pub fn grow<S>(
     scenarios: &[Scenario],
-    ends: &dyn Fn(&Cell) -> Option<TerminalReason>,
+    ends: EndRule<'_>,
     memo: &Memo,
     options: SchedulerOptions<'_>,
     solve: S,

@@ -1,4 +1,4 @@
-//! What a cell is: its size, its confinement, its activity and its cue, in a material and a shell.
+//! A dividing cell by its parameters.
 //!
 //! | type | role |
 //! |---|---|

@@ -186,25 +186,23 @@ fn read_contour(text: &str, file: &str) -> Result<Vec<[f64; 2]>, InputError> {
         column,
         message,
     };
-    let mut lines = text.lines().enumerate();
-    let names: Vec<&str> = lines.next().map_or("", |(_, line)| line).split(',').collect();
+    let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let names = lines.next().unwrap_or_default();
     let find = |wanted: &str| {
         let missing = || malformed(1, 1, format!("no column is called {wanted}, as in every frame that furrow writes"));
         names.iter().position(|name| *name == wanted).ok_or_else(missing)
     };
     let columns = [find("r")?, find("z")?];
-    let number = |line: usize, column: usize, text: Option<&str>| {
-        let text = text.unwrap_or_default();
+    let number = |line: usize, column: usize, fields: &[&str]| {
+        let text = fields.get(column).copied().unwrap_or_default();
         let number = text.parse().ok().filter(|number: &f64| number.is_finite());
         number.ok_or_else(|| malformed(line, column + 1, format!("{text:?} is not a finite number")))
     };
-    lines
-        .map(|(k, line)| {
-            let fields: Vec<&str> = line.split(',').collect();
-            let [r, z] = columns.map(|column| number(k + 1, column, fields.get(column).copied()));
-            Ok([r?, z?])
-        })
-        .collect()
+    let point = |(k, fields): (usize, Vec<&str>)| {
+        let [r, z] = columns.map(|column| number(k + 2, column, &fields));
+        Ok([r?, z?])
+    };
+    lines.enumerate().map(point).collect()
 }
 
 /// Removes frames of an earlier division, from a number on. Other files stay.

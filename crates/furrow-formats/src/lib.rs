@@ -1,4 +1,12 @@
-//! Files: trees, studies and run records out, and in again.
+//! Files of lineage trees.
+//!
+//! | file | contents |
+//! |---|---|
+//! | [`tree_json`] | `tree.json`: writing it, reading it with checks, the founders' table in it |
+//! | [`exchange`] | Newick, NHX, NEXUS, GraphML, iTOL, CSV |
+//! | [`frames`] | the contours of one division as CSV |
+//! | [`files`] | files that are written whole or not at all |
+//! | [`provenance`] | the version of the program that wrote a file |
 
 pub mod exchange;
 pub mod files;

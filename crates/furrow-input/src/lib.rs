@@ -1,4 +1,10 @@
-//! What users write: reading RON, and errors that name file, field, value and what is allowed.
+//! Input that users write, with errors that name file, field, value, what is allowed.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `ron`, `place` | RON documents; the field that an error is about |
+//! | `file` | text files of bounded length |
+//! | `names` | names in messages: quoted, shortened, listed, the nearest known one |
 
 mod file;
 mod names;
@@ -17,20 +23,20 @@ pub enum InputError {
     Unreadable {
         /// The file.
         file: String,
-        /// What the system said.
+        /// The system's error.
         reason: String,
     },
-    /// A file is something else than what it was given as.
+    /// A file is of another kind than expected.
     #[error("{file}: is not {wanted}: {reason}")]
     OtherFile {
         /// The file.
         file: String,
-        /// What it was given as.
+        /// The expected kind.
         wanted: String,
-        /// What tells that it is not.
+        /// Evidence that it is not of this kind.
         reason: String,
     },
-    /// A file is not what its format demands.
+    /// A file does not follow its format.
     #[error("{file}:{line}:{column}: {}", printable(message))]
     Malformed {
         /// The file.
@@ -45,7 +51,7 @@ pub enum InputError {
     /// A value is outside what is allowed.
     #[error("{source_name}: {} = {}: must be {}", printable(field), printable(value), printable(allowed))]
     NotAllowed {
-        /// The file or the option the value came from.
+        /// The file or option of the value.
         source_name: String,
         /// The field.
         field: String,

@@ -1,8 +1,8 @@
-//! Names in messages: shown as far as it helps, listed as far as it helps, and the nearest one to a misspelt one.
+//! Names in messages: shortened, listed, and the closest match of a misspelt one.
 
 use std::borrow::Cow;
 
-/// What a user wrote, in quotes, as far as it helps to see it.
+/// A user's text in quotes, shortened if it is long.
 pub fn shown(written: &str) -> String {
     const MOST: usize = 60;
     match written.char_indices().nth(MOST) {
@@ -11,7 +11,7 @@ pub fn shown(written: &str) -> String {
     }
 }
 
-/// A text without control characters, which a terminal would obey: messages quote what stands in files.
+/// Escapes control characters, so that quoted file contents cannot control a terminal.
 ///
 /// ```
 /// use furrow_input::printable;
@@ -32,7 +32,7 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     Cow::Owned(out)
 }
 
-/// A number in a message: as it is written in files, or with an exponent where that takes fewer digits than anybody counts.
+/// A number in a message: as it is written in files, or with an exponent if it has very many digits.
 ///
 /// ```
 /// use furrow_input::shown_number;
@@ -48,7 +48,7 @@ pub fn shown_number(number: f64) -> String {
     }
 }
 
-/// Names joined by `between`; of very many the first ones, and how many more there are.
+/// Names joined by `between`. Of very many it lists the first and counts the others.
 ///
 /// ```
 /// use furrow_input::listed;
@@ -58,7 +58,7 @@ pub fn shown_number(number: f64) -> String {
 /// assert_eq!(listed(many.iter().map(String::as_str), ", "), "0, 1, 2, 3, 4, 5, 6, 7, 8, 9, … (990 more)");
 /// ```
 pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>, between: &str) -> String {
-    // A list a little longer than what is shown of a long one is shown whole.
+    // A list only a little longer than the limit is shown whole.
     const WHOLE: usize = 16;
     const PART: usize = 10;
     const LONGEST_NAME: usize = 60;
@@ -80,9 +80,9 @@ pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>, between: &str) -> St
     first.join(between)
 }
 
-/// "; did you mean …?" where one of `known` is near to what was written, else nothing.
+/// "; did you mean …?" if one of `known` is close to the text, otherwise empty.
 pub fn did_you_mean<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> String {
-    // What is written by hand is short, and of very many names the first ones must do: the time this takes is bounded.
+    // Bounds the time: hand-written names are short, and the first of very many names suffice.
     const LONGEST_NAME: usize = 64;
     const MOST_NAMES: usize = 20_000;
     const SLIPS: usize = 2;
@@ -93,17 +93,17 @@ pub fn did_you_mean<'a>(written: &str, known: impl IntoIterator<Item = &'a str>)
     let written = written.to_lowercase();
     known
         .into_iter()
-        // Names of quite another length are many slips away. A character has at most four bytes.
+        // Names of very different length need many edits. A character has at most four bytes.
         .filter(|name| name.len() <= 4 * LONGEST_NAME && name.chars().count().abs_diff(length) <= SLIPS)
         .take(MOST_NAMES)
         .map(|name| (strsim::damerau_levenshtein(&written, &name.to_lowercase()), name))
-        // A slip or two, fewer in short words.
+        // One or two edits, fewer in short words.
         .filter(|(distance, name)| *distance <= SLIPS && 2 * *distance < name.chars().count().max(2))
         .min_by_key(|(distance, _)| *distance)
         .map_or(String::new(), |(_, name)| format!("; did you mean {name}?"))
 }
 
-/// The first character that drawings and pages cannot hold: a control character, or one that XML 1.0 has no place for.
+/// The first character that SVG and HTML cannot contain: a control character or one that XML 1.0 excludes.
 ///
 /// ```
 /// use furrow_input::forbidden;
@@ -125,7 +125,7 @@ mod tests {
         assert_eq!(did_you_mean("radius", ["stages", "intervals"]), "");
     }
 
-    /// However many names there are and however long they are, few of them are compared.
+    /// Only few and short names are compared.
     #[test]
     fn the_names_compared_are_bounded() {
         let taken = std::cell::Cell::new(0_usize);

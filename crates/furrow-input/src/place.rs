@@ -1,22 +1,21 @@
-//! Where in a RON file a byte stands: the field it belongs to, as `founders[2].r0`.
+//! The field at a byte of a RON file, such as `founders[2].r0`.
 
-/// A bracket that is open.
+/// An open bracket.
 struct Level {
-    /// Which.
+    /// The bracket.
     bracket: char,
     /// Commas so far.
     index: usize,
-    /// The key whose value stands here: a field's name, or the text of a map's key.
+    /// The key of the current value: a field's name, or the text of a map's key.
     key: Option<String>,
 }
 
-/// The field that the text before byte `at` leads to. It is empty outside all brackets, and right as far as the text is
-/// well formed so far.
+/// The field at byte `at`, empty outside all brackets. The text before `at` must be well formed.
 pub fn field_at(text: &str, at: usize) -> String {
     written(&levels_at(&text[..at]))
 }
 
-/// What holds the field at byte `at`, where that is one of several in parentheses.
+/// The parent of the field at byte `at`, if that is one of several in parentheses.
 pub fn holder_at(text: &str, at: usize) -> String {
     let mut levels = levels_at(&text[..at]);
     if let Some(last) = levels.last_mut().filter(|level| level.bracket == '(') {
@@ -25,7 +24,7 @@ pub fn holder_at(text: &str, at: usize) -> String {
     written(&levels)
 }
 
-/// The brackets that are open at the end of a text.
+/// The open brackets at the end of a text.
 fn levels_at(text: &str) -> Vec<Level> {
     let mut levels: Vec<Level> = Vec::new();
     // The last word or string, which is a key if a colon follows.
@@ -95,7 +94,7 @@ fn written(levels: &[Level]) -> String {
     out
 }
 
-/// Bytes of the string that the text begins with.
+/// Length in bytes of the string at the start of the text.
 fn closing_quote(text: &str) -> usize {
     let mut escaped = false;
     let end = text.bytes().skip(1).position(|byte| {
@@ -106,7 +105,7 @@ fn closing_quote(text: &str) -> usize {
     end.map_or(text.len(), |end| end + 2)
 }
 
-/// Bytes of the character in single quotes that the text begins with.
+/// Length in bytes of the quoted character at the start of the text.
 fn character(text: &str) -> usize {
     let mut chars = text.char_indices().skip(1);
     if chars.next().is_some_and(|(_, c)| c == '\\') {
@@ -136,7 +135,7 @@ mod tests {
             ("Lineage", ""),
         ] {
             let at = text.find(word).unwrap();
-            // Within a string it is the string's own place.
+            // Within a string it is the string's place.
             let at = if word.starts_with('x') { at - 1 } else { at };
             assert_eq!(field_at(text, at), field, "{word}");
         }

@@ -1,4 +1,4 @@
-//! Reading RON, with errors that name line, column, field, what stands there and what is expected.
+//! Reads RON, with errors that name line, column, field, value and what is expected.
 
 use ::ron::error::{Error, Position, SpannedError};
 use serde::de::DeserializeOwned;
@@ -6,19 +6,19 @@ use serde::de::DeserializeOwned;
 use super::place::{field_at, holder_at};
 use super::{InputError, did_you_mean, shown};
 
-/// Reads `text` as RON; `file` is what errors call it. Optional fields are written without `Some`. A byte order mark at the
-/// beginning, as some editors write it, is passed over.
+/// Reads `text` as RON; errors call it `file`. Optional fields are written without `Some`. A byte order mark at the
+/// beginning is skipped.
 ///
 /// # Errors
-/// Names file, line, column and field, what stands there and what is expected.
+/// Names file, line, column, field, value and what is expected.
 pub fn parse_ron<T: DeserializeOwned>(text: &str, file: &str) -> Result<T, InputError> {
     let text = without_mark(text);
     let options = ::ron::Options::default().with_default_extension(::ron::extensions::Extensions::IMPLICIT_SOME);
     options.from_str(text).map_err(|error| malformed(text, file, &error))
 }
 
-/// [`parse_ron`] of a whole file: a `kind`, as "a lineage file", which begins with `name` and a parenthesis or with the
-/// parenthesis alone. What begins otherwise is some other file, and is called that rather than malformed.
+/// [`parse_ron`] of a whole file of a `kind`, such as "a lineage file", which begins with `name` and a parenthesis or with the
+/// parenthesis alone. Any other file is reported as another kind rather than as malformed.
 ///
 /// # Errors
 /// See [`parse_ron`].
@@ -43,7 +43,7 @@ fn without_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
-/// The text from its first word on: without blanks, comments and RON's own attributes.
+/// The text after leading blanks, comments and RON's attributes.
 fn beginning(text: &str) -> &str {
     let mut rest = text.trim_start();
     loop {
@@ -66,15 +66,15 @@ fn byte_at(text: &str, position: Position) -> usize {
     text[start..].char_indices().nth(position.col.saturating_sub(1)).map_or(text.len(), |(at, _)| start + at)
 }
 
-/// The reader's complaint with the field, what stands there and what is expected.
+/// The parser's error with the field, its value and what is expected.
 fn malformed(text: &str, file: &str, error: &SpannedError) -> InputError {
-    // A value that was not begun to be read is where the reader stopped; one that was read is where it began.
+    // The parser stops before a value it has not read, and after one it has read.
     let (position, field, said) = match expected(&error.code) {
         Some(wanted) => {
             let at = byte_at(text, error.span.end);
             let found = found(&text[at..]);
             let said = match digits_before(text, at) {
-                // A whole number was read up to its decimal point.
+                // An integer was read up to its decimal point.
                 whole if !whole.is_empty() && found.starts_with('.') => {
                     format!("expected a whole number, found {whole}{found}")
                 }
@@ -84,7 +84,7 @@ fn malformed(text: &str, file: &str, error: &SpannedError) -> InputError {
         }
         None => {
             let at = byte_at(text, error.span.start);
-            // What is missing, or wrong with several fields together, is so where they are.
+            // A missing field, or an error of several fields together, belongs to their parent.
             let whole = matches!(error.code, Error::MissingStructField { .. } | Error::Message(_));
             let field = if whole { holder_at(text, at) } else { field_at(text, at) };
             (error.span.start, field, said(&error.code))
@@ -100,7 +100,7 @@ fn digits_before(text: &str, at: usize) -> &str {
     &before[before.trim_end_matches(|c: char| c.is_ascii_digit()).len()..]
 }
 
-/// What stands at the beginning of a text, up to the end of the value.
+/// The value at the start of a text.
 fn found(text: &str) -> String {
     let end = match text.chars().next() {
         None => return "the end of the file".to_owned(),
@@ -117,7 +117,7 @@ fn found(text: &str) -> String {
     }
 }
 
-/// What the reader expected, where it says no more than that.
+/// What the parser expected, if its error says only that.
 fn expected(error: &Error) -> Option<&'static str> {
     Some(match error {
         Error::ExpectedFloat => "a number",
@@ -142,7 +142,7 @@ fn expected(error: &Error) -> Option<&'static str> {
     })
 }
 
-/// Other complaints of the reader.
+/// Other errors of the parser.
 fn said(error: &Error) -> String {
     let one_of = |kind: &str, found: &str, expected: &[&str]| {
         let names = match expected {

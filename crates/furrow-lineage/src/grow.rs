@@ -3,10 +3,14 @@
 use std::collections::VecDeque;
 
 use super::definition::{Lineage, ListedDaughters, Place};
-use super::tree::{CellId, Fate, Side, TerminalReason, Tree, TreeCell, TreeSettings};
-use crate::batch::{Job, Memo, SchedulerError, SchedulerOptions, Summary, Unsolved, scheduler};
-use furrow_cell::Cell;
+use super::thresholds::EndRule;
+use super::tree::{Fate, Side, TerminalReason, Tree, TreeCell, TreeSettings};
+use crate::batch::scheduler::{self, Step};
+use crate::batch::{Job, Memo, SchedulerError, SchedulerOptions, Summary, Unsolved};
+use furrow_cell::{Cell, Cue};
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
+use furrow_mechanics::equilibria::CriticalRadii;
+use furrow_mechanics::equilibria::critical::Search;
 
 /// Why a tree could not be grown.
 #[derive(Debug, thiserror::Error)]
@@ -31,12 +35,12 @@ pub enum GrowError {
 /// use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions};
 /// use furrow_cell::Cell;
 /// use furrow_mechanics::division::divide;
-/// use furrow_lineage::{Grower, Lineage, TreeSettings, founder_rounds};
+/// use furrow_lineage::{EndRule, Grower, Lineage, TreeSettings, founder_rounds};
 /// let lineage = Lineage::parse("Lineage(name: \"one\", founders: [(name: \"S\", r0: 2.4)])", "one.ron")?;
 /// let settings = TreeSettings { cell: Cell::new(2.4), ..TreeSettings::default() };
 /// let memo = Memo::new(Quantisation::DEFAULT);
 /// let options = SchedulerOptions::default();
-/// let (tree, summary) = Grower { lineage: &lineage, settings, ends: &|_| None, memo: &memo, options }.grow(divide)?;
+/// let (tree, summary) = Grower { lineage: &lineage, settings, ends: EndRule::Dynamics, memo: &memo, options }.grow(divide)?;
 /// // It divides into equal halves, and these, at 1.905, into one that divides on and one that is too small.
 /// let rounds = founder_rounds(&tree)[0].rounds.ok_or("no such founder")?;
 /// assert!(rounds.min < rounds.max && rounds.terminal > 4);
@@ -48,8 +52,8 @@ pub struct Grower<'a> {
     pub lineage: &'a Lineage,
     /// Parameters of all divisions.
     pub settings: TreeSettings,
-    /// Ends branches ahead of their division; `&|_| None` leaves it to the dynamics.
-    pub ends: &'a dyn Fn(&Cell) -> Option<TerminalReason>,
+    /// Ends branches ahead of their division.
+    pub ends: EndRule<'a>,
     /// Remembers divisions.
     pub memo: &'a Memo,
     /// Threads, interruption, progress, order of work; for the last see [`expected_work`](super::expected_work).
@@ -59,11 +63,11 @@ pub struct Grower<'a> {
 /// A cell in the order of growth, which depends on timing.
 #[derive(Clone, Debug)]
 struct GrowingCell {
-    /// The cell, whose fate is set when the layout reaches it.
-    cell: TreeCell,
+    name: String,
+    place: Place,
+    volume_fraction: f64,
+    cue: Cue,
     is_founder: bool,
-    /// Rounds below the founder.
-    round: u32,
     fate: Option<Fate>,
     /// The anterior daughter; the posterior one follows it.
     daughters: Option<usize>,
@@ -71,10 +75,8 @@ struct GrowingCell {
 
 impl GrowingCell {
     fn new(lineage: &Lineage, name: String, place: Place, volume_fraction: f64, is_founder: bool) -> GrowingCell {
-        let Place { founder, round, generation, r0 } = place;
-        let (cue, fate) = (lineage.cue_at(place), Fate::default());
-        let cell = TreeCell { name, founder, generation, r0, volume_fraction, cue, fate };
-        GrowingCell { cell, is_founder, round, fate: None, daughters: None }
+        let cue = lineage.cue_at(place);
+        GrowingCell { name, place, volume_fraction, cue, is_founder, fate: None, daughters: None }
     }
 }
 
@@ -82,6 +84,12 @@ struct Growth<'a> {
     grower: &'a Grower<'a>,
     listed: Vec<Option<ListedDaughters>>,
     cells: Vec<GrowingCell>,
+}
+
+/// What a cell needs before its fate is known.
+enum Need<'a> {
+    Division(DivisionInput),
+    Search(&'a CriticalRadii<'a>, Search),
 }
 
 impl Grower<'_> {
@@ -126,21 +134,50 @@ type Solve<'a> = &'a (dyn Fn(&DivisionInput) -> Result<Division, DivisionError> 
 /// [`grow_together`], not generic, so that it is compiled once.
 fn grow_all(growers: &[Grower<'_>], solve: Solve<'_>) -> Result<(Vec<Tree>, Summary), GrowError> {
     let Some(Grower { memo, options, .. }) = growers.first() else { return Ok(Default::default()) };
-    let mut growths: Vec<Growth<'_>> = growers.iter().map(Growth::of).collect();
-    // The scheduler's number of a job encodes the cell and its tree.
-    let trees = growths.len();
-    let numbered = |tree: usize, job: Job| Job { id: job.id * trees + tree, ..job };
-    let mut roots = Vec::with_capacity(trees);
-    for (tree, growth) in growths.iter_mut().enumerate() {
-        roots.extend(growth.job(0).map(|job| numbered(tree, job)));
-    }
-    let run = scheduler::run(roots, memo, options, solve, |id, division| {
-        let (cell, tree) = (id / trees, id % trees);
-        growths[tree].expand(cell, division).into_iter().map(|job| numbered(tree, job)).collect()
-    });
-    let summary = completed(run, |id, why| growths[id % trees].note_undecided(id / trees, why))?;
-    let trees: Result<Vec<Tree>, GrowError> = growths.into_iter().map(|growth| growth.lay_out(solve)).collect();
+    let mut all = Growths { trees: growers.iter().map(Growth::of).collect(), searches: Vec::new() };
+    let roots = (0..growers.len()).filter_map(|root| all.step(root, None)).collect();
+    let run = scheduler::run_steps(roots, memo, options, solve, |id, division| all.expand(id, division));
+    let trees = growers.len();
+    let summary = completed(run, |id, why| all.trees[id % trees].note_undecided(id / trees, why))?;
+    let trees: Result<Vec<Tree>, GrowError> = all.trees.into_iter().map(|growth| growth.lay_out(solve)).collect();
     Ok((trees?, summary))
+}
+
+/// Trees that grow in one run. The scheduler's number of a job encodes the cell and its tree.
+struct Growths<'a> {
+    trees: Vec<Growth<'a>>,
+    /// Searches for critical radii that were begun, and the jobs that wait for them.
+    searches: Vec<(&'a CriticalRadii<'a>, Search, Vec<usize>)>,
+}
+
+impl<'a> Growths<'a> {
+    /// What follows from a job's division, or from the search that it waited for.
+    fn expand(&mut self, id: usize, division: Option<&Division>) -> Vec<Step<'a>> {
+        let (count, of) = (self.trees.len(), id % self.trees.len());
+        if let Some(division) = division {
+            let daughters = self.trees[of].expand(id / count, division);
+            return daughters.into_iter().flatten().filter_map(|cell| self.step(cell * count + of, None)).collect();
+        }
+        let Some(done) = self.searches.iter().position(|(.., jobs)| jobs[0] == id) else { return vec![] };
+        let (_, search, jobs) = self.searches.swap_remove(done);
+        jobs.into_iter().filter_map(|id| self.step(id, Some(&search))).collect()
+    }
+
+    /// What the scheduler does for a job. `tried` is the search that was run for it.
+    fn step(&mut self, id: usize, tried: Option<&Search>) -> Option<Step<'a>> {
+        let count = self.trees.len();
+        let (radii, search) = match self.trees[id % count].need(id / count, tried)? {
+            Need::Division(input) => return Some(Step::Solve(Job { id, input })),
+            Need::Search(radii, search) => (radii, search),
+        };
+        let begun = self.searches.iter_mut().find(|(of, begun, _)| std::ptr::eq(*of, radii) && *begun == search);
+        if let Some((.., jobs)) = begun {
+            jobs.push(id);
+            return None;
+        }
+        self.searches.push((radii, search.clone(), vec![id]));
+        Some(Step::Prepare(id, Box::new(move || radii.run(&search))))
+    }
 }
 
 /// The summary of a run that was not interrupted. Jobs without a record are passed to `undecided`.
@@ -171,43 +208,51 @@ impl<'a> Growth<'a> {
     }
 }
 
-impl Growth<'_> {
-    /// The jobs that follow from a cell's division. Cells beyond the limit are settled in the layout, in an order that does
-    /// not depend on timing.
-    fn expand(&mut self, index: usize, division: &Division) -> Vec<Job> {
+impl<'a> Growth<'a> {
+    /// The daughters that follow from a cell's division. Cells beyond the limit are settled in the layout, in an order that
+    /// does not depend on timing.
+    fn expand(&mut self, index: usize, division: &Division) -> Option<[usize; 2]> {
         let max_cells = self.grower.lineage.limits.max_cells;
-        if self.cells.len() + 2 > max_cells { vec![] } else { self.divide(index, division) }
+        if self.cells.len() + 2 > max_cells { None } else { self.divide(index, division) }
     }
 
-    /// The division a cell needs; none if its fate is known without it, which is then set.
-    fn job(&mut self, index: usize) -> Option<Job> {
-        let TreeSettings { cell: first, numerics, seed, .. } = &self.grower.settings;
-        let TreeCell { founder, generation, r0, ref cue, .. } = self.cells[index].cell;
-        let limits = self.grower.lineage.limits;
-        let mut cell = Cell { r0, cue: cue.clone(), ..first.clone() };
-        self.grower.lineage.founders[founder].physics.apply(&mut cell);
-        let ended = if generation >= limits.max_depth {
-            Some(TerminalReason::MaxDepth { max_depth: limits.max_depth })
-        } else {
-            (self.grower.ends)(&cell)
+    /// What a cell needs; none if its fate is known without, which is then set. A search that was `tried` and found nothing,
+    /// as it was interrupted, is not tried again.
+    fn need(&mut self, index: usize, tried: Option<&Search>) -> Option<Need<'a>> {
+        let Grower { lineage, settings, ends, .. } = self.grower;
+        let Place { founder, generation, r0, .. } = self.cells[index].place;
+        let mut cell = Cell { r0, cue: self.cells[index].cue.clone(), ..settings.cell.clone() };
+        lineage.founders[founder].physics.apply(&mut cell);
+        let max_depth = lineage.limits.max_depth;
+        let reason = match *ends {
+            _ if generation >= max_depth => Some(TerminalReason::MaxDepth { max_depth }),
+            EndRule::Dynamics => None,
+            EndRule::Custom(rule) => rule(&cell),
+            EndRule::Thresholds(rule) if !rule.decides(&cell, index == 0) => None,
+            EndRule::Thresholds(rule) => match rule.radii().missing(&cell) {
+                Some(search) if tried == Some(&search) => None,
+                Some(search) => return Some(Need::Search(rule.radii(), search)),
+                None => rule.of(&cell),
+            },
         };
-        if let Some(reason) = ended {
-            self.cells[index].fate = Some(Fate::ended(reason));
-            return None;
+        match reason {
+            Some(reason) => {
+                self.cells[index].fate = Some(reason.into());
+                None
+            }
+            None => Some(Need::Division(DivisionInput { cell, numerics: settings.numerics, seed: settings.seed })),
         }
-        Some(Job { id: index, input: DivisionInput { cell, numerics: *numerics, seed: *seed } })
     }
 
-    /// Sets a cell's fate, adds its daughters and returns the divisions they need.
-    fn divide(&mut self, index: usize, division: &Division) -> Vec<Job> {
-        let fate = Fate::of(&self.oriented(index, division));
+    /// Sets a cell's fate and adds its daughters.
+    fn divide(&mut self, index: usize, division: &Division) -> Option<[usize; 2]> {
+        let fate = Fate::from(self.oriented(index, division));
         let pair = self.offspring(index, &fate);
         self.cells[index].fate = Some(fate);
-        let Some(pair) = pair else { return vec![] };
         let anterior = self.cells.len();
+        self.cells.extend(pair?);
         self.cells[index].daughters = Some(anterior);
-        self.cells.extend(pair);
-        [anterior, anterior + 1].into_iter().filter_map(|daughter| self.job(daughter)).collect()
+        Some([anterior, anterior + 1])
     }
 
     /// The division with its smaller daughter on the side where it is in this cell.
@@ -215,7 +260,7 @@ impl Growth<'_> {
     /// Where the poles are alike the mechanics give χ and the side is random: drawn for each cell from the seed and its name,
     /// so that one record serves many cells and the tree is reproducible.
     fn oriented(&self, index: usize, division: &Division) -> Division {
-        let cell = &self.cells[index].cell;
+        let cell = &self.cells[index];
         let smaller_posterior = division.chi_signed().is_some_and(|chi| chi > 0.0);
         if cell.cue.is_mirror_symmetric() && smaller_posterior != draws_posterior(self.grower.settings.seed, &cell.name)
         {
@@ -226,14 +271,14 @@ impl Growth<'_> {
 
     /// Ends the branch of a cell whose division could not be computed.
     fn note_undecided(&mut self, index: usize, why: String) {
-        self.cells[index].fate = Some(Fate::ended(TerminalReason::Undecided { why }));
+        self.cells[index].fate = Some(TerminalReason::Undecided { why }.into());
     }
 
     /// Anterior and posterior daughter of a cell, if it divides.
     fn offspring(&self, index: usize, fate: &Fate) -> Option<[GrowingCell; 2]> {
         let mother = &self.cells[index];
-        let volumes = fate.daughter_volumes(mother.cell.volume_fraction)?;
-        let founders = self.listed[mother.cell.founder].filter(|_| mother.is_founder).map(|listed| {
+        let volumes = fate.daughter_volumes(mother.volume_fraction)?;
+        let founders = self.listed[mother.place.founder].filter(|_| mother.is_founder).map(|listed| {
             match volumes[0].total_cmp(&volumes[1]) {
                 std::cmp::Ordering::Equal => [listed.first(), listed.second()],
                 std::cmp::Ordering::Greater => [listed.larger, listed.smaller],
@@ -250,17 +295,16 @@ impl Growth<'_> {
     /// A daughter of a volume given as a part of the first cell's; `founder` is the founder that it is, if it is one.
     fn daughter(&self, mother_index: usize, side: Side, fraction: f64, founder: Option<usize>) -> GrowingCell {
         let (lineage, mother) = (self.grower.lineage, &self.cells[mother_index]);
-        let first_r0 = self.cells[0].cell.r0;
+        let first_r0 = self.cells[0].place.r0;
         // V = 4πR0³/3, so R0 of the daughter follows from its share of the first cell's volume.
         let (mut r0, mut fraction) = (first_r0 * fraction.cbrt(), fraction);
         if let Some(given) = founder.and_then(|founder| lineage.given_r0(founder)) {
             (r0, fraction) = (given, (given / first_r0).powi(3));
         }
-        let round = if founder.is_some() { 0 } else { mother.round + 1 };
         let place = Place {
-            founder: founder.unwrap_or(mother.cell.founder),
-            round,
-            generation: mother.cell.generation + 1,
+            founder: founder.unwrap_or(mother.place.founder),
+            round: if founder.is_some() { 0 } else { mother.place.round + 1 },
+            generation: mother.place.generation + 1,
             r0,
         };
         GrowingCell::new(lineage, self.daughter_name(mother, side, founder), place, fraction, founder.is_some())
@@ -272,60 +316,80 @@ impl Growth<'_> {
         if let Some(founder) = founder {
             return lineage.founders[founder].name.clone();
         }
-        let (anterior, posterior) = lineage.letters(mother.cell.founder, mother.round as usize + 1);
-        let mut name = String::with_capacity(mother.cell.name.len() + 1);
-        name.push_str(&mother.cell.name);
+        let (anterior, posterior) = lineage.letters(mother.place.founder, mother.place.round as usize + 1);
+        let mut name = String::with_capacity(mother.name.len() + 1);
+        name.push_str(&mother.name);
         name.push(if side == Side::Anterior { anterior } else { posterior });
         name
     }
 
     /// The tree in breadth-first order, cut at the limit of cells.
     fn lay_out(mut self, solve: Solve<'_>) -> Result<Tree, GrowError> {
-        let max_cells = self.grower.lineage.limits.max_cells;
-        let first = self.cells[0].cell.clone();
-        let mut tree = Tree::new(self.grower.lineage.clone(), self.grower.settings.clone(), first);
-        let mut queue: VecDeque<(CellId, usize)> = VecDeque::from([(tree.first(), 0)]);
-        while let Some((id, index)) = queue.pop_front() {
-            if self.cells[index].fate.is_none() {
+        let Grower { lineage, settings, .. } = self.grower;
+        let max_cells = lineage.limits.max_cells;
+        let mut tree: Option<Tree> = None;
+        // Cells whose mother is in the tree, and how many there are and were.
+        let (mut queue, mut placed) = (VecDeque::from([(0, None)]), 1);
+        while let Some((index, mother)) = queue.pop_front() {
+            let has_room = placed + 2 <= max_cells;
+            if self.cells[index].fate.is_none() && has_room {
                 // Growth stopped short of this cell because of the limit.
-                let room = tree.len() + 2 <= max_cells;
-                if room {
-                    self.settle(index, solve)?
-                } else {
-                    self.cells[index].fate = Some(Fate::ended(TerminalReason::MaxCells { max_cells }))
-                }
+                self.settle(index, solve)?;
             }
-            let Some(mut fate) = self.cells[index].fate.take() else { continue };
-            if let Some(anterior) = self.cells[index].daughters {
-                if tree.len() + 2 <= max_cells {
-                    for (daughter, side) in [(anterior, Side::Anterior), (anterior + 1, Side::Posterior)] {
-                        let cell = self.cells[daughter].cell.clone();
-                        let daughter_id = tree.add(id, side, cell, self.cells[daughter].is_founder);
-                        queue.push_back((daughter_id, daughter));
-                    }
-                } else {
-                    fate = Fate::ended(TerminalReason::MaxCells { max_cells });
-                }
+            let cell = &mut self.cells[index];
+            let fate = match (cell.fate.take(), cell.daughters) {
+                (Some(fate), None) => fate,
+                (Some(fate), Some(_)) if has_room => fate,
+                _ => TerminalReason::MaxCells { max_cells }.into(),
+            };
+            let (divides, daughters) = (matches!(fate, Fate::Divides(_)), cell.daughters);
+            let Place { founder, generation, r0, .. } = cell.place;
+            let (name, cue) = (std::mem::take(&mut cell.name), std::mem::take(&mut cell.cue));
+            let (volume_fraction, is_founder) = (cell.volume_fraction, cell.is_founder);
+            let cell = TreeCell { name, founder, generation, r0, volume_fraction, cue, fate };
+            let id = match (&mut tree, mother) {
+                (Some(tree), Some((mother, side))) => tree.add(mother, side, cell, is_founder),
+                _ => tree.insert(Tree::new(Lineage::clone(lineage), settings.clone(), cell)).first(),
+            };
+            if let Some(anterior) = daughters.filter(|_| divides) {
+                queue.extend([(anterior, Some((id, Side::Anterior))), (anterior + 1, Some((id, Side::Posterior)))]);
+                placed += 2;
             }
-            tree.cell_mut(id).fate = fate;
         }
-        Ok(tree)
+        // The queue began with the first cell.
+        tree.ok_or(GrowError::Interrupted { solved: 0 })
     }
 
     /// Solves one division by itself and adds the daughters.
     fn settle(&mut self, index: usize, solve: Solve<'_>) -> Result<(), GrowError> {
-        let Some(job) = self.job(index) else { return Ok(()) };
+        let Some(input) = self.decide(index) else { return Ok(()) };
         let mut solved = None;
         let options = SchedulerOptions { progress: None, ..self.grower.options };
-        let run = scheduler::run(vec![job], self.grower.memo, &options, solve, |_, division| {
+        let run = scheduler::run(vec![Job { id: index, input }], self.grower.memo, &options, solve, |_, division| {
             solved = Some(division.clone());
             vec![]
         });
         completed(run, |id, why| self.note_undecided(id, why))?;
-        if let Some(division) = solved {
-            self.divide(index, &division);
+        if let Some(daughters) = solved.and_then(|division| self.divide(index, &division)) {
+            for daughter in daughters {
+                self.decide(daughter);
+            }
         }
         Ok(())
+    }
+
+    /// As [`need`](Self::need), with searches on this thread: no worker is busy.
+    fn decide(&mut self, index: usize) -> Option<DivisionInput> {
+        let mut tried = None;
+        loop {
+            match self.need(index, tried.as_ref())? {
+                Need::Division(input) => return Some(input),
+                Need::Search(radii, search) => {
+                    radii.run(&search);
+                    tried = Some(search);
+                }
+            }
+        }
     }
 }
 

@@ -1,12 +1,14 @@
-//! Lineages: founders, which cells divide, the tree that grows and its rounds per founder beside the observed ones.
+//! Lineages grown from mechanics.
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`definition`] | the lineage file: founders, cues, names, limits, observed counts |
+//! | [`definition`], `read`, `check`, `clash` | the lineage file: founders, cues, names, limits; reading it, checking it |
+//! | [`scenario`] | one of several lineages that are compared |
+//! | [`batch`] | the cache of divisions, the scheduler, phase diagrams |
 //! | [`observed`], [`physics`], [`units`] | observed counts and parameters of a founder, µm and minutes |
 //! | [`grow`] | growth: daughters inherit volumes; a division starts as soon as the mother's is solved |
-//! | [`thresholds`] | which cells are too small to divide |
-//! | [`priority`] | which divisions are solved first |
+//! | [`thresholds`] | cells that are too small to divide |
+//! | [`priority`] | the order in which divisions are solved |
 //! | [`tree`] | the grown tree |
 //! | [`rounds`] | rounds of division per founder |
 
@@ -32,7 +34,7 @@ pub use physics::FounderPhysics;
 pub use priority::expected_work;
 pub use rounds::{FounderRounds, Rounds, founder_rounds};
 pub use scenario::Scenario;
-pub use thresholds::Thresholds;
+pub use thresholds::{EndRule, Scope, Thresholds};
 pub use tree::{CellId, Fate, Side, TerminalReason, Tree, TreeCell, TreeSettings};
 pub use units::{Length, Units};
 

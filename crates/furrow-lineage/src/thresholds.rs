@@ -6,38 +6,86 @@ use super::tree::TerminalReason;
 use furrow_cell::{Cell, Cue};
 use furrow_mechanics::equilibria::{CriticalRadii, ShapeError};
 
-/// The rule that ends branches: a cell below the critical radius of its cue and constants does not divide.
+/// What ends branches ahead of their division.
+#[derive(Clone, Copy)]
+pub enum EndRule<'a> {
+    /// Nothing: every division is computed.
+    Dynamics,
+    /// Critical radii. Those that are not known are searched for on the workers.
+    Thresholds(&'a Thresholds<'a>),
+    /// A function, called on the thread that grows the tree.
+    Custom(&'a dyn Fn(&Cell) -> Option<TerminalReason>),
+}
+
+/// Which cells of a tree critical radii decide about. Divisions decide about the others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scope {
+    /// All cells.
+    #[default]
+    All,
+    /// The first cell only if its radius is known: its division costs less than a search, and if it fails there are no
+    /// other cells.
+    FirstIfKnown,
+    /// All cells but the first.
+    AllButFirst,
+    /// Cells whose radius is known.
+    Known,
+}
+
+/// A cell below the critical radius of its cue and constants does not divide.
 ///
 /// Where no critical radius is found, divisions are computed.
 #[derive(Debug)]
 pub struct Thresholds<'a> {
     radii: CriticalRadii<'a>,
+    scope: Scope,
     unknown: RefCell<Vec<(Cue, ShapeError)>>,
 }
 
 impl<'a> Thresholds<'a> {
     /// By the given radii.
     pub fn new(radii: CriticalRadii<'a>) -> Thresholds<'a> {
-        Thresholds { radii, unknown: RefCell::default() }
+        Thresholds { radii, scope: Scope::All, unknown: RefCell::default() }
     }
 
-    /// Why a cell cannot divide; `None` if it can, or if its division must be computed.
+    /// The same for fewer cells of a tree.
+    #[must_use]
+    pub fn with_scope(self, scope: Scope) -> Thresholds<'a> {
+        Thresholds { scope, ..self }
+    }
+
+    /// Whether a critical radius decides about a cell of a tree, its first one or another.
+    pub(super) fn decides(&self, cell: &Cell, is_first: bool) -> bool {
+        match self.scope {
+            Scope::All => true,
+            Scope::FirstIfKnown => !is_first || self.knows(cell),
+            Scope::AllButFirst => !is_first,
+            Scope::Known => self.knows(cell),
+        }
+    }
+
+    /// The radii, which may be searched for on any thread.
+    pub(super) fn radii(&self) -> &CriticalRadii<'a> {
+        &self.radii
+    }
+
+    /// Why a cell cannot divide; `None` if it can, or if its division must be computed. It searches where it must.
     pub fn of(&self, cell: &Cell) -> Option<TerminalReason> {
-        self.radii
-            .ends(cell)
-            .unwrap_or_else(|error| {
+        match self.radii.ends(cell) {
+            Ok(end) => end.map(TerminalReason::from),
+            // An interrupted search is no property of the cue.
+            Err(ShapeError::Interrupted) => None,
+            Err(error) => {
                 let mut unknown = self.unknown.borrow_mut();
-                // An interrupted search is no property of the cue.
-                let told = error != ShapeError::Interrupted;
-                if told && !unknown.iter().any(|(cue, _)| *cue == cell.cue) {
+                if !unknown.iter().any(|(cue, _)| *cue == cell.cue) {
                     unknown.push((cell.cue.clone(), error));
                 }
                 None
-            })
-            .map(TerminalReason::from)
+            }
+        }
     }
 
-    /// Whether an answer about cells like this one takes no search for a radius.
+    /// Whether the critical radius of cells like this one, or that there is none, is known.
     pub fn knows(&self, cell: &Cell) -> bool {
         self.radii.knows(cell)
     }
@@ -46,7 +94,8 @@ impl<'a> Thresholds<'a> {
     pub fn critical_radius(&self, cell: &Cell) -> Option<f64> {
         // The smallest cell is below any boundary.
         let smallest = Cell { r0: f64::MIN_POSITIVE, cue: Cue::none(), ..cell.clone() };
-        self.radii.ends(&smallest).ok()?.map(|end| end.critical_r0)
+        let end = if self.knows(&smallest) { self.radii.ends(&smallest).ok()? } else { None };
+        end.map(|end| end.critical_r0)
     }
 
     /// Cues whose critical radius could not be found, and why.

@@ -1,8 +1,11 @@
 //! The lineage tree.
 
+use petgraph::Direction::Incoming;
+use petgraph::graph::{DiGraph, NodeIndex};
+use petgraph::visit::{Dfs, DfsPostOrder, EdgeRef, NodeFiltered};
 use serde::{Deserialize, Serialize};
 
-use super::definition::Lineage;
+use super::definition::{Lineage, Place};
 use crate::batch::Quantisation;
 use furrow_cell::{Cell, Cue, Numerics, ZYGOTE};
 use furrow_mechanics::division::{Division, Outcome};
@@ -94,51 +97,79 @@ impl From<End> for TerminalReason {
     }
 }
 
-/// The fate of a cell: its division, if one was computed, and why it has no daughters, if it has none.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Fate {
-    /// Its division; none where it need not be computed, or a limit stopped the cell.
-    pub division: Option<Division>,
-    /// Why there are no daughters; none if there are.
-    pub ended: Option<TerminalReason>,
+/// What becomes of a cell.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Fate {
+    /// It has two daughters.
+    Divides(Division),
+    /// It has none.
+    Terminal {
+        /// Why.
+        reason: TerminalReason,
+        /// Its division, where one was computed: it came to rest.
+        division: Option<Division>,
+    },
+}
+
+impl From<Division> for Fate {
+    fn from(division: Division) -> Fate {
+        match division.outcome() {
+            Outcome::Arrested => Fate::Terminal {
+                reason: TerminalReason::AtRest { growth_rate: division.growth_rate() },
+                division: Some(division),
+            },
+            _ => Fate::Divides(division),
+        }
+    }
+}
+
+impl From<TerminalReason> for Fate {
+    /// The fate of a cell whose division was not computed.
+    fn from(reason: TerminalReason) -> Fate {
+        Fate::Terminal { reason, division: None }
+    }
 }
 
 impl Fate {
-    /// The fate that a computed division gives.
-    pub fn of(division: &Division) -> Fate {
-        let failed = division.outcome() == Outcome::Arrested;
-        let ended = failed.then_some(TerminalReason::AtRest { growth_rate: division.growth_rate() });
-        Fate { division: Some(division.clone()), ended }
+    /// Its division, where one was computed.
+    pub fn division(&self) -> Option<&Division> {
+        match self {
+            Fate::Divides(division) => Some(division),
+            Fate::Terminal { division, .. } => division.as_ref(),
+        }
     }
 
-    /// The fate of a cell whose division need not be computed: it cannot divide (outcome failed), or a limit stops it.
-    pub fn ended(reason: TerminalReason) -> Fate {
-        Fate { division: None, ended: Some(reason) }
+    /// Why there are no daughters; none if there are.
+    pub fn terminal_reason(&self) -> Option<&TerminalReason> {
+        match self {
+            Fate::Divides(_) => None,
+            Fate::Terminal { reason, .. } => Some(reason),
+        }
     }
 
     /// How its division ended; none for a cell that a limit stopped, and for one that is undecided.
     pub fn outcome(&self) -> Option<Outcome> {
-        match (&self.division, &self.ended) {
-            (Some(division), _) => Some(division.outcome()),
-            (None, Some(reason)) => reason.is_mechanical().then_some(Outcome::Arrested),
-            (None, None) => None,
+        match self {
+            Fate::Terminal { reason, division: None } => reason.is_mechanical().then_some(Outcome::Arrested),
+            fate => fate.division().map(|division| division.outcome()),
         }
     }
 
     /// Size asymmetry χ of its division.
     pub fn chi(&self) -> Option<f64> {
-        self.division.as_ref()?.chi()
+        self.division()?.chi()
     }
 
     /// Time of pinch-off or of rest, in τ; none if no division was computed.
     pub fn t_end(&self) -> Option<f64> {
-        self.division.as_ref().map(|division| division.t_end)
+        self.division().map(|division| division.t_end)
     }
 
     /// Volumes of the anterior and the posterior daughter of a mother of volume `mother`; none if it does not divide. They
     /// sum to `mother` to rounding, and are equal to the last bit where the division is symmetric.
     pub fn daughter_volumes(&self, mother: f64) -> Option<[f64; 2]> {
-        let [posterior, _] = self.division.as_ref().filter(|_| self.ended.is_none())?.shares()?;
+        let Fate::Divides(division) = self else { return None };
+        let [posterior, _] = division.shares()?;
         let posterior = posterior * mother;
         Some([mother - posterior, posterior])
     }
@@ -185,26 +216,26 @@ pub struct TreeCell {
 
 /// A cell's place in a tree, counted in breadth-first order from the first cell, 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct CellId(usize);
+pub struct CellId(NodeIndex);
 
 impl CellId {
     /// As a number, for tables by cell.
     pub fn index(self) -> usize {
-        self.0
+        self.0.index()
     }
 }
 
 /// Parameters of all divisions of a tree.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TreeSettings {
-    /// Radius of the first cell; confinement, activity, material and shell of all. Cues are the lineage's.
-    pub cell: Cell,
-    /// Discretisation.
-    pub numerics: Numerics,
     /// Seed of the noise.
     pub seed: u64,
     /// Relative step to which R0 is rounded before a division is solved; 0 if it is not.
     pub r0_step: f64,
+    /// Radius of the first cell; confinement, activity, material and shell of all. Cues are the lineage's.
+    pub cell: Cell,
+    /// Discretisation.
+    pub numerics: Numerics,
 }
 
 impl Default for TreeSettings {
@@ -230,96 +261,97 @@ pub struct Tree {
     pub lineage: Lineage,
     /// Parameters of its divisions.
     pub settings: TreeSettings,
-    nodes: Vec<Node>,
+    /// Edges from mother to daughter. A node's index is its place in breadth-first order.
+    graph: DiGraph<TreeCell, Side>,
     founder_cells: Vec<Option<CellId>>,
-}
-
-#[derive(Clone, Debug)]
-struct Node {
-    cell: TreeCell,
-    /// The mother, and which of her daughters this is; none for the first cell.
-    mother: Option<(CellId, Side)>,
-    /// Anterior and posterior.
-    daughters: [Option<CellId>; 2],
-    daughter_count: usize,
-}
-
-impl Node {
-    fn new(cell: TreeCell, mother: Option<(CellId, Side)>) -> Node {
-        Node { cell, mother, daughters: [None; 2], daughter_count: 0 }
-    }
 }
 
 impl Tree {
     /// A tree of the first cell alone.
     pub fn new(lineage: Lineage, settings: TreeSettings, first: TreeCell) -> Tree {
         let mut founder_cells = vec![None; lineage.founders.len()];
-        founder_cells[first.founder] = Some(CellId(0));
-        Tree { lineage, settings, nodes: vec![Node::new(first, None)], founder_cells }
+        let mut graph = DiGraph::new();
+        let founder = first.founder;
+        founder_cells[founder] = Some(CellId(graph.add_node(first)));
+        Tree { lineage, settings, graph, founder_cells }
     }
 
     /// Adds a daughter, after all cells of earlier generations and after its anterior sister. `is_founder`: it is the
     /// founder `cell.founder` itself.
     pub fn add(&mut self, mother: CellId, side: Side, cell: TreeCell, is_founder: bool) -> CellId {
-        let id = CellId(self.nodes.len());
+        let founder = cell.founder;
+        let id = CellId(self.graph.add_node(cell));
+        self.graph.add_edge(mother.0, id.0, side);
         if is_founder {
-            self.founder_cells[cell.founder] = Some(id);
+            self.founder_cells[founder] = Some(id);
         }
-        self.nodes.push(Node::new(cell, Some((mother, side))));
-        let above = &mut self.nodes[mother.0];
-        above.daughters[usize::from(side == Side::Posterior)] = Some(id);
-        above.daughter_count += 1;
         id
     }
 
     /// The first cell.
     pub fn first(&self) -> CellId {
-        CellId(0)
+        CellId(NodeIndex::new(0))
     }
 
     /// Number of cells, all generations together.
     pub fn len(&self) -> usize {
-        self.nodes.len()
+        self.graph.node_count()
     }
 
     /// A tree has at least its first cell.
     pub fn is_empty(&self) -> bool {
-        self.nodes.is_empty()
+        self.len() == 0
     }
 
     /// All cells in breadth-first order.
     pub fn cells(&self) -> impl DoubleEndedIterator<Item = CellId> + ExactSizeIterator + use<> {
-        (0..self.nodes.len()).map(CellId)
+        self.graph.node_indices().map(CellId)
+    }
+
+    /// Cells in depth-first order from the first, mothers before their daughters and anterior daughters before posterior
+    /// ones. Descendants of the generation `last` are left out.
+    pub fn depth_first(&self, last: u32) -> impl Iterator<Item = CellId> {
+        let shown = NodeFiltered::from_fn(&self.graph, move |node| self.graph[node].generation <= last);
+        let mut walk = Dfs::new(&self.graph, self.first().0);
+        std::iter::from_fn(move || walk.next(&shown).map(CellId))
+    }
+
+    /// All cells in post-order: daughters, the anterior one first, before their mother.
+    pub fn post_order(&self) -> impl Iterator<Item = CellId> {
+        let mut walk = DfsPostOrder::new(&self.graph, self.first().0);
+        std::iter::from_fn(move || walk.next(&self.graph).map(CellId))
+    }
+
+    /// Cells without daughters, from anterior to posterior.
+    pub fn leaves(&self) -> impl Iterator<Item = CellId> {
+        self.depth_first(u32::MAX).filter(|id| self.daughter_count(*id) == 0)
     }
 
     /// A cell.
     pub fn cell(&self, id: CellId) -> &TreeCell {
-        &self.nodes[id.0].cell
-    }
-
-    pub(super) fn cell_mut(&mut self, id: CellId) -> &mut TreeCell {
-        &mut self.nodes[id.0].cell
+        &self.graph[id.0]
     }
 
     /// A cell's mother.
     pub fn mother(&self, id: CellId) -> Option<CellId> {
-        self.nodes[id.0].mother.map(|(mother, _)| mother)
+        self.graph.neighbors_directed(id.0, Incoming).next().map(CellId)
     }
 
     /// Which daughter of its mother a cell is.
     pub fn side(&self, id: CellId) -> Option<Side> {
-        self.nodes[id.0].mother.map(|(_, side)| side)
+        self.graph.edges_directed(id.0, Incoming).next().map(|edge| *edge.weight())
     }
 
     /// The anterior and posterior daughter.
     pub fn daughters(&self, id: CellId) -> Option<[CellId; 2]> {
-        let [anterior, posterior] = self.nodes[id.0].daughters;
-        Some([anterior?, posterior?])
+        let daughter =
+            |side| self.graph.edges(id.0).find(|edge| *edge.weight() == side).map(|edge| CellId(edge.target()));
+        Some([daughter(Side::Anterior)?, daughter(Side::Posterior)?])
     }
 
     /// How many daughters a cell has been given; 0 or 2 in a whole tree.
     pub fn daughter_count(&self, id: CellId) -> usize {
-        self.nodes[id.0].daughter_count
+        self.graph.neighbors(id.0).count()
     }
 
     /// The cell of a founder (an index into the lineage's founders); none if it was never born.
@@ -330,5 +362,12 @@ impl Tree {
     /// Name of the founder a cell is or descends from.
     pub fn founder_name(&self, id: CellId) -> &str {
         &self.lineage.founders[self.cell(id).founder].name
+    }
+
+    /// Name of the cue that a cell carries.
+    pub fn cue_name(&self, id: CellId) -> &str {
+        let TreeCell { founder, generation, r0, .. } = *self.cell(id);
+        let born = self.founder_cell(founder).map_or(generation, |born| self.cell(born).generation);
+        self.lineage.cue_name_at(Place { founder, round: generation.saturating_sub(born), generation, r0 })
     }
 }

@@ -2,7 +2,6 @@
 
 use furrow_mechanics::division::DivisionError;
 use furrow_mechanics::equilibria::ShapeError;
-use serde::Serialize;
 
 /// Why there is no answer. The text is for the reader of the page.
 #[derive(Debug, thiserror::Error)]
@@ -34,11 +33,6 @@ pub struct Answer {
     pub numbers: Vec<f32>,
 }
 
-#[derive(Serialize)]
-struct Refusal {
-    error: String,
-}
-
 impl Answer {
     /// An answer without numbers.
     pub fn of(text: String) -> Answer {
@@ -47,7 +41,7 @@ impl Answer {
 
     /// The answer of a request that failed: `{"error": "…"}`.
     pub fn refusal(error: &PageError) -> Answer {
-        Answer::of(serde_json::to_string(&Refusal { error: error.to_string() }).unwrap_or_default())
+        Answer::of(serde_json::json!({ "error": error.to_string() }).to_string())
     }
 
     /// As bytes: length of the text and count of the numbers (each a little-endian u32), the text, blanks up to a multiple

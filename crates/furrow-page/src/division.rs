@@ -6,8 +6,9 @@ use furrow_lineage::FounderPhysics;
 use furrow_lineage::batch::Quantisation;
 use furrow_mechanics::cortex::equations::{COMPONENTS, LENGTH, M, PSI, R, Z};
 use furrow_mechanics::cortex::{Cortex, Domain};
-use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, divide_with};
+use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Frame, divide_with};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use super::answer::{Answer, PageError};
 
@@ -48,22 +49,14 @@ struct Request {
     frames: Wanted,
 }
 
-/// A step of the film.
-#[derive(Serialize)]
-struct Step {
-    /// Time, in τ.
-    t: f64,
-    /// Radius of the neck, in L_h; none without a waist.
-    neck: Option<f64>,
-}
-
 #[derive(Serialize)]
 struct Found<'a> {
     #[serde(flatten)]
     division: &'a Division,
     /// Half axes of the shell along the axis of division and across it, in L_h.
     shell: [f64; 2],
-    frames: Vec<Step>,
+    /// Time, in τ, and radius of the neck, in L_h, of each step.
+    frames: Vec<Value>,
     /// Points of each contour; the first numbers of a frame are (r, z, cue) of these.
     points: usize,
     /// Arrows of each frame; the next numbers are (r, z, force along r, force along z) of these.
@@ -85,22 +78,21 @@ pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
     physics.apply(&mut cell);
     cell.r0 = Quantisation::with_relative_step(r0_step).unwrap_or(Quantisation::EXACT).apply(cell.r0);
     let input = DivisionInput { cell, numerics, seed };
-    let mut shapes: Vec<(Step, Solution)> = Vec::new();
-    let (division, _) = divide_with(
-        &input,
-        DivisionOptions::observed_by(&mut |frame| {
-            if wanted == Wanted::Last {
-                shapes.clear();
-            }
-            shapes.push((Step { t: frame.t, neck: frame.neck.map(|neck| neck.radius) }, frame.shape.clone()));
-        }),
-    )?;
+    let mut shapes: Vec<(f64, Solution)> = Vec::new();
+    let mut frames = Vec::new();
+    let mut observe = |frame: Frame<'_>| {
+        if wanted == Wanted::Last {
+            shapes.clear();
+            frames.clear();
+        }
+        frames.push(json!({ "t": frame.t, "neck": frame.neck.map(|neck| neck.radius) }));
+        shapes.push((frame.t, frame.shape.clone()));
+    };
+    let (division, _) = divide_with(&input, DivisionOptions::observed_by(&mut observe))?;
     let film = Film::new(&input, division.u_furrow());
     let mut numbers = Vec::new();
-    let mut frames = Vec::with_capacity(shapes.len());
-    for (step, shape) in shapes {
-        film.draw(&shape, step.t > 0.0, &mut numbers);
-        frames.push(step);
+    for (t, shape) in &shapes {
+        film.draw(shape, *t > 0.0, &mut numbers);
     }
     let found = Found {
         division: &division,
@@ -200,11 +192,9 @@ impl Film {
 mod tests {
     use std::f64::consts::PI;
 
+    use super::*;
     use furrow_cell::Cue;
     use furrow_mechanics::division::divide as divide_alone;
-    use serde_json::{Value, json};
-
-    use super::*;
 
     /// Numbers of a point and of an arrow.
     const OF_EACH: [usize; 2] = [3, 4];

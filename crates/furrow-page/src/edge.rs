@@ -2,7 +2,8 @@
 
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
 use furrow_mechanics::equilibria::curves::pitchfork_curve;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
+use serde_json::json;
 
 use super::answer::{Answer, PageError};
 
@@ -14,20 +15,6 @@ struct Request {
     range: [f64; 2],
 }
 
-/// A point of the curve.
-#[derive(Serialize)]
-struct Point {
-    r0: f64,
-    xi_s: f64,
-    /// Of the normal form: below 0 where the pitchfork is subcritical.
-    coefficient: Option<f64>,
-}
-
-#[derive(Serialize)]
-struct Found {
-    points: Vec<Point>,
-}
-
 /// The curve ξ_s*(R0) of cells like the given one without a cue: the edge at which the symmetric furrow loses its stability.
 /// Where the curve cannot be followed to the end of the range, what was found is the answer.
 ///
@@ -36,18 +23,13 @@ struct Found {
 pub fn edge(request: &[u8]) -> Result<Answer, PageError> {
     let Request { cell, numerics, range } = serde_json::from_slice(request)?;
     let curve = pitchfork_curve(&cell.with_cue(Cue::none()), &numerics, Parameter::R0, range)?;
-    let point = |point: &furrow_mechanics::equilibria::curves::CurvePoint| Point {
-        r0: point.r0,
-        xi_s: point.xi_s,
-        coefficient: point.coefficient,
-    };
-    let found = Found { points: curve.points.iter().map(point).collect() };
-    Ok(Answer::of(serde_json::to_string(&found)?))
+    let points = curve.points.iter().map(|p| json!({ "r0": p.r0, "xi_s": p.xi_s, "coefficient": p.coefficient }));
+    Ok(Answer::of(json!({ "points": points.collect::<Vec<_>>() }).to_string()))
 }
 
 #[cfg(test)]
 mod tests {
-    use serde_json::{Value, json};
+    use serde_json::Value;
 
     use super::*;
 

@@ -1,16 +1,14 @@
-//! The solver as the report calls it inside a browser.
+//! The solver as a WebAssembly module for the interactive page.
 //!
-//! Compiled for wasm32-unknown-unknown by `build.sh` beside this crate; the result, `furrow.wasm.txt`, is kept in the
-//! repository, so that whoever builds `furrow` needs no second target. Nothing is computed here that the library does not
-//! compute: this crate turns JSON into its inputs and its results into JSON and plain numbers.
+//! It reads requests as JSON and answers with JSON and plain numbers. `build.sh` compiles it.
 //!
-//! | file | what it says |
+//! | file | contents |
 //! |---|---|
-//! | [`abi`] | functions that a page calls, and how bytes go in and out |
-//! | [`division`] | one division, and what its films are drawn from |
-//! | [`tree`] | a founder tree grown anew |
+//! | [`abi`] | the functions that a page calls |
+//! | [`division`] | one division and its movie |
+//! | [`tree`] | a lineage grown in the page |
 //! | [`edge`] | the curve of pitchforks on the phase diagram |
-//! | [`answer`] | what all of them answer with |
+//! | [`answer`] | the form of all answers |
 
 pub mod abi;
 pub mod answer;

@@ -1,9 +1,9 @@
 //! A founder tree grown anew, by the same functions as `furrow tree`, so that the counts are the same.
 
-use furrow_cell::{Cell, Cue, Numerics};
+use furrow_cell::Cue;
 use furrow_formats::tree_to_json;
 use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions};
-use furrow_lineage::{Grower, Lineage, Thresholds, TreeSettings, expected_work};
+use furrow_lineage::{EndRule, Grower, Lineage, Scope, Thresholds, TreeSettings, expected_work};
 use furrow_mechanics::division::{DivisionInput, divide};
 use furrow_mechanics::equilibria::CriticalRadii;
 use serde::Deserialize;
@@ -14,10 +14,8 @@ use super::answer::{Answer, PageError};
 #[derive(Debug, Deserialize)]
 struct Request {
     lineage: Lineage,
-    cell: Cell,
-    numerics: Numerics,
-    seed: u64,
-    r0_step: f64,
+    #[serde(flatten)]
+    settings: TreeSettings,
     /// Takes the place of every cue of the lineage, as `--cue` does: `none`, a name of the lineage, or terms.
     #[serde(default)]
     cue: Option<String>,
@@ -28,22 +26,16 @@ struct Request {
 /// # Errors
 /// A request or a cue that cannot be read. A cell whose division cannot be computed ends its branch and is no error.
 pub fn regrow(request: &[u8], tell: &dyn Fn(usize, usize)) -> Result<Answer, PageError> {
-    let Request { mut lineage, cell, numerics, seed, r0_step, cue } = serde_json::from_slice(request)?;
+    let Request { mut lineage, settings, cue } = serde_json::from_slice(request)?;
     if let Some(cue) = cue {
         lineage = lineage.carrying(&cue)?;
     }
-    let memo = Memo::new(Quantisation::with_relative_step(r0_step).unwrap_or(Quantisation::DEFAULT));
-    let rule = Thresholds::new(CriticalRadii::new(&numerics));
-    // The first cell of a kind whose radius would have to be searched for is left to its division, as `furrow tree` does.
-    let first = std::cell::Cell::new(true);
-    let ends = |cell: &Cell| {
-        let is_first = first.replace(false);
-        if is_first && !rule.knows(cell) { None } else { rule.of(cell) }
-    };
-    let plain = cell.clone().with_cue(Cue::none());
+    let memo = Memo::new(Quantisation::with_relative_step(settings.r0_step).unwrap_or(Quantisation::DEFAULT));
+    // As `furrow tree` does.
+    let rule = Thresholds::new(CriticalRadii::new(&settings.numerics)).with_scope(Scope::FirstIfKnown);
+    let plain = settings.cell.clone().with_cue(Cue::none());
     let order = |input: &DivisionInput| {
-        let critical = if rule.knows(&plain) { rule.critical_radius(&plain) } else { None };
-        critical.map_or(input.cell.r0, |critical| expected_work(critical)(input))
+        rule.critical_radius(&plain).map_or(input.cell.r0, |critical| expected_work(critical)(input))
     };
     let progress = |Progress { solved, running, queued, .. }: Progress| tell(solved, running + queued);
     let options = SchedulerOptions {
@@ -52,8 +44,7 @@ pub fn regrow(request: &[u8], tell: &dyn Fn(usize, usize)) -> Result<Answer, Pag
         expected_work: &order,
         ..SchedulerOptions::default()
     };
-    let settings = TreeSettings { cell, numerics, seed, r0_step };
-    let grower = Grower { lineage: &lineage, settings, ends: &ends, memo: &memo, options };
+    let grower = Grower { lineage: &lineage, settings, ends: EndRule::Thresholds(&rule), memo: &memo, options };
     let (tree, _) = grower.grow(divide)?;
     Ok(Answer::of(tree_to_json(&tree)?))
 }
@@ -65,14 +56,13 @@ mod tests {
     use serde_json::{Value, json};
 
     use super::*;
+    use furrow_cell::Cell;
     use furrow_formats::tree_from_json;
 
     fn head(cell: &Cell, cue: Option<&str>) -> Vec<u8> {
-        let TreeSettings { numerics, seed, r0_step, .. } = TreeSettings::default();
-        let lineage = Lineage::c_elegans().unwrap();
-        let request = json!({
-            "lineage": lineage, "cell": cell, "numerics": numerics, "seed": seed, "r0_step": r0_step, "cue": cue,
-        });
+        let mut request = json!(TreeSettings { cell: cell.clone(), ..TreeSettings::default() });
+        request["lineage"] = json!(Lineage::c_elegans().unwrap());
+        request["cue"] = json!(cue);
         request.to_string().into_bytes()
     }
 

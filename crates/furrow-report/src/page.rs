@@ -1,6 +1,6 @@
 //! The frame of a page that computes: style, scripts, the solver and its data.
 //!
-//! The files of `page/` are embedded unchanged, so that a page is one file and needs no network. `crates/page` builds the
+//! The files of `page/` are embedded unchanged, so that a page is one file and needs no network. `furrow-page` builds the
 //! solver.
 
 use std::fmt::Write;

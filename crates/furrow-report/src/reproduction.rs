@@ -29,16 +29,15 @@ pub fn markdown(found: &Reproduction, constants: &str) -> String {
 
 const HEAD: &str = "# The paper, reproduced
 
-What the paper (Gao, Guan, Tang & Ma) says, statement by statement, beside what furrow computes. This page is written by
-`furrow reproduce --table docs/reproduction.md`; `furrow reproduce --out DIR` draws the figures as well, and every row can be
-had by itself, as with `furrow reproduce 2C S5`.
+The statements of the paper (Gao, Guan, Tang & Ma) and the results of furrow. `furrow reproduce --table docs/reproduction.md`
+writes this page; `furrow reproduce --out DIR` also draws the figures. Single rows can be computed too, as with
+`furrow reproduce 2C S5`.
 
-*furrow* is the converged result. *Published scheme* is that of backward Euler at Δt = 0.1 τ, the paper's kind of time step,
-where divisions are followed in time and the two may differ; the paper does not print its Δt. Where one of the two agrees and
-the other does not, or neither does, that is said there too. A row **agrees** if a printed
-number is met to the tolerance below, or if what the paper says in words is true by the criterion below, which is ours. It is
-**not pinned down** where the paper's own words are not known here, or do not say enough: the result is given and nothing is
-judged. The constants of the shell are not printed: they are fitted to the four thresholds, and to nothing else here.
+*furrow* is the converged result. *Published scheme* is the result of backward Euler at Δt = 0.1 τ, the paper's kind of time step,
+for rows that follow divisions in time; the paper does not print its Δt. A note says if only one of the two agrees, or neither. A
+row **agrees** if a printed number is met to the tolerance below, or if a statement in words is true by the criterion below, which
+is ours. It is **not pinned down** if the paper's statement is not known here or is not specific enough: the result is given and
+not judged. The paper does not print the constants of the shell; they are fitted to its four thresholds only.
 ";
 
 fn counts(found: &Reproduction, constants: &str) -> String {

@@ -44,8 +44,8 @@ impl TreeSummary {
             let row = &mut generations[g];
             row.cells += 1;
             row.r0 = [row.r0[0].min(cell.r0), row.r0[1].max(cell.r0)];
-            slow += usize::from(cell.fate.division.as_ref().is_some_and(|d| d.slow_growth_rate.is_some()));
-            match (&cell.fate.ended, cell.fate.outcome()) {
+            slow += usize::from(cell.fate.division().is_some_and(|d| d.slow_growth_rate.is_some()));
+            match (cell.fate.terminal_reason(), cell.fate.outcome()) {
                 (Some(reason), _) => {
                     row.ended += 1;
                     *ended.entry(reason.name()).or_insert(0) += 1;

@@ -99,17 +99,8 @@ fn lay_out(tree: &Tree, summary: &TreeSummary, frame: &'static Frame) -> Layout 
         last = g as u32;
         ended += row.ended;
     }
-    let mut order = vec![];
+    let order: Vec<CellId> = tree.depth_first(last).collect();
     let mut x = vec![None; tree.len()];
-    let mut stack = vec![tree.first()];
-    while let Some(node) = stack.pop() {
-        order.push(node);
-        if tree.cell(node).generation < last
-            && let Some([left, right]) = tree.daughters(node)
-        {
-            stack.extend([right, left]);
-        }
-    }
     let ends = order.iter().filter(|n| tree.cell(**n).generation == last || tree.daughters(**n).is_none()).count();
     let gap = ((frame.width - frame.left - frame.right) / ends.max(1) as f64).max(frame.gap);
     let mut next = frame.left + 0.5 * gap;
@@ -245,11 +236,11 @@ fn disc(out: &mut String, tree: &Tree, node: CellId, layout: &Layout, colours: &
     if let Some(t) = cell.fate.t_end() {
         let _ = write!(title, ", t = {t:.3} τ{}", units.in_minutes(t));
     }
-    if let Some(reason) = &cell.fate.ended {
+    if let Some(reason) = cell.fate.terminal_reason() {
         let _ = write!(title, "; {reason}");
     }
     let _ = write!(out, "<g><title>{}</title>", escape(&title));
-    match (&cell.fate.ended, cell.fate.outcome()) {
+    match (cell.fate.terminal_reason(), cell.fate.outcome()) {
         (Some(_), _) => {
             let (left, right, foot) = (x - radius, x + radius, y + radius + 2.5);
             let _ = write!(

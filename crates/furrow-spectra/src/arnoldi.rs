@@ -1,4 +1,4 @@
-//! Extreme eigenvalues of a linear map that is known by what it does to vectors.
+//! Extreme eigenvalues of a linear map given by its action on vectors.
 //!
 //! # References
 //! Saad, *Numerical Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 6.
@@ -15,7 +15,7 @@ pub struct Arnoldi {
     pub wanted: usize,
     /// Largest Krylov dimension.
     pub max_dimension: usize,
-    /// Error allowed in an eigenvalue, as far as the caller's scale goes.
+    /// Allowed error of an eigenvalue, in the caller's scale.
     pub tolerance: f64,
 }
 
@@ -32,7 +32,7 @@ pub enum EigenError {
     /// The small dense problem failed.
     #[error(transparent)]
     Dense(#[from] NoEigenvalues),
-    /// Eigenvalues are not yet as accurate as asked for.
+    /// Eigenvalues do not reach the requested accuracy.
     #[error("eigenvalues are uncertain by {residual:.1e} in a Krylov space of dimension {dimension}")]
     NotConverged {
         /// Krylov dimension.
@@ -44,7 +44,7 @@ pub enum EigenError {
 
 impl Arnoldi {
     /// The eigenvalues of largest modulus of the linear map `apply` (from, to), in the inner product Σ w a b with positive
-    /// `weights`; the largest first, complex pairs with both signs. Fewer than wanted where the map has no more.
+    /// `weights`; the largest first, complex pairs with both signs. The map may have fewer than wanted.
     ///
     /// # Errors
     /// [`EigenError::NotConverged`] if a residual is above the tolerance in the largest space allowed.
@@ -101,26 +101,25 @@ pub struct NoEigenvalues {
     pub dimension: usize,
 }
 
-/// Workspace of the iteration, for use again and again. [`Arnoldi::largest`] is the simple way to run it.
+/// Reusable workspace of the iteration. [`Arnoldi::largest`] is the simple way to run it.
 #[derive(Clone, Debug, Default)]
 pub struct Krylov {
     basis: Vec<Vec<f64>>,
     hessenberg: Vec<f64>,
 }
 
-/// Krylov dimension of the first look at the Ritz values, and how many later the next follows.
+/// Krylov dimension at which Ritz values are first computed, and the increment to the next.
 const LOOKS: [usize; 2] = [10, 4];
 
 impl Krylov {
-    /// Iterates `apply` (from, to) in the inner product Σ w a b until `enough`, shown the Ritz values at a dimension now and
-    /// then and at the last, `limit`, gives its result; `None` if it never does. An invariant subspace found on the way
-    /// counts as the last.
+    /// Iterates `apply` (from, to) in the inner product Σ w a b until `enough` returns a result; `None` if it never does. It gets
+    /// the Ritz values at some dimensions and at the last, which is `limit` or that of an invariant subspace.
     ///
     /// # Errors
     /// [`NoEigenvalues`] if those of the small projected matrix cannot be computed.
     ///
     /// # Examples
-    /// The largest real eigenvalue of a rotation beside a decay by 0.9, as soon as it is known to 1e-10:
+    /// The largest real eigenvalue of a rotation combined with a decay by 0.9, to 1e-10:
     ///
     /// ```
     /// use furrow_spectra::Krylov;
@@ -144,7 +143,7 @@ impl Krylov {
         self.basis.iter_mut().for_each(|v| v.resize(points, 0.0));
         self.hessenberg.clear();
         self.hessenberg.resize(stride * stride, 0.0);
-        // Any vector with a part in every smooth mode starts the iteration; this one is the same on every run.
+        // The start vector needs a part in every smooth mode, and must be the same in every run.
         let mut seed = 0x9e37_79b9_7f4a_7c15u64;
         for w in self.basis[0].iter_mut() {
             seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -236,7 +235,7 @@ fn weighted_dot(weights: &[f64], a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A block of rotation beside decaying modes: a complex pair and the largest real eigenvalues, all known.
+    /// A rotation block and decaying modes have a known complex pair and known real eigenvalues.
     #[test]
     fn finds_real_and_complex_eigenvalues() {
         let size = 60;

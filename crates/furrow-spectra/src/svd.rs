@@ -11,19 +11,19 @@ use faer::Mat;
 pub struct Svd {
     /// σ, as many as the smaller side of the matrix.
     pub values: Vec<f64>,
-    /// Left vectors u, one a value.
+    /// Left vectors u, one per value.
     pub left: Vec<Vec<f64>>,
-    /// Right vectors v, one a column of the matrix; those beyond the values span what the matrix maps to zero.
+    /// Right vectors v, one per column of the matrix; those beyond the values span its kernel.
     pub right: Vec<Vec<f64>>,
 }
 
-/// The matrix has entries that are not finite, or too large for singular values to be.
+/// The matrix has entries that are not finite or too large.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the matrix contains NaN or infinity")]
 pub struct NoSingularValues;
 
 impl Svd {
-    /// Decomposes the matrix with these rows, all of one length.
+    /// Decomposes the matrix with these rows, all of the same length.
     ///
     /// # Errors
     /// [`NoSingularValues`].
@@ -31,7 +31,7 @@ impl Svd {
     /// # Examples
     /// ```
     /// use furrow_spectra::Svd;
-    /// // Two points that both see the sum of two parameters, and nothing else.
+    /// // Two points that depend only on the sum of two parameters.
     /// let svd = Svd::of_rows(&[vec![3.0, 3.0], vec![4.0, 4.0]])?;
     /// assert!((svd.values[0] - 50.0f64.sqrt()).abs() < 1e-14 && svd.values[1] < 1e-14);
     /// let open = &svd.right[1];

@@ -1,12 +1,12 @@
-//! The balance of forces as rates along the contour, written down from the paper a second time: stresses first, then the
-//! tangential and the normal balance, with η_b, η_s and the elastic stress as they stand there.
+//! An independent statement of the balance of forces from the paper, as rates along the contour: stresses first, then the
+//! tangential and the normal balance, with η_b, η_s and the elastic stress as printed.
 
 use furrow_cell::{Cell, Number, RigidityGradient};
 use furrow_mechanics::cortex::equations::COMPONENTS;
 
 use crate::coefficients::{coefficients, shell_force};
 
-/// In-plane stresses (uu, φφ) of the cortex that depend on how it flows: viscous and active.
+/// Viscous and active in-plane stresses (uu, φφ).
 pub fn stress<D: Number>([eta_b, eta_s, xi_s, xi_b]: [D; 4], strain: [D; 2], curvature: [D; 2]) -> [D; 2] {
     let ([s_uu, s_pp], [c1, c2]) = (strain, curvature);
     let isotropic = eta_b * (s_uu + s_pp) + xi_b * (c1 + c2);
@@ -31,7 +31,7 @@ pub fn rates<D: Number>(
     let c1 = m / c.kappa - c2;
     let v_n = sin * motion[0] + cos * motion[1];
     let s_pp = cos * v / r + c2 * v_n;
-    // T is linear in S_uu: its value without S_uu, and what is missing.
+    // T is linear in S_uu: its value at S_uu = 0, and the difference.
     let law = [c.eta_b, c.eta_s, c.xi_s * noise, c.xi_b * noise];
     let without = stress(law, [D::from(0.0), s_pp], [c1, c2]);
     let s_uu = (t - without[0]) / (c.eta_b + c.eta_s);

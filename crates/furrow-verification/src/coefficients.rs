@@ -1,10 +1,10 @@
-//! The coefficients of the model at a place of the contour, from what a cue is defined to do:
+//! The coefficients of the model at a point of the contour, from the definition of a cue:
 //! X(u) = X0·(1 + Σ A f(u)) for every field but tension, for which γ(u) = γ0 + Σ A f(u).
 
 use furrow_cell::cue::{Field, Profile, Width};
 use furrow_cell::{Cell, Number};
 
-/// Coefficients at one place, activities with the gain. Units are those of [`Cell`].
+/// Coefficients at one point, activities with the gain. Units are those of [`Cell`].
 #[derive(Clone, Copy, Debug)]
 pub struct Coefficients<D> {
     /// Bending rigidity κ.
@@ -47,14 +47,14 @@ fn profile<D: Number>(profile: &Profile, u: D, length: f64) -> [D; 2] {
             [f, f * (-f + 1.0) * (2.0 / omega)]
         }
         Profile::Gradient => [u * -2.0 + 1.0, D::from(-2.0)],
-        // A profile that is added to the model is added here as well.
+        // Add new profiles of the model here too.
     }
 }
 
 /// The coefficients of a cell at u on a contour of length `length`.
 ///
 /// # Panics
-/// For a field or a profile that was added to the model and not here.
+/// For a field or a profile of the model that is missing here.
 pub fn coefficients<D: Number>(cell: &Cell, u: D, length: f64) -> Coefficients<D> {
     let one = D::from(1.0);
     let [mut kappa, mut eta_b, mut eta_s, mut friction, mut xi_s, mut xi_b] = [one; 6];
@@ -94,7 +94,7 @@ pub fn shell_axes(cell: &Cell) -> [f64; 2] {
     [cell.shell.aspect * b, b]
 }
 
-/// The outward normal force f_c of the shell on a place (r, z) of tangent angle ψ: −n·∇U with
+/// The outward normal force f_c of the shell at a point (r, z) with tangent angle ψ: −n·∇U with
 /// U = P0 exp[(z²/a² + r²/b² − 1)/w²].
 pub fn shell_force<D: Number>(cell: &Cell, r: D, z: D, psi: D) -> D {
     let [a, b] = shell_axes(cell);

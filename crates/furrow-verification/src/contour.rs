@@ -1,7 +1,7 @@
 //! A computed shape as a surface of revolution.
 //!
-//! Curvatures come from how ψ turns, strain rates from how v changes along the contour and how the contour has moved;
-//! bending moment m and tension T, which the solver carries along, are not used.
+//! Curvatures come from the derivative of ψ, strain rates from that of v and the motion of the contour. The solver's bending
+//! moment m and tension T are not used.
 
 use std::f64::consts::PI;
 
@@ -12,7 +12,7 @@ use furrow_mechanics::cortex::equations::{COMPONENTS, LENGTH, M, PRESSURE, PSI, 
 use crate::balance;
 use crate::coefficients::{Coefficients, coefficients, shell_force};
 
-/// A shape of the whole contour and how it moves.
+/// A shape of the whole contour and its motion.
 #[derive(Clone, Debug)]
 pub struct Computed {
     /// The cell.
@@ -30,7 +30,7 @@ pub struct Computed {
 pub struct Place {
     /// Arclength fraction u.
     pub u: f64,
-    /// Area that the point stands for: 2πr times its part of the arclength.
+    /// Quadrature weight of the point in area: 2πr times its part of the arclength.
     pub area: f64,
     /// Distance from the axis.
     pub r: f64,
@@ -54,11 +54,11 @@ pub struct Place {
     pub here: Coefficients<f64>,
     /// f_c.
     pub shell: f64,
-    /// Bending moment and shear as the solver has them.
+    /// The solver's bending moment and shear.
     pub bending: [f64; 2],
-    /// T_uu as the solver has it.
+    /// The solver's T_uu.
     pub tension: f64,
-    /// By how much r_s, z_s and m miss cosψ, −sinψ and κC.
+    /// Differences of r_s, z_s and m from cosψ, −sinψ and κC.
     pub geometry: [f64; 3],
 }
 
@@ -80,7 +80,7 @@ impl Computed {
         points.map(|k| self.place(&gauss, k / self.shape.m, k % self.shape.m)).collect()
     }
 
-    /// ∫ of something per area over the surface.
+    /// The integral over the surface of a density per area.
     pub fn integral(&self, density: impl Fn(&Place) -> f64) -> f64 {
         self.places().iter().map(|place| place.area * density(place)).sum()
     }

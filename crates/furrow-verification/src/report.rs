@@ -1,20 +1,19 @@
-//! A number that must be small, and how small it is.
+//! Assertions that print what they compare.
 
-/// Fails unless `found` is below `allowed`. What was found is printed either way: `tests/mutations` reads from it by how much
-/// a mutated model is off.
+/// Asserts that `found` is below `allowed` and prints both, which the program `mutations` reports.
 ///
 /// # Panics
-/// If it is not below, or no number.
+/// If it is not below, or is NaN.
 #[track_caller]
 pub fn within(what: &str, found: f64, allowed: f64) {
     println!("{what}: off by {found:.1e} of {allowed:.0e} allowed");
     assert!(found < allowed, "{what}: off by {found:.1e}, allowed is {allowed:.0e}");
 }
 
-/// The same where a number is expected: the difference relative to 1 + |expected|.
+/// Asserts that the difference of `found` and `expected`, relative to 1 + |expected|, is below `allowed`.
 ///
 /// # Panics
-/// If it is not below, or no number.
+/// If it is not below, or is NaN.
 #[track_caller]
 pub fn near(what: &str, found: f64, expected: f64, allowed: f64) {
     within(

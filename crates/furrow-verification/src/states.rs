@@ -1,4 +1,4 @@
-//! States that the equations are held against: shapes at rest, shapes in motion, and what is drawn at random.
+//! States on which the equations are compared: shapes at rest, moving shapes, random states.
 
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{Newton, NewtonError, Solution, System};
@@ -11,12 +11,12 @@ use furrow_mechanics::equilibria::{StationaryError, passive, stationary};
 
 use crate::contour::Computed;
 
-/// Numbers drawn one after another: the same on every machine.
+/// Random numbers, the same on every machine.
 #[derive(Clone, Debug)]
 pub struct Draws(pub u64);
 
 impl Draws {
-    /// The next number between two.
+    /// The next number between two limits.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         low + (high - low) * (self.0 >> 11) as f64 / (1u64 << 53) as f64
@@ -35,7 +35,7 @@ pub fn cues() -> Vec<String> {
     out
 }
 
-/// A cell none of whose constants is that of another or 1, so that none can stand for another unseen.
+/// A cell whose constants all differ from each other and from 1, so that mixing two up is noticed.
 pub fn uneven_cell(r0: f64, xi_s: f64, cue: &str) -> Result<Cell, CueError> {
     let mut cell = Cell { xi_s, ..Cell::new(r0).with_cue(cue.parse()?) };
     let material = &mut cell.material;
@@ -44,16 +44,15 @@ pub fn uneven_cell(r0: f64, xi_s: f64, cue: &str) -> Result<Cell, CueError> {
     Ok(cell)
 }
 
-/// Discretisation of [`resting`] and [`moving`] shapes: fine enough for sums over collocation points to be integrals to
-/// about 1e-8.
+/// Discretisation of [`resting`] and [`moving`] shapes, at which sums over collocation points are integrals to about 1e-8.
 pub fn fine() -> Numerics {
     Numerics { intervals: 96, ..Numerics::default() }
 }
 
-/// The whole contour of a shape at rest, activity and cue at work.
+/// The whole contour of a shape at rest, with activity and cue.
 ///
 /// # Errors
-/// What the search for it says.
+/// If no such shape is found.
 pub fn resting(cell: &Cell) -> Result<Computed, StationaryError> {
     let found = stationary(cell, &fine())?;
     let shape = match found.cortex.domain {
@@ -66,16 +65,16 @@ pub fn resting(cell: &Cell) -> Result<Computed, StationaryError> {
 /// The passive shape of a cell without its cue, on the whole contour.
 ///
 /// # Errors
-/// What Newton's method says.
+/// If Newton's method fails.
 pub fn passive_shape(cell: &Cell, numerics: &Numerics) -> Result<Solution, NewtonError> {
     Ok(unfold(&passive(cell, numerics)?.0))
 }
 
-/// The cell after `steps` implicit steps from its passive shape, the first of 10⁻³ τ and each twice as long as the one before,
-/// solved to rounding, with the velocity that the last step gave it. Activity is uneven in that step, as noise makes it.
+/// The cell after `steps` implicit steps from its passive shape, solved to rounding, with the velocity of the last step. The first
+/// step is 10⁻³ τ and each is twice as long as the one before; noise makes the activity of the last one uneven.
 ///
 /// # Errors
-/// What Newton's method says.
+/// If Newton's method fails.
 pub fn moving(cell: &Cell, steps: usize) -> Result<Computed, NewtonError> {
     let mut shape = passive_shape(cell, &fine())?;
     let mut cortex = Cortex::new(cell, Domain::Full, &[]);

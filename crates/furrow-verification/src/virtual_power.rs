@@ -1,6 +1,6 @@
-//! The balance of forces in its weak form: whatever motion is imagined, the power of all forces on it vanishes.
+//! The balance of forces in its weak form: the power of all forces on any virtual motion vanishes.
 //!
-//! Bending enters by the first variation of its energy ∫ ½κC² dA alone, of a material that carries its κ along:
+//! Bending enters only through the first variation of its energy ∫ ½κC² dA, of a material that carries its κ along:
 //! under a motion δv along the contour and δn outwards, δC = −Δδn − (c1² + c2²) δn + δv ∂_sC and
 //! δ(dA) = (∂_sδv + (cosψ/r) δv + C δn) dA, so that after an integration by parts
 //!
@@ -12,7 +12,7 @@ use furrow_cell::RigidityGradient;
 
 use crate::contour::{Computed, Place};
 
-/// A motion that is imagined, at one place: values and derivatives by u.
+/// A virtual motion at one point: values and derivatives by u.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Motion {
     /// δn, δn′, δn″.
@@ -43,7 +43,7 @@ pub fn motions() -> Vec<Box<dyn Fn(f64) -> Motion>> {
     out
 }
 
-/// Powers that forces on a motion have, by what they come from; together 0.
+/// Powers of the forces on a motion, by origin; their sum is 0.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Power {
     /// Change of the bending energy.
@@ -56,9 +56,9 @@ pub struct Power {
     pub active: f64,
     /// Of friction.
     pub friction: f64,
-    /// Less that of the pressure.
+    /// Minus the power of the pressure.
     pub pressure: f64,
-    /// Less that of the shell.
+    /// Minus the power of the shell.
     pub shell: f64,
 }
 
@@ -68,13 +68,13 @@ impl Power {
         [self.bending, self.tension, self.viscous, self.active, self.friction, self.pressure, self.shell]
     }
 
-    /// What is left of it.
+    /// The imbalance.
     pub fn imbalance(&self) -> f64 {
         self.parts().iter().sum::<f64>().abs()
     }
 }
 
-/// The power of all forces of a state on an imagined motion.
+/// The power of all forces of a state on a virtual motion.
 pub fn power(state: &Computed, motion: impl Fn(f64) -> Motion) -> Power {
     let mut sum = Power::default();
     for place in state.places() {

@@ -1,5 +1,5 @@
-//! What decides how a division ends: stability of the shape that a cell has come to rest in, the sign of a growth rate however
-//! small, and the neck's radius.
+//! What decides how a division ends: the stability of the resting shape, the sign of a growth rate however small, and the
+//! neck's radius.
 
 use furrow_cell::{Cell, Cue, Numerics};
 use furrow_mechanics::cortex::observables::positions;
@@ -13,8 +13,8 @@ fn solve(cell: Cell) -> Division {
     divide(&DivisionInput::new(cell)).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// A cell whose symmetric shape grows, by however little, does not rest in it; one whose shape decays, by however little,
-/// does. Its pitchfork is subcritical: beyond there is no other shape to rest in.
+/// A cell does not rest in a symmetric shape with a positive growth rate, however small, and rests in one with a negative rate.
+/// Its pitchfork is subcritical: beyond it there is no other stable shape.
 #[test]
 fn a_growth_rate_above_zero_divides_and_one_below_rests() {
     let cell = Cell::new(1.64);
@@ -89,7 +89,7 @@ fn a_division_starts_from_the_passive_shape_without_its_cue() {
     within("the shape at t = 0, to that without the cue", apart, 1e-12);
 }
 
-/// χ is what the two sides of the neck hold, by their volumes.
+/// χ follows from the volumes on both sides of the neck.
 #[test]
 fn chi_is_that_of_the_volumes_on_the_two_sides() {
     let cell = Cell::new(3.3).with_cue(Cue::published());
@@ -97,7 +97,7 @@ fn chi_is_that_of_the_volumes_on_the_two_sides() {
     let (division, _) = divide_with(
         &DivisionInput::new(cell.clone()),
         DivisionOptions::observed_by(&mut |frame| {
-            // By frusta between many points, which know no quadrature of the solver.
+            // By frusta between many points, independent of the solver's quadrature.
             let mut y = vec![0.0; frame.shape.components];
             let mut at = |u: f64| {
                 frame.shape.eval(frame.gauss, u, &mut y);

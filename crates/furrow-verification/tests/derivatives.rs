@@ -1,5 +1,5 @@
-//! Derivatives of the equations three times: as written by hand, by dual numbers, by differences; and how the equations take
-//! mirror images and other units. On random states, for every field and profile of a cue.
+//! Derivatives of the equations by hand, by dual numbers and by differences; invariance under mirror images and units. On
+//! random states, for every field and profile of a cue.
 
 use furrow_bvp::derivatives::{PointDirection, PointValues};
 use furrow_bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Directional, PointJacobian};
@@ -20,17 +20,17 @@ fn state(draws: &mut Draws) -> ([f64; COMPONENTS], [f64; 2]) {
     (y, [draws.between(6.0, 8.0), draws.between(0.0, 3.0)])
 }
 
-/// One place of a random cell in motion.
+/// One point of a random moving cell.
 const AT: CollocationPoint = CollocationPoint { x: 0.41, index: 0 };
 
-/// A cortex in motion, its activity uneven.
+/// A moving cortex with uneven activity.
 fn cortex(cue: &str, free: &[Parameter]) -> Cortex {
     let mut cortex = Cortex::new(&uneven_cell(2.3, 21.0, cue).unwrap(), Domain::Full, free);
     (cortex.rate, cortex.past, cortex.noise) = (3.0, vec![[1.1, -0.2]], vec![1.03]);
     cortex
 }
 
-/// Right-hand sides and integrand at a state, all in one.
+/// Right-hand sides and integrand at a state, in one vector.
 fn values(cortex: &Cortex, y: &[f64], p: &[f64]) -> Vec<f64> {
     let (mut f, mut g) = (vec![0.0; COMPONENTS], vec![0.0]);
     cortex.rhs(AT, y, p, &mut f, &mut g);
@@ -38,7 +38,7 @@ fn values(cortex: &Cortex, y: &[f64], p: &[f64]) -> Vec<f64> {
     f
 }
 
-/// What is solved is the balance of forces as it is stated a second time.
+/// The solved equations agree with the independent statement of the balance of forces.
 #[test]
 fn the_equations_are_those_of_the_second_statement() {
     let (mut draws, mut largest) = (Draws(3), 0.0f64);
@@ -91,7 +91,7 @@ fn jacobians_by_hand_by_dual_numbers_and_by_differences_agree() {
     within("by hand and by differences", by_difference, 1e-6);
 }
 
-/// What is differentiated, and columns of the hand-written Jacobian: by y, then by the scalars.
+/// The function to differentiate, and the columns of the hand-written Jacobian: by y, then by the scalars.
 fn by_hand(cortex: &mut Cortex, y: &[f64], p: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
     cortex.prepare(p);
     let (n, np) = (COMPONENTS, p.len());
@@ -105,7 +105,7 @@ fn by_hand(cortex: &mut Cortex, y: &[f64], p: &[f64]) -> (Vec<f64>, Vec<Vec<f64>
     (f, columns)
 }
 
-/// What a normal velocity does to the right-hand sides, which growth rates are made of: the past lies a step further back.
+/// Derivatives of the right-hand sides by the normal velocity, which determine growth rates: the past lies a step further back.
 #[test]
 fn the_response_to_a_normal_velocity_is_that_to_an_earlier_past() {
     let (mut draws, mut largest) = (Draws(6), 0.0f64);
@@ -185,7 +185,7 @@ fn jacobians_of_the_conditions_are_their_slopes() {
     }
 }
 
-/// Second and third derivatives along directions, which normal forms are made of, by differences of the first.
+/// Second and third directional derivatives, which determine normal forms, by differences of the first.
 #[test]
 fn higher_derivatives_are_slopes_of_the_lower() {
     let mut draws = Draws(5);
@@ -253,7 +253,7 @@ fn the_equations_have_no_side() {
             let (mut there, mut g) = (vec![0.0; COMPONENTS], vec![0.0]);
             image.rhs(CollocationPoint { x: 1.0 - AT.x, index: 0 }, &mirrored, &p, &mut there, &mut g);
             for k in 0..COMPONENTS {
-                // d/du changes its sign under u → 1 − u, and so does what is odd.
+                // d/du and odd components change sign under u → 1 − u.
                 let sign = if ODD.contains(&k) { 1.0 } else { -1.0 };
                 largest = largest.max((there[k] - sign * here[k]).abs() / (1.0 + here[k].abs()));
             }
@@ -289,7 +289,7 @@ fn in_units(cell: &Cell, length: f64, energy: f64, time: f64) -> Cell {
     other
 }
 
-/// Units of length, energy and time, each by itself: every term of every equation has the dimension it should.
+/// Separate changes of the units of length, energy and time: every term has the right dimension.
 #[test]
 fn the_equations_have_no_units() {
     let (mut draws, mut largest) = (Draws(7), 0.0f64);

@@ -1,5 +1,4 @@
-//! Growth rates of a sphere in a spherical shell, which are known in closed form, by the pencil of a stationary shape and by
-//! steps in time.
+//! Growth rates of a sphere in a spherical shell: closed form, eigenvalue problem of the stationary shape, and time steps.
 //!
 //! On a sphere of radius R the displacement w P_ℓ(cosθ) outwards and the velocity β ∂_θP_ℓ along it separate. With λ = ℓ(ℓ+1),
 //! δC = (λ−2)w/R² P_ℓ and ∂_θD + 2cotθ D = (2−λ)∂_θP_ℓ for D = (∂_θ² − cotθ ∂_θ)P_ℓ, the balance of forces to first order is
@@ -116,7 +115,7 @@ fn amplitude(gauss: &Gauss, y: &Solution, r0: f64, l: i32) -> f64 {
     sum * 0.5 * (2.0 * f64::from(l) + 1.0)
 }
 
-/// Steps in time follow e^(σt), growing and decaying, with all that the stepper does to a rate of change.
+/// Time steps follow e^(σt), growing and decaying.
 #[test]
 fn small_disturbances_of_a_sphere_follow_the_exponential_of_theory() {
     for (xi_s, l) in [(3.0, 2), (40.0, 2), (40.0, 3)] {
@@ -128,7 +127,7 @@ fn small_disturbances_of_a_sphere_follow_the_exponential_of_theory() {
         let start = bulged(&gauss, &cell, &rest, 1e-5, l);
         let mut stepper = Stepper::new(cortex, rest.m, 16, start);
         let dt = 0.02 / sigma.abs();
-        // The first steps, of low order, are short; what they bring about is not looked at.
+        // The first steps are short and of low order: skip them.
         for (dt, count) in [(0.1 * dt, 20), (dt, 5)] {
             for _ in 0..count {
                 stepper.attempt(dt, 4).unwrap();

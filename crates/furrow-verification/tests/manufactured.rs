@@ -1,9 +1,8 @@
-//! Manufactured solutions: a state that is chosen, with all that sources must add to the equations for it to solve them,
-//! from pole to pole and in motion.
+//! Manufactured solutions: a chosen moving state, and the sources that make it solve the equations from pole to pole.
 //!
-//! The sources come from the second statement of the balance of forces. If the equations that are solved differ from it by
-//! anything, what is found is not what was chosen, however fine the mesh. Where they agree the error falls with the order of
-//! the collocation, the poles, where the equations are singular, included.
+//! The sources come from the independent statement of the balance of forces. If the solved equations differ from it, the
+//! solution differs from the chosen state on any mesh. If they agree, the error falls with the order of the collocation, even
+//! at the poles, where the equations are singular.
 
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{
@@ -37,8 +36,8 @@ fn motion<D: Number>(u: D) -> [D; 2] {
     [s1 * 0.3 + s1 * s2 * s2 * 0.4, c1 * -0.2 + c1 * c2 * 0.3 + c2 * 0.1]
 }
 
-/// The chosen state. Both principal curvatures and both strain rates are equal on the poles, as on any smooth surface: that
-/// fixes how r and v start there, and m and T, which are what curvature and flow make of them.
+/// The chosen state. As on any smooth surface, both principal curvatures and both strain rates are equal at the poles: that
+/// fixes how r and v start there, and with them m and T.
 fn chosen<D: Number>(cell: &Cell, u: D) -> [D; COMPONENTS] {
     let ([s1, c1], [s2, c2]) = (wave(1.0, u), wave(2.0, u));
     let psi = u * PI + s2 * 0.25 + s1 * s1 * s2 * 0.2;
@@ -62,7 +61,7 @@ fn chosen<D: Number>(cell: &Cell, u: D) -> [D; COMPONENTS] {
 struct Forced(Cortex);
 
 impl Forced {
-    /// What is missing for the chosen state to be a solution at u.
+    /// The sources at u that make the chosen state a solution.
     fn source(&self, u: f64) -> [f64; COMPONENTS] {
         let cell = &self.0.cell;
         let slope = chosen(cell, Dual64::new(u, 1.0)).map(|y| y.eps);
@@ -112,12 +111,12 @@ fn cell(cue: &str) -> Cell {
         .windows(2)
         .flat_map(|x| gauss.c.iter().zip(&gauss.b).map(|(c, b)| b * (x[1] - x[0]) * density(x[0] + c * (x[1] - x[0]))))
         .sum();
-    // The chosen state is no shape that a shell would press it to: a soft one does not press it hard.
+    // The chosen state is far from the shell's shape: a soft shell keeps the forces small.
     let shell = Shell { aspect: 1.2, p0: 0.5, w: 0.7 };
     Cell { r0: (0.75 * volume / PI).cbrt(), epsilon: 0.8, shell, ..plain }
 }
 
-/// Largest errors of what is found.
+/// Largest errors of the solution.
 struct Errors {
     /// Of the components at nodes away from the poles.
     nodes: f64,
@@ -127,12 +126,12 @@ struct Errors {
     scalars: f64,
 }
 
-/// What is found from a guess next to the chosen state beside that state.
+/// Solves from a guess near the chosen state and compares with that state.
 fn errors(cue: &str, m: usize, intervals: usize) -> Errors {
     let (gauss, cell) = (Gauss::new(m), cell(cue));
     let grid = mesh::uniform(0.0, 1.0, intervals);
     let mut y = Solution::from_fn(&gauss, &grid, COMPONENTS, &[LENGTH * 1.001, PRESSURE * 1.01], |u, y| {
-        // On the poles themselves r vanishes: a hair beside them is near enough for a guess.
+        // r vanishes at the poles: the guess starts a little beside them.
         y.copy_from_slice(&chosen(&cell, u.clamp(1e-6, 1.0 - 1e-6)));
         y.iter_mut().enumerate().for_each(|(k, y)| *y *= 1.0 + 1e-3 * (k as f64 + 5.0 * u).sin());
     });
@@ -166,7 +165,7 @@ fn errors(cue: &str, m: usize, intervals: usize) -> Errors {
     Errors { nodes, anywhere, scalars: (y.scalars[0] - LENGTH).abs().max((y.scalars[1] - PRESSURE).abs()) }
 }
 
-/// A chosen state in motion is found again, whatever the cue, with the pressure and the length of the contour that it has.
+/// The chosen state is found for every cue, with its pressure and contour length.
 #[test]
 fn a_chosen_state_is_found_again_whatever_the_cue() {
     let mut largest = 0.0f64;
@@ -178,7 +177,7 @@ fn a_chosen_state_is_found_again_whatever_the_cue() {
     within("chosen states", largest, 1e-8);
 }
 
-/// Orders at nodes are two apart from one number of stages to the next.
+/// Expected orders at nodes rise by two with each stage.
 const ORDER: f64 = 0.8;
 
 /// The order seen between two numbers of intervals, one twice the other.
@@ -186,8 +185,8 @@ fn order(coarse: f64, fine: f64) -> f64 {
     (coarse / fine).log2()
 }
 
-/// Of the equations of a cell: 2m at nodes and in (L, p). Anywhere else, next to the poles where the equations are singular
-/// included, it is m + 1 for an odd number of stages and m for an even one.
+/// The order is 2m at nodes and in (L, p). Elsewhere, even next to the singular poles, it is m + 1 for an odd number of stages
+/// and m for an even one.
 #[test]
 fn the_collocation_of_a_cell_has_order_2m() {
     for (m, intervals) in [(1, 32), (2, 32), (3, 32), (4, 16), (5, 12)] {
@@ -206,7 +205,7 @@ fn the_collocation_of_a_cell_has_order_2m() {
     }
 }
 
-/// Of a shape at rest, whose solution nobody knows: from one mesh to the next (L, p) change by 2^(2m) times less.
+/// For a shape at rest, without a known solution: each mesh refinement changes (L, p) 2^(2m) times less.
 #[test]
 fn shapes_at_rest_converge_with_order_2m() {
     let cell = uneven_cell(2.0, 9.0, "kappa:band,u0=0.44,omega=0.3,amplitude=0.2").unwrap();

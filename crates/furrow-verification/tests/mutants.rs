@@ -1,5 +1,5 @@
-//! The table of mutants stays true: each still fits the sources, the test that must see it is there, and the page that says what
-//! came of it has it. What is not tried here is whether the test does see it: `cargo run -p furrow-verification --bin mutations`.
+//! Every mutant applies to the sources, its test exists, and docs/mutations.md lists it. Whether the test fails is checked by
+//! `cargo run -p furrow-verification --bin mutations`.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -12,13 +12,13 @@ fn every_mutant_fits_the_sources_and_names_a_test() {
     let mutants = table(&root).unwrap();
     assert!(mutants.len() >= 12);
     for mutant in &mutants {
-        assert!(names.insert(&mutant.name), "two mutants are called {}", mutant.name);
+        assert!(names.insert(&mutant.name), "duplicate mutant {}", mutant.name);
         assert!(!mutant.edits.is_empty(), "{} changes nothing", mutant.name);
         for edit in &mutant.edits {
             edit.applied(&root).unwrap_or_else(|e| panic!("{}: {e}", mutant.name));
         }
         let (file, test) = &mutant.killed_by;
-        let tests = fs::read_to_string(root.join(format!("crates/verification/tests/{file}.rs"))).unwrap();
+        let tests = fs::read_to_string(root.join(format!("crates/furrow-verification/tests/{file}.rs"))).unwrap();
         assert!(tests.contains(&format!("#[test]\nfn {test}(")), "{}: there is no test {test} in {file}", mutant.name);
     }
 }
@@ -31,10 +31,10 @@ fn the_page_of_mutants_has_all_of_them_killed() {
     for mutant in &mutants {
         let (file, test) = &mutant.killed_by;
         let row = format!("| {} | {} | `{file}`: `{test}` |", mutant.name, mutant.means);
-        assert!(page.contains(&row), "docs/mutations.md has no row `{row}`: run the mutants with --write");
+        assert!(page.contains(&row), "docs/mutations.md lacks the row `{row}`: run `mutations -- --write`");
     }
-    // The table of the model ends there; others follow.
+    // Other tables follow the one of the model.
     let table = page.split("<!-- end -->").next().unwrap_or_default();
     let rows = table.lines().filter(|line| line.contains("`: `")).count();
-    assert_eq!(rows, mutants.len(), "docs/mutations.md has rows of mutants that are no more");
+    assert_eq!(rows, mutants.len(), "docs/mutations.md has rows of removed mutants");
 }

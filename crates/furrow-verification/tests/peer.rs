@@ -1,6 +1,5 @@
-//! Stationary shapes beside those of `scipy.integrate.solve_bvp` (`peer.py` here), a solver and a statement of the equations
-//! that share nothing with this one. Where there is no SciPy that is said, and nothing is checked; with the variable
-//! `FURROW_PYTHON` set to an interpreter, its missing there is a failure.
+//! Compares stationary shapes with those of `scipy.integrate.solve_bvp` (`peer.py`), whose solver and equations share nothing
+//! with these. Skipped without SciPy, unless `FURROW_PYTHON` names an interpreter: then a missing SciPy is a failure.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -16,14 +15,14 @@ use furrow_verification::states::{resting, uneven_cell};
 
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peer.py");
 
-/// Names of the components in what is exchanged.
+/// Names of the components in the exchanged file.
 const NAMES: [(&str, usize); 7] = [("r", R), ("z", Z), ("psi", PSI), ("m", M), ("q", Q), ("v", V), ("t", T)];
 
 fn python() -> String {
     std::env::var("FURROW_PYTHON").unwrap_or_else(|_| "python3".to_owned())
 }
 
-/// Why the peer cannot be asked, if it cannot.
+/// Why SciPy is not available, if it is not.
 fn missing() -> Option<String> {
     match Command::new(python()).args([SCRIPT, "--installed"]).output() {
         Ok(output) if output.status.success() => None,
@@ -90,7 +89,7 @@ fn ask(question: &str) -> HashMap<String, Vec<f64>> {
     answer.lines().map(line).collect()
 }
 
-/// Cells of the preset and with none of its constants, with and without the germline's kind of cue.
+/// Cells with the preset's and with other constants, with and without a cue like the germline's.
 #[test]
 fn shapes_at_rest_are_those_of_another_solver() {
     if let Some(reason) = missing() {
@@ -111,7 +110,7 @@ fn shapes_at_rest_are_those_of_another_solver() {
         let answer = ask(&question(&state));
         let mut largest =
             (answer["length"][0] - state.length()).abs().max((answer["pressure"][0] - state.pressure()).abs());
-        // Along the axis the shell holds the cell, so that z is comparable like all else.
+        // The shell fixes the position along the axis, so z is comparable too.
         for (component, index) in NAMES {
             for (u, found) in answer["u"].iter().zip(&answer[component]) {
                 let i = state.shape.mesh.partition_point(|node| node < u);

@@ -1,4 +1,4 @@
-//! Time: the order of the steps, and what a relaxing cell loses.
+//! The order of time steps, and the energy that a relaxing cell loses.
 
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{Newton, Solution, System};
@@ -11,7 +11,7 @@ use furrow_verification::contour::Computed;
 use furrow_verification::report::within;
 use furrow_verification::states::{passive_shape, uneven_cell};
 
-/// Mesh of these runs: what is looked at is the error in time on it.
+/// Mesh of these runs, whose errors in time are compared.
 fn numerics() -> Numerics {
     Numerics { stages: 3, intervals: 20, ..Numerics::default() }
 }
@@ -23,7 +23,7 @@ fn step(stepper: &mut Stepper, dt: f64, order: usize, count: usize) {
     }
 }
 
-/// Short steps, each longer than the one before, from the start up to length `dt`; then so many of that length.
+/// Growing steps from the start up to length `dt`, then the given number of that length.
 fn begin(stepper: &mut Stepper, dt: f64, count: usize) {
     let mut short = dt * 1.25f64.powi(-40);
     while short < dt {
@@ -40,7 +40,7 @@ fn distance(a: &Solution, b: &Solution) -> f64 {
     (square / (a.intervals() * a.m) as f64).sqrt()
 }
 
-/// Steps of one length by the formulas of order 1 to 4, from exact shapes, beside steps that are far shorter.
+/// Equal steps of order 1 to 4 from exact shapes, compared with far shorter steps.
 #[test]
 fn steps_converge_with_the_order_of_their_formula() {
     let cell = uneven_cell(3.0, 35.0, "none").unwrap();
@@ -50,7 +50,7 @@ fn steps_converge_with_the_order_of_their_formula() {
     let short = long / parts as f64;
     let mut fine = stepper();
     begin(&mut fine, short, 4);
-    // The last shapes before the comparison begins, newest first; the stepper itself keeps five.
+    // The last shapes before the comparison, newest first; the stepper keeps five.
     let mut history: Vec<HistoryPoint> = Vec::new();
     for _ in 0..5 * parts {
         step(&mut fine, short, 4, 1);
@@ -75,13 +75,13 @@ fn steps_converge_with_the_order_of_their_formula() {
     }
 }
 
-/// A whole division, whose steps and orders are its own choice. The error of a step of order 4 goes with dt⁵ and there are 1/dt of
-/// them: with a tolerance a hundred times smaller χ and the time of pinch-off are 100^(4/5) = 40 times nearer to theirs.
+/// A whole division chooses its steps and orders. The error of a step of order 4 is proportional to dt⁵ and there are 1/dt of them:
+/// a hundred times smaller tolerance makes χ and the time of pinch-off 100^(4/5) = 40 times more accurate.
 #[test]
 fn divisions_converge_with_the_tolerance_of_their_steps() {
     let cell = Cell::new(3.0).with_cue("tension:gradient,amplitude=0.2".parse().unwrap());
     let [coarse, fine, exact] = [1e-4, 1e-6, 1e-8].map(|time_tolerance| {
-        // On a fine mesh: what is left of the error of a coarse one goes with where it was moved, and so with the steps.
+        // A fine mesh: the error of a coarse one depends on when it was moved, and so on the steps.
         let numerics = Numerics { time_tolerance, noise: 0.0, intervals: 120, ..Numerics::default() };
         let division = divide(&DivisionInput { numerics, ..DivisionInput::new(cell.clone()) }).unwrap();
         [division.chi_signed().unwrap(), division.t_end]
@@ -93,7 +93,7 @@ fn divisions_converge_with_the_tolerance_of_their_steps() {
     }
 }
 
-/// What was observed at one time of a run: energy, and what changes it.
+/// Energy at one time of a run, and the powers that change it.
 struct Observed {
     /// ∫ (½κC² + γ) dA.
     energy: f64,
@@ -119,8 +119,8 @@ fn observe(stepper: &Stepper) -> Observed {
     }
 }
 
-/// Energy lost over a run against the integral of what takes and gives it, by Simpson's rule over even steps; relative to
-/// what was dissipated.
+/// The difference of the energy lost over a run and the integral of the powers, by Simpson's rule over even steps, relative to the
+/// dissipation.
 fn imbalance(cell: &Cell, start: Solution, dt: f64) -> f64 {
     let mut stepper = Stepper::new(Cortex::new(cell, Domain::Full, &[]), start.m, numerics().intervals, start);
     begin(&mut stepper, dt, 5);
@@ -139,14 +139,14 @@ fn imbalance(cell: &Cell, start: Solution, dt: f64) -> f64 {
     (lost + given - dissipated).abs() / dissipated
 }
 
-/// A cell without activity whose shell is gone: dE/dt = −2Φ, Φ the dissipation function of the Rayleighian, and nothing else.
+/// A cell without activity, released from its shell: dE/dt = −2Φ, Φ the dissipation function of the Rayleighian.
 #[test]
 fn a_relaxing_cell_loses_what_it_dissipates() {
     let pressed = Cell { shell: Shell { aspect: 3.0, ..Shell::GAO2026 }, ..uneven_cell(2.0, 0.0, "none").unwrap() };
     let start = passive_shape(&pressed, &numerics()).unwrap();
     let free = Cell { shell: Shell { p0: 0.0, ..pressed.shell }, ..pressed.clone() };
     within("energy of a free cell", imbalance(&free, start.clone(), 0.002), 1e-4);
-    // In a shell, which is soft here, and whose force is no gradient of an energy of the cell: its power is work from outside.
+    // In a soft shell: its force is not the gradient of an energy of the cell, so its power is external work.
     let held = Cell { shell: Shell { aspect: 1.2, p0: 0.4, w: 0.6 }, ..pressed };
     within("energy of a cell in a shell", imbalance(&held, start, 0.002), 1e-4);
 }
@@ -159,7 +159,7 @@ fn an_active_cell_spends_what_activity_gives() {
     within("energy of an active cell", imbalance(&cell, start, 0.004), 1e-4);
 }
 
-/// One implicit step is the rate of change that it says: the same step, solved for at twice its rate from half as far behind.
+/// The rate of an implicit step is consistent: doubling the rate from half as far back gives the same step.
 #[test]
 fn a_step_is_a_rate_of_change_and_a_past() {
     let cell = uneven_cell(2.0, 18.0, "none").unwrap();

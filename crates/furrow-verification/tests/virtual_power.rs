@@ -1,7 +1,7 @@
-//! The principle of virtual power: the forces of a computed state do no work on any imagined motion.
+//! The principle of virtual power: the forces of a computed state do no work on any virtual motion.
 //!
-//! It is how the paper's balance of forces comes about, from the variation of a Rayleighian, and uses neither the shear nor the
-//! elastic stresses of the equations that are solved. An error in any of their terms is left over on some motion.
+//! The paper derives its balance of forces in this way, from the variation of a Rayleighian. The principle uses neither the shear
+//! nor the elastic stresses of the solved equations, so an error in any of their terms leaves power on some motion.
 
 use std::f64::consts::PI;
 
@@ -14,14 +14,14 @@ use furrow_verification::report::{near, within};
 use furrow_verification::states::{cues, moving, resting, uneven_cell};
 use furrow_verification::virtual_power::{Power, motions, power};
 
-/// Sums over collocation points are integrals, and shapes solved, to better than this.
+/// Accuracy of sums over collocation points as integrals, and of solved shapes.
 const EXACT: f64 = 1e-9;
 
 /// The same for a division at its default resolution.
 const SOLVED: f64 = 1e-3;
 
-/// The largest imbalance of a state on all motions, relative to the largest of all powers: on some motions of a symmetric state
-/// every force does nothing.
+/// The largest imbalance of a state over all motions, relative to the largest of all powers, since on some motions of a
+/// symmetric state every power is 0.
 fn worst(state: &Computed) -> f64 {
     let largest = |power: &Power| power.parts().iter().fold(0.0, |most: f64, part| most.max(part.abs()));
     let powers: Vec<Power> = motions().iter().map(|motion| power(state, motion)).collect();
@@ -53,7 +53,7 @@ fn forces_in_motion_do_no_work_whatever_the_cue() {
     within("virtual power in motion", largest, EXACT);
 }
 
-/// Where κ stays with the mesh, as the paper has it, its gradient pulls at nothing.
+/// If κ stays with the mesh, as in the paper, its gradient exerts no force.
 #[test]
 fn a_rigidity_that_stays_with_the_mesh_pulls_at_nothing() {
     let mut cell = uneven_cell(2.0, 9.0, "kappa:band,u0=0.44,omega=0.15,amplitude=0.2").unwrap();
@@ -64,8 +64,8 @@ fn a_rigidity_that_stays_with_the_mesh_pulls_at_nothing() {
     assert!(worst(&state) > 1e-3, "the two readings differ: {:.1e}", worst(&state));
 }
 
-/// The state itself: its curve is one and ends on the axis, its moment is κC, its tension that of its flow, and it holds the cell's
-/// volume.
+/// The state is consistent: its curve is closed at the axis, its moment is κC, its tension follows from the flow, and it has the
+/// cell's volume.
 #[test]
 fn a_state_is_what_its_unknowns_say() {
     let cells = ["none", "kappa:band,u0=0.44,omega=0.15,amplitude=0.2", "viscosity:gradient,amplitude=0.25"];
@@ -74,21 +74,21 @@ fn a_state_is_what_its_unknowns_say() {
             let most = |of: fn(&Place) -> f64| state.places().iter().fold(0.0f64, |most, place| most.max(of(place)));
             within("the curve and κC", most(|p| p.geometry.iter().fold(0.0, |most: f64, g| most.max(g.abs()))), 1e-8);
             within("T_uu", most(|p| (p.viscous[0] + p.active[0] - p.tension).abs()), 1e-8);
-            // On the poles it is smooth, with nothing that comes out of a point.
+            // Smooth at the poles, without point forces.
             let last = state.shape.node(state.shape.intervals());
             let [first, last] = [state.shape.node(0), last].map(|y| [y[R], y[PSI], y[Q], y[V]]);
             let ends =
                 first.iter().zip(last).zip([0.0, PI, 0.0, 0.0]).map(|((a, b), at_end)| a.abs().max((b - at_end).abs()));
             within("the poles", ends.fold(0.0, f64::max), 1e-8);
-            // Of a surface of revolution, by the divergence theorem: 3V = ∮ x·n dA.
+            // By the divergence theorem, 3V = ∮ x·n dA.
             let volume = state.integral(|p| p.r * p.normal[0] + p.z * p.normal[1]) / 3.0;
             near("volume", volume, 4.0 * PI * cell.r0.powi(3) / 3.0, EXACT);
         }
     }
 }
 
-/// The resultant along the axis of what one part of a cut surface does to the other, tension, shear and pressure, against all
-/// that acts on that part from outside: the shell and friction. The last cut leaves nothing on the other side.
+/// At every cut the axial resultant of tension, shear and pressure balances the shell's force and friction on one part of the
+/// surface. The last cut leaves nothing on the other side.
 #[test]
 fn axial_forces_balance_at_every_cut() {
     let mut largest = 0.0f64;
@@ -102,7 +102,7 @@ fn axial_forces_balance_at_every_cut() {
             let node = y.node(i + 1);
             let (sin, cos) = node[PSI].sin_cos();
             let here = coefficients(&state.cell, y.mesh[i + 1], state.length());
-            // On the axis all of it vanishes with r.
+            // At the axis everything vanishes with r.
             let c2 = if i + 1 < y.intervals() { sin / node[R] } else { 0.0 };
             let c1 = node[M] / here.kappa - c2;
             let along = node[T] + here.tension + 0.5 * here.kappa * (c2 * c2 - c1 * c1);
@@ -113,7 +113,7 @@ fn axial_forces_balance_at_every_cut() {
     within("axial forces at cuts", largest, EXACT);
 }
 
-/// What a state at rest burns is what activity gives: tension, bending, pressure and shell do no work on it.
+/// At rest the dissipation equals the active power: tension, bending, pressure and shell do no work.
 #[test]
 fn at_rest_activity_pays_for_all_dissipation() {
     let mut largest = 0.0f64;
@@ -134,8 +134,8 @@ fn at_rest_activity_pays_for_all_dissipation() {
     within("power at rest", largest, EXACT);
 }
 
-/// A division as it is computed: at t = 0 the balance is that of the cell without activity and without cue, on a
-/// mirror-symmetric shape; from the first step on that with both.
+/// A division: at t = 0 the balance is that of the cell without activity and cue, on a mirror-symmetric shape; from the first
+/// step on it has both.
 #[test]
 fn the_cue_is_switched_on_with_the_activity() {
     let cue = "kappa:band,u0=0.44,omega=0.15,amplitude=0.2+tension:gradient,amplitude=0.3";

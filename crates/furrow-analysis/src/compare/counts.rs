@@ -190,7 +190,7 @@ fn ends(tree: &Tree) -> Vec<TerminalCells> {
         let (mut ended, mut radii) = (BTreeMap::new(), Vec::new());
         for id in tree.cells() {
             let cell = tree.cell(id);
-            if let (true, Some(reason)) = (cell.founder == k, &cell.fate.ended) {
+            if let (true, Some(reason)) = (cell.founder == k, cell.fate.terminal_reason()) {
                 *ended.entry(reason.name().to_owned()).or_insert(0) += 1;
                 radii.push(cell.r0);
             }

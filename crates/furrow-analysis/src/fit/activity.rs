@@ -10,11 +10,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::error::{FitError, check_cancelled};
-use furrow_cell::Cell;
 use furrow_lineage::batch::{Memo, scheduler};
 
 use crate::ranges::{Reading, grow_alone};
-use furrow_lineage::{GrowError, Lineage, Thresholds, TreeSettings, founder_rounds};
+use furrow_lineage::{EndRule, GrowError, Lineage, Scope, Thresholds, TreeSettings, founder_rounds};
 use furrow_mechanics::equilibria::CriticalRadii;
 
 /// The activity that a founder would need.
@@ -82,9 +81,8 @@ impl Search<'_> {
             let depth = self.lineage.generation(self.founder) + most + deeper;
             lineage.limits.max_depth = lineage.limits.max_depth.min(depth);
         }
-        // At every activity there is another critical radius, and a search for one takes longer than a tree of divisions.
-        let ends = |cell: &Cell| if self.ends.knows(cell) { self.ends.of(cell) } else { None };
-        let (tree, _) = grow_alone(&lineage, self.settings.clone(), &ends, self.memo, self.cancel)?;
+        let (tree, _) =
+            grow_alone(&lineage, self.settings.clone(), EndRule::Thresholds(&self.ends), self.memo, self.cancel)?;
         let row = founder_rounds(&tree).into_iter().find(|row| row.founder == self.founder);
         Ok(row.and_then(|row| row.rounds).map(|rounds| self.reading.of(&rounds)))
     }
@@ -185,7 +183,8 @@ pub fn activities(
     let trees = &AtomicUsize::new(0);
     let one = |founder: usize| -> Option<Result<FounderActivity, GrowError>> {
         let observed = lineage.founders[founder].observed.and_then(|o| reading.observed(&o))?;
-        let ends = Thresholds::new(CriticalRadii::new(&settings.numerics));
+        // At every activity there is another critical radius, and a search for one takes longer than a tree of divisions.
+        let ends = Thresholds::new(CriticalRadii::new(&settings.numerics)).with_scope(Scope::Known);
         Some(Search { lineage, settings, memo, cancel, reading, founder, ends, trees }.run(observed, range))
     };
     let founders = lineage.founders.len();

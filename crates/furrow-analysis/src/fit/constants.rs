@@ -26,7 +26,7 @@ use super::targets::{MeasuredChi, Searched, Targets};
 use crate::ranges::grow_alone;
 use furrow_cell::{Cell, Parameter};
 use furrow_lineage::batch::{Memo, scheduler};
-use furrow_lineage::{FounderRounds, Lineage, Rounds, Thresholds, Tree, TreeSettings, founder_rounds};
+use furrow_lineage::{EndRule, FounderRounds, Lineage, Rounds, Thresholds, Tree, TreeSettings, founder_rounds};
 use furrow_mechanics::calibration::Threshold;
 use furrow_mechanics::division::Outcome;
 use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, pitchfork};
@@ -200,7 +200,7 @@ impl Objective<'_> {
     fn evaluate(&self, cell: &Cell) -> Option<Evaluated> {
         let settings = TreeSettings { cell: cell.clone(), ..self.settings.clone() };
         let ends = Thresholds::new(CriticalRadii::new(&settings.numerics));
-        let (tree, _) = grow_alone(self.lineage, settings, &|cell| ends.of(cell), self.memo, self.cancel).ok()?;
+        let (tree, _) = grow_alone(self.lineage, settings, EndRule::Thresholds(&ends), self.memo, self.cancel).ok()?;
         let founders = self.founders(&tree);
         let parts = self.parts(&founders);
         let weights = self.targets.weights;

@@ -7,7 +7,7 @@ use super::readings::chi_in_words;
 use crate::compare::counts::counts;
 use furrow_cell::cue::Quantity;
 use furrow_cell::{Cell, Cue, Parameter};
-use furrow_lineage::{Grower, Length, Lineage, Thresholds, Tree, TreeCell, TreeSettings, founder_rounds};
+use furrow_lineage::{EndRule, Grower, Length, Lineage, Thresholds, Tree, TreeCell, TreeSettings, founder_rounds};
 use furrow_mechanics::division::{Outcome, divide};
 use furrow_mechanics::equilibria::CriticalRadii;
 
@@ -22,8 +22,8 @@ fn grow(figure: &Figure<'_>, lineage: &Lineage) -> Result<Tree, ReproduceError> 
     let cell = Cell { r0, ..context.settings.cell.clone() };
     let settings = TreeSettings { cell, numerics, seed: 0, r0_step: context.memo.quantisation().relative_step() };
     let rule = Thresholds::new(CriticalRadii::new(&numerics).interrupted_by(context.cancel));
-    let ends = |cell: &Cell| rule.of(cell);
-    let grower = Grower { lineage, settings, ends: &ends, memo: context.memo, options: context.options() };
+    let ends = EndRule::Thresholds(&rule);
+    let grower = Grower { lineage, settings, ends, memo: context.memo, options: context.options() };
     let (tree, _) = grower.grow(divide)?;
     context.check_cancelled()?;
     Ok(tree)

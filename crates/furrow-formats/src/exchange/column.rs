@@ -1,6 +1,6 @@
 //! What the formats share: the columns of a cell, branch lengths, the leaves.
 
-use furrow_lineage::{CellId, Place, Side, Tree};
+use furrow_lineage::{CellId, Side, Tree};
 
 /// Type of the values of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,17 +38,15 @@ pub const COLUMNS: [Column; 17] = [
     column("generation", Kind::Count, true, |tree, id| Some(tree.cell(id).generation.to_string())),
     column("r0", Kind::Number, true, |tree, id| Some(tree.cell(id).r0.to_string())),
     column("volume_fraction", Kind::Number, true, |tree, id| Some(tree.cell(id).volume_fraction.to_string())),
-    column("cue", Kind::Text, true, cue_name),
+    column("cue", Kind::Text, true, |tree, id| Some(tree.cue_name(id).to_owned())),
     column("cue_terms", Kind::Text, false, |tree, id| Some(tree.cell(id).cue.to_string())),
     column("outcome", Kind::Text, true, |tree, id| Some(tree.cell(id).fate.outcome()?.name().to_owned())),
     column("chi", Kind::Number, true, chi),
-    column("chi_signed", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division.as_ref()?.chi_signed())),
-    column("u_furrow", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division.as_ref()?.u_furrow())),
+    column("chi_signed", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division()?.chi_signed())),
+    column("u_furrow", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division()?.u_furrow())),
     column("t_end", Kind::Number, true, |tree, id| number(tree.cell(id).fate.t_end())),
-    column("slow_growth_rate", Kind::Number, true, |tree, id| {
-        number(tree.cell(id).fate.division.as_ref()?.slow_growth_rate)
-    }),
-    column("ended", Kind::Text, true, |tree, id| Some(tree.cell(id).fate.ended.as_ref()?.name().to_owned())),
+    column("slow_growth_rate", Kind::Number, true, |tree, id| number(tree.cell(id).fate.division()?.slow_growth_rate)),
+    column("ended", Kind::Text, true, |tree, id| Some(tree.cell(id).fate.terminal_reason()?.name().to_owned())),
     column("ended_why", Kind::Text, false, ended_why),
     column("birth_chi", Kind::Number, false, birth_chi),
 ];
@@ -74,18 +72,9 @@ fn daughter(tree: &Tree, id: CellId) -> Option<String> {
     Some(side.to_owned())
 }
 
-/// The name that the lineage gives a cell's cue.
-fn cue_name(tree: &Tree, id: CellId) -> Option<String> {
-    let cell = tree.cell(id);
-    let born = tree.founder_cell(cell.founder).map_or(cell.generation, |born| tree.cell(born).generation);
-    let round = cell.generation.saturating_sub(born);
-    let place = Place { founder: cell.founder, round, generation: cell.generation, r0: cell.r0 };
-    Some(tree.lineage.cue_name_at(place).to_owned())
-}
-
 /// Why a cell has no daughters, in one line: what a file says of an undecided cell may contain line breaks.
 fn ended_why(tree: &Tree, id: CellId) -> Option<String> {
-    let why = tree.cell(id).fate.ended.as_ref()?.to_string();
+    let why = tree.cell(id).fate.terminal_reason()?.to_string();
     Some(why.chars().map(|c| if c.is_control() { ' ' } else { c }).collect())
 }
 
@@ -112,17 +101,4 @@ impl BranchLengths {
             BranchLengths::None => None,
         }
     }
-}
-
-/// The cells without daughters, from anterior to posterior.
-pub(super) fn leaves(tree: &Tree) -> Vec<CellId> {
-    let mut leaves = Vec::new();
-    let mut stack = vec![tree.first()];
-    while let Some(id) = stack.pop() {
-        match tree.daughters(id) {
-            Some([anterior, posterior]) => stack.extend([posterior, anterior]),
-            None => leaves.push(id),
-        }
-    }
-    leaves
 }

@@ -94,8 +94,10 @@ fn chi(tree: &Tree) -> String {
 fn labels(tree: &Tree) -> String {
     let line = |id: CellId| {
         let cell = tree.cell(id);
-        let ended =
-            cell.fate.ended.as_ref().map_or(String::new(), |reason| format!(", {}", reason.name().replace('_', " ")));
+        let ended = cell
+            .fate
+            .terminal_reason()
+            .map_or(String::new(), |reason| format!(", {}", reason.name().replace('_', " ")));
         format!("{}\t{} (R0 {:.3}{ended})", cell.name, cell.name, cell.r0)
     };
     file("LABELS", &[], tree.cells().map(line))

@@ -72,13 +72,14 @@ pub enum Exported {
 /// ```
 /// use furrow_cell::Cue;
 /// use furrow_formats::exchange::{BranchLengths, Exported, Format, export};
-/// use furrow_lineage::{Fate, Lineage, Tree, TreeCell, TreeSettings};
+/// use furrow_lineage::{Lineage, TerminalReason, Tree, TreeCell, TreeSettings};
 ///
 /// let lineage = Lineage::parse(r#"(name: "one cell", founders: [(name: "S")])"#, "one.ron")?;
-/// let cell = TreeCell { name: "S".to_owned(), founder: 0, generation: 0, r0: 1.0, volume_fraction: 1.0, cue: Cue::none(), fate: Fate::default() };
+/// let fate = TerminalReason::BelowPitchfork { r0_c: 1.7 }.into();
+/// let cell = TreeCell { name: "S".to_owned(), founder: 0, generation: 0, r0: 1.0, volume_fraction: 1.0, cue: Cue::none(), fate };
 /// let tree = Tree::new(lineage, TreeSettings::default(), cell);
 /// let nhx = export(&tree, Format::Nhx, BranchLengths::Generation, &[]);
-/// assert_eq!(nhx, Exported::File("S:0[&&NHX:founder=S:generation=0:r0=1:volume_fraction=1:cue=none];\n".to_owned()));
+/// assert_eq!(nhx, Exported::File("S:0[&&NHX:founder=S:generation=0:r0=1:volume_fraction=1:cue=none:outcome=failed:ended=below_pitchfork];\n".to_owned()));
 /// # Ok::<(), furrow_input::InputError>(())
 /// ```
 pub fn export(tree: &Tree, format: Format, lengths: BranchLengths, colours: &[&str]) -> Exported {

@@ -1,9 +1,10 @@
 //! Newick, plain and with comments on its cells: NHX, and Nexus as FigTree reads it.
 
 use std::fmt::Write;
+use std::iter::successors;
 
-use super::column::{BranchLengths, COLUMNS, leaves};
-use furrow_lineage::{CellId, Tree};
+use super::column::{BranchLengths, COLUMNS};
+use furrow_lineage::{CellId, Side, Tree};
 
 /// The tree in plain Newick: names on inner nodes, a cell's branch length is its division time `t_end` in τ (for a cell
 /// that came to rest, the time at which it was found at rest; absent where no division was computed, as for most of the
@@ -31,7 +32,7 @@ pub(super) fn nhx(tree: &Tree, lengths: BranchLengths) -> String {
 /// A Nexus file with the leaves as taxa and one rooted tree. `[&key=value,…]` stands between the name of a cell and its
 /// branch length, where FigTree and BEAST put what they say of a node.
 pub(super) fn nexus(tree: &Tree, lengths: BranchLengths) -> String {
-    let leaves = leaves(tree);
+    let leaves: Vec<CellId> = tree.leaves().collect();
     let mut out = format!("#NEXUS\nBEGIN TAXA;\n  DIMENSIONS NTAX={};\n  TAXLABELS", leaves.len());
     for leaf in leaves {
         out.push_str("\n    ");
@@ -48,39 +49,24 @@ pub(super) fn nexus(tree: &Tree, lengths: BranchLengths) -> String {
     out
 }
 
-/// The tree up to its semicolon, with what `after_name` writes behind the name of each cell. It keeps its own stack: a
-/// lineage may be deeper than the call stack.
+/// The tree up to its semicolon, with what `after_name` writes behind the name of each cell.
 fn nested(tree: &Tree, mut after_name: impl FnMut(CellId, &mut String)) -> String {
-    enum Step {
-        Enter(CellId),
-        Comma,
-        Leave(CellId),
-    }
+    let is_anterior = |cell: &CellId| tree.side(*cell) == Some(Side::Anterior);
     let mut out = String::with_capacity(40 * tree.len());
-    let mut steps = vec![Step::Enter(tree.first())];
-    while let Some(step) = steps.pop() {
-        let cell = match step {
-            Step::Enter(cell) => match tree.daughters(cell) {
-                Some([anterior, posterior]) => {
-                    out.push('(');
-                    steps.extend([Step::Leave(cell), Step::Enter(posterior), Step::Comma, Step::Enter(anterior)]);
-                    continue;
-                }
-                None => cell,
-            },
-            Step::Comma => {
-                out.push(',');
-                continue;
-            }
-            Step::Leave(cell) => {
-                out.push(')');
-                cell
-            }
-        };
+    for cell in tree.post_order() {
+        if tree.daughter_count(cell) == 0 {
+            // One bracket for each cell whose anterior descendants begin with this one.
+            let above = successors(Some(cell), |cell| tree.mother(*cell));
+            above.take_while(is_anterior).for_each(|_| out.push('('));
+        }
         push_name(&mut out, &tree.cell(cell).name);
         after_name(cell, &mut out);
+        out.push(match tree.side(cell) {
+            Some(Side::Anterior) => ',',
+            Some(Side::Posterior) => ')',
+            None => ';',
+        });
     }
-    out.push(';');
     out
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::column::{COLUMNS, leaves};
+use super::column::COLUMNS;
 use furrow_lineage::Tree;
 
 /// One row a cell, mothers before daughters: its name, then all columns; what is not there is an empty field.
@@ -27,7 +27,7 @@ pub(super) fn cells_csv(tree: &Tree) -> String {
 /// `id`.
 pub(super) fn lineage_tree_csv(tree: &Tree) -> String {
     let mut x = vec![0.0; tree.len()];
-    for (place, leaf) in leaves(tree).into_iter().enumerate() {
+    for (place, leaf) in tree.leaves().enumerate() {
         x[leaf.index()] = place as f64;
     }
     // In breadth-first order from behind, daughters come before their mothers.

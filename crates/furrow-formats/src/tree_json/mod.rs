@@ -11,8 +11,10 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::provenance::Provenance;
-use furrow_cell::{Cell, Cue, Numerics};
-use furrow_lineage::{CellId, Lineage, ObservedRounds, Place, Rounds, Side, TerminalReason, Tree, founder_rounds};
+use furrow_cell::Cue;
+use furrow_lineage::{
+    CellId, Lineage, ObservedRounds, Rounds, Side, TerminalReason, Tree, TreeSettings, founder_rounds,
+};
 use furrow_mechanics::division::Outcome;
 
 /// Name of the format.
@@ -55,28 +57,23 @@ pub struct FounderRow {
 
 /// The founders' table, in the lineage file's order.
 pub fn founder_rows(tree: &Tree) -> Vec<FounderRow> {
-    let founders = tree.lineage.founders.len();
-    let birth: Vec<Option<CellId>> = (0..founders).map(|founder| tree.founder_cell(founder)).collect();
-    let mut cued = vec![BTreeMap::new(); founders];
+    let mut cued = vec![BTreeMap::new(); tree.lineage.founders.len()];
     for id in tree.cells() {
         let cell = tree.cell(id);
-        let Some(born) = birth[cell.founder].filter(|born| *born != id) else { continue };
-        if !cell.cue.is_none() {
-            let round = cell.generation - tree.cell(born).generation;
-            let place = Place { founder: cell.founder, round, generation: cell.generation, r0: cell.r0 };
-            *cued[cell.founder].entry(tree.lineage.cue_name_at(place).to_owned()).or_insert(0) += 1;
+        if !cell.cue.is_none() && tree.founder_cell(cell.founder) != Some(id) {
+            *cued[cell.founder].entry(tree.cue_name(id).to_owned()).or_insert(0) += 1;
         }
     }
     let row = |founder: usize, rounds: Option<Rounds>| {
         let definition = &tree.lineage.founders[founder];
-        let cell = tree.founder_cell(founder).map(|id| tree.cell(id));
-        let place = cell.map(|c| Place { founder, round: 0, generation: c.generation, r0: c.r0 });
+        let id = tree.founder_cell(founder);
+        let cell = id.map(|id| tree.cell(id));
         FounderRow {
             name: definition.name.clone(),
             r0: cell.map(|c| c.r0),
             r0_um: cell.and_then(|c| tree.lineage.units().micrometres(c.r0)),
             volume_fraction: cell.map(|c| c.volume_fraction),
-            cue: place.map_or("none", |place| tree.lineage.cue_name_at(place)).to_owned(),
+            cue: id.map_or("none", |id| tree.cue_name(id)).to_owned(),
             cued_descendants: cued[founder].clone(),
             outcome: cell.and_then(|c| c.fate.outcome()),
             chi: cell.and_then(|c| c.fate.chi()),
@@ -93,11 +90,8 @@ struct Head<'a> {
     schema: &'a str,
     schema_version: u32,
     provenance: Provenance,
-    seed: u64,
-    r0_step: f64,
-    /// The first cell; what all cells share is taken from it.
-    cell: &'a Cell,
-    numerics: &'a Numerics,
+    #[serde(flatten)]
+    settings: &'a TreeSettings,
     lineage: &'a Lineage,
     founders: Vec<FounderRow>,
 }
@@ -128,7 +122,7 @@ struct Record<'a> {
 impl<'a> Record<'a> {
     fn of(tree: &'a Tree, id: CellId) -> Record<'a> {
         let cell = tree.cell(id);
-        let division = cell.fate.division.as_ref();
+        let division = cell.fate.division();
         Record {
             name: Cow::Borrowed(&cell.name),
             mother: tree.mother(id).map(|m| Cow::Borrowed(tree.cell(m).name.as_str())),
@@ -144,7 +138,7 @@ impl<'a> Record<'a> {
             u_furrow: division.and_then(|d| d.u_furrow()),
             t_end: division.map(|d| d.t_end),
             slow_growth_rate: division.and_then(|d| d.slow_growth_rate),
-            ended: cell.fate.ended.clone(),
+            ended: cell.fate.terminal_reason().cloned(),
         }
     }
 }
@@ -158,10 +152,7 @@ pub fn tree_to_json(tree: &Tree) -> Result<String, serde_json::Error> {
         schema: SCHEMA,
         schema_version: SCHEMA_VERSION,
         provenance: Provenance::current(),
-        seed: tree.settings.seed,
-        r0_step: tree.settings.r0_step,
-        cell: &tree.settings.cell,
-        numerics: &tree.settings.numerics,
+        settings: &tree.settings,
         lineage: &tree.lineage,
         founders: founder_rows(tree),
     };

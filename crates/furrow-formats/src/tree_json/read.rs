@@ -168,13 +168,12 @@ impl<'a> Builder<'a> {
 
     fn build(mut self, records: Vec<Record<'a>>) -> Result<Tree, TreeFileError> {
         let wrong = |index: usize, cell: &str, message| TreeFileError::Cell { index, cell: cell.to_owned(), message };
-        for (index, record) in records.into_iter().enumerate() {
-            self.add(&record).map_err(|message| wrong(index, &record.name, message))?;
+        for (index, record) in records.iter().enumerate() {
+            self.add(record).map_err(|message| wrong(index, &record.name, message))?;
         }
         let tree = self.tree.ok_or_else(|| wrong(0, "", "there are no cells".to_owned()))?;
-        for id in tree.cells() {
-            let cell = tree.cell(id);
-            whole(&tree, id).map_err(|message| wrong(id.index(), &cell.name, message))?;
+        for (id, record) in tree.cells().zip(&records) {
+            whole(&tree, id, record).map_err(|message| wrong(id.index(), &record.name, message))?;
         }
         Ok(tree)
     }
@@ -290,27 +289,20 @@ fn in_range(record: &Record<'_>) -> Result<(), Complaint> {
 }
 
 /// Whether a cell has ended, or has two daughters and the division that gave them.
-fn whole(tree: &Tree, id: CellId) -> Result<(), Complaint> {
-    let fate = &tree.cell(id).fate;
-    match (tree.daughter_count(id), tree.daughters(id)) {
-        (0, _) => match fate.ended {
-            Some(_) => Ok(()),
-            None => Err("ended = null: must be the reason why it has no daughters".to_owned()),
-        },
-        (2, Some(_)) => {
-            let divided = matches!(fate.outcome(), Some(Outcome::Symmetric | Outcome::Asymmetric));
-            match (&fate.ended, divided) {
-                (Some(reason), _) => {
-                    Err(format!("ended = {:?}: must be null where there are daughters", reason.name()))
-                }
-                (None, false) => {
-                    Err("outcome: must be symmetric or asymmetric, with t_end, where there are daughters".to_owned())
-                }
-                (None, true) => Ok(()),
-            }
+fn whole(tree: &Tree, id: CellId, record: &Record<'_>) -> Result<(), Complaint> {
+    let divided = record.t_end.is_some() && matches!(record.outcome, Some(Outcome::Symmetric | Outcome::Asymmetric));
+    let complaint = match (tree.daughter_count(id), &record.ended) {
+        (0, Some(_)) => return Ok(()),
+        (0, None) => "ended = null: must be the reason why it has no daughters",
+        (2, _) if tree.daughters(id).is_none() => "its daughters are not one anterior and one posterior",
+        (2, Some(reason)) => {
+            return Err(format!("ended = {:?}: must be null where there are daughters", reason.name()));
         }
-        _ => Err("its daughters are not one anterior and one posterior".to_owned()),
-    }
+        (2, None) if divided => return Ok(()),
+        (2, None) => "outcome: must be symmetric or asymmetric, with t_end, where there are daughters",
+        _ => "its daughters are not one anterior and one posterior",
+    };
+    Err(complaint.to_owned())
 }
 
 impl Record<'_> {
@@ -339,6 +331,11 @@ impl Record<'_> {
                 Some(Division::try_from(row).map_err(missing)?.with_daughters_of(self.r0))
             }
         };
-        Ok(Fate { division, ended: self.ended.clone() })
+        Ok(match (self.ended.clone(), division) {
+            (None, Some(division)) => Fate::Divides(division),
+            (Some(reason), division) => Fate::Terminal { reason, division },
+            // Refused with the whole tree, when its daughters are known.
+            (None, None) => TerminalReason::Undecided { why: String::new() }.into(),
+        })
     }
 }

@@ -35,13 +35,18 @@ enum Slot {
     InFlight(Vec<Sender<Event>>),
 }
 
-/// The end of a lease, sent to all who wait for its key.
+/// What workers send to those who wait.
 #[derive(Clone, Debug)]
-pub struct Event {
-    /// The key waited for.
-    pub key: Key,
-    /// What became of it.
-    pub completion: Completion,
+pub enum Event {
+    /// The end of a lease.
+    Completed {
+        /// The key waited for.
+        key: Key,
+        /// What became of it.
+        completion: Completion,
+    },
+    /// The preparation of a job of this number is done. The memo itself sends none.
+    Prepared(usize),
 }
 
 /// What became of a key that was in flight.
@@ -229,7 +234,7 @@ impl Lease<'_> {
         let Some(Slot::InFlight(waiters)) = before else { return };
         for waiter in waiters {
             // A waiter that is gone no longer wants to know.
-            let _ = waiter.send(Event { key: self.key, completion: completion.clone() });
+            let _ = waiter.send(Event::Completed { key: self.key, completion: completion.clone() });
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The equations with hand-written derivatives, for the collocation sweep of Newton's method.
 //!
-//! Each line repeats one of [`balances`](super::equations::balances) and differentiates it by what it depends on; `crates/verification`
+//! Each line repeats one of [`balances`](super::equations::balances) and differentiates it by what it depends on; `crates/furrow-verification`
 //! holds the two together for every field and profile of a cue.
 
 use std::f64::consts::PI;

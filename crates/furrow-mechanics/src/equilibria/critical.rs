@@ -4,8 +4,8 @@
 //! which its stable branch ends. The radii of the preset are kept in a small file in `data/`, compiled in, with a hash of
 //! the parameters they belong to; others are solved for when first asked about.
 
-use std::cell::RefCell;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use furrow_bvp::{AugmentedReport, Codim2Curve, CurveError, Singularity};
 use serde::{Deserialize, Serialize};
@@ -348,7 +348,7 @@ pub fn critical_radius(cell: &Cell, numerics: &Numerics) -> Result<CriticalRadiu
 /// As [`critical_radius`], with so much work.
 ///
 /// # Errors
-/// Those of [`critical_radius`]; [`ShapeError::OutOfBudget`] and [`ShapeError::Interrupted`] if the search must end before it has
+/// Those of [`critical_radius`]; [`ShapeError::StepBudget`] and [`ShapeError::Interrupted`] if the search must end before it has
 /// come to an end.
 pub fn critical_radius_within(
     cell: &Cell,
@@ -359,21 +359,30 @@ pub fn critical_radius_within(
     Ok(CriticalRadius { cue: cell.cue.clone(), kind, r0: point.value, slope: point.slope })
 }
 
-/// What is known of the critical radius of cells that differ by radius alone: on the given mesh, and on the finer one once a cell
-/// came near it. None where it was not looked for.
-#[derive(Debug, Default)]
-struct Searched {
-    coarse: Option<Result<CriticalRadius, ShapeError>>,
-    fine: Option<Result<CriticalRadius, ShapeError>>,
+/// A search for the critical radius of cells that differ by their radius alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Search {
+    /// Such a cell, of radius 1.
+    cell: Cell,
+    /// On a mesh twice as fine, for cells close to their critical radius.
+    fine: bool,
 }
 
-/// Whether cells divide: from stored radii where they apply, else from a search, once for each kind of cell. For use on one thread.
+impl Search {
+    fn of(cell: &Cell, fine: bool) -> Search {
+        Search { cell: Cell { r0: 1.0, cue: cell.cue.simplified(), ..cell.clone() }, fine }
+    }
+}
+
+/// Tells whether cells divide, from stored critical radii where they apply and from searches, once each, for others.
+///
+/// [`ends`](Self::ends) searches where it must. A program with several threads asks for [`missing`](Self::missing)
+/// searches and [runs](Self::run) them where it likes; no lock is held meanwhile.
 #[derive(Debug)]
 pub struct CriticalRadii<'a> {
     numerics: Numerics,
     interrupt: Option<&'a AtomicBool>,
-    /// By the cell with its radius set to 1.
-    known: RefCell<Vec<(Cell, Searched)>>,
+    found: Mutex<Vec<(Search, Result<CriticalRadius, ShapeError>)>>,
 }
 
 /// Most steps, along branches and curves, of one search for a critical radius. Nearly all searches that find one take 20 to
@@ -381,7 +390,7 @@ pub struct CriticalRadii<'a> {
 /// cells that are too small, and each costs as much as 20 to 40 steps.
 pub const MOST_SEARCHED: usize = 600;
 
-/// Cells nearer to their critical radius than this, relative, are judged by one computed on a mesh twice as fine.
+/// Cells closer to their critical radius than this, relative, are compared with one from a mesh twice as fine.
 const NEAR: f64 = 1e-3;
 
 impl<'a> CriticalRadii<'a> {
@@ -395,17 +404,10 @@ impl<'a> CriticalRadii<'a> {
     /// With given radii of cells like `cell`.
     pub fn with_radii(cell: &Cell, numerics: &Numerics, radii: Vec<CriticalRadius>) -> CriticalRadii<'a> {
         let entry = |radius: CriticalRadius| {
-            let cell = without_size_and_cue(cell).with_cue(radius.cue.clone());
-            (cell, Searched { coarse: Some(Ok(radius)), fine: None })
+            (Search { cell: without_size_and_cue(cell).with_cue(radius.cue.clone()), fine: false }, Ok(radius))
         };
-        let known = RefCell::new(radii.into_iter().map(entry).collect());
-        CriticalRadii { numerics: *numerics, interrupt: None, known }
-    }
-
-    /// Whether an answer about cells like this one takes no search.
-    pub fn knows(&self, cell: &Cell) -> bool {
-        let one = without_size(cell);
-        self.known.borrow().iter().any(|(other, found)| *other == one && found.coarse.is_some())
+        let found = Mutex::new(radii.into_iter().map(entry).collect());
+        CriticalRadii { numerics: *numerics, interrupt: None, found }
     }
 
     /// The same, whose searches end when the flag is set.
@@ -414,49 +416,67 @@ impl<'a> CriticalRadii<'a> {
         CriticalRadii { interrupt: Some(flag), ..self }
     }
 
+    /// Whether the critical radius of cells like this one, or that there is none, is known.
+    pub fn knows(&self, cell: &Cell) -> bool {
+        self.result(&Search::of(cell, false)).is_some()
+    }
+
+    /// The search that an answer about a cell needs next; none if the answer is known. A cell close to its critical radius
+    /// needs two.
+    pub fn missing(&self, cell: &Cell) -> Option<Search> {
+        self.known_end(cell).err()
+    }
+
+    /// Searches for a critical radius, with at most [`MOST_SEARCHED`] steps. An interrupted search leaves no result.
+    pub fn run(&self, search: &Search) {
+        let intervals = if search.fine { 2 * self.numerics.intervals } else { self.numerics.intervals };
+        let numerics = Numerics { intervals, ..self.numerics };
+        let found = critical_radius_within(&search.cell, &numerics, &StepBudget::new(MOST_SEARCHED, self.interrupt));
+        if found != Err(ShapeError::Interrupted) {
+            self.lock().push((search.clone(), found));
+        }
+    }
+
     /// Why a cell cannot divide; `None` if it can.
     ///
     /// # Errors
     /// [`ShapeError`] if its critical radius cannot be found in [`MOST_SEARCHED`] steps; it is looked for once.
     pub fn ends(&self, cell: &Cell) -> Result<Option<End>, ShapeError> {
-        let one = without_size(cell);
-        let mut known = self.known.borrow_mut();
-        let index = known.iter().position(|(other, _)| *other == one).unwrap_or_else(|| {
-            known.push((one.clone(), Searched::default()));
-            known.len() - 1
-        });
-        let Searched { coarse, fine } = &mut known[index].1;
-        let coarse = self.searched(coarse, &one, &self.numerics)?;
+        let mut last = None;
+        loop {
+            match self.known_end(cell) {
+                Ok(end) => return end,
+                Err(search) if last.as_ref() == Some(&search) => return Err(ShapeError::Interrupted),
+                Err(search) => {
+                    self.run(&search);
+                    last = Some(search);
+                }
+            }
+        }
+    }
+
+    /// As [`ends`](Self::ends) where no search is needed, else that search.
+    fn known_end(&self, cell: &Cell) -> Result<Result<Option<End>, ShapeError>, Search> {
+        let known = |fine| {
+            let search = Search::of(cell, fine);
+            self.result(&search).ok_or(search)
+        };
+        let coarse = known(false)?;
         // Cells farther away keep the coarser radius: what is said of a cell must not depend on those asked about before,
         // whose order is one of timing.
-        if (cell.r0 / coarse.r0 - 1.0).abs() >= NEAR {
-            return Ok(end(cell, &coarse));
-        }
-        let finer = Numerics { intervals: 2 * self.numerics.intervals, ..self.numerics };
-        Ok(end(cell, &self.searched(fine, &one, &finer)?))
+        let near = coarse.as_ref().is_ok_and(|radius| (cell.r0 / radius.r0 - 1.0).abs() < NEAR);
+        let radius = if near { known(true)? } else { coarse };
+        Ok(radius.map(|radius| end(cell, &radius)))
     }
 
-    /// The critical radius of cells like `cell`, searched for with bounded work unless it is `known`.
-    fn searched(
-        &self,
-        known: &mut Option<Result<CriticalRadius, ShapeError>>,
-        cell: &Cell,
-        numerics: &Numerics,
-    ) -> Result<CriticalRadius, ShapeError> {
-        if let Some(known) = known {
-            return known.clone();
-        }
-        let found = critical_radius_within(cell, numerics, &StepBudget::new(MOST_SEARCHED, self.interrupt));
-        if !matches!(found, Err(ShapeError::Interrupted)) {
-            *known = Some(found.clone());
-        }
-        found
+    fn result(&self, search: &Search) -> Option<Result<CriticalRadius, ShapeError>> {
+        self.lock().iter().find(|(other, _)| other == search).map(|(_, found)| found.clone())
     }
-}
 
-/// What a cell has in common with cells of other radii.
-fn without_size(cell: &Cell) -> Cell {
-    Cell { r0: 1.0, cue: cell.cue.simplified(), ..cell.clone() }
+    fn lock(&self) -> MutexGuard<'_, Vec<(Search, Result<CriticalRadius, ShapeError>)>> {
+        // An entry is whole before it is added.
+        self.found.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 fn end(cell: &Cell, radius: &CriticalRadius) -> Option<End> {

@@ -1,13 +1,13 @@
-//! Puts one small error after another into a copy of the tree, runs the test that must see it, and says whether it does.
+//! Puts one small error after another into a copy of the repository, runs the test that must fail, and reports whether it does.
 //!
 //! ```sh
-//! cargo run -p furrow-verification --bin mutations                 # all of crates/furrow-verification/mutants.ron
-//! cargo run -p furrow-verification --bin mutations -- friction     # those whose names contain a word
-//! cargo run -p furrow-verification --bin mutations -- --write      # and writes the table in docs/mutations.md
+//! cargo run -p furrow-verification --bin mutations                 # all mutants of mutants.ron
+//! cargo run -p furrow-verification --bin mutations -- friction     # mutants whose name contains a word
+//! cargo run -p furrow-verification --bin mutations -- --write      # also writes the table in docs/mutations.md
 //! ```
 //!
-//! The copy and what is built of it are kept in `target/mutations`. An error that no longer fits the sources, a copy that does
-//! not compile, and a test that fails without any error in the model end the run.
+//! The copy and its build are kept in `target/mutations`. The run stops if a mutant does not apply or does not compile, or if
+//! a test fails without a mutant.
 
 use std::fs::{self, File};
 use std::io;
@@ -18,25 +18,25 @@ use std::time::{Duration, Instant};
 
 use furrow_verification::mutants::{Mutant, root, table};
 
-/// A test that takes longer than this has been stopped by its mutant.
+/// A test that takes longer is stopped; its mutant counts as killed.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// Folders and files of the tree that nothing is built from.
-const LEFT_OUT: [&str; 4] = ["target", ".git", "furrow-out", "node_modules"];
+/// Folders that the build does not need.
+const LEFT_OUT: [&str; 5] = ["target", ".git", "docs", "furrow-out", "node_modules"];
 
 /// How a test ended.
 enum Ended {
     Passed,
-    /// With what it said.
+    /// With its output.
     Failed(String),
     Stopped,
 }
 
-/// What became of a mutant.
+/// The result for one mutant.
 struct Verdict<'a> {
     mutant: &'a Mutant,
     killed: bool,
-    /// By how much what the test looks at was off.
+    /// The value that the test found and the allowed one.
     off: String,
 }
 
@@ -54,7 +54,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Tries the mutants whose names contain any of `words`, all of them without one. True if all were killed.
+/// Runs the mutants whose names contain any of `words`, or all if there are none. True if all were killed.
 fn run(words: &[String], write: bool) -> Result<bool, String> {
     let root = root().canonicalize().map_err(|e| e.to_string())?;
     let scratch = root.join("target/mutations");
@@ -63,9 +63,9 @@ fn run(words: &[String], write: bool) -> Result<bool, String> {
     let chosen: Vec<&Mutant> =
         all.iter().filter(|m| words.is_empty() || words.iter().any(|word| m.name.contains(word))).collect();
     if chosen.is_empty() {
-        return Err(format!("no name of a mutant contains any of {words:?}"));
+        return Err(format!("no mutant's name contains any of {words:?}"));
     }
-    copy(&root, &tree).map_err(|e| format!("copying the tree: {e}"))?;
+    copy(&root, &tree).map_err(|e| format!("copying the repository: {e}"))?;
     for mutant in &all {
         for edit in &mutant.edits {
             edit.applied(&tree).map_err(|e| format!("{}: {e}", mutant.name))?;
@@ -96,7 +96,7 @@ fn run(words: &[String], write: bool) -> Result<bool, String> {
     Ok(killed == verdicts.len())
 }
 
-/// The tree without what is built; what stands there is replaced where it differs, so that little is built again.
+/// Copies the files that differ, so that little is compiled again.
 fn copy(from: &Path, to: &Path) -> io::Result<()> {
     fs::create_dir_all(to)?;
     for entry in fs::read_dir(from)? {
@@ -117,17 +117,17 @@ fn copy(from: &Path, to: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// All tests pass as long as the model is right.
+/// Checks that all tests pass without a mutant.
 fn check_unharmed(tree: &Path, mutants: &[&Mutant]) -> Result<(), String> {
     let mut tests: Vec<&(String, String)> = mutants.iter().map(|mutant| &mutant.killed_by).collect();
     tests.sort();
     tests.dedup();
-    println!("{} tests without any error in the model …", tests.len());
+    println!("{} tests without a mutant …", tests.len());
     for test in tests {
         match run_test(tree, test)? {
             Ended::Passed => {}
-            Ended::Failed(said) => return Err(format!("{}: {} fails by itself\n{said}", test.0, test.1)),
-            Ended::Stopped => return Err(format!("{}: {} does not end by itself", test.0, test.1)),
+            Ended::Failed(said) => return Err(format!("{}: {} fails without a mutant\n{said}", test.0, test.1)),
+            Ended::Stopped => return Err(format!("{}: {} does not end without a mutant", test.0, test.1)),
         }
     }
     Ok(())
@@ -135,7 +135,7 @@ fn check_unharmed(tree: &Path, mutants: &[&Mutant]) -> Result<(), String> {
 
 fn verdict<'a>(tree: &Path, mutant: &'a Mutant) -> Result<Verdict<'a>, String> {
     let fits = |error: String| format!("{}: {error}", mutant.name);
-    // Edits of one file are made one after the other, and all of them are taken back.
+    // A file may have several edits: they are undone in reverse order.
     let mut before: Vec<(PathBuf, String)> = Vec::new();
     for edit in &mutant.edits {
         let path = tree.join(&edit.file);
@@ -154,7 +154,7 @@ fn verdict<'a>(tree: &Path, mutant: &'a Mutant) -> Result<Verdict<'a>, String> {
     })
 }
 
-/// Builds the tests of one file of the copy, and gives their program.
+/// Builds one test program of the copy and returns its path.
 fn build(tree: &Path, file: &str) -> Result<PathBuf, String> {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.current_dir(tree).env("CARGO_TARGET_DIR", tree.with_file_name("target")).env("CARGO_PROFILE_DEV_DEBUG", "0");
@@ -167,7 +167,7 @@ fn build(tree: &Path, file: &str) -> Result<PathBuf, String> {
     // Executable tests/virtual_power.rs (/…/target/debug/deps/virtual_power-0123456789abcdef)
     let program = said.lines().rev().find(|line| line.contains("Executable"));
     let path = program.and_then(|line| line.split_once('(')?.1.strip_suffix(')'));
-    path.map(|path| tree.join(path)).ok_or_else(|| format!("no program of {file} in\n{said}"))
+    path.map(|path| tree.join(path)).ok_or_else(|| format!("no executable of {file} in\n{said}"))
 }
 
 /// Builds and runs one test of the copy.
@@ -178,7 +178,7 @@ fn run_test(tree: &Path, (file, name): &(String, String)) -> Result<Ended, Strin
     let wrong = said.try_clone().map_err(|e| e.to_string())?;
     let mut child = Command::new(&program)
         .args(["--exact", name, "--nocapture"])
-        .current_dir(tree.join("crates/verification"))
+        .current_dir(tree.join("crates/furrow-verification"))
         .env("RUST_BACKTRACE", "0")
         .stdout(Stdio::from(said))
         .stderr(Stdio::from(wrong))
@@ -204,7 +204,7 @@ fn run_test(tree: &Path, (file, name): &(String, String)) -> Result<Ended, Strin
     Ok(if status.success() { Ended::Passed } else { Ended::Failed(said) })
 }
 
-/// What a failed test says of itself: the number that it looks at and what is allowed, or the message that it stopped with.
+/// The found and the allowed value in the output of a failed test, or its panic message.
 fn how_far_off(said: &str) -> String {
     if let Some(line) = said.lines().rev().find(|line| line.contains(", allowed is ")) {
         let numbers = line.rsplit(": ").next().unwrap_or(line);
@@ -219,7 +219,7 @@ fn how_far_off(said: &str) -> String {
 const BEGIN: &str = "<!-- begin: written by `cargo run -p furrow-verification --bin mutations -- --write` -->";
 const END: &str = "<!-- end -->";
 
-/// Puts the table between its two marks in a page: a row for every mutant of `all`, which is the old one where it was not tried.
+/// Writes the table between its two marks in a page. Mutants without a verdict keep their old row.
 fn write_table(page: &Path, all: &[Mutant], verdicts: &[Verdict<'_>]) -> io::Result<()> {
     let text = fs::read_to_string(page)?;
     let missing = || io::Error::other("the marks of the table are missing");

@@ -7,11 +7,14 @@
 mod effect;
 mod run;
 
-use std::sync::{atomic::AtomicBool, mpsc::channel};
+use std::{
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::{atomic::AtomicBool, mpsc::channel},
+};
 
-use self::run::Run;
+use self::run::{Run, Task};
 use super::{
-    memo::{Failure, Memo},
+    memo::{Event, Failure, Memo},
     store::StoreWarning,
 };
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
@@ -23,6 +26,14 @@ pub struct Job {
     pub id: usize,
     /// Its input.
     pub input: DivisionInput,
+}
+
+/// What a run does next.
+pub enum Step<'s> {
+    /// Solves a division.
+    Solve(Job),
+    /// Does some work on a worker, then asks what follows from the job of that number.
+    Prepare(usize, Box<dyn FnOnce() + Send + 's>),
 }
 
 /// How to run.
@@ -156,20 +167,48 @@ where
     S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
     X: FnMut(usize, &Division) -> Vec<Job>,
 {
+    let steps = |jobs: Vec<Job>| jobs.into_iter().map(Step::Solve).collect();
+    let expand =
+        |id: usize, division: Option<&Division>| division.map_or(vec![], |division| steps(expand(id, division)));
+    run_steps(steps(jobs), memo, options, solve, expand)
+}
+
+/// As [`run`], with work on the workers before some jobs: where a [`Step::Prepare`] is done, `expand` is called without a
+/// division.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_steps<'s, S, X>(
+    steps: Vec<Step<'s>>,
+    memo: &Memo,
+    options: &SchedulerOptions<'_>,
+    solve: S,
+    mut expand: X,
+) -> Result<Summary, SchedulerError>
+where
+    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
+    X: FnMut(usize, Option<&Division>) -> Vec<Step<'s>>,
+{
     let (sender, events) = channel();
-    let mut run = Run::new(jobs, memo, options, sender);
+    let mut run = Run::new(steps, memo, options, sender.clone());
+    let perform = |task: Task<'_, '_>| match task {
+        Task::Solve(assignment) => assignment.lease.solve(&assignment.input, &solve),
+        Task::Prepare(id, work) => {
+            // A panic must not leave the run waiting. What was not prepared is left to a division.
+            let _ = catch_unwind(AssertUnwindSafe(work));
+            let _ = sender.send(Event::Prepared(id));
+        }
+    };
     // Where nothing needs solving no threads are needed either.
     run.settle_known(&mut expand);
     if run.is_incomplete() && cfg!(target_family = "wasm") {
         // No threads: the calling thread is the only worker.
-        run.work(&events, 1, &mut expand, |assignment| assignment.lease.solve(&assignment.input, &solve));
+        run.work(&events, 1, &mut expand, perform);
     } else if run.is_incomplete() {
         let threads = workers(options.threads);
         pool(threads)?.in_place_scope(|scope| {
-            run.work(&events, threads, &mut expand, |assignment| {
-                let solve = &solve;
-                scope.spawn(move |_| assignment.lease.solve(&assignment.input, solve));
-            });
+            let perform = &perform;
+            run.work(&events, threads, &mut expand, |task| scope.spawn(move |_| perform(task)));
         });
     }
     run.finish()

@@ -10,7 +10,7 @@ use std::{
     time::Duration,
 };
 
-use super::{Job, Progress, SchedulerError, SchedulerOptions, Summary, Unsolved, effect::Responses};
+use super::{Job, Progress, SchedulerError, SchedulerOptions, Step, Summary, Unsolved, effect::Responses};
 use crate::batch::{
     key::{Key, KeyMap},
     memo::{Completion, Event, Failure, Lease, Memo, Request, scaled},
@@ -63,12 +63,24 @@ impl PartialEq for Assignment<'_> {
 
 impl Eq for Assignment<'_> {}
 
-pub struct Run<'a, 'm> {
+/// What a worker is given.
+pub enum Task<'m, 's> {
+    /// A division.
+    Solve(Assignment<'m>),
+    /// A preparation and the number of its job.
+    Prepare(usize, Box<dyn FnOnce() + Send + 's>),
+}
+
+pub struct Run<'a, 'm, 's> {
     memo: &'m Memo,
     options: &'a SchedulerOptions<'a>,
     sender: Sender<Event>,
     /// Jobs not looked up yet.
     arrived: VecDeque<Job>,
+    /// Preparations that wait for a worker.
+    preparations: VecDeque<(usize, Box<dyn FnOnce() + Send + 's>)>,
+    /// How many workers prepare.
+    preparing: usize,
     /// Divisions that wait for a worker.
     ready: BinaryHeap<Assignment<'m>>,
     waiting: KeyMap<Awaited>,
@@ -81,13 +93,15 @@ pub struct Run<'a, 'm> {
     summary: Summary,
 }
 
-impl<'a, 'm> Run<'a, 'm> {
-    pub fn new(jobs: Vec<Job>, memo: &'m Memo, options: &'a SchedulerOptions<'a>, sender: Sender<Event>) -> Self {
-        Run {
+impl<'a, 'm, 's> Run<'a, 'm, 's> {
+    pub fn new(steps: Vec<Step<'s>>, memo: &'m Memo, options: &'a SchedulerOptions<'a>, sender: Sender<Event>) -> Self {
+        let mut run = Run {
             memo,
             options,
             sender,
-            arrived: jobs.into(),
+            arrived: VecDeque::new(),
+            preparations: VecDeque::new(),
+            preparing: 0,
             ready: BinaryHeap::new(),
             waiting: KeyMap::default(),
             failed: KeyMap::default(),
@@ -96,6 +110,17 @@ impl<'a, 'm> Run<'a, 'm> {
             queued_ever: 0,
             unsolved: Vec::new(),
             summary: Summary::default(),
+        };
+        run.arrive(steps);
+        run
+    }
+
+    fn arrive(&mut self, steps: Vec<Step<'s>>) {
+        for step in steps {
+            match step {
+                Step::Solve(job) => self.arrived.push_back(job),
+                Step::Prepare(id, work) => self.preparations.push_back((id, work)),
+            }
         }
     }
 
@@ -105,7 +130,9 @@ impl<'a, 'm> Run<'a, 'm> {
 
     /// Whether jobs are left that no worker of this run is at.
     pub fn is_incomplete(&self) -> bool {
-        !self.arrived.is_empty() || self.waiting.values().any(|awaited| !awaited.running)
+        !self.arrived.is_empty()
+            || self.preparing + self.preparations.len() > 0
+            || self.waiting.values().any(|awaited| !awaited.running)
     }
 
     /// Until nothing is left: looks up, hands divisions to workers with `spawn`, and takes in what comes back.
@@ -113,23 +140,30 @@ impl<'a, 'm> Run<'a, 'm> {
         &mut self,
         events: &Receiver<Event>,
         threads: usize,
-        expand: &mut impl FnMut(usize, &Division) -> Vec<Job>,
-        mut spawn: impl FnMut(Assignment<'m>),
+        expand: &mut impl FnMut(usize, Option<&Division>) -> Vec<Step<'s>>,
+        mut spawn: impl FnMut(Task<'m, 's>),
     ) {
         loop {
             self.settle_known(expand);
             if self.interrupted() {
                 self.release();
             }
-            while self.running < threads
+            // Preparations come first: divisions wait for them.
+            while self.running + self.preparing < threads
+                && let Some((id, work)) = self.preparations.pop_front()
+            {
+                self.preparing += 1;
+                spawn(Task::Prepare(id, work));
+            }
+            while self.running + self.preparing < threads
                 && let Some(assignment) = self.ready.pop()
             {
                 self.running += 1;
                 self.waiting.entry(assignment.lease.key()).or_default().running = true;
                 self.report();
-                spawn(assignment);
+                spawn(Task::Solve(assignment));
             }
-            if self.waiting.is_empty() {
+            if self.waiting.is_empty() && self.preparing == 0 && self.preparations.is_empty() {
                 return;
             }
             // Only who has to wait needs a clock, which is not to be had everywhere.
@@ -149,12 +183,13 @@ impl<'a, 'm> Run<'a, 'm> {
     fn release(&mut self) {
         self.summary.interrupted |= self.is_incomplete();
         self.arrived.clear();
+        self.preparations.clear();
         self.ready.clear();
         self.waiting.retain(|_, awaited| awaited.running);
     }
 
     /// Looks up every job that has arrived, and those that follow from the ones known, until all that is left waits.
-    pub fn settle_known(&mut self, expand: &mut impl FnMut(usize, &Division) -> Vec<Job>) {
+    pub fn settle_known(&mut self, expand: &mut impl FnMut(usize, Option<&Division>) -> Vec<Step<'s>>) {
         while !self.interrupted()
             && let Some(job) = self.arrived.pop_front()
         {
@@ -193,8 +228,15 @@ impl<'a, 'm> Run<'a, 'm> {
         }
     }
 
-    fn take_in(&mut self, event: Event, expand: &mut impl FnMut(usize, &Division) -> Vec<Job>) {
-        let Event { key, completion } = event;
+    fn take_in(&mut self, event: Event, expand: &mut impl FnMut(usize, Option<&Division>) -> Vec<Step<'s>>) {
+        let (key, completion) = match event {
+            Event::Completed { key, completion } => (key, completion),
+            Event::Prepared(id) => {
+                self.preparing -= 1;
+                self.arrive(expand(id, None));
+                return;
+            }
+        };
         // Nothing waits if an interrupt has released it.
         let Some(Awaited { running, jobs }) = self.waiting.remove(&key) else { return };
         if running {
@@ -226,7 +268,7 @@ impl<'a, 'm> Run<'a, 'm> {
         key: Key,
         jobs: &[Job],
         division: &Division,
-        expand: &mut impl FnMut(usize, &Division) -> Vec<Job>,
+        expand: &mut impl FnMut(usize, Option<&Division>) -> Vec<Step<'s>>,
     ) {
         for job in jobs {
             let canonical = self.memo.canonical(&job.input);
@@ -240,15 +282,18 @@ impl<'a, 'm> Run<'a, 'm> {
         job: &Job,
         canonical: &DivisionInput,
         division: &Division,
-        expand: &mut impl FnMut(usize, &Division) -> Vec<Job>,
+        expand: &mut impl FnMut(usize, Option<&Division>) -> Vec<Step<'s>>,
     ) {
         self.summary.jobs += 1;
         self.responses.note(key, canonical, division);
         let factor = job.input.cell.r0 / canonical.cell.r0;
         // Most radii are on the grid already, and their divisions need no copy.
-        let following =
-            if factor == 1.0 { expand(job.id, division) } else { expand(job.id, &scaled(division, factor)) };
-        self.arrived.extend(following);
+        let following = if factor == 1.0 {
+            expand(job.id, Some(division))
+        } else {
+            expand(job.id, Some(&scaled(division, factor)))
+        };
+        self.arrive(following);
         if self.summary.jobs.is_multiple_of(1024) {
             self.report();
         }
