@@ -6,6 +6,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::context::Context;
+use super::number::number;
 use furrow_cell::Cell;
 use furrow_cell::settings::Settings;
 use furrow_input::InputError;
@@ -128,14 +129,6 @@ impl FirstCellArgs {
         settings.check_activity(self.xi.map_or("settings", |_| "--xi"))?;
         Ok(settings)
     }
-}
-
-/// Reads the number of an option.
-///
-/// # Errors
-/// Says what is allowed; clap adds the option and the value.
-pub fn number(text: &str) -> Result<f64, String> {
-    text.trim().parse().map_err(|_| "must be a number, as 0.87 or 1e-3".to_owned())
 }
 
 /// Reads the length of an option.

@@ -1,8 +1,8 @@
 //! What commands share: parameters, memo, the way to schedule and to log.
 
-use super::cell::number;
 use super::error::CliError;
 use super::interrupt;
+use super::number::number;
 use super::output::Stderr;
 use clap::Args;
 use furrow_cell::settings::Settings;

@@ -42,10 +42,10 @@ pub struct FitArgs {
     #[arg(help_heading = "Activity", long, value_name = "READING", default_value = "mean", value_parser = one_of(READINGS))]
     rounds: Reading,
     /// Lower limit of the activity ξ_s
-    #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 4.0, value_parser = super::cell::number)]
+    #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 4.0, value_parser = super::number::number)]
     xi_from: f64,
     /// Upper limit of the activity ξ_s
-    #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 100.0, value_parser = super::cell::number)]
+    #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 100.0, value_parser = super::number::number)]
     xi_to: f64,
     /// Start of the search: the terms of this cue are kept, their numbers are fitted
     #[arg(

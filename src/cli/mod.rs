@@ -17,6 +17,7 @@ mod fit;
 mod interrupt;
 mod merge;
 mod new_lineage;
+mod number;
 mod output;
 mod phase;
 mod picture;

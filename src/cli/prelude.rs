@@ -1,8 +1,9 @@
 //! What most commands import.
 
-pub use super::cell::{number, positive};
+pub use super::cell::positive;
 pub use super::context::Context;
 pub use super::error::CliError;
+pub use super::number::number;
 pub use super::output::print_as;
 pub use super::picture::PlotArgs;
 pub use clap::Args;

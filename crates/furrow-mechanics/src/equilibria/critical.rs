@@ -424,7 +424,7 @@ impl<'a> CriticalRadii<'a> {
     /// The search that an answer about a cell needs next; none if the answer is known. A cell close to its critical radius
     /// needs two.
     pub fn missing(&self, cell: &Cell) -> Option<Search> {
-        self.known_end(cell).err()
+        self.known_end(cell).err().map(|search| *search)
     }
 
     /// Searches for a critical radius, with at most [`MOST_SEARCHED`] steps. An interrupted search leaves no result.
@@ -456,10 +456,10 @@ impl<'a> CriticalRadii<'a> {
     }
 
     /// As [`ends`](Self::ends) where no search is needed, else that search.
-    fn known_end(&self, cell: &Cell) -> Result<Result<Option<End>, ShapeError>, Search> {
+    fn known_end(&self, cell: &Cell) -> Result<Result<Option<End>, ShapeError>, Box<Search>> {
         let known = |fine| {
             let search = Search::of(cell, fine);
-            self.result(&search).ok_or(search)
+            self.result(&search).ok_or_else(|| Box::new(search))
         };
         let coarse = known(false)?;
         // Cells farther away keep the coarser radius: what is said of a cell must not depend on those asked about before,
