@@ -24,7 +24,7 @@ fn nodes(text: &str) -> Vec<Node> {
         match c {
             '(' if !comment => depth += 1,
             ',' | ')' if !comment => {
-                nodes.push(std::mem::replace(&mut node, Node::default()));
+                nodes.push(std::mem::take(&mut node));
                 depth -= u32::from(c == ')');
             }
             '\'' if !comment => loop {

@@ -132,7 +132,7 @@ fn documents() -> Vec<Value> {
         grown(&c_elegans.carrying("none").unwrap(), &below, fake),
         grown(&Lineage { limits: Limits { max_depth: 2, max_cells: 1000 }, ..c_elegans }, &|_| None, fake),
     ];
-    let text = |tree: &Tree| tree_to_json(&tree).unwrap();
+    let text = |tree: &Tree| tree_to_json(tree).unwrap();
     trees.iter().for_each(|tree| assert_eq!(text(&tree_from_json(&text(tree)).unwrap()), text(tree)));
     trees.iter().map(|tree| serde_json::from_str(&text(tree)).unwrap()).collect()
 }
@@ -184,7 +184,8 @@ impl Validator {
                 return wrong("its size");
             }
         }
-        let outside: [(&str, fn(&f64, &f64) -> bool); 4] =
+        type Compare = fn(&f64, &f64) -> bool;
+        let outside: [(&str, Compare); 4] =
             [("minimum", f64::lt), ("maximum", f64::gt), ("exclusiveMinimum", f64::le), ("exclusiveMaximum", f64::ge)];
         let is_outside =
             |number: f64| outside.iter().any(|(word, is)| limit(word).is_some_and(|end| is(&number, &end)));

@@ -43,7 +43,7 @@ pub fn html(tree: &Tree, rows: &[FounderRow]) -> String {
         top,
         still,
         below,
-        data: data(&tree.lineage, &tree.settings, tree_to_json(&tree).ok()),
+        data: data(&tree.lineage, &tree.settings, tree_to_json(tree).ok()),
     }
     .html()
 }

@@ -35,7 +35,8 @@ fn steep() -> Initial {
 fn singular_systems_and_what_is_not_a_number_are_told_apart() {
     let singular = NewtonError::Singular { column: 0, iterations: 0 };
     let non_finite = |iterations| NewtonError::NonFinite { iterations };
-    let cases: [(f64, fn(f64) -> (f64, f64), usize, f64, NewtonError); 5] = [
+    type Equation = fn(f64) -> (f64, f64);
+    let cases: [(f64, Equation, usize, f64, NewtonError); 5] = [
         // y(0) is in no condition. The first row to be carried over is zero, whatever the interval does to it.
         (0.0, |_| (1.0, 0.0), 1, 0.5, singular),
         // With one stage D = 2: the stage equation (2 − h f′) δY = … is singular for f′ = 4 and h = 1/2, exactly.

@@ -29,6 +29,8 @@ pub struct Job {
 }
 
 /// What a run does next.
+// Few steps exist at a time; boxing would cost an allocation for each division.
+#[allow(clippy::large_enum_variant)]
 pub enum Step<'s> {
     /// Solves a division.
     Solve(Job),

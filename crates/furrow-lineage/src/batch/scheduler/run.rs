@@ -64,6 +64,8 @@ impl PartialEq for Assignment<'_> {
 impl Eq for Assignment<'_> {}
 
 /// What a worker is given.
+// Few tasks exist at a time; boxing would cost an allocation for each division.
+#[allow(clippy::large_enum_variant)]
 pub enum Task<'m, 's> {
     /// A division.
     Solve(Assignment<'m>),
