@@ -36,7 +36,7 @@
 //! |---|---|
 //! | [`Cell`], [`Cue`], [`Parameter`], [`Numerics`], [`Settings`] | a cell, its polarity cue, its numbers by name, the discretisation, presets and files |
 //! | [`divide`], [`Trajectory`] | one division: its outcome, or all its shapes |
-//! | [`stationary`], [`Stability`] | an equilibrium at some activity, its growth rates |
+//! | [`stationary()`], [`Stability`] | an equilibrium at some activity, its growth rates |
 //! | [`follow`], [`first_pitchfork`], [`critical_radius`] | a branch with its folds and pitchforks, a threshold, the radius below which cells rest |
 //! | [`calibrate`] | constants from thresholds |
 //! | [`Lineage`], [`Grower`], [`Tree`], [`founder_rounds`] | founders and their cues, the tree that grows, its rounds |
