@@ -3,9 +3,9 @@
 //! | file | contents |
 //! |---|---|
 //! | [`table`], `observed_table` | the founders' table as text; its columns beside observed counts |
-//! | [`scenarios_table`], [`mod@scenarios_page`] | several trees side by side, as text and as a page |
-//! | [`svg`] | the drawing of a lineage |
-//! | [`html`], `page` | the interactive page: its content, its frame with scripts and solver |
+//! | [`mod@scenarios_table`], [`mod@scenarios_page`] | several trees side by side, as text and as a page |
+//! | [`mod@svg`] | the drawing of a lineage |
+//! | [`mod@html`], `page` | the interactive page: its content, its frame with scripts and solver |
 //! | [`summary`] | counts over a tree |
 //! | [`shapes`] | records of stationary shapes, folds and pitchforks |
 //! | [`reproduction`] | the paper's statements beside computed ones |
