@@ -1,6 +1,6 @@
 //! Which field of the cortex a term of a cue modulates.
 //!
-//! A new field is one variant here with its name, and its place in [`LocalCoefficients`](furrow_mechanics::cortex::equations::LocalCoefficients), where the
+//! A new field is one variant here with its name, and its place in `LocalCoefficients`, where the
 //! equations take their coefficients from.
 
 /// A coefficient of the equations that a cue can modulate.

@@ -348,7 +348,7 @@ pub fn critical_radius(cell: &Cell, numerics: &Numerics) -> Result<CriticalRadiu
 /// As [`critical_radius`], with so much work.
 ///
 /// # Errors
-/// Those of [`critical_radius`]; [`ShapeError::StepBudget`] and [`ShapeError::Interrupted`] if the search must end before it has
+/// Those of [`critical_radius`]; [`ShapeError::OutOfBudget`] and [`ShapeError::Interrupted`] if the search must end before it has
 /// come to an end.
 pub fn critical_radius_within(
     cell: &Cell,
