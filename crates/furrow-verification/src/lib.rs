@@ -9,15 +9,12 @@
 //! | [`virtual_power`] | the balance of forces in its weak form, from energy and stress power |
 //! | [`states`] | shapes at rest, moving shapes, random states |
 //! | [`report`] | assertions that print what they compare |
-//! | [`mutants`] | the table of errors that the tests must notice |
 //!
-//! The tests are in `tests/`, one file for each kind of argument. The program `mutations` runs them on models with small
-//! errors.
+//! The tests are in `tests/`, one file for each kind of argument. `mutations.py` runs them on models with small errors.
 
 pub mod balance;
 pub mod coefficients;
 pub mod contour;
-pub mod mutants;
 pub mod report;
 pub mod states;
 pub mod virtual_power;

@@ -1,6 +1,6 @@
 //! Assertions that print what they compare.
 
-/// Asserts that `found` is below `allowed` and prints both, which the program `mutations` reports.
+/// Asserts that `found` is below `allowed` and prints both, which `mutations.py` reports.
 ///
 /// # Panics
 /// If it is not below, or is NaN.
