@@ -13,6 +13,7 @@ use furrow_mechanics::equilibria::CriticalRadii;
 use furrow_mechanics::equilibria::critical::Search;
 
 /// Why a tree could not be grown.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Debug, thiserror::Error)]
 pub enum GrowError {
     /// The workers could not be started.
@@ -20,10 +21,7 @@ pub enum GrowError {
     Workers(SchedulerError),
     /// Growth was interrupted.
     #[error("interrupted after {solved} divisions")]
-    Interrupted {
-        /// Divisions solved before; the memo knows them.
-        solved: usize,
-    },
+    Interrupted { solved: usize },
 }
 
 /// The inputs of a tree.

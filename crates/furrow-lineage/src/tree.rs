@@ -12,40 +12,23 @@ use furrow_mechanics::division::{Division, Outcome};
 use furrow_mechanics::equilibria::critical::{BoundaryKind, End};
 
 /// Why a cell has no daughters.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 #[serde(tag = "reason", rename_all = "snake_case", deny_unknown_fields)]
 pub enum TerminalReason {
     /// Its division was computed and came to rest, undivided, in a stable shape.
-    AtRest {
-        /// Leading growth rate of perturbations of that shape, in 1/τ (negative: stable).
-        growth_rate: Option<f64>,
-    },
+    AtRest { growth_rate: Option<f64> },
     /// No cue, and R0 below the critical radius at which the pitchfork lies at the cell's activity.
-    BelowPitchfork {
-        /// The critical radius R0_c.
-        r0_c: f64,
-    },
+    BelowPitchfork { r0_c: f64 },
     /// A cue, and R0 below the radius at which the fold of the cued branch lies at the cell's activity.
-    BelowCuedFold {
-        /// The radius of the fold.
-        r0: f64,
-    },
+    BelowCuedFold { r0: f64 },
     /// Its division could not be computed: whether it divides is not known.
-    Undecided {
-        /// Why.
-        why: String,
-    },
+    Undecided { why: String },
     /// The lineage file's `limits.max_depth` is reached.
-    MaxDepth {
-        /// The limit.
-        max_depth: u32,
-    },
+    MaxDepth { max_depth: u32 },
     /// The lineage file's `limits.max_cells` is reached.
-    MaxCells {
-        /// The limit.
-        max_cells: usize,
-    },
+    MaxCells { max_cells: usize },
 }
 
 impl TerminalReason {

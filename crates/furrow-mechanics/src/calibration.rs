@@ -157,37 +157,21 @@ pub struct Calibration {
 }
 
 /// Why no parameters were found.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CalibrateError {
     /// A threshold cannot be computed where the search starts.
     #[error("threshold {index}: {source}; start from other values")]
-    Threshold {
-        /// Its place in the list, from 0.
-        index: usize,
-        /// What the search for it said.
-        source: ShapeError,
-    },
+    Threshold { index: usize, source: ShapeError },
     /// The sensitivity of a threshold cannot be computed.
     #[error("threshold {index}: no sensitivity to {parameter}: {source}")]
-    Sensitivity {
-        /// Its place in the list, from 0.
-        index: usize,
-        /// The parameter.
-        parameter: Parameter,
-        /// What the solver said.
-        source: SingularError,
-    },
+    Sensitivity { index: usize, parameter: Parameter, source: SingularError },
     /// The sensitivities have no singular values.
     #[error("the sensitivities of the thresholds: {0}")]
     NotFinite(#[from] NoSingularValues),
     /// The search does not end.
     #[error("the deviations are still {rms:.3e} (rms) and falling after {iterations} steps; start from other values")]
-    Stalled {
-        /// Steps done.
-        iterations: usize,
-        /// Root mean square of the relative deviations.
-        rms: f64,
-    },
+    Stalled { iterations: usize, rms: f64 },
 }
 
 /// Most steps.

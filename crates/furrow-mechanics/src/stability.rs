@@ -93,32 +93,18 @@ impl Spectrum {
 }
 
 /// Why no spectrum could be computed.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StabilityError {
     /// The shifted system could not be factorised.
     #[error("the system shifted by {shift} is singular or not finite (pivot {column})")]
-    Factorisation {
-        /// Shift s in 1/τ.
-        shift: f64,
-        /// Column of the failing pivot in its block.
-        column: usize,
-    },
+    Factorisation { shift: f64, column: usize },
     /// The eigenvalues of the projected matrix could not be computed.
     #[error("the projected matrix of dimension {dimension} has no computable eigenvalues")]
-    Projected {
-        /// Krylov dimension.
-        dimension: usize,
-    },
+    Projected { dimension: usize },
     /// The rightmost growth rate did not settle.
     #[error("the rightmost growth rate {value} is still uncertain by {error:.1e} after {dimension} Arnoldi steps")]
-    NotConverged {
-        /// Best value of Re σ.
-        value: f64,
-        /// Its estimated error.
-        error: f64,
-        /// Krylov dimension.
-        dimension: usize,
-    },
+    NotConverged { value: f64, error: f64, dimension: usize },
 }
 
 /// Steps of the power iteration for one mode: each leaves a third of what is nearest to it, and far less of what decays at

@@ -36,15 +36,11 @@ enum Slot {
 }
 
 /// What workers send to those who wait.
+#[expect(missing_docs, reason = "the names of the fields say it")]
 #[derive(Clone, Debug)]
 pub enum Event {
     /// The end of a lease.
-    Completed {
-        /// The key waited for.
-        key: Key,
-        /// What became of it.
-        completion: Completion,
-    },
+    Completed { key: Key, completion: Completion },
     /// The preparation of a job of this number is done. The memo itself sends none.
     Prepared(usize),
 }

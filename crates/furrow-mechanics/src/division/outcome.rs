@@ -229,102 +229,48 @@ pub enum StepFailure {
 }
 
 /// Why a division could not be computed.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DivisionError {
     /// An input is outside its domain.
     #[error("{field} = {value}: {allowed}")]
-    BadInput {
-        /// Name of the field.
-        field: &'static str,
-        /// Its value.
-        value: f64,
-        /// What is allowed.
-        allowed: &'static str,
-    },
+    BadInput { field: &'static str, value: f64, allowed: &'static str },
     /// The passive shape was not found.
     #[error("no passive shape found for {cell} ({source}); {}", cell.advice())]
-    NoPassiveShape {
-        /// The cell.
-        cell: CellName,
-        /// What the solver said.
-        source: NewtonError,
-    },
+    NoPassiveShape { cell: CellName, source: NewtonError },
     /// The start shape did not converge on the division's mesh.
     #[error(
         "the stationary shape of {cell} did not converge on the division's mesh ({source}); try more mesh intervals"
     )]
-    NotStationary {
-        /// The cell.
-        cell: CellName,
-        /// What the solver said.
-        source: NewtonError,
-    },
+    NotStationary { cell: CellName, source: NewtonError },
     /// The time step fell below its minimum.
     #[error(
         "time stepping of the cell with R0 = {r0} stalled at t = {t:.3e} with step {dt:.1e} ({source}); {}",
         advice_on_steps(*r0)
     )]
-    Stalled {
-        /// Radius R0.
-        r0: f64,
-        /// Time reached, in τ.
-        t: f64,
-        /// Last step tried, in τ.
-        dt: f64,
-        /// What stopped it.
-        source: StepFailure,
-    },
+    Stalled { r0: f64, t: f64, dt: f64, source: StepFailure },
     /// The cell is too close to the threshold of division to decide.
     #[error(
         "the cell with R0 = {r0} is too close to the threshold of division to decide (growth rate {growth_rate:.1e}/τ); change R0, epsilon or xi_s in the seventh digit"
     )]
-    Critical {
-        /// Radius R0.
-        r0: f64,
-        /// Growth rate of the stationary shape, in 1/τ.
-        growth_rate: f64,
-    },
+    Critical { r0: f64, growth_rate: f64 },
     /// The cell oscillates: no stationary shape near it is stable, and no growing mode divides it.
     #[error(
         "the cell with R0 = {r0} oscillates with a period of {period:.3} τ: it neither divides nor comes to rest; change R0, epsilon or xi_s by a percent"
     )]
-    Oscillates {
-        /// Radius R0.
-        r0: f64,
-        /// The period, in τ.
-        period: f64,
-    },
+    Oscillates { r0: f64, period: f64 },
     /// The cell moves on without ever repeating itself.
     #[error(
         "the cell with R0 = {r0} still moves at t = {t:.3} τ, after {steps} steps: it neither divides, nor rests, nor repeats itself; lower xi_s or the cue's amplitude"
     )]
-    Restless {
-        /// Radius R0.
-        r0: f64,
-        /// Time reached, in τ.
-        t: f64,
-        /// Steps done.
-        steps: usize,
-    },
+    Restless { r0: f64, t: f64, steps: usize },
     /// The caller stopped the division.
     #[error("the division of the cell with R0 = {r0} was cancelled at t = {t:.3} τ")]
-    Cancelled {
-        /// Radius R0.
-        r0: f64,
-        /// Time reached, in τ.
-        t: f64,
-    },
+    Cancelled { r0: f64, t: f64 },
     /// The cell neither divided nor came to rest in the time allowed.
     #[error("the cell with R0 = {r0} neither divided nor came to rest within t = {t_max}; {}", advice_on_rest(*epsilon))]
-    Undecided {
-        /// Radius R0.
-        r0: f64,
-        /// Volume fraction ε.
-        epsilon: f64,
-        /// The limit, in τ.
-        t_max: f64,
-    },
+    Undecided { r0: f64, epsilon: f64, t_max: f64 },
 }
 
 /// Larger cells than this were not found to divide.

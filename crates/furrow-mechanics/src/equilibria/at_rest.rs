@@ -12,24 +12,15 @@ use super::primary;
 use furrow_cell::{Cell, Numerics};
 
 /// A fold or pitchfork in a phase diagram.
+#[expect(missing_docs, reason = "as at `Pitchfork` and `FoldPoint`")]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Edge {
     /// The mirror symmetry breaks.
-    Pitchfork {
-        /// ξ_s*.
-        xi_s: f64,
-        /// Sub- or supercritical.
-        criticality: Criticality,
-    },
+    Pitchfork { xi_s: f64, criticality: Criticality },
     /// The branch turns.
-    Fold {
-        /// Where.
-        xi_s: f64,
-        /// Whether ξ_s is largest here.
-        maximum: bool,
-    },
+    Fold { xi_s: f64, maximum: bool },
 }
 
 impl Edge {

@@ -60,27 +60,16 @@ pub struct End {
 }
 
 /// Why a stored boundary is not used.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BoundaryError {
     /// It is not a boundary file.
     #[error("{file}: not a boundary file: {reason}")]
-    Malformed {
-        /// The file.
-        file: String,
-        /// What is wrong.
-        reason: String,
-    },
+    Malformed { file: String, reason: String },
     /// It belongs to other parameters or to an older method.
     #[error("{file}: stale: computed for parameters {found}, not {expected}; compute it anew")]
-    Stale {
-        /// The file.
-        file: String,
-        /// Hash of the parameters in force.
-        expected: String,
-        /// Hash in the file.
-        found: String,
-    },
+    Stale { file: String, expected: String, found: String },
 }
 
 /// A boundary as stored.

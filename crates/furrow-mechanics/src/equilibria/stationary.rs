@@ -23,6 +23,7 @@ pub struct StationaryShape {
 }
 
 /// Why there is no such shape.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StationaryError {
@@ -33,34 +34,13 @@ pub enum StationaryError {
     #[error(
         "{cell}: no stationary shape at xi_s = {xi_s} on the branch of the passive shape, which turns back at xi_s = {turn}"
     )]
-    OutOfReach {
-        /// The cell.
-        cell: CellName,
-        /// ξ_s asked for.
-        xi_s: f64,
-        /// ξ_s furthest reached.
-        turn: f64,
-    },
+    OutOfReach { cell: CellName, xi_s: f64, turn: f64 },
     /// The branch is lost before it reaches the activity asked for.
     #[error("{cell}: the branch of the passive shape could not be followed to xi_s = {xi_s}: {source}")]
-    Lost {
-        /// The cell.
-        cell: CellName,
-        /// ξ_s asked for.
-        xi_s: f64,
-        /// What the continuation said.
-        source: ContinuationError,
-    },
+    Lost { cell: CellName, xi_s: f64, source: ContinuationError },
     /// The branch takes too many points to the activity asked for.
     #[error("{cell}: the branch of the passive shape does not reach xi_s = {xi_s} in {points} points")]
-    PointLimit {
-        /// The cell.
-        cell: CellName,
-        /// ξ_s asked for.
-        xi_s: f64,
-        /// Points followed.
-        points: usize,
-    },
+    PointLimit { cell: CellName, xi_s: f64, points: usize },
 }
 
 /// Most points of a branch followed for one shape.

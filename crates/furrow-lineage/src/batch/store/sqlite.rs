@@ -72,39 +72,22 @@ struct Inner {
 }
 
 /// Why a store cannot be used.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreError {
     /// The cache folder is something else.
     #[error("the cache {folder} is not a folder")]
-    NotAFolder {
-        /// The path given.
-        folder: PathBuf,
-    },
+    NotAFolder { folder: PathBuf },
     /// A newer version of furrow made the table.
     #[error("{file} is from a newer version of furrow (schema {schema}, known here: {SCHEMA}); it is left alone")]
-    Newer {
-        /// The database.
-        file: PathBuf,
-        /// Version of its table.
-        schema: i64,
-    },
+    Newer { file: PathBuf, schema: i64 },
     /// SQLite could not read or write.
     #[error("{file}: {source}")]
-    Sqlite {
-        /// The database.
-        file: PathBuf,
-        /// What SQLite said.
-        source: rusqlite::Error,
-    },
+    Sqlite { file: PathBuf, source: rusqlite::Error },
     /// The file could not be made.
     #[error("{file}: {source}")]
-    Io {
-        /// The database.
-        file: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
+    Io { file: PathBuf, source: io::Error },
 }
 
 impl Store {
