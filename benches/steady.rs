@@ -10,8 +10,7 @@ use furrow_cell::{Cell, Cue, Numerics, Parameter};
 use furrow_mechanics::cortex::Cortex;
 use furrow_mechanics::division::{DivisionInput, Outcome, divide};
 use furrow_mechanics::equilibria::branch::error_monitor;
-use furrow_mechanics::equilibria::critical::{self, STARTS};
-use furrow_mechanics::equilibria::{BranchOptions, curves, locate, pitchfork, primary};
+use furrow_mechanics::equilibria::{BranchOptions, critical_radius, curves, locate, pitchfork, primary};
 
 /// Processor time of this thread in ms; wall time if the system has none.
 fn now() -> f64 {
@@ -115,10 +114,10 @@ fn main() {
         100.0 * boundary / points as f64
     );
     let cued = cell.clone().with_cue(Cue::published());
-    let (ms, point) = best(3, || critical::critical_pitchfork(&cell, &numerics, Parameter::R0, &STARTS));
-    println!("critical radius without cue: {ms:.1} ms ({:.8})", point.expect("a critical radius").value);
-    let (ms, point) = best(3, || critical::critical_fold(&cued, &numerics, Parameter::R0, &STARTS));
-    println!("critical radius with the cue: {ms:.1} ms ({:.8})", point.expect("a critical radius").value);
+    let (ms, found) = best(3, || critical_radius(&cell, &numerics));
+    println!("critical radius without cue: {ms:.1} ms ({:.8})", found.expect("a critical radius").r0);
+    let (ms, found) = best(3, || critical_radius(&cued, &numerics));
+    println!("critical radius with the cue: {ms:.1} ms ({:.8})", found.expect("a critical radius").r0);
     let mut sum = 0.0;
     for r0 in [2.0, 2.5, 5.4] {
         let (ms, division) = best(3, || divide(&DivisionInput::new(Cell::new(r0))).expect("a division"));

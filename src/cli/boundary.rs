@@ -9,7 +9,7 @@ use furrow_figures::plot::{self, boundary::Boundary};
 use furrow_formats::write_atomically;
 use furrow_mechanics::equilibria::critical::{self, Stored};
 use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
-use furrow_mechanics::equilibria::{Criticality, PointKind};
+use furrow_mechanics::equilibria::{Criticality, PointKind, StepBudget};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -142,8 +142,9 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
         PointKind::Pitchfork => (found.remove(0), curves::fold_curves(cell, numerics, *parameter, *range)?),
         _ => (Curve::default(), found),
     };
+    let unlimited = StepBudget::unlimited();
     let critical = match args.critical {
-        true => Some(critical::critical_value(cell, numerics, *parameter, &starts(*parameter, *range))?.1),
+        true => Some(critical::critical_value(cell, numerics, *parameter, &starts(*parameter, *range), &unlimited)?.1),
         false => None,
     };
     for (k, fold) in folds.iter().enumerate() {

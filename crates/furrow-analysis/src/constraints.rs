@@ -7,7 +7,7 @@ use furrow_mechanics::calibration::Targets;
 use furrow_mechanics::calibration::statements::HigherFold;
 use furrow_mechanics::division::{DivisionInput, Outcome, divide};
 use furrow_mechanics::equilibria::critical::critical_value;
-use furrow_mechanics::equilibria::{Branch, BranchOptions, Pitchfork, ShapeError, pitchfork, primary};
+use furrow_mechanics::equilibria::{Branch, BranchOptions, Pitchfork, ShapeError, StepBudget, pitchfork, primary};
 
 /// A statement that is not true of a set of constants.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -98,7 +98,7 @@ pub fn check_constraints(targets: &Targets, cell: &Cell, numerics: &Numerics, al
     for (k, given) in epsilons.iter().enumerate() {
         let cell = Cell { r0: given.r0, xi_s: given.xi_s, epsilon: given.epsilon, ..cell.clone() };
         let starts = [given.epsilon, 0.95 * given.epsilon, 0.85 * given.epsilon];
-        let found = critical_value(&cell, numerics, Parameter::Epsilon, &starts)
+        let found = critical_value(&cell, numerics, Parameter::Epsilon, &starts, &StepBudget::unlimited())
             .map(|(_, point)| out.deviates(point.value, given.epsilon, given.tolerance));
         let text = format!("epsilon = {} at R0 = {}, xi_s = {}", given.epsilon, given.r0, given.xi_s);
         out.exclude("critical_epsilons", k, text, found.map_err(|error| error.to_string()));

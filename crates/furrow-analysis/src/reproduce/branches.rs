@@ -12,7 +12,7 @@ use furrow_lineage::batch::phase::{PhasePlane, spaced};
 use furrow_lineage::batch::scheduler;
 use furrow_mechanics::calibration::statements::HigherFold;
 use furrow_mechanics::equilibria::critical::critical_value;
-use furrow_mechanics::equilibria::{BranchOptions, curves};
+use furrow_mechanics::equilibria::{BranchOptions, StepBudget, curves};
 
 /// Longest step along a branch, for smooth pictures.
 const STEP: f64 = 1.0;
@@ -99,7 +99,8 @@ pub fn shapes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
 pub fn over_confinement(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     shapes(figure)?;
     let (cell, numerics) = (figure.context.cell(2.22, 0.895), figure.context.numerics(Scheme::Converged));
-    let pitchfork = critical_value(&cell, &numerics, Parameter::Epsilon, &[0.895, 0.85, 0.76]);
+    let pitchfork =
+        critical_value(&cell, &numerics, Parameter::Epsilon, &[0.895, 0.85, 0.76], &StepBudget::unlimited());
     figure.number(ON_CURVE, pitchfork.map(|(_, point)| point.value));
     let (across, up) = (spaced(0.54, 0.92, 20), spaced(3.0, 27.0, 9));
     let plane = PhasePlane { cell, numerics, parameter: Parameter::Epsilon, across, up, seed: 0 };

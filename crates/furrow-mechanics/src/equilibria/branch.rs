@@ -5,7 +5,7 @@ use furrow_bvp::{
     Termination, Work, mesh,
 };
 
-use super::error::{CellName, PointKind, ShapeError};
+use super::error::{CellName, PointKind, Result, ShapeError};
 use crate::cortex::equations::{COMPONENTS, LENGTH, M, PRESSURE, Q, R, T, V, Z};
 use crate::cortex::problem::SHAPE_SCALARS;
 use crate::cortex::{Cortex, Domain, observables, resolution};
@@ -93,18 +93,10 @@ impl ShapePoint {
 
     /// The newest point of a branch, after so many folds and pitchforks; with its growth rate if there is a workspace for
     /// it.
-    pub(super) fn newest(
-        branch: &Continuation<Cortex>,
-        passed: usize,
-        stability: &mut Option<Stability>,
-    ) -> ShapePoint {
-        let (y, cortex) = (&branch.state.solution, &branch.problem);
-        ShapePoint {
-            arclength: branch.state.arclength,
-            passed,
-            growth_rate: stability.as_mut().and_then(|stability| stability.growth_rate(cortex, y).ok()),
-            ..ShapePoint::of(y, cortex, &branch.system.gauss)
-        }
+    pub(super) fn newest(of: &Continuation<Cortex>, passed: usize, stability: &mut Option<Stability>) -> ShapePoint {
+        let (y, cortex) = (&of.state.solution, &of.problem);
+        let growth_rate = stability.as_mut().and_then(|stability| stability.growth_rate(cortex, y).ok());
+        ShapePoint { arclength: of.state.arclength, passed, growth_rate, ..ShapePoint::of(y, cortex, &of.system.gauss) }
     }
 }
 
@@ -140,10 +132,7 @@ impl Criticality {
 
 impl std::fmt::Display for Criticality {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Criticality::Supercritical => "supercritical",
-            Criticality::Subcritical => "subcritical",
-        })
+        f.write_str(if *self == Criticality::Supercritical { "supercritical" } else { "subcritical" })
     }
 }
 
@@ -200,19 +189,13 @@ impl BranchEvent {
     }
 
     /// The pitchfork, if it is one.
-    pub fn pitchfork(&self) -> Option<&Pitchfork> {
-        match self {
-            BranchEvent::Pitchfork(pitchfork) => Some(pitchfork),
-            BranchEvent::Fold(_) => None,
-        }
+    pub fn pitchfork(self) -> Option<Pitchfork> {
+        if let BranchEvent::Pitchfork(pitchfork) = self { Some(*pitchfork) } else { None }
     }
 
     /// The fold, if it is one.
-    pub fn fold(&self) -> Option<&FoldPoint> {
-        match self {
-            BranchEvent::Fold(fold) => Some(fold),
-            BranchEvent::Pitchfork(_) => None,
-        }
+    pub fn fold(self) -> Option<FoldPoint> {
+        if let BranchEvent::Fold(fold) = self { Some(*fold) } else { None }
     }
 }
 
@@ -322,12 +305,12 @@ impl Branch {
 
     /// Its pitchforks in order.
     pub fn pitchforks(&self) -> impl Iterator<Item = &Pitchfork> {
-        self.events.iter().filter_map(BranchEvent::pitchfork)
+        self.events.iter().filter_map(|e| if let BranchEvent::Pitchfork(found) = e { Some(&**found) } else { None })
     }
 
     /// Its folds in order.
     pub fn folds(&self) -> impl Iterator<Item = &FoldPoint> {
-        self.events.iter().filter_map(BranchEvent::fold)
+        self.events.iter().filter_map(|e| if let BranchEvent::Fold(found) = e { Some(&**found) } else { None })
     }
 }
 
@@ -388,15 +371,10 @@ pub fn error_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f64>) {
 ///
 /// # Errors
 /// [`ShapeError::Branch`].
-pub(super) fn begin(
-    mut y: Solution,
-    cell: &Cell,
-    domain: Domain,
-    settings: &ContinuationSettings,
-) -> Result<Continuation<Cortex>, ShapeError> {
+pub(super) fn begin(mut y: Solution, cell: &Cell, settings: &ContinuationSettings) -> Result<Continuation<Cortex>> {
     y.scalars.push(0.0);
     let free = [Parameter::XiS];
-    let cortex = Cortex::new(cell, domain, &free);
+    let cortex = Cortex::new(cell, Domain::of(cell), &free);
     let mut branch = Continuation::start(cortex, y, metric(cell.r0, &free), settings.clone(), true)
         .map_err(|source| ShapeError::Branch { cell: CellName::of(cell), source })?;
     branch.monitor = Some(mesh_monitor);

@@ -18,10 +18,7 @@ pub enum PointKind {
 
 impl std::fmt::Display for PointKind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            PointKind::Pitchfork => "pitchfork",
-            PointKind::Fold => "fold",
-        })
+        f.write_str(if *self == PointKind::Pitchfork { "pitchfork" } else { "fold" })
     }
 }
 
@@ -54,6 +51,9 @@ impl std::fmt::Display for CellName {
         write!(f, "R0 = {}, epsilon = {}", shown_number(self.r0), shown_number(self.epsilon))
     }
 }
+
+/// What searches among shapes give.
+pub type Result<T, E = ShapeError> = std::result::Result<T, E>;
 
 /// Why a stationary branch, or a point of it, could not be computed.
 #[expect(missing_docs, reason = "the messages say what the fields are")]
