@@ -52,7 +52,7 @@ impl BranchOptions {
 }
 
 /// A stationary shape on a branch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ShapePoint {
     /// Activity ξ_s.
     pub xi_s: f64,
@@ -85,9 +85,7 @@ impl ShapePoint {
             pressure: y.scalars[PRESSURE],
             equator_radius: if half { y.node(y.intervals())[R] } else { observables::equator_radius(gauss, y) },
             delta_u: if half { 0.0 } else { observables::furrow_position(gauss, cortex, y).map_or(0.0, |u| u - 0.5) },
-            arclength: 0.0,
-            passed: 0,
-            growth_rate: None,
+            ..ShapePoint::default()
         }
     }
 

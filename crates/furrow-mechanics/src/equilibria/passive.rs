@@ -91,6 +91,9 @@ pub fn spheroid(gauss: &Gauss, cell: &Cell, mesh: &[f64]) -> Solution {
     })
 }
 
+/// A shape and the work it took.
+type Found = Result<(Solution, NewtonReport), NewtonError>;
+
 /// Newton's tolerance on passive shapes, from which everything else starts.
 const TOLERANCE: f64 = 1e-11;
 
@@ -111,7 +114,7 @@ const TOLERANCE: f64 = 1e-11;
 ///
 /// # Errors
 /// What Newton said last.
-pub fn passive(cell: &Cell, numerics: &Numerics) -> Result<(Solution, NewtonReport), NewtonError> {
+pub fn passive(cell: &Cell, numerics: &Numerics) -> Found {
     let cell = cell.passive();
     let mut cortex = Cortex::new(&cell, Domain::Half, &[]);
     let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
@@ -126,12 +129,7 @@ pub fn passive(cell: &Cell, numerics: &Numerics) -> Result<(Solution, NewtonRepo
 }
 
 /// Follows the passive dynamics from a guess by implicit steps of growing size until they are long enough for rest.
-fn relax(
-    mut cortex: Cortex,
-    mut system: System,
-    newton: Newton,
-    mut y: Solution,
-) -> Result<(Solution, NewtonReport), NewtonError> {
+fn relax(mut cortex: Cortex, mut system: System, newton: Newton, mut y: Solution) -> Found {
     // Times scale with R0².
     let scale = cortex.cell.r0 * cortex.cell.r0;
     let mut scratch = NewtonScratch::default();
@@ -151,9 +149,7 @@ fn relax(
                 }
             }
             other => {
-                if let Err(error) = other {
-                    last = error;
-                }
+                last = other.err().unwrap_or(last);
                 y = before;
                 dt *= 0.2;
                 if dt < 1e-12 {
