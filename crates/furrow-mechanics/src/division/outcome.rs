@@ -92,34 +92,22 @@ impl Division {
 
     /// χ with the sign of [`Ending::Divided`]; none if the cell did not divide.
     pub fn chi_signed(&self) -> Option<f64> {
-        match self.ending {
-            Ending::Divided { chi_signed, .. } => Some(chi_signed),
-            Ending::Arrested { .. } => None,
-        }
+        if let Ending::Divided { chi_signed, .. } = self.ending { Some(chi_signed) } else { None }
     }
 
     /// Furrow position in arclength fraction from the pole u = 0; none if the cell did not divide.
     pub fn u_furrow(&self) -> Option<f64> {
-        match self.ending {
-            Ending::Divided { u_furrow, .. } => Some(u_furrow),
-            Ending::Arrested { .. } => None,
-        }
+        if let Ending::Divided { u_furrow, .. } = self.ending { Some(u_furrow) } else { None }
     }
 
     /// Radii R0 of the daughters from u below and above the furrow, in L_h; none if the cell did not divide.
     pub fn daughters(&self) -> Option<[f64; 2]> {
-        match self.ending {
-            Ending::Divided { daughters, .. } => Some(daughters),
-            Ending::Arrested { .. } => None,
-        }
+        if let Ending::Divided { daughters, .. } = self.ending { Some(daughters) } else { None }
     }
 
     /// Leading growth rate of the shape in which an undivided cell rests, in 1/τ.
     pub fn growth_rate(&self) -> Option<f64> {
-        match self.ending {
-            Ending::Divided { .. } => None,
-            Ending::Arrested { growth_rate } => growth_rate,
-        }
+        if let Ending::Arrested { growth_rate } = self.ending { growth_rate } else { None }
     }
 
     /// Volumes of the daughters from u below and above the furrow, as parts of the mother's; none if it did not divide.
@@ -165,18 +153,18 @@ impl Division {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DivisionRow {
     pub outcome: Outcome,
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub chi: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub chi_signed: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub u_furrow: Option<f64>,
     pub t_end: f64,
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub daughters: Option<[f64; 2]>,
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub growth_rate: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub slow_growth_rate: Option<f64>,
     pub volume_drift: f64,
     #[serde(flatten)]
@@ -278,10 +266,9 @@ const LARGEST: f64 = 100.0;
 
 /// What helps where a time step cannot be solved.
 fn advice_on_steps(r0: f64) -> &'static str {
-    if r0 > LARGEST {
-        "divisions are found of cells of R0 up to 100"
-    } else {
-        "try more mesh intervals, a larger time_tolerance or a larger step_factor"
+    match r0 > LARGEST {
+        true => "divisions are found of cells of R0 up to 100",
+        false => "try more mesh intervals, a larger time_tolerance or a larger step_factor",
     }
 }
 
@@ -290,9 +277,8 @@ const WIDE_SHELL: f64 = 0.3;
 
 /// What helps where a cell is not found to be at rest.
 fn advice_on_rest(epsilon: f64) -> &'static str {
-    if epsilon < WIDE_SHELL {
-        "raise epsilon to 0.3: in a shell as wide as this nothing holds the cell in its place"
-    } else {
-        "raise t_max, or try more mesh intervals"
+    match epsilon < WIDE_SHELL {
+        true => "raise epsilon to 0.3: in a shell as wide as this nothing holds the cell in its place",
+        false => "raise t_max, or try more mesh intervals",
     }
 }

@@ -14,7 +14,7 @@ use super::saddle;
 use super::sensitivity::{Sensitivity, Tangent};
 use super::start::{FIRST_MESH, Start, check};
 use super::step_size::StepSize;
-use super::stepper::{MAX_ORDER, Stepper};
+use super::stepper::{Attempt, MAX_ORDER, ParityNorm, Stepper};
 use crate::cortex::Cortex;
 use crate::cortex::equations::{LENGTH, PSI, R, noise_factor};
 use crate::cortex::lanes::sin_cos;
@@ -89,6 +89,9 @@ impl<'a> DivisionOptions<'a> {
     }
 }
 
+/// A division, with its derivatives by each parameter asked for.
+pub type Divided = Result<(Division, Option<Vec<Sensitivity>>), DivisionError>;
+
 /// Computes one division.
 ///
 /// # Errors
@@ -117,19 +120,12 @@ pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
 /// println!("χ = {:?}; ∂χ/∂R0 = {}, ∂χ/∂Δκ = {}", division.chi_signed(), by[0].chi_signed, by[1].chi_signed);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn divide_with(
-    input: &DivisionInput,
-    options: DivisionOptions<'_>,
-) -> Result<(Division, Option<Vec<Sensitivity>>), DivisionError> {
+pub fn divide_with(input: &DivisionInput, options: DivisionOptions<'_>) -> Divided {
     run(input, &Start::Passive, options)
 }
 
 /// One division from any start.
-pub(crate) fn run(
-    input: &DivisionInput,
-    start: &Start<'_>,
-    options: DivisionOptions<'_>,
-) -> Result<(Division, Option<Vec<Sensitivity>>), DivisionError> {
+pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOptions<'_>) -> Divided {
     let DivisionOptions { observer, cancel, parameters } = options;
     let mut unobserved = |_: Frame<'_>| {};
     let observe = observer.unwrap_or(&mut unobserved);
@@ -169,14 +165,17 @@ pub(crate) fn run(
         }
         if let Some(until) = start.until() {
             if stepper.history[0].t >= until * (1.0 - ROUNDING) {
-                return Ok((run.watched(&stepper), None));
+                // With the growth rate of the shape that it has come to.
+                let growth_rate = Rest::near(&stepper, 0, run.parity).map(|rest| rest.growth_rate);
+                return Ok((run.arrested(&stepper, growth_rate), None));
             }
-            run.prepare_mesh(&mut stepper);
+            stepper.adapt(run.parity, 1.5);
             continue;
         }
         if let Some(rest) = run.detector.look(&stepper, run.parity) {
-            if rest.growth_rate < 0.0 || run.is_attractor(&rest) {
-                return Ok((run.arrested(&stepper, rest.growth_rate), None));
+            // The published scheme cannot leave every shape that grows: backward Euler multiplies by 1/(1 − σΔt).
+            if rest.growth_rate < 0.0 || run.fixed.is_some_and(|dt| rest.growth_rate * dt > 2.0) {
+                return Ok((run.arrested(&stepper, Some(rest.growth_rate)), None));
             }
             run.wait_at_saddle(&mut stepper, &rest);
         }
@@ -184,23 +183,24 @@ pub(crate) fn run(
         if let Some(period) = run.oscillation.note(newest.t, newest.y.scalars[LENGTH]) {
             return Err(DivisionError::Oscillates { r0: cell.r0, period });
         }
-        if run.steps > run.most_steps {
-            let t = stepper.history[0].t;
-            return Err(DivisionError::Restless { r0: cell.r0, t, steps: run.steps });
+        if run.steps > limits::most_steps(numerics) {
+            return Err(DivisionError::Restless { r0: cell.r0, t: newest.t, steps: run.steps });
         }
-        if stepper.history[0].t > run.t_max {
-            if run.fixed.is_none()
-                && let Some(growth_rate) = limits::neutral_drift(&stepper)
-            {
-                return Ok((run.arrested(&stepper, growth_rate), None));
-            }
-            return Err(run.undecided(cell));
+        if newest.t > run.t_max {
+            let drifts = if run.fixed.is_none() { limits::neutral_drift(&stepper) } else { None };
+            let Cell { r0, epsilon, .. } = *cell;
+            return match (drifts, run.slow_growth_rate) {
+                (Some(_), _) => Ok((run.arrested(&stepper, drifts), None)),
+                (None, Some(growth_rate)) => Err(DivisionError::Critical { r0, growth_rate }),
+                (None, None) => Err(DivisionError::Undecided { r0, epsilon, t_max: run.t_max }),
+            };
         }
-        run.prepare_mesh(&mut stepper);
+        stepper.adapt(run.parity, 1.5);
     }
 }
 
 /// Controls of one run.
+#[derive(Default)]
 struct Run {
     tolerance: f64,
     factor: f64,
@@ -219,8 +219,6 @@ struct Run {
     neck_rate: f64,
     /// Largest time of the numerics, in τ.
     longest: f64,
-    /// Most steps.
-    most_steps: usize,
     /// Largest time of this cell: later for one that has waited at a saddle.
     t_max: f64,
     /// How often the shape was found at a saddle.
@@ -240,23 +238,12 @@ impl Run {
             tolerance: numerics.time_tolerance,
             factor: numerics.step_factor,
             parity,
-            odd_floor: 0.0,
             dt: numerics.first_step,
-            step_size: StepSize::default(),
             fixed: (numerics.scheme == Scheme::Published).then_some(numerics.dt),
-            steps: 0,
-            rejected: 0,
-            detector: EquilibriumDetector::default(),
-            drift: 0.0,
-            neck: None,
-            neck_rate: 0.0,
             longest: numerics.t_max,
-            most_steps: limits::most_steps(numerics),
             t_max: numerics.t_max,
-            saddle_visits: 0,
-            slow_growth_rate: None,
             tangent,
-            oscillation: Oscillation::default(),
+            ..Run::default()
         }
     }
 
@@ -265,9 +252,8 @@ impl Run {
     /// so on: what the noise starts there grows as much sooner.
     fn first_step(&mut self, stepper: &mut Stepper, coefficients: [f64; 10]) -> Result<(), DivisionError> {
         let (y, gauss) = (&stepper.history[0].y, &stepper.system.gauss);
-        let points = 0..y.intervals() * y.m;
-        stepper.cortex.noise =
-            points.map(|i| noise_factor(&coefficients, y.stage_x(gauss, i / y.m, i % y.m))).collect();
+        let factor = |i: usize| noise_factor(&coefficients, y.stage_x(gauss, i / y.m, i % y.m));
+        stepper.cortex.noise = (0..y.intervals() * y.m).map(factor).collect();
         let first = loop {
             match stepper.attempt(self.dt, 1) {
                 Ok(first) => break first,
@@ -313,15 +299,6 @@ impl Run {
         self.dt = self.dt.min(start.longest_step().min(until - t) / factor);
     }
 
-    fn neck_step(&self) -> f64 {
-        if self.fixed.is_some() { PUBLISHED_NECK_STEP } else { NECK_STEP }
-    }
-
-    /// Whether the published scheme cannot leave a shape that grows: backward Euler multiplies by 1/(1 − σΔt).
-    fn is_attractor(&self, rest: &Rest) -> bool {
-        self.fixed.is_some_and(|dt| rest.growth_rate * dt > 2.0)
-    }
-
     /// One accepted step.
     fn advance(&mut self, stepper: &mut Stepper) -> Result<(), DivisionError> {
         if let Some(fixed) = self.fixed {
@@ -337,8 +314,7 @@ impl Run {
             let shrink = match &attempt {
                 Ok(a) => {
                     // The step factor scales steps chosen for the tolerance: a smaller error does not win them back.
-                    let error = self.error_ratio(a.error.even, a.error.odd, a.odd_size, r0)
-                        / self.factor.powi(order as i32 + 1);
+                    let error = self.error_ratio(a, r0) / self.factor.powi(order as i32 + 1);
                     if error <= 1.0 || stepper.history.len() == 1 {
                         let growth = self.step_size.growth(self.dt, error, order);
                         self.accept(stepper, growth);
@@ -366,7 +342,8 @@ impl Run {
     }
 
     /// Error of a step in units of what is allowed: N.14 while the shape is nearly mirror-symmetric.
-    fn error_ratio(&self, even: f64, odd: f64, odd_size: f64, r0: f64) -> f64 {
+    fn error_ratio(&self, attempt: &Attempt, r0: f64) -> f64 {
+        let Attempt { error: ParityNorm { even, odd }, odd_size } = *attempt;
         // Once the neck closes the outcome is decided and no odd mode has time to grow.
         let closing = self.closes(r0);
         let tolerance = self.tolerance * if closing { CLOSING_TOLERANCE } else { 1.0 };
@@ -379,13 +356,14 @@ impl Run {
     }
 
     fn accept(&mut self, stepper: &mut Stepper, growth: f64) {
-        let dt = self.dt * if self.fixed.is_some() { 1.0 } else { self.factor };
+        let (factor, neck_step) =
+            if self.fixed.is_some() { (1.0, PUBLISHED_NECK_STEP) } else { (self.factor, NECK_STEP) };
+        let dt = self.dt * factor;
         stepper.accept();
         self.tangent.iter_mut().for_each(|tangent| tangent.follow(stepper));
         self.steps += 1;
         self.dt *= growth;
-        let y = &stepper.history[0].y;
-        let gauss = &stepper.system.gauss;
+        let (y, gauss) = (&stepper.history[0].y, &stepper.system.gauss);
         let mut area = 0.0;
         for (k, interval) in y.mesh.windows(2).enumerate() {
             for (j, b) in gauss.b.iter().enumerate() {
@@ -399,7 +377,7 @@ impl Run {
         if let (Some(new), Some(old)) = (neck, self.neck) {
             self.neck_rate = (old.radius - new.radius) / dt;
             if self.neck_rate > 0.0 {
-                self.dt = self.dt.min(self.neck_step() * new.radius / self.neck_rate);
+                self.dt = self.dt.min(neck_step * new.radius / self.neck_rate);
             }
         }
         self.neck = neck;
@@ -409,10 +387,6 @@ impl Run {
             // Whatever was slow is behind it.
             stepper.coarsen();
         }
-    }
-
-    fn prepare_mesh(&self, stepper: &mut Stepper) {
-        stepper.adapt(self.parity, 1.5);
     }
 
     /// At a saddle: waits until the shape leaves it or, where that would take too long, skips the wait.
@@ -443,14 +417,6 @@ impl Run {
         self.detector.next = t + SADDLE_WAIT / growth;
     }
 
-    fn undecided(&self, cell: &Cell) -> DivisionError {
-        let Cell { r0, epsilon, .. } = *cell;
-        match self.slow_growth_rate {
-            Some(growth_rate) => DivisionError::Critical { r0, growth_rate },
-            None => DivisionError::Undecided { r0, epsilon, t_max: self.t_max },
-        }
-    }
-
     fn division(&self, stepper: &Stepper, ending: Ending) -> Division {
         Division {
             ending,
@@ -461,20 +427,13 @@ impl Run {
         }
     }
 
-    /// A cell that has not divided in the time that it was watched, with the growth rate of the shape that it has come to.
-    fn watched(&self, stepper: &Stepper) -> Division {
-        let growth_rate = Rest::near(stepper, 0, self.parity).map(|rest| rest.growth_rate);
+    fn arrested(&self, stepper: &Stepper, growth_rate: Option<f64>) -> Division {
         self.division(stepper, Ending::Arrested { growth_rate })
-    }
-
-    fn arrested(&self, stepper: &Stepper, growth_rate: f64) -> Division {
-        self.division(stepper, Ending::Arrested { growth_rate: Some(growth_rate) })
     }
 
     fn divided(&self, stepper: &Stepper, neck: Neck, symmetric_below: f64) -> Division {
         let (y, r0) = (&stepper.history[0].y, stepper.cortex.cell.r0);
-        let gauss = &stepper.system.gauss;
-        let chi_signed = observables::asymmetry(gauss, y, neck.u);
+        let chi_signed = observables::asymmetry(&stepper.system.gauss, y, neck.u);
         let symmetric = chi_signed.abs() < symmetric_below;
         // The neck passed the threshold within the last step.
         let past = (PINCH_OFF * r0 - neck.radius) / self.neck_rate;

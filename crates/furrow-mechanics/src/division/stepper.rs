@@ -112,8 +112,6 @@ pub struct Attempt {
     pub error: ParityNorm,
     /// Odd part of the new shape.
     pub odd_size: f64,
-    /// Newton's work.
-    pub report: NewtonReport,
 }
 
 /// Time stepper of one cell. `history[0]` is the newest accepted shape.
@@ -232,7 +230,7 @@ impl Stepper {
         self.state(&alpha[..=order]);
         self.trial.t = t;
         extrapolate(&self.history[..known], &predict[..known], &mut self.trial.y);
-        let report = self.solve_trial()?;
+        self.solve_trial()?;
         let share = dt / (t - times[known]);
         let gauss = &self.system.gauss;
         let new = &self.trial.y.stages;
@@ -246,7 +244,7 @@ impl Stepper {
         });
         let size = parity_norm(gauss, &self.trial.y.mesh, |i| [new[i * COMPONENTS + R], new[i * COMPONENTS + Z]]);
         self.trial.size = Some(size);
-        Ok(Attempt { error, odd_size: size.odd, report })
+        Ok(Attempt { error, odd_size: size.odd })
     }
 
     /// States the step with these weights of the shapes in the rate of change, newest first: its rate and its past.
@@ -269,7 +267,7 @@ impl Stepper {
 
     /// Solves the step that is stated from the trial shape and into it, on halves if it may be, and with the factors at hand if
     /// they are of such a step and of nearly its rate.
-    fn solve_trial(&mut self) -> Result<NewtonReport, NewtonError> {
+    fn solve_trial(&mut self) -> Result<(), NewtonError> {
         let (halved, rate) = (self.solves_halves(), self.cortex.rate);
         let near = |(of_halves, other): (bool, f64)| of_halves == halved && (rate / other - 1.0).abs() < SAME_RATE;
         let reuse = self.factored.is_some_and(near);
@@ -292,18 +290,15 @@ impl Stepper {
                 self.history[0].size = None;
             }
         }
-        solved
+        solved.map(drop)
     }
 
     /// Makes the attempted step the newest level.
     pub fn accept(&mut self) {
-        let mut level = match self.spare.pop() {
-            Some(level) => level,
-            None if self.history.len() > MAX_ORDER => self.history.remove(self.history.len() - 1),
-            None => self.trial.clone(),
-        };
-        std::mem::swap(&mut level, &mut self.trial);
-        self.history.insert(0, level);
+        let oldest = self.history.len() > MAX_ORDER;
+        let level = self.spare.pop().or_else(|| if oldest { self.history.pop() } else { None });
+        let level = level.unwrap_or_else(|| self.trial.clone());
+        self.history.insert(0, std::mem::replace(&mut self.trial, level));
         while self.history.len() > MAX_ORDER + 1 {
             self.spare.extend(self.history.pop());
         }
@@ -397,20 +392,15 @@ impl Stepper {
 /// Σ w_j y_j over the history into `out`, taking mesh and shape from the first.
 fn extrapolate(history: &[HistoryPoint], weights: &[f64], out: &mut Solution) {
     out.clone_from(&history[0].y);
-    let mut part = |get: fn(&Solution) -> &Vec<f64>, put: fn(&mut Solution) -> &mut Vec<f64>| {
-        let target = put(out);
-        for v in target.iter_mut() {
-            *v *= weights[0];
-        }
+    let Solution { nodes, stages, scalars, .. } = out;
+    let parts: [(_, fn(&Solution) -> &Vec<f64>); 3] =
+        [(nodes, |y| &y.nodes), (stages, |y| &y.stages), (scalars, |y| &y.scalars)];
+    for (target, of) in parts {
+        target.iter_mut().for_each(|v| *v *= weights[0]);
         for (level, weight) in history.iter().zip(weights).skip(1) {
-            for (v, w) in target.iter_mut().zip(get(&level.y)) {
-                *v += weight * w;
-            }
+            target.iter_mut().zip(of(&level.y)).for_each(|(v, w)| *v += weight * w);
         }
-    };
-    part(|y| &y.nodes, |y| &mut y.nodes);
-    part(|y| &y.stages, |y| &mut y.stages);
-    part(|y| &y.scalars, |y| &mut y.scalars);
+    }
 }
 
 #[cfg(test)]
