@@ -58,7 +58,7 @@ fn memo_hits(bencher: Bencher) {
     bencher.counter(ItemsCount::new(HITS)).bench_local(|| {
         for input in inputs.iter().cycle().take(HITS) {
             let request = memo.request(Key::new(&memo.canonical(input)), &sender);
-            assert!(matches!(request, Request::Known(_)));
+            assert!(matches!(request, Request::Known { .. }));
         }
     });
 }

@@ -4,7 +4,7 @@ use crate::common::shapes::first;
 use furrow_cell::cue::Quantity;
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
 use furrow_mechanics::calibration::sensitivity;
-use furrow_mechanics::equilibria::{BranchOptions, FoldPoint, StepBudget, curves, primary};
+use furrow_mechanics::equilibria::{FoldPoint, StepBudget, curves, primary};
 
 /// Steps of the differences, relative to the number varied: roundings of ξ_s and the fourth order of the differences are both
 /// far below the tolerances then.

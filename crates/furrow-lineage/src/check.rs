@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::clash;
 use super::definition::{CueRule, Daughter, Founder, Lineage};
-use furrow_cell::SIZES;
+use furrow_cell::{CueError, SIZES};
 use furrow_input::{InputError, did_you_mean, forbidden, listed, shown};
 
 /// A lineage with the text it was read from.
@@ -39,36 +39,38 @@ impl Check<'_> {
         InputError::not_allowed(self.place(&f.name), format!("founder {}: {field}", shown(&f.name)), value, allowed)
     }
 
+    /// Refuses a value of a field of the file unless it is right.
+    fn ensure(
+        &self,
+        ok: bool,
+        field: &str,
+        value: impl ToString,
+        allowed: impl Into<String>,
+    ) -> Result<(), InputError> {
+        if ok { Ok(()) } else { Err(InputError::not_allowed(self.file, field, value, allowed)) }
+    }
+
     /// Names in drawings and pages must be valid XML text.
     fn printable(&self, field: &str, text: &str) -> Result<(), InputError> {
-        match forbidden(text) {
-            None => Ok(()),
-            Some(c) => {
-                let allowed = format!("free of control characters and of what XML cannot hold, here {c:?}");
-                Err(InputError::not_allowed(self.file, field, shown(text), allowed))
-            }
-        }
+        let Some(c) = forbidden(text) else { return Ok(()) };
+        let allowed = format!("free of control characters and of what XML cannot hold, here {c:?}");
+        self.ensure(false, field, shown(text), allowed)
     }
 
     /// Checks a lineage that was parsed.
     pub fn run(&self) -> Result<(), InputError> {
         let lineage = self.lineage;
         let limits = lineage.limits;
-        if !(1..=100_000).contains(&limits.max_depth) {
-            return Err(InputError::not_allowed(self.file, "limits.max_depth", limits.max_depth, "from 1 to 100000"));
-        }
-        if limits.max_cells < 1 {
-            return Err(InputError::not_allowed(self.file, "limits.max_cells", limits.max_cells, "at least 1"));
-        }
+        let deep = (1..=100_000).contains(&limits.max_depth);
+        self.ensure(deep, "limits.max_depth", limits.max_depth, "from 1 to 100000")?;
+        self.ensure(limits.max_cells >= 1, "limits.max_cells", limits.max_cells, "at least 1")?;
         self.letters("naming", lineage.naming)?;
         lineage.units().check(self.file)?;
         self.printable("name", &lineage.name)?;
         self.printable("citation", lineage.citation.as_deref().unwrap_or(""))?;
         self.cues()?;
         self.rules(&|| self.file.to_owned(), "cue_rules", &lineage.cue_rules)?;
-        if lineage.founders.is_empty() {
-            return Err(InputError::not_allowed(self.file, "founders", "[]", "a list of at least one founder"));
-        }
+        self.ensure(!lineage.founders.is_empty(), "founders", "[]", "a list of at least one founder")?;
         let mut index = HashMap::new();
         for (i, f) in lineage.founders.iter().enumerate() {
             self.founder(f)?;
@@ -88,19 +90,13 @@ impl Check<'_> {
     /// The cues that the file names.
     fn cues(&self) -> Result<(), InputError> {
         for (name, cue) in &self.lineage.cues {
-            if name == "none" {
-                let allowed = "another name: none is the absence of a cue";
-                return Err(InputError::not_allowed(self.file, "cues", "\"none\"", allowed));
-            }
+            self.ensure(name != "none", "cues", "\"none\"", "another name: none is the absence of a cue")?;
             self.printable("cues", name)?;
-            if name.is_empty() || name.chars().any(|c| c.is_whitespace() || ":+,\"'".contains(c)) {
-                let allowed = "a name without blanks, quotes and : + , as in \"polar\"";
-                return Err(InputError::not_allowed(self.file, "cues", shown(name), allowed));
+            let plain = !name.is_empty() && !name.chars().any(|c| c.is_whitespace() || ":+,\"'".contains(c));
+            self.ensure(plain, "cues", shown(name), "a name without blanks, quotes and : + , as in \"polar\"")?;
+            if let Err(CueError { field, value, allowed }) = cue.check() {
+                return self.ensure(false, &format!("cues[{name:?}].{field}"), value, allowed);
             }
-            cue.check().map_err(|error| {
-                let field = format!("cues[{name:?}].{}", error.field);
-                InputError::not_allowed(self.file, field, error.value, error.allowed)
-            })?;
         }
         Ok(())
     }
@@ -115,10 +111,10 @@ impl Check<'_> {
             true => "; what it is is said under cues".to_owned(),
             false => did_you_mean(name, known()),
         };
-        match self.lineage.cues.is_empty() {
-            true => Err(format!("none, since the file has no cues{hint}")),
-            false => Err(format!("one of {}{hint}", listed(known(), ", "))),
-        }
+        Err(match self.lineage.cues.is_empty() {
+            true => format!("none, since the file has no cues{hint}"),
+            false => format!("one of {}{hint}", listed(known(), ", ")),
+        })
     }
 
     fn rules(&self, place: &dyn Fn() -> String, field: &str, rules: &[CueRule]) -> Result<(), InputError> {
@@ -148,11 +144,9 @@ impl Check<'_> {
     }
 
     fn letters(&self, field: &str, (a, p): (char, char)) -> Result<(), InputError> {
-        if a == p || !a.is_ascii_alphanumeric() || !p.is_ascii_alphanumeric() {
-            let allowed = "two different ASCII letters or digits, anterior first";
-            return Err(InputError::not_allowed(self.file, field, format!("({a:?}, {p:?})"), allowed));
-        }
-        Ok(())
+        let right = a != p && a.is_ascii_alphanumeric() && p.is_ascii_alphanumeric();
+        let allowed = "two different ASCII letters or digits, anterior first";
+        self.ensure(right, field, format!("({a:?}, {p:?})"), allowed)
     }
 
     fn founder(&self, f: &Founder) -> Result<(), InputError> {
@@ -180,42 +174,28 @@ impl Check<'_> {
             return Err(self.founder_error(f, "inherit", "false", allowed));
         }
         self.rules(&|| self.place(&f.name), &format!("founder {}: cue_rules", shown(&f.name)), &f.cue_rules)?;
-        match (&f.mother, f.daughter) {
-            (Some(_), None) => {
-                return Err(self.founder_error(
-                    f,
-                    "daughter",
-                    "(not given)",
-                    "larger or smaller where a mother is given",
-                ));
-            }
-            (None, Some(_)) => {
-                return Err(self.founder_error(
-                    f,
-                    "mother",
-                    "(not given)",
-                    "the mother's name where a daughter is given",
-                ));
-            }
-            _ => {}
+        if f.mother.is_some() != f.daughter.is_some() {
+            let (field, allowed) = match f.mother {
+                Some(_) => ("daughter", "larger or smaller where a mother is given"),
+                None => ("mother", "the mother's name where a daughter is given"),
+            };
+            return Err(self.founder_error(f, field, "(not given)", allowed));
         }
-        if let Some((field, value, allowed)) = f.observed.and_then(|observed| observed.contradiction()) {
-            return Err(self.founder_error(f, &format!("observed.{field}"), value, allowed));
+        match f.observed.and_then(|observed| observed.contradiction()) {
+            None => Ok(()),
+            Some((field, value, allowed)) => Err(self.founder_error(f, &format!("observed.{field}"), value, allowed)),
         }
-        Ok(())
     }
 
     fn physics(&self, f: &Founder) -> Result<(), InputError> {
         if let Some(given) = f.r0 {
             let units = self.lineage.units();
-            let r0 = given
-                .in_units(&units)
-                .map_err(|allowed| self.founder_error(f, "r0", format!("\"{given}\""), allowed))?;
-            if !(r0.is_finite() && r0 > 0.0) {
-                return Err(self.founder_error(f, "r0", given, "a finite number above 0"));
-            }
+            let no_unit = |allowed| self.founder_error(f, "r0", format!("\"{given}\""), allowed);
+            let r0 = given.in_units(&units).map_err(no_unit)?;
             if !SIZES.contains(&r0) {
-                return Err(self.founder_error(f, "r0", given, "a number of L_h from 1e-6 to 1e6"));
+                let positive = r0.is_finite() && r0 > 0.0;
+                let allowed = if positive { "a number of L_h from 1e-6 to 1e6" } else { "a finite number above 0" };
+                return Err(self.founder_error(f, "r0", given, allowed));
             }
         }
         for (parameter, value) in f.physics.values() {
@@ -227,19 +207,16 @@ impl Check<'_> {
     }
 
     fn mothers(&self, index: &HashMap<&str, usize>) -> Result<Vec<Option<usize>>, InputError> {
-        let mut mother = Vec::with_capacity(self.lineage.founders.len());
-        for f in &self.lineage.founders {
-            mother.push(match f.mother.as_deref() {
-                None => None,
-                Some(name) => Some(*index.get(name).ok_or_else(|| {
-                    let names = || self.lineage.founders.iter().map(|f| f.name.as_str());
-                    let nearest = did_you_mean(name, names());
-                    let allowed = format!("a founder of this file: {}{nearest}", listed(names(), ", "));
-                    self.founder_error(f, "mother", shown(name), allowed)
-                })?),
-            });
-        }
-        Ok(mother)
+        let known = |f: &Founder| {
+            let Some(name) = f.mother.as_deref() else { return Ok(None) };
+            index.get(name).copied().map(Some).ok_or_else(|| {
+                let names = || self.lineage.founders.iter().map(|f| f.name.as_str());
+                let nearest = did_you_mean(name, names());
+                let allowed = format!("a founder of this file: {}{nearest}", listed(names(), ", "));
+                self.founder_error(f, "mother", shown(name), allowed)
+            })
+        };
+        self.lineage.founders.iter().map(known).collect()
     }
 
     /// Exactly one first cell, and every founder descends from it.
@@ -249,16 +226,11 @@ impl Check<'_> {
         let mut reaches = vec![false; founders.len()];
         let mut walk = vec![usize::MAX; founders.len()];
         for start in 0..founders.len() {
-            let mut path = vec![];
-            let mut at = Some(start);
-            while let Some(i) = at {
-                if reaches[i] {
-                    break;
-                }
+            let (mut path, mut at) = (vec![], Some(start));
+            while let Some(i) = at.filter(|&i| !reaches[i]) {
                 if walk[i] == start {
                     let from = path.iter().position(|&j| j == i).unwrap_or(0);
-                    let ring = path[from..].iter().map(|&j: &usize| founders[j].name.as_str());
-                    let ring = listed(ring, " <- ");
+                    let ring = listed(path[from..].iter().map(|&j: &usize| founders[j].name.as_str()), " <- ");
                     let message = format!(
                         "the founders' mothers form a cycle: {ring} <- {}; one founder must have no mother, and all others descend from it",
                         listed([founders[i].name.as_str()], "")
@@ -315,13 +287,10 @@ impl Check<'_> {
         let mut has_listed = vec![false; founders.len()];
         mother.iter().flatten().for_each(|&m| has_listed[m] = true);
         let names: Vec<&str> = founders.iter().map(|f| f.name.as_str()).collect();
-        match clash::first(&names, &has_listed, |founder, generation| self.lineage.letters(founder, generation)) {
-            None => Ok(()),
-            Some((above, i)) => {
-                let (f, above) = (&founders[i], shown(names[above]));
-                let allowed = format!("a name that no descendant of {above} may be given by the naming rule");
-                Err(self.founder_error(f, "name", shown(&f.name), allowed))
-            }
-        }
+        let letters = |founder, generation| self.lineage.letters(founder, generation);
+        let Some((above, i)) = clash::first(&names, &has_listed, letters) else { return Ok(()) };
+        let (f, above) = (&founders[i], shown(names[above]));
+        let allowed = format!("a name that no descendant of {above} may be given by the naming rule");
+        Err(self.founder_error(f, "name", shown(&f.name), allowed))
     }
 }

@@ -292,8 +292,8 @@ impl Lineage {
         Cue::parse_with(text, |name| self.cues.get(name).cloned())
     }
 
-    /// For each founder its listed daughters (larger, smaller), and whether the larger is listed first.
-    pub fn daughters(&self) -> Vec<Option<ListedDaughters>> {
+    /// For each founder its listed daughters (larger, smaller).
+    pub fn daughters(&self) -> Vec<Option<(usize, usize)>> {
         let index: HashMap<&str, usize> = self.founders.iter().enumerate().map(|(i, f)| (f.name.as_str(), i)).collect();
         let mut pairs = vec![(None, None); self.founders.len()];
         for (i, f) in self.founders.iter().enumerate() {
@@ -304,10 +304,7 @@ impl Lineage {
                 }
             }
         }
-        pairs
-            .into_iter()
-            .map(|(larger, smaller)| Some(ListedDaughters { larger: larger?, smaller: smaller? }))
-            .collect()
+        pairs.into_iter().map(|(larger, smaller)| larger.zip(smaller)).collect()
     }
 
     /// Letters (anterior, posterior) of the daughters born `generation` rounds below a founder (1 = its own daughters).
@@ -319,8 +316,7 @@ impl Lineage {
 
 fn replace(given: &mut String, name: &str) {
     if given != "none" {
-        given.clear();
-        given.push_str(name);
+        name.clone_into(given);
     }
 }
 
@@ -345,25 +341,4 @@ pub(super) fn unique<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Resul
         }
     }
     deserializer.deserialize_map(Cues)
-}
-
-/// The two founders a founder divides into (indices into [`Lineage::founders`]).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ListedDaughters {
-    /// The larger.
-    pub larger: usize,
-    /// The smaller.
-    pub smaller: usize,
-}
-
-impl ListedDaughters {
-    /// The founder listed first, which the anterior of two equal daughters becomes.
-    pub fn first(&self) -> usize {
-        self.larger.min(self.smaller)
-    }
-
-    /// The founder listed second.
-    pub fn second(&self) -> usize {
-        self.larger.max(self.smaller)
-    }
 }

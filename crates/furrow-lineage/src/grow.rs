@@ -1,14 +1,15 @@
 //! Growth of a tree: volumes are handed down, every cell's division is solved as soon as its mother's is.
 
+use std::cmp::Ordering;
 use std::collections::VecDeque;
 
-use super::definition::{Lineage, ListedDaughters, Place};
+use super::definition::{Lineage, Place};
 use super::thresholds::EndRule;
 use super::tree::{Fate, Side, TerminalReason, Tree, TreeCell, TreeSettings};
-use crate::batch::scheduler::{self, Step};
+use crate::batch::scheduler::{self, Solve, Step};
 use crate::batch::{Job, Memo, SchedulerError, SchedulerOptions, Summary, Unsolved};
 use furrow_cell::{Cell, Cue};
-use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
+use furrow_mechanics::division::{Division, DivisionInput};
 use furrow_mechanics::equilibria::CriticalRadii;
 use furrow_mechanics::equilibria::critical::Search;
 
@@ -80,7 +81,8 @@ impl GrowingCell {
 
 struct Growth<'a> {
     grower: &'a Grower<'a>,
-    listed: Vec<Option<ListedDaughters>>,
+    /// The founders (larger, smaller) that each divides into.
+    listed: Vec<Option<(usize, usize)>>,
     cells: Vec<GrowingCell>,
 }
 
@@ -96,10 +98,7 @@ impl Grower<'_> {
     ///
     /// # Errors
     /// A division that could not be computed, or interruption.
-    pub fn grow<S>(&self, solve: S) -> Result<(Tree, Summary), GrowError>
-    where
-        S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
-    {
+    pub fn grow(&self, solve: impl Solve) -> Result<(Tree, Summary), GrowError> {
         let (mut trees, summary) = grow_all(std::slice::from_ref(self), &solve)?;
         // As many trees as growers: one.
         Ok((trees.remove(0), summary))
@@ -119,22 +118,16 @@ impl Grower<'_> {
 ///
 /// # Errors
 /// As [`Grower::grow`].
-pub fn grow_together<S>(growers: &[Grower<'_>], solve: S) -> Result<(Vec<Tree>, Summary), GrowError>
-where
-    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
-{
+pub fn grow_together(growers: &[Grower<'_>], solve: impl Solve) -> Result<(Vec<Tree>, Summary), GrowError> {
     grow_all(growers, &solve)
 }
 
-/// Computes a division.
-type Solve<'a> = &'a (dyn Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync);
-
 /// [`grow_together`], not generic, so that it is compiled once.
-fn grow_all(growers: &[Grower<'_>], solve: Solve<'_>) -> Result<(Vec<Tree>, Summary), GrowError> {
+fn grow_all(growers: &[Grower<'_>], solve: &dyn Solve) -> Result<(Vec<Tree>, Summary), GrowError> {
     let Some(Grower { memo, options, .. }) = growers.first() else { return Ok(Default::default()) };
     let mut all = Growths { trees: growers.iter().map(Growth::of).collect(), searches: Vec::new() };
     let roots = (0..growers.len()).filter_map(|root| all.step(root, None)).collect();
-    let run = scheduler::run_steps(roots, memo, options, solve, |id, division| all.expand(id, division));
+    let run = scheduler::run_steps(roots, memo, options, solve, &mut |id, division| all.expand(id, division));
     let trees = growers.len();
     let summary = completed(run, |id, why| all.trees[id % trees].note_undecided(id / trees, why))?;
     let trees: Result<Vec<Tree>, GrowError> = all.trees.into_iter().map(|growth| growth.lay_out(solve)).collect();
@@ -183,20 +176,12 @@ fn completed(
     run: Result<Summary, SchedulerError>,
     mut undecided: impl FnMut(usize, String),
 ) -> Result<Summary, GrowError> {
-    let summary = match run {
-        Ok(summary) => summary,
-        Err(SchedulerError::Unsolved { jobs, summary }) => {
-            for Unsolved { id, failure, .. } in jobs {
-                undecided(id, failure.to_string());
-            }
-            *summary
-        }
-        Err(error) => return Err(GrowError::Workers(error)),
-    };
-    if summary.interrupted {
-        return Err(GrowError::Interrupted { solved: summary.solved });
+    let (summary, unsolved) = scheduler::parts(run).map_err(GrowError::Workers)?;
+    unsolved.into_iter().for_each(|Unsolved { id, failure, .. }| undecided(id, failure.to_string()));
+    match summary.interrupted {
+        true => Err(GrowError::Interrupted { solved: summary.solved }),
+        false => Ok(summary),
     }
-    Ok(summary)
 }
 
 impl<'a> Growth<'a> {
@@ -204,9 +189,7 @@ impl<'a> Growth<'a> {
     fn of(grower: &'a Grower<'a>) -> Growth<'a> {
         Growth { grower, listed: grower.lineage.daughters(), cells: vec![grower.first()] }
     }
-}
 
-impl<'a> Growth<'a> {
     /// The daughters that follow from a cell's division. Cells beyond the limit are settled in the layout, in an order that
     /// does not depend on timing.
     fn expand(&mut self, index: usize, division: &Division) -> Option<[usize; 2]> {
@@ -276,18 +259,18 @@ impl<'a> Growth<'a> {
     fn offspring(&self, index: usize, fate: &Fate) -> Option<[GrowingCell; 2]> {
         let mother = &self.cells[index];
         let volumes = fate.daughter_volumes(mother.volume_fraction)?;
-        let founders = self.listed[mother.place.founder].filter(|_| mother.is_founder).map(|listed| {
+        let founders = self.listed[mother.place.founder].filter(|_| mother.is_founder).map(|(larger, smaller)| {
             match volumes[0].total_cmp(&volumes[1]) {
-                std::cmp::Ordering::Equal => [listed.first(), listed.second()],
-                std::cmp::Ordering::Greater => [listed.larger, listed.smaller],
-                std::cmp::Ordering::Less => [listed.smaller, listed.larger],
+                // Of equal daughters the anterior is the founder listed first.
+                Ordering::Equal => [larger.min(smaller), larger.max(smaller)],
+                Ordering::Greater => [larger, smaller],
+                Ordering::Less => [smaller, larger],
             }
         });
-        let daughter = |k: usize| {
-            let founder = founders.map(|founders| founders[k]);
-            self.daughter(index, [Side::Anterior, Side::Posterior][k], volumes[k], founder)
-        };
-        Some([daughter(0), daughter(1)])
+        Some(
+            [(0, Side::Anterior), (1, Side::Posterior)]
+                .map(|(k, side)| self.daughter(index, side, volumes[k], founders.map(|founders| founders[k]))),
+        )
     }
 
     /// A daughter of a volume given as a part of the first cell's; `founder` is the founder that it is, if it is one.
@@ -315,14 +298,11 @@ impl<'a> Growth<'a> {
             return lineage.founders[founder].name.clone();
         }
         let (anterior, posterior) = lineage.letters(mother.place.founder, mother.place.round as usize + 1);
-        let mut name = String::with_capacity(mother.name.len() + 1);
-        name.push_str(&mother.name);
-        name.push(if side == Side::Anterior { anterior } else { posterior });
-        name
+        format!("{}{}", mother.name, if side == Side::Anterior { anterior } else { posterior })
     }
 
     /// The tree in breadth-first order, cut at the limit of cells.
-    fn lay_out(mut self, solve: Solve<'_>) -> Result<Tree, GrowError> {
+    fn lay_out(mut self, solve: &dyn Solve) -> Result<Tree, GrowError> {
         let Grower { lineage, settings, .. } = self.grower;
         let max_cells = lineage.limits.max_cells;
         let mut tree: Option<Tree> = None;
@@ -359,7 +339,7 @@ impl<'a> Growth<'a> {
     }
 
     /// Solves one division by itself and adds the daughters.
-    fn settle(&mut self, index: usize, solve: Solve<'_>) -> Result<(), GrowError> {
+    fn settle(&mut self, index: usize, solve: &dyn Solve) -> Result<(), GrowError> {
         let Some(input) = self.decide(index) else { return Ok(()) };
         let mut solved = None;
         let options = SchedulerOptions { progress: None, ..self.grower.options };
@@ -393,8 +373,6 @@ impl<'a> Growth<'a> {
 
 /// Whether the smaller daughter of a cell whose poles are alike is the posterior one: a fair coin for every seed and name.
 fn draws_posterior(seed: u64, name: &str) -> bool {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(&seed.to_le_bytes());
-    hasher.update(name.as_bytes());
-    hasher.finalize().as_bytes()[0] & 1 == 0
+    let bytes = [&seed.to_le_bytes(), name.as_bytes()].concat();
+    blake3::hash(&bytes).as_bytes()[0] & 1 == 0
 }

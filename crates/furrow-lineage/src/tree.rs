@@ -97,10 +97,10 @@ pub enum Fate {
 impl From<Division> for Fate {
     fn from(division: Division) -> Fate {
         match division.outcome() {
-            Outcome::Arrested => Fate::Terminal {
-                reason: TerminalReason::AtRest { growth_rate: division.growth_rate() },
-                division: Some(division),
-            },
+            Outcome::Arrested => {
+                let reason = TerminalReason::AtRest { growth_rate: division.growth_rate() };
+                Fate::Terminal { reason, division: Some(division) }
+            }
             _ => Fate::Divides(division),
         }
     }
@@ -124,10 +124,7 @@ impl Fate {
 
     /// Why there are no daughters; none if there are.
     pub fn terminal_reason(&self) -> Option<&TerminalReason> {
-        match self {
-            Fate::Divides(_) => None,
-            Fate::Terminal { reason, .. } => Some(reason),
-        }
+        if let Fate::Terminal { reason, .. } = self { Some(reason) } else { None }
     }
 
     /// How its division ended; none for a cell that a limit stopped, and for one that is undecided.
@@ -224,12 +221,8 @@ pub struct TreeSettings {
 impl Default for TreeSettings {
     /// The preset's C. elegans zygote, seed 0 and the default rounding of R0.
     fn default() -> TreeSettings {
-        TreeSettings {
-            cell: Cell::new(ZYGOTE),
-            numerics: Numerics::default(),
-            seed: 0,
-            r0_step: Quantisation::DEFAULT.relative_step(),
-        }
+        let r0_step = Quantisation::DEFAULT.relative_step();
+        TreeSettings { cell: Cell::new(ZYGOTE), numerics: Numerics::default(), seed: 0, r0_step }
     }
 }
 
@@ -252,8 +245,7 @@ pub struct Tree {
 impl Tree {
     /// A tree of the first cell alone.
     pub fn new(lineage: Lineage, settings: TreeSettings, first: TreeCell) -> Tree {
-        let mut founder_cells = vec![None; lineage.founders.len()];
-        let mut graph = DiGraph::new();
+        let (mut founder_cells, mut graph) = (vec![None; lineage.founders.len()], DiGraph::new());
         let founder = first.founder;
         founder_cells[founder] = Some(CellId(graph.add_node(first)));
         Tree { lineage, settings, graph, founder_cells }

@@ -139,7 +139,8 @@ impl Division {
         self
     }
 
-    /// The same division with daughters' radii `factor` times as large.
+    /// The same division as it is handed to a cell of `factor` times the radius that was solved: the daughters' radii go with
+    /// the cell's, so that no volume is lost to rounding.
     pub fn with_daughters_scaled(mut self, factor: f64) -> Division {
         if let Ending::Divided { daughters, .. } = &mut self.ending {
             *daughters = daughters.map(|r0| r0 * factor);

@@ -187,13 +187,13 @@ impl BranchEvent {
     }
 
     /// The pitchfork, if it is one.
-    pub fn pitchfork(self) -> Option<Pitchfork> {
-        if let BranchEvent::Pitchfork(pitchfork) = self { Some(*pitchfork) } else { None }
+    pub fn pitchfork(&self) -> Option<&Pitchfork> {
+        if let BranchEvent::Pitchfork(pitchfork) = self { Some(pitchfork) } else { None }
     }
 
     /// The fold, if it is one.
-    pub fn fold(self) -> Option<FoldPoint> {
-        if let BranchEvent::Fold(fold) = self { Some(*fold) } else { None }
+    pub fn fold(&self) -> Option<&FoldPoint> {
+        if let BranchEvent::Fold(fold) = self { Some(fold) } else { None }
     }
 }
 
@@ -303,12 +303,12 @@ impl Branch {
 
     /// Its pitchforks in order.
     pub fn pitchforks(&self) -> impl Iterator<Item = &Pitchfork> {
-        self.events.iter().filter_map(|e| if let BranchEvent::Pitchfork(found) = e { Some(&**found) } else { None })
+        self.events.iter().filter_map(BranchEvent::pitchfork)
     }
 
     /// Its folds in order.
     pub fn folds(&self) -> impl Iterator<Item = &FoldPoint> {
-        self.events.iter().filter_map(|e| if let BranchEvent::Fold(found) = e { Some(&**found) } else { None })
+        self.events.iter().filter_map(BranchEvent::fold)
     }
 }
 

@@ -40,7 +40,7 @@ pub fn first_within(
     }
     let mut unwanted = |event: &BranchEvent| event.kind() != PointKind::Pitchfork;
     let Branch { events, ended, .. } = primary::follow_within(cell, numerics, options, budget, &mut unwanted)?;
-    events.into_iter().find_map(BranchEvent::pitchfork).ok_or_else(|| {
+    events.iter().find_map(BranchEvent::pitchfork).cloned().ok_or_else(|| {
         let none = ShapeError::NotFound { cell: name, kind: PointKind::Pitchfork, xi_max: options.xi[1] };
         ended.error().cloned().unwrap_or(none)
     })

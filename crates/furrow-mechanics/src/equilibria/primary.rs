@@ -201,8 +201,8 @@ pub fn failure_fold(cell: &Cell, numerics: &Numerics, budget: &StepBudget<'_>) -
     let mut ends_stable = |fold: &FoldPoint| {
         fold.maximum && stability.growth_rate(&cortex, &fold.shape).is_ok_and(|rate| rate < MARGINAL)
     };
-    let folds = events.into_iter().filter_map(BranchEvent::fold);
-    folds.filter(|fold| ends_stable(fold)).max_by(|a, b| a.point.xi_s.total_cmp(&b.point.xi_s)).ok_or_else(|| {
+    let folds = events.iter().filter_map(BranchEvent::fold).filter(|fold| ends_stable(fold));
+    folds.max_by(|a, b| a.point.xi_s.total_cmp(&b.point.xi_s)).cloned().ok_or_else(|| {
         let none = ShapeError::NotFound { cell: CellName::of(cell), kind: PointKind::Fold, xi_max: options.xi[1] };
         ended.error().cloned().unwrap_or(none)
     })
