@@ -18,7 +18,7 @@ pub(super) struct Check<'a> {
 impl Check<'_> {
     /// `file:line` of the `nth` founder of a name, from 0, where the line is found. It searches the whole text: for errors
     /// only.
-    fn place_of(&self, founder: &str, nth: usize) -> String {
+    fn place(&self, founder: &str, nth: usize) -> String {
         let quoted = format!("\"{founder}\"");
         let is_named = |(_, line): &(usize, &str)| {
             let code = line.split("//").next().unwrap_or("");
@@ -30,13 +30,8 @@ impl Check<'_> {
         }
     }
 
-    /// `file:line` of a founder.
-    fn place(&self, founder: &str) -> String {
-        self.place_of(founder, 0)
-    }
-
     fn founder_error(&self, f: &Founder, field: &str, value: impl ToString, allowed: impl Into<String>) -> InputError {
-        InputError::not_allowed(self.place(&f.name), format!("founder {}: {field}", shown(&f.name)), value, allowed)
+        InputError::not_allowed(self.place(&f.name, 0), format!("founder {}: {field}", shown(&f.name)), value, allowed)
     }
 
     /// Refuses a value of a field of the file unless it is right.
@@ -75,7 +70,7 @@ impl Check<'_> {
         for (i, f) in lineage.founders.iter().enumerate() {
             self.founder(f)?;
             if index.insert(f.name.as_str(), i).is_some() {
-                let (first, second) = (self.place(&f.name), self.place_of(&f.name, 1));
+                let (first, second) = (self.place(&f.name, 0), self.place(&f.name, 1));
                 let field = format!("founders[{i}].name");
                 let allowed = format!("unique in the file: it is the name of a founder at {first} already");
                 return Err(InputError::not_allowed(second, field, shown(&f.name), allowed));
@@ -173,7 +168,7 @@ impl Check<'_> {
                 "left out where the founder has no cue; cue_rules say themselves which generations they are for";
             return Err(self.founder_error(f, "inherit", "false", allowed));
         }
-        self.rules(&|| self.place(&f.name), &format!("founder {}: cue_rules", shown(&f.name)), &f.cue_rules)?;
+        self.rules(&|| self.place(&f.name, 0), &format!("founder {}: cue_rules", shown(&f.name)), &f.cue_rules)?;
         if f.mother.is_some() != f.daughter.is_some() {
             let (field, allowed) = match f.mother {
                 Some(_) => ("daughter", "larger or smaller where a mother is given"),
@@ -235,7 +230,7 @@ impl Check<'_> {
                         "the founders' mothers form a cycle: {ring} <- {}; one founder must have no mother, and all others descend from it",
                         listed([founders[i].name.as_str()], "")
                     );
-                    return Err(InputError::Founders { file: self.place(&founders[i].name), message });
+                    return Err(InputError::Founders { file: self.place(&founders[i].name, 0), message });
                 }
                 walk[i] = start;
                 path.push(i);
@@ -247,7 +242,7 @@ impl Check<'_> {
         if let Some(second) = first().nth(1) {
             let message =
                 format!("founders {} have no mother; exactly one founder may have none", listed(first(), ", "));
-            return Err(InputError::Founders { file: self.place(second), message });
+            return Err(InputError::Founders { file: self.place(second, 0), message });
         }
         Ok(())
     }
@@ -275,7 +270,7 @@ impl Check<'_> {
                     shown(&f.name),
                     shown(&founders[m].name)
                 );
-                return Err(InputError::Founders { file: self.place(&f.name), message });
+                return Err(InputError::Founders { file: self.place(&f.name, 0), message });
             }
         }
         Ok(())

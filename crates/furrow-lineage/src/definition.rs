@@ -184,18 +184,12 @@ impl Lineage {
 
     /// The cue called `name`; `none` is always defined.
     pub fn cue(&self, name: &str) -> Option<Cue> {
-        match name {
-            "none" => Some(Cue::none()),
-            _ => self.cues.get(name).cloned(),
-        }
+        if name == "none" { Some(Cue::none()) } else { self.cues.get(name).cloned() }
     }
 
     /// Drops the radius that the file gives the first cell, where another one is to count.
     pub fn forget_first_radius(&mut self) {
-        let first = self.first();
-        if let Some(founder) = self.founders.get_mut(first) {
-            founder.r0 = None;
-        }
+        self.founders.iter_mut().filter(|founder| founder.mother.is_none()).for_each(|founder| founder.r0 = None);
     }
 
     /// The founder that divides into a founder; none for the first cell.
@@ -212,15 +206,13 @@ impl Lineage {
     /// Name of the cue that a cell at a place carries.
     pub fn cue_name_at(&self, place: Place) -> &str {
         let founder = &self.founders[place.founder];
-        let first = |rules: &'_ [CueRule], generation| rules.iter().position(|rule| rule.applies(generation, place.r0));
-        if !founder.cue_rules.is_empty() {
-            return first(&founder.cue_rules, place.round).map_or("none", |k| &founder.cue_rules[k].cue);
-        }
-        match &founder.cue {
-            Some(name) if place.round == 0 || founder.inherit => name,
-            Some(_) => "none",
-            None => first(&self.cue_rules, place.generation).map_or("none", |k| &self.cue_rules[k].cue),
-        }
+        let (rules, generation) = match &founder.cue {
+            _ if !founder.cue_rules.is_empty() => (&founder.cue_rules, place.round),
+            Some(name) if place.round == 0 || founder.inherit => return name,
+            Some(_) => return "none",
+            None => (&self.cue_rules, place.generation),
+        };
+        rules.iter().find(|rule| rule.applies(generation, place.r0)).map_or("none", |rule| &rule.cue)
     }
 
     /// The cue that a cell at a place carries.

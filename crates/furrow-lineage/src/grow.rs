@@ -103,13 +103,6 @@ impl Grower<'_> {
         // As many trees as growers: one.
         Ok((trees.remove(0), summary))
     }
-
-    fn first(&self) -> GrowingCell {
-        let founder = self.lineage.first();
-        let r0 = self.lineage.given_r0(founder).unwrap_or(self.settings.cell.r0);
-        let place = Place { founder, round: 0, generation: 0, r0 };
-        GrowingCell::new(self.lineage, self.lineage.founders[founder].name.clone(), place, 1.0, true)
-    }
 }
 
 /// Grows several trees in one run. All their cells share a queue, so that no worker is idle while any tree has a division to
@@ -146,7 +139,10 @@ impl<'a> Growths<'a> {
     fn expand(&mut self, id: usize, division: Option<&Division>) -> Vec<Step<'a>> {
         let (count, of) = (self.trees.len(), id % self.trees.len());
         if let Some(division) = division {
-            let daughters = self.trees[of].expand(id / count, division);
+            let tree = &mut self.trees[of];
+            // Cells beyond the limit are settled in the layout, in an order that does not depend on timing.
+            let has_room = tree.cells.len() + 2 <= tree.grower.lineage.limits.max_cells;
+            let daughters = if has_room { tree.divide(id / count, division) } else { None };
             return daughters.into_iter().flatten().filter_map(|cell| self.step(cell * count + of, None)).collect();
         }
         let Some(done) = self.searches.iter().position(|(.., jobs)| jobs[0] == id) else { return vec![] };
@@ -172,10 +168,7 @@ impl<'a> Growths<'a> {
 }
 
 /// The summary of a run that was not interrupted. Jobs without a record are passed to `undecided`.
-fn completed(
-    run: Result<Summary, SchedulerError>,
-    mut undecided: impl FnMut(usize, String),
-) -> Result<Summary, GrowError> {
+fn completed(run: scheduler::Result<Summary>, mut undecided: impl FnMut(usize, String)) -> Result<Summary, GrowError> {
     let (summary, unsolved) = scheduler::parts(run).map_err(GrowError::Workers)?;
     unsolved.into_iter().for_each(|Unsolved { id, failure, .. }| undecided(id, failure.to_string()));
     match summary.interrupted {
@@ -187,14 +180,12 @@ fn completed(
 impl<'a> Growth<'a> {
     /// A tree of its first cell.
     fn of(grower: &'a Grower<'a>) -> Growth<'a> {
-        Growth { grower, listed: grower.lineage.daughters(), cells: vec![grower.first()] }
-    }
-
-    /// The daughters that follow from a cell's division. Cells beyond the limit are settled in the layout, in an order that
-    /// does not depend on timing.
-    fn expand(&mut self, index: usize, division: &Division) -> Option<[usize; 2]> {
-        let max_cells = self.grower.lineage.limits.max_cells;
-        if self.cells.len() + 2 > max_cells { None } else { self.divide(index, division) }
+        let Grower { lineage, settings, .. } = grower;
+        let founder = lineage.first();
+        let r0 = lineage.given_r0(founder).unwrap_or(settings.cell.r0);
+        let place = Place { founder, round: 0, generation: 0, r0 };
+        let first = GrowingCell::new(lineage, lineage.founders[founder].name.clone(), place, 1.0, true);
+        Growth { grower, listed: lineage.daughters(), cells: vec![first] }
     }
 
     /// What a cell needs; none if its fate is known without, which is then set. A search that was `tried` and found nothing,
@@ -210,19 +201,15 @@ impl<'a> Growth<'a> {
             EndRule::Dynamics => None,
             EndRule::Custom(rule) => rule(&cell),
             EndRule::Thresholds(rule) if !rule.decides(&cell, index == 0) => None,
-            EndRule::Thresholds(rule) => match rule.radii().missing(&cell) {
+            EndRule::Thresholds(rule) => match rule.radii.missing(&cell) {
                 Some(search) if tried == Some(&search) => None,
-                Some(search) => return Some(Need::Search(rule.radii(), search)),
+                Some(search) => return Some(Need::Search(&rule.radii, search)),
                 None => rule.of(&cell),
             },
         };
-        match reason {
-            Some(reason) => {
-                self.cells[index].fate = Some(reason.into());
-                None
-            }
-            None => Some(Need::Division(DivisionInput { cell, numerics: settings.numerics, seed: settings.seed })),
-        }
+        self.cells[index].fate = reason.map(Fate::from);
+        let undecided = self.cells[index].fate.is_none();
+        undecided.then(|| Need::Division(DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }))
     }
 
     /// Sets a cell's fate and adds its daughters.
@@ -243,11 +230,11 @@ impl<'a> Growth<'a> {
     fn oriented(&self, index: usize, division: &Division) -> Division {
         let cell = &self.cells[index];
         let smaller_posterior = division.chi_signed().is_some_and(|chi| chi > 0.0);
-        if cell.cue.is_mirror_symmetric() && smaller_posterior != draws_posterior(self.grower.settings.seed, &cell.name)
-        {
-            return division.clone().mirrored();
-        }
-        division.clone()
+        // Whether the smaller daughter is the posterior one: a fair coin for every seed and name.
+        let drawn = [&self.grower.settings.seed.to_le_bytes(), cell.name.as_bytes()].concat();
+        let is_posterior = || blake3::hash(&drawn).as_bytes()[0] & 1 == 0;
+        let turned = cell.cue.is_mirror_symmetric() && smaller_posterior != is_posterior();
+        if turned { division.clone().mirrored() } else { division.clone() }
     }
 
     /// Ends the branch of a cell whose division could not be computed.
@@ -282,23 +269,15 @@ impl<'a> Growth<'a> {
         if let Some(given) = founder.and_then(|founder| lineage.given_r0(founder)) {
             (r0, fraction) = (given, (given / first_r0).powi(3));
         }
-        let place = Place {
-            founder: founder.unwrap_or(mother.place.founder),
-            round: if founder.is_some() { 0 } else { mother.place.round + 1 },
-            generation: mother.place.generation + 1,
-            r0,
-        };
-        GrowingCell::new(lineage, self.daughter_name(mother, side, founder), place, fraction, founder.is_some())
-    }
-
-    /// Name of a daughter: the founder's, or its mother's and a letter.
-    fn daughter_name(&self, mother: &GrowingCell, side: Side, founder: Option<usize>) -> String {
-        let lineage = self.grower.lineage;
+        let generation = mother.place.generation + 1;
         if let Some(founder) = founder {
-            return lineage.founders[founder].name.clone();
+            let place = Place { founder, round: 0, generation, r0 };
+            return GrowingCell::new(lineage, lineage.founders[founder].name.clone(), place, fraction, true);
         }
-        let (anterior, posterior) = lineage.letters(mother.place.founder, mother.place.round as usize + 1);
-        format!("{}{}", mother.name, if side == Side::Anterior { anterior } else { posterior })
+        let (founder, round) = (mother.place.founder, mother.place.round + 1);
+        let (anterior, posterior) = lineage.letters(founder, round as usize);
+        let name = format!("{}{}", mother.name, if side == Side::Anterior { anterior } else { posterior });
+        GrowingCell::new(lineage, name, Place { founder, round, generation, r0 }, fraction, false)
     }
 
     /// The tree in breadth-first order, cut at the limit of cells.
@@ -348,11 +327,8 @@ impl<'a> Growth<'a> {
             vec![]
         });
         completed(run, |id, why| self.note_undecided(id, why))?;
-        if let Some(daughters) = solved.and_then(|division| self.divide(index, &division)) {
-            for daughter in daughters {
-                self.decide(daughter);
-            }
-        }
+        let daughters = solved.and_then(|division| self.divide(index, &division));
+        daughters.into_iter().flatten().for_each(|daughter| drop(self.decide(daughter)));
         Ok(())
     }
 
@@ -369,10 +345,4 @@ impl<'a> Growth<'a> {
             }
         }
     }
-}
-
-/// Whether the smaller daughter of a cell whose poles are alike is the posterior one: a fair coin for every seed and name.
-fn draws_posterior(seed: u64, name: &str) -> bool {
-    let bytes = [&seed.to_le_bytes(), name.as_bytes()].concat();
-    blake3::hash(&bytes).as_bytes()[0] & 1 == 0
 }

@@ -37,11 +37,6 @@ impl TerminalReason {
         matches!(self, TerminalReason::MaxDepth { .. } | TerminalReason::MaxCells { .. })
     }
 
-    /// True if the cell cannot divide by mechanics.
-    fn is_mechanical(&self) -> bool {
-        !self.is_limit() && !matches!(self, TerminalReason::Undecided { .. })
-    }
-
     /// The reason's name in files.
     pub fn name(&self) -> &'static str {
         match self {
@@ -130,7 +125,8 @@ impl Fate {
     /// How its division ended; none for a cell that a limit stopped, and for one that is undecided.
     pub fn outcome(&self) -> Option<Outcome> {
         match self {
-            Fate::Terminal { reason, division: None } => reason.is_mechanical().then_some(Outcome::Arrested),
+            Fate::Terminal { reason: TerminalReason::Undecided { .. }, division: None } => None,
+            Fate::Terminal { reason, division: None } => (!reason.is_limit()).then_some(Outcome::Arrested),
             fate => fate.division().map(|division| division.outcome()),
         }
     }

@@ -13,13 +13,14 @@
 //! Nocedal & Wright, *Numerical Optimization*, Springer 2006, ch. 10.
 
 use furrow_bvp::metric::scalar_condition;
-use furrow_bvp::{Direction, LinearCondition, MinimallyAugmented, SingularError, Solution, SymmetryBreaking};
+use furrow_bvp::{LinearCondition, MinimallyAugmented, SingularError, Solution, SymmetryBreaking};
 use furrow_spectra::{NoSingularValues, Svd};
 use serde::{Deserialize, Serialize};
 
 use crate::cortex::observables::elongation;
 use crate::cortex::{Cortex, Domain};
 use crate::equilibria::branch::{XI, metric};
+use crate::equilibria::curves::along_scalar;
 use crate::equilibria::{BranchOptions, ShapeError, pitchfork};
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_input::InputError;
@@ -265,7 +266,7 @@ fn threshold(cell: &Cell, numerics: &Numerics, near: Option<&Solution>) -> Resul
         let cortex = Cortex::new(cell, Domain::Half, &free);
         let metric = metric(cell.r0, &free);
         let mut y = near.clone();
-        let tangent = along_scalar(&y, XI);
+        let tangent = along_scalar(&y, y.scalars.len(), XI);
         let mut augmented = MinimallyAugmented::new(cortex, SymmetryBreaking::default(), y.m, metric, &tangent);
         if let Ok(report) = augmented.solve(&mut y, None) {
             let [before, after] = [near, &y].map(|y| elongation(y, Domain::Half, cell.r0));
@@ -278,13 +279,6 @@ fn threshold(cell: &Cell, numerics: &Numerics, near: Option<&Solution>) -> Resul
     pitchfork::first(cell, numerics, &BranchOptions::default()).map(|pitchfork| pitchfork.shape)
 }
 
-/// The direction in which only scalar unknown `index` changes.
-fn along_scalar(y: &Solution, index: usize) -> Direction {
-    let mut scalars = vec![0.0; y.scalars.len()];
-    scalars[index] = 1.0;
-    Direction { nodes: vec![0.0; y.nodes.len()], stages: vec![0.0; y.stages.len()], scalars }
-}
-
 /// ∂ξ_s*/∂θ of the pitchfork `y`.
 ///
 /// # Errors
@@ -295,7 +289,7 @@ pub fn sensitivity(cell: &Cell, y: &Solution, parameter: Parameter) -> Result<f6
     let metric = metric(cell.r0, &free);
     let (mut y, value) = (y.clone(), cortex.get(parameter));
     y.scalars.push(value);
-    let tangent = along_scalar(&y, XI);
+    let tangent = along_scalar(&y, y.scalars.len(), XI);
     let mut augmented = MinimallyAugmented::new(cortex, SymmetryBreaking::default(), y.m, metric, &tangent);
     let mut closing = LinearCondition::default();
     scalar_condition(&y, XI + 1, value, &mut closing);

@@ -394,34 +394,20 @@ mod tests {
 
     use super::*;
     use crate::cortex::symmetry::unfold;
-    use crate::equilibria::passive;
-    use furrow_bvp::{Newton, newton::NewtonScratch};
-    use furrow_cell::{Cell, Numerics, Parameter};
+    use crate::equilibria::stationary;
+    use furrow_cell::{Cell, Numerics};
 
-    /// The symmetric state at ξ_s by natural steps from the passive shape.
-    fn symmetric(r0: f64, epsilon: f64, targets: &[f64], numerics: &Numerics) -> Vec<(Cortex, Solution)> {
-        let cell = Cell { epsilon, ..Cell::new(r0) };
-        let (mut y, _) = passive(&cell, numerics).unwrap();
-        let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
-        let mut scratch = NewtonScratch::default();
-        let mut cortex = Cortex::new(&cell, Domain::Half, &[]);
-        let (mut xi, mut out) = (0.0, Vec::new());
-        for &target in targets {
-            while xi < target {
-                xi = f64::min(xi + 0.5, target);
-                cortex.set(Parameter::XiS, xi);
-                Newton::default().solve(&mut system, &mut scratch, &mut cortex, &mut y, &[], false).unwrap();
-            }
-            out.push((cortex.clone(), y.clone()));
-        }
-        out
+    /// The mirror-symmetric state of a cell at ξ_s.
+    fn symmetric(r0: f64, epsilon: f64, xi_s: f64, numerics: &Numerics) -> (Cortex, Solution) {
+        let found = stationary(&Cell { epsilon, xi_s, ..Cell::new(r0) }, numerics).unwrap();
+        (found.cortex, found.solution)
     }
 
     /// Arnoldi against every finite eigenvalue of the pencil itself, assembled densely by differences of the residual.
     #[test]
     fn agrees_with_the_dense_pencil() {
         let numerics = Numerics { stages: 3, intervals: 12, ..Numerics::default() };
-        let (mut cortex, y) = symmetric(2.0, 0.87, &[24.0], &numerics).remove(0);
+        let (mut cortex, y) = symmetric(2.0, 0.87, 24.0, &numerics);
         let mut system = System::new(cortex.dimensions(), 3);
         let size = y.nodes.len() + y.stages.len() + y.scalars.len();
         let mut derivative = |cortex: &mut Cortex| {
@@ -467,9 +453,8 @@ mod tests {
     #[test]
     fn modes_cross_zero_at_the_bifurcations() {
         let targets = [22.046_88, 22.056_88, 22.066_88, 27.0, 27.02];
-        let states = symmetric(2.0, 0.87, &targets, &Numerics::default());
-        let mut stability = Stability::new(4);
-        let spectra: Vec<Spectrum> = states.iter().map(|(c, y)| stability.leading(c, y).unwrap()).collect();
+        let states = targets.map(|xi_s| symmetric(2.0, 0.87, xi_s, &Numerics::default()));
+        let spectra = states.map(|(cortex, y)| Stability::new(4).leading(&cortex, &y).unwrap());
         let rate = |k: usize, parity| spectra[k].rightmost(Some(parity)).unwrap().re;
         assert!(rate(0, Parity::Odd) < -1e-3 && rate(2, Parity::Odd) > 1e-3);
         assert!(rate(1, Parity::Odd).abs() < 3e-6, "{}", rate(1, Parity::Odd));
@@ -485,7 +470,7 @@ mod tests {
     fn half_and_full_domain_agree() {
         let mut stability = Stability::new(4);
         for (r0, epsilon, xi) in [(2.0, 0.87, 25.0), (1.0, 0.6, 10.0), (5.0, 0.87, 8.0), (2.22, 0.64, 0.0)] {
-            let (cortex, y) = symmetric(r0, epsilon, &[xi], &Numerics::default()).remove(0);
+            let (cortex, y) = symmetric(r0, epsilon, xi, &Numerics::default());
             let half = stability.leading(&cortex, &y).unwrap();
             let whole = Cortex::new(&cortex.cell, Domain::Full, &[]);
             let unfolded = unfold(&y);

@@ -18,7 +18,7 @@ pub const SOLVER_VERSION: u32 = 1;
 const LAYOUT: [u8; 12] = [1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
 
 /// Hash of everything a division depends on but the solver.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Key([u8; 32]);
 
 impl Key {
@@ -46,12 +46,6 @@ impl Key {
         let mut bytes = [0; 8];
         bytes.copy_from_slice(&self.0[..8]);
         u64::from_le_bytes(bytes)
-    }
-}
-
-impl std::fmt::Debug for Key {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Key({:016x}…)", self.prefix().swap_bytes())
     }
 }
 
@@ -155,11 +149,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::batch::fake::input;
     use furrow_cell::Parameter;
-
-    fn input(r0: f64) -> DivisionInput {
-        DivisionInput { seed: 1, ..DivisionInput::new(Cell::new(r0)) }
-    }
 
     /// Sets one of the numbers in which inputs can differ: the cell's 13, five of the numerics', three of a cue's.
     fn set(input: &mut DivisionInput, place: usize, x: f64) {

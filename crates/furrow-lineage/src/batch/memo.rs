@@ -242,7 +242,6 @@ fn panic_text(payload: &(dyn std::any::Any + Send)) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::batch::fake;
 
     #[test]

@@ -50,12 +50,6 @@ impl Quantisation {
     }
 }
 
-impl Default for Quantisation {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

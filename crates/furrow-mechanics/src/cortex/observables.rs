@@ -53,13 +53,6 @@ pub struct Neck {
     pub radius: f64,
 }
 
-impl Neck {
-    /// The neck part of the way to another.
-    pub fn towards(self, to: Neck, share: f64) -> Neck {
-        Neck { u: self.u + share * (to.u - self.u), radius: self.radius + share * (to.radius - self.radius) }
-    }
-}
-
 /// Finds the neck of a full contour: the smallest radius where the tangent angle passes ψ = π/2 downwards. None if the
 /// contour has no waist.
 pub fn neck(gauss: &Gauss, y: &Solution) -> Option<Neck> {

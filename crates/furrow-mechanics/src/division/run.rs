@@ -14,7 +14,7 @@ use super::saddle;
 use super::sensitivity::{Sensitivity, Tangent};
 use super::start::{FIRST_MESH, Start, check};
 use super::step_size::StepSize;
-use super::stepper::{Attempt, MAX_ORDER, ParityNorm, Stepper};
+use super::stepper::{Attempt, HistoryPoint, MAX_ORDER, ParityNorm, Stepper};
 use crate::cortex::Cortex;
 use crate::cortex::equations::{LENGTH, PSI, R, noise_factor};
 use crate::cortex::lanes::sin_cos;
@@ -136,7 +136,7 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
     let (shape, gauss) = (&stepper.history[0].y, &stepper.system.gauss);
     observe(Frame { t: 0.0, shape, neck: None, cortex: &start.cortex(cell), gauss });
     let parity = cell.is_mirror_symmetric();
-    if start.until().is_none() {
+    if start.watched().is_none() {
         stepper.adapt(parity, FIRST_MESH);
     }
     stepper.extrapolates = numerics.scheme == Scheme::Converged;
@@ -163,7 +163,7 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
             let smooth = division.slow_growth_rate.is_none();
             return Ok((division, run.tangent.filter(|_| smooth).and_then(|tangent| tangent.read(&stepper))));
         }
-        if let Some(until) = start.until() {
+        if let Some([until, _]) = start.watched() {
             if stepper.history[0].t >= until * (1.0 - ROUNDING) {
                 // With the growth rate of the shape that it has come to.
                 let growth_rate = Rest::near(&stepper, 0, run.parity).map(|rest| rest.growth_rate);
@@ -261,10 +261,7 @@ impl Run {
                     self.rejected += 1;
                     self.dt *= 0.1;
                 }
-                Err(error) => {
-                    let r0 = stepper.cortex.cell.r0;
-                    return Err(DivisionError::Stalled { r0, t: 0.0, dt: self.dt, source: error.into() });
-                }
+                Err(error) => return Err(self.stalled(stepper, error.into())),
             }
         };
         self.odd_floor = f64::max(0.3 * first.odd_size, ODD_ROUNDING * stepper.cortex.cell.r0);
@@ -276,6 +273,10 @@ impl Run {
         Ok(())
     }
 
+    fn stalled(&self, stepper: &Stepper, source: StepFailure) -> DivisionError {
+        DivisionError::Stalled { r0: stepper.cortex.cell.r0, t: stepper.history[0].t, dt: self.dt, source }
+    }
+
     /// One step of the published scheme. Steps double from the first, short one to their fixed length, and are shorter again
     /// where a step cannot be solved or the neck closes.
     fn advance_fixed(&mut self, stepper: &mut Stepper, fixed: f64) -> Result<(), DivisionError> {
@@ -283,8 +284,7 @@ impl Run {
             self.rejected += 1;
             self.dt *= 0.5;
             if self.dt < 1e-12 {
-                let (r0, t) = (stepper.cortex.cell.r0, stepper.history[0].t);
-                return Err(DivisionError::Stalled { r0, t, dt: self.dt, source: error.into() });
+                return Err(self.stalled(stepper, error.into()));
             }
         }
         self.accept(stepper, 2.0);
@@ -294,9 +294,9 @@ impl Run {
 
     /// Keeps the next step within the longest that the start allows, and within the time that is watched.
     fn shorten(&mut self, start: &Start<'_>, t: f64) {
-        let Some(until) = start.until() else { return };
+        let Some([until, longest_step]) = start.watched() else { return };
         let factor = if self.fixed.is_some() { 1.0 } else { self.factor };
-        self.dt = self.dt.min(start.longest_step().min(until - t) / factor);
+        self.dt = self.dt.min(longest_step.min(until - t) / factor);
     }
 
     /// One accepted step.
@@ -309,7 +309,6 @@ impl Run {
         loop {
             let order = MAX_ORDER.min(stepper.history.len());
             let dt = self.dt * self.factor;
-            let t = stepper.history[0].t;
             let attempt = stepper.attempt(dt, order);
             let shrink = match &attempt {
                 Ok(a) => {
@@ -331,8 +330,9 @@ impl Run {
                 stepper.restart();
             }
             if self.dt < 1e-12 {
-                let source = attempt.map_or_else(StepFailure::Newton, |_| StepFailure::Inaccurate);
-                return Err(DivisionError::Stalled { r0, t, dt: self.dt, source });
+                return Err(
+                    self.stalled(stepper, attempt.map_or_else(StepFailure::Newton, |_| StepFailure::Inaccurate))
+                );
             }
         }
     }
@@ -385,7 +385,7 @@ impl Run {
         if self.closes(stepper.cortex.cell.r0) {
             stepper.nearly_symmetric = NEARLY_SYMMETRIC_CLOSING;
             // Whatever was slow is behind it.
-            stepper.coarsen();
+            stepper.halvings = 0;
         }
     }
 
@@ -395,7 +395,7 @@ impl Run {
         self.detector.next = t + (SADDLE_WAIT / growth).max(REST_INTERVAL);
         self.saddle_visits += 1;
         if growth < NEAR_CRITICAL || self.saddle_visits > MOST_VISITS {
-            stepper.refine(rest.halvings);
+            stepper.halvings = stepper.halvings.max(rest.halvings);
         }
         if self.detector.next > self.longest && self.slow_growth_rate.is_none() {
             self.skip_linear_growth(stepper, rest);
@@ -410,9 +410,10 @@ impl Run {
         // Without the direction the division continues as it is.
         let Ok(departure) = saddle::leave(&stepper.cortex, &rest.here, &rest.stationary, growth) else { return };
         let t = stepper.history[0].t + departure.waited;
-        stepper.start_again(t, departure.shape);
+        stepper.restart();
+        stepper.history[0] = HistoryPoint { t, y: departure.shape, size: None };
         self.dt = STEP_AFTER_SADDLE.min(0.01 / growth);
-        self.step_size.forget();
+        self.step_size = StepSize::default();
         self.parity = stepper.cortex.cell.is_mirror_symmetric();
         self.detector.next = t + SADDLE_WAIT / growth;
     }

@@ -36,7 +36,13 @@ pub fn leave(cortex: &Cortex, here: &Solution, saddle: &Solution, growth: f64) -
     let before = amplitude(&Gauss::new(saddle.m), here, saddle, &mode);
     let known = before.abs().max(ROUNDING * r0);
     let after = known.max(DEPARTURE * r0);
-    Ok(Departure { shape: displaced(saddle, &mode, after.copysign(before)), waited: (after / known).ln() / growth })
+    let (mut shape, amount) = (saddle.clone(), after.copysign(before));
+    for (to, by) in
+        [(&mut shape.nodes, &mode.nodes), (&mut shape.stages, &mode.stages), (&mut shape.scalars, &mode.scalars)]
+    {
+        to.iter_mut().zip(by).for_each(|(to, by)| *to += amount * by);
+    }
+    Ok(Departure { shape, waited: (after / known).ln() / growth })
 }
 
 /// How far `here` is from `saddle` along `mode`, a direction of length 1.
@@ -47,14 +53,4 @@ fn amplitude(gauss: &Gauss, here: &Solution, saddle: &Solution, mode: &Direction
         weight * (part(k * COMPONENTS + R) + part(k * COMPONENTS + Z))
     };
     (0..saddle.intervals() * saddle.m).map(at).sum()
-}
-
-/// `shape` moved by `amount` along a direction.
-fn displaced(shape: &Solution, direction: &Direction, amount: f64) -> Solution {
-    let mut out = shape.clone();
-    let Direction { nodes, stages, scalars } = direction;
-    for (to, by) in [(&mut out.nodes, nodes), (&mut out.stages, stages), (&mut out.scalars, scalars)] {
-        to.iter_mut().zip(by).for_each(|(to, by)| *to += amount * by);
-    }
-    out
 }

@@ -74,20 +74,9 @@ impl Start<'_> {
         Cortex::new(if let Start::Passive = self { &passive } else { cell }, Domain::Full, &[])
     }
 
-    /// Time after which nothing more is watched, in τ.
-    pub(super) fn until(&self) -> Option<f64> {
-        match *self {
-            Start::Passive => None,
-            Start::Stationary { until, .. } => Some(until),
-        }
-    }
-
-    /// Longest time step, in τ.
-    pub(super) fn longest_step(&self) -> f64 {
-        match *self {
-            Start::Passive => f64::INFINITY,
-            Start::Stationary { longest_step, .. } => longest_step,
-        }
+    /// Time after which nothing more is watched, and the longest time step, in τ; none from the passive shape.
+    pub(super) fn watched(&self) -> Option<[f64; 2]> {
+        if let Start::Stationary { until, longest_step, .. } = *self { Some([until, longest_step]) } else { None }
     }
 }
 

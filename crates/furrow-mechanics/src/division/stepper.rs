@@ -140,7 +140,8 @@ pub struct Stepper {
     /// Whether the factors at hand are those of halves, and the rate they belong to.
     factored: Option<(bool, f64)>,
     share: f64,
-    halvings: u32,
+    /// How many times meshes are halved that are made from the next [`adapt`](Self::adapt) on.
+    pub(super) halvings: u32,
     halves: Option<Halves>,
 }
 
@@ -176,14 +177,6 @@ impl Stepper {
         self.halves = Some(Halves::new(&self.cortex, &self.history[0].y));
     }
 
-    /// Whether the next step is solved on halves.
-    fn solves_halves(&self) -> bool {
-        let newest = &self.history[0];
-        self.halves.is_some()
-            && newest.size.is_some_and(|size| size.odd < self.nearly_symmetric * self.cortex.cell.r0)
-            && symmetry::is_mirrored(&newest.y.mesh)
-    }
-
     /// Solves steps as exactly as a time tolerance asks for.
     pub fn solve_for(&mut self, time_tolerance: f64) {
         self.newton.tolerance = (SOLVED_SHARE * time_tolerance).clamp(ROUNDING, SOLVED_TO);
@@ -205,12 +198,6 @@ impl Stepper {
     pub fn restart(&mut self) {
         self.spare.extend(self.history.drain(1..));
         self.factored = None;
-    }
-
-    /// Goes on from another shape at time t.
-    pub fn start_again(&mut self, t: f64, shape: Solution) {
-        self.restart();
-        self.history[0] = HistoryPoint { t, y: shape, size: None };
     }
 
     /// Attempts a step of size dt with order at most `order`; [`accept`](Self::accept) makes it count.
@@ -268,7 +255,10 @@ impl Stepper {
     /// Solves the step that is stated from the trial shape and into it, on halves if it may be, and with the factors at hand if
     /// they are of such a step and of nearly its rate.
     fn solve_trial(&mut self) -> Result<(), NewtonError> {
-        let (halved, rate) = (self.solves_halves(), self.cortex.rate);
+        let (newest, rate) = (&self.history[0], self.cortex.rate);
+        let halved = self.halves.is_some()
+            && newest.size.is_some_and(|size| size.odd < self.nearly_symmetric * self.cortex.cell.r0)
+            && symmetry::is_mirrored(&newest.y.mesh);
         let near = |(of_halves, other): (bool, f64)| of_halves == halved && (rate / other - 1.0).abs() < SAME_RATE;
         let reuse = self.factored.is_some_and(near);
         let Stepper { newton, system, scratch, cortex, trial, halves, .. } = self;
@@ -328,16 +318,6 @@ impl Stepper {
             [change(i * COMPONENTS, R), change(i * COMPONENTS, Z)]
         });
         norm.even.hypot(norm.odd) / self.cortex.cell.r0
-    }
-
-    /// Makes meshes finer than at first by so many halvings from the next [`adapt`](Self::adapt) on, if they are not yet.
-    pub fn refine(&mut self, halvings: u32) {
-        self.halvings = self.halvings.max(halvings);
-    }
-
-    /// Makes meshes as fine as at first again.
-    pub fn coarsen(&mut self) {
-        self.halvings = 0;
     }
 
     /// Even number of intervals that keeps each one's share of the monitor below `room` of its limit.

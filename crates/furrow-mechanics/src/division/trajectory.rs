@@ -157,7 +157,10 @@ impl Trajectory {
         };
         let neck = match after {
             None => before.neck,
-            Some((after, share)) => before.neck.zip(after.neck).map(|(a, b)| a.towards(b, share)),
+            Some((after, share)) => before
+                .neck
+                .zip(after.neck)
+                .map(|(a, b)| Neck { u: a.u + share * (b.u - a.u), radius: a.radius + share * (b.radius - a.radius) }),
         };
         Snapshot {
             t,

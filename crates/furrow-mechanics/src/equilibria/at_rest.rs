@@ -26,9 +26,8 @@ pub enum Edge {
 impl Edge {
     /// Its ξ_s.
     pub fn xi_s(&self) -> f64 {
-        match self {
-            Edge::Pitchfork { xi_s, .. } | Edge::Fold { xi_s, .. } => *xi_s,
-        }
+        let (Edge::Pitchfork { xi_s, .. } | Edge::Fold { xi_s, .. }) = self;
+        *xi_s
     }
 }
 

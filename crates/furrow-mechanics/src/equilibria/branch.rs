@@ -218,17 +218,22 @@ pub enum BranchEnd {
 }
 
 impl BranchEnd {
+    /// Its name in files, and what it means.
+    fn words(&self) -> (&'static str, String) {
+        match self {
+            BranchEnd::Bound(_) => ("bound", "the bound of ξ_s".into()),
+            BranchEnd::PointLimit(_) => ("point_limit", "the largest number of points".into()),
+            BranchEnd::Pinched(neck) => ("pinched", format!("its neck is narrower than {neck} R0")),
+            BranchEnd::Rejoined => ("rejoined", "its shapes are mirror-symmetric again".into()),
+            BranchEnd::Enough => ("enough", "no more was asked for".into()),
+            BranchEnd::Lost(_) => ("lost", "lost".into()),
+            BranchEnd::NotLocated(_) => ("not_located", "a singular point that cannot be located".into()),
+        }
+    }
+
     /// Its name in files.
     pub fn name(&self) -> &'static str {
-        match self {
-            BranchEnd::Bound(_) => "bound",
-            BranchEnd::PointLimit(_) => "point_limit",
-            BranchEnd::Pinched(_) => "pinched",
-            BranchEnd::Rejoined => "rejoined",
-            BranchEnd::Enough => "enough",
-            BranchEnd::Lost(_) => "lost",
-            BranchEnd::NotLocated(_) => "not_located",
-        }
+        self.words().0
     }
 
     /// What went wrong, if something did.
@@ -242,15 +247,7 @@ impl BranchEnd {
 
 impl std::fmt::Display for BranchEnd {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            BranchEnd::Bound(_) => f.write_str("the bound of ξ_s"),
-            BranchEnd::PointLimit(_) => f.write_str("the largest number of points"),
-            BranchEnd::Pinched(neck) => write!(f, "its neck is narrower than {neck} R0"),
-            BranchEnd::Rejoined => f.write_str("its shapes are mirror-symmetric again"),
-            BranchEnd::Enough => f.write_str("no more was asked for"),
-            BranchEnd::Lost(_) => f.write_str("lost"),
-            BranchEnd::NotLocated(_) => f.write_str("a singular point that cannot be located"),
-        }
+        f.write_str(&self.words().1)
     }
 }
 

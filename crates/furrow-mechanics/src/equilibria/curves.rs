@@ -109,11 +109,6 @@ pub type FoldCurve = Codim2Curve<Cortex, Fold>;
 /// Largest number of steps of one curve.
 pub(super) const MOST_STEPS: usize = 2000;
 
-/// Settings of curves of cells.
-pub fn settings() -> CurveSettings {
-    CurveSettings { first_step: 0.02, max_step: 1.0, ..CurveSettings::default() }
-}
-
 /// A cell with one parameter at another value.
 pub(super) fn at_value(cell: &Cell, parameter: Parameter, value: f64) -> Cell {
     let mut moved = cell.clone();
@@ -143,21 +138,23 @@ fn through<S: Singularity<Cortex> + Clone>(
     let value = cortex.get(parameter);
     // The parameter varied counts relative to its own size.
     metric.scalars[SECOND] = 1.0 / (value * value).max(1e-2);
-    let tangent = branch_direction(shape);
+    // It normalises at the singular point: any direction the branch is not orthogonal to. The contour length grows along
+    // every branch near its singular points.
+    let tangent = along_scalar(shape, SECOND, LENGTH);
     let mut y = shape.clone();
     y.scalars.truncate(SECOND);
     y.scalars.push(value);
-    let mut curve = Codim2Curve::start(cortex, singularity, y, metric, &tangent, settings(), upwards)?;
+    let settings = CurveSettings { first_step: 0.02, max_step: 1.0, ..CurveSettings::default() };
+    let mut curve = Codim2Curve::start(cortex, singularity, y, metric, &tangent, settings, upwards)?;
     curve.monitor = Some(mesh_monitor);
     Ok(curve)
 }
 
-/// The tangent that normalises at a singular point: any direction the branch is not orthogonal to. The contour length
-/// grows along every branch near its singular points.
-fn branch_direction(shape: &Solution) -> Direction {
-    let mut scalars = vec![0.0; SECOND];
-    scalars[LENGTH] = 1.0;
-    Direction { nodes: vec![0.0; shape.nodes.len()], stages: vec![0.0; shape.stages.len()], scalars }
+/// The direction in which only scalar unknown `index` of so many changes, beside a shape.
+pub(crate) fn along_scalar(y: &Solution, count: usize, index: usize) -> Direction {
+    let mut scalars = vec![0.0; count];
+    scalars[index] = 1.0;
+    Direction { nodes: vec![0.0; y.nodes.len()], stages: vec![0.0; y.stages.len()], scalars }
 }
 
 /// The curve of pitchforks through one of them, ready to be followed.
@@ -261,9 +258,10 @@ pub fn pitchfork_curve(cell: &Cell, numerics: &Numerics, parameter: Parameter, [
 }
 
 /// The point between two values of the parameter where the coefficient vanishes, by the Illinois method.
-fn degenerate(curve: &mut PitchforkCurve, [mut low, mut high]: [[f64; 2]; 2]) -> Option<CurvePoint> {
-    let mut last_side = 0.0;
+fn degenerate(curve: &mut PitchforkCurve, mut ends: [[f64; 2]; 2]) -> Option<CurvePoint> {
+    let mut last_side = None;
     for _ in 0..40 {
+        let [low, high] = ends;
         let value = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1]);
         let (y, report) = curve.at(SECOND, value).ok()?;
         let c = coefficient(curve, &y, &report).ok()?;
@@ -273,18 +271,10 @@ fn degenerate(curve: &mut PitchforkCurve, [mut low, mut high]: [[f64; 2]; 2]) ->
             found.solution = y;
             return Some(curve_point(&found, Some(c)));
         }
-        if c * low[1] > 0.0 {
-            low = [value, c];
-            if last_side < 0.0 {
-                high[1] *= 0.5;
-            }
-            last_side = -1.0;
-        } else {
-            high = [value, c];
-            if last_side > 0.0 {
-                low[1] *= 0.5;
-            }
-            last_side = 1.0;
+        let side = if c * low[1] > 0.0 { 0 } else { 1 };
+        ends[side] = [value, c];
+        if last_side.replace(side) == Some(side) {
+            ends[1 - side][1] *= 0.5;
         }
     }
     None

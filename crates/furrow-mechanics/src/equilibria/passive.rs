@@ -48,10 +48,6 @@ impl Spheroid {
         c.iter().zip(w).map(|(c, w)| w * self.speed(from + c * (to - from))).sum::<f64>() * (to - from)
     }
 
-    fn length(&self) -> f64 {
-        self.arc[PIECES]
-    }
-
     /// The parametric angle at arclength s. The table is fine enough for one correction along the local speed.
     fn angle_at(&self, s: f64) -> f64 {
         let k = self.arc.partition_point(|&x| x <= s).clamp(1, PIECES) - 1;
@@ -76,7 +72,7 @@ pub fn spheroid(gauss: &Gauss, cell: &Cell, mesh: &[f64]) -> Solution {
     let aspect = cell.shell.aspect.powf(weight);
     let b = cell.r0 / aspect.cbrt();
     let ellipse = Spheroid::new(aspect * b, b);
-    let (kappa, length) = (cell.material.kappa, ellipse.length());
+    let (kappa, length) = (cell.material.kappa, ellipse.arc[PIECES]);
     Solution::from_fn(gauss, mesh, COMPONENTS, &[length, 0.0], |u, y| {
         let t = ellipse.angle_at(u * length);
         y[R] = ellipse.b * t.sin();

@@ -111,14 +111,13 @@ pub struct Unsolved {
 }
 
 fn unsolved_text(jobs: &[Unsolved]) -> String {
-    match jobs {
-        [] => String::new(),
-        [Unsolved { id, r0, failure }] => format!("division {id} (R0 = {r0}): {failure}"),
-        [Unsolved { id, r0, failure }, others @ ..] => {
-            format!("division {id} (R0 = {r0}): {failure} ({} further divisions failed)", others.len())
-        }
-    }
+    let [Unsolved { id, r0, failure }, others @ ..] = jobs else { return String::new() };
+    let further = |n: usize| if n > 0 { format!(" ({n} further divisions failed)") } else { String::new() };
+    format!("division {id} (R0 = {r0}): {failure}{}", further(others.len()))
 }
+
+/// What runs give.
+pub type Result<T, E = SchedulerError> = std::result::Result<T, E>;
 
 /// Why a run is not complete.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -159,7 +158,7 @@ pub fn run(
     options: &SchedulerOptions<'_>,
     solve: impl Solve,
     mut expand: impl FnMut(usize, &Division) -> Vec<Job>,
-) -> Result<Summary, SchedulerError> {
+) -> Result<Summary> {
     let steps = |jobs: Vec<Job>| jobs.into_iter().map(Step::Solve).collect();
     let mut expand =
         |id: usize, division: Option<&Division>| division.map_or(vec![], |division| steps(expand(id, division)));
@@ -177,7 +176,7 @@ pub fn run_steps<'s>(
     options: &SchedulerOptions<'_>,
     solve: impl Solve,
     expand: &mut dyn FnMut(usize, Option<&Division>) -> Vec<Step<'s>>,
-) -> Result<Summary, SchedulerError> {
+) -> Result<Summary> {
     let (sender, events) = channel();
     let mut run = Run::new(steps, memo, options, sender.clone(), expand);
     let perform = |task: Step<'_, Assignment<'_>>| match task {
@@ -223,7 +222,7 @@ pub fn solve_all(
     memo: &Memo,
     options: &SchedulerOptions<'_>,
     solve: impl Solve,
-) -> Result<Solved, SchedulerError> {
+) -> Result<Solved> {
     let jobs: Vec<Job> = inputs.into_iter().enumerate().map(|(id, input)| Job { id, input }).collect();
     let mut divisions = vec![None; jobs.len()];
     let run = run(jobs, memo, options, solve, |id, division| {
@@ -235,7 +234,7 @@ pub fn solve_all(
 }
 
 /// What a run did, and the jobs that it could not solve.
-pub(crate) fn parts(run: Result<Summary, SchedulerError>) -> Result<(Summary, Vec<Unsolved>), SchedulerError> {
+pub(crate) fn parts(run: Result<Summary>) -> Result<(Summary, Vec<Unsolved>)> {
     match run {
         Ok(summary) => Ok((summary, vec![])),
         Err(SchedulerError::Unsolved { jobs, summary }) => Ok((*summary, jobs)),
@@ -252,7 +251,7 @@ pub fn workers(threads: usize) -> usize {
 ///
 /// # Errors
 /// [`SchedulerError::Pool`] if the threads cannot be started.
-pub fn pool(threads: usize) -> Result<rayon::ThreadPool, SchedulerError> {
+pub fn pool(threads: usize) -> Result<rayon::ThreadPool> {
     let threads = workers(threads);
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
