@@ -7,6 +7,8 @@ use super::definition::{CueRule, Daughter, Founder, Lineage};
 use furrow_cell::{CueError, SIZES};
 use furrow_input::{InputError, did_you_mean, forbidden, listed, shown};
 
+type Checked = Result<(), InputError>;
+
 /// A lineage with the text it was read from.
 pub(super) struct Check<'a> {
     pub lineage: &'a Lineage,
@@ -35,25 +37,31 @@ impl Check<'_> {
     }
 
     /// Refuses a value of a field of the file unless it is right.
-    fn ensure(
+    fn ensure(&self, ok: bool, field: &str, value: impl ToString, allowed: impl Into<String>) -> Checked {
+        if ok { Ok(()) } else { Err(InputError::not_allowed(self.file, field, value, allowed)) }
+    }
+
+    /// The same for a founder.
+    fn ensure_of(
         &self,
+        f: &Founder,
         ok: bool,
         field: &str,
         value: impl ToString,
         allowed: impl Into<String>,
-    ) -> Result<(), InputError> {
-        if ok { Ok(()) } else { Err(InputError::not_allowed(self.file, field, value, allowed)) }
+    ) -> Checked {
+        if ok { Ok(()) } else { Err(self.founder_error(f, field, value, allowed)) }
     }
 
     /// Names in drawings and pages must be valid XML text.
-    fn printable(&self, field: &str, text: &str) -> Result<(), InputError> {
+    fn printable(&self, field: &str, text: &str) -> Checked {
         let Some(c) = forbidden(text) else { return Ok(()) };
         let allowed = format!("free of control characters and of what XML cannot hold, here {c:?}");
         self.ensure(false, field, shown(text), allowed)
     }
 
     /// Checks a lineage that was parsed.
-    pub fn run(&self) -> Result<(), InputError> {
+    pub fn run(&self) -> Checked {
         let lineage = self.lineage;
         let limits = lineage.limits;
         let deep = (1..=100_000).contains(&limits.max_depth);
@@ -83,7 +91,7 @@ impl Check<'_> {
     }
 
     /// The cues that the file names.
-    fn cues(&self) -> Result<(), InputError> {
+    fn cues(&self) -> Checked {
         for (name, cue) in &self.lineage.cues {
             self.ensure(name != "none", "cues", "\"none\"", "another name: none is the absence of a cue")?;
             self.printable("cues", name)?;
@@ -112,7 +120,7 @@ impl Check<'_> {
         })
     }
 
-    fn rules(&self, place: &dyn Fn() -> String, field: &str, rules: &[CueRule]) -> Result<(), InputError> {
+    fn rules(&self, place: &dyn Fn() -> String, field: &str, rules: &[CueRule]) -> Checked {
         let refuse = |k: usize, name: &str, value: String, allowed: String| {
             Err(InputError::not_allowed(place(), format!("{field}[{k}].{name}"), value, allowed))
         };
@@ -138,65 +146,50 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn letters(&self, field: &str, (a, p): (char, char)) -> Result<(), InputError> {
+    fn letters(&self, field: &str, (a, p): (char, char)) -> Checked {
         let right = a != p && a.is_ascii_alphanumeric() && p.is_ascii_alphanumeric();
         let allowed = "two different ASCII letters or digits, anterior first";
         self.ensure(right, field, format!("({a:?}, {p:?})"), allowed)
     }
 
-    fn founder(&self, f: &Founder) -> Result<(), InputError> {
-        if f.name.is_empty()
-            || forbidden(&f.name).is_some()
-            || f.name.chars().any(|c| c.is_whitespace() || "()[]{}:;,'\"=".contains(c))
-        {
-            let allowed = "not empty and free of spaces, control characters, brackets, quotes and of : ; , = (tree files reserve them)";
-            return Err(self.founder_error(f, "name", shown(&f.name), allowed));
-        }
+    fn founder(&self, f: &Founder) -> Checked {
+        let reserved = |c: char| c.is_whitespace() || "()[]{}:;,'\"=".contains(c);
+        let plain = !f.name.is_empty() && forbidden(&f.name).is_none() && !f.name.chars().any(reserved);
+        let allowed = "not empty and free of spaces, control characters, brackets, quotes and of : ; , = (tree files reserve them)";
+        self.ensure_of(f, plain, "name", shown(&f.name), allowed)?;
         for &pair in &f.letters {
             self.letters(&format!("founder {:?}: letters", f.name), pair)?;
         }
         self.physics(f)?;
         if let Some(cue) = &f.cue {
             self.known_cue(cue).map_err(|allowed| self.founder_error(f, "cue", shown(cue), allowed))?;
-            if !f.cue_rules.is_empty() {
-                let allowed = "left out where cue_rules are given";
-                return Err(self.founder_error(f, "cue", shown(cue), allowed));
-            }
+            self.ensure_of(f, f.cue_rules.is_empty(), "cue", shown(cue), "left out where cue_rules are given")?;
         }
-        if !f.inherit && f.cue.is_none() {
-            let allowed =
-                "left out where the founder has no cue; cue_rules say themselves which generations they are for";
-            return Err(self.founder_error(f, "inherit", "false", allowed));
-        }
+        let allowed = "left out where the founder has no cue; cue_rules say themselves which generations they are for";
+        self.ensure_of(f, f.inherit || f.cue.is_some(), "inherit", "false", allowed)?;
         self.rules(&|| self.place(&f.name, 0), &format!("founder {}: cue_rules", shown(&f.name)), &f.cue_rules)?;
-        if f.mother.is_some() != f.daughter.is_some() {
-            let (field, allowed) = match f.mother {
-                Some(_) => ("daughter", "larger or smaller where a mother is given"),
-                None => ("mother", "the mother's name where a daughter is given"),
-            };
-            return Err(self.founder_error(f, field, "(not given)", allowed));
-        }
+        let (mother, daughter) = (f.mother.is_some(), f.daughter.is_some());
+        let allowed = "larger or smaller where a mother is given";
+        self.ensure_of(f, daughter || !mother, "daughter", "(not given)", allowed)?;
+        let allowed = "the mother's name where a daughter is given";
+        self.ensure_of(f, mother || !daughter, "mother", "(not given)", allowed)?;
         match f.observed.and_then(|observed| observed.contradiction()) {
             None => Ok(()),
-            Some((field, value, allowed)) => Err(self.founder_error(f, &format!("observed.{field}"), value, allowed)),
+            Some((field, value, allowed)) => self.ensure_of(f, false, &format!("observed.{field}"), value, allowed),
         }
     }
 
-    fn physics(&self, f: &Founder) -> Result<(), InputError> {
+    fn physics(&self, f: &Founder) -> Checked {
         if let Some(given) = f.r0 {
             let units = self.lineage.units();
             let no_unit = |allowed| self.founder_error(f, "r0", format!("\"{given}\""), allowed);
             let r0 = given.in_units(&units).map_err(no_unit)?;
-            if !SIZES.contains(&r0) {
-                let positive = r0.is_finite() && r0 > 0.0;
-                let allowed = if positive { "a number of L_h from 1e-6 to 1e6" } else { "a finite number above 0" };
-                return Err(self.founder_error(f, "r0", given, allowed));
-            }
+            self.ensure_of(f, r0.is_finite() && r0 > 0.0, "r0", given, "a finite number above 0")?;
+            self.ensure_of(f, SIZES.contains(&r0), "r0", given, "a number of L_h from 1e-6 to 1e6")?;
         }
         for (parameter, value) in f.physics.values() {
-            if let Err(allowed) = parameter.validate(value) {
-                return Err(self.founder_error(f, &format!("physics.{parameter}"), value, allowed));
-            }
+            let refused = |allowed| self.founder_error(f, &format!("physics.{parameter}"), value, allowed);
+            parameter.validate(value).map_err(refused)?;
         }
         Ok(())
     }
@@ -215,7 +208,7 @@ impl Check<'_> {
     }
 
     /// Exactly one first cell, and every founder descends from it.
-    fn one_tree(&self, mother: &[Option<usize>]) -> Result<(), InputError> {
+    fn one_tree(&self, mother: &[Option<usize>]) -> Checked {
         let founders = &self.lineage.founders;
         // Founders known to reach the first cell; each is walked through once.
         let mut reaches = vec![false; founders.len()];
@@ -248,7 +241,7 @@ impl Check<'_> {
     }
 
     /// Below each founder: no founder, or a larger and a smaller one.
-    fn pairs(&self, mother: &[Option<usize>]) -> Result<(), InputError> {
+    fn pairs(&self, mother: &[Option<usize>]) -> Checked {
         let founders = &self.lineage.founders;
         let mut taken: HashMap<(usize, bool), usize> = HashMap::new();
         for (i, f) in founders.iter().enumerate() {
@@ -277,7 +270,7 @@ impl Check<'_> {
     }
 
     /// No founder is called what the naming rule may call another cell.
-    fn clashes(&self, mother: &[Option<usize>]) -> Result<(), InputError> {
+    fn clashes(&self, mother: &[Option<usize>]) -> Checked {
         let founders = &self.lineage.founders;
         let mut has_listed = vec![false; founders.len()];
         mother.iter().flatten().for_each(|&m| has_listed[m] = true);

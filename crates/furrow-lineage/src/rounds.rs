@@ -44,9 +44,7 @@ struct Count {
 }
 
 fn add(counts: &mut Vec<u64>, generation: usize) {
-    if counts.len() <= generation {
-        counts.resize(generation + 1, 0);
-    }
+    counts.resize(counts.len().max(generation + 1), 0);
     counts[generation] += 1;
 }
 

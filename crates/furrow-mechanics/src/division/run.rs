@@ -151,7 +151,10 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
         if cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
             return Err(DivisionError::Cancelled { r0: cell.r0, t: stepper.history[0].t });
         }
-        run.shorten(start, stepper.history[0].t);
+        if let Some([until, longest_step]) = start.watched() {
+            let factor = if run.fixed.is_some() { 1.0 } else { run.factor };
+            run.dt = run.dt.min(longest_step.min(until - stepper.history[0].t) / factor);
+        }
         run.advance(&mut stepper)?;
         let newest = &stepper.history[0];
         let (cortex, gauss) = (&stepper.cortex, &stepper.system.gauss);
@@ -290,13 +293,6 @@ impl Run {
         self.accept(stepper, 2.0);
         self.dt = self.dt.min(fixed);
         Ok(())
-    }
-
-    /// Keeps the next step within the longest that the start allows, and within the time that is watched.
-    fn shorten(&mut self, start: &Start<'_>, t: f64) {
-        let Some([until, longest_step]) = start.watched() else { return };
-        let factor = if self.fixed.is_some() { 1.0 } else { self.factor };
-        self.dt = self.dt.min(longest_step.min(until - t) / factor);
     }
 
     /// One accepted step.

@@ -37,9 +37,8 @@ pub fn leave(cortex: &Cortex, here: &Solution, saddle: &Solution, growth: f64) -
     let known = before.abs().max(ROUNDING * r0);
     let after = known.max(DEPARTURE * r0);
     let (mut shape, amount) = (saddle.clone(), after.copysign(before));
-    for (to, by) in
-        [(&mut shape.nodes, &mode.nodes), (&mut shape.stages, &mode.stages), (&mut shape.scalars, &mode.scalars)]
-    {
+    let Direction { nodes, stages, scalars } = &mode;
+    for (to, by) in [(&mut shape.nodes, nodes), (&mut shape.stages, stages), (&mut shape.scalars, scalars)] {
         to.iter_mut().zip(by).for_each(|(to, by)| *to += amount * by);
     }
     Ok(Departure { shape, waited: (after / known).ln() / growth })

@@ -142,15 +142,6 @@ impl Stored {
 /// Radii at which a curve is looked for first, in order.
 pub const STARTS: [f64; 7] = [2.0, 2.5, 3.0, 1.6, 4.0, 6.0, 1.0];
 
-/// Values of a parameter that curves may run through.
-fn allowed_range(parameter: Parameter) -> std::ops::Range<f64> {
-    match parameter {
-        Parameter::R0 => 0.05..50.0,
-        Parameter::Epsilon => 0.05..0.99,
-        _ => f64::NEG_INFINITY..f64::INFINITY,
-    }
-}
-
 /// Follows a curve to the point with ξ_s = `xi_s`, in whichever direction leads there; how that converged. Where a curve of
 /// folds turns back in the parameter there is a cusp, beyond which it is another fold; a curve that leads well away from
 /// ξ_s again is given up.
@@ -164,6 +155,12 @@ fn to_activity<S: Singularity<Cortex> + Clone>(
     curve.head_for(XI, xi_s);
     let (mut tried, mut last) = (curve.work.steps + curve.work.rejected, AugmentedReport::default());
     let direction = curve.tangent.scalars[SECOND];
+    // Values of the parameter that the curve may run through.
+    let allowed = match parameter {
+        Parameter::R0 => 0.05..50.0,
+        Parameter::Epsilon => 0.05..0.99,
+        _ => f64::NEG_INFINITY..f64::INFINITY,
+    };
     let mut nearest = f64::INFINITY;
     curve.follow_to(XI, xi_s, MOST_STEPS, |curve, report| {
         last = *report;
@@ -172,10 +169,7 @@ fn to_activity<S: Singularity<Cortex> + Clone>(
         let goes_on = through_cusps || curve.tangent.scalars[SECOND] * direction > 0.0;
         let before = std::mem::replace(&mut tried, curve.work.steps + curve.work.rejected);
         let affordable = budget.spend(tried - before);
-        affordable
-            && goes_on
-            && distance < 2.0 * nearest + 1.0
-            && allowed_range(parameter).contains(&curve.solution.scalars[SECOND])
+        affordable && goes_on && distance < 2.0 * nearest + 1.0 && allowed.contains(&curve.solution.scalars[SECOND])
     })?;
     Ok(last)
 }
