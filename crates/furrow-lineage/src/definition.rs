@@ -246,9 +246,12 @@ impl Lineage {
             }
             self.cues.insert(name.clone(), cue.clone());
         }
-        let rules = self.founders.iter_mut().flat_map(|founder| founder.cue_rules.iter_mut().map(|rule| &mut rule.cue));
-        rules.chain(self.cue_rules.iter_mut().map(|rule| &mut rule.cue)).for_each(|given| replace(given, &name));
-        self.founders.iter_mut().filter_map(|founder| founder.cue.as_mut()).for_each(|given| replace(given, &name));
+        let of_founders = self
+            .founders
+            .iter_mut()
+            .flat_map(|founder| founder.cue_rules.iter_mut().map(|rule| &mut rule.cue).chain(&mut founder.cue));
+        let all = of_founders.chain(self.cue_rules.iter_mut().map(|rule| &mut rule.cue));
+        all.filter(|given| given.as_str() != "none").for_each(|given| name.clone_into(given));
         self
     }
 
@@ -303,12 +306,6 @@ impl Lineage {
     pub fn letters(&self, founder: usize, generation: usize) -> (char, char) {
         let below = generation.checked_sub(1).and_then(|k| self.founders[founder].letters.get(k));
         below.copied().unwrap_or(self.naming)
-    }
-}
-
-fn replace(given: &mut String, name: &str) {
-    if given != "none" {
-        name.clone_into(given);
     }
 }
 

@@ -394,13 +394,21 @@ mod tests {
 
     use super::*;
     use crate::cortex::symmetry::unfold;
-    use crate::equilibria::stationary;
-    use furrow_cell::{Cell, Numerics};
+    use crate::equilibria::{StationaryShape, stationary};
+    use furrow_bvp::{Newton, newton::NewtonScratch};
+    use furrow_cell::{Cell, Numerics, Parameter};
 
     /// The mirror-symmetric state of a cell at ξ_s.
     fn symmetric(r0: f64, epsilon: f64, xi_s: f64, numerics: &Numerics) -> (Cortex, Solution) {
-        let found = stationary(&Cell { epsilon, xi_s, ..Cell::new(r0) }, numerics).unwrap();
-        (found.cortex, found.solution)
+        let below = Cell { epsilon, xi_s: xi_s.min(26.5), ..Cell::new(r0) };
+        let StationaryShape { mut cortex, solution: mut y, .. } = stationary(&below, numerics).unwrap();
+        // A step along the branch would pass these and the fold above them.
+        for xi_s in [27.0, 27.02].into_iter().filter(|close| *close <= xi_s) {
+            cortex.set(Parameter::XiS, xi_s);
+            let (mut system, mut scratch) = (System::new(cortex.dimensions(), y.m), NewtonScratch::default());
+            Newton::default().solve(&mut system, &mut scratch, &mut cortex, &mut y, &[], false).unwrap();
+        }
+        (cortex, y)
     }
 
     /// Arnoldi against every finite eigenvalue of the pencil itself, assembled densely by differences of the residual.

@@ -209,12 +209,6 @@ mod tests {
     use furrow_cell::cue::Quantity;
     use furrow_cell::{Cell, Cue, Numerics};
 
-    /// Fine enough that differences of divisions are derivatives.
-    fn fine(cell: Cell) -> DivisionInput {
-        let numerics = Numerics { time_tolerance: 1e-8, intervals: 96, noise: 0.0, ..Numerics::default() };
-        DivisionInput { numerics, ..DivisionInput::new(cell) }
-    }
-
     /// Central differences of converged divisions by a parameter, to fourth order in `step` of its value.
     fn differences(input: &DivisionInput, parameter: Parameter, step: f64) -> [f64; 3] {
         let value = parameter.get(&input.cell);
@@ -245,7 +239,9 @@ mod tests {
             (cue(Quantity::Amplitude), 2e-2),
         ];
         let parameters = steps.map(|(parameter, _)| parameter);
-        let input = fine(Cell::new(3.3).with_cue(Cue::published()));
+        // Fine enough that differences of divisions are derivatives.
+        let numerics = Numerics { time_tolerance: 1e-8, intervals: 96, noise: 0.0, ..Numerics::default() };
+        let input = DivisionInput { numerics, ..DivisionInput::new(Cell::new(3.3).with_cue(Cue::published())) };
         let options = DivisionOptions { parameters: &parameters, ..DivisionOptions::default() };
         let (division, sensitivities) = divide_with(&input, options).unwrap();
         assert_eq!(division, divide(&input).unwrap());
