@@ -1,9 +1,5 @@
 //! `furrow merge`: the parts of a sweep put together.
 
-use std::path::Path;
-
-use super::context::{Globals, start_logs};
-use super::output::writable_folder;
 use super::prelude::*;
 use furrow_analysis::sweep_files::{SWEEP_FILES, merge};
 
@@ -21,16 +17,6 @@ pub struct MergeArgs {
     out: PathBuf,
 }
 
-/// What `--json` prints: as of a sweep without anything new to solve.
-#[derive(Serialize)]
-struct Answer {
-    points: usize,
-    solved: usize,
-    reused: usize,
-    parts: usize,
-    out: String,
-}
-
 pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
     start_logs(globals);
     // The merged files would overwrite the part.
@@ -42,10 +28,8 @@ pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
     writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
     let table = merge(&args.parts)?;
     table.write(&args.out)?;
-    let points = table.rows.len();
-    let document =
-        Answer { points, solved: 0, reused: points, parts: args.parts.len(), out: args.out.display().to_string() };
-    print_as(globals.json, &document, || {
-        format!("{points} points of {} parts; files in {}\n", document.parts, document.out)
-    })
+    let (points, parts, out) = (table.rows.len(), args.parts.len(), args.out.display().to_string());
+    // As of a sweep without anything new to solve.
+    let document = json!({ "points": points, "solved": 0, "reused": points, "parts": parts, "out": out });
+    print_as(globals.json, &document, || format!("{points} points of {parts} parts; files in {out}\n"))
 }

@@ -1,8 +1,6 @@
 //! `furrow new-lineage`: a lineage file to begin with.
 
-use super::output::print;
 use super::prelude::*;
-use furrow_formats::write_atomically;
 use furrow_lineage::TEMPLATE;
 
 #[derive(Debug, Args)]

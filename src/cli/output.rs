@@ -13,16 +13,28 @@ use std::path::Path;
 /// Records as CSV under a header: lists in its order, or objects with its names as in `--json`, whose missing fields stay empty.
 pub fn csv_of<T: Serialize>(header: &str, records: impl IntoIterator<Item = T>) -> Result<Vec<u8>, CliError> {
     let names: Vec<String> = header.split(',').map(str::to_owned).collect();
-    let mut rows = Vec::new();
-    for (index, record) in records.into_iter().enumerate() {
+    let row = |(index, record): (usize, T)| {
         let record = serde_json::to_value(record)?;
-        let cell = |(k, name): (usize, &String)| match record.get(name).or_else(|| record.get(k)) {
-            Some(Value::Bool(yes)) => Value::from(yes.to_string()),
-            cell => cell.cloned().unwrap_or(Value::Null),
-        };
-        rows.push(Row { index, cells: names.iter().enumerate().map(cell).collect(), why: None });
-    }
+        let cell =
+            |(k, name): (usize, &String)| record.get(name).or_else(|| record.get(k)).cloned().unwrap_or_default();
+        Ok(Row { index, cells: names.iter().enumerate().map(cell).collect(), why: None })
+    };
+    let rows = records.into_iter().enumerate().map(row).collect::<Result<Vec<_>, CliError>>()?;
     Ok(csv_text(&names, &rows)?)
+}
+
+/// An object without its fields that are null.
+pub fn filled(mut object: Value) -> Value {
+    object.as_object_mut().into_iter().for_each(|fields| fields.retain(|_, value| !value.is_null()));
+    object
+}
+
+/// An object with the fields of another behind its own.
+pub fn merged(mut object: Value, other: Value) -> Value {
+    if let (Some(fields), Value::Object(other)) = (object.as_object_mut(), other) {
+        fields.extend(other);
+    }
+    object
 }
 
 /// A document as indented JSON, with a final newline.

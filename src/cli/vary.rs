@@ -2,10 +2,8 @@
 
 use super::cell::{CueArgs, length, natural};
 use super::prelude::*;
-use furrow_cell::{Cell, Parameter};
 use furrow_input::did_you_mean;
-use furrow_lineage::Length;
-use furrow_lineage::parse_cue;
+use furrow_lineage::{Length, parse_cue};
 
 /// A parameter, its range, and the cell it is varied of.
 #[derive(Debug, Args)]

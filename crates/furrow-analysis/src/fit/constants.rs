@@ -105,16 +105,12 @@ pub struct Evaluated {
     pub thresholds: Vec<ThresholdFit>,
     /// Founders, in the lineage's order.
     pub founders: Vec<FounderFit>,
+    /// The first cell with these constants.
     #[serde(skip)]
-    cell: Cell,
+    pub cell: Cell,
 }
 
 impl Evaluated {
-    /// The first cell with these constants.
-    pub fn cell(&self) -> &Cell {
-        &self.cell
-    }
-
     fn rms(&self) -> f64 {
         self.thresholds_rms.unwrap_or(f64::INFINITY)
     }
