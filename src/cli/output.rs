@@ -20,7 +20,7 @@ pub fn csv_of<T: Serialize>(header: &str, records: impl IntoIterator<Item = T>) 
         Ok(Row { index, cells: names.iter().enumerate().map(cell).collect(), why: None })
     };
     let rows = records.into_iter().enumerate().map(row).collect::<Result<Vec<_>, CliError>>()?;
-    Ok(csv_text(&names, &rows)?)
+    Ok(csv_text(&names, &rows).into_bytes())
 }
 
 /// An object without its fields that are null.

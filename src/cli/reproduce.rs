@@ -105,7 +105,7 @@ fn constants(globals: &Globals) -> String {
 /// The table of a panel that is drawn from many cells.
 fn table(panel: &NamedArtifact) -> Result<Option<Vec<u8>>, CliError> {
     Ok(match &panel.artifact {
-        Artifact::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows)?),
+        Artifact::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows).into_bytes()),
         Artifact::Map(map) => Some(csv_of("x,xi_s,outcome,chi,by", &map.diagram.cells)?),
         Artifact::Perturbations(_, watched) => {
             let rows =

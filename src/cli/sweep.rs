@@ -1,7 +1,7 @@
 //! `furrow sweep`: many divisions, trees, pitchforks or critical radii.
 
 use super::prelude::*;
-use furrow_analysis::sweep_files::{SWEEP_FILES, SweepFilesError, SweepTable, open_journal};
+use furrow_analysis::sweep_files::{SWEEP_FILES, SweepTable, open_journal};
 use furrow_analysis::{Run, Shard, Sweep, SweepProgress};
 
 #[derive(Debug, Args)]
@@ -52,13 +52,11 @@ pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(),
             "{undecided} of {of} points are undecided, wholly or in part; the first has index {index}: {why}"
         );
     }
-    let table = SweepTable::new(&sweep, memo.quantisation(), args.shard, std::mem::take(&mut found.rows))?;
+    let table = SweepTable::new(&sweep, memo.quantisation(), args.shard, std::mem::take(&mut found.rows));
     interrupt::defer(|| {
         table.write(&args.out)?;
-        if let Err(error) = journal.finish() {
-            tracing::warn!("the file of finished rows: {error}");
-        }
-        Ok::<_, SweepFilesError>(())
+        journal.finish().unwrap_or_else(|error| tracing::warn!("the file of finished rows: {error}"));
+        Ok::<_, WriteError>(())
     })?;
     picture.write(|| plot::sweep::draw(&sweep, &table.rows))?;
     let (points, elapsed_s, out) = (table.rows.len(), start.elapsed().as_secs_f64(), args.out.display().to_string());

@@ -1,8 +1,7 @@
 //! Sets of constants as a table: one row a set, columns by the names of parameters, and their weights.
 
 use super::table::csv_of;
-use furrow_cell::{Cell, Parameter};
-use furrow_input::{InputError, did_you_mean, shown};
+use crate::prelude::*;
 
 /// A set of constants with its share of the whole.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +29,7 @@ pub fn write_constants(sets: &[Constants]) -> String {
     let row = |set: &Constants| -> Vec<String> {
         set.values.iter().map(|(_, value)| *value).chain([set.weight]).map(|number| number.to_string()).collect()
     };
-    csv_of(std::iter::once(head).chain(sets.iter().map(row))).unwrap_or_default()
+    csv_of(std::iter::once(head).chain(sets.iter().map(row)))
 }
 
 /// Reads a table; errors name it `file`. Lines that begin with `#` are passed over.
@@ -56,12 +55,12 @@ pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputErr
             return Err(InputError::not_allowed(file, format!("column {}", k + 1), shown(name), "named once"));
         }
     }
-    let mut out = Vec::new();
-    for (number, line) in lines {
-        out.push(row(&columns, line).map_err(|(column, value, allowed)| {
+    let one = |(number, line): (usize, &str)| {
+        row(&columns, line).map_err(|(column, value, allowed)| {
             InputError::not_allowed(format!("{file}:{}", number + 1), column, shown(&value), allowed)
-        })?);
-    }
+        })
+    };
+    let out: Vec<Constants> = lines.map(one).collect::<Result<_, _>>()?;
     if out.is_empty() {
         return Err(InputError::not_allowed(file, "rows", "(none)", "at least one set of constants"));
     }

@@ -3,16 +3,13 @@
 //! The first line of the file holds the definition of the sweep, every further line one row, appended as soon as it is solved.
 //! A kill in mid-write leaves a torn last line, which is dropped.
 
-use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
-
-use serde_json::Value;
+use std::sync::PoisonError;
 
 use super::table::{Row, json_lines, read_line};
-use furrow_formats::files::WriteError;
+use crate::prelude::*;
+use serde_json::Value;
 
 /// Name of the file in the folder of a sweep; it goes when the sweep is complete.
 pub const JOURNAL: &str = "results.partial.jsonl";
@@ -69,8 +66,7 @@ impl Journal {
     pub fn append(&self, row: &Row) {
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         let Ok(open) = file.as_mut() else { return };
-        let line = json_lines(&self.columns, std::slice::from_ref(row)).map_err(io::Error::other);
-        if let Err(error) = line.and_then(|line| open.write_all(&line)) {
+        if let Err(error) = open.write_all(json_lines(&self.columns, std::slice::from_ref(row)).as_bytes()) {
             *file = Err(error);
         }
     }

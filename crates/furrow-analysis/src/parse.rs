@@ -1,17 +1,10 @@
 //! Reads and checks a sweep file: every axis known and given once, every value allowed by itself, not too many points.
 
-use std::path::{Path, PathBuf};
-
-use serde::Deserialize;
-
 use super::points::{Axes, Axis, AxisValue, Target};
 use super::sample::{MOST_AXES, halton};
 use super::sweep::{Kind, Sweep};
-use furrow_cell::settings::{self, NumericsOverrides, PhysicsOverrides, Settings, canonical_name};
-use furrow_cell::{Cue, Parameter};
-use furrow_input::{InputError, did_you_mean, listed, parse_document, read_text, shown};
-use furrow_lineage::Lineage;
-use furrow_lineage::batch::phase::spaced;
+use crate::prelude::*;
+use furrow_cell::settings::{self, NumericsOverrides, PhysicsOverrides, canonical_name};
 
 /// Most divisions, trees or shapes of one sweep.
 const MOST_POINTS: usize = 10_000_000;

@@ -1,13 +1,8 @@
 //! The file of targets: observations, and the limits of the search.
 
-use std::collections::BTreeMap;
 use std::fmt::Display;
 
-use serde::Deserialize;
-
-use furrow_cell::{Cell, Parameter};
-use furrow_input::{InputError, did_you_mean, parse_document};
-use furrow_lineage::Lineage;
+use crate::prelude::*;
 use furrow_mechanics::calibration::Threshold;
 
 /// The built-in targets: the wild-type embryo of C. elegans.

@@ -1,18 +1,16 @@
 //! Stationary shapes over ξ_s: figures 2C to 2F, 2H to 2L, S3 and S4.
 
-use rayon::prelude::*;
-
 use super::context::{Artifact, Figure, Finding, PUBLISHED_ACTIVITY, ReproduceError};
 use super::paper::Statement;
 use super::sweeps::outcomes;
 use crate::constraints::extreme_maxima;
 use crate::diagram::{Diagram, diagram};
-use furrow_cell::{Cell, Parameter, Scheme};
-use furrow_lineage::batch::phase::{PhasePlane, spaced};
-use furrow_lineage::batch::scheduler;
+use crate::prelude::*;
+use furrow_cell::Scheme;
+use furrow_lineage::batch::phase::PhasePlane;
 use furrow_mechanics::calibration::statements::HigherFold;
 use furrow_mechanics::equilibria::critical::critical_value;
-use furrow_mechanics::equilibria::{BranchOptions, curves};
+use furrow_mechanics::equilibria::curves;
 
 /// Longest step along a branch, for smooth pictures.
 const STEP: f64 = 1.0;

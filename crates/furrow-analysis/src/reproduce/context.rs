@@ -1,21 +1,11 @@
 //! The context of all figures, and their results: findings and artifacts.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
-use serde::Serialize;
-
 use super::paper::Statement;
 use crate::diagram::Edges;
+use crate::prelude::*;
 use crate::{Row, Run, Sweep};
-use furrow_cell::ZYGOTE;
-use furrow_cell::settings::Settings;
-use furrow_cell::{Cell, Cue, Numerics, Scheme};
-use furrow_input::InputError;
-use furrow_lineage::batch::{
-    Memo, PhaseDiagram, PhasePlane, SchedulerError, SchedulerOptions, StoreWarning, scheduler,
-};
-use furrow_lineage::{GrowError, Tree};
-use furrow_mechanics::division::{Division, DivisionInput, Trajectory, divide};
+use furrow_cell::{Scheme, ZYGOTE};
+use furrow_mechanics::division::{Division, Trajectory};
 use furrow_mechanics::equilibria::Branch;
 use furrow_mechanics::equilibria::curves::{self, Curve};
 use furrow_mechanics::perturbation::Perturbation;

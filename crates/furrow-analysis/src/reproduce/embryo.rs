@@ -1,15 +1,11 @@
 //! Figures 5 to 7, the lineage that the model grows; and Table S3, its constants.
 
-use std::collections::BTreeMap;
-
 use super::context::{Artifact, Figure, Finding, ReproduceError};
 use super::readings::chi_in_words;
 use crate::compare::counts::counts;
+use crate::prelude::*;
 use furrow_cell::cue::Quantity;
-use furrow_cell::{Cell, Cue, Parameter};
-use furrow_lineage::{EndRule, Grower, Length, Lineage, Thresholds, Tree, TreeCell, TreeSettings, founder_rounds};
-use furrow_mechanics::division::{Outcome, divide};
-use furrow_mechanics::equilibria::CriticalRadii;
+use furrow_lineage::TreeCell;
 
 /// Volume of P0, in µm³, as a caption of the paper gives it.
 const ZYGOTE_VOLUME: f64 = 20_890.0;

@@ -1,10 +1,7 @@
 //! Figures 1B to 1D and S2, and the movies: single divisions, looked at closely.
 
-use rayon::prelude::*;
-
 use super::context::{Artifact, Figure, Finding, ReproduceError};
-use furrow_cell::{Cell, Cue};
-use furrow_lineage::batch::scheduler;
+use crate::prelude::*;
 use furrow_mechanics::cortex::forces::Place;
 use furrow_mechanics::division::{Snapshot, Trajectory};
 

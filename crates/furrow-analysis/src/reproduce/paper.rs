@@ -1,10 +1,6 @@
 //! The paper's statements by figure.
 
-use std::collections::{BTreeMap, HashSet};
-
-use serde::Deserialize;
-
-use furrow_input::{InputError, parse_document};
+use crate::prelude::*;
 use furrow_mechanics::calibration::statements::HigherFold;
 use furrow_mechanics::equilibria::Criticality;
 

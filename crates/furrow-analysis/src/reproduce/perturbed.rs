@@ -1,12 +1,9 @@
 //! Figure S5: stationary shapes that are disturbed.
 
-use rayon::prelude::*;
-
 use super::context::{Artifact, Context, Figure, Finding, ReproduceError};
-use furrow_cell::Cell;
-use furrow_lineage::batch::scheduler;
-use furrow_mechanics::division::{DivisionInput, DivisionOptions};
-use furrow_mechanics::equilibria::{BranchOptions, ShapeError, StationaryError, pitchfork, stationary};
+use crate::prelude::*;
+use furrow_mechanics::division::DivisionOptions;
+use furrow_mechanics::equilibria::{StationaryError, stationary};
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
 
 /// Cells whose shapes are disturbed, R0 and ε: those whose branches the paper shows.

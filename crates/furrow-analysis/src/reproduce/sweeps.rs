@@ -1,13 +1,11 @@
 //! Figures 2A, 2B, 2G and 4: χ over size, over confinement, and over the place of a cue.
 
-use serde_json::json;
-
 use super::context::{Artifact, Figure, Finding, ReproduceError};
 use super::paper::{Criterion, Study};
 use super::readings::{ChiPoint, between, chi_at, chi_in_words, edge, flatness, halves, monotone_ends, readings};
-use furrow_cell::{Parameter, Scheme};
-use furrow_lineage::batch::phase::{PhaseDiagram, PhaseOutcome, PhasePlane, spaced};
-use furrow_mechanics::division::Outcome;
+use crate::prelude::*;
+use furrow_cell::Scheme;
+use furrow_lineage::batch::phase::{PhaseDiagram, PhaseOutcome, PhasePlane};
 use furrow_mechanics::equilibria::critical_radius;
 
 /// The name, the text and the axis of a shipped sweep.
