@@ -1,5 +1,6 @@
 //! `furrow boundary`: curves of pitchforks and folds, and the critical radius.
 
+use super::cell::set;
 use super::prelude::*;
 use super::vary::{Varied, VaryArgs};
 use furrow_figures::plot::boundary::{self, Boundary};
@@ -51,9 +52,7 @@ fn described(curve: impl Into<Value>, p: &CurvePoint) -> Value {
 }
 
 pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
-    if let Some(xi) = args.xi {
-        context.settings.set_number("--xi", "xi_s", xi)?;
-    }
+    set(&mut context.settings, [("--xi", "xi_s", args.xi)])?;
     let varied = args.vary.read(&mut context)?;
     args.check(&varied)?;
     let picture = args.plot.file()?;
@@ -75,9 +74,9 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
         false => None,
     };
     for (k, fold) in folds.iter().enumerate() {
-        match (&fold.ended, fold.error()) {
-            (_, Some(error)) => tracing::warn!("fold {k} is followed no further: {error}"),
-            (CurveEnd::Cusp(cusp), _) if kind != PointKind::Pitchfork => {
+        match &fold.ended {
+            CurveEnd::Stopped(error) => tracing::warn!("fold {k} is followed no further: {error}"),
+            CurveEnd::Cusp(cusp) if kind != PointKind::Pitchfork => {
                 tracing::warn!("fold {k} ends within the range, in a cusp at {parameter} = {:.6}", cusp.value);
             }
             _ => {}

@@ -36,7 +36,7 @@ const HEADER: &str = "figure,id,quantity,paper,computed,published_scheme,rel_err
 /// Files other than pictures and tables of panels.
 const FILES: [&str; 3] = ["reproduction.md", "reproduce.json", "results.csv"];
 
-pub fn run(args: &ReproduceArgs, context: &Context, globals: &Globals) -> Result<(), CliError> {
+pub fn run(args: &ReproduceArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
     interrupt::finish();
     let statements = selected(&args.figures)?;
@@ -61,7 +61,7 @@ pub fn run(args: &ReproduceArgs, context: &Context, globals: &Globals) -> Result
         _ => CliError::Interrupted,
     })?;
     warn_of_store(&found.warnings);
-    let constants = constants(globals);
+    let constants = constants(&context.globals);
     let document = filled(json!({
         "constants": constants,
         "items": found.items,

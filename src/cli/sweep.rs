@@ -23,10 +23,11 @@ pub struct SweepArgs {
     plot: PlotArgs,
 }
 
-pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(), CliError> {
+pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
     interrupt::finish();
     // The sweep file overrides --config; --set overrides the sweep file.
+    let globals = &context.globals;
     let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &globals.set)?;
     writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;

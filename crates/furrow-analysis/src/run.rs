@@ -167,6 +167,10 @@ impl<'a> Run<'a> {
         Inputs { of_point, firsts, results, open }
     }
 
+    fn options(&self) -> SchedulerOptions<'a> {
+        SchedulerOptions { threads: self.threads, interrupt: Some(self.cancel), ..SchedulerOptions::default() }
+    }
+
     fn cancelled(&self) -> bool {
         self.cancel.load(Ordering::Relaxed)
     }
@@ -193,12 +197,7 @@ impl<'a> Run<'a> {
         let show = |progress: Progress| {
             (self.progress)(SweepProgress { done: before + progress.solved + progress.memo_hits, of });
         };
-        let options = SchedulerOptions {
-            threads: self.threads,
-            interrupt: Some(self.cancel),
-            progress: Some(&show),
-            ..SchedulerOptions::default()
-        };
+        let options = SchedulerOptions { progress: Some(&show), ..self.options() };
         let mut divisions: Vec<Option<Division>> = vec![None; of];
         let run = scheduler::run(jobs, self.memo, &options, divide, |id, division| {
             divisions[id] = Some(division.clone());
@@ -318,9 +317,8 @@ impl<'a> Run<'a> {
         let DivisionInput { cell, numerics, seed } = input.clone();
         let settings = TreeSettings { cell, numerics, seed, r0_step: self.memo.quantisation().relative_step() };
         let (lineage, ends) = (&self.sweep.lineage_at(&input.cell), EndRule::Thresholds(ends));
-        let options =
-            SchedulerOptions { threads: self.threads, interrupt: Some(self.cancel), ..SchedulerOptions::default() };
-        let (tree, summary) = Grower { lineage, settings, ends, memo: self.memo, options }.grow(divide)?;
+        let grower = Grower { lineage, settings, ends, memo: self.memo, options: self.options() };
+        let (tree, summary) = grower.grow(divide)?;
         out.solved += summary.solved;
         out.reused += summary.memo_hits;
         out.warnings.extend(summary.warnings);

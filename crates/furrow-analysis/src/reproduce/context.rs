@@ -9,6 +9,7 @@ use furrow_mechanics::division::{Division, Trajectory};
 use furrow_mechanics::equilibria::Branch;
 use furrow_mechanics::equilibria::curves::{self, Curve};
 use furrow_mechanics::perturbation::Perturbation;
+use serde_json::Value;
 
 /// ξ_s of the paper's cells (Table S3).
 pub const PUBLISHED_ACTIVITY: f64 = 25.0;
@@ -54,34 +55,12 @@ impl From<GrowError> for ReproduceError {
     }
 }
 
-/// What is computed for a statement: a number, or words.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum Value {
-    /// A number.
-    Number(f64),
-    /// Words.
-    Words(String),
-}
-
-impl From<f64> for Value {
-    fn from(number: f64) -> Value {
-        Value::Number(number)
-    }
-}
-
-impl From<String> for Value {
-    fn from(words: String) -> Value {
-        Value::Words(words)
-    }
-}
-
 /// What was found for one statement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// The statement's id.
     pub id: String,
-    /// What is computed.
+    /// What is computed: a number, or words.
     pub computed: Value,
     /// The same with the published scheme, where that was computed.
     pub published_scheme: Option<Value>,
@@ -208,11 +187,6 @@ impl Context<'_> {
 }
 
 impl<'a> Figure<'a> {
-    /// A figure of which nothing is computed yet.
-    pub fn new(context: &'a Context<'a>, statements: &'a [Statement]) -> Figure<'a> {
-        Figure { context, statements, findings: Vec::new(), panels: Vec::new(), warnings: Vec::new() }
-    }
-
     /// Its name.
     pub fn name(&self) -> &'a str {
         &self.statements[0].figure
