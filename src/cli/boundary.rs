@@ -118,13 +118,9 @@ fn starts(parameter: Parameter, [from, to]: [f64; 2]) -> Vec<f64> {
 impl BoundaryArgs {
     fn check(&self, varied: &Varied) -> Result<(), InputError> {
         let [from, to] = varied.range;
-        if from == to {
-            return Err(InputError::not_allowed("--to", "to", to, "different from --from"));
-        }
-        if self.write.is_some() && varied.parameter != Parameter::R0 {
-            let allowed = "r0: what is stored is a boundary over R0";
-            return Err(InputError::not_allowed("--write", "vary", varied.parameter, allowed));
-        }
+        InputError::require(from != to, "--to", "to", to, "different from --from")?;
+        let fine = self.write.is_none() || varied.parameter == Parameter::R0;
+        InputError::require(fine, "--write", "vary", varied.parameter, "r0: what is stored is a boundary over R0")?;
         writable_file("--csv", self.csv.as_deref())?;
         writable_file("--write", self.write.as_deref())
     }

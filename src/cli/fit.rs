@@ -79,10 +79,8 @@ pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
     settings.check_divisions("settings")?;
     settings.check_activity("settings")?;
     let settings = &tree_settings(settings.clone(), &lineage, 0, context.quantisation);
-    if args.out.is_some() && args.what != What::Constants {
-        let allowed = "used only with constants";
-        return Err(InputError::not_allowed("--out", "out", format!("{:?}", args.out), allowed).into());
-    }
+    let fine = args.out.is_none() || args.what == What::Constants;
+    InputError::require(fine, "--out", "out", format!("{:?}", args.out), "used only with constants")?;
     if args.what != What::Cue {
         // Divisions of trees go to the cache, those of trial cues do not.
         interrupt::finish();
@@ -169,16 +167,12 @@ impl Fit<'_> {
         for (option, value) in [("--xi-from", args.xi_from), ("--xi-to", args.xi_to)] {
             let mut one = context.settings.clone();
             one.cell.xi_s = value;
-            if value <= 0.0 {
-                return Err(InputError::not_allowed(option, "xi_s", value, "a number above 0").into());
-            }
+            InputError::require(value > 0.0, option, "xi_s", value, "a number above 0")?;
             one.check_activity(option)?;
         }
         let range = [args.xi_from, args.xi_to];
-        if range[1] <= range[0] {
-            let allowed = format!("above --xi-from = {}", range[0]);
-            return Err(InputError::not_allowed("--xi-to", "xi_s", range[1], allowed).into());
-        }
+        let allowed = format!("above --xi-from = {}", range[0]);
+        InputError::require(range[1] > range[0], "--xi-to", "xi_s", range[1], allowed)?;
         let (memo, reading) = (context.memo()?, args.rounds);
         let picture = args.plot.file()?;
         let (found, trees) = activities(lineage, settings, &memo, reading, range, context.threads, flag)?;
@@ -194,14 +188,9 @@ impl Fit<'_> {
         let Fit { args, context, lineage, settings, flag, .. } = self;
         let targets = self.targets()?;
         let template = lineage.parse_cue(&args.cue).map_err(bad_cue)?;
-        if template.is_none() {
-            let allowed = "a cue with at least one term";
-            return Err(InputError::not_allowed("--cue", "cue", &args.cue, allowed).into());
-        }
-        if targets.chi.is_empty() {
-            let file = args.targets.as_ref().map_or(String::new(), |path| path.display().to_string());
-            return Err(InputError::not_allowed(file, "chi", "[]", "at least one measured χ").into());
-        }
+        InputError::require(!template.is_none(), "--cue", "cue", &args.cue, "a cue with at least one term")?;
+        let file = args.targets.as_ref().map_or(String::new(), |path| path.display().to_string());
+        InputError::require(!targets.chi.is_empty(), file, "chi", "[]", "at least one measured χ")?;
         let picture = args.plot.file()?;
         let found = fit_cue(lineage, &targets, settings, &template, self.budget(), context.threads, flag)?;
         picture.write(|| plot::fit::draw_cue(&found))?;

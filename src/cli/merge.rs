@@ -21,9 +21,9 @@ pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
     start_logs(globals);
     // The merged files would overwrite the part.
     let same = |a: &Path, b: &Path| a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b));
-    if let Some(part) = args.parts.iter().find(|part| same(part, &args.out)) {
+    for part in &args.parts {
         let allowed = "another folder than those of the parts";
-        return Err(InputError::not_allowed("--out", "out", format!("{part:?}"), allowed).into());
+        InputError::require(!same(part, &args.out), "--out", "out", format!("{part:?}"), allowed)?;
     }
     writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
     let table = merge(&args.parts)?;

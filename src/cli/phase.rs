@@ -38,9 +38,8 @@ pub struct PhaseArgs {
 
 pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
     for (option, value) in [("--xi-from", args.xi_from), ("--xi-to", args.xi_to)] {
-        if !(value.is_finite() && value >= 0.0) {
-            return Err(InputError::not_allowed(option, "xi_s", value, "a finite number, 0 or above").into());
-        }
+        let fine = value.is_finite() && value >= 0.0;
+        InputError::require(fine, option, "xi_s", value, "a finite number, 0 or above")?;
     }
     let Varied { cell, parameter, range } = args.vary.read(&mut context)?;
     context.settings.check_divisions("settings")?;

@@ -101,9 +101,9 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
     interrupt::finish();
     let several = args.lineage.len() > 1 || args.cue.len() > 1;
-    if let (true, Some(file)) = (several, &args.constants) {
+    for file in args.constants.iter() {
         let allowed = "given with one lineage and at most one --cue";
-        return Err(InputError::not_allowed("--constants", "constants", format!("{file:?}"), allowed).into());
+        InputError::require(!several, "--constants", "constants", format!("{file:?}"), allowed)?;
     }
     let picture = args.plot.file()?;
     let scenarios = if several { combined(args, context)? } else { vec![single(args, context)?] };

@@ -19,7 +19,8 @@ pub const JOURNAL: &str = "results.partial.jsonl";
 pub struct Journal {
     path: PathBuf,
     columns: Vec<String>,
-    rows: BTreeMap<usize, Row>,
+    /// The rows that an interrupted run finished, by index.
+    pub rows: BTreeMap<usize, Row>,
     /// The file, locked and at its end; or why a row could not be written, after which none is.
     file: Mutex<io::Result<File>>,
 }
@@ -55,11 +56,6 @@ impl Journal {
         };
         prepare(&mut file).map_err(failed)?;
         Ok(Journal { path, columns, rows, file: Mutex::new(Ok(file)) })
-    }
-
-    /// The rows that an interrupted run finished, by index.
-    pub fn rows(&self) -> &BTreeMap<usize, Row> {
-        &self.rows
     }
 
     /// Appends a finished row. After the first failure nothing is appended; [`finish`](Self::finish) reports it.
@@ -131,7 +127,7 @@ mod tests {
         for cut in 0..whole.len() {
             fs::write(&path, &whole[..cut]).unwrap();
             let journal = open(json!({"a": 1})).unwrap();
-            let rows = journal.rows().len();
+            let rows = journal.rows.len();
             let lines = whole[..cut].iter().filter(|byte| **byte == b'\n').count();
             assert_eq!(rows, lines.saturating_sub(1));
             (rows..3).for_each(|index| journal.append(&row(index)));

@@ -18,7 +18,6 @@ const MOST_VALUES: usize = 20_000_000;
 struct Document {
     kind: Kind,
     axes: Vec<AxisDocument>,
-    #[serde(default)]
     cue: Option<String>,
     #[serde(default = "one")]
     replicates: u32,
@@ -28,7 +27,6 @@ struct Document {
     physics: PhysicsOverrides,
     #[serde(default)]
     numerics: NumericsOverrides,
-    #[serde(default)]
     lineage: Option<PathBuf>,
 }
 
@@ -41,11 +39,8 @@ fn one() -> u32 {
 #[serde(deny_unknown_fields, rename = "Axis")]
 struct AxisDocument {
     parameter: String,
-    #[serde(default)]
     range: Option<Interval>,
-    #[serde(default)]
     list: Option<Vec<AxisValue>>,
-    #[serde(default)]
     sample: Option<Interval>,
 }
 
@@ -149,9 +144,9 @@ impl Check<'_> {
         holds: bool,
         field: impl Into<String>,
         value: impl ToString,
-        allowed: impl Into<String>,
+        allowed: &str,
     ) -> Result<(), InputError> {
-        if holds { Ok(()) } else { self.refuse(field.into(), value, allowed) }
+        InputError::require(holds, self.file, field, value, allowed)
     }
 
     /// Refuses more values than there may be points, before any of them is made.
@@ -162,7 +157,7 @@ impl Check<'_> {
         let all = counts.iter().fold(0, |sum: usize, count| sum.saturating_add(*count));
         let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
         let counts = listed(counts.iter().map(String::as_str), " + ");
-        self.require(all <= MOST_VALUES, "axes", counts, format!("axes of {MOST_VALUES} values at most, all together"))
+        self.require(all <= MOST_VALUES, "axes", counts, &format!("axes of {MOST_VALUES} values at most, all together"))
     }
 
     /// What an axis sets, which no axis before it does.
@@ -208,13 +203,13 @@ impl Check<'_> {
             self.require(value.is_finite(), format!("axes[{k}].{of}.{name}"), value, "a finite number")?;
         }
         let allowed = format!("a whole number from 1 to {MOST_POINTS}");
-        self.require((1..=MOST_POINTS).contains(&count), format!("axes[{k}].{of}.count"), count, allowed)?;
+        self.require((1..=MOST_POINTS).contains(&count), format!("axes[{k}].{of}.count"), count, &allowed)?;
         if range.is_some() {
             let values = spaced(from, to, count).into_iter().map(|value| tidy(value, [from, to]));
             return Ok(values.map(AxisValue::Number).collect());
         }
         let allowed = format!("one of {MOST_AXES} samples at most");
-        self.require(sampled < MOST_AXES, format!("axes[{k}].sample"), "(…)", allowed)?;
+        self.require(sampled < MOST_AXES, format!("axes[{k}].sample"), "(…)", &allowed)?;
         let unit = halton(sampled, self.document.seed, count);
         Ok(unit.into_iter().map(|x| AxisValue::Number(from + (to - from) * x)).collect())
     }
@@ -224,7 +219,7 @@ impl Check<'_> {
         let Some(first) = before.iter().position(|axis| axis.sampled).filter(|_| axis.sampled) else { return Ok(()) };
         let (count, wanted) = (axis.values.len(), before[first].values.len());
         let allowed = format!("{wanted}, the count of axes[{first}]: sampled axes are sampled together");
-        self.require(count == wanted, format!("axes[{k}].sample.count"), count, allowed)
+        self.require(count == wanted, format!("axes[{k}].sample.count"), count, &allowed)
     }
 
     /// Whether each value of an axis is allowed, and what those of a cue mean.
@@ -307,7 +302,7 @@ impl Check<'_> {
         let all = sweep.axes.points().and_then(|points| points.checked_mul(replicates as usize));
         let counts: Vec<String> = sweep.axes.0.iter().map(|axis| axis.values.len().to_string()).collect();
         let allowed = format!("axes that span {MOST_POINTS} points at most, replicates included");
-        self.require(all.is_some_and(|all| all <= MOST_POINTS), "axes", counts.join(" × "), allowed)
+        self.require(all.is_some_and(|all| all <= MOST_POINTS), "axes", counts.join(" × "), &allowed)
     }
 
     /// What no axis can mend is wrong with every point, and better told at once.

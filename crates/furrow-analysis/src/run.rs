@@ -156,7 +156,7 @@ impl<'a> Run<'a> {
         };
         let of_point = points.iter().map(number).collect();
         let mut results = vec![None; firsts.len()];
-        for row in self.journal.iter().flat_map(|journal| journal.rows().values()) {
+        for row in self.journal.iter().flat_map(|journal| journal.rows.values()) {
             if row.index < self.sweep.points()
                 && let Some(number) = numbers.get(&key(&self.sweep.point(row.index)))
             {

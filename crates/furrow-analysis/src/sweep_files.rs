@@ -136,11 +136,10 @@ impl SweepTable {
         let file = folder.join(HEAD);
         let shard = self.head.get("shard").ok_or_else(|| not_ours(&file, "it is a whole sweep"))?;
         let shard: HeadShard = serde_json::from_value(shard.clone()).map_err(|e| not_ours(&file, &e.to_string()))?;
-        if shard.rows == self.rows.len() {
-            return Ok(shard);
-        }
-        let allowed = format!("{}, as {HEAD} beside it says", shard.rows);
-        Err(InputError::not_allowed(folder.join(LINES).display().to_string(), "rows", self.rows.len(), allowed))
+        let (name, allowed) =
+            (folder.join(LINES).display().to_string(), format!("{}, as {HEAD} beside it says", shard.rows));
+        InputError::require(shard.rows == self.rows.len(), name, "rows", self.rows.len(), allowed)?;
+        Ok(shard)
     }
 
     /// The definition without the shard, which is the same for all parts of a sweep.
@@ -234,14 +233,10 @@ pub fn merge(folders: &[PathBuf]) -> Result<SweepTable, InputError> {
         return Err(InputError::not_allowed("merge", "folders", "none", "the folders of all parts of a sweep"));
     };
     let missing: Vec<String> = (1..=of).filter(|k| !seen.contains(k)).map(|k| format!("{k}/{of}")).collect();
-    if !missing.is_empty() {
-        let allowed = format!("all {of} of them; missing: {}", listed(missing.iter().map(String::as_str), ", "));
-        return Err(InputError::not_allowed("merge", "parts", seen.len(), allowed));
-    }
+    let allowed = format!("all {of} of them; missing: {}", listed(missing.iter().map(String::as_str), ", "));
+    InputError::require(missing.is_empty(), "merge", "parts", seen.len(), allowed)?;
     let points = head["points"].as_u64().unwrap_or(0);
-    if rows.len() as u64 != points || rows.keys().next_back().is_some_and(|last| *last as u64 >= points) {
-        let allowed = format!("those of all {points} points, each once");
-        return Err(InputError::not_allowed("merge", "rows", rows.len(), allowed));
-    }
+    let whole = rows.len() as u64 == points && rows.keys().next_back().is_none_or(|last| (*last as u64) < points);
+    InputError::require(whole, "merge", "rows", rows.len(), format!("those of all {points} points, each once"))?;
     Ok(SweepTable { head, columns, rows: rows.into_values().map(|(row, _)| row).collect() })
 }

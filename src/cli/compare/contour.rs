@@ -41,10 +41,9 @@ pub struct ContourArgs {
 }
 
 pub fn run(args: &ContourArgs, context: &Context) -> Result<(), CliError> {
-    if let Some(length) = args.length_scale.filter(|length| *length <= 0.0) {
-        let allowed = "a length above 0, in the unit of the contours";
-        return Err(InputError::not_allowed("--length-scale", "length_scale", length, allowed).into());
-    }
+    let length = args.length_scale.unwrap_or(1.0);
+    let allowed = "a length above 0, in the unit of the contours";
+    InputError::require(length > 0.0, "--length-scale", "length_scale", length, allowed)?;
     let picture = args.plot.file()?;
     writable_folder("--out", args.out.as_deref(), &files::CONTOUR_NAMES)?;
     let model = modelled(&args.frames)?;

@@ -170,22 +170,16 @@ fn curves(
 const SMALLEST: f64 = 1.0;
 
 fn check(args: &VolumesArgs) -> Result<(), InputError> {
-    if let Some(voxel) = args.voxel.filter(|voxel| *voxel <= 0.0) {
-        return Err(InputError::not_allowed("--voxel", "voxel", voxel, "a length above 0, in µm"));
-    }
-    if let Some(WantedScale::Length(length)) = args.length_scale
-        && length <= 0.0
-    {
+    let voxel = args.voxel.unwrap_or(1.0);
+    InputError::require(voxel > 0.0, "--voxel", "voxel", voxel, "a length above 0, in µm")?;
+    if let Some(WantedScale::Length(length)) = args.length_scale {
         let allowed = "a length above 0, in the cube root of the tables' unit, or fit";
-        return Err(InputError::not_allowed("--length-scale", "length_scale", length, allowed));
+        InputError::require(length > 0.0, "--length-scale", "length_scale", length, allowed)?;
     }
-    if let Some(edges) = &args.bins
-        && (edges.len() < 2 || edges.windows(2).any(|pair| pair[0] >= pair[1]))
-    {
-        let given = edges.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
-        return Err(InputError::not_allowed("--bins", "bins", given, "two numbers or more, rising"));
-    }
-    Ok(())
+    let edges = args.bins.as_deref().unwrap_or(&[0.0, 1.0]);
+    let rising = edges.len() >= 2 && !edges.windows(2).any(|pair| pair[0] >= pair[1]);
+    let given = edges.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+    InputError::require(rising, "--bins", "bins", given, "two numbers or more, rising")
 }
 
 fn read(args: &VolumesArgs) -> Result<Measured, CliError> {

@@ -95,7 +95,6 @@ pub struct OverAxis {
     #[serde(default)]
     pub both_schemes: bool,
     /// A remark on the result.
-    #[serde(default)]
     pub note: Option<String>,
 }
 
@@ -115,25 +114,18 @@ pub struct Statement {
     /// When a result counts as agreeing.
     pub criterion: String,
     /// The number that it prints.
-    #[serde(default)]
     pub printed: Option<Printed>,
     /// The cell.
-    #[serde(default)]
     pub cell: Option<OfCell>,
     /// What it says of χ over an axis.
-    #[serde(default)]
     pub over: Option<OverAxis>,
     /// Of a pitchfork, its kind.
-    #[serde(default)]
     pub kind: Option<Criticality>,
     /// Of a branch with two folds, which of them is higher.
-    #[serde(default)]
     pub higher: Option<HigherFold>,
     /// The name of a constant.
-    #[serde(default)]
     pub constant: Option<String>,
     /// Why there is no verdict, if there is none.
-    #[serde(default)]
     pub open: Option<String>,
 }
 
