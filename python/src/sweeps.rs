@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use furrow_analysis::sweep_files::{SweepTable, open_journal};
+use furrow_analysis::sweep_files::SweepTable;
 use furrow_analysis::table::csv_text;
 use furrow_analysis::{Kind, Row, Run, Sweep, SweepResult};
 use furrow_cell::settings::Settings;
@@ -47,7 +47,9 @@ pub fn sweep<'py>(
         let kept = out.is_some() || matches!(sweep.kind, Kind::Division | Kind::Tree);
         let show = |progress| watch.points(progress, kept);
         let failed = |error: WriteError| Error::System(error.to_string());
-        let journal = out.as_deref().map(|folder| open_journal(&sweep, memo.quantisation(), None, folder));
+        let journal = out
+            .as_deref()
+            .map(|folder| SweepTable::new(&sweep, memo.quantisation(), None, Vec::new()).open_journal(folder));
         let journal = journal.transpose().map_err(failed)?;
         let run = Run { threads, journal: journal.as_ref(), progress: &show, ..Run::new(&sweep, &memo, watch.stop()) };
         let mut done = run.solve()?;

@@ -69,10 +69,11 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
         PointKind::Pitchfork => (found.remove(0), curves::fold_curves(cell, numerics, *parameter, *range)?),
         _ => (Curve::default(), found),
     };
-    let critical = match args.critical {
-        true => Some(critical::critical_value(cell, numerics, *parameter, &starts(*parameter, *range))?.1),
-        false => None,
-    };
+    // Where a critical value is looked for first.
+    let ([from, to], more) = (*range, if *parameter == Parameter::R0 { &critical::STARTS[..] } else { &[] });
+    let starts = [&[0.5 * (from + to), from, to], more].concat();
+    let critical = args.critical.then(|| critical::critical_value(cell, numerics, *parameter, &starts));
+    let critical = critical.transpose()?.map(|(_, point)| point);
     for (k, fold) in folds.iter().enumerate() {
         match &fold.ended {
             CurveEnd::Stopped(error) => tracing::warn!("fold {k} is followed no further: {error}"),
@@ -104,15 +105,6 @@ fn cusps(folds: &[Curve]) -> Vec<CurvePoint> {
         }
     }
     cusps
-}
-
-/// Where a critical value is looked for first.
-fn starts(parameter: Parameter, [from, to]: [f64; 2]) -> Vec<f64> {
-    let mut starts = vec![0.5 * (from + to), from, to];
-    if parameter == Parameter::R0 {
-        starts.extend(critical::STARTS);
-    }
-    starts
 }
 
 impl BoundaryArgs {

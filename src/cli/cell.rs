@@ -6,7 +6,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::context::Context;
-use super::number::number;
+use super::output::number;
 use furrow_cell::Cell;
 use furrow_cell::settings::Settings;
 use furrow_input::InputError;

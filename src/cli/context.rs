@@ -2,8 +2,7 @@
 
 use super::error::CliError;
 use super::interrupt;
-use super::number::number;
-use super::output::Stderr;
+use super::output::{Stderr, number};
 use clap::Args;
 use furrow_cell::settings::Settings;
 use furrow_input::InputError;

@@ -57,6 +57,9 @@ struct Solved {
     perturbation: Option<Perturbation>,
 }
 
+/// Those that could be computed, and the number of the others.
+type Replicates = (Vec<Solved>, usize);
+
 impl Solved {
     /// With --from-steady also whether the cell returned to its start, and [t, dis(t)].
     fn document(&self) -> Result<Value, CliError> {
@@ -128,7 +131,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
 }
 
 /// Solves all replicates; at least one succeeds.
-fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<(Vec<Solved>, usize), CliError> {
+fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Replicates, CliError> {
     let memo = context.memo()?;
     interrupt::finish();
     let line = ProgressLine::new(context.progress && args.replicates > 1);
@@ -153,12 +156,7 @@ fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<
 }
 
 /// Disturbs the stationary shape with every seed; at least one succeeds.
-fn disturb(
-    args: &DivideArgs,
-    context: &Context,
-    input: &DivisionInput,
-    until: f64,
-) -> Result<(Vec<Solved>, usize), CliError> {
+fn disturb(args: &DivideArgs, context: &Context, input: &DivisionInput, until: f64) -> Result<Replicates, CliError> {
     let (mut solved, mut failed) = (Vec::new(), Vec::new());
     for one in perturbations(input, args.replicates as usize, until, context.threads)? {
         match one.found {
@@ -170,7 +168,7 @@ fn disturb(
 }
 
 /// The replicates that succeeded and the number of the others, each of which gets a warning.
-fn at_least_one(solved: Vec<Solved>, mut failed: Vec<(u64, CliError)>) -> Result<(Vec<Solved>, usize), CliError> {
+fn at_least_one(solved: Vec<Solved>, mut failed: Vec<(u64, CliError)>) -> Result<Replicates, CliError> {
     if solved.is_empty()
         && let Some((_, error)) = failed.pop()
     {

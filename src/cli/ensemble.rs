@@ -2,6 +2,7 @@
 
 use super::prelude::*;
 use furrow_analysis::{Ensemble, LineageRanges, ensemble, ranges, write_constants};
+use furrow_lineage::Scenario;
 use furrow_mechanics::calibration::Targets;
 
 /// Samples constants and writes them as a table.
@@ -60,13 +61,8 @@ fn ensemble_text(found: &Ensemble) -> String {
 }
 
 /// Grows a lineage with every set of constants of a table.
-pub fn grow_over(
-    file: &Path,
-    lineage: &Lineage,
-    settings: &TreeSettings,
-    context: &Context,
-    picture: &Picture,
-) -> Result<(), CliError> {
+pub fn grow_over(file: &Path, scenario: &Scenario, context: &Context, picture: &Picture) -> Result<(), CliError> {
+    let Scenario { lineage, settings, .. } = scenario;
     let start = Instant::now();
     let sets = read_constants(&read_text(file)?, &file.display().to_string())?;
     let found = ranges(lineage, settings, &sets, context.threads, interrupt::flag())?;

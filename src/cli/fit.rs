@@ -1,7 +1,5 @@
 //! `furrow fit`: constants, activities or a cue fitted to observations.
 
-use std::sync::atomic::AtomicBool;
-
 use clap::ValueEnum;
 use serde_json::Map;
 
@@ -39,12 +37,7 @@ pub struct FitArgs {
     #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 100.0, value_parser = number)]
     xi_to: f64,
     /// Start of the search: the terms of this cue are kept, their numbers are fitted
-    #[arg(
-        help_heading = "Cue",
-        long,
-        value_name = "CUE",
-        default_value = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1"
-    )]
+    #[arg(help_heading = "Cue", long, value_name = "CUE", default_value = CUE)]
     cue: String,
     /// Particles of the swarm
     #[arg(help_heading = "Search", long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(2..=10_000))]
@@ -69,6 +62,9 @@ enum What {
     Cue,
 }
 
+/// The published cue.
+const CUE: &str = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1";
+
 /// Readings of "rounds" by the names of the option.
 const READINGS: [(&str, Reading); 3] = [("min", Reading::Min), ("mean", Reading::Mean), ("max", Reading::Max)];
 
@@ -85,7 +81,7 @@ pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
         // Divisions of trees go to the cache, those of trial cues do not.
         interrupt::finish();
     }
-    let fit = Fit { args, context, lineage: &lineage, settings, start, flag: interrupt::flag() };
+    let fit = Fit { args, context, lineage: &lineage, settings, start };
     match args.what {
         What::Constants => fit.constants(),
         What::Activity => fit.activity(),
@@ -100,7 +96,6 @@ struct Fit<'a> {
     lineage: &'a Lineage,
     settings: &'a TreeSettings,
     start: Instant,
-    flag: &'static AtomicBool,
 }
 
 impl Fit<'_> {
@@ -123,7 +118,7 @@ impl Fit<'_> {
     }
 
     fn constants(&self) -> Result<(), CliError> {
-        let Fit { args, context, lineage, settings, flag, .. } = self;
+        let (Fit { args, context, lineage, settings, .. }, flag) = (self, interrupt::flag());
         let targets = self.targets()?;
         let picture = args.plot.file()?;
         writable_file("--out", args.out.as_deref())?;
@@ -163,7 +158,7 @@ impl Fit<'_> {
     }
 
     fn activity(&self) -> Result<(), CliError> {
-        let Fit { args, context, lineage, settings, flag, .. } = self;
+        let (Fit { args, context, lineage, settings, .. }, flag) = (self, interrupt::flag());
         for (option, value) in [("--xi-from", args.xi_from), ("--xi-to", args.xi_to)] {
             let mut one = context.settings.clone();
             one.cell.xi_s = value;
@@ -185,7 +180,7 @@ impl Fit<'_> {
     }
 
     fn cue(&self) -> Result<(), CliError> {
-        let Fit { args, context, lineage, settings, flag, .. } = self;
+        let (Fit { args, context, lineage, settings, .. }, flag) = (self, interrupt::flag());
         let targets = self.targets()?;
         let template = lineage.parse_cue(&args.cue).map_err(bad_cue)?;
         InputError::require(!template.is_none(), "--cue", "cue", &args.cue, "a cue with at least one term")?;

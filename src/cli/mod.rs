@@ -17,7 +17,6 @@ mod fit;
 mod interrupt;
 mod merge;
 mod new_lineage;
-mod number;
 mod output;
 mod phase;
 mod picture;

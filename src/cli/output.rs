@@ -1,4 +1,4 @@
-//! The two streams of the command, and its files. If stdout cannot be written, the command fails; messages that stderr cannot take are lost.
+//! The two streams of the command, its files, and numbers of its options. If stdout cannot be written, the command fails; messages that stderr cannot take are lost.
 
 use super::error::CliError;
 use furrow_analysis::Row;
@@ -102,4 +102,12 @@ fn not_writable(option: &str, given: &Path, allowed: &str, error: &WriteError) -
     let within = if Path::new(&error.path) == given { String::new() } else { format!("{}: ", error.path) };
     let allowed = format!("{allowed} ({within}{})", error.source);
     InputError::not_allowed(option, option.trim_start_matches('-'), format!("{given:?}"), allowed)
+}
+
+/// Reads the number of an option.
+///
+/// # Errors
+/// Says what is allowed; clap adds the option and the value.
+pub fn number(text: &str) -> Result<f64, String> {
+    text.trim().parse().map_err(|_| "must be a number, as 0.87 or 1e-3".to_owned())
 }

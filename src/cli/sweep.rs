@@ -1,7 +1,7 @@
 //! `furrow sweep`: many divisions, trees, pitchforks or critical radii.
 
 use super::prelude::*;
-use furrow_analysis::sweep_files::{SWEEP_FILES, SweepTable, open_journal};
+use furrow_analysis::sweep_files::{SWEEP_FILES, SweepTable};
 use furrow_analysis::{Run, Shard, Sweep, SweepProgress};
 
 #[derive(Debug, Args)]
@@ -35,10 +35,10 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let show = |progress: SweepProgress| line.show_share(progress.done, progress.of);
-    let journal = open_journal(&sweep, memo.quantisation(), args.shard, &args.out)?;
-    let (shard, threads, journal_of) = (args.shard, context.threads, Some(&journal));
+    let (shard, threads, quantisation) = (args.shard, context.threads, memo.quantisation());
+    let journal = SweepTable::new(&sweep, quantisation, shard, Vec::new()).open_journal(&args.out)?;
     let all = Run::new(&sweep, &memo, interrupt::flag());
-    let found = Run { shard, threads, journal: journal_of, progress: &show, ..all }.solve();
+    let found = Run { shard, threads, journal: Some(&journal), progress: &show, ..all }.solve();
     drop(line);
     let mut found = found?;
     warn_of_store(&found.warnings);
@@ -53,7 +53,7 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
             "{undecided} of {of} points are undecided, wholly or in part; the first has index {index}: {why}"
         );
     }
-    let table = SweepTable::new(&sweep, memo.quantisation(), args.shard, std::mem::take(&mut found.rows));
+    let table = SweepTable::new(&sweep, quantisation, shard, std::mem::take(&mut found.rows));
     interrupt::defer(|| {
         table.write(&args.out)?;
         journal.finish().unwrap_or_else(|error| tracing::warn!("the file of finished rows: {error}"));

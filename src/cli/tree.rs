@@ -107,8 +107,8 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     }
     let picture = args.plot.file()?;
     let scenarios = if several { combined(args, context)? } else { vec![single(args, context)?] };
-    if let (Some(file), [Scenario { lineage, settings, .. }]) = (&args.constants, &scenarios[..]) {
-        return super::ensemble::grow_over(file, lineage, settings, context, &picture);
+    if let (Some(file), [scenario]) = (&args.constants, &scenarios[..]) {
+        return super::ensemble::grow_over(file, scenario, context, &picture);
     }
     writable_folder("--out", args.out.as_path(), if several { &SCENARIOS_FILES[..] } else { &TREE_FILES })?;
     for scenario in scenarios.iter().filter(|_| several) {
@@ -251,17 +251,14 @@ fn warn_of_undecided(tree: &Tree, scenario: &str) {
 
 /// Logs cues without a critical radius; one warning names those whose search was given up.
 fn warn_of_searches(unknown: &[(Cue, ShapeError)]) {
-    let mut given_up = Vec::new();
     for (cue, error) in unknown {
-        if let ShapeError::OutOfBudget { .. } = error {
-            given_up.push(cue.to_string());
-        }
         tracing::info!("no critical radius for cells with the cue {cue}, whose divisions tell instead: {error}");
     }
+    let given_up = unknown.iter().filter(|(_, error)| matches!(error, ShapeError::OutOfBudget { .. }));
+    let given_up = given_up.map(|(cue, _)| cue.to_string()).collect::<Vec<_>>().join(" and ");
     if !given_up.is_empty() {
         tracing::warn!(
-            "the search for a critical radius was given up for cells with the cue {}: all their divisions are computed",
-            given_up.join(" and ")
+            "the search for a critical radius was given up for cells with the cue {given_up}: all their divisions are computed"
         );
     }
 }

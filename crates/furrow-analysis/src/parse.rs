@@ -72,19 +72,13 @@ impl Sweep {
         Sweep::parse_in(Path::new(""), text, file, base, overrides)
     }
 
-    fn parse_in(
-        folder: &Path,
-        text: &str,
-        file: &str,
-        base: &Settings,
-        overrides: &[String],
-    ) -> Result<Sweep, InputError> {
+    fn parse_in(folder: &Path, text: &str, file: &str, base: &Settings, set: &[String]) -> Result<Sweep, InputError> {
         let mut document: Document = parse_document(text, file, "a sweep file", "Sweep")?;
         let mut settings = base.clone();
         std::mem::take(&mut document.physics).apply(&mut settings);
         std::mem::take(&mut document.numerics).apply(&mut settings);
         settings.check_fields(file)?;
-        settings.override_fields(overrides)?;
+        settings.override_fields(set)?;
         let path = document.lineage.take().map(|path| folder.join(path));
         let lineage = Lineage::load(path.as_deref())?;
         Check { file, document: &document, settings: &settings, lineage: &lineage }.run()

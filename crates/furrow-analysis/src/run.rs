@@ -89,6 +89,9 @@ impl SweepResult {
 /// Results of a point, and why they are incomplete if they are.
 type Results = (Vec<Value>, Option<String>);
 
+/// Computes the results at a point.
+type SolveShape = fn(&DivisionInput, &StepBudget<'_>) -> Result<Vec<Value>, ShapeError>;
+
 /// The distinct inputs of points.
 struct Inputs<'p> {
     /// The number of each point's input; `None` for a point that is refused.
@@ -243,11 +246,7 @@ impl<'a> Run<'a> {
     }
 
     /// Stationary shapes, on all cores.
-    fn shapes(
-        &self,
-        inputs: &mut Inputs<'_>,
-        solve: fn(&DivisionInput, &StepBudget<'_>) -> Result<Vec<Value>, ShapeError>,
-    ) -> Result<SweepResult, SchedulerError> {
+    fn shapes(&self, inputs: &mut Inputs<'_>, solve: SolveShape) -> Result<SweepResult, SchedulerError> {
         let Inputs { firsts, results, open, .. } = inputs;
         let done = AtomicUsize::new(firsts.len() - open.len());
         let one = |number: &usize| {

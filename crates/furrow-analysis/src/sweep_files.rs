@@ -31,20 +31,6 @@ struct HeadShard {
     rows: usize,
 }
 
-/// Opens the journal of a sweep, or of a shard of it, in the folder of its files.
-///
-/// # Errors
-/// [`WriteError`].
-pub fn open_journal(
-    sweep: &Sweep,
-    quantisation: Quantisation,
-    shard: Option<Shard>,
-    folder: &Path,
-) -> Result<Journal, WriteError> {
-    let SweepTable { head, columns, .. } = SweepTable::new(sweep, quantisation, shard, Vec::new());
-    Journal::open(folder, &head, columns)
-}
-
 /// A table and its definition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepTable {
@@ -92,6 +78,14 @@ impl SweepTable {
             head["shard"] = json!(HeadShard { shard, rows: rows.len() });
         }
         SweepTable { head, columns, rows }
+    }
+
+    /// Opens the journal of the sweep, or of this part of it, in the folder of its files.
+    ///
+    /// # Errors
+    /// [`WriteError`].
+    pub fn open_journal(self, folder: &Path) -> Result<Journal, WriteError> {
+        Journal::open(folder, &self.head, self.columns)
     }
 
     /// Writes the files into a folder. Files of another sweep there are overwritten.

@@ -204,22 +204,17 @@ fn read(args: &VolumesArgs) -> Result<Measured, CliError> {
 /// The regressions asked for: of named groups, or of two conditions.
 fn regressions(args: &VolumesArgs, groups: &[GroupBeside]) -> Result<Vec<Regression>, InputError> {
     let names = match &args.regress {
-        Some(text) => text.split_once(',').map(|(x, y)| (x.trim().to_owned(), y.trim().to_owned())),
-        None if !args.against.is_empty() => Some(("measured".to_owned(), "against".to_owned())),
-        None => return Ok(Vec::new()),
+        Some(text) => text.split_once(',').map(|(x, y)| (x.trim(), y.trim())),
+        None => Some(("measured", "against")),
     };
+    let find = |name: &str| groups.iter().find(|group| group.group == name);
+    let found = names.and_then(|(x, y)| Some(regression(find(x)?, find(y)?)));
     let known: Vec<&str> = groups.iter().map(|group| group.group.as_str()).collect();
     let allowed = format!("two groups of the tables, as X,Y; groups are {}", known.join(", "));
-    let find = |name: &str| groups.iter().find(|group| group.group == name);
-    let given = || args.regress.clone().unwrap_or_default();
-    let refused = || InputError::not_allowed("--regress", "regress", given(), &allowed);
-    let (x, y) = names.ok_or_else(refused)?;
-    match (find(&x), find(&y)) {
-        (Some(x), Some(y)) => Ok(vec![regression(x, y)]),
-        // Tables with their own groups lack those of the two conditions.
-        _ if args.regress.is_none() => Ok(Vec::new()),
-        _ => Err(refused()),
-    }
+    // Tables with their own groups lack those of the two conditions.
+    let fine = found.is_some() || args.regress.is_none();
+    InputError::require(fine, "--regress", "regress", args.regress.clone().unwrap_or_default(), allowed)?;
+    Ok(found.into_iter().filter(|_| args.regress.is_some() || !args.against.is_empty()).collect())
 }
 
 fn scale_text(unit: Option<Unit>, scale: Option<Scale>) -> String {

@@ -43,15 +43,6 @@ struct Stages {
     stages: Vec<Stage>,
 }
 
-/// The observed stages of *C. elegans* (Sulston et al. 1983), the last one hatching.
-///
-/// # Errors
-/// None, as long as the shipped table is one.
-pub fn stages() -> Result<Vec<Stage>, InputError> {
-    let found: Stages = parse_document(STAGES, "sulston1983_stages.ron", "observed stages", "Stages")?;
-    Ok(found.stages)
-}
-
 /// The readings of "rounds".
 pub const READINGS: [&str; 5] = ["min", "mean", "max", "full_doublings", "terminal"];
 
@@ -132,7 +123,8 @@ const GERMLINE: u32 = 5;
 /// None, as long as the shipped table is one.
 pub fn counts(tree: &Tree) -> Result<Counts, InputError> {
     let rounds = founder_rounds(tree);
-    let stages: Vec<StageCounts> = stages()?.iter().map(|stage| at_stage(tree, &rounds, stage)).collect();
+    let observed: Stages = parse_document(STAGES, "sulston1983_stages.ron", "observed stages", "Stages")?;
+    let stages: Vec<StageCounts> = observed.stages.iter().map(|stage| at_stage(tree, &rounds, stage)).collect();
     let germline = germline_divisions(tree);
     let hatching = stages.last();
     let sentence = READINGS[..4].iter().map(|reading| {

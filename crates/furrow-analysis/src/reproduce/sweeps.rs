@@ -75,6 +75,9 @@ pub fn over_axis(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     Ok(())
 }
 
+/// A condition on two numbers.
+type Compares = fn(f64, f64) -> bool;
+
 /// Whether all cells below some size in these limits rest and all above divide.
 fn at_rest(readings: &[ChiPoint], [from, to]: [f64; 2]) -> (bool, String) {
     let Some([last, first]) = edge(readings) else { return (false, "no single edge".to_owned()) };
@@ -83,12 +86,7 @@ fn at_rest(readings: &[ChiPoint], [from, to]: [f64; 2]) -> (bool, String) {
 }
 
 /// Whether χ goes one way, from a first to a last value that are as they should be.
-fn trend(
-    readings: &[ChiPoint],
-    in_order: fn(f64, f64) -> bool,
-    ends: fn(f64, f64) -> bool,
-    [from, to]: [&str; 2],
-) -> (bool, String) {
+fn trend(readings: &[ChiPoint], in_order: Compares, ends: Compares, [from, to]: [&str; 2]) -> (bool, String) {
     let Some(([first, last], ordered)) = monotone_ends(readings, in_order) else {
         return (false, "not all divide".to_owned());
     };
@@ -105,7 +103,7 @@ fn proportional(readings: &[ChiPoint]) -> (bool, String) {
 }
 
 /// Whether every furrow compares with its cue as it should, by their distances from the middle.
-fn furrows(readings: &[ChiPoint], compares: fn(f64, f64) -> bool) -> (bool, String) {
+fn furrows(readings: &[ChiPoint], compares: Compares) -> (bool, String) {
     let right = |reading: &&ChiPoint| reading.u_furrow.is_some_and(|u| compares((u - 0.5).abs(), 0.5 - reading.x));
     let count = readings.iter().filter(right).count();
     let example = readings.get(readings.len() / 2).and_then(|reading| Some((reading.x, reading.u_furrow?)));
