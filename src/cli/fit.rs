@@ -200,7 +200,9 @@ impl Fit<'_> {
 
 /// Numbers of the model beside the observed ones.
 fn residuals(best: &Evaluated, targets: &Targets) -> Vec<Value> {
-    let residual = |founder: &str, quantity: &str, observed: f64, computed: Option<f64>| json!({ "founder": founder, "quantity": quantity, "observed": observed, "computed": computed });
+    let residual = |founder: &str, quantity: &str, observed: f64, computed: Option<f64>| -> Value {
+        json!({ "founder": founder, "quantity": quantity, "observed": observed, "computed": computed })
+    };
     let mut out = Vec::new();
     for founder in best.founders.iter().filter(|founder| targets.founders.contains(&founder.name)) {
         let mean = founder.observed_mean.unwrap_or(f64::NAN);

@@ -63,8 +63,8 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     let (points, elapsed_s, out) = (table.rows.len(), start.elapsed().as_secs_f64(), args.out.display().to_string());
     // Points are those of this part of the sweep, resumed ones those whose rows an interrupted run had finished.
     let document = json!({
-        "points": points, "solved": found.solved, "reused": found.reused, "resumed": found.resumed, "undecided": undecided,
-        "shard": args.shard, "elapsed_s": elapsed_s, "out": out,
+        "points": points, "solved": found.solved, "reused": found.reused, "resumed": found.resumed,
+        "undecided": undecided, "shard": args.shard, "elapsed_s": elapsed_s, "out": out,
     });
     print_as(context.json, &filled(document), || {
         let part = args.shard.map_or(String::new(), |shard| format!(" of part {shard}"));

@@ -280,8 +280,11 @@ fn legend(tree: &Tree, colours: &[&str], layout: &Layout) -> String {
     let (end, top) = (layout.width - 14.0, FULL.top - 20.0);
     let _ = writeln!(
         out,
-        r##"<g font-size="12" fill="#333"><circle cx="{x:.1}" cy="24" r="6" fill="#555"/><text x="{full:.1}" y="28">divides symmetrically</text><circle cx="{ring:.1}" cy="24" r="4.7" fill="#fff" stroke="#555" stroke-width="2.6"/><text x="{ring_text:.1}" y="28">asymmetrically</text><circle cx="{open:.1}" cy="22" r="5.5" fill="#fff" stroke="#555"/><path d="M{bar:.1} 30H{bar_end:.1}" stroke="#555" stroke-width="1.6"/><text x="{open_text:.1}" y="28">does not divide</text><text x="{below:.1}" y="47" fill="#555">discs are as wide as the cells; lines as strong as the daughter is large</text></g>
-<text x="16" y="{top:.1}" font-size="11" fill="#777">generation</text><text x="{end:.1}" y="{top:.1}" font-size="11" fill="#777" text-anchor="end">cells</text>"##
+        "<g font-size=\"12\" fill=\"#333\"><circle cx=\"{x:.1}\" cy=\"24\" r=\"6\" fill=\"#555\"/><text x=\"{full:.1}\" y=\"28\">divides symmetrically</text>\
+         <circle cx=\"{ring:.1}\" cy=\"24\" r=\"4.7\" fill=\"#fff\" stroke=\"#555\" stroke-width=\"2.6\"/><text x=\"{ring_text:.1}\" y=\"28\">asymmetrically</text>\
+         <circle cx=\"{open:.1}\" cy=\"22\" r=\"5.5\" fill=\"#fff\" stroke=\"#555\"/><path d=\"M{bar:.1} 30H{bar_end:.1}\" stroke=\"#555\" stroke-width=\"1.6\"/><text x=\"{open_text:.1}\" y=\"28\">does not divide</text>\
+         <text x=\"{below:.1}\" y=\"47\" fill=\"#555\">discs are as wide as the cells; lines as strong as the daughter is large</text></g>\n\
+         <text x=\"16\" y=\"{top:.1}\" font-size=\"11\" fill=\"#777\">generation</text><text x=\"{end:.1}\" y=\"{top:.1}\" font-size=\"11\" fill=\"#777\" text-anchor=\"end\">cells</text>"
     );
     let total = tree.cells().next_back().map_or(0, |n| tree.cell(n).generation);
     if total > layout.last {
