@@ -9,7 +9,7 @@ use furrow_lineage::batch::{Replicates, SchedulerOptions, replicates};
 use furrow_mechanics::cortex::forces::Place;
 use furrow_mechanics::division::{Division, Snapshot, Trajectory};
 use furrow_mechanics::equilibria::{BranchEnd, BranchOptions, pitchfork as pitchforks, stationary};
-use furrow_report::{EventReport, StationaryReport, ThresholdReport};
+use furrow_report::{event_report, stationary_report, threshold_report};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -147,7 +147,7 @@ pub fn steady<'py>(py: Python<'py>, inputs: &Inputs) -> PyResult<(String, Bound<
     let (found, places) = supervised(py, Interrupt::Abandons, None, move |_| {
         let shape = stationary(&cell, &numerics).map_err(Error::no_outcome)?;
         let spectrum = shape.spectrum().map_err(Error::no_outcome)?;
-        let found = StationaryReport::new(&shape, &spectrum);
+        let found = stationary_report(&shape, &spectrum);
         let gauss = furrow_bvp::Gauss::new(numerics.stages);
         Ok((
             found,
@@ -172,7 +172,7 @@ pub fn pitchfork(py: Python<'_>, inputs: &Inputs, xi_max: f64) -> PyResult<Strin
     let found = supervised(py, Interrupt::Abandons, None, move |_| {
         let options = BranchOptions { xi, ..BranchOptions::default() };
         let found = pitchforks::first(&cell, &numerics, &options).map_err(Error::no_outcome)?;
-        Ok(ThresholdReport::new(&found))
+        Ok(threshold_report(&found))
     })?;
     serde_json::to_string(&found).map_err(unwritable)
 }
@@ -189,7 +189,7 @@ struct End {
 /// Branches without their points, as JSON.
 #[derive(Serialize)]
 struct Branches {
-    events: Vec<EventReport>,
+    events: Vec<serde_json::Value>,
     /// Exponent, prefactor, coefficient and number of points of |Δu| = prefactor |ξ_s − ξ_s*|^exponent.
     scaling: Option<(f64, f64, f64, usize)>,
     ends: Vec<End>,
@@ -231,10 +231,8 @@ pub fn branch<'py>(
 }
 
 fn described(found: &Diagram) -> Branches {
-    let events = found
-        .branches
-        .iter()
-        .flat_map(|(name, branch)| branch.events.iter().map(|event| EventReport::new(name, event)));
+    let events =
+        found.branches.iter().flat_map(|(name, branch)| branch.events.iter().map(|event| event_report(name, event)));
     let ends = found.branches.iter().map(|(name, branch)| End {
         branch: name,
         reason: branch.ended.name(),

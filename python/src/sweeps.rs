@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use furrow_analysis::sweep_files::{SweepFilesError, SweepTable, open_journal};
+use furrow_analysis::sweep_files::SweepTable;
 use furrow_analysis::table::csv_text;
 use furrow_analysis::{Kind, Row, Run, Sweep, SweepResult};
 use furrow_cell::settings::Settings;
+use furrow_formats::files::WriteError;
 use furrow_input::InputError;
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -14,7 +15,7 @@ use pyo3::types::{PyDict, PyList};
 use serde_json::Value;
 
 use crate::columns::or_nan;
-use crate::errors::{Error, unwritable};
+use crate::errors::Error;
 use crate::inputs::{ARGUMENTS, Pairs, pairs};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
@@ -45,8 +46,10 @@ pub fn sweep<'py>(
         let sweep = read(text.as_deref(), file.as_deref(), &base, &pairs)?;
         let kept = out.is_some() || matches!(sweep.kind, Kind::Division | Kind::Tree);
         let show = |progress| watch.points(progress, kept);
-        let failed = |error: SweepFilesError| Error::System(error.to_string());
-        let journal = out.as_deref().map(|folder| open_journal(&sweep, memo.quantisation(), None, folder));
+        let failed = |error: WriteError| Error::System(error.to_string());
+        let journal = out
+            .as_deref()
+            .map(|folder| SweepTable::new(&sweep, memo.quantisation(), None, Vec::new()).open_journal(folder));
         let journal = journal.transpose().map_err(failed)?;
         let run = Run { threads, journal: journal.as_ref(), progress: &show, ..Run::new(&sweep, &memo, watch.stop()) };
         let mut done = run.solve()?;
@@ -55,17 +58,16 @@ pub fn sweep<'py>(
         }
         if let Some(folder) = out {
             let rows = std::mem::take(&mut done.rows);
-            let table = SweepTable::new(&sweep, memo.quantisation(), None, rows).map_err(failed)?;
+            let table = SweepTable::new(&sweep, memo.quantisation(), None, rows);
             table.write(&folder).map_err(failed)?;
-            journal.map_or(Ok(()), |journal| journal.finish()).map_err(|error| Error::System(error.to_string()))?;
+            journal.map_or(Ok(()), |journal| journal.finish()).map_err(failed)?;
             done.rows = table.rows;
         }
         Ok((sweep, done))
     })?;
     let SweepResult { rows, solved, reused, resumed, .. } = done;
     let names = sweep.columns();
-    let csv = csv_text(&names, &rows).map_err(unwritable)?;
-    let csv = String::from_utf8(csv).map_err(unwritable)?;
+    let csv = csv_text(&names, &rows);
     let dict = PyDict::new(py);
     for (place, name) in names.iter().enumerate() {
         dict.set_item(name, column(py, &rows, place)?)?;

@@ -1,6 +1,5 @@
 //! docs/reproduction.md is current and reports the known differences from the paper.
 
-use furrow_analysis::reproduce::Value;
 use furrow_analysis::reproduce::paper::{Statement, statements};
 use furrow_report::reproduction::value;
 use serde_json::Value as Json;
@@ -62,7 +61,7 @@ fn every_statement_has_its_row() {
         let Statement { figure, quantity, says, printed, open, .. } = statement;
         assert_eq!(row[0], figure.replace('-', "–"));
         assert_eq!(row[1], *quantity);
-        let paper = printed.map(|printed| value(Some(&Value::Number(printed.value))));
+        let paper = printed.map(|printed| value(Some(&printed.value.into())));
         let paper = paper.or((!says.is_empty()).then(|| says.clone())).unwrap_or("-".to_owned());
         assert_eq!(row[2], paper, "{quantity}");
         assert_eq!(row[6] == "not pinned down", open.is_some(), "{quantity}");
