@@ -1,7 +1,7 @@
 //! What fits the embryo: the front between its counts and the published thresholds, activities by founder, a cue's χ.
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Panel, widened};
+use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style;
 use crate::drawing::{Canvas, Stroke};
 use furrow_analysis::fit::{ChiResidual, FittedConstants, FittedCue, FounderActivity};
@@ -26,7 +26,7 @@ pub fn draw_constants(found: &FittedConstants) -> Canvas {
     let all = || front.iter().copied().chain(best).chain(start);
     let x = Axis::over("published thresholds, off by (%, root mean square)", all().map(|point| point[0]));
     let y = Axis::over("mean rounds of the founders, off by", all().map(|point| point[1]));
-    let mut chart = Panel::new([0.0, top], [WIDTH, CHART], x, y).draw(&mut canvas);
+    let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], x, y);
     for point in &front {
         chart.point(*point, 6.0, Marker::Disc, style::MODEL);
     }
@@ -51,7 +51,7 @@ pub fn draw_activities(founders: &[FounderActivity], xi_s: f64) -> Canvas {
     let x = Axis::new(style::ACTIVITY, widened(ends.chain([xi_s]), 0.06));
     let y = Axis::names("", founders.iter().map(|founder| founder.name.clone()).collect(), true);
     let [low, high] = y.range;
-    let mut chart = Panel::new([0.0, top], [WIDTH, height], x, y).draw(&mut canvas);
+    let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, height], x, y);
     chart.line([[xi_s, low], [xi_s, high]], Stroke::dashed(style::MUTED, 1.8, style::DASHED));
     for (k, founder) in founders.iter().enumerate() {
         let y = k as f64;
@@ -76,7 +76,7 @@ pub fn draw_cue(found: &FittedCue) -> Canvas {
     let cells = all.iter().map(|residual| residual.cell.clone()).collect();
     let x = Axis::names("division (predicted ones behind the line)", cells, false);
     let y = Axis::new(style::CHI, [-0.02, 1.08 * most]);
-    let mut chart = Panel::new([0.0, top], [WIDTH, CHART], x, y).draw(&mut canvas);
+    let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], x, y);
     let border = found.residuals.len() as f64 - 0.5;
     chart.line([[border, 0.0], [border, 1.05 * most]], Stroke::dashed(style::MUTED, 1.6, style::DASHED));
     for (k, residual) in all.iter().enumerate() {
