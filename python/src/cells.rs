@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use furrow_analysis::{Diagram, diagram};
-use furrow_formats::frames::{COLUMNS, check_step, stills};
+use furrow_formats::frames::{COLUMNS, check_step, row, stills};
 use furrow_lineage::batch::{Replicates, SchedulerOptions, replicates};
 use furrow_mechanics::cortex::forces::{Place, profile};
 use furrow_mechanics::division::{Snapshot, Trajectory};
@@ -116,9 +116,7 @@ fn place_columns<'a>(places: impl Iterator<Item = &'a Place>) -> Columns {
     let mut columns: Columns =
         COLUMNS.iter().map(|(name, _)| (*name, Vec::with_capacity(places.size_hint().0))).collect();
     for p in places {
-        let head = [p.u, p.r, p.z, p.psi, p.c_uu, p.c_pp, p.t_uu, p.t_pp, p.v, p.v_n, p.active_tangential];
-        let row = head.into_iter().chain(p.normal.parts()).chain([p.normal.residual()]);
-        columns.iter_mut().zip(row).for_each(|((_, column), number)| column.push(number));
+        columns.iter_mut().zip(row(p)).for_each(|((_, column), number)| column.push(number));
     }
     columns
 }

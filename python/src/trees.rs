@@ -197,9 +197,7 @@ impl GrownTree {
     /// The tree in a format of other programs, as files by name; a single file has no name.
     fn export(&self, format: &str, lengths: &str) -> Result<Vec<(&'static str, String)>, Error> {
         let format = one_of("format", format, Format::ALL.map(|format| (format.name(), format)))?;
-        let known =
-            [("time", BranchLengths::Time), ("generation", BranchLengths::Generation), ("none", BranchLengths::None)];
-        let lengths = one_of("lengths", lengths, known)?;
+        let lengths = one_of("lengths", lengths, BranchLengths::NAMED)?;
         Ok(match export(&self.tree, format, lengths, &report::founder_colours(&self.tree.lineage)) {
             Exported::File(text) => vec![("", text)],
             Exported::Folder(files) => files,

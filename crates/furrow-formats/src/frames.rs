@@ -2,21 +2,10 @@
 
 use super::files::{FileSet, WriteError};
 use furrow_input::{InputError, read_text};
+use furrow_mechanics::cortex::forces::Place;
 use furrow_mechanics::division::{Snapshot, Trajectory};
 use serde::{Deserialize, Serialize};
-use std::fmt::Write;
 use std::path::Path;
-
-/// Why frames could not be written.
-#[derive(Debug, thiserror::Error)]
-pub enum FramesError {
-    /// A file could not be written.
-    #[error(transparent)]
-    Write(#[from] WriteError),
-    /// The index could not be put into JSON.
-    #[error(transparent)]
-    Json(#[from] serde_json::Error),
-}
 
 /// One frame in the list of them.
 #[derive(Serialize)]
@@ -98,8 +87,8 @@ pub fn check_step(source_name: &str, film: &Trajectory, every: Option<f64>) -> R
 /// They replace the frames of an earlier division.
 ///
 /// # Errors
-/// [`FramesError`].
-pub fn write_frames(folder: &Path, film: &Trajectory, every: Option<f64>) -> Result<(), FramesError> {
+/// [`WriteError`].
+pub fn write_frames(folder: &Path, film: &Trajectory, every: Option<f64>) -> Result<(), WriteError> {
     let mut files = FileSet::new(folder);
     let mut entries: Vec<Entry> = vec![];
     for still in stills(film, every) {
@@ -115,25 +104,25 @@ pub fn write_frames(folder: &Path, film: &Trajectory, every: Option<f64>) -> Res
             chi: still.neck.map(|_| still.asymmetry.abs()),
         });
     }
-    let index = serde_json::to_string_pretty(&entries)?;
+    let failed = |source| WriteError { path: folder.join(INDEX).display().to_string(), source };
+    let index = serde_json::to_string_pretty(&entries).map_err(|error| failed(error.into()))?;
     files.stage(INDEX, format!("{index}\n").as_bytes())?;
     files.commit()?;
-    remove_from(folder, entries.len())?;
-    Ok(())
+    remove_from(folder, entries.len())
+}
+
+/// The numbers of the [`COLUMNS`] at a place.
+pub fn row(p: &Place) -> [f64; COLUMNS.len()] {
+    let head = [p.u, p.r, p.z, p.psi, p.c_uu, p.c_pp, p.t_uu, p.t_pp, p.v, p.v_n, p.active_tangential];
+    let mut all = head.into_iter().chain(p.normal.parts()).chain([p.normal.residual()]);
+    std::array::from_fn(|_| all.next().unwrap_or(f64::NAN))
 }
 
 /// One frame as CSV under the names of its columns.
 fn csv(still: &Snapshot) -> String {
-    let mut csv = COLUMNS.map(|(name, _)| name).join(",");
-    csv.push('\n');
-    for p in &still.places {
-        let head = [p.u, p.r, p.z, p.psi, p.c_uu, p.c_pp, p.t_uu, p.t_pp, p.v, p.v_n, p.active_tangential];
-        for number in head.into_iter().chain(p.normal.parts()) {
-            let _ = write!(csv, "{number},");
-        }
-        let _ = writeln!(csv, "{}", p.normal.residual());
-    }
-    csv
+    let line = |place| row(place).map(|number| number.to_string()).join(",");
+    let names = COLUMNS.map(|(name, _)| name).join(",");
+    std::iter::once(names).chain(still.places.iter().map(line)).map(|line| line + "\n").collect()
 }
 
 /// The contour of a frame, as it is read again.

@@ -13,6 +13,7 @@ mod ron;
 
 pub use file::{LONGEST, open_file, read_text, read_text_up_to};
 pub use names::{did_you_mean, forbidden, listed, printable, shown, shown_number};
+pub use place::json_field_at;
 pub use ron::{parse_document, parse_ron};
 
 /// Bad input by the user (exit code 2).
