@@ -219,11 +219,8 @@ impl Inputs {
     /// Reads what [`to_json`](Inputs::to_json) wrote.
     #[staticmethod]
     fn from_json(text: &str) -> Result<Inputs, Error> {
-        let inputs: Inputs = serde_json::from_str(text).map_err(|error| InputError::OtherFile {
-            file: ARGUMENTS.to_owned(),
-            wanted: "a cell as furrow writes it".to_owned(),
-            reason: error.to_string(),
-        })?;
+        let inputs: Inputs = serde_json::from_str(text)
+            .map_err(|error| InputError::other_file(ARGUMENTS, "a cell as furrow writes it", error))?;
         inputs.settings().check(ARGUMENTS)?;
         Ok(inputs)
     }

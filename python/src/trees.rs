@@ -111,12 +111,8 @@ pub fn read_tree(py: Python<'_>, file: PathBuf) -> Result<GrownTree, Error> {
 }
 
 fn tree_of(text: &str, file: &str) -> Result<GrownTree, Error> {
-    let tree = tree_from_json(text).map_err(|error| InputError::OtherFile {
-        file: file.to_owned(),
-        wanted: "a tree as furrow writes it".to_owned(),
-        reason: error.to_string(),
-    })?;
-    Ok(GrownTree { tree: Arc::new(tree) })
+    let refused = |error| InputError::other_file(file, "a tree as furrow writes it", error);
+    Ok(GrownTree { tree: Arc::new(tree_from_json(text).map_err(refused)?) })
 }
 
 /// The value of a name, of several that are known.

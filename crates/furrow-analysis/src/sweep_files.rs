@@ -212,11 +212,7 @@ impl SweepTable {
 }
 
 fn not_ours(file: &Path, reason: &str) -> InputError {
-    InputError::OtherFile {
-        file: file.display().to_string(),
-        wanted: "the record of a part of a sweep".to_owned(),
-        reason: reason.to_owned(),
-    }
+    InputError::other_file(file.display(), "the record of a part of a sweep", reason)
 }
 
 fn read_head(folder: &Path) -> Result<Value, InputError> {

@@ -28,25 +28,45 @@ struct Entry {
 /// Name of the list of frames.
 pub const INDEX: &str = "frames.json";
 
-/// The columns of a frame, with their units.
-pub const COLUMNS: [(&str, &str); 17] = [
-    ("u", "arclength fraction, 0 at the posterior pole"),
-    ("r", "distance from the axis, L_h"),
-    ("z", "position along the axis, L_h"),
-    ("psi", "tangent angle ψ, from 0 to π"),
-    ("c_uu", "meridional curvature c1, 1/L_h"),
-    ("c_pp", "azimuthal curvature c2, 1/L_h"),
-    ("t_uu", "meridional tension T_uu, active and viscous, κ0/L_h²"),
-    ("t_pp", "azimuthal tension T_φφ, active and viscous, κ0/L_h²"),
-    ("v", "tangential velocity towards larger u, L_h/τ"),
-    ("v_n", "normal velocity outwards, L_h/τ"),
-    ("active_t", "active force density along the contour, towards larger u, κ0/L_h³"),
-    ("active_n", "active normal force, outwards as all that follow, κ0/L_h³"),
-    ("viscous_n", "viscous normal force"),
-    ("elastic_n", "elastic normal force: bending and passive tension"),
-    ("pressure_n", "pressure"),
-    ("shell_n", "force of the shell"),
-    ("residual_n", "sum of the five, 0 of an exact solution"),
+/// The columns of a frame:
+///
+/// | column | |
+/// |---|---|
+/// | `u` | arclength fraction, 0 at the posterior pole |
+/// | `r` | distance from the axis, L_h |
+/// | `z` | position along the axis, L_h |
+/// | `psi` | tangent angle ψ, from 0 to π |
+/// | `c_uu` | meridional curvature c1, 1/L_h |
+/// | `c_pp` | azimuthal curvature c2, 1/L_h |
+/// | `t_uu` | meridional tension T_uu, active and viscous, κ0/L_h² |
+/// | `t_pp` | azimuthal tension T_φφ, active and viscous, κ0/L_h² |
+/// | `v` | tangential velocity towards larger u, L_h/τ |
+/// | `v_n` | normal velocity outwards, L_h/τ |
+/// | `active_t` | active force density along the contour, towards larger u, κ0/L_h³ |
+/// | `active_n` | active normal force, outwards as all that follow, κ0/L_h³ |
+/// | `viscous_n` | viscous normal force |
+/// | `elastic_n` | elastic normal force: bending and passive tension |
+/// | `pressure_n` | pressure |
+/// | `shell_n` | force of the shell |
+/// | `residual_n` | sum of the five, 0 of an exact solution |
+pub const COLUMNS: [&str; 17] = [
+    "u",
+    "r",
+    "z",
+    "psi",
+    "c_uu",
+    "c_pp",
+    "t_uu",
+    "t_pp",
+    "v",
+    "v_n",
+    "active_t",
+    "active_n",
+    "viscous_n",
+    "elastic_n",
+    "pressure_n",
+    "shell_n",
+    "residual_n",
 ];
 
 /// Name of a frame, counted from 0.
@@ -121,8 +141,7 @@ pub fn row(p: &Place) -> [f64; COLUMNS.len()] {
 /// One frame as CSV under the names of its columns.
 fn csv(still: &Snapshot) -> String {
     let line = |place| row(place).map(|number| number.to_string()).join(",");
-    let names = COLUMNS.map(|(name, _)| name).join(",");
-    std::iter::once(names).chain(still.places.iter().map(line)).map(|line| line + "\n").collect()
+    std::iter::once(COLUMNS.join(",")).chain(still.places.iter().map(line)).map(|line| line + "\n").collect()
 }
 
 /// The contour of a frame, as it is read again.
@@ -149,10 +168,8 @@ struct Listed {
 /// A folder without the list of frames, or a frame that is not as it was written, with line and column.
 pub fn read_frames(folder: &Path) -> Result<Vec<FrameContour>, InputError> {
     let index = folder.join(INDEX);
-    let listed: Vec<Listed> = serde_json::from_str(&read_text(&index)?).map_err(|error| InputError::OtherFile {
-        file: index.display().to_string(),
-        wanted: "a list of frames, as furrow divide --frames writes it".to_owned(),
-        reason: error.to_string(),
+    let listed: Vec<Listed> = serde_json::from_str(&read_text(&index)?).map_err(|error| {
+        InputError::other_file(index.display(), "a list of frames, as furrow divide --frames writes it", error)
     })?;
     let read = |listed: Listed| {
         // The list names files beside itself and no others.

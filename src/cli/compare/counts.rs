@@ -28,11 +28,8 @@ pub struct CountsArgs {
 pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
     let tree = match &args.tree {
-        Some(file) => tree_from_json(&read_text(file)?).map_err(|error| InputError::OtherFile {
-            file: file.display().to_string(),
-            wanted: "a tree as furrow tree writes it".to_owned(),
-            reason: error.to_string(),
-        })?,
+        Some(file) => tree_from_json(&read_text(file)?)
+            .map_err(|error| InputError::other_file(file.display(), "a tree as furrow tree writes it", error))?,
         None => trees_of(vec![Lineage::load(None)?], context)?.remove(0),
     };
     let found = counts(&tree)?;

@@ -199,6 +199,11 @@ impl Chart<'_> {
         point(self.canvas, self.at(at), size, marker, colour);
     }
 
+    /// Draws points that are alike.
+    pub fn points(&mut self, at: impl IntoIterator<Item = [f64; 2]>, size: f64, marker: Marker, colour: Colour) {
+        at.into_iter().for_each(|at| self.point(at, size, marker, colour));
+    }
+
     /// Draws a rectangle from one corner to the opposite one, at least as wide and high on the canvas as `least`.
     pub fn area(&mut self, from: [f64; 2], to: [f64; 2], least: f64, colour: Colour, opacity: f64) {
         let (a, b) = (self.at(from), self.at(to));

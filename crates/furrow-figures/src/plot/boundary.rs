@@ -47,12 +47,8 @@ pub fn draw(of: &Boundary<'_>) -> Canvas {
         let dash = (kind == Some(Criticality::Subcritical)).then_some(style::DOTTED);
         chart.line(piece.iter().map(place), Stroke { colour: PITCHFORK, width: style::CURVE + 0.4, dash });
     }
-    for point in &of.pitchfork.degenerate {
-        chart.point(place(point), 6.5, Marker::Ring, PITCHFORK);
-    }
-    for cusp in of.cusps {
-        chart.point(place(cusp), 6.5, Marker::Diamond, FOLD);
-    }
+    chart.points(of.pitchfork.degenerate.iter().map(place), 6.5, Marker::Ring, PITCHFORK);
+    chart.points(of.cusps.iter().map(place), 6.5, Marker::Diamond, FOLD);
     if let Some(point) = of.critical {
         let at = chart.at(place(&point));
         let [left, _, _, bottom] = chart.frame;

@@ -34,9 +34,7 @@ pub fn draw(targets: &Targets, found: &Calibration, excluded: &[Exclusion]) -> C
     let (x, y) = (Axis::new("ξₛ* given (κ₀/Lₕ)", range), Axis::new("ξₛ* computed (κ₀/Lₕ)", range));
     let mut left = Chart::new(&mut canvas, [0.0, top], [LEFT, chart], x, y);
     left.line(range.map(|value| [value, value]), GIVEN);
-    for r in &found.residuals {
-        left.point([r.xi_s, r.computed], 6.5, Marker::Disc, style::MODEL);
-    }
+    left.points(found.residuals.iter().map(|r| [r.xi_s, r.computed]), 6.5, Marker::Disc, style::MODEL);
     deviations(&mut canvas, targets, found, [top, chart]);
     for (k, Exclusion { datum, given, computed }) in excluded.iter().enumerate() {
         let line = format!("excluded by {datum}: {given}; computed: {computed}");
@@ -64,9 +62,8 @@ fn deviations(canvas: &mut Canvas, targets: &Targets, found: &Calibration, [top,
         chart.line([[0.0, y], [100.0 * r.relative, y]], Stroke::solid(style::MODEL, 2.0));
     }
     chart.line([[0.0, low], [0.0, high]], GIVEN);
-    for (k, r) in found.residuals.iter().enumerate() {
-        chart.point([100.0 * r.relative, k as f64], 6.5, Marker::Disc, style::MODEL);
-    }
+    let points = found.residuals.iter().enumerate().map(|(k, r)| [100.0 * r.relative, k as f64]);
+    chart.points(points, 6.5, Marker::Disc, style::MODEL);
 }
 
 /// Draws an ensemble: the weighted distribution of each constant, and the members by every two of them, larger discs for more

@@ -212,7 +212,5 @@ fn over_volume(canvas: &mut Canvas, [top, width]: [f64; 2], comparison: &Compari
         let at = [0.5 * (a[0] + b[0]), a[1] - 5.0];
         chart.canvas.text(at, test.stars, text::TICK, Anchor::Middle, style::MUTED);
     }
-    for point in modelled {
-        chart.point(point, 6.0, Marker::Diamond, style::MODEL);
-    }
+    chart.points(modelled, 6.0, Marker::Diamond, style::MODEL);
 }

@@ -23,18 +23,13 @@ pub fn draw_constants(found: &FittedConstants) -> Canvas {
     let at = |rms: Option<f64>, rounds: f64| Some([100.0 * rms?, rounds]);
     let front: Vec<[f64; 2]> = found.front.iter().filter_map(|set| at(set.thresholds_rms, set.parts.rounds)).collect();
     let [best, start] = [&found.best, &found.start].map(|set| at(set.thresholds_rms, set.parts.rounds));
-    let all = || front.iter().copied().chain(best).chain(start);
-    let x = Axis::over("published thresholds, off by (%, root mean square)", all().map(|point| point[0]));
-    let y = Axis::over("mean rounds of the founders, off by", all().map(|point| point[1]));
+    let all: Vec<[f64; 2]> = front.iter().copied().chain(best).chain(start).collect();
+    let x = Axis::over("published thresholds, off by (%, root mean square)", all.iter().map(|point| point[0]));
+    let y = Axis::over("mean rounds of the founders, off by", all.iter().map(|point| point[1]));
     let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], x, y);
-    for point in &front {
-        chart.point(*point, 6.0, Marker::Disc, style::MODEL);
-    }
-    for (point, marker, colour) in [(best, Marker::Diamond, style::ASYMMETRIC), (start, Marker::Square, style::INK)] {
-        if let Some(point) = point {
-            chart.point(point, 7.0, marker, colour);
-        }
-    }
+    chart.points(front, 6.0, Marker::Disc, style::MODEL);
+    chart.points(best, 7.0, Marker::Diamond, style::ASYMMETRIC);
+    chart.points(start, 7.0, Marker::Square, style::INK);
     canvas
 }
 

@@ -99,8 +99,7 @@ pub fn read_tree(path: &Path) -> Result<Tree, InputError> {
             None => "it is empty".to_owned(),
             Some(line) => format!("it begins with {}, and a tree.json is JSON that begins with {{", shown(line)),
         };
-        let (file, wanted) = (path.display().to_string(), "a tree.json".to_owned());
-        return Err(InputError::OtherFile { file, wanted, reason });
+        return Err(InputError::other_file(path.display(), "a tree.json", reason));
     }
     tree_from_json(&text).map_err(|error| error.in_file(path))
 }

@@ -48,11 +48,7 @@ impl Contours {
 }
 
 fn decode(from: impl Read, file: &str, labels: bool) -> Result<Picture, InputError> {
-    let refused = |reason: String| InputError::OtherFile {
-        file: file.to_owned(),
-        wanted: "a mask, a PNG picture".to_owned(),
-        reason,
-    };
+    let refused = |reason: String| InputError::other_file(file, "a mask, a PNG picture", reason);
     // The decoder has to seek, which cannot be done in a pipe: all is read before, up to two bytes for each pixel that is allowed.
     let mut bytes = Vec::new();
     from.take(2 * MOST_PIXELS as u64).read_to_end(&mut bytes).map_err(|e| refused(e.to_string()))?;
