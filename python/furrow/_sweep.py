@@ -158,7 +158,5 @@ def sweep(
     given = given_of(parameters, preset, config)
     folder = None if out is None else path_of("out", out)
     with shown(progress, "points") as tell:
-        columns, why, csv, (solved, reused) = _furrow.sweep(
-            (text, where), given, known, folder, threads_of(threads), tell
-        )
+        columns, why, csv, (solved, reused) = _furrow.sweep((text, where), given, known, folder, threads_of(threads), tell)
     return Sweep(columns, dict(why), csv, solved, reused)
