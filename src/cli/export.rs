@@ -25,7 +25,7 @@ pub struct ExportArgs {
     out: Option<PathBuf>,
     /// Branch lengths: time from birth to division in τ (default), one per generation, or none. Cells just above the threshold
     /// of division take thousands of τ and dwarf all other branches
-    #[arg(help_heading = "Output", long, value_name = "LENGTHS", value_parser = one_of(LENGTHS))]
+    #[arg(help_heading = "Output", long, value_name = "LENGTHS", value_parser = one_of(BranchLengths::NAMED))]
     branch_lengths: Option<BranchLengths>,
     /// Prints the JSON Schema of tree.json
     #[arg(help_heading = "Output", long, conflicts_with_all = ["tree", "to", "out", "branch_lengths"])]
@@ -74,7 +74,7 @@ fn check(args: &ExportArgs, format: Format, globals: &Globals) -> Result<(), Inp
             Format::Csv => "it has a column for each",
             _ => "its time points are generations",
         };
-        let name = LENGTHS.iter().find(|(_, known)| *known == lengths).map_or("", |(name, _)| *name);
+        let name = BranchLengths::NAMED.iter().find(|(_, known)| *known == lengths).map_or("", |(name, _)| *name);
         let allowed = format!("left out with --to {}: {why}", format.name());
         return Err(InputError::not_allowed("--branch-lengths", "branch_lengths", name, allowed));
     }

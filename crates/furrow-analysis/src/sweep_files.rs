@@ -145,8 +145,7 @@ impl SweepTable {
 }
 
 fn not_ours(file: &Path, reason: &str) -> InputError {
-    let (file, wanted) = (file.display().to_string(), "the record of a part of a sweep".to_owned());
-    InputError::OtherFile { file, wanted, reason: reason.to_owned() }
+    InputError::other_file(file.display(), "the record of a part of a sweep", reason)
 }
 
 fn read_head(folder: &Path) -> Result<Value, InputError> {

@@ -66,11 +66,9 @@ fn modelled(folder: &Path) -> Result<Vec<ModelContour>, CliError> {
     for frame in read_frames(folder)? {
         let other = frame.points.iter().rev().map(|[r, z]| [-r, *z]);
         let ring = frame.points.iter().copied().chain(other).collect();
-        let (contour, _) = Contour::new(ring).map_err(|why| InputError::OtherFile {
-            file: folder.join(&frame.file).display().to_string(),
-            wanted: "a contour from pole to pole".to_owned(),
-            reason: why.to_string(),
-        })?;
+        let file = folder.join(&frame.file);
+        let refused = |why| InputError::other_file(file.display(), "a contour from pole to pole", why);
+        let (contour, _) = Contour::new(ring).map_err(refused)?;
         out.push(ModelContour { frame: frame.file, t: frame.t, contour });
     }
     Ok(out)
