@@ -30,26 +30,6 @@ fn check(name: &str) {
 }
 
 #[test]
-fn parameters_that_cannot_be_computed_with() {
-    check("parameters");
-}
-
-#[test]
-fn shapes_that_cannot_be_followed() {
-    check("shapes");
-}
-
-#[test]
-fn files_that_cannot_be_read() {
-    check("files");
-}
-
-#[test]
-fn pictures_of_unknown_formats() {
-    check("pictures");
-}
-
-#[test]
-fn scenarios_that_do_not_differ() {
-    check("scenarios");
+fn what_cannot_be_computed_or_read_is_named() {
+    ["parameters", "shapes", "files", "pictures", "scenarios", "sweeps"].into_iter().for_each(check);
 }
