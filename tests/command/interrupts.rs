@@ -73,5 +73,8 @@ fn a_tree() {
     let tree = "tree --no-cache --threads 2 --r0-step 0 --set epsilon=0.5 --set xi=30".split(' ').collect::<Vec<_>>();
     interrupted(folder.path(), &tree, File::options().write(true).open("/dev/full").unwrap().into(), 4, 0);
     let said = interrupted(folder.path(), &tree, Stdio::piped(), 4, 0);
-    assert!(said.contains("finishing the divisions that have begun") && said.contains("error: interrupted after"), "{said}");
+    assert!(
+        said.contains("finishing the divisions that have begun") && said.contains("error: interrupted after"),
+        "{said}"
+    );
 }
