@@ -8,6 +8,5 @@ mod hostile_files;
 mod interrupts;
 mod movies;
 mod page;
-mod refusals;
 mod sessions;
 mod stored_boundary;

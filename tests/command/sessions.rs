@@ -38,6 +38,11 @@ fn lineages() {
     check_session("command/sessions/lineages.txt");
 }
 
+#[test]
+fn contours() {
+    check_session("command/sessions/contours.txt");
+}
+
 /// There is no /dev/full elsewhere.
 #[cfg(target_os = "linux")]
 #[test]
@@ -48,6 +53,11 @@ fn outputs() {
 #[test]
 fn pictures() {
     check_session("command/sessions/pictures.txt");
+}
+
+#[test]
+fn refusals() {
+    check_session("command/sessions/refusals.txt");
 }
 
 #[test]

@@ -7,8 +7,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use crate::common::cases::check_cases;
-use crate::common::command::{answer, failed, json};
+use crate::common::command::{answer, json};
 use furrow_formats::frames::read_frames;
 use rand_mt::Mt64;
 use serde_json::Value;
@@ -197,28 +196,4 @@ fn write_mask(file: &Path, ring: &[[f64; 2]], [background, cell]: [u8; 2]) {
     let mut encoder = png::Encoder::new(std::fs::File::create(file).unwrap(), SIDE, SIDE);
     encoder.set_color(png::ColorType::Grayscale);
     encoder.write_header().unwrap().write_image_data(&pixels).unwrap();
-}
-
-#[test]
-fn what_cannot_be_compared_is_refused_by_name() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path();
-    let frames = frames().join("frames");
-    let frames = frames.to_str().unwrap();
-    std::fs::write(path.join("dots.csv"), "x,y\n0,0\n1,1\n").unwrap();
-    std::fs::write(path.join("good.csv"), table(&rings()[..1])).unwrap();
-    for (name, index) in [
-        ("empty", "[]"),
-        ("outside", r#"[{"file": "../x.csv", "t": 0}]"#),
-        ("letters", r#"[{"file": "f.csv", "t": 0}]"#),
-    ] {
-        std::fs::create_dir(path.join(name)).unwrap();
-        std::fs::write(path.join(name).join("frames.json"), index).unwrap();
-    }
-    std::fs::write(path.join("letters/f.csv"), "u,r,z\n0,0,1\n0,x,1\n").unwrap();
-    std::fs::create_dir(path.join("nothing")).unwrap();
-    check_cases("studies/contours.txt", |case| failed(path, &case.replace("FRAMES", frames)));
-    // One that is broken does not cost the others.
-    let told = answer(path, &["compare", "contour", "dots.csv", "good.csv", "--frames", frames]);
-    assert!(told.contains("skipped dots.csv:2: 2 points"), "{told}");
 }
