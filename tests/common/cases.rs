@@ -28,7 +28,7 @@ pub fn check_cases(file: &str, mut run: impl FnMut(&str) -> String) {
         return;
     }
     for (found, expected) in checked.iter().zip(text.trim_end().split("\n\n")) {
-        assert_eq!(found, expected, "a case of {file}, where {names:?}");
+        assert!(found == expected, "in {file}:\n{found}\n\nand expected, where {names:?}:\n{expected}");
     }
 }
 
