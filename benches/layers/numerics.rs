@@ -46,8 +46,11 @@ impl Step {
     }
 }
 
+/// A name, and what is timed.
+type Part = (&'static str, fn(&mut Step));
+
 /// Parts of a Newton step. A chord step is a further one with the same factors.
-const PARTS: [(&str, fn(&mut Step)); 8] = [
+const PARTS: [Part; 8] = [
     ("residual", |step| step.evaluate(false)),
     ("residual and Jacobian", |step| step.evaluate(true)),
     ("condense", |step| step.system.condense().unwrap()),
