@@ -69,7 +69,7 @@ pub fn sweep<'py>(
         dict.set_item(name, column(py, &rows, place)?)?;
     }
     let why = rows.iter().enumerate().filter_map(|(k, row)| Some((k, row.why.clone()?))).collect();
-    Ok((dict, why, String::from_utf8_lossy(&csv).into_owned(), (solved, reused + resumed)))
+    Ok((dict, why, csv, (solved, reused + resumed)))
 }
 
 /// One column: an array if it is numeric, with NaN for missing values, else a list.

@@ -32,10 +32,6 @@ pub struct ExportArgs {
     schema: bool,
 }
 
-/// Branch lengths by the names of the option.
-const LENGTHS: [(&str, BranchLengths); 3] =
-    [("time", BranchLengths::Time), ("generation", BranchLengths::Generation), ("none", BranchLengths::None)];
-
 pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
     start_logs(globals);
     let (Some(file), Some(format)) = (&args.tree, args.to) else { return print(TREE_SCHEMA) };
