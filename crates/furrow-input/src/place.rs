@@ -30,8 +30,8 @@ pub fn json_field_at(text: &str, at: usize, of_object: bool) -> String {
     // The parser stops before a colon where it does not read what comes behind it.
     let end = end + usize::from(text[end..].starts_with(':'));
     let mut levels = levels_at(&text[..end]);
-    if let Some(last) = levels.last_mut().filter(|_| of_object) {
-        last.key = None;
+    if of_object {
+        levels.pop();
     }
     levels.truncate(8);
     written(&levels, true)
