@@ -10,29 +10,20 @@ use furrow_cell::{Cell, Cue, Numerics, Parameter};
 use furrow_mechanics::cortex::Cortex;
 use furrow_mechanics::division::{DivisionInput, Outcome, divide};
 use furrow_mechanics::equilibria::branch::error_monitor;
-use furrow_mechanics::equilibria::critical::{self, STARTS};
-use furrow_mechanics::equilibria::{BranchOptions, curves, locate, pitchfork, primary};
+use furrow_mechanics::equilibria::{BranchOptions, critical_radius, curves, locate, pitchfork, primary};
 
-/// Processor time of this thread in ms; wall time if the system has none.
-fn now() -> f64 {
-    static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
-    let start = START.get_or_init(std::time::Instant::now);
-    // The system updates the count at clock ticks, 4 ms apart, and when the thread yields.
-    std::thread::yield_now();
-    std::fs::read_to_string("/proc/thread-self/schedstat")
-        .ok()
-        .and_then(|text| text.split(' ').next()?.parse::<f64>().ok())
-        .map_or_else(|| start.elapsed().as_secs_f64() * 1e3, |ns| ns * 1e-6)
-}
+#[path = "common/clock.rs"]
+mod clock;
+use clock::now;
 
-/// The shortest time of several runs, and the last result.
+/// The shortest processor time of several runs in ms, and the last result.
 fn best<T>(runs: usize, mut work: impl FnMut() -> T) -> (f64, T) {
     let mut least = f64::INFINITY;
     let mut result = None;
     for _ in 0..runs {
         let start = now();
         result = Some(work());
-        least = least.min(now() - start);
+        least = least.min(1e3 * (now() - start));
     }
     (least, result.expect("at least one run"))
 }
@@ -115,10 +106,10 @@ fn main() {
         100.0 * boundary / points as f64
     );
     let cued = cell.clone().with_cue(Cue::published());
-    let (ms, point) = best(3, || critical::critical_pitchfork(&cell, &numerics, Parameter::R0, &STARTS));
-    println!("critical radius without cue: {ms:.1} ms ({:.8})", point.expect("a critical radius").value);
-    let (ms, point) = best(3, || critical::critical_fold(&cued, &numerics, Parameter::R0, &STARTS));
-    println!("critical radius with the cue: {ms:.1} ms ({:.8})", point.expect("a critical radius").value);
+    let (ms, found) = best(3, || critical_radius(&cell, &numerics));
+    println!("critical radius without cue: {ms:.1} ms ({:.8})", found.expect("a critical radius").r0);
+    let (ms, found) = best(3, || critical_radius(&cued, &numerics));
+    println!("critical radius with the cue: {ms:.1} ms ({:.8})", found.expect("a critical radius").r0);
     let mut sum = 0.0;
     for r0 in [2.0, 2.5, 5.4] {
         let (ms, division) = best(3, || divide(&DivisionInput::new(Cell::new(r0))).expect("a division"));

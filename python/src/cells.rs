@@ -8,7 +8,7 @@ use furrow_lineage::batch::{Replicates, SchedulerOptions, replicates};
 use furrow_mechanics::cortex::forces::{Place, profile};
 use furrow_mechanics::division::{Snapshot, Trajectory};
 use furrow_mechanics::equilibria::{BranchEnd, BranchOptions, ShapePoint, pitchfork as pitchforks, stationary};
-use furrow_report::{EventReport, StationaryReport, ThresholdReport};
+use furrow_report::{event_report, stationary_report, threshold_report};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -130,7 +130,7 @@ pub fn steady<'py>(py: Python<'py>, inputs: &Inputs) -> Result<(String, Bound<'p
         let shape = stationary(&cell, &numerics).map_err(Error::no_outcome)?;
         let spectrum = shape.spectrum().map_err(Error::no_outcome)?;
         let places = profile(&shape.cortex, &furrow_bvp::Gauss::new(numerics.stages), &shape.solution);
-        Ok((serde_json::to_string(&StationaryReport::new(&shape, &spectrum))?, place_columns(places.iter())))
+        Ok((stationary_report(&shape, &spectrum).to_string(), place_columns(places.iter())))
     })?;
     Ok((found, arrays(py, places)?))
 }
@@ -150,7 +150,7 @@ pub fn pitchfork(py: Python<'_>, inputs: &Inputs, xi_max: f64) -> Result<String,
     let Inputs { cell, numerics } = inputs.clone();
     supervised(py, Interrupt::Abandons, None, move |_| {
         let found = pitchforks::first(&cell, &numerics, &options).map_err(Error::no_outcome)?;
-        Ok(serde_json::to_string(&ThresholdReport::new(&found))?)
+        Ok(threshold_report(&found).to_string())
     })
 }
 
@@ -190,7 +190,7 @@ pub fn branch<'py>(
 /// |Δu| = prefactor |ξ_s − ξ_s*|^exponent.
 fn described(found: &Diagram) -> String {
     let branches = || found.branches.iter();
-    let events = branches().flat_map(|(name, branch)| branch.events.iter().map(|event| EventReport::new(name, event)));
+    let events = branches().flat_map(|(name, branch)| branch.events.iter().map(|event| event_report(name, event)));
     let ends = branches().map(|(name, branch)| {
         let neck = if let BranchEnd::Pinched(neck) = branch.ended { Some(neck) } else { None };
         json!({ "branch": name, "reason": branch.ended.name(), "why": branch.ended.to_string(), "neck": neck })

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use furrow_analysis::sweep_files::{SweepTable, open_journal};
+use furrow_analysis::sweep_files::SweepTable;
 use furrow_analysis::table::csv_text;
 use furrow_analysis::{Kind, Row, Run, Sweep, SweepProgress, SweepResult};
 use furrow_cell::settings::Settings;
@@ -45,7 +45,7 @@ pub fn sweep<'py>(
         // Divisions are stored when they are finished, shapes are not.
         let kept = out.is_some() || matches!(sweep.kind, Kind::Division | Kind::Tree);
         let show = |SweepProgress { done, of }| watch.set([if kept { done } else { 0 }, done, of]);
-        let journal = out.as_deref().map(|folder| open_journal(&sweep, memo.quantisation(), None, folder));
+        let journal = out.as_deref().map(|folder| SweepTable::new(&sweep, memo.quantisation(), None, Vec::new()).open_journal(folder));
         let journal = journal.transpose().map_err(Error::system)?;
         let run = Run { threads, journal: journal.as_ref(), progress: &show, ..Run::new(&sweep, &memo, &watch.stop) };
         let mut done = run.solve()?;
@@ -54,7 +54,7 @@ pub fn sweep<'py>(
         }
         if let Some(folder) = out {
             let rows = std::mem::take(&mut done.rows);
-            let table = SweepTable::new(&sweep, memo.quantisation(), None, rows).map_err(Error::system)?;
+            let table = SweepTable::new(&sweep, memo.quantisation(), None, rows);
             table.write(&folder).map_err(Error::system)?;
             journal.map_or(Ok(()), |journal| journal.finish()).map_err(Error::system)?;
             done.rows = table.rows;
@@ -63,13 +63,13 @@ pub fn sweep<'py>(
     })?;
     let SweepResult { rows, solved, reused, resumed, .. } = done;
     let names = sweep.columns();
-    let csv = csv_text(&names, &rows).map_err(Error::system)?;
+    let csv = csv_text(&names, &rows);
     let dict = PyDict::new(py);
     for (place, name) in names.iter().enumerate() {
         dict.set_item(name, column(py, &rows, place)?)?;
     }
     let why = rows.iter().enumerate().filter_map(|(k, row)| Some((k, row.why.clone()?))).collect();
-    Ok((dict, why, String::from_utf8_lossy(&csv).into_owned(), (solved, reused + resumed)))
+    Ok((dict, why, csv, (solved, reused + resumed)))
 }
 
 /// One column: an array if it is numeric, with NaN for missing values, else a list.

@@ -1,6 +1,6 @@
 //! `furrow cache`: inspects, verifies and clears the cache of solved divisions.
 
-use super::context::{Globals, cache_folder, start_logs};
+use super::context::cache_folder;
 use super::prelude::*;
 use clap::Subcommand;
 use furrow_lineage::batch::store::maintenance;

@@ -1,6 +1,5 @@
 //! `furrow completions`.
 
-use super::output::print;
 use super::prelude::*;
 
 #[derive(Debug, Args)]

@@ -1,16 +1,8 @@
 //! `furrow export`: a tree for other programs.
 
-use furrow_formats::read_tree;
-use std::path::Path;
-
-use super::cell::one_of;
-use super::context::{Globals, start_logs};
-use super::output::{print, writable_file, writable_folder};
 use super::prelude::*;
 use furrow_formats::exchange::{BranchLengths, Exported, Format, ITOL_FILES, export};
-use furrow_formats::files::FileSet;
-use furrow_formats::{TREE_SCHEMA, write_atomically};
-use furrow_lineage::Tree;
+use furrow_formats::{TREE_SCHEMA, read_tree};
 use furrow_report::founder_colours;
 
 #[derive(Debug, Args)]
@@ -40,16 +32,6 @@ pub struct ExportArgs {
     schema: bool,
 }
 
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Answer<'a> {
-    format: &'static str,
-    cells: usize,
-    ends: usize,
-    out: String,
-    files: Vec<&'a str>,
-}
-
 pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
     start_logs(globals);
     let (Some(file), Some(format)) = (&args.tree, args.to) else { return print(TREE_SCHEMA) };
@@ -69,10 +51,16 @@ pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
                 set.stage(name, text.as_bytes())?;
             }
             set.commit()?;
-            (out, files.iter().map(|(name, _)| *name).collect())
+            (out, files.iter().map(|(name, _)| *name).collect::<Vec<_>>())
         }
     };
-    respond(&tree, format, out, files, globals.json)
+    let (format, cells, out) = (format.name(), tree.len(), out.display().to_string());
+    let ends = tree.cells().filter(|id| tree.daughter_count(*id) == 0).count();
+    let document = json!({ "format": format, "cells": cells, "ends": ends, "out": out, "files": files });
+    print_as(globals.json, &document, || {
+        let files = if files.is_empty() { String::new() } else { format!(": {}", files.join(", ")) };
+        format!("{cells} cells, {ends} of them ends of branches, as {format} in {out}{files}\n")
+    })
 }
 
 /// Refuses conflicting options before the tree is read.
@@ -100,14 +88,4 @@ fn check(args: &ExportArgs, format: Format, globals: &Globals) -> Result<(), Inp
 
 fn needs_folder() -> InputError {
     InputError::not_allowed("--out", "out", "(not given)", "a folder for the files of itol")
-}
-
-fn respond(tree: &Tree, format: Format, out: &Path, files: Vec<&str>, json: bool) -> Result<(), CliError> {
-    let ends = tree.cells().filter(|id| tree.daughter_count(*id) == 0).count();
-    let document = Answer { format: format.name(), cells: tree.len(), ends, out: out.display().to_string(), files };
-    print_as(json, &document, || {
-        let Answer { format, cells, out, files, .. } = &document;
-        let files = if files.is_empty() { String::new() } else { format!(": {}", files.join(", ")) };
-        format!("{cells} cells, {ends} of them ends of branches, as {format} in {out}{files}\n")
-    })
 }

@@ -1,8 +1,6 @@
 //! `furrow new-lineage`: a lineage file to begin with.
 
-use super::output::print;
 use super::prelude::*;
-use furrow_formats::write_atomically;
 use furrow_lineage::TEMPLATE;
 
 #[derive(Debug, Args)]
@@ -13,10 +11,8 @@ pub struct NewLineageArgs {
 }
 
 pub fn run(args: &NewLineageArgs) -> Result<(), CliError> {
-    if args.file.symlink_metadata().is_ok() {
-        let name = format!("{:?}", args.file.display().to_string());
-        return Err(InputError::not_allowed("new-lineage", "FILE.ron", name, "a file that does not exist yet").into());
-    }
+    let (new, name) = (args.file.symlink_metadata().is_err(), format!("{:?}", args.file.display().to_string()));
+    InputError::require(new, "new-lineage", "FILE.ron", name, "a file that does not exist yet")?;
     write_atomically(&args.file, TEMPLATE.as_bytes())?;
     let file = args.file.display();
     print(&format!("{file} written; change it, then: furrow tree {file}\n"))

@@ -4,7 +4,7 @@ use crate::common::shapes::first;
 use furrow_cell::cue::Quantity;
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
 use furrow_mechanics::calibration::sensitivity;
-use furrow_mechanics::equilibria::{BranchOptions, FoldPoint, curves, primary};
+use furrow_mechanics::equilibria::{FoldPoint, StepBudget, curves, primary};
 
 /// Steps of the differences, relative to the number varied: roundings of ξ_s and the fourth order of the differences are both
 /// far below the tolerances then.
@@ -34,7 +34,7 @@ fn difference(cell: &Cell, parameter: Parameter, xi_s: impl Fn(&Cell) -> f64) ->
 }
 
 fn fold(cell: &Cell) -> FoldPoint {
-    primary::failure_fold(cell, &Numerics::default(), &BranchOptions::default()).unwrap()
+    primary::failure_fold(cell, &Numerics::default(), &StepBudget::unlimited()).unwrap()
 }
 
 /// The fold that bounds division, of cells with one term of each profile, a width in L_h among them, and with two terms.

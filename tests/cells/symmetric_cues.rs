@@ -11,7 +11,7 @@ use furrow_mechanics::division::{DivisionInput, divide};
 use furrow_mechanics::equilibria::at_rest::Edge;
 use furrow_mechanics::equilibria::critical::BoundaryKind;
 use furrow_mechanics::equilibria::{
-    BranchOptions, CriticalRadii, PointKind, critical_radius, curves, primary, rest_shapes,
+    BranchOptions, CriticalRadii, PointKind, StepBudget, critical_radius, curves, primary, rest_shapes,
 };
 use furrow_mechanics::stability::{Parity, Stability};
 
@@ -151,7 +151,7 @@ fn boundaries_over_an_amplitude_pass_from_no_cue_to_a_cue() {
     let amplitude = Parameter::Cue { term: 0, quantity: Quantity::Amplitude };
     for (r0, epsilon) in [(2.22, 0.56), (3.0, 0.5)] {
         let cell = Cell { epsilon, ..Cell::new(r0) }.with_cue(Cue::published());
-        let fold = primary::failure_fold(&cell, &numerics, &BranchOptions::default()).unwrap().point.xi_s;
+        let fold = primary::failure_fold(&cell, &numerics, &StepBudget::unlimited()).unwrap().point.xi_s;
         for range in [[0.0, 0.1], [0.1, 0.0]] {
             let (kind, curves_found) = curves::boundary_curves(&cell, &numerics, amplitude, range).unwrap();
             let end = curves_found[0].points.iter().find(|point| point.value == 0.1).unwrap();
@@ -170,7 +170,7 @@ fn one_term_of_an_even_pair_breaks_the_symmetry() {
     let varied = |value: f64| {
         let mut cell = cell.clone();
         amplitude.set(&mut cell, value);
-        primary::failure_fold(&cell, &Numerics::default(), &BranchOptions::default()).unwrap().point.xi_s
+        primary::failure_fold(&cell, &Numerics::default(), &StepBudget::unlimited()).unwrap().point.xi_s
     };
     let (kind, curves_found) = curves::boundary_curves(&cell, &Numerics::default(), amplitude, [0.15, 0.12]).unwrap();
     assert_eq!(kind, PointKind::Fold);

@@ -1,13 +1,10 @@
 //! Whether a set of constants agrees with the targets, and which statements exclude it.
 
-use serde::Serialize;
-
-use furrow_cell::{Cell, Numerics, Parameter};
+use crate::prelude::*;
 use furrow_mechanics::calibration::Targets;
 use furrow_mechanics::calibration::statements::HigherFold;
-use furrow_mechanics::division::{DivisionInput, Outcome, divide};
 use furrow_mechanics::equilibria::critical::critical_value;
-use furrow_mechanics::equilibria::{Branch, BranchOptions, Pitchfork, ShapeError, pitchfork, primary};
+use furrow_mechanics::equilibria::{Branch, Pitchfork, StepBudget, primary};
 
 /// A statement that is not true of a set of constants.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -98,7 +95,7 @@ pub fn check_constraints(targets: &Targets, cell: &Cell, numerics: &Numerics, al
     for (k, given) in epsilons.iter().enumerate() {
         let cell = Cell { r0: given.r0, xi_s: given.xi_s, epsilon: given.epsilon, ..cell.clone() };
         let starts = [given.epsilon, 0.95 * given.epsilon, 0.85 * given.epsilon];
-        let found = critical_value(&cell, numerics, Parameter::Epsilon, &starts)
+        let found = critical_value(&cell, numerics, Parameter::Epsilon, &starts, &StepBudget::unlimited())
             .map(|(_, point)| out.deviates(point.value, given.epsilon, given.tolerance));
         let text = format!("epsilon = {} at R0 = {}, xi_s = {}", given.epsilon, given.r0, given.xi_s);
         out.exclude("critical_epsilons", k, text, found.map_err(|error| error.to_string()));
@@ -140,11 +137,8 @@ fn higher_fold(cell: &Cell, numerics: &Numerics) -> Result<Option<HigherFold>, S
 
 /// ξ_s at the maxima of ξ_s along a branch, of the shortest and of the longest shape; `None` for fewer than two maxima.
 pub fn extreme_maxima(branch: &Branch) -> Option<[f64; 2]> {
-    let maxima = branch.folds().filter(|fold| fold.maximum);
-    let mut maxima: Vec<[f64; 2]> = maxima.map(|fold| [fold.point.elongation, fold.point.xi_s]).collect();
-    maxima.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    match maxima[..] {
-        [short, .., long] => Some([short[1], long[1]]),
-        _ => None,
-    }
+    let mut maxima: Vec<_> = branch.folds().filter(|fold| fold.maximum).map(|fold| fold.point).collect();
+    maxima.sort_by(|a, b| a.elongation.total_cmp(&b.elongation));
+    let [short, .., long] = maxima[..] else { return None };
+    Some([short.xi_s, long.xi_s])
 }

@@ -25,6 +25,7 @@ pub mod growth;
 pub mod journal;
 mod parse;
 pub mod points;
+mod prelude;
 pub mod ranges;
 pub mod reproduce;
 pub mod run;

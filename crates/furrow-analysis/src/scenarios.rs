@@ -11,8 +11,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use std::collections::{BTreeMap, HashSet};
-
+use crate::prelude::*;
 use furrow_cell::CueError;
 pub use furrow_lineage::Scenario;
 use furrow_lineage::batch::{Memo, SchedulerOptions, Summary};
@@ -84,21 +83,21 @@ pub fn combine(sources: &[Source], cues: &[&str]) -> Result<Vec<Scenario>, Scena
 ///
 /// # Errors
 /// As [`Grower::grow`].
-pub fn grow<S>(
-    scenarios: &[Scenario],
+pub fn grow<'s>(
+    scenarios: &'s [Scenario],
     ends: EndRule<'_>,
     memo: &Memo,
     options: SchedulerOptions<'_>,
-    solve: S,
-) -> Result<(Vec<Tree>, Summary), GrowError>
-where
-    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
-{
-    let mut growers = Vec::with_capacity(scenarios.len());
-    for Scenario { lineage, settings, .. } in scenarios {
-        growers.push(Grower { lineage, settings: settings.clone(), ends, memo, options });
-    }
-    grow_together(&growers, solve)
+    solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
+) -> Result<(Vec<Tree>, Summary), GrowError> {
+    let grower = |Scenario { lineage, settings, .. }: &'s Scenario| Grower {
+        lineage,
+        settings: settings.clone(),
+        ends,
+        memo,
+        options,
+    };
+    grow_together(&scenarios.iter().map(grower).collect::<Vec<_>>(), solve)
 }
 
 /// A name with what file systems, shells and drawings take everywhere: ASCII letters, digits, `-`, `_` and `.`, and no dot at

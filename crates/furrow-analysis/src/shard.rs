@@ -2,10 +2,9 @@
 
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
-
 use super::points::Point;
-use furrow_lineage::batch::{Key, Quantisation};
+use crate::prelude::*;
+use furrow_lineage::batch::Key;
 
 /// Most parts of a sweep.
 const MOST: u64 = 1_000_000;

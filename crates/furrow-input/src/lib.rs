@@ -91,4 +91,18 @@ impl InputError {
             allowed: allowed.into(),
         }
     }
+
+    /// Checks `field = value` from `source_name`.
+    ///
+    /// # Errors
+    /// [`InputError::NotAllowed`] unless it holds.
+    pub fn require(
+        holds: bool,
+        source_name: impl Into<String>,
+        field: impl Into<String>,
+        value: impl ToString,
+        allowed: impl Into<String>,
+    ) -> Result<(), Self> {
+        if holds { Ok(()) } else { Err(InputError::not_allowed(source_name, field, value, allowed)) }
+    }
 }

@@ -4,8 +4,10 @@ use std::collections::HashMap;
 
 use super::clash;
 use super::definition::{CueRule, Daughter, Founder, Lineage};
-use furrow_cell::SIZES;
+use furrow_cell::{CueError, SIZES};
 use furrow_input::{InputError, did_you_mean, forbidden, listed, shown};
+
+type Checked = Result<(), InputError>;
 
 /// A lineage with the text it was read from.
 pub(super) struct Check<'a> {
@@ -18,7 +20,7 @@ pub(super) struct Check<'a> {
 impl Check<'_> {
     /// `file:line` of the `nth` founder of a name, from 0, where the line is found. It searches the whole text: for errors
     /// only.
-    fn place_of(&self, founder: &str, nth: usize) -> String {
+    fn place(&self, founder: &str, nth: usize) -> String {
         let quoted = format!("\"{founder}\"");
         let is_named = |(_, line): &(usize, &str)| {
             let code = line.split("//").next().unwrap_or("");
@@ -30,50 +32,53 @@ impl Check<'_> {
         }
     }
 
-    /// `file:line` of a founder.
-    fn place(&self, founder: &str) -> String {
-        self.place_of(founder, 0)
+    fn founder_error(&self, f: &Founder, field: &str, value: impl ToString, allowed: impl Into<String>) -> InputError {
+        InputError::not_allowed(self.place(&f.name, 0), format!("founder {}: {field}", shown(&f.name)), value, allowed)
     }
 
-    fn founder_error(&self, f: &Founder, field: &str, value: impl ToString, allowed: impl Into<String>) -> InputError {
-        InputError::not_allowed(self.place(&f.name), format!("founder {}: {field}", shown(&f.name)), value, allowed)
+    /// Refuses a value of a field of the file unless it is right.
+    fn ensure(&self, ok: bool, field: &str, value: impl ToString, allowed: impl Into<String>) -> Checked {
+        if ok { Ok(()) } else { Err(InputError::not_allowed(self.file, field, value, allowed)) }
+    }
+
+    /// The same for a founder.
+    fn ensure_of(
+        &self,
+        f: &Founder,
+        ok: bool,
+        field: &str,
+        value: impl ToString,
+        allowed: impl Into<String>,
+    ) -> Checked {
+        if ok { Ok(()) } else { Err(self.founder_error(f, field, value, allowed)) }
     }
 
     /// Names in drawings and pages must be valid XML text.
-    fn printable(&self, field: &str, text: &str) -> Result<(), InputError> {
-        match forbidden(text) {
-            None => Ok(()),
-            Some(c) => {
-                let allowed = format!("free of control characters and of what XML cannot hold, here {c:?}");
-                Err(InputError::not_allowed(self.file, field, shown(text), allowed))
-            }
-        }
+    fn printable(&self, field: &str, text: &str) -> Checked {
+        let Some(c) = forbidden(text) else { return Ok(()) };
+        let allowed = format!("free of control characters and of what XML cannot hold, here {c:?}");
+        self.ensure(false, field, shown(text), allowed)
     }
 
     /// Checks a lineage that was parsed.
-    pub fn run(&self) -> Result<(), InputError> {
+    pub fn run(&self) -> Checked {
         let lineage = self.lineage;
         let limits = lineage.limits;
-        if !(1..=100_000).contains(&limits.max_depth) {
-            return Err(InputError::not_allowed(self.file, "limits.max_depth", limits.max_depth, "from 1 to 100000"));
-        }
-        if limits.max_cells < 1 {
-            return Err(InputError::not_allowed(self.file, "limits.max_cells", limits.max_cells, "at least 1"));
-        }
+        let deep = (1..=100_000).contains(&limits.max_depth);
+        self.ensure(deep, "limits.max_depth", limits.max_depth, "from 1 to 100000")?;
+        self.ensure(limits.max_cells >= 1, "limits.max_cells", limits.max_cells, "at least 1")?;
         self.letters("naming", lineage.naming)?;
         lineage.units().check(self.file)?;
         self.printable("name", &lineage.name)?;
         self.printable("citation", lineage.citation.as_deref().unwrap_or(""))?;
         self.cues()?;
         self.rules(&|| self.file.to_owned(), "cue_rules", &lineage.cue_rules)?;
-        if lineage.founders.is_empty() {
-            return Err(InputError::not_allowed(self.file, "founders", "[]", "a list of at least one founder"));
-        }
+        self.ensure(!lineage.founders.is_empty(), "founders", "[]", "a list of at least one founder")?;
         let mut index = HashMap::new();
         for (i, f) in lineage.founders.iter().enumerate() {
             self.founder(f)?;
             if index.insert(f.name.as_str(), i).is_some() {
-                let (first, second) = (self.place(&f.name), self.place_of(&f.name, 1));
+                let (first, second) = (self.place(&f.name, 0), self.place(&f.name, 1));
                 let field = format!("founders[{i}].name");
                 let allowed = format!("unique in the file: it is the name of a founder at {first} already");
                 return Err(InputError::not_allowed(second, field, shown(&f.name), allowed));
@@ -86,21 +91,15 @@ impl Check<'_> {
     }
 
     /// The cues that the file names.
-    fn cues(&self) -> Result<(), InputError> {
+    fn cues(&self) -> Checked {
         for (name, cue) in &self.lineage.cues {
-            if name == "none" {
-                let allowed = "another name: none is the absence of a cue";
-                return Err(InputError::not_allowed(self.file, "cues", "\"none\"", allowed));
-            }
+            self.ensure(name != "none", "cues", "\"none\"", "another name: none is the absence of a cue")?;
             self.printable("cues", name)?;
-            if name.is_empty() || name.chars().any(|c| c.is_whitespace() || ":+,\"'".contains(c)) {
-                let allowed = "a name without blanks, quotes and : + , as in \"polar\"";
-                return Err(InputError::not_allowed(self.file, "cues", shown(name), allowed));
+            let plain = !name.is_empty() && !name.chars().any(|c| c.is_whitespace() || ":+,\"'".contains(c));
+            self.ensure(plain, "cues", shown(name), "a name without blanks, quotes and : + , as in \"polar\"")?;
+            if let Err(CueError { field, value, allowed }) = cue.check() {
+                return self.ensure(false, &format!("cues[{name:?}].{field}"), value, allowed);
             }
-            cue.check().map_err(|error| {
-                let field = format!("cues[{name:?}].{}", error.field);
-                InputError::not_allowed(self.file, field, error.value, error.allowed)
-            })?;
         }
         Ok(())
     }
@@ -115,13 +114,13 @@ impl Check<'_> {
             true => "; what it is is said under cues".to_owned(),
             false => did_you_mean(name, known()),
         };
-        match self.lineage.cues.is_empty() {
-            true => Err(format!("none, since the file has no cues{hint}")),
-            false => Err(format!("one of {}{hint}", listed(known(), ", "))),
-        }
+        Err(match self.lineage.cues.is_empty() {
+            true => format!("none, since the file has no cues{hint}"),
+            false => format!("one of {}{hint}", listed(known(), ", ")),
+        })
     }
 
-    fn rules(&self, place: &dyn Fn() -> String, field: &str, rules: &[CueRule]) -> Result<(), InputError> {
+    fn rules(&self, place: &dyn Fn() -> String, field: &str, rules: &[CueRule]) -> Checked {
         let refuse = |k: usize, name: &str, value: String, allowed: String| {
             Err(InputError::not_allowed(place(), format!("{field}[{k}].{name}"), value, allowed))
         };
@@ -147,123 +146,84 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn letters(&self, field: &str, (a, p): (char, char)) -> Result<(), InputError> {
-        if a == p || !a.is_ascii_alphanumeric() || !p.is_ascii_alphanumeric() {
-            let allowed = "two different ASCII letters or digits, anterior first";
-            return Err(InputError::not_allowed(self.file, field, format!("({a:?}, {p:?})"), allowed));
-        }
-        Ok(())
+    fn letters(&self, field: &str, (a, p): (char, char)) -> Checked {
+        let right = a != p && a.is_ascii_alphanumeric() && p.is_ascii_alphanumeric();
+        let allowed = "two different ASCII letters or digits, anterior first";
+        self.ensure(right, field, format!("({a:?}, {p:?})"), allowed)
     }
 
-    fn founder(&self, f: &Founder) -> Result<(), InputError> {
-        if f.name.is_empty()
-            || forbidden(&f.name).is_some()
-            || f.name.chars().any(|c| c.is_whitespace() || "()[]{}:;,'\"=".contains(c))
-        {
-            let allowed = "not empty and free of spaces, control characters, brackets, quotes and of : ; , = (tree files reserve them)";
-            return Err(self.founder_error(f, "name", shown(&f.name), allowed));
-        }
+    fn founder(&self, f: &Founder) -> Checked {
+        let reserved = |c: char| c.is_whitespace() || "()[]{}:;,'\"=".contains(c);
+        let plain = !f.name.is_empty() && forbidden(&f.name).is_none() && !f.name.chars().any(reserved);
+        let allowed = "not empty and free of spaces, control characters, brackets, quotes and of : ; , = (tree files reserve them)";
+        self.ensure_of(f, plain, "name", shown(&f.name), allowed)?;
         for &pair in &f.letters {
             self.letters(&format!("founder {:?}: letters", f.name), pair)?;
         }
         self.physics(f)?;
         if let Some(cue) = &f.cue {
             self.known_cue(cue).map_err(|allowed| self.founder_error(f, "cue", shown(cue), allowed))?;
-            if !f.cue_rules.is_empty() {
-                let allowed = "left out where cue_rules are given";
-                return Err(self.founder_error(f, "cue", shown(cue), allowed));
-            }
+            self.ensure_of(f, f.cue_rules.is_empty(), "cue", shown(cue), "left out where cue_rules are given")?;
         }
-        if !f.inherit && f.cue.is_none() {
-            let allowed =
-                "left out where the founder has no cue; cue_rules say themselves which generations they are for";
-            return Err(self.founder_error(f, "inherit", "false", allowed));
+        let allowed = "left out where the founder has no cue; cue_rules say themselves which generations they are for";
+        self.ensure_of(f, f.inherit || f.cue.is_some(), "inherit", "false", allowed)?;
+        self.rules(&|| self.place(&f.name, 0), &format!("founder {}: cue_rules", shown(&f.name)), &f.cue_rules)?;
+        let (mother, daughter) = (f.mother.is_some(), f.daughter.is_some());
+        let allowed = "larger or smaller where a mother is given";
+        self.ensure_of(f, daughter || !mother, "daughter", "(not given)", allowed)?;
+        let allowed = "the mother's name where a daughter is given";
+        self.ensure_of(f, mother || !daughter, "mother", "(not given)", allowed)?;
+        match f.observed.and_then(|observed| observed.contradiction()) {
+            None => Ok(()),
+            Some((field, value, allowed)) => self.ensure_of(f, false, &format!("observed.{field}"), value, allowed),
         }
-        self.rules(&|| self.place(&f.name), &format!("founder {}: cue_rules", shown(&f.name)), &f.cue_rules)?;
-        match (&f.mother, f.daughter) {
-            (Some(_), None) => {
-                return Err(self.founder_error(
-                    f,
-                    "daughter",
-                    "(not given)",
-                    "larger or smaller where a mother is given",
-                ));
-            }
-            (None, Some(_)) => {
-                return Err(self.founder_error(
-                    f,
-                    "mother",
-                    "(not given)",
-                    "the mother's name where a daughter is given",
-                ));
-            }
-            _ => {}
-        }
-        if let Some((field, value, allowed)) = f.observed.and_then(|observed| observed.contradiction()) {
-            return Err(self.founder_error(f, &format!("observed.{field}"), value, allowed));
-        }
-        Ok(())
     }
 
-    fn physics(&self, f: &Founder) -> Result<(), InputError> {
+    fn physics(&self, f: &Founder) -> Checked {
         if let Some(given) = f.r0 {
             let units = self.lineage.units();
-            let r0 = given
-                .in_units(&units)
-                .map_err(|allowed| self.founder_error(f, "r0", format!("\"{given}\""), allowed))?;
-            if !(r0.is_finite() && r0 > 0.0) {
-                return Err(self.founder_error(f, "r0", given, "a finite number above 0"));
-            }
-            if !SIZES.contains(&r0) {
-                return Err(self.founder_error(f, "r0", given, "a number of L_h from 1e-6 to 1e6"));
-            }
+            let no_unit = |allowed| self.founder_error(f, "r0", format!("\"{given}\""), allowed);
+            let r0 = given.in_units(&units).map_err(no_unit)?;
+            self.ensure_of(f, r0.is_finite() && r0 > 0.0, "r0", given, "a finite number above 0")?;
+            self.ensure_of(f, SIZES.contains(&r0), "r0", given, "a number of L_h from 1e-6 to 1e6")?;
         }
         for (parameter, value) in f.physics.values() {
-            if let Err(allowed) = parameter.validate(value) {
-                return Err(self.founder_error(f, &format!("physics.{parameter}"), value, allowed));
-            }
+            let refused = |allowed| self.founder_error(f, &format!("physics.{parameter}"), value, allowed);
+            parameter.validate(value).map_err(refused)?;
         }
         Ok(())
     }
 
     fn mothers(&self, index: &HashMap<&str, usize>) -> Result<Vec<Option<usize>>, InputError> {
-        let mut mother = Vec::with_capacity(self.lineage.founders.len());
-        for f in &self.lineage.founders {
-            mother.push(match f.mother.as_deref() {
-                None => None,
-                Some(name) => Some(*index.get(name).ok_or_else(|| {
-                    let names = || self.lineage.founders.iter().map(|f| f.name.as_str());
-                    let nearest = did_you_mean(name, names());
-                    let allowed = format!("a founder of this file: {}{nearest}", listed(names(), ", "));
-                    self.founder_error(f, "mother", shown(name), allowed)
-                })?),
-            });
-        }
-        Ok(mother)
+        let known = |f: &Founder| {
+            let Some(name) = f.mother.as_deref() else { return Ok(None) };
+            index.get(name).copied().map(Some).ok_or_else(|| {
+                let names = || self.lineage.founders.iter().map(|f| f.name.as_str());
+                let nearest = did_you_mean(name, names());
+                let allowed = format!("a founder of this file: {}{nearest}", listed(names(), ", "));
+                self.founder_error(f, "mother", shown(name), allowed)
+            })
+        };
+        self.lineage.founders.iter().map(known).collect()
     }
 
     /// Exactly one first cell, and every founder descends from it.
-    fn one_tree(&self, mother: &[Option<usize>]) -> Result<(), InputError> {
+    fn one_tree(&self, mother: &[Option<usize>]) -> Checked {
         let founders = &self.lineage.founders;
         // Founders known to reach the first cell; each is walked through once.
         let mut reaches = vec![false; founders.len()];
         let mut walk = vec![usize::MAX; founders.len()];
         for start in 0..founders.len() {
-            let mut path = vec![];
-            let mut at = Some(start);
-            while let Some(i) = at {
-                if reaches[i] {
-                    break;
-                }
+            let (mut path, mut at) = (vec![], Some(start));
+            while let Some(i) = at.filter(|&i| !reaches[i]) {
                 if walk[i] == start {
                     let from = path.iter().position(|&j| j == i).unwrap_or(0);
-                    let ring = path[from..].iter().map(|&j: &usize| founders[j].name.as_str());
-                    let ring = listed(ring, " <- ");
+                    let ring = listed(path[from..].iter().map(|&j: &usize| founders[j].name.as_str()), " <- ");
                     let message = format!(
                         "the founders' mothers form a cycle: {ring} <- {}; one founder must have no mother, and all others descend from it",
                         listed([founders[i].name.as_str()], "")
                     );
-                    return Err(InputError::Founders { file: self.place(&founders[i].name), message });
+                    return Err(InputError::Founders { file: self.place(&founders[i].name, 0), message });
                 }
                 walk[i] = start;
                 path.push(i);
@@ -275,13 +235,13 @@ impl Check<'_> {
         if let Some(second) = first().nth(1) {
             let message =
                 format!("founders {} have no mother; exactly one founder may have none", listed(first(), ", "));
-            return Err(InputError::Founders { file: self.place(second), message });
+            return Err(InputError::Founders { file: self.place(second, 0), message });
         }
         Ok(())
     }
 
     /// Below each founder: no founder, or a larger and a smaller one.
-    fn pairs(&self, mother: &[Option<usize>]) -> Result<(), InputError> {
+    fn pairs(&self, mother: &[Option<usize>]) -> Checked {
         let founders = &self.lineage.founders;
         let mut taken: HashMap<(usize, bool), usize> = HashMap::new();
         for (i, f) in founders.iter().enumerate() {
@@ -303,25 +263,22 @@ impl Check<'_> {
                     shown(&f.name),
                     shown(&founders[m].name)
                 );
-                return Err(InputError::Founders { file: self.place(&f.name), message });
+                return Err(InputError::Founders { file: self.place(&f.name, 0), message });
             }
         }
         Ok(())
     }
 
     /// No founder is called what the naming rule may call another cell.
-    fn clashes(&self, mother: &[Option<usize>]) -> Result<(), InputError> {
+    fn clashes(&self, mother: &[Option<usize>]) -> Checked {
         let founders = &self.lineage.founders;
         let mut has_listed = vec![false; founders.len()];
         mother.iter().flatten().for_each(|&m| has_listed[m] = true);
         let names: Vec<&str> = founders.iter().map(|f| f.name.as_str()).collect();
-        match clash::first(&names, &has_listed, |founder, generation| self.lineage.letters(founder, generation)) {
-            None => Ok(()),
-            Some((above, i)) => {
-                let (f, above) = (&founders[i], shown(names[above]));
-                let allowed = format!("a name that no descendant of {above} may be given by the naming rule");
-                Err(self.founder_error(f, "name", shown(&f.name), allowed))
-            }
-        }
+        let letters = |founder, generation| self.lineage.letters(founder, generation);
+        let Some((above, i)) = clash::first(&names, &has_listed, letters) else { return Ok(()) };
+        let (f, above) = (&founders[i], shown(names[above]));
+        let allowed = format!("a name that no descendant of {above} may be given by the naming rule");
+        Err(self.founder_error(f, "name", shown(&f.name), allowed))
     }
 }

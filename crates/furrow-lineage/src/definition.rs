@@ -184,18 +184,12 @@ impl Lineage {
 
     /// The cue called `name`; `none` is always defined.
     pub fn cue(&self, name: &str) -> Option<Cue> {
-        match name {
-            "none" => Some(Cue::none()),
-            _ => self.cues.get(name).cloned(),
-        }
+        if name == "none" { Some(Cue::none()) } else { self.cues.get(name).cloned() }
     }
 
     /// Drops the radius that the file gives the first cell, where another one is to count.
     pub fn forget_first_radius(&mut self) {
-        let first = self.first();
-        if let Some(founder) = self.founders.get_mut(first) {
-            founder.r0 = None;
-        }
+        self.founders.iter_mut().filter(|founder| founder.mother.is_none()).for_each(|founder| founder.r0 = None);
     }
 
     /// The founder that divides into a founder; none for the first cell.
@@ -212,15 +206,13 @@ impl Lineage {
     /// Name of the cue that a cell at a place carries.
     pub fn cue_name_at(&self, place: Place) -> &str {
         let founder = &self.founders[place.founder];
-        let first = |rules: &'_ [CueRule], generation| rules.iter().position(|rule| rule.applies(generation, place.r0));
-        if !founder.cue_rules.is_empty() {
-            return first(&founder.cue_rules, place.round).map_or("none", |k| &founder.cue_rules[k].cue);
-        }
-        match &founder.cue {
-            Some(name) if place.round == 0 || founder.inherit => name,
-            Some(_) => "none",
-            None => first(&self.cue_rules, place.generation).map_or("none", |k| &self.cue_rules[k].cue),
-        }
+        let (rules, generation) = match &founder.cue {
+            _ if !founder.cue_rules.is_empty() => (&founder.cue_rules, place.round),
+            Some(name) if place.round == 0 || founder.inherit => return name,
+            Some(_) => return "none",
+            None => (&self.cue_rules, place.generation),
+        };
+        rules.iter().find(|rule| rule.applies(generation, place.r0)).map_or("none", |rule| &rule.cue)
     }
 
     /// The cue that a cell at a place carries.
@@ -254,9 +246,12 @@ impl Lineage {
             }
             self.cues.insert(name.clone(), cue.clone());
         }
-        let rules = self.founders.iter_mut().flat_map(|founder| founder.cue_rules.iter_mut().map(|rule| &mut rule.cue));
-        rules.chain(self.cue_rules.iter_mut().map(|rule| &mut rule.cue)).for_each(|given| replace(given, &name));
-        self.founders.iter_mut().filter_map(|founder| founder.cue.as_mut()).for_each(|given| replace(given, &name));
+        let of_founders = self
+            .founders
+            .iter_mut()
+            .flat_map(|founder| founder.cue_rules.iter_mut().map(|rule| &mut rule.cue).chain(&mut founder.cue));
+        let all = of_founders.chain(self.cue_rules.iter_mut().map(|rule| &mut rule.cue));
+        all.filter(|given| given.as_str() != "none").for_each(|given| name.clone_into(given));
         self
     }
 
@@ -292,8 +287,8 @@ impl Lineage {
         Cue::parse_with(text, |name| self.cues.get(name).cloned())
     }
 
-    /// For each founder its listed daughters (larger, smaller), and whether the larger is listed first.
-    pub fn daughters(&self) -> Vec<Option<ListedDaughters>> {
+    /// For each founder its listed daughters (larger, smaller).
+    pub fn daughters(&self) -> Vec<Option<(usize, usize)>> {
         let index: HashMap<&str, usize> = self.founders.iter().enumerate().map(|(i, f)| (f.name.as_str(), i)).collect();
         let mut pairs = vec![(None, None); self.founders.len()];
         for (i, f) in self.founders.iter().enumerate() {
@@ -304,23 +299,13 @@ impl Lineage {
                 }
             }
         }
-        pairs
-            .into_iter()
-            .map(|(larger, smaller)| Some(ListedDaughters { larger: larger?, smaller: smaller? }))
-            .collect()
+        pairs.into_iter().map(|(larger, smaller)| larger.zip(smaller)).collect()
     }
 
     /// Letters (anterior, posterior) of the daughters born `generation` rounds below a founder (1 = its own daughters).
     pub fn letters(&self, founder: usize, generation: usize) -> (char, char) {
         let below = generation.checked_sub(1).and_then(|k| self.founders[founder].letters.get(k));
         below.copied().unwrap_or(self.naming)
-    }
-}
-
-fn replace(given: &mut String, name: &str) {
-    if given != "none" {
-        given.clear();
-        given.push_str(name);
     }
 }
 
@@ -345,25 +330,4 @@ pub(super) fn unique<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Resul
         }
     }
     deserializer.deserialize_map(Cues)
-}
-
-/// The two founders a founder divides into (indices into [`Lineage::founders`]).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ListedDaughters {
-    /// The larger.
-    pub larger: usize,
-    /// The smaller.
-    pub smaller: usize,
-}
-
-impl ListedDaughters {
-    /// The founder listed first, which the anterior of two equal daughters becomes.
-    pub fn first(&self) -> usize {
-        self.larger.min(self.smaller)
-    }
-
-    /// The founder listed second.
-    pub fn second(&self) -> usize {
-        self.larger.max(self.smaller)
-    }
 }

@@ -1,18 +1,20 @@
 //! Growth of a tree: volumes are handed down, every cell's division is solved as soon as its mother's is.
 
+use std::cmp::Ordering;
 use std::collections::VecDeque;
 
-use super::definition::{Lineage, ListedDaughters, Place};
+use super::definition::{Lineage, Place};
 use super::thresholds::EndRule;
 use super::tree::{Fate, Side, TerminalReason, Tree, TreeCell, TreeSettings};
-use crate::batch::scheduler::{self, Step};
+use crate::batch::scheduler::{self, Solve, Step};
 use crate::batch::{Job, Memo, SchedulerError, SchedulerOptions, Summary, Unsolved};
 use furrow_cell::{Cell, Cue};
-use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
+use furrow_mechanics::division::{Division, DivisionInput};
 use furrow_mechanics::equilibria::CriticalRadii;
 use furrow_mechanics::equilibria::critical::Search;
 
 /// Why a tree could not be grown.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Debug, thiserror::Error)]
 pub enum GrowError {
     /// The workers could not be started.
@@ -20,10 +22,7 @@ pub enum GrowError {
     Workers(SchedulerError),
     /// Growth was interrupted.
     #[error("interrupted after {solved} divisions")]
-    Interrupted {
-        /// Divisions solved before; the memo knows them.
-        solved: usize,
-    },
+    Interrupted { solved: usize },
 }
 
 /// The inputs of a tree.
@@ -82,7 +81,8 @@ impl GrowingCell {
 
 struct Growth<'a> {
     grower: &'a Grower<'a>,
-    listed: Vec<Option<ListedDaughters>>,
+    /// The founders (larger, smaller) that each divides into.
+    listed: Vec<Option<(usize, usize)>>,
     cells: Vec<GrowingCell>,
 }
 
@@ -98,20 +98,10 @@ impl Grower<'_> {
     ///
     /// # Errors
     /// A division that could not be computed, or interruption.
-    pub fn grow<S>(&self, solve: S) -> Result<(Tree, Summary), GrowError>
-    where
-        S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
-    {
+    pub fn grow(&self, solve: impl Solve) -> Result<(Tree, Summary), GrowError> {
         let (mut trees, summary) = grow_all(std::slice::from_ref(self), &solve)?;
         // As many trees as growers: one.
         Ok((trees.remove(0), summary))
-    }
-
-    fn first(&self) -> GrowingCell {
-        let founder = self.lineage.first();
-        let r0 = self.lineage.given_r0(founder).unwrap_or(self.settings.cell.r0);
-        let place = Place { founder, round: 0, generation: 0, r0 };
-        GrowingCell::new(self.lineage, self.lineage.founders[founder].name.clone(), place, 1.0, true)
     }
 }
 
@@ -121,22 +111,16 @@ impl Grower<'_> {
 ///
 /// # Errors
 /// As [`Grower::grow`].
-pub fn grow_together<S>(growers: &[Grower<'_>], solve: S) -> Result<(Vec<Tree>, Summary), GrowError>
-where
-    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
-{
+pub fn grow_together(growers: &[Grower<'_>], solve: impl Solve) -> Result<(Vec<Tree>, Summary), GrowError> {
     grow_all(growers, &solve)
 }
 
-/// Computes a division.
-type Solve<'a> = &'a (dyn Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync);
-
 /// [`grow_together`], not generic, so that it is compiled once.
-fn grow_all(growers: &[Grower<'_>], solve: Solve<'_>) -> Result<(Vec<Tree>, Summary), GrowError> {
+fn grow_all(growers: &[Grower<'_>], solve: &dyn Solve) -> Result<(Vec<Tree>, Summary), GrowError> {
     let Some(Grower { memo, options, .. }) = growers.first() else { return Ok(Default::default()) };
     let mut all = Growths { trees: growers.iter().map(Growth::of).collect(), searches: Vec::new() };
     let roots = (0..growers.len()).filter_map(|root| all.step(root, None)).collect();
-    let run = scheduler::run_steps(roots, memo, options, solve, |id, division| all.expand(id, division));
+    let run = scheduler::run_steps(roots, memo, options, solve, &mut |id, division| all.expand(id, division));
     let trees = growers.len();
     let summary = completed(run, |id, why| all.trees[id % trees].note_undecided(id / trees, why))?;
     let trees: Result<Vec<Tree>, GrowError> = all.trees.into_iter().map(|growth| growth.lay_out(solve)).collect();
@@ -155,7 +139,10 @@ impl<'a> Growths<'a> {
     fn expand(&mut self, id: usize, division: Option<&Division>) -> Vec<Step<'a>> {
         let (count, of) = (self.trees.len(), id % self.trees.len());
         if let Some(division) = division {
-            let daughters = self.trees[of].expand(id / count, division);
+            let tree = &mut self.trees[of];
+            // Cells beyond the limit are settled in the layout, in an order that does not depend on timing.
+            let has_room = tree.cells.len() + 2 <= tree.grower.lineage.limits.max_cells;
+            let daughters = if has_room { tree.divide(id / count, division) } else { None };
             return daughters.into_iter().flatten().filter_map(|cell| self.step(cell * count + of, None)).collect();
         }
         let Some(done) = self.searches.iter().position(|(.., jobs)| jobs[0] == id) else { return vec![] };
@@ -181,39 +168,24 @@ impl<'a> Growths<'a> {
 }
 
 /// The summary of a run that was not interrupted. Jobs without a record are passed to `undecided`.
-fn completed(
-    run: Result<Summary, SchedulerError>,
-    mut undecided: impl FnMut(usize, String),
-) -> Result<Summary, GrowError> {
-    let summary = match run {
-        Ok(summary) => summary,
-        Err(SchedulerError::Unsolved { jobs, summary }) => {
-            for Unsolved { id, failure, .. } in jobs {
-                undecided(id, failure.to_string());
-            }
-            *summary
-        }
-        Err(error) => return Err(GrowError::Workers(error)),
-    };
-    if summary.interrupted {
-        return Err(GrowError::Interrupted { solved: summary.solved });
+fn completed(run: scheduler::Result<Summary>, mut undecided: impl FnMut(usize, String)) -> Result<Summary, GrowError> {
+    let (summary, unsolved) = scheduler::parts(run).map_err(GrowError::Workers)?;
+    unsolved.into_iter().for_each(|Unsolved { id, failure, .. }| undecided(id, failure.to_string()));
+    match summary.interrupted {
+        true => Err(GrowError::Interrupted { solved: summary.solved }),
+        false => Ok(summary),
     }
-    Ok(summary)
 }
 
 impl<'a> Growth<'a> {
     /// A tree of its first cell.
     fn of(grower: &'a Grower<'a>) -> Growth<'a> {
-        Growth { grower, listed: grower.lineage.daughters(), cells: vec![grower.first()] }
-    }
-}
-
-impl<'a> Growth<'a> {
-    /// The daughters that follow from a cell's division. Cells beyond the limit are settled in the layout, in an order that
-    /// does not depend on timing.
-    fn expand(&mut self, index: usize, division: &Division) -> Option<[usize; 2]> {
-        let max_cells = self.grower.lineage.limits.max_cells;
-        if self.cells.len() + 2 > max_cells { None } else { self.divide(index, division) }
+        let Grower { lineage, settings, .. } = grower;
+        let founder = lineage.first();
+        let r0 = lineage.given_r0(founder).unwrap_or(settings.cell.r0);
+        let place = Place { founder, round: 0, generation: 0, r0 };
+        let first = GrowingCell::new(lineage, lineage.founders[founder].name.clone(), place, 1.0, true);
+        Growth { grower, listed: lineage.daughters(), cells: vec![first] }
     }
 
     /// What a cell needs; none if its fate is known without, which is then set. A search that was `tried` and found nothing,
@@ -229,19 +201,15 @@ impl<'a> Growth<'a> {
             EndRule::Dynamics => None,
             EndRule::Custom(rule) => rule(&cell),
             EndRule::Thresholds(rule) if !rule.decides(&cell, index == 0) => None,
-            EndRule::Thresholds(rule) => match rule.radii().missing(&cell) {
+            EndRule::Thresholds(rule) => match rule.radii.missing(&cell) {
                 Some(search) if tried == Some(&search) => None,
-                Some(search) => return Some(Need::Search(rule.radii(), search)),
+                Some(search) => return Some(Need::Search(&rule.radii, search)),
                 None => rule.of(&cell),
             },
         };
-        match reason {
-            Some(reason) => {
-                self.cells[index].fate = Some(reason.into());
-                None
-            }
-            None => Some(Need::Division(DivisionInput { cell, numerics: settings.numerics, seed: settings.seed })),
-        }
+        self.cells[index].fate = reason.map(Fate::from);
+        let undecided = self.cells[index].fate.is_none();
+        undecided.then(|| Need::Division(DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }))
     }
 
     /// Sets a cell's fate and adds its daughters.
@@ -262,11 +230,11 @@ impl<'a> Growth<'a> {
     fn oriented(&self, index: usize, division: &Division) -> Division {
         let cell = &self.cells[index];
         let smaller_posterior = division.chi_signed().is_some_and(|chi| chi > 0.0);
-        if cell.cue.is_mirror_symmetric() && smaller_posterior != draws_posterior(self.grower.settings.seed, &cell.name)
-        {
-            return division.clone().mirrored();
-        }
-        division.clone()
+        // Whether the smaller daughter is the posterior one: a fair coin for every seed and name.
+        let drawn = [&self.grower.settings.seed.to_le_bytes(), cell.name.as_bytes()].concat();
+        let is_posterior = || blake3::hash(&drawn).as_bytes()[0] & 1 == 0;
+        let turned = cell.cue.is_mirror_symmetric() && smaller_posterior != is_posterior();
+        if turned { division.clone().mirrored() } else { division.clone() }
     }
 
     /// Ends the branch of a cell whose division could not be computed.
@@ -278,18 +246,18 @@ impl<'a> Growth<'a> {
     fn offspring(&self, index: usize, fate: &Fate) -> Option<[GrowingCell; 2]> {
         let mother = &self.cells[index];
         let volumes = fate.daughter_volumes(mother.volume_fraction)?;
-        let founders = self.listed[mother.place.founder].filter(|_| mother.is_founder).map(|listed| {
+        let founders = self.listed[mother.place.founder].filter(|_| mother.is_founder).map(|(larger, smaller)| {
             match volumes[0].total_cmp(&volumes[1]) {
-                std::cmp::Ordering::Equal => [listed.first(), listed.second()],
-                std::cmp::Ordering::Greater => [listed.larger, listed.smaller],
-                std::cmp::Ordering::Less => [listed.smaller, listed.larger],
+                // Of equal daughters the anterior is the founder listed first.
+                Ordering::Equal => [larger.min(smaller), larger.max(smaller)],
+                Ordering::Greater => [larger, smaller],
+                Ordering::Less => [smaller, larger],
             }
         });
-        let daughter = |k: usize| {
-            let founder = founders.map(|founders| founders[k]);
-            self.daughter(index, [Side::Anterior, Side::Posterior][k], volumes[k], founder)
-        };
-        Some([daughter(0), daughter(1)])
+        Some(
+            [(0, Side::Anterior), (1, Side::Posterior)]
+                .map(|(k, side)| self.daughter(index, side, volumes[k], founders.map(|founders| founders[k]))),
+        )
     }
 
     /// A daughter of a volume given as a part of the first cell's; `founder` is the founder that it is, if it is one.
@@ -301,30 +269,19 @@ impl<'a> Growth<'a> {
         if let Some(given) = founder.and_then(|founder| lineage.given_r0(founder)) {
             (r0, fraction) = (given, (given / first_r0).powi(3));
         }
-        let place = Place {
-            founder: founder.unwrap_or(mother.place.founder),
-            round: if founder.is_some() { 0 } else { mother.place.round + 1 },
-            generation: mother.place.generation + 1,
-            r0,
-        };
-        GrowingCell::new(lineage, self.daughter_name(mother, side, founder), place, fraction, founder.is_some())
-    }
-
-    /// Name of a daughter: the founder's, or its mother's and a letter.
-    fn daughter_name(&self, mother: &GrowingCell, side: Side, founder: Option<usize>) -> String {
-        let lineage = self.grower.lineage;
+        let generation = mother.place.generation + 1;
         if let Some(founder) = founder {
-            return lineage.founders[founder].name.clone();
+            let place = Place { founder, round: 0, generation, r0 };
+            return GrowingCell::new(lineage, lineage.founders[founder].name.clone(), place, fraction, true);
         }
-        let (anterior, posterior) = lineage.letters(mother.place.founder, mother.place.round as usize + 1);
-        let mut name = String::with_capacity(mother.name.len() + 1);
-        name.push_str(&mother.name);
-        name.push(if side == Side::Anterior { anterior } else { posterior });
-        name
+        let (founder, round) = (mother.place.founder, mother.place.round + 1);
+        let (anterior, posterior) = lineage.letters(founder, round as usize);
+        let name = format!("{}{}", mother.name, if side == Side::Anterior { anterior } else { posterior });
+        GrowingCell::new(lineage, name, Place { founder, round, generation, r0 }, fraction, false)
     }
 
     /// The tree in breadth-first order, cut at the limit of cells.
-    fn lay_out(mut self, solve: Solve<'_>) -> Result<Tree, GrowError> {
+    fn lay_out(mut self, solve: &dyn Solve) -> Result<Tree, GrowError> {
         let Grower { lineage, settings, .. } = self.grower;
         let max_cells = lineage.limits.max_cells;
         let mut tree: Option<Tree> = None;
@@ -361,7 +318,7 @@ impl<'a> Growth<'a> {
     }
 
     /// Solves one division by itself and adds the daughters.
-    fn settle(&mut self, index: usize, solve: Solve<'_>) -> Result<(), GrowError> {
+    fn settle(&mut self, index: usize, solve: &dyn Solve) -> Result<(), GrowError> {
         let Some(input) = self.decide(index) else { return Ok(()) };
         let mut solved = None;
         let options = SchedulerOptions { progress: None, ..self.grower.options };
@@ -370,11 +327,8 @@ impl<'a> Growth<'a> {
             vec![]
         });
         completed(run, |id, why| self.note_undecided(id, why))?;
-        if let Some(daughters) = solved.and_then(|division| self.divide(index, &division)) {
-            for daughter in daughters {
-                self.decide(daughter);
-            }
-        }
+        let daughters = solved.and_then(|division| self.divide(index, &division));
+        daughters.into_iter().flatten().for_each(|daughter| drop(self.decide(daughter)));
         Ok(())
     }
 
@@ -391,12 +345,4 @@ impl<'a> Growth<'a> {
             }
         }
     }
-}
-
-/// Whether the smaller daughter of a cell whose poles are alike is the posterior one: a fair coin for every seed and name.
-fn draws_posterior(seed: u64, name: &str) -> bool {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(&seed.to_le_bytes());
-    hasher.update(name.as_bytes());
-    hasher.finalize().as_bytes()[0] & 1 == 0
 }

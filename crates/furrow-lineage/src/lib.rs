@@ -27,7 +27,7 @@ pub mod thresholds;
 pub mod tree;
 pub mod units;
 
-pub use definition::{C_ELEGANS, CueRule, Daughter, Founder, Limits, Lineage, ListedDaughters, Place, TEMPLATE};
+pub use definition::{C_ELEGANS, CueRule, Daughter, Founder, Limits, Lineage, Place, TEMPLATE};
 pub use grow::{GrowError, Grower, grow_together};
 pub use observed::ObservedRounds;
 pub use physics::FounderPhysics;

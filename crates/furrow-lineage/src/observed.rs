@@ -29,33 +29,21 @@ pub struct ObservedRounds {
 impl ObservedRounds {
     /// The first field that contradicts the others: its name, its value and what is allowed.
     pub(super) fn contradiction(&self) -> Option<(&'static str, String, String)> {
-        let (min, max) = (self.min.map(f64::from), self.max.map(f64::from));
-        if let (Some(min), Some(max)) = (self.min, self.max)
-            && max < min
-        {
-            return Some(("max", max.to_string(), format!("at least min = {min}")));
+        let above = |a: Option<u32>, b: Option<u32>| a.zip(b).is_some_and(|(a, b)| a > b);
+        let ObservedRounds { min, mean, max, full_doublings, terminal, deaths } = *self;
+        let shown = |value: Option<u32>| value.map_or(String::new(), |value| value.to_string());
+        if above(min, max) {
+            return Some(("max", shown(max), format!("at least min = {}", shown(min))));
         }
-        if let Some(mean) = self.mean {
-            let inside = mean.is_finite()
-                && mean >= 0.0
-                && min.is_none_or(|min| min <= mean)
-                && max.is_none_or(|max| mean <= max);
-            if !inside {
-                let low = self.min.map_or("0".to_owned(), |min| format!("min = {min}"));
-                let high = self.max.map_or(String::new(), |max| format!(" to max = {max}"));
-                return Some(("mean", mean.to_string(), format!("a number from {low}{high}")));
-            }
+        let (low, high) = (min.map_or(0.0, f64::from), max.map_or(f64::MAX, f64::from));
+        if let Some(mean) = mean.filter(|mean| !(low..=high).contains(mean)) {
+            let low = min.map_or("0".to_owned(), |min| format!("min = {min}"));
+            let high = max.map_or(String::new(), |max| format!(" to max = {max}"));
+            return Some(("mean", mean.to_string(), format!("a number from {low}{high}")));
         }
-        if let (Some(full), Some(min)) = (self.full_doublings, self.min)
-            && full > min
-        {
-            return Some(("full_doublings", full.to_string(), format!("at most min = {min}")));
+        if above(full_doublings, min) {
+            return Some(("full_doublings", shown(full_doublings), format!("at most min = {}", shown(min))));
         }
-        if let (Some(deaths), Some(terminal)) = (self.deaths, self.terminal)
-            && deaths > terminal
-        {
-            return Some(("deaths", deaths.to_string(), format!("at most terminal = {terminal}")));
-        }
-        None
+        above(deaths, terminal).then(|| ("deaths", shown(deaths), format!("at most terminal = {}", shown(terminal))))
     }
 }

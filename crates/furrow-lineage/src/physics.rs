@@ -1,48 +1,36 @@
 //! Parameters that a founder changes for its part of the lineage.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use furrow_cell::{Cell, Parameter};
 
 /// Parameters of a founder and of its descendants up to the next founder, in place of those of the run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields, rename = "Physics")]
 pub struct FounderPhysics {
     /// Activity ξ_s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub xi_s: Option<f64>,
     /// Ratio ξ_b/ξ_s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub xi_ratio: Option<f64>,
     /// Gain g.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub gain: Option<f64>,
     /// Volume fraction ε.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub epsilon: Option<f64>,
     /// Shell aspect ratio a/b.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub aspect: Option<f64>,
     /// Shell strength.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub p0: Option<f64>,
     /// Shell width w.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub w: Option<f64>,
     /// Bending rigidity κ.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub kappa: Option<f64>,
     /// Bulk viscosity η_b.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub eta_b: Option<f64>,
     /// Shear viscosity η_s.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub eta_s: Option<f64>,
     /// Friction Γ.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
     /// Tension γ.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub tension: Option<f64>,
 }
 
@@ -77,5 +65,11 @@ impl FounderPhysics {
     /// Sets it in a cell.
     pub fn apply(&self, cell: &mut Cell) {
         self.values().for_each(|(parameter, value)| parameter.set(cell, value));
+    }
+}
+
+impl Serialize for FounderPhysics {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.values().map(|(parameter, value)| (parameter.name(), value)))
     }
 }

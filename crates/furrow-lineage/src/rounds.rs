@@ -44,9 +44,7 @@ struct Count {
 }
 
 fn add(counts: &mut Vec<u64>, generation: usize) {
-    if counts.len() <= generation {
-        counts.resize(generation + 1, 0);
-    }
+    counts.resize(counts.len().max(generation + 1), 0);
     counts[generation] += 1;
 }
 
@@ -55,9 +53,9 @@ pub fn founder_rounds(tree: &Tree) -> Vec<FounderRounds> {
     let founders = tree.lineage.founders.len();
     let mut counts = vec![Count::default(); founders];
     // Each founder's mother founder and generation, to count a cell for all founders it descends from.
-    let above: Vec<Option<usize>> =
-        (0..founders).map(|k| Some(tree.cell(tree.mother(tree.founder_cell(k)?)?).founder)).collect();
-    let birth: Vec<Option<u32>> = (0..founders).map(|k| Some(tree.cell(tree.founder_cell(k)?).generation)).collect();
+    let born = |k: usize| tree.founder_cell(k);
+    let above: Vec<_> = (0..founders).map(|k| Some(tree.cell(tree.mother(born(k)?)?).founder)).collect();
+    let birth: Vec<_> = (0..founders).map(|k| Some(tree.cell(born(k)?).generation)).collect();
     for node in tree.cells() {
         let cell = tree.cell(node);
         let divides = tree.daughters(node).is_some();

@@ -20,9 +20,7 @@ pub struct Scenario {
 impl Scenario {
     /// Describes the scenario: its lineage and its cue.
     pub fn made_of(&self) -> String {
-        match &self.cue {
-            Some(cue) => format!("{} with the cue {cue}", self.label),
-            None => self.label.clone(),
-        }
+        let cue = self.cue.as_ref().map(|cue| format!(" with the cue {cue}"));
+        format!("{}{}", self.label, cue.unwrap_or_default())
     }
 }

@@ -37,7 +37,8 @@ pub enum Scope {
 /// Where no critical radius is found, divisions are computed.
 #[derive(Debug)]
 pub struct Thresholds<'a> {
-    radii: CriticalRadii<'a>,
+    /// They may be searched for on any thread.
+    pub(super) radii: CriticalRadii<'a>,
     scope: Scope,
     unknown: RefCell<Vec<(Cue, ShapeError)>>,
 }
@@ -62,11 +63,6 @@ impl<'a> Thresholds<'a> {
             Scope::AllButFirst => !is_first,
             Scope::Known => self.knows(cell),
         }
-    }
-
-    /// The radii, which may be searched for on any thread.
-    pub(super) fn radii(&self) -> &CriticalRadii<'a> {
-        &self.radii
     }
 
     /// Why a cell cannot divide; `None` if it can, or if its division must be computed. It searches where it must.

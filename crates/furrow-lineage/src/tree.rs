@@ -12,51 +12,29 @@ use furrow_mechanics::division::{Division, Outcome};
 use furrow_mechanics::equilibria::critical::{BoundaryKind, End};
 
 /// Why a cell has no daughters.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 #[serde(tag = "reason", rename_all = "snake_case", deny_unknown_fields)]
 pub enum TerminalReason {
     /// Its division was computed and came to rest, undivided, in a stable shape.
-    AtRest {
-        /// Leading growth rate of perturbations of that shape, in 1/τ (negative: stable).
-        growth_rate: Option<f64>,
-    },
+    AtRest { growth_rate: Option<f64> },
     /// No cue, and R0 below the critical radius at which the pitchfork lies at the cell's activity.
-    BelowPitchfork {
-        /// The critical radius R0_c.
-        r0_c: f64,
-    },
+    BelowPitchfork { r0_c: f64 },
     /// A cue, and R0 below the radius at which the fold of the cued branch lies at the cell's activity.
-    BelowCuedFold {
-        /// The radius of the fold.
-        r0: f64,
-    },
+    BelowCuedFold { r0: f64 },
     /// Its division could not be computed: whether it divides is not known.
-    Undecided {
-        /// Why.
-        why: String,
-    },
+    Undecided { why: String },
     /// The lineage file's `limits.max_depth` is reached.
-    MaxDepth {
-        /// The limit.
-        max_depth: u32,
-    },
+    MaxDepth { max_depth: u32 },
     /// The lineage file's `limits.max_cells` is reached.
-    MaxCells {
-        /// The limit.
-        max_cells: usize,
-    },
+    MaxCells { max_cells: usize },
 }
 
 impl TerminalReason {
     /// True if a limit stopped the cell and mechanics did not.
     pub fn is_limit(&self) -> bool {
         matches!(self, TerminalReason::MaxDepth { .. } | TerminalReason::MaxCells { .. })
-    }
-
-    /// True if the cell cannot divide by mechanics.
-    fn is_mechanical(&self) -> bool {
-        !self.is_limit() && !matches!(self, TerminalReason::Undecided { .. })
     }
 
     /// The reason's name in files.
@@ -114,10 +92,10 @@ pub enum Fate {
 impl From<Division> for Fate {
     fn from(division: Division) -> Fate {
         match division.outcome() {
-            Outcome::Arrested => Fate::Terminal {
-                reason: TerminalReason::AtRest { growth_rate: division.growth_rate() },
-                division: Some(division),
-            },
+            Outcome::Arrested => {
+                let reason = TerminalReason::AtRest { growth_rate: division.growth_rate() };
+                Fate::Terminal { reason, division: Some(division) }
+            }
             _ => Fate::Divides(division),
         }
     }
@@ -141,16 +119,14 @@ impl Fate {
 
     /// Why there are no daughters; none if there are.
     pub fn terminal_reason(&self) -> Option<&TerminalReason> {
-        match self {
-            Fate::Divides(_) => None,
-            Fate::Terminal { reason, .. } => Some(reason),
-        }
+        if let Fate::Terminal { reason, .. } = self { Some(reason) } else { None }
     }
 
     /// How its division ended; none for a cell that a limit stopped, and for one that is undecided.
     pub fn outcome(&self) -> Option<Outcome> {
         match self {
-            Fate::Terminal { reason, division: None } => reason.is_mechanical().then_some(Outcome::Arrested),
+            Fate::Terminal { reason: TerminalReason::Undecided { .. }, division: None } => None,
+            Fate::Terminal { reason, division: None } => (!reason.is_limit()).then_some(Outcome::Arrested),
             fate => fate.division().map(|division| division.outcome()),
         }
     }
@@ -241,12 +217,8 @@ pub struct TreeSettings {
 impl Default for TreeSettings {
     /// The preset's C. elegans zygote, seed 0 and the default rounding of R0.
     fn default() -> TreeSettings {
-        TreeSettings {
-            cell: Cell::new(ZYGOTE),
-            numerics: Numerics::default(),
-            seed: 0,
-            r0_step: Quantisation::DEFAULT.relative_step(),
-        }
+        let r0_step = Quantisation::DEFAULT.relative_step();
+        TreeSettings { cell: Cell::new(ZYGOTE), numerics: Numerics::default(), seed: 0, r0_step }
     }
 }
 
@@ -269,8 +241,7 @@ pub struct Tree {
 impl Tree {
     /// A tree of the first cell alone.
     pub fn new(lineage: Lineage, settings: TreeSettings, first: TreeCell) -> Tree {
-        let mut founder_cells = vec![None; lineage.founders.len()];
-        let mut graph = DiGraph::new();
+        let (mut founder_cells, mut graph) = (vec![None; lineage.founders.len()], DiGraph::new());
         let founder = first.founder;
         founder_cells[founder] = Some(CellId(graph.add_node(first)));
         Tree { lineage, settings, graph, founder_cells }

@@ -72,13 +72,11 @@ impl Length {
     /// # Errors
     /// The length is in µm, and L_h is not given.
     pub fn in_units(self, units: &Units) -> Result<f64, String> {
-        match (self, units.length_um) {
-            (Length::Natural(length), _) => Ok(length),
-            (Length::Micrometres(length), Some(unit)) => Ok(length / unit),
-            (Length::Micrometres(_), None) => Err(
-                "a number of L_h, or of um where the lineage file says how long L_h is, as in units: (length_um: 3.16)"
-                    .to_owned(),
-            ),
+        const NO_UNIT: &str =
+            "a number of L_h, or of um where the lineage file says how long L_h is, as in units: (length_um: 3.16)";
+        match self {
+            Length::Natural(length) => Ok(length),
+            Length::Micrometres(length) => units.length_um.map(|unit| length / unit).ok_or(NO_UNIT.to_owned()),
         }
     }
 }
@@ -97,13 +95,10 @@ impl std::str::FromStr for Length {
 
     fn from_str(text: &str) -> Result<Length, String> {
         let text = text.trim();
-        let (number, micrometres) =
-            match text.strip_suffix("um").or(text.strip_suffix("µm")).or(text.strip_suffix("μm")) {
-                Some(number) => (number.trim_end(), true),
-                None => (text, false),
-            };
+        let micrometres = ["um", "µm", "μm"].into_iter().find_map(|unit| text.strip_suffix(unit));
+        let number = micrometres.map_or(text, str::trim_end);
         let value: f64 = number.parse().map_err(|_| "a number of L_h, as in 5.4, or of um, as in 17um".to_owned())?;
-        Ok(if micrometres { Length::Micrometres(value) } else { Length::Natural(value) })
+        Ok(if micrometres.is_some() { Length::Micrometres(value) } else { Length::Natural(value) })
     }
 }
 

@@ -13,20 +13,21 @@
 //! Nocedal & Wright, *Numerical Optimization*, Springer 2006, ch. 10.
 
 use furrow_bvp::metric::scalar_condition;
-use furrow_bvp::{Direction, LinearCondition, MinimallyAugmented, SingularError, Solution, SymmetryBreaking};
+use furrow_bvp::{LinearCondition, MinimallyAugmented, SingularError, Solution, SymmetryBreaking};
 use furrow_spectra::{NoSingularValues, Svd};
 use serde::{Deserialize, Serialize};
 
 use crate::cortex::observables::elongation;
 use crate::cortex::{Cortex, Domain};
 use crate::equilibria::branch::{XI, metric};
+use crate::equilibria::curves::along_scalar;
 use crate::equilibria::{BranchOptions, ShapeError, pitchfork};
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_input::InputError;
 
 pub mod statements;
 
-use statements::{GivenCriticality, GivenEpsilon, GivenFolds, GivenSymmetric, check_cell, tolerance};
+use statements::{GivenCriticality, GivenEpsilon, GivenFolds, GivenSymmetric, check_numbers, tolerance};
 
 /// A measured pitchfork threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,19 +59,8 @@ impl Threshold {
     /// Names the field, its value and what is allowed.
     pub fn check(&self, source_name: &str, name: &str) -> Result<(), InputError> {
         let Threshold { r0, epsilon, xi_s, weight, tolerance } = *self;
-        let fields = [
-            ("r0", r0, r0 > 0.0 && r0.is_finite(), "a finite number above 0"),
-            ("epsilon", epsilon, epsilon > 0.0 && epsilon < 1.0, "above 0 and below 1"),
-            ("xi_s", xi_s, xi_s > 0.0 && xi_s.is_finite(), "a finite number above 0"),
-            ("weight", weight, weight > 0.0 && weight.is_finite(), "a finite number above 0"),
-            ("tolerance", tolerance, tolerance > 0.0 && tolerance < 1.0, "above 0 and below 1"),
-        ];
-        match fields.into_iter().find(|(_, _, ok, _)| !ok) {
-            None => Ok(()),
-            Some((field, value, _, allowed)) => {
-                Err(InputError::not_allowed(source_name, format!("{name}.{field}"), value, allowed))
-            }
-        }
+        let numbers = [("r0", r0), ("epsilon", epsilon), ("xi_s", xi_s), ("weight", weight), ("tolerance", tolerance)];
+        check_numbers(source_name, name, &numbers)
     }
 }
 
@@ -157,38 +147,24 @@ pub struct Calibration {
 }
 
 /// Why no parameters were found.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CalibrateError {
     /// A threshold cannot be computed where the search starts.
     #[error("threshold {index}: {source}; start from other values")]
-    Threshold {
-        /// Its place in the list, from 0.
-        index: usize,
-        /// What the search for it said.
-        source: ShapeError,
-    },
+    Threshold { index: usize, source: ShapeError },
     /// The sensitivity of a threshold cannot be computed.
     #[error("threshold {index}: no sensitivity to {parameter}: {source}")]
-    Sensitivity {
-        /// Its place in the list, from 0.
-        index: usize,
-        /// The parameter.
-        parameter: Parameter,
-        /// What the solver said.
-        source: SingularError,
-    },
+    Sensitivity { index: usize, parameter: Parameter, source: SingularError },
     /// The sensitivities have no singular values.
     #[error("the sensitivities of the thresholds: {0}")]
     NotFinite(#[from] NoSingularValues),
     /// The search does not end.
     #[error("the deviations are still {rms:.3e} (rms) and falling after {iterations} steps; start from other values")]
-    Stalled {
-        /// Steps done.
-        iterations: usize,
-        /// Root mean square of the relative deviations.
-        rms: f64,
-    },
+    Stalled { iterations: usize, rms: f64 },
 }
+
+type Result<T, E = CalibrateError> = std::result::Result<T, E>;
 
 /// Most steps.
 const MOST: usize = 100;
@@ -203,42 +179,37 @@ impl Targets {
     /// # Errors
     /// Names the field, its value and what is allowed.
     pub fn check(&self, source_name: &str) -> Result<(), InputError> {
-        let refuse = |field: String, value: String, allowed: &str| {
-            Err(InputError::not_allowed(source_name, field, value, allowed))
-        };
+        let refuse =
+            |field: &str, value: &str, allowed: &str| Err(InputError::not_allowed(source_name, field, value, allowed));
         if self.unknowns.is_empty() {
-            return refuse("unknowns".into(), "[]".into(), "at least one parameter");
+            return refuse("unknowns", "[]", "at least one parameter");
         }
         if self.thresholds.is_empty() {
-            return refuse("thresholds".into(), "[]".into(), "at least one threshold");
+            return refuse("thresholds", "[]", "at least one threshold");
         }
-        for (k, unknown) in self.unknowns.iter().enumerate() {
-            let name = |field: &str| format!("unknowns[{k}].{field}");
-            let shown = || unknown.parameter.to_string();
-            if scale_of(unknown.parameter).is_none() {
+        for (k, &Unknown { parameter, start }) in self.unknowns.iter().enumerate() {
+            let (name, shown) = (format!("unknowns[{k}].parameter"), parameter.to_string());
+            if !LOGARITHMIC.contains(&parameter) && !LINEAR.contains(&parameter) {
                 let allowed = "one of gain, xi_ratio, aspect, p0, w, kappa, eta_b, eta_s, friction, tension";
-                return refuse(name("parameter"), shown(), allowed);
+                return refuse(&name, &shown, allowed);
             }
-            if self.unknowns[..k].iter().any(|other| other.parameter == unknown.parameter) {
-                return refuse(name("parameter"), shown(), "named only once");
+            if self.unknowns[..k].iter().any(|other| other.parameter == parameter) {
+                return refuse(&name, &shown, "named only once");
             }
-            match (unknown.start, scale_of(unknown.parameter)) {
-                (Some(v), Some(Scale::Logarithmic)) if !(v.is_finite() && v > 0.0) => {
-                    return refuse(name("start"), v.to_string(), "a finite number above 0");
-                }
-                (Some(v), _) if !v.is_finite() => return refuse(name("start"), v.to_string(), "a finite number"),
-                _ => {}
+            let (low, allowed) = match LINEAR.contains(&parameter) {
+                true => (f64::NEG_INFINITY, "a finite number"),
+                false => (0.0, "a finite number above 0"),
+            };
+            if let Some(value) = start.filter(|value| !(value.is_finite() && *value > low)) {
+                return refuse(&format!("unknowns[{k}].start"), &value.to_string(), allowed);
             }
         }
         for (k, t) in self.thresholds.iter().enumerate() {
             t.check(source_name, &format!("thresholds[{k}]"))?;
         }
-        self.check_statements(source_name)
-    }
-
-    fn check_statements(&self, source_name: &str) -> Result<(), InputError> {
-        let check =
-            |list: &str, k: usize, numbers: &[(&str, f64)]| check_cell(source_name, &format!("{list}[{k}]"), numbers);
+        let check = |list: &str, k: usize, numbers: &[(&str, f64)]| {
+            check_numbers(source_name, &format!("{list}[{k}]"), numbers)
+        };
         for (k, given) in self.criticalities.iter().enumerate() {
             check("criticalities", k, &[("r0", given.r0), ("epsilon", given.epsilon)])?;
         }
@@ -258,55 +229,34 @@ impl Targets {
     }
 }
 
-/// How a parameter is varied.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Scale {
-    /// Positive, by its logarithm.
-    Logarithmic,
-    /// Of either sign, in units of 1 (or of its size, if larger).
-    Linear,
-}
-
-fn scale_of(parameter: Parameter) -> Option<Scale> {
-    match parameter {
-        Parameter::Gain
-        | Parameter::Aspect
-        | Parameter::P0
-        | Parameter::W
-        | Parameter::Kappa
-        | Parameter::EtaB
-        | Parameter::EtaS
-        | Parameter::Friction => Some(Scale::Logarithmic),
-        Parameter::XiRatio | Parameter::Tension => Some(Scale::Linear),
-        Parameter::XiS | Parameter::R0 | Parameter::Epsilon | Parameter::Cue { .. } => None,
-    }
-}
+/// Parameters that may be found: positive ones, varied by their logarithm.
+const LOGARITHMIC: [Parameter; 8] = {
+    use Parameter::{Aspect, EtaB, EtaS, Friction, Gain, Kappa, P0, W};
+    [Gain, Aspect, P0, W, Kappa, EtaB, EtaS, Friction]
+};
+/// Those of either sign, varied in units of 1 (or of their size, if larger).
+const LINEAR: [Parameter; 2] = [Parameter::XiRatio, Parameter::Tension];
 
 /// A cell with other values of some parameters.
 pub fn with_values(cell: &Cell, parameters: &[(Parameter, f64)]) -> Cell {
     let mut out = cell.clone();
-    for &(parameter, value) in parameters {
-        parameter.set(&mut out, value);
-    }
+    parameters.iter().for_each(|(parameter, value)| parameter.set(&mut out, *value));
     out
 }
 
 /// θ moved by δ in the search's own coordinates: relative changes, of parameters that may have either sign those relative to
 /// their size or 1.
 pub fn moved(parameters: &[(Parameter, f64)], delta: &[f64]) -> Vec<(Parameter, f64)> {
-    let step = |(&(parameter, value), d): (&(Parameter, f64), &f64)| match scale_of(parameter) {
-        Some(Scale::Linear) => (parameter, value + d * value.abs().max(1.0)),
-        _ => (parameter, value * d.exp()),
+    let step = |(&(parameter, value), d): (&(Parameter, f64), &f64)| match LINEAR.contains(&parameter) {
+        true => (parameter, value + d * value.abs().max(1.0)),
+        false => (parameter, value * d.exp()),
     };
     parameters.iter().zip(delta).map(step).collect()
 }
 
 /// dθ/dx of the search's coordinates.
 fn unit(parameter: Parameter, value: f64) -> f64 {
-    match scale_of(parameter) {
-        Some(Scale::Linear) => value.abs().max(1.0),
-        _ => value,
-    }
+    if LINEAR.contains(&parameter) { value.abs().max(1.0) } else { value }
 }
 
 /// The first pitchfork at given parameters: with a neighbouring one at hand by Newton from there, else along the branch.
@@ -316,7 +266,7 @@ fn threshold(cell: &Cell, numerics: &Numerics, near: Option<&Solution>) -> Resul
         let cortex = Cortex::new(cell, Domain::Half, &free);
         let metric = metric(cell.r0, &free);
         let mut y = near.clone();
-        let tangent = along_scalar(&y, XI);
+        let tangent = along_scalar(&y, y.scalars.len(), XI);
         let mut augmented = MinimallyAugmented::new(cortex, SymmetryBreaking::default(), y.m, metric, &tangent);
         if let Ok(report) = augmented.solve(&mut y, None) {
             let [before, after] = [near, &y].map(|y| elongation(y, Domain::Half, cell.r0));
@@ -326,15 +276,7 @@ fn threshold(cell: &Cell, numerics: &Numerics, near: Option<&Solution>) -> Resul
             }
         }
     }
-    let pitchfork = pitchfork::first(cell, numerics, &BranchOptions::default())?;
-    Ok(pitchfork.shape)
-}
-
-/// The direction in which only scalar unknown `index` changes.
-fn along_scalar(y: &Solution, index: usize) -> Direction {
-    let mut scalars = vec![0.0; y.scalars.len()];
-    scalars[index] = 1.0;
-    Direction { nodes: vec![0.0; y.nodes.len()], stages: vec![0.0; y.stages.len()], scalars }
+    pitchfork::first(cell, numerics, &BranchOptions::default()).map(|pitchfork| pitchfork.shape)
 }
 
 /// ∂ξ_s*/∂θ of the pitchfork `y`.
@@ -345,10 +287,9 @@ pub fn sensitivity(cell: &Cell, y: &Solution, parameter: Parameter) -> Result<f6
     let free = [Parameter::XiS, parameter];
     let cortex = Cortex::new(cell, Domain::Half, &free);
     let metric = metric(cell.r0, &free);
-    let mut y = y.clone();
-    let value = cortex.get(parameter);
+    let (mut y, value) = (y.clone(), cortex.get(parameter));
     y.scalars.push(value);
-    let tangent = along_scalar(&y, XI);
+    let tangent = along_scalar(&y, y.scalars.len(), XI);
     let mut augmented = MinimallyAugmented::new(cortex, SymmetryBreaking::default(), y.m, metric, &tangent);
     let mut closing = LinearCondition::default();
     scalar_condition(&y, XI + 1, value, &mut closing);
@@ -364,12 +305,7 @@ struct Evaluation {
     cost: f64,
 }
 
-fn evaluate(
-    targets: &Targets,
-    cell: &Cell,
-    numerics: &Numerics,
-    near: Option<&[Solution]>,
-) -> Result<Evaluation, CalibrateError> {
+fn evaluate(targets: &Targets, cell: &Cell, numerics: &Numerics, near: Option<&[Solution]>) -> Result<Evaluation> {
     let mut out = Evaluation { shapes: Vec::new(), residuals: Vec::new(), cost: 0.0 };
     for (index, t) in targets.thresholds.iter().enumerate() {
         let y = threshold(&t.cell(cell), numerics, near.map(|near| &near[index]))
@@ -383,25 +319,18 @@ fn evaluate(
 }
 
 /// ∂ρ/∂x in the search's coordinates.
-fn jacobian(
-    targets: &Targets,
-    cell: &Cell,
-    parameters: &[(Parameter, f64)],
-    shapes: &[Solution],
-) -> Result<Vec<Vec<f64>>, CalibrateError> {
-    let mut out = vec![vec![0.0; parameters.len()]; shapes.len()];
-    for (index, (t, y)) in targets.thresholds.iter().zip(shapes).enumerate() {
-        let cell = t.cell(cell);
-        for (k, &(parameter, value)) in parameters.iter().enumerate() {
-            let slope = sensitivity(&cell, y, parameter).map_err(|source| CalibrateError::Sensitivity {
-                index,
-                parameter,
-                source,
-            })?;
-            out[index][k] = t.weight / t.xi_s * slope * unit(parameter, value);
-        }
-    }
-    Ok(out)
+fn jacobian(targets: &Targets, cell: &Cell, theta: &[(Parameter, f64)], shapes: &[Solution]) -> Result<Vec<Vec<f64>>> {
+    let row =
+        |(index, (t, y)): (usize, (&Threshold, &Solution))| {
+            let entry =
+                |&(parameter, value): &(Parameter, f64)| {
+                    let slope = sensitivity(&t.cell(cell), y, parameter)
+                        .map_err(|source| CalibrateError::Sensitivity { index, parameter, source })?;
+                    Ok(t.weight / t.xi_s * slope * unit(parameter, value))
+                };
+            theta.iter().map(entry).collect()
+        };
+    targets.thresholds.iter().zip(shapes).enumerate().map(row).collect()
 }
 
 /// The step −(JᵀJ + λ²)⁻¹ Jᵀ ρ, blind to directions without sensitivity.
@@ -451,14 +380,11 @@ fn combinations(svd: &Svd) -> Vec<Combination> {
 ///
 /// # Errors
 /// [`CalibrateError`].
-pub fn calibrate(targets: &Targets, cell: &Cell, numerics: &Numerics) -> Result<Calibration, CalibrateError> {
-    let present = |parameter: Parameter| parameter.get(cell);
-    let mut parameters: Vec<(Parameter, f64)> =
-        targets.unknowns.iter().map(|u| (u.parameter, u.start.unwrap_or(present(u.parameter)))).collect();
+pub fn calibrate(targets: &Targets, cell: &Cell, numerics: &Numerics) -> Result<Calibration> {
+    let started = |u: &Unknown| (u.parameter, u.start.unwrap_or(u.parameter.get(cell)));
+    let mut parameters: Vec<(Parameter, f64)> = targets.unknowns.iter().map(started).collect();
     let mut now = evaluate(targets, &with_values(cell, &parameters), numerics, None)?;
-    let mut lambda: Option<f64> = None;
-    let mut iterations = 0;
-    let count = targets.thresholds.len() as f64;
+    let (mut lambda, mut iterations, count) = (None, 0, targets.thresholds.len() as f64);
     let decomposition = loop {
         let here = with_values(cell, &parameters);
         let decomposition = Svd::of_rows(&jacobian(targets, &here, &parameters, &now.shapes)?)?;

@@ -138,13 +138,7 @@ pub fn perturb(
 
 /// \[distance\], by the quadrature of the shape's own mesh.
 fn distance(gauss: &Gauss, shape: &Solution, from: &Solution) -> f64 {
-    let moved;
-    let from = if shape.mesh == from.mesh {
-        from
-    } else {
-        moved = from.on_mesh(gauss, &shape.mesh);
-        &moved
-    };
+    let from = if shape.mesh == from.mesh { from } else { &from.on_mesh(gauss, &shape.mesh) };
     let (mut r, mut z) = (0.0, 0.0);
     let places = shape.stages.chunks_exact(COMPONENTS).zip(from.stages.chunks_exact(COMPONENTS));
     for (k, (here, there)) in places.enumerate() {

@@ -56,8 +56,6 @@ pub struct GrowthRate {
 pub struct Spectrum {
     /// Sorted by falling real part; complex pairs appear with both signs.
     pub values: Vec<GrowthRate>,
-    /// Linear solves spent.
-    pub solves: usize,
 }
 
 impl Spectrum {
@@ -73,13 +71,10 @@ impl Spectrum {
 
     /// Adds what another shift saw and this spectrum does not hold yet: rates found from both agree.
     fn add(&mut self, other: Spectrum, shift: f64) {
-        self.solves += other.solves;
         for value in other.values {
             let slack = 1e-5 * (value.re.abs() + shift) + 10.0 * value.error;
-            let known = self.values.iter().any(|v| {
-                v.parity == value.parity && (v.re - value.re).hypot(v.im - value.im) <= slack + 10.0 * v.error
-            });
-            if !known {
+            let near = |v: &GrowthRate| (v.re - value.re).hypot(v.im - value.im) <= slack + 10.0 * v.error;
+            if !self.values.iter().any(|v| v.parity == value.parity && near(v)) {
                 self.values.push(value);
             }
         }
@@ -93,33 +88,21 @@ impl Spectrum {
 }
 
 /// Why no spectrum could be computed.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StabilityError {
     /// The shifted system could not be factorised.
     #[error("the system shifted by {shift} is singular or not finite (pivot {column})")]
-    Factorisation {
-        /// Shift s in 1/τ.
-        shift: f64,
-        /// Column of the failing pivot in its block.
-        column: usize,
-    },
+    Factorisation { shift: f64, column: usize },
     /// The eigenvalues of the projected matrix could not be computed.
     #[error("the projected matrix of dimension {dimension} has no computable eigenvalues")]
-    Projected {
-        /// Krylov dimension.
-        dimension: usize,
-    },
+    Projected { dimension: usize },
     /// The rightmost growth rate did not settle.
     #[error("the rightmost growth rate {value} is still uncertain by {error:.1e} after {dimension} Arnoldi steps")]
-    NotConverged {
-        /// Best value of Re σ.
-        value: f64,
-        /// Its estimated error.
-        error: f64,
-        /// Krylov dimension.
-        dimension: usize,
-    },
+    NotConverged { value: f64, error: f64, dimension: usize },
 }
+
+type Result<T, E = StabilityError> = std::result::Result<T, E>;
 
 /// Steps of the power iteration for one mode: each leaves a third of what is nearest to it, and far less of what decays at
 /// the cell's own pace.
@@ -181,7 +164,7 @@ impl Stability {
     ///
     /// # Errors
     /// A failed factorisation, or a rightmost growth rate that does not converge.
-    pub fn leading(&mut self, cortex: &Cortex, y: &Solution) -> Result<Spectrum, StabilityError> {
+    pub fn leading(&mut self, cortex: &Cortex, y: &Solution) -> Result<Spectrum> {
         let (mut fixed, state) = freeze(cortex, y);
         let (near, mut spectrum) = self.within_reach(&mut fixed, &state, self.arnoldi.wanted)?;
         let far = self.at_shift(&mut fixed, &state, 8.0 * near, self.arnoldi.wanted)?;
@@ -194,7 +177,7 @@ impl Stability {
     ///
     /// # Errors
     /// As [`leading`](Self::leading).
-    pub fn growth_rate(&mut self, cortex: &Cortex, y: &Solution) -> Result<f64, StabilityError> {
+    pub fn growth_rate(&mut self, cortex: &Cortex, y: &Solution) -> Result<f64> {
         let (mut fixed, state) = freeze(cortex, y);
         let (near, mut spectrum) = self.within_reach(&mut fixed, &state, 1)?;
         self.add_fast(&mut fixed, &state, near, 1, &mut spectrum)?;
@@ -206,12 +189,7 @@ impl Stability {
     ///
     /// # Errors
     /// A factorisation that fails.
-    pub fn unstable_direction(
-        &mut self,
-        cortex: &Cortex,
-        y: &Solution,
-        growth: f64,
-    ) -> Result<Direction, StabilityError> {
+    pub fn unstable_direction(&mut self, cortex: &Cortex, y: &Solution, growth: f64) -> Result<Direction> {
         let (mut fixed, state) = freeze(cortex, y);
         // A step at a rate just above the mode's own magnifies it threefold, and what decays hardly at all.
         let shift = 1.5 * growth;
@@ -248,45 +226,28 @@ impl Stability {
         mut shift: f64,
         wanted: usize,
         spectrum: &mut Spectrum,
-    ) -> Result<(), StabilityError> {
+    ) -> Result<()> {
         let fastest = fastest(cortex, y);
         while 0.5 * REACH * shift < fastest {
             shift *= 0.5 * REACH;
-            let seen = self.at_shift(cortex, y, shift, wanted)?;
-            spectrum.add(seen, shift);
+            spectrum.add(self.at_shift(cortex, y, shift, wanted)?, shift);
         }
         Ok(())
     }
 
     /// The smallest shift, from the scale of the cell upwards, that sees any mode, and what it sees.
-    fn within_reach(
-        &mut self,
-        cortex: &mut Cortex,
-        y: &Solution,
-        wanted: usize,
-    ) -> Result<(f64, Spectrum), StabilityError> {
+    fn within_reach(&mut self, cortex: &mut Cortex, y: &Solution, wanted: usize) -> Result<(f64, Spectrum)> {
         let mut shift = shift_scale(cortex);
-        let mut solves = 0;
-        loop {
-            let mut spectrum = self.at_shift(cortex, y, shift, wanted)?;
-            spectrum.solves += solves;
-            // Every mode decays faster than the shift can see: none is missed, but none is known.
-            if spectrum.values.is_empty() && shift < 1e12 {
-                solves = spectrum.solves;
-                shift *= 0.5 * REACH;
-                continue;
-            }
-            return Ok((shift, spectrum));
+        let mut spectrum = self.at_shift(cortex, y, shift, wanted)?;
+        // Every mode decays faster than the shift can see: none is missed, but none is known.
+        while spectrum.values.is_empty() && shift < 1e12 {
+            shift *= 0.5 * REACH;
+            spectrum = self.at_shift(cortex, y, shift, wanted)?;
         }
+        Ok((shift, spectrum))
     }
 
-    fn at_shift(
-        &mut self,
-        cortex: &mut Cortex,
-        y: &Solution,
-        shift: f64,
-        wanted: usize,
-    ) -> Result<Spectrum, StabilityError> {
+    fn at_shift(&mut self, cortex: &mut Cortex, y: &Solution, shift: f64, wanted: usize) -> Result<Spectrum> {
         let failed = |f: PivotFailure| StabilityError::Factorisation { shift, column: f.column };
         self.linearise(cortex, y, shift).map_err(failed)?;
         let mut out = Spectrum::default();
@@ -295,23 +256,18 @@ impl Stability {
             Domain::Half => &[Parity::Even, Parity::Odd],
         };
         for &parity in parities {
-            match parity {
-                Parity::Odd => {
-                    // From the factors of the even problem, which comes first.
-                    let end = &mut self.antisymmetric;
-                    let det = self.system.factor_antisymmetric(&EVEN, end).map_err(failed)?;
-                    if det.sign == 0.0 {
-                        return Err(StabilityError::Factorisation { shift, column: 0 });
-                    }
-                }
-                _ => self.system.factor_blocks(&[]).map_err(failed)?,
-            }
             self.right_hand_side = self.system.zero_residual();
             if parity == Parity::Odd {
+                // From the factors of the even problem, which comes first.
+                let det = self.system.factor_antisymmetric(&EVEN, &mut self.antisymmetric).map_err(failed)?;
+                if det.sign == 0.0 {
+                    return Err(StabilityError::Factorisation { shift, column: 0 });
+                }
                 self.right_hand_side.right.truncate(EVEN.len());
+            } else {
+                self.system.factor_blocks(&[]).map_err(failed)?;
             }
-            let rates = self.rightmost(parity, shift, wanted, &mut out.solves)?;
-            out.values.extend(rates);
+            out.values.extend(self.rightmost(parity, shift, wanted)?);
         }
         sort(&mut out.values);
         Ok(out)
@@ -347,9 +303,7 @@ impl Stability {
         let rhs = &mut self.right_hand_side;
         for ((row, w), response) in rhs.stages.chunks_exact_mut(COMPONENTS).zip(from).zip(&self.response) {
             // The stage residual is … − h f with ∂f/∂(past w) = −s ∂f/∂v_n.
-            for (r, f) in row.iter_mut().zip(response) {
-                *r = f * w;
-            }
+            row.iter_mut().zip(response).for_each(|(r, f)| *r = f * w);
         }
         match parity {
             Parity::Odd => self.system.solve_antisymmetric(&self.antisymmetric, rhs, &mut self.update),
@@ -361,20 +315,11 @@ impl Stability {
     }
 
     /// The `wanted` rightmost growth rates of one parity that the shift can see.
-    fn rightmost(
-        &mut self,
-        parity: Parity,
-        shift: f64,
-        wanted: usize,
-        solves: &mut usize,
-    ) -> Result<Vec<GrowthRate>, StabilityError> {
+    fn rightmost(&mut self, parity: Parity, shift: f64, wanted: usize) -> Result<Vec<GrowthRate>> {
         let limit = self.arnoldi.max_dimension.min(self.weights.len() - 1);
         let tolerance = self.arnoldi.tolerance;
         let (mut krylov, weights) = (std::mem::take(&mut self.krylov), std::mem::take(&mut self.weights));
-        let apply = |from: &[f64], to: &mut [f64]| {
-            *solves += 1;
-            self.apply(parity, from, to);
-        };
+        let apply = |from: &[f64], to: &mut [f64]| self.apply(parity, from, to);
         let result = krylov.run(&weights, limit, apply, |values, dimension| {
             let mut rates = growth_rates(values, shift, parity);
             rates.truncate(wanted.max(1));
@@ -390,31 +335,21 @@ impl Stability {
             }
         });
         (self.krylov, self.weights) = (krylov, weights);
-        match result {
-            Ok(Some(rates)) => rates,
-            Ok(None) => Ok(Vec::new()),
-            Err(NoEigenvalues { dimension }) => Err(StabilityError::Projected { dimension }),
-        }
+        let projected = |NoEigenvalues { dimension }| StabilityError::Projected { dimension };
+        result.map_err(projected)?.unwrap_or_else(|| Ok(Vec::new()))
     }
 }
 
 /// N.12 for the Ritz values within reach of the shift, sorted by falling real part.
 fn growth_rates(values: &[RitzValue], shift: f64, parity: Parity) -> Vec<GrowthRate> {
-    let mut out: Vec<GrowthRate> = values
-        .iter()
-        .filter(|mu| mu.re.hypot(mu.im) * REACH >= 1.0)
-        .map(|mu| {
-            // σ = s (1 − 1/μ), 1/μ = conj(μ)/|μ|².
-            let size = mu.re.hypot(mu.im);
-            let square = size * size;
-            GrowthRate {
-                re: shift * (1.0 - mu.re / square),
-                im: shift * mu.im / square,
-                parity,
-                error: shift / square * mu.residual,
-            }
-        })
-        .collect();
+    // σ = s (1 − 1/μ), 1/μ = conj(μ)/|μ|².
+    let rate = |mu: &RitzValue| {
+        let size = mu.re.hypot(mu.im);
+        let square = size * size;
+        let (im, error) = (shift * mu.im / square, shift / square * mu.residual);
+        (size * REACH >= 1.0).then(|| GrowthRate { re: shift * (1.0 - mu.re / square), im, parity, error })
+    };
+    let mut out: Vec<GrowthRate> = values.iter().filter_map(rate).collect();
     sort(&mut out);
     out
 }
@@ -459,60 +394,38 @@ mod tests {
 
     use super::*;
     use crate::cortex::symmetry::unfold;
-    use crate::equilibria::passive;
-    use furrow_bvp::Newton;
-    use furrow_bvp::newton::NewtonScratch;
+    use crate::equilibria::{StationaryShape, stationary};
+    use furrow_bvp::{Newton, newton::NewtonScratch};
     use furrow_cell::{Cell, Numerics, Parameter};
 
-    /// The symmetric state at ξ_s by natural steps from the passive shape.
-    fn symmetric(r0: f64, epsilon: f64, targets: &[f64], numerics: &Numerics) -> Vec<(Cortex, Solution)> {
-        let cell = Cell { epsilon, ..Cell::new(r0) };
-        let (mut y, _) = passive(&cell, numerics).unwrap();
-        let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
-        let mut scratch = NewtonScratch::default();
-        let mut cortex = Cortex::new(&cell, Domain::Half, &[]);
-        let (mut xi, mut out) = (0.0, Vec::new());
-        for &target in targets {
-            while xi < target {
-                xi = f64::min(xi + 0.5, target);
-                cortex.set(Parameter::XiS, xi);
-                Newton::default().solve(&mut system, &mut scratch, &mut cortex, &mut y, &[], false).unwrap();
-            }
-            out.push((cortex.clone(), y.clone()));
+    /// The mirror-symmetric state of a cell at ξ_s.
+    fn symmetric(r0: f64, epsilon: f64, xi_s: f64, numerics: &Numerics) -> (Cortex, Solution) {
+        let below = Cell { epsilon, xi_s: xi_s.min(26.5), ..Cell::new(r0) };
+        let StationaryShape { mut cortex, solution: mut y, .. } = stationary(&below, numerics).unwrap();
+        // A step along the branch would pass these and the fold above them.
+        for xi_s in [27.0, 27.02].into_iter().filter(|close| *close <= xi_s) {
+            cortex.set(Parameter::XiS, xi_s);
+            let (mut system, mut scratch) = (System::new(cortex.dimensions(), y.m), NewtonScratch::default());
+            Newton::default().solve(&mut system, &mut scratch, &mut cortex, &mut y, &[], false).unwrap();
         }
-        out
-    }
-
-    fn state(r0: f64, epsilon: f64, xi: f64, numerics: &Numerics) -> (Cortex, Solution) {
-        symmetric(r0, epsilon, &[xi], numerics).pop().unwrap()
-    }
-
-    /// All residuals as one vector.
-    fn flat(system: &System) -> Vec<f64> {
-        let r = &system.residual;
-        [&r.stages, &r.nodes, &r.left, &r.right, &r.border].into_iter().flatten().copied().collect()
+        (cortex, y)
     }
 
     /// Arnoldi against every finite eigenvalue of the pencil itself, assembled densely by differences of the residual.
     #[test]
     fn agrees_with_the_dense_pencil() {
         let numerics = Numerics { stages: 3, intervals: 12, ..Numerics::default() };
-        let (mut cortex, y) = state(2.0, 0.87, 24.0, &numerics);
+        let (mut cortex, y) = symmetric(2.0, 0.87, 24.0, &numerics);
         let mut system = System::new(cortex.dimensions(), 3);
         let size = y.nodes.len() + y.stages.len() + y.scalars.len();
         let mut derivative = |cortex: &mut Cortex| {
             let mut column = |k: usize, step: f64, cortex: &mut Cortex| {
                 let mut moved = y.clone();
-                let nodes = moved.nodes.len();
-                let stages = moved.stages.len();
-                let value = match k {
-                    k if k < nodes => &mut moved.nodes[k],
-                    k if k < nodes + stages => &mut moved.stages[k - nodes],
-                    k => &mut moved.scalars[k - nodes - stages],
-                };
-                *value += step;
+                let mut values = moved.nodes.iter_mut().chain(&mut moved.stages).chain(&mut moved.scalars);
+                *values.nth(k).unwrap() += step;
                 system.evaluate(cortex, &moved, &[], false);
-                flat(&system)
+                let r = &system.residual;
+                [&r.stages, &r.nodes, &r.left, &r.right, &r.border].into_iter().flatten().copied().collect::<Vec<_>>()
             };
             let mut out = Mat::<f64>::zeros(size, size);
             for k in 0..size {
@@ -532,18 +445,14 @@ mod tests {
         cortex.rate = 0.0;
         let minus = Mat::from_fn(size, size, |i, j| -jacobian[(i, j)]);
         let dense = minus.generalized_eigen(&mass).unwrap();
-        let mut expected: Vec<f64> = (0..size)
-            .map(|i| (dense.S_a()[i], dense.S_b()[i]))
-            .filter(|(a, b)| b.norm() > 1e-8 * a.norm())
-            .map(|(a, b)| a / b)
-            .filter(|x| x.norm() < 1e3)
-            .map(|x| x.re)
-            .collect();
+        let pairs = (0..size).map(|i| (dense.S_a()[i], dense.S_b()[i]));
+        let finite = pairs.filter(|(a, b)| b.norm() > 1e-8 * a.norm()).map(|(a, b)| a / b);
+        let mut expected: Vec<f64> = finite.filter(|x| x.norm() < 1e3).map(|x| x.re).collect();
         expected.sort_by(|a, b| b.total_cmp(a));
         assert!(expected.len() > 3, "{expected:?}");
         let spectrum = Stability::new(3).leading(&cortex, &y).unwrap();
-        let even: Vec<_> = spectrum.values.iter().filter(|v| v.parity == Parity::Even).collect();
-        for (v, e) in even.iter().zip(&expected).take(3) {
+        let even = spectrum.values.iter().filter(|v| v.parity == Parity::Even);
+        for (v, e) in even.zip(&expected).take(3) {
             assert!((v.re - e).abs() < 1e-5 * (1.0 + e.abs()), "{v:?} {expected:?}");
         }
     }
@@ -552,9 +461,8 @@ mod tests {
     #[test]
     fn modes_cross_zero_at_the_bifurcations() {
         let targets = [22.046_88, 22.056_88, 22.066_88, 27.0, 27.02];
-        let states = symmetric(2.0, 0.87, &targets, &Numerics::default());
-        let mut stability = Stability::new(4);
-        let spectra: Vec<Spectrum> = states.iter().map(|(c, y)| stability.leading(c, y).unwrap()).collect();
+        let states = targets.map(|xi_s| symmetric(2.0, 0.87, xi_s, &Numerics::default()));
+        let spectra = states.map(|(cortex, y)| Stability::new(4).leading(&cortex, &y).unwrap());
         let rate = |k: usize, parity| spectra[k].rightmost(Some(parity)).unwrap().re;
         assert!(rate(0, Parity::Odd) < -1e-3 && rate(2, Parity::Odd) > 1e-3);
         assert!(rate(1, Parity::Odd).abs() < 3e-6, "{}", rate(1, Parity::Odd));
@@ -570,7 +478,7 @@ mod tests {
     fn half_and_full_domain_agree() {
         let mut stability = Stability::new(4);
         for (r0, epsilon, xi) in [(2.0, 0.87, 25.0), (1.0, 0.6, 10.0), (5.0, 0.87, 8.0), (2.22, 0.64, 0.0)] {
-            let (cortex, y) = state(r0, epsilon, xi, &Numerics::default());
+            let (cortex, y) = symmetric(r0, epsilon, xi, &Numerics::default());
             let half = stability.leading(&cortex, &y).unwrap();
             let whole = Cortex::new(&cortex.cell, Domain::Full, &[]);
             let unfolded = unfold(&y);

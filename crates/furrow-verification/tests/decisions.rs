@@ -56,9 +56,8 @@ fn mirror_images_rest_as_mirror_images() {
     for cue in ["kappa:band,u0=0.44,omega=0.15,amplitude=0.2", "tension:gradient,amplitude=0.25"] {
         let cell = uneven_cell(2.0, 9.0, cue).unwrap();
         let [one, image] = [cell.clone(), cell.mirrored()].map(|cell| resting(&cell).unwrap().shape);
-        let mut mirrored = vec![0.0; one.components];
         for i in 0..=one.intervals() {
-            mirror(one.node(i), &mut mirrored);
+            let mirrored = mirror(one.node(i));
             let there = image.node(one.intervals() - i);
             largest = mirrored.iter().zip(there).fold(largest, |most, (a, b)| most.max((a - b).abs()));
         }

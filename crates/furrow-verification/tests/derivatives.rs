@@ -247,8 +247,7 @@ fn the_equations_have_no_side() {
         image.past = vec![[one.past[0][0], -one.past[0][1]]];
         for _ in 0..5 {
             let (y, p) = state(&mut draws);
-            let mut mirrored = [0.0; COMPONENTS];
-            mirror(&y, &mut mirrored);
+            let mirrored = mirror(&y);
             let here = values(&one, &y, &p);
             let (mut there, mut g) = (vec![0.0; COMPONENTS], vec![0.0]);
             image.rhs(CollocationPoint { x: 1.0 - AT.x, index: 0 }, &mirrored, &p, &mut there, &mut g);

@@ -7,11 +7,9 @@ mod volumes;
 
 use clap::Subcommand;
 
-use super::interrupt;
+use super::prelude::*;
 use super::tree::grown;
-use crate::cli::prelude::*;
 use furrow_analysis::scenarios_of;
-use furrow_lineage::{Lineage, Tree};
 
 #[derive(Debug, Args)]
 pub struct CompareArgs {

@@ -1,8 +1,6 @@
 //! Why a fit fails.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
-use furrow_lineage::batch::SchedulerError;
+use crate::prelude::*;
 
 /// Why there is no fit.
 #[derive(Debug, thiserror::Error)]

@@ -1,18 +1,16 @@
 //! Stationary shapes over ξ_s: figures 2C to 2F, 2H to 2L, S3 and S4.
 
-use rayon::prelude::*;
-
 use super::context::{Artifact, Figure, Finding, PUBLISHED_ACTIVITY, ReproduceError};
 use super::paper::Statement;
 use super::sweeps::outcomes;
 use crate::constraints::extreme_maxima;
 use crate::diagram::{Diagram, diagram};
-use furrow_cell::{Cell, Parameter, Scheme};
-use furrow_lineage::batch::phase::{PhasePlane, spaced};
-use furrow_lineage::batch::scheduler;
+use crate::prelude::*;
+use furrow_cell::Scheme;
+use furrow_lineage::batch::phase::PhasePlane;
 use furrow_mechanics::calibration::statements::HigherFold;
 use furrow_mechanics::equilibria::critical::critical_value;
-use furrow_mechanics::equilibria::{BranchOptions, curves};
+use furrow_mechanics::equilibria::{StepBudget, curves};
 
 /// Longest step along a branch, for smooth pictures.
 const STEP: f64 = 1.0;
@@ -46,10 +44,10 @@ fn finding(found: &Diagram, statement: &Statement) -> Option<Finding> {
     let threshold = pitchfork.map(|found| found.point.xi_s);
     match id.split('_').next()? {
         "threshold" => Some(threshold.map_or_else(missing, |threshold| Finding::new(id, threshold))),
-        "opening" => Some(match found.scaling {
-            Some(scaling) => Finding::new(id, scaling.exponent),
-            None => Finding::not_computed(id, "no asymmetric branch"),
-        }),
+        "opening" => {
+            let missing = || Finding::not_computed(id, "no asymmetric branch");
+            Some(found.scaling.map_or_else(missing, |scaling| Finding::new(id, scaling.exponent)))
+        }
         "window" => {
             let fold = symmetric.folds().find(|fold| fold.maximum).map(|fold| fold.point.xi_s);
             Some(match (threshold, fold) {
@@ -99,7 +97,8 @@ pub fn shapes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
 pub fn over_confinement(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     shapes(figure)?;
     let (cell, numerics) = (figure.context.cell(2.22, 0.895), figure.context.numerics(Scheme::Converged));
-    let pitchfork = critical_value(&cell, &numerics, Parameter::Epsilon, &[0.895, 0.85, 0.76]);
+    let pitchfork =
+        critical_value(&cell, &numerics, Parameter::Epsilon, &[0.895, 0.85, 0.76], &StepBudget::unlimited());
     figure.number(ON_CURVE, pitchfork.map(|(_, point)| point.value));
     let (across, up) = (spaced(0.54, 0.92, 20), spaced(3.0, 27.0, 9));
     let plane = PhasePlane { cell, numerics, parameter: Parameter::Epsilon, across, up, seed: 0 };
@@ -116,19 +115,18 @@ pub fn over_radius(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let (cell, numerics) = (figure.context.cell(2.0, 0.87), figure.context.converged());
     let both = curves::pitchfork_curve(&cell, &numerics, Parameter::R0, RADII)
         .and_then(|pitchforks| Ok((pitchforks, curves::fold_curves(&cell, &numerics, Parameter::R0, RADII)?)));
-    match both {
-        Ok((pitchforks, folds)) => {
-            let ends = pitchforks.points.first().zip(pitchforks.points.last());
-            let range = ends.map_or(String::new(), |(a, b)| format!("ξ_s* = {:.2} to {:.2}", a.xi_s, b.xi_s));
-            let changes: Vec<String> = pitchforks.degenerate.iter().map(|p| format!("{:.3}", p.r0)).collect();
-            let changes = match changes.is_empty() {
-                true => "one kind throughout".to_owned(),
-                false => format!("the kind changes at R0 = {}", changes.join(", ")),
-            };
-            figure.report("curves", format!("{range}; {changes}"));
-            figure.show("S3", Artifact::Boundary(cell, RADII, pitchforks, folds));
-        }
-        Err(error) => figure.report("curves", format!("not computed: {error}")),
-    }
+    let (pitchforks, folds) = match both {
+        Ok(both) => both,
+        Err(error) => return Ok(figure.report("curves", format!("not computed: {error}"))),
+    };
+    let ends = pitchforks.points.first().zip(pitchforks.points.last());
+    let range = ends.map_or(String::new(), |(a, b)| format!("ξ_s* = {:.2} to {:.2}", a.xi_s, b.xi_s));
+    let changes: Vec<String> = pitchforks.degenerate.iter().map(|p| format!("{:.3}", p.r0)).collect();
+    let changes = match changes.is_empty() {
+        true => "one kind throughout".to_owned(),
+        false => format!("the kind changes at R0 = {}", changes.join(", ")),
+    };
+    figure.report("curves", format!("{range}; {changes}"));
+    figure.show("S3", Artifact::Boundary(cell, RADII, pitchforks, folds));
     Ok(())
 }

@@ -1,9 +1,7 @@
 //! What makes two divisions the same: canonical bytes of the input, hashed.
 
-use std::{
-    collections::HashMap,
-    hash::{BuildHasherDefault, Hasher},
-};
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 
 use furrow_cell::cue::profile::NAMES;
 use furrow_cell::cue::{Field, Quantity, Term, Width};
@@ -20,7 +18,7 @@ pub const SOLVER_VERSION: u32 = 1;
 const LAYOUT: [u8; 12] = [1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
 
 /// Hash of everything a division depends on but the solver.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Key([u8; 32]);
 
 impl Key {
@@ -51,12 +49,6 @@ impl Key {
     }
 }
 
-impl std::fmt::Debug for Key {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Key({:016x}…)", self.prefix().swap_bytes())
-    }
-}
-
 /// The bytes a key is the hash of: little-endian, with one form for each value.
 struct CanonicalBytes(Vec<u8>);
 
@@ -82,10 +74,7 @@ impl CanonicalBytes {
         let Material { kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient } = *material;
         let Shell { aspect, p0, w } = *shell;
         self.reals([*r0, *epsilon, *xi_s, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, aspect, p0, w]);
-        self.choice(match rigidity_gradient {
-            RigidityGradient::Full => 0,
-            RigidityGradient::Dropped => 1,
-        });
+        self.choice(usize::from(rigidity_gradient == RigidityGradient::Dropped));
         self.cue(cue);
     }
 
@@ -104,24 +93,33 @@ impl CanonicalBytes {
     }
 
     fn numerics(&mut self, numerics: &Numerics) {
-        let Numerics {
-            stages,
-            intervals,
-            scheme,
-            dt,
-            first_step,
-            time_tolerance,
-            step_factor,
-            t_max,
-            noise,
-            chi_symmetric,
-        } = *numerics;
-        self.count(stages as u64);
-        self.count(intervals as u64);
+        let (counts, scheme, mut reals) = numbers(numerics);
+        counts.into_iter().for_each(|number| self.count(number as u64));
         // The converged scheme does not use `dt`.
-        let dt = if scheme == Scheme::Published { dt } else { 0.0 };
-        self.reals([dt, first_step, time_tolerance, step_factor, t_max, noise, chi_symmetric]);
+        if scheme != Scheme::Published {
+            reals[0] = 0.0;
+        }
+        self.reals(reals);
     }
+}
+
+/// Everything that a discretisation says: stages and intervals, the scheme, the reals from `dt` to `chi_symmetric`.
+pub(super) fn numbers(numerics: &Numerics) -> ([usize; 2], Scheme, [f64; 7]) {
+    // Without `..`: a new field does not compile until it has its place.
+    let Numerics {
+        stages,
+        intervals,
+        scheme,
+        dt,
+        first_step,
+        time_tolerance,
+        step_factor,
+        t_max,
+        noise,
+        chi_symmetric,
+    } = *numerics;
+    let reals = [dt, first_step, time_tolerance, step_factor, t_max, noise, chi_symmetric];
+    ([stages, intervals], scheme, reals)
 }
 
 /// A table by key.
@@ -151,55 +149,41 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::batch::fake::input;
+    use furrow_cell::Parameter;
 
-    fn input(r0: f64) -> DivisionInput {
-        DivisionInput { seed: 1, ..DivisionInput::new(Cell::new(r0)) }
-    }
-
-    /// The places where an input can differ, each as a setter.
-    fn setters() -> Vec<fn(&mut DivisionInput, f64)> {
-        vec![
-            |i, x| i.cell.material.kappa = x,
-            |i, x| i.cell.material.eta_b = x,
-            |i, x| i.cell.material.eta_s = x,
-            |i, x| i.cell.material.friction = x,
-            |i, x| i.cell.material.tension = x,
-            |i, x| i.cell.xi_s = x,
-            |i, x| i.cell.material.xi_ratio = x,
-            |i, x| i.cell.material.gain = x,
-            |i, x| i.cell.shell.aspect = x,
-            |i, x| i.cell.shell.p0 = x,
-            |i, x| i.cell.shell.w = x,
-            |i, x| i.cell.epsilon = x,
-            |i, x| i.numerics.time_tolerance = x,
-            |i, x| i.numerics.step_factor = x,
-            |i, x| i.numerics.t_max = x,
-            |i, x| i.numerics.chi_symmetric = x,
-            |i, x| i.numerics.noise = x,
-            |i, x| i.cell.r0 = x,
-            |i, x| i.cell.cue = Cue::kappa_band(x, 0.1, 0.1),
-            |i, x| i.cell.cue = Cue::kappa_band(0.1, x, 0.1),
-            |i, x| i.cell.cue = Cue::kappa_band(0.1, 0.1, x),
-        ]
+    /// Sets one of the numbers in which inputs can differ: the cell's 13, five of the numerics', three of a cue's.
+    fn set(input: &mut DivisionInput, place: usize, x: f64) {
+        let DivisionInput { cell, numerics, .. } = input;
+        match place {
+            0..13 => Parameter::ALL[place].set(cell, x),
+            13 => numerics.time_tolerance = x,
+            14 => numerics.step_factor = x,
+            15 => numerics.t_max = x,
+            16 => numerics.chi_symmetric = x,
+            17 => numerics.noise = x,
+            18 => cell.cue = Cue::kappa_band(x, 0.1, 0.1),
+            19 => cell.cue = Cue::kappa_band(0.1, x, 0.1),
+            _ => cell.cue = Cue::kappa_band(0.1, 0.1, x),
+        }
     }
 
     proptest! {
         #[test]
         fn equal_keys_mean_equal_values(place in 0..21_usize, a in -10.0..10.0_f64, b in -10.0..10.0_f64) {
-            let set = setters()[place];
             let (mut left, mut right) = (input(2.0), input(2.0));
-            set(&mut left, a);
-            set(&mut right, b);
+            set(&mut left, place, a);
+            set(&mut right, place, b);
             prop_assert_eq!(Key::new(&left) == Key::new(&right), a == b);
-            set(&mut right, a);
+            set(&mut right, place, a);
             prop_assert_eq!(Key::new(&left), Key::new(&right));
         }
 
         #[test]
         fn a_value_in_two_places_gives_two_keys(p in 0..18_usize, q in 0..18_usize, x in 20.0..30.0_f64) {
             let (mut left, mut right) = (input(2.0), input(2.0));
-            setters()[p](&mut left, x);
-            setters()[q](&mut right, x);
+            set(&mut left, p, x);
+            set(&mut right, q, x);
             prop_assert_eq!(Key::new(&left) == Key::new(&right), p == q || x == 25.0);
         }
     }

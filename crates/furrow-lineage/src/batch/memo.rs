@@ -4,19 +4,16 @@
 //! it; all others leave the sending end of a channel and go on with other work. Nobody blocks on a key, and no lock of
 //! the table is held while solving, sending or reading the store.
 
-use std::{
-    hash::BuildHasherDefault,
-    panic::{AssertUnwindSafe, catch_unwind},
-    sync::{Arc, mpsc::Sender},
-};
+use std::hash::BuildHasherDefault;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, mpsc::Sender};
 
 use dashmap::{DashMap, Entry};
 
-use super::{
-    key::{Key, PrefixHasher},
-    quantisation::Quantisation,
-    store::Store,
-};
+use super::key::{Key, PrefixHasher};
+use super::quantisation::Quantisation;
+use super::scheduler::Solve;
+use super::store::Store;
 use furrow_cell::Cell;
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
 
@@ -36,15 +33,11 @@ enum Slot {
 }
 
 /// What workers send to those who wait.
+#[expect(missing_docs, reason = "the names of the fields say it")]
 #[derive(Clone, Debug)]
 pub enum Event {
     /// The end of a lease.
-    Completed {
-        /// The key waited for.
-        key: Key,
-        /// What became of it.
-        completion: Completion,
-    },
+    Completed { key: Key, completion: Completion },
     /// The preparation of a job of this number is done. The memo itself sends none.
     Prepared(usize),
 }
@@ -52,10 +45,13 @@ pub enum Event {
 /// What became of a key that was in flight.
 #[derive(Clone, Debug)]
 pub enum Completion {
-    /// Solved, just now.
-    Solved(Arc<Division>),
-    /// Another process solved it meanwhile.
-    Stored(Arc<Division>),
+    /// Solved just now, or read from the store: another process solved it meanwhile.
+    Known {
+        /// The division.
+        division: Arc<Division>,
+        /// Whether it came from the store.
+        stored: bool,
+    },
     /// Could not be solved.
     Failed(Failure),
     /// The lease was dropped; ask again.
@@ -78,9 +74,12 @@ pub enum Failure {
 #[derive(Debug)]
 pub enum Request<'m> {
     /// Known.
-    Known(Arc<Division>),
-    /// Known to the store, and now to the memo.
-    Stored(Arc<Division>),
+    Known {
+        /// The division.
+        division: Arc<Division>,
+        /// Whether it came from the store just now.
+        stored: bool,
+    },
     /// Being solved by another; an [`Event`] will come.
     Pending,
     /// The caller is to solve it. An [`Event`] comes to the caller as well.
@@ -130,11 +129,8 @@ impl Memo {
         let canonical = self.canonical(input);
         let key = Key::new(&canonical);
         let here = self.table.get(&key).map(|slot| slot.solved());
-        let division = match here {
-            Some(here) => here?,
-            None => self.stored(&key)?,
-        };
-        Some(scaled(&division, input.cell.r0 / canonical.cell.r0))
+        let division = here.unwrap_or_else(|| self.stored(&key))?;
+        Some(division.as_ref().clone().with_daughters_scaled(input.cell.r0 / canonical.cell.r0))
     }
 
     /// Divisions known.
@@ -152,7 +148,7 @@ impl Memo {
         let stored = if self.table.contains_key(&key) { None } else { self.stored(&key) };
         match (self.table.entry(key), stored) {
             (Entry::Occupied(mut occupied), _) => match occupied.get_mut() {
-                Slot::Solved(division) => Request::Known(Arc::clone(division)),
+                Slot::Solved(division) => Request::Known { division: Arc::clone(division), stored: false },
                 Slot::InFlight(waiters) => {
                     waiters.push(waiter.clone());
                     Request::Pending
@@ -160,7 +156,7 @@ impl Memo {
             },
             (Entry::Vacant(vacant), Some(division)) => {
                 vacant.insert(Slot::Solved(Arc::clone(&division)));
-                Request::Stored(division)
+                Request::Known { division, stored: true }
             }
             (Entry::Vacant(vacant), None) => {
                 vacant.insert(Slot::InFlight(vec![waiter.clone()]));
@@ -183,12 +179,6 @@ impl Slot {
     }
 }
 
-/// A division as it is handed to a cell of `factor` times the radius that was solved. The daughters' radii go with the
-/// cell's, so that no volume is lost to rounding.
-pub(super) fn scaled(division: &Division, factor: f64) -> Division {
-    division.clone().with_daughters_scaled(factor)
-}
-
 /// The duty to solve one division, held by exactly one at a time. Dropped unused, it lets the waiters ask again.
 #[derive(Debug)]
 pub struct Lease<'m> {
@@ -204,17 +194,17 @@ impl Lease<'_> {
     }
 
     /// Solves `input` unless another process has done so meanwhile, stores the result, and tells the waiters.
-    pub fn solve(mut self, input: &DivisionInput, solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError>) {
+    pub fn solve(mut self, input: &DivisionInput, solve: impl Solve) {
         self.open = false;
         let completion = match self.memo.stored(&self.key) {
-            Some(division) => Completion::Stored(division),
+            Some(division) => Completion::Known { division, stored: true },
             // A panic must not take the pool, and with it the process, down: it would lose what the others solve.
             None => match catch_unwind(AssertUnwindSafe(|| solve(input))) {
                 Ok(Ok(division)) => {
                     if let Some(store) = &self.memo.store {
                         store.commit(&self.key, input, &division);
                     }
-                    Completion::Solved(Arc::new(division))
+                    Completion::Known { division: Arc::new(division), stored: false }
                 }
                 Ok(Err(error)) => Completion::Failed(Failure::Unsolved(error)),
                 Err(payload) => Completion::Failed(Failure::Panicked(panic_text(payload.as_ref()))),
@@ -226,9 +216,7 @@ impl Lease<'_> {
     /// Replaces the slot in flight and tells those who wait for it. Failures are not remembered.
     fn complete(&self, completion: Completion) {
         let before = match &completion {
-            Completion::Solved(division) | Completion::Stored(division) => {
-                self.memo.table.insert(self.key, Slot::Solved(Arc::clone(division)))
-            }
+            Completion::Known { division, .. } => self.memo.table.insert(self.key, Slot::Solved(Arc::clone(division))),
             Completion::Failed(_) | Completion::Abandoned => self.memo.table.remove(&self.key).map(|(_, slot)| slot),
         };
         let Some(Slot::InFlight(waiters)) = before else { return };
@@ -254,13 +242,12 @@ fn panic_text(payload: &(dyn std::any::Any + Send)) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::batch::fake;
 
     #[test]
     fn the_daughters_of_a_scaled_division_have_its_volume() {
         let division = fake::divide(&fake::input(2.0)).with_daughters_of(2.0);
-        let larger = scaled(&division, 1.001);
+        let larger = division.clone().with_daughters_scaled(1.001);
         let volume: f64 = larger.daughters().unwrap().iter().map(|r0| r0.powi(3)).sum();
         assert!((volume / 2.002_f64.powi(3) - 1.0).abs() < 1e-14);
         assert_eq!(larger.with_daughters_of(2.0), division);

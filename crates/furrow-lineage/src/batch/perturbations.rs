@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::scheduler::{self, SchedulerError};
+use super::scheduler::{self, Result};
 use furrow_mechanics::division::{DivisionInput, DivisionOptions};
 use furrow_mechanics::equilibria::stationary;
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, perturb};
@@ -20,12 +20,7 @@ pub struct Disturbed {
 ///
 /// # Errors
 /// No workers can be started; that there is no stationary shape, is the answer of every seed.
-pub fn perturbations(
-    input: &DivisionInput,
-    count: usize,
-    until: f64,
-    threads: usize,
-) -> Result<Vec<Disturbed>, SchedulerError> {
+pub fn perturbations(input: &DivisionInput, count: usize, until: f64, threads: usize) -> Result<Vec<Disturbed>> {
     let start = stationary(&input.cell, &input.numerics);
     let one = |k: usize| {
         let seed = input.seed.wrapping_add(k as u64);

@@ -132,10 +132,8 @@ impl PhasePlane {
         let xi_max = 1.01 * self.up.iter().copied().fold(0.0, f64::max) + 0.1;
         let column = |&x: &f64| {
             let found = rest_shapes(&self.cell_at(x), &self.numerics, xi_max);
-            let (RestShapes { intervals, edges }, error) = match found {
-                Ok(shapes) => (shapes, None),
-                Err(error) => (RestShapes::default(), Some(error)),
-            };
+            let error = found.as_ref().err().cloned();
+            let RestShapes { intervals, edges } = found.unwrap_or_default();
             Column { x, at_rest: intervals, edges, error }
         };
         let pool = scheduler::pool(threads)?;
@@ -149,25 +147,21 @@ impl PhasePlane {
     /// [`PhaseDiagram::undecided`], and [`Summary::interrupted`] tells whether the run was stopped.
     pub fn compute(&self, memo: &Memo, options: &SchedulerOptions<'_>) -> Result<PhaseDiagram, SchedulerError> {
         let columns = self.columns(options.threads)?;
+        let points = || columns.iter().flat_map(|column| self.up.iter().map(move |xi_s| (column, *xi_s)));
         let rests = |column: &Column, xi_s: f64| column.at_rest.iter().any(|[a, b]| (*a..=*b).contains(&xi_s));
-        let points: Vec<(&Column, f64)> =
-            columns.iter().flat_map(|column| self.up.iter().map(move |xi_s| (column, *xi_s))).collect();
-        let moving = points.iter().filter(|(column, xi_s)| !rests(column, *xi_s));
-        let inputs = moving.map(|(column, xi_s)| {
-            let cell = Cell { xi_s: *xi_s, ..self.cell_at(column.x) };
+        let inputs = points().filter(|(column, xi_s)| !rests(column, *xi_s)).map(|(column, xi_s)| {
+            let cell = Cell { xi_s, ..self.cell_at(column.x) };
             DivisionInput { cell, numerics: self.numerics, seed: self.seed }
         });
         let Solved { divisions, unsolved, summary } = scheduler::solve_all(inputs, memo, options, divide)?;
         let undecided = unsolved.first().map(|job| (job.failure.clone(), unsolved.len()));
         let mut divisions = divisions.into_iter();
-        let cells = points.iter().map(|(column, xi_s)| {
-            if rests(column, *xi_s) {
-                point(column.x, *xi_s, Evidence::Curves, None)
-            } else {
-                point(column.x, *xi_s, Evidence::Division, divisions.next().flatten().as_ref())
-            }
-        });
-        Ok(PhaseDiagram { cells: cells.collect(), columns: columns.clone(), undecided, summary })
+        let cell = |(column, xi_s): (&Column, f64)| match rests(column, xi_s) {
+            true => point(column.x, xi_s, Evidence::Curves, None),
+            false => point(column.x, xi_s, Evidence::Division, divisions.next().flatten().as_ref()),
+        };
+        let cells = points().map(cell).collect();
+        Ok(PhaseDiagram { cells, columns, undecided, summary })
     }
 }
 

@@ -85,10 +85,10 @@ pub fn tolerance() -> f64 {
 }
 
 /// Refuses numbers that no cell has; `name` is the statement's place in the file.
-pub(super) fn check_cell(source_name: &str, name: &str, numbers: &[(&str, f64)]) -> Result<(), InputError> {
+pub(super) fn check_numbers(source_name: &str, name: &str, numbers: &[(&str, f64)]) -> Result<(), InputError> {
     for (field, value) in numbers {
         let (ok, allowed) = match *field {
-            "epsilon" => (*value > 0.0 && *value < 1.0, "above 0 and below 1"),
+            "epsilon" | "tolerance" => (*value > 0.0 && *value < 1.0, "above 0 and below 1"),
             _ => (value.is_finite() && *value > 0.0, "a finite number above 0"),
         };
         if !ok {

@@ -46,7 +46,7 @@ impl Directional for Cortex {
     }
 
     fn second_offset(&self, prepared: &Self::Second, _k: usize) -> f64 {
-        -self.domain.share() * prepared.constants.volume.eps1eps2
+        -self.domain.end() * prepared.constants.volume.eps1eps2
     }
 
     fn prepare_third(&self, p: &[f64], a: &[f64]) -> Self::Third {

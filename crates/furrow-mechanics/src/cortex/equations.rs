@@ -56,17 +56,9 @@ pub enum Domain {
 }
 
 impl Domain {
-    /// Right end of the mesh.
+    /// Right end of the mesh, and its part of the whole cell.
     pub fn end(self) -> f64 {
-        match self {
-            Domain::Full => 1.0,
-            Domain::Half => 0.5,
-        }
-    }
-
-    /// Its part of the whole cell.
-    pub fn share(self) -> f64 {
-        self.end()
+        if self == Domain::Full { 1.0 } else { 0.5 }
     }
 
     /// The part that suffices for a cell: half of it if it is mirror-symmetric and its shape too.

@@ -174,17 +174,12 @@ impl Cortex {
         out
     }
 
-    /// The factor on the activity at a collocation point.
-    fn noise_at(&self, at: CollocationPoint) -> f64 {
-        self.noise.get(at.index).copied().unwrap_or(1.0)
-    }
-
     /// Columns of ∂f/∂p for L, where the cue's widths bring it in by more than the factor L, and for the free parameters.
     fn scalar_columns(&self, at: CollocationPoint, y: &[f64], p: &[f64], fp: &mut [f64]) {
         let scalars = SHAPE_SCALARS + self.free.len();
         let state: [Dual64; COMPONENTS] = std::array::from_fn(|i| Dual64::from_re(y[i]));
         let [length, pressure] = [p[LENGTH], p[PRESSURE]].map(Dual64::from_re);
-        let (motion, noise) = (self.motion(at), self.noise_at(at));
+        let (motion, noise) = (self.motion(at), self.noise.get(at.index).copied().unwrap_or(1.0));
         let mut put = |column: usize, constants: &Constants<Dual64>, length: Dual64| {
             let (f, _) = equations(constants, at.x, motion, noise, &state, length, pressure);
             for i in 0..COMPONENTS {
@@ -217,13 +212,10 @@ impl BoundaryValueProblem for Cortex {
     }
 
     fn prepare(&mut self, p: &[f64]) {
-        if self.free.is_empty() {
-            return;
+        if !self.free.is_empty() {
+            self.free.iter().zip(&p[SHAPE_SCALARS..]).for_each(|(free, value)| free.set(&mut self.cell, *value));
+            self.refresh();
         }
-        for k in 0..self.free.len() {
-            self.free[k].set(&mut self.cell, p[SHAPE_SCALARS + k]);
-        }
-        self.refresh();
     }
 
     fn prepare_points(&mut self, x: &[f64], p: &[f64]) {
@@ -283,7 +275,7 @@ impl BoundaryValueProblem for Cortex {
     }
 
     fn integral_offset(&self, _k: usize, _p: &[f64], hp: &mut [f64]) -> f64 {
-        let share = self.domain.share();
+        let share = self.domain.end();
         for (k, constants) in self.sensitivities.iter().enumerate() {
             hp[SHAPE_SCALARS + k] = -share * constants.volume.eps;
         }

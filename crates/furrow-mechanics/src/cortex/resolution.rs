@@ -42,18 +42,13 @@ pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<
         weight.push(largest + steepness(cortex, from, to, length));
     }
     if symmetric {
-        average_with_mirror(weight);
+        let n = weight.len();
+        for i in 0..n / 2 {
+            let both = 0.5 * (weight[i] + weight[n - 1 - i]);
+            (weight[i], weight[n - 1 - i]) = (both, both);
+        }
     }
     spread(&y.mesh, end, weight);
-}
-
-fn average_with_mirror(weight: &mut [f64]) {
-    let n = weight.len();
-    for i in 0..n / 2 {
-        let both = 0.5 * (weight[i] + weight[n - 1 - i]);
-        weight[i] = both;
-        weight[n - 1 - i] = both;
-    }
 }
 
 /// Lifts the weights to their floor and lets the interval widths they ask for vary gently: the wanted width 1/w may grow

@@ -37,11 +37,13 @@ impl MirrorSymmetric for Cortex {
 }
 
 /// The state at 1 − u of the mirrored shape.
-pub fn mirror(y: &[f64], out: &mut [f64]) {
+pub fn mirror(y: &[f64]) -> [f64; COMPONENTS] {
+    let mut out = [0.0; COMPONENTS];
     out.copy_from_slice(y);
     for component in ODD {
         out[component] = 2.0 * CENTRE[component] - y[component];
     }
+    out
 }
 
 /// A direction at 1 − u that belongs to an antisymmetric one at u: what is even changes sign, what is odd does not.
@@ -56,42 +58,22 @@ fn mirror_antisymmetric(y: &[f64]) -> [f64; COMPONENTS] {
 
 /// The full contour of a mirror-symmetric half.
 pub fn unfold(half: &Solution) -> Solution {
-    let n = half.intervals();
-    let mut grid = half.mesh.clone();
-    for i in (0..n).rev() {
-        grid.push(1.0 - half.mesh[i]);
-    }
-    let mut mirrored = [0.0; COMPONENTS];
-    let mut full = Solution {
-        components: COMPONENTS,
-        m: half.m,
-        mesh: grid,
-        nodes: half.nodes.clone(),
-        stages: half.stages.clone(),
-        scalars: half.scalars.clone(),
-    };
-    for i in (0..n).rev() {
-        mirror(half.node(i), &mut mirrored);
-        full.nodes.extend_from_slice(&mirrored);
-        for j in (0..half.m).rev() {
-            mirror(half.stage(i, j), &mut mirrored);
-            full.stages.extend_from_slice(&mirrored);
-        }
-    }
-    full
+    let (n, mut mesh) = (half.intervals(), half.mesh.clone());
+    mesh.extend(half.mesh[..n].iter().rev().map(|u| 1.0 - u));
+    let (nodes, stages) = (with_images(&half.nodes, n, mirror), with_images(&half.stages, n * half.m, mirror));
+    Solution { mesh, nodes, stages, scalars: half.scalars.clone(), ..*half }
+}
+
+/// The states of a half, and behind them the images of so many of them, from the last to the first.
+fn with_images(half: &[f64], points: usize, image: fn(&[f64]) -> [f64; COMPONENTS]) -> Vec<f64> {
+    let images = half[..points * COMPONENTS].rchunks_exact(COMPONENTS).flat_map(image);
+    half.iter().copied().chain(images).collect()
 }
 
 /// An antisymmetric direction of the half contour on the full one, with `scalars` scalar unknowns that it leaves alone.
 pub fn unfold_antisymmetric(half: &Direction, scalars: usize) -> Direction {
-    let mut full = Direction { nodes: half.nodes.clone(), stages: half.stages.clone(), scalars: vec![0.0; scalars] };
-    let nodes = half.nodes.len() / COMPONENTS;
-    for i in (0..nodes - 1).rev() {
-        full.nodes.extend(mirror_antisymmetric(&half.nodes[i * COMPONENTS..(i + 1) * COMPONENTS]));
-    }
-    for stage in half.stages.rchunks_exact(COMPONENTS) {
-        full.stages.extend(mirror_antisymmetric(stage));
-    }
-    full
+    let of = |half: &[f64], centre: usize| with_images(half, half.len() / COMPONENTS - centre, mirror_antisymmetric);
+    Direction { nodes: of(&half.nodes, 1), stages: of(&half.stages, 0), scalars: vec![0.0; scalars] }
 }
 
 /// Whether a mesh of the whole contour has a node at u = ½ and mirror-symmetric ones about it, but for roundings.
@@ -119,9 +101,8 @@ fn split(full: &[f64], even: &mut Vec<f64>, odd: &mut Vec<f64>) {
     odd.resize(points * COMPONENTS, 0.0);
     let parts = even.chunks_exact_mut(COMPONENTS).zip(odd.chunks_exact_mut(COMPONENTS));
     let places = full.chunks_exact(COMPONENTS).zip(full.rchunks_exact(COMPONENTS));
-    let mut mirrored = [0.0; COMPONENTS];
     for ((even, odd), (here, there)) in parts.zip(places) {
-        mirror(there, &mut mirrored);
+        let mirrored = mirror(there);
         for k in 0..COMPONENTS {
             even[k] = 0.5 * (here[k] + mirrored[k]);
             odd[k] = 0.5 * (here[k] - mirrored[k]);
@@ -138,10 +119,8 @@ pub fn join(even: &Solution, odd: &Direction, full: &mut Solution) {
 
 fn join_states(even: &[f64], odd: &[f64], full: &mut [f64]) {
     let end = full.len() - COMPONENTS;
-    let mut mirrored = [0.0; COMPONENTS];
     for (i, (even, odd)) in even.chunks_exact(COMPONENTS).zip(odd.chunks_exact(COMPONENTS)).enumerate() {
-        mirror(even, &mut mirrored);
-        let there = mirror_antisymmetric(odd);
+        let (mirrored, there) = (mirror(even), mirror_antisymmetric(odd));
         let here = i * COMPONENTS;
         for k in 0..COMPONENTS {
             full[end - here + k] = mirrored[k] + there[k];

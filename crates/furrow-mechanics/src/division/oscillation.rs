@@ -14,15 +14,6 @@ const SCATTER: f64 = 0.2;
 /// Least change of the contour's length in a cycle, relative to it: a shape at rest moves by rounding.
 const LEAST: f64 = 1e-4;
 
-/// One cycle.
-#[derive(Clone, Copy, Debug)]
-struct Cycle {
-    /// Time from its first maximum to the next, in τ.
-    period: f64,
-    /// Relative change of length in it.
-    swing: f64,
-}
-
 /// The length of a contour over time.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Oscillation {
@@ -32,8 +23,8 @@ pub(super) struct Oscillation {
     peak: Option<f64>,
     /// Least length since.
     least: f64,
-    /// The last cycles, oldest first.
-    cycles: Vec<Cycle>,
+    /// Of the last cycles, oldest first: the time from one maximum to the next, in τ, and the relative change of length.
+    cycles: Vec<[f64; 2]>,
 }
 
 impl Oscillation {
@@ -48,7 +39,7 @@ impl Oscillation {
         self.recent.truncate(2);
         let (at, most) = peaked?;
         if let Some(last) = self.peak.replace(at) {
-            self.cycles.push(Cycle { period: at - last, swing: (most - self.least) / most });
+            self.cycles.push([at - last, (most - self.least) / most]);
         }
         self.least = most;
         if self.cycles.len() > CYCLES {
@@ -58,17 +49,17 @@ impl Oscillation {
     }
 
     fn period(&self) -> Option<f64> {
-        if self.cycles.len() < CYCLES || self.cycles.iter().any(|cycle| cycle.swing < LEAST) {
+        if self.cycles.len() < CYCLES || self.cycles.iter().any(|[_, swing]| *swing < LEAST) {
             return None;
         }
-        let mean = |of: &[Cycle], get: fn(&Cycle) -> f64| of.iter().map(get).sum::<f64>() / of.len() as f64;
+        let mean = |of: &[[f64; 2]], k: usize| of.iter().map(|cycle| cycle[k]).sum::<f64>() / of.len() as f64;
         let (older, younger) = self.cycles.split_at(CYCLES / 2);
-        let steady = |get: fn(&Cycle) -> f64| {
-            let all = mean(&self.cycles, get);
-            let scattered = self.cycles.iter().any(|cycle| (get(cycle) - all).abs() > SCATTER * all);
-            !scattered && (mean(older, get) - mean(younger, get)).abs() < SAME * all
+        let steady = |k: usize| {
+            let all = mean(&self.cycles, k);
+            let scattered = self.cycles.iter().any(|cycle| (cycle[k] - all).abs() > SCATTER * all);
+            !scattered && (mean(older, k) - mean(younger, k)).abs() < SAME * all
         };
-        (steady(|cycle| cycle.period) && steady(|cycle| cycle.swing)).then(|| mean(younger, |cycle| cycle.period))
+        (steady(0) && steady(1)).then(|| mean(younger, 0))
     }
 }
 

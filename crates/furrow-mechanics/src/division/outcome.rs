@@ -92,34 +92,22 @@ impl Division {
 
     /// χ with the sign of [`Ending::Divided`]; none if the cell did not divide.
     pub fn chi_signed(&self) -> Option<f64> {
-        match self.ending {
-            Ending::Divided { chi_signed, .. } => Some(chi_signed),
-            Ending::Arrested { .. } => None,
-        }
+        if let Ending::Divided { chi_signed, .. } = self.ending { Some(chi_signed) } else { None }
     }
 
     /// Furrow position in arclength fraction from the pole u = 0; none if the cell did not divide.
     pub fn u_furrow(&self) -> Option<f64> {
-        match self.ending {
-            Ending::Divided { u_furrow, .. } => Some(u_furrow),
-            Ending::Arrested { .. } => None,
-        }
+        if let Ending::Divided { u_furrow, .. } = self.ending { Some(u_furrow) } else { None }
     }
 
     /// Radii R0 of the daughters from u below and above the furrow, in L_h; none if the cell did not divide.
     pub fn daughters(&self) -> Option<[f64; 2]> {
-        match self.ending {
-            Ending::Divided { daughters, .. } => Some(daughters),
-            Ending::Arrested { .. } => None,
-        }
+        if let Ending::Divided { daughters, .. } = self.ending { Some(daughters) } else { None }
     }
 
     /// Leading growth rate of the shape in which an undivided cell rests, in 1/τ.
     pub fn growth_rate(&self) -> Option<f64> {
-        match self.ending {
-            Ending::Divided { .. } => None,
-            Ending::Arrested { growth_rate } => growth_rate,
-        }
+        if let Ending::Arrested { growth_rate } = self.ending { growth_rate } else { None }
     }
 
     /// Volumes of the daughters from u below and above the furrow, as parts of the mother's; none if it did not divide.
@@ -151,7 +139,8 @@ impl Division {
         self
     }
 
-    /// The same division with daughters' radii `factor` times as large.
+    /// The same division as it is handed to a cell of `factor` times the radius that was solved: the daughters' radii go with
+    /// the cell's, so that no volume is lost to rounding.
     pub fn with_daughters_scaled(mut self, factor: f64) -> Division {
         if let Ending::Divided { daughters, .. } = &mut self.ending {
             *daughters = daughters.map(|r0| r0 * factor);
@@ -165,18 +154,18 @@ impl Division {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DivisionRow {
     pub outcome: Outcome,
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub chi: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub chi_signed: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub u_furrow: Option<f64>,
     pub t_end: f64,
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub daughters: Option<[f64; 2]>,
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub growth_rate: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none", default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub slow_growth_rate: Option<f64>,
     pub volume_drift: f64,
     #[serde(flatten)]
@@ -229,102 +218,48 @@ pub enum StepFailure {
 }
 
 /// Why a division could not be computed.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DivisionError {
     /// An input is outside its domain.
     #[error("{field} = {value}: {allowed}")]
-    BadInput {
-        /// Name of the field.
-        field: &'static str,
-        /// Its value.
-        value: f64,
-        /// What is allowed.
-        allowed: &'static str,
-    },
+    BadInput { field: &'static str, value: f64, allowed: &'static str },
     /// The passive shape was not found.
     #[error("no passive shape found for {cell} ({source}); {}", cell.advice())]
-    NoPassiveShape {
-        /// The cell.
-        cell: CellName,
-        /// What the solver said.
-        source: NewtonError,
-    },
+    NoPassiveShape { cell: CellName, source: NewtonError },
     /// The start shape did not converge on the division's mesh.
     #[error(
         "the stationary shape of {cell} did not converge on the division's mesh ({source}); try more mesh intervals"
     )]
-    NotStationary {
-        /// The cell.
-        cell: CellName,
-        /// What the solver said.
-        source: NewtonError,
-    },
+    NotStationary { cell: CellName, source: NewtonError },
     /// The time step fell below its minimum.
     #[error(
         "time stepping of the cell with R0 = {r0} stalled at t = {t:.3e} with step {dt:.1e} ({source}); {}",
         advice_on_steps(*r0)
     )]
-    Stalled {
-        /// Radius R0.
-        r0: f64,
-        /// Time reached, in τ.
-        t: f64,
-        /// Last step tried, in τ.
-        dt: f64,
-        /// What stopped it.
-        source: StepFailure,
-    },
+    Stalled { r0: f64, t: f64, dt: f64, source: StepFailure },
     /// The cell is too close to the threshold of division to decide.
     #[error(
         "the cell with R0 = {r0} is too close to the threshold of division to decide (growth rate {growth_rate:.1e}/τ); change R0, epsilon or xi_s in the seventh digit"
     )]
-    Critical {
-        /// Radius R0.
-        r0: f64,
-        /// Growth rate of the stationary shape, in 1/τ.
-        growth_rate: f64,
-    },
+    Critical { r0: f64, growth_rate: f64 },
     /// The cell oscillates: no stationary shape near it is stable, and no growing mode divides it.
     #[error(
         "the cell with R0 = {r0} oscillates with a period of {period:.3} τ: it neither divides nor comes to rest; change R0, epsilon or xi_s by a percent"
     )]
-    Oscillates {
-        /// Radius R0.
-        r0: f64,
-        /// The period, in τ.
-        period: f64,
-    },
+    Oscillates { r0: f64, period: f64 },
     /// The cell moves on without ever repeating itself.
     #[error(
         "the cell with R0 = {r0} still moves at t = {t:.3} τ, after {steps} steps: it neither divides, nor rests, nor repeats itself; lower xi_s or the cue's amplitude"
     )]
-    Restless {
-        /// Radius R0.
-        r0: f64,
-        /// Time reached, in τ.
-        t: f64,
-        /// Steps done.
-        steps: usize,
-    },
+    Restless { r0: f64, t: f64, steps: usize },
     /// The caller stopped the division.
     #[error("the division of the cell with R0 = {r0} was cancelled at t = {t:.3} τ")]
-    Cancelled {
-        /// Radius R0.
-        r0: f64,
-        /// Time reached, in τ.
-        t: f64,
-    },
+    Cancelled { r0: f64, t: f64 },
     /// The cell neither divided nor came to rest in the time allowed.
     #[error("the cell with R0 = {r0} neither divided nor came to rest within t = {t_max}; {}", advice_on_rest(*epsilon))]
-    Undecided {
-        /// Radius R0.
-        r0: f64,
-        /// Volume fraction ε.
-        epsilon: f64,
-        /// The limit, in τ.
-        t_max: f64,
-    },
+    Undecided { r0: f64, epsilon: f64, t_max: f64 },
 }
 
 /// Larger cells than this were not found to divide.
@@ -332,10 +267,9 @@ const LARGEST: f64 = 100.0;
 
 /// What helps where a time step cannot be solved.
 fn advice_on_steps(r0: f64) -> &'static str {
-    if r0 > LARGEST {
-        "divisions are found of cells of R0 up to 100"
-    } else {
-        "try more mesh intervals, a larger time_tolerance or a larger step_factor"
+    match r0 > LARGEST {
+        true => "divisions are found of cells of R0 up to 100",
+        false => "try more mesh intervals, a larger time_tolerance or a larger step_factor",
     }
 }
 
@@ -344,9 +278,8 @@ const WIDE_SHELL: f64 = 0.3;
 
 /// What helps where a cell is not found to be at rest.
 fn advice_on_rest(epsilon: f64) -> &'static str {
-    if epsilon < WIDE_SHELL {
-        "raise epsilon to 0.3: in a shell as wide as this nothing holds the cell in its place"
-    } else {
-        "raise t_max, or try more mesh intervals"
+    match epsilon < WIDE_SHELL {
+        true => "raise epsilon to 0.3: in a shell as wide as this nothing holds the cell in its place",
+        false => "raise t_max, or try more mesh intervals",
     }
 }

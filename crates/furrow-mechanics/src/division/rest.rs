@@ -115,16 +115,17 @@ impl Rest {
 /// The stationary state beside the shape `here`, solved for on a domain, with its leading growth rate; none if it is too far.
 fn beside(stepper: &Stepper, here: &Solution, domain: Domain) -> Option<(Solution, f64)> {
     let mut cortex = Cortex::new(&stepper.cortex.cell, domain, &[]);
-    let mut y = match domain {
-        Domain::Full => here.clone(),
-        Domain::Half => first_half(here),
-    };
+    let mut y = here.clone();
+    if domain == Domain::Half {
+        let intervals = here.intervals() / 2;
+        y.mesh.truncate(intervals + 1);
+        y.mesh[intervals] = Domain::Half.end();
+        y.nodes.truncate((intervals + 1) * COMPONENTS);
+        y.stages.truncate(intervals * here.m * COMPONENTS);
+    }
     let (mut system, mut scratch) = (System::new(Cortex::dimensions_for(0), y.m), NewtonScratch::default());
     let near = |y: &Solution| {
-        let whole = match domain {
-            Domain::Full => y.clone(),
-            Domain::Half => unfold(y),
-        };
+        let whole = if domain == Domain::Full { y.clone() } else { unfold(y) };
         let distance = parity_norm(&stepper.system.gauss, &here.mesh, |i| {
             let moved = |c: usize| whole.stages[i * COMPONENTS + c] - here.stages[i * COMPONENTS + c];
             [moved(R), moved(Z)]
@@ -138,19 +139,4 @@ fn beside(stepper: &Stepper, here: &Solution, domain: Domain) -> Option<(Solutio
     let whole = near(&y)?;
     let growth_rate = Stability::new(y.m).leading(&cortex, &y).ok()?.growth_rate();
     Some((whole, growth_rate))
-}
-
-/// The half up to u = ½ of a shape on a mirror-symmetric mesh of an even number of intervals.
-fn first_half(whole: &Solution) -> Solution {
-    let intervals = whole.intervals() / 2;
-    let mut mesh = whole.mesh[..=intervals].to_vec();
-    mesh[intervals] = Domain::Half.end();
-    Solution {
-        components: whole.components,
-        m: whole.m,
-        mesh,
-        nodes: whole.nodes[..(intervals + 1) * COMPONENTS].to_vec(),
-        stages: whole.stages[..intervals * whole.m * COMPONENTS].to_vec(),
-        scalars: whole.scalars.clone(),
-    }
 }

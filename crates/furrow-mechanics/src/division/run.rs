@@ -14,7 +14,7 @@ use super::saddle;
 use super::sensitivity::{Sensitivity, Tangent};
 use super::start::{FIRST_MESH, Start, check};
 use super::step_size::StepSize;
-use super::stepper::{MAX_ORDER, Stepper};
+use super::stepper::{Attempt, HistoryPoint, MAX_ORDER, ParityNorm, Stepper};
 use crate::cortex::Cortex;
 use crate::cortex::equations::{LENGTH, PSI, R, noise_factor};
 use crate::cortex::lanes::sin_cos;
@@ -89,6 +89,9 @@ impl<'a> DivisionOptions<'a> {
     }
 }
 
+/// A division, with its derivatives by each parameter asked for.
+pub type Divided = Result<(Division, Option<Vec<Sensitivity>>), DivisionError>;
+
 /// Computes one division.
 ///
 /// # Errors
@@ -117,19 +120,12 @@ pub fn divide(input: &DivisionInput) -> Result<Division, DivisionError> {
 /// println!("χ = {:?}; ∂χ/∂R0 = {}, ∂χ/∂Δκ = {}", division.chi_signed(), by[0].chi_signed, by[1].chi_signed);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn divide_with(
-    input: &DivisionInput,
-    options: DivisionOptions<'_>,
-) -> Result<(Division, Option<Vec<Sensitivity>>), DivisionError> {
+pub fn divide_with(input: &DivisionInput, options: DivisionOptions<'_>) -> Divided {
     run(input, &Start::Passive, options)
 }
 
 /// One division from any start.
-pub(crate) fn run(
-    input: &DivisionInput,
-    start: &Start<'_>,
-    options: DivisionOptions<'_>,
-) -> Result<(Division, Option<Vec<Sensitivity>>), DivisionError> {
+pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOptions<'_>) -> Divided {
     let DivisionOptions { observer, cancel, parameters } = options;
     let mut unobserved = |_: Frame<'_>| {};
     let observe = observer.unwrap_or(&mut unobserved);
@@ -140,7 +136,7 @@ pub(crate) fn run(
     let (shape, gauss) = (&stepper.history[0].y, &stepper.system.gauss);
     observe(Frame { t: 0.0, shape, neck: None, cortex: &start.cortex(cell), gauss });
     let parity = cell.is_mirror_symmetric();
-    if start.until().is_none() {
+    if start.watched().is_none() {
         stepper.adapt(parity, FIRST_MESH);
     }
     stepper.extrapolates = numerics.scheme == Scheme::Converged;
@@ -155,7 +151,10 @@ pub(crate) fn run(
         if cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
             return Err(DivisionError::Cancelled { r0: cell.r0, t: stepper.history[0].t });
         }
-        run.shorten(start, stepper.history[0].t);
+        if let Some([until, longest_step]) = start.watched() {
+            let factor = if run.fixed.is_some() { 1.0 } else { run.factor };
+            run.dt = run.dt.min(longest_step.min(until - stepper.history[0].t) / factor);
+        }
         run.advance(&mut stepper)?;
         let newest = &stepper.history[0];
         let (cortex, gauss) = (&stepper.cortex, &stepper.system.gauss);
@@ -167,16 +166,19 @@ pub(crate) fn run(
             let smooth = division.slow_growth_rate.is_none();
             return Ok((division, run.tangent.filter(|_| smooth).and_then(|tangent| tangent.read(&stepper))));
         }
-        if let Some(until) = start.until() {
+        if let Some([until, _]) = start.watched() {
             if stepper.history[0].t >= until * (1.0 - ROUNDING) {
-                return Ok((run.watched(&stepper), None));
+                // With the growth rate of the shape that it has come to.
+                let growth_rate = Rest::near(&stepper, 0, run.parity).map(|rest| rest.growth_rate);
+                return Ok((run.arrested(&stepper, growth_rate), None));
             }
-            run.prepare_mesh(&mut stepper);
+            stepper.adapt(run.parity, 1.5);
             continue;
         }
         if let Some(rest) = run.detector.look(&stepper, run.parity) {
-            if rest.growth_rate < 0.0 || run.is_attractor(&rest) {
-                return Ok((run.arrested(&stepper, rest.growth_rate), None));
+            // The published scheme cannot leave every shape that grows: backward Euler multiplies by 1/(1 − σΔt).
+            if rest.growth_rate < 0.0 || run.fixed.is_some_and(|dt| rest.growth_rate * dt > 2.0) {
+                return Ok((run.arrested(&stepper, Some(rest.growth_rate)), None));
             }
             run.wait_at_saddle(&mut stepper, &rest);
         }
@@ -184,23 +186,24 @@ pub(crate) fn run(
         if let Some(period) = run.oscillation.note(newest.t, newest.y.scalars[LENGTH]) {
             return Err(DivisionError::Oscillates { r0: cell.r0, period });
         }
-        if run.steps > run.most_steps {
-            let t = stepper.history[0].t;
-            return Err(DivisionError::Restless { r0: cell.r0, t, steps: run.steps });
+        if run.steps > limits::most_steps(numerics) {
+            return Err(DivisionError::Restless { r0: cell.r0, t: newest.t, steps: run.steps });
         }
-        if stepper.history[0].t > run.t_max {
-            if run.fixed.is_none()
-                && let Some(growth_rate) = limits::neutral_drift(&stepper)
-            {
-                return Ok((run.arrested(&stepper, growth_rate), None));
-            }
-            return Err(run.undecided(cell));
+        if newest.t > run.t_max {
+            let drifts = if run.fixed.is_none() { limits::neutral_drift(&stepper) } else { None };
+            let Cell { r0, epsilon, .. } = *cell;
+            return match (drifts, run.slow_growth_rate) {
+                (Some(_), _) => Ok((run.arrested(&stepper, drifts), None)),
+                (None, Some(growth_rate)) => Err(DivisionError::Critical { r0, growth_rate }),
+                (None, None) => Err(DivisionError::Undecided { r0, epsilon, t_max: run.t_max }),
+            };
         }
-        run.prepare_mesh(&mut stepper);
+        stepper.adapt(run.parity, 1.5);
     }
 }
 
 /// Controls of one run.
+#[derive(Default)]
 struct Run {
     tolerance: f64,
     factor: f64,
@@ -219,8 +222,6 @@ struct Run {
     neck_rate: f64,
     /// Largest time of the numerics, in τ.
     longest: f64,
-    /// Most steps.
-    most_steps: usize,
     /// Largest time of this cell: later for one that has waited at a saddle.
     t_max: f64,
     /// How often the shape was found at a saddle.
@@ -240,23 +241,12 @@ impl Run {
             tolerance: numerics.time_tolerance,
             factor: numerics.step_factor,
             parity,
-            odd_floor: 0.0,
             dt: numerics.first_step,
-            step_size: StepSize::default(),
             fixed: (numerics.scheme == Scheme::Published).then_some(numerics.dt),
-            steps: 0,
-            rejected: 0,
-            detector: EquilibriumDetector::default(),
-            drift: 0.0,
-            neck: None,
-            neck_rate: 0.0,
             longest: numerics.t_max,
-            most_steps: limits::most_steps(numerics),
             t_max: numerics.t_max,
-            saddle_visits: 0,
-            slow_growth_rate: None,
             tangent,
-            oscillation: Oscillation::default(),
+            ..Run::default()
         }
     }
 
@@ -265,9 +255,8 @@ impl Run {
     /// so on: what the noise starts there grows as much sooner.
     fn first_step(&mut self, stepper: &mut Stepper, coefficients: [f64; 10]) -> Result<(), DivisionError> {
         let (y, gauss) = (&stepper.history[0].y, &stepper.system.gauss);
-        let points = 0..y.intervals() * y.m;
-        stepper.cortex.noise =
-            points.map(|i| noise_factor(&coefficients, y.stage_x(gauss, i / y.m, i % y.m))).collect();
+        let factor = |i: usize| noise_factor(&coefficients, y.stage_x(gauss, i / y.m, i % y.m));
+        stepper.cortex.noise = (0..y.intervals() * y.m).map(factor).collect();
         let first = loop {
             match stepper.attempt(self.dt, 1) {
                 Ok(first) => break first,
@@ -275,10 +264,7 @@ impl Run {
                     self.rejected += 1;
                     self.dt *= 0.1;
                 }
-                Err(error) => {
-                    let r0 = stepper.cortex.cell.r0;
-                    return Err(DivisionError::Stalled { r0, t: 0.0, dt: self.dt, source: error.into() });
-                }
+                Err(error) => return Err(self.stalled(stepper, error.into())),
             }
         };
         self.odd_floor = f64::max(0.3 * first.odd_size, ODD_ROUNDING * stepper.cortex.cell.r0);
@@ -290,6 +276,10 @@ impl Run {
         Ok(())
     }
 
+    fn stalled(&self, stepper: &Stepper, source: StepFailure) -> DivisionError {
+        DivisionError::Stalled { r0: stepper.cortex.cell.r0, t: stepper.history[0].t, dt: self.dt, source }
+    }
+
     /// One step of the published scheme. Steps double from the first, short one to their fixed length, and are shorter again
     /// where a step cannot be solved or the neck closes.
     fn advance_fixed(&mut self, stepper: &mut Stepper, fixed: f64) -> Result<(), DivisionError> {
@@ -297,29 +287,12 @@ impl Run {
             self.rejected += 1;
             self.dt *= 0.5;
             if self.dt < 1e-12 {
-                let (r0, t) = (stepper.cortex.cell.r0, stepper.history[0].t);
-                return Err(DivisionError::Stalled { r0, t, dt: self.dt, source: error.into() });
+                return Err(self.stalled(stepper, error.into()));
             }
         }
         self.accept(stepper, 2.0);
         self.dt = self.dt.min(fixed);
         Ok(())
-    }
-
-    /// Keeps the next step within the longest that the start allows, and within the time that is watched.
-    fn shorten(&mut self, start: &Start<'_>, t: f64) {
-        let Some(until) = start.until() else { return };
-        let factor = if self.fixed.is_some() { 1.0 } else { self.factor };
-        self.dt = self.dt.min(start.longest_step().min(until - t) / factor);
-    }
-
-    fn neck_step(&self) -> f64 {
-        if self.fixed.is_some() { PUBLISHED_NECK_STEP } else { NECK_STEP }
-    }
-
-    /// Whether the published scheme cannot leave a shape that grows: backward Euler multiplies by 1/(1 − σΔt).
-    fn is_attractor(&self, rest: &Rest) -> bool {
-        self.fixed.is_some_and(|dt| rest.growth_rate * dt > 2.0)
     }
 
     /// One accepted step.
@@ -332,13 +305,11 @@ impl Run {
         loop {
             let order = MAX_ORDER.min(stepper.history.len());
             let dt = self.dt * self.factor;
-            let t = stepper.history[0].t;
             let attempt = stepper.attempt(dt, order);
             let shrink = match &attempt {
                 Ok(a) => {
                     // The step factor scales steps chosen for the tolerance: a smaller error does not win them back.
-                    let error = self.error_ratio(a.error.even, a.error.odd, a.odd_size, r0)
-                        / self.factor.powi(order as i32 + 1);
+                    let error = self.error_ratio(a, r0) / self.factor.powi(order as i32 + 1);
                     if error <= 1.0 || stepper.history.len() == 1 {
                         let growth = self.step_size.growth(self.dt, error, order);
                         self.accept(stepper, growth);
@@ -355,8 +326,9 @@ impl Run {
                 stepper.restart();
             }
             if self.dt < 1e-12 {
-                let source = attempt.map_or_else(StepFailure::Newton, |_| StepFailure::Inaccurate);
-                return Err(DivisionError::Stalled { r0, t, dt: self.dt, source });
+                return Err(
+                    self.stalled(stepper, attempt.map_or_else(StepFailure::Newton, |_| StepFailure::Inaccurate))
+                );
             }
         }
     }
@@ -366,7 +338,8 @@ impl Run {
     }
 
     /// Error of a step in units of what is allowed: N.14 while the shape is nearly mirror-symmetric.
-    fn error_ratio(&self, even: f64, odd: f64, odd_size: f64, r0: f64) -> f64 {
+    fn error_ratio(&self, attempt: &Attempt, r0: f64) -> f64 {
+        let Attempt { error: ParityNorm { even, odd }, odd_size } = *attempt;
         // Once the neck closes the outcome is decided and no odd mode has time to grow.
         let closing = self.closes(r0);
         let tolerance = self.tolerance * if closing { CLOSING_TOLERANCE } else { 1.0 };
@@ -379,13 +352,14 @@ impl Run {
     }
 
     fn accept(&mut self, stepper: &mut Stepper, growth: f64) {
-        let dt = self.dt * if self.fixed.is_some() { 1.0 } else { self.factor };
+        let (factor, neck_step) =
+            if self.fixed.is_some() { (1.0, PUBLISHED_NECK_STEP) } else { (self.factor, NECK_STEP) };
+        let dt = self.dt * factor;
         stepper.accept();
         self.tangent.iter_mut().for_each(|tangent| tangent.follow(stepper));
         self.steps += 1;
         self.dt *= growth;
-        let y = &stepper.history[0].y;
-        let gauss = &stepper.system.gauss;
+        let (y, gauss) = (&stepper.history[0].y, &stepper.system.gauss);
         let mut area = 0.0;
         for (k, interval) in y.mesh.windows(2).enumerate() {
             for (j, b) in gauss.b.iter().enumerate() {
@@ -399,7 +373,7 @@ impl Run {
         if let (Some(new), Some(old)) = (neck, self.neck) {
             self.neck_rate = (old.radius - new.radius) / dt;
             if self.neck_rate > 0.0 {
-                self.dt = self.dt.min(self.neck_step() * new.radius / self.neck_rate);
+                self.dt = self.dt.min(neck_step * new.radius / self.neck_rate);
             }
         }
         self.neck = neck;
@@ -407,12 +381,8 @@ impl Run {
         if self.closes(stepper.cortex.cell.r0) {
             stepper.nearly_symmetric = NEARLY_SYMMETRIC_CLOSING;
             // Whatever was slow is behind it.
-            stepper.coarsen();
+            stepper.halvings = 0;
         }
-    }
-
-    fn prepare_mesh(&self, stepper: &mut Stepper) {
-        stepper.adapt(self.parity, 1.5);
     }
 
     /// At a saddle: waits until the shape leaves it or, where that would take too long, skips the wait.
@@ -421,7 +391,7 @@ impl Run {
         self.detector.next = t + (SADDLE_WAIT / growth).max(REST_INTERVAL);
         self.saddle_visits += 1;
         if growth < NEAR_CRITICAL || self.saddle_visits > MOST_VISITS {
-            stepper.refine(rest.halvings);
+            stepper.halvings = stepper.halvings.max(rest.halvings);
         }
         if self.detector.next > self.longest && self.slow_growth_rate.is_none() {
             self.skip_linear_growth(stepper, rest);
@@ -436,19 +406,12 @@ impl Run {
         // Without the direction the division continues as it is.
         let Ok(departure) = saddle::leave(&stepper.cortex, &rest.here, &rest.stationary, growth) else { return };
         let t = stepper.history[0].t + departure.waited;
-        stepper.start_again(t, departure.shape);
+        stepper.restart();
+        stepper.history[0] = HistoryPoint { t, y: departure.shape, size: None };
         self.dt = STEP_AFTER_SADDLE.min(0.01 / growth);
-        self.step_size.forget();
+        self.step_size = StepSize::default();
         self.parity = stepper.cortex.cell.is_mirror_symmetric();
         self.detector.next = t + SADDLE_WAIT / growth;
-    }
-
-    fn undecided(&self, cell: &Cell) -> DivisionError {
-        let Cell { r0, epsilon, .. } = *cell;
-        match self.slow_growth_rate {
-            Some(growth_rate) => DivisionError::Critical { r0, growth_rate },
-            None => DivisionError::Undecided { r0, epsilon, t_max: self.t_max },
-        }
     }
 
     fn division(&self, stepper: &Stepper, ending: Ending) -> Division {
@@ -461,20 +424,13 @@ impl Run {
         }
     }
 
-    /// A cell that has not divided in the time that it was watched, with the growth rate of the shape that it has come to.
-    fn watched(&self, stepper: &Stepper) -> Division {
-        let growth_rate = Rest::near(stepper, 0, self.parity).map(|rest| rest.growth_rate);
+    fn arrested(&self, stepper: &Stepper, growth_rate: Option<f64>) -> Division {
         self.division(stepper, Ending::Arrested { growth_rate })
-    }
-
-    fn arrested(&self, stepper: &Stepper, growth_rate: f64) -> Division {
-        self.division(stepper, Ending::Arrested { growth_rate: Some(growth_rate) })
     }
 
     fn divided(&self, stepper: &Stepper, neck: Neck, symmetric_below: f64) -> Division {
         let (y, r0) = (&stepper.history[0].y, stepper.cortex.cell.r0);
-        let gauss = &stepper.system.gauss;
-        let chi_signed = observables::asymmetry(gauss, y, neck.u);
+        let chi_signed = observables::asymmetry(&stepper.system.gauss, y, neck.u);
         let symmetric = chi_signed.abs() < symmetric_below;
         // The neck passed the threshold within the last step.
         let past = (PINCH_OFF * r0 - neck.radius) / self.neck_rate;

@@ -36,33 +36,20 @@ pub fn leave(cortex: &Cortex, here: &Solution, saddle: &Solution, growth: f64) -
     let before = amplitude(&Gauss::new(saddle.m), here, saddle, &mode);
     let known = before.abs().max(ROUNDING * r0);
     let after = known.max(DEPARTURE * r0);
-    Ok(Departure { shape: displaced(saddle, &mode, after.copysign(before)), waited: (after / known).ln() / growth })
+    let (mut shape, amount) = (saddle.clone(), after.copysign(before));
+    let Direction { nodes, stages, scalars } = &mode;
+    for (to, by) in [(&mut shape.nodes, nodes), (&mut shape.stages, stages), (&mut shape.scalars, scalars)] {
+        to.iter_mut().zip(by).for_each(|(to, by)| *to += amount * by);
+    }
+    Ok(Departure { shape, waited: (after / known).ln() / growth })
 }
 
 /// How far `here` is from `saddle` along `mode`, a direction of length 1.
 fn amplitude(gauss: &Gauss, here: &Solution, saddle: &Solution, mode: &Direction) -> f64 {
-    let points = saddle.intervals() * saddle.m;
-    (0..points)
-        .map(|k| {
-            let weight = (saddle.mesh[k / saddle.m + 1] - saddle.mesh[k / saddle.m]) * gauss.b[k % saddle.m];
-            let part = |c: usize| {
-                let i = k * COMPONENTS + c;
-                (here.stages[i] - saddle.stages[i]) * mode.stages[i]
-            };
-            weight * (part(R) + part(Z))
-        })
-        .sum()
-}
-
-/// `shape` moved by `amount` along a direction.
-fn displaced(shape: &Solution, direction: &Direction, amount: f64) -> Solution {
-    let mut out = shape.clone();
-    for (to, by) in [
-        (&mut out.nodes, &direction.nodes),
-        (&mut out.stages, &direction.stages),
-        (&mut out.scalars, &direction.scalars),
-    ] {
-        to.iter_mut().zip(by).for_each(|(to, by)| *to += amount * by);
-    }
-    out
+    let part = |i: usize| (here.stages[i] - saddle.stages[i]) * mode.stages[i];
+    let at = |k: usize| {
+        let weight = (saddle.mesh[k / saddle.m + 1] - saddle.mesh[k / saddle.m]) * gauss.b[k % saddle.m];
+        weight * (part(k * COMPONENTS + R) + part(k * COMPONENTS + Z))
+    };
+    (0..saddle.intervals() * saddle.m).map(at).sum()
 }

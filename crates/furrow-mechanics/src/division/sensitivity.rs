@@ -69,9 +69,9 @@ impl Tangent {
             history: Vec::new(),
             sound: true,
         };
-        let still = vec![0.0; 2 * stepper.history[0].y.stages.len() / COMPONENTS];
-        let pasts = vec![still; parameters.len()];
-        let start = tangent.solve(&stepper.history[0].y, &pasts);
+        let y = &stepper.history[0].y;
+        let still = vec![0.0; 2 * y.stages.len() / COMPONENTS];
+        let start = tangent.solve(y, &vec![still; parameters.len()]);
         tangent.history.push(start);
         tangent.cortex = Cortex::new(cell, Domain::Full, parameters);
         tangent
@@ -92,11 +92,8 @@ impl Tangent {
         let points = y.stages.len() / COMPONENTS;
         let weights = &stepper.weights;
         let past_of = |k: usize| -> Vec<f64> {
-            let at = |i: usize, c: usize| {
-                let sum: f64 =
-                    self.history.iter().zip(&weights[1..]).map(|(l, w)| w * l[k].stages[i * COMPONENTS + c]).sum();
-                -sum / weights[0]
-            };
+            let of = |i: usize| self.history.iter().zip(&weights[1..]).map(|(l, w)| w * l[k].stages[i]).sum::<f64>();
+            let at = |i: usize, c: usize| -of(i * COMPONENTS + c) / weights[0];
             (0..points).flat_map(|i| [at(i, R), at(i, Z)]).collect()
         };
         let pasts: Vec<Vec<f64>> = (0..self.parameters.len()).map(past_of).collect();
@@ -129,14 +126,8 @@ impl Tangent {
             // The system solves J δ = −residual: the parameter moves by one.
             residual.border[integrals + k] = -1.0;
             self.system.solve(&residual, &mut direction);
-            Solution {
-                components: y.components,
-                m: y.m,
-                mesh: y.mesh.clone(),
-                nodes: direction.nodes,
-                stages: direction.stages,
-                scalars: direction.scalars,
-            }
+            let Direction { nodes, stages, scalars } = direction;
+            Solution { mesh: y.mesh.clone(), nodes, stages, scalars, ..y }
         };
         pasts.iter().enumerate().map(one).collect()
     }
@@ -207,32 +198,16 @@ fn combination(of: &[&Solution], weights: &[f64]) -> Solution {
         let entry = |i: usize| of.iter().zip(weights).map(|(y, w)| w * get(y)[i]).sum();
         (0..get(of[0]).len()).map(entry).collect()
     };
-    Solution {
-        components: of[0].components,
-        m: of[0].m,
-        mesh: of[0].mesh.clone(),
-        nodes: sum(|y| &y.nodes),
-        stages: sum(|y| &y.stages),
-        scalars: sum(|y| &y.scalars[..SHAPE_SCALARS]),
-    }
+    let (nodes, stages, scalars) = (sum(|y| &y.nodes), sum(|y| &y.stages), sum(|y| &y.scalars[..SHAPE_SCALARS]));
+    Solution { mesh: of[0].mesh.clone(), nodes, stages, scalars, ..*of[0] }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::division::{Division, DivisionInput, DivisionOptions, divide, divide_with};
+    use crate::division::{DivisionInput, DivisionOptions, divide, divide_with};
     use furrow_cell::cue::Quantity;
     use furrow_cell::{Cell, Cue, Numerics};
-
-    /// Fine enough that differences of divisions are derivatives.
-    fn fine(cell: Cell) -> DivisionInput {
-        let numerics = Numerics { time_tolerance: 1e-8, intervals: 96, noise: 0.0, ..Numerics::default() };
-        DivisionInput { numerics, ..DivisionInput::new(cell) }
-    }
-
-    fn numbers(division: &Division) -> [f64; 3] {
-        [division.chi_signed().unwrap(), division.u_furrow().unwrap(), division.t_end]
-    }
 
     /// Central differences of converged divisions by a parameter, to fourth order in `step` of its value.
     fn differences(input: &DivisionInput, parameter: Parameter, step: f64) -> [f64; 3] {
@@ -240,7 +215,8 @@ mod tests {
         let at = |amount: f64| {
             let mut moved = input.clone();
             parameter.set(&mut moved.cell, value * (1.0 + amount));
-            numbers(&divide(&moved).unwrap())
+            let division = divide(&moved).unwrap();
+            [division.chi_signed().unwrap(), division.u_furrow().unwrap(), division.t_end]
         };
         let [far, near] = [2.0, 1.0].map(|k| {
             let (above, below) = (at(k * step), at(-k * step));
@@ -263,9 +239,11 @@ mod tests {
             (cue(Quantity::Amplitude), 2e-2),
         ];
         let parameters = steps.map(|(parameter, _)| parameter);
-        let input = fine(Cell::new(3.3).with_cue(Cue::published()));
-        let (division, sensitivities) =
-            divide_with(&input, DivisionOptions { parameters: &parameters, ..DivisionOptions::default() }).unwrap();
+        // Fine enough that differences of divisions are derivatives.
+        let numerics = Numerics { time_tolerance: 1e-8, intervals: 96, noise: 0.0, ..Numerics::default() };
+        let input = DivisionInput { numerics, ..DivisionInput::new(Cell::new(3.3).with_cue(Cue::published())) };
+        let options = DivisionOptions { parameters: &parameters, ..DivisionOptions::default() };
+        let (division, sensitivities) = divide_with(&input, options).unwrap();
         assert_eq!(division, divide(&input).unwrap());
         for ((parameter, step), found) in steps.into_iter().zip(sensitivities.unwrap()) {
             let expected = differences(&input, parameter, step);

@@ -1,7 +1,7 @@
 //! What a division starts from: the passive shape, or a stationary shape of the active cell.
 
 use furrow_bvp::newton::NewtonScratch;
-use furrow_bvp::{Newton, Solution};
+use furrow_bvp::{Newton, NewtonReport, Solution};
 
 use super::outcome::DivisionError;
 use super::stepper::Stepper;
@@ -35,14 +35,12 @@ pub(crate) enum Start<'a> {
 /// Validates the sizes of a cell.
 pub(super) fn check(cell: &Cell) -> Result<(), DivisionError> {
     let Cell { r0, epsilon, .. } = *cell;
-    if !(r0.is_finite() && r0 > 0.0) {
-        return Err(DivisionError::BadInput { field: "r0", value: r0, allowed: "a finite radius above 0" });
-    }
-    if !(epsilon > 0.0 && epsilon < 1.0) {
-        let allowed = "a volume fraction between 0 and 1, both excluded";
-        return Err(DivisionError::BadInput { field: "epsilon", value: epsilon, allowed });
-    }
-    Ok(())
+    let (field, value, allowed) = match (r0.is_finite() && r0 > 0.0, epsilon > 0.0 && epsilon < 1.0) {
+        (false, _) => ("r0", r0, "a finite radius above 0"),
+        (_, false) => ("epsilon", epsilon, "a volume fraction between 0 and 1, both excluded"),
+        _ => return Ok(()),
+    };
+    Err(DivisionError::BadInput { field, value, allowed })
 }
 
 impl Start<'_> {
@@ -51,48 +49,34 @@ impl Start<'_> {
         // Cues that say the same in other words have one key, and so must give the same to the last bit.
         let active = Cell { cue: cell.cue.simplified(), ..cell.clone() };
         let cortex = Cortex::new(&active, Domain::Full, &[]);
-        match self {
+        let (shape, report) = match self {
             Start::Passive => {
                 let (half, report) = passive(cell, numerics)
                     .map_err(|source| DivisionError::NoPassiveShape { cell: CellName::of(cell), source })?;
-                let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, unfold(&half));
-                stepper.solve_for(numerics.time_tolerance);
-                stepper.count(report);
-                Ok(stepper)
+                (unfold(&half), report)
             }
-            Start::Stationary { shape, .. } => {
-                let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, (*shape).clone());
-                stepper.solve_for(numerics.time_tolerance);
-                stepper.exacting();
-                stepper.adapt(cell.is_mirror_symmetric(), FIRST_MESH);
-                settle(&mut stepper)?;
-                Ok(stepper)
-            }
+            Start::Stationary { shape, .. } => ((*shape).clone(), NewtonReport::default()),
+        };
+        let mut stepper = Stepper::new(cortex, numerics.stages, numerics.intervals, shape);
+        stepper.solve_for(numerics.time_tolerance);
+        stepper.count(report);
+        if let Start::Stationary { .. } = self {
+            stepper.exacting();
+            stepper.adapt(cell.is_mirror_symmetric(), FIRST_MESH);
+            settle(&mut stepper)?;
         }
+        Ok(stepper)
     }
 
     /// The problem that the shape at t = 0 solves.
     pub(super) fn cortex(&self, cell: &Cell) -> Cortex {
-        match self {
-            Start::Passive => Cortex::new(&cell.passive(), Domain::Full, &[]),
-            Start::Stationary { .. } => Cortex::new(cell, Domain::Full, &[]),
-        }
+        let passive = cell.passive();
+        Cortex::new(if let Start::Passive = self { &passive } else { cell }, Domain::Full, &[])
     }
 
-    /// Time after which nothing more is watched, in τ.
-    pub(super) fn until(&self) -> Option<f64> {
-        match *self {
-            Start::Passive => None,
-            Start::Stationary { until, .. } => Some(until),
-        }
-    }
-
-    /// Longest time step, in τ.
-    pub(super) fn longest_step(&self) -> f64 {
-        match *self {
-            Start::Passive => f64::INFINITY,
-            Start::Stationary { longest_step, .. } => longest_step,
-        }
+    /// Time after which nothing more is watched, and the longest time step, in τ; none from the passive shape.
+    pub(super) fn watched(&self) -> Option<[f64; 2]> {
+        if let Start::Stationary { until, longest_step, .. } = *self { Some([until, longest_step]) } else { None }
     }
 }
 

@@ -17,19 +17,9 @@ const SHRINKAGE: [f64; 2] = [0.2, 0.8];
 /// Smaller errors, in units of what is allowed, are taken for this.
 const SMALLEST: f64 = 1e-8;
 
-/// What is remembered of the step before.
+/// Length and error, in units of what is allowed, of the step before.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct StepSize {
-    before: Option<Made>,
-}
-
-/// A step that was made.
-#[derive(Clone, Copy, Debug)]
-struct Made {
-    length: f64,
-    /// In units of what is allowed.
-    error: f64,
-}
+pub struct StepSize(Option<[f64; 2]>);
 
 impl StepSize {
     /// How many times longer than a step that is made, of this length, order and error, the next may be.
@@ -37,21 +27,15 @@ impl StepSize {
         let power = 1.0 / (order as f64 + 1.0);
         let error = error.max(SMALLEST);
         let mut growth = SAFETY * error.powf(-power);
-        if let Some(before) = self.before {
-            growth = growth.min(growth * (length / before.length) * (before.error / error).powf(power));
+        if let Some([length_before, error_before]) = self.0.replace([length, error]) {
+            growth = growth.min(growth * (length / length_before) * (error_before / error).powf(power));
         }
-        self.before = Some(Made { length, error });
         growth.clamp(GROWTH[0], GROWTH[1])
     }
 
     /// How many times longer than a step that made too large an error the next attempt is.
     pub fn shrinkage(error: f64, order: usize) -> f64 {
         (SAFETY * error.powf(-1.0 / (order as f64 + 1.0))).clamp(SHRINKAGE[0], SHRINKAGE[1])
-    }
-
-    /// Forgets the step before, as where the shape was changed in between.
-    pub fn forget(&mut self) {
-        self.before = None;
     }
 }
 

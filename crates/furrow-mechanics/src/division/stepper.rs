@@ -112,8 +112,6 @@ pub struct Attempt {
     pub error: ParityNorm,
     /// Odd part of the new shape.
     pub odd_size: f64,
-    /// Newton's work.
-    pub report: NewtonReport,
 }
 
 /// Time stepper of one cell. `history[0]` is the newest accepted shape.
@@ -142,7 +140,8 @@ pub struct Stepper {
     /// Whether the factors at hand are those of halves, and the rate they belong to.
     factored: Option<(bool, f64)>,
     share: f64,
-    halvings: u32,
+    /// How many times meshes are halved that are made from the next [`adapt`](Self::adapt) on.
+    pub(super) halvings: u32,
     halves: Option<Halves>,
 }
 
@@ -178,14 +177,6 @@ impl Stepper {
         self.halves = Some(Halves::new(&self.cortex, &self.history[0].y));
     }
 
-    /// Whether the next step is solved on halves.
-    fn solves_halves(&self) -> bool {
-        let newest = &self.history[0];
-        self.halves.is_some()
-            && newest.size.is_some_and(|size| size.odd < self.nearly_symmetric * self.cortex.cell.r0)
-            && symmetry::is_mirrored(&newest.y.mesh)
-    }
-
     /// Solves steps as exactly as a time tolerance asks for.
     pub fn solve_for(&mut self, time_tolerance: f64) {
         self.newton.tolerance = (SOLVED_SHARE * time_tolerance).clamp(ROUNDING, SOLVED_TO);
@@ -209,12 +200,6 @@ impl Stepper {
         self.factored = None;
     }
 
-    /// Goes on from another shape at time t.
-    pub fn start_again(&mut self, t: f64, shape: Solution) {
-        self.restart();
-        self.history[0] = HistoryPoint { t, y: shape, size: None };
-    }
-
     /// Attempts a step of size dt with order at most `order`; [`accept`](Self::accept) makes it count.
     pub fn attempt(&mut self, dt: f64, order: usize) -> Result<Attempt, NewtonError> {
         let order = order.min(self.history.len()).min(MAX_ORDER);
@@ -232,7 +217,7 @@ impl Stepper {
         self.state(&alpha[..=order]);
         self.trial.t = t;
         extrapolate(&self.history[..known], &predict[..known], &mut self.trial.y);
-        let report = self.solve_trial()?;
+        self.solve_trial()?;
         let share = dt / (t - times[known]);
         let gauss = &self.system.gauss;
         let new = &self.trial.y.stages;
@@ -246,7 +231,7 @@ impl Stepper {
         });
         let size = parity_norm(gauss, &self.trial.y.mesh, |i| [new[i * COMPONENTS + R], new[i * COMPONENTS + Z]]);
         self.trial.size = Some(size);
-        Ok(Attempt { error, odd_size: size.odd, report })
+        Ok(Attempt { error, odd_size: size.odd })
     }
 
     /// States the step with these weights of the shapes in the rate of change, newest first: its rate and its past.
@@ -269,8 +254,11 @@ impl Stepper {
 
     /// Solves the step that is stated from the trial shape and into it, on halves if it may be, and with the factors at hand if
     /// they are of such a step and of nearly its rate.
-    fn solve_trial(&mut self) -> Result<NewtonReport, NewtonError> {
-        let (halved, rate) = (self.solves_halves(), self.cortex.rate);
+    fn solve_trial(&mut self) -> Result<(), NewtonError> {
+        let (newest, rate) = (&self.history[0], self.cortex.rate);
+        let halved = self.halves.is_some()
+            && newest.size.is_some_and(|size| size.odd < self.nearly_symmetric * self.cortex.cell.r0)
+            && symmetry::is_mirrored(&newest.y.mesh);
         let near = |(of_halves, other): (bool, f64)| of_halves == halved && (rate / other - 1.0).abs() < SAME_RATE;
         let reuse = self.factored.is_some_and(near);
         let Stepper { newton, system, scratch, cortex, trial, halves, .. } = self;
@@ -292,18 +280,15 @@ impl Stepper {
                 self.history[0].size = None;
             }
         }
-        solved
+        solved.map(drop)
     }
 
     /// Makes the attempted step the newest level.
     pub fn accept(&mut self) {
-        let mut level = match self.spare.pop() {
-            Some(level) => level,
-            None if self.history.len() > MAX_ORDER => self.history.remove(self.history.len() - 1),
-            None => self.trial.clone(),
-        };
-        std::mem::swap(&mut level, &mut self.trial);
-        self.history.insert(0, level);
+        let oldest = self.history.len() > MAX_ORDER;
+        let level = self.spare.pop().or_else(|| if oldest { self.history.pop() } else { None });
+        let level = level.unwrap_or_else(|| self.trial.clone());
+        self.history.insert(0, std::mem::replace(&mut self.trial, level));
         while self.history.len() > MAX_ORDER + 1 {
             self.spare.extend(self.history.pop());
         }
@@ -333,16 +318,6 @@ impl Stepper {
             [change(i * COMPONENTS, R), change(i * COMPONENTS, Z)]
         });
         norm.even.hypot(norm.odd) / self.cortex.cell.r0
-    }
-
-    /// Makes meshes finer than at first by so many halvings from the next [`adapt`](Self::adapt) on, if they are not yet.
-    pub fn refine(&mut self, halvings: u32) {
-        self.halvings = self.halvings.max(halvings);
-    }
-
-    /// Makes meshes as fine as at first again.
-    pub fn coarsen(&mut self) {
-        self.halvings = 0;
     }
 
     /// Even number of intervals that keeps each one's share of the monitor below `room` of its limit.
@@ -397,20 +372,15 @@ impl Stepper {
 /// Σ w_j y_j over the history into `out`, taking mesh and shape from the first.
 fn extrapolate(history: &[HistoryPoint], weights: &[f64], out: &mut Solution) {
     out.clone_from(&history[0].y);
-    let mut part = |get: fn(&Solution) -> &Vec<f64>, put: fn(&mut Solution) -> &mut Vec<f64>| {
-        let target = put(out);
-        for v in target.iter_mut() {
-            *v *= weights[0];
-        }
+    let Solution { nodes, stages, scalars, .. } = out;
+    let parts: [(_, fn(&Solution) -> &Vec<f64>); 3] =
+        [(nodes, |y| &y.nodes), (stages, |y| &y.stages), (scalars, |y| &y.scalars)];
+    for (target, of) in parts {
+        target.iter_mut().for_each(|v| *v *= weights[0]);
         for (level, weight) in history.iter().zip(weights).skip(1) {
-            for (v, w) in target.iter_mut().zip(get(&level.y)) {
-                *v += weight * w;
-            }
+            target.iter_mut().zip(of(&level.y)).for_each(|(v, w)| *v += weight * w);
         }
-    };
-    part(|y| &y.nodes, |y| &mut y.nodes);
-    part(|y| &y.stages, |y| &mut y.stages);
-    part(|y| &y.scalars, |y| &mut y.scalars);
+    }
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ pub struct Trajectory {
 }
 
 /// The cell at one time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
     /// Time, in τ.
     pub t: f64,
@@ -74,8 +74,8 @@ pub struct Recorder(Vec<Step>);
 impl Recorder {
     /// Records a shape; to be called by the division's observer.
     pub fn record(&mut self, frame: Frame<'_>) {
-        let (shape, cortex) = (frame.shape.clone(), frame.cortex.clone());
-        self.0.push(Step { t: frame.t, shape, cortex, neck: frame.neck });
+        let Frame { t, shape, neck, cortex, .. } = frame;
+        self.0.push(Step { t, shape: shape.clone(), cortex: cortex.clone(), neck });
     }
 
     /// The trajectory, once the division has ended.
@@ -122,9 +122,8 @@ impl Trajectory {
 
     /// The cell at a time of [`times`](Self::times), by its number, counted from 0; past the last the last.
     pub fn step(&self, number: usize) -> Snapshot {
-        let Some(step) = self.steps.get(number).or(self.steps.last()) else { return Snapshot::empty() };
-        let places = self.profile(step);
-        self.snapshot(step.t, step, None, places)
+        let Some(step) = self.steps.get(number).or(self.steps.last()) else { return Snapshot::default() };
+        self.snapshot(step.t, step, None, self.profile(step))
     }
 
     /// The cell at any time, between the first step and the last: at the places of the step behind, interpolated in time
@@ -137,10 +136,9 @@ impl Trajectory {
         let (before, after) = (&self.steps[behind - 1], &self.steps[behind]);
         let dt = after.t - before.t;
         let share = (t - before.t) / dt;
-        let then = self.profile(after);
         let blend =
             |place: Place| forces::at(&before.cortex, &self.gauss, &before.shape, place.u).between(&place, share, dt);
-        let places = then.into_iter().map(blend).collect();
+        let places = self.profile(after).into_iter().map(blend).collect();
         self.snapshot(t, before, Some((after, share)), places)
     }
 
@@ -157,31 +155,23 @@ impl Trajectory {
         let blend = |of: &dyn Fn(&Step) -> f64| {
             after.map_or(of(before), |(after, share)| of(before) + share * (of(after) - of(before)))
         };
-        let neck = match (before.neck, after) {
-            (Some(a), Some((Step { neck: Some(b), .. }, share))) => {
-                Some(Neck { u: a.u + share * (b.u - a.u), radius: a.radius + share * (b.radius - a.radius) })
-            }
-            (neck, None) => neck,
-            _ => None,
+        let neck = match after {
+            None => before.neck,
+            Some((after, share)) => before
+                .neck
+                .zip(after.neck)
+                .map(|(a, b)| Neck { u: a.u + share * (b.u - a.u), radius: a.radius + share * (b.radius - a.radius) }),
         };
         Snapshot {
             t,
             length: blend(&|step| step.shape.scalars[LENGTH]),
             pressure: blend(&|step| step.shape.scalars[PRESSURE]),
-            asymmetry: blend(&|step| self.asymmetry(step)),
+            asymmetry: blend(&|step| {
+                step.neck.map_or(0.0, |neck| observables::asymmetry(&self.gauss, &step.shape, neck.u))
+            }),
             neck,
             places,
         }
-    }
-
-    fn asymmetry(&self, step: &Step) -> f64 {
-        step.neck.map_or(0.0, |neck| observables::asymmetry(&self.gauss, &step.shape, neck.u))
-    }
-}
-
-impl Snapshot {
-    fn empty() -> Snapshot {
-        Snapshot { t: 0.0, length: 0.0, pressure: 0.0, places: Vec::new(), neck: None, asymmetry: 0.0 }
     }
 }
 

@@ -18,30 +18,17 @@ use furrow_cell::{Cell, Parameter};
 
 /// Switches onto the asymmetric branch at a pitchfork of a cell, towards u_f < ½ (its mirror image is the other half of
 /// the branch). The tangent there is the null vector, and the first step is the distance along it that moves the furrow by
-/// `first_shift` in u.
-pub fn switch(
-    pitchfork: &Pitchfork,
-    cell: &Cell,
-    first_shift: f64,
-    settings: &ContinuationSettings,
-) -> Continuation<Cortex> {
+/// the first of [`SCALING_RANGE`] in u.
+fn switch(pitchfork: &Pitchfork, cell: &Cell, settings: &ContinuationSettings) -> Continuation<Cortex> {
     let solution = unfold(&pitchfork.shape);
     let free = [Parameter::XiS];
     let metric = metric(cell.r0, &free);
     let mut tangent = unfold_antisymmetric(&pitchfork.null, solution.scalars.len());
     let scale = metric.dot(&solution.mesh, &tangent, &tangent).sqrt();
     tangent.scale(-pitchfork.furrow_shift.signum() / scale);
-    let step = first_shift / pitchfork.furrow_shift.abs() * scale;
-    let state = State {
-        solution,
-        tangent,
-        arclength: 0.0,
-        step,
-        points: 1,
-        direction: 0.0,
-        orientation: 0.0,
-        history: History::default(),
-    };
+    let step = SCALING_RANGE[0] / pitchfork.furrow_shift.abs() * scale;
+    let history = History::default();
+    let state = State { solution, tangent, arclength: 0.0, step, points: 1, direction: 0.0, orientation: 0.0, history };
     let cortex = Cortex::new(cell, Domain::Full, &free);
     let settings = ContinuationSettings { min_step: settings.min_step.min(1e-3 * step), ..settings.clone() };
     let mut branch = Continuation::resume(cortex, state, metric, settings);
@@ -140,7 +127,7 @@ impl Run {
 /// are mirror-symmetric again. A fold that cannot be located ends it, as does the loss of the branch: [`Branch::ended`]
 /// says so.
 pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> AsymmetricBranch {
-    let mut branch = switch(pitchfork, cell, SCALING_RANGE[0], &options.settings);
+    let mut branch = switch(pitchfork, cell, &options.settings);
     let mut run = Run { points: vec![pitchfork.point], opening: true, ..Run::default() };
     let gauss = branch.system.gauss.clone();
     let mut stability = options.growth_rates.then(|| Stability::new(gauss.m));
@@ -150,11 +137,10 @@ pub fn follow(pitchfork: &Pitchfork, cell: &Cell, options: &BranchOptions) -> As
             run.stop = Some(BranchEnd::Rejoined);
             return false;
         }
-        if advance.passed_fold {
-            match fold_near(branch) {
-                Ok(fold) => run.events.push(BranchEvent::Fold(Box::new(fold))),
-                Err(source) => run.stop = Some(not_located(branch, PointKind::Fold, source)),
-            }
+        match advance.passed_fold.then(|| fold_near(branch)) {
+            Some(Ok(fold)) => run.events.push(BranchEvent::Fold(Box::new(fold))),
+            Some(Err(source)) => run.stop = Some(not_located(branch, PointKind::Fold, source)),
+            None => {}
         }
         let point = ShapePoint::newest(branch, run.events.len(), &mut stability);
         contours.extend(options.contours.then(|| newest_contour(branch)));

@@ -7,37 +7,27 @@
 use serde::Serialize;
 
 use super::branch::{BranchEvent, BranchOptions, Criticality, ShapePoint};
-use super::error::ShapeError;
+use super::error::Result;
 use super::primary;
 use furrow_cell::{Cell, Numerics};
 
 /// A fold or pitchfork in a phase diagram.
+#[expect(missing_docs, reason = "as at `Pitchfork` and `FoldPoint`")]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Edge {
     /// The mirror symmetry breaks.
-    Pitchfork {
-        /// ξ_s*.
-        xi_s: f64,
-        /// Sub- or supercritical.
-        criticality: Criticality,
-    },
+    Pitchfork { xi_s: f64, criticality: Criticality },
     /// The branch turns.
-    Fold {
-        /// Where.
-        xi_s: f64,
-        /// Whether ξ_s is largest here.
-        maximum: bool,
-    },
+    Fold { xi_s: f64, maximum: bool },
 }
 
 impl Edge {
     /// Its ξ_s.
     pub fn xi_s(&self) -> f64 {
-        match self {
-            Edge::Pitchfork { xi_s, .. } | Edge::Fold { xi_s, .. } => *xi_s,
-        }
+        let (Edge::Pitchfork { xi_s, .. } | Edge::Fold { xi_s, .. }) = self;
+        *xi_s
     }
 }
 
@@ -61,17 +51,14 @@ impl RestShapes {
 ///
 /// # Errors
 /// [`ShapeError`] if the branch cannot be followed.
-pub fn rest_shapes(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<RestShapes, ShapeError> {
+pub fn rest_shapes(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<RestShapes> {
     let options = BranchOptions { xi: [0.0, xi_max], growth_rates: true, ..BranchOptions::default() };
     let branch = primary::follow(cell, numerics, &options, |_| true)?;
-    let edges: Vec<Edge> = branch
-        .events
-        .iter()
-        .map(|event| match event {
-            BranchEvent::Pitchfork(p) => Edge::Pitchfork { xi_s: p.point.xi_s, criticality: p.criticality() },
-            BranchEvent::Fold(f) => Edge::Fold { xi_s: f.point.xi_s, maximum: f.maximum },
-        })
-        .collect();
+    let edge = |event: &BranchEvent| match event {
+        BranchEvent::Pitchfork(p) => Edge::Pitchfork { xi_s: p.point.xi_s, criticality: p.criticality() },
+        BranchEvent::Fold(f) => Edge::Fold { xi_s: f.point.xi_s, maximum: f.maximum },
+    };
+    let edges: Vec<Edge> = branch.events.iter().map(edge).collect();
     Ok(RestShapes { intervals: stable_intervals(&edges, &branch.points), edges })
 }
 
@@ -83,21 +70,18 @@ const MARGINAL: f64 = 1e-3;
 fn stable_intervals(edges: &[Edge], points: &[ShapePoint]) -> Vec<[f64; 2]> {
     let ends: Vec<f64> = edges.iter().map(Edge::xi_s).collect();
     let [Some(first), Some(last)] = [points.first(), points.last()] else { return Vec::new() };
-    let mut intervals = Vec::new();
-    for segment in 0..=edges.len() {
+    let stable = |segment: usize| {
         let inside: Vec<&ShapePoint> = points.iter().filter(|point| point.passed == segment).collect();
         let middle = inside.len() / 2;
-        let stable = inside.get(middle).and_then(|point| point.growth_rate).is_some_and(|rate| rate < 0.0);
-        if stable {
-            let from = if segment == 0 { first.xi_s } else { ends[segment - 1] };
-            let to = ends.get(segment).copied().unwrap_or(last.xi_s);
-            let before: Vec<&ShapePoint> = inside[..=middle].iter().rev().copied().collect();
-            let from = oscillates_at(&before).unwrap_or(from);
-            let to = oscillates_at(&inside[middle..]).unwrap_or(to);
-            intervals.push([from.min(to), from.max(to)]);
-        }
-    }
-    intervals
+        inside.get(middle)?.growth_rate.filter(|rate| *rate < 0.0)?;
+        let from = if segment == 0 { first.xi_s } else { ends[segment - 1] };
+        let to = ends.get(segment).copied().unwrap_or(last.xi_s);
+        let before: Vec<&ShapePoint> = inside[..=middle].iter().rev().copied().collect();
+        let from = oscillates_at(&before).unwrap_or(from);
+        let to = oscillates_at(&inside[middle..]).unwrap_or(to);
+        Some([from.min(to), from.max(to)])
+    };
+    (0..=edges.len()).filter_map(stable).collect()
 }
 
 /// Where stability is lost along points that begin with a stable one, if it is lost clearly: without a fold or a pitchfork
@@ -114,17 +98,7 @@ mod tests {
     use super::*;
 
     fn point(passed: usize, xi_s: f64, growth_rate: f64) -> ShapePoint {
-        ShapePoint {
-            xi_s,
-            elongation: 2.0,
-            length: 1.0,
-            pressure: 0.0,
-            equator_radius: 1.0,
-            delta_u: 0.0,
-            arclength: 0.0,
-            passed,
-            growth_rate: Some(growth_rate),
-        }
+        ShapePoint { xi_s, passed, growth_rate: Some(growth_rate), ..ShapePoint::default() }
     }
 
     #[test]

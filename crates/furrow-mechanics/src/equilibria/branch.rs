@@ -5,7 +5,7 @@ use furrow_bvp::{
     Termination, Work, mesh,
 };
 
-use super::error::{CellName, PointKind, ShapeError};
+use super::error::{CellName, PointKind, Result, ShapeError};
 use crate::cortex::equations::{COMPONENTS, LENGTH, M, PRESSURE, Q, R, T, V, Z};
 use crate::cortex::problem::SHAPE_SCALARS;
 use crate::cortex::{Cortex, Domain, observables, resolution};
@@ -52,7 +52,7 @@ impl BranchOptions {
 }
 
 /// A stationary shape on a branch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ShapePoint {
     /// Activity ξ_s.
     pub xi_s: f64,
@@ -85,26 +85,16 @@ impl ShapePoint {
             pressure: y.scalars[PRESSURE],
             equator_radius: if half { y.node(y.intervals())[R] } else { observables::equator_radius(gauss, y) },
             delta_u: if half { 0.0 } else { observables::furrow_position(gauss, cortex, y).map_or(0.0, |u| u - 0.5) },
-            arclength: 0.0,
-            passed: 0,
-            growth_rate: None,
+            ..ShapePoint::default()
         }
     }
 
     /// The newest point of a branch, after so many folds and pitchforks; with its growth rate if there is a workspace for
     /// it.
-    pub(super) fn newest(
-        branch: &Continuation<Cortex>,
-        passed: usize,
-        stability: &mut Option<Stability>,
-    ) -> ShapePoint {
-        let (y, cortex) = (&branch.state.solution, &branch.problem);
-        ShapePoint {
-            arclength: branch.state.arclength,
-            passed,
-            growth_rate: stability.as_mut().and_then(|stability| stability.growth_rate(cortex, y).ok()),
-            ..ShapePoint::of(y, cortex, &branch.system.gauss)
-        }
+    pub(super) fn newest(of: &Continuation<Cortex>, passed: usize, stability: &mut Option<Stability>) -> ShapePoint {
+        let (y, cortex) = (&of.state.solution, &of.problem);
+        let growth_rate = stability.as_mut().and_then(|stability| stability.growth_rate(cortex, y).ok());
+        ShapePoint { arclength: of.state.arclength, passed, growth_rate, ..ShapePoint::of(y, cortex, &of.system.gauss) }
     }
 }
 
@@ -140,10 +130,7 @@ impl Criticality {
 
 impl std::fmt::Display for Criticality {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Criticality::Supercritical => "supercritical",
-            Criticality::Subcritical => "subcritical",
-        })
+        f.write_str(if *self == Criticality::Supercritical { "supercritical" } else { "subcritical" })
     }
 }
 
@@ -201,18 +188,12 @@ impl BranchEvent {
 
     /// The pitchfork, if it is one.
     pub fn pitchfork(&self) -> Option<&Pitchfork> {
-        match self {
-            BranchEvent::Pitchfork(pitchfork) => Some(pitchfork),
-            BranchEvent::Fold(_) => None,
-        }
+        if let BranchEvent::Pitchfork(pitchfork) = self { Some(pitchfork) } else { None }
     }
 
     /// The fold, if it is one.
     pub fn fold(&self) -> Option<&FoldPoint> {
-        match self {
-            BranchEvent::Fold(fold) => Some(fold),
-            BranchEvent::Pitchfork(_) => None,
-        }
+        if let BranchEvent::Fold(fold) = self { Some(fold) } else { None }
     }
 }
 
@@ -237,17 +218,22 @@ pub enum BranchEnd {
 }
 
 impl BranchEnd {
+    /// Its name in files, and what it means.
+    fn words(&self) -> (&'static str, String) {
+        match self {
+            BranchEnd::Bound(_) => ("bound", "the bound of ξ_s".into()),
+            BranchEnd::PointLimit(_) => ("point_limit", "the largest number of points".into()),
+            BranchEnd::Pinched(neck) => ("pinched", format!("its neck is narrower than {neck} R0")),
+            BranchEnd::Rejoined => ("rejoined", "its shapes are mirror-symmetric again".into()),
+            BranchEnd::Enough => ("enough", "no more was asked for".into()),
+            BranchEnd::Lost(_) => ("lost", "lost".into()),
+            BranchEnd::NotLocated(_) => ("not_located", "a singular point that cannot be located".into()),
+        }
+    }
+
     /// Its name in files.
     pub fn name(&self) -> &'static str {
-        match self {
-            BranchEnd::Bound(_) => "bound",
-            BranchEnd::PointLimit(_) => "point_limit",
-            BranchEnd::Pinched(_) => "pinched",
-            BranchEnd::Rejoined => "rejoined",
-            BranchEnd::Enough => "enough",
-            BranchEnd::Lost(_) => "lost",
-            BranchEnd::NotLocated(_) => "not_located",
-        }
+        self.words().0
     }
 
     /// What went wrong, if something did.
@@ -261,15 +247,7 @@ impl BranchEnd {
 
 impl std::fmt::Display for BranchEnd {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            BranchEnd::Bound(_) => f.write_str("the bound of ξ_s"),
-            BranchEnd::PointLimit(_) => f.write_str("the largest number of points"),
-            BranchEnd::Pinched(neck) => write!(f, "its neck is narrower than {neck} R0"),
-            BranchEnd::Rejoined => f.write_str("its shapes are mirror-symmetric again"),
-            BranchEnd::Enough => f.write_str("no more was asked for"),
-            BranchEnd::Lost(_) => f.write_str("lost"),
-            BranchEnd::NotLocated(_) => f.write_str("a singular point that cannot be located"),
-        }
+        f.write_str(&self.words().1)
     }
 }
 
@@ -388,15 +366,10 @@ pub fn error_monitor(cortex: &Cortex, y: &Solution, weight: &mut Vec<f64>) {
 ///
 /// # Errors
 /// [`ShapeError::Branch`].
-pub(super) fn begin(
-    mut y: Solution,
-    cell: &Cell,
-    domain: Domain,
-    settings: &ContinuationSettings,
-) -> Result<Continuation<Cortex>, ShapeError> {
+pub(super) fn begin(mut y: Solution, cell: &Cell, settings: &ContinuationSettings) -> Result<Continuation<Cortex>> {
     y.scalars.push(0.0);
     let free = [Parameter::XiS];
-    let cortex = Cortex::new(cell, domain, &free);
+    let cortex = Cortex::new(cell, Domain::of(cell), &free);
     let mut branch = Continuation::start(cortex, y, metric(cell.r0, &free), settings.clone(), true)
         .map_err(|source| ShapeError::Branch { cell: CellName::of(cell), source })?;
     branch.monitor = Some(mesh_monitor);

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::branch::{BranchOptions, XI};
 use super::budget::StepBudget;
 use super::curves::{self, Curve, CurvePoint, MOST_STEPS, SECOND, at_value, coefficient, curve_point};
-use super::error::{PointKind, ShapeError};
+use super::error::{PointKind, Result, ShapeError};
 use super::{pitchfork, primary};
 use crate::cortex::{Cortex, Domain};
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
@@ -60,27 +60,16 @@ pub struct End {
 }
 
 /// Why a stored boundary is not used.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BoundaryError {
     /// It is not a boundary file.
     #[error("{file}: not a boundary file: {reason}")]
-    Malformed {
-        /// The file.
-        file: String,
-        /// What is wrong.
-        reason: String,
-    },
+    Malformed { file: String, reason: String },
     /// It belongs to other parameters or to an older method.
     #[error("{file}: stale: computed for parameters {found}, not {expected}; compute it anew")]
-    Stale {
-        /// The file.
-        file: String,
-        /// Hash of the parameters in force.
-        expected: String,
-        /// Hash in the file.
-        found: String,
-    },
+    Stale { file: String, expected: String, found: String },
 }
 
 /// A boundary as stored.
@@ -108,12 +97,10 @@ fn without_size_and_cue(cell: &Cell) -> Cell {
 
 /// Hash of everything a boundary depends on: the cell but for its radius and cue, collocation, and the method's version.
 pub fn parameters_hash(cell: &Cell, numerics: &Numerics) -> String {
-    let mut hasher = blake3::Hasher::new();
     // Fields in the order of their names and numbers in shortest form: the same on every host.
     let text = serde_json::to_string(&(FORMAT, without_size_and_cue(cell), numerics.stages, numerics.intervals))
         .unwrap_or_default();
-    hasher.update(text.as_bytes());
-    hasher.finalize().to_hex()[..16].to_string()
+    blake3::hash(text.as_bytes()).to_hex()[..16].to_string()
 }
 
 impl Stored {
@@ -121,19 +108,12 @@ impl Stored {
     ///
     /// # Errors
     /// [`ShapeError`].
-    pub fn compute(cell: &Cell, numerics: &Numerics, cues: &[Cue], range: [f64; 2]) -> Result<Stored, ShapeError> {
-        let radius = |cue: &Cue| critical_radius(&without_size_and_cue(cell).with_cue(cue.clone()), numerics);
-        let radii = cues.iter().map(radius).collect::<Result<_, _>>()?;
-        let Curve { points, degenerate, .. } =
-            curves::pitchfork_curve(&without_size_and_cue(cell), numerics, Parameter::R0, range)?;
-        Ok(Stored {
-            format: FORMAT,
-            parameters: parameters_hash(cell, numerics),
-            cell: without_size_and_cue(cell),
-            radii,
-            pitchfork: points,
-            degenerate,
-        })
+    pub fn compute(cell: &Cell, numerics: &Numerics, cues: &[Cue], range: [f64; 2]) -> Result<Stored> {
+        let (cell, parameters) = (without_size_and_cue(cell), parameters_hash(cell, numerics));
+        let radius = |cue: &Cue| critical_radius(&cell.clone().with_cue(cue.clone()), numerics);
+        let radii = cues.iter().map(radius).collect::<Result<_>>()?;
+        let Curve { points, degenerate, .. } = curves::pitchfork_curve(&cell, numerics, Parameter::R0, range)?;
+        Ok(Stored { format: FORMAT, parameters, cell, radii, pitchfork: points, degenerate })
     }
 
     /// The boundary kept for the preset `gao2026`, for cells of its parameters.
@@ -162,15 +142,6 @@ impl Stored {
 /// Radii at which a curve is looked for first, in order.
 pub const STARTS: [f64; 7] = [2.0, 2.5, 3.0, 1.6, 4.0, 6.0, 1.0];
 
-/// Values of a parameter that curves may run through.
-fn allowed_range(parameter: Parameter) -> std::ops::Range<f64> {
-    match parameter {
-        Parameter::R0 => 0.05..50.0,
-        Parameter::Epsilon => 0.05..0.99,
-        _ => f64::NEG_INFINITY..f64::INFINITY,
-    }
-}
-
 /// Follows a curve to the point with ξ_s = `xi_s`, in whichever direction leads there; how that converged. Where a curve of
 /// folds turns back in the parameter there is a cusp, beyond which it is another fold; a curve that leads well away from
 /// ξ_s again is given up.
@@ -182,9 +153,14 @@ fn to_activity<S: Singularity<Cortex> + Clone>(
     budget: &StepBudget<'_>,
 ) -> Result<AugmentedReport, CurveError> {
     curve.head_for(XI, xi_s);
-    let mut tried = curve.work.steps + curve.work.rejected;
-    let mut last = AugmentedReport::default();
+    let (mut tried, mut last) = (curve.work.steps + curve.work.rejected, AugmentedReport::default());
     let direction = curve.tangent.scalars[SECOND];
+    // Values of the parameter that the curve may run through.
+    let allowed = match parameter {
+        Parameter::R0 => 0.05..50.0,
+        Parameter::Epsilon => 0.05..0.99,
+        _ => f64::NEG_INFINITY..f64::INFINITY,
+    };
     let mut nearest = f64::INFINITY;
     curve.follow_to(XI, xi_s, MOST_STEPS, |curve, report| {
         last = *report;
@@ -193,140 +169,52 @@ fn to_activity<S: Singularity<Cortex> + Clone>(
         let goes_on = through_cusps || curve.tangent.scalars[SECOND] * direction > 0.0;
         let before = std::mem::replace(&mut tried, curve.work.steps + curve.work.rejected);
         let affordable = budget.spend(tried - before);
-        affordable
-            && goes_on
-            && distance < 2.0 * nearest + 1.0
-            && allowed_range(parameter).contains(&curve.solution.scalars[SECOND])
+        affordable && goes_on && distance < 2.0 * nearest + 1.0 && allowed.contains(&curve.solution.scalars[SECOND])
     })?;
     Ok(last)
 }
 
-/// The value of `parameter` at which the first pitchfork of a mirror-symmetric cell lies at its activity ξ_s. The curve is
-/// looked for at each of `starts` in turn. Along R0 that is the critical radius R0_c; smaller cells do not divide.
+/// The value of `parameter` that bounds the division of a cell at its activity ξ_s: of the first pitchfork if the cell is
+/// mirror-symmetric whatever the value, else of the fold that ends its stable shapes. The curve is looked for at each of
+/// `starts` in turn. Along R0 that is the critical radius; smaller cells do not divide.
 ///
 /// # Errors
-/// [`ShapeError`] if the curve of pitchforks does not pass that activity.
-pub fn critical_pitchfork(
-    cell: &Cell,
-    numerics: &Numerics,
-    parameter: Parameter,
-    starts: &[f64],
-) -> Result<CurvePoint, ShapeError> {
-    pitchfork_within(cell, numerics, parameter, starts, &StepBudget::unlimited())
-}
-
-fn pitchfork_within(
-    cell: &Cell,
-    numerics: &Numerics,
-    parameter: Parameter,
-    starts: &[f64],
-    budget: &StepBudget<'_>,
-) -> Result<CurvePoint, ShapeError> {
-    first_success(
-        PointKind::Pitchfork,
-        cell,
-        starts,
-        budget,
-        |cell| {
-            let lost = |source| curve_error(PointKind::Pitchfork, cell.xi_s, source);
-            let first = pitchfork::first_within(cell, numerics, &BranchOptions::default(), budget)?;
-            let mut curve = curves::through_pitchfork(cell, &first, parameter, true).map_err(lost)?;
-            let report = to_activity(&mut curve, cell.xi_s, parameter, true, budget).map_err(lost)?;
-            let y = curve.solution.clone();
-            let c = coefficient(&mut curve, &y, &report).map_err(|error| lost(CurveError::Start(error)))?;
-            Ok(curve_point(&curve, Some(c)))
-        },
-        parameter,
-    )
-}
-
-/// The value of `parameter` at which the stable branch of a cell whose cue breaks the symmetry ends, in a fold, at its
-/// activity ξ_s. Along R0: smaller cells do not divide.
-///
-/// # Errors
-/// [`ShapeError`] if the curve of folds does not pass that activity.
-pub fn critical_fold(
-    cell: &Cell,
-    numerics: &Numerics,
-    parameter: Parameter,
-    starts: &[f64],
-) -> Result<CurvePoint, ShapeError> {
-    fold_within(cell, numerics, parameter, starts, &StepBudget::unlimited())
-}
-
-fn fold_within(
-    cell: &Cell,
-    numerics: &Numerics,
-    parameter: Parameter,
-    starts: &[f64],
-    budget: &StepBudget<'_>,
-) -> Result<CurvePoint, ShapeError> {
-    first_success(
-        PointKind::Fold,
-        cell,
-        starts,
-        budget,
-        |cell| {
-            let lost = |source| curve_error(PointKind::Fold, cell.xi_s, source);
-            let fold = primary::failure_fold_within(cell, numerics, &BranchOptions::default(), budget)?;
-            let mut curve = curves::through_fold(cell, &fold, parameter, true).map_err(lost)?;
-            to_activity(&mut curve, cell.xi_s, parameter, false, budget).map_err(lost)?;
-            Ok(curve_point(&curve, None))
-        },
-        parameter,
-    )
-}
-
-fn curve_error(kind: PointKind, xi_s: f64, source: CurveError) -> ShapeError {
-    ShapeError::Curve { kind, parameter: Parameter::XiS, value: xi_s, source }
-}
-
-/// The first success among cells with `parameter` at each of the starts; else the last failure.
-fn first_success(
-    kind: PointKind,
-    cell: &Cell,
-    starts: &[f64],
-    budget: &StepBudget<'_>,
-    mut attempt: impl FnMut(&Cell) -> Result<CurvePoint, ShapeError>,
-    parameter: Parameter,
-) -> Result<CurvePoint, ShapeError> {
-    let mut last = curve_error(kind, cell.xi_s, CurveError::NotReached { steps: 0, reached: f64::NAN });
-    for start in starts {
-        match attempt(&at_value(cell, parameter, *start)) {
-            Ok(point) => return Ok(point),
-            Err(error) => last = error,
-        }
-        budget.check(cell)?;
-    }
-    Err(last)
-}
-
-/// The value of `parameter` that bounds the division of a cell at its activity: of the pitchfork if the cell is
-/// mirror-symmetric whatever the value, else of the fold that ends its stable shapes.
-///
-/// # Errors
-/// [`ShapeError`] if there is none.
+/// [`ShapeError`] if the curve does not pass that activity.
 pub fn critical_value(
     cell: &Cell,
     numerics: &Numerics,
     parameter: Parameter,
     starts: &[f64],
-) -> Result<(BoundaryKind, CurvePoint), ShapeError> {
-    value_within(cell, numerics, parameter, starts, &StepBudget::unlimited())
-}
-
-fn value_within(
-    cell: &Cell,
-    numerics: &Numerics,
-    parameter: Parameter,
-    starts: &[f64],
     budget: &StepBudget<'_>,
-) -> Result<(BoundaryKind, CurvePoint), ShapeError> {
-    if curves::domain_along(cell, parameter) == Domain::Half {
-        Ok((BoundaryKind::Pitchfork, pitchfork_within(cell, numerics, parameter, starts, budget)?))
-    } else {
-        Ok((BoundaryKind::CuedFold, fold_within(cell, numerics, parameter, starts, budget)?))
+) -> Result<(BoundaryKind, CurvePoint)> {
+    let (kind, point) = match curves::domain_along(cell, parameter) {
+        Domain::Half => (BoundaryKind::Pitchfork, PointKind::Pitchfork),
+        Domain::Full => (BoundaryKind::CuedFold, PointKind::Fold),
+    };
+    let lost = curves::lost(point, Parameter::XiS, cell.xi_s);
+    let attempt = |cell: &Cell| {
+        if kind == BoundaryKind::CuedFold {
+            let fold = primary::failure_fold(cell, numerics, budget)?;
+            let mut curve = curves::through_fold(cell, &fold, parameter, true).map_err(&lost)?;
+            to_activity(&mut curve, cell.xi_s, parameter, false, budget).map_err(&lost)?;
+            return Ok(curve_point(&curve, None));
+        }
+        let first = pitchfork::first_within(cell, numerics, &BranchOptions::default(), budget)?;
+        let mut curve = curves::through_pitchfork(cell, &first, parameter, true).map_err(&lost)?;
+        let report = to_activity(&mut curve, cell.xi_s, parameter, true, budget).map_err(&lost)?;
+        let y = curve.solution.clone();
+        let c = coefficient(&mut curve, &y, &report).map_err(|error| lost(CurveError::Start(error)))?;
+        Ok(curve_point(&curve, Some(c)))
+    };
+    let mut last = lost(CurveError::NotReached { steps: 0, reached: f64::NAN });
+    for start in starts {
+        match attempt(&at_value(cell, parameter, *start)) {
+            Ok(point) => return Ok((kind, point)),
+            Err(error) => last = error,
+        }
+        budget.check(cell)?;
     }
+    Err(last)
 }
 
 /// The critical radius of cells like `cell`, whatever its own radius, solved for directly.
@@ -341,7 +229,7 @@ fn value_within(
 ///
 /// # Errors
 /// [`ShapeError`] if there is none.
-pub fn critical_radius(cell: &Cell, numerics: &Numerics) -> Result<CriticalRadius, ShapeError> {
+pub fn critical_radius(cell: &Cell, numerics: &Numerics) -> Result<CriticalRadius> {
     critical_radius_within(cell, numerics, &StepBudget::unlimited())
 }
 
@@ -350,12 +238,8 @@ pub fn critical_radius(cell: &Cell, numerics: &Numerics) -> Result<CriticalRadiu
 /// # Errors
 /// Those of [`critical_radius`]; [`ShapeError::OutOfBudget`] and [`ShapeError::Interrupted`] if the search must end before it has
 /// come to an end.
-pub fn critical_radius_within(
-    cell: &Cell,
-    numerics: &Numerics,
-    budget: &StepBudget<'_>,
-) -> Result<CriticalRadius, ShapeError> {
-    let (kind, point) = value_within(cell, numerics, Parameter::R0, &STARTS, budget)?;
+pub fn critical_radius_within(cell: &Cell, numerics: &Numerics, budget: &StepBudget<'_>) -> Result<CriticalRadius> {
+    let (kind, point) = critical_value(cell, numerics, Parameter::R0, &STARTS, budget)?;
     Ok(CriticalRadius { cue: cell.cue.clone(), kind, r0: point.value, slope: point.slope })
 }
 
@@ -382,7 +266,7 @@ impl Search {
 pub struct CriticalRadii<'a> {
     numerics: Numerics,
     interrupt: Option<&'a AtomicBool>,
-    found: Mutex<Vec<(Search, Result<CriticalRadius, ShapeError>)>>,
+    found: Mutex<Vec<(Search, Result<CriticalRadius>)>>,
 }
 
 /// Most steps, along branches and curves, of one search for a critical radius. Nearly all searches that find one take 20 to
@@ -429,7 +313,7 @@ impl<'a> CriticalRadii<'a> {
 
     /// Searches for a critical radius, with at most [`MOST_SEARCHED`] steps. An interrupted search leaves no result.
     pub fn run(&self, search: &Search) {
-        let intervals = if search.fine { 2 * self.numerics.intervals } else { self.numerics.intervals };
+        let intervals = self.numerics.intervals << usize::from(search.fine);
         let numerics = Numerics { intervals, ..self.numerics };
         let found = critical_radius_within(&search.cell, &numerics, &StepBudget::new(MOST_SEARCHED, self.interrupt));
         if found != Err(ShapeError::Interrupted) {
@@ -441,7 +325,7 @@ impl<'a> CriticalRadii<'a> {
     ///
     /// # Errors
     /// [`ShapeError`] if its critical radius cannot be found in [`MOST_SEARCHED`] steps; it is looked for once.
-    pub fn ends(&self, cell: &Cell) -> Result<Option<End>, ShapeError> {
+    pub fn ends(&self, cell: &Cell) -> Result<Option<End>> {
         let mut last = None;
         loop {
             match self.known_end(cell) {
@@ -456,7 +340,7 @@ impl<'a> CriticalRadii<'a> {
     }
 
     /// As [`ends`](Self::ends) where no search is needed, else that search.
-    fn known_end(&self, cell: &Cell) -> Result<Result<Option<End>, ShapeError>, Box<Search>> {
+    fn known_end(&self, cell: &Cell) -> Result<Result<Option<End>>, Box<Search>> {
         let known = |fine| {
             let search = Search::of(cell, fine);
             self.result(&search).ok_or_else(|| Box::new(search))
@@ -466,22 +350,20 @@ impl<'a> CriticalRadii<'a> {
         // whose order is one of timing.
         let near = coarse.as_ref().is_ok_and(|radius| (cell.r0 / radius.r0 - 1.0).abs() < NEAR);
         let radius = if near { known(true)? } else { coarse };
-        Ok(radius.map(|radius| end(cell, &radius)))
+        Ok(radius.map(|CriticalRadius { kind, r0: critical_r0, .. }| {
+            let margin = cell.r0 / critical_r0 - 1.0;
+            (margin < 0.0).then_some(End { kind, critical_r0, margin })
+        }))
     }
 
-    fn result(&self, search: &Search) -> Option<Result<CriticalRadius, ShapeError>> {
+    fn result(&self, search: &Search) -> Option<Result<CriticalRadius>> {
         self.lock().iter().find(|(other, _)| other == search).map(|(_, found)| found.clone())
     }
 
-    fn lock(&self) -> MutexGuard<'_, Vec<(Search, Result<CriticalRadius, ShapeError>)>> {
+    fn lock(&self) -> MutexGuard<'_, Vec<(Search, Result<CriticalRadius>)>> {
         // An entry is whole before it is added.
         self.found.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-fn end(cell: &Cell, radius: &CriticalRadius) -> Option<End> {
-    let margin = cell.r0 / radius.r0 - 1.0;
-    (margin < 0.0).then_some(End { kind: radius.kind, critical_r0: radius.r0, margin })
 }
 
 #[cfg(test)]

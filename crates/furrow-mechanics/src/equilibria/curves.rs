@@ -7,7 +7,8 @@ use furrow_bvp::{
 };
 
 use super::branch::{BranchOptions, Criticality, FoldPoint, Pitchfork, ShapePoint, XI, mesh_monitor, metric};
-use super::error::{PointKind, ShapeError};
+use super::budget::StepBudget;
+use super::error::{PointKind, Result, ShapeError};
 use super::locate::furrow_shift;
 use super::{pitchfork, primary};
 use crate::cortex::equations::LENGTH;
@@ -108,11 +109,6 @@ pub type FoldCurve = Codim2Curve<Cortex, Fold>;
 /// Largest number of steps of one curve.
 pub(super) const MOST_STEPS: usize = 2000;
 
-/// Settings of curves of cells.
-pub fn settings() -> CurveSettings {
-    CurveSettings { first_step: 0.02, max_step: 1.0, ..CurveSettings::default() }
-}
-
 /// A cell with one parameter at another value.
 pub(super) fn at_value(cell: &Cell, parameter: Parameter, value: f64) -> Cell {
     let mut moved = cell.clone();
@@ -142,21 +138,23 @@ fn through<S: Singularity<Cortex> + Clone>(
     let value = cortex.get(parameter);
     // The parameter varied counts relative to its own size.
     metric.scalars[SECOND] = 1.0 / (value * value).max(1e-2);
-    let tangent = branch_direction(shape);
+    // It normalises at the singular point: any direction the branch is not orthogonal to. The contour length grows along
+    // every branch near its singular points.
+    let tangent = along_scalar(shape, SECOND, LENGTH);
     let mut y = shape.clone();
     y.scalars.truncate(SECOND);
     y.scalars.push(value);
-    let mut curve = Codim2Curve::start(cortex, singularity, y, metric, &tangent, settings(), upwards)?;
+    let settings = CurveSettings { first_step: 0.02, max_step: 1.0, ..CurveSettings::default() };
+    let mut curve = Codim2Curve::start(cortex, singularity, y, metric, &tangent, settings, upwards)?;
     curve.monitor = Some(mesh_monitor);
     Ok(curve)
 }
 
-/// The tangent that normalises at a singular point: any direction the branch is not orthogonal to. The contour length
-/// grows along every branch near its singular points.
-fn branch_direction(shape: &Solution) -> Direction {
-    let mut scalars = vec![0.0; SECOND];
-    scalars[LENGTH] = 1.0;
-    Direction { nodes: vec![0.0; shape.nodes.len()], stages: vec![0.0; shape.stages.len()], scalars }
+/// The direction in which only scalar unknown `index` of so many changes, beside a shape.
+pub(crate) fn along_scalar(y: &Solution, count: usize, index: usize) -> Direction {
+    let mut scalars = vec![0.0; count];
+    scalars[index] = 1.0;
+    Direction { nodes: vec![0.0; y.nodes.len()], stages: vec![0.0; y.stages.len()], scalars }
 }
 
 /// The curve of pitchforks through one of them, ready to be followed.
@@ -176,19 +174,14 @@ pub fn through_pitchfork(
 ///
 /// # Errors
 /// [`CurveError::Start`].
-pub fn through_fold(
-    cell: &Cell,
-    fold: &FoldPoint,
-    parameter: Parameter,
-    upwards: bool,
-) -> Result<FoldCurve, CurveError> {
+pub fn through_fold(cell: &Cell, fold: &FoldPoint, parameter: Parameter, up: bool) -> Result<FoldCurve, CurveError> {
     let domain = domain_along(cell, parameter);
     let shape = match (Domain::of(cell), domain) {
         // A mirror-symmetric cell that is none at other values.
         (Domain::Half, Domain::Full) => &unfold(&fold.shape),
         _ => &fold.shape,
     };
-    through(cell, domain, parameter, Fold::new(XI), shape, upwards)
+    through(cell, domain, parameter, Fold::new(XI), shape, up)
 }
 
 /// The newest point of a curve.
@@ -226,7 +219,7 @@ pub fn coefficient(curve: &mut PitchforkCurve, y: &Solution, report: &AugmentedR
 /// Corrections below this change a coefficient by less than 10⁻⁵ of itself.
 const NEGLIGIBLE: f64 = 2e-9;
 
-fn lost(kind: PointKind, parameter: Parameter, value: f64) -> impl Fn(CurveError) -> ShapeError {
+pub(super) fn lost(kind: PointKind, parameter: Parameter, value: f64) -> impl Fn(CurveError) -> ShapeError {
     move |source| ShapeError::Curve { kind, parameter, value, source }
 }
 
@@ -235,12 +228,7 @@ fn lost(kind: PointKind, parameter: Parameter, value: f64) -> impl Fn(CurveError
 ///
 /// # Errors
 /// [`ShapeError`]; `Curve` if the curve ends on the way, `NoPitchfork` if the cell's cue breaks the symmetry.
-pub fn pitchfork_curve(
-    cell: &Cell,
-    numerics: &Numerics,
-    parameter: Parameter,
-    [from, to]: [f64; 2],
-) -> Result<Curve, ShapeError> {
+pub fn pitchfork_curve(cell: &Cell, numerics: &Numerics, parameter: Parameter, [from, to]: [f64; 2]) -> Result<Curve> {
     let cell = at_value(cell, parameter, from);
     let first = pitchfork::first(&cell, numerics, &BranchOptions::default())?;
     let lost = lost(PointKind::Pitchfork, parameter, to);
@@ -270,9 +258,10 @@ pub fn pitchfork_curve(
 }
 
 /// The point between two values of the parameter where the coefficient vanishes, by the Illinois method.
-fn degenerate(curve: &mut PitchforkCurve, [mut low, mut high]: [[f64; 2]; 2]) -> Option<CurvePoint> {
-    let mut last_side = 0.0;
+fn degenerate(curve: &mut PitchforkCurve, mut ends: [[f64; 2]; 2]) -> Option<CurvePoint> {
+    let mut last_side = None;
     for _ in 0..40 {
+        let [low, high] = ends;
         let value = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1]);
         let (y, report) = curve.at(SECOND, value).ok()?;
         let c = coefficient(curve, &y, &report).ok()?;
@@ -282,18 +271,10 @@ fn degenerate(curve: &mut PitchforkCurve, [mut low, mut high]: [[f64; 2]; 2]) ->
             found.solution = y;
             return Some(curve_point(&found, Some(c)));
         }
-        if c * low[1] > 0.0 {
-            low = [value, c];
-            if last_side < 0.0 {
-                high[1] *= 0.5;
-            }
-            last_side = -1.0;
-        } else {
-            high = [value, c];
-            if last_side > 0.0 {
-                low[1] *= 0.5;
-            }
-            last_side = 1.0;
+        let side = if c * low[1] > 0.0 { 0 } else { 1 };
+        ends[side] = [value, c];
+        if last_side.replace(side) == Some(side) {
+            ends[1 - side][1] *= 0.5;
         }
     }
     None
@@ -330,20 +311,21 @@ pub fn follow_fold(curve: &mut FoldCurve, parameter: Parameter, to: f64) -> Curv
     found
 }
 
+/// The curve of one fold from a cell to another value of the parameter, as far as it can be followed.
+fn fold_curve(cell: &Cell, fold: &FoldPoint, parameter: Parameter, to: f64) -> Result<Curve> {
+    let curve = through_fold(cell, fold, parameter, to > parameter.get(cell));
+    Ok(follow_fold(&mut curve.map_err(lost(PointKind::Fold, parameter, to))?, parameter, to))
+}
+
 /// All folds of the primary branch of a mirror-symmetric cell at parameter value `from`, each followed towards `to`, and
 /// those at `to` that no curve has led to, followed towards `from`. A curve that cannot be followed to its end keeps what
 /// there is of it, and why in [`Curve::ended`].
 ///
 /// # Errors
 /// [`ShapeError`] of the primary branches at both ends.
-pub fn fold_curves(
-    cell: &Cell,
-    numerics: &Numerics,
-    parameter: Parameter,
-    [from, to]: [f64; 2],
-) -> Result<Vec<Curve>, ShapeError> {
+pub fn fold_curves(cell: &Cell, numerics: &Numerics, parameter: Parameter, range: [f64; 2]) -> Result<Vec<Curve>> {
     let mut curves: Vec<Curve> = Vec::new();
-    for [start, end] in [[from, to], [to, from]] {
+    for [start, end] in [range, [range[1], range[0]]] {
         let cell = at_value(cell, parameter, start);
         let branch = primary::follow(&cell, numerics, &BranchOptions::default(), |_| true)?;
         for fold in branch.folds() {
@@ -351,33 +333,12 @@ pub fn fold_curves(
             let known = curves.iter().filter_map(|curve| curve.points.last()).any(|p| {
                 same(p.value, start) && same(p.xi_s, fold.point.xi_s) && same(p.elongation, fold.point.elongation)
             });
-            if known {
-                continue;
+            if !known {
+                curves.push(fold_curve(&cell, fold, parameter, end)?);
             }
-            let curve = through_fold(&cell, fold, parameter, end > start);
-            let mut curve = curve.map_err(lost(PointKind::Fold, parameter, end))?;
-            curves.push(follow_fold(&mut curve, parameter, end));
         }
     }
     Ok(curves)
-}
-
-/// The curve of the fold that ends the stable shapes of a cell whose cue breaks the symmetry, over a range of a parameter, as
-/// far as it can be followed; [`Curve::ended`] says how it ended.
-///
-/// # Errors
-/// [`ShapeError`].
-pub fn failure_fold_curve(
-    cell: &Cell,
-    numerics: &Numerics,
-    parameter: Parameter,
-    [from, to]: [f64; 2],
-) -> Result<Curve, ShapeError> {
-    let cell = at_value(cell, parameter, from);
-    let fold = primary::failure_fold(&cell, numerics, &BranchOptions::default())?;
-    let curve = through_fold(&cell, &fold, parameter, to > from);
-    let mut curve = curve.map_err(lost(PointKind::Fold, parameter, to))?;
-    Ok(follow_fold(&mut curve, parameter, to))
 }
 
 /// What bounds the division of a cell over a range of a parameter: the curve of its first pitchfork if it is
@@ -392,7 +353,7 @@ pub fn boundary_curves(
     numerics: &Numerics,
     parameter: Parameter,
     [from, to]: [f64; 2],
-) -> Result<(PointKind, Vec<Curve>), ShapeError> {
+) -> Result<(PointKind, Vec<Curve>)> {
     if domain_along(cell, parameter) == Domain::Half {
         let forwards = pitchfork_curve(cell, numerics, parameter, [from, to]);
         let curve = forwards.or_else(|error| {
@@ -402,12 +363,15 @@ pub fn boundary_curves(
         })?;
         return Ok((PointKind::Pitchfork, vec![curve]));
     }
-    let forwards = failure_fold_curve(cell, numerics, parameter, [from, to]);
+    let curve = |from: f64, to: f64| {
+        let cell = at_value(cell, parameter, from);
+        fold_curve(&cell, &primary::failure_fold(&cell, numerics, &StepBudget::unlimited())?, parameter, to)
+    };
+    let forwards = curve(from, to);
     if let Ok(Curve { ended: CurveEnd::Reached, .. }) = forwards {
         return Ok((PointKind::Fold, vec![forwards?]));
     }
-    let backwards = failure_fold_curve(cell, numerics, parameter, [to, from]);
-    match (forwards, backwards) {
+    match (forwards, curve(to, from)) {
         (Err(error), Err(_)) => Err(error),
         (forwards, backwards) => Ok((PointKind::Fold, forwards.into_iter().chain(backwards).collect())),
     }

@@ -18,10 +18,7 @@ pub enum PointKind {
 
 impl std::fmt::Display for PointKind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            PointKind::Pitchfork => "pitchfork",
-            PointKind::Fold => "fold",
-        })
+        f.write_str(if *self == PointKind::Pitchfork { "pitchfork" } else { "fold" })
     }
 }
 
@@ -55,98 +52,45 @@ impl std::fmt::Display for CellName {
     }
 }
 
+/// What searches among shapes give.
+pub type Result<T, E = ShapeError> = std::result::Result<T, E>;
+
 /// Why a stationary branch, or a point of it, could not be computed.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShapeError {
     /// No passive shape to start from.
     #[error("no passive shape for {cell} ({source}); {}", cell.advice())]
-    Passive {
-        /// The cell.
-        cell: CellName,
-        /// What the solver said.
-        source: NewtonError,
-    },
+    Passive { cell: CellName, source: NewtonError },
     /// With its cue, the passive cell has no shape.
     #[error(
         "no passive shape with the cue for {cell} ({source}); try a cue of smaller amplitude, or more mesh intervals"
     )]
-    Cue {
-        /// The cell.
-        cell: CellName,
-        /// What the solver said.
-        source: NewtonError,
-    },
+    Cue { cell: CellName, source: NewtonError },
     /// The branch cannot be followed.
     #[error("{cell}: {source}; try more mesh intervals")]
-    Branch {
-        /// The cell.
-        cell: CellName,
-        /// What the continuation said.
-        source: ContinuationError,
-    },
+    Branch { cell: CellName, source: ContinuationError },
     /// A singular point seen on the way cannot be located.
     #[error("{cell}: the {kind} near xi_s = {xi_s} cannot be located: {source}")]
-    Point {
-        /// The cell.
-        cell: CellName,
-        /// Pitchfork or fold.
-        kind: PointKind,
-        /// Where it was seen.
-        xi_s: f64,
-        /// What the solver said.
-        source: SingularError,
-    },
+    Point { cell: CellName, kind: PointKind, xi_s: f64, source: SingularError },
     /// There is none in the range searched.
     #[error("{cell}: no {kind} for xi_s up to {xi_max}")]
-    NotFound {
-        /// The cell.
-        cell: CellName,
-        /// Pitchfork or fold.
-        kind: PointKind,
-        /// End of the range searched.
-        xi_max: f64,
-    },
+    NotFound { cell: CellName, kind: PointKind, xi_max: f64 },
     /// The cell's cue tells the poles apart: its branch has no pitchfork but folds.
     #[error(
         "{cell}: the cue {cue} breaks the mirror symmetry, and with it the pitchfork; what bounds its shapes is a fold"
     )]
-    NoPitchfork {
-        /// The cell.
-        cell: CellName,
-        /// Its cue.
-        cue: String,
-    },
+    NoPitchfork { cell: CellName, cue: String },
     /// A curve of singular points does not reach the value asked for.
     #[error("the curve of {kind}s does not reach {parameter} = {value}: {source}")]
-    Curve {
-        /// Pitchfork or fold.
-        kind: PointKind,
-        /// The unknown.
-        parameter: Parameter,
-        /// Value asked for.
-        value: f64,
-        /// Why.
-        source: CurveError,
-    },
+    Curve { kind: PointKind, parameter: Parameter, value: f64, source: CurveError },
     /// A curve of singular points ends at shapes without activity.
     #[error("the curve of {kind}s does not reach {parameter} = {value}: xi_s falls to 0 on the way")]
-    Inactive {
-        /// Pitchfork or fold.
-        kind: PointKind,
-        /// The unknown.
-        parameter: Parameter,
-        /// Value asked for.
-        value: f64,
-    },
+    Inactive { kind: PointKind, parameter: Parameter, value: f64 },
     /// It is not found with the work allowed.
     #[error("{cell}: not found in {steps} steps along branches and curves, the most that are tried")]
-    OutOfBudget {
-        /// The cell.
-        cell: CellName,
-        /// Steps allowed.
-        steps: usize,
-    },
+    OutOfBudget { cell: CellName, steps: usize },
     /// The search was interrupted.
     #[error("interrupted")]
     Interrupted,

@@ -2,8 +2,8 @@
 
 use furrow_bvp::normal_form::pitchfork_normal_form;
 use furrow_bvp::{
-    AugmentedReport, BoundaryValueProblem, CollocationPoint, Continuation, Direction, Fold, MinimallyAugmented,
-    SingularError, Solution, SymmetryBreaking, locate,
+    BoundaryValueProblem, CollocationPoint, Continuation, Direction, Fold, SingularError, Solution, SymmetryBreaking,
+    locate,
 };
 
 use super::branch::{BranchEnd, FoldPoint, Pitchfork, ShapePoint, XI};
@@ -20,8 +20,8 @@ pub fn fold_near(branch: &mut Continuation<Cortex>) -> Result<FoldPoint, Singula
     let maximum = branch.state.parameter_slope() < 0.0;
     let signs = if maximum { [1.0, -1.0] } else { [-1.0, 1.0] };
     let found = locate::between_last_points(branch, Fold::new(XI), signs)?;
-    let mut point = ShapePoint::of(&found.solution, &found.augmented.problem, &found.augmented.system.gauss);
-    point.arclength = found.arclength;
+    let of = ShapePoint::of(&found.solution, &found.augmented.problem, &found.augmented.system.gauss);
+    let point = ShapePoint { arclength: found.arclength, ..of };
     Ok(FoldPoint { point, maximum, report: found.report, shape: found.solution })
 }
 
@@ -32,27 +32,14 @@ pub fn fold_near(branch: &mut Continuation<Cortex>) -> Result<FoldPoint, Singula
 /// [`SingularError`].
 pub fn pitchfork_near(branch: &mut Continuation<Cortex>, signs: [f64; 2]) -> Result<Pitchfork, SingularError> {
     let mut found = locate::between_last_points(branch, SymmetryBreaking::default(), signs)?;
-    let mut pitchfork = describe(&mut found.augmented, found.solution, found.report)?;
-    pitchfork.point.arclength = found.arclength;
-    Ok(pitchfork)
-}
-
-/// Observables and normal form of a pitchfork just converged.
-///
-/// # Errors
-/// [`SingularError`] if the normal form does not exist.
-fn describe(
-    point: &mut MinimallyAugmented<Cortex, SymmetryBreaking>,
-    y: Solution,
-    report: AugmentedReport,
-) -> Result<Pitchfork, SingularError> {
-    let form = pitchfork_normal_form(point, &y)?;
-    let furrow_shift = furrow_shift(&point.problem, &y, &point.singularity.null);
+    let (at, y) = (&mut found.augmented, found.solution);
+    let form = pitchfork_normal_form(at, &y)?;
+    let furrow_shift = furrow_shift(&at.problem, &y, &at.singularity.null);
     Ok(Pitchfork {
-        point: ShapePoint::of(&y, &point.problem, &point.system.gauss),
+        point: ShapePoint { arclength: found.arclength, ..ShapePoint::of(&y, &at.problem, &at.system.gauss) },
         coefficient: form.parameters[0] / (furrow_shift * furrow_shift),
-        report,
-        null: point.singularity.null.clone(),
+        report: found.report,
+        null: at.singularity.null.clone(),
         furrow_shift,
         shape: y,
     })

@@ -31,6 +31,6 @@ pub use at_rest::{RestShapes, rest_shapes};
 pub use branch::{Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, FoldPoint, Pitchfork, ShapePoint};
 pub use budget::StepBudget;
 pub use critical::{CriticalRadii, CriticalRadius, critical_radius};
-pub use error::{PointKind, ShapeError};
+pub use error::{PointKind, Result, ShapeError};
 pub use passive::passive;
 pub use stationary::{StationaryError, StationaryShape, stationary};

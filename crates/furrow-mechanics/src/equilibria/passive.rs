@@ -48,10 +48,6 @@ impl Spheroid {
         c.iter().zip(w).map(|(c, w)| w * self.speed(from + c * (to - from))).sum::<f64>() * (to - from)
     }
 
-    fn length(&self) -> f64 {
-        self.arc[PIECES]
-    }
-
     /// The parametric angle at arclength s. The table is fine enough for one correction along the local speed.
     fn angle_at(&self, s: f64) -> f64 {
         let k = self.arc.partition_point(|&x| x <= s).clamp(1, PIECES) - 1;
@@ -76,7 +72,7 @@ pub fn spheroid(gauss: &Gauss, cell: &Cell, mesh: &[f64]) -> Solution {
     let aspect = cell.shell.aspect.powf(weight);
     let b = cell.r0 / aspect.cbrt();
     let ellipse = Spheroid::new(aspect * b, b);
-    let (kappa, length) = (cell.material.kappa, ellipse.length());
+    let (kappa, length) = (cell.material.kappa, ellipse.arc[PIECES]);
     Solution::from_fn(gauss, mesh, COMPONENTS, &[length, 0.0], |u, y| {
         let t = ellipse.angle_at(u * length);
         y[R] = ellipse.b * t.sin();
@@ -90,6 +86,9 @@ pub fn spheroid(gauss: &Gauss, cell: &Cell, mesh: &[f64]) -> Solution {
         y[T] = 0.0;
     })
 }
+
+/// A shape and the work it took.
+type Found = Result<(Solution, NewtonReport), NewtonError>;
 
 /// Newton's tolerance on passive shapes, from which everything else starts.
 const TOLERANCE: f64 = 1e-11;
@@ -111,7 +110,7 @@ const TOLERANCE: f64 = 1e-11;
 ///
 /// # Errors
 /// What Newton said last.
-pub fn passive(cell: &Cell, numerics: &Numerics) -> Result<(Solution, NewtonReport), NewtonError> {
+pub fn passive(cell: &Cell, numerics: &Numerics) -> Found {
     let cell = cell.passive();
     let mut cortex = Cortex::new(&cell, Domain::Half, &[]);
     let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
@@ -126,12 +125,7 @@ pub fn passive(cell: &Cell, numerics: &Numerics) -> Result<(Solution, NewtonRepo
 }
 
 /// Follows the passive dynamics from a guess by implicit steps of growing size until they are long enough for rest.
-fn relax(
-    mut cortex: Cortex,
-    mut system: System,
-    newton: Newton,
-    mut y: Solution,
-) -> Result<(Solution, NewtonReport), NewtonError> {
+fn relax(mut cortex: Cortex, mut system: System, newton: Newton, mut y: Solution) -> Found {
     // Times scale with R0².
     let scale = cortex.cell.r0 * cortex.cell.r0;
     let mut scratch = NewtonScratch::default();
@@ -151,9 +145,7 @@ fn relax(
                 }
             }
             other => {
-                if let Err(error) = other {
-                    last = error;
-                }
+                last = other.err().unwrap_or(last);
                 y = before;
                 dt *= 0.2;
                 if dt < 1e-12 {

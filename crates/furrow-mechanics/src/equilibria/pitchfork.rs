@@ -2,7 +2,7 @@
 
 use super::branch::{Branch, BranchEvent, BranchOptions, Pitchfork};
 use super::budget::StepBudget;
-use super::error::{CellName, PointKind, ShapeError};
+use super::error::{CellName, PointKind, Result, ShapeError};
 use super::primary;
 use furrow_cell::{Cell, Numerics};
 
@@ -20,7 +20,7 @@ use furrow_cell::{Cell, Numerics};
 /// # Errors
 /// [`ShapeError`]; `NotFound` if there is no pitchfork up to the end of the range, `NoPitchfork` if the cell's cue breaks
 /// the symmetry.
-pub fn first(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Result<Pitchfork, ShapeError> {
+pub fn first(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Result<Pitchfork> {
     first_within(cell, numerics, options, &StepBudget::unlimited())
 }
 
@@ -33,19 +33,14 @@ pub fn first_within(
     numerics: &Numerics,
     options: &BranchOptions,
     budget: &StepBudget<'_>,
-) -> Result<Pitchfork, ShapeError> {
+) -> Result<Pitchfork> {
     let name = CellName::of(cell);
     if !cell.is_mirror_symmetric() {
         return Err(ShapeError::NoPitchfork { cell: name, cue: cell.cue.to_string() });
     }
     let mut unwanted = |event: &BranchEvent| event.kind() != PointKind::Pitchfork;
-    let branch = primary::follow_within(cell, numerics, options, budget, &mut unwanted)?;
-    let Branch { events, ended, .. } = branch;
-    let found = events.into_iter().find_map(|event| match event {
-        BranchEvent::Pitchfork(pitchfork) => Some(*pitchfork),
-        BranchEvent::Fold(_) => None,
-    });
-    found.ok_or_else(|| {
+    let Branch { events, ended, .. } = primary::follow_within(cell, numerics, options, budget, &mut unwanted)?;
+    events.iter().find_map(BranchEvent::pitchfork).cloned().ok_or_else(|| {
         let none = ShapeError::NotFound { cell: name, kind: PointKind::Pitchfork, xi_max: options.xi[1] };
         ended.error().cloned().unwrap_or(none)
     })

@@ -5,13 +5,13 @@
 //! the pitchfork with it: the branch leans to one side and, where the cell begins to divide, ends its stable part in a fold.
 
 use furrow_bvp::newton::NewtonScratch;
-use furrow_bvp::{Continuation, ContinuationSettings, Gauss, Newton, Solution, SymmetryBreaking, System};
+use furrow_bvp::{Continuation, ContinuationSettings, Newton, SingularError, Solution, SymmetryBreaking, System};
 
 use super::branch::{
     Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, NARROWEST, ShapePoint, begin, newest_contour,
 };
 use super::budget::StepBudget;
-use super::error::{CellName, PointKind, ShapeError};
+use super::error::{CellName, PointKind, Result, ShapeError};
 use super::locate::{fold_near, not_located, pitchfork_near};
 use super::passive::passive;
 use crate::cortex::equations::R;
@@ -29,7 +29,7 @@ const SMALLEST_PART: f64 = 1e-3;
 ///
 /// # Errors
 /// [`ShapeError::Passive`], [`ShapeError::Cue`].
-pub fn passive_with_cue(cell: &Cell, numerics: &Numerics) -> Result<Solution, ShapeError> {
+pub fn passive_with_cue(cell: &Cell, numerics: &Numerics) -> Result<Solution> {
     let name = CellName::of(cell);
     let (half, _) = passive(cell, numerics).map_err(|source| ShapeError::Passive { cell: name, source })?;
     let domain = Domain::of(cell);
@@ -63,13 +63,8 @@ pub fn passive_with_cue(cell: &Cell, numerics: &Numerics) -> Result<Solution, Sh
 ///
 /// # Errors
 /// [`ShapeError::Passive`], [`ShapeError::Cue`], [`ShapeError::Branch`].
-pub fn start(
-    cell: &Cell,
-    numerics: &Numerics,
-    settings: &ContinuationSettings,
-) -> Result<Continuation<Cortex>, ShapeError> {
-    let y = passive_with_cue(cell, numerics)?;
-    begin(y, cell, Domain::of(cell), settings)
+pub fn start(cell: &Cell, numerics: &Numerics, settings: &ContinuationSettings) -> Result<Continuation<Cortex>> {
+    begin(passive_with_cue(cell, numerics)?, cell, settings)
 }
 
 /// Detects folds and pitchforks along the branch.
@@ -97,24 +92,18 @@ impl EventDetector {
         if before == now {
             return None;
         }
-        match pitchfork_near(branch, [before, now]) {
-            Ok(pitchfork) => Some(BranchEvent::Pitchfork(Box::new(pitchfork))),
-            Err(source) => {
-                self.stop = Some(not_located(branch, PointKind::Pitchfork, source));
-                None
-            }
-        }
+        let found = pitchfork_near(branch, [before, now]).map(|found| BranchEvent::Pitchfork(Box::new(found)));
+        self.located(branch, PointKind::Pitchfork, found)
     }
 
     /// The fold between the last two points, which is known to be there.
     fn fold(&mut self, branch: &mut Continuation<Cortex>) -> Option<BranchEvent> {
-        match fold_near(branch) {
-            Ok(fold) => Some(BranchEvent::Fold(Box::new(fold))),
-            Err(source) => {
-                self.stop = Some(not_located(branch, PointKind::Fold, source));
-                None
-            }
-        }
+        let found = fold_near(branch).map(|fold| BranchEvent::Fold(Box::new(fold)));
+        self.located(branch, PointKind::Fold, found)
+    }
+
+    fn located<T>(&mut self, at: &Continuation<Cortex>, kind: PointKind, found: Result<T, SingularError>) -> Option<T> {
+        found.map_err(|source| self.stop = Some(not_located(at, kind, source))).ok()
     }
 }
 
@@ -142,7 +131,7 @@ pub fn follow(
     numerics: &Numerics,
     options: &BranchOptions,
     mut wanted: impl FnMut(&BranchEvent) -> bool,
-) -> Result<Branch, ShapeError> {
+) -> Result<Branch> {
     follow_within(cell, numerics, options, &StepBudget::unlimited(), &mut wanted)
 }
 
@@ -157,7 +146,7 @@ pub fn follow_within(
     options: &BranchOptions,
     budget: &StepBudget<'_>,
     wanted: &mut dyn FnMut(&BranchEvent) -> bool,
-) -> Result<Branch, ShapeError> {
+) -> Result<Branch> {
     budget.check(cell)?;
     let mut branch = start(cell, numerics, &options.settings)?;
     let mut detector = EventDetector { breaking: SymmetryBreaking::default(), sign: None, stop: None };
@@ -185,18 +174,14 @@ pub fn follow_within(
 
 /// Whether the newest shape is so narrow somewhere that the branch is left there.
 fn pinched(branch: &Continuation<Cortex>) -> Option<BranchEnd> {
-    let (gauss, y) = (&branch.system.gauss, &branch.state.solution);
+    let y = &branch.state.solution;
+    let neck = observables::neck(&branch.system.gauss, y).map(|neck| neck.radius);
     let (narrow, limit) = match branch.problem.domain {
-        Domain::Half => (Some(narrowest(gauss, y)), PINCH_OFF),
-        Domain::Full => (observables::neck(gauss, y).map(|neck| neck.radius), NARROWEST),
+        // The equator of a half contour, or a furrow beside it.
+        Domain::Half => (Some(neck.unwrap_or(f64::INFINITY).min(y.node(y.intervals())[R])), PINCH_OFF),
+        Domain::Full => (neck, NARROWEST),
     };
     narrow.filter(|radius| *radius < limit * branch.problem.cell.r0).map(|_| BranchEnd::Pinched(limit))
-}
-
-/// The narrowest place of a half contour, its equator or a furrow beside it.
-fn narrowest(gauss: &Gauss, y: &Solution) -> f64 {
-    let equator = y.node(y.intervals())[R];
-    observables::neck(gauss, y).map_or(equator, |neck| neck.radius.min(equator))
 }
 
 /// Growth rates at a fold that ends a stable shape are none above this, in 1/τ: the mode of the fold itself neither grows
@@ -207,32 +192,17 @@ const MARGINAL: f64 = 1e-3;
 /// that is not the first one, but that of the second rise of an S.
 ///
 /// # Errors
-/// [`ShapeError`]; `NotFound` if no stable shape ends in a fold in the range.
-pub fn failure_fold(cell: &Cell, numerics: &Numerics, options: &BranchOptions) -> Result<FoldPoint, ShapeError> {
-    failure_fold_within(cell, numerics, options, &StepBudget::unlimited())
-}
-
-/// As [`failure_fold`], with so much work.
-///
-/// # Errors
-/// Those of [`failure_fold`] and [`follow_within`].
-pub fn failure_fold_within(
-    cell: &Cell,
-    numerics: &Numerics,
-    options: &BranchOptions,
-    budget: &StepBudget<'_>,
-) -> Result<FoldPoint, ShapeError> {
-    let Branch { events, ended, .. } = follow_within(cell, numerics, options, budget, &mut |_| true)?;
+/// Those of [`follow_within`]; `NotFound` if no stable shape ends in a fold in the range.
+pub fn failure_fold(cell: &Cell, numerics: &Numerics, budget: &StepBudget<'_>) -> Result<FoldPoint> {
+    let options = BranchOptions::default();
+    let Branch { events, ended, .. } = follow_within(cell, numerics, &options, budget, &mut |_| true)?;
     let cortex = Cortex::new(cell, Domain::of(cell), &[furrow_cell::Parameter::XiS]);
     let mut stability = Stability::new(numerics.stages);
     let mut ends_stable = |fold: &FoldPoint| {
         fold.maximum && stability.growth_rate(&cortex, &fold.shape).is_ok_and(|rate| rate < MARGINAL)
     };
-    let folds = events.into_iter().filter_map(|event| match event {
-        BranchEvent::Fold(fold) => Some(*fold),
-        BranchEvent::Pitchfork(_) => None,
-    });
-    folds.filter(|fold| ends_stable(fold)).max_by(|a, b| a.point.xi_s.total_cmp(&b.point.xi_s)).ok_or_else(|| {
+    let folds = events.iter().filter_map(BranchEvent::fold).filter(|fold| ends_stable(fold));
+    folds.max_by(|a, b| a.point.xi_s.total_cmp(&b.point.xi_s)).cloned().ok_or_else(|| {
         let none = ShapeError::NotFound { cell: CellName::of(cell), kind: PointKind::Fold, xi_max: options.xi[1] };
         ended.error().cloned().unwrap_or(none)
     })

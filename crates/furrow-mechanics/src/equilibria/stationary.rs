@@ -3,7 +3,7 @@
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{ContinuationError, ContinuationSettings, Gauss, Newton, Solution, System, Termination};
 
-use super::error::{CellName, ShapeError};
+use super::error::{CellName, Result, ShapeError};
 use super::{locate, primary};
 use crate::cortex::equations::{COMPONENTS, LENGTH, PRESSURE, R};
 use crate::cortex::problem::SHAPE_SCALARS;
@@ -23,6 +23,7 @@ pub struct StationaryShape {
 }
 
 /// Why there is no such shape.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StationaryError {
@@ -33,34 +34,13 @@ pub enum StationaryError {
     #[error(
         "{cell}: no stationary shape at xi_s = {xi_s} on the branch of the passive shape, which turns back at xi_s = {turn}"
     )]
-    OutOfReach {
-        /// The cell.
-        cell: CellName,
-        /// ξ_s asked for.
-        xi_s: f64,
-        /// ξ_s furthest reached.
-        turn: f64,
-    },
+    OutOfReach { cell: CellName, xi_s: f64, turn: f64 },
     /// The branch is lost before it reaches the activity asked for.
     #[error("{cell}: the branch of the passive shape could not be followed to xi_s = {xi_s}: {source}")]
-    Lost {
-        /// The cell.
-        cell: CellName,
-        /// ξ_s asked for.
-        xi_s: f64,
-        /// What the continuation said.
-        source: ContinuationError,
-    },
+    Lost { cell: CellName, xi_s: f64, source: ContinuationError },
     /// The branch takes too many points to the activity asked for.
     #[error("{cell}: the branch of the passive shape does not reach xi_s = {xi_s} in {points} points")]
-    PointLimit {
-        /// The cell.
-        cell: CellName,
-        /// ξ_s asked for.
-        xi_s: f64,
-        /// Points followed.
-        points: usize,
-    },
+    PointLimit { cell: CellName, xi_s: f64, points: usize },
 }
 
 /// Most points of a branch followed for one shape.
@@ -98,14 +78,13 @@ fn waist(gauss: &Gauss, y: &Solution, domain: Domain) -> f64 {
 /// # Errors
 /// [`StationaryError`]; `OutOfReach` when the cell has no such shape, as one that must divide.
 pub fn stationary(cell: &Cell, numerics: &Numerics) -> Result<StationaryShape, StationaryError> {
-    let mut result = along_branch(cell, numerics, STEPS[0]);
-    for max_step in &STEPS[1..] {
-        if !matches!(result, Err(StationaryError::Lost { .. } | StationaryError::PointLimit { .. })) {
-            break;
+    let [long, shorter @ ..] = STEPS;
+    shorter.into_iter().fold(along_branch(cell, numerics, long), |found, max_step| match found {
+        Err(StationaryError::Lost { .. } | StationaryError::PointLimit { .. }) => {
+            along_branch(cell, numerics, max_step)
         }
-        result = along_branch(cell, numerics, *max_step);
-    }
-    result
+        found => found,
+    })
 }
 
 fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<StationaryShape, StationaryError> {
@@ -120,12 +99,11 @@ fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<Stati
             branch.reverse();
         }
         let range = if xi_s > 0.0 { [f64::MIN_POSITIVE, xi_s] } else { [xi_s, -f64::MIN_POSITIVE] };
+        let farther = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
         let (mut furthest, mut before) = (0.0f64, 0.0);
         let ended = branch.follow(range, MOST_POINTS, |branch, advance| {
             let here = branch.state.parameter();
-            if here.abs() > furthest.abs() {
-                furthest = here;
-            }
+            furthest = farther(furthest, here);
             if advance.passed_fold {
                 // The exact fold, or else the nearest point to it.
                 folds.push(locate::fold_near(branch).map_or(before, |fold| fold.point.xi_s));
@@ -133,30 +111,19 @@ fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<Stati
             before = here;
             folds.is_empty() || waist(&branch.system.gauss, &branch.state.solution, domain) > PINCHING * cell.r0
         });
-        let turn = folds.iter().copied().fold(furthest, |a, b| if b.abs() > a.abs() { b } else { a });
+        let turn = folds.iter().copied().fold(furthest, farther);
         match ended {
             Ok(Termination::ParameterBound(bound)) if bound == xi_s => {}
-            _ if !folds.is_empty() => return Err(StationaryError::OutOfReach { cell: name, xi_s, turn }),
-            Err(source) => return Err(StationaryError::Lost { cell: name, xi_s, source }),
-            Ok(Termination::PointLimit(points)) => {
+            Err(source) if folds.is_empty() => return Err(StationaryError::Lost { cell: name, xi_s, source }),
+            Ok(Termination::PointLimit(points)) if folds.is_empty() => {
                 return Err(StationaryError::PointLimit { cell: name, xi_s, points });
             }
             // Back at ξ_s = 0 without a fold seen, or stopped: no shape on the way either.
-            Ok(_) => return Err(StationaryError::OutOfReach { cell: name, xi_s, turn }),
+            _ => return Err(StationaryError::OutOfReach { cell: name, xi_s, turn }),
         }
     }
-    Ok(polished(cell, numerics, domain, branch.state.solution, folds))
-}
-
-/// The shape to rounding; at a fold itself the branch's own accuracy has to do.
-fn polished(
-    cell: &Cell,
-    numerics: &Numerics,
-    domain: Domain,
-    mut solution: Solution,
-    folds: Vec<f64>,
-) -> StationaryShape {
-    let mut cortex = Cortex::new(cell, domain, &[]);
+    // The shape to rounding; at a fold itself the branch's own accuracy has to do.
+    let (mut cortex, mut solution) = (Cortex::new(cell, domain, &[]), branch.state.solution);
     solution.scalars.truncate(SHAPE_SCALARS);
     let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
     let newton = Newton { tolerance: 1e-12, max_factorisations: 4, ..Newton::default() };
@@ -164,7 +131,7 @@ fn polished(
     if newton.solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut polished, &[], false).is_ok() {
         solution = polished;
     }
-    StationaryShape { cortex, solution, folds }
+    Ok(StationaryShape { cortex, solution, folds })
 }
 
 impl StationaryShape {

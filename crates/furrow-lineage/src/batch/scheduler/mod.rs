@@ -7,16 +7,12 @@
 mod effect;
 mod run;
 
-use std::{
-    panic::{AssertUnwindSafe, catch_unwind},
-    sync::{atomic::AtomicBool, mpsc::channel},
-};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{atomic::AtomicBool, mpsc::channel};
 
-use self::run::{Run, Task};
-use super::{
-    memo::{Event, Failure, Memo},
-    store::StoreWarning,
-};
+use self::run::{Assignment, Run};
+use super::memo::{Event, Failure, Memo};
+use super::store::StoreWarning;
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
 
 /// One division to solve.
@@ -28,15 +24,23 @@ pub struct Job {
     pub input: DivisionInput,
 }
 
+/// Work that is no division.
+pub type Work<'s> = Box<dyn FnOnce() + Send + 's>;
+
 /// What a run does next.
 // Few steps exist at a time; boxing would cost an allocation for each division.
 #[allow(clippy::large_enum_variant)]
-pub enum Step<'s> {
+pub enum Step<'s, S = Job> {
     /// Solves a division.
-    Solve(Job),
+    Solve(S),
     /// Does some work on a worker, then asks what follows from the job of that number.
-    Prepare(usize, Box<dyn FnOnce() + Send + 's>),
+    Prepare(usize, Work<'s>),
 }
+
+/// Computes divisions, on any thread.
+pub trait Solve: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync {}
+
+impl<F: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync> Solve for F {}
 
 /// How to run.
 #[derive(Clone, Copy)]
@@ -55,15 +59,6 @@ pub struct SchedulerOptions<'a> {
 impl Default for SchedulerOptions<'_> {
     fn default() -> Self {
         SchedulerOptions { threads: 0, interrupt: None, progress: None, expected_work: &|input| input.cell.r0 }
-    }
-}
-
-impl std::fmt::Debug for SchedulerOptions<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("SchedulerOptions")
-            .field("threads", &self.threads)
-            .field("interrupt", &self.interrupt)
-            .finish_non_exhaustive()
     }
 }
 
@@ -116,14 +111,13 @@ pub struct Unsolved {
 }
 
 fn unsolved_text(jobs: &[Unsolved]) -> String {
-    match jobs {
-        [] => "no division is unsolved".to_owned(),
-        [Unsolved { id, r0, failure }] => format!("division {id} (R0 = {r0}): {failure}"),
-        [Unsolved { id, r0, failure }, others @ ..] => {
-            format!("division {id} (R0 = {r0}): {failure} ({} further divisions failed)", others.len())
-        }
-    }
+    let [Unsolved { id, r0, failure }, others @ ..] = jobs else { return String::new() };
+    let further = |n: usize| if n > 0 { format!(" ({n} further divisions failed)") } else { String::new() };
+    format!("division {id} (R0 = {r0}): {failure}{}", further(others.len()))
 }
+
+/// What runs give.
+pub type Result<T, E = SchedulerError> = std::result::Result<T, E>;
 
 /// Why a run is not complete.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -158,21 +152,17 @@ pub enum SchedulerError {
 /// # Errors
 /// [`SchedulerError::Unsolved`] if a division failed, after all others are done. [`SchedulerError::Pool`] if no threads
 /// can be started.
-pub fn run<S, X>(
+pub fn run(
     jobs: Vec<Job>,
     memo: &Memo,
     options: &SchedulerOptions<'_>,
-    solve: S,
-    mut expand: X,
-) -> Result<Summary, SchedulerError>
-where
-    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
-    X: FnMut(usize, &Division) -> Vec<Job>,
-{
+    solve: impl Solve,
+    mut expand: impl FnMut(usize, &Division) -> Vec<Job>,
+) -> Result<Summary> {
     let steps = |jobs: Vec<Job>| jobs.into_iter().map(Step::Solve).collect();
-    let expand =
+    let mut expand =
         |id: usize, division: Option<&Division>| division.map_or(vec![], |division| steps(expand(id, division)));
-    run_steps(steps(jobs), memo, options, solve, expand)
+    run_steps(steps(jobs), memo, options, solve, &mut expand)
 }
 
 /// As [`run`], with work on the workers before some jobs: where a [`Step::Prepare`] is done, `expand` is called without a
@@ -180,37 +170,33 @@ where
 ///
 /// # Errors
 /// As [`run`].
-pub fn run_steps<'s, S, X>(
+pub fn run_steps<'s>(
     steps: Vec<Step<'s>>,
     memo: &Memo,
     options: &SchedulerOptions<'_>,
-    solve: S,
-    mut expand: X,
-) -> Result<Summary, SchedulerError>
-where
-    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
-    X: FnMut(usize, Option<&Division>) -> Vec<Step<'s>>,
-{
+    solve: impl Solve,
+    expand: &mut dyn FnMut(usize, Option<&Division>) -> Vec<Step<'s>>,
+) -> Result<Summary> {
     let (sender, events) = channel();
-    let mut run = Run::new(steps, memo, options, sender.clone());
-    let perform = |task: Task<'_, '_>| match task {
-        Task::Solve(assignment) => assignment.lease.solve(&assignment.input, &solve),
-        Task::Prepare(id, work) => {
+    let mut run = Run::new(steps, memo, options, sender.clone(), expand);
+    let perform = |task: Step<'_, Assignment<'_>>| match task {
+        Step::Solve(assignment) => assignment.lease.solve(&assignment.input, &solve),
+        Step::Prepare(id, work) => {
             // A panic must not leave the run waiting. What was not prepared is left to a division.
             let _ = catch_unwind(AssertUnwindSafe(work));
             let _ = sender.send(Event::Prepared(id));
         }
     };
     // Where nothing needs solving no threads are needed either.
-    run.settle_known(&mut expand);
+    run.settle_known();
     if run.is_incomplete() && cfg!(target_family = "wasm") {
         // No threads: the calling thread is the only worker.
-        run.work(&events, 1, &mut expand, perform);
+        run.work(&events, 1, perform);
     } else if run.is_incomplete() {
         let threads = workers(options.threads);
         pool(threads)?.in_place_scope(|scope| {
             let perform = &perform;
-            run.work(&events, threads, &mut expand, |task| scope.spawn(move |_| perform(task)));
+            run.work(&events, threads, |task| scope.spawn(move |_| perform(task)));
         });
     }
     run.finish()
@@ -231,42 +217,41 @@ pub struct Solved {
 ///
 /// # Errors
 /// [`SchedulerError::Pool`] if no threads can be started.
-pub fn solve_all<S>(
+pub fn solve_all(
     inputs: impl IntoIterator<Item = DivisionInput>,
     memo: &Memo,
     options: &SchedulerOptions<'_>,
-    solve: S,
-) -> Result<Solved, SchedulerError>
-where
-    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
-{
+    solve: impl Solve,
+) -> Result<Solved> {
     let jobs: Vec<Job> = inputs.into_iter().enumerate().map(|(id, input)| Job { id, input }).collect();
     let mut divisions = vec![None; jobs.len()];
     let run = run(jobs, memo, options, solve, |id, division| {
         divisions[id] = Some(division.clone());
         vec![]
     });
-    let (summary, unsolved) = match run {
-        Ok(summary) => (summary, vec![]),
-        Err(SchedulerError::Unsolved { jobs, summary }) => (*summary, jobs),
-        Err(error) => return Err(error),
-    };
+    let (summary, unsolved) = parts(run)?;
     Ok(Solved { divisions, unsolved, summary })
+}
+
+/// What a run did, and the jobs that it could not solve.
+pub(crate) fn parts(run: Result<Summary>) -> Result<(Summary, Vec<Unsolved>)> {
+    match run {
+        Ok(summary) => Ok((summary, vec![])),
+        Err(SchedulerError::Unsolved { jobs, summary }) => Ok((*summary, jobs)),
+        Err(error) => Err(error),
+    }
 }
 
 /// How many workers a number of threads asks for: 0 is one for each core.
 pub fn workers(threads: usize) -> usize {
-    match threads {
-        0 => std::thread::available_parallelism().map_or(1, usize::from),
-        threads => threads,
-    }
+    if threads > 0 { threads } else { std::thread::available_parallelism().map_or(1, usize::from) }
 }
 
 /// The workers of a run.
 ///
 /// # Errors
 /// [`SchedulerError::Pool`] if the threads cannot be started.
-pub fn pool(threads: usize) -> Result<rayon::ThreadPool, SchedulerError> {
+pub fn pool(threads: usize) -> Result<rayon::ThreadPool> {
     let threads = workers(threads);
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)

@@ -1,20 +1,14 @@
 //! One run: what has arrived, what waits, what is being solved, and what came of it.
 
-use std::{
-    cmp::Ordering,
-    collections::{BinaryHeap, VecDeque},
-    sync::{
-        atomic::Ordering as Memory,
-        mpsc::{Receiver, RecvTimeoutError, Sender},
-    },
-    time::Duration,
-};
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
+use std::time::Duration;
 
-use super::{Job, Progress, SchedulerError, SchedulerOptions, Step, Summary, Unsolved, effect::Responses};
-use crate::batch::{
-    key::{Key, KeyMap},
-    memo::{Completion, Event, Failure, Lease, Memo, Request, scaled},
-};
+use super::{Job, Progress, SchedulerError, SchedulerOptions, Step, Summary, Unsolved, Work, effect::Responses};
+use crate::batch::key::{Key, KeyMap};
+use crate::batch::memo::{Completion, Event, Failure, Lease, Memo, Request};
 use furrow_mechanics::division::{Division, DivisionInput};
 
 /// How late an interrupt may be noticed.
@@ -29,49 +23,25 @@ struct Awaited {
     jobs: Vec<Job>,
 }
 
-/// A division in the queue, ordered by expected work, then by radius and age.
+/// A division in the queue.
 pub struct Assignment<'m> {
-    work: f64,
-    /// Number in the order of arrival.
-    age: usize,
     /// Its input, the radius rounded.
     pub input: DivisionInput,
     /// The duty to solve it.
     pub lease: Lease<'m>,
 }
 
-impl Ord for Assignment<'_> {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.work
-            .total_cmp(&other.work)
-            .then_with(|| self.input.cell.r0.total_cmp(&other.input.cell.r0))
-            .then_with(|| other.age.cmp(&self.age))
-    }
+/// The order of the queue: by expected work, then by radius, both by [`rank`], then by age.
+type Rank = ([i64; 2], Reverse<usize>);
+
+/// A number in the order of [`f64::total_cmp`].
+fn rank(number: f64) -> i64 {
+    let bits = number.to_bits() as i64;
+    bits ^ (((bits >> 63) as u64) >> 1) as i64
 }
 
-impl PartialOrd for Assignment<'_> {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Assignment<'_> {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Assignment<'_> {}
-
-/// What a worker is given.
-// Few tasks exist at a time; boxing would cost an allocation for each division.
-#[allow(clippy::large_enum_variant)]
-pub enum Task<'m, 's> {
-    /// A division.
-    Solve(Assignment<'m>),
-    /// A preparation and the number of its job.
-    Prepare(usize, Box<dyn FnOnce() + Send + 's>),
-}
+/// What follows from a job's division, or from its preparation.
+type Expand<'a, 's> = &'a mut dyn FnMut(usize, Option<&Division>) -> Vec<Step<'s>>;
 
 pub struct Run<'a, 'm, 's> {
     memo: &'m Memo,
@@ -80,11 +50,11 @@ pub struct Run<'a, 'm, 's> {
     /// Jobs not looked up yet.
     arrived: VecDeque<Job>,
     /// Preparations that wait for a worker.
-    preparations: VecDeque<(usize, Box<dyn FnOnce() + Send + 's>)>,
+    preparations: VecDeque<(usize, Work<'s>)>,
     /// How many workers prepare.
     preparing: usize,
     /// Divisions that wait for a worker.
-    ready: BinaryHeap<Assignment<'m>>,
+    ready: BTreeMap<Rank, Assignment<'m>>,
     waiting: KeyMap<Awaited>,
     /// Failures of this run: a second job with the same input is not tried again.
     failed: KeyMap<Failure>,
@@ -93,10 +63,17 @@ pub struct Run<'a, 'm, 's> {
     queued_ever: usize,
     unsolved: Vec<Unsolved>,
     summary: Summary,
+    expand: Expand<'a, 's>,
 }
 
 impl<'a, 'm, 's> Run<'a, 'm, 's> {
-    pub fn new(steps: Vec<Step<'s>>, memo: &'m Memo, options: &'a SchedulerOptions<'a>, sender: Sender<Event>) -> Self {
+    pub fn new(
+        steps: Vec<Step<'s>>,
+        memo: &'m Memo,
+        options: &'a SchedulerOptions<'a>,
+        sender: Sender<Event>,
+        expand: Expand<'a, 's>,
+    ) -> Self {
         let mut run = Run {
             memo,
             options,
@@ -104,7 +81,7 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
             arrived: VecDeque::new(),
             preparations: VecDeque::new(),
             preparing: 0,
-            ready: BinaryHeap::new(),
+            ready: BTreeMap::new(),
             waiting: KeyMap::default(),
             failed: KeyMap::default(),
             responses: Responses::default(),
@@ -112,6 +89,7 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
             queued_ever: 0,
             unsolved: Vec::new(),
             summary: Summary::default(),
+            expand,
         };
         run.arrive(steps);
         run
@@ -127,7 +105,7 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
     }
 
     fn interrupted(&self) -> bool {
-        self.options.interrupt.is_some_and(|flag| flag.load(Memory::Relaxed))
+        self.options.interrupt.is_some_and(|flag| flag.load(Relaxed))
     }
 
     /// Whether jobs are left that no worker of this run is at.
@@ -138,15 +116,9 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
     }
 
     /// Until nothing is left: looks up, hands divisions to workers with `spawn`, and takes in what comes back.
-    pub fn work(
-        &mut self,
-        events: &Receiver<Event>,
-        threads: usize,
-        expand: &mut impl FnMut(usize, Option<&Division>) -> Vec<Step<'s>>,
-        mut spawn: impl FnMut(Task<'m, 's>),
-    ) {
+    pub fn work(&mut self, events: &Receiver<Event>, threads: usize, mut spawn: impl FnMut(Step<'s, Assignment<'m>>)) {
         loop {
-            self.settle_known(expand);
+            self.settle_known();
             if self.interrupted() {
                 self.release();
             }
@@ -155,29 +127,27 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
                 && let Some((id, work)) = self.preparations.pop_front()
             {
                 self.preparing += 1;
-                spawn(Task::Prepare(id, work));
+                spawn(Step::Prepare(id, work));
             }
             while self.running + self.preparing < threads
-                && let Some(assignment) = self.ready.pop()
+                && let Some((_, assignment)) = self.ready.pop_last()
             {
                 self.running += 1;
                 self.waiting.entry(assignment.lease.key()).or_default().running = true;
                 self.report();
-                spawn(Task::Solve(assignment));
+                spawn(Step::Solve(assignment));
             }
             if self.waiting.is_empty() && self.preparing == 0 && self.preparations.is_empty() {
                 return;
             }
             // Only who has to wait needs a clock, which is not to be had everywhere.
             match events.try_recv().or_else(|_| events.recv_timeout(TICK)) {
-                Ok(event) => self.take_in(event, expand),
+                Ok(event) => self.take_in(event),
                 Err(RecvTimeoutError::Timeout) => {}
                 // Cannot be, as `self` holds a sender.
                 Err(RecvTimeoutError::Disconnected) => return,
             }
-            while let Ok(event) = events.try_recv() {
-                self.take_in(event, expand);
-            }
+            events.try_iter().for_each(|event| self.take_in(event));
         }
     }
 
@@ -191,7 +161,7 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
     }
 
     /// Looks up every job that has arrived, and those that follow from the ones known, until all that is left waits.
-    pub fn settle_known(&mut self, expand: &mut impl FnMut(usize, Option<&Division>) -> Vec<Step<'s>>) {
+    pub fn settle_known(&mut self) {
         while !self.interrupted()
             && let Some(job) = self.arrived.pop_front()
         {
@@ -210,33 +180,30 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
                 continue;
             }
             match self.memo.request(key, &self.sender) {
-                Request::Known(division) => {
+                Request::Known { division, stored } => {
                     self.summary.memo_hits += 1;
-                    self.deliver(key, &job, &canonical, &division, expand);
-                }
-                Request::Stored(division) => {
-                    self.summary.memo_hits += 1;
-                    self.summary.store_hits += 1;
-                    self.deliver(key, &job, &canonical, &division, expand);
+                    self.summary.store_hits += usize::from(stored);
+                    self.deliver(key, &job, &canonical, &division);
                 }
                 Request::Pending => self.waiting.entry(key).or_default().jobs.push(job),
                 Request::Leased(lease) => {
                     self.waiting.entry(key).or_default().jobs.push(job);
                     self.queued_ever += 1;
                     let work = (self.options.expected_work)(&canonical);
-                    self.ready.push(Assignment { work, age: self.queued_ever, input: canonical, lease });
+                    let rank = ([work, canonical.cell.r0].map(rank), Reverse(self.queued_ever));
+                    self.ready.insert(rank, Assignment { input: canonical, lease });
                 }
             }
         }
     }
 
-    fn take_in(&mut self, event: Event, expand: &mut impl FnMut(usize, Option<&Division>) -> Vec<Step<'s>>) {
+    fn take_in(&mut self, event: Event) {
         let (key, completion) = match event {
             Event::Completed { key, completion } => (key, completion),
             Event::Prepared(id) => {
                 self.preparing -= 1;
-                self.arrive(expand(id, None));
-                return;
+                let steps = (self.expand)(id, None);
+                return self.arrive(steps);
             }
         };
         // Nothing waits if an interrupt has released it.
@@ -245,15 +212,15 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
             self.running -= 1;
         }
         match completion {
-            Completion::Solved(division) => {
-                self.summary.solved += usize::from(running);
-                self.summary.memo_hits += jobs.len() - usize::from(running);
-                self.deliver_all(key, &jobs, &division, expand);
-            }
-            Completion::Stored(division) => {
-                self.summary.store_hits += 1;
-                self.summary.memo_hits += jobs.len();
-                self.deliver_all(key, &jobs, &division, expand);
+            Completion::Known { division, stored } => {
+                let solved = usize::from(running && !stored);
+                self.summary.solved += solved;
+                self.summary.store_hits += usize::from(stored);
+                self.summary.memo_hits += jobs.len() - solved;
+                for job in jobs {
+                    let canonical = self.memo.canonical(&job.input);
+                    self.deliver(key, &job, &canonical, &division);
+                }
             }
             Completion::Failed(failure) => {
                 let unsolved = |job: &Job| Unsolved { id: job.id, r0: job.input.cell.r0, failure: failure.clone() };
@@ -265,36 +232,13 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
         self.report();
     }
 
-    fn deliver_all(
-        &mut self,
-        key: Key,
-        jobs: &[Job],
-        division: &Division,
-        expand: &mut impl FnMut(usize, Option<&Division>) -> Vec<Step<'s>>,
-    ) {
-        for job in jobs {
-            let canonical = self.memo.canonical(&job.input);
-            self.deliver(key, job, &canonical, division, expand);
-        }
-    }
-
-    fn deliver(
-        &mut self,
-        key: Key,
-        job: &Job,
-        canonical: &DivisionInput,
-        division: &Division,
-        expand: &mut impl FnMut(usize, Option<&Division>) -> Vec<Step<'s>>,
-    ) {
+    fn deliver(&mut self, key: Key, job: &Job, canonical: &DivisionInput, division: &Division) {
         self.summary.jobs += 1;
         self.responses.note(key, canonical, division);
         let factor = job.input.cell.r0 / canonical.cell.r0;
         // Most radii are on the grid already, and their divisions need no copy.
-        let following = if factor == 1.0 {
-            expand(job.id, Some(division))
-        } else {
-            expand(job.id, Some(&scaled(division, factor)))
-        };
+        let division = if factor == 1.0 { division } else { &division.clone().with_daughters_scaled(factor) };
+        let following = (self.expand)(job.id, Some(division));
         self.arrive(following);
         if self.summary.jobs.is_multiple_of(1024) {
             self.report();

@@ -30,18 +30,14 @@ pub struct CacheReport {
 }
 
 /// A report, and the whole rows it counts.
-#[derive(Default)]
-struct Contents {
-    report: CacheReport,
-    rows: Vec<Vec<Value>>,
-}
+type Contents = (CacheReport, Vec<Vec<Value>>);
 
 /// Checks every entry of a cache folder. A folder that does not exist holds none.
 ///
 /// # Errors
 /// [`StoreError`] if the folder is none, or its database is from a newer version of furrow.
 pub fn verify(cache: &Path) -> Result<CacheReport, StoreError> {
-    contents(cache).map(|contents| contents.report)
+    contents(cache).map(|(report, _)| report)
 }
 
 /// Removes the damage from a cache folder and says what was found. Whole entries are kept.
@@ -49,7 +45,7 @@ pub fn verify(cache: &Path) -> Result<CacheReport, StoreError> {
 /// # Errors
 /// As [`verify`], and if the database cannot be written.
 pub fn repair(cache: &Path) -> Result<CacheReport, StoreError> {
-    let Contents { report, rows } = contents(cache)?;
+    let (report, rows) = contents(cache)?;
     if report.corrupt > 0 {
         rewrite(&file_in(cache)?, &rows)?;
     }
@@ -79,7 +75,7 @@ fn contents(cache: &Path) -> Result<Contents, StoreError> {
         Err(StoreError::Sqlite { source, .. }) => Err(source),
         Err(error) => return Err(error),
     };
-    let Contents { report, .. } = &mut contents;
+    let (report, _) = &mut contents;
     report.damaged.extend(damaged.err().map(|error| error.to_string()));
     report.folder = cache.to_owned();
     let log = cache.join(format!("{FILE}-wal"));
@@ -90,12 +86,13 @@ fn contents(cache: &Path) -> Result<Contents, StoreError> {
 
 /// Reads as many rows as can be read.
 fn read(connection: &Connection, contents: &mut Contents) -> rusqlite::Result<()> {
-    let Contents { report, rows } = contents;
+    let (report, rows) = contents;
     let mut statement = connection.prepare("SELECT * FROM division")?;
     let mut found = statement.query(())?;
     while let Some(row) = found.next()? {
         if decoded(row)?.is_none() {
-            report.damaged.push(format!("row {}", hex(row.get_ref("key")?.as_blob().unwrap_or_default())));
+            let key = row.get_ref("key")?.as_blob().unwrap_or_default();
+            report.damaged.push(format!("row {}", key.iter().map(|byte| format!("{byte:02x}")).collect::<String>()));
             continue;
         }
         let entry = (0..WIDTH).map(|place| row.get(place)).collect::<Result<Vec<Value>, _>>()?;
@@ -107,10 +104,6 @@ fn read(connection: &Connection, contents: &mut Contents) -> rusqlite::Result<()
     let problems = statement.query_map((), |row| row.get::<_, String>(0))?.collect::<Result<Vec<_>, _>>()?;
     report.damaged.extend(problems.into_iter().filter(|problem| problem != "ok"));
     Ok(())
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Replaces what is in a database by `rows`.

@@ -33,27 +33,16 @@ pub use absent::Store;
 pub use sqlite::{FILE, Store, StoreError};
 
 /// What the user of a store should know. Nothing is lost but time.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreWarning {
     /// Rows failed their checksum.
     #[error("{} in {} ignored and solved again", damaged_entries(*.entries), .file.display())]
-    Damaged {
-        /// How many.
-        entries: usize,
-        /// The database.
-        file: PathBuf,
-    },
+    Damaged { entries: usize, file: PathBuf },
     /// The store could not be read or written.
     #[error("cannot {access} {} ({reason}); going on without storing", .file.display())]
-    GivenUp {
-        /// `read` or `write`.
-        access: &'static str,
-        /// The database.
-        file: PathBuf,
-        /// What the system said.
-        reason: String,
-    },
+    GivenUp { access: &'static str, file: PathBuf, reason: String },
 }
 
 fn damaged_entries(number: usize) -> String {

@@ -3,8 +3,8 @@
 use furrow_bvp::Work;
 use rusqlite::types::{Value, ValueRef};
 
-use crate::batch::Key;
-use furrow_cell::{Cell, Material, Numerics, RigidityGradient, Scheme, Shell};
+use crate::batch::key::{Key, numbers};
+use furrow_cell::{Cell, Material, RigidityGradient, Scheme, Shell};
 use furrow_mechanics::division::{Division, DivisionInput, DivisionRow, Outcome};
 
 /// The columns. None has a declared type: in a column of reals SQLite would store −0 as 0.
@@ -27,18 +27,7 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
     let Cell { r0, epsilon, xi_s, cue, material, shell } = cell;
     let Material { kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient } = *material;
     let Shell { aspect, p0, w } = *shell;
-    let Numerics {
-        stages,
-        intervals,
-        scheme,
-        dt,
-        first_step,
-        time_tolerance,
-        step_factor,
-        t_max,
-        noise,
-        chi_symmetric,
-    } = *numerics;
+    let (counts, scheme, numerics) = numbers(numerics);
     let DivisionRow {
         outcome,
         chi,
@@ -51,31 +40,24 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
         volume_drift,
         work: Work { steps, rejected, iterations, factorisations, remeshings },
     } = division.clone().into();
-    let reals = |values: &[f64]| values.iter().copied().map(Value::Real).collect::<Vec<_>>();
-    let maybe = |value: Option<f64>| value.map_or(Value::Null, Value::Real);
     let count = |value: usize| Value::Integer(value as i64);
     let text = |value: &str| Value::Text(value.to_owned());
 
     let mut row = Vec::with_capacity(WIDTH);
     row.extend([Value::Blob(key.as_bytes().to_vec()), Value::Integer(solver.into())]);
-    row.extend(reals(&[*r0, *epsilon, *xi_s]));
+    row.extend([*r0, *epsilon, *xi_s].map(Value::Real));
     row.extend([Value::Text(cue.simplified().to_string()), Value::Integer(*seed as i64)]);
-    row.extend(reals(&[kappa, eta_b, eta_s, friction, tension, xi_ratio, gain]));
-    row.push(text(match rigidity_gradient {
-        RigidityGradient::Full => "full",
-        RigidityGradient::Dropped => "dropped",
-    }));
-    row.extend(reals(&[aspect, p0, w]));
-    row.extend([count(stages), count(intervals)]);
-    row.push(text(match scheme {
-        Scheme::Published => "published",
-        _ => "converged",
-    }));
-    row.extend(reals(&[dt, first_step, time_tolerance, step_factor, t_max, noise, chi_symmetric]));
+    row.extend([kappa, eta_b, eta_s, friction, tension, xi_ratio, gain].map(Value::Real));
+    row.push(text(if rigidity_gradient == RigidityGradient::Full { "full" } else { "dropped" }));
+    row.extend([aspect, p0, w].map(Value::Real));
+    row.extend(counts.map(count));
+    row.push(text(if scheme == Scheme::Published { "published" } else { "converged" }));
+    row.extend(numerics.map(Value::Real));
     row.push(text(outcome.name()));
-    row.extend([maybe(chi), maybe(chi_signed), maybe(u_furrow), Value::Real(t_end)]);
-    row.extend([0, 1].map(|k| maybe(daughters.map(|radii| radii[k]))));
-    row.extend([maybe(growth_rate), maybe(slow_growth_rate), Value::Real(volume_drift)]);
+    let [first, second] = daughters.map_or([None; 2], |radii| radii.map(Some));
+    let outcome = [chi, chi_signed, u_furrow, Some(t_end), first, second, growth_rate, slow_growth_rate];
+    row.extend(outcome.map(Value::from));
+    row.push(Value::Real(volume_drift));
     row.extend([steps, rejected, iterations, factorisations, remeshings].map(count));
     let checksum = checksum(row.iter().map(ValueRef::from));
     row.push(Value::Integer(checksum));
@@ -90,35 +72,22 @@ pub fn decode(row: &[ValueRef<'_>]) -> Option<Division> {
     }
     let mut values = values.get(OUTCOME..)?.iter();
     let mut next = || values.next().copied();
-    let outcome = match next()? {
-        ValueRef::Text(b"symmetric") => Outcome::Symmetric,
-        ValueRef::Text(b"asymmetric") => Outcome::Asymmetric,
-        ValueRef::Text(b"failed") => Outcome::Arrested,
-        _ => return None,
-    };
-    let mut real = || match next()? {
-        ValueRef::Real(value) => Some(Some(value)),
-        ValueRef::Null => Some(None),
-        _ => None,
-    };
+    let name = next()?;
+    let outcomes = [Outcome::Symmetric, Outcome::Asymmetric, Outcome::Arrested];
+    let outcome = outcomes.into_iter().find(|outcome| name == ValueRef::Text(outcome.name().as_bytes()))?;
+    let mut real = || next()?.as_f64_or_null().ok();
     let row = DivisionRow {
         outcome,
         chi: real()?,
         chi_signed: real()?,
         u_furrow: real()?,
         t_end: real()??,
-        daughters: match [real()?, real()?] {
-            [Some(first), Some(second)] => Some([first, second]),
-            _ => None,
-        },
+        daughters: real()?.zip(real()?).map(<[f64; 2]>::from),
         growth_rate: real()?,
         slow_growth_rate: real()?,
         volume_drift: real()??,
         work: {
-            let mut count = || match next()? {
-                ValueRef::Integer(value) => usize::try_from(value).ok(),
-                _ => None,
-            };
+            let mut count = || usize::try_from(next()?.as_i64().ok()?).ok();
             Work {
                 steps: count()?,
                 rejected: count()?,

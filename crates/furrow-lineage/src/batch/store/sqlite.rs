@@ -1,19 +1,15 @@
 //! Reading and writing the database.
 
-use std::{
-    io,
-    mem::ManuallyDrop,
-    path::{Path, PathBuf},
-    sync::{Mutex, MutexGuard, PoisonError},
-    time::Duration,
-};
+use std::io;
+use std::mem::ManuallyDrop;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use rusqlite::{Connection, ErrorCode, OpenFlags, params_from_iter, types::Value};
 
-use super::{
-    StoreWarning,
-    row::{COLUMNS, WIDTH, decode, encode, in_range},
-};
+use super::StoreWarning;
+use super::row::{COLUMNS, WIDTH, decode, encode, in_range};
 use crate::batch::{Key, SOLVER_VERSION};
 use furrow_mechanics::division::{Division, DivisionInput};
 
@@ -72,39 +68,22 @@ struct Inner {
 }
 
 /// Why a store cannot be used.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreError {
     /// The cache folder is something else.
     #[error("the cache {folder} is not a folder")]
-    NotAFolder {
-        /// The path given.
-        folder: PathBuf,
-    },
+    NotAFolder { folder: PathBuf },
     /// A newer version of furrow made the table.
     #[error("{file} is from a newer version of furrow (schema {schema}, known here: {SCHEMA}); it is left alone")]
-    Newer {
-        /// The database.
-        file: PathBuf,
-        /// Version of its table.
-        schema: i64,
-    },
+    Newer { file: PathBuf, schema: i64 },
     /// SQLite could not read or write.
     #[error("{file}: {source}")]
-    Sqlite {
-        /// The database.
-        file: PathBuf,
-        /// What SQLite said.
-        source: rusqlite::Error,
-    },
+    Sqlite { file: PathBuf, source: rusqlite::Error },
     /// The file could not be made.
     #[error("{file}: {source}")]
-    Io {
-        /// The database.
-        file: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
+    Io { file: PathBuf, source: io::Error },
 }
 
 impl Store {
@@ -118,13 +97,8 @@ impl Store {
     }
 
     pub(super) fn of_solver(cache: &Path, solver: u32) -> Result<Store, StoreError> {
-        Ok(Store {
-            file: file_in(cache)?,
-            solver,
-            process: std::process::id(),
-            pending: Mutex::default(),
-            inner: Mutex::default(),
-        })
+        let (file, process) = (file_in(cache)?, std::process::id());
+        Ok(Store { file, solver, process, pending: Mutex::default(), inner: Mutex::default() })
     }
 
     /// Looks a division up.
@@ -204,13 +178,10 @@ impl Store {
 
     fn write(&self, inner: &mut Inner, rows: &[Vec<Value>]) -> Result<(), StoreError> {
         if inner.connection.is_none() {
-            inner.connection = match connect(&self.file)? {
-                Some(connection) => Some(connection),
-                None => {
-                    create(&self.file)?;
-                    connect(&self.file)?
-                }
-            };
+            if !self.file.exists() {
+                create(&self.file)?;
+            }
+            inner.connection = connect(&self.file)?;
         }
         let Some(connection) = &inner.connection else { return Ok(()) };
         write(connection, "", rows).map_err(|source| self.failed(source))
