@@ -27,9 +27,11 @@ pub fn holder_at(text: &str, at: usize) -> String {
 /// The field of a JSON document at byte `at`, or the object around it; of the first eight levels.
 pub fn json_field_at(text: &str, at: usize, of_object: bool) -> String {
     let end = (0..=at.min(text.len())).rev().find(|end| text.is_char_boundary(*end)).unwrap_or(0);
+    // The parser stops before a colon where it does not read what comes behind it.
+    let end = end + usize::from(text[end..].starts_with(':'));
     let mut levels = levels_at(&text[..end]);
-    if let Some(last) = levels.last_mut().filter(|_| of_object) {
-        last.key = None;
+    if of_object {
+        levels.pop();
     }
     levels.truncate(8);
     written(&levels, true)
@@ -143,6 +145,7 @@ mod tests {
             ("3", false, "b\\\"][1]"),
             ("null", false, "e.f"),
             ("}}", true, "e"),
+            (": [{", false, "b\\\"]"),
         ] {
             assert_eq!(json_field_at(text, text.find(found).unwrap(), of_object), path, "{found}");
         }
