@@ -18,14 +18,9 @@ use furrow_lineage::batch::{Key, Memo, Quantisation, SchedulerOptions};
 use furrow_lineage::{EndRule, Grower, Lineage, Tree, TreeSettings};
 use furrow_mechanics::division::{DivisionInput, divide};
 
-/// CPU time of this thread in seconds; wall time if the system has none.
-fn thread_seconds(since: Instant) -> f64 {
-    // The system updates the count at clock ticks, 4 ms apart, and when the thread yields.
-    std::thread::yield_now();
-    let busy = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = busy.and_then(|text| text.split_whitespace().next()?.parse::<f64>().ok());
-    nanoseconds.map_or_else(|| since.elapsed().as_secs_f64(), |n| n * 1e-9)
-}
+#[path = "common/clock.rs"]
+mod clock;
+use clock::now;
 
 struct Run {
     tree: Tree,
@@ -45,9 +40,9 @@ impl Run {
         let cost = Mutex::new(HashMap::new());
         let began = Instant::now();
         let timed = |input: &DivisionInput| {
-            let start = thread_seconds(began);
+            let start = now();
             let division = divide(input);
-            let seconds = thread_seconds(began) - start;
+            let seconds = now() - start;
             cost.lock().unwrap().insert(Key::new(input), seconds);
             division
         };

@@ -12,26 +12,18 @@ use furrow_mechanics::division::{DivisionInput, Outcome, divide};
 use furrow_mechanics::equilibria::branch::error_monitor;
 use furrow_mechanics::equilibria::{BranchOptions, critical_radius, curves, locate, pitchfork, primary};
 
-/// Processor time of this thread in ms; wall time if the system has none.
-fn now() -> f64 {
-    static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
-    let start = START.get_or_init(std::time::Instant::now);
-    // The system updates the count at clock ticks, 4 ms apart, and when the thread yields.
-    std::thread::yield_now();
-    std::fs::read_to_string("/proc/thread-self/schedstat")
-        .ok()
-        .and_then(|text| text.split(' ').next()?.parse::<f64>().ok())
-        .map_or_else(|| start.elapsed().as_secs_f64() * 1e3, |ns| ns * 1e-6)
-}
+#[path = "common/clock.rs"]
+mod clock;
+use clock::now;
 
-/// The shortest time of several runs, and the last result.
+/// The shortest processor time of several runs in ms, and the last result.
 fn best<T>(runs: usize, mut work: impl FnMut() -> T) -> (f64, T) {
     let mut least = f64::INFINITY;
     let mut result = None;
     for _ in 0..runs {
         let start = now();
         result = Some(work());
-        least = least.min(now() - start);
+        least = least.min(1e3 * (now() - start));
     }
     (least, result.expect("at least one run"))
 }

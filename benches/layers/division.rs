@@ -4,21 +4,27 @@ use divan::black_box;
 use furrow_cell::{Cell, Cue};
 use furrow_mechanics::division::{Division, DivisionInput, divide};
 
-fn division(r0: f64, cue: Cue) -> Division {
+/// One of each kind: its name, its radius, and whether it has the germline's cue.
+const KINDS: [(&str, f64, bool); 5] = [
+    ("symmetric 2.5", 2.5, false),
+    ("asymmetric 2.0", 2.0, false),
+    ("failed 1.6", 1.6, false),
+    ("cued 5.4", 5.4, true),
+    ("two furrows 5.4", 5.4, false),
+];
+
+#[divan::bench(args = KINDS.map(|(kind, ..)| kind))]
+fn division(kind: &str) -> Division {
+    let (_, r0, cued) = KINDS.into_iter().find(|(name, ..)| *name == kind).unwrap();
+    let cue = if cued { Cue::published() } else { Cue::none() };
     divide(&DivisionInput::new(Cell::new(black_box(r0)).with_cue(cue))).unwrap()
 }
 
-/// The work of one division of each kind.
+/// The work of each.
 pub fn print_work() {
     println!("division           outcome        chi steps rejected newton factorisations remeshings newton/step");
-    for (kind, r0, cue) in [
-        ("symmetric 2.5", 2.5, Cue::none()),
-        ("asymmetric 2.0", 2.0, Cue::none()),
-        ("failed 1.6", 1.6, Cue::none()),
-        ("cued 5.4", 5.4, Cue::published()),
-        ("two furrows 5.4", 5.4, Cue::none()),
-    ] {
-        let d = division(r0, cue);
+    for (kind, ..) in KINDS {
+        let d = division(kind);
         println!(
             "{kind:18} {:10} {:>7} {:5} {:8} {:6} {:14} {:10} {:11.2}",
             format!("{:?}", d.outcome()),
@@ -32,29 +38,4 @@ pub fn print_work() {
         );
     }
     println!();
-}
-
-#[divan::bench]
-fn symmetric() -> Division {
-    division(2.5, Cue::none())
-}
-
-#[divan::bench]
-fn asymmetric() -> Division {
-    division(2.0, Cue::none())
-}
-
-#[divan::bench]
-fn failed() -> Division {
-    division(1.6, Cue::none())
-}
-
-#[divan::bench]
-fn cued() -> Division {
-    division(5.4, Cue::published())
-}
-
-#[divan::bench]
-fn two_furrows() -> Division {
-    division(5.4, Cue::none())
 }

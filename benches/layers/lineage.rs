@@ -10,7 +10,9 @@ use furrow_formats::newick;
 use furrow_lineage::batch::memo::Request;
 use furrow_lineage::batch::{Key, Memo, Quantisation, SchedulerOptions, Store};
 use furrow_lineage::{EndRule, Grower, Lineage, Tree, TreeSettings};
-use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Ending, divide};
+use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome, divide};
+
+use crate::stand_in;
 
 /// Look-ups of one sample.
 const HITS: usize = 100_000;
@@ -24,18 +26,7 @@ fn input(number: usize) -> DivisionInput {
 
 /// A division without solving.
 fn free(input: &DivisionInput) -> Division {
-    Division {
-        ending: Ending::Divided {
-            symmetric: true,
-            chi_signed: 0.0,
-            u_furrow: 0.5,
-            daughters: [input.cell.r0 * 0.5f64.cbrt(); 2],
-        },
-        t_end: 1.0,
-        slow_growth_rate: None,
-        volume_drift: 0.0,
-        work: furrow_bvp::Work::default(),
-    }
+    stand_in::division(input.cell.r0, Outcome::Symmetric, 0.0)
 }
 
 fn filled(memo: Memo) -> Memo {

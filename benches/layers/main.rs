@@ -7,6 +7,9 @@ mod cortex;
 mod division;
 mod lineage;
 mod numerics;
+#[allow(dead_code)]
+#[path = "../../tests/common/stand_in.rs"]
+mod stand_in;
 mod steady;
 
 fn main() {

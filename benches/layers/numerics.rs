@@ -33,66 +33,45 @@ fn step() -> Step {
     Step { system, cortex, y, update }
 }
 
-#[divan::bench]
-fn residual(bencher: Bencher) {
-    let Step { mut system, mut cortex, y, .. } = step();
-    bencher.bench_local(|| system.evaluate(&mut cortex, black_box(&y), &[], false));
+impl Step {
+    fn evaluate(&mut self, with_derivatives: bool) {
+        self.system.evaluate(&mut self.cortex, black_box(&self.y), &[], with_derivatives);
+    }
+
+    /// The linear algebra of a factorisation.
+    fn solve_blocks(&mut self) {
+        self.system.condense().unwrap();
+        self.system.factor_blocks(&[]).unwrap();
+        self.system.solve_own(&mut self.update);
+    }
 }
 
-#[divan::bench]
-fn residual_and_jacobian(bencher: Bencher) {
-    let Step { mut system, mut cortex, y, .. } = step();
-    bencher.bench_local(|| system.evaluate(&mut cortex, black_box(&y), &[], true));
-}
+/// A name, and what is timed.
+type Part = (&'static str, fn(&mut Step));
 
-#[divan::bench]
-fn condense(bencher: Bencher) {
-    let mut system = step().system;
-    bencher.bench_local(|| system.condense());
-}
+/// Parts of a Newton step. A chord step is a further one with the same factors.
+const PARTS: [Part; 8] = [
+    ("residual", |step| step.evaluate(false)),
+    ("residual and Jacobian", |step| step.evaluate(true)),
+    ("condense", |step| step.system.condense().unwrap()),
+    ("factor blocks", |step| step.system.factor_blocks(&[]).unwrap()),
+    ("solve", |step| step.system.solve_own(&mut step.update)),
+    ("condense, factor and solve", Step::solve_blocks),
+    ("Newton step", |step| {
+        step.evaluate(true);
+        step.solve_blocks();
+    }),
+    ("chord step", |step| {
+        step.evaluate(false);
+        step.system.solve_own(&mut step.update);
+    }),
+];
 
-#[divan::bench]
-fn factor_blocks(bencher: Bencher) {
-    let mut system = step().system;
-    bencher.bench_local(|| system.factor_blocks(&[]));
-}
-
-#[divan::bench]
-fn solve(bencher: Bencher) {
-    let Step { mut system, mut update, .. } = step();
-    bencher.bench_local(|| system.solve_own(&mut update));
-}
-
-/// Condense, factor and solve: the linear algebra of a factorisation.
-#[divan::bench]
-fn block_solve(bencher: Bencher) {
-    let Step { mut system, mut update, .. } = step();
-    bencher.bench_local(|| {
-        system.condense().unwrap();
-        system.factor_blocks(&[]).unwrap();
-        system.solve_own(&mut update);
-    });
-}
-
-#[divan::bench]
-fn newton_step(bencher: Bencher) {
-    let Step { mut system, mut cortex, y, mut update } = step();
-    bencher.bench_local(|| {
-        system.evaluate(&mut cortex, black_box(&y), &[], true);
-        system.condense().unwrap();
-        system.factor_blocks(&[]).unwrap();
-        system.solve_own(&mut update);
-    });
-}
-
-/// A further step with the same factors.
-#[divan::bench]
-fn chord_step(bencher: Bencher) {
-    let Step { mut system, mut cortex, y, mut update } = step();
-    bencher.bench_local(|| {
-        system.evaluate(&mut cortex, black_box(&y), &[], false);
-        system.solve_own(&mut update);
-    });
+#[divan::bench(args = PARTS.map(|(name, _)| name))]
+fn newton(bencher: Bencher, name: &str) {
+    let (_, part) = PARTS.into_iter().find(|(part, _)| *part == name).unwrap();
+    let mut step = step();
+    bencher.bench_local(|| part(&mut step));
 }
 
 /// A whole time step from the last shape.

@@ -2,15 +2,13 @@
 
 use furrow_cell::settings::{Settings, listing};
 
-use super::{FILE, says_where, text};
+use super::{FILE, accepted, text};
 
 /// A valid configuration is the same after all its values are written to a file and read, or set one by one.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data) else { return };
     let mut settings = Settings::default();
-    if let Err(error) = settings.apply_config(text, FILE) {
-        return says_where(&error);
-    }
+    let Some(()) = accepted(settings.apply_config(text, FILE)) else { return };
     let values = listing(&settings);
     let section = |wanted: &str| -> String {
         let of = values.iter().filter(|(section, _, _)| *section == wanted);

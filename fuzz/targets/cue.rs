@@ -1,10 +1,9 @@
 //! Cues as options have them, and keys and values of `--set`.
 
-use furrow_cell::Cue;
 use furrow_cell::settings::Settings;
 use furrow_lineage::parse_cue;
 
-use super::{built_in, text};
+use super::{built_in, survives_json, text};
 
 /// A valid cue survives writing and reading, as text and as JSON; mirrored twice it is itself; its fields are finite everywhere.
 pub fn check(data: &[u8]) {
@@ -23,8 +22,7 @@ pub fn check(data: &[u8]) {
     cue.check().expect("what is read is allowed");
     let written = cue.to_string();
     assert_eq!(parse_cue(&written, lineage).expect("what is written is read"), cue, "{written}");
-    let json = serde_json::to_string(&cue).expect("a cue is written");
-    assert_eq!(serde_json::from_str::<Cue>(&json).expect("what is written is read"), cue, "{json}");
+    survives_json(&cue);
     assert_eq!(cue.mirrored().mirrored().terms().len(), cue.terms().len());
     for place in 0..=16 {
         let u = f64::from(place) / 16.0;

@@ -2,19 +2,14 @@
 
 use furrow_lineage::Lineage;
 
-use super::{FILE, says_where, text};
+use super::{FILE, accepted, survives_json, text};
 
 /// A valid lineage survives writing and reading, and every founder has its properties.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data) else { return };
-    let lineage = match Lineage::parse(text, FILE) {
-        Ok(lineage) => lineage,
-        Err(error) => return says_where(&error),
-    };
-    let written = serde_json::to_string(&lineage).expect("a lineage is written");
-    let read: Lineage = serde_json::from_str(&written).expect("what is written is read");
-    assert_eq!(read, lineage, "read, written and read again");
-    read.check(FILE).expect("what was allowed is allowed");
+    let Some(lineage) = accepted(Lineage::parse(text, FILE)) else { return };
+    survives_json(&lineage);
+    lineage.check(FILE).expect("what was allowed is allowed");
     for founder in 0..lineage.founders.len() {
         if let Some(mother) = lineage.mother(founder) {
             assert_eq!(lineage.generation(founder), lineage.generation(mother) + 1);

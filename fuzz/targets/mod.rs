@@ -1,9 +1,6 @@
 //! Checks of every reader: one function per reader takes any bytes and panics if the reader misbehaves. The fuzzers call them
 //! with random bytes, `tests/project/hostile_corpus.rs` with the files in `fuzz/corpus`.
 
-// Each fuzzer is a separate program that calls one of these.
-#![allow(dead_code)]
-
 pub mod config;
 pub mod constants;
 pub mod contours;
@@ -14,9 +11,27 @@ pub mod targets;
 pub mod tree_json;
 pub mod volumes;
 
+use std::fmt::Debug;
 use std::sync::OnceLock;
 
 use furrow_lineage::Lineage;
+use serde::{Serialize, de::DeserializeOwned};
+
+/// A check of one reader.
+type Check = fn(&[u8]);
+
+/// All checks by name.
+pub const TARGETS: [(&str, Check); 9] = [
+    ("config", config::check),
+    ("constants", constants::check),
+    ("contours", contours::check),
+    ("cue", cue::check),
+    ("lineage", lineage::check),
+    ("sweep", sweep::check),
+    ("targets", targets::check),
+    ("tree_json", tree_json::check),
+    ("volumes", volumes::check),
+];
 
 /// The file name in errors.
 pub const FILE: &str = "given.file";
@@ -32,6 +47,17 @@ pub fn says_where(error: &impl ToString) {
     assert!(said.starts_with(FILE) && said.len() > FILE.len() + 2, "does not begin with the file: {said}");
     assert!(said.len() < 4000, "an error of {} bytes: {}…", said.len(), said.chars().take(200).collect::<String>());
     assert!(!said.chars().any(|c| c.is_control() && c != '\n' && c != '\t'), "control characters: {said:?}");
+}
+
+/// What was read, or nothing after a look at the error.
+pub fn accepted<T>(read: Result<T, impl ToString>) -> Option<T> {
+    read.map_err(|error| says_where(&error)).ok()
+}
+
+/// A value survives writing and reading as JSON.
+pub fn survives_json<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
+    let written = serde_json::to_string(value).expect("it is written");
+    assert_eq!(serde_json::from_str::<T>(&written).expect("what is written is read"), *value, "{written}");
 }
 
 /// The built-in lineage, read once.

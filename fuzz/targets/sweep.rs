@@ -3,7 +3,7 @@
 use furrow_analysis::Sweep;
 use furrow_cell::settings::Settings;
 
-use super::{FILE, says_where, text};
+use super::{FILE, accepted, says_where, text};
 
 /// Most points that are checked one by one.
 const LOOKED_AT: usize = 16;
@@ -11,10 +11,8 @@ const LOOKED_AT: usize = 16;
 /// Every point of a valid sweep has a value of each axis, and a valid cell or a reason why not.
 pub fn check(data: &[u8]) {
     let Some(text) = text(data).filter(|text| has_few_points(text) && !names_a_file(text)) else { return };
-    let sweep = match Sweep::parse(text, FILE, &Settings::default(), &[]) {
-        Ok(sweep) => sweep,
-        Err(error) => return says_where(&error),
-    };
+    let read = || Sweep::parse(text, FILE, &Settings::default(), &[]);
+    let Some(sweep) = accepted(read()) else { return };
     let points = sweep.points();
     assert!(points > 0);
     for index in (0..points).step_by(points.div_ceil(LOOKED_AT)) {
@@ -31,8 +29,7 @@ pub fn check(data: &[u8]) {
             }
         }
     }
-    let again = Sweep::parse(text, FILE, &Settings::default(), &[]).expect("what was read is read");
-    assert_eq!(again, sweep);
+    assert_eq!(read().expect("what was read is read"), sweep);
 }
 
 /// Ten million points are allowed but take seconds, and find nothing more here.

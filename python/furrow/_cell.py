@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _furrow
-from ._checks import path_of, refused, seed_of, text_of, threads_of, whole
+from ._checks import given_of, path_of, refused, seed_of, text_of, threads_of, whole
 from ._errors import InputError
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
@@ -80,13 +80,7 @@ class Cell:
     ) -> None:
         given: dict[str, Value] = {"r0": r0, **parameters}
         try:
-            inputs = _furrow.Inputs(
-                given,
-                text_of("cue", cue),
-                text_of("preset", preset),
-                None if config is None else path_of("config", config),
-                _lineage(lineage),
-            )
+            inputs = _furrow.Inputs(given_of(given, preset, config), text_of("cue", cue), _lineage(lineage))
         except InputError as error:
             # Report the caller's value, not its text form.
             if error.field in given:
@@ -307,7 +301,7 @@ def _from_json(text: str) -> Cell:
 
 
 def _defaults() -> dict[str, Any]:
-    return dict(json.loads(_furrow.Inputs({}).parameters()))
+    return dict(json.loads(_furrow.Inputs(({}, "gao2026", None)).parameters()))
 
 
 def _whole(places: Mapping[str, Any]) -> dict[str, Any]:

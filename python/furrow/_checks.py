@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import operator
 import os
-from typing import SupportsIndex
+from collections.abc import Mapping
+from typing import Any, SupportsIndex, TypeAlias
 
 from ._errors import InputError
 
 #: The source that errors name for call arguments.
 ARGUMENTS = "furrow"
+
+#: Parameters, the preset and the configuration file of a computation.
+Given: TypeAlias = "tuple[Mapping[str, Any], str, str | None]"
 
 
 def refused(field: str, value: object, allowed: str) -> InputError:
@@ -60,3 +64,8 @@ def text_of(field: str, value: object) -> str:
     if not isinstance(value, str):
         raise refused(field, value, "a text")
     return value
+
+
+def given_of(parameters: Mapping[str, Any], preset: str, config: str | os.PathLike[str] | None) -> Given:
+    """Parameters with a preset and a configuration file."""
+    return dict(parameters), text_of("preset", preset), None if config is None else path_of("config", config)

@@ -35,15 +35,17 @@ __version__: str
 solver_version: int
 
 _Told = Callable[[int, int], object] | None
+#: Parameters, the preset and the configuration file.
+_Given = tuple[Mapping[str, Any], str, str | None]
+#: A text, or its file.
+_Source = tuple[str | None, str | None]
 
 @final
 class Inputs:
     def __new__(
         cls,
-        parameters: Mapping[str, Any],
+        given: _Given,
         cue: str = "none",
-        preset: str = "gao2026",
-        config: str | None = None,
         lineage: str | None = None,
     ) -> Inputs: ...
     def parameters(self) -> str: ...
@@ -99,10 +101,8 @@ def branch(inputs: Inputs, xi_max: float, max_step: float) -> tuple[str, dict[st
 def grow(
     lineages: list[tuple[str, str | None]],
     cues: list[str],
-    parameters: Mapping[str, Any],
+    given: _Given,
     memo: Memo,
-    preset: str,
-    config: str | None,
     seed: int,
     dynamics: bool,
     threads: int,
@@ -110,36 +110,21 @@ def grow(
 ) -> tuple[list[tuple[str, str, str | None, GrownTree]], str]: ...
 def read_tree(file: str) -> GrownTree: ...
 def sweep(
-    text: str | None,
-    file: str | None,
-    parameters: Mapping[str, Any],
+    source: _Source,
+    given: _Given,
     memo: Memo,
-    preset: str,
-    config: str | None,
     out: str | None,
     threads: int,
     progress: _Told = None,
 ) -> tuple[dict[str, Any], list[tuple[int, str]], str, tuple[int, int]]: ...
-def calibrate(text: str | None, file: str | None, parameters: Mapping[str, Any], preset: str, config: str | None) -> str: ...
-def ensemble(
-    text: str | None,
-    file: str | None,
-    count: int,
-    seed: int,
-    parameters: Mapping[str, Any],
-    preset: str,
-    config: str | None,
-    threads: int,
-) -> str: ...
+def calibrate(source: _Source, given: _Given) -> str: ...
+def ensemble(source: _Source, count: int, seed: int, given: _Given, threads: int) -> str: ...
 def ranges(
     lineage: tuple[str, str | None],
     cues: list[str],
-    text: str | None,
-    file: str | None,
-    parameters: Mapping[str, Any],
+    source: _Source,
+    given: _Given,
     memo: Memo,
-    preset: str,
-    config: str | None,
     seed: int,
     threads: int,
 ) -> str: ...
@@ -150,12 +135,10 @@ def compare_volumes(
     voxel: float | None,
     group: str | None,
     lineage: str | None,
-    constants: tuple[str | None, str | None] | None,
+    constants: _Source | None,
     length: float | None,
-    parameters: Mapping[str, Any],
+    given: _Given,
     memo: Memo,
-    preset: str,
-    config: str | None,
     threads: int,
     progress: _Told = None,
 ) -> str: ...

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, SupportsIndex
 import numpy as np
 
 from . import _furrow
-from ._checks import path_of, refused, seed_of, text_of, threads_of, whole
+from ._checks import Given, given_of, path_of, refused, seed_of, threads_of, whole
 from ._results import Array, Result
 from ._tables import frame
 
@@ -126,18 +126,13 @@ def ranges_of(
     labelled: list[tuple[str, str | None]],
     cues: list[str],
     constants: str | os.PathLike[str] | Constants,
-    given: Mapping[str, Any],
+    given: Given,
     memo: Memo,
-    preset: str,
-    config: str | None,
     seed: SupportsIndex,
     threads: SupportsIndex | None,
 ) -> Ranges:
     """A lineage over sets of constants; for :func:`furrow.tree`."""
-    text, file = table_of(constants)
-    found = _furrow.ranges(
-        labelled[0], cues, text, file, given, memo, text_of("preset", preset), config, seed_of(seed), threads_of(threads)
-    )
+    found = _furrow.ranges(labelled[0], cues, table_of(constants), given, memo, seed_of(seed), threads_of(threads))
     return Ranges(json.loads(found))
 
 
@@ -167,9 +162,7 @@ def calibrate(
 
     ``targets`` is a file such as ``data/thresholds.ron`` or its text; keywords are parameters at which the search starts.
     """
-    text, file = _targets(targets)
-    where = None if config is None else path_of("config", config)
-    found = json.loads(_furrow.calibrate(text, file, parameters, text_of("preset", preset), where))
+    found = json.loads(_furrow.calibrate(_targets(targets), given_of(parameters, preset, config)))
     return Calibration(
         parameters=found["parameters"],
         residuals=tuple(found["residuals"]),
@@ -191,11 +184,10 @@ def ensemble(
     **parameters: Value,
 ) -> Constants:
     """Samples ``members`` sets of constants that agree with the targets, for ``furrow.tree(constants=…)``."""
-    text, file = _targets(targets)
-    where = None if config is None else path_of("config", config)
+    source = _targets(targets)
+    given = given_of(parameters, preset, config)
     count = whole("members", members, 1, 100_000)
-    name = text_of("preset", preset)
-    found = json.loads(_furrow.ensemble(text, file, count, seed_of(seed), parameters, name, where, threads_of(threads)))
+    found = json.loads(_furrow.ensemble(source, count, seed_of(seed), given, threads_of(threads)))
     return Constants(
         parameters=tuple(found["parameters"]),
         values=np.array(found["values"], dtype=np.float64),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, SupportsIndex
 import numpy as np
 
 from . import _furrow
-from ._checks import path_of, refused, seed_of, text_of, threads_of, whole
+from ._checks import given_of, path_of, refused, seed_of, text_of, threads_of, whole
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._tables import frame
@@ -155,10 +155,8 @@ def sweep(
     elif axes is not None or cue is not None or lineage is not None or replicates != 1 or seed != 0 or kind != "division":
         raise refused("file", file, "given without axes, kind, cue, replicates, seed and lineage, which it says itself")
     where = None if file is None else path_of("file", file)
-    settings = None if config is None else path_of("config", config)
+    given = given_of(parameters, preset, config)
     folder = None if out is None else path_of("out", out)
     with shown(progress, "points") as tell:
-        columns, why, csv, (solved, reused) = _furrow.sweep(
-            text, where, parameters, known, text_of("preset", preset), settings, folder, threads_of(threads), tell
-        )
+        columns, why, csv, (solved, reused) = _furrow.sweep((text, where), given, known, folder, threads_of(threads), tell)
     return Sweep(columns, dict(why), csv, solved, reused)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _furrow
-from ._checks import path_of, refused, seed_of, text_of, threads_of
+from ._checks import given_of, path_of, refused, seed_of, text_of, threads_of
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._results import Array
@@ -448,7 +448,7 @@ def tree(
         raise refused("cues", cues, "a list of cues; a single one is given as cue")
     wanted = [cue] if cue is not None else [] if cues is None else list(cues)
     labelled = [_labelled(one) for one in lineages]
-    where = None if config is None else path_of("config", config)
+    settings = given_of(given, preset, config)
     if constants is not None:
         from ._studies import ranges_of
 
@@ -456,15 +456,13 @@ def tree(
             raise refused("constants", constants, "given with one lineage and at most one cue")
         if dynamics:
             raise refused("dynamics", dynamics, "False with constants")
-        return ranges_of(labelled, wanted, constants, given, known, preset, where, seed, threads)
+        return ranges_of(labelled, wanted, constants, settings, known, seed, threads)
     with shown(progress, "divisions") as tell:
         named, work = _furrow.grow(
             labelled,
             [text_of("cue", text) for text in wanted],
-            given,
+            settings,
             known,
-            text_of("preset", preset),
-            where,
             seed_of(seed),
             bool(dynamics),
             threads_of(threads),

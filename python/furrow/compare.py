@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _furrow
 from ._cell import _number
-from ._checks import path_of, refused, text_of, threads_of
+from ._checks import given_of, path_of, refused, text_of, threads_of
 from ._memo import memo as shared_memo
 from ._progress import Progress, shown
 from ._results import Division, Frame, Frames
@@ -151,10 +151,8 @@ def volumes(
                 None if lineage is None else path_of("lineage", lineage),
                 None if constants is None else table_of(constants),
                 None if length_scale is None else _positive("length_scale", length_scale),
-                parameters,
+                given_of(parameters, preset, config),
                 known,
-                text_of("preset", preset),
-                None if config is None else path_of("config", config),
                 threads_of(threads),
                 tell,
             )

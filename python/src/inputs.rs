@@ -1,73 +1,118 @@
 //! A cell and how it is computed, every value checked.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use furrow_cell::settings::{self, Settings, canonical_name};
-use furrow_cell::{Cell, Numerics};
-use furrow_input::{InputError, shown};
+use furrow_cell::{Cell, CueError, Numerics};
+use furrow_input::{InputError, read_text, shown};
 use furrow_lineage::{Length, Lineage};
 use furrow_mechanics::division::DivisionInput;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyInt, PyString};
+use pyo3::types::{PyBool, PyDict, PyInt, PyString};
 use serde::{Deserialize, Serialize};
 
-use crate::errors::{Error, raised, refused, unwritable};
+use crate::errors::{Error, refused};
 
 /// The source that errors name for arguments of a call.
 pub const ARGUMENTS: &str = "furrow";
 
-/// Parameters by the names of `--set`, with their values as text.
-pub type Pairs = Vec<(String, String)>;
+/// A text, or the file that has it.
+pub type Source = (Option<String>, Option<PathBuf>);
 
-/// A value as the text that a parameter is set by.
-///
-/// # Errors
-/// InputError for what is neither a number nor a word.
-pub fn value_text(name: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
+/// A source's text, and what errors call it: the file, or `name`.
+pub fn text_of(source: &Source, name: &str) -> Result<Option<(String, String)>, InputError> {
+    Ok(match source {
+        (Some(text), _) => Some((text.clone(), name.to_owned())),
+        (None, Some(file)) => Some((read_text(file)?, file.display().to_string())),
+        (None, None) => None,
+    })
+}
+
+/// Numbers by name as numpy arrays, which take over the memory of the vectors.
+pub type Columns = Vec<(&'static str, Vec<f64>)>;
+
+/// Columns as a dict of arrays.
+pub fn arrays(py: Python<'_>, columns: Columns) -> PyResult<Bound<'_, PyDict>> {
+    let dict = PyDict::new(py);
+    columns.into_iter().try_for_each(|(name, values)| dict.set_item(name, PyArray1::from_vec(py, values)))?;
+    Ok(dict)
+}
+
+/// What a computation is given: parameters by the names of `--set` with their values as text, which override a configuration file,
+/// which overrides a preset.
+#[derive(Clone)]
+pub struct Given {
+    /// The parameters.
+    pub pairs: Vec<(String, String)>,
+    /// The preset.
+    pub preset: String,
+    /// The configuration file.
+    pub config: Option<PathBuf>,
+}
+
+impl<'py> FromPyObject<'_, 'py> for Given {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Given> {
+        let (parameters, preset, config): (Bound<'py, PyDict>, _, _) = given.extract()?;
+        let pair = |(name, value): (Bound<'py, PyAny>, Bound<'py, PyAny>)| {
+            let name: String = name.extract()?;
+            let text = value_text(&name, &value)?;
+            Ok((name, text))
+        };
+        Ok(Given { pairs: parameters.iter().map(pair).collect::<PyResult<_>>()?, preset, config })
+    }
+}
+
+/// A value as the text that a parameter is set by. InputError for what is neither a number nor a word.
+fn value_text(name: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
     if let Ok(text) = value.cast::<PyString>() {
         return Ok(text.to_str()?.trim().to_owned());
     }
-    let refused = || refused(value.py(), name, value, "a number, or a word where the parameter has words");
+    let refused = || refused(name, value, "a number, or a word where the parameter has words");
     if value.is_instance_of::<PyBool>() {
         return Err(refused());
     }
-    if value.is_instance_of::<PyInt>() {
-        return Ok(value.str()?.to_str()?.to_owned());
-    }
     // Numbers of numpy are whole where they have an index.
-    if let Ok(whole) = value.call_method0("__index__") {
-        return Ok(whole.str()?.to_str()?.to_owned());
+    let whole = if value.is_instance_of::<PyInt>() { Ok(value.clone()) } else { value.call_method0("__index__") };
+    match whole {
+        Ok(whole) => Ok(whole.str()?.to_str()?.to_owned()),
+        Err(_) => Ok(value.extract::<f64>().map_err(|_| refused())?.to_string()),
     }
-    let number: f64 = value.extract().map_err(|_| refused())?;
-    Ok(number.to_string())
 }
 
-/// Keywords as pairs of names and texts.
-///
-/// # Errors
-/// As [`value_text`].
-pub fn pairs(parameters: &Bound<'_, pyo3::types::PyDict>) -> PyResult<Pairs> {
-    let mut pairs = Pairs::new();
-    for (name, value) in parameters.iter() {
-        let name: String = name.extract()?;
-        let text = value_text(&name, &value)?;
-        pairs.push((name, text));
+impl Given {
+    /// The settings, checked.
+    pub fn settings(&self) -> Result<Settings, InputError> {
+        let mut settings = Settings::load(&self.preset, self.config.as_deref(), &[])?;
+        let unknown = |name: &str, allowed| InputError::not_allowed(ARGUMENTS, "parameter", shown(name), allowed);
+        let named = |(name, value): &(String, String)| {
+            Ok((canonical_name(name).map_err(|allowed| unknown(name, allowed))?, value.clone()))
+        };
+        settings.assign(ARGUMENTS, &self.pairs.iter().map(named).collect::<Result<Vec<_>, InputError>>()?)?;
+        settings.check(ARGUMENTS)?;
+        Ok(settings)
     }
-    Ok(pairs)
-}
 
-/// A preset, overridden by a configuration file and then by keywords, and checked.
-pub fn settings_of(preset: &str, config: Option<&PathBuf>, pairs: &Pairs) -> Result<Settings, InputError> {
-    let mut settings = Settings::load(preset, config.map(PathBuf::as_path), &[])?;
-    let mut named = Vec::new();
-    for (name, value) in pairs {
-        let unknown = |allowed| InputError::not_allowed(ARGUMENTS, "parameter", shown(name), allowed);
-        named.push((canonical_name(name).map_err(unknown)?, value.as_str()));
+    /// The settings for divisions, checked.
+    pub fn for_divisions(&self) -> Result<Settings, InputError> {
+        let settings = self.settings()?;
+        settings.check_activity(ARGUMENTS)?;
+        settings.check_divisions(ARGUMENTS)?;
+        Ok(settings)
     }
-    settings.assign(ARGUMENTS, &named)?;
-    settings.check(ARGUMENTS)?;
-    Ok(settings)
+
+    /// Turns a radius in µm into one in L_h by the units of a lineage. Whether there is a radius.
+    pub fn scale_radius(&mut self, lineage: &Lineage) -> Result<bool, InputError> {
+        let Some((_, text)) = self.pairs.iter_mut().find(|(name, _)| name == "r0" || name == "R0") else {
+            return Ok(false);
+        };
+        let length = text.parse::<Length>().map_err(|_| "a number of L_h, as 5.4, or of µm, as '17um'".to_owned());
+        let radius = length.and_then(|length| length.in_units(&lineage.units()));
+        *text = radius.map_err(|allowed| InputError::not_allowed(ARGUMENTS, "r0", shown(text), allowed))?.to_string();
+        Ok(true)
+    }
 }
 
 /// The lineage of a file, of a text that begins with one, or the built-in one.
@@ -77,16 +122,13 @@ pub fn lineage_of(given: Option<&str>) -> Result<Lineage, InputError> {
         Some(text) if text.trim_start().starts_with('(') || text.contains("Lineage(") => {
             Lineage::parse(text, "lineage")
         }
-        Some(path) => Lineage::read(std::path::Path::new(path)),
+        Some(path) => Lineage::read(Path::new(path)),
     }
 }
 
-/// A radius in L_h, or in µm if the lineage has units.
-pub fn radius_of(text: &str, lineage: &Lineage) -> Result<f64, InputError> {
-    let refused = |allowed: String| InputError::not_allowed(ARGUMENTS, "r0", shown(text), allowed);
-    let length: Length =
-        text.parse().map_err(|_| refused("a number of L_h, as 5.4, or of µm, as '17um'".to_owned()))?;
-    length.in_units(&lineage.units()).map_err(refused)
+/// The error of a cue.
+pub fn bad_cue(CueError { field, value, allowed }: CueError) -> InputError {
+    InputError::not_allowed(ARGUMENTS, field, value, allowed)
 }
 
 /// A cell and its numerics, checked.
@@ -105,7 +147,7 @@ impl Inputs {
         let settings = self.settings();
         settings.check_activity(ARGUMENTS)?;
         settings.check_divisions(ARGUMENTS)?;
-        Ok(DivisionInput { cell: self.cell.clone(), numerics: self.numerics, seed })
+        Ok(DivisionInput { cell: settings.cell, numerics: self.numerics, seed })
     }
 
     /// As parameters.
@@ -116,45 +158,29 @@ impl Inputs {
 
 #[pymethods]
 impl Inputs {
-    /// A cell from a preset, a configuration file, keywords and a cue, which may be one that a lineage names.
+    /// A cell from parameters, a preset and a configuration file, and a cue, which may be one that a lineage names.
     #[new]
-    #[pyo3(signature = (parameters, cue="none", preset="gao2026", config=None, lineage=None))]
-    fn new(
-        py: Python<'_>,
-        parameters: &Bound<'_, pyo3::types::PyDict>,
-        cue: &str,
-        preset: &str,
-        config: Option<PathBuf>,
-        lineage: Option<&str>,
-    ) -> PyResult<Inputs> {
-        let mut pairs = pairs(parameters)?;
-        let mut build = || -> Result<Inputs, InputError> {
-            let lineage = lineage_of(lineage)?;
-            if let Some((_, text)) = pairs.iter_mut().find(|(name, _)| name == "r0" || name == "R0") {
-                *text = radius_of(text, &lineage)?.to_string();
-            }
-            let Settings { cell, numerics } = settings_of(preset, config.as_ref(), &pairs)?;
-            let bad = |e: furrow_cell::CueError| InputError::not_allowed(ARGUMENTS, e.field, e.value, e.allowed);
-            let cue = lineage.parse_cue(cue).map_err(bad)?;
-            Ok(Inputs { cell: cell.with_cue(cue), numerics })
-        };
-        build().map_err(|error| raised(py, error.into(), 0))
+    #[pyo3(signature = (given, cue="none", lineage=None))]
+    fn new(mut given: Given, cue: &str, lineage: Option<&str>) -> Result<Inputs, Error> {
+        let lineage = lineage_of(lineage)?;
+        given.scale_radius(&lineage)?;
+        let Settings { cell, numerics } = given.settings()?;
+        Ok(Inputs { cell: cell.with_cue(lineage.parse_cue(cue).map_err(bad_cue)?), numerics })
     }
 
     /// Every parameter by its name, and the cue, as JSON.
-    fn parameters(&self) -> PyResult<String> {
-        let settings = self.settings();
+    fn parameters(&self) -> Result<String, Error> {
         let mut map = serde_json::Map::new();
-        for (_, name, text) in settings::listing(&settings) {
+        for (_, name, text) in settings::listing(&self.settings()) {
             let value = match (name, text.parse::<f64>()) {
-                ("stages" | "intervals", Ok(number)) => serde_json::Value::from(number as u64),
+                ("stages" | "intervals", Ok(number)) => (number as u64).into(),
                 (_, Ok(number)) => number.into(),
                 (_, Err(_)) => text.into(),
             };
             map.insert(name.to_owned(), value);
         }
-        map.insert("cue".to_owned(), self.cell.cue.to_string().into());
-        serde_json::to_string(&map).map_err(unwritable)
+        map.insert("cue".to_owned(), self.cue().into());
+        Ok(serde_json::to_string(&map)?)
     }
 
     /// The cue as users write it.
@@ -186,40 +212,33 @@ impl Inputs {
     }
 
     /// As JSON that [`from_json`](Inputs::from_json) reads to the last bit.
-    fn to_json(&self) -> PyResult<String> {
-        serde_json::to_string(self).map_err(unwritable)
+    fn to_json(&self) -> Result<String, Error> {
+        Ok(serde_json::to_string(self)?)
     }
 
     /// Reads what [`to_json`](Inputs::to_json) wrote.
     #[staticmethod]
-    fn from_json(py: Python<'_>, text: &str) -> PyResult<Inputs> {
-        let read = || -> Result<Inputs, InputError> {
-            let inputs: Inputs = serde_json::from_str(text).map_err(|error| InputError::OtherFile {
-                file: ARGUMENTS.to_owned(),
-                wanted: "a cell as furrow writes it".to_owned(),
-                reason: error.to_string(),
-            })?;
-            inputs.settings().check(ARGUMENTS)?;
-            Ok(inputs)
-        };
-        read().map_err(|error| raised(py, error.into(), 0))
+    fn from_json(text: &str) -> Result<Inputs, Error> {
+        let inputs: Inputs = serde_json::from_str(text)
+            .map_err(|error| InputError::other_file(ARGUMENTS, "a cell as furrow writes it", error))?;
+        inputs.settings().check(ARGUMENTS)?;
+        Ok(inputs)
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Inputs>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+    fn __reduce__<'py>(slf: &Bound<'py, Inputs>) -> Result<(Bound<'py, PyAny>, (String,)), Error> {
         Ok((slf.get_type().getattr("from_json")?, (slf.get().to_json()?,)))
     }
 }
 
 /// The names of all parameters, and for each the section it is in.
 #[pyfunction]
-pub fn parameter_names() -> Vec<(String, String)> {
-    let listed = settings::listing(&Settings::default());
-    let plain = listed.into_iter().map(|(section, name, _)| (name.to_owned(), section.to_owned()));
-    plain.chain([("xi_b".to_owned(), "physics".to_owned())]).collect()
+pub fn parameter_names() -> Vec<(&'static str, &'static str)> {
+    let listed = settings::listing(&Settings::default()).into_iter();
+    listed.map(|(section, name, _)| (name, section)).chain([("xi_b", "physics")]).collect()
 }
 
 /// The names of the presets.
 #[pyfunction]
-pub fn presets() -> Vec<String> {
-    settings::presets().map(str::to_owned).collect()
+pub fn presets() -> Vec<&'static str> {
+    settings::presets().collect()
 }

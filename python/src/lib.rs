@@ -14,7 +14,6 @@
 //! | `comparisons` | the model beside measured embryos |
 
 mod cells;
-mod columns;
 mod comparisons;
 mod errors;
 mod inputs;
@@ -24,31 +23,25 @@ mod supervise;
 mod sweeps;
 mod trees;
 
-use pyo3::prelude::*;
-
 /// The part of `furrow` that is compiled.
-#[pymodule]
-fn _furrow(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add("solver_version", furrow_lineage::batch::SOLVER_VERSION)?;
-    module.add_class::<inputs::Inputs>()?;
-    module.add_class::<memo::Memo>()?;
-    module.add_class::<trees::GrownTree>()?;
-    module.add_function(wrap_pyfunction!(inputs::parameter_names, module)?)?;
-    module.add_function(wrap_pyfunction!(inputs::presets, module)?)?;
-    module.add_function(wrap_pyfunction!(cells::divide, module)?)?;
-    module.add_function(wrap_pyfunction!(cells::film, module)?)?;
-    module.add_function(wrap_pyfunction!(cells::steady, module)?)?;
-    module.add_function(wrap_pyfunction!(cells::pitchfork, module)?)?;
-    module.add_function(wrap_pyfunction!(cells::branch, module)?)?;
-    module.add_function(wrap_pyfunction!(trees::grow, module)?)?;
-    module.add_function(wrap_pyfunction!(trees::read_tree, module)?)?;
-    module.add_function(wrap_pyfunction!(sweeps::sweep, module)?)?;
-    module.add_function(wrap_pyfunction!(studies::calibrate, module)?)?;
-    module.add_function(wrap_pyfunction!(studies::ensemble, module)?)?;
-    module.add_function(wrap_pyfunction!(studies::ranges, module)?)?;
-    module.add_function(wrap_pyfunction!(comparisons::compare_counts, module)?)?;
-    module.add_function(wrap_pyfunction!(comparisons::compare_volumes, module)?)?;
-    module.add_function(wrap_pyfunction!(comparisons::compare_contours, module)?)?;
-    Ok(())
+#[pyo3::pymodule]
+mod _furrow {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::{
+        cells::{branch, divide, film, pitchfork, steady},
+        comparisons::{compare_contours, compare_counts, compare_volumes},
+        inputs::{Inputs, parameter_names, presets},
+        memo::Memo,
+        studies::{calibrate, ensemble, ranges},
+        sweeps::sweep,
+        trees::{GrownTree, grow, read_tree},
+    };
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        module.add("solver_version", furrow_lineage::batch::SOLVER_VERSION)
+    }
 }

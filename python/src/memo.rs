@@ -7,7 +7,7 @@ use furrow_input::InputError;
 use furrow_lineage::batch::{Memo as Solved, Quantisation, Store};
 use pyo3::prelude::*;
 
-use crate::errors::{Error, raised};
+use crate::errors::Error;
 
 /// Solved divisions. With a store, which is a cache folder, they persist and are shared with other processes, including the
 /// command line.
@@ -15,7 +15,9 @@ use crate::errors::{Error, raised};
 pub struct Memo {
     /// The divisions.
     pub solved: Arc<Solved>,
-    folder: Option<PathBuf>,
+    /// The folder of the store.
+    #[pyo3(get)]
+    store: Option<PathBuf>,
 }
 
 /// A pickled memo: its class and arguments.
@@ -26,21 +28,17 @@ impl Memo {
     /// An empty memo; with `store` one over a folder. `r0_step` is the relative step to which R0 is rounded before a division is looked up.
     #[new]
     #[pyo3(signature = (store=None, r0_step=None))]
-    fn new(py: Python<'_>, store: Option<PathBuf>, r0_step: Option<f64>) -> PyResult<Memo> {
-        let opened = || -> Result<Solved, Error> {
-            let quantisation = match r0_step {
-                None => Quantisation::DEFAULT,
-                Some(step) => Quantisation::with_relative_step(step)
-                    .map_err(|step| InputError::not_allowed("memo", "r0_step", step, "from 0 to 0.5"))?,
-            };
-            let memo = Solved::new(quantisation);
+    fn new(py: Python<'_>, store: Option<PathBuf>, r0_step: Option<f64>) -> Result<Memo, Error> {
+        let solved = py.detach(|| -> Result<Solved, Error> {
+            let refused = |step| InputError::not_allowed("memo", "r0_step", step, "from 0 to 0.5");
+            let quantisation = r0_step.map_or(Ok(Quantisation::DEFAULT), Quantisation::with_relative_step);
+            let memo = Solved::new(quantisation.map_err(refused)?);
             Ok(match &store {
                 Some(folder) => memo.with_store(Store::open(folder)?),
                 None => memo,
             })
-        };
-        let solved = py.detach(opened).map_err(|error| raised(py, error, 0))?;
-        Ok(Memo { solved: Arc::new(solved), folder: store })
+        })?;
+        Ok(Memo { solved: Arc::new(solved), store })
     }
 
     /// Divisions known to this process.
@@ -53,12 +51,6 @@ impl Memo {
         true
     }
 
-    /// The folder of the store.
-    #[getter]
-    fn store(&self) -> Option<PathBuf> {
-        self.folder.clone()
-    }
-
     /// Relative step to which R0 is rounded; 0 if it is not.
     #[getter]
     fn r0_step(&self) -> f64 {
@@ -66,13 +58,13 @@ impl Memo {
     }
 
     /// An unpickled memo is empty, but has the same store.
-    fn __reduce__<'py>(slf: &Bound<'py, Memo>) -> PyResult<Reduced<'py>> {
+    fn __reduce__<'py>(slf: &Bound<'py, Memo>) -> Reduced<'py> {
         let memo = slf.get();
-        Ok((slf.get_type().into_any(), (memo.folder.clone(), memo.r0_step())))
+        (slf.get_type().into_any(), (memo.store.clone(), memo.r0_step()))
     }
 
     fn __repr__(&self) -> String {
-        let store = self.folder.as_ref().map_or(String::new(), |folder| format!(" on the store {folder:?}"));
+        let store = self.store.as_ref().map_or(String::new(), |folder| format!(" on the store {folder:?}"));
         format!("<furrow.Memo of {} divisions{store}>", self.solved.len())
     }
 }

@@ -1,159 +1,99 @@
 //! Constants from thresholds, ensembles of admissible constants, and lineages over them.
 
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use furrow_analysis::scenarios::Scenario;
-use furrow_analysis::{EnsembleError, Exclusion, check_constraints, ensemble as sampled, ranges as ranges_over};
-use furrow_analysis::{read_constants, write_constants};
+use furrow_analysis::{EnsembleError, check_constraints, read_constants, write_constants};
+use furrow_analysis::{ensemble as sampled, ranges as ranges_over};
 use furrow_cell::settings::Settings;
-use furrow_input::{InputError, parse_document, read_text};
-use furrow_mechanics::calibration::{CalibrateError, Calibration, Targets, calibrate as calibrated};
+use furrow_input::parse_document;
+use furrow_mechanics::calibration::{Targets, calibrate as calibrated};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
-use serde::Serialize;
-use serde_json::{Map, Value};
+use serde_json::{Map, json};
 
-use crate::errors::{Error, unwritable};
-use crate::inputs::{ARGUMENTS, Pairs, pairs, settings_of};
+use crate::errors::Error;
+use crate::inputs::{ARGUMENTS, Given, Source, text_of};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
-use crate::trees::Plan;
-
-/// Targets from a text, or from a file.
-fn targets_of(text: Option<&str>, file: Option<&Path>) -> Result<Targets, InputError> {
-    let (text, name) = match (text, file) {
-        (Some(text), _) => (text.to_owned(), ARGUMENTS.to_owned()),
-        (None, Some(file)) => (read_text(file)?, file.display().to_string()),
-        (None, None) => {
-            return Err(InputError::not_allowed(ARGUMENTS, "targets", "None", "a file of targets, or its text"));
-        }
-    };
-    let targets: Targets = parse_document(&text, &name, "a file of targets", "Targets")?;
-    targets.check(&name)?;
-    Ok(targets)
-}
+use crate::trees::{Labelled, scenarios};
 
 /// Targets, and the settings of everything that they do not name.
-fn read(
-    text: Option<&str>,
-    file: Option<&Path>,
-    preset: &str,
-    config: Option<&PathBuf>,
-    pairs: &Pairs,
-) -> Result<(Targets, Settings), Error> {
-    Ok((targets_of(text, file)?, settings_of(preset, config, pairs)?))
-}
-
-#[derive(Serialize)]
-struct Found {
-    parameters: Map<String, Value>,
-    residuals: Vec<furrow_mechanics::calibration::ThresholdResidual>,
-    rms: f64,
-    combinations: Vec<furrow_mechanics::calibration::Combination>,
-    iterations: usize,
-    excluded: Vec<Exclusion>,
+fn read(source: &Source, given: &Given) -> Result<(Targets, Settings), Error> {
+    let missing = || Error::not_allowed("targets", "None", "a file of targets, or its text");
+    let (text, name) = text_of(source, ARGUMENTS)?.ok_or_else(missing)?;
+    let targets: Targets = parse_document(&text, &name, "a file of targets", "Targets")?;
+    targets.check(&name)?;
+    Ok((targets, given.settings()?))
 }
 
 /// Constants from thresholds, as JSON.
 #[pyfunction]
-pub fn calibrate(
-    py: Python<'_>,
-    text: Option<String>,
-    file: Option<PathBuf>,
-    parameters: &Bound<'_, PyDict>,
-    preset: String,
-    config: Option<PathBuf>,
-) -> PyResult<String> {
-    let pairs = pairs(parameters)?;
-    let found = supervised(py, Interrupt::Abandons, None, move |_| {
-        let (targets, settings) = read(text.as_deref(), file.as_deref(), &preset, config.as_ref(), &pairs)?;
-        let failed = |error: CalibrateError| Error::no_outcome(error);
-        let found = calibrated(&targets, &settings.cell, &settings.numerics).map_err(failed)?;
-        let excluded = check_constraints(&targets, &found.cell, &settings.numerics, true).excluded;
-        let Calibration { parameters, residuals, rms, combinations, iterations, .. } = found;
-        let parameters = parameters.iter().map(|(parameter, value)| (parameter.to_string(), Value::from(*value)));
-        Ok(Found { parameters: parameters.collect(), residuals, rms, combinations, iterations, excluded })
-    })?;
-    serde_json::to_string(&found).map_err(unwritable)
+pub fn calibrate(py: Python<'_>, source: Source, given: Given) -> Result<String, Error> {
+    supervised(py, Interrupt::Abandons, None, move |_| {
+        let (targets, Settings { cell, numerics }) = read(&source, &given)?;
+        let found = calibrated(&targets, &cell, &numerics).map_err(Error::no_outcome)?;
+        let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), json!(value)));
+        let found = json!({
+            "parameters": parameters.collect::<Map<_, _>>(),
+            "residuals": found.residuals,
+            "rms": found.rms,
+            "combinations": found.combinations,
+            "iterations": found.iterations,
+            "excluded": check_constraints(&targets, &found.cell, &numerics, true).excluded,
+        });
+        Ok(found.to_string())
+    })
 }
 
-#[derive(Serialize)]
-struct Sample {
-    parameters: Vec<String>,
-    values: Vec<Vec<f64>>,
-    weights: Vec<f64>,
-    effective_sample_size: f64,
-    draws: usize,
-    excluded: std::collections::BTreeMap<String, usize>,
-    /// As the table that `furrow tree --constants` reads.
-    csv: String,
-}
-
-/// Sets of constants that agree with the targets, as JSON.
+/// Sets of constants that agree with the targets, as JSON; `csv` is the table that `furrow tree --constants` reads.
 #[pyfunction]
 pub fn ensemble(
     py: Python<'_>,
-    text: Option<String>,
-    file: Option<PathBuf>,
+    source: Source,
     count: usize,
     seed: u64,
-    parameters: &Bound<'_, PyDict>,
-    preset: String,
-    config: Option<PathBuf>,
+    given: Given,
     threads: usize,
-) -> PyResult<String> {
-    let pairs = pairs(parameters)?;
-    let found = supervised(py, Interrupt::Finishes, None, move |watch| {
-        let (targets, settings) = read(text.as_deref(), file.as_deref(), &preset, config.as_ref(), &pairs)?;
-        let Settings { cell, numerics } = &settings;
-        let failed = |error| match error {
-            EnsembleError::Interrupted => Error::Interrupted,
-            EnsembleError::Workers(_) => Error::System(error.to_string()),
+) -> Result<String, Error> {
+    supervised(py, Interrupt::Finishes, None, move |watch| {
+        let (targets, Settings { cell, numerics }) = read(&source, &given)?;
+        let found = sampled(&targets, &cell, &numerics, count, seed, threads, &watch.stop);
+        let found = found.map_err(|error| match error {
+            EnsembleError::Interrupted => Error::Interrupted(0),
+            EnsembleError::Workers(_) => Error::system(error),
             error => Error::no_outcome(error),
-        };
-        let found = sampled(&targets, cell, numerics, count, seed, threads, watch.stop()).map_err(failed)?;
-        Ok(Sample {
-            parameters: found.parameters.iter().map(ToString::to_string).collect(),
-            values: found.members.iter().map(|member| member.values.clone()).collect(),
-            weights: found.members.iter().map(|member| member.weight).collect(),
-            effective_sample_size: found.effective_sample_size,
-            draws: found.draws,
-            csv: write_constants(&found.constants()),
-            excluded: found.excluded,
-        })
-    })?;
-    serde_json::to_string(&found).map_err(unwritable)
+        })?;
+        let found = json!({
+            "parameters": found.parameters.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            "values": found.members.iter().map(|member| &member.values).collect::<Vec<_>>(),
+            "weights": found.members.iter().map(|member| member.weight).collect::<Vec<_>>(),
+            "effective_sample_size": found.effective_sample_size,
+            "draws": found.draws,
+            "csv": write_constants(&found.constants()),
+            "excluded": found.excluded,
+        });
+        Ok(found.to_string())
+    })
 }
 
 /// A lineage over sets of constants, which are a table as text or in a file, as JSON.
 #[pyfunction]
 pub fn ranges(
     py: Python<'_>,
-    lineage: (String, Option<String>),
+    lineage: Labelled,
     cues: Vec<String>,
-    text: Option<String>,
-    file: Option<PathBuf>,
-    parameters: &Bound<'_, PyDict>,
+    source: Source,
+    given: Given,
     memo: &Memo,
-    preset: String,
-    config: Option<PathBuf>,
     seed: u64,
     threads: usize,
-) -> PyResult<String> {
-    let plan = Plan { lineages: vec![lineage], cues, preset, config, pairs: pairs(parameters)?, seed };
+) -> Result<String, Error> {
     let memo = Arc::clone(&memo.solved);
-    let found = supervised(py, Interrupt::Finishes, None, move |watch| {
-        let sets = match (text, file) {
-            (Some(text), _) => read_constants(&text, "constants")?,
-            (None, Some(file)) => read_constants(&read_text(&file)?, &file.display().to_string())?,
-            (None, None) => return Err(InputError::not_allowed(ARGUMENTS, "constants", "None", "a table").into()),
-        };
-        let scenarios = plan.scenarios(memo.quantisation())?;
-        let Some(Scenario { lineage, settings, .. }) = scenarios.first() else {
-            return Err(InputError::not_allowed(ARGUMENTS, "lineage", "none", "one lineage").into());
-        };
-        Ok(ranges_over(lineage, settings, &sets, threads, watch.stop())?)
-    })?;
-    serde_json::to_string(&found).map_err(unwritable)
+    supervised(py, Interrupt::Finishes, None, move |watch| {
+        let (text, name) =
+            text_of(&source, "constants")?.ok_or_else(|| Error::not_allowed("constants", "None", "a table"))?;
+        let sets = read_constants(&text, &name)?;
+        let scenarios = scenarios(&[lineage], &cues, &given, seed, memo.quantisation())?;
+        let first = scenarios.first().ok_or_else(|| Error::not_allowed("lineage", "none", "one lineage"))?;
+        Ok(serde_json::to_string(&ranges_over(&first.lineage, &first.settings, &sets, threads, &watch.stop)?)?)
+    })
 }

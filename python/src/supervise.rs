@@ -6,52 +6,37 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use furrow_analysis::SweepProgress;
 use furrow_lineage::batch::Progress;
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
-use crate::errors::{Error, defect, interrupted, raised};
+use crate::errors::Error;
 
 /// Interval between polls for Ctrl-C and updates of progress.
 const TICK: Duration = Duration::from_millis(50);
 
 /// Progress and the stop flag, shared with the thread that waits.
-#[derive(Clone, Default)]
-pub struct Watch {
-    stop: Arc<AtomicBool>,
-    counts: Arc<Counts>,
-}
-
 #[derive(Default)]
-struct Counts {
-    solved: AtomicUsize,
-    done: AtomicUsize,
-    of: AtomicUsize,
+pub struct Watch {
+    /// Set when the work is to stop.
+    pub stop: AtomicBool,
+    /// Results that are kept, and finished and all divisions or points.
+    counts: [AtomicUsize; 3],
 }
 
 impl Watch {
-    /// Set when the work is to stop.
-    pub fn stop(&self) -> &AtomicBool {
-        &self.stop
-    }
-
     /// Records the progress of divisions.
-    pub fn divisions(&self, progress: Progress) {
-        let Progress { solved, running, queued, memo_hits } = progress;
-        self.counts.solved.store(solved, Ordering::Relaxed);
-        self.counts.done.store(solved + memo_hits, Ordering::Relaxed);
-        self.counts.of.store(solved + memo_hits + running + queued, Ordering::Relaxed);
+    pub fn divisions(&self, Progress { solved, running, queued, memo_hits }: Progress) {
+        self.set([solved, solved + memo_hits, solved + memo_hits + running + queued]);
     }
 
-    /// Records the progress of a sweep. `kept`: finished points are stored (divisions are, shapes are not).
-    pub fn points(&self, progress: SweepProgress, kept: bool) {
-        self.counts.solved.store(if kept { progress.done } else { 0 }, Ordering::Relaxed);
-        self.counts.done.store(progress.done, Ordering::Relaxed);
-        self.counts.of.store(progress.of, Ordering::Relaxed);
+    /// Records how many results are kept, and how many divisions or points are finished and how many there are.
+    pub fn set(&self, counts: [usize; 3]) {
+        self.counts.iter().zip(counts).for_each(|(counter, count)| counter.store(count, Ordering::Relaxed));
     }
 
-    fn solved(&self) -> usize {
-        self.counts.solved.load(Ordering::Relaxed)
+    fn count(&self, which: usize) -> usize {
+        self.counts[which].load(Ordering::Relaxed)
     }
 }
 
@@ -75,56 +60,49 @@ pub fn supervised<T: Send + 'static>(
     interrupt: Interrupt,
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Watch) -> Result<T, Error> + Send + 'static,
-) -> PyResult<T> {
-    let watch = Watch::default();
+) -> Result<T, Error> {
+    let watch = Arc::new(Watch::default());
     let (sender, receiver) = channel();
     // The closure that waits without the lock must be Send, which a receiver alone is not.
     let receiver = Mutex::new(receiver);
-    let own = watch.clone();
+    let own = Arc::clone(&watch);
     let begun = std::thread::Builder::new().name("furrow".to_owned()).spawn(move || {
         let done = catch_unwind(AssertUnwindSafe(|| work(&own)));
         // The caller may have returned.
         let _ = sender.send(done);
     });
-    if let Err(error) = begun {
-        return Err(raised(py, Error::System(format!("cannot start a thread: {error}")), 0));
-    }
+    begun.map_err(|error| Error::System(format!("cannot start a thread: {error}")))?;
+    // A KeyboardInterrupt says what was kept; any other exception is as it is.
+    let explained = |error: PyErr| match error.is_instance_of::<PyKeyboardInterrupt>(py) {
+        true => Error::Interrupted(watch.count(0)),
+        false => error.into(),
+    };
     let mut stopped: Option<PyErr> = None;
     loop {
-        let news = py.detach(|| receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(TICK));
-        match news {
+        match py.detach(|| receiver.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(TICK)) {
+            // A late signal still raises; solved divisions are in the memo.
             Ok(Ok(done)) => {
-                // A late signal still raises; solved divisions are in the memo.
-                return match stopped {
-                    Some(error) => Err(explained(py, error, watch.solved())),
-                    None => done.map_err(|error| raised(py, error, watch.solved())),
+                return match (stopped, done) {
+                    (Some(error), _) => Err(explained(error)),
+                    (None, Err(Error::Interrupted(_))) => Err(Error::Interrupted(watch.count(0))),
+                    (None, done) => done,
                 };
             }
-            Ok(Err(panic)) => return Err(defect(py, &*panic)),
-            Err(RecvTimeoutError::Disconnected) => return Err(defect(py, &"its thread has ended")),
+            Ok(Err(panic)) => return Err(Error::defect(&*panic)),
+            Err(RecvTimeoutError::Disconnected) => return Err(Error::defect(&"its thread has ended")),
             Err(RecvTimeoutError::Timeout) => {}
         }
         let heard = py.check_signals().and_then(|()| match progress {
-            Some(show) if stopped.is_none() => show_progress(show, &watch),
+            Some(show) if stopped.is_none() => show.call1((watch.count(1), watch.count(2))).map(drop),
             _ => Ok(()),
         });
         if let Err(error) = heard {
             watch.stop.store(true, Ordering::SeqCst);
             // The second Ctrl-C does not wait.
             if interrupt == Interrupt::Abandons || stopped.is_some() {
-                return Err(explained(py, error, watch.solved()));
+                return Err(explained(error));
             }
             stopped = Some(error);
         }
     }
-}
-
-/// A KeyboardInterrupt that says what was kept; any other exception as it is.
-fn explained(py: Python<'_>, error: PyErr, solved: usize) -> PyErr {
-    if error.is_instance_of::<pyo3::exceptions::PyKeyboardInterrupt>(py) { interrupted(py, solved) } else { error }
-}
-
-fn show_progress(show: &Bound<'_, PyAny>, watch: &Watch) -> PyResult<()> {
-    let counts = &watch.counts;
-    show.call1((counts.done.load(Ordering::Relaxed), counts.of.load(Ordering::Relaxed))).map(drop)
 }

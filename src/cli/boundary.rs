@@ -1,15 +1,22 @@
 //! `furrow boundary`: curves of pitchforks and folds, and the critical radius.
 
+use super::cell::set;
+use super::context::Context;
+use super::error::CliError;
 use super::interrupt::write_deferred;
-use super::output::{csv_of, to_json, writable_file};
-use super::prelude::*;
+use super::output::{csv_of, filled, number, print_as, to_json, writable_file};
+use super::picture::PlotArgs;
 use super::vary::{Varied, VaryArgs};
+use clap::Args;
 use furrow_cell::{Cue, Parameter};
-use furrow_figures::plot::{self, boundary::Boundary};
+use furrow_figures::plot::boundary::{self, Boundary};
 use furrow_formats::write_atomically;
+use furrow_input::InputError;
 use furrow_mechanics::equilibria::critical::{self, Stored};
 use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
-use furrow_mechanics::equilibria::{Criticality, PointKind, StepBudget};
+use furrow_mechanics::equilibria::{PointKind, StepBudget};
+use serde_json::{Value, json};
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -46,86 +53,16 @@ pub struct BoundaryArgs {
 /// The columns of `--csv`.
 const HEADER: &str = "curve,r0,epsilon,value,xi_s,H,criticality,coefficient";
 
-/// A row of `--csv`: a point and its curve.
-#[derive(Serialize)]
-struct CsvRow<'a> {
-    curve: &'a str,
-    #[serde(flatten)]
-    point: &'a PointAnswer,
-}
-
-/// A point of a curve.
-#[derive(Serialize)]
-#[allow(non_snake_case)]
-struct PointAnswer {
-    r0: f64,
-    epsilon: f64,
-    /// Value of the parameter that varies.
-    value: f64,
-    xi_s: f64,
-    H: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    criticality: Option<Criticality>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    coefficient: Option<f64>,
-}
-
-impl PointAnswer {
-    fn new(point: &CurvePoint) -> PointAnswer {
-        PointAnswer {
-            r0: point.r0,
-            epsilon: point.epsilon,
-            value: point.value,
-            xi_s: point.xi_s,
-            H: point.elongation,
-            criticality: point.criticality(),
-            coefficient: point.coefficient,
-        }
-    }
-}
-
-/// A point of one of the fold curves.
-#[derive(Serialize)]
-struct FoldAnswer {
-    /// Which curve, from 0.
-    curve: usize,
-    #[serde(flatten)]
-    point: PointAnswer,
-}
-
-/// How a curve of folds ended.
-#[derive(Serialize)]
-struct EndAnswer {
-    curve: usize,
-    /// Value of the parameter where it did.
-    value: f64,
-    reason: &'static str,
-}
-
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Answer {
-    /// The parameter that varies; `value` of every point is its value.
-    vary: String,
-    cue: Cue,
-    pitchfork: Vec<PointAnswer>,
-    /// Where criticality changes.
-    degenerate: Vec<PointAnswer>,
-    folds: Vec<FoldAnswer>,
-    /// How the curves of folds ended.
-    ends: Vec<EndAnswer>,
-    /// Where two folds are born.
-    cusps: Vec<PointAnswer>,
-    /// Value of the parameter varied at which the boundary lies at ξ_s.
-    critical: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    critical_point: Option<PointAnswer>,
+/// A point of a curve, which is named if there are several; `value` is that of the parameter that varies.
+fn described(curve: impl Into<Value>, p: &CurvePoint) -> Value {
+    filled(json!({
+        "curve": curve.into(), "r0": p.r0, "epsilon": p.epsilon, "value": p.value, "xi_s": p.xi_s, "H": p.elongation,
+        "criticality": p.criticality(), "coefficient": p.coefficient,
+    }))
 }
 
 pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
-    if let Some(xi) = args.xi {
-        context.settings.set_number("--xi", "xi_s", xi)?;
-    }
+    set(&mut context.settings, [("--xi", "xi_s", args.xi)])?;
     let varied = args.vary.read(&mut context)?;
     args.check(&varied)?;
     let picture = args.plot.file()?;
@@ -142,31 +79,30 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
         PointKind::Pitchfork => (found.remove(0), curves::fold_curves(cell, numerics, *parameter, *range)?),
         _ => (Curve::default(), found),
     };
-    let unlimited = StepBudget::unlimited();
-    let critical = match args.critical {
-        true => Some(critical::critical_value(cell, numerics, *parameter, &starts(*parameter, *range), &unlimited)?.1),
-        false => None,
-    };
+    // Where a critical value is looked for first.
+    let ([from, to], more) = (*range, if *parameter == Parameter::R0 { &critical::STARTS[..] } else { &[] });
+    let starts = [&[0.5 * (from + to), from, to], more].concat();
+    let critical =
+        args.critical.then(|| critical::critical_value(cell, numerics, *parameter, &starts, &StepBudget::unlimited()));
+    let critical = critical.transpose()?.map(|(_, point)| point);
     for (k, fold) in folds.iter().enumerate() {
-        match (&fold.ended, fold.error()) {
-            (_, Some(error)) => tracing::warn!("fold {k} is followed no further: {error}"),
-            (CurveEnd::Cusp(cusp), _) if kind != PointKind::Pitchfork => {
+        match &fold.ended {
+            CurveEnd::Stopped(error) => tracing::warn!("fold {k} is followed no further: {error}"),
+            CurveEnd::Cusp(cusp) if kind != PointKind::Pitchfork => {
                 tracing::warn!("fold {k} ends within the range, in a cusp at {parameter} = {:.6}", cusp.value);
             }
             _ => {}
         }
     }
-    let document = Answer::new(&varied, &pitchfork, &folds, critical);
+    let cusps = &cusps(&folds)[..];
+    let (parameter, range, pitchfork, folds) = (*parameter, *range, &pitchfork, &folds[..]);
+    let found = Boundary { cell, parameter, range, pitchfork, folds, cusps, critical };
+    let named = named(&found);
     if let Some(file) = &args.csv {
-        let named = document.named();
-        write_atomically(file, &csv_of(HEADER, named.iter().map(|(curve, point)| CsvRow { curve, point }))?)?;
+        write_atomically(file, &csv_of(HEADER, named.iter().map(|(name, p)| described(name.as_str(), p)))?)?;
     }
-    let (parameter, range, cusps) = (*parameter, *range, cusps(&folds));
-    picture.write(|| {
-        let (pitchfork, folds, cusps) = (&pitchfork, &folds[..], &cusps[..]);
-        plot::boundary::draw(&Boundary { cell, parameter, range, pitchfork, folds, cusps, critical })
-    })?;
-    print_as(context.json, &document, || if args.points { document.list() } else { document.text() })
+    picture.write(|| boundary::draw(&found))?;
+    print_as(context.json, &document(&found), || if args.points { list(&named) } else { text(&found) })
 }
 
 /// The cusps of fold curves, each of which two curves lead to.
@@ -182,108 +118,83 @@ fn cusps(folds: &[Curve]) -> Vec<CurvePoint> {
     cusps
 }
 
-/// Where a critical value is looked for first.
-fn starts(parameter: Parameter, [from, to]: [f64; 2]) -> Vec<f64> {
-    let mut starts = vec![0.5 * (from + to), from, to];
-    if parameter == Parameter::R0 {
-        starts.extend(critical::STARTS);
-    }
-    starts
-}
-
 impl BoundaryArgs {
     fn check(&self, varied: &Varied) -> Result<(), InputError> {
         let [from, to] = varied.range;
-        if from == to {
-            return Err(InputError::not_allowed("--to", "to", to, "different from --from"));
-        }
-        if self.write.is_some() && varied.parameter != Parameter::R0 {
-            let allowed = "r0: what is stored is a boundary over R0";
-            return Err(InputError::not_allowed("--write", "vary", varied.parameter, allowed));
-        }
+        InputError::require(from != to, "--to", "to", to, "different from --from")?;
+        let fine = self.write.is_none() || varied.parameter == Parameter::R0;
+        InputError::require(fine, "--write", "vary", varied.parameter, "r0: what is stored is a boundary over R0")?;
         writable_file("--csv", self.csv.as_deref())?;
         writable_file("--write", self.write.as_deref())
     }
 }
 
-impl Answer {
-    fn new(varied: &Varied, pitchfork: &Curve, folds: &[Curve], critical: Option<CurvePoint>) -> Answer {
-        let ends = folds.iter().enumerate().map(|(curve, fold)| EndAnswer {
-            curve,
-            value: fold.cusp().or(fold.points.last().copied()).map_or(f64::NAN, |point| point.value),
-            reason: fold.ended.name(),
-        });
-        let fold_point = |curve: usize, point: &CurvePoint| FoldAnswer { curve, point: PointAnswer::new(point) };
-        Answer {
-            vary: varied.parameter.to_string(),
-            cue: varied.cell.cue.clone(),
-            ends: ends.collect(),
-            pitchfork: pitchfork.points.iter().map(PointAnswer::new).collect(),
-            // Neither sub- nor supercritical.
-            degenerate: pitchfork
-                .degenerate
-                .iter()
-                .map(|p| PointAnswer::new(&CurvePoint { coefficient: None, ..*p }))
-                .collect(),
-            cusps: cusps(folds).iter().map(PointAnswer::new).collect(),
-            folds: folds
-                .iter()
-                .enumerate()
-                .flat_map(|(curve, fold)| fold.points.iter().map(move |point| fold_point(curve, point)))
-                .collect(),
-            critical: critical.map(|point| point.value),
-            critical_point: critical.as_ref().map(PointAnswer::new),
-        }
+/// What `--json` prints.
+fn document(found: &Boundary<'_>) -> Value {
+    let points = |points: &[CurvePoint]| points.iter().map(|p| described(Value::Null, p)).collect::<Vec<_>>();
+    let folds = || found.folds.iter().enumerate();
+    let end = |(curve, fold): (usize, &Curve)| {
+        let value = fold.cusp().or(fold.points.last().copied()).map_or(f64::NAN, |point| point.value);
+        json!({ "curve": curve, "value": value, "reason": fold.ended.name() })
+    };
+    let mut document = json!({
+        "vary": found.parameter.to_string(),
+        "cue": found.cell.cue,
+        "pitchfork": points(&found.pitchfork.points),
+        "degenerate": points(&degenerate(found)),
+        "folds": folds().flat_map(|(k, fold)| fold.points.iter().map(move |p| described(k, p))).collect::<Vec<_>>(),
+        "ends": folds().map(end).collect::<Vec<_>>(),
+        "cusps": points(found.cusps),
+        "critical": found.critical.map(|point| point.value),
+    });
+    if let Some(point) = &found.critical {
+        document["critical_point"] = described(Value::Null, point);
     }
-
-    /// All points, each with what it is of.
-    fn named<'a>(&'a self) -> Vec<(String, &'a PointAnswer)> {
-        let of = |name: &str, points: &'a [PointAnswer]| {
-            let name = name.to_owned();
-            points.iter().map(move |point| (name.clone(), point))
-        };
-        let mut all: Vec<(String, &PointAnswer)> = of("pitchfork", &self.pitchfork).collect();
-        all.extend(of("degenerate", &self.degenerate));
-        all.extend(self.folds.iter().map(|fold| (format!("fold {}", fold.curve), &fold.point)));
-        all.extend(of("cusp", &self.cusps));
-        all.extend(self.critical_point.iter().map(|point| ("critical".to_owned(), point)));
-        all
-    }
-
-    /// Every point.
-    fn list(&self) -> String {
-        let mut out = String::from("curve              R0         ε      value         ξ_s         H\n");
-        for (name, point) in self.named() {
-            line(&mut out, &name, point);
-        }
-        out
-    }
-
-    /// Every curve by its two ends, and the points at which something happens.
-    fn text(&self) -> String {
-        let mut out = String::from("curve              R0         ε      value         ξ_s         H\n");
-        let mut ends = |name: &str, points: &[&PointAnswer], how: &str| {
-            let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
-            line(&mut out, name, first);
-            line(&mut out, "  to", last);
-            let _ = writeln!(out, "  in {} points{how}", points.len());
-        };
-        ends("pitchfork", &self.pitchfork.iter().collect::<Vec<_>>(), "");
-        for end in &self.ends {
-            let of = self.folds.iter().filter(|fold| fold.curve == end.curve).map(|fold| &fold.point);
-            let how =
-                if end.reason == "reached" { String::new() } else { format!("; {} at {:.6}", end.reason, end.value) };
-            ends(&format!("fold {}", end.curve), &of.collect::<Vec<_>>(), &how);
-        }
-        self.degenerate.iter().for_each(|p| line(&mut out, "degenerate", p));
-        self.cusps.iter().for_each(|p| line(&mut out, "cusp", p));
-        self.critical_point.iter().for_each(|p| line(&mut out, "critical", p));
-        out
-    }
+    document
 }
 
-fn line(out: &mut String, name: &str, p: &PointAnswer) {
-    let of = p.criticality.map_or(String::new(), |criticality| format!("  {criticality}"));
-    let PointAnswer { r0, epsilon, value, xi_s, H: h, .. } = p;
-    let _ = writeln!(out, "{name:<12} {r0:>8.5} {epsilon:>9.6} {value:>10.6} {xi_s:>11.6} {h:>9.6}{of}");
+/// Where criticality changes; such points are neither sub- nor supercritical.
+fn degenerate(found: &Boundary<'_>) -> Vec<CurvePoint> {
+    found.pitchfork.degenerate.iter().map(|p| CurvePoint { coefficient: None, ..*p }).collect()
+}
+
+/// All points, each with the name of its curve.
+fn named(found: &Boundary<'_>) -> Vec<(String, CurvePoint)> {
+    let folds = found.folds.iter().enumerate().map(|(k, fold)| (format!("fold {k}"), fold.points.clone()));
+    let before =
+        [("pitchfork".to_owned(), found.pitchfork.points.clone()), ("degenerate".to_owned(), degenerate(found))];
+    let after = [("cusp".to_owned(), found.cusps.to_vec()), ("critical".to_owned(), Vec::from_iter(found.critical))];
+    let curves = before.into_iter().chain(folds).chain(after);
+    curves.flat_map(|(name, points)| points.into_iter().map(move |point| (name.clone(), point))).collect()
+}
+
+const HEADING: &str = "curve              R0         ε      value         ξ_s         H\n";
+
+/// Every point.
+fn list(named: &[(String, CurvePoint)]) -> String {
+    named.iter().fold(HEADING.to_owned(), |out, (name, point)| out + &line(name, point))
+}
+
+/// Every curve by its two ends, and the points at which something happens.
+fn text(found: &Boundary<'_>) -> String {
+    let ends = |name: &str, curve: &Curve| {
+        let (Some(first), Some(last)) = (curve.points.first(), curve.points.last()) else { return String::new() };
+        let how = match &curve.ended {
+            CurveEnd::Reached => String::new(),
+            ended => format!("; {} at {:.6}", ended.name(), curve.cusp().unwrap_or(*last).value),
+        };
+        format!("{}{}  in {} points{how}\n", line(name, first), line("  to", last), curve.points.len())
+    };
+    let pitchfork = Curve { ended: CurveEnd::Reached, ..found.pitchfork.clone() };
+    let folds = found.folds.iter().enumerate().map(|(k, fold)| ends(&format!("fold {k}"), fold));
+    let events =
+        named(found).into_iter().filter(|(name, _)| ["degenerate", "cusp", "critical"].contains(&name.as_str()));
+    let events = events.map(|(name, point)| line(&name, &point));
+    [HEADING.to_owned(), ends("pitchfork", &pitchfork)].into_iter().chain(folds).chain(events).collect()
+}
+
+fn line(name: &str, p: &CurvePoint) -> String {
+    let CurvePoint { r0, epsilon, value, xi_s, elongation: h, .. } = p;
+    let of = p.criticality().map_or(String::new(), |criticality| format!("  {criticality}"));
+    format!("{name:<12} {r0:>8.5} {epsilon:>9.6} {value:>10.6} {xi_s:>11.6} {h:>9.6}{of}\n")
 }

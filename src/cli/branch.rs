@@ -1,15 +1,21 @@
 //! `furrow branch`: stationary shapes of one cell over activity.
 
 use super::cell::CellArgs;
-use super::output::{csv_of, writable_file};
-use super::prelude::*;
+use super::cell::positive;
+use super::context::Context;
+use super::error::CliError;
+use super::output::{csv_of, filled, number, print_as, writable_file};
+use super::picture::PlotArgs;
+use clap::Args;
 use furrow_analysis::{Diagram, diagram};
-use furrow_cell::{Cell, Cue};
+use furrow_cell::Cell;
 use furrow_figures::plot;
 use furrow_formats::write_atomically;
-use furrow_mechanics::equilibria::asymmetric::Scaling;
 use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, ShapePoint};
-use furrow_report::EventReport;
+use furrow_report::event_report;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -39,79 +45,26 @@ pub struct BranchArgs {
 /// The columns of `--csv`.
 const HEADER: &str = "branch,xi_s,H,L,p,r_eq,stable,growth_rate,delta_u";
 
-#[derive(Serialize)]
-#[allow(non_snake_case)]
-struct PointAnswer {
-    branch: &'static str,
-    xi_s: f64,
-    H: f64,
-    L: f64,
-    p: f64,
-    r_eq: f64,
-    /// Absent if the growth rate could not be computed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    stable: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    growth_rate: Option<f64>,
-    delta_u: f64,
+fn point(branch: &str, p: &ShapePoint) -> Value {
+    let stable = p.growth_rate.map(|rate| rate < 0.0);
+    // Without the last two where the growth rate could not be computed.
+    filled(json!({
+        "branch": branch, "xi_s": p.xi_s, "H": p.elongation, "L": p.length, "p": p.pressure, "r_eq": p.equator_radius,
+        "stable": stable, "growth_rate": p.growth_rate, "delta_u": p.delta_u,
+    }))
 }
 
-impl PointAnswer {
-    fn new(branch: &'static str, p: &ShapePoint) -> PointAnswer {
-        PointAnswer {
-            branch,
-            xi_s: p.xi_s,
-            H: p.elongation,
-            L: p.length,
-            p: p.pressure,
-            r_eq: p.equator_radius,
-            stable: p.growth_rate.map(|rate| rate < 0.0),
-            growth_rate: p.growth_rate,
-            delta_u: p.delta_u,
-        }
-    }
+/// Why a branch ends; where it pinches off, with the neck at which shapes count as pinched off, in R0.
+fn end(name: &str, branch: &Branch) -> Value {
+    let neck = match branch.ended {
+        BranchEnd::Pinched(neck) => Some(neck),
+        _ => None,
+    };
+    filled(json!({ "branch": name, "xi_s": last(branch), "reason": branch.ended.name(), "neck": neck }))
 }
 
-/// Why a branch ends.
-#[derive(Serialize)]
-struct EndAnswer {
-    branch: &'static str,
-    xi_s: f64,
-    reason: &'static str,
-    /// Of `pinched`: the neck at which shapes count as pinched off, in R0.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    neck: Option<f64>,
-    #[serde(skip)]
-    why: String,
-}
-
-impl EndAnswer {
-    fn new(name: &'static str, branch: &Branch) -> EndAnswer {
-        let neck = match branch.ended {
-            BranchEnd::Pinched(neck) => Some(neck),
-            _ => None,
-        };
-        let xi_s = branch.points.last().map_or(f64::NAN, |point| point.xi_s);
-        EndAnswer { branch: name, xi_s, reason: branch.ended.name(), neck, why: branch.ended.to_string() }
-    }
-}
-
-#[derive(Serialize)]
-struct Answer {
-    r0: f64,
-    epsilon: f64,
-    cue: Cue,
-    points: Vec<PointAnswer>,
-    events: Vec<EventReport>,
-    /// Of the asymmetric branch of the first pitchfork.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    scaling: Option<Scaling>,
-    steps: usize,
-    newton_iterations: usize,
-    ends: Vec<EndAnswer>,
-    /// What went wrong where a branch ended.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    stopped_by: Vec<String>,
+fn last(branch: &Branch) -> f64 {
+    branch.points.last().map_or(f64::NAN, |point| point.xi_s)
 }
 
 pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
@@ -126,75 +79,67 @@ pub fn run(args: &BranchArgs, mut context: Context) -> Result<(), CliError> {
     };
     let options = options.with_max_step(positive("--max-step", args.max_step)?);
     let found = diagram(&cell, &context.settings.numerics, &options)?;
-    let document = Answer::new(&cell, &found);
-    if let Some(file) = &args.csv {
-        write_atomically(file, &csv_of(HEADER, &document.points)?)?;
+    let document = document(&cell, &found);
+    if let (Some(file), Some(points)) = (&args.csv, document["points"].as_array()) {
+        write_atomically(file, &csv_of(HEADER, points)?)?;
     }
     picture.write(|| plot::branch::draw(&cell, &found.branches))?;
-    print_as(context.json, &document, || document.text(args.points))
+    print_as(context.json, &document, || text(&cell, &found, args.points))
 }
 
-impl Answer {
-    fn new(cell: &Cell, found: &Diagram) -> Answer {
-        let branches = || found.branches.iter().map(|(name, branch)| (*name, branch));
-        let stopped = |(name, branch): (&str, &Branch)| {
-            let reason = branch.ended.error()?;
-            tracing::warn!("the {name} branch is followed no further: {reason}");
-            Some(reason.to_string())
-        };
-        let points = |(name, branch): (&'static str, &Branch)| -> Vec<PointAnswer> {
-            branch.points.iter().map(|p| PointAnswer::new(name, p)).collect()
-        };
-        let events = |(name, branch): (&'static str, &Branch)| -> Vec<EventReport> {
-            branch.events.iter().map(|event| EventReport::new(name, event)).collect()
-        };
-        Answer {
-            r0: cell.r0,
-            epsilon: cell.epsilon,
-            cue: cell.cue.clone(),
-            points: branches().flat_map(points).collect(),
-            events: branches().flat_map(events).collect(),
-            scaling: found.scaling,
-            steps: branches().map(|(_, branch)| branch.work.steps).sum(),
-            newton_iterations: branches().map(|(_, branch)| branch.work.iterations).sum(),
-            ends: branches().map(|(name, branch)| EndAnswer::new(name, branch)).collect(),
-            stopped_by: branches().filter_map(stopped).collect(),
-        }
+/// What `--json` prints.
+fn document(cell: &Cell, found: &Diagram) -> Value {
+    fn of(found: &Diagram, all: impl Fn(&'static str, &Branch) -> Vec<Value>) -> Vec<Value> {
+        found.branches.iter().flat_map(|(name, branch)| all(name, branch)).collect()
     }
-
-    fn text(&self, points: bool) -> String {
-        let mut out = format!("R0 = {}, ε = {}, cue {}\n", self.r0, self.epsilon, self.cue);
-        if points {
-            self.list_points(&mut out);
-        }
-        for e in &self.events {
-            let of = match (e.criticality, e.maximum) {
-                (Some(criticality), _) => criticality.to_string(),
-                (_, Some(true)) => "largest ξ_s".to_owned(),
-                _ => "smallest ξ_s".to_owned(),
-            };
-            let _ = writeln!(out, "{} of the {} branch at ξ_s = {:.6}, H = {:.6}: {of}", e.kind, e.branch, e.xi_s, e.H);
-        }
-        for end in &self.ends {
-            let EndAnswer { branch, xi_s, why, .. } = end;
-            let count = self.points.iter().filter(|point| point.branch == *branch).count();
-            let _ = writeln!(out, "the {branch} branch is followed to ξ_s = {xi_s:.6}, in {count} points: {why}");
-        }
-        if let Some(s) = &self.scaling {
-            let _ = writeln!(out, "|Δu| = {:.4} |ξ_s − ξ_s*|^{:.4} from {} points", s.prefactor, s.exponent, s.points);
-        }
-        out
+    let stopped = |name: &'static str, branch: &Branch| {
+        let reason = branch.ended.error();
+        reason.iter().for_each(|reason| tracing::warn!("the {name} branch is followed no further: {reason}"));
+        Vec::from_iter(reason.map(|reason| reason.to_string().into()))
+    };
+    let mut document = json!({
+        "r0": cell.r0,
+        "epsilon": cell.epsilon,
+        "cue": cell.cue,
+        "points": of(found, |name, branch| branch.points.iter().map(|p| point(name, p)).collect()),
+        "events": of(found, |name, branch| branch.events.iter().map(|event| event_report(name, event)).collect()),
+        "scaling": found.scaling,
+        "steps": found.branches.iter().map(|(_, branch)| branch.work.steps).sum::<usize>(),
+        "newton_iterations": found.branches.iter().map(|(_, branch)| branch.work.iterations).sum::<usize>(),
+        "ends": of(found, |name, branch| vec![end(name, branch)]),
+    });
+    let stopped = of(found, stopped);
+    if !stopped.is_empty() {
+        document["stopped_by"] = stopped.into();
     }
+    filled(document)
+}
 
-    fn list_points(&self, out: &mut String) {
+fn text(cell: &Cell, found: &Diagram, points: bool) -> String {
+    let mut out = format!("R0 = {}, ε = {}, cue {}\n", cell.r0, cell.epsilon, cell.cue);
+    if points {
         out.push_str("branch          ξ_s         H         L   growth rate        Δu\n");
-        for p in &self.points {
+        for (name, p) in found.branches.iter().flat_map(|(name, branch)| branch.points.iter().map(move |p| (name, p))) {
+            let ShapePoint { xi_s, elongation: h, length: l, delta_u, .. } = p;
             let rate = p.growth_rate.map_or("-".to_owned(), |rate| format!("{rate:.4}"));
-            let _ = writeln!(
-                out,
-                "{:<10} {:>9.5} {:>9.6} {:>9.5} {rate:>13} {:>9.5}",
-                p.branch, p.xi_s, p.H, p.L, p.delta_u
-            );
+            let _ = writeln!(out, "{name:<10} {xi_s:>9.5} {h:>9.6} {l:>9.5} {rate:>13} {delta_u:>9.5}");
         }
     }
+    for (name, event) in found.branches.iter().flat_map(|(name, branch)| branch.events.iter().map(move |e| (name, e))) {
+        let of = match (event.pitchfork(), event.fold()) {
+            (Some(pitchfork), _) => pitchfork.criticality().to_string(),
+            (_, Some(fold)) if fold.maximum => "largest ξ_s".to_owned(),
+            _ => "smallest ξ_s".to_owned(),
+        };
+        let (kind, ShapePoint { xi_s, elongation: h, .. }) = (event.kind(), event.point());
+        let _ = writeln!(out, "{kind} of the {name} branch at ξ_s = {xi_s:.6}, H = {h:.6}: {of}");
+    }
+    for (name, branch) in &found.branches {
+        let (xi_s, count, why) = (last(branch), branch.points.len(), &branch.ended);
+        let _ = writeln!(out, "the {name} branch is followed to ξ_s = {xi_s:.6}, in {count} points: {why}");
+    }
+    if let Some(s) = &found.scaling {
+        let _ = writeln!(out, "|Δu| = {:.4} |ξ_s − ξ_s*|^{:.4} from {} points", s.prefactor, s.exponent, s.points);
+    }
+    out
 }

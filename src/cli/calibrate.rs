@@ -1,11 +1,18 @@
 //! `furrow calibrate`: constants from thresholds.
 
+use super::context::Context;
 use super::ensemble::sample;
-use super::prelude::*;
+use super::error::CliError;
+use super::output::print_as;
+use super::picture::PlotArgs;
+use clap::Args;
 use furrow_analysis::{Exclusion, check_constraints};
+use furrow_figures::plot;
 use furrow_input::{parse_document, read_text};
-use furrow_mechanics::calibration::{Calibration, Combination, Targets, ThresholdResidual, calibrate};
-use serde_json::{Map, Value};
+use furrow_mechanics::calibration::{Calibration, Targets, calibrate};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -29,19 +36,6 @@ pub struct CalibrateArgs {
     plot: PlotArgs,
 }
 
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Answer<'a> {
-    parameters: Map<String, Value>,
-    residuals: &'a [ThresholdResidual],
-    rms: f64,
-    /// In the order of `parameters`.
-    combinations: &'a [Combination],
-    iterations: usize,
-    /// Statements of the targets that these constants contradict.
-    excluded: &'a [Exclusion],
-}
-
 pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
     let file = args.targets.display().to_string();
     let targets: Targets = parse_document(&read_text(&args.targets)?, &file, "a file of targets", "Targets")?;
@@ -52,16 +46,17 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
     }
     let found = calibrate(&targets, &context.settings.cell, &context.settings.numerics)?;
     let excluded = check_constraints(&targets, &found.cell, &context.settings.numerics, true).excluded;
-    picture.write(|| furrow_figures::plot::calibration::draw(&targets, &found, &excluded))?;
+    picture.write(|| plot::calibration::draw(&targets, &found, &excluded))?;
     let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), Value::from(*value)));
-    let document = Answer {
-        parameters: parameters.collect(),
-        residuals: &found.residuals,
-        rms: found.rms,
-        combinations: &found.combinations,
-        iterations: found.iterations,
-        excluded: &excluded,
-    };
+    // `combinations` are in the order of the parameters, `excluded` are statements of the targets that these contradict.
+    let document = json!({
+        "parameters": parameters.collect::<serde_json::Map<_, _>>(),
+        "residuals": found.residuals,
+        "rms": found.rms,
+        "combinations": found.combinations,
+        "iterations": found.iterations,
+        "excluded": excluded,
+    });
     print_as(context.json, &document, || text(&found, &excluded))
 }
 

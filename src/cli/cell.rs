@@ -6,7 +6,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::context::Context;
-use super::number::number;
+use super::output::number;
 use furrow_cell::Cell;
 use furrow_cell::settings::Settings;
 use furrow_input::InputError;
@@ -61,10 +61,8 @@ impl CellArgs {
     pub fn read(&self, context: &mut Context) -> Result<Cell, InputError> {
         let lineage = self.cue.lineage()?;
         context.units = lineage.units();
-        context.settings.set_number("--r0", "r0", natural("--r0", self.r0, &context.units)?)?;
-        if let Some(epsilon) = self.epsilon {
-            context.settings.set_number("--epsilon", "epsilon", epsilon)?;
-        }
+        let r0 = natural("--r0", self.r0, &context.units)?;
+        set(&mut context.settings, [("--r0", "r0", Some(r0)), ("--epsilon", "epsilon", self.epsilon)])?;
         Ok(context.settings.cell.clone().with_cue(parse_cue(&self.cue.cue, &lineage)?))
     }
 }
@@ -86,9 +84,7 @@ impl ActiveCellArgs {
     /// # Errors
     /// Names the option, its value and what is allowed.
     pub fn read(&self, context: &mut Context) -> Result<Cell, InputError> {
-        if let Some(xi) = self.xi {
-            context.settings.set_number("--xi", "xi_s", xi)?;
-        }
+        set(&mut context.settings, [("--xi", "xi_s", self.xi)])?;
         let cell = self.cell.read(context)?;
         context.settings.check_activity(self.xi.map_or("settings", |_| "--xi"))?;
         Ok(cell)
@@ -119,16 +115,20 @@ impl FirstCellArgs {
     pub fn settings(&self, settings: &Settings, units: &Units) -> Result<Settings, InputError> {
         let mut settings = settings.clone();
         let r0 = self.r0.map(|r0| natural("--r0", r0, units)).transpose()?;
-        for (option, name, given) in
-            [("--r0", "r0", r0), ("--epsilon", "epsilon", self.epsilon), ("--xi", "xi_s", self.xi)]
-        {
-            if let Some(value) = given {
-                settings.set_number(option, name, value)?;
-            }
-        }
+        let given = [("--r0", "r0", r0), ("--epsilon", "epsilon", self.epsilon), ("--xi", "xi_s", self.xi)];
+        set(&mut settings, given)?;
         settings.check_activity(self.xi.map_or("settings", |_| "--xi"))?;
         Ok(settings)
     }
+}
+
+/// Sets parameters, each by its option, to what is given.
+///
+/// # Errors
+/// Names the option, its value and what is allowed.
+pub fn set<const N: usize>(settings: &mut Settings, of: [(&str, &str, Option<f64>); N]) -> Result<(), InputError> {
+    let mut given = of.into_iter().filter_map(|(option, name, value)| Some((option, name, value?)));
+    given.try_for_each(|(option, name, value)| settings.set_number(option, name, value))
 }
 
 /// Reads the length of an option.

@@ -1,7 +1,8 @@
 //! `furrow completions`.
 
+use super::error::CliError;
 use super::output::print;
-use super::prelude::*;
+use clap::Args;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -2,8 +2,7 @@
 
 use super::error::CliError;
 use super::interrupt;
-use super::number::number;
-use super::output::Stderr;
+use super::output::{Stderr, number};
 use clap::Args;
 use furrow_cell::settings::Settings;
 use furrow_input::InputError;
@@ -63,8 +62,8 @@ pub struct Context {
     pub json: bool,
     /// Whether progress may be shown.
     pub progress: bool,
-    cache: Option<PathBuf>,
-    no_cache: bool,
+    /// The options as given.
+    pub globals: Globals,
 }
 
 impl Context {
@@ -85,32 +84,25 @@ impl Context {
             threads: globals.threads.map_or(0, usize::from),
             json: globals.json,
             progress: !globals.quiet && std::io::stderr().is_terminal(),
-            cache: globals.cache.clone(),
-            no_cache: globals.no_cache,
+            globals: globals.clone(),
         })
     }
 
     /// The memo, backed by the cache folder unless the cache is disabled or the default folder cannot be used.
     pub fn memo(&self) -> Result<Memo, CliError> {
         let memo = Memo::new(self.quantisation);
-        if self.no_cache {
+        if self.globals.no_cache {
             return Ok(memo);
         }
-        let store = match &self.cache {
+        match cache_folder(&self.globals).and_then(|folder| Ok(Store::open(&folder)?)) {
+            Ok(store) => Ok(memo.with_store(store)),
             // A folder the user named must work.
-            Some(folder) => Store::open(folder)?,
-            None => {
-                let opened = default_folder().and_then(|folder| Store::open(&folder).map_err(CliError::from));
-                match opened {
-                    Ok(store) => store,
-                    Err(error) => {
-                        tracing::warn!("the cache is disabled, solved divisions are not kept: {error}");
-                        return Ok(memo);
-                    }
-                }
+            Err(error) if self.globals.cache.is_some() => Err(error),
+            Err(error) => {
+                tracing::warn!("the cache is disabled, solved divisions are not kept: {error}");
+                Ok(memo)
             }
-        };
-        Ok(memo.with_store(store))
+        }
     }
 
     /// How divisions are scheduled: on the threads asked for, until Ctrl-C.
@@ -129,23 +121,17 @@ pub fn warn_of_store(warnings: &[StoreWarning]) {
     warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
 }
 
-/// The default cache folder: `cache` in the working folder if there is one, else the user's.
-fn default_folder() -> Result<PathBuf, CliError> {
+/// The cache folder in force: the one named, else `cache` in the working folder if there is one, else the user's.
+pub fn cache_folder(globals: &Globals) -> Result<PathBuf, CliError> {
     use etcetera::BaseStrategy;
     let here = Path::new("cache");
-    if here.is_dir() {
-        return Ok(here.to_owned());
-    }
-    etcetera::choose_base_strategy()
-        .map(|strategy| strategy.cache_dir().join("furrow"))
-        .map_err(|error| CliError::NoCacheFolder(error.to_string()))
-}
-
-/// The cache folder in force.
-pub fn cache_folder(globals: &Globals) -> Result<PathBuf, CliError> {
     match &globals.cache {
         Some(folder) => Ok(folder.clone()),
-        None => default_folder(),
+        None if here.is_dir() => Ok(here.to_owned()),
+        None => match etcetera::choose_base_strategy() {
+            Ok(strategy) => Ok(strategy.cache_dir().join("furrow")),
+            Err(error) => Err(CliError::NoCacheFolder(error.to_string())),
+        },
     }
 }
 

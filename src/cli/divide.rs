@@ -1,13 +1,16 @@
 //! `furrow divide`: one division, from the passive shape or from a stationary shape that is disturbed.
 
 use super::cell::ActiveCellArgs;
-use super::context::warn_of_store;
+use super::cell::positive;
+use super::context::{Context, warn_of_store};
+use super::error::CliError;
 use super::interrupt;
-use super::output::writable_folder;
+use super::output::{filled, merged, number, print_as, writable_folder};
+use super::picture::PlotArgs;
 use super::picture::{DENSE, MovieArgs};
-use super::prelude::*;
 use super::progress::ProgressLine;
-use furrow_cell::Cue;
+use clap::Args;
+use furrow_cell::Cell;
 use furrow_figures::drawing::style::described;
 use furrow_figures::plot;
 use furrow_formats::frames::{INDEX, check_step, write_frames};
@@ -17,6 +20,9 @@ use furrow_lineage::batch::{Failure, replicates};
 use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Frame, Recorder, Statistics, Trajectory};
 use furrow_mechanics::equilibria::stationary;
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -64,56 +70,17 @@ struct Solved {
     perturbation: Option<Perturbation>,
 }
 
-/// One replicate in the result.
-#[derive(Serialize)]
-struct Replicate<'a> {
-    seed: u64,
-    #[serde(flatten)]
-    division: &'a Division,
-    /// With --from-steady, whether the cell returned to its start.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    returned: Option<bool>,
-    /// With --from-steady, [t, dis(t)].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    dis: Option<&'a [[f64; 2]]>,
-}
+/// Those that could be computed, and the number of the others.
+type Replicates = (Vec<Solved>, usize);
 
-impl Replicate<'_> {
-    fn of(Solved { seed, division, perturbation }: &Solved) -> Replicate<'_> {
-        let returned = perturbation.as_ref().map(Perturbation::returned);
-        Replicate { seed: *seed, division, returned, dis: perturbation.as_ref().map(|p| p.distances.as_slice()) }
+impl Solved {
+    /// With --from-steady also whether the cell returned to its start, and [t, dis(t)].
+    fn document(&self) -> Result<Value, CliError> {
+        let division = serde_json::to_value(&self.division)?;
+        let p = self.perturbation.as_ref();
+        let watched = json!({ "returned": p.map(Perturbation::returned), "dis": p.map(|p| &p.distances) });
+        Ok(merged(merged(json!({ "seed": self.seed }), division), filled(watched)))
     }
-}
-
-/// The start of --from-steady.
-#[derive(Serialize)]
-struct Start {
-    from_steady: bool,
-    until: f64,
-    start_growth_rate: f64,
-}
-
-/// What `--json` prints: the first replicate at the top, then all of them and their statistics.
-#[derive(Serialize)]
-struct Answer<'a> {
-    r0: f64,
-    epsilon: f64,
-    xi_s: f64,
-    cue: &'a Cue,
-    /// R0 in µm and the time in minutes, where the lineage file has units.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    r0_um: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    t_end_min: Option<f64>,
-    #[serde(flatten)]
-    start: Option<Start>,
-    #[serde(flatten)]
-    first: Replicate<'a>,
-    replicates: Vec<Replicate<'a>>,
-    #[serde(flatten)]
-    statistics: Statistics,
-    /// Replicates that could not be computed, and are left out.
-    undecided: usize,
 }
 
 pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
@@ -155,26 +122,29 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     // Results from a stationary shape are in natural units alone.
     let units = if until.is_some() { Units::default() } else { context.units };
     let Solved { division, perturbation, .. } = &solved[0];
-    let start =
-        |(until, p): (f64, &Perturbation)| Start { from_steady: true, until, start_growth_rate: p.start_growth_rate };
-    let document = Answer {
-        r0: input.cell.r0,
-        epsilon: input.cell.epsilon,
-        xi_s: input.cell.xi_s,
-        cue: &input.cell.cue,
-        r0_um: units.micrometres(input.cell.r0),
-        t_end_min: units.minutes(division.t_end),
-        start: until.zip(perturbation.as_ref()).map(start),
-        first: Replicate::of(&solved[0]),
-        replicates: solved.iter().map(Replicate::of).collect(),
-        statistics: Statistics::of(solved.iter().map(|one| &one.division)),
-        undecided,
-    };
-    print_as(context.json, &document, || text(&document, &units))
+    let statistics = Statistics::of(solved.iter().map(|one| &one.division));
+    let Cell { r0, epsilon, xi_s, cue, .. } = &input.cell;
+    let of_cell = json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue });
+    let in_units = json!({ "r0_um": units.micrometres(*r0), "t_end_min": units.minutes(division.t_end) });
+    let start = perturbation.as_ref().map_or(
+        json!({}),
+        |p| json!({ "from_steady": true, "until": until, "start_growth_rate": p.start_growth_rate }),
+    );
+    let documents: Vec<Value> = solved.iter().map(Solved::document).collect::<Result<_, _>>()?;
+    let first = documents[0].clone();
+    let parts = [
+        filled(in_units),
+        start,
+        first,
+        json!({ "replicates": documents }),
+        serde_json::to_value(&statistics)?,
+        json!({ "undecided": undecided }),
+    ];
+    print_as(context.json, &parts.into_iter().fold(of_cell, merged), || text(&input.cell, &units, &solved, &statistics))
 }
 
 /// Solves all replicates; at least one succeeds.
-fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<(Vec<Solved>, usize), CliError> {
+fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Replicates, CliError> {
     let memo = context.memo()?;
     interrupt::finish();
     let line = ProgressLine::new(context.progress && args.replicates > 1);
@@ -199,12 +169,7 @@ fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<
 }
 
 /// Disturbs the stationary shape with every seed; at least one succeeds.
-fn disturb(
-    args: &DivideArgs,
-    context: &Context,
-    input: &DivisionInput,
-    until: f64,
-) -> Result<(Vec<Solved>, usize), CliError> {
+fn disturb(args: &DivideArgs, context: &Context, input: &DivisionInput, until: f64) -> Result<Replicates, CliError> {
     let (mut solved, mut failed) = (Vec::new(), Vec::new());
     for one in perturbations(input, args.replicates as usize, until, context.threads)? {
         match one.found {
@@ -216,7 +181,7 @@ fn disturb(
 }
 
 /// The replicates that succeeded and the number of the others, each of which gets a warning.
-fn at_least_one(solved: Vec<Solved>, mut failed: Vec<(u64, CliError)>) -> Result<(Vec<Solved>, usize), CliError> {
+fn at_least_one(solved: Vec<Solved>, mut failed: Vec<(u64, CliError)>) -> Result<Replicates, CliError> {
     if solved.is_empty()
         && let Some((_, error)) = failed.pop()
     {
@@ -228,66 +193,59 @@ fn at_least_one(solved: Vec<Solved>, mut failed: Vec<(u64, CliError)>) -> Result
     Ok((solved, failed.len()))
 }
 
-fn text(document: &Answer<'_>, units: &Units) -> String {
-    let size = units.in_micrometres(document.r0);
-    let mut out = format!("R0 = {}{size}, ε = {}, ξ_s = {}", document.r0, document.epsilon, document.xi_s);
-    if !document.cue.is_none() {
-        let _ = write!(out, ", {}", document.cue);
+fn text(cell: &Cell, units: &Units, solved: &[Solved], statistics: &Statistics) -> String {
+    let size = units.in_micrometres(cell.r0);
+    let mut out = format!("R0 = {}{size}, ε = {}, ξ_s = {}", cell.r0, cell.epsilon, cell.xi_s);
+    if !cell.cue.is_none() {
+        let _ = write!(out, ", {}", cell.cue);
     }
-    if let Some(Start { start_growth_rate: rate, .. }) = document.start {
-        let stable = if rate < 0.0 { "stable" } else { "unstable" };
+    if let Some(Perturbation { start_growth_rate: rate, .. }) = &solved[0].perturbation {
+        let stable = if *rate < 0.0 { "stable" } else { "unstable" };
         let _ = writeln!(out, ", from its stationary shape, which is {stable}: growth rate {rate:.4}/τ");
-        document.replicates.iter().for_each(|replicate| disturbed_text(&mut out, replicate));
-        return out;
+        return solved.iter().filter_map(disturbed_line).fold(out, |out, line| out + &line);
     }
-    let d = document.first.division;
+    let d = &solved[0].division;
     let _ = writeln!(out, ": {}", d.outcome());
+    let (t_end, minutes) = (d.t_end, units.in_minutes(d.t_end));
     if let (Some(chi), Some(u), Some([below, above])) = (d.chi(), d.u_furrow(), d.daughters()) {
+        let [um_below, um_above] = [below, above].map(|r0| units.in_micrometres(r0));
         let _ = writeln!(
             out,
-            "χ = {chi:.4}, furrow at u = {u:.4}, daughters R0 = {below:.4}{} (at u = 0), {above:.4}{} (at u = 1)",
-            units.in_micrometres(below),
-            units.in_micrometres(above)
+            "χ = {chi:.4}, furrow at u = {u:.4}, daughters R0 = {below:.4}{um_below} (at u = 0), {above:.4}{um_above} (at u = 1)\n\
+             pinch-off at t = {t_end:.4} τ{minutes}"
         );
-        let _ = writeln!(out, "pinch-off at t = {:.4} τ{}", d.t_end, units.in_minutes(d.t_end));
     } else {
-        let _ = write!(out, "at rest at t = {:.2} τ{}", d.t_end, units.in_minutes(d.t_end));
         let stability = |s: f64| if s < 0.0 { "stable" } else { "where the published scheme cannot leave" };
         let stable = d.growth_rate().map_or(String::new(), |s| format!(", {}: growth rate {s:.4}/τ", stability(s)));
-        let _ = writeln!(out, "{stable}");
+        let _ = writeln!(out, "at rest at t = {t_end:.2} τ{minutes}{stable}");
     }
     if let Some(rate) = d.slow_growth_rate {
         let _ = writeln!(out, "just above the threshold: the stationary shape is left at {rate:.2e}/τ");
     }
-    let _ = writeln!(
-        out,
-        "{} steps ({} rejected), {} Newton iterations, volume drift {:.1e}",
-        d.work.steps, d.work.rejected, d.work.iterations, d.volume_drift
-    );
-    if document.replicates.len() > 1 {
-        let (n, statistics) = (document.replicates.len(), &document.statistics);
-        let _ = write!(out, "{n} replicates: {} divided", n - statistics.failed);
-        if let (Some(mean), Some(sd)) = (statistics.chi_mean, statistics.chi_sd) {
-            let _ = write!(out, ", χ = {mean:.4} ± {sd:.4} (sd)");
-        }
-        out.push('\n');
+    let (work, drift) = (&d.work, d.volume_drift);
+    let counts = format!("{} steps ({} rejected), {} Newton iterations", work.steps, work.rejected, work.iterations);
+    let _ = writeln!(out, "{counts}, volume drift {drift:.1e}");
+    if solved.len() > 1 {
+        let chi = statistics.chi_mean.zip(statistics.chi_sd);
+        let chi = chi.map_or(String::new(), |(mean, sd)| format!(", χ = {mean:.4} ± {sd:.4} (sd)"));
+        let _ = writeln!(out, "{} replicates: {} divided{chi}", solved.len(), solved.len() - statistics.failed);
     }
     out
 }
 
 /// One line of a result of --from-steady.
-fn disturbed_text(out: &mut String, Replicate { seed, division, returned, dis }: &Replicate<'_>) {
-    let dis = dis.unwrap_or_default();
-    let distance = |k: usize| dis.get(k).map_or(0.0, |[_, distance]| *distance);
-    let _ = write!(out, "seed {seed}: dis = {:.2e} after the noise", distance(1));
-    let (last, t_end) = (distance(dis.len().saturating_sub(1)), division.t_end);
-    let _ = match division.chi() {
-        Some(chi) => writeln!(out, "; divides at t = {t_end:.4} τ, χ = {chi:.4}"),
+fn disturbed_line(Solved { seed, division, perturbation }: &Solved) -> Option<String> {
+    let p = perturbation.as_ref()?;
+    let distance = |k: usize| p.distances.get(k).map_or(0.0, |[_, distance]| *distance);
+    let (last, t_end) = (distance(p.distances.len().saturating_sub(1)), division.t_end);
+    let end = match division.chi() {
+        Some(chi) => format!("; divides at t = {t_end:.4} τ, χ = {chi:.4}"),
         None => {
-            let way = if *returned == Some(true) { "returns" } else { "leaves" };
-            writeln!(out, ", {last:.2e} at t = {t_end:.2} τ: it {way}")
+            let way = if p.returned() { "returns" } else { "leaves" };
+            format!(", {last:.2e} at t = {t_end:.2} τ: it {way}")
         }
     };
+    Some(format!("seed {seed}: dis = {:.2e} after the noise{end}\n", distance(1)))
 }
 
 /// The trajectory of a disturbed stationary shape.

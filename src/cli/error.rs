@@ -42,14 +42,12 @@ impl fmt::Display for CliError {
             CliError::Interrupted => {
                 write!(f, "interrupted; solved divisions are kept in the cache (unless --no-cache)")
             }
-            CliError::NoCacheFolder(reason) => {
-                write!(f, "no cache folder is known for this user: {reason}; name one with --cache, or use --no-cache")
+            CliError::NoCacheFolder(why) => {
+                write!(f, "no cache folder is known for this user: {why}; name one with --cache, or use --no-cache")
             }
             CliError::CorruptCache(count) => {
-                write!(
-                    f,
-                    "damaged entries: {count}; they are not used, and their divisions are solved again when needed"
-                )
+                let then = "they are not used, and their divisions are solved again when needed";
+                write!(f, "damaged entries: {count}; {then}")
             }
             CliError::Stdout(error) => write!(f, "stdout: {error}"),
             CliError::Library(error) => write!(f, "{error}{}", hint(error.as_ref())),
@@ -59,24 +57,19 @@ impl fmt::Display for CliError {
 
 /// The option that helps, added to an error of the library.
 fn hint(error: &(dyn Error + 'static)) -> &'static str {
-    use PerturbationError::Stationary;
-    if let Some(FitError::Grow(GrowError::Interrupted { .. }) | FitError::Interrupted { .. }) = error.downcast_ref() {
-        return RESUMES;
-    }
-    if let Some(GrowError::Interrupted { .. }) = error.downcast_ref() {
-        return RESUMES;
-    }
-    if let Some(Stationary(StationaryError::OutOfReach { .. })) = error.downcast_ref() {
-        return "; lower --xi, or leave out --from-steady";
-    }
-    match error.downcast_ref() {
-        Some(ShapeError::NotFound { kind: PointKind::Pitchfork, .. }) => "; raise --xi-max",
-        Some(ShapeError::NoPitchfork { .. }) => ": see furrow boundary",
+    const RESUMES: &str = "; solved divisions are kept in the cache (unless --no-cache), and the same command resumes";
+    let (grow, fit, shape) = (error.downcast_ref(), error.downcast_ref(), error.downcast_ref());
+    match (grow, fit, shape, error.downcast_ref()) {
+        (Some(GrowError::Interrupted { .. }), ..) => RESUMES,
+        (_, Some(FitError::Grow(GrowError::Interrupted { .. }) | FitError::Interrupted { .. }), ..) => RESUMES,
+        (_, _, Some(ShapeError::NotFound { kind: PointKind::Pitchfork, .. }), _) => "; raise --xi-max",
+        (_, _, Some(ShapeError::NoPitchfork { .. }), _) => ": see furrow boundary",
+        (.., Some(PerturbationError::Stationary(StationaryError::OutOfReach { .. }))) => {
+            "; lower --xi, or leave out --from-steady"
+        }
         _ => "",
     }
 }
-
-const RESUMES: &str = "; solved divisions are kept in the cache (unless --no-cache), and the same command resumes";
 
 impl CliError {
     /// 2 for bad input, else 1.

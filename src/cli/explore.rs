@@ -1,11 +1,14 @@
 //! `furrow explore`: the page that computes.
 
 use super::cell::FirstCellArgs;
-use super::output::writable_file;
-use super::prelude::*;
+use super::context::Context;
+use super::error::CliError;
+use super::output::{print_as, writable_file};
 use super::tree::prepared;
+use clap::Args;
 use furrow_formats::write_atomically;
-use furrow_report as report;
+use serde_json::json;
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -27,19 +30,12 @@ pub struct ExploreArgs {
     seed: u64,
 }
 
-/// What `--json` prints.
-#[derive(serde::Serialize)]
-struct Answer {
-    out: String,
-    bytes: usize,
-}
-
 pub fn run(args: &ExploreArgs, context: &Context) -> Result<(), CliError> {
     let (lineage, settings) = prepared(&args.cell, args.seed, context, args.lineage.as_deref())?;
     writable_file("--out", args.out.as_path())?;
-    let page = report::explorer(&lineage, &settings);
+    let page = furrow_report::explorer(&lineage, &settings);
     write_atomically(&args.out, page.as_bytes())?;
-    let out = args.out.display().to_string();
-    let text = format!("{out} written, {} kB; open it in a browser\n", page.len() / 1000);
-    print_as(context.json, &Answer { out, bytes: page.len() }, || text)
+    let (out, bytes) = (args.out.display().to_string(), page.len());
+    let text = format!("{out} written, {} kB; open it in a browser\n", bytes / 1000);
+    print_as(context.json, &json!({ "out": out, "bytes": bytes }), || text)
 }

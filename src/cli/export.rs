@@ -1,17 +1,18 @@
 //! `furrow export`: a tree for other programs.
 
-use furrow_formats::read_tree;
-use std::path::Path;
-
 use super::cell::one_of;
 use super::context::{Globals, start_logs};
-use super::output::{print, writable_file, writable_folder};
-use super::prelude::*;
+use super::error::CliError;
+use super::output::{print, print_as, writable_file, writable_folder};
+use clap::Args;
 use furrow_formats::exchange::{BranchLengths, Exported, Format, ITOL_FILES, export};
 use furrow_formats::files::FileSet;
-use furrow_formats::{TREE_SCHEMA, write_atomically};
-use furrow_lineage::Tree;
+use furrow_formats::write_atomically;
+use furrow_formats::{TREE_SCHEMA, read_tree};
+use furrow_input::InputError;
 use furrow_report::founder_colours;
+use serde_json::json;
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -33,25 +34,11 @@ pub struct ExportArgs {
     out: Option<PathBuf>,
     /// Branch lengths: time from birth to division in τ (default), one per generation, or none. Cells just above the threshold
     /// of division take thousands of τ and dwarf all other branches
-    #[arg(help_heading = "Output", long, value_name = "LENGTHS", value_parser = one_of(LENGTHS))]
+    #[arg(help_heading = "Output", long, value_name = "LENGTHS", value_parser = one_of(BranchLengths::NAMED))]
     branch_lengths: Option<BranchLengths>,
     /// Prints the JSON Schema of tree.json
     #[arg(help_heading = "Output", long, conflicts_with_all = ["tree", "to", "out", "branch_lengths"])]
     schema: bool,
-}
-
-/// Branch lengths by the names of the option.
-const LENGTHS: [(&str, BranchLengths); 3] =
-    [("time", BranchLengths::Time), ("generation", BranchLengths::Generation), ("none", BranchLengths::None)];
-
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Answer<'a> {
-    format: &'static str,
-    cells: usize,
-    ends: usize,
-    out: String,
-    files: Vec<&'a str>,
 }
 
 pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
@@ -73,10 +60,16 @@ pub fn run(args: &ExportArgs, globals: &Globals) -> Result<(), CliError> {
                 set.stage(name, text.as_bytes())?;
             }
             set.commit()?;
-            (out, files.iter().map(|(name, _)| *name).collect())
+            (out, files.iter().map(|(name, _)| *name).collect::<Vec<_>>())
         }
     };
-    respond(&tree, format, out, files, globals.json)
+    let (format, cells, out) = (format.name(), tree.len(), out.display().to_string());
+    let ends = tree.cells().filter(|id| tree.daughter_count(*id) == 0).count();
+    let document = json!({ "format": format, "cells": cells, "ends": ends, "out": out, "files": files });
+    print_as(globals.json, &document, || {
+        let files = if files.is_empty() { String::new() } else { format!(": {}", files.join(", ")) };
+        format!("{cells} cells, {ends} of them ends of branches, as {format} in {out}{files}\n")
+    })
 }
 
 /// Refuses conflicting options before the tree is read.
@@ -86,7 +79,7 @@ fn check(args: &ExportArgs, format: Format, globals: &Globals) -> Result<(), Inp
             Format::Csv => "it has a column for each",
             _ => "its time points are generations",
         };
-        let name = LENGTHS.iter().find(|(_, known)| *known == lengths).map_or("", |(name, _)| *name);
+        let name = BranchLengths::NAMED.iter().find(|(_, known)| *known == lengths).map_or("", |(name, _)| *name);
         let allowed = format!("left out with --to {}: {why}", format.name());
         return Err(InputError::not_allowed("--branch-lengths", "branch_lengths", name, allowed));
     }
@@ -104,14 +97,4 @@ fn check(args: &ExportArgs, format: Format, globals: &Globals) -> Result<(), Inp
 
 fn needs_folder() -> InputError {
     InputError::not_allowed("--out", "out", "(not given)", "a folder for the files of itol")
-}
-
-fn respond(tree: &Tree, format: Format, out: &Path, files: Vec<&str>, json: bool) -> Result<(), CliError> {
-    let ends = tree.cells().filter(|id| tree.daughter_count(*id) == 0).count();
-    let document = Answer { format: format.name(), cells: tree.len(), ends, out: out.display().to_string(), files };
-    print_as(json, &document, || {
-        let Answer { format, cells, out, files, .. } = &document;
-        let files = if files.is_empty() { String::new() } else { format!(": {}", files.join(", ")) };
-        format!("{cells} cells, {ends} of them ends of branches, as {format} in {out}{files}\n")
-    })
 }

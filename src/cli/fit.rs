@@ -1,25 +1,31 @@
 //! `furrow fit`: constants, activities or a cue fitted to observations.
 
-use std::sync::atomic::AtomicBool;
-use std::time::Instant;
-
 use clap::ValueEnum;
+use serde_json::Map;
 
 use super::cell::one_of;
+use super::context::Context;
+use super::error::CliError;
 use super::interrupt;
-use super::output::writable_file;
-use super::prelude::*;
+use super::output::{merged, number, print_as, writable_file};
+use super::picture::PlotArgs;
 use super::progress::ProgressLine;
 use super::tree::bad_cue;
+use clap::Args;
 use furrow_analysis::fit::{
     ChiResidual, Evaluated, FittedConstants, FittedCue, FounderActivity, Reading, SearchBudget, Targets, activities,
     fit_constants, fit_cue,
 };
 use furrow_analysis::tree_settings;
 use furrow_cell::Parameter;
+use furrow_figures::plot;
 use furrow_formats::write_atomically;
-use furrow_input::{parse_document, read_text};
+use furrow_input::{InputError, parse_document, read_text};
 use furrow_lineage::{Lineage, TreeSettings};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::time::Instant;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -42,18 +48,13 @@ pub struct FitArgs {
     #[arg(help_heading = "Activity", long, value_name = "READING", default_value = "mean", value_parser = one_of(READINGS))]
     rounds: Reading,
     /// Lower limit of the activity ξ_s
-    #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 4.0, value_parser = super::number::number)]
+    #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 4.0, value_parser = number)]
     xi_from: f64,
     /// Upper limit of the activity ξ_s
-    #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 100.0, value_parser = super::number::number)]
+    #[arg(help_heading = "Activity", long, value_name = "XI", default_value_t = 100.0, value_parser = number)]
     xi_to: f64,
     /// Start of the search: the terms of this cue are kept, their numbers are fitted
-    #[arg(
-        help_heading = "Cue",
-        long,
-        value_name = "CUE",
-        default_value = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1"
-    )]
+    #[arg(help_heading = "Cue", long, value_name = "CUE", default_value = CUE)]
     cue: String,
     /// Particles of the swarm
     #[arg(help_heading = "Search", long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(2..=10_000))]
@@ -78,6 +79,9 @@ enum What {
     Cue,
 }
 
+/// The published cue.
+const CUE: &str = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1";
+
 /// Readings of "rounds" by the names of the option.
 const READINGS: [(&str, Reading); 3] = [("min", Reading::Min), ("mean", Reading::Mean), ("max", Reading::Max)];
 
@@ -88,15 +92,13 @@ pub fn run(args: &FitArgs, context: &Context) -> Result<(), CliError> {
     settings.check_divisions("settings")?;
     settings.check_activity("settings")?;
     let settings = &tree_settings(settings.clone(), &lineage, 0, context.quantisation);
-    if args.out.is_some() && args.what != What::Constants {
-        let allowed = "used only with constants";
-        return Err(InputError::not_allowed("--out", "out", format!("{:?}", args.out), allowed).into());
-    }
+    let fine = args.out.is_none() || args.what == What::Constants;
+    InputError::require(fine, "--out", "out", format!("{:?}", args.out), "used only with constants")?;
     if args.what != What::Cue {
         // Divisions of trees go to the cache, those of trial cues do not.
         interrupt::finish();
     }
-    let fit = Fit { args, context, lineage: &lineage, settings, start, flag: interrupt::flag() };
+    let fit = Fit { args, context, lineage: &lineage, settings, start };
     match args.what {
         What::Constants => fit.constants(),
         What::Activity => fit.activity(),
@@ -111,31 +113,6 @@ struct Fit<'a> {
     lineage: &'a Lineage,
     settings: &'a TreeSettings,
     start: Instant,
-    flag: &'static AtomicBool,
-}
-
-/// What `fit constants --json` prints.
-#[derive(Serialize)]
-struct ConstantsAnswer<'a> {
-    constants: serde_json::Map<String, serde_json::Value>,
-    misfit: f64,
-    residuals: Vec<Residual<'a>>,
-    best: &'a Evaluated,
-    start: &'a Evaluated,
-    front: &'a [Evaluated],
-    sharpness: Vec<serde_json::Value>,
-    tried: usize,
-    seed: u64,
-    elapsed_s: f64,
-}
-
-/// A number of the model beside the observed one.
-#[derive(Serialize)]
-struct Residual<'a> {
-    founder: &'a str,
-    quantity: &'static str,
-    observed: f64,
-    computed: Option<f64>,
 }
 
 impl Fit<'_> {
@@ -158,7 +135,7 @@ impl Fit<'_> {
     }
 
     fn constants(&self) -> Result<(), CliError> {
-        let Fit { args, context, lineage, settings, flag, .. } = self;
+        let (Fit { args, context, lineage, settings, .. }, flag) = (self, interrupt::flag());
         let targets = self.targets()?;
         let picture = args.plot.file()?;
         writable_file("--out", args.out.as_deref())?;
@@ -172,79 +149,65 @@ impl Fit<'_> {
         if let Some(file) = &args.out {
             write_atomically(file, config(&found.best).as_bytes())?;
         }
-        picture.write(|| furrow_figures::plot::fit::draw_constants(&found))?;
+        picture.write(|| plot::fit::draw_constants(&found))?;
         let elapsed_s = self.start.elapsed().as_secs_f64();
-        let number = |(parameter, value): &(Parameter, f64)| (parameter.to_string(), (*value).into());
-        let sharpness = found.sharpness.iter().zip(&found.plateau).map(|(sharp, (_, plateau))| {
-            serde_json::json!({ "parameter": sharp.parameter.to_string(), "from": sharp.from, "to": sharp.to,
-                "reaches_limit": sharp.reaches_limit, "plateau": plateau })
+        let number = |(parameter, value): &(Parameter, f64)| (parameter.to_string(), Value::from(*value));
+        let sharpness = found.sharpness.iter().zip(&found.plateau);
+        let sharpness = sharpness.map(|(sharp, (_, plateau))| merged(json!(sharp), json!({ "plateau": plateau })));
+        let document = json!({
+            "constants": found.best.constants.iter().map(number).collect::<Map<_, _>>(),
+            "misfit": found.best.misfit,
+            "residuals": residuals(&found.best, &targets),
+            "best": found.best,
+            "start": found.start,
+            "front": found.front,
+            "sharpness": sharpness.collect::<Vec<_>>(),
+            "tried": found.tried,
+            "seed": args.seed,
+            "elapsed_s": elapsed_s,
         });
-        let document = ConstantsAnswer {
-            constants: found.best.constants.iter().map(number).collect(),
-            misfit: found.best.misfit,
-            residuals: residuals(&found.best, &targets),
-            best: &found.best,
-            start: &found.start,
-            front: &found.front,
-            sharpness: sharpness.collect(),
-            tried: found.tried,
-            seed: args.seed,
-            elapsed_s,
-        };
         print_as(context.json, &document, || {
-            let written =
-                args.out.as_ref().map_or(String::new(), |file| format!("; use them with --config {}", file.display()));
-            format!(
-                "{}{} sets of constants tried, {elapsed_s:.0} s{written}\n",
-                constants_text(&found, &targets),
-                found.tried
-            )
+            let used = |file: &PathBuf| format!("; use them with --config {}", file.display());
+            let (text, tried) = (constants_text(&found, &targets), found.tried);
+            let written = args.out.as_ref().map_or(String::new(), used);
+            format!("{text}{tried} sets of constants tried, {elapsed_s:.0} s{written}\n")
         })
     }
 
     fn activity(&self) -> Result<(), CliError> {
-        let Fit { args, context, lineage, settings, flag, .. } = self;
+        let (Fit { args, context, lineage, settings, .. }, flag) = (self, interrupt::flag());
         for (option, value) in [("--xi-from", args.xi_from), ("--xi-to", args.xi_to)] {
             let mut one = context.settings.clone();
             one.cell.xi_s = value;
-            if value <= 0.0 {
-                return Err(InputError::not_allowed(option, "xi_s", value, "a number above 0").into());
-            }
+            InputError::require(value > 0.0, option, "xi_s", value, "a number above 0")?;
             one.check_activity(option)?;
         }
         let range = [args.xi_from, args.xi_to];
-        if range[1] <= range[0] {
-            let allowed = format!("above --xi-from = {}", range[0]);
-            return Err(InputError::not_allowed("--xi-to", "xi_s", range[1], allowed).into());
-        }
+        let allowed = format!("above --xi-from = {}", range[0]);
+        InputError::require(range[1] > range[0], "--xi-to", "xi_s", range[1], allowed)?;
         let (memo, reading) = (context.memo()?, args.rounds);
         let picture = args.plot.file()?;
         let (found, trees) = activities(lineage, settings, &memo, reading, range, context.threads, flag)?;
-        picture.write(|| furrow_figures::plot::fit::draw_activities(&found, settings.cell.xi_s))?;
+        picture.write(|| plot::fit::draw_activities(&found, settings.cell.xi_s))?;
         let elapsed_s = self.start.elapsed().as_secs_f64();
-        let document = ActivityAnswer { rounds: reading, founders: &found, trees, elapsed_s };
+        let document = json!({ "rounds": reading, "founders": found, "trees": trees, "elapsed_s": elapsed_s });
         print_as(context.json, &document, || {
             format!("{}\n{trees} trees, {elapsed_s:.0} s\n", activity_text(&found, reading, settings))
         })
     }
 
     fn cue(&self) -> Result<(), CliError> {
-        let Fit { args, context, lineage, settings, flag, .. } = self;
+        let (Fit { args, context, lineage, settings, .. }, flag) = (self, interrupt::flag());
         let targets = self.targets()?;
         let template = lineage.parse_cue(&args.cue).map_err(bad_cue)?;
-        if template.is_none() {
-            let allowed = "a cue with at least one term";
-            return Err(InputError::not_allowed("--cue", "cue", &args.cue, allowed).into());
-        }
-        if targets.chi.is_empty() {
-            let file = args.targets.as_ref().map_or(String::new(), |path| path.display().to_string());
-            return Err(InputError::not_allowed(file, "chi", "[]", "at least one measured χ").into());
-        }
+        InputError::require(!template.is_none(), "--cue", "cue", &args.cue, "a cue with at least one term")?;
+        let file = args.targets.as_ref().map_or(String::new(), |path| path.display().to_string());
+        InputError::require(!targets.chi.is_empty(), file, "chi", "[]", "at least one measured χ")?;
         let picture = args.plot.file()?;
         let found = fit_cue(lineage, &targets, settings, &template, self.budget(), context.threads, flag)?;
-        picture.write(|| furrow_figures::plot::fit::draw_cue(&found))?;
+        picture.write(|| plot::fit::draw_cue(&found))?;
         let elapsed_s = self.start.elapsed().as_secs_f64();
-        let document = CueAnswer { found: &found, seed: args.seed, elapsed_s };
+        let document = merged(json!(found), json!({ "seed": args.seed, "elapsed_s": elapsed_s }));
         print_as(context.json, &document, || {
             let out_of_sample = targets.out_of_sample.as_ref().map_or("", |out| &out.name);
             format!("{}{} cues tried, {elapsed_s:.0} s\n", cue_text(&found, out_of_sample), found.tried)
@@ -252,77 +215,67 @@ impl Fit<'_> {
     }
 }
 
-fn residuals<'a>(best: &'a Evaluated, targets: &'a Targets) -> Vec<Residual<'a>> {
+/// Numbers of the model beside the observed ones.
+fn residuals(best: &Evaluated, targets: &Targets) -> Vec<Value> {
+    let residual = |founder: &str, quantity: &str, observed: f64, computed: Option<f64>| -> Value {
+        json!({ "founder": founder, "quantity": quantity, "observed": observed, "computed": computed })
+    };
     let mut out = Vec::new();
     for founder in best.founders.iter().filter(|founder| targets.founders.contains(&founder.name)) {
-        let (name, rounds) = (founder.name.as_str(), founder.rounds);
         let mean = founder.observed_mean.unwrap_or(f64::NAN);
-        out.push(Residual { founder: name, quantity: "mean_rounds", observed: mean, computed: rounds.map(|r| r.mean) });
-        let (observed, computed) = (founder.observed_terminal.unwrap_or(0), rounds.map(|r| f64::from(r.terminal)));
-        out.push(Residual { founder: name, quantity: "terminal_cells", observed: f64::from(observed), computed });
+        out.push(residual(&founder.name, "mean_rounds", mean, founder.rounds.map(|r| r.mean)));
+        let (observed, computed) = (founder.observed_terminal.unwrap_or(0), founder.rounds.map(|r| r.terminal.into()));
+        out.push(residual(&founder.name, "terminal_cells", observed.into(), computed));
     }
     for chi in &targets.chi {
         let computed = best.founders.iter().find(|founder| founder.name == chi.cell).and_then(|founder| founder.chi);
-        out.push(Residual { founder: &chi.cell, quantity: "chi", observed: chi.mean, computed });
+        out.push(residual(&chi.cell, "chi", chi.mean, computed));
     }
     out
 }
 
 /// The constants as a configuration file.
 fn config(best: &Evaluated) -> String {
-    let mut out = String::from("// Found by furrow fit constants.\nConfig(\n    physics: (\n");
-    for (parameter, value) in &best.constants {
-        let _ = writeln!(out, "        {parameter}: {value},");
-    }
-    out += "    ),\n)\n";
-    out
+    let lines: String = best.constants.iter().map(|(p, value)| format!("        {p}: {value},\n")).collect();
+    format!("// Found by furrow fit constants.\nConfig(\n    physics: (\n{lines}    ),\n)\n")
 }
 
 fn constants_text(found: &FittedConstants, targets: &Targets) -> String {
     let FittedConstants { best, start, .. } = found;
     let mut out = values_text(found) + &founders_text(best, targets);
-    for (name, e) in [("start", start), ("best", best)] {
-        let rms = e.thresholds_rms.map_or("not found".to_owned(), |rms| format!("{:.2} %", 100.0 * rms));
+    for (name, Evaluated { misfit, parts, thresholds_rms, .. }) in [("start", start), ("best", best)] {
+        let rms = thresholds_rms.map_or("not found".to_owned(), |rms| format!("{:.2} %", 100.0 * rms));
         let _ = writeln!(
             out,
-            "\n{name}: misfit {:.3}: mean rounds off by {:.3}, terminal cells by {:.3} doublings, χ by {:.3}; {} not symmetric; thresholds off by {rms}",
-            e.misfit, e.parts.rounds, e.parts.terminal, e.parts.chi, e.parts.not_symmetric
+            "\n{name}: misfit {misfit:.3}: mean rounds off by {:.3}, terminal cells by {:.3} doublings, χ by {:.3}; {} not symmetric; thresholds off by {rms}",
+            parts.rounds, parts.terminal, parts.chi, parts.not_symmetric
         );
     }
-    let _ = writeln!(out, "\nThe front between the embryo's counts and the published thresholds:");
     let names: String = best.constants.iter().map(|(p, _)| format!("{:>9}", p.to_string())).collect();
+    out += "\nThe front between the embryo's counts and the published thresholds:\n";
     let _ = writeln!(out, "{:>8} {:>8} {:>12} {names}", "misfit", "rounds", "thresholds");
     for set in &found.front {
         let values: String = set.constants.iter().map(|(_, value)| format!("{value:>9.4}")).collect();
         let rms = 100.0 * set.thresholds_rms.unwrap_or(f64::NAN);
         let _ = writeln!(out, "{:>8.3} {:>8.3} {rms:>10.2} % {values}", set.misfit, set.parts.rounds);
     }
-    out.push('\n');
-    out
+    out + "\n"
 }
 
 /// The constants of the start and of the best fit, with the sharpness of its minimum.
 fn values_text(found: &FittedConstants) -> String {
     let FittedConstants { best, start, sharpness, plateau, .. } = found;
-    let mut out = String::new();
-    let _ = writeln!(
-        out,
-        "{:<8} {:>10} {:>10}   {:<21}  {:<21}",
-        "constant", "start", "best", "misfit +0.05, alone", "tried, misfit +0.05"
-    );
+    let mut out = "constant      start       best   misfit +0.05, alone    tried, misfit +0.05  \n".to_owned();
     for (k, (parameter, value)) in best.constants.iter().enumerate() {
         let ranges = sharpness.get(k).map_or(String::new(), |sharp| {
             let limit = if sharp.reaches_limit { " (limit)" } else { "" };
             let [from, to] = plateau[k].1;
             format!("{:<21}  {from:.4}..{to:.4}", format!("{:.4}..{:.4}{limit}", sharp.from, sharp.to))
         });
-        let from = start.constants[k].1;
-        let _ = writeln!(out, "{:<8} {from:>10.5} {value:>10.5}   {ranges}", parameter.to_string());
+        let _ = writeln!(out, "{:<8} {:>10.5} {value:>10.5}   {ranges}", parameter.to_string(), start.constants[k].1);
     }
-    let searched =
-        best.constants.iter().find(|(p, _)| *p == Parameter::XiS).map(|(_, xi_s)| xi_s * best.cell().material.gain);
-    if let Some(activity) = searched {
-        let _ = writeln!(out, "g xi_s = {activity:.3}");
+    if let Some((_, xi_s)) = best.constants.iter().find(|(p, _)| *p == Parameter::XiS) {
+        let _ = writeln!(out, "g xi_s = {:.3}", xi_s * best.cell.material.gain);
     }
     out
 }
@@ -334,9 +287,7 @@ fn or_dash(value: Option<impl std::fmt::Display>) -> String {
 
 /// The founders of the best fit beside the observed ones.
 fn founders_text(best: &Evaluated, targets: &Targets) -> String {
-    let mut out = String::new();
-    let _ =
-        writeln!(out, "\n{:<8} {:>22} {:>22} {:>16}", "founder", "mean rounds, observed", "terminal, observed", "χ");
+    let mut out = "\nfounder   mean rounds, observed     terminal, observed                χ\n".to_owned();
     for founder in &best.founders {
         let [rounds, mean] = [founder.rounds.map(|r| r.mean), founder.observed_mean]
             .map(|mean| or_dash(mean.map(|mean| format!("{mean:.2}"))));
@@ -350,49 +301,32 @@ fn founders_text(best: &Evaluated, targets: &Targets) -> String {
     out
 }
 
-/// What `fit activity --json` prints.
-#[derive(Serialize)]
-struct ActivityAnswer<'a> {
-    rounds: Reading,
-    founders: &'a [FounderActivity],
-    trees: usize,
-    elapsed_s: f64,
-}
-
 fn activity_text(found: &[FounderActivity], reading: Reading, settings: &TreeSettings) -> String {
+    let which = match reading {
+        Reading::Min => "fewest",
+        Reading::Mean => "mean, to half a round",
+        Reading::Max => "most",
+    };
+    let xi_s = settings.cell.xi_s;
     let mut out = format!(
-        "Activity that a founder and its descendants would need for the observed rounds ({}), all else at xi_s = {}\n\n",
-        match reading {
-            Reading::Min => "fewest",
-            Reading::Mean => "mean, to half a round",
-            Reading::Max => "most",
-        },
-        settings.cell.xi_s
+        "Activity that a founder and its descendants would need for the observed rounds ({which}), all else at xi_s = {xi_s}\n\n\
+         founder  observed    model   xi_s                   nearest\n"
     );
-    let _ = writeln!(out, "{:<8} {:>8} {:>8}   {:<22} nearest", "founder", "observed", "model", "xi_s");
-    for founder in found {
-        let model = or_dash(founder.rounds.map(|rounds| format!("{rounds:.2}")));
+    for FounderActivity { name, observed, rounds, xi_s, intervals, nearest, searched } in found {
+        let model = or_dash(rounds.map(|rounds| format!("{rounds:.2}")));
         let interval = |[from, to]: [f64; 2]| {
-            let (below, above) = (from <= founder.searched[0], to >= founder.searched[1]);
-            format!("{}{from:.3} .. {to:.3}{}", if below { "≤ " } else { "" }, if above { " ≤" } else { "" })
+            let below = if from <= searched[0] { "≤ " } else { "" };
+            format!("{below}{from:.3} .. {to:.3}{}", if to >= searched[1] { " ≤" } else { "" })
         };
-        let needed = founder.xi_s.map_or("none".to_owned(), interval);
-        let nearest = founder.nearest.map_or(String::new(), |(xi_s, rounds)| format!("{rounds:.2} at {xi_s:.2}"));
-        let more = founder.intervals.len().saturating_sub(1);
-        let others = if more > 0 { format!(", and {more} narrower") } else { String::new() };
-        let _ =
-            writeln!(out, "{:<8} {:>8.2} {model:>8}   {needed:<22} {nearest}{others}", founder.name, founder.observed);
+        let needed = xi_s.map_or("none".to_owned(), interval);
+        let nearest = nearest.map_or(String::new(), |(xi_s, rounds)| format!("{rounds:.2} at {xi_s:.2}"));
+        let others = match intervals.len() {
+            0 | 1 => String::new(),
+            count => format!(", and {} narrower", count - 1),
+        };
+        let _ = writeln!(out, "{name:<8} {observed:>8.2} {model:>8}   {needed:<22} {nearest}{others}");
     }
     out
-}
-
-/// What `fit cue --json` prints.
-#[derive(Serialize)]
-struct CueAnswer<'a> {
-    #[serde(flatten)]
-    found: &'a FittedCue,
-    seed: u64,
-    elapsed_s: f64,
 }
 
 fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
@@ -402,33 +336,32 @@ fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
         let [from, to] = number.searched;
         let _ = writeln!(out, "{:<18} {:>9.4} {sd}  (searched {from}..{to})", number.name, number.value);
     }
-    let table = |out: &mut String, residuals: &[ChiResidual]| {
-        let _ = writeln!(out, "{:<8} {:>8} {:>18} {:>8} {:>10}", "cell", "R0", "χ measured", "model", "off by sd");
-        for r in residuals {
-            let [r0, chi] = [r.r0, r.computed].map(|v| or_dash(v.map(|v| format!("{v:.3}"))));
-            let off = or_dash(r.residual.map(|v| format!("{v:+.2}")));
-            let measured = format!("{:.3} ± {:.3}", r.measured, r.sd);
-            let _ = writeln!(out, "{:<8} {r0:>8} {measured:>18} {chi:>8} {off:>10}", r.cell);
-        }
+    let row = |r: &ChiResidual| {
+        let [r0, chi] = [r.r0, r.computed].map(|v| or_dash(v.map(|v| format!("{v:.3}"))));
+        let off = or_dash(r.residual.map(|v| format!("{v:+.2}")));
+        let measured = format!("{:.3} ± {:.3}", r.measured, r.sd);
+        format!("{:<8} {r0:>8} {measured:>18} {chi:>8} {off:>10}\n", r.cell)
+    };
+    let table = |residuals: &[ChiResidual]| -> String {
+        let heading = "cell           R0         χ measured    model  off by sd\n".to_owned();
+        [heading].into_iter().chain(residuals.iter().map(row)).collect()
     };
     let _ = writeln!(out, "\nχ² = {:.2} over {} divisions", found.chi_squared, found.residuals.len());
-    table(&mut out, &found.residuals);
+    out += &table(&found.residuals);
     match &found.combinations {
         None => out += "\nsensitivities skipped (not smooth)\n",
         Some(combinations) => {
             out += "\nstandard deviations of χ per unit step (by logarithm, or in u), by combination:\n";
             for held in combinations {
-                let parts: Vec<String> =
-                    held.components.iter().zip(&found.numbers).map(|(x, n)| format!("{x:+.3} {}", n.name)).collect();
+                let parts = held.components.iter().zip(&found.numbers).map(|(x, n)| format!("{x:+.3} {}", n.name));
+                let parts = parts.collect::<Vec<_>>().join(" ");
                 let open = if held.determined { "" } else { "  (undetermined)" };
-                let _ = writeln!(out, "{:>10.2}  {}{open}", held.singular_value, parts.join(" "));
+                let _ = writeln!(out, "{:>10.2}  {parts}{open}", held.singular_value);
             }
         }
     }
     if !found.out_of_sample.is_empty() {
-        let _ = writeln!(out, "\n{out_of_sample}, predicted:");
-        table(&mut out, &found.out_of_sample);
+        let _ = write!(out, "\n{out_of_sample}, predicted:\n{}", table(&found.out_of_sample));
     }
-    out.push('\n');
-    out
+    out + "\n"
 }

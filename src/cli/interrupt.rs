@@ -4,7 +4,6 @@ use super::error::CliError;
 use super::output::eprint;
 use furrow_formats::write_atomically;
 use std::path::Path;
-use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Set by Ctrl-C.
@@ -14,12 +13,9 @@ static FINISH: AtomicBool = AtomicBool::new(false);
 
 /// Starts to listen. Until [`finish`] is called Ctrl-C stops the command at once: it has nothing to keep.
 pub fn listen() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
-        if let Err(error) = ctrlc::set_handler(interrupt) {
-            tracing::debug!("Ctrl-C will stop without a message: {error}");
-        }
-    });
+    if let Err(error) = ctrlc::set_handler(interrupt) {
+        tracing::debug!("Ctrl-C will stop without a message: {error}");
+    }
 }
 
 /// From now on the first Ctrl-C only sets [`flag`]: divisions that have begun are finished and kept.

@@ -1,11 +1,13 @@
 //! `furrow merge`: the parts of a sweep put together.
 
-use std::path::Path;
-
 use super::context::{Globals, start_logs};
-use super::output::writable_folder;
-use super::prelude::*;
+use super::error::CliError;
+use super::output::{print_as, writable_folder};
+use clap::Args;
 use furrow_analysis::sweep_files::{SWEEP_FILES, merge};
+use furrow_input::InputError;
+use serde_json::json;
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -21,31 +23,19 @@ pub struct MergeArgs {
     out: PathBuf,
 }
 
-/// What `--json` prints: as of a sweep without anything new to solve.
-#[derive(Serialize)]
-struct Answer {
-    points: usize,
-    solved: usize,
-    reused: usize,
-    parts: usize,
-    out: String,
-}
-
 pub fn run(args: &MergeArgs, globals: &Globals) -> Result<(), CliError> {
     start_logs(globals);
     // The merged files would overwrite the part.
     let same = |a: &Path, b: &Path| a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b));
-    if let Some(part) = args.parts.iter().find(|part| same(part, &args.out)) {
+    for part in &args.parts {
         let allowed = "another folder than those of the parts";
-        return Err(InputError::not_allowed("--out", "out", format!("{part:?}"), allowed).into());
+        InputError::require(!same(part, &args.out), "--out", "out", format!("{part:?}"), allowed)?;
     }
     writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
     let table = merge(&args.parts)?;
     table.write(&args.out)?;
-    let points = table.rows.len();
-    let document =
-        Answer { points, solved: 0, reused: points, parts: args.parts.len(), out: args.out.display().to_string() };
-    print_as(globals.json, &document, || {
-        format!("{points} points of {} parts; files in {}\n", document.parts, document.out)
-    })
+    let (points, parts, out) = (table.rows.len(), args.parts.len(), args.out.display().to_string());
+    // As of a sweep without anything new to solve.
+    let document = json!({ "points": points, "solved": 0, "reused": points, "parts": parts, "out": out });
+    print_as(globals.json, &document, || format!("{points} points of {parts} parts; files in {out}\n"))
 }

@@ -17,12 +17,10 @@ mod fit;
 mod interrupt;
 mod merge;
 mod new_lineage;
-mod number;
 mod output;
 mod phase;
 mod picture;
 mod pitchfork;
-mod prelude;
 mod progress;
 mod reproduce;
 mod steady;
@@ -169,10 +167,10 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Fit(args) => fit::run(&args, &Context::new(&cli.globals)?),
         Command::Compare(args) => compare::run(&args, &Context::new(&cli.globals)?),
         Command::Phase(args) => phase::run(&args, Context::new(&cli.globals)?),
-        Command::Sweep(args) => sweep::run(&args, &Context::new(&cli.globals)?, &cli.globals),
+        Command::Sweep(args) => sweep::run(&args, &Context::new(&cli.globals)?),
         Command::Merge(args) => merge::run(&args, &cli.globals),
         Command::Export(args) => export::run(&args, &cli.globals),
-        Command::Reproduce(args) => reproduce::run(&args, &Context::new(&cli.globals)?, &cli.globals),
+        Command::Reproduce(args) => reproduce::run(&args, &Context::new(&cli.globals)?),
         Command::Explore(args) => explore::run(&args, &Context::new(&cli.globals)?),
         Command::NewLineage(args) => new_lineage::run(&args),
         Command::Cache(args) => cache::run(&args, &cli.globals),

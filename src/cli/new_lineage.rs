@@ -1,9 +1,12 @@
 //! `furrow new-lineage`: a lineage file to begin with.
 
+use super::error::CliError;
 use super::output::print;
-use super::prelude::*;
+use clap::Args;
 use furrow_formats::write_atomically;
+use furrow_input::InputError;
 use furrow_lineage::TEMPLATE;
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub struct NewLineageArgs {
@@ -13,10 +16,8 @@ pub struct NewLineageArgs {
 }
 
 pub fn run(args: &NewLineageArgs) -> Result<(), CliError> {
-    if args.file.symlink_metadata().is_ok() {
-        let name = format!("{:?}", args.file.display().to_string());
-        return Err(InputError::not_allowed("new-lineage", "FILE.ron", name, "a file that does not exist yet").into());
-    }
+    let (new, name) = (args.file.symlink_metadata().is_err(), format!("{:?}", args.file.display().to_string()));
+    InputError::require(new, "new-lineage", "FILE.ron", name, "a file that does not exist yet")?;
     write_atomically(&args.file, TEMPLATE.as_bytes())?;
     let file = args.file.display();
     print(&format!("{file} written; change it, then: furrow tree {file}\n"))

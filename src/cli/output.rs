@@ -1,4 +1,4 @@
-//! The two streams of the command, and its files. If stdout cannot be written, the command fails; messages that stderr cannot take are lost.
+//! The two streams of the command, its files, and numbers of its options. If stdout cannot be written, the command fails; messages that stderr cannot take are lost.
 
 use super::error::CliError;
 use furrow_analysis::Row;
@@ -13,16 +13,28 @@ use std::path::Path;
 /// Records as CSV under a header: lists in its order, or objects with its names as in `--json`, whose missing fields stay empty.
 pub fn csv_of<T: Serialize>(header: &str, records: impl IntoIterator<Item = T>) -> Result<Vec<u8>, CliError> {
     let names: Vec<String> = header.split(',').map(str::to_owned).collect();
-    let mut rows = Vec::new();
-    for (index, record) in records.into_iter().enumerate() {
+    let row = |(index, record): (usize, T)| {
         let record = serde_json::to_value(record)?;
-        let cell = |(k, name): (usize, &String)| match record.get(name).or_else(|| record.get(k)) {
-            Some(Value::Bool(yes)) => Value::from(yes.to_string()),
-            cell => cell.cloned().unwrap_or(Value::Null),
-        };
-        rows.push(Row { index, cells: names.iter().enumerate().map(cell).collect(), why: None });
+        let cell =
+            |(k, name): (usize, &String)| record.get(name).or_else(|| record.get(k)).cloned().unwrap_or_default();
+        Ok(Row { index, cells: names.iter().enumerate().map(cell).collect(), why: None })
+    };
+    let rows = records.into_iter().enumerate().map(row).collect::<Result<Vec<_>, CliError>>()?;
+    Ok(csv_text(&names, &rows).into_bytes())
+}
+
+/// An object without its fields that are null.
+pub fn filled(mut object: Value) -> Value {
+    object.as_object_mut().into_iter().for_each(|fields| fields.retain(|_, value| !value.is_null()));
+    object
+}
+
+/// An object with the fields of another behind its own.
+pub fn merged(mut object: Value, other: Value) -> Value {
+    if let (Some(fields), Value::Object(other)) = (object.as_object_mut(), other) {
+        fields.extend(other);
     }
-    Ok(csv_text(&names, &rows)?)
+    object
 }
 
 /// A document as indented JSON, with a final newline.
@@ -90,4 +102,12 @@ fn not_writable(option: &str, given: &Path, allowed: &str, error: &WriteError) -
     let within = if Path::new(&error.path) == given { String::new() } else { format!("{}: ", error.path) };
     let allowed = format!("{allowed} ({within}{})", error.source);
     InputError::not_allowed(option, option.trim_start_matches('-'), format!("{given:?}"), allowed)
+}
+
+/// Reads the number of an option.
+///
+/// # Errors
+/// Says what is allowed; clap adds the option and the value.
+pub fn number(text: &str) -> Result<f64, String> {
+    text.trim().parse().map_err(|_| "must be a number, as 0.87 or 1e-3".to_owned())
 }

@@ -1,18 +1,23 @@
 //! `furrow phase`: outcomes over a plane of one parameter and activity.
 
-use super::context::warn_of_store;
+use super::context::{Context, warn_of_store};
+use super::error::CliError;
 use super::interrupt;
-use super::prelude::*;
+use super::output::{number, print_as};
+use super::picture::PlotArgs;
 use super::progress::ProgressLine;
 use super::vary::{Varied, VaryArgs};
+use clap::Args;
 use furrow_analysis::Edges;
-use furrow_cell::{Cue, Parameter};
+use furrow_cell::Parameter;
 use furrow_figures::plot;
-use furrow_lineage::batch::phase::{Column, PhaseCell, PhaseOutcome, spaced};
+use furrow_input::InputError;
+use furrow_lineage::batch::phase::{PhaseOutcome, spaced};
 use furrow_lineage::batch::{PhaseDiagram, PhasePlane};
-use furrow_mechanics::equilibria::PointKind;
 use furrow_mechanics::equilibria::at_rest::Edge;
-use furrow_mechanics::equilibria::curves;
+use furrow_mechanics::equilibria::{PointKind, curves};
+use serde_json::json;
+use std::fmt::Write;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -42,20 +47,10 @@ pub struct PhaseArgs {
     plot: PlotArgs,
 }
 
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Answer<'a> {
-    vary: String,
-    cue: &'a Cue,
-    cells: &'a [PhaseCell],
-    columns: &'a [Column],
-}
-
 pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
     for (option, value) in [("--xi-from", args.xi_from), ("--xi-to", args.xi_to)] {
-        if !(value.is_finite() && value >= 0.0) {
-            return Err(InputError::not_allowed(option, "xi_s", value, "a finite number, 0 or above").into());
-        }
+        let fine = value.is_finite() && value >= 0.0;
+        InputError::require(fine, option, "xi_s", value, "a finite number, 0 or above")?;
     }
     let Varied { cell, parameter, range } = args.vary.read(&mut context)?;
     context.settings.check_divisions("settings")?;
@@ -70,8 +65,8 @@ pub fn run(args: &PhaseArgs, mut context: Context) -> Result<(), CliError> {
     };
     let diagram = solve(&context, &plane)?;
     picture.write(|| plot::phase::draw(&plane, &diagram, &edges(&plane, range)))?;
-    let PhaseDiagram { cells, columns, .. } = &diagram;
-    let document = Answer { vary: parameter.to_string(), cue: &plane.cell.cue, cells, columns };
+    let (vary, cue) = (parameter.to_string(), &plane.cell.cue);
+    let document = json!({ "vary": vary, "cue": cue, "cells": diagram.cells, "columns": diagram.columns });
     print_as(context.json, &document, || text(&plane, &diagram))
 }
 
@@ -120,22 +115,19 @@ fn solve(context: &Context, plane: &PhasePlane) -> Result<PhaseDiagram, CliError
 }
 
 fn text(plane: &PhasePlane, diagram: &PhaseDiagram) -> String {
-    let mut out = String::new();
     let name = match plane.parameter {
         Parameter::R0 => "R0".to_owned(),
         Parameter::Epsilon => "ε".to_owned(),
         other => other.to_string(),
     };
-    let _ = writeln!(out, "χ where the cell divides (0: equal daughters), - where it stays at rest, ? undecided");
-    let _ = write!(out, "{:>9}", "ξ_s");
-    for column in &diagram.columns {
-        let _ = write!(out, " {:>8}", format!("{:.4}", column.x));
-    }
-    let _ = writeln!(out, "  {name}");
+    let across: String = diagram.columns.iter().map(|column| format!(" {:>8.4}", column.x)).collect();
+    let mut out = format!(
+        "χ where the cell divides (0: equal daughters), - where it stays at rest, ? undecided\n{:>9}{across}  {name}\n",
+        "ξ_s"
+    );
     for (row, xi_s) in plane.up.iter().enumerate().rev() {
         let _ = write!(out, "{xi_s:>9.4}");
-        for k in 0..diagram.columns.len() {
-            let cell = &diagram.cells[k * plane.up.len() + row];
+        for cell in diagram.cells.iter().skip(row).step_by(plane.up.len()) {
             let shown = match (cell.outcome, cell.chi) {
                 (PhaseOutcome::Symmetric, _) => "0".to_owned(),
                 (_, Some(chi)) => format!("{chi:.3}"),
@@ -144,19 +136,19 @@ fn text(plane: &PhasePlane, diagram: &PhaseDiagram) -> String {
             };
             let _ = write!(out, " {shown:>8}");
         }
-        let _ = writeln!(out);
+        out.push('\n');
     }
-    let _ = writeln!(out, "edges of the stable shapes (pitchfork P, fold F):");
+    out += "edges of the stable shapes (pitchfork P, fold F):\n";
     for column in &diagram.columns {
         let edge = |edge: &Edge| {
             let kind = if matches!(edge, Edge::Pitchfork { .. }) { 'P' } else { 'F' };
             format!("{kind} {:.4}", edge.xi_s())
         };
-        let mut edges: Vec<String> = column.edges.iter().map(edge).collect();
-        if edges.is_empty() {
-            edges.push("none in this range of ξ_s".to_owned());
-        }
-        let _ = writeln!(out, "{name} = {:.4}: {}", column.x, edges.join(", "));
+        let edges = match &column.edges[..] {
+            [] => "none in this range of ξ_s".to_owned(),
+            edges => edges.iter().map(edge).collect::<Vec<_>>().join(", "),
+        };
+        let _ = writeln!(out, "{name} = {:.4}: {edges}", column.x);
     }
     out
 }

@@ -1,10 +1,15 @@
 //! `furrow pitchfork`: the threshold of asymmetry of one cell.
 
 use super::cell::CellArgs;
-use super::prelude::*;
-use furrow_cell::Cue;
+use super::cell::positive;
+use super::context::Context;
+use super::error::CliError;
+use super::output::{merged, number, print_as};
+use clap::Args;
+use furrow_cell::Cell;
 use furrow_mechanics::equilibria::{BranchOptions, pitchfork};
-use furrow_report::ThresholdReport;
+use furrow_report::threshold_report;
+use serde_json::json;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -19,28 +24,21 @@ pub struct PitchforkArgs {
     xi_max: f64,
 }
 
-/// What `--json` prints; lengths in L_h, activities in κ0/L_h.
-#[derive(Serialize)]
-struct Answer {
-    r0: f64,
-    epsilon: f64,
-    cue: Cue,
-    #[serde(flatten)]
-    found: ThresholdReport,
-}
-
 pub fn run(args: &PitchforkArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
     let xi_max = positive("--xi-max", args.xi_max)?;
     let options = BranchOptions { xi: [0.0, xi_max], ..BranchOptions::default() };
     let found = pitchfork::first(&cell, &context.settings.numerics, &options)?;
-    let document = Answer { r0: cell.r0, epsilon: cell.epsilon, cue: cell.cue, found: ThresholdReport::new(&found) };
+    let Cell { r0, epsilon, cue, .. } = &cell;
+    let document = merged(json!({ "r0": r0, "epsilon": epsilon, "cue": cue }), threshold_report(&found));
     print_as(context.json, &document, || {
-        let Answer { r0, epsilon, found, .. } = &document;
         format!(
             "R0 = {r0}, ε = {epsilon}: pitchfork at ξ_s* = {:.8} ({}), H = {:.6}\n\
              ξ_s = ξ_s* + c (u_furrow − ½)² with c = {:.4} on the asymmetric branch\n",
-            found.xi_s, found.criticality, found.H, found.coefficient
+            found.point.xi_s,
+            found.criticality(),
+            found.point.elongation,
+            found.coefficient
         )
     })
 }

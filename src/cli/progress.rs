@@ -25,12 +25,8 @@ impl ProgressLine {
 
     /// Shows where the run stands.
     pub fn show(&self, progress: Progress) {
-        if !self.bar.is_hidden() {
-            let Progress { solved, running, queued, memo_hits } = progress;
-            self.bar.set_message(format!(
-                "{solved} divisions solved, {running} running, {queued} waiting, {memo_hits} memo hits"
-            ));
-        }
+        let Progress { solved, running, queued, memo_hits } = progress;
+        self.message(format!("{solved} divisions solved, {running} running, {queued} waiting, {memo_hits} memo hits"));
     }
 
     /// Shows a message.

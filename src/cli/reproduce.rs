@@ -1,22 +1,21 @@
 //! `furrow reproduce`: the paper's statements beside computed values.
 
-use std::time::Instant;
-
 use super::cell::one_of;
-use super::context::{Globals, warn_of_store};
+use super::context::{Context, Globals, warn_of_store};
+use super::error::CliError;
 use super::interrupt::{self, write_deferred};
-use super::output::{csv_of, print, to_json, writable_file, writable_folder};
-use super::prelude::*;
+use super::output::{csv_of, filled, print, to_json, writable_file, writable_folder};
 use super::progress::ProgressLine;
-use furrow_analysis::reproduce::paper::selected;
-use furrow_analysis::reproduce::{
-    self, Artifact, Item, NamedArtifact, ReproduceError, Reproduction, Verdict, reproduce,
-};
+use clap::Args;
+use furrow_analysis::reproduce::{self, Artifact, NamedArtifact, ReproduceError, Verdict, paper::selected, reproduce};
 use furrow_analysis::table::csv_text;
 use furrow_figures::drawing::Format;
-use furrow_figures::plot::reproduction::draw;
+use furrow_figures::plot;
 use furrow_formats::files::FileSet;
 use furrow_report::reproduction::{markdown, text};
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Instant;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -48,20 +47,7 @@ const HEADER: &str = "figure,id,quantity,paper,computed,published_scheme,rel_err
 /// Files other than pictures and tables of panels.
 const FILES: [&str; 3] = ["reproduction.md", "reproduce.json", "results.csv"];
 
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Answer<'a> {
-    constants: &'a str,
-    items: &'a [Item],
-    agrees: usize,
-    differs: usize,
-    not_pinned_down: usize,
-    elapsed_s: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    out: Option<String>,
-}
-
-pub fn run(args: &ReproduceArgs, context: &Context, globals: &Globals) -> Result<(), CliError> {
+pub fn run(args: &ReproduceArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
     interrupt::finish();
     let statements = selected(&args.figures)?;
@@ -86,16 +72,16 @@ pub fn run(args: &ReproduceArgs, context: &Context, globals: &Globals) -> Result
         _ => CliError::Interrupted,
     })?;
     warn_of_store(&found.warnings);
-    let constants = constants(globals);
-    let document = Answer {
-        constants: &constants,
-        items: &found.items,
-        agrees: found.count(Verdict::Agrees),
-        differs: found.count(Verdict::Differs),
-        not_pinned_down: found.count(Verdict::NotPinnedDown),
-        elapsed_s: start.elapsed().as_secs_f64(),
-        out: args.out.as_ref().map(|folder| folder.display().to_string()),
-    };
+    let constants = constants(&context.globals);
+    let document = filled(json!({
+        "constants": constants,
+        "items": found.items,
+        "agrees": found.count(Verdict::Agrees),
+        "differs": found.count(Verdict::Differs),
+        "not_pinned_down": found.count(Verdict::NotPinnedDown),
+        "elapsed_s": start.elapsed().as_secs_f64(),
+        "out": args.out.as_ref().map(|folder| folder.display().to_string()),
+    }));
     let json = to_json(&document)?;
     let page = markdown(&found, &constants);
     if let Some(file) = &args.table {
@@ -106,7 +92,15 @@ pub fn run(args: &ReproduceArgs, context: &Context, globals: &Globals) -> Result
         files.stage("reproduction.md", page.as_bytes())?;
         files.stage("reproduce.json", json.as_bytes())?;
         files.stage("results.csv", &csv_of(HEADER, &found.items)?)?;
-        pictures(&mut files, &found, args.format)?;
+        // A picture of every panel, and a table of those that are drawn from one.
+        let (extension, format) = args.format;
+        for panel in &found.panels {
+            let picture = plot::reproduction::draw(panel).bytes(format)?;
+            files.stage(&format!("{}.{extension}", panel.name), &picture)?;
+            if let Some(table) = table(panel)? {
+                files.stage(&format!("{}.csv", panel.name), &table)?;
+            }
+        }
         interrupt::defer(|| files.commit())?;
     }
     if context.json { print(&json) } else { print(&text(&found, &constants)) }
@@ -114,27 +108,15 @@ pub fn run(args: &ReproduceArgs, context: &Context, globals: &Globals) -> Result
 
 /// A name for the constants in use.
 fn constants(globals: &Globals) -> String {
-    let file = globals.config.as_ref().map(|_| "a configuration file".to_owned());
-    let parts: Vec<String> =
-        [globals.preset.clone()].into_iter().chain(file).chain(globals.set.iter().cloned()).collect();
-    parts.join(", ")
-}
-
-/// A picture of every panel, and a table of those that are drawn from one.
-fn pictures(files: &mut FileSet, found: &Reproduction, (extension, format): (&str, Format)) -> Result<(), CliError> {
-    for panel in &found.panels {
-        files.stage(&format!("{}.{extension}", panel.name), &draw(panel).bytes(format)?)?;
-        if let Some(table) = table(panel)? {
-            files.stage(&format!("{}.csv", panel.name), &table)?;
-        }
-    }
-    Ok(())
+    let file = globals.config.iter().map(|_| "a configuration file");
+    let set = globals.set.iter().map(String::as_str);
+    [globals.preset.as_str()].into_iter().chain(file).chain(set).collect::<Vec<_>>().join(", ")
 }
 
 /// The table of a panel that is drawn from many cells.
 fn table(panel: &NamedArtifact) -> Result<Option<Vec<u8>>, CliError> {
     Ok(match &panel.artifact {
-        Artifact::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows)?),
+        Artifact::Sweep(sweep, rows) => Some(csv_text(&sweep.columns(), rows).into_bytes()),
         Artifact::Map(map) => Some(csv_of("x,xi_s,outcome,chi,by", &map.diagram.cells)?),
         Artifact::Perturbations(_, watched) => {
             let rows =

@@ -1,11 +1,15 @@
 //! `furrow steady`: one stationary shape and its stability.
 
 use super::cell::ActiveCellArgs;
-use super::prelude::*;
-use furrow_cell::Cue;
-use furrow_mechanics::equilibria::{StationaryShape, stationary};
-use furrow_mechanics::stability::Spectrum;
-use furrow_report::StationaryReport;
+use super::context::Context;
+use super::error::CliError;
+use super::output::{merged, print_as};
+use clap::Args;
+use furrow_cell::Cell;
+use furrow_mechanics::equilibria::stationary;
+use furrow_report::stationary_report;
+use serde_json::json;
+use std::fmt::Write;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -18,51 +22,27 @@ pub struct SteadyArgs {
     cell: ActiveCellArgs,
 }
 
-/// What `--json` prints; lengths in L_h, p in κ0/L_h³, growth rates in 1/τ.
-#[derive(Serialize)]
-struct Answer {
-    r0: f64,
-    epsilon: f64,
-    xi_s: f64,
-    cue: Cue,
-    #[serde(flatten)]
-    found: StationaryReport,
-}
-
 pub fn run(args: &SteadyArgs, mut context: Context) -> Result<(), CliError> {
     let cell = args.cell.read(&mut context)?;
     let shape = stationary(&cell, &context.settings.numerics)?;
     let spectrum = shape.spectrum()?;
-    let document = describe(&shape, &spectrum);
-    print_as(context.json, &document, || text(&document))
-}
-
-fn describe(shape: &StationaryShape, spectrum: &Spectrum) -> Answer {
-    let cell = &shape.cortex.cell;
-    Answer {
-        r0: cell.r0,
-        epsilon: cell.epsilon,
-        xi_s: cell.xi_s,
-        cue: cell.cue.clone(),
-        found: StationaryReport::new(shape, spectrum),
-    }
-}
-
-fn text(d: &Answer) -> String {
-    let mut out = String::new();
-    let found = &d.found;
-    let verdict = if found.stable { "stable" } else { "unstable" };
-    let _ = writeln!(out, "R0 = {}, ε = {}, ξ_s = {}: {verdict}", d.r0, d.epsilon, d.xi_s);
-    let _ =
-        writeln!(out, "L = {:.6}, p = {:.6}, H = {:.6}, equator radius {:.6}", found.L, found.p, found.H, found.r_eq);
-    let _ = writeln!(out, "growth rates (1/τ):");
-    for rate in &found.growth_rates {
-        let imaginary = if rate.im == 0.0 { String::new() } else { format!(" {:+.6}i", rate.im) };
-        let _ = writeln!(out, "  {:>14.6}{imaginary}  {}", rate.re, rate.parity);
-    }
-    if !found.folds_passed.is_empty() {
-        let folds: Vec<String> = found.folds_passed.iter().map(|x| format!("{x:.5}")).collect();
-        let _ = writeln!(out, "reached after folds at ξ_s = {}", folds.join(", "));
-    }
-    out
+    let Cell { r0, epsilon, xi_s, cue, .. } = &shape.cortex.cell;
+    let found = stationary_report(&shape, &spectrum);
+    let document = merged(json!({ "r0": r0, "epsilon": epsilon, "xi_s": xi_s, "cue": cue }), found);
+    print_as(context.json, &document, || {
+        let verdict = if spectrum.is_stable() { "stable" } else { "unstable" };
+        let mut out = format!("R0 = {r0}, ε = {epsilon}, ξ_s = {xi_s}: {verdict}\n");
+        let (l, p, h) = (shape.length(), shape.pressure(), shape.elongation());
+        let _ = writeln!(out, "L = {l:.6}, p = {p:.6}, H = {h:.6}, equator radius {:.6}", shape.equator_radius());
+        out += "growth rates (1/τ):\n";
+        for rate in &spectrum.values {
+            let imaginary = if rate.im == 0.0 { String::new() } else { format!(" {:+.6}i", rate.im) };
+            let _ = writeln!(out, "  {:>14.6}{imaginary}  {}", rate.re, format!("{:?}", rate.parity).to_lowercase());
+        }
+        if !shape.folds.is_empty() {
+            let folds: Vec<String> = shape.folds.iter().map(|x| format!("{x:.5}")).collect();
+            let _ = writeln!(out, "reached after folds at ξ_s = {}", folds.join(", "));
+        }
+        out
+    })
 }

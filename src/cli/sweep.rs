@@ -1,15 +1,20 @@
 //! `furrow sweep`: many divisions, trees, pitchforks or critical radii.
 
-use std::time::Instant;
-
-use super::context::{Globals, warn_of_store};
+use super::context::{Context, warn_of_store};
+use super::error::CliError;
 use super::interrupt;
-use super::output::writable_folder;
-use super::prelude::*;
+use super::output::{filled, print_as, writable_folder};
+use super::picture::PlotArgs;
 use super::progress::ProgressLine;
-use furrow_analysis::sweep_files::{SWEEP_FILES, SweepFilesError, SweepTable, open_journal};
+use clap::Args;
+use furrow_analysis::sweep_files::{SWEEP_FILES, SweepTable};
 use furrow_analysis::{Run, Shard, Sweep, SweepProgress};
 use furrow_cell::settings::Settings;
+use furrow_figures::plot;
+use furrow_formats::files::WriteError;
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Instant;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -30,26 +35,11 @@ pub struct SweepArgs {
     plot: PlotArgs,
 }
 
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Answer {
-    /// Points of the sweep, or of this part of it.
-    points: usize,
-    solved: usize,
-    reused: usize,
-    /// Points whose rows an interrupted run had finished.
-    resumed: usize,
-    undecided: usize,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    shard: Option<Shard>,
-    elapsed_s: f64,
-    out: String,
-}
-
-pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(), CliError> {
+pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
     interrupt::finish();
     // The sweep file overrides --config; --set overrides the sweep file.
+    let globals = &context.globals;
     let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &globals.set)?;
     writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
@@ -57,17 +47,12 @@ pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(),
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let show = |progress: SweepProgress| line.show_share(progress.done, progress.of);
-    let journal = open_journal(&sweep, memo.quantisation(), args.shard, &args.out)?;
-    let solved = Run {
-        shard: args.shard,
-        threads: context.threads,
-        journal: Some(&journal),
-        progress: &show,
-        ..Run::new(&sweep, &memo, interrupt::flag())
-    }
-    .solve();
+    let (shard, threads, quantisation) = (args.shard, context.threads, memo.quantisation());
+    let journal = SweepTable::new(&sweep, quantisation, shard, Vec::new()).open_journal(&args.out)?;
+    let all = Run::new(&sweep, &memo, interrupt::flag());
+    let found = Run { shard, threads, journal: Some(&journal), progress: &show, ..all }.solve();
     drop(line);
-    let found = solved?;
+    let mut found = found?;
     warn_of_store(&found.warnings);
     if found.interrupted {
         tracing::warn!("finished rows are kept in {}; the same command resumes the sweep", args.out.display());
@@ -75,35 +60,28 @@ pub fn run(args: &SweepArgs, context: &Context, globals: &Globals) -> Result<(),
     }
     let undecided = found.undecided().count();
     if let Some(first) = found.undecided().next() {
-        let (of, why) = (found.rows.len(), first.why.as_deref().unwrap_or_default());
-        let index = first.index;
+        let (of, index, why) = (found.rows.len(), first.index, first.why.as_deref().unwrap_or_default());
         tracing::warn!(
             "{undecided} of {of} points are undecided, wholly or in part; the first has index {index}: {why}"
         );
     }
-    let table = SweepTable::new(&sweep, memo.quantisation(), args.shard, found.rows)?;
+    let table = SweepTable::new(&sweep, quantisation, shard, std::mem::take(&mut found.rows));
     interrupt::defer(|| {
         table.write(&args.out)?;
-        if let Err(error) = journal.finish() {
-            tracing::warn!("the file of finished rows: {error}");
-        }
-        Ok::<_, SweepFilesError>(())
+        journal.finish().unwrap_or_else(|error| tracing::warn!("the file of finished rows: {error}"));
+        Ok::<_, WriteError>(())
     })?;
-    picture.write(|| furrow_figures::plot::sweep::draw(&sweep, &table.rows))?;
-    let document = Answer {
-        points: table.rows.len(),
-        solved: found.solved,
-        reused: found.reused,
-        resumed: found.resumed,
-        undecided,
-        shard: args.shard,
-        elapsed_s: start.elapsed().as_secs_f64(),
-        out: args.out.display().to_string(),
-    };
-    print_as(context.json, &document, || {
+    picture.write(|| plot::sweep::draw(&sweep, &table.rows))?;
+    let (points, elapsed_s, out) = (table.rows.len(), start.elapsed().as_secs_f64(), args.out.display().to_string());
+    // Points are those of this part of the sweep, resumed ones those whose rows an interrupted run had finished.
+    let document = json!({
+        "points": points, "solved": found.solved, "reused": found.reused, "resumed": found.resumed,
+        "undecided": undecided, "shard": args.shard, "elapsed_s": elapsed_s, "out": out,
+    });
+    print_as(context.json, &filled(document), || {
         let part = args.shard.map_or(String::new(), |shard| format!(" of part {shard}"));
-        let Answer { points, solved, reused, resumed, elapsed_s, out, .. } = &document;
-        let resumed = if *resumed > 0 { format!(", {resumed} resumed") } else { String::new() };
-        format!("{points} points{part}: {solved} solved, {reused} reused{resumed}, {elapsed_s:.2} s; files in {out}\n")
+        let resumed = if found.resumed > 0 { format!(", {} resumed", found.resumed) } else { String::new() };
+        let counts = format!("{points} points{part}: {} solved, {} reused{resumed}", found.solved, found.reused);
+        format!("{counts}, {elapsed_s:.2} s; files in {out}\n")
     })
 }

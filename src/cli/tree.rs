@@ -1,24 +1,29 @@
 //! `furrow tree`: one lineage, or several lineages and cues side by side.
 
 use super::cell::FirstCellArgs;
-use super::context::warn_of_store;
+use super::context::{Context, warn_of_store};
+use super::error::CliError;
 use super::interrupt;
-use super::output::{to_json, writable_folder};
-use super::prelude::*;
+use super::output::{filled, merged, print_as, to_json, writable_folder};
+use super::picture::PlotArgs;
 use super::progress::ProgressLine;
+use clap::Args;
 use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
-use furrow_analysis::{self as study, Grown, scenarios_csv, tree_settings};
-use furrow_cell::{Cue, CueError};
+use furrow_analysis::tree_settings;
+use furrow_analysis::{self as study, Grown, scenarios_csv};
+use furrow_cell::Cue;
+use furrow_cell::CueError;
 use furrow_figures::plot::rounds;
 use furrow_formats::files::FileSet;
-use furrow_formats::tree_to_json;
-use furrow_formats::{FounderRow, Provenance, founder_rows, newick};
-use furrow_lineage::batch::Summary;
-use furrow_lineage::batch::scheduler::workers;
-use furrow_lineage::{Lineage, TerminalReason, Tree, TreeSettings};
+use furrow_formats::{Provenance, founder_rows, newick, tree_to_json};
+use furrow_input::InputError;
+use furrow_lineage::TerminalReason;
+use furrow_lineage::batch::{Summary, scheduler::workers};
+use furrow_lineage::{Lineage, Tree, TreeSettings};
 use furrow_mechanics::equilibria::ShapeError;
 use furrow_report as report;
-use std::path::Path;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 #[derive(Debug, Args)]
@@ -66,138 +71,67 @@ const SCENARIO_FILES: [&str; 3] = ["tree.nwk", "tree.json", "tree.svg"];
 /// The files beside the scenarios' folders.
 const SCENARIOS_FILES: [&str; 3] = ["scenarios.csv", "report.html", "run.json"];
 
-/// What `--json` prints: of a single tree its counts, of several the scenarios.
-#[derive(Serialize)]
-struct Answer<'a> {
-    #[serde(flatten)]
-    tree: Option<TreeCounts>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    scenarios: Vec<ScenarioCounts<'a>>,
-    divisions_solved: usize,
-    memo_hits: usize,
-    elapsed_s: f64,
-    out: String,
+/// The counts of a tree in `--json`.
+fn tree_counts(tree: &Tree) -> Value {
+    let report::TreeSummary { generations, ended, slow, .. } = report::TreeSummary::of(tree);
+    json!({
+        "founders": founder_rows(tree), "cells": tree.len(), "generations": generations.len(), "ended": ended,
+        "slow_cells": slow,
+    })
 }
 
-#[derive(Serialize)]
-struct TreeCounts {
-    founders: Vec<FounderRow>,
-    cells: usize,
-    generations: usize,
-    ended: std::collections::BTreeMap<&'static str, usize>,
-    slow_cells: usize,
+/// Those of a scenario; `cue` is as it was asked for, null where the lineage's own cues are in force.
+fn scenario_counts((scenario, tree): (&Scenario, &Tree)) -> Value {
+    let Scenario { name, label, cue, .. } = scenario;
+    merged(json!({ "name": name, "lineage": label, "cue": cue }), tree_counts(tree))
 }
 
-#[derive(Serialize)]
-struct ScenarioCounts<'a> {
-    name: &'a str,
-    lineage: &'a str,
-    /// As it was asked for; null where the lineage's own cues are in force.
-    cue: Option<&'a str>,
-    #[serde(flatten)]
-    tree: TreeCounts,
-}
-
-impl TreeCounts {
-    fn of(tree: &Tree) -> TreeCounts {
-        let report::TreeSummary { generations, ended, slow, .. } = report::TreeSummary::of(tree);
-        let (founders, generations) = (founder_rows(tree), generations.len());
-        TreeCounts { founders, cells: tree.len(), generations, ended, slow_cells: slow }
-    }
-}
-
-impl ScenarioCounts<'_> {
-    fn of<'a>((scenario, tree): (&'a Scenario, &Tree)) -> ScenarioCounts<'a> {
-        let Scenario { name, label: lineage, cue, .. } = scenario;
-        ScenarioCounts { name, lineage, cue: cue.as_deref(), tree: TreeCounts::of(tree) }
-    }
-}
-
-/// `run.json`: what this run did; it differs between runs.
-#[derive(Serialize)]
-struct RunRecord<'a> {
-    schema: &'static str,
-    schema_version: u32,
-    provenance: Provenance,
-    elapsed_s: f64,
-    threads: usize,
-    /// Whether every cell's division was computed.
-    dynamics: bool,
-    /// Names of the scenarios, which are those of their folders; nothing of a tree by itself.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    scenarios: Option<Vec<&'a str>>,
-    cells: usize,
-    divisions_solved: usize,
-    memo_hits: usize,
-    store_hits: usize,
-    corrupt_entries: usize,
-    quantisation: QuantisationRecord,
-    warnings: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct QuantisationRecord {
-    /// Relative step of R0.
-    r0_step: f64,
-    /// Largest relative shift of a cell's R0.
-    max_r0_shift: f64,
-    /// Estimated largest effect of it on χ.
-    chi_effect: f64,
-}
-
-impl<'a> RunRecord<'a> {
-    /// Of a run that was begun at `start` and has grown so many cells.
-    fn of(
-        args: &TreeArgs,
-        context: &Context,
-        summary: &Summary,
-        start: Instant,
-        cells: usize,
-        scenarios: Option<Vec<&'a str>>,
-    ) -> RunRecord<'a> {
-        RunRecord {
-            schema: if scenarios.is_some() { "furrow.scenarios" } else { "furrow.run" },
-            schema_version: 1,
-            provenance: Provenance::current(),
-            elapsed_s: start.elapsed().as_secs_f64(),
-            threads: workers(context.threads),
-            dynamics: args.dynamics,
-            scenarios,
-            cells,
-            divisions_solved: summary.solved,
-            memo_hits: summary.memo_hits,
-            store_hits: summary.store_hits,
-            corrupt_entries: summary.corrupt,
-            quantisation: QuantisationRecord {
-                r0_step: context.quantisation.relative_step(),
-                max_r0_shift: summary.max_size_shift,
-                chi_effect: summary.shift_effect,
-            },
-            warnings: summary.warnings.iter().map(ToString::to_string).collect(),
-        }
-    }
+/// `run.json`: what this run did; it differs between runs. With the names of scenarios, which are those of their folders; without
+/// for a tree by itself.
+fn run_record(args: &TreeArgs, context: &Context, grown: &Grown, start: Instant, names: Option<Vec<&str>>) -> Value {
+    let Summary { solved, memo_hits, store_hits, corrupt, max_size_shift, shift_effect, warnings, .. } = &grown.summary;
+    filled(json!({
+        "schema": if names.is_some() { "furrow.scenarios" } else { "furrow.run" },
+        "schema_version": 1,
+        "provenance": Provenance::current(),
+        "elapsed_s": start.elapsed().as_secs_f64(),
+        "threads": workers(context.threads),
+        "dynamics": args.dynamics,
+        "scenarios": names,
+        "cells": grown.trees.iter().map(Tree::len).sum::<usize>(),
+        "divisions_solved": solved,
+        "memo_hits": memo_hits,
+        "store_hits": store_hits,
+        "corrupt_entries": corrupt,
+        // Relative step of R0, the largest relative shift of a cell's, and the estimated largest effect of it on χ.
+        "quantisation": {
+            "r0_step": context.quantisation.relative_step(), "max_r0_shift": max_size_shift, "chi_effect": shift_effect,
+        },
+        "warnings": warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+    }))
 }
 
 pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let start = Instant::now();
     interrupt::finish();
     let several = args.lineage.len() > 1 || args.cue.len() > 1;
-    if let (true, Some(file)) = (several, &args.constants) {
+    for file in args.constants.iter() {
         let allowed = "given with one lineage and at most one --cue";
-        return Err(InputError::not_allowed("--constants", "constants", format!("{file:?}"), allowed).into());
+        InputError::require(!several, "--constants", "constants", format!("{file:?}"), allowed)?;
     }
     let picture = args.plot.file()?;
     let scenarios = if several { combined(args, context)? } else { vec![single(args, context)?] };
-    if let (Some(file), [Scenario { lineage, settings, .. }]) = (&args.constants, &scenarios[..]) {
-        return super::ensemble::grow_over(file, lineage, settings, context, &picture);
+    if let (Some(file), [scenario]) = (&args.constants, &scenarios[..]) {
+        return super::ensemble::grow_over(file, scenario, context, &picture);
     }
     writable_folder("--out", args.out.as_path(), if several { &SCENARIOS_FILES[..] } else { &TREE_FILES })?;
     for scenario in scenarios.iter().filter(|_| several) {
         writable_folder("--out", args.out.join(&scenario.name).as_path(), &SCENARIO_FILES)?;
     }
-    let Grown { trees, summary, .. } = grown(&scenarios, args.dynamics, context)?;
+    let grown = grown(&scenarios, args.dynamics, context)?;
+    let trees = &grown.trees;
     let mut files = FileSet::new(&args.out);
-    for (Scenario { name, .. }, tree) in scenarios.iter().zip(&trees) {
+    for (Scenario { name, .. }, tree) in scenarios.iter().zip(trees) {
         let [nwk, json, svg] =
             SCENARIO_FILES.map(|file| if several { format!("{name}/{file}") } else { file.to_owned() });
         files.stage(&nwk, newick(tree).as_bytes())?;
@@ -205,18 +139,17 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         files.stage(&svg, report::svg(tree).as_bytes())?;
     }
     let names: Vec<&str> = scenarios.iter().map(|scenario| scenario.name.as_str()).collect();
-    let named: Vec<(&str, &Tree)> = names.iter().copied().zip(&trees).collect();
+    let named: Vec<(&str, &Tree)> = names.iter().copied().zip(trees).collect();
     let only = trees.first().filter(|_| !several);
     let page = match only {
         Some(tree) => report::html(tree, &founder_rows(tree)),
         None => {
-            files.stage("scenarios.csv", scenarios_csv(&scenarios, &trees).as_bytes())?;
-            report::scenarios_page(&scenarios, &trees)
+            files.stage("scenarios.csv", scenarios_csv(&scenarios, trees).as_bytes())?;
+            report::scenarios_page(&scenarios, trees)
         }
     };
     files.stage("report.html", page.as_bytes())?;
-    let cells = trees.iter().map(Tree::len).sum();
-    let record = RunRecord::of(args, context, &summary, start, cells, several.then_some(names));
+    let record = run_record(args, context, &grown, start, several.then_some(names));
     files.stage("run.json", to_json(&record)?.as_bytes())?;
     files.commit()?;
     let drawing = || match only {
@@ -226,21 +159,18 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     if let Some(drawing) = picture.is_wanted().then(drawing).flatten() {
         picture.write(|| drawing)?;
     }
-    let document = Answer {
-        tree: only.map(TreeCounts::of),
-        scenarios: scenarios.iter().zip(&trees).filter(|_| several).map(ScenarioCounts::of).collect(),
-        divisions_solved: summary.solved,
-        memo_hits: summary.memo_hits,
-        elapsed_s: start.elapsed().as_secs_f64(),
-        out: args.out.display().to_string(),
-    };
-    print_as(context.json, &document, || {
+    let (solved, hits, elapsed_s) = (grown.summary.solved, grown.summary.memo_hits, start.elapsed().as_secs_f64());
+    let out = args.out.display().to_string();
+    // Of a single tree its counts, of several the scenarios.
+    let counts = || scenarios.iter().zip(trees).map(scenario_counts).collect::<Vec<_>>();
+    let counts = only.map_or_else(|| json!({ "scenarios": counts() }), tree_counts);
+    let ran = json!({ "divisions_solved": solved, "memo_hits": hits, "elapsed_s": elapsed_s, "out": out });
+    print_as(context.json, &merged(counts, ran), || {
         let table = match only {
             Some(tree) => report::founders_table(tree, &founder_rows(tree)),
-            None => report::scenarios_table(&scenarios, &trees),
+            None => report::scenarios_table(&scenarios, trees),
         };
-        let Answer { divisions_solved, memo_hits, elapsed_s, out, .. } = &document;
-        format!("{table}{divisions_solved} divisions solved, {memo_hits} memo hits, {elapsed_s:.2} s; files in {out}\n")
+        format!("{table}{solved} divisions solved, {hits} memo hits, {elapsed_s:.2} s; files in {out}\n")
     })
 }
 
@@ -335,17 +265,14 @@ fn warn_of_undecided(tree: &Tree, scenario: &str) {
 
 /// Logs cues without a critical radius; one warning names those whose search was given up.
 fn warn_of_searches(unknown: &[(Cue, ShapeError)]) {
-    let mut given_up = Vec::new();
     for (cue, error) in unknown {
-        if let ShapeError::OutOfBudget { .. } = error {
-            given_up.push(cue.to_string());
-        }
         tracing::info!("no critical radius for cells with the cue {cue}, whose divisions tell instead: {error}");
     }
+    let given_up = unknown.iter().filter(|(_, error)| matches!(error, ShapeError::OutOfBudget { .. }));
+    let given_up = given_up.map(|(cue, _)| cue.to_string()).collect::<Vec<_>>().join(" and ");
     if !given_up.is_empty() {
         tracing::warn!(
-            "the search for a critical radius was given up for cells with the cue {}: all their divisions are computed",
-            given_up.join(" and ")
+            "the search for a critical radius was given up for cells with the cue {given_up}: all their divisions are computed"
         );
     }
 }

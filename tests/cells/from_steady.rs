@@ -5,8 +5,6 @@ use furrow_cell::{Cell, Numerics};
 use furrow_mechanics::division::{DivisionInput, Outcome};
 use furrow_mechanics::perturbation::{Perturbation, perturbed};
 
-use crate::common::command::{HERE, answer};
-
 const GERMLINE: &str = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1";
 
 fn at(r0: f64, xi_s: f64) -> DivisionInput {
@@ -82,26 +80,4 @@ fn it_is_watched_to_the_end() {
     assert!((found.division.growth_rate().unwrap() - found.start_growth_rate).abs() < 1e-3);
     // Off the centre by now, and still on its way.
     assert!(perturbed(&at(2.0, 23.0), 45.0).unwrap().division.growth_rate().is_none());
-}
-
-#[test]
-fn the_answer_has_what_a_division_has_and_distances() {
-    let run = |threads: &str| {
-        let arguments =
-            ["divide", "--r0", "2", "--xi", "26", "--from-steady", "--replicates", "3", "--no-cache", "--json"];
-        answer(HERE, &[&arguments[..], &["--threads", threads]].concat())
-    };
-    let said = run("2");
-    assert_eq!(said, run("1"));
-    let json: serde_json::Value = serde_json::from_str(&said).unwrap();
-    for key in ["outcome", "chi", "u_furrow", "t_end", "daughters", "steps", "newton_iterations", "chi_mean", "chi_sd"]
-    {
-        assert!(!json[key].is_null(), "{key}");
-    }
-    assert!(json["start_growth_rate"].as_f64().unwrap() > 0.0);
-    assert_eq!(json["returned"], false);
-    assert_eq!(json["dis"][0], serde_json::json!([0.0, 0.0]));
-    let replicates = json["replicates"].as_array().unwrap();
-    assert_eq!(replicates.len(), 3);
-    assert!(replicates.iter().all(|replicate| replicate["dis"].as_array().unwrap().len() > 100));
 }

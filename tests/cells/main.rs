@@ -20,7 +20,6 @@ mod search_effort;
 mod sensitivities;
 mod slow_cells;
 mod solver_version;
-mod stability;
 mod stationary;
 mod symmetric_cues;
 mod work_counters;

@@ -5,26 +5,11 @@ use furrow_cell::{Cell, Numerics};
 use furrow_lineage::Lineage;
 use furrow_mechanics::division::{DivisionInput, divide};
 
-use crate::common::command::{self, HERE};
-
-fn answer(arguments: &[&str]) -> String {
-    command::answer(HERE, &[arguments, &["--no-cache"]].concat())
-}
-
 fn numerics(list: &[&str]) -> Numerics {
     let mut settings = Settings::default();
     let list: Vec<String> = list.iter().map(|s| s.to_string()).collect();
     settings.apply_overrides(&list).and_then(|()| settings.check_divisions("--set")).unwrap();
     settings.numerics
-}
-
-/// Stationary shapes ask for less than divisions: the order of the method shows on the usual mesh.
-#[test]
-fn shapes_need_less_than_divisions() {
-    for (stages, xi) in [("1", "22.545"), ("2", "22.0593"), ("3", "22.05688"), ("5", "22.05687")] {
-        let said = answer(&["pitchfork", "--r0", "2", "--set", &format!("stages={stages}")]);
-        assert!(said.contains(&format!("ξ_s* = {xi}")), "{said}");
-    }
 }
 
 /// At the ends of the ranges, cells of all sizes with and without a cue divide or come to rest as with the preset.
@@ -55,17 +40,6 @@ fn numerics_that_are_allowed_work() {
     }
 }
 
-/// At the ends of the range of activities, too.
-#[test]
-fn activities_that_are_allowed_work() {
-    for xi in ["-300", "150"] {
-        for cue in ["none", "germline"] {
-            answer(&["divide", "--r0", "5.4", "--xi", xi, "--cue", cue]);
-        }
-    }
-    answer(&["steady", "--r0", "4", "--xi", "-300"]);
-}
-
 /// The advice in an error leads to a division. The library checks no ranges, so it reaches these errors.
 #[test]
 fn the_advice_of_errors_helps() {
@@ -87,6 +61,4 @@ fn the_advice_of_errors_helps() {
         assert!(said.contains(advice) && !said.contains("smaller"), "{said}");
         solve(followed).unwrap();
     }
-    // The advice of `steady --xi 1 --set tension=-10`.
-    answer(&["steady", "--r0", "2", "--xi", "1", "--set", "tension=-0.1"]);
 }

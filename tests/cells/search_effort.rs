@@ -3,20 +3,13 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use furrow_cell::{Cell, Numerics};
-use furrow_lineage::parse_cue;
-use furrow_lineage::{Lineage, Thresholds};
+use furrow_lineage::Thresholds;
 use furrow_mechanics::equilibria::critical::{MOST_SEARCHED, critical_radius_within};
 use furrow_mechanics::equilibria::{CriticalRadii, ShapeError, StepBudget};
 
-use crate::common::command::furrow;
-
-/// Cells whose search takes some thousand steps, and finds a radius that no cell of a tree comes near.
-const LONG: [&str; 8] =
-    ["--set", "epsilon=0.6", "--set", "xi=35", "--set", "r0=3", "--cue", "tension:gradient,amplitude=0.05"];
-
+/// A cell whose search takes some thousand steps, and finds a radius that no cell of a tree comes near.
 fn long() -> Cell {
-    let cue = parse_cue(LONG[7], &Lineage::load(None).unwrap()).unwrap();
-    Cell { epsilon: 0.6, xi_s: 35.0, ..Cell::new(3.0) }.with_cue(cue)
+    Cell { epsilon: 0.6, xi_s: 35.0, ..Cell::new(3.0) }.with_cue("tension:gradient,amplitude=0.05".parse().unwrap())
 }
 
 #[test]
@@ -64,36 +57,4 @@ fn an_interrupted_search_ends_at_once_and_is_not_remembered() {
     // Critical is 1.065.
     assert!(rule.of(&cell).is_some());
     assert!(rule.of(&Cell { r0: 1.1, ..cell }).is_none());
-}
-
-fn tree(arguments: &[&str]) -> (serde_json::Value, String) {
-    let folder = tempfile::tempdir().unwrap();
-    let output = furrow(folder.path(), &[&["tree", "--json", "--no-cache"], arguments].concat());
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success(), "{said}");
-    (serde_json::from_slice(&output.stdout).unwrap(), said)
-}
-
-/// Cells whose search is given up are left to their divisions, which one line says, and the tree is that of the dynamics.
-#[test]
-fn a_search_given_up_is_told_once_and_changes_no_tree() {
-    let (searched, said) = tree(&LONG);
-    let (dynamics, silence) = tree(&[&LONG[..], &["--dynamics"]].concat());
-    assert_eq!(said.lines().count(), 1, "{said}");
-    assert!(said.contains("the search for a critical radius was given up"), "{said}");
-    assert_eq!(silence, "");
-    for key in ["founders", "cells", "generations", "ended", "divisions_solved"] {
-        assert_eq!(searched[key], dynamics[key], "{key}");
-    }
-}
-
-/// A first cell that does not divide needs no search: its own division shows it.
-#[test]
-fn no_radius_is_searched_for_where_nothing_divides() {
-    let (answer, said) = tree(&["--set", "epsilon=0.92"]);
-    assert_eq!((&answer["cells"], &answer["divisions_solved"]), (&1.into(), &1.into()));
-    assert_eq!(said, "");
-    // The preset's radii are stored: no division is needed where they tell.
-    let (answer, _) = tree(&["--set", "r0=1.5", "--cue", "none"]);
-    assert_eq!((&answer["cells"], &answer["divisions_solved"]), (&1.into(), &0.into()));
 }

@@ -1,16 +1,12 @@
-//! The command line: help, output, pictures and errors.
+//! The command line: sessions, errors, what Ctrl-C does, hostile files, and the page.
 
 #[path = "../common/mod.rs"]
 mod common;
 
-mod cli;
-mod cli_branches;
-mod cli_steady;
 mod configuration;
-mod explore;
-mod help;
-mod inputs;
-mod outputs;
+mod hostile_files;
+mod interrupts;
+mod movies;
 mod page;
-mod pictures;
-mod refusals;
+mod sessions;
+mod stored_boundary;

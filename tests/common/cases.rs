@@ -1,6 +1,13 @@
-//! Cases in text files: input lines, marked with `> `, followed by the expected output, in which `[..]` matches anything.
+//! Cases in text files: input lines, marked with `> `, followed by the expected output, in which `[..]` matches anything, and
+//! `[=name]` too, but in later cases the same again.
 
+use std::collections::HashMap;
 use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+
+use super::command::CACHE;
 
 /// Runs every case of a file in `tests` and compares the output with the expected one.
 ///
@@ -8,35 +15,94 @@ use std::path::Path;
 pub fn check_cases(file: &str, mut run: impl FnMut(&str) -> String) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(file);
     let text = std::fs::read_to_string(&path).unwrap();
-    let mut checked = Vec::new();
+    let (mut checked, mut names) = (Vec::new(), HashMap::new());
     for case in text.trim_end().split("\n\n") {
         let head: Vec<&str> = case.lines().take_while(|line| line.starts_with(['>', '#'])).collect();
         let input: Vec<&str> = head.iter().filter_map(|line| line.strip_prefix("> ")).collect();
-        let found = head.join("\n") + "\n" + &run(&input.join("\n"));
-        checked.push(if is_like(&found, case) { case.to_owned() } else { found });
+        let found = format!("{}\n{}", head.join("\n"), run(&input.join("\n")));
+        let found = found.trim_end().to_owned();
+        checked.push(if is_like(&found, case, &mut names) { case.to_owned() } else { found });
     }
     if std::env::var_os("UPDATE_CASES").is_some() {
         std::fs::write(&path, checked.join("\n\n") + "\n").unwrap();
         return;
     }
     for (found, expected) in checked.iter().zip(text.trim_end().split("\n\n")) {
-        assert_eq!(found, expected, "a case of {file}");
+        assert!(found == expected, "in {file}:\n{found}\n\nand expected, where {names:?}:\n{expected}");
     }
 }
 
-/// Whether a text matches a pattern in which `[..]` matches anything.
-fn is_like(found: &str, pattern: &str) -> bool {
-    let mut parts = pattern.split("[..]");
-    let Some(mut rest) = parts.next().and_then(|first| found.strip_prefix(first)) else { return false };
-    let mut parts = parts.peekable();
-    while let Some(part) = parts.next() {
-        let place = if parts.peek().is_some() {
-            rest.find(part)
-        } else {
-            rest.ends_with(part).then(|| rest.len() - part.len())
+/// Runs the cases of a file one after another in a new folder, each as a script of the shell that can call `furrow`. `$ROOT` is the
+/// folder of the package. Behind ` => ` stand the places in the JSON answer that are the output: see [`picked`].
+pub fn check_session(file: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let programs = Path::new(env!("CARGO_BIN_EXE_furrow")).parent().unwrap();
+    let path = format!("{}:{}", programs.display(), std::env::var("PATH").unwrap());
+    check_cases(file, |case| {
+        let (script, places) = case.split_once(" => ").unwrap_or((case, ""));
+        let mut shell = Command::new("sh");
+        shell.args(["-c", script]).current_dir(&folder).env("PATH", &path).env("XDG_CACHE_HOME", CACHE);
+        let output = shell.env("ROOT", env!("CARGO_MANIFEST_DIR")).output().unwrap();
+        let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        let out = match serde_json::from_str(&out) {
+            Ok(answer) if !places.is_empty() => {
+                places.split(' ').map(|place| picked(&answer, place) + "\n").collect::<String>()
+            }
+            _ => out,
         };
+        let code = if output.status.success() { String::new() } else { format!("{}\n", output.status) };
+        let lines: Vec<&str> = [&out, &err, &code].into_iter().flat_map(|text| text.lines()).collect();
+        lines.into_iter().filter(|line| !line.trim().is_empty()).collect::<Vec<_>>().join("\n")
+    });
+}
+
+/// What stands at a place in a document. Steps are apart by `/`: a key or an index; `last`; `*`, all that there is; `#`, how much
+/// that is; `key=value`, the entry of a list that has this value. Behind `<` or `>` stands what all numbers there are held against.
+fn picked(value: &Value, place: &str) -> String {
+    if let Some(at) = place.find(['<', '>']) {
+        let (is_below, limit) = (&place[at..=at] == "<", place[at + 1..].parse::<f64>().unwrap());
+        let numbers = picked(value, &place[..at]);
+        let mut numbers = numbers.split(' ').map(|number| number.parse::<f64>().unwrap());
+        return numbers.all(|number| if is_below { number < limit } else { number > limit }).to_string();
+    }
+    let (step, rest) = place.split_once('/').unwrap_or((place, ""));
+    let list = || value.as_array().unwrap();
+    match (step, step.split_once('=')) {
+        ("", _) => value.as_str().map_or_else(|| value.to_string(), str::to_owned),
+        ("#", _) => value.as_object().map_or_else(|| list().len(), |map| map.len()).to_string(),
+        ("*", _) => list().iter().map(|entry| picked(entry, rest)).collect::<Vec<_>>().join(" "),
+        ("last", _) => picked(list().last().unwrap(), rest),
+        (_, Some((key, wanted))) => picked(list().iter().find(|entry| entry[key] == wanted).unwrap(), rest),
+        _ => picked(step.parse::<usize>().map_or_else(|_| &value[step], |index| &value[index]), rest),
+    }
+}
+
+/// Whether a text matches a pattern; what its names stand for is added to those known.
+fn is_like(found: &str, pattern: &str, names: &mut HashMap<String, String>) -> bool {
+    // What stands between the wildcards, and these.
+    let (mut texts, mut wildcards) = (vec![String::new()], Vec::new());
+    for (k, piece) in pattern.split('[').enumerate() {
+        let between = texts.last_mut().unwrap();
+        match piece.split_once(']').filter(|(mark, _)| k > 0 && (*mark == ".." || mark.starts_with('='))) {
+            Some((mark, text)) if names.contains_key(mark) => between.push_str(&format!("{}{text}", names[mark])),
+            Some((mark, text)) => {
+                wildcards.push(mark);
+                texts.push(text.to_owned());
+            }
+            None => between.push_str(&format!("{}{piece}", if k > 0 { "[" } else { "" })),
+        }
+    }
+    let Some(mut rest) = found.strip_prefix(&texts[0]) else { return false };
+    for (k, mark) in wildcards.iter().enumerate() {
+        let text = &texts[k + 1];
+        let last = k + 1 == wildcards.len();
+        let place =
+            if last { rest.strip_suffix(text.as_str()).map(|stem| stem.len()) } else { rest.find(text.as_str()) };
         let Some(place) = place else { return false };
-        rest = &rest[place + part.len()..];
+        if *mark != ".." {
+            names.insert((*mark).to_owned(), rest[..place].to_owned());
+        }
+        rest = &rest[place + text.len()..];
     }
     rest.is_empty()
 }

@@ -4,8 +4,6 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::common::command::{furrow, keep_what_is_solved};
-
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -117,15 +115,4 @@ fn commands_are_understood() {
         }
     }
     assert!(seen > 15, "{seen}");
-}
-
-/// A reader who types all of the book's first chapter meets no error.
-#[test]
-fn the_first_chapter_runs() {
-    let folder = tempfile::tempdir().unwrap();
-    keep_what_is_solved(folder.path());
-    for words in commands(&root().join("docs/book/src/ten-minutes.md")) {
-        let output = furrow(folder.path(), &words);
-        assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
-    }
 }

@@ -7,8 +7,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use crate::common::cases::check_cases;
-use crate::common::command::{answer, failed, json};
+use crate::common::command::{answer, json};
 use furrow_formats::frames::read_frames;
 use rand_mt::Mt64;
 use serde_json::Value;
@@ -83,21 +82,26 @@ fn table(rings: &[Vec<[f64; 2]>]) -> String {
     out
 }
 
-fn compared(folder: &Path, files: &[&str], more: &[&str]) -> Value {
+fn compared(folder: &Path, arguments: &[&str]) -> Value {
     let folder_of_frames = frames().join("frames");
     let head = ["compare", "contour", "--frames", folder_of_frames.to_str().unwrap()];
-    json(folder, &[&head, files, more].concat())
+    json(folder, &[&head, arguments].concat())
+}
+
+/// The comparison of a table of contours.
+fn compared_table(rings: &[Vec<[f64; 2]>], more: &[&str]) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("t.csv"), table(rings)).unwrap();
+    compared(folder.path(), &[&["t.csv"], more].concat())
 }
 
 /// Each is found to be its own frame, by a scale that is right, turned as it was turned.
 #[test]
 fn moved_and_turned_contours_are_laid_upon_themselves() {
-    let folder = tempfile::tempdir().unwrap();
     let rings = rings();
     let turns: Vec<f64> = (0..rings.len()).map(|k| 0.4 + 0.9 * k as f64).collect();
     let placed: Vec<_> = rings.iter().zip(&turns).map(|(ring, turn)| moved(ring, *turn, 3.7, [200.0, -80.0])).collect();
-    std::fs::write(folder.path().join("t.csv"), table(&placed)).unwrap();
-    let found = compared(folder.path(), &["t.csv"], &["--plot", "t.svg", "--out", "out"]);
+    let found = compared_table(&placed, &[]);
     assert_eq!((found["used"].as_u64(), found["n"].as_u64()), (Some(8), Some(8)));
     assert!((found["length_scale"].as_f64().unwrap() / 3.7 - 1.0).abs() < 1e-3, "{}", found["length_scale"]);
     let mut stages = 0;
@@ -116,29 +120,18 @@ fn moved_and_turned_contours_are_laid_upon_themselves() {
         stages += usize::from(contour["stage"].is_u64());
     }
     assert_eq!(stages, 6);
-    let csv = std::fs::read_to_string(folder.path().join("out/contours.csv")).unwrap();
-    assert_eq!(csv.lines().count(), 9);
-    assert!(std::fs::read_to_string(folder.path().join("t.svg")).unwrap().contains("Outlines beside the model"));
 }
 
 /// Noise of a sd s moves the outline by s, in and out by turns: of a contour of length P about P·s·√(2/π)/2 lies outside, and the
 /// similarity index is less by that share of the area. Twice the noise costs twice as much.
 #[test]
 fn noise_costs_what_it_must() {
-    let folder = tempfile::tempdir().unwrap();
     let mut random = Mt64::new(7);
-    let lost: Vec<f64> = [0.02, 0.04]
-        .iter()
-        .map(|sd| {
-            let noisy: Vec<_> = rings()
-                .iter()
-                .take(4)
-                .map(|ring| moved(&blurred(ring, *sd, &mut random), 1.0, 5.0, [3.0, 9.0]))
-                .collect();
-            std::fs::write(folder.path().join("n.csv"), table(&noisy)).unwrap();
-            1.0 - compared(folder.path(), &["n.csv"], &[])["similarity"].as_f64().unwrap()
-        })
-        .collect();
+    let lost = [0.02, 0.04].map(|sd| {
+        let noisy = |ring: &Vec<_>| moved(&blurred(ring, sd, &mut random), 1.0, 5.0, [3.0, 9.0]);
+        let noisy: Vec<_> = rings().iter().take(4).map(noisy).collect();
+        1.0 - compared_table(&noisy, &[])["similarity"].as_f64().unwrap()
+    });
     println!("{lost:?}");
     // A cell of R0 = 4 in its shell: P ≈ 26, area ≈ 52. Between points the outline is straight, which averages some of it away.
     let share = 26.0 / 52.0 * 0.02 * (2.0 / std::f64::consts::PI).sqrt() / 2.0;
@@ -149,11 +142,9 @@ fn noise_costs_what_it_must() {
 /// A contour of another shape overlaps less, and by how much is known: an ellipse on the undivided cell's own.
 #[test]
 fn another_scale_gives_the_overlap_of_a_larger_cell() {
-    let folder = tempfile::tempdir().unwrap();
-    let placed = vec![moved(&rings()[0], 0.2, 2.0, [0.0, 0.0])];
-    std::fs::write(folder.path().join("t.csv"), table(&placed)).unwrap();
+    let placed = [moved(&rings()[0], 0.2, 2.0, [0.0, 0.0])];
     // Taken as though one L_h were 1.6 of its units the cell is 1.25 times as long, and all of the model lies within.
-    let found = compared(folder.path(), &["t.csv"], &["--length-scale", "1.6"]);
+    let found = compared_table(&placed, &["--length-scale", "1.6"]);
     let overlap = &found["contours"][0]["overlap"];
     assert!((overlap["similarity"].as_f64().unwrap() - 0.64).abs() < 2e-3, "{overlap}");
     assert!((overlap["of_model"].as_f64().unwrap() - 1.0).abs() < 1e-6);
@@ -172,7 +163,7 @@ fn masks_say_what_their_contours_say() {
         files.push(name);
     }
     let files: Vec<&str> = files.iter().map(String::as_str).collect();
-    let found = compared(folder.path(), &files, &[]);
+    let found = compared(folder.path(), &files);
     assert!((found["length_scale"].as_f64().unwrap() / 16.0 - 1.0).abs() < 5e-3);
     assert!(found["similarity"].as_f64().unwrap() > 0.993, "{}", found["similarity"]);
 }
@@ -197,28 +188,4 @@ fn write_mask(file: &Path, ring: &[[f64; 2]], [background, cell]: [u8; 2]) {
     let mut encoder = png::Encoder::new(std::fs::File::create(file).unwrap(), SIDE, SIDE);
     encoder.set_color(png::ColorType::Grayscale);
     encoder.write_header().unwrap().write_image_data(&pixels).unwrap();
-}
-
-#[test]
-fn what_cannot_be_compared_is_refused_by_name() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path();
-    let frames = frames().join("frames");
-    let frames = frames.to_str().unwrap();
-    std::fs::write(path.join("dots.csv"), "x,y\n0,0\n1,1\n").unwrap();
-    std::fs::write(path.join("good.csv"), table(&rings()[..1])).unwrap();
-    for (name, index) in [
-        ("empty", "[]"),
-        ("outside", r#"[{"file": "../x.csv", "t": 0}]"#),
-        ("letters", r#"[{"file": "f.csv", "t": 0}]"#),
-    ] {
-        std::fs::create_dir(path.join(name)).unwrap();
-        std::fs::write(path.join(name).join("frames.json"), index).unwrap();
-    }
-    std::fs::write(path.join("letters/f.csv"), "u,r,z\n0,0,1\n0,x,1\n").unwrap();
-    std::fs::create_dir(path.join("nothing")).unwrap();
-    check_cases("studies/contours.txt", |case| failed(path, &case.replace("FRAMES", frames)));
-    // One that is broken does not cost the others.
-    let told = answer(path, &["compare", "contour", "dots.csv", "good.csv", "--frames", frames]);
-    assert!(told.contains("skipped dots.csv:2: 2 points"), "{told}");
 }

@@ -9,8 +9,6 @@ use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_lineage::{Lineage, TreeSettings};
 use furrow_mechanics::calibration::{Targets, calibrate, with_values};
 
-use crate::common::command::json;
-
 /// Coarse meshes are enough here: thresholds are right to 1e-5.
 fn numerics() -> Numerics {
     Numerics { intervals: 32, ..Numerics::default() }
@@ -107,25 +105,4 @@ fn ranges_of_one_set_are_its_tree() {
     let two = ranges(&lineage, &settings, &[set(1.5, 1.0), set(1.4, 0.0)], 2, &AtomicBool::new(false)).unwrap();
     assert_eq!(two.cells, one.cells);
     assert_eq!(two.members, 2);
-}
-
-#[test]
-fn the_command_samples_and_grows() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/statements.ron");
-    let run = |arguments: &[&str]| json(folder.path(), arguments);
-    let targets = file.to_str().unwrap();
-    let sample =
-        run(&["calibrate", targets, "--ensemble", "2", "--seed", "3", "--out", "c.csv", "--set", "intervals=32"]);
-    assert_eq!(sample["members"], 2);
-    assert!(sample["effective_sample_size"].as_f64().unwrap() >= 1.0);
-    assert!(sample["excluded"].as_array().unwrap().iter().any(|e| e["datum"] == "criticalities[0]"));
-    let lineage =
-        "Lineage(name: \"x\", limits: (max_depth: 2), founders: [(name: \"Q\", r0: 4.0, observed: (min: 2))])";
-    std::fs::write(folder.path().join("x.ron"), lineage).unwrap();
-    let grown = run(&["tree", "x.ron", "--constants", "c.csv"]);
-    assert_eq!(grown["members"], 2);
-    assert_eq!(grown["founders"][0]["rounds"]["min"], serde_json::json!({"p5": 2.0, "p50": 2.0, "p95": 2.0}));
-    assert_eq!(grown["founders"][0]["within_one_round"]["min"], 1.0);
-    assert!(!folder.path().join("furrow-out").exists());
 }

@@ -66,14 +66,14 @@ fn constants_are_found_and_the_same_at_any_number_of_threads() {
     // The gain takes up what the one threshold is off by, and shapes depend on the product alone.
     assert!(best.thresholds_rms.unwrap() < 1e-12, "{best:?}");
     let [from, to] = [sharpness[0].from, sharpness[0].to];
-    let xi_s = best.cell().xi_s;
+    let xi_s = best.cell.xi_s;
     assert!(from <= xi_s && xi_s <= to, "{from} {xi_s} {to}");
     // Nothing on the front is beaten in both, and its first is the best.
     assert_eq!(front[0].misfit, best.misfit);
     let rms = |e: &Evaluated| e.thresholds_rms.unwrap();
     assert!(front.windows(2).all(|pair| pair[0].misfit < pair[1].misfit && rms(&pair[1]) < rms(&pair[0])));
     // The tree of the constants found is the one they were judged by.
-    let again = rounds_at(&lineage, &TreeSettings { cell: best.cell().clone(), ..settings.clone() }, xi_s);
+    let again = rounds_at(&lineage, &TreeSettings { cell: best.cell.clone(), ..settings.clone() }, xi_s);
     assert_eq!(Some(again), best.founders[0].rounds);
 }
 

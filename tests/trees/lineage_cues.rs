@@ -3,7 +3,6 @@
 use crate::common::stand_in::{fake, grown};
 use furrow_cell::Cue;
 use furrow_formats::{FounderRow, founder_rows};
-use furrow_formats::{tree_from_json, tree_to_json};
 use furrow_lineage::{Lineage, Tree};
 use furrow_report::{founders_table, html};
 
@@ -95,19 +94,6 @@ fn a_cue_in_the_place_of_others_follows_their_rules() {
     assert!(tree.cells().all(|id| tree.cell(id).cue == if id == tree.first() { Cue::none() } else { given.clone() }));
     let tree = grow(&lineage.with_cues_replaced("none", &Cue::none()));
     assert!(tree.cells().all(|id| tree.cell(id).cue.is_none()));
-}
-
-#[test]
-fn trees_with_rules_survive_their_file() {
-    let founders =
-        "(name: \"Q\", r0: 5.0, cue_rules: [(cue: \"polar\", above_r0: 4.0), (cue: \"pull\", below_r0: 3.0)])";
-    let tree = grow(&lineage(" cue_rules: [(cue: \"pull\", to_generation: 3)],", founders));
-    let text = tree_to_json(&tree).unwrap();
-    let back = tree_from_json(&text).unwrap();
-    assert_eq!(tree_to_json(&back).unwrap(), text);
-    assert_eq!(back.lineage, tree.lineage);
-    let of = |tree: &Tree| tree.cells().map(|id| tree.cell(id).cue.clone()).collect::<Vec<Cue>>();
-    assert_eq!(of(&back), of(&tree));
 }
 
 /// The table names every founder's cue, counts the cells below that carry one, and says what the names mean.

@@ -1,7 +1,7 @@
 //! The built-in lineage file compared with the published counts.
 
 use crate::common::tables;
-use furrow_lineage::{C_ELEGANS, Lineage};
+use furrow_lineage::Lineage;
 
 #[test]
 fn built_in_founders() {
@@ -25,12 +25,4 @@ fn sulston_counts_match_the_table() {
         let columns = ["min_rounds", "max_rounds", "last_full_doubling_round", "terminal", "deaths"];
         assert_eq!((counts, s.mean), (columns.map(|c| Some(row.number(c))), Some(row.number("mean_rounds"))), "{name}");
     }
-}
-
-/// What is written into tree.json is the lineage that was read.
-#[test]
-fn lineage_survives_json() {
-    let lineage = Lineage::parse(C_ELEGANS, "c_elegans.ron").unwrap();
-    let json = serde_json::to_string(&lineage).unwrap();
-    assert_eq!(serde_json::from_str::<Lineage>(&json).unwrap(), lineage);
 }

@@ -5,12 +5,10 @@ mod common;
 
 mod complaints;
 mod embryo;
-mod exchange;
 mod growth;
 mod lineage_cues;
 mod lineage_file;
 mod newick;
-mod own_lineage;
 mod random_trees;
 mod robustness;
 mod scenarios;

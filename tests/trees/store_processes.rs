@@ -1,4 +1,4 @@
-//! The store among processes: killed writers, growers on one cache, a full disk.
+//! The store among processes: killed writers, growers on one cache.
 
 use std::{
     env,
@@ -13,7 +13,7 @@ use furrow_lineage::batch::{Key, Store, store::maintenance::verify};
 use furrow_mechanics::division::{Division, DivisionInput};
 
 use crate::common::{
-    command::{answer, command, json},
+    command::{command, json},
     stand_in::fake,
 };
 
@@ -160,28 +160,4 @@ fn a_grower_killed_again_and_again_ends_with_the_same_tree() {
         child.wait().unwrap();
     }
     assert_complete(folder, reference);
-}
-
-/// A limit on the size of files stands in for the full disk.
-#[cfg(unix)]
-#[test]
-fn a_full_disk_is_reported_and_divisions_are_solved() {
-    let folder = tempfile::tempdir().unwrap();
-    let divide = ["divide", "--r0", "2.5", "--replicates", "20", "--json"];
-    let expected = answer(folder.path(), &[&divide[..], &["--no-cache"]].concat());
-    let cached = [&divide[..], &["--cache", "cache"]].concat();
-    let mut full = Command::new("sh");
-    // In units of 512 bytes.
-    full.args(["-c", r#"ulimit -f 72; exec "$0" "$@""#]).arg(env!("CARGO_BIN_EXE_furrow")).args(&cached);
-    let output = full.current_dir(folder.path()).output().unwrap();
-    let warnings = String::from_utf8_lossy(&output.stderr).matches("going on without storing").count();
-    assert!(output.status.success() && warnings == 1, "{output:?}");
-    assert_eq!(String::from_utf8_lossy(&output.stdout), expected);
-    let cache = folder.path().join("cache");
-    let report = verify(&cache).unwrap();
-    assert!((1..20).contains(&report.entries) && report.corrupt == 0, "{report:?}");
-
-    // With space again, the next run adds what is missing.
-    assert_eq!(answer(folder.path(), &cached), expected);
-    assert_eq!(verify(&cache).unwrap().entries, 20);
 }

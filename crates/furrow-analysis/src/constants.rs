@@ -30,7 +30,7 @@ pub fn write_constants(sets: &[Constants]) -> String {
     let row = |set: &Constants| -> Vec<String> {
         set.values.iter().map(|(_, value)| *value).chain([set.weight]).map(|number| number.to_string()).collect()
     };
-    csv_of(std::iter::once(head).chain(sets.iter().map(row))).unwrap_or_default()
+    csv_of(std::iter::once(head).chain(sets.iter().map(row)))
 }
 
 /// Reads a table; errors name it `file`. Lines that begin with `#` are passed over.
@@ -45,29 +45,24 @@ pub fn read_constants(text: &str, file: &str) -> Result<Vec<Constants>, InputErr
     let columns: Vec<&str> = head.split(',').map(str::trim).collect();
     let known: Vec<&str> = Parameter::ALL.iter().map(|parameter| parameter.name()).chain([WEIGHT]).collect();
     for (k, name) in columns.iter().enumerate() {
-        if *name != WEIGHT && !name.parse::<Parameter>().is_ok_and(|p| Parameter::ALL.contains(&p)) {
-            let allowed = format!("one of {}{}", known.join(", "), did_you_mean(name, known.iter().copied()));
-            return Err(InputError::not_allowed(file, format!("column {}", k + 1), shown(name), allowed));
-        }
-        // A parameter has two names where one of them is short.
         let parameter = name.parse::<Parameter>().ok();
+        let is_known = *name == WEIGHT || parameter.is_some_and(|p| Parameter::ALL.contains(&p));
+        let allowed = format!("one of {}{}", known.join(", "), did_you_mean(name, known.iter().copied()));
+        InputError::require(is_known, file, format!("column {}", k + 1), shown(name), allowed)?;
+        // A parameter has two names where one of them is short.
         let same = |other: &&str| other == name || parameter.is_some() && other.parse().ok() == parameter;
-        if columns[..k].iter().any(same) {
-            return Err(InputError::not_allowed(file, format!("column {}", k + 1), shown(name), "named once"));
-        }
+        let new = !columns[..k].iter().any(same);
+        InputError::require(new, file, format!("column {}", k + 1), shown(name), "named once")?;
     }
-    let mut out = Vec::new();
-    for (number, line) in lines {
-        out.push(row(&columns, line).map_err(|(column, value, allowed)| {
+    let one = |(number, line): (usize, &str)| {
+        row(&columns, line).map_err(|(column, value, allowed)| {
             InputError::not_allowed(format!("{file}:{}", number + 1), column, shown(&value), allowed)
-        })?);
-    }
-    if out.is_empty() {
-        return Err(InputError::not_allowed(file, "rows", "(none)", "at least one set of constants"));
-    }
-    if out.iter().map(|set| set.weight).sum::<f64>() <= 0.0 {
-        return Err(InputError::not_allowed(file, WEIGHT, "0 in every row", "above 0 in some row"));
-    }
+        })
+    };
+    let out: Vec<Constants> = lines.map(one).collect::<Result<_, _>>()?;
+    InputError::require(!out.is_empty(), file, "rows", "(none)", "at least one set of constants")?;
+    let weighted = out.iter().map(|set| set.weight).sum::<f64>() > 0.0;
+    InputError::require(weighted, file, WEIGHT, "0 in every row", "above 0 in some row")?;
     Ok(out)
 }
 

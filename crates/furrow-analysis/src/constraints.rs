@@ -1,13 +1,13 @@
 //! Whether a set of constants agrees with the targets, and which statements exclude it.
 
-use serde::Serialize;
-
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_mechanics::calibration::Targets;
 use furrow_mechanics::calibration::statements::HigherFold;
 use furrow_mechanics::division::{DivisionInput, Outcome, divide};
 use furrow_mechanics::equilibria::critical::critical_value;
-use furrow_mechanics::equilibria::{Branch, BranchOptions, Pitchfork, ShapeError, StepBudget, pitchfork, primary};
+use furrow_mechanics::equilibria::{Branch, Pitchfork, StepBudget, primary};
+use furrow_mechanics::equilibria::{BranchOptions, ShapeError, pitchfork};
+use serde::Serialize;
 
 /// A statement that is not true of a set of constants.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -140,11 +140,8 @@ fn higher_fold(cell: &Cell, numerics: &Numerics) -> Result<Option<HigherFold>, S
 
 /// ξ_s at the maxima of ξ_s along a branch, of the shortest and of the longest shape; `None` for fewer than two maxima.
 pub fn extreme_maxima(branch: &Branch) -> Option<[f64; 2]> {
-    let maxima = branch.folds().filter(|fold| fold.maximum);
-    let mut maxima: Vec<[f64; 2]> = maxima.map(|fold| [fold.point.elongation, fold.point.xi_s]).collect();
-    maxima.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    match maxima[..] {
-        [short, .., long] => Some([short[1], long[1]]),
-        _ => None,
-    }
+    let mut maxima: Vec<_> = branch.folds().filter(|fold| fold.maximum).map(|fold| fold.point).collect();
+    maxima.sort_by(|a, b| a.elongation.total_cmp(&b.elongation));
+    let [short, .., long] = maxima[..] else { return None };
+    Some([short.xi_s, long.xi_s])
 }

@@ -14,20 +14,18 @@
 //! # References
 //! Cappé, Guillin, Marin & Robert, "Population Monte Carlo", J. Comput. Graph. Stat. 13 (2004) 907.
 
-use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, Ordering};
-
-use nalgebra::{DMatrix, DVector};
-use rand_mt::Mt64;
-use rayon::prelude::*;
-use serde::Serialize;
-
 use super::constants::Constants;
 use super::constraints::{ConstraintCheck, check_constraints};
 use super::sample::seed_of;
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_lineage::batch::{SchedulerError, scheduler};
 use furrow_mechanics::calibration::{CalibrateError, Targets, calibrate, moved, with_values};
+use nalgebra::{DMatrix, DVector};
+use rand_mt::Mt64;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Standard deviation s of the prior, in x.
 const PRIOR: f64 = 0.3;
@@ -117,10 +115,10 @@ impl Proposal {
     fn draw(&self, seed: u64, index: u64) -> DVector<f64> {
         let mut random = Mt64::new(seed_of(b"ensemble", seed, index));
         let d = self.centre.len();
-        let normal = DVector::from_fn(d, |_, _| normal(&mut random));
+        let standard = DVector::from_fn(d, |_, _| normal(&mut random));
         // A t-distributed vector is a normal one over the root of a χ² variable per degree of freedom.
-        let chi_squared: f64 = (0..FREEDOM as usize).map(|_| normal_squared(&mut random)).sum();
-        &self.centre + &self.root * normal * (FREEDOM / chi_squared).sqrt()
+        let chi_squared: f64 = (0..FREEDOM as usize).map(|_| normal(&mut random).powi(2)).sum();
+        &self.centre + &self.root * standard * (FREEDOM / chi_squared).sqrt()
     }
 
     /// Logarithm of its density, up to a constant that all proposals of a dimension share.
@@ -142,10 +140,6 @@ fn uniform(random: &mut Mt64) -> f64 {
 fn normal(random: &mut Mt64) -> f64 {
     let radius = (-2.0 * uniform(random).ln()).sqrt();
     radius * (std::f64::consts::TAU * uniform(random)).cos()
-}
-
-fn normal_squared(random: &mut Mt64) -> f64 {
-    normal(random).powi(2)
 }
 
 /// A draw with its check.
@@ -203,10 +197,8 @@ impl Posterior<'_> {
 fn weights(draws: &[Draw]) -> Vec<f64> {
     let ln = |draw: &Draw| if draw.check.is_admissible() { draw.ln_weight } else { f64::NEG_INFINITY };
     let largest = draws.iter().map(ln).fold(f64::NEG_INFINITY, f64::max);
-    let raw: Vec<f64> = draws
-        .iter()
-        .map(|draw| if draw.check.is_admissible() { (draw.ln_weight - largest).exp() } else { 0.0 })
-        .collect();
+    let raw = |draw: &Draw| if draw.check.is_admissible() { (draw.ln_weight - largest).exp() } else { 0.0 };
+    let raw: Vec<f64> = draws.iter().map(raw).collect();
     let total: f64 = raw.iter().sum();
     raw.into_iter().map(|w| if total > 0.0 { w / total } else { 0.0 }).collect()
 }
@@ -253,8 +245,8 @@ pub fn ensemble(
             true => Err(EnsembleError::Interrupted),
             false => Ok(posterior.draw(proposal, proposal.draw(seed, index))),
         };
-        let found: Vec<Draw> =
-            pool.install(|| (draws..draws + many as u64).into_par_iter().map(one).collect::<Result<_, _>>())?;
+        let indices = (draws..draws + many as u64).into_par_iter();
+        let found: Vec<Draw> = pool.install(|| indices.map(one).collect::<Result<_, _>>())?;
         draws += many as u64;
         for exclusion in found.iter().filter_map(|draw| draw.check.excluded.first()) {
             *excluded.entry(exclusion.datum.clone()).or_insert(0) += 1;

@@ -3,16 +3,16 @@
 //! The first line of the file holds the definition of the sweep, every further line one row, appended as soon as it is solved.
 //! A kill in mid-write leaves a torn last line, which is dropped.
 
-use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
-
-use serde_json::Value;
+use std::sync::PoisonError;
 
 use super::table::{Row, json_lines, read_line};
 use furrow_formats::files::WriteError;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 /// Name of the file in the folder of a sweep; it goes when the sweep is complete.
 pub const JOURNAL: &str = "results.partial.jsonl";
@@ -22,7 +22,8 @@ pub const JOURNAL: &str = "results.partial.jsonl";
 pub struct Journal {
     path: PathBuf,
     columns: Vec<String>,
-    rows: BTreeMap<usize, Row>,
+    /// The rows that an interrupted run finished, by index.
+    pub rows: BTreeMap<usize, Row>,
     /// The file, locked and at its end; or why a row could not be written, after which none is.
     file: Mutex<io::Result<File>>,
 }
@@ -60,17 +61,11 @@ impl Journal {
         Ok(Journal { path, columns, rows, file: Mutex::new(Ok(file)) })
     }
 
-    /// The rows that an interrupted run finished, by index.
-    pub fn rows(&self) -> &BTreeMap<usize, Row> {
-        &self.rows
-    }
-
     /// Appends a finished row. After the first failure nothing is appended; [`finish`](Self::finish) reports it.
     pub fn append(&self, row: &Row) {
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         let Ok(open) = file.as_mut() else { return };
-        let line = json_lines(&self.columns, std::slice::from_ref(row)).map_err(io::Error::other);
-        if let Err(error) = line.and_then(|line| open.write_all(&line)) {
+        if let Err(error) = open.write_all(json_lines(&self.columns, std::slice::from_ref(row)).as_bytes()) {
             *file = Err(error);
         }
     }
@@ -135,7 +130,7 @@ mod tests {
         for cut in 0..whole.len() {
             fs::write(&path, &whole[..cut]).unwrap();
             let journal = open(json!({"a": 1})).unwrap();
-            let rows = journal.rows().len();
+            let rows = journal.rows.len();
             let lines = whole[..cut].iter().filter(|byte| **byte == b'\n').count();
             assert_eq!(rows, lines.saturating_sub(1));
             (rows..3).for_each(|index| journal.append(&row(index)));

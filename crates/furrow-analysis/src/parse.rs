@@ -1,17 +1,16 @@
 //! Reads and checks a sweep file: every axis known and given once, every value allowed by itself, not too many points.
 
-use std::path::{Path, PathBuf};
-
-use serde::Deserialize;
-
 use super::points::{Axes, Axis, AxisValue, Target};
 use super::sample::{MOST_AXES, halton};
 use super::sweep::{Kind, Sweep};
-use furrow_cell::settings::{self, NumericsOverrides, PhysicsOverrides, Settings, canonical_name};
+use furrow_cell::settings::Settings;
+use furrow_cell::settings::{self, NumericsOverrides, PhysicsOverrides, canonical_name};
 use furrow_cell::{Cue, Parameter};
 use furrow_input::{InputError, did_you_mean, listed, parse_document, read_text, shown};
 use furrow_lineage::Lineage;
 use furrow_lineage::batch::phase::spaced;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
 
 /// Most divisions, trees or shapes of one sweep.
 const MOST_POINTS: usize = 10_000_000;
@@ -25,7 +24,6 @@ const MOST_VALUES: usize = 20_000_000;
 struct Document {
     kind: Kind,
     axes: Vec<AxisDocument>,
-    #[serde(default)]
     cue: Option<String>,
     #[serde(default = "one")]
     replicates: u32,
@@ -35,7 +33,6 @@ struct Document {
     physics: PhysicsOverrides,
     #[serde(default)]
     numerics: NumericsOverrides,
-    #[serde(default)]
     lineage: Option<PathBuf>,
 }
 
@@ -48,11 +45,8 @@ fn one() -> u32 {
 #[serde(deny_unknown_fields, rename = "Axis")]
 struct AxisDocument {
     parameter: String,
-    #[serde(default)]
     range: Option<Interval>,
-    #[serde(default)]
     list: Option<Vec<AxisValue>>,
-    #[serde(default)]
     sample: Option<Interval>,
 }
 
@@ -84,19 +78,13 @@ impl Sweep {
         Sweep::parse_in(Path::new(""), text, file, base, overrides)
     }
 
-    fn parse_in(
-        folder: &Path,
-        text: &str,
-        file: &str,
-        base: &Settings,
-        overrides: &[String],
-    ) -> Result<Sweep, InputError> {
+    fn parse_in(folder: &Path, text: &str, file: &str, base: &Settings, set: &[String]) -> Result<Sweep, InputError> {
         let mut document: Document = parse_document(text, file, "a sweep file", "Sweep")?;
         let mut settings = base.clone();
         std::mem::take(&mut document.physics).apply(&mut settings);
         std::mem::take(&mut document.numerics).apply(&mut settings);
         settings.check_fields(file)?;
-        settings.override_fields(overrides)?;
+        settings.override_fields(set)?;
         let path = document.lineage.take().map(|path| folder.join(path));
         let lineage = Lineage::load(path.as_deref())?;
         Check { file, document: &document, settings: &settings, lineage: &lineage }.run()
@@ -151,19 +139,25 @@ impl Check<'_> {
         Err(InputError::not_allowed(self.file, field, value, allowed))
     }
 
+    fn require(
+        &self,
+        holds: bool,
+        field: impl Into<String>,
+        value: impl ToString,
+        allowed: &str,
+    ) -> Result<(), InputError> {
+        InputError::require(holds, self.file, field, value, allowed)
+    }
+
     /// Refuses more values than there may be points, before any of them is made.
     fn most_values(&self) -> Result<(), InputError> {
-        let of = |axis: &AxisDocument| match (&axis.range, &axis.sample, &axis.list) {
-            (Some(interval), _, _) | (_, Some(interval), _) => interval.count,
-            (_, _, list) => list.as_ref().map_or(0, Vec::len),
-        };
+        let listed_values = |axis: &AxisDocument| axis.list.as_ref().map_or(0, Vec::len);
+        let of = |axis: &AxisDocument| axis.range.or(axis.sample).map_or(listed_values(axis), |given| given.count);
         let counts: Vec<usize> = self.document.axes.iter().map(of).collect();
-        if counts.iter().fold(0, |sum: usize, count| sum.saturating_add(*count)) <= MOST_VALUES {
-            return Ok(());
-        }
+        let all = counts.iter().fold(0, |sum: usize, count| sum.saturating_add(*count));
         let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
-        let allowed = format!("axes of {MOST_VALUES} values at most, all together");
-        self.refuse("axes".to_owned(), listed(counts.iter().map(String::as_str), " + "), allowed)
+        let counts = listed(counts.iter().map(String::as_str), " + ");
+        self.require(all <= MOST_VALUES, "axes", counts, &format!("axes of {MOST_VALUES} values at most, all together"))
     }
 
     /// What an axis sets, which no axis before it does.
@@ -196,54 +190,36 @@ impl Check<'_> {
 
     /// The values of an axis; `sampled` axes before it are.
     fn values(&self, k: usize, given: &AxisDocument, sampled: usize) -> Result<Vec<AxisValue>, InputError> {
-        let numbers = |values: Vec<f64>| values.into_iter().map(AxisValue::Number).collect();
-        match (&given.range, &given.list, &given.sample) {
-            (Some(range), None, None) => {
-                let Interval { from, to, count } = *self.interval(k, "range", range)?;
-                Ok(numbers(spaced(from, to, count).into_iter().map(|value| tidy(value, [from, to])).collect()))
-            }
-            (None, Some(list), None) if list.is_empty() => {
-                self.refuse(format!("axes[{k}].list"), "[]", "a list of one value at least")
-            }
-            (None, Some(list), None) => Ok(list.clone()),
-            (None, None, Some(sample)) => {
-                let Interval { from, to, count } = *self.interval(k, "sample", sample)?;
-                if sampled >= MOST_AXES {
-                    return self.refuse(
-                        format!("axes[{k}].sample"),
-                        "(…)",
-                        format!("one of {MOST_AXES} samples at most"),
-                    );
-                }
-                let unit = halton(sampled, self.document.seed, count);
-                Ok(numbers(unit.into_iter().map(|x| from + (to - from) * x).collect()))
-            }
-            _ => self.refuse(format!("axes[{k}]"), shown(&given.parameter), "given with one of range, list, sample"),
+        let AxisDocument { parameter, range, list, sample } = given;
+        let given = [range.is_some(), list.is_some(), sample.is_some()].into_iter().filter(|given| *given).count();
+        self.require(given == 1, format!("axes[{k}]"), shown(parameter), "given with one of range, list, sample")?;
+        let Some(Interval { from, to, count }) = range.or(*sample) else {
+            let list = list.clone().unwrap_or_default();
+            self.require(!list.is_empty(), format!("axes[{k}].list"), "[]", "a list of one value at least")?;
+            return Ok(list);
+        };
+        let of = if range.is_some() { "range" } else { "sample" };
+        for (name, value) in [("from", from), ("to", to)] {
+            self.require(value.is_finite(), format!("axes[{k}].{of}.{name}"), value, "a finite number")?;
         }
-    }
-
-    fn interval<'i>(&self, k: usize, of: &str, interval: &'i Interval) -> Result<&'i Interval, InputError> {
-        for (name, value) in [("from", interval.from), ("to", interval.to)] {
-            if !value.is_finite() {
-                return self.refuse(format!("axes[{k}].{of}.{name}"), value, "a finite number");
-            }
+        let allowed = format!("a whole number from 1 to {MOST_POINTS}");
+        self.require((1..=MOST_POINTS).contains(&count), format!("axes[{k}].{of}.count"), count, &allowed)?;
+        if range.is_some() {
+            let values = spaced(from, to, count).into_iter().map(|value| tidy(value, [from, to]));
+            return Ok(values.map(AxisValue::Number).collect());
         }
-        if !(1..=MOST_POINTS).contains(&interval.count) {
-            let allowed = format!("a whole number from 1 to {MOST_POINTS}");
-            return self.refuse(format!("axes[{k}].{of}.count"), interval.count, allowed);
-        }
-        Ok(interval)
+        let allowed = format!("one of {MOST_AXES} samples at most");
+        self.require(sampled < MOST_AXES, format!("axes[{k}].sample"), "(…)", &allowed)?;
+        let unit = halton(sampled, self.document.seed, count);
+        Ok(unit.into_iter().map(|x| AxisValue::Number(from + (to - from) * x)).collect())
     }
 
     /// Sampled axes are one axis of points, and so have one count.
     fn sampled_alike(&self, k: usize, axis: &Axis, before: &[Axis]) -> Result<(), InputError> {
         let Some(first) = before.iter().position(|axis| axis.sampled).filter(|_| axis.sampled) else { return Ok(()) };
         let (count, wanted) = (axis.values.len(), before[first].values.len());
-        if count == wanted {
-            return Ok(());
-        }
         let allowed = format!("{wanted}, the count of axes[{first}]: sampled axes are sampled together");
-        self.refuse(format!("axes[{k}].sample.count"), count, allowed)
+        self.require(count == wanted, format!("axes[{k}].sample.count"), count, &allowed)
     }
 
     /// Whether each value of an axis is allowed, and what those of a cue mean.
@@ -266,20 +242,17 @@ impl Check<'_> {
     }
 
     fn field_value(&self, place: &str, name: &'static str, value: &AxisValue) -> Result<(), InputError> {
-        if let AxisValue::Text(text) = value
-            && text.parse::<f64>().is_ok()
-        {
-            return self.refuse(place.to_owned(), shown(text), "a number without quotes");
-        }
+        let written = match value {
+            AxisValue::Number(number) => number.to_string(),
+            AxisValue::Text(text) => shown(text),
+        };
+        let quoted = matches!(value, AxisValue::Text(text) if text.parse::<f64>().is_ok());
+        self.require(!quoted, place, &written, "a number without quotes")?;
         let mut trial = self.settings.clone();
         let refused = match trial.assign(self.file, &[(name, value.text())]) {
             Err(InputError::NotAllowed { allowed, .. }) => Some(allowed),
             Err(other) => return Err(other),
             Ok(()) => trial.validate(name).err().map(str::to_owned),
-        };
-        let written = match value {
-            AxisValue::Number(number) => number.to_string(),
-            AxisValue::Text(text) => shown(text),
         };
         refused.map_or(Ok(()), |allowed| self.refuse(place.to_owned(), written, allowed))
     }
@@ -323,17 +296,13 @@ impl Check<'_> {
     }
 
     fn counts(&self, sweep: &Sweep) -> Result<(), InputError> {
-        if sweep.replicates == 0 || (sweep.replicates > 1 && sweep.kind != Kind::Division) {
-            let allowed = "1, or of divisions more";
-            return self.refuse("replicates".to_owned(), sweep.replicates, allowed);
-        }
-        let all = sweep.axes.points().and_then(|points| points.checked_mul(sweep.replicates as usize));
-        if all.is_none_or(|all| all > MOST_POINTS) {
-            let counts: Vec<String> = sweep.axes.0.iter().map(|axis| axis.values.len().to_string()).collect();
-            let allowed = format!("axes that span {MOST_POINTS} points at most, replicates included");
-            return self.refuse("axes".to_owned(), counts.join(" × "), allowed);
-        }
-        Ok(())
+        let replicates = sweep.replicates;
+        let fine = replicates == 1 || (replicates > 1 && sweep.kind == Kind::Division);
+        self.require(fine, "replicates", replicates, "1, or of divisions more")?;
+        let all = sweep.axes.points().and_then(|points| points.checked_mul(replicates as usize));
+        let counts: Vec<String> = sweep.axes.0.iter().map(|axis| axis.values.len().to_string()).collect();
+        let allowed = format!("axes that span {MOST_POINTS} points at most, replicates included");
+        self.require(all.is_some_and(|all| all <= MOST_POINTS), "axes", counts.join(" × "), &allowed)
     }
 
     /// What no axis can mend is wrong with every point, and better told at once.

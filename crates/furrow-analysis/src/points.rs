@@ -2,10 +2,9 @@
 
 use std::borrow::Cow;
 
-use serde::{Deserialize, Serialize};
-
 use furrow_cell::{Cue, Parameter};
 use furrow_mechanics::division::DivisionInput;
+use serde::{Deserialize, Serialize};
 
 /// A value of an axis: a number, or a word where the parameter takes words.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,25 +71,17 @@ impl Axes {
     /// Which of its values each axis has at a point, points counted from 0: the first axis varies slowest.
     pub fn places(&self, index: usize) -> Vec<usize> {
         let mut left = index;
-        let mut digits: Vec<usize> = self
-            .independent()
-            .rev()
-            .map(|axis| {
-                let digit = left % axis.values.len();
-                left /= axis.values.len();
-                digit
-            })
-            .collect();
+        let mut digit = |axis: &Axis| {
+            let digit = left % axis.values.len();
+            left /= axis.values.len();
+            digit
+        };
+        let digits: Vec<usize> = self.independent().rev().map(&mut digit).collect();
+        let mut digits = digits.into_iter().rev();
         let mut sample = None;
-        let place = |axis: &Axis| match sample.filter(|_| axis.sampled) {
-            Some(digit) => digit,
-            None => {
-                let digit = digits.pop().unwrap_or(0);
-                if axis.sampled {
-                    sample = Some(digit);
-                }
-                digit
-            }
+        let place = |axis: &Axis| match axis.sampled {
+            true => *sample.get_or_insert_with(|| digits.next().unwrap_or(0)),
+            false => digits.next().unwrap_or(0),
         };
         self.0.iter().map(place).collect()
     }

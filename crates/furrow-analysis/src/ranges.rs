@@ -1,18 +1,17 @@
 //! Ranges of a lineage's counts over sets of constants, one tree a set.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
-use rayon::prelude::*;
-use serde::Serialize;
-
 use super::constants::Constants;
 use furrow_cell::Parameter;
+use furrow_lineage::ObservedRounds;
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, scheduler};
 use furrow_lineage::{
-    EndRule, GrowError, Grower, Lineage, ObservedRounds, Rounds, Thresholds, Tree, TreeSettings, founder_rounds,
+    EndRule, FounderRounds, GrowError, Grower, Lineage, Rounds, Thresholds, Tree, TreeSettings, founder_rounds,
 };
 use furrow_mechanics::division::divide;
 use furrow_mechanics::equilibria::CriticalRadii;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A reading of "rounds".
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -129,7 +128,6 @@ pub struct Dependence {
 }
 
 /// One tree of the ensemble, as far as ranges are taken of it.
-#[derive(Clone, Debug, PartialEq)]
 struct TreeCounts {
     weight: f64,
     cells: usize,
@@ -202,14 +200,12 @@ pub fn each_tree<T: Send>(
 }
 
 fn tree_counts(set: &Constants, tree: &Tree, summary: &Summary) -> TreeCounts {
-    let founders = founder_rounds(tree)
-        .into_iter()
-        .map(|row| {
-            let cell = tree.founder_cell(row.founder);
-            let divides = cell.is_some_and(|id| tree.daughters(id).is_some());
-            (row.rounds, cell.and_then(|id| tree.cell(id).fate.chi()), divides)
-        })
-        .collect();
+    let founder = |row: FounderRounds| {
+        let cell = tree.founder_cell(row.founder);
+        let divides = cell.is_some_and(|id| tree.daughters(id).is_some());
+        (row.rounds, cell.and_then(|id| tree.cell(id).fate.chi()), divides)
+    };
+    let founders = founder_rounds(tree).into_iter().map(founder).collect();
     TreeCounts { weight: set.weight, cells: tree.len(), founders, solved: summary.solved, hits: summary.memo_hits }
 }
 
@@ -233,9 +229,10 @@ fn share(trees: &[TreeCounts], holds: impl Fn(&TreeCounts) -> bool) -> f64 {
 }
 
 fn founder_range(lineage: &Lineage, sets: &[Constants], trees: &[TreeCounts], k: usize) -> FounderRange {
-    let rounds = |of: fn(&Rounds) -> f64| -> Option<Range> {
-        Range::of(trees.iter().filter_map(|tree| Some((of(tree.founders[k].0.as_ref()?), tree.weight))).collect())
+    let range = |of: &dyn Fn(&TreeCounts) -> Option<f64>| -> Option<Range> {
+        Range::of(trees.iter().filter_map(|tree| Some((of(tree)?, tree.weight))).collect())
     };
+    let rounds = |of: fn(&Rounds) -> f64| range(&|tree| tree.founders[k].0.as_ref().map(of));
     let all = || {
         Some(RoundsRange {
             min: rounds(|r| f64::from(r.min))?,
@@ -246,9 +243,7 @@ fn founder_range(lineage: &Lineage, sets: &[Constants], trees: &[TreeCounts], k:
             terminal: rounds(|r| f64::from(r.terminal))?,
         })
     };
-    let founders = || trees.iter().map(|tree| &tree.founders[k]);
-    let terminal: Vec<f64> =
-        founders().map(|(rounds, ..)| rounds.map_or(0.0, |rounds| f64::from(rounds.terminal))).collect();
+    let terminal = |tree: &TreeCounts| tree.founders[k].0.map_or(0.0, |rounds| f64::from(rounds.terminal));
     let within_one_round = lineage.founders[k].observed.map(|observed| {
         let near = |reading: Reading| {
             let observed = reading.observed(&observed)?;
@@ -260,9 +255,9 @@ fn founder_range(lineage: &Lineage, sets: &[Constants], trees: &[TreeCounts], k:
         within_one_round,
         name: lineage.founders[k].name.clone(),
         rounds: all(),
-        chi: Range::of(trees.iter().filter_map(|tree| Some((tree.founders[k].1?, tree.weight))).collect()),
+        chi: range(&|tree| tree.founders[k].1),
         divides: share(trees, |tree| tree.founders[k].2),
-        depends_on: strongest(sets, &terminal),
+        depends_on: strongest(sets, &trees.iter().map(terminal).collect::<Vec<_>>()),
     }
 }
 
@@ -305,13 +300,13 @@ fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[TreeCounts]) -> Lin
 /// The constant with which numbers, one a set, go most: none if they are all the same.
 fn strongest(sets: &[Constants], numbers: &[f64]) -> Option<Dependence> {
     let ranked = ranks(numbers);
-    let first = sets.first()?;
-    let by = |k: usize| -> Option<(Parameter, f64)> {
+    let by = |(k, (parameter, _)): (usize, &(Parameter, f64))| -> Option<Dependence> {
         let values: Vec<f64> = sets.iter().map(|set| set.values[k].1).collect();
-        Some((first.values[k].0, correlation(&ranks(&values), &ranked)?))
+        let rank_correlation = correlation(&ranks(&values), &ranked)?;
+        Some(Dependence { parameter: parameter.to_string(), rank_correlation })
     };
-    let found = (0..first.values.len()).filter_map(by).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-    Some(Dependence { parameter: found.0.to_string(), rank_correlation: found.1 })
+    let all = sets.first()?.values.iter().enumerate().filter_map(by);
+    all.max_by(|a, b| a.rank_correlation.abs().total_cmp(&b.rank_correlation.abs()))
 }
 
 /// Ranks from 1, those of equal numbers averaged.

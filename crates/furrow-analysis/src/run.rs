@@ -1,11 +1,6 @@
 //! Solves the points of a sweep; equal inputs are solved once.
 
-use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-
-use rayon::prelude::*;
-use serde_json::Value;
 
 use super::journal::Journal;
 use super::points::Point;
@@ -13,13 +8,19 @@ use super::shard::Shard;
 use super::sweep::{Kind, Sweep};
 use super::table::{Row, UNDECIDED};
 use furrow_cell::Numerics;
-use furrow_lineage::batch::{Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, StoreWarning, scheduler};
-use furrow_lineage::{
-    EndRule, GrowError, Grower, Scope, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
-};
-use furrow_mechanics::division::{Division, DivisionInput, Statistics, divide};
+use furrow_lineage::TerminalReason;
+use furrow_lineage::batch::{Job, Key, Progress};
+use furrow_lineage::batch::{Memo, SchedulerError, SchedulerOptions, StoreWarning, scheduler};
+use furrow_lineage::{EndRule, GrowError, Grower, Scope, Thresholds, Tree, TreeSettings, founder_rounds};
+use furrow_mechanics::division::{Division, Statistics};
+use furrow_mechanics::division::{DivisionInput, divide};
 use furrow_mechanics::equilibria::critical::{BoundaryKind, critical_radius_within};
-use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, PointKind, ShapeError, StepBudget, pitchfork};
+use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, ShapeError, pitchfork};
+use furrow_mechanics::equilibria::{PointKind, StepBudget};
+use rayon::prelude::*;
+use serde_json::Value;
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Largest ξ_s up to which pitchforks are searched for.
 const XI_MAX: f64 = 100.0;
@@ -47,7 +48,7 @@ pub struct SweepProgress {
 /// let sweep = Sweep::parse(text, "small.ron", &Settings::default(), &[])?;
 /// let (memo, cancel) = (Memo::new(Quantisation::DEFAULT), AtomicBool::new(false));
 /// let solved = Run::new(&sweep, &memo, &cancel).solve()?;
-/// let csv = String::from_utf8(csv_text(&sweep.columns(), &solved.rows)?)?;
+/// let csv = csv_text(&sweep.columns(), &solved.rows);
 /// assert!(csv.starts_with("r0,outcome,chi,u_furrow,t_end\n1.5,failed,,,"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -94,6 +95,9 @@ impl SweepResult {
 
 /// Results of a point, and why they are incomplete if they are.
 type Results = (Vec<Value>, Option<String>);
+
+/// Computes the results at a point.
+type SolveShape = fn(&DivisionInput, &StepBudget<'_>) -> Result<Vec<Value>, ShapeError>;
 
 /// The distinct inputs of points.
 struct Inputs<'p> {
@@ -153,17 +157,16 @@ impl<'a> Run<'a> {
         let mut numbers: HashMap<Key, usize> = HashMap::new();
         let key = |point: &Point| Key::new(&point.input);
         let mut firsts = Vec::new();
+        let mut add = |point: &'p Point| {
+            firsts.push(point);
+            firsts.len() - 1
+        };
         let number = |point: &'p Point| {
-            point.refused.is_none().then(|| {
-                *numbers.entry(key(point)).or_insert_with(|| {
-                    firsts.push(point);
-                    firsts.len() - 1
-                })
-            })
+            point.refused.is_none().then(|| *numbers.entry(key(point)).or_insert_with(|| add(point)))
         };
         let of_point = points.iter().map(number).collect();
         let mut results = vec![None; firsts.len()];
-        for row in self.journal.iter().flat_map(|journal| journal.rows().values()) {
+        for row in self.journal.iter().flat_map(|journal| journal.rows.values()) {
             if row.index < self.sweep.points()
                 && let Some(number) = numbers.get(&key(&self.sweep.point(row.index)))
             {
@@ -172,6 +175,10 @@ impl<'a> Run<'a> {
         }
         let open = (0..firsts.len()).filter(|number| results[*number].is_none()).collect();
         Inputs { of_point, firsts, results, open }
+    }
+
+    fn options(&self) -> SchedulerOptions<'a> {
+        SchedulerOptions { threads: self.threads, interrupt: Some(self.cancel), ..SchedulerOptions::default() }
     }
 
     fn cancelled(&self) -> bool {
@@ -200,12 +207,7 @@ impl<'a> Run<'a> {
         let show = |progress: Progress| {
             (self.progress)(SweepProgress { done: before + progress.solved + progress.memo_hits, of });
         };
-        let options = SchedulerOptions {
-            threads: self.threads,
-            interrupt: Some(self.cancel),
-            progress: Some(&show),
-            ..SchedulerOptions::default()
-        };
+        let options = SchedulerOptions { progress: Some(&show), ..self.options() };
         let mut divisions: Vec<Option<Division>> = vec![None; of];
         let run = scheduler::run(jobs, self.memo, &options, divide, |id, division| {
             divisions[id] = Some(division.clone());
@@ -242,24 +244,16 @@ impl<'a> Run<'a> {
 
     /// The columns of a point without results.
     fn no_results(&self) -> Vec<Value> {
-        let columns = self.sweep.result_columns();
-        let undecided = match self.sweep.kind {
-            Kind::Division if self.sweep.replicates == 1 => Some("outcome"),
-            Kind::Division => return division_results(&vec![None; self.sweep.replicates as usize]),
-            Kind::Pitchfork => Some("criticality"),
-            Kind::Critical => Some("kind"),
-            Kind::Tree => None,
-        };
-        let value = |name: &String| if Some(name.as_str()) == undecided { UNDECIDED.into() } else { Value::Null };
-        columns.iter().map(value).collect()
+        match self.sweep.kind {
+            Kind::Division => division_results(&vec![None; self.sweep.replicates as usize]),
+            Kind::Pitchfork => vec![Value::Null, UNDECIDED.into(), Value::Null, Value::Null],
+            Kind::Critical => vec![Value::Null, UNDECIDED.into()],
+            Kind::Tree => vec![Value::Null; self.sweep.result_columns().len()],
+        }
     }
 
     /// Stationary shapes, on all cores.
-    fn shapes(
-        &self,
-        inputs: &mut Inputs<'_>,
-        solve: fn(&DivisionInput, &StepBudget<'_>) -> Result<Vec<Value>, ShapeError>,
-    ) -> Result<SweepResult, SchedulerError> {
+    fn shapes(&self, inputs: &mut Inputs<'_>, solve: SolveShape) -> Result<SweepResult, SchedulerError> {
         let Inputs { firsts, results, open, .. } = inputs;
         let done = AtomicUsize::new(firsts.len() - open.len());
         let one = |number: &usize| {
@@ -326,18 +320,11 @@ impl<'a> Run<'a> {
     }
 
     fn tree(&self, input: &DivisionInput, ends: &Thresholds<'_>, out: &mut SweepResult) -> Result<Tree, GrowError> {
-        let settings = TreeSettings {
-            cell: input.cell.clone(),
-            numerics: input.numerics,
-            seed: input.seed,
-            r0_step: self.memo.quantisation().relative_step(),
-        };
-        let options =
-            SchedulerOptions { threads: self.threads, interrupt: Some(self.cancel), ..SchedulerOptions::default() };
-        let lineage = self.sweep.lineage_at(&input.cell);
-        let (tree, summary) =
-            Grower { lineage: &lineage, settings, ends: EndRule::Thresholds(ends), memo: self.memo, options }
-                .grow(divide)?;
+        let DivisionInput { cell, numerics, seed } = input.clone();
+        let settings = TreeSettings { cell, numerics, seed, r0_step: self.memo.quantisation().relative_step() };
+        let (lineage, ends) = (&self.sweep.lineage_at(&input.cell), EndRule::Thresholds(ends));
+        let grower = Grower { lineage, settings, ends, memo: self.memo, options: self.options() };
+        let (tree, summary) = grower.grow(divide)?;
         out.solved += summary.solved;
         out.reused += summary.memo_hits;
         out.warnings.extend(summary.warnings);
@@ -372,18 +359,11 @@ fn tree_results(tree: &Tree) -> Vec<Value> {
     let mut values = vec![tree.len().into()];
     for found in founder_rounds(tree) {
         let chi = tree.founder_cell(found.founder).and_then(|id| tree.cell(id).fate.chi());
-        match found.rounds {
-            Some(r) => values.extend([
-                r.min.into(),
-                r.mean.into(),
-                r.max.into(),
-                r.full_doublings.into(),
-                r.terminal.into(),
-                chi.into(),
-            ]),
-            // It was never born.
-            None => values.extend(vec![Value::Null; 6]),
-        }
+        // None for a founder that was never born.
+        let r = found.rounds;
+        values.extend([r.map(|r| r.min).into(), r.map(|r| r.mean).into(), r.map(|r| r.max).into()]);
+        values.extend([r.map(|r| r.full_doublings).into(), r.map(|r| r.terminal).into()]);
+        values.push(chi.filter(|_| r.is_some()).into());
     }
     values
 }

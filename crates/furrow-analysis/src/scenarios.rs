@@ -11,13 +11,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use std::collections::{BTreeMap, HashSet};
-
 use furrow_cell::CueError;
 pub use furrow_lineage::Scenario;
 use furrow_lineage::batch::{Memo, SchedulerOptions, Summary};
 use furrow_lineage::{EndRule, GrowError, Grower, Length, Lineage, Tree, TreeSettings, grow_together};
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
+use std::collections::{BTreeMap, HashSet};
 
 /// Names that scenarios do not get: those of the files that stand beside their folders.
 const TAKEN: [&str; 6] = ["scenarios.csv", "report.html", "run.json", "tree.json", "tree.nwk", "tree.svg"];
@@ -84,21 +83,21 @@ pub fn combine(sources: &[Source], cues: &[&str]) -> Result<Vec<Scenario>, Scena
 ///
 /// # Errors
 /// As [`Grower::grow`].
-pub fn grow<S>(
-    scenarios: &[Scenario],
+pub fn grow<'s>(
+    scenarios: &'s [Scenario],
     ends: EndRule<'_>,
     memo: &Memo,
     options: SchedulerOptions<'_>,
-    solve: S,
-) -> Result<(Vec<Tree>, Summary), GrowError>
-where
-    S: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
-{
-    let mut growers = Vec::with_capacity(scenarios.len());
-    for Scenario { lineage, settings, .. } in scenarios {
-        growers.push(Grower { lineage, settings: settings.clone(), ends, memo, options });
-    }
-    grow_together(&growers, solve)
+    solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
+) -> Result<(Vec<Tree>, Summary), GrowError> {
+    let grower = |Scenario { lineage, settings, .. }: &'s Scenario| Grower {
+        lineage,
+        settings: settings.clone(),
+        ends,
+        memo,
+        options,
+    };
+    grow_together(&scenarios.iter().map(grower).collect::<Vec<_>>(), solve)
 }
 
 /// A name with what file systems, shells and drawings take everywhere: ASCII letters, digits, `-`, `_` and `.`, and no dot at

@@ -2,10 +2,10 @@
 
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
-
 use super::points::Point;
-use furrow_lineage::batch::{Key, Quantisation};
+use furrow_lineage::batch::Key;
+use furrow_lineage::batch::Quantisation;
+use serde::{Deserialize, Serialize};
 
 /// Most parts of a sweep.
 const MOST: u64 = 1_000_000;

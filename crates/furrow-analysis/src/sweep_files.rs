@@ -1,21 +1,21 @@
 //! The files of a sweep: its table and its definition. Merges the files of shards.
 
-use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
-
-use serde::Serialize;
-use serde_json::Value;
 
 use crate::table::{csv_text, json_lines, read_line};
-use crate::{AxisValue, Journal, Kind, Row, Shard, Sweep};
-use furrow_cell::{Cell, Numerics};
-use furrow_formats::files::{FileSet, WriteError};
+use crate::{Axis, Journal, Kind, Row, Shard, Sweep};
+use furrow_formats::files::FileSet;
+use furrow_formats::files::WriteError;
 use furrow_formats::provenance::Provenance;
 use furrow_input::{InputError, listed};
-use furrow_lineage::Lineage;
-use furrow_lineage::batch::{Quantisation, SOLVER_VERSION};
+use furrow_lineage::batch::Quantisation;
+use furrow_lineage::batch::SOLVER_VERSION;
+use serde::Serialize;
+use serde_json::Value;
+use serde_json::json;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 /// Name of the format.
 const SCHEMA: &str = "furrow.sweep";
@@ -30,77 +30,11 @@ const HEAD: &str = "sweep.json";
 /// The files of a sweep, in the order they are written: where the last exists, all do.
 pub const SWEEP_FILES: [&str; 3] = [CSV, LINES, HEAD];
 
-/// Why the files of a sweep could not be written.
-#[derive(Debug, thiserror::Error)]
-pub enum SweepFilesError {
-    /// The rows have different lengths.
-    #[error(transparent)]
-    Csv(#[from] csv::Error),
-    /// The definition has no JSON form.
-    #[error(transparent)]
-    Json(#[from] serde_json::Error),
-    /// A file could not be written.
-    #[error(transparent)]
-    Write(#[from] WriteError),
-}
-
-/// `sweep.json`: everything the results depend on, and nothing else.
-#[derive(Serialize)]
-struct Head<'a> {
-    schema: &'a str,
-    schema_version: u32,
-    provenance: Provenance,
-    /// Version of the solver of divisions.
-    solver: u32,
-    kind: Kind,
-    /// Values of parameters without an axis.
-    cell: &'a Cell,
-    numerics: &'a Numerics,
-    /// The default cue; `None` keeps a tree's own cues.
-    cue: Option<String>,
-    axes: Vec<HeadAxis<'a>>,
-    replicates: u32,
-    seed: u64,
-    /// Relative step to which R0 is rounded.
-    r0_step: f64,
-    /// The lineage of trees.
-    lineage: Option<&'a Lineage>,
-    columns: Vec<String>,
-    points: usize,
-    /// The shard and its rows; absent for a whole sweep.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    shard: Option<HeadShard>,
-}
-
-#[derive(Serialize)]
-struct HeadAxis<'a> {
-    parameter: &'a str,
-    values: &'a [AxisValue],
-    /// The meaning of cues on an axis of cues.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    cues: BTreeMap<String, String>,
-    sampled: bool,
-}
-
 #[derive(Clone, Copy, Serialize, serde::Deserialize)]
 struct HeadShard {
     #[serde(flatten)]
     shard: Shard,
     rows: usize,
-}
-
-/// Opens the journal of a sweep, or of a shard of it, in the folder of its files.
-///
-/// # Errors
-/// [`SweepFilesError`].
-pub fn open_journal(
-    sweep: &Sweep,
-    quantisation: Quantisation,
-    shard: Option<Shard>,
-    folder: &Path,
-) -> Result<Journal, SweepFilesError> {
-    let SweepTable { head, columns, .. } = SweepTable::new(sweep, quantisation, shard, Vec::new())?;
-    Ok(Journal::open(folder, &head, columns)?)
 }
 
 /// A table and its definition.
@@ -113,55 +47,63 @@ pub struct SweepTable {
 }
 
 impl SweepTable {
-    /// The table of a sweep, or of a part of it.
+    /// The table of a sweep, or of a part of it. Its definition has everything the results depend on, and nothing else.
+    pub fn new(sweep: &Sweep, quantisation: Quantisation, shard: Option<Shard>, rows: Vec<Row>) -> SweepTable {
+        let axis = |axis: &Axis| {
+            let mut head = json!({ "parameter": axis.name, "values": axis.values });
+            if !axis.cues.is_empty() {
+                let cues = axis.values.iter().zip(&axis.cues).map(|(v, cue)| (v.text().into_owned(), cue.to_string()));
+                head["cues"] = json!(cues.collect::<BTreeMap<_, _>>());
+            }
+            head["sampled"] = axis.sampled.into();
+            head
+        };
+        let columns = sweep.columns();
+        let mut head = json!({
+            "schema": SCHEMA,
+            "schema_version": SCHEMA_VERSION,
+            "provenance": Provenance::current(),
+            // Version of the solver of divisions.
+            "solver": SOLVER_VERSION,
+            "kind": sweep.kind,
+            // Values of parameters without an axis.
+            "cell": sweep.settings.cell,
+            "numerics": sweep.settings.numerics,
+            // The default cue; null keeps a tree's own cues.
+            "cue": sweep.cue.as_ref().map(ToString::to_string),
+            "axes": sweep.axes.0.iter().map(axis).collect::<Vec<_>>(),
+            "replicates": sweep.replicates,
+            "seed": sweep.seed,
+            // Relative step to which R0 is rounded.
+            "r0_step": quantisation.relative_step(),
+            "lineage": (sweep.kind == Kind::Tree).then_some(&sweep.lineage),
+            "columns": columns,
+            "points": sweep.points(),
+        });
+        if let Some(shard) = shard {
+            head["shard"] = json!(HeadShard { shard, rows: rows.len() });
+        }
+        SweepTable { head, columns, rows }
+    }
+
+    /// Opens the journal of the sweep, or of this part of it, in the folder of its files.
     ///
     /// # Errors
-    /// [`SweepFilesError::Json`].
-    pub fn new(
-        sweep: &Sweep,
-        quantisation: Quantisation,
-        shard: Option<Shard>,
-        rows: Vec<Row>,
-    ) -> Result<SweepTable, SweepFilesError> {
-        let axes = sweep.axes.0.iter().map(|axis| HeadAxis {
-            parameter: &axis.name,
-            values: &axis.values,
-            cues: axis.values.iter().zip(&axis.cues).map(|(v, cue)| (v.text().into_owned(), cue.to_string())).collect(),
-            sampled: axis.sampled,
-        });
-        let columns = sweep.columns();
-        let head = Head {
-            schema: SCHEMA,
-            schema_version: SCHEMA_VERSION,
-            provenance: Provenance::current(),
-            solver: SOLVER_VERSION,
-            kind: sweep.kind,
-            cell: &sweep.settings.cell,
-            numerics: &sweep.settings.numerics,
-            cue: sweep.cue.as_ref().map(ToString::to_string),
-            axes: axes.collect(),
-            replicates: sweep.replicates,
-            seed: sweep.seed,
-            r0_step: quantisation.relative_step(),
-            lineage: (sweep.kind == Kind::Tree).then_some(&sweep.lineage),
-            columns: columns.clone(),
-            points: sweep.points(),
-            shard: shard.map(|shard| HeadShard { shard, rows: rows.len() }),
-        };
-        // A value sorts its fields by name, as do those that are read from a file.
-        Ok(SweepTable { head: serde_json::to_value(head)?, columns, rows })
+    /// [`WriteError`].
+    pub fn open_journal(self, folder: &Path) -> Result<Journal, WriteError> {
+        Journal::open(folder, &self.head, self.columns)
     }
 
     /// Writes the files into a folder. Files of another sweep there are overwritten.
     ///
     /// # Errors
-    /// [`SweepFilesError`].
-    pub fn write(&self, folder: &Path) -> Result<(), SweepFilesError> {
+    /// [`WriteError`].
+    pub fn write(&self, folder: &Path) -> Result<(), WriteError> {
         let mut files = FileSet::new(folder);
-        files.stage(CSV, &csv_text(&self.columns, &self.rows)?)?;
-        files.stage(LINES, &json_lines(&self.columns, &self.rows)?)?;
-        files.stage(HEAD, format!("{}\n", serde_json::to_string_pretty(&self.head)?).as_bytes())?;
-        Ok(files.commit()?)
+        files.stage(CSV, csv_text(&self.columns, &self.rows).as_bytes())?;
+        files.stage(LINES, json_lines(&self.columns, &self.rows).as_bytes())?;
+        files.stage(HEAD, format!("{:#}\n", self.head).as_bytes())?;
+        files.commit()
     }
 
     /// Reads the files of a folder.
@@ -194,29 +136,22 @@ impl SweepTable {
         let file = folder.join(HEAD);
         let shard = self.head.get("shard").ok_or_else(|| not_ours(&file, "it is a whole sweep"))?;
         let shard: HeadShard = serde_json::from_value(shard.clone()).map_err(|e| not_ours(&file, &e.to_string()))?;
-        if shard.rows == self.rows.len() {
-            return Ok(shard);
-        }
-        let allowed = format!("{}, as {HEAD} beside it says", shard.rows);
-        Err(InputError::not_allowed(folder.join(LINES).display().to_string(), "rows", self.rows.len(), allowed))
+        let (name, allowed) =
+            (folder.join(LINES).display().to_string(), format!("{}, as {HEAD} beside it says", shard.rows));
+        InputError::require(shard.rows == self.rows.len(), name, "rows", self.rows.len(), allowed)?;
+        Ok(shard)
     }
 
     /// The definition without the shard, which is the same for all parts of a sweep.
     fn definition(&self) -> Value {
         let mut head = self.head.clone();
-        if let Some(fields) = head.as_object_mut() {
-            fields.remove("shard");
-        }
+        head.as_object_mut().map(|fields| fields.remove("shard"));
         head
     }
 }
 
 fn not_ours(file: &Path, reason: &str) -> InputError {
-    InputError::OtherFile {
-        file: file.display().to_string(),
-        wanted: "the record of a part of a sweep".to_owned(),
-        reason: reason.to_owned(),
-    }
+    InputError::other_file(file.display(), "the record of a part of a sweep", reason)
 }
 
 fn read_head(folder: &Path) -> Result<Value, InputError> {
@@ -297,14 +232,10 @@ pub fn merge(folders: &[PathBuf]) -> Result<SweepTable, InputError> {
         return Err(InputError::not_allowed("merge", "folders", "none", "the folders of all parts of a sweep"));
     };
     let missing: Vec<String> = (1..=of).filter(|k| !seen.contains(k)).map(|k| format!("{k}/{of}")).collect();
-    if !missing.is_empty() {
-        let allowed = format!("all {of} of them; missing: {}", listed(missing.iter().map(String::as_str), ", "));
-        return Err(InputError::not_allowed("merge", "parts", seen.len(), allowed));
-    }
+    let allowed = format!("all {of} of them; missing: {}", listed(missing.iter().map(String::as_str), ", "));
+    InputError::require(missing.is_empty(), "merge", "parts", seen.len(), allowed)?;
     let points = head["points"].as_u64().unwrap_or(0);
-    if rows.len() as u64 != points || rows.keys().next_back().is_some_and(|last| *last as u64 >= points) {
-        let allowed = format!("those of all {points} points, each once");
-        return Err(InputError::not_allowed("merge", "rows", rows.len(), allowed));
-    }
+    let whole = rows.len() as u64 == points && rows.keys().next_back().is_none_or(|last| (*last as u64) < points);
+    InputError::require(whole, "merge", "rows", rows.len(), format!("those of all {points} points, each once"))?;
     Ok(SweepTable { head, columns, rows: rows.into_values().map(|(row, _)| row).collect() })
 }

@@ -1,11 +1,8 @@
 //! Columns and rows of a sweep, as CSV and as JSON lines.
 
-use serde::Serialize;
-use serde::ser::{SerializeMap, Serializer};
-use serde_json::{Map, Value};
-
 use super::points::AxisValue;
 use super::sweep::{Kind, Sweep};
+use serde_json::{Map, Value};
 
 /// The outcome of a point that could not be computed.
 pub const UNDECIDED: &str = "undecided";
@@ -38,11 +35,9 @@ impl Sweep {
             Kind::Tree => &["cells"],
         };
         let mut columns: Vec<String> = fixed.iter().map(|name| (*name).to_owned()).collect();
-        if self.kind == Kind::Tree {
-            for founder in &self.lineage.founders {
-                let counts = ["min", "mean", "max", "full_doublings", "terminal", "chi"];
-                columns.extend(counts.map(|count| format!("{}_{count}", founder.name)));
-            }
+        for founder in self.lineage.founders.iter().filter(|_| self.kind == Kind::Tree) {
+            let counts = ["min", "mean", "max", "full_doublings", "terminal", "chi"];
+            columns.extend(counts.map(|count| format!("{}_{count}", founder.name)));
         }
         columns
     }
@@ -58,72 +53,38 @@ impl Sweep {
     }
 }
 
-/// A row as a JSON object, its fields in the order of the columns.
-struct Line<'a> {
-    columns: &'a [String],
-    row: &'a Row,
-}
-
-impl Serialize for Line<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("index", &self.row.index)?;
-        for (name, cell) in self.columns.iter().zip(&self.row.cells) {
-            map.serialize_entry(name, cell)?;
-        }
-        if let Some(why) = &self.row.why {
-            map.serialize_entry("why", why)?;
-        }
-        map.end()
-    }
-}
-
-/// The rows as JSON, one a line.
-///
-/// # Errors
-/// A row without a JSON form.
-pub fn json_lines(columns: &[String], rows: &[Row]) -> Result<Vec<u8>, serde_json::Error> {
-    let mut out = Vec::new();
-    for row in rows {
-        serde_json::to_writer(&mut out, &Line { columns, row })?;
-        out.push(b'\n');
-    }
-    Ok(out)
+/// The rows as JSON, one a line, their fields in the order of the columns.
+pub fn json_lines(columns: &[String], rows: &[Row]) -> String {
+    let line = |Row { index, cells, why }: &Row| {
+        let mut fields = Map::from_iter([("index".to_owned(), Value::from(*index))]);
+        fields.extend(columns.iter().cloned().zip(cells.iter().cloned()));
+        fields.extend(why.iter().map(|why| ("why".to_owned(), why.as_str().into())));
+        format!("{}\n", Value::Object(fields))
+    };
+    rows.iter().map(line).collect()
 }
 
 /// Reads a line that [`json_lines`] wrote; `None` if it cannot have written this.
 pub fn read_line(columns: &[String], line: &str) -> Option<Row> {
     let mut fields: Map<String, Value> = serde_json::from_str(line).ok()?;
     let index = usize::try_from(fields.remove("index")?.as_u64()?).ok()?;
-    let why = match fields.remove("why") {
-        Some(Value::String(why)) => Some(why),
-        Some(_) => return None,
-        None => None,
-    };
+    let why = fields.remove("why").map(|why| why.as_str().map(str::to_owned).ok_or(())).transpose().ok()?;
     let cells = columns.iter().map(|name| fields.remove(name)).collect::<Option<Vec<Value>>>()?;
     fields.is_empty().then_some(Row { index, cells, why })
 }
 
 /// The rows as CSV with a header. Missing values are empty fields.
-///
-/// # Errors
-/// [`csv::Error`] if rows have different lengths.
-pub fn csv_text(columns: &[String], rows: &[Row]) -> Result<Vec<u8>, csv::Error> {
+pub fn csv_text(columns: &[String], rows: &[Row]) -> String {
     let cells = rows.iter().map(|row| row.cells.iter().map(csv_cell).collect());
-    Ok(csv_of(std::iter::once(columns.to_vec()).chain(cells))?.into_bytes())
+    csv_of(std::iter::once(columns.to_vec()).chain(cells))
 }
 
 /// Records of text as CSV.
-///
-/// # Errors
-/// [`csv::Error`] if records have different lengths.
-pub fn csv_of<R: IntoIterator<Item = String>>(records: impl IntoIterator<Item = R>) -> Result<String, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for record in records {
-        writer.write_record(record.into_iter().map(String::into_bytes))?;
-    }
-    let bytes = writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+pub fn csv_of<R: IntoIterator<Item = String>>(records: impl IntoIterator<Item = R>) -> String {
+    let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
+    // Into memory, and with records of any length, nothing can fail.
+    records.into_iter().for_each(|record| drop(writer.write_record(record.into_iter().map(String::into_bytes))));
+    String::from_utf8_lossy(&writer.into_inner().unwrap_or_default()).into_owned()
 }
 
 /// Numbers with the fewest digits that read back as the same number.
@@ -147,11 +108,11 @@ mod tests {
             Row { index: 0, cells: vec![0.1.into(), "none, or \"x\"".into(), Value::Null], why: Some("lost".into()) },
             Row { index: 7, cells: vec![3.0.into(), "a".into(), (1.0 / 3.0).into()], why: None },
         ];
-        let text = String::from_utf8(json_lines(&columns, &rows).unwrap()).unwrap();
+        let text = json_lines(&columns, &rows);
         let read: Vec<Row> = text.lines().map(|line| read_line(&columns, line).unwrap()).collect();
         assert_eq!(read, rows);
         assert!(read_line(&columns[..2], text.lines().next().unwrap()).is_none());
-        let csv = String::from_utf8(csv_text(&columns, &rows).unwrap()).unwrap();
+        let csv = csv_text(&columns, &rows);
         assert_eq!(csv, "r0,cue,chi\n0.1,\"none, or \"\"x\"\"\",\n3,a,0.3333333333333333\n");
     }
 }

@@ -65,44 +65,41 @@ pub struct UnknownParameter {
 
 impl Parameter {
     /// Every parameter but those of cues, for listings.
-    pub const ALL: [Parameter; 13] = [
-        Parameter::XiS,
-        Parameter::XiRatio,
-        Parameter::Gain,
-        Parameter::R0,
-        Parameter::Epsilon,
-        Parameter::Aspect,
-        Parameter::P0,
-        Parameter::W,
-        Parameter::Kappa,
-        Parameter::EtaB,
-        Parameter::EtaS,
-        Parameter::Friction,
-        Parameter::Tension,
-    ];
+    pub const ALL: [Parameter; 13] = {
+        use Parameter::*;
+        [XiS, XiRatio, Gain, R0, Epsilon, Aspect, P0, W, Kappa, EtaB, EtaS, Friction, Tension]
+    };
 
     /// Its row in the table of parameters, with its name; none for a cue's.
     fn row(self) -> Option<(&'static Number, &'static str)> {
         parameters().find(|(row, ..)| row.parameter == self).map(|(row, name, _)| (row, name))
     }
 
+    /// Its value, unless it is a quantity that the cell's cue does not have.
+    fn read(self, cell: &Cell) -> Option<f64> {
+        match self {
+            Parameter::Cue { term, quantity } => cell.cue.terms().get(term)?.quantity(quantity),
+            _ => self.row().map(|(row, _)| (row.get)(cell)),
+        }
+    }
+
     /// Its value; 0 for a quantity that the cell's cue does not have.
     pub fn get(self, cell: &Cell) -> f64 {
-        match (self, self.row()) {
-            (Parameter::Cue { term, quantity }, _) => {
-                cell.cue.terms().get(term).and_then(|term| term.quantity(quantity)).unwrap_or(0.0)
-            }
-            (_, row) => row.map_or(0.0, |(row, _)| (row.get)(cell)),
-        }
+        self.read(cell).unwrap_or(0.0)
+    }
+
+    /// Whether the cell has it: false for quantities of terms that its cue does not have.
+    pub fn is_of(self, cell: &Cell) -> bool {
+        self.read(cell).is_some()
     }
 
     /// Sets it. A quantity that the cell's cue does not have is left alone.
     pub fn set(self, cell: &mut Cell, value: f64) {
-        let slot = match (self, self.row()) {
-            (Parameter::Cue { term, quantity }, _) => {
+        let slot = match self {
+            Parameter::Cue { term, quantity } => {
                 cell.cue.terms_mut().get_mut(term).and_then(|term| term.quantity_mut(quantity))
             }
-            (_, row) => row.map(|(row, _)| (row.slot)(cell)),
+            _ => self.row().map(|(row, _)| (row.slot)(cell)),
         };
         if let Some(slot) = slot {
             *slot = value;
@@ -118,16 +115,6 @@ impl Parameter {
             Some((row, _)) => (row.validate)(value),
             None if value.is_finite() => Ok(()),
             None => Err("a finite number"),
-        }
-    }
-
-    /// Whether the cell has it: false for quantities of terms that its cue does not have.
-    pub fn is_of(self, cell: &Cell) -> bool {
-        match self {
-            Parameter::Cue { term, quantity } => {
-                cell.cue.terms().get(term).is_some_and(|term| term.quantity(quantity).is_some())
-            }
-            _ => true,
         }
     }
 
@@ -157,13 +144,8 @@ impl std::str::FromStr for Parameter {
         let unknown = || UnknownParameter { name: text.to_owned() };
         if let Some(rest) = text.strip_prefix("cue") {
             let (index, name) = rest.split_once('.').ok_or_else(unknown)?;
-            let term = match index {
-                "" => 0,
-                index => {
-                    let digits = index.strip_prefix('[').and_then(|i| i.strip_suffix(']')).ok_or_else(unknown)?;
-                    digits.parse().map_err(|_| unknown())?
-                }
-            };
+            let number = |index: &str| index.strip_prefix('[')?.strip_suffix(']')?.parse().ok();
+            let term = if index.is_empty() { Some(0) } else { number(index) }.ok_or_else(unknown)?;
             let quantity = Quantity::ALL.into_iter().find(|q| q.name() == name).ok_or_else(unknown)?;
             return Ok(Parameter::Cue { term, quantity });
         }

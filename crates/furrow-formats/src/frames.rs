@@ -2,21 +2,10 @@
 
 use super::files::{FileSet, WriteError};
 use furrow_input::{InputError, read_text};
+use furrow_mechanics::cortex::forces::Place;
 use furrow_mechanics::division::{Snapshot, Trajectory};
 use serde::{Deserialize, Serialize};
-use std::fmt::Write;
 use std::path::Path;
-
-/// Why frames could not be written.
-#[derive(Debug, thiserror::Error)]
-pub enum FramesError {
-    /// A file could not be written.
-    #[error(transparent)]
-    Write(#[from] WriteError),
-    /// The index could not be put into JSON.
-    #[error(transparent)]
-    Json(#[from] serde_json::Error),
-}
 
 /// One frame in the list of them.
 #[derive(Serialize)]
@@ -39,25 +28,45 @@ struct Entry {
 /// Name of the list of frames.
 pub const INDEX: &str = "frames.json";
 
-/// The columns of a frame, with their units.
-pub const COLUMNS: [(&str, &str); 17] = [
-    ("u", "arclength fraction, 0 at the posterior pole"),
-    ("r", "distance from the axis, L_h"),
-    ("z", "position along the axis, L_h"),
-    ("psi", "tangent angle ψ, from 0 to π"),
-    ("c_uu", "meridional curvature c1, 1/L_h"),
-    ("c_pp", "azimuthal curvature c2, 1/L_h"),
-    ("t_uu", "meridional tension T_uu, active and viscous, κ0/L_h²"),
-    ("t_pp", "azimuthal tension T_φφ, active and viscous, κ0/L_h²"),
-    ("v", "tangential velocity towards larger u, L_h/τ"),
-    ("v_n", "normal velocity outwards, L_h/τ"),
-    ("active_t", "active force density along the contour, towards larger u, κ0/L_h³"),
-    ("active_n", "active normal force, outwards as all that follow, κ0/L_h³"),
-    ("viscous_n", "viscous normal force"),
-    ("elastic_n", "elastic normal force: bending and passive tension"),
-    ("pressure_n", "pressure"),
-    ("shell_n", "force of the shell"),
-    ("residual_n", "sum of the five, 0 of an exact solution"),
+/// The columns of a frame:
+///
+/// | column | |
+/// |---|---|
+/// | `u` | arclength fraction, 0 at the posterior pole |
+/// | `r` | distance from the axis, L_h |
+/// | `z` | position along the axis, L_h |
+/// | `psi` | tangent angle ψ, from 0 to π |
+/// | `c_uu` | meridional curvature c1, 1/L_h |
+/// | `c_pp` | azimuthal curvature c2, 1/L_h |
+/// | `t_uu` | meridional tension T_uu, active and viscous, κ0/L_h² |
+/// | `t_pp` | azimuthal tension T_φφ, active and viscous, κ0/L_h² |
+/// | `v` | tangential velocity towards larger u, L_h/τ |
+/// | `v_n` | normal velocity outwards, L_h/τ |
+/// | `active_t` | active force density along the contour, towards larger u, κ0/L_h³ |
+/// | `active_n` | active normal force, outwards as all that follow, κ0/L_h³ |
+/// | `viscous_n` | viscous normal force |
+/// | `elastic_n` | elastic normal force: bending and passive tension |
+/// | `pressure_n` | pressure |
+/// | `shell_n` | force of the shell |
+/// | `residual_n` | sum of the five, 0 of an exact solution |
+pub const COLUMNS: [&str; 17] = [
+    "u",
+    "r",
+    "z",
+    "psi",
+    "c_uu",
+    "c_pp",
+    "t_uu",
+    "t_pp",
+    "v",
+    "v_n",
+    "active_t",
+    "active_n",
+    "viscous_n",
+    "elastic_n",
+    "pressure_n",
+    "shell_n",
+    "residual_n",
 ];
 
 /// Name of a frame, counted from 0.
@@ -98,8 +107,8 @@ pub fn check_step(source_name: &str, film: &Trajectory, every: Option<f64>) -> R
 /// They replace the frames of an earlier division.
 ///
 /// # Errors
-/// [`FramesError`].
-pub fn write_frames(folder: &Path, film: &Trajectory, every: Option<f64>) -> Result<(), FramesError> {
+/// [`WriteError`].
+pub fn write_frames(folder: &Path, film: &Trajectory, every: Option<f64>) -> Result<(), WriteError> {
     let mut files = FileSet::new(folder);
     let mut entries: Vec<Entry> = vec![];
     for still in stills(film, every) {
@@ -115,25 +124,24 @@ pub fn write_frames(folder: &Path, film: &Trajectory, every: Option<f64>) -> Res
             chi: still.neck.map(|_| still.asymmetry.abs()),
         });
     }
-    let index = serde_json::to_string_pretty(&entries)?;
+    let failed = |source| WriteError { path: folder.join(INDEX).display().to_string(), source };
+    let index = serde_json::to_string_pretty(&entries).map_err(|error| failed(error.into()))?;
     files.stage(INDEX, format!("{index}\n").as_bytes())?;
     files.commit()?;
-    remove_from(folder, entries.len())?;
-    Ok(())
+    remove_from(folder, entries.len())
+}
+
+/// The numbers of the [`COLUMNS`] at a place.
+pub fn row(p: &Place) -> [f64; COLUMNS.len()] {
+    let head = [p.u, p.r, p.z, p.psi, p.c_uu, p.c_pp, p.t_uu, p.t_pp, p.v, p.v_n, p.active_tangential];
+    let mut all = head.into_iter().chain(p.normal.parts()).chain([p.normal.residual()]);
+    std::array::from_fn(|_| all.next().unwrap_or(f64::NAN))
 }
 
 /// One frame as CSV under the names of its columns.
 fn csv(still: &Snapshot) -> String {
-    let mut csv = COLUMNS.map(|(name, _)| name).join(",");
-    csv.push('\n');
-    for p in &still.places {
-        let head = [p.u, p.r, p.z, p.psi, p.c_uu, p.c_pp, p.t_uu, p.t_pp, p.v, p.v_n, p.active_tangential];
-        for number in head.into_iter().chain(p.normal.parts()) {
-            let _ = write!(csv, "{number},");
-        }
-        let _ = writeln!(csv, "{}", p.normal.residual());
-    }
-    csv
+    let line = |place| row(place).map(|number| number.to_string()).join(",");
+    std::iter::once(COLUMNS.join(",")).chain(still.places.iter().map(line)).map(|line| line + "\n").collect()
 }
 
 /// The contour of a frame, as it is read again.
@@ -160,10 +168,8 @@ struct Listed {
 /// A folder without the list of frames, or a frame that is not as it was written, with line and column.
 pub fn read_frames(folder: &Path) -> Result<Vec<FrameContour>, InputError> {
     let index = folder.join(INDEX);
-    let listed: Vec<Listed> = serde_json::from_str(&read_text(&index)?).map_err(|error| InputError::OtherFile {
-        file: index.display().to_string(),
-        wanted: "a list of frames, as furrow divide --frames writes it".to_owned(),
-        reason: error.to_string(),
+    let listed: Vec<Listed> = serde_json::from_str(&read_text(&index)?).map_err(|error| {
+        InputError::other_file(index.display(), "a list of frames, as furrow divide --frames writes it", error)
     })?;
     let read = |listed: Listed| {
         // The list names files beside itself and no others.

@@ -13,6 +13,7 @@ mod ron;
 
 pub use file::{LONGEST, open_file, read_text, read_text_up_to};
 pub use names::{did_you_mean, forbidden, listed, printable, shown, shown_number};
+pub use place::json_field_at;
 pub use ron::{parse_document, parse_ron};
 
 /// Bad input by the user (exit code 2).
@@ -71,6 +72,11 @@ pub enum InputError {
 }
 
 impl InputError {
+    /// The error for a file that is of another kind than `wanted`.
+    pub fn other_file(file: impl ToString, wanted: &str, reason: impl ToString) -> Self {
+        InputError::OtherFile { file: file.to_string(), wanted: wanted.to_owned(), reason: reason.to_string() }
+    }
+
     /// The error for `field = value` from `source_name` (a file or an option).
     pub fn not_allowed(
         source_name: impl Into<String>,
@@ -84,5 +90,19 @@ impl InputError {
             value: value.to_string(),
             allowed: allowed.into(),
         }
+    }
+
+    /// Checks `field = value` from `source_name`.
+    ///
+    /// # Errors
+    /// [`InputError::NotAllowed`] unless it holds.
+    pub fn require(
+        holds: bool,
+        source_name: impl Into<String>,
+        field: impl Into<String>,
+        value: impl ToString,
+        allowed: impl Into<String>,
+    ) -> Result<(), Self> {
+        if holds { Ok(()) } else { Err(InputError::not_allowed(source_name, field, value, allowed)) }
     }
 }

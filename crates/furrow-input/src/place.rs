@@ -1,18 +1,18 @@
-//! The field at a byte of a RON file, such as `founders[2].r0`.
+//! The field at a byte of a RON or JSON file, such as `founders[2].r0`.
 
 /// An open bracket.
-struct Level {
+struct Level<'a> {
     /// The bracket.
     bracket: char,
     /// Commas so far.
     index: usize,
-    /// The key of the current value: a field's name, or the text of a map's key.
-    key: Option<String>,
+    /// The key of the current value: a field's name, or the text of a map's key in its quotes.
+    key: Option<&'a str>,
 }
 
 /// The field at byte `at`, empty outside all brackets. The text before `at` must be well formed.
 pub fn field_at(text: &str, at: usize) -> String {
-    written(&levels_at(&text[..at]))
+    written(&levels_at(&text[..at]), false)
 }
 
 /// The parent of the field at byte `at`, if that is one of several in parentheses.
@@ -21,71 +21,59 @@ pub fn holder_at(text: &str, at: usize) -> String {
     if let Some(last) = levels.last_mut().filter(|level| level.bracket == '(') {
         last.key = None;
     }
-    written(&levels)
+    written(&levels, false)
+}
+
+/// The field of a JSON document at byte `at`, or the object around it; of the first eight levels.
+pub fn json_field_at(text: &str, at: usize, of_object: bool) -> String {
+    let end = (0..=at.min(text.len())).rev().find(|end| text.is_char_boundary(*end)).unwrap_or(0);
+    let mut levels = levels_at(&text[..end]);
+    if let Some(last) = levels.last_mut().filter(|_| of_object) {
+        last.key = None;
+    }
+    levels.truncate(8);
+    written(&levels, true)
 }
 
 /// The open brackets at the end of a text.
-fn levels_at(text: &str) -> Vec<Level> {
-    let mut levels: Vec<Level> = Vec::new();
+fn levels_at(text: &str) -> Vec<Level<'_>> {
+    let mut levels: Vec<Level<'_>> = Vec::new();
     // The last word or string, which is a key if a colon follows.
-    let mut word = String::new();
+    let mut word = "";
     let mut rest = text;
     while let Some(c) = rest.chars().next() {
         let length = match c {
-            '"' => {
-                let end = closing_quote(rest);
-                word = format!("[{}]", &rest[..end]);
-                end
-            }
+            '"' => closing_quote(rest),
             '/' if rest.starts_with("//") => rest.find('\n').unwrap_or(rest.len()),
             '/' if rest.starts_with("/*") => rest.find("*/").map_or(rest.len(), |end| end + 2),
             '\'' => character(rest),
             _ if c.is_alphanumeric() || c == '_' => {
-                let end = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
-                word = rest[..end].to_owned();
-                end
+                rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len())
             }
-            _ => {
-                punctuation(c, &mut levels, &mut word);
-                c.len_utf8()
-            }
+            _ => c.len_utf8(),
         };
+        match (c, levels.last_mut()) {
+            ('(' | '[' | '{', _) => levels.push(Level { bracket: c, index: 0, key: None }),
+            (')' | ']' | '}', _) => drop(levels.pop()),
+            (',', Some(level)) => (level.index, level.key) = (level.index + 1, None),
+            (':', Some(level)) => level.key = Some(std::mem::take(&mut word)),
+            _ if c == '"' || c.is_alphanumeric() || c == '_' => word = &rest[..length],
+            _ => {}
+        }
         rest = &rest[length..];
     }
     levels
 }
 
-fn punctuation(c: char, levels: &mut Vec<Level>, word: &mut String) {
-    match c {
-        '(' | '[' | '{' => levels.push(Level { bracket: c, index: 0, key: None }),
-        ')' | ']' | '}' => {
-            levels.pop();
-        }
-        ',' => {
-            if let Some(level) = levels.last_mut() {
-                level.index += 1;
-                level.key = None;
-            }
-        }
-        ':' => {
-            if let Some(level) = levels.last_mut() {
-                level.key = Some(std::mem::take(word));
-            }
-        }
-        _ => {}
-    }
-}
-
-/// The path of the open brackets.
-fn written(levels: &[Level]) -> String {
+/// The path of the open brackets. In JSON all keys are in quotes.
+fn written(levels: &[Level<'_>], json: bool) -> String {
     let mut out = String::new();
     for level in levels {
-        match &level.key {
+        match level.key {
+            Some(key) if key.starts_with('"') && !json => out.extend(["[", key, "]"]),
             Some(key) => {
-                if !out.is_empty() && !key.starts_with('[') {
-                    out.push('.');
-                }
-                out.push_str(key);
+                let key = key.strip_prefix('"').and_then(|key| key.strip_suffix('"')).unwrap_or(key);
+                out.extend([if out.is_empty() { "" } else { "." }, key]);
             }
             None if level.bracket == '[' => out.push_str(&format!("[{}]", level.index)),
             None => {}
@@ -141,5 +129,24 @@ mod tests {
         }
         assert_eq!(holder_at(text, text.find("7)]").unwrap()), "founders[1]");
         assert_eq!(holder_at(text, text.find("'l'").unwrap()), "founders[1].letters[0]");
+    }
+
+    #[test]
+    fn the_field_of_every_place_in_json() {
+        let text = r#"{"a": 1, "b\"]": [{"c": [2, {"d": "{[,"}]}, 3], "e": {"f": null}}"#;
+        for (found, of_object, path) in [
+            ("1", false, "a"),
+            ("1", true, ""),
+            ("2", false, "b\\\"][0].c[0]"),
+            ("{[,", false, "b\\\"][0].c[1].d"),
+            ("{[,", true, "b\\\"][0].c[1]"),
+            ("3", false, "b\\\"][1]"),
+            ("null", false, "e.f"),
+            ("}}", true, "e"),
+        ] {
+            assert_eq!(json_field_at(text, text.find(found).unwrap(), of_object), path, "{found}");
+        }
+        assert_eq!(json_field_at(&"[".repeat(100), 100, false), "[0]".repeat(8));
+        assert_eq!(json_field_at("\"\\", 2, true), "");
     }
 }

@@ -29,13 +29,10 @@ pub fn parse_document<T: DeserializeOwned>(text: &str, file: &str, kind: &str, n
         if behind.starts_with('(') {
             return error;
         }
-        let reason = match start.lines().next() {
-            None => format!("it is empty, and {kind} is RON that begins with {name}("),
-            Some(line) => {
-                format!("it begins with {}, and {kind} is RON that begins with {name}(", shown(line.trim_end()))
-            }
-        };
-        InputError::OtherFile { file: file.to_owned(), wanted: kind.to_owned(), reason }
+        let line = start.lines().next().map(|line| format!("it begins with {}", shown(line.trim_end())));
+        let found = line.unwrap_or("it is empty".to_owned());
+        let reason = format!("{found}, and {kind} is RON that begins with {name}(");
+        InputError::other_file(file, kind, reason)
     })
 }
 

@@ -4,7 +4,7 @@
 //!
 //! A mother's volume is the sum of her daughters': segmentations do not always show her, and she grows while they do.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use serde::Serialize;
 
@@ -70,25 +70,16 @@ pub fn divisions(volumes: &Volumes) -> Divisions {
         let measured = embryo.cells.iter().filter(|cell| cell.frames > 0);
         let known: BTreeMap<&str, f64> = measured.map(|cell| (cell.cell.as_str(), cell.volume())).collect();
         for (&name, &volume) in &known {
-            let Some((of, other, is_first)) = birth(name) else { continue };
-            let Some(&second) = known.get(other.as_str()) else {
-                found.half_seen.push(HalfSeen {
-                    embryo: embryo.name.clone(),
-                    group: embryo.group.clone(),
-                    mother: of.to_owned(),
-                    missing: other,
-                });
-                continue;
-            };
-            if is_first {
-                found.divisions.push(Division {
-                    embryo: embryo.name.clone(),
-                    group: embryo.group.clone(),
-                    mother: of.to_owned(),
-                    daughters: [name.to_owned(), other],
-                    volumes: [volume, second],
-                    chi_signed: (volume - second) / (volume + second),
-                });
+            let Some((mother, other, is_first)) = birth(name) else { continue };
+            let (embryo, group, mother) = (embryo.name.clone(), embryo.group.clone(), mother.to_owned());
+            match known.get(other.as_str()) {
+                None => found.half_seen.push(HalfSeen { embryo, group, mother, missing: other }),
+                Some(second) if is_first => {
+                    let (daughters, volumes) = ([name.to_owned(), other], [volume, *second]);
+                    let chi_signed = (volume - second) / (volume + second);
+                    found.divisions.push(Division { embryo, group, mother, daughters, volumes, chi_signed });
+                }
+                Some(_) => {}
             }
         }
     }
@@ -146,14 +137,11 @@ pub fn summaries(divisions: &[Division]) -> Vec<GroupSummary> {
 }
 
 fn summary(group: &str, divisions: &[&Division]) -> GroupSummary {
+    let embryos: BTreeSet<&str> = divisions.iter().map(|division| division.embryo.as_str()).collect();
     let mut by_mother: BTreeMap<(u32, &str), Vec<&Division>> = BTreeMap::new();
-    let mut embryos: Vec<&str> = Vec::new();
     for division in divisions {
         by_mother.entry(place(&division.mother)).or_default().push(division);
-        embryos.push(&division.embryo);
     }
-    embryos.sort_unstable();
-    embryos.dedup();
     let of = |((_, mother), of): ((u32, &str), Vec<&Division>)| {
         let each = |get: fn(&Division) -> f64| of.iter().map(|division| get(division)).collect::<Vec<f64>>();
         let (chi, signed) = (each(Division::chi), each(|division| division.chi_signed));

@@ -54,25 +54,23 @@ impl VolumeBin {
 /// of ten.
 pub fn volume_bins(divisions: &[Division], edges: Option<&[f64]>) -> Vec<VolumeBin> {
     let volumes = || divisions.iter().map(Division::mother_volume);
-    let decades: Vec<f64> = match edges {
-        Some(edges) => edges.to_vec(),
-        None => {
-            let least = volumes().fold(f64::INFINITY, f64::min).log10().floor();
-            let most = volumes().fold(0.0, f64::max).log10().floor();
-            if !least.is_finite() {
-                return Vec::new();
-            }
-            // Powers with an exponent from the list: 10^3 is 1000 exactly.
-            (least as i32..=most as i32 + 1).map(|power| 10_f64.powi(power)).collect()
-        }
+    if divisions.is_empty() {
+        return Vec::new();
+    }
+    let decades = || {
+        let least = volumes().fold(f64::INFINITY, f64::min).log10().floor();
+        let most = volumes().fold(0.0, f64::max).log10().floor();
+        // Powers with an exponent from the list: 10^3 is 1000 exactly.
+        (least as i32..=most as i32 + 1).map(|power| 10_f64.powi(power)).collect()
     };
+    let edges = edges.map_or_else(decades, <[f64]>::to_vec);
     let bin = |pair: &[f64]| {
         let inside = |division: &&Division| (pair[0]..pair[1]).contains(&division.mother_volume());
         let chi: Vec<f64> = divisions.iter().filter(inside).map(Division::chi).collect();
         let (mean, sd, box_plot) = (mean(&chi), sd(&chi), box_plot(&chi));
         (!chi.is_empty()).then(|| VolumeBin { from: pair[0], to: pair[1], n: chi.len(), mean, sd, box_plot, chi })
     };
-    decades.windows(2).rev().filter_map(bin).collect()
+    edges.windows(2).rev().filter_map(bin).collect()
 }
 
 /// Each bin beside the next one of larger cells.

@@ -137,7 +137,15 @@ impl Volumes {
             Some(columns) => self.read_long(&mut table, file, options, &header, &columns)?,
             None => self.read_grid(&mut table, file, options, &header)?,
         };
-        self.settle(file, options, unit)
+        let unit = if unit == Unit::Voxels && options.voxel.is_some() { Unit::CubicMicrometres } else { unit };
+        match self.unit.replace(unit).filter(|before| *before != unit) {
+            Some(before) => {
+                let before = before.symbol();
+                let allowed = format!("{before}, the unit of the tables before (--voxel gives voxels their size)");
+                Err(InputError::not_allowed(file, "unit", unit.symbol(), allowed))
+            }
+            None => Ok(()),
+        }
     }
 
     fn read_long<R: Read>(
@@ -195,7 +203,9 @@ impl Volumes {
         {
             return Err((n, "not a number of frames".to_owned()));
         }
-        self.note([embryo, cell_place], volume * factor, frame, cell)?;
+        let lifespan = &mut self.embryos[embryo].cells[cell_place];
+        lifespan.note(volume * factor, frame, cell.line).map_err(|why| (cell, why))?;
+        self.used += 1;
         Ok(volume)
     }
 
@@ -227,44 +237,18 @@ impl Volumes {
                     None => Err((value, "no column has a name for it".to_owned())),
                     Some(None) => continue,
                     Some(Some(cell)) => positive(value).and_then(|volume| {
-                        self.note([embryo, *cell], volume * options.voxel_volume(), Some(row.0 as f64), value)
+                        let lifespan = &mut self.embryos[embryo].cells[*cell];
+                        let noted = lifespan.note(volume * options.voxel_volume(), Some(row.0 as f64), value.line);
+                        noted.map_err(|why| (value, why))
                     }),
                 };
-                if let Err(rejected) = noted {
-                    self.skip(file, &rejected);
+                match noted {
+                    Ok(()) => self.used += 1,
+                    Err(rejected) => self.skip(file, &rejected),
                 }
             }
         }
         Ok(Unit::Voxels)
-    }
-
-    /// Adds a volume of a cell.
-    fn note<'r>(
-        &mut self,
-        [embryo, cell]: [usize; 2],
-        volume: f64,
-        frame: Option<f64>,
-        place: Value<'r>,
-    ) -> Result<(), Rejected<'r>> {
-        self.embryos[embryo].cells[cell].note(volume, frame, place.line).map_err(|why| (place, why))?;
-        self.used += 1;
-        Ok(())
-    }
-
-    /// Requires one unit for all tables.
-    fn settle(&mut self, file: &str, options: &ReadOptions, unit: Unit) -> Result<(), InputError> {
-        let unit = match (unit, options.voxel) {
-            (Unit::Voxels, Some(_)) => Unit::CubicMicrometres,
-            (unit, _) => unit,
-        };
-        match self.unit.replace(unit).filter(|before| *before != unit) {
-            Some(before) => {
-                let before = before.symbol();
-                let allowed = format!("{before}, the unit of the tables before (--voxel gives voxels their size)");
-                Err(InputError::not_allowed(file, "unit", unit.symbol(), allowed))
-            }
-            None => Ok(()),
-        }
     }
 
     fn embryo(&mut self, group: String, name: String) -> usize {

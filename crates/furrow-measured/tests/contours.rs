@@ -12,19 +12,6 @@ fn table(text: &[u8]) -> Contours {
     found
 }
 
-fn refused(text: &[u8]) -> String {
-    Contours::default().read_table(text, "t.csv").unwrap_err().to_string()
-}
-
-fn left_out(text: &[u8]) -> Vec<String> {
-    let line = |line: Option<u64>| line.map_or(String::new(), |line| line.to_string());
-    table(text)
-        .left_out
-        .iter()
-        .map(|left| format!("{}:{} {}: {}", left.file, line(left.line), left.contour, left.why))
-        .collect()
-}
-
 /// A mask by its rows, `#` inside.
 fn mask(rows: &[&str], [background, cell]: [u8; 2]) -> Vec<u8> {
     let pixels = rows.iter().flat_map(|row| row.bytes()).map(|byte| if byte == b'#' { cell } else { background });
@@ -43,6 +30,11 @@ fn masked(bytes: &[u8], label: Option<u16>) -> Contours {
     let mut found = Contours::default();
     found.read_mask(bytes, "m.png", label).unwrap();
     found
+}
+
+/// Points at so many angles around a cell.
+fn around(count: u32, at: impl Fn(f64) -> [f64; 2]) -> Vec<[f64; 2]> {
+    (0..count).map(|k| at(f64::from(k) / f64::from(count) * std::f64::consts::TAU)).collect()
 }
 
 const SQUARES: &str = "contour,x,y\na,0,0\nb,5,5\na,2,0\nb,5,8\na,2,2\nb,8,8\na,0,2\nb,8,5\n";
@@ -68,8 +60,10 @@ fn contours_of_one_table_are_kept_apart_in_any_dress() {
 #[test]
 fn what_is_no_contour_is_left_out_with_its_place_and_the_others_stay() {
     let broken = "id,x,y\na,0,0\na,2,0\na,2,2\nb,0,0\nb,nan,1\nb,1,0\nc,0,0\nc,1,1\nd,0,0\nd,1,1\nd,2,2\ne,0,0\ne,2,2\ne,2,0\ne,0,2\n";
-    let found = left_out(broken.as_bytes());
-    assert_eq!(table(broken.as_bytes()).traced.len(), 1);
+    let read = table(broken.as_bytes());
+    assert_eq!(read.traced.len(), 1);
+    let left = read.left_out.iter().map(|l| format!("{}:{} {}: {}", l.file, l.line.unwrap(), l.contour, l.why));
+    let found: Vec<String> = left.collect();
     assert_eq!(found[0], "t.csv:6 b: column 2: \"nan\" is not a finite number");
     assert_eq!(found[1], "t.csv:8 c: 2 points; a contour has at least 3 that differ");
     assert_eq!(found[2], "t.csv:10 d: it encloses no area");
@@ -78,21 +72,21 @@ fn what_is_no_contour_is_left_out_with_its_place_and_the_others_stay() {
 
 #[test]
 fn tables_of_something_else_are_refused() {
-    assert!(refused(b"a,b\n1,2\n").contains("columns x and y (or r and z)"), "{}", refused(b"a,b\n1,2\n"));
-    assert!(refused(b"").contains("the table is empty"));
-    assert!(refused(b"x,y\n").contains("no points"));
-    assert!(refused(b"\xff\xfex\0").contains("UTF-16"));
+    for (text, expected) in [
+        (&b"a,b\n1,2\n"[..], "columns x and y (or r and z)"),
+        (b"", "the table is empty"),
+        (b"x,y\n", "no points"),
+        (b"\xff\xfex\0", "UTF-16"),
+    ] {
+        let said = Contours::default().read_table(text, "t.csv").unwrap_err().to_string();
+        assert!(said.contains(expected), "{said}");
+    }
 }
 
 /// A slip of the hand is cut off and told; a contour of two halves is none.
 #[test]
 fn small_loops_are_cut_off_and_large_ones_refused() {
-    let mut points: Vec<[f64; 2]> = (0..200)
-        .map(|k| {
-            let t = f64::from(k) / 200.0 * std::f64::consts::TAU;
-            [3.0 * t.cos(), 2.0 * t.sin()]
-        })
-        .collect();
+    let mut points = around(200, |t| [3.0 * t.cos(), 2.0 * t.sin()]);
     let (whole, none) = Contour::new(points.clone()).unwrap();
     assert_eq!(none, 0.0);
     // Two neighbours in the wrong order.
@@ -109,12 +103,11 @@ fn small_loops_are_cut_off_and_large_ones_refused() {
 fn moments_are_those_of_an_ellipse_wherever_it_lies() {
     for (turn, [x, y]) in [(0.0, [0.0, 0.0]), (0.7, [1e4, -3e3]), (2.9, [-50.0, 1e6])] {
         let (sin, cos) = f64::sin_cos(turn);
-        let points = (0..2000).map(|k| {
-            let t = f64::from(k) / 2000.0 * std::f64::consts::TAU;
+        let points = around(2000, |t| {
             let (u, v) = (3.0 * t.cos(), 2.0 * t.sin());
             [x + u * cos - v * sin, y + u * sin + v * cos]
         });
-        let moments = Contour::new(points.collect()).unwrap().0.moments();
+        let moments = Contour::new(points).unwrap().0.moments();
         assert!((moments.area / (6.0 * std::f64::consts::PI) - 1.0).abs() < 1e-5);
         assert!((moments.elongation - 1.5).abs() < 1e-5);
         assert!((moments.centroid - nalgebra::Point2::new(x, y)).norm() < 1e-6);
@@ -172,13 +165,12 @@ fn pictures_that_are_no_masks_are_refused_or_left_out() {
 fn depth_does_not_depend_on_how_a_cell_lies() {
     let peanut = |turn: f64, scale: f64| {
         let (sin, cos) = turn.sin_cos();
-        let points = (0..800).map(|k| {
-            let t = f64::from(k) / 800.0 * std::f64::consts::TAU;
+        let points = around(800, |t| {
             let radius = scale * (1.0 + 0.5 * (2.0 * t).cos());
             let (u, v) = (radius * t.cos(), radius * t.sin());
             [9.0 + u * cos - v * sin, u * sin + v * cos]
         });
-        furrow(&Contour::new(points.collect()).unwrap().0.upright()).depth
+        furrow(&Contour::new(points).unwrap().0.upright()).depth
     };
     let straight = peanut(0.0, 1.0);
     // Half a width of 0.5 at the waist; the widest place is where r sin t is largest.

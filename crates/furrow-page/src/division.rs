@@ -6,9 +6,9 @@ use furrow_lineage::FounderPhysics;
 use furrow_lineage::batch::Quantisation;
 use furrow_mechanics::cortex::equations::{COMPONENTS, LENGTH, M, PSI, R, Z};
 use furrow_mechanics::cortex::{Cortex, Domain};
-use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Frame, divide_with};
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use furrow_mechanics::division::{DivisionInput, DivisionOptions, Frame, divide_with};
+use serde::Deserialize;
+use serde_json::json;
 
 use super::answer::{Answer, PageError};
 
@@ -49,20 +49,6 @@ struct Request {
     frames: Wanted,
 }
 
-#[derive(Serialize)]
-struct Found<'a> {
-    #[serde(flatten)]
-    division: &'a Division,
-    /// Half axes of the shell along the axis of division and across it, in L_h.
-    shell: [f64; 2],
-    /// Time, in τ, and radius of the neck, in L_h, of each step.
-    frames: Vec<Value>,
-    /// Points of each contour; the first numbers of a frame are (r, z, cue) of these.
-    points: usize,
-    /// Arrows of each frame; the next numbers are (r, z, force along r, force along z) of these.
-    arrows: usize,
-}
-
 /// Half axes a and b of a cell's shell, in L_h: ε = V/(4πab²/3).
 fn shell(cell: &Cell) -> [f64; 2] {
     let b = (cell.r0.powi(3) / (cell.epsilon * cell.shell.aspect)).cbrt();
@@ -94,14 +80,14 @@ pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
     for (t, shape) in &shapes {
         film.draw(shape, *t > 0.0, &mut numbers);
     }
-    let found = Found {
-        division: &division,
-        shell: shell(&input.cell),
-        frames,
-        points: film.places.len(),
-        arrows: film.arrows.len(),
-    };
-    Ok(Answer { text: serde_json::to_string(&found)?, numbers })
+    // Half axes of the shell along the axis of division and across it, in L_h; time, in τ, and radius of the neck, in L_h, of
+    // each step. The numbers of a frame are (r, z, cue) of each point, then (r, z, force along r, force along z) of each arrow.
+    let mut found = serde_json::to_value(&division)?;
+    found["shell"] = json!(shell(&input.cell));
+    found["frames"] = json!(frames);
+    found["points"] = json!(film.places.len());
+    found["arrows"] = json!(film.arrows.len());
+    Ok(Answer { text: found.to_string(), numbers })
 }
 
 /// Where shapes are sampled, and by what.
@@ -195,6 +181,7 @@ mod tests {
     use super::*;
     use furrow_cell::Cue;
     use furrow_mechanics::division::divide as divide_alone;
+    use serde_json::Value;
 
     /// Numbers of a point and of an arrow.
     const OF_EACH: [usize; 2] = [3, 4];

@@ -17,7 +17,6 @@ struct Request {
     #[serde(flatten)]
     settings: TreeSettings,
     /// Takes the place of every cue of the lineage, as `--cue` does: `none`, a name of the lineage, or terms.
-    #[serde(default)]
     cue: Option<String>,
 }
 

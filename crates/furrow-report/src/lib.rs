@@ -24,7 +24,7 @@ pub mod table;
 pub use html::{explorer, html};
 pub use scenarios_page::scenarios_page;
 pub use scenarios_table::scenarios_table;
-pub use shapes::{EventReport, StationaryReport, ThresholdReport};
+pub use shapes::{event_report, stationary_report, threshold_report};
 pub use summary::{Generation, TreeSummary};
 pub use svg::{colours as founder_colours, svg};
 pub use table::founders_table;

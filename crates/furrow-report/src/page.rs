@@ -5,7 +5,7 @@
 
 use std::fmt::Write;
 
-use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::svg::colours;
 use furrow_cell::{Cell, Numerics};
@@ -77,48 +77,21 @@ impl Page {
     }
 }
 
-/// Parameters of all divisions of a page; it grows trees from them.
-#[derive(Serialize)]
-struct Head<'a> {
-    lineage: &'a Lineage,
-    cell: &'a Cell,
-    numerics: &'a Numerics,
-    seed: u64,
-    r0_step: f64,
+/// The edge of division that the page begins with, at one ε: pitchforks (R0, ξ_s, coefficient of the normal form). Null but for
+/// cells in whose constants the stored one differs from the preset's by ε and ξ_s at most.
+fn edge(cell: &Cell, numerics: &Numerics) -> Value {
+    let Cell { epsilon, xi_s, .. } = Cell::new(1.0);
+    let Ok(stored) = Stored::preset(&Cell { epsilon, xi_s, ..cell.clone() }, numerics) else { return Value::Null };
+    let points: Vec<_> = stored.pitchfork.iter().map(|p| (p.r0, p.xi_s, p.coefficient)).collect();
+    json!({ "epsilon": epsilon, "points": points })
 }
 
-/// The edge of division that the page begins with: pitchforks (R0, ξ_s, coefficient of the normal form) at one ε.
-#[derive(Serialize)]
-struct Edge {
-    epsilon: f64,
-    points: Vec<(f64, f64, Option<f64>)>,
-}
-
-impl Edge {
-    /// The stored one, for cells in whose constants it differs from the preset's by ε and ξ_s at most.
-    fn stored(cell: &Cell, numerics: &Numerics) -> Option<Edge> {
-        let Cell { epsilon, xi_s, .. } = Cell::new(1.0);
-        let stored = Stored::preset(&Cell { epsilon, xi_s, ..cell.clone() }, numerics).ok()?;
-        Some(Edge { epsilon, points: stored.pitchfork.iter().map(|p| (p.r0, p.xi_s, p.coefficient)).collect() })
-    }
-}
-
-#[derive(Serialize)]
-struct Told<'a> {
-    head: Head<'a>,
-    colours: Vec<&'static str>,
-    edge: Option<Edge>,
-}
-
-/// Data of the scripts, as JSON: parameters, colours of founders, the edge of division, and the text of `tree.json`.
+/// Data of the scripts, as JSON: parameters of all divisions, from which the page grows trees, colours of founders, the edge of
+/// division, and the text of `tree.json`.
 pub fn data(lineage: &Lineage, settings: &TreeSettings, tree: Option<String>) -> String {
     let TreeSettings { cell, numerics, seed, r0_step } = settings;
-    let told = Told {
-        head: Head { lineage, cell, numerics, seed: *seed, r0_step: *r0_step },
-        colours: colours(lineage),
-        edge: Edge::stored(cell, numerics),
-    };
-    let told = serde_json::to_string(&told).unwrap_or_else(|_| "{}".to_owned());
+    let head = json!({ "lineage": lineage, "cell": cell, "numerics": numerics, "seed": seed, "r0_step": r0_step });
+    let told = json!({ "head": head, "colours": colours(lineage), "edge": edge(cell, numerics) }).to_string();
     let tree = tree.unwrap_or_else(|| "null".to_owned());
     // One object of both, without parsing either again. `<` is escaped: a name could close the script element.
     let told = told.strip_suffix('}').unwrap_or_default();
@@ -144,9 +117,9 @@ mod tests {
     fn other_constants_have_no_stored_edge() {
         let numerics = Numerics::default();
         let mut cell = Cell { epsilon: 0.7, ..Cell::new(3.0) };
-        assert!(Edge::stored(&cell, &numerics).is_some());
+        assert!(!edge(&cell, &numerics).is_null());
         cell.shell.aspect = 1.3;
-        assert!(Edge::stored(&cell, &numerics).is_none());
+        assert!(edge(&cell, &numerics).is_null());
     }
 
     #[test]

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use furrow_analysis::reproduce::{Item, Reproduction, Value, Verdict};
+use furrow_analysis::reproduce::{Item, Reproduction, Verdict};
+use serde_json::Value;
 
 /// An empty cell of the table.
 const NOTHING: &str = "-";
@@ -41,8 +42,8 @@ not judged. The paper does not print the constants of the shell; they are fitted
 ";
 
 fn counts(found: &Reproduction, constants: &str) -> String {
-    let of = |verdict| found.count(verdict);
-    let (agrees, differs, open) = (of(Verdict::Agrees), of(Verdict::Differs), of(Verdict::NotPinnedDown));
+    let [agrees, differs, open] =
+        [Verdict::Agrees, Verdict::Differs, Verdict::NotPinnedDown].map(|verdict| found.count(verdict));
     format!(
         "With the constants `{constants}`: {agrees} statements agree, {differs} differ, {open} are not pinned down."
     )
@@ -70,8 +71,7 @@ pub fn row(item: &Item) -> String {
 fn published(item: &Item) -> String {
     let told = match (item.verdict, item.published_scheme_agrees) {
         (Verdict::Differs, Some(true)) => " (agrees)",
-        (Verdict::Differs, Some(false)) => " (differs)",
-        (Verdict::Agrees, Some(false)) => " (differs)",
+        (Verdict::Differs | Verdict::Agrees, Some(false)) => " (differs)",
         _ => "",
     };
     format!("{}{told}", value(item.published_scheme.as_ref()))
@@ -90,28 +90,20 @@ fn capital(text: &str) -> String {
 
 /// A number to five digits, or words.
 pub fn value(value: Option<&Value>) -> String {
-    match value {
-        None => NOTHING.to_owned(),
-        Some(Value::Words(words)) => words.clone(),
-        Some(Value::Number(number)) => {
-            let digits = if *number == 0.0 { 0 } else { 4 - number.abs().log10().floor() as i32 };
-            let text = format!("{number:.*}", digits.clamp(0, 12) as usize);
-            let short = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-            short.replace('-', "−")
-        }
-    }
+    let Some(number) = value.and_then(Value::as_f64) else {
+        return value.and_then(Value::as_str).unwrap_or(NOTHING).to_owned();
+    };
+    let digits = if number == 0.0 { 0 } else { 4 - number.abs().log10().floor() as i32 };
+    let text = format!("{number:.*}", digits.clamp(0, 12) as usize);
+    let short = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    short.replace('-', "−")
 }
 
 /// A relative error in percent, to two digits.
 fn off_by(error: f64) -> String {
-    match error {
-        0.0 => "0".to_owned(),
-        _ => {
-            let percent = 100.0 * error;
-            let digits = (1 - percent.log10().floor() as i32).clamp(0, 9) as usize;
-            format!("{percent:.digits$} %")
-        }
-    }
+    let percent = 100.0 * error;
+    let digits = (1 - percent.log10().floor() as i32).clamp(0, 9) as usize;
+    if error == 0.0 { "0".to_owned() } else { format!("{percent:.digits$} %") }
 }
 
 /// Lines for a terminal.
@@ -141,7 +133,7 @@ mod tests {
 
     #[test]
     fn numbers_have_five_digits_and_errors_two() {
-        let shown = |number: f64| value(Some(&Value::Number(number)));
+        let shown = |number: f64| value(Some(&number.into()));
         assert_eq!(
             [25.796_83, 0.5, -2.5, 0.0, 4.0, 0.895_398, 20_890.4].map(shown),
             ["25.797", "0.5", "−2.5", "0", "4", "0.8954", "20890"]

@@ -21,26 +21,21 @@ figcaption{font-size:.87rem;overflow-wrap:anywhere}figcaption span{color:#666}fi
 
 /// The scenarios as a page: a small drawing of each tree, the table of founders and scenarios, and the parameters.
 pub fn scenarios_page(scenarios: &[Scenario], trees: &[Tree]) -> String {
-    let mut out = String::new();
-    let _ = write!(
-        out,
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>{0} scenarios side by side</title><style>{STYLE}{GRID}</style></head><body>\n<h1>{0} scenarios side by side</h1>\n",
-        scenarios.len()
-    );
-    let palette = palette(trees);
-    dots(&mut out, &palette);
-    out.push_str("<div class=\"grid\">\n");
-    for (k, (scenario, tree)) in scenarios.iter().zip(trees).enumerate() {
-        drawing(&mut out, k + 1, scenario, tree, &palette);
-    }
-    out.push_str("</div>\n");
-    table(&mut out, scenarios, trees);
-    if let Some(tree) = trees.first() {
-        out.push_str("<p>The parameters of scenario 1; the others differ from it in lineage and cue, as said above and in the tree.json of each.</p>\n");
-        parameters(&mut out, tree);
-    }
-    out.push_str("</body></html>\n");
-    out
+    let (palette, count) = (palette(trees), scenarios.len());
+    let pairs = scenarios.iter().zip(trees).enumerate();
+    let drawings: String = pairs.map(|(k, (scenario, tree))| drawing(k + 1, scenario, tree, &palette)).collect();
+    let parameters = trees.first().map_or(String::new(), |tree| {
+        format!(
+            "<p>The parameters of scenario 1; the others differ from it in lineage and cue, as said above and in the tree.json of each.</p>\n{}",
+            parameters(&tree.lineage, &tree.settings)
+        )
+    });
+    format!(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>{count} scenarios side by side</title><style>{STYLE}{GRID}</style></head><body>\n<h1>{count} scenarios side by side</h1>\n\
+         {}<div class=\"grid\">\n{drawings}</div>\n{}{parameters}</body></html>\n",
+        dots(&palette),
+        table(scenarios, trees)
+    )
 }
 
 /// Founders and their colours, the same in all drawings: those that the first tree with the founder gives it.
@@ -59,47 +54,43 @@ fn palette(trees: &[Tree]) -> Palette<'_> {
 }
 
 /// The legend: colours of the founders, and discs.
-fn dots(out: &mut String, palette: &Palette<'_>) {
-    out.push_str("<p class=\"sub\">");
-    for (name, colour) in palette {
-        let _ = write!(out, "<span class=\"dot\" style=\"background:{colour}\"></span>{}&ensp; ", escape(name));
-    }
-    out.push_str("<br>A full disc divides symmetrically, a ring asymmetrically, an open circle over a bar does not divide. Discs are as wide as the cells. Rows are generations.</p>\n");
+fn dots(palette: &Palette<'_>) -> String {
+    let dot = |(name, colour): &(&str, &str)| {
+        format!("<span class=\"dot\" style=\"background:{colour}\"></span>{}&ensp; ", escape(name))
+    };
+    let dots: String = palette.iter().map(dot).collect();
+    format!(
+        "<p class=\"sub\">{dots}<br>A full disc divides symmetrically, a ring asymmetrically, an open circle over a bar does not divide. Discs are as wide as the cells. Rows are generations.</p>\n"
+    )
 }
 
-fn drawing(out: &mut String, number: usize, scenario: &Scenario, tree: &Tree, palette: &Palette<'_>) {
+fn drawing(number: usize, scenario: &Scenario, tree: &Tree, palette: &Palette<'_>) -> String {
     let colour = |name: &str| palette.iter().find(|(known, _)| *known == name).map_or("#222", |(_, colour)| colour);
     let colours: Vec<&str> = tree.lineage.founders.iter().map(|founder| colour(&founder.name)).collect();
-    let summary = TreeSummary::of(tree);
     let cue = scenario.cue.as_ref().map_or(String::new(), |cue| format!("; cue {}", escape(cue)));
-    let limited = if summary.limited() { " Some branches were stopped by a limit, not by mechanics." } else { "" };
-    let _ = write!(
-        out,
-        "<figure><figcaption><strong>{number} {}</strong> <span>{}{cue}; {} cells.{limited}</span></figcaption>\n{}</figure>\n",
-        escape(&scenario.name),
-        escape(&tree.lineage.name),
-        tree.len(),
-        small(tree, &colours)
-    );
+    let limited = TreeSummary::of(tree).limited();
+    let limited = if limited { " Some branches were stopped by a limit, not by mechanics." } else { "" };
+    let [name, lineage] = [&scenario.name, &tree.lineage.name].map(|name| escape(name));
+    let (cells, tree) = (tree.len(), small(tree, &colours));
+    format!(
+        "<figure><figcaption><strong>{number} {name}</strong> <span>{lineage}{cue}; {cells} cells.{limited}</span></figcaption>\n{tree}</figure>\n"
+    )
 }
 
-fn table(out: &mut String, scenarios: &[Scenario], trees: &[Tree]) {
+fn table(scenarios: &[Scenario], trees: &[Tree]) -> String {
     let lines = founder_lines(trees);
     let observed = lines.iter().any(|line| line.observed.is_some());
-    out.push_str("<h2>Rounds of division per founder</h2>\n<div class=\"wrap\"><table><thead><tr><th></th>");
-    for (k, scenario) in scenarios.iter().enumerate() {
-        let _ =
-            write!(out, "<th colspan=\"{}\" class=\"s l\">{} {}</th>", SCENARIO.len(), k + 1, escape(&scenario.name));
-    }
-    if observed {
-        let _ = write!(out, "<th colspan=\"{}\" class=\"s l\">observed</th>", OBSERVED_BESIDE.len());
-    }
-    out.push_str("</tr>\n<tr><th>founder</th>");
-    scenarios.iter().for_each(|_| group(out, "th", SCENARIO.iter()));
-    if observed {
-        group(out, "th", OBSERVED_BESIDE.iter());
-    }
-    out.push_str("</tr></thead><tbody>\n");
+    let heading = |columns: usize, text: &str| format!("<th colspan=\"{columns}\" class=\"s l\">{text}</th>");
+    let beside = |text: String| if observed { text } else { String::new() };
+    let names = scenarios.iter().enumerate();
+    let names = names.map(|(k, scenario)| heading(SCENARIO.len(), &format!("{} {}", k + 1, escape(&scenario.name))));
+    let mut out = format!(
+        "<h2>Rounds of division per founder</h2>\n<div class=\"wrap\"><table><thead><tr><th></th>{}{}</tr>\n<tr><th>founder</th>{}{}</tr></thead><tbody>\n",
+        names.collect::<String>(),
+        beside(heading(OBSERVED_BESIDE.len(), "observed")),
+        group("th", SCENARIO.iter()).repeat(scenarios.len()),
+        beside(group("th", OBSERVED_BESIDE.iter()))
+    );
     for line in &lines {
         let _ = write!(out, "<tr><td>{}</td>", escape(&line.name));
         for entry in &line.entries {
@@ -113,14 +104,12 @@ fn table(out: &mut String, scenarios: &[Scenario], trees: &[Tree]) {
                 let _ = write!(out, "<td{class}>{text}</td>");
             }
         }
-        if observed {
-            group(out, "td", (0..OBSERVED_BESIDE.len()).map(|k| line.observed_text(k)));
-        }
+        out += &beside(group("td", (0..OBSERVED_BESIDE.len()).map(|k| line.observed_text(k))));
         out.push_str("</tr>\n");
     }
     out.push_str("</tbody></table></div>\n<p>Shaded: another number than in scenario 1. Rounds are divisions from the founder to a terminal cell: fewest, mean and most over its terminal cells; χ is the size asymmetry of the founder's own division, cells are its terminal ones.");
     if let Some(citation) = trees.iter().find_map(|tree| tree.lineage.citation.as_ref()) {
         let _ = write!(out, " Observed, deaths included: {}.", escape(citation.trim_end_matches('.')));
     }
-    out.push_str("</p>\n");
+    out + "</p>\n"
 }

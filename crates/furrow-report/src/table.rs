@@ -1,7 +1,7 @@
 //! The founders' table as text.
 
 use super::observed_table::{Column, MODEL, decimals, observed_columns};
-use super::summary::TreeSummary;
+use super::summary::{Generation, TreeSummary};
 use furrow_formats::FounderRow;
 use furrow_lineage::Tree;
 use furrow_mechanics::division::Outcome;
@@ -39,25 +39,17 @@ pub fn founders_table(tree: &Tree, rows: &[FounderRow]) -> String {
         cell.epsilon,
         cell.xi_s
     );
-    rounds(&mut out, rows);
-    cues(&mut out, tree, rows);
-    physics(&mut out, tree);
+    out += &(rounds(rows) + &cues(tree, rows) + &physics(tree));
     let summary = TreeSummary::of(tree);
-    generations(&mut out, &summary);
-    let _ = writeln!(out, "\nBranches end: {}.", summary.ended_text());
+    let ended = summary.ended_text();
+    out += &(generations(&summary) + &format!("\nBranches end: {ended}.\n"));
     if summary.slow > 0 {
-        let cells = if summary.slow == 1 { "cell is" } else { "cells are" };
-        let _ = writeln!(
-            out,
-            "{} {cells} just above the threshold of division: slow, and followed by the growth rate there.",
-            summary.slow
-        );
+        let cells = if summary.slow == 1 { "1 cell is".to_owned() } else { format!("{} cells are", summary.slow) };
+        let how = "slow, and followed by the growth rate there";
+        let _ = writeln!(out, "{cells} just above the threshold of division: {how}.");
     }
     if summary.limited() {
-        let _ = writeln!(
-            out,
-            "Some were stopped by a limit of the lineage file, not by mechanics; raise it for the whole tree."
-        );
+        out += "Some were stopped by a limit of the lineage file, not by mechanics; raise it for the whole tree.\n";
     }
     out
 }
@@ -68,89 +60,77 @@ fn texts<T>(columns: &[Column<T>], text: impl Fn(&Column<T>) -> String) -> Strin
 }
 
 /// Rounds of the founders: the model's and, if there are any, the observed ones.
-fn rounds(out: &mut String, rows: &[FounderRow]) {
-    let name_width = rows.iter().map(|r| r.name.chars().count()).max().unwrap_or(0).max(7);
+fn rounds(rows: &[FounderRow]) -> String {
     let cues: Vec<String> = rows.iter().map(cue_text).collect();
+    let name_width = rows.iter().map(|r| r.name.chars().count()).max().unwrap_or(0).max(7);
     let cue_width = cues.iter().map(|cue| cue.chars().count()).max().unwrap_or(0).max(4);
     let in_um = rows.iter().any(|row| row.r0_um.is_some());
     let observed = observed_columns(rows);
     let blank = name_width + cue_width + 30 + if in_um { 8 } else { 0 };
     let um = |text: &str| if in_um { format!("  {text:>6}") } else { String::new() };
-    let beside = |text: String| if observed.is_empty() { String::new() } else { format!(" |{text}") };
-    let line = |out: &mut String, text: String| {
-        let _ = writeln!(out, "{}", text.trim_end());
-    };
+    let beside = |sign: &str, text: String| if observed.is_empty() { text } else { format!("{sign}{text}") };
+    let line = |text: String| format!("{}\n", text.trim_end());
     let head = if observed.is_empty() { "" } else { " | rounds, observed" };
-    line(out, format!("{:blank$}| rounds, model               {head}", ""));
-    line(
-        out,
-        format!(
-            "{:name_width$}      R0{}  {:cue_width$}  division         χ |{}{}",
-            "founder",
-            um("µm"),
-            "cue",
-            texts(&MODEL, |column| column.0.to_owned()),
-            beside(texts(&observed, |column| column.0.to_owned()))
-        ),
-    );
     let width: usize = observed.iter().map(|column| column.1 + 1).sum();
-    let ruled = if observed.is_empty() { String::new() } else { format!("+{}", "-".repeat(width)) };
-    line(out, format!("{}+-----------------------------{ruled}", "-".repeat(blank)));
+    let (own, others) = (texts(&MODEL, |column| column.0.to_owned()), texts(&observed, |column| column.0.to_owned()));
+    let (um_head, others) = (um("µm"), beside(" |", others));
+    let (dashes, rule) = ("-".repeat(blank), beside("+", "-".repeat(width)));
+    let mut out = [
+        line(format!("{:blank$}| rounds, model               {head}", "")),
+        line(format!(
+            "{:name_width$}      R0{um_head}  {:cue_width$}  division         χ |{own}{others}",
+            "founder", "cue"
+        )),
+        line(format!("{dashes}+-----------------------------{rule}")),
+    ]
+    .concat();
     for (row, cue) in rows.iter().zip(&cues) {
-        let model = match &row.rounds {
-            Some(rounds) => texts(&MODEL, |column| column.2(rounds)),
-            None => format!(" {:28}", "not born"),
-        };
-        line(
-            out,
-            format!(
-                "{:name_width$}  {:>6}{}  {cue:cue_width$}  {:10}  {:>6} |{model}{}",
-                row.name,
-                decimals(row.r0, 3),
-                um(&decimals(row.r0_um, 2)),
-                outcome_name(row.outcome),
-                decimals(row.chi, 3),
-                beside(texts(&observed, |column| row.observed.as_ref().map_or(String::new(), column.2)))
-            ),
-        );
+        let not_born = || format!(" {:28}", "not born");
+        let model = row.rounds.as_ref().map_or_else(not_born, |rounds| texts(&MODEL, |column| column.2(rounds)));
+        let seen = texts(&observed, |column| row.observed.as_ref().map_or(String::new(), column.2));
+        let (name, outcome, seen) = (&row.name, outcome_name(row.outcome), beside(" |", seen));
+        let (r0, r0_um, chi) = (decimals(row.r0, 3), um(&decimals(row.r0_um, 2)), decimals(row.chi, 3));
+        out += &line(format!(
+            "{name:name_width$}  {r0:>6}{r0_um}  {cue:cue_width$}  {outcome:10}  {chi:>6} |{model}{seen}"
+        ));
     }
-    out.push('\n');
+    out + "\n"
 }
 
 /// The cues that the table names.
-fn cues(out: &mut String, tree: &Tree, rows: &[FounderRow]) {
+fn cues(tree: &Tree, rows: &[FounderRow]) -> String {
     let used = |name: &String| rows.iter().any(|row| row.cue == *name || row.cued_descendants.contains_key(name));
-    let mut any = false;
-    for (name, cue) in tree.lineage.cues.iter().filter(|(name, _)| used(name)) {
-        let _ = writeln!(out, "cue {name}: {cue}");
-        any = true;
-    }
-    if any {
-        out.push('\n');
-    }
+    let cues = tree.lineage.cues.iter().filter(|(name, _)| used(name));
+    paragraph(cues.map(|(name, cue)| format!("cue {name}: {cue}\n")))
 }
 
 /// Parameters that founders change.
-fn physics(out: &mut String, tree: &Tree) {
-    let mut any = false;
-    for founder in tree.lineage.founders.iter().filter(|founder| !founder.physics.is_empty()) {
-        let values: Vec<String> = founder.physics.values().map(|(name, value)| format!("{name} = {value}")).collect();
-        let _ = writeln!(out, "{} and its descendants up to the next founder: {}", founder.name, values.join(", "));
-        any = true;
-    }
-    if any {
-        out.push('\n');
-    }
+fn physics(tree: &Tree) -> String {
+    let changed = tree.lineage.founders.iter().filter(|founder| !founder.physics.is_empty());
+    paragraph(changed.map(|founder| {
+        let values = founder.physics.values().map(|(name, value)| format!("{name} = {value}"));
+        let values = values.collect::<Vec<_>>().join(", ");
+        format!("{} and its descendants up to the next founder: {values}\n", founder.name)
+    }))
 }
 
-fn generations(out: &mut String, summary: &TreeSummary) {
-    let counts = |count: fn(&super::Generation) -> usize| {
-        summary.generations.iter().map(|g| format!("{:>4}", count(g))).collect::<String>()
+/// Lines with a blank one behind them, if there are any.
+fn paragraph(lines: impl Iterator<Item = String>) -> String {
+    let text: String = lines.collect();
+    if text.is_empty() { text } else { text + "\n" }
+}
+
+fn generations(summary: &TreeSummary) -> String {
+    let line = |name: &str, of: &dyn Fn(usize, &Generation) -> usize| {
+        let counts = summary.generations.iter().enumerate().map(|(g, row)| format!("{:>4}", of(g, row)));
+        format!("{name:<12}{}\n", counts.collect::<String>())
     };
-    let numbers: String = (0..summary.generations.len()).map(|g| format!("{g:>4}")).collect();
-    let _ = writeln!(out, "generation  {numbers}");
-    let _ = writeln!(out, "cells       {}", counts(|g| g.cells));
-    let _ = writeln!(out, "symmetric   {}", counts(|g| g.symmetric));
-    let _ = writeln!(out, "asymmetric  {}", counts(|g| g.asymmetric));
-    let _ = writeln!(out, "ended       {}", counts(|g| g.ended));
+    [
+        line("generation", &|g, _| g),
+        line("cells", &|_, row| row.cells),
+        line("symmetric", &|_, row| row.symmetric),
+        line("asymmetric", &|_, row| row.asymmetric),
+        line("ended", &|_, row| row.ended),
+    ]
+    .concat()
 }

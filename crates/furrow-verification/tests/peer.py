@@ -2,10 +2,10 @@
 
 It shares nothing with furrow: the discretisation is another one (Lobatto points with control of the residual), the volume is an
 eighth differential equation, and the poles, which its points must not touch, are cut off and replaced by the series of a smooth
-surface about its pole. Reads one cell with a rough shape from standard input, one `name numbers...` per line, and writes a
-shape in the same form.
+surface about its pole. Reads one cell with a rough shape from standard input, as JSON, and writes a shape in the same form.
 """
 
+import json
 import sys
 
 import numpy as np
@@ -14,21 +14,18 @@ from scipy.integrate import solve_bvp
 if sys.argv[1:] == ["--installed"]:
     sys.exit(0)
 
-given = {}
-for line in sys.stdin:
-    name, *numbers = line.split()
-    given[name] = np.array([float(number) for number in numbers])
-
-scalar = {name: numbers[0] for name, numbers in given.items() if len(numbers) == 1}
-kappa0, eta_b, eta_s = scalar["kappa"], scalar["eta_b"], scalar["eta_s"]
-friction, gamma = scalar["friction"], scalar["tension"]
-xi_s = scalar["gain"] * scalar["xi_s"]
-xi_b = xi_s * scalar["xi_ratio"]
-p0, w = scalar["p0"], scalar["w"]
-b = (scalar["r0"] ** 3 / (scalar["epsilon"] * scalar["aspect"])) ** (1 / 3)
-a = scalar["aspect"] * b
-volume = 4 * np.pi * scalar["r0"] ** 3 / 3
-amplitude, u0, omega = scalar["amplitude"], scalar["u0"], scalar["omega"]
+given = json.load(sys.stdin)
+cell = given["cell"]
+material, shell_of = cell["material"], cell["shell"]
+band = cell["cue"]["kappa"] if cell["cue"] != "none" else {"amplitude": 0, "u0": 0.5, "omega": 1}
+kappa0, eta_b, eta_s, friction, gamma = (material[name] for name in ["kappa", "eta_b", "eta_s", "friction", "tension"])
+xi_s = material["gain"] * cell["xi_s"]
+xi_b = xi_s * material["xi_ratio"]
+p0, w = shell_of["p0"], shell_of["w"]
+b = (cell["r0"] ** 3 / (cell["epsilon"] * shell_of["aspect"])) ** (1 / 3)
+a = shell_of["aspect"] * b
+volume = 4 * np.pi * cell["r0"] ** 3 / 3
+amplitude, u0, omega = band["amplitude"], band["u0"], band["omega"]
 
 
 def rigidity(u):
@@ -87,10 +84,11 @@ def ends(first, last, unknown):
 # The part of the contour cut off at each pole.
 CUT = 2e-3
 
-guess = np.array([given[name] for name in ["r", "z", "psi", "m", "q", "v", "t"]])
-u = np.concatenate([[CUT], given["u"][(given["u"] > 2 * CUT) & (given["u"] < 1 - 2 * CUT)], [1 - CUT]])
-guess = np.array([np.interp(u, given["u"], row) for row in guess])
-density = np.pi * scalar["length"] * guess[0] ** 2 * np.sin(guess[2])
+NAMES = ["r", "z", "psi", "m", "q", "v", "t"]
+nodes = np.array(given["u"])
+u = np.concatenate([[CUT], nodes[(nodes > 2 * CUT) & (nodes < 1 - 2 * CUT)], [1 - CUT]])
+guess = np.array([np.interp(u, nodes, given["shape"][name]) for name in NAMES])
+density = np.pi * given["length"] * guess[0] ** 2 * np.sin(guess[2])
 filled = np.concatenate([[0], np.cumsum((density[1:] + density[:-1]) / 2 * np.diff(u))])
 # Nothing that is found may come from the guess: it is off by some percent, smoothly.
 psi = guess[2].copy()
@@ -101,17 +99,13 @@ found = solve_bvp(
     ends,
     u,
     np.vstack([guess, filled]),
-    p=np.array([1.02 * scalar["length"], 0.9 * scalar["pressure"] + 0.05]),
+    p=np.array([1.02 * given["length"], 0.9 * given["pressure"] + 0.05]),
     tol=1e-7,
     max_nodes=20_000,
 )
 if not found.success:
     sys.exit(f"solve_bvp: {found.message}")
-u = given["u"][(given["u"] > 0.02) & (given["u"] < 0.98)]
-shape = found.sol(u)
-print("u", *(repr(float(value)) for value in u))
-print("nodes", found.x.size)
-print("length", found.p[0])
-print("pressure", found.p[1])
-for name, values in zip(["r", "z", "psi", "m", "q", "v", "t"], shape):
-    print(name, *(repr(float(value)) for value in values))
+u = nodes[(nodes > 0.02) & (nodes < 0.98)]
+shape = dict(zip(NAMES, found.sol(u).tolist()))
+length, pressure = found.p.tolist()
+print(json.dumps({"u": u.tolist(), "nodes": found.x.size, "length": length, "pressure": pressure, "shape": shape}))

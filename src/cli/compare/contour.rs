@@ -1,17 +1,23 @@
 //! `furrow compare contour`: outlines of cells beside those of a simulated division.
 
 use std::io::Read;
-use std::path::Path;
 
 use furrow_measured::contour::Contour;
 use furrow_measured::contour::polygons::{Contours, LeftOut};
 use furrow_measured::contour::series::{ContourMatch, ModelContour, Series, series};
 
 use super::files;
-use crate::cli::output::{print, to_json, writable_folder};
-use crate::cli::prelude::*;
+use crate::cli::context::Context;
+use crate::cli::error::CliError;
+use crate::cli::output::{merged, number, print, to_json, writable_folder};
+use crate::cli::picture::PlotArgs;
+use clap::Args;
+use furrow_figures::plot;
 use furrow_formats::frames::read_frames;
-use furrow_input::open_file;
+use furrow_input::{InputError, open_file};
+use serde_json::json;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
 
 /// Compares measured outlines of a dividing cell with those of a simulated division
 ///
@@ -43,20 +49,10 @@ pub struct ContourArgs {
     plot: PlotArgs,
 }
 
-/// What `compare contour --json` prints.
-#[derive(Serialize)]
-struct Answer<'a> {
-    #[serde(flatten)]
-    series: &'a Series,
-    used: usize,
-    skipped: &'a [LeftOut],
-}
-
 pub fn run(args: &ContourArgs, context: &Context) -> Result<(), CliError> {
-    if let Some(length) = args.length_scale.filter(|length| *length <= 0.0) {
-        let allowed = "a length above 0, in the unit of the contours";
-        return Err(InputError::not_allowed("--length-scale", "length_scale", length, allowed).into());
-    }
+    let length = args.length_scale.unwrap_or(1.0);
+    let allowed = "a length above 0, in the unit of the contours";
+    InputError::require(length > 0.0, "--length-scale", "length_scale", length, allowed)?;
     let picture = args.plot.file()?;
     writable_folder("--out", args.out.as_deref(), &files::CONTOUR_NAMES)?;
     let model = modelled(&args.frames)?;
@@ -64,12 +60,12 @@ pub fn run(args: &ContourArgs, context: &Context) -> Result<(), CliError> {
     let Some(series) = series(&found.traced, &model, args.length_scale) else {
         return Err(nothing_to_compare(args, &found, model.is_empty()).into());
     };
-    let document = Answer { series: &series, used: found.traced.len(), skipped: &found.left_out };
-    let json = to_json(&document)?;
+    let rest = json!({ "used": found.traced.len(), "skipped": found.left_out });
+    let json = to_json(&merged(json!(series), rest))?;
     if let Some(out) = &args.out {
         files::write_contours(out, &series, &json)?;
     }
-    picture.write(|| furrow_figures::plot::contours::draw(&series))?;
+    picture.write(|| plot::contours::draw(&series))?;
     print(&if context.json { json } else { text(&series, &found.left_out) })
 }
 
@@ -79,11 +75,9 @@ fn modelled(folder: &Path) -> Result<Vec<ModelContour>, CliError> {
     for frame in read_frames(folder)? {
         let other = frame.points.iter().rev().map(|[r, z]| [-r, *z]);
         let ring = frame.points.iter().copied().chain(other).collect();
-        let (contour, _) = Contour::new(ring).map_err(|why| InputError::OtherFile {
-            file: folder.join(&frame.file).display().to_string(),
-            wanted: "a contour from pole to pole".to_owned(),
-            reason: why.to_string(),
-        })?;
+        let file = folder.join(&frame.file);
+        let refused = |why| InputError::other_file(file.display(), "a contour from pole to pole", why);
+        let (contour, _) = Contour::new(ring).map_err(refused)?;
         out.push(ModelContour { frame: frame.file, t: frame.t, contour });
     }
     Ok(out)
@@ -135,23 +129,16 @@ fn text(series: &Series, left_out: &[LeftOut]) -> String {
     let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max(8);
     let _ = writeln!(
         out,
-        "{:<width$} {:>5} {:>14} {:>14} {:>9} {:>11} {:>9} {:>9}",
-        "contour", "stage", "depth (model)", "long (model)", "t", "|A∩B|/|A|", "pixels", "|A∩B|/|A∪B|"
+        "{:<width$} stage  depth (model)   long (model)         t   |A∩B|/|A|    pixels |A∩B|/|A∪B|",
+        "contour"
     );
     for (beside, name) in series.contours.iter().zip(&names) {
-        let ContourMatch { measured, model, overlap, pixels, .. } = beside;
+        let ContourMatch { measured, model, overlap, pixels, t, .. } = beside;
+        let stage = beside.stage.map_or("-".to_owned(), |stage| (stage + 1).to_string());
         let pair = |a: f64, b: f64| format!("{a:.3} ({b:.3})");
-        let _ = writeln!(
-            out,
-            "{name:<width$} {:>5} {:>14} {:>14} {:>9.3} {:>11.4} {:>9.4} {:>9.4}",
-            beside.stage.map_or("-".to_owned(), |stage| (stage + 1).to_string()),
-            pair(measured.depth, model.depth),
-            pair(measured.elongation, model.elongation),
-            beside.t,
-            overlap.similarity,
-            pixels.similarity,
-            overlap.jaccard,
-        );
+        let (depth, long) = (pair(measured.depth, model.depth), pair(measured.elongation, model.elongation));
+        let [a, b, c] = [overlap.similarity, pixels.similarity, overlap.jaccard];
+        let _ = writeln!(out, "{name:<width$} {stage:>5} {depth:>14} {long:>14} {t:>9.3} {a:>11.4} {b:>9.4} {c:>9.4}");
         for note in &beside.notes {
             let _ = writeln!(out, "  {note}");
         }

@@ -1,12 +1,17 @@
 //! `furrow compare counts`: rounds beside the observed ones.
 
-use furrow_formats::tree_from_json;
-
 use super::trees_of;
-use crate::cli::prelude::*;
-use furrow_analysis::compare::counts::{Counts, READINGS, counts};
-use furrow_input::read_text;
+use crate::cli::context::Context;
+use crate::cli::error::CliError;
+use crate::cli::output::print_as;
+use crate::cli::picture::PlotArgs;
+use clap::Args;
+use furrow_analysis::compare::counts::{Count, Counts, READINGS, counts};
+use furrow_figures::plot;
+use furrow_formats::read_tree;
 use furrow_lineage::Lineage;
+use std::fmt::Write;
+use std::path::PathBuf;
 
 /// Compares rounds of division with the observed ones, by every definition of "rounds" and at several stages
 ///
@@ -28,43 +33,38 @@ pub struct CountsArgs {
 pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
     let tree = match &args.tree {
-        Some(file) => tree_from_json(&read_text(file)?).map_err(|error| InputError::OtherFile {
-            file: file.display().to_string(),
-            wanted: "a tree as furrow tree writes it".to_owned(),
-            reason: error.to_string(),
-        })?,
+        Some(file) => read_tree(file)?,
         None => trees_of(vec![Lineage::load(None)?], context)?.remove(0),
     };
     let found = counts(&tree)?;
-    picture.write(|| furrow_figures::plot::rounds::draw(&tree))?;
+    picture.write(|| plot::rounds::draw(&tree))?;
     print_as(context.json, &found, || counts_text(&found))
 }
 
 fn counts_text(found: &Counts) -> String {
     let mut out = String::new();
     for stage in &found.stages {
-        let _ = writeln!(out, "observed embryo of {} cells (model, observed; * within one round)", stage.cells);
         let names: String = READINGS.iter().map(|reading| format!("{:>20}", reading.replace('_', " "))).collect();
-        let _ = writeln!(out, "{:<8}{names}", "founder");
+        let _ = writeln!(out, "observed embryo of {} cells (model, observed; * within one round)", stage.cells);
+        let _ = writeln!(out, "founder {names}");
         for founder in &stage.founders {
             let _ = write!(out, "{:<8}", founder.founder);
             for reading in READINGS {
-                let count = &founder.counts[reading];
+                let Count { model, observed, within_one } = founder.counts[reading];
                 let digits = if reading == "mean" { 2 } else { 0 };
-                let model = count.model.map_or("-".to_owned(), |model| format!("{model:.digits$}"));
-                let mark = if count.within_one { '*' } else { ' ' };
-                let _ = write!(out, "{:>20}", format!("{model}, {:.digits$}{mark}", count.observed));
+                let model = model.map_or("-".to_owned(), |model| format!("{model:.digits$}"));
+                let mark = if within_one { '*' } else { ' ' };
+                let _ = write!(out, "{:>20}", format!("{model}, {observed:.digits$}{mark}"));
             }
             out.push('\n');
         }
         out.push('\n');
     }
-    let _ =
-        writeln!(out, "\"To within a single round for the EMS and P lineages\", and not elsewhere, at the last stage:");
+    out += "\"To within a single round for the EMS and P lineages\", and not elsewhere, at the last stage:\n";
     for sentence in &found.sentence {
-        let word = |holds: bool| if holds { "yes" } else { "no" };
         let parts = [sentence.ems, sentence.germline, sentence.elsewhere_not, sentence.holds];
-        let ([ems, germline, off, all], reading) = (parts.map(word), sentence.reading.replace('_', " "));
+        let [ems, germline, off, all] = parts.map(|holds| if holds { "yes" } else { "no" });
+        let reading = sentence.reading.replace('_', " ");
         let _ = writeln!(
             out,
             "  {reading:<16} EMS {ems:<4} germline {germline:<4} AB, C and D off by more {off:<4} all: {all}"
@@ -72,7 +72,7 @@ fn counts_text(found: &Counts) -> String {
     }
     let [model, observed] = found.germline;
     let _ = writeln!(out, "Divisions down the germline: {model} in the model, {observed} observed");
-    let _ = writeln!(out, "\nWhere cells of each founder end, and why:");
+    out += "\nWhere cells of each founder end, and why:\n";
     for ends in &found.ends {
         let reasons: Vec<String> = ends.ended.iter().map(|(why, n)| format!("{n} {}", why.replace('_', " "))).collect();
         let r0 = ends.r0.map_or(String::new(), |[least, most]| format!(", R0 {least:.3} to {most:.3}"));

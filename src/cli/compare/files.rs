@@ -1,16 +1,15 @@
 //! The files of `compare volumes --out` and `compare contour --out`.
 
-use std::path::Path;
-
 use furrow_measured::contour::series::{ContourMatch, Series};
 use furrow_measured::events::Division;
 use furrow_measured::trend::{AdjacentTest, VolumeBin};
-use serde_json::{Value, json};
 
 use crate::cli::error::CliError;
 use crate::cli::output::csv_of;
 use furrow_analysis::compare::volumes::GroupBeside;
 use furrow_formats::files::FileSet;
+use serde_json::{Value, json};
+use std::path::Path;
 
 /// Their names.
 pub const NAMES: [&str; 4] = ["chi.csv", "divisions.csv", "bins.csv", "compare.json"];
@@ -34,11 +33,8 @@ pub fn write(
 ) -> Result<(), CliError> {
     let each = groups.iter().flat_map(|group| group.events.iter().map(move |event| (group, event)));
     let chi = each.map(|(group, event)| {
-        let (measured, [model, given]) =
-            (&event.measured, [event.model, event.given_first].map(|m| m.and_then(|m| m.chi)));
-        let [sd, sd_signed] = [measured.sd, measured.sd_signed];
-        let [mean, mean_signed] = [measured.mean, measured.mean_signed];
-        json!([group.group, measured.mother, measured.n, mean, sd, mean_signed, sd_signed, model, given])
+        let (m, [model, given]) = (&event.measured, [event.model, event.given_first].map(|m| m.and_then(|m| m.chi)));
+        json!([group.group, m.mother, m.n, m.mean, m.sd, m.mean_signed, m.sd_signed, model, given])
     });
     let division = divisions.iter().map(|d| {
         let ([first, second], [v_first, v_second]) = (&d.daughters, d.volumes);
@@ -61,27 +57,27 @@ pub const CONTOUR_NAMES: [&str; 2] = ["contours.csv", "compare.json"];
 const CONTOUR: &str = "file,contour,stage,depth,model_depth,elongation,model_elongation,area,centroid_x,centroid_y,angle,frame,t,similarity,similarity_pixels,jaccard";
 
 fn contour_row(beside: &ContourMatch) -> Value {
-    let ContourMatch { measured, model, overlap, pixels, centroid: [x, y], angle, .. } = beside;
+    let ContourMatch { file, contour, measured, model, overlap, pixels, centroid: [x, y], angle, frame, t, .. } =
+        beside;
     let stage = beside.stage.map(|stage| stage + 1);
-    let [depth, elongation] = [[measured.depth, model.depth], [measured.elongation, model.elongation]];
-    let similar = [overlap.similarity, pixels.similarity, overlap.jaccard];
+    let long = [measured.elongation, model.elongation];
     json!([
-        beside.file,
-        beside.contour,
+        file,
+        contour,
         stage,
-        depth[0],
-        depth[1],
-        elongation[0],
-        elongation[1],
+        measured.depth,
+        model.depth,
+        long[0],
+        long[1],
         measured.area,
         x,
         y,
         angle,
-        beside.frame,
-        beside.t,
-        similar[0],
-        similar[1],
-        similar[2]
+        frame,
+        t,
+        overlap.similarity,
+        pixels.similarity,
+        overlap.jaccard
     ])
 }
 
@@ -96,6 +92,5 @@ fn write_all<const N: usize>(folder: &Path, names: &[&str; N], tables: [Vec<u8>;
     for (name, bytes) in names.iter().zip(tables) {
         files.stage(name, &bytes)?;
     }
-    files.commit()?;
-    Ok(())
+    Ok(files.commit()?)
 }

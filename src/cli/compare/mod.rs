@@ -7,9 +7,11 @@ mod volumes;
 
 use clap::Subcommand;
 
-use super::interrupt;
 use super::tree::grown;
-use crate::cli::prelude::*;
+use crate::cli::context::Context;
+use crate::cli::error::CliError;
+use crate::cli::interrupt;
+use clap::Args;
 use furrow_analysis::scenarios_of;
 use furrow_lineage::{Lineage, Tree};
 

@@ -7,18 +7,25 @@ use furrow_measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bin
 use furrow_measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
 
 use super::{files, trees_of};
+use crate::cli::context::Context;
+use crate::cli::error::CliError;
 use crate::cli::interrupt;
-use crate::cli::output::{print, to_json, writable_folder};
-use crate::cli::prelude::*;
+use crate::cli::output::{number, print, to_json, writable_folder};
+use crate::cli::picture::PlotArgs;
 use crate::cli::progress::ProgressLine;
+use clap::Args;
 use furrow_analysis::compare::volumes::{
     Band, Beside, GroupBeside, Modelled, Regression, Scale, ScaleFrom, SizeCurve, add_bands, beside, model, regression,
     scale, size_curves,
 };
 use furrow_analysis::{Range, read_constants, tree_settings};
-use furrow_figures::plot::comparison::{self, Comparison};
-use furrow_input::{open_file, read_text};
+use furrow_figures::plot;
+use furrow_input::{InputError, open_file, read_text};
 use furrow_lineage::{Lineage, TreeSettings};
+use plot::comparison::{self, Comparison};
+use serde_json::json;
+use std::fmt::Write;
+use std::path::PathBuf;
 
 /// Compares size asymmetries of measured divisions with the model's
 ///
@@ -80,26 +87,6 @@ fn wanted_scale(text: &str) -> Result<WantedScale, String> {
 /// Skipped values that are listed.
 const MOST_SKIPPED: usize = 10;
 
-/// What `compare volumes --json` prints.
-#[derive(Serialize)]
-struct Answer<'a> {
-    source: Option<&'static str>,
-    groups: &'a [GroupBeside],
-    used: u64,
-    skipped: &'a [Skipped],
-    skipped_count: u64,
-    divisions: usize,
-    half_seen: &'a [furrow_measured::events::HalfSeen],
-    unit: Option<Unit>,
-    length_scale: Option<Scale>,
-    length_scale_um: Option<f64>,
-    /// Sets of constants over which the model's χ have ranges.
-    members: Option<usize>,
-    bins: Vec<VolumeBin>,
-    tests: Vec<AdjacentTest>,
-    regressions: Vec<Regression>,
-}
-
 /// The measured side of a comparison.
 struct Measured {
     source: Option<&'static str>,
@@ -131,34 +118,44 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
         Some(WantedScale::Fitted) => scale(all, &free, false),
         None => scale(all, &free, true),
     };
-    let unit = measured.volumes.unit;
-    let answer_of = Answer {
-        source: measured.source,
-        used: measured.volumes.used,
-        skipped: &measured.volumes.skipped,
-        skipped_count: measured.volumes.skipped_count,
-        divisions: all.len(),
-        half_seen: &measured.found.half_seen,
-        unit,
-        length_scale,
-        length_scale_um: length_scale.filter(|_| unit == Some(Unit::CubicMicrometres)).map(|scale| scale.length),
-        members: (!sets.is_empty()).then_some(sets.len()),
-        tests: adjacent_tests(&bins),
-        bins,
-        regressions: regressions(args, &groups)?,
-        groups: &groups,
-    };
-    let json = to_json(&answer_of)?;
+    let Volumes { unit, used, skipped, skipped_count, .. } = &measured.volumes;
+    let tests = adjacent_tests(&bins);
+    let regressions = regressions(args, &groups)?;
+    let in_um = length_scale.filter(|_| *unit == Some(Unit::CubicMicrometres));
+    let json = to_json(&json!({
+        "source": measured.source,
+        "groups": groups,
+        "used": used,
+        "skipped": skipped,
+        "skipped_count": skipped_count,
+        "divisions": all.len(),
+        "half_seen": measured.found.half_seen,
+        "unit": unit,
+        "length_scale": length_scale,
+        "length_scale_um": in_um.map(|scale| scale.length),
+        // Sets of constants over which the model's χ have ranges.
+        "members": (!sets.is_empty()).then_some(sets.len()),
+        "bins": bins,
+        "tests": tests,
+        "regressions": regressions,
+    }))?;
     if let Some(out) = &args.out {
-        files::write(out, &groups, all, (&answer_of.bins, &answer_of.tests), &json)?;
+        files::write(out, &groups, all, (&bins, &tests), &json)?;
     }
     if picture.is_wanted() {
         let unit = unit.map_or(String::new(), |unit| format!("({})", unit.symbol()));
-        let (groups, bins, length) = (&groups, &answer_of.bins, length_scale.map(|scale| scale.length));
+        let (groups, bins, length) = (&groups, &bins, length_scale.map(|scale| scale.length));
         let curves = curves(&lineage, &settings, all, length, context)?;
         picture.write(|| comparison::draw(&Comparison { groups, divisions: all, bins, unit, length, curves }))?;
     }
-    print(&if context.json { json } else { volumes_text(&answer_of) })
+    if context.json {
+        return print(&json);
+    }
+    let by_size = bins_text(*unit, &bins, &tests);
+    let groups: String = groups.iter().map(group_text).collect();
+    let regressions: String = regressions.iter().map(regression_text).collect();
+    let source = measured.source.map_or(String::new(), |source| format!("measured: means published by {source}\n\n"));
+    print(&[source, groups, by_size, regressions, scale_text(*unit, length_scale), used_text(&measured)].concat())
 }
 
 /// The model's χ over the sizes of the measured mothers, for the picture; empty without a length scale.
@@ -186,22 +183,16 @@ fn curves(
 const SMALLEST: f64 = 1.0;
 
 fn check(args: &VolumesArgs) -> Result<(), InputError> {
-    if let Some(voxel) = args.voxel.filter(|voxel| *voxel <= 0.0) {
-        return Err(InputError::not_allowed("--voxel", "voxel", voxel, "a length above 0, in µm"));
-    }
-    if let Some(WantedScale::Length(length)) = args.length_scale
-        && length <= 0.0
-    {
+    let voxel = args.voxel.unwrap_or(1.0);
+    InputError::require(voxel > 0.0, "--voxel", "voxel", voxel, "a length above 0, in µm")?;
+    if let Some(WantedScale::Length(length)) = args.length_scale {
         let allowed = "a length above 0, in the cube root of the tables' unit, or fit";
-        return Err(InputError::not_allowed("--length-scale", "length_scale", length, allowed));
+        InputError::require(length > 0.0, "--length-scale", "length_scale", length, allowed)?;
     }
-    if let Some(edges) = &args.bins
-        && (edges.len() < 2 || edges.windows(2).any(|pair| pair[0] >= pair[1]))
-    {
-        let given = edges.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
-        return Err(InputError::not_allowed("--bins", "bins", given, "two numbers or more, rising"));
-    }
-    Ok(())
+    let edges = args.bins.as_deref().unwrap_or(&[0.0, 1.0]);
+    let rising = edges.len() >= 2 && !edges.windows(2).any(|pair| pair[0] >= pair[1]);
+    let given = edges.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+    InputError::require(rising, "--bins", "bins", given, "two numbers or more, rising")
 }
 
 fn read(args: &VolumesArgs) -> Result<Measured, CliError> {
@@ -226,87 +217,62 @@ fn read(args: &VolumesArgs) -> Result<Measured, CliError> {
 /// The regressions asked for: of named groups, or of two conditions.
 fn regressions(args: &VolumesArgs, groups: &[GroupBeside]) -> Result<Vec<Regression>, InputError> {
     let names = match &args.regress {
-        Some(text) => text.split_once(',').map(|(x, y)| (x.trim().to_owned(), y.trim().to_owned())),
-        None if !args.against.is_empty() => Some(("measured".to_owned(), "against".to_owned())),
-        None => return Ok(Vec::new()),
+        Some(text) => text.split_once(',').map(|(x, y)| (x.trim(), y.trim())),
+        None => Some(("measured", "against")),
     };
+    let find = |name: &str| groups.iter().find(|group| group.group == name);
+    let found = names.and_then(|(x, y)| Some(regression(find(x)?, find(y)?)));
     let known: Vec<&str> = groups.iter().map(|group| group.group.as_str()).collect();
     let allowed = format!("two groups of the tables, as X,Y; groups are {}", known.join(", "));
-    let find = |name: &str| groups.iter().find(|group| group.group == name);
-    let given = || args.regress.clone().unwrap_or_default();
-    let refused = || InputError::not_allowed("--regress", "regress", given(), &allowed);
-    let (x, y) = names.ok_or_else(refused)?;
-    match (find(&x), find(&y)) {
-        (Some(x), Some(y)) => Ok(vec![regression(x, y)]),
-        // Tables with their own groups lack those of the two conditions.
-        _ if args.regress.is_none() => Ok(Vec::new()),
-        _ => Err(refused()),
-    }
+    // Tables with their own groups lack those of the two conditions.
+    let fine = found.is_some() || args.regress.is_none();
+    InputError::require(fine, "--regress", "regress", args.regress.clone().unwrap_or_default(), allowed)?;
+    Ok(found.into_iter().filter(|_| args.regress.is_some() || !args.against.is_empty()).collect())
 }
 
-fn volumes_text(found: &Answer<'_>) -> String {
-    let mut out = String::new();
-    if let Some(source) = found.source {
-        let _ = writeln!(out, "measured: means published by {source}\n");
-    }
-    for group in found.groups {
-        group_text(&mut out, group);
-    }
-    if !found.bins.is_empty() {
-        let unit = found.unit.map_or("", Unit::symbol);
-        let _ = writeln!(out, "χ by the mother's volume ({unit}), of all groups:");
-        bins_text(&mut out, &found.bins, &found.tests);
-    }
-    for regression in &found.regressions {
-        regression_text(&mut out, regression);
-    }
-    if let Some(scale) = found.length_scale {
-        let unit = match found.unit {
-            Some(Unit::CubicMicrometres) => "µm",
-            Some(Unit::Voxels) => "edges of a voxel",
-            _ => "in the cube root of the unit",
-        };
-        let from = match scale.from {
-            ScaleFrom::Given => "as given",
-            ScaleFrom::P0 => "by P0",
-            ScaleFrom::Fitted => "by all mothers that the model has",
-        };
-        let _ = writeln!(out, "one L_h is {:.4} {unit}, {from}", scale.length);
-    }
-    if found.source.is_none() {
-        let (Answer { used, skipped_count, divisions, .. }, one) = (found, found.half_seen.len());
-        out += &format!(
-            "{used} volumes used, {skipped_count} skipped; {divisions} divisions with both daughters, {one} with one\n"
+fn scale_text(unit: Option<Unit>, scale: Option<Scale>) -> String {
+    let Some(Scale { length, from }) = scale else { return String::new() };
+    let unit = match unit {
+        Some(Unit::CubicMicrometres) => "µm",
+        Some(Unit::Voxels) => "edges of a voxel",
+        _ => "in the cube root of the unit",
+    };
+    let from = match from {
+        ScaleFrom::Given => "as given",
+        ScaleFrom::P0 => "by P0",
+        ScaleFrom::Fitted => "by all mothers that the model has",
+    };
+    format!("one L_h is {length:.4} {unit}, {from}\n")
+}
+
+/// The volumes that are used, and those that are not.
+fn used_text(Measured { source, volumes, found, .. }: &Measured) -> String {
+    let (Volumes { used, skipped, skipped_count, .. }, mut out) = (volumes, String::new());
+    if source.is_none() {
+        let [both, one] = [found.divisions.len(), found.half_seen.len()];
+        out = format!(
+            "{used} volumes used, {skipped_count} skipped; {both} divisions with both daughters, {one} with one\n"
         );
     }
-    for skipped in found.skipped.iter().take(MOST_SKIPPED) {
-        let Skipped { file, line, column, value, why } = skipped;
+    for Skipped { file, line, column, value, why } in skipped.iter().take(MOST_SKIPPED) {
         let _ = writeln!(out, "  skipped {file}:{line}, column {column}: {value:?}: {why}");
     }
-    if found.skipped_count as usize > MOST_SKIPPED {
-        let _ = writeln!(out, "  and {} more (--json gives their places)", found.skipped_count as usize - MOST_SKIPPED);
+    match (*skipped_count as usize).saturating_sub(MOST_SKIPPED) {
+        0 => out,
+        more => out + &format!("  and {more} more (--json gives their places)\n"),
     }
-    out
 }
 
-fn group_text(out: &mut String, group: &GroupBeside) {
+fn group_text(group: &GroupBeside) -> String {
     let name = if group.group.is_empty() { "measured".to_owned() } else { format!("group {}", group.group) };
-    let _ = writeln!(out, "{name}, {} embryos", group.embryos);
     let with_bands = group.events.iter().any(|event| event.band.is_some());
-    let _ = writeln!(
-        out,
-        "{:<10}{:>4} {:>16} {:>8} {:>16} {:>22}{}",
-        "mother",
-        "n",
-        "χ measured",
-        "signed",
-        "model (sd off)",
-        "AB, P1 as measured",
-        if with_bands { "  over the constants: median, 90 %" } else { "" }
+    let bands = if with_bands { "  over the constants: median, 90 %" } else { "" };
+    let mut out = format!(
+        "{name}, {} embryos\nmother       n       χ measured   signed   model (sd off)     AB, P1 as measured{bands}\n",
+        group.embryos
     );
     for event in &group.events {
         let Beside { measured, model, given_first, band, .. } = event;
-        let sd = measured.sd.map_or("".to_owned(), |sd| format!(" ± {sd:.3}"));
         let of = |modelled: &Option<Modelled>| match modelled {
             Some(Modelled { chi: Some(chi), .. }) => {
                 let off = event.off(*chi).map_or(String::new(), |off| format!(" ({off:+.1})"));
@@ -315,49 +281,49 @@ fn group_text(out: &mut String, group: &GroupBeside) {
             Some(Modelled { outcome: Some(outcome), .. }) => outcome.name().to_owned(),
             _ => "-".to_owned(),
         };
-        let _ = writeln!(
-            out,
-            "{:<10}{:>4} {:>16} {:>+8.3} {:>16} {:>22}{}",
-            measured.mother,
-            measured.n,
-            format!("{:.3}{sd}", measured.mean),
-            measured.mean_signed,
-            of(model),
-            of(given_first),
-            band.map_or(String::new(), band_text)
-        );
+        let chi = format!("{:.3}{}", measured.mean, plus_minus(measured.sd));
+        let (model, first, band) = (of(model), of(given_first), band.map_or(String::new(), band_text));
+        let (mother, n, signed) = (&measured.mother, measured.n, measured.mean_signed);
+        let _ = writeln!(out, "{mother:<10}{n:>4} {chi:>16} {signed:>+8.3} {model:>16} {first:>22}{band}");
     }
-    out.push('\n');
+    out + "\n"
+}
+
+fn plus_minus(sd: Option<f64>) -> String {
+    sd.map_or(String::new(), |sd| format!(" ± {sd:.3}"))
 }
 
 /// The range of χ over sets of constants, and the share of sets with which the cell divides.
-fn band_text(band: Band) -> String {
-    let divides =
-        if band.divides < 1.0 { format!(", divides with {:.0} %", 100.0 * band.divides) } else { String::new() };
-    match band.chi {
-        Some(Range { p5, p50, p95 }) => format!("  {p50:.3} [{p5:.3}, {p95:.3}]{divides}"),
+fn band_text(Band { chi, divides }: Band) -> String {
+    let share = if divides < 1.0 { format!(", divides with {:.0} %", 100.0 * divides) } else { String::new() };
+    match chi {
+        Some(Range { p5, p50, p95 }) => format!("  {p50:.3} [{p5:.3}, {p95:.3}]{share}"),
         None => "  divides with none".to_owned(),
     }
 }
 
-fn bins_text(out: &mut String, bins: &[VolumeBin], tests: &[AdjacentTest]) {
+fn bins_text(unit: Option<Unit>, bins: &[VolumeBin], tests: &[AdjacentTest]) -> String {
+    if bins.is_empty() {
+        return String::new();
+    }
+    let mut out = format!("χ by the mother's volume ({}), of all groups:\n", unit.map_or("", Unit::symbol));
     for (k, bin) in bins.iter().enumerate() {
-        let sd = bin.sd.map_or(String::new(), |sd| format!(" ± {sd:.3}"));
         let test = k.checked_sub(1).and_then(|k| tests.get(k)).map_or(String::new(), |test| {
             format!("  larger than above: U = {}, p = {:.3e} {}", test.test.u, test.test.p, test.stars)
         });
-        let _ = writeln!(out, "  {:<16} n = {:<5} χ = {:.3}{sd}{test}", bin.name(), bin.n, bin.mean);
+        let (name, sd) = (bin.name(), plus_minus(bin.sd));
+        let _ = writeln!(out, "  {name:<16} n = {:<5} χ = {:.3}{sd}{test}", bin.n, bin.mean);
     }
-    out.push('\n');
+    out + "\n"
 }
 
-fn regression_text(out: &mut String, regression: &Regression) {
-    let _ = writeln!(out, "χ of {} over χ of {}, {} mothers:", regression.y, regression.x, regression.mothers.len());
-    let lines = [("through the origin", &regression.through_origin), ("with an intercept", &regression.with_intercept)];
-    for (k, (name, line)) in lines.into_iter().enumerate() {
+fn regression_text(regression: &Regression) -> String {
+    let Regression { x, y, mothers, through_origin, with_intercept } = regression;
+    let mut out = format!("χ of {y} over χ of {x}, {} mothers:\n", mothers.len());
+    for (name, line) in [("through the origin", through_origin), ("with an intercept", with_intercept)] {
         let Some(Line { slope, slope_error, intercept, r_squared, .. }) = line else { continue };
-        let intercept = if k == 1 { format!(", intercept {intercept:+.4}") } else { String::new() };
-        let _ = writeln!(out, "  {name}: slope {slope:.4} ± {slope_error:.4}{intercept}, R² = {r_squared:.4}");
+        let at = if name == "with an intercept" { format!(", intercept {intercept:+.4}") } else { String::new() };
+        let _ = writeln!(out, "  {name}: slope {slope:.4} ± {slope_error:.4}{at}, R² = {r_squared:.4}");
     }
-    out.push('\n');
+    out + "\n"
 }

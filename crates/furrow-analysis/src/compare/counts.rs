@@ -3,12 +3,10 @@
 //! The paper compares rounds with Sulston's without defining them: fewest, mean or most divisions from the founder to a
 //! terminal cell, or full doublings. All are reported, at hatching and at earlier stages.
 
-use std::collections::BTreeMap;
-
-use serde::{Deserialize, Serialize};
-
 use furrow_input::{InputError, parse_document};
-use furrow_lineage::{FounderRounds, Tree, founder_rounds};
+use furrow_lineage::{Founder, FounderRounds, Tree, founder_rounds};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Observed rounds at several stages, as shipped.
 const STAGES: &str = include_str!("../../data/sulston1983_stages.ron");
@@ -46,15 +44,6 @@ pub struct Stage {
 #[serde(rename = "Stages", deny_unknown_fields)]
 struct Stages {
     stages: Vec<Stage>,
-}
-
-/// The observed stages of *C. elegans* (Sulston et al. 1983), the last one hatching.
-///
-/// # Errors
-/// None, as long as the shipped table is one.
-pub fn stages() -> Result<Vec<Stage>, InputError> {
-    let found: Stages = parse_document(STAGES, "sulston1983_stages.ron", "observed stages", "Stages")?;
-    Ok(found.stages)
 }
 
 /// The readings of "rounds".
@@ -137,7 +126,8 @@ const GERMLINE: u32 = 5;
 /// None, as long as the shipped table is one.
 pub fn counts(tree: &Tree) -> Result<Counts, InputError> {
     let rounds = founder_rounds(tree);
-    let stages: Vec<StageCounts> = stages()?.iter().map(|stage| at_stage(tree, &rounds, stage)).collect();
+    let observed: Stages = parse_document(STAGES, "sulston1983_stages.ron", "observed stages", "Stages")?;
+    let stages: Vec<StageCounts> = observed.stages.iter().map(|stage| at_stage(tree, &rounds, stage)).collect();
     let germline = germline_divisions(tree);
     let hatching = stages.last();
     let sentence = READINGS[..4].iter().map(|reading| {
@@ -156,17 +146,14 @@ pub fn counts(tree: &Tree) -> Result<Counts, InputError> {
 fn at_stage(tree: &Tree, rounds: &[FounderRounds], stage: &Stage) -> StageCounts {
     let of = |observed: &ObservedAtStage| {
         let founder = tree.lineage.founders.iter().position(|founder| founder.name == observed.founder);
-        let model = founder.and_then(|k| rounds.iter().find(|row| row.founder == k)).and_then(|row| row.rounds);
-        let numbers = |[min, max, doublings, cells]: [u32; 4], mean: f64| {
-            [f64::from(min), mean, f64::from(max), f64::from(doublings), f64::from(cells)]
-        };
-        let model = model.map(|r| numbers([r.min, r.max, r.full_doublings, r.terminal], r.mean));
-        let seen = [observed.min, observed.max, observed.full_doublings, observed.cells];
-        let seen = numbers(seen, observed.mean);
+        let model = founder.and_then(|k| rounds.iter().find(|row| row.founder == k)?.rounds);
+        let model = model.map(|r| [r.min.into(), r.mean, r.max.into(), r.full_doublings.into(), r.terminal.into()]);
+        let ObservedAtStage { min, mean, max, full_doublings, cells, .. } = *observed;
+        let seen: [f64; 5] = [min.into(), mean, max.into(), full_doublings.into(), cells.into()];
         let count = |(k, reading): (usize, &&'static str)| {
             // A factor of two in cells is one round.
             let off = |model: f64| if *reading == "terminal" { (model / seen[k]).log2() } else { model - seen[k] };
-            let model = model.map(|model| model[k]);
+            let model = model.map(|model: [f64; 5]| model[k]);
             (*reading, Count { model, observed: seen[k], within_one: model.is_some_and(|m| off(m).abs() <= 1.0) })
         };
         let counts = READINGS.iter().enumerate().map(count).collect();
@@ -186,18 +173,14 @@ fn germline_divisions(tree: &Tree) -> u32 {
 
 /// Which cells ended where, and why; by the founder that they descend from directly.
 fn ends(tree: &Tree) -> Vec<TerminalCells> {
-    let of = |k: usize| {
-        let (mut ended, mut radii) = (BTreeMap::new(), Vec::new());
-        for id in tree.cells() {
-            let cell = tree.cell(id);
-            if let (true, Some(reason)) = (cell.founder == k, cell.fate.terminal_reason()) {
-                *ended.entry(reason.name().to_owned()).or_insert(0) += 1;
-                radii.push(cell.r0);
-            }
+    let of = |(k, founder): (usize, &Founder)| {
+        let (mut ended, mut r0) = (BTreeMap::new(), None);
+        for cell in tree.cells().map(|id| tree.cell(id)).filter(|cell| cell.founder == k) {
+            let Some(reason) = cell.fate.terminal_reason() else { continue };
+            *ended.entry(reason.name().to_owned()).or_insert(0) += 1;
+            r0 = Some(r0.map_or([cell.r0; 2], |[least, most]: [f64; 2]| [least.min(cell.r0), most.max(cell.r0)]));
         }
-        let smallest = radii.iter().copied().reduce(f64::min);
-        let r0 = smallest.zip(radii.iter().copied().reduce(f64::max)).map(|(least, most)| [least, most]);
-        TerminalCells { founder: tree.lineage.founders[k].name.clone(), ended, r0 }
+        TerminalCells { founder: founder.name.clone(), ended, r0 }
     };
-    (0..tree.lineage.founders.len()).map(of).filter(|ends| !ends.ended.is_empty()).collect()
+    tree.lineage.founders.iter().enumerate().map(of).filter(|ends| !ends.ended.is_empty()).collect()
 }

@@ -3,21 +3,20 @@
 //! The model computes χ of a cell twice: in the tree grown from the zygote, and in the tree whose AB and P1 are as large as a
 //! group of embryos measures them. The second can be compared with embryos whose first division was changed.
 
-use std::collections::{BTreeMap, HashMap};
-use std::sync::atomic::AtomicBool;
-
+use crate::constants::Constants;
+use crate::ranges::{Range, each_tree};
+use furrow_cell::{Cell, Cue};
+use furrow_lineage::batch::phase;
+use furrow_lineage::batch::scheduler::{SchedulerError, SchedulerOptions};
+use furrow_lineage::batch::{Memo, scheduler};
+use furrow_lineage::{GrowError, Length, Lineage, Tree, TreeSettings};
 use furrow_measured::events::{Division, GroupSummary, MotherSummary, by_group};
 use furrow_measured::statistics::{BoxPlot, Line, box_plot, line, line_through_origin, mean};
 use furrow_measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
-use serde::Serialize;
-
-use crate::constants::Constants;
-use crate::ranges::{Range, each_tree};
-use furrow_cell::Cue;
-use furrow_lineage::batch::scheduler::{self, SchedulerError, SchedulerOptions};
-use furrow_lineage::batch::{Memo, phase};
-use furrow_lineage::{GrowError, Length, Lineage, Tree, TreeSettings};
 use furrow_mechanics::division::{DivisionInput, Outcome, divide};
+use serde::Serialize;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::atomic::AtomicBool;
 
 /// The model's division of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -95,7 +94,7 @@ pub struct Regression {
 }
 
 /// The model's division of every cell of a tree, by name.
-pub fn modelled(tree: &Tree) -> BTreeMap<String, Modelled> {
+pub fn modelled(tree: &Tree) -> Cells {
     let of = |id| {
         let cell = tree.cell(id);
         let modelled = Modelled { r0: cell.r0, outcome: cell.fate.outcome(), chi: cell.fate.chi() };
@@ -146,8 +145,8 @@ pub fn model<E>(
 pub fn beside(
     groups: Vec<GroupSummary>,
     divisions: &[Division],
-    free: &BTreeMap<String, Modelled>,
-    given: &BTreeMap<String, BTreeMap<String, Modelled>>,
+    free: &Cells,
+    given: &BTreeMap<String, Cells>,
     edges: Option<&[f64]>,
 ) -> Vec<GroupBeside> {
     let mut own_of: HashMap<&str, Vec<&Division>> = by_group(divisions).into_iter().collect();
@@ -253,7 +252,7 @@ pub enum ScaleFrom {
 
 /// The scale by P0's divisions, or, if P0 was not measured or `by_p0` is false, by all mothers'; `None` if the model has none of
 /// the mothers.
-pub fn scale(divisions: &[Division], cells: &BTreeMap<String, Modelled>, by_p0: bool) -> Option<Scale> {
+pub fn scale(divisions: &[Division], cells: &Cells, by_p0: bool) -> Option<Scale> {
     let radius = |volume: f64| (0.75 / std::f64::consts::PI * volume).cbrt();
     let zygote: Vec<f64> = divisions.iter().filter(|d| d.mother == "P0").map(Division::mother_volume).collect();
     if let (false, true, Some(p0)) = (zygote.is_empty(), by_p0, cells.get("P0")) {
@@ -289,18 +288,15 @@ pub fn size_curves(
     options: &SchedulerOptions<'_>,
 ) -> Result<Vec<SizeCurve>, SchedulerError> {
     let radii: Vec<f64> = phase::spaced(from.ln(), to.ln(), POINTS).into_iter().map(f64::exp).collect();
-    let cues: Vec<(String, Cue)> = std::iter::once((String::new(), Cue::none()))
-        .chain(lineage.cues.iter().filter(|(_, cue)| !cue.is_none()).map(|(name, cue)| (name.clone(), cue.clone())))
-        .collect();
-    let mut inputs = Vec::with_capacity(cues.len() * radii.len());
-    for (_, cue) in &cues {
-        for r0 in &radii {
-            let cell = furrow_cell::Cell { r0: *r0, ..settings.cell.clone().with_cue(cue.clone()) };
-            inputs.push(DivisionInput { cell, numerics: settings.numerics, seed: settings.seed });
-        }
-    }
+    let mut cues = vec![(String::new(), Cue::none())];
+    cues.extend(lineage.cues.clone().into_iter().filter(|(_, cue)| !cue.is_none()));
+    let input = |cue: &Cue, r0: &f64| {
+        let cell = Cell { r0: *r0, ..settings.cell.clone().with_cue(cue.clone()) };
+        DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }
+    };
+    let inputs = cues.iter().flat_map(|(_, cue)| radii.iter().map(move |r0| input(cue, r0)));
     let divisions = scheduler::solve_all(inputs, memo, options, divide)?.divisions;
-    let chi = |found: &Option<furrow_mechanics::division::Division>| found.as_ref().and_then(|found| found.chi());
+    let chi = |found: &Option<furrow_mechanics::division::Division>| found.as_ref()?.chi();
     let points = |k: usize| radii.iter().copied().zip(divisions[k * radii.len()..].iter().map(chi)).collect();
     Ok(cues.into_iter().enumerate().map(|(k, (cue, _))| SizeCurve { cue, points: points(k) }).collect())
 }

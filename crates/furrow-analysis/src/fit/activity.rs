@@ -4,17 +4,14 @@
 //! its descendants would share the ξ_s at which the model's rounds are the observed ones. A founder keeps the size it has
 //! with the run's constants, and all other cells keep their activity.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-
-use rayon::prelude::*;
-use serde::Serialize;
-
 use super::error::{FitError, check_cancelled};
-use furrow_lineage::batch::{Memo, scheduler};
-
 use crate::ranges::{Reading, grow_alone};
+use furrow_lineage::batch::{Memo, scheduler};
 use furrow_lineage::{EndRule, GrowError, Lineage, Scope, Thresholds, TreeSettings, founder_rounds};
 use furrow_mechanics::equilibria::CriticalRadii;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// The activity that a founder would need.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -187,9 +184,8 @@ pub fn activities(
         let ends = Thresholds::new(CriticalRadii::new(&settings.numerics)).with_scope(Scope::Known);
         Some(Search { lineage, settings, memo, cancel, reading, founder, ends, trees }.run(observed, range))
     };
-    let founders = lineage.founders.len();
-    let found: Vec<Option<Result<_, _>>> =
-        scheduler::pool(threads)?.install(|| (0..founders).into_par_iter().with_max_len(1).map(one).collect());
+    let founders = (0..lineage.founders.len()).into_par_iter().with_max_len(1);
+    let found: Vec<Option<Result<_, _>>> = scheduler::pool(threads)?.install(|| founders.map(one).collect());
     let trees = trees.load(Ordering::Relaxed);
     check_cancelled(cancel, trees, "trees")?;
     Ok((found.into_iter().flatten().collect::<Result<_, _>>()?, trees))

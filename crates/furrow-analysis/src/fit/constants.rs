@@ -13,23 +13,23 @@
 //! Shapes depend on gain and activity only through gξ_s: the gain makes the mean logarithmic deviation of the thresholds
 //! zero, and the activity follows. Swarms minimise M + λT at several λ; the Pareto front comes from all evaluated sets.
 
-use std::collections::BTreeMap;
-use std::sync::Mutex;
-use std::sync::atomic::AtomicBool;
-
-use rayon::prelude::*;
-use serde::Serialize;
-
 use super::error::{FitError, check_cancelled};
 use super::search::{Region, SearchBudget, moved, swarm};
 use super::targets::{MeasuredChi, Searched, Targets};
 use crate::ranges::grow_alone;
 use furrow_cell::{Cell, Parameter};
 use furrow_lineage::batch::{Memo, scheduler};
-use furrow_lineage::{EndRule, FounderRounds, Lineage, Rounds, Thresholds, Tree, TreeSettings, founder_rounds};
+use furrow_lineage::{
+    EndRule, Founder, FounderRounds, Lineage, Rounds, Thresholds, Tree, TreeSettings, founder_rounds,
+};
 use furrow_mechanics::calibration::Threshold;
 use furrow_mechanics::division::Outcome;
 use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, pitchfork};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
 
 /// λ of the swarms, in misfit per unit of the thresholds' rms deviation. The first, which looks for the counts alone, has the
 /// whole region; the others what lies between its best and the constants of the start.
@@ -105,16 +105,12 @@ pub struct Evaluated {
     pub thresholds: Vec<ThresholdFit>,
     /// Founders, in the lineage's order.
     pub founders: Vec<FounderFit>,
+    /// The first cell with these constants.
     #[serde(skip)]
-    cell: Cell,
+    pub cell: Cell,
 }
 
 impl Evaluated {
-    /// The first cell with these constants.
-    pub fn cell(&self) -> &Cell {
-        &self.cell
-    }
-
     fn rms(&self) -> f64 {
         self.thresholds_rms.unwrap_or(f64::INFINITY)
     }
@@ -219,15 +215,14 @@ impl Objective<'_> {
     }
 
     fn founders(&self, tree: &Tree) -> Vec<FounderFit> {
-        let row = |row: FounderRounds| {
-            let founder = &self.lineage.founders[row.founder];
-            let cell = tree.founder_cell(row.founder);
-            let fate = cell.map(|id| &tree.cell(id).fate);
+        let row = |FounderRounds { founder, rounds }: FounderRounds| {
+            let Founder { name, observed, .. } = &self.lineage.founders[founder];
+            let fate = tree.founder_cell(founder).map(|id| &tree.cell(id).fate);
             FounderFit {
-                name: founder.name.clone(),
-                rounds: row.rounds,
-                observed_mean: founder.observed.and_then(|o| o.mean),
-                observed_terminal: founder.observed.and_then(|o| o.terminal),
+                name: name.clone(),
+                rounds,
+                observed_mean: observed.and_then(|o| o.mean),
+                observed_terminal: observed.and_then(|o| o.terminal),
                 chi: fate.and_then(|fate| fate.chi()),
                 symmetric: fate.is_some_and(|fate| fate.outcome() == Some(Outcome::Symmetric)),
             }
@@ -275,10 +270,10 @@ impl Objective<'_> {
         let mut cell = cell.clone();
         cell.material.gain *= factor;
         cell.xi_s /= factor;
-        let fit = |(found, given): (f64, &Threshold)| ThresholdFit {
-            r0: given.r0,
-            epsilon: given.epsilon,
-            xi_s: given.xi_s,
+        let fit = |(found, &Threshold { r0, epsilon, xi_s, .. }): (f64, &Threshold)| ThresholdFit {
+            r0,
+            epsilon,
+            xi_s,
             computed: found / factor,
         };
         (cell, computed.into_iter().zip(given).map(fit).collect())
@@ -329,12 +324,8 @@ impl Objective<'_> {
                 let cell = self.targets.cell_at(&self.settings.cell, &moved(place, index, share));
                 at_gain_of(best, unknown.parameter, &cell)
             };
-            Sharpness {
-                parameter: unknown.parameter,
-                from: value(ends[0]),
-                to: value(ends[1]),
-                reaches_limit: ends[0] <= 0.0 || ends[1] >= 1.0,
-            }
+            let ([from, to], reaches_limit) = (ends.map(value), ends[0] <= 0.0 || ends[1] >= 1.0);
+            Sharpness { parameter: unknown.parameter, from, to, reaches_limit }
         };
         self.targets.unknowns.par_iter().enumerate().map(of).collect()
     }
@@ -374,10 +365,8 @@ pub fn fit_constants(
         let first = objective.evaluate(&settings.cell);
         let mut best: Option<(Vec<f64>, f64)> = None;
         for (k, &trade) in objective.trades().iter().enumerate() {
-            let region = match &best {
-                None => vec![[0.0, 1.0]; start.len()],
-                Some((place, _)) => between(&start, place),
-            };
+            let all = || vec![[0.0, 1.0]; start.len()];
+            let region = best.as_ref().map_or_else(all, |(place, _)| between(&start, place));
             let moves = if k == 0 { effort.moves } else { (effort.moves / SHARE).max(1) };
             let effort = SearchBudget { moves, seed: effort.seed.wrapping_add(k as u64), ..effort };
             let found = swarm(&region, effort, &|place| objective.traded(place, trade));

@@ -9,20 +9,21 @@
 //! those numbers, exact by the divisions' tangents and passed from mother to daughter with the radius, show how well the
 //! measurements determine each number, and which combinations they leave open.
 
-use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-
-use furrow_spectra::Svd;
-use serde::Serialize;
-
 use super::error::{FitError, check_cancelled};
 use super::search::{SearchBudget, descend, swarm};
 use super::targets::{MeasuredChi, Targets};
 use furrow_cell::cue::{Quantity, Width};
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_lineage::batch::scheduler;
-use furrow_lineage::{Daughter, Lineage, Place, TreeSettings};
-use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Outcome, divide, divide_with};
+use furrow_lineage::{Daughter, Place};
+use furrow_lineage::{Lineage, TreeSettings};
+use furrow_mechanics::calibration::Combination;
+use furrow_mechanics::division::{Division, DivisionOptions, divide_with};
+use furrow_mechanics::division::{DivisionInput, Outcome, divide};
+use furrow_spectra::Svd;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Between which values the numbers of a cue are searched: places, widths in u, widths in L_h, amplitudes.
 const PLACES: [f64; 2] = [0.05, 0.95];
@@ -72,17 +73,6 @@ pub struct CueNumber {
     pub sd: Option<f64>,
 }
 
-/// A direction in the space of the cue's numbers, by logarithm or in units of u, and how firmly it is held.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Held {
-    /// Standard deviations of χ by which a step of 1 along it moves the model.
-    pub singular_value: f64,
-    /// Whether the measurements tell anything of it.
-    pub determined: bool,
-    /// Its components, one a number of the cue.
-    pub components: Vec<f64>,
-}
-
 /// The cue that fits best.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FittedCue {
@@ -96,8 +86,9 @@ pub struct FittedCue {
     pub residuals: Vec<ChiResidual>,
     /// ∂χ/∂ln(number), of places ∂χ/∂u: a row for each measurement; `None` where an outcome is not smooth.
     pub sensitivities: Option<Vec<Vec<f64>>>,
-    /// Directions from the best held to the least; `None` where an outcome is not smooth.
-    pub combinations: Option<Vec<Held>>,
+    /// Directions in the space of the numbers, by logarithm or in units of u, from the best held to the least, with the standard
+    /// deviations of χ by which a step of 1 along each moves the model; `None` where an outcome is not smooth.
+    pub combinations: Option<Vec<Combination>>,
     /// Measurements that nothing was fitted to, beside the model with this cue.
     pub out_of_sample: Vec<ChiResidual>,
     /// Cues tried.
@@ -129,22 +120,19 @@ impl Unknown {
 
 fn unknowns(cue: &Cue) -> Vec<Unknown> {
     let cell = Cell::new(1.0).with_cue(cue.clone());
-    let of = |term: usize, quantity: Quantity| {
+    let of = |(term, quantity): (usize, Quantity)| {
         let parameter = Parameter::Cue { term, quantity };
-        let (limits, logarithmic) = match quantity {
-            Quantity::U0 => (PLACES, false),
-            Quantity::Omega => match cell.cue.terms()[term].profile.width() {
-                Some(Width::Length(_)) => (LENGTHS, true),
-                _ => (WIDTHS, true),
-            },
-            Quantity::Amplitude => (AMPLITUDES, true),
+        let limits = match (quantity, cue.terms()[term].profile.width()) {
+            (Quantity::U0, _) => PLACES,
+            (Quantity::Omega, Some(Width::Length(_))) => LENGTHS,
+            (Quantity::Omega, _) => WIDTHS,
+            (Quantity::Amplitude, _) => AMPLITUDES,
         };
+        let logarithmic = quantity != Quantity::U0;
         let sign = if logarithmic { parameter.get(&cell).signum() } else { 1.0 };
         parameter.is_of(&cell).then_some(Unknown { parameter, limits, logarithmic, sign })
     };
-    (0..cue.terms().len())
-        .flat_map(|term| Quantity::ALL.into_iter().filter_map(move |q| of(term, q)).collect::<Vec<_>>())
-        .collect()
+    (0..cue.terms().len()).flat_map(|term| Quantity::ALL.map(|quantity| (term, quantity))).filter_map(of).collect()
 }
 
 /// Divisions of founders, each from its mother's.
@@ -161,17 +149,16 @@ struct Chain<'a> {
 impl Chain<'_> {
     /// The radius of a founder; `None` if it is never born.
     fn r0(&mut self, founder: usize) -> Option<f64> {
-        let first = self.objective.lineage.first();
-        if let Some(share) = self.volumes.get(&self.objective.lineage.founders[founder].name) {
-            return Some(self.r0(first)? * share.cbrt());
+        let Objective { lineage, settings, .. } = self.objective;
+        if let Some(share) = self.volumes.get(&lineage.founders[founder].name) {
+            return Some(self.r0(lineage.first())? * share.cbrt());
         }
-        if let Some(given) = self.objective.lineage.given_r0(founder) {
-            return Some(given);
-        }
-        let Some(mother) = self.objective.lineage.mother(founder) else { return Some(self.objective.settings.cell.r0) };
-        let daughters = self.division(mother)?.daughters()?;
-        let [small, large] = [daughters[0].min(daughters[1]), daughters[0].max(daughters[1])];
-        Some(if self.objective.lineage.founders[founder].daughter == Some(Daughter::Larger) { large } else { small })
+        let given = lineage.given_r0(founder);
+        let Some(mother) = lineage.mother(founder).filter(|_| given.is_none()) else {
+            return given.or(Some(settings.cell.r0));
+        };
+        let [a, b] = self.division(mother)?.daughters()?;
+        Some(if lineage.founders[founder].daughter == Some(Daughter::Larger) { a.max(b) } else { a.min(b) })
     }
 
     fn division(&mut self, founder: usize) -> Option<Division> {
@@ -185,12 +172,12 @@ impl Chain<'_> {
 
     /// The division of a founder of that radius.
     fn input(&self, founder: usize, r0: f64) -> DivisionInput {
-        let place = Place { founder, round: 0, generation: self.objective.lineage.generation(founder), r0 };
-        let own = self.objective.lineage.cue_at(place);
+        let Objective { lineage, settings, .. } = self.objective;
+        let own = lineage.cue_at(Place { founder, round: 0, generation: lineage.generation(founder), r0 });
         let cue = if own.is_none() { own } else { self.cue.clone() };
-        let mut cell = Cell { r0, cue, ..self.objective.settings.cell.clone() };
-        self.objective.lineage.founders[founder].physics.apply(&mut cell);
-        DivisionInput { cell, numerics: self.objective.settings.numerics, seed: self.objective.settings.seed }
+        let mut cell = Cell { r0, cue, ..settings.cell.clone() };
+        lineage.founders[founder].physics.apply(&mut cell);
+        DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }
     }
 
     /// How a founder's division changes with the numbers of the cue: by itself, and with the radius that its mother leaves it.
@@ -254,18 +241,12 @@ impl Objective<'_> {
 
     fn residuals(&self, cue: &Cue, volumes: &BTreeMap<String, f64>, measured: &[MeasuredChi]) -> Vec<ChiResidual> {
         let mut chain = self.chain(cue, volumes);
-        let one = |measured: &MeasuredChi| {
-            let founder = self.founder(measured);
+        let one = |MeasuredChi { cell, mean, sd }: &MeasuredChi| {
+            let founder = self.founder(cell);
             let r0 = founder.and_then(|founder| chain.r0(founder));
-            let computed = founder.and_then(|founder| chain.division(founder)).and_then(|division| division.chi());
-            ChiResidual {
-                cell: measured.cell.clone(),
-                r0,
-                measured: measured.mean,
-                sd: measured.sd,
-                computed,
-                residual: computed.map(|chi| (chi - measured.mean) / measured.sd),
-            }
+            let computed = founder.and_then(|founder| chain.division(founder)?.chi());
+            let residual = computed.map(|chi| (chi - mean) / sd);
+            ChiResidual { cell: cell.clone(), r0, measured: *mean, sd: *sd, computed, residual }
         };
         measured.iter().map(one).collect()
     }
@@ -287,8 +268,8 @@ impl Objective<'_> {
         Chain { objective: self, cue, volumes, divisions: BTreeMap::new(), slopes: BTreeMap::new() }
     }
 
-    fn founder(&self, measured: &MeasuredChi) -> Option<usize> {
-        self.lineage.founders.iter().position(|founder| founder.name == measured.cell)
+    fn founder(&self, name: &str) -> Option<usize> {
+        self.lineage.founders.iter().position(|founder| founder.name == name)
     }
 
     /// ∂χ/∂(number), rows by measurement; `None` where an outcome is not smooth.
@@ -296,7 +277,7 @@ impl Objective<'_> {
         let (cue, volumes) = (self.cue(place), BTreeMap::new());
         let mut chain = self.chain(&cue, &volumes);
         let row = |measured: &MeasuredChi| {
-            let slopes = chain.slopes(self.founder(measured)?)?.chi;
+            let slopes = chain.slopes(self.founder(&measured.cell)?)?.chi;
             let numbers = self.unknowns.iter().zip(place);
             Some(slopes.iter().zip(numbers).map(|(slope, (unknown, share))| slope * unknown.scale(*share)).collect())
         };
@@ -378,12 +359,8 @@ fn complete(objective: &Objective<'_>, place: &[f64], chi_squared: f64) -> Resul
         sd: sd(k),
     };
     let numbers = objective.unknowns.iter().enumerate().map(number).collect();
-    let out_of_sample = objective
-        .targets
-        .out_of_sample
-        .iter()
-        .flat_map(|out| objective.residuals(&cue, &out.volumes, &out.chi))
-        .collect();
+    let others = objective.targets.out_of_sample.iter();
+    let out_of_sample = others.flat_map(|out| objective.residuals(&cue, &out.volumes, &out.chi)).collect();
     Ok(FittedCue {
         cue: cue.to_string(),
         numbers,
@@ -397,13 +374,13 @@ fn complete(objective: &Objective<'_>, place: &[f64], chi_squared: f64) -> Resul
 }
 
 /// Directions of the cue's numbers by how firmly the measurements hold them.
-fn held(rows: &[Vec<f64>], measured: &[MeasuredChi]) -> Result<Vec<Held>, FitError> {
+fn held(rows: &[Vec<f64>], measured: &[MeasuredChi]) -> Result<Vec<Combination>, FitError> {
     let weighted: Vec<Vec<f64>> =
         rows.iter().zip(measured).map(|(row, m)| row.iter().map(|x| x / m.sd).collect()).collect();
     let Svd { values, right, .. } = Svd::of_rows(&weighted)?;
     let of = |(k, components): (usize, Vec<f64>)| {
         let singular_value = values.get(k).copied().unwrap_or(0.0);
-        Held { singular_value, determined: singular_value > OPEN, components }
+        Combination { singular_value, determined: singular_value > OPEN, components }
     };
     Ok(right.into_iter().enumerate().map(of).collect())
 }
@@ -427,17 +404,9 @@ mod tests {
             if unknown.logarithmic { (value / from).ln() / (to / from).ln() } else { (value - from) / (to - from) }
         };
         let place = unknowns.iter().map(share).collect();
-        let tried = AtomicUsize::new(0);
-        let objective = Objective {
-            lineage: &lineage,
-            targets: &targets,
-            settings: &settings,
-            template: &template,
-            unknowns,
-            cancel: &AtomicBool::new(false),
-            tried,
-        };
-        then(&objective, place)
+        let (tried, cancel) = (AtomicUsize::new(0), &AtomicBool::new(false));
+        let (lineage, targets, settings, template) = (&lineage, &targets, &settings, &template);
+        then(&Objective { lineage, targets, settings, template, unknowns, cancel, tried }, place)
     }
 
     #[test]
@@ -456,13 +425,8 @@ mod tests {
                 let length = unknown.value(place[k] + step) - unknown.value(place[k] - step);
                 for (i, row) in exact.iter().enumerate() {
                     let expected = (above[i] - below[i]) / length * unknown.scale(place[k]);
-                    let off = (row[k] - expected).abs();
-                    assert!(
-                        off < 0.02 * expected.abs() + 1e-3,
-                        "row {i}, {}: {} {expected}",
-                        unknown.parameter,
-                        row[k]
-                    );
+                    let (off, of) = ((row[k] - expected).abs(), unknown.parameter);
+                    assert!(off < 0.02 * expected.abs() + 1e-3, "row {i}, {of}: {} {expected}", row[k]);
                 }
             }
         });

@@ -93,11 +93,7 @@ mod tests {
         });
         assert_eq!(found[0], found[1]);
         assert!(found[0].1 <= 0.04, "{found:?}");
-    }
-
-    #[test]
-    fn what_is_nowhere_finite_has_no_best() {
-        let effort = SearchBudget { particles: 4, moves: 3, seed: 0 };
+        // What is nowhere finite has no best.
         assert_eq!(swarm(&vec![[0.0, 1.0]; 2], effort, &|_| f64::INFINITY), None);
     }
 

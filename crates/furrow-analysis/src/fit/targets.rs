@@ -1,14 +1,13 @@
 //! The file of targets: observations, and the limits of the search.
 
-use std::collections::BTreeMap;
 use std::fmt::Display;
-
-use serde::Deserialize;
 
 use furrow_cell::{Cell, Parameter};
 use furrow_input::{InputError, did_you_mean, parse_document};
 use furrow_lineage::Lineage;
 use furrow_mechanics::calibration::Threshold;
+use serde::Deserialize;
+use std::collections::BTreeMap;
 
 /// The built-in targets: the wild-type embryo of C. elegans.
 pub const EMBRYO: &str = include_str!("../../data/embryo.ron");
@@ -88,16 +87,7 @@ pub struct Targets {
     #[serde(default)]
     pub thresholds: Vec<Threshold>,
     /// Measurements predicted with the fitted cue.
-    #[serde(default)]
     pub out_of_sample: Option<OutOfSample>,
-}
-
-/// Turns a condition on a field of a file into an error.
-fn requirement(file: &str) -> impl Fn(bool, String, &dyn Display, &str) -> Result<(), InputError> + '_ {
-    move |holds, field, value, allowed| match holds {
-        true => Ok(()),
-        false => Err(InputError::not_allowed(file, field, value, allowed)),
-    }
 }
 
 impl Targets {
@@ -115,8 +105,24 @@ impl Targets {
     /// # Errors
     /// Names the field, its value and what is allowed.
     pub fn check(&self, source_name: &str, lineage: &Lineage) -> Result<(), InputError> {
-        let require = requirement(source_name);
-        self.check_unknowns(&require)?;
+        let require = |holds: bool, field: String, value: &dyn Display, allowed: &str| {
+            InputError::require(holds, source_name, field, value, allowed)
+        };
+        require(!self.unknowns.is_empty(), "unknowns".into(), &"[]", "at least one constant")?;
+        for (k, Searched { parameter, from, to }) in self.unknowns.iter().enumerate() {
+            let field = |name: &str| format!("unknowns[{k}].{name}");
+            let searchable = !matches!(parameter, Parameter::R0 | Parameter::Cue { .. } | Parameter::Gain);
+            let allowed = "a constant of the cortex or of the shell, the activity or epsilon; the gain follows from the thresholds";
+            require(searchable, field("parameter"), parameter, allowed)?;
+            let new = self.unknowns[..k].iter().all(|other| other.parameter != *parameter);
+            require(new, field("parameter"), parameter, "named only once")?;
+            for (name, value) in [("from", *from), ("to", *to)] {
+                let allowed = parameter.validate(value).err();
+                let holds = value > 0.0 && allowed.is_none();
+                require(holds, field(name), &value, allowed.unwrap_or("a finite number above 0"))?;
+            }
+            require(to > from, field("to"), to, &format!("above from = {from}"))?;
+        }
         for (k, threshold) in self.thresholds.iter().enumerate() {
             threshold.check(source_name, &format!("thresholds[{k}]"))?;
         }
@@ -154,28 +160,6 @@ impl Targets {
         for (name, value) in [("rounds", rounds), ("terminal", terminal), ("chi", chi)] {
             let holds = value.is_finite() && value >= 0.0;
             require(holds, format!("weights.{name}"), &value, "a finite number, 0 or above")?;
-        }
-        Ok(())
-    }
-
-    fn check_unknowns(
-        &self,
-        require: &impl Fn(bool, String, &dyn Display, &str) -> Result<(), InputError>,
-    ) -> Result<(), InputError> {
-        require(!self.unknowns.is_empty(), "unknowns".into(), &"[]", "at least one constant")?;
-        for (k, Searched { parameter, from, to }) in self.unknowns.iter().enumerate() {
-            let field = |name: &str| format!("unknowns[{k}].{name}");
-            let searchable = !matches!(parameter, Parameter::R0 | Parameter::Cue { .. } | Parameter::Gain);
-            let allowed = "a constant of the cortex or of the shell, the activity or epsilon; the gain follows from the thresholds";
-            require(searchable, field("parameter"), parameter, allowed)?;
-            let new = self.unknowns[..k].iter().all(|other| other.parameter != *parameter);
-            require(new, field("parameter"), parameter, "named only once")?;
-            for (name, value) in [("from", *from), ("to", *to)] {
-                let allowed = parameter.validate(value).err();
-                let holds = value > 0.0 && allowed.is_none();
-                require(holds, field(name), &value, allowed.unwrap_or("a finite number above 0"))?;
-            }
-            require(to > from, field("to"), to, &format!("above from = {from}"))?;
         }
         Ok(())
     }

@@ -1,18 +1,20 @@
 //! Stationary shapes over ξ_s: figures 2C to 2F, 2H to 2L, S3 and S4.
 
-use rayon::prelude::*;
-
 use super::context::{Artifact, Figure, Finding, PUBLISHED_ACTIVITY, ReproduceError};
 use super::paper::Statement;
 use super::sweeps::outcomes;
 use crate::constraints::extreme_maxima;
 use crate::diagram::{Diagram, diagram};
-use furrow_cell::{Cell, Parameter, Scheme};
-use furrow_lineage::batch::phase::{PhasePlane, spaced};
+use furrow_cell::Scheme;
+use furrow_cell::{Cell, Parameter};
+use furrow_lineage::batch::phase::PhasePlane;
+use furrow_lineage::batch::phase::spaced;
 use furrow_lineage::batch::scheduler;
 use furrow_mechanics::calibration::statements::HigherFold;
+use furrow_mechanics::equilibria::BranchOptions;
 use furrow_mechanics::equilibria::critical::critical_value;
-use furrow_mechanics::equilibria::{BranchOptions, StepBudget, curves};
+use furrow_mechanics::equilibria::{StepBudget, curves};
+use rayon::prelude::*;
 
 /// Longest step along a branch, for smooth pictures.
 const STEP: f64 = 1.0;
@@ -46,10 +48,10 @@ fn finding(found: &Diagram, statement: &Statement) -> Option<Finding> {
     let threshold = pitchfork.map(|found| found.point.xi_s);
     match id.split('_').next()? {
         "threshold" => Some(threshold.map_or_else(missing, |threshold| Finding::new(id, threshold))),
-        "opening" => Some(match found.scaling {
-            Some(scaling) => Finding::new(id, scaling.exponent),
-            None => Finding::not_computed(id, "no asymmetric branch"),
-        }),
+        "opening" => {
+            let missing = || Finding::not_computed(id, "no asymmetric branch");
+            Some(found.scaling.map_or_else(missing, |scaling| Finding::new(id, scaling.exponent)))
+        }
         "window" => {
             let fold = symmetric.folds().find(|fold| fold.maximum).map(|fold| fold.point.xi_s);
             Some(match (threshold, fold) {
@@ -117,19 +119,18 @@ pub fn over_radius(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let (cell, numerics) = (figure.context.cell(2.0, 0.87), figure.context.converged());
     let both = curves::pitchfork_curve(&cell, &numerics, Parameter::R0, RADII)
         .and_then(|pitchforks| Ok((pitchforks, curves::fold_curves(&cell, &numerics, Parameter::R0, RADII)?)));
-    match both {
-        Ok((pitchforks, folds)) => {
-            let ends = pitchforks.points.first().zip(pitchforks.points.last());
-            let range = ends.map_or(String::new(), |(a, b)| format!("ξ_s* = {:.2} to {:.2}", a.xi_s, b.xi_s));
-            let changes: Vec<String> = pitchforks.degenerate.iter().map(|p| format!("{:.3}", p.r0)).collect();
-            let changes = match changes.is_empty() {
-                true => "one kind throughout".to_owned(),
-                false => format!("the kind changes at R0 = {}", changes.join(", ")),
-            };
-            figure.report("curves", format!("{range}; {changes}"));
-            figure.show("S3", Artifact::Boundary(cell, RADII, pitchforks, folds));
-        }
-        Err(error) => figure.report("curves", format!("not computed: {error}")),
-    }
+    let (pitchforks, folds) = match both {
+        Ok(both) => both,
+        Err(error) => return Ok(figure.report("curves", format!("not computed: {error}"))),
+    };
+    let ends = pitchforks.points.first().zip(pitchforks.points.last());
+    let range = ends.map_or(String::new(), |(a, b)| format!("ξ_s* = {:.2} to {:.2}", a.xi_s, b.xi_s));
+    let changes: Vec<String> = pitchforks.degenerate.iter().map(|p| format!("{:.3}", p.r0)).collect();
+    let changes = match changes.is_empty() {
+        true => "one kind throughout".to_owned(),
+        false => format!("the kind changes at R0 = {}", changes.join(", ")),
+    };
+    figure.report("curves", format!("{range}; {changes}"));
+    figure.show("S3", Artifact::Boundary(cell, RADII, pitchforks, folds));
     Ok(())
 }

@@ -1,24 +1,23 @@
 //! The context of all figures, and their results: findings and artifacts.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
-use serde::Serialize;
-
 use super::paper::Statement;
 use crate::diagram::Edges;
 use crate::{Row, Run, Sweep};
-use furrow_cell::ZYGOTE;
 use furrow_cell::settings::Settings;
-use furrow_cell::{Cell, Cue, Numerics, Scheme};
+use furrow_cell::{Cell, Cue, Numerics};
+use furrow_cell::{Scheme, ZYGOTE};
 use furrow_input::InputError;
 use furrow_lineage::batch::{
     Memo, PhaseDiagram, PhasePlane, SchedulerError, SchedulerOptions, StoreWarning, scheduler,
 };
 use furrow_lineage::{GrowError, Tree};
-use furrow_mechanics::division::{Division, DivisionInput, Trajectory, divide};
+use furrow_mechanics::division::{Division, Trajectory};
+use furrow_mechanics::division::{DivisionInput, divide};
 use furrow_mechanics::equilibria::Branch;
 use furrow_mechanics::equilibria::curves::{self, Curve};
 use furrow_mechanics::perturbation::Perturbation;
+use serde_json::Value;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// ξ_s of the paper's cells (Table S3).
 pub const PUBLISHED_ACTIVITY: f64 = 25.0;
@@ -64,34 +63,12 @@ impl From<GrowError> for ReproduceError {
     }
 }
 
-/// What is computed for a statement: a number, or words.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum Value {
-    /// A number.
-    Number(f64),
-    /// Words.
-    Words(String),
-}
-
-impl From<f64> for Value {
-    fn from(number: f64) -> Value {
-        Value::Number(number)
-    }
-}
-
-impl From<String> for Value {
-    fn from(words: String) -> Value {
-        Value::Words(words)
-    }
-}
-
 /// What was found for one statement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// The statement's id.
     pub id: String,
-    /// What is computed.
+    /// What is computed: a number, or words.
     pub computed: Value,
     /// The same with the published scheme, where that was computed.
     pub published_scheme: Option<Value>,
@@ -218,11 +195,6 @@ impl Context<'_> {
 }
 
 impl<'a> Figure<'a> {
-    /// A figure of which nothing is computed yet.
-    pub fn new(context: &'a Context<'a>, statements: &'a [Statement]) -> Figure<'a> {
-        Figure { context, statements, findings: Vec::new(), panels: Vec::new(), warnings: Vec::new() }
-    }
-
     /// Its name.
     pub fn name(&self) -> &'a str {
         &self.statements[0].figure

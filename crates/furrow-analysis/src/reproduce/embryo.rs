@@ -1,15 +1,17 @@
 //! Figures 5 to 7, the lineage that the model grows; and Table S3, its constants.
 
-use std::collections::BTreeMap;
-
 use super::context::{Artifact, Figure, Finding, ReproduceError};
 use super::readings::chi_in_words;
 use crate::compare::counts::counts;
+use crate::tree_settings;
 use furrow_cell::cue::Quantity;
+use furrow_cell::settings::Settings;
 use furrow_cell::{Cell, Cue, Parameter};
-use furrow_lineage::{EndRule, Grower, Length, Lineage, Thresholds, Tree, TreeCell, TreeSettings, founder_rounds};
+use furrow_lineage::TreeCell;
+use furrow_lineage::{EndRule, Grower, Length, Lineage, Thresholds, Tree, founder_rounds};
 use furrow_mechanics::division::{Outcome, divide};
 use furrow_mechanics::equilibria::CriticalRadii;
+use std::collections::BTreeMap;
 
 /// Volume of P0, in µm³, as a caption of the paper gives it.
 const ZYGOTE_VOLUME: f64 = 20_890.0;
@@ -18,9 +20,8 @@ const ZYGOTE_VOLUME: f64 = 20_890.0;
 fn grow(figure: &Figure<'_>, lineage: &Lineage) -> Result<Tree, ReproduceError> {
     let context = figure.context;
     let numerics = context.converged();
-    let r0 = lineage.given_r0(lineage.first()).unwrap_or(context.settings.cell.r0);
-    let cell = Cell { r0, ..context.settings.cell.clone() };
-    let settings = TreeSettings { cell, numerics, seed: 0, r0_step: context.memo.quantisation().relative_step() };
+    let settings = Settings { numerics, ..context.settings.clone() };
+    let settings = tree_settings(settings, lineage, 0, context.memo.quantisation());
     let rule = Thresholds::new(CriticalRadii::new(&numerics).interrupted_by(context.cancel));
     let ends = EndRule::Thresholds(&rule);
     let grower = Grower { lineage, settings, ends, memo: context.memo, options: context.options() };
@@ -47,14 +48,14 @@ pub fn rounds(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let tree = grow(figure, &Lineage::c_elegans()?)?;
     let sentence = counts(&tree)?.sentence;
     let named = |holds: bool| {
-        let reading = |reading| match reading {
+        let names = sentence.iter().filter(|of| of.holds == holds).map(|of| match of.reading {
             "min" => "fewest",
             "max" => "most",
             "full_doublings" => "full doublings",
             other => other,
-        };
-        let names: Vec<&str> = sentence.iter().filter(|of| of.holds == holds).map(|of| reading(of.reading)).collect();
-        if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+        });
+        let names = names.collect::<Vec<_>>().join(", ");
+        if names.is_empty() { "none".to_owned() } else { names }
     };
     figure.report("rounds", format!("true of rounds read as: {}; not as: {}", named(true), named(false)));
     figure.show("5A", Artifact::Tree(Box::new(tree)));

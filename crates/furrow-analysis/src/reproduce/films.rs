@@ -1,12 +1,11 @@
 //! Figures 1B to 1D and S2, and the movies: single divisions, looked at closely.
 
-use rayon::prelude::*;
-
 use super::context::{Artifact, Figure, Finding, ReproduceError};
 use furrow_cell::{Cell, Cue};
 use furrow_lineage::batch::scheduler;
 use furrow_mechanics::cortex::forces::Place;
 use furrow_mechanics::division::{Snapshot, Trajectory};
+use rayon::prelude::*;
 
 /// The cell that forces are looked at in: it divides into equal halves.
 const R0: f64 = 3.0;
@@ -30,13 +29,9 @@ pub fn furrow(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     };
     let still = half_way(&film);
     let neck = still.as_ref().and_then(|still| Some((still, still.neck?, nearest(&still.places, still.neck?.u)?)));
-    match neck {
+    let ((holds, text), flow) = match neck {
         Some((still, neck, place)) => {
-            let (end, force) = (film.division.t_end, place.normal.active);
-            let holds = film.division.chi().is_some() && force < 0.0;
-            let text =
-                format!("{}, at t = {end:.2} τ; active normal force {force:+.1} κ0/L_h³", film.division.outcome());
-            figure.judge("furrow", holds, text);
+            let (outcome, end, force) = (film.division.outcome(), film.division.t_end, place.normal.active);
             // Beside the neck, where the flow into it is; u grows from one pole to the other.
             let beside = |du: f64| nearest(&still.places, neck.u + du).map_or(0.0, |place| place.active_tangential);
             let [before, after] = [beside(-0.02), beside(0.02)];
@@ -45,14 +40,14 @@ pub fn furrow(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
                 (false, false) => "away from the furrow on both sides",
                 _ => "the same way on both sides",
             };
-            let text = format!("{way}: {before:+.1} and {after:+.1} κ0/L_h³ at 0.02 in u from it, at half width");
-            figure.report("active_flow", text);
+            let text = format!("{outcome}, at t = {end:.2} τ; active normal force {force:+.1} κ0/L_h³");
+            let flow = format!("{way}: {before:+.1} and {after:+.1} κ0/L_h³ at 0.02 in u from it, at half width");
+            ((film.division.chi().is_some() && force < 0.0, text), flow)
         }
-        None => {
-            figure.judge("furrow", false, OPEN_NECK.to_owned());
-            figure.report("active_flow", OPEN_NECK.to_owned());
-        }
-    }
+        None => ((false, OPEN_NECK.to_owned()), OPEN_NECK.to_owned()),
+    };
+    figure.judge("furrow", holds, text);
+    figure.report("active_flow", flow);
     figure.show("1B-D", Artifact::Film(cell, Box::new(film)));
     Ok(())
 }

@@ -35,9 +35,10 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-pub use context::{Artifact, Context, Figure, Finding, Map, NamedArtifact, ReproduceError, Value};
+pub use context::{Artifact, Context, Figure, Finding, Map, NamedArtifact, ReproduceError};
 use furrow_lineage::batch::StoreWarning;
 use paper::Statement;
+use serde_json::Value;
 
 /// Whether a result is that of the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -147,7 +148,8 @@ const FIGURES: [(&str, Compute); 19] = [
 pub fn reproduce(context: &Context<'_>, statements: &[Statement]) -> Result<Reproduction, ReproduceError> {
     let mut out = Reproduction::default();
     for group in statements.chunk_by(|a, b| a.figure == b.figure) {
-        let mut figure = Figure::new(context, group);
+        let (findings, panels, warnings) = <_>::default();
+        let mut figure = Figure { context, statements: group, findings, panels, warnings };
         (context.progress)(figure.name());
         let start = Instant::now();
         // The figures that the table does not name are movies.
@@ -166,23 +168,21 @@ pub fn reproduce(context: &Context<'_>, statements: &[Statement]) -> Result<Repr
 }
 
 fn item(statement: &Statement, finding: Finding, seconds: f64) -> Item {
-    let rel_error = match (&finding.computed, &statement.printed) {
-        (Value::Number(computed), Some(printed)) => Some(printed.deviation(*computed)),
-        _ => None,
-    };
+    let rel_error =
+        finding.computed.as_f64().zip(statement.printed).map(|(computed, printed)| printed.deviation(computed));
     let close = rel_error.zip(statement.printed).map(|(error, printed)| error <= printed.tolerance);
     let verdict = match (&statement.open, close.or(finding.holds)) {
         (Some(_), _) | (None, None) => Verdict::NotPinnedDown,
         (None, Some(true)) => Verdict::Agrees,
         (None, Some(false)) => Verdict::Differs,
     };
-    let words = (!statement.says.is_empty()).then(|| Value::Words(statement.says.clone()));
+    let words = (!statement.says.is_empty()).then(|| statement.says.as_str().into());
     let note: Vec<&str> = statement.open.iter().chain(&finding.note).map(String::as_str).collect();
     Item {
         id: statement.id.clone(),
         figure: statement.figure.clone(),
         quantity: statement.quantity.clone(),
-        paper: statement.printed.map(|printed| Value::Number(printed.value)).or(words),
+        paper: statement.printed.map(|printed| printed.value.into()).or(words),
         computed: finding.computed,
         published_scheme: finding.published_scheme,
         published_scheme_agrees: finding.published_holds,
@@ -216,15 +216,16 @@ mod tests {
     #[test]
     fn verdicts_follow_numbers_criteria_and_what_is_not_known() {
         let printed = Some(Printed { value: 2.0, tolerance: 0.01 });
-        let verdict = |statement: Statement, finding: Finding| item(&statement, finding, 0.0).verdict;
-        assert_eq!(verdict(statement(printed, None), Finding::new("x", 2.01)), Verdict::Agrees);
-        assert_eq!(verdict(statement(printed, None), Finding::new("x", 2.03)), Verdict::Differs);
-        assert_eq!(verdict(statement(None, None), Finding::judged("x", (true, "a".into()))), Verdict::Agrees);
-        assert_eq!(verdict(statement(None, None), Finding::judged("x", (false, "a".into()))), Verdict::Differs);
-        assert_eq!(
-            verdict(statement(None, Some("lost")), Finding::judged("x", (true, "a".into()))),
-            Verdict::NotPinnedDown
-        );
+        let judged = |holds: bool| Finding::judged("x", (holds, "a".into()));
+        for (printed, open, finding, expected) in [
+            (printed, None, Finding::new("x", 2.01), Verdict::Agrees),
+            (printed, None, Finding::new("x", 2.03), Verdict::Differs),
+            (None, None, judged(true), Verdict::Agrees),
+            (None, None, judged(false), Verdict::Differs),
+            (None, Some("lost"), judged(true), Verdict::NotPinnedDown),
+        ] {
+            assert_eq!(item(&statement(printed, open), finding, 0.0).verdict, expected);
+        }
         // A number that could not be computed is no agreement.
         let failed = item(&statement(printed, None), Finding::not_computed("x", "why"), 0.0);
         assert_eq!((failed.verdict, failed.pass, failed.rel_error), (Verdict::Differs, false, None));

@@ -1,12 +1,10 @@
 //! The paper's statements by figure.
 
-use std::collections::{BTreeMap, HashSet};
-
-use serde::Deserialize;
-
 use furrow_input::{InputError, parse_document};
 use furrow_mechanics::calibration::statements::HigherFold;
 use furrow_mechanics::equilibria::Criticality;
+use serde::Deserialize;
+use std::collections::{BTreeMap, HashSet};
 
 /// The statements, as shipped.
 const PAPER: &str = include_str!("../../data/paper.ron");
@@ -99,7 +97,6 @@ pub struct OverAxis {
     #[serde(default)]
     pub both_schemes: bool,
     /// A remark on the result.
-    #[serde(default)]
     pub note: Option<String>,
 }
 
@@ -119,25 +116,18 @@ pub struct Statement {
     /// When a result counts as agreeing.
     pub criterion: String,
     /// The number that it prints.
-    #[serde(default)]
     pub printed: Option<Printed>,
     /// The cell.
-    #[serde(default)]
     pub cell: Option<OfCell>,
     /// What it says of χ over an axis.
-    #[serde(default)]
     pub over: Option<OverAxis>,
     /// Of a pitchfork, its kind.
-    #[serde(default)]
     pub kind: Option<Criticality>,
     /// Of a branch with two folds, which of them is higher.
-    #[serde(default)]
     pub higher: Option<HigherFold>,
     /// The name of a constant.
-    #[serde(default)]
     pub constant: Option<String>,
     /// Why there is no verdict, if there is none.
-    #[serde(default)]
     pub open: Option<String>,
 }
 
@@ -197,15 +187,12 @@ pub fn means(wanted: &str, figure: &str) -> bool {
     {
         return rest.starts_with(|c: char| c.is_ascii_alphabetic());
     }
-    let Some((first, last)) = figure.split_once('-') else { return false };
-    let Some((number, from)) = first.char_indices().last().and_then(|(at, from)| Some((first.get(..at)?, from))) else {
-        return false;
+    let panels = |(first, last): (&str, &str)| {
+        let from = first.chars().next_back()?;
+        let mut panel = wanted.strip_prefix(first.strip_suffix(from)?)?.chars();
+        Some((from..=last.chars().next()?).contains(&panel.next()?) && panel.next().is_none())
     };
-    let mut panel = wanted.strip_prefix(number).unwrap_or_default().chars();
-    match (panel.next(), panel.next(), last.chars().next()) {
-        (Some(panel), None, Some(to)) => (from..=to).contains(&panel),
-        _ => false,
-    }
+    figure.split_once('-').and_then(panels).unwrap_or(false)
 }
 
 /// The statements that belong to any of the figures named; all where none is.
@@ -234,33 +221,14 @@ mod tests {
 
     #[test]
     fn figures_are_meant_by_panels_and_by_the_whole() {
-        for (wanted, figure) in [
-            ("2A", "2A"),
-            ("2a", "2A"),
-            ("2", "2A"),
-            ("2", "2C-F"),
-            ("2d", "2C-F"),
-            ("2C–F", "2C-F"),
-            ("s5", "S5"),
-            ("Table S3", "Table S3"),
-            ("tables3", "Table S3"),
-            ("movies", "Movie 3"),
-            ("movie3", "Movie 3"),
-            ("7", "7"),
-        ] {
-            assert!(means(wanted, figure), "{wanted} {figure}");
-        }
-        for (wanted, figure) in [
-            ("2B", "2C-F"),
-            ("2G", "2C-F"),
-            ("S", "S5"),
-            ("3", "S3"),
-            ("S3", "Table S3"),
-            ("movie", "Movie 3"),
-            ("", "2A"),
-            ("2CD", "2C-F"),
-        ] {
-            assert!(!means(wanted, figure), "{wanted} {figure}");
+        let meant = "2A=2A 2a=2A 2=2A 2=2C-F 2d=2C-F 2C–F=2C-F s5=S5 Table~S3=Table~S3 tables3=Table~S3 \
+                     movies=Movie~3 movie3=Movie~3 7=7";
+        let others = "2B=2C-F 2G=2C-F S=S5 3=S3 S3=Table~S3 movie=Movie~3 =2A 2CD=2C-F";
+        for (pairs, expected) in [(meant, true), (others, false)] {
+            for (wanted, figure) in pairs.split(' ').filter_map(|pair| pair.split_once('=')) {
+                let [wanted, figure] = [wanted, figure].map(|name| name.replace('~', " "));
+                assert_eq!(means(&wanted, &figure), expected, "{wanted} {figure}");
+            }
         }
     }
 

@@ -1,13 +1,14 @@
 //! Figure S5: stationary shapes that are disturbed.
 
-use rayon::prelude::*;
-
 use super::context::{Artifact, Context, Figure, Finding, ReproduceError};
 use furrow_cell::Cell;
 use furrow_lineage::batch::scheduler;
-use furrow_mechanics::division::{DivisionInput, DivisionOptions};
-use furrow_mechanics::equilibria::{BranchOptions, ShapeError, StationaryError, pitchfork, stationary};
+use furrow_mechanics::division::DivisionInput;
+use furrow_mechanics::division::DivisionOptions;
+use furrow_mechanics::equilibria::{BranchOptions, ShapeError, pitchfork};
+use furrow_mechanics::equilibria::{StationaryError, stationary};
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
+use rayon::prelude::*;
 
 /// Cells whose shapes are disturbed, R0 and ε: those whose branches the paper shows.
 const CELLS: [[f64; 2]; 4] = [[1.64, 0.87], [2.0, 0.87], [2.22, 0.64], [2.22, 0.88]];
@@ -16,11 +17,8 @@ const ACTIVITIES: [f64; 6] = [0.8, 0.95, 0.99, 1.01, 1.05, 1.1];
 /// Seeds of the noise.
 const SEEDS: u64 = 3;
 
-/// A disturbed shape.
-struct Case {
-    name: String,
-    found: Result<Perturbation, PerturbationError>,
-}
+/// A disturbed shape at some activity.
+type Case = (f64, Result<Perturbation, PerturbationError>);
 
 /// Figure S5: shapes below and above their threshold, disturbed.
 pub fn shapes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
@@ -51,7 +49,7 @@ pub fn shapes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     for (cell, _) in cells {
         // Of each shape the first noise.
         let firsts = all.by_ref().take(ACTIVITIES.len()).filter_map(|cases| cases.into_iter().next());
-        let shown = firsts.filter_map(|case| Some((case.name, case.found.ok()?))).collect();
+        let shown = firsts.filter_map(|(xi_s, found)| Some((format!("ξₛ = {xi_s:.2}"), found.ok()?))).collect();
         let name = format!("S5-R0_{}-epsilon_{}", cell.r0, cell.epsilon);
         figure.show(&name, Artifact::Perturbations(cell, shown));
     }
@@ -68,8 +66,7 @@ fn cases(context: &Context<'_>, cell: &Cell) -> Vec<Case> {
     let one = |seed: u64| {
         let input = DivisionInput { cell: cell.clone(), numerics, seed };
         let start = start.as_ref().map_err(|error| PerturbationError::from(error.clone()));
-        let found = start.and_then(|start| perturb(&input, start, WATCHED, DivisionOptions::default()));
-        Case { name: format!("ξₛ = {:.2}", cell.xi_s), found }
+        (cell.xi_s, start.and_then(|start| perturb(&input, start, WATCHED, DivisionOptions::default())))
     };
     (0..SEEDS).map(one).collect()
 }
@@ -77,7 +74,7 @@ fn cases(context: &Context<'_>, cell: &Cell) -> Vec<Case> {
 fn judge(all: &[Vec<Case>], figure: &mut Figure<'_>) {
     let cases: Vec<&Case> = all.iter().flatten().collect();
     for (id, stable) in [("perturbed_stable", true), ("perturbed_unstable", false)] {
-        let watched = || cases.iter().filter_map(|case| case.found.as_ref().ok());
+        let watched = || cases.iter().filter_map(|(_, found)| found.as_ref().ok());
         let those: Vec<&Perturbation> = watched().filter(|p| (p.start_growth_rate < 0.0) == stable).collect();
         let right = those.iter().filter(|p| p.returned() == stable).count();
         let verb = if stable { "return" } else { "leave" };

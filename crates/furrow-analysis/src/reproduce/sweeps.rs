@@ -1,14 +1,15 @@
 //! Figures 2A, 2B, 2G and 4: χ over size, over confinement, and over the place of a cue.
 
-use serde_json::json;
-
 use super::context::{Artifact, Figure, Finding, ReproduceError};
 use super::paper::{Criterion, Study};
 use super::readings::{ChiPoint, between, chi_at, chi_in_words, edge, flatness, halves, monotone_ends, readings};
-use furrow_cell::{Parameter, Scheme};
-use furrow_lineage::batch::phase::{PhaseDiagram, PhaseOutcome, PhasePlane, spaced};
+use furrow_cell::Parameter;
+use furrow_cell::Scheme;
+use furrow_lineage::batch::phase::spaced;
+use furrow_lineage::batch::phase::{PhaseDiagram, PhaseOutcome, PhasePlane};
 use furrow_mechanics::division::Outcome;
 use furrow_mechanics::equilibria::critical_radius;
+use serde_json::json;
 
 /// The name, the text and the axis of a shipped sweep.
 fn shipped(study: Study) -> [&'static str; 3] {
@@ -27,9 +28,12 @@ fn meets(criterion: Criterion, all: &[ChiPoint], range: [f64; 2]) -> (bool, Stri
     match criterion {
         Criterion::Rest => at_rest(all, range),
         Criterion::Halves => halves(part),
-        Criterion::Falling => falling(part),
-        Criterion::Tightening => tightening(part),
-        Criterion::Flat => flat(part),
+        Criterion::Falling => trend(part, |a, b| b < a, |first, last| first > 0.8 && last < 0.7, ["R0 = 1.8", "2.2"]),
+        Criterion::Tightening => trend(part, |a, b| b > a, |first, _| first > 0.5, ["ε = 0.87", "0.89"]),
+        Criterion::Flat => {
+            let (half_width, text) = flatness(part);
+            (half_width <= 0.15, text)
+        }
         Criterion::Proportional => proportional(part),
         Criterion::FurrowShort => furrows(part, |furrow, cue| furrow < cue),
         Criterion::FurrowBeyond => furrows(part, |furrow, cue| furrow > cue),
@@ -74,41 +78,22 @@ pub fn over_axis(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     Ok(())
 }
 
+/// A condition on two numbers.
+type Compares = fn(f64, f64) -> bool;
+
 /// Whether all cells below some size in these limits rest and all above divide.
 fn at_rest(readings: &[ChiPoint], [from, to]: [f64; 2]) -> (bool, String) {
-    match edge(readings) {
-        Some([last, first]) => {
-            let holds = last >= from - 1e-9 && first <= to + 1e-9;
-            (holds, format!("at rest up to R0 = {last:.2}, all divide from {first:.2} on"))
-        }
-        None => (false, "no single edge".to_owned()),
-    }
+    let Some([last, first]) = edge(readings) else { return (false, "no single edge".to_owned()) };
+    let holds = last >= from - 1e-9 && first <= to + 1e-9;
+    (holds, format!("at rest up to R0 = {last:.2}, all divide from {first:.2} on"))
 }
 
-/// Whether χ falls from above 0.8 to below 0.7.
-fn falling(readings: &[ChiPoint]) -> (bool, String) {
-    match monotone_ends(readings, |a, b| b < a) {
-        Some(([first, last], falls)) => {
-            (falls && first > 0.8 && last < 0.7, format!("χ = {first:.2} at R0 = 1.8, {last:.2} at 2.2"))
-        }
-        None => (false, "not all divide".to_owned()),
-    }
-}
-
-/// Whether χ rises from above 0.5.
-fn tightening(readings: &[ChiPoint]) -> (bool, String) {
-    match monotone_ends(readings, |a, b| b > a) {
-        Some(([first, last], rises)) => {
-            (rises && first > 0.5, format!("χ = {first:.2} at ε = 0.87, {last:.2} at 0.89"))
-        }
-        None => (false, "not all divide".to_owned()),
-    }
-}
-
-/// Whether χ stays within 15 % of the middle of its range.
-fn flat(readings: &[ChiPoint]) -> (bool, String) {
-    let (half_width, text) = flatness(readings);
-    (half_width <= 0.15, text)
+/// Whether χ goes one way, from a first to a last value that are as they should be.
+fn trend(readings: &[ChiPoint], in_order: Compares, ends: Compares, [from, to]: [&str; 2]) -> (bool, String) {
+    let Some(([first, last], ordered)) = monotone_ends(readings, in_order) else {
+        return (false, "not all divide".to_owned());
+    };
+    (ordered && ends(first, last), format!("χ = {first:.2} at {from}, {last:.2} at {to}"))
 }
 
 /// Whether χ is proportional to the distance of the cue from the middle.
@@ -121,7 +106,7 @@ fn proportional(readings: &[ChiPoint]) -> (bool, String) {
 }
 
 /// Whether every furrow compares with its cue as it should, by their distances from the middle.
-fn furrows(readings: &[ChiPoint], compares: fn(f64, f64) -> bool) -> (bool, String) {
+fn furrows(readings: &[ChiPoint], compares: Compares) -> (bool, String) {
     let right = |reading: &&ChiPoint| reading.u_furrow.is_some_and(|u| compares((u - 0.5).abs(), 0.5 - reading.x));
     let count = readings.iter().filter(right).count();
     let example = readings.get(readings.len() / 2).and_then(|reading| Some((reading.x, reading.u_furrow?)));
@@ -161,12 +146,13 @@ pub fn sizes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
 /// Figure 2G: χ over ε without a cue, and where division ends.
 pub fn confinement(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     over_axis(figure)?;
-    let edge = confinement_edge(figure)?;
-    figure.number("confinement_edge", edge.ok_or("divisions do not end between ε = 0.88 and 0.91"));
-    if let (Some(_), Some(finding)) = (edge, figure.findings.last_mut()) {
-        let note = "found by bisection to 0.0001; just above it cells rest off the centre, up to the pitchfork's ε of figure 2H-L";
-        finding.note = Some(note.to_owned());
-    }
+    let note =
+        "found by bisection to 0.0001; just above it cells rest off the centre, up to the pitchfork's ε of figure 2H-L";
+    let finding = match confinement_edge(figure)? {
+        Some(edge) => Finding::new("confinement_edge", edge).noting(note),
+        None => Finding::not_computed("confinement_edge", "divisions do not end between ε = 0.88 and 0.91"),
+    };
+    figure.findings.push(finding);
     Ok(())
 }
 

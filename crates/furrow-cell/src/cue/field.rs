@@ -30,48 +30,27 @@ pub enum Field {
 
 impl Field {
     /// Every field.
-    pub const ALL: [Field; 9] = [
-        Field::Kappa,
-        Field::Activity,
-        Field::XiS,
-        Field::XiB,
-        Field::EtaB,
-        Field::EtaS,
-        Field::Viscosity,
-        Field::Friction,
-        Field::Tension,
-    ];
-
-    /// Its name on the command line and in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Field::Kappa => "kappa",
-            Field::Activity => "activity",
-            Field::XiS => "xi_s",
-            Field::XiB => "xi_b",
-            Field::EtaB => "eta_b",
-            Field::EtaS => "eta_s",
-            Field::Viscosity => "viscosity",
-            Field::Friction => "friction",
-            Field::Tension => "tension",
-        }
-    }
-
-    /// The coefficients of the equations that it modulates, named by their own fields.
-    pub const fn coefficients(self) -> &'static [Field] {
-        match self {
-            Field::Kappa => &[Field::Kappa],
-            Field::Activity => &[Field::XiS, Field::XiB],
-            Field::XiS => &[Field::XiS],
-            Field::XiB => &[Field::XiB],
-            Field::EtaB => &[Field::EtaB],
-            Field::EtaS => &[Field::EtaS],
-            Field::Viscosity => &[Field::EtaB, Field::EtaS],
-            Field::Friction => &[Field::Friction],
-            Field::Tension => &[Field::Tension],
-        }
-    }
+    pub const ALL: [Field; 9] = {
+        use Field::*;
+        [Kappa, Activity, XiS, XiB, EtaB, EtaS, Viscosity, Friction, Tension]
+    };
 
     /// Coefficients that have to stay above zero everywhere.
     pub const POSITIVE: [Field; 4] = [Field::Kappa, Field::EtaB, Field::EtaS, Field::Friction];
+
+    /// Its name on the command line and in files.
+    pub const fn name(self) -> &'static str {
+        const NAMES: [&str; 9] =
+            ["kappa", "activity", "xi_s", "xi_b", "eta_b", "eta_s", "viscosity", "friction", "tension"];
+        NAMES[self as usize]
+    }
+
+    /// Whether it modulates a coefficient of the equations, which is named by its own field.
+    pub fn modulates(self, coefficient: Field) -> bool {
+        match self {
+            Field::Activity => matches!(coefficient, Field::XiS | Field::XiB),
+            Field::Viscosity => matches!(coefficient, Field::EtaB | Field::EtaS),
+            own => own == coefficient,
+        }
+    }
 }

@@ -16,19 +16,29 @@ pub enum Width<D = f64> {
     Length(D),
 }
 
+impl<D> Width<D> {
+    /// The number itself, in the unit it was given in.
+    pub fn value(self) -> D {
+        match self {
+            Width::Fraction(omega) | Width::Length(omega) => omega,
+        }
+    }
+
+    /// The width by another number, in the same unit.
+    pub fn map<E>(self, number: impl FnOnce(D) -> E) -> Width<E> {
+        match self {
+            Width::Fraction(omega) => Width::Fraction(number(omega)),
+            Width::Length(omega) => Width::Length(number(omega)),
+        }
+    }
+}
+
 impl<D: Number> Width<D> {
     /// The width in u on a contour of length `length`.
     pub fn in_u(self, length: D) -> D {
         match self {
             Width::Fraction(omega) => omega,
             Width::Length(omega) => omega / length,
-        }
-    }
-
-    /// The number itself, in the unit it was given in.
-    pub fn value(self) -> D {
-        match self {
-            Width::Fraction(omega) | Width::Length(omega) => omega,
         }
     }
 }
@@ -86,17 +96,6 @@ pub const NARROWEST: f64 = 1e-6;
 /// Names of the profiles; the first is meant where none is named.
 pub const NAMES: [&str; 3] = ["band", "step", "gradient"];
 
-/// Why numbers make no profile.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BuildError {
-    /// There is no profile of this name.
-    Unknown,
-    /// A number is missing.
-    Missing(Quantity),
-    /// A number is given that the profile does not have.
-    Spare(Quantity),
-}
-
 impl<D> Profile<D> {
     /// Its name on the command line and in files.
     pub fn name(&self) -> &'static str {
@@ -109,13 +108,9 @@ impl<D> Profile<D> {
 
     /// The same profile with its numbers turned into others, each told which it is.
     pub fn map<E>(self, mut number: impl FnMut(Quantity, D) -> E) -> Profile<E> {
-        let mut both = |u0, omega| {
+        let mut both = |u0, omega: Width<D>| {
             let u0 = number(Quantity::U0, u0);
-            let omega = match omega {
-                Width::Fraction(omega) => Width::Fraction(number(Quantity::Omega, omega)),
-                Width::Length(omega) => Width::Length(number(Quantity::Omega, omega)),
-            };
-            (u0, omega)
+            (u0, omega.map(|omega| number(Quantity::Omega, omega)))
         };
         match self {
             Profile::Band { u0, omega } => {
@@ -162,25 +157,6 @@ impl<D: Number> Profile<D> {
 }
 
 impl Profile {
-    /// The profile of a name with its numbers.
-    ///
-    /// # Errors
-    /// [`BuildError`] if there is no such profile, or if the numbers are not those it has.
-    pub fn build(name: &str, u0: Option<f64>, omega: Option<Width>) -> Result<Profile, BuildError> {
-        let placed = || {
-            let u0 = u0.ok_or(BuildError::Missing(Quantity::U0))?;
-            Ok((u0, omega.ok_or(BuildError::Missing(Quantity::Omega))?))
-        };
-        match (name, u0, omega) {
-            ("band", ..) => placed().map(|(u0, omega)| Profile::Band { u0, omega }),
-            ("step", ..) => placed().map(|(u0, omega)| Profile::Step { u0, omega }),
-            ("gradient", None, None) => Ok(Profile::Gradient),
-            ("gradient", Some(_), _) => Err(BuildError::Spare(Quantity::U0)),
-            ("gradient", ..) => Err(BuildError::Spare(Quantity::Omega)),
-            _ => Err(BuildError::Unknown),
-        }
-    }
-
     /// Its width, if it has one.
     pub fn width(&self) -> Option<Width> {
         match self {
@@ -191,37 +167,26 @@ impl Profile {
 
     /// What its width would have to be, if it is not allowed as it is.
     pub fn refused_width(&self) -> Option<&'static str> {
-        match self {
-            Profile::Band { omega, .. } => {
-                let omega = omega.value();
-                (!(omega.is_finite() && omega >= NARROWEST)).then_some("a finite number, 1e-6 or above")
-            }
-            Profile::Step { omega, .. } => {
-                let omega = omega.value();
-                let allowed = "a finite number, 1e-6 or above, or -1e-6 or below for a step down";
-                (!(omega.is_finite() && omega.abs() >= NARROWEST)).then_some(allowed)
-            }
-            Profile::Gradient => None,
-        }
+        let omega = self.width()?.value();
+        let (size, allowed) = match self {
+            Profile::Step { .. } => (omega.abs(), "a finite number, 1e-6 or above, or -1e-6 or below for a step down"),
+            _ => (omega, "a finite number, 1e-6 or above"),
+        };
+        (!(size.is_finite() && size >= NARROWEST)).then_some(allowed)
     }
 
     /// A number of it; none for a number that it does not have.
-    pub fn quantity(&self, quantity: Quantity) -> Option<f64> {
-        match (self, quantity) {
-            (Profile::Band { u0, .. } | Profile::Step { u0, .. }, Quantity::U0) => Some(*u0),
-            (Profile::Band { omega, .. } | Profile::Step { omega, .. }, Quantity::Omega) => Some(omega.value()),
-            _ => None,
-        }
+    pub fn quantity(mut self, quantity: Quantity) -> Option<f64> {
+        self.quantity_mut(quantity).copied()
     }
 
     /// Where such a number is kept.
     pub fn quantity_mut(&mut self, quantity: Quantity) -> Option<&mut f64> {
-        match (self, quantity) {
-            (Profile::Band { u0, .. } | Profile::Step { u0, .. }, Quantity::U0) => Some(u0),
-            (Profile::Band { omega, .. } | Profile::Step { omega, .. }, Quantity::Omega) => match omega {
-                Width::Fraction(omega) | Width::Length(omega) => Some(omega),
-            },
-            _ => None,
+        let (Profile::Band { u0, omega } | Profile::Step { u0, omega }) = self else { return None };
+        match (quantity, omega) {
+            (Quantity::U0, _) => Some(u0),
+            (Quantity::Omega, Width::Fraction(omega) | Width::Length(omega)) => Some(omega),
+            (Quantity::Amplitude, _) => None,
         }
     }
 
@@ -229,13 +194,7 @@ impl Profile {
     pub fn mirrored(&self) -> (Profile, f64) {
         match *self {
             Profile::Band { u0, omega } => (Profile::Band { u0: 1.0 - u0, omega }, 1.0),
-            Profile::Step { u0, omega } => {
-                let omega = match omega {
-                    Width::Fraction(omega) => Width::Fraction(-omega),
-                    Width::Length(omega) => Width::Length(-omega),
-                };
-                (Profile::Step { u0: 1.0 - u0, omega }, 1.0)
-            }
+            Profile::Step { u0, omega } => (Profile::Step { u0: 1.0 - u0, omega: omega.map(|omega| -omega) }, 1.0),
             Profile::Gradient => (Profile::Gradient, -1.0),
         }
     }

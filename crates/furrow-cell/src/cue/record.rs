@@ -27,24 +27,10 @@ const VARIANTS: [&str; Field::ALL.len() + 2] = {
 };
 
 /// A name as it stands in a file: a bare word in RON, a string in JSON.
-struct Name(String);
-
-impl<'de> Deserialize<'de> for Name {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Name, D::Error> {
-        struct Word;
-        impl Visitor<'_> for Word {
-            type Value = Name;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("a name")
-            }
-
-            fn visit_str<E: Error>(self, name: &str) -> Result<Name, E> {
-                Ok(Name(name.to_owned()))
-            }
-        }
-        deserializer.deserialize_identifier(Word)
-    }
+#[derive(Deserialize)]
+#[serde(field_identifier)]
+enum Name {
+    Of(String),
 }
 
 /// The name of a profile.
@@ -61,28 +47,21 @@ impl Serialize for ProfileName<'_> {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename = "term")]
 struct Record {
-    #[serde(default)]
     profile: Option<Name>,
-    #[serde(default)]
     u0: Option<f64>,
-    #[serde(default)]
     omega: Option<f64>,
-    #[serde(default)]
     omega_length: Option<f64>,
-    #[serde(default)]
     amplitude: Option<f64>,
 }
 
 impl Record {
     fn term(self, field: Field) -> Result<Term, String> {
-        let omega = match (self.omega, self.omega_length) {
-            (Some(_), Some(_)) => {
-                return Err(format!("{}: omega and omega_length are two widths; give one", field.name()));
-            }
-            (omega, length) => omega.map(Width::Fraction).or(length.map(Width::Length)),
-        };
-        let name = self.profile.as_ref().map_or(NAMES[0], |name| &name.0);
-        Numbers { u0: self.u0, omega, amplitude: self.amplitude }.term(field, name).map_err(|e| e.to_string())
+        if self.omega.is_some() && self.omega_length.is_some() {
+            return Err(format!("{}: omega and omega_length are two widths; give one", field.name()));
+        }
+        let omega = self.omega.map(Width::Fraction).or(self.omega_length.map(Width::Length));
+        let Name::Of(name) = self.profile.unwrap_or(Name::Of(NAMES[0].to_owned()));
+        Numbers { u0: self.u0, omega, amplitude: self.amplitude }.term(field, &name).map_err(|e| e.to_string())
     }
 }
 
@@ -147,13 +126,13 @@ impl<'de> Visitor<'de> for CueVisitor {
     }
 
     fn visit_enum<A: EnumAccess<'de>>(self, data: A) -> Result<Vec<Term>, A::Error> {
-        let (Name(name), variant) = data.variant()?;
+        let (Name::Of(name), variant) = data.variant()?;
         match name.as_str() {
             "none" => {
                 variant.unit_variant()?;
                 Ok(Vec::new())
             }
-            "sum" => Ok(variant.newtype_variant::<Vec<Part>>()?.into_iter().flat_map(|part| part.0).collect()),
+            "sum" => Ok(variant.newtype_variant::<Vec<Part>>()?.into_iter().flat_map(|Part(terms)| terms).collect()),
             name => {
                 let field = field(name).map_err(A::Error::custom)?;
                 Ok(vec![variant.struct_variant(&KEYS, NumbersOf(field))?])

@@ -39,8 +39,8 @@ pub enum Anchor {
 /// The outline of a shape.
 #[derive(Clone, Debug)]
 pub(super) enum Outline {
-    Line(Vec<[f64; 2]>),
-    Polygons(Vec<Vec<[f64; 2]>>),
+    /// Lines through points, all open or all closed.
+    Lines(Vec<Vec<[f64; 2]>>, bool),
     Circle([f64; 2], f64),
 }
 
@@ -81,13 +81,13 @@ impl Canvas {
     /// A line through points.
     pub fn polyline(&mut self, points: &[[f64; 2]], stroke: Stroke) {
         if points.len() > 1 {
-            self.elements.push(Element::Shape(Outline::Line(points.to_vec()), None, Some(stroke)));
+            self.elements.push(Element::Shape(Outline::Lines(vec![points.to_vec()], false), None, Some(stroke)));
         }
     }
 
     /// A closed area, with an outline if one is given.
     pub fn polygon(&mut self, points: &[[f64; 2]], fill: Colour, opacity: f64, outline: Option<Stroke>) {
-        let outer = Outline::Polygons(vec![points.to_vec()]);
+        let outer = Outline::Lines(vec![points.to_vec()], true);
         self.elements.push(Element::Shape(outer, Some((fill, opacity)), outline));
     }
 
@@ -95,7 +95,7 @@ impl Canvas {
     pub fn facets(&mut self, areas: impl IntoIterator<Item = impl AsRef<[[f64; 2]]>>, fill: Colour) {
         let tenth = |corner: &[f64; 2]| corner.map(|x| (10.0 * x).round() / 10.0);
         let areas = areas.into_iter().map(|corners| corners.as_ref().iter().map(tenth).collect()).collect();
-        self.elements.push(Element::Shape(Outline::Polygons(areas), Some((fill, 1.0)), None));
+        self.elements.push(Element::Shape(Outline::Lines(areas, true), Some((fill, 1.0)), None));
     }
 
     /// A rectangle by its upper left corner and its size.
@@ -110,20 +110,16 @@ impl Canvas {
 
     /// A line of text on a base line.
     pub fn text(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, colour: Colour) {
-        let content = content.to_owned();
-        self.elements.push(Element::Text(Words { at, content, size, anchor, colour, bold: false, upwards: false }));
+        self.words(Words { at, content: content.to_owned(), size, anchor, colour, bold: false, upwards: false });
     }
 
     /// A line of bold text.
     pub fn bold(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, colour: Colour) {
-        let content = content.to_owned();
-        self.elements.push(Element::Text(Words { at, content, size, anchor, colour, bold: true, upwards: false }));
+        self.words(Words { at, content: content.to_owned(), size, anchor, colour, bold: true, upwards: false });
     }
 
-    /// Text that runs upwards, its middle at a point.
-    pub fn upwards(&mut self, at: [f64; 2], content: &str, size: u32, colour: Colour) {
-        let (content, anchor) = (content.to_owned(), Anchor::Middle);
-        self.elements.push(Element::Text(Words { at, content, size, anchor, colour, bold: false, upwards: true }));
+    pub(super) fn words(&mut self, words: Words) {
+        self.elements.push(Element::Text(words));
     }
 
     /// Cuts off what `draw` draws outside [left, top, right, bottom].

@@ -1,13 +1,12 @@
 //! Charts: axes, and drawing in data coordinates.
 
-use super::canvas::{Anchor, Canvas, Stroke};
+use super::canvas::{Anchor, Canvas, Stroke, Words};
 use super::legend::{Marker, point};
 use super::style::{Colour, GRID, INK, text};
 
 /// Where an axis has ticks and lines of the grid.
 #[derive(Clone, Debug)]
-enum Ticks {
-    None,
+pub enum Ticks {
     /// At about so many round numbers.
     About(usize),
     /// At powers of ten, or between them too if these are few; values are spaced by their logarithm.
@@ -23,8 +22,10 @@ pub struct Axis {
     pub label: String,
     /// First and last value.
     pub range: [f64; 2],
-    numbered: bool,
-    ticks: Ticks,
+    /// Whether there are numbers at its ticks.
+    pub numbered: bool,
+    /// Its ticks.
+    pub ticks: Ticks,
 }
 
 impl Axis {
@@ -51,21 +52,6 @@ impl Axis {
         Axis { ticks: Ticks::Logarithmic, ..self }
     }
 
-    /// The same with about so many ticks.
-    pub fn ticks(self, count: usize) -> Axis {
-        Axis { ticks: Ticks::About(count), ..self }
-    }
-
-    /// The same, with numbers at its ticks or without.
-    pub fn numbered(self, numbered: bool) -> Axis {
-        Axis { numbered, ..self }
-    }
-
-    /// The same without ticks and numbers.
-    pub fn bare(self) -> Axis {
-        Axis { ticks: Ticks::None, ..self }
-    }
-
     /// Where along the axis a value is, from 0 to 1.
     fn share(&self, value: f64) -> f64 {
         let place = |value: f64| match self.ticks {
@@ -80,7 +66,6 @@ impl Axis {
     fn marks(&self) -> Vec<(f64, String)> {
         let [low, high] = self.range;
         match &self.ticks {
-            Ticks::None => Vec::new(),
             Ticks::Names(names) => names.iter().enumerate().map(|(k, name)| (k as f64, name.clone())).collect(),
             Ticks::Logarithmic => {
                 let ends = self.range.map(|end| end.max(1e-10).log10());
@@ -127,22 +112,7 @@ pub fn widened(values: impl IntoIterator<Item = f64>, share: f64) -> [f64; 2] {
     [low - room, high + room]
 }
 
-/// Where a chart is put, and its axes.
-#[derive(Clone, Debug)]
-pub struct Panel {
-    /// Upper left corner and size on the canvas, names of axes included.
-    pub at: [f64; 2],
-    /// Width and height.
-    pub size: [f64; 2],
-    /// Across.
-    pub x: Axis,
-    /// Upwards.
-    pub y: Axis,
-    /// Space left, right, above and below the data.
-    pub margins: [f64; 4],
-}
-
-/// The usual margins of a chart.
+/// Space left and right of the data of a chart, above and below it, for its axes.
 pub const MARGINS: [f64; 4] = [86.0, 22.0, 14.0, 58.0];
 
 /// A chart whose axes are drawn. Points are given in the coordinates of its data.
@@ -156,47 +126,55 @@ pub struct Chart<'c> {
     y: Axis,
 }
 
-impl Panel {
-    /// A chart with the usual margins.
-    pub fn new(at: [f64; 2], size: [f64; 2], x: Axis, y: Axis) -> Panel {
-        Panel { at, size, x, y, margins: MARGINS }
+impl Chart<'_> {
+    /// Draws the grid and the axes of a chart, x across and y upwards, whose upper left corner and size, names of axes included, are
+    /// given.
+    pub fn new(canvas: &mut Canvas, at: [f64; 2], size: [f64; 2], x: Axis, y: Axis) -> Chart<'_> {
+        Chart::within(canvas, at, size, MARGINS, x, y)
     }
 
-    /// Draws the grid and the axes.
-    pub fn draw(self, canvas: &mut Canvas) -> Chart<'_> {
-        let Panel { at: [left, top], size: [width, height], x, y, margins } = self;
-        let (right, bottom) = (left + width - margins[1], top + height - margins[3]);
-        let frame = [left + margins[0], top + margins[2], right, bottom];
-        let chart = Chart { canvas, frame, x, y };
-        let [left, top, ..] = frame;
+    /// The same with other [margins](MARGINS).
+    pub fn within(
+        canvas: &mut Canvas,
+        at: [f64; 2],
+        [width, height]: [f64; 2],
+        margins: [f64; 4],
+        x: Axis,
+        y: Axis,
+    ) -> Chart<'_> {
+        let [left, top] = [at[0] + margins[0], at[1] + margins[2]];
+        let (right, bottom) = (at[0] + width - margins[1], at[1] + height - margins[3]);
+        let chart = Chart { canvas, frame: [left, top, right, bottom], x, y };
         let (grid, thin) = (Stroke::solid(GRID, 1.0), Stroke::solid(INK, 1.0));
-        let (across, up) = (chart.x.marks(), chart.y.marks());
         let column = |value: f64| left + chart.x.share(value) * (right - left);
         let row = |value: f64| bottom - chart.y.share(value) * (bottom - top);
-        for x in across.iter().map(|(value, _)| column(*value)) {
-            chart.canvas.polyline(&[[x, top], [x, bottom]], grid);
-            chart.canvas.polyline(&[[x, bottom], [x, bottom + 5.0]], thin);
+        let across: Vec<(f64, String)> =
+            chart.x.marks().into_iter().map(|(value, word)| (column(value), word)).collect();
+        let up: Vec<(f64, String)> = chart.y.marks().into_iter().map(|(value, word)| (row(value), word)).collect();
+        for (x, _) in &across {
+            chart.canvas.polyline(&[[*x, top], [*x, bottom]], grid);
+            chart.canvas.polyline(&[[*x, bottom], [*x, bottom + 5.0]], thin);
         }
-        for y in up.iter().map(|(value, _)| row(*value)) {
-            chart.canvas.polyline(&[[left, y], [right, y]], grid);
-            chart.canvas.polyline(&[[left - 5.0, y], [left, y]], thin);
+        for (y, _) in &up {
+            chart.canvas.polyline(&[[left, *y], [right, *y]], grid);
+            chart.canvas.polyline(&[[left - 5.0, *y], [left, *y]], thin);
         }
         let corners = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
         chart.canvas.polyline(&corners, thin);
-        for (value, word) in across.iter().filter(|_| chart.x.numbered) {
-            chart.canvas.text([column(*value), bottom + 20.0], word, text::TICK, Anchor::Middle, INK);
+        for (x, word) in across.iter().filter(|_| chart.x.numbered) {
+            chart.canvas.text([*x, bottom + 20.0], word, text::TICK, Anchor::Middle, INK);
         }
-        for (value, word) in up.iter().filter(|_| chart.y.numbered) {
-            chart.canvas.text([left - 8.0, row(*value) + 5.5], word, text::TICK, Anchor::End, INK);
+        for (y, word) in up.iter().filter(|_| chart.y.numbered) {
+            chart.canvas.text([left - 8.0, y + 5.5], word, text::TICK, Anchor::End, INK);
         }
-        let label = [0.5 * (left + right), self.at[1] + height - 9.0];
+        let label = [0.5 * (left + right), at[1] + height - 9.0];
         chart.canvas.text(label, &chart.x.label, text::LABEL, Anchor::Middle, INK);
-        chart.canvas.upwards([self.at[0] + 30.0, 0.5 * (top + bottom)], &chart.y.label, text::LABEL, INK);
+        let (at, content) = ([at[0] + 30.0, 0.5 * (top + bottom)], chart.y.label.clone());
+        let (size, anchor, colour) = (text::LABEL, Anchor::Middle, INK);
+        chart.canvas.words(Words { at, content, size, anchor, colour, bold: false, upwards: true });
         chart
     }
-}
 
-impl Chart<'_> {
     /// A point of the data on the canvas.
     pub fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [left, top, right, bottom] = self.frame;
@@ -219,6 +197,11 @@ impl Chart<'_> {
     /// Draws a point.
     pub fn point(&mut self, at: [f64; 2], size: f64, marker: Marker, colour: Colour) {
         point(self.canvas, self.at(at), size, marker, colour);
+    }
+
+    /// Draws points that are alike.
+    pub fn points(&mut self, at: impl IntoIterator<Item = [f64; 2]>, size: f64, marker: Marker, colour: Colour) {
+        at.into_iter().for_each(|at| self.point(at, size, marker, colour));
     }
 
     /// Draws a rectangle from one corner to the opposite one, at least as wide and high on the canvas as `least`.
@@ -269,7 +252,7 @@ mod tests {
         for (axis, expected) in [
             (Axis::new("", [0.0, 1.0]), "0.0 0.2 0.4 0.6 0.8 1.0"),
             (Axis::new("", [-31.0, 31.0]), "−30 −20 −10 0 10 20 30"),
-            (Axis::new("", [1.94, 2.06]).ticks(3), "1.95 2.00 2.05"),
+            (Axis { ticks: Ticks::About(3), ..Axis::new("", [1.94, 2.06]) }, "1.95 2.00 2.05"),
             (Axis::new("", [1e-3, 20.0]).logarithmic(), "1e-3 1e-2 1e-1 1 10"),
             (Axis::new("", [900.0, 6000.0]).logarithmic(), "1000 2000 5000"),
             (Axis::names("", vec!["AB".into(), "P1".into()], true), "AB P1"),

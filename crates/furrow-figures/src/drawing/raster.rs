@@ -3,7 +3,7 @@
 use tiny_skia::{
     Color, FillRule, LineJoin, Mask, Paint, Path, PathBuilder, Pixmap, Rect, Shader, StrokeDash, Transform,
 };
-use ttf_parser::{Face, OutlineBuilder};
+use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 use super::canvas::{Anchor, Canvas, Element, Outline, Stroke, Words};
 use super::style::Colour;
@@ -39,10 +39,13 @@ impl Canvas {
                     let Some(path) = letters(&face, words) else { continue };
                     let [x, y] = words.at.map(|x| x as f32);
                     let place = scale.pre_translate(x, y).pre_rotate(if words.upwards { -90.0 } else { 0.0 });
+                    let unit = words.size as f32 / f32::from(face.units_per_em());
+                    let place = place.pre_scale(unit, unit);
                     let colour = paint(words.colour, 1.0);
                     pixmap.fill_path(&path, &colour, FillRule::Winding, place, clip.as_ref());
                     if words.bold {
-                        let pen = tiny_skia::Stroke { width: BOLD * words.size as f32, ..tiny_skia::Stroke::default() };
+                        let width = BOLD * f32::from(face.units_per_em());
+                        let pen = tiny_skia::Stroke { width, ..tiny_skia::Stroke::default() };
                         pixmap.stroke_path(&path, &colour, &pen, place, clip.as_ref());
                     }
                 }
@@ -74,39 +77,38 @@ fn pen(stroke: Stroke) -> tiny_skia::Stroke {
 
 fn path(outline: &Outline) -> Option<Path> {
     let mut builder = PathBuilder::new();
-    let mut run = |points: &[[f64; 2]], closed: bool| {
-        for (k, point) in points.iter().enumerate() {
-            let [x, y] = point.map(|x| x as f32);
-            if k == 0 { builder.move_to(x, y) } else { builder.line_to(x, y) }
-        }
-        if closed {
-            builder.close();
-        }
-    };
     match outline {
-        Outline::Line(points) => run(points, false),
-        Outline::Polygons(rings) => rings.iter().for_each(|ring| run(ring, true)),
         Outline::Circle([x, y], radius) => return PathBuilder::from_circle(*x as f32, *y as f32, *radius as f32),
+        Outline::Lines(lines, closed) => {
+            for line in lines {
+                for (k, point) in line.iter().enumerate() {
+                    let [x, y] = point.map(|x| x as f32);
+                    if k == 0 { builder.move_to(x, y) } else { builder.line_to(x, y) }
+                }
+                if *closed {
+                    builder.close();
+                }
+            }
+        }
     }
     builder.finish()
 }
 
-/// The outlines of a line of text whose anchor is the origin.
+/// The outlines of a line of text in units of the font, whose anchor is the origin.
 fn letters(face: &Face<'_>, words: &Words) -> Option<Path> {
-    let scale = words.size as f32 / f32::from(face.units_per_em());
     // What the font lacks is drawn as its empty box.
     let glyphs: Vec<_> = words.content.chars().map(|letter| face.glyph_index(letter).unwrap_or_default()).collect();
-    let advance = |glyph| scale * f32::from(face.glyph_hor_advance(glyph).unwrap_or(0));
-    let length: f32 = glyphs.iter().copied().map(advance).sum();
+    let advance = |glyph: &GlyphId| f32::from(face.glyph_hor_advance(*glyph).unwrap_or(0));
+    let length: f32 = glyphs.iter().map(advance).sum();
     let left = match words.anchor {
         Anchor::Start => 0.0,
         Anchor::Middle => -0.5 * length,
         Anchor::End => -length,
     };
-    let mut pen = Pen { builder: PathBuilder::new(), scale, left };
+    let mut pen = Pen { builder: PathBuilder::new(), left };
     for glyph in glyphs {
         face.outline_glyph(glyph, &mut pen);
-        pen.left += advance(glyph);
+        pen.left += advance(&glyph);
     }
     pen.builder.finish()
 }
@@ -114,35 +116,24 @@ fn letters(face: &Face<'_>, words: &Words) -> Option<Path> {
 /// Puts the outlines of glyphs, whose second coordinate runs upwards, side by side.
 struct Pen {
     builder: PathBuilder,
-    scale: f32,
     left: f32,
-}
-
-impl Pen {
-    fn at(&self, x: f32, y: f32) -> (f32, f32) {
-        (self.left + self.scale * x, -self.scale * y)
-    }
 }
 
 impl OutlineBuilder for Pen {
     fn move_to(&mut self, x: f32, y: f32) {
-        let (x, y) = self.at(x, y);
-        self.builder.move_to(x, y);
+        self.builder.move_to(self.left + x, -y);
     }
 
     fn line_to(&mut self, x: f32, y: f32) {
-        let (x, y) = self.at(x, y);
-        self.builder.line_to(x, y);
+        self.builder.line_to(self.left + x, -y);
     }
 
     fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        let ((x1, y1), (x, y)) = (self.at(x1, y1), self.at(x, y));
-        self.builder.quad_to(x1, y1, x, y);
+        self.builder.quad_to(self.left + x1, -y1, self.left + x, -y);
     }
 
     fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        let ((x1, y1), (x2, y2), (x, y)) = (self.at(x1, y1), self.at(x2, y2), self.at(x, y));
-        self.builder.cubic_to(x1, y1, x2, y2, x, y);
+        self.builder.cubic_to(self.left + x1, -y1, self.left + x2, -y2, self.left + x, -y);
     }
 
     fn close(&mut self) {

@@ -144,7 +144,7 @@ pub fn time(t: f64) -> String {
 /// What a parameter is called along an axis, with its unit.
 pub fn parameter(parameter: Parameter) -> String {
     match parameter {
-        Parameter::R0 => RADIUS.to_owned(),
+        Parameter::R0 => "radius R₀ (Lₕ)".to_owned(),
         Parameter::Epsilon => "volume fraction ε".to_owned(),
         Parameter::XiS => ACTIVITY.to_owned(),
         Parameter::Aspect => "shell, a/b".to_owned(),
@@ -155,8 +155,6 @@ pub fn parameter(parameter: Parameter) -> String {
     }
 }
 
-/// The axis of R0.
-pub const RADIUS: &str = "radius R₀ (Lₕ)";
 /// The axis of ξ_s.
 pub const ACTIVITY: &str = "activity ξₛ (κ₀/Lₕ)";
 /// The axis of time.

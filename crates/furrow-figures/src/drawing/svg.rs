@@ -1,7 +1,5 @@
 //! Pictures as SVG.
 
-use std::fmt::Write;
-
 use super::canvas::{Anchor, Canvas, Element, Outline, Stroke, Words};
 use super::style::Colour;
 
@@ -16,24 +14,17 @@ impl Canvas {
 
     /// What is inside the outermost element of an SVG.
     pub(crate) fn elements(&self) -> String {
-        let mut out = String::new();
-        for element in &self.elements {
-            // Writing to a string cannot fail.
-            let _ = match element {
-                Element::Shape(outline, fill, stroke) => shape(&mut out, outline, *fill, *stroke),
-                Element::Text(words) => writing(&mut out, words),
-                // An inner picture is cut off at its own frame.
-                Element::Clip(Some([left, top, right, bottom])) => {
-                    let [x, y, width, height] = [*left, *top, right - left, bottom - top].map(short);
-                    write!(
-                        out,
-                        r#"<svg x="{x}" y="{y}" width="{width}" height="{height}" viewBox="{x} {y} {width} {height}">"#
-                    )
-                }
-                Element::Clip(None) => write!(out, "</svg>"),
-            };
-        }
-        out
+        let written = |element: &Element| match element {
+            Element::Shape(outline, fill, stroke) => shape(outline, *fill, *stroke),
+            Element::Text(words) => writing(words),
+            // An inner picture is cut off at its own frame.
+            Element::Clip(Some([left, top, right, bottom])) => {
+                let [x, y, width, height] = [*left, *top, right - left, bottom - top].map(short);
+                format!(r#"<svg x="{x}" y="{y}" width="{width}" height="{height}" viewBox="{x} {y} {width} {height}">"#)
+            }
+            Element::Clip(None) => "</svg>".to_owned(),
+        };
+        self.elements.iter().map(written).collect()
     }
 }
 
@@ -45,65 +36,48 @@ pub(crate) fn svg([width, height]: [f64; 2], elements: &str) -> String {
     )
 }
 
-fn shape(out: &mut String, outline: &Outline, fill: Option<(Colour, f64)>, stroke: Option<Stroke>) -> std::fmt::Result {
-    let path = |out: &mut String, points: &[[f64; 2]]| -> std::fmt::Result {
-        for (k, point) in points.iter().enumerate() {
-            let [x, y] = point.map(short);
-            write!(out, "{}{x} {y}", if k == 0 { 'M' } else { 'L' })?;
-        }
-        Ok(())
-    };
-    match outline {
-        Outline::Line(points) => {
-            write!(out, "<path d=\"")?;
-            path(out, points)?;
-        }
-        Outline::Polygons(rings) => {
-            write!(out, "<path d=\"")?;
-            for ring in rings {
-                path(out, ring)?;
-                out.push('Z');
-            }
+fn shape(outline: &Outline, fill: Option<(Colour, f64)>, stroke: Option<Stroke>) -> String {
+    let outline = match outline {
+        Outline::Lines(lines, closed) => {
+            let point = |(k, point): (usize, &[f64; 2])| {
+                let [x, y] = point.map(short);
+                format!("{}{x} {y}", if k == 0 { 'M' } else { 'L' })
+            };
+            let line = |line: &Vec<_>| line.iter().enumerate().map(point).collect::<String>();
+            let end = if *closed { "Z" } else { "" };
+            format!("path d=\"{}\"", lines.iter().map(|points| line(points) + end).collect::<String>())
         }
         Outline::Circle(at, radius) => {
-            let [x, y] = at.map(short);
-            write!(out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{}", short(*radius))?;
+            let [x, y, radius] = [at[0], at[1], *radius].map(short);
+            format!("circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"")
         }
-    }
-    match fill {
-        None => write!(out, "\" fill=\"none\"")?,
-        Some((colour, opacity)) => {
-            write!(out, "\" fill=\"{}\"", hex(colour))?;
-            if opacity < 1.0 {
-                write!(out, " fill-opacity=\"{}\"", short(opacity))?;
-            }
-        }
-    }
-    if let Some(Stroke { colour, width, dash }) = stroke {
-        write!(out, " stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"", hex(colour), short(width))?;
-        if let Some([dash, gap]) = dash {
-            write!(out, " stroke-dasharray=\"{dash} {gap}\"")?;
-        }
-    }
-    write!(out, "/>")
+    };
+    let fill = match fill {
+        None => "none".to_owned(),
+        Some((colour, opacity)) if opacity < 1.0 => format!("{}\" fill-opacity=\"{}", hex(colour), short(opacity)),
+        Some((colour, _)) => hex(colour),
+    };
+    let stroke = stroke.map_or(String::new(), |Stroke { colour, width, dash }| {
+        let dash = dash.map_or(String::new(), |[dash, gap]| format!(" stroke-dasharray=\"{dash} {gap}\""));
+        format!(" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{dash}", hex(colour), short(width))
+    });
+    format!("<{outline} fill=\"{fill}\"{stroke}/>")
 }
 
-fn writing(out: &mut String, words: &Words) -> std::fmt::Result {
-    let [x, y] = words.at.map(short);
-    let anchor = match words.anchor {
+fn writing(Words { at, content, size, anchor, colour, bold, upwards }: &Words) -> String {
+    let [x, y] = at.map(short);
+    let anchor = match anchor {
         Anchor::Start => "start",
         Anchor::Middle => "middle",
         Anchor::End => "end",
     };
-    write!(out, "<text x=\"{x}\" y=\"{y}\" font-size=\"{}\" text-anchor=\"{anchor}\"", words.size)?;
-    write!(out, " fill=\"{}\"", hex(words.colour))?;
-    if words.bold {
-        write!(out, " font-weight=\"bold\"")?;
-    }
-    if words.upwards {
-        write!(out, " transform=\"rotate(-90,{x},{y})\"")?;
-    }
-    write!(out, ">{}</text>", words.content.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;"))
+    let bold = if *bold { " font-weight=\"bold\"" } else { "" };
+    let turned = if *upwards { format!(" transform=\"rotate(-90,{x},{y})\"") } else { String::new() };
+    let content = content.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    let fill = hex(*colour);
+    format!(
+        "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" text-anchor=\"{anchor}\" fill=\"{fill}\"{bold}{turned}>{content}</text>"
+    )
 }
 
 /// A number with two digits behind the point, without a minus before a zero.

@@ -84,20 +84,18 @@ pub struct Fineness {
 /// The meridian at evenly spaced values of a measure between u and arclength of the outline: (u, r, z).
 fn meridian(still: &Snapshot, count: usize) -> Vec<[f64; 3]> {
     let places = &still.places;
-    (0..=count)
-        .map(|k| {
-            let u = k as f64 / count as f64;
-            let at = places.partition_point(|place| place.u < u).clamp(1, places.len().max(2) - 1);
-            match (places.get(at - 1), places.get(at)) {
-                (Some(a), Some(b)) if b.u > a.u => {
-                    let share = (u - a.u) / (b.u - a.u);
-                    [u, (a.r + share * (b.r - a.r)).max(0.0), a.z + share * (b.z - a.z)]
-                }
-                (Some(a), _) => [u, a.r.max(0.0), a.z],
-                _ => [u, 0.0, 0.0],
+    let at = |k: usize| {
+        let u = k as f64 / count as f64;
+        let behind = places.partition_point(|place| place.u < u).clamp(1, places.len().max(2) - 1);
+        match (places.get(behind - 1), places.get(behind)) {
+            (Some(a), Some(b)) if b.u > a.u => {
+                let share = (u - a.u) / (b.u - a.u);
+                [u, (a.r + share * (b.r - a.r)).max(0.0), a.z + share * (b.z - a.z)]
             }
-        })
-        .collect()
+            (a, _) => a.map_or([u, 0.0, 0.0], |a| [u, a.r.max(0.0), a.z]),
+        }
+    };
+    (0..=count).map(at).collect()
 }
 
 /// Draws the surface of a cell ring by ring, the far ones first. Of one ring no two facets that are turned to the eye cover each
@@ -123,18 +121,11 @@ fn facets(still: &Snapshot, cue: &Cue, view: &View, fineness: Fineness) -> Vec<F
         let depth = (view.rotation * View::place([0.0, 0.5 * (z + z2)], 0.0)).z;
         let here = strength(0.5 * (u + u2)) * if still.t > 0.0 { 1.0 } else { 0.0 };
         for k in 0..around {
-            let corners = [
-                view.rotation * View::place([r, z], angle(k)),
-                view.rotation * View::place([r2, z2], angle(k)),
-                view.rotation * View::place([r2, z2], angle(k + 1)),
-                view.rotation * View::place([r, z], angle(k + 1)),
-            ];
+            let corners = [([r, z], k), ([r2, z2], k), ([r2, z2], k + 1), ([r, z], k + 1)];
+            let corners = corners.map(|(place, k)| view.rotation * View::place(place, angle(k)));
             // By the diagonals, which do not vanish at the poles.
             let outwards = (corners[3] - corners[1]).cross(&(corners[2] - corners[0]));
-            let Some(normal) = outwards.try_normalize(1e-14) else { continue };
-            if normal.z < -0.02 {
-                continue;
-            }
+            let Some(normal) = outwards.try_normalize(1e-14).filter(|normal| normal.z >= -0.02) else { continue };
             let lit = (AMBIENT + (1.0 - AMBIENT) * normal.dot(&light).max(0.0)).min(1.0);
             let lit = (lit * shades).round() / shades;
             let colour =

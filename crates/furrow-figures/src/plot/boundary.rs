@@ -2,7 +2,7 @@
 //! the boundary lies at the cell's own activity.
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Panel, widened};
+use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, FOLD, PITCHFORK, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_cell::{Cell, Parameter};
@@ -38,7 +38,7 @@ pub fn draw(of: &Boundary<'_>) -> Canvas {
     let heights = points().map(|p| p.xi_s).chain(of.critical.map(|p| p.xi_s));
     let across = of.range.into_iter().chain(of.critical.map(|p| p.value));
     let x = Axis::new(style::parameter(of.parameter), widened(across, 0.02));
-    let mut chart = Panel::new([0.0, top], [WIDTH, CHART], x, Axis::over(style::ACTIVITY, heights)).draw(&mut canvas);
+    let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], x, Axis::over(style::ACTIVITY, heights));
     let place = |point: &CurvePoint| [point.value, point.xi_s];
     for fold in of.folds {
         chart.line(fold.points.iter().chain(fold.cusp().as_ref()).map(place), Stroke::solid(FOLD, style::CURVE));
@@ -47,12 +47,8 @@ pub fn draw(of: &Boundary<'_>) -> Canvas {
         let dash = (kind == Some(Criticality::Subcritical)).then_some(style::DOTTED);
         chart.line(piece.iter().map(place), Stroke { colour: PITCHFORK, width: style::CURVE + 0.4, dash });
     }
-    for point in &of.pitchfork.degenerate {
-        chart.point(place(point), 6.5, Marker::Ring, PITCHFORK);
-    }
-    for cusp in of.cusps {
-        chart.point(place(cusp), 6.5, Marker::Diamond, FOLD);
-    }
+    chart.points(of.pitchfork.degenerate.iter().map(place), 6.5, Marker::Ring, PITCHFORK);
+    chart.points(of.cusps.iter().map(place), 6.5, Marker::Diamond, FOLD);
     if let Some(point) = of.critical {
         let at = chart.at(place(&point));
         let [left, _, _, bottom] = chart.frame;

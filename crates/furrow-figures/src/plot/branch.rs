@@ -3,7 +3,7 @@
 
 use crate::drawing::cell::{Site, body, shell};
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Chart, Panel, widened};
+use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, Colour, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_cell::{Cell, Parameter};
@@ -22,12 +22,8 @@ const SHAPES: f64 = 150.0;
 /// Height of each chart.
 const CHART: f64 = 330.0;
 
-/// A shape that is drawn, and the letter that tells its place.
-struct Shape<'a> {
-    letter: char,
-    point: ShapePoint,
-    contour: &'a [[f64; 2]],
-}
+/// The letter of a shape that is drawn, its place, and its contour.
+type Shape<'a> = (char, ShapePoint, &'a [[f64; 2]]);
 
 /// Draws the branches of one cell.
 pub fn draw(cell: &Cell, branches: &[Named]) -> Canvas {
@@ -46,12 +42,11 @@ pub fn draw(cell: &Cell, branches: &[Named]) -> Canvas {
 }
 
 fn legend(branches: &[Named]) -> Legend {
-    let mut legend = Legend::default();
-    for (name, _) in branches {
-        legend = legend.with(Key::Line(colour(name)), format!("{name} shapes"));
-    }
     let has = |kind| branches.iter().flat_map(|(_, branch)| &branch.events).any(|event| event.kind() == kind);
-    legend
+    let shapes = |legend: Legend, (name, _): &Named| legend.with(Key::Line(colour(name)), format!("{name} shapes"));
+    branches
+        .iter()
+        .fold(Legend::default(), shapes)
         .with(Key::Line(style::INK), "stable")
         .with(Key::Dashes(style::INK, style::DASHED), "unstable")
         .with_if(has(PointKind::Pitchfork), Key::Point(style::INK, Marker::Disc), "pitchfork")
@@ -87,18 +82,16 @@ fn chosen<'a>(branches: &'a [Named]) -> Vec<Shape<'a>> {
         found.extend(at(branch.points.len().saturating_sub(1)).filter(|_| branch.points.len() > 1));
     }
     let count = found.len();
-    let kept: Vec<_> = match count > MOST_SHAPES {
-        false => found,
-        true => (0..MOST_SHAPES).map(|k| found[k * (count - 1) / (MOST_SHAPES - 1)]).collect(),
-    };
-    ('a'..).zip(kept).map(|(letter, (point, contour))| Shape { letter, point, contour }).collect()
+    let shown = count.min(MOST_SHAPES);
+    let kept = (0..shown).map(|k| if count > shown { found[k * (count - 1) / (shown - 1)] } else { found[k] });
+    ('a'..).zip(kept).map(|(letter, (point, contour))| (letter, point, contour)).collect()
 }
 
 fn row_of_shapes(canvas: &mut Canvas, cell: &Cell, shapes: &[Shape<'_>], top: f64) {
     let axes = shell_axes(&Cortex::new(cell, Domain::Full, &[]));
     let width = (WIDTH - 40.0) / shapes.len().max(1) as f64;
     let scale = (0.44 * width / axes[0]).min(0.40 * SHAPES / axes[1]);
-    for (k, Shape { letter, contour, .. }) in shapes.iter().enumerate() {
+    for (k, (letter, _, contour)) in shapes.iter().enumerate() {
         let site = Site { centre: [20.0 + width * (k as f64 + 0.5), top + 6.0 + 0.5 * SHAPES], scale };
         body(canvas, contour, &site, 1.8);
         shell(canvas, axes, &site);
@@ -119,7 +112,7 @@ fn chart(
     let points = || branches.iter().flat_map(|(_, branch)| &branch.points);
     let x = Axis::new(style::ACTIVITY, widened(points().map(|p| p.xi_s), 0.03));
     let y = Axis::new(label, widened(points().map(value), 0.12));
-    let mut chart = Panel::new([0.0, top], [WIDTH, CHART], x, y).draw(canvas);
+    let mut chart = Chart::new(canvas, [0.0, top], [WIDTH, CHART], x, y);
     for (name, branch) in branches {
         for (stable, piece) in pieces(branch, value) {
             let dash = (!stable).then_some(style::DASHED);
@@ -151,7 +144,7 @@ fn chart(
 fn letters(chart: &mut Chart<'_>, shapes: &[Shape<'_>], value: fn(&ShapePoint) -> f64) {
     let mut taken: Vec<[f64; 2]> = Vec::new();
     let [_, top, right, _] = chart.frame;
-    for Shape { letter, point, .. } in shapes {
+    for (letter, point, _) in shapes {
         let data = [point.xi_s, value(point)];
         if !chart.holds(data) {
             continue;
@@ -171,7 +164,7 @@ fn letters(chart: &mut Chart<'_>, shapes: &[Shape<'_>], value: fn(&ShapePoint) -
 /// Points between two of a branch, for a smooth curve.
 const BETWEEN: usize = 8;
 
-/// A place on a branch: its arclength, ξ_s and the value that is drawn.
+/// Arclength, ξ_s and the value at a point of a branch.
 type Knot = [f64; 3];
 
 /// The smooth curve through knots: cubics that have at each knot the slope of the parabola through it and its neighbours.
@@ -207,50 +200,29 @@ fn smooth(knots: &[Knot]) -> Vec<[f64; 2]> {
 
 /// The branch in pieces that are stable or not as a whole: stability changes at folds and pitchforks, which the pieces meet in.
 fn pieces(branch: &Branch, value: fn(&ShapePoint) -> f64) -> Vec<(bool, Vec<[f64; 2]>)> {
-    // A branch that begins at a pitchfork has in its first point the arclength of the branch that it comes from.
-    let first = branch.points.first().copied();
-    let at = |point: &ShapePoint| {
-        let begins = first.is_some_and(|first| first == *point);
-        [if begins { 0.0 } else { point.arclength }, point.xi_s, value(point)]
-    };
-    let mut knots: Vec<Knot> =
-        branch.points.iter().chain(branch.events.iter().map(|event| event.point())).map(&at).collect();
-    knots.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    knots.dedup_by(|a, b| (a[0] - b[0]).abs() < 1e-9);
+    let knot = |s: f64, point: &ShapePoint| [s, point.xi_s, value(point)];
+    let points = branch.points.iter().enumerate().map(|(k, point)| match k {
+        // A branch that begins at a pitchfork has in its first point the arclength of the branch that it comes from, and nothing
+        // grows or decays there.
+        0 => (knot(0.0, point), None),
+        _ => (knot(point.arclength, point), point.growth_rate.map(|rate| rate < 0.0)),
+    });
+    let events = branch.events.iter().map(|event| (knot(event.point().arclength, event.point()), None));
+    let mut all: Vec<(Knot, Option<bool>)> = points.chain(events).collect();
+    all.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
+    all.dedup_by(|(a, _), (b, _)| (a[0] - b[0]).abs() < 1e-9);
+    let (knots, stable): (Vec<Knot>, Vec<Option<bool>>) = all.into_iter().unzip();
     let curve = smooth(&knots);
-    // Of a piece between two knots all that lies between them.
-    let between = |from: Knot, to: Knot| {
-        let place = |knot: Knot| knots.partition_point(|other| other[0] < knot[0] - 1e-9) * BETWEEN;
-        curve.get(place(from)..=place(to)).unwrap_or_default().to_vec()
-    };
-    let stable = |point: &ShapePoint| point.growth_rate.map(|rate| rate < 0.0);
-    let mut events = branch.events.iter().map(|event| event.point()).peekable();
     let mut found: Vec<(bool, Vec<[f64; 2]>)> = Vec::new();
-    for (k, pair) in branch.points.windows(2).enumerate() {
-        let (before, after) = (&pair[0], &pair[1]);
-        // At a pitchfork nothing grows or decays: the first piece of a branch that begins there is what its other end is.
-        let (start, last) = (if k == 0 { stable(after) } else { stable(before) }, stable(after));
-        let known = found.last().is_none_or(|(stable, _)| *stable);
-        let (start, last) = (start.or(last).unwrap_or(known), last.or(start).unwrap_or(known));
-        let mut within = Vec::new();
-        while let Some(event) = events.next_if(|event| event.arclength <= after.arclength) {
-            within.push(at(event));
-        }
-        match within.first() {
-            None => push(&mut found, last, &between(at(before), at(after))),
-            Some(middle) => {
-                push(&mut found, start, &between(at(before), *middle));
-                push(&mut found, last, &between(*middle, at(after)));
+    for k in 1..knots.len() {
+        let known = stable[k].or(stable[k - 1]);
+        let from = BETWEEN * (k - 1);
+        match found.last_mut() {
+            Some((same, piece)) if known.is_none_or(|stable| stable == *same) => {
+                piece.extend(&curve[from + 1..=from + BETWEEN]);
             }
+            _ => found.push((known.unwrap_or(true), curve[from..=from + BETWEEN].to_vec())),
         }
     }
     found
-}
-
-/// Adds a piece to the last if they are alike.
-fn push(found: &mut Vec<(bool, Vec<[f64; 2]>)>, stable: bool, points: &[[f64; 2]]) {
-    match found.last_mut() {
-        Some((same, piece)) if *same == stable => piece.extend(&points[1.min(points.len())..]),
-        _ => found.push((stable, points.to_vec())),
-    }
 }

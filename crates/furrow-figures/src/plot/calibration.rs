@@ -1,7 +1,7 @@
 //! Thresholds wanted and met, with their tolerances; an ensemble of constants, each by itself and in pairs.
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, MARGINS, Panel, widened};
+use crate::drawing::panel::{Axis, Chart, MARGINS, Ticks, widened};
 use crate::drawing::style::{self, WHITE, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_analysis::{Ensemble, Exclusion};
@@ -30,7 +30,11 @@ pub fn draw(targets: &Targets, found: &Calibration, excluded: &[Exclusion]) -> C
         .with(Key::Dashes(style::MUTED, style::DASHED), "as given");
     let title = format!("Best fit: {}", constants.join(", "));
     let (mut canvas, top) = titled(WIDTH, chart + below, &title, &legend);
-    wanted_and_met(&mut canvas, found, [top, chart]);
+    let range = widened(found.residuals.iter().flat_map(|r| [r.xi_s, r.computed]), 0.12);
+    let (x, y) = (Axis::new("ξₛ* given (κ₀/Lₕ)", range), Axis::new("ξₛ* computed (κ₀/Lₕ)", range));
+    let mut left = Chart::new(&mut canvas, [0.0, top], [LEFT, chart], x, y);
+    left.line(range.map(|value| [value, value]), GIVEN);
+    left.points(found.residuals.iter().map(|r| [r.xi_s, r.computed]), 6.5, Marker::Disc, style::MODEL);
     deviations(&mut canvas, targets, found, [top, chart]);
     for (k, Exclusion { datum, given, computed }) in excluded.iter().enumerate() {
         let line = format!("excluded by {datum}: {given}; computed: {computed}");
@@ -38,16 +42,6 @@ pub fn draw(targets: &Targets, found: &Calibration, excluded: &[Exclusion]) -> C
         canvas.text(at, &line, text::TICK, Anchor::Start, style::ASYMMETRIC);
     }
     canvas
-}
-
-fn wanted_and_met(canvas: &mut Canvas, found: &Calibration, [top, height]: [f64; 2]) {
-    let range = widened(found.residuals.iter().flat_map(|r| [r.xi_s, r.computed]), 0.12);
-    let (x, y) = (Axis::new("ξₛ* given (κ₀/Lₕ)", range), Axis::new("ξₛ* computed (κ₀/Lₕ)", range));
-    let mut chart = Panel::new([0.0, top], [LEFT, height], x, y).draw(canvas);
-    chart.line(range.map(|value| [value, value]), GIVEN);
-    for r in &found.residuals {
-        chart.point([r.xi_s, r.computed], 6.5, Marker::Disc, style::MODEL);
-    }
 }
 
 fn deviations(canvas: &mut Canvas, targets: &Targets, found: &Calibration, [top, height]: [f64; 2]) {
@@ -60,18 +54,16 @@ fn deviations(canvas: &mut Canvas, targets: &Targets, found: &Calibration, [top,
     let names = found.residuals.iter().map(|r| format!("R₀ = {}, ε = {}", r.r0, r.epsilon)).collect();
     let y = Axis::names("", names, true);
     let [low, high] = y.range;
-    let mut panel = Panel::new([LEFT, top], [WIDTH - LEFT, height], x, y);
-    panel.margins[0] = 190.0;
-    let mut chart = panel.draw(canvas);
+    let mut chart =
+        Chart::within(canvas, [LEFT, top], [WIDTH - LEFT, height], [190.0, MARGINS[1], MARGINS[2], MARGINS[3]], x, y);
     for (k, r) in found.residuals.iter().enumerate() {
         let y = k as f64;
         chart.area([-tolerance(k), y - 0.2], [tolerance(k), y + 0.2], 0.0, style::FAINT, 1.0);
         chart.line([[0.0, y], [100.0 * r.relative, y]], Stroke::solid(style::MODEL, 2.0));
     }
     chart.line([[0.0, low], [0.0, high]], GIVEN);
-    for (k, r) in found.residuals.iter().enumerate() {
-        chart.point([100.0 * r.relative, k as f64], 6.5, Marker::Disc, style::MODEL);
-    }
+    let points = found.residuals.iter().enumerate().map(|(k, r)| [100.0 * r.relative, k as f64]);
+    chart.points(points, 6.5, Marker::Disc, style::MODEL);
 }
 
 /// Draws an ensemble: the weighted distribution of each constant, and the members by every two of them, larger discs for more
@@ -88,29 +80,29 @@ pub fn draw_ensemble(found: &Ensemble) -> Canvas {
     let range = |k: usize| widened(found.members.iter().filter_map(|member| member.values.get(k).copied()), 0.08);
     let named = |k: usize, shown: bool| {
         let label = found.parameters.get(k).filter(|_| shown).map_or(String::new(), |p| style::parameter(*p));
-        Axis::new(label, range(k)).ticks(4).numbered(shown)
+        Axis { numbered: shown, ticks: Ticks::About(4), ..Axis::new(label, range(k)) }
     };
     // Names of axes hang out of the square of their chart.
     let margins = [MARGINS[0], 12.0, 12.0, MARGINS[3]];
     for row in 0..count {
         for column in 0..=row {
             let x = named(column, row + 1 == count);
-            let y = if row == column { Axis::new("", [0.0, 1.12]).bare() } else { named(row, column == 0) };
+            let bare = Axis { ticks: Ticks::Names(Vec::new()), ..Axis::new("", [0.0, 1.12]) };
+            let y = if row == column { bare } else { named(row, column == 0) };
             let at = [10.0 + CELL * column as f64, top - 12.0 + CELL * row as f64];
             let size = [CELL + margins[0] - 6.0, CELL + margins[3] - 6.0];
-            let panel = Panel { margins, ..Panel::new(at, size, x, y) };
+            let mut chart = Chart::within(&mut canvas, at, size, margins, x, y);
             if row == column {
-                histogram(&mut canvas, panel, found, row);
+                histogram(&mut chart, range(row), found, row);
             } else {
-                pair(&mut canvas, panel, found, [column, row]);
+                pair(&mut chart, found, [column, row]);
             }
         }
     }
     canvas
 }
 
-fn histogram(canvas: &mut Canvas, panel: Panel, found: &Ensemble, constant: usize) {
-    let [low, high] = panel.x.range;
+fn histogram(chart: &mut Chart<'_>, [low, high]: [f64; 2], found: &Ensemble, constant: usize) {
     let width = (high - low) / BARS as f64;
     let mut bars = [0.0; BARS];
     for member in &found.members {
@@ -118,15 +110,13 @@ fn histogram(canvas: &mut Canvas, panel: Panel, found: &Ensemble, constant: usiz
         bars[(((value - low) / width) as usize).min(BARS - 1)] += member.weight;
     }
     let tallest = bars.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let mut chart = panel.draw(canvas);
     for (k, weight) in bars.iter().enumerate() {
         let x = low + width * k as f64;
         chart.area([x, 0.0], [x + 0.95 * width, weight / tallest], 0.0, style::MODEL, 0.75);
     }
 }
 
-fn pair(canvas: &mut Canvas, panel: Panel, found: &Ensemble, [x, y]: [usize; 2]) {
-    let chart = panel.draw(canvas);
+fn pair(chart: &mut Chart<'_>, found: &Ensemble, [x, y]: [usize; 2]) {
     let largest = found.members.iter().map(|member| member.weight).fold(f64::MIN_POSITIVE, f64::max);
     for member in &found.members {
         if let (Some(x), Some(y)) = (member.values.get(x), member.values.get(y)) {

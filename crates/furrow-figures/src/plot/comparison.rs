@@ -5,7 +5,7 @@ use furrow_measured::statistics::BoxPlot;
 use furrow_measured::trend::{VolumeBin, adjacent_tests};
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Chart, Panel, widened};
+use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, Colour, WHITE, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_analysis::compare::volumes::{Band, Beside, GroupBeside, Modelled, SizeCurve};
@@ -38,7 +38,13 @@ pub struct Comparison<'a> {
 /// Draws groups beside the model, and below them, where single divisions are known, χ over the mother's volume.
 pub fn draw(comparison: &Comparison<'_>) -> Canvas {
     let Comparison { groups, divisions, .. } = *comparison;
-    let mothers = mothers(groups);
+    // In the order in which they are first named.
+    let mut mothers: Vec<String> = Vec::new();
+    for event in groups.iter().flat_map(|group| &group.events) {
+        if !mothers.contains(&event.measured.mother) {
+            mothers.push(event.measured.mother.clone());
+        }
+    }
     let each = 30.0 + 24.0 * groups.len() as f64;
     // As many mothers in a row as leave the text large enough to be read.
     let in_row = (((WIDEST - 150.0) / each) as usize).clamp(1, mothers.len().max(1));
@@ -55,8 +61,17 @@ pub fn draw(comparison: &Comparison<'_>) -> Canvas {
         // The last row is as wide as the others.
         x.range = [-0.6, in_row as f64 - 0.4];
         let y = Axis::new(style::CHI, [-0.02, 1.06 * most]);
-        let panel = Panel::new([0.0, top + k as f64 * height], [width, height], x, y);
-        by_mother(&mut panel.draw(&mut canvas), groups, row);
+        let at = [0.0, top + k as f64 * height];
+        let mut chart = Chart::new(&mut canvas, at, [width, height], x, y);
+        let apart = 0.8 / (groups.len() as f64).max(2.0);
+        for (k, group) in groups.iter().enumerate() {
+            let aside = (k as f64 - 0.5 * groups.len() as f64 + 0.2) * apart;
+            for event in &group.events {
+                if let Some(place) = row.iter().position(|mother| *mother == event.measured.mother) {
+                    beside(&mut chart, [place as f64 + aside, apart], event, colour(k));
+                }
+            }
+        }
     }
     if !divisions.is_empty() {
         over_volume(&mut canvas, [top + height * rows as f64, width], comparison);
@@ -107,30 +122,6 @@ fn highest(event: &Beside) -> f64 {
     let of = |modelled: &Option<Modelled>| modelled.and_then(|modelled| modelled.chi).unwrap_or(0.0);
     let band = event.band.and_then(|band| band.chi).map_or(0.0, |chi| chi.p95);
     measured.max(of(&event.model)).max(of(&event.given_first)).max(band)
-}
-
-/// One row of mothers.
-fn by_mother(chart: &mut Chart<'_>, groups: &[GroupBeside], mothers: &[String]) {
-    let apart = 0.8 / (groups.len() as f64).max(2.0);
-    for (k, group) in groups.iter().enumerate() {
-        let aside = (k as f64 - 0.5 * groups.len() as f64 + 0.2) * apart;
-        for event in &group.events {
-            if let Some(place) = mothers.iter().position(|mother| *mother == event.measured.mother) {
-                beside(chart, [place as f64 + aside, apart], event, colour(k));
-            }
-        }
-    }
-}
-
-/// Mothers of all groups, in the order in which they are first told.
-fn mothers(groups: &[GroupBeside]) -> Vec<String> {
-    let mut out: Vec<String> = Vec::new();
-    for event in groups.iter().flat_map(|group| &group.events) {
-        if !out.contains(&event.measured.mother) {
-            out.push(event.measured.mother.clone());
-        }
-    }
-    out
 }
 
 /// The colour of a group: green is the model's.
@@ -186,25 +177,21 @@ fn over_volume(canvas: &mut Canvas, [top, width]: [f64; 2], comparison: &Compari
         .flat_map(|group| &group.events)
         .filter_map(|event| Some([volume(event.model.as_ref()?.r0, length?), event.model.as_ref()?.chi?]))
         .collect();
-    let pieces: Vec<(usize, Vec<[f64; 2]>)> = curves
-        .iter()
-        .enumerate()
-        .flat_map(|(k, curve)| {
-            // Where a cell does not divide the curve has a gap.
-            let pieces = curve.points.split(|(_, chi)| chi.is_none());
-            pieces.map(move |piece| {
-                (k, piece.iter().filter_map(|(r0, chi)| Some([volume(*r0, length?), (*chi)?])).collect())
-            })
-        })
-        .collect();
-    let of_curves = || pieces.iter().flat_map(|(_, points)| points);
-    let volumes = divisions.iter().map(Division::mother_volume).chain(modelled.iter().chain(of_curves()).map(|p| p[0]));
-    let [least, most] = widened(volumes.map(f64::log10), 0.06);
-    let chi = divisions.iter().map(Division::chi).chain(modelled.iter().chain(of_curves()).map(|p| p[1]));
-    let highest = chi.fold(0.3, f64::max);
-    let x = Axis::new(format!("volume of the mother {unit}"), [10_f64.powf(least), 10_f64.powf(most)]).logarithmic();
-    let panel = Panel::new([0.0, top], [width, CHARTS[1]], x, Axis::new(style::CHI, [-0.02, 1.2 * highest]));
-    let mut chart = panel.draw(canvas);
+    let mut pieces: Vec<(usize, Vec<[f64; 2]>)> = Vec::new();
+    for (k, curve) in curves.iter().enumerate() {
+        // Where a cell does not divide the curve has a gap.
+        for piece in curve.points.split(|(_, chi)| chi.is_none()) {
+            pieces.push((k, piece.iter().filter_map(|(r0, chi)| Some([volume(*r0, length?), (*chi)?])).collect()));
+        }
+    }
+    let measured = divisions.iter().map(|division| [division.mother_volume(), division.chi()]);
+    let of_model = modelled.iter().chain(pieces.iter().flat_map(|(_, points)| points)).copied();
+    let all: Vec<[f64; 2]> = measured.chain(of_model).collect();
+    let [least, most] = widened(all.iter().map(|[volume, _]| volume.log10()), 0.06).map(|power| 10_f64.powf(power));
+    let highest = all.iter().map(|[_, chi]| *chi).fold(0.3, f64::max);
+    let x = Axis::new(format!("volume of the mother {unit}"), [least, most]).logarithmic();
+    let y = Axis::new(style::CHI, [-0.02, 1.2 * highest]);
+    let mut chart = Chart::new(canvas, [0.0, top], [width, CHARTS[1]], x, y);
     for (k, points) in &pieces {
         chart.line(points.iter().copied(), Stroke { dash: dash(*k), ..Stroke::solid(style::MODEL, 2.0) });
     }
@@ -213,10 +200,7 @@ fn over_volume(canvas: &mut Canvas, [top, width]: [f64; 2], comparison: &Compari
         let at = chart.at([division.mother_volume(), division.chi()]);
         chart.canvas.disc(at, 3.2, colour(group), 0.45, None);
     }
-    let middle = |bin: &VolumeBin| {
-        let inside = |edge: f64| edge.clamp(10_f64.powf(least), 10_f64.powf(most));
-        (inside(bin.from) * inside(bin.to)).sqrt()
-    };
+    let middle = |bin: &VolumeBin| (bin.from.clamp(least, most) * bin.to.clamp(least, most)).sqrt();
     for bin in bins.iter().filter(|bin| bin.n >= FEWEST) {
         if let Some(found) = &bin.box_plot {
             draw_box(&mut chart, middle(bin), found, style::INK);
@@ -228,7 +212,5 @@ fn over_volume(canvas: &mut Canvas, [top, width]: [f64; 2], comparison: &Compari
         let at = [0.5 * (a[0] + b[0]), a[1] - 5.0];
         chart.canvas.text(at, test.stars, text::TICK, Anchor::Middle, style::MUTED);
     }
-    for point in modelled {
-        chart.point(point, 6.0, Marker::Diamond, style::MODEL);
-    }
+    chart.points(modelled, 6.0, Marker::Diamond, style::MODEL);
 }

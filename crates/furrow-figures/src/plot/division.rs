@@ -3,7 +3,7 @@
 
 use crate::drawing::cell::{self as drawn, Site};
 use crate::drawing::legend::{Key, Legend, titled};
-use crate::drawing::panel::{Axis, Panel, widened};
+use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, FORCES, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_cell::Cell;
@@ -36,35 +36,32 @@ pub fn draw(cell: &Cell, film: &Trajectory) -> Canvas {
 /// Stills from the first to the last shape between which the neck closes by equal parts, or of a cell that stays at rest the
 /// contour's length grows by equal parts: what happens is seen, however long it waits.
 fn stills(film: &Trajectory) -> Vec<Snapshot> {
-    let all: Vec<Snapshot> = (0..film.times().len()).map(|k| film.step(k)).collect();
-    let Some(first) = all.first() else { return Vec::new() };
+    let times = film.times();
+    let first = film.step(0);
     let widest = |still: &Snapshot| still.places.iter().map(|place| place.r).fold(0.0, f64::max);
     let waist = |still: &Snapshot| still.neck.map_or(widest(still), |neck| neck.radius);
     let progress = |still: &Snapshot| match film.division.outcome() {
         Outcome::Arrested => (still.length / first.length).ln(),
         // Early on the cell lengthens before it has a waist.
-        _ => 0.5 * (still.length / first.length).ln() + 1.0 - waist(still) / waist(first),
+        _ => 0.5 * (still.length / first.length).ln() + 1.0 - waist(still) / waist(&first),
     };
-    let mut passed = Vec::with_capacity(all.len());
-    for still in &all {
-        let before = passed.last().copied().unwrap_or(0.0);
-        passed.push(f64::max(before, progress(still)));
-    }
+    let passed = (0..times.len()).scan(0.0, |before: &mut f64, k| {
+        *before = before.max(progress(&film.step(k)));
+        Some(*before)
+    });
+    let passed: Vec<f64> = passed.collect();
     let end = passed.last().copied().unwrap_or(0.0);
-    let times = film.times();
-    (0..STILLS)
-        .map(|k| {
-            let wanted = end * k as f64 / (STILLS - 1) as f64;
-            let at = passed.partition_point(|p| *p < wanted).clamp(1, passed.len().max(2) - 1);
-            let (Some(a), Some(b), Some(t), Some(t2)) =
-                (passed.get(at - 1), passed.get(at), times.get(at - 1), times.get(at))
-            else {
-                return film.step(0);
-            };
-            let share = if b > a { ((wanted - a) / (b - a)).clamp(0.0, 1.0) } else { 1.0 };
-            film.at(if k + 1 == STILLS { film.times().last().copied().unwrap_or(*t2) } else { t + share * (t2 - t) })
-        })
-        .collect()
+    let still = |k: usize| {
+        if k + 1 == STILLS || times.len() < 2 {
+            return film.step(times.len().saturating_sub(1));
+        }
+        let wanted = end * k as f64 / (STILLS - 1) as f64;
+        let at = passed.partition_point(|p| *p < wanted).clamp(1, passed.len() - 1);
+        let ([a, b], [t, t2]) = ([passed[at - 1], passed[at]], [times[at - 1], times[at]]);
+        let share = if b > a { ((wanted - a) / (b - a)).clamp(0.0, 1.0) } else { 1.0 };
+        film.at(t + share * (t2 - t))
+    };
+    (0..STILLS).map(still).collect()
 }
 
 /// The cell when its neck is half as wide as the cell was; of one that stays at rest the last shape.
@@ -122,7 +119,7 @@ fn over_time(canvas: &mut Canvas, cell: &Cell, film: &Trajectory, top: f64) {
     let most = neck.iter().chain(&chi).map(|[_, v]| *v).fold(0.5, f64::max);
     let y = Axis::new("neck radius / R₀,  χ", [0.0, 1.08 * most]);
     let x = Axis::new(style::TIME, [0.0, times.last().copied().unwrap_or(1.0)]);
-    let mut chart = Panel::new([0.0, top + 40.0], [CHART[1], CHART[0] - 40.0], x, y).draw(canvas);
+    let mut chart = Chart::new(canvas, [0.0, top + 40.0], [CHART[1], CHART[0] - 40.0], x, y);
     for (curve, colour) in [(neck, style::SYMMETRIC), (chi, style::ASYMMETRIC)] {
         chart.line(curve, Stroke::solid(colour, style::CURVE));
     }
@@ -137,7 +134,7 @@ fn balance(canvas: &mut Canvas, still: &Snapshot, top: f64) {
     let label = format!("normal force at t = {} τ (κ₀/Lₕ³)", style::time(still.t));
     let y = Axis::new(label, widened([-most, most], 0.08));
     let x = Axis::new("place u, posterior 0, anterior 1", [0.0, 1.0]);
-    let mut chart = Panel::new([left, top + 40.0], [WIDTH - left, CHART[0] - 40.0], x, y).draw(canvas);
+    let mut chart = Chart::new(canvas, [left, top + 40.0], [WIDTH - left, CHART[0] - 40.0], x, y);
     chart.line([[0.0, 0.0], [1.0, 0.0]], Stroke::solid(style::MUTED, 1.0));
     let mut beyond = Vec::new();
     for (k, (name, colour)) in FORCES.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! What fits the embryo: the front between its counts and the published thresholds, activities by founder, a cue's χ.
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Panel, widened};
+use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style;
 use crate::drawing::{Canvas, Stroke};
 use furrow_analysis::fit::{ChiResidual, FittedConstants, FittedCue, FounderActivity};
@@ -23,18 +23,13 @@ pub fn draw_constants(found: &FittedConstants) -> Canvas {
     let at = |rms: Option<f64>, rounds: f64| Some([100.0 * rms?, rounds]);
     let front: Vec<[f64; 2]> = found.front.iter().filter_map(|set| at(set.thresholds_rms, set.parts.rounds)).collect();
     let [best, start] = [&found.best, &found.start].map(|set| at(set.thresholds_rms, set.parts.rounds));
-    let all = || front.iter().copied().chain(best).chain(start);
-    let x = Axis::over("published thresholds, off by (%, root mean square)", all().map(|point| point[0]));
-    let y = Axis::over("mean rounds of the founders, off by", all().map(|point| point[1]));
-    let mut chart = Panel::new([0.0, top], [WIDTH, CHART], x, y).draw(&mut canvas);
-    for point in &front {
-        chart.point(*point, 6.0, Marker::Disc, style::MODEL);
-    }
-    for (point, marker, colour) in [(best, Marker::Diamond, style::ASYMMETRIC), (start, Marker::Square, style::INK)] {
-        if let Some(point) = point {
-            chart.point(point, 7.0, marker, colour);
-        }
-    }
+    let all: Vec<[f64; 2]> = front.iter().copied().chain(best).chain(start).collect();
+    let x = Axis::over("published thresholds, off by (%, root mean square)", all.iter().map(|point| point[0]));
+    let y = Axis::over("mean rounds of the founders, off by", all.iter().map(|point| point[1]));
+    let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], x, y);
+    chart.points(front, 6.0, Marker::Disc, style::MODEL);
+    chart.points(best, 7.0, Marker::Diamond, style::ASYMMETRIC);
+    chart.points(start, 7.0, Marker::Square, style::INK);
     canvas
 }
 
@@ -51,7 +46,7 @@ pub fn draw_activities(founders: &[FounderActivity], xi_s: f64) -> Canvas {
     let x = Axis::new(style::ACTIVITY, widened(ends.chain([xi_s]), 0.06));
     let y = Axis::names("", founders.iter().map(|founder| founder.name.clone()).collect(), true);
     let [low, high] = y.range;
-    let mut chart = Panel::new([0.0, top], [WIDTH, height], x, y).draw(&mut canvas);
+    let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, height], x, y);
     chart.line([[xi_s, low], [xi_s, high]], Stroke::dashed(style::MUTED, 1.8, style::DASHED));
     for (k, founder) in founders.iter().enumerate() {
         let y = k as f64;
@@ -76,7 +71,7 @@ pub fn draw_cue(found: &FittedCue) -> Canvas {
     let cells = all.iter().map(|residual| residual.cell.clone()).collect();
     let x = Axis::names("division (predicted ones behind the line)", cells, false);
     let y = Axis::new(style::CHI, [-0.02, 1.08 * most]);
-    let mut chart = Panel::new([0.0, top], [WIDTH, CHART], x, y).draw(&mut canvas);
+    let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], x, y);
     let border = found.residuals.len() as f64 - 0.5;
     chart.line([[border, 0.0], [border, 1.05 * most]], Stroke::dashed(style::MUTED, 1.6, style::DASHED));
     for (k, residual) in all.iter().enumerate() {

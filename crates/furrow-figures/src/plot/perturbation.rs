@@ -1,7 +1,7 @@
 //! How far disturbed stationary shapes are from where they started, over time: what returns falls, what leaves rises.
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Panel};
+use crate::drawing::panel::{Axis, Chart};
 use crate::drawing::style::{self, SERIES};
 use crate::drawing::{Canvas, Stroke};
 use furrow_mechanics::perturbation::Perturbation;
@@ -33,7 +33,7 @@ pub fn draw(title: &str, watched: &[(String, Perturbation)]) -> Canvas {
     let up = [10f64.powf(least.max(SMALLEST).log10().floor()), 10f64.powf(most.log10().ceil())];
     let across = Axis::new(style::TIME, [0.0, 1.02 * last]);
     let y = Axis::new("distance dis(t) from the start (Lₕ)", up).logarithmic();
-    let mut chart = Panel::new([0.0, top], [WIDTH, CHART], across, y).draw(&mut canvas);
+    let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], across, y);
     for (k, (_, perturbation)) in watched.iter().enumerate() {
         let dash = (!perturbation.returned()).then_some(style::DASHED);
         // What has come back to rounding is drawn no further.

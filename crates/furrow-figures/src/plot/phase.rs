@@ -1,7 +1,7 @@
 //! Outcomes over a plane of one parameter and activity, with the exact edges on top of them.
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Panel, bins, widened};
+use crate::drawing::panel::{Axis, Chart, bins, widened};
 use crate::drawing::style::{self, FOLD, PITCHFORK, WHITE, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_analysis::Edges;
@@ -24,7 +24,7 @@ pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Canvas
     let range = |bins: &[[f64; 2]]| widened(bins.iter().flatten().copied(), 0.0);
     let (x, y) =
         (Axis::new(style::parameter(plane.parameter), range(&columns)), Axis::new(style::ACTIVITY, range(&rows)));
-    let mut chart = Panel::new([0.0, top], [WIDTH, CHART], x, y).draw(&mut canvas);
+    let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], x, y);
     chart.tiles(diagram.cells.iter().enumerate().filter_map(|(k, cell)| {
         let colour = style::tile(outcome(cell.outcome), cell.chi);
         Some((*columns.get(k / rows.len())?, *rows.get(k % rows.len())?, colour))

@@ -2,23 +2,17 @@
 //! constants; below them how many cells there are in the end.
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Chart, Panel, widened};
+use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, Colour, SERIES};
 use crate::drawing::{Canvas, Stroke};
 use furrow_analysis::{LineageRanges, Range};
-use furrow_lineage::{Lineage, ObservedRounds, Tree, founder_rounds};
+use furrow_lineage::{Founder, Lineage, ObservedRounds, Tree, founder_rounds};
 
 /// Height of the chart of rounds, and of that of cells.
 const CHARTS: [f64; 2] = [400.0, 260.0];
 
 /// Fewest, mean and most rounds and terminal cells of a founder, each with a range if it has one.
-#[derive(Clone, Copy, Debug)]
-struct Bar {
-    min: Range,
-    mean: Range,
-    max: Range,
-    terminal: Range,
-}
+type Bar = [Range; 4];
 
 /// What is set side by side for all founders.
 struct Set {
@@ -52,29 +46,23 @@ pub fn draw_scenarios(scenarios: &[(&str, &Tree)]) -> Option<Canvas> {
 
 /// Draws a lineage over sets of constants: medians with the ranges that hold 90 % of the weight.
 pub fn draw_ranges(lineage: &Lineage, ranges: &LineageRanges) -> Canvas {
-    let bar = |name: &str| {
-        let rounds = ranges.founders.iter().find(|founder| founder.name == name)?.rounds?;
-        Some(Bar { min: rounds.min, mean: rounds.mean, max: rounds.max, terminal: rounds.terminal })
+    let bar = |founder: &Founder| {
+        let rounds = ranges.founders.iter().find(|other| other.name == founder.name)?.rounds?;
+        Some([rounds.min, rounds.mean, rounds.max, rounds.terminal])
     };
-    let bars = lineage.founders.iter().map(|founder| bar(&founder.name)).collect();
     let name = format!("model, median and 5–95 % of {} sets of constants", ranges.members);
-    picture(lineage, vec![Set { name, colour: style::MODEL, bars }])
+    picture(lineage, vec![Set { name, colour: style::MODEL, bars: lineage.founders.iter().map(bar).collect() }])
 }
 
 /// The bars of a tree, in the order of another lineage's founders.
 fn bars(tree: &Tree, order: &Lineage) -> Vec<Option<Bar>> {
     let rows = founder_rounds(tree);
-    let bar = |name: &str| {
-        let founder = tree.lineage.founders.iter().position(|founder| founder.name == name)?;
+    let bar = |founder: &Founder| {
+        let founder = tree.lineage.founders.iter().position(|other| other.name == founder.name)?;
         let rounds = rows.iter().find(|row| row.founder == founder)?.rounds?;
-        Some(Bar {
-            min: exactly(f64::from(rounds.min)),
-            mean: exactly(rounds.mean),
-            max: exactly(f64::from(rounds.max)),
-            terminal: exactly(f64::from(rounds.terminal)),
-        })
+        Some([rounds.min.into(), rounds.mean, rounds.max.into(), rounds.terminal.into()].map(exactly))
     };
-    order.founders.iter().map(|founder| bar(&founder.name)).collect()
+    order.founders.iter().map(bar).collect()
 }
 
 /// The observed rounds; a mean alone also serves as fewest and most.
@@ -82,12 +70,7 @@ fn observed(of: &ObservedRounds) -> Option<Bar> {
     let (min, max) = (of.min.map(f64::from), of.max.map(f64::from));
     let mean = of.mean.or(min.zip(max).map(|(min, max)| 0.5 * (min + max))).or(min).or(max)?;
     let terminal = of.terminal.map_or(f64::NAN, f64::from);
-    Some(Bar {
-        min: exactly(min.unwrap_or(mean)),
-        mean: exactly(of.mean.unwrap_or(f64::NAN)),
-        max: exactly(max.unwrap_or(mean)),
-        terminal: exactly(terminal),
-    })
+    Some([min.unwrap_or(mean), of.mean.unwrap_or(f64::NAN), max.unwrap_or(mean), terminal].map(exactly))
 }
 
 fn picture(lineage: &Lineage, mut sets: Vec<Set>) -> Canvas {
@@ -98,55 +81,51 @@ fn picture(lineage: &Lineage, mut sets: Vec<Set>) -> Canvas {
     }
     let names: Vec<String> = lineage.founders.iter().map(|founder| founder.name.clone()).collect();
     let width = (140.0 + names.len() as f64 * (34.0 + 15.0 * sets.len() as f64)).clamp(760.0, 4000.0);
-    let point = |set: &Set| Key::Point(set.colour, Marker::Disc);
-    let legend = sets.iter().fold(Legend::default(), |legend, set| legend.with(point(set), set.name.as_str()));
+    let legend = sets
+        .iter()
+        .fold(Legend::default(), |legend, set| legend.with(Key::Point(set.colour, Marker::Disc), set.name.as_str()));
     let title = format!(
         "{}: rounds of division from each founder\nbars from the fewest to the most rounds, discs at the mean",
         lineage.name
     );
     let (mut canvas, top) = titled(width, CHARTS[0] + CHARTS[1], &title, &legend);
     let all = || sets.iter().flat_map(|set| set.bars.iter().flatten());
-    let most = all().map(|bar| bar.max.p95).filter(|v| v.is_finite()).fold(1.0, f64::max);
-    let rounds = Axis::new("rounds", [-0.4, most + 0.8]);
-    let x = Axis::names("", names.clone(), false);
-    let mut chart = Panel::new([0.0, top], [width, CHARTS[0]], x, rounds).draw(&mut canvas);
-    each(&sets, |x, set, bar| range_bar(&mut chart, x, set.colour, bar));
-    let cells = widened(all().flat_map(|bar| [bar.terminal.p5, bar.terminal.p95]), 0.0);
+    let most = all().map(|[_, _, max, _]| max.p95).filter(|v| v.is_finite()).fold(1.0, f64::max);
+    let (x, rounds) = (Axis::names("", names.clone(), false), Axis::new("rounds", [-0.4, most + 0.8]));
+    let mut chart = Chart::new(&mut canvas, [0.0, top], [width, CHARTS[0]], x, rounds);
+    each(&sets, |x, colour, [min, mean, max, _]| {
+        let ends = [min.p50, max.p50];
+        chart.error_bar(x, ends, 0.0, 5.0, Stroke::solid(colour, 3.0));
+        chart.line(ends.map(|y| [x, y]), Stroke::solid(colour, 5.0));
+        // Ranges of the ends, beside the bar itself.
+        for range in [min, mean, max] {
+            whisker(&mut chart, x, range, colour);
+        }
+        if mean.p50.is_finite() {
+            chart.point([x, mean.p50], 6.2, Marker::Disc, colour);
+        }
+    });
+    let cells = widened(all().flat_map(|[.., terminal]| [terminal.p5, terminal.p95]), 0.0);
     let cells = Axis::new("terminal cells", [0.7, (1.6 * cells[1]).max(10.0)]).logarithmic();
     let x = Axis::names("founder", names, false);
-    let mut chart = Panel::new([0.0, top + CHARTS[0]], [width, CHARTS[1]], x, cells).draw(&mut canvas);
-    each(&sets, |x, set, bar| {
-        if bar.terminal.p50.is_finite() && bar.terminal.p50 > 0.0 {
-            whisker(&mut chart, x, bar.terminal, set.colour);
-            chart.point([x, bar.terminal.p50], 6.2, Marker::Disc, set.colour);
+    let mut chart = Chart::new(&mut canvas, [0.0, top + CHARTS[0]], [width, CHARTS[1]], x, cells);
+    each(&sets, |x, colour, [.., terminal]| {
+        if terminal.p50.is_finite() && terminal.p50 > 0.0 {
+            whisker(&mut chart, x, terminal, colour);
+            chart.point([x, terminal.p50], 6.2, Marker::Disc, colour);
         }
     });
     canvas
 }
 
-/// Every bar with its position: at its founder, sets side by side.
-fn each(sets: &[Set], mut draw: impl FnMut(f64, &Set, &Bar)) {
+/// Every bar with its position, at its founder, sets side by side, and its colour.
+fn each(sets: &[Set], mut draw: impl FnMut(f64, Colour, Bar)) {
     let count = sets.len() as f64;
     for (k, set) in sets.iter().enumerate() {
         let aside = (k as f64 - 0.5 * (count - 1.0)) * 0.7 / count.max(2.0);
         for (founder, bar) in set.bars.iter().enumerate() {
-            if let Some(bar) = bar {
-                draw(founder as f64 + aside, set, bar);
-            }
+            bar.iter().for_each(|bar| draw(founder as f64 + aside, set.colour, *bar));
         }
-    }
-}
-
-fn range_bar(chart: &mut Chart<'_>, x: f64, colour: Colour, bar: &Bar) {
-    let ends = [bar.min.p50, bar.max.p50];
-    chart.error_bar(x, ends, 0.0, 5.0, Stroke::solid(colour, 3.0));
-    chart.line(ends.map(|y| [x, y]), Stroke::solid(colour, 5.0));
-    // Ranges of the ends, beside the bar itself.
-    for range in [bar.min, bar.mean, bar.max] {
-        whisker(chart, x, range, colour);
-    }
-    if bar.mean.p50.is_finite() {
-        chart.point([x, bar.mean.p50], 6.2, Marker::Disc, colour);
     }
 }
 

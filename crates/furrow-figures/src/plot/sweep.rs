@@ -4,7 +4,7 @@
 use serde_json::Value;
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
-use crate::drawing::panel::{Axis, Chart, Panel, bins, widened};
+use crate::drawing::panel::{Axis, Chart, bins, widened};
 use crate::drawing::style::{self, Colour};
 use crate::drawing::{Canvas, Stroke};
 use furrow_analysis::{self as study, AxisValue, Kind, Row, Sweep, Target};
@@ -48,18 +48,19 @@ pub fn draw(sweep: &Sweep, rows: &[Row]) -> Canvas {
 }
 
 fn title(sweep: &Sweep) -> String {
-    let varied = |parameter: Parameter| {
-        let size = parameter == Parameter::R0 && !matches!(sweep.kind, Kind::Division | Kind::Pitchfork);
-        let activity = parameter == Parameter::XiS && sweep.kind == Kind::Pitchfork;
-        size || activity || sweep.axes.0.iter().any(|axis| axis.target == Target::Field(parameter.name()))
+    let axes = &sweep.axes.0;
+    let varied = |parameter: &Parameter| {
+        let size = *parameter == Parameter::R0 && !matches!(sweep.kind, Kind::Division | Kind::Pitchfork);
+        let activity = *parameter == Parameter::XiS && sweep.kind == Kind::Pitchfork;
+        size || activity || axes.iter().any(|axis| axis.target == Target::Field(parameter.name()))
     };
     let known = [Parameter::R0, Parameter::Epsilon, Parameter::XiS].into_iter();
     let cell = Cell { cue: Cue::none(), ..sweep.settings.cell.clone() };
-    let fixed = style::described(&cell, &known.filter(|parameter| varied(*parameter)).collect::<Vec<_>>());
-    let mut parts: Vec<String> = Some(fixed).filter(|fixed| !fixed.is_empty()).into_iter().collect();
-    if sweep.axes.0.iter().all(|axis| axis.target != Target::Cue) {
+    let mut parts = vec![style::described(&cell, &known.filter(varied).collect::<Vec<_>>())];
+    if axes.iter().all(|axis| axis.target != Target::Cue) {
         parts.extend(sweep.cue.as_ref().map(|cue| format!("cue {}", unvaried(cue, sweep))));
     }
+    parts.retain(|part| !part.is_empty());
     let what = match sweep.kind {
         Kind::Division => "Divisions",
         Kind::Tree => "Lineages",
@@ -69,18 +70,15 @@ fn title(sweep: &Sweep) -> String {
     format!("{what}: {}", parts.join(", "))
 }
 
-/// A cue without the numbers that an axis varies: these are in the legend or along the axis.
+/// A cue without the numbers that an axis varies, which are in the legend or along the axis; of a sum it is not known which term a
+/// number is of.
 fn unvaried(cue: &Cue, sweep: &Sweep) -> String {
     let text = cue.to_string();
     let key = |axis: &study::Axis| match axis.target {
-        Target::CueNumber(parameter) => Some(format!("{}=", parameter.to_string().rsplit('.').next()?)),
+        Target::CueNumber(parameter) if cue.terms().len() == 1 => Some(format!("{}=", parameter.name())),
         _ => None,
     };
     let varied: Vec<String> = sweep.axes.0.iter().filter_map(key).collect();
-    // Of a sum it is not told here which term a number is of.
-    if cue.terms().len() != 1 {
-        return text;
-    }
     let left = text.split(',').filter(|part| !varied.iter().any(|key| part.starts_with(key)));
     left.collect::<Vec<_>>().join(",")
 }
@@ -133,11 +131,9 @@ fn label(sweep: &Sweep, axis: usize) -> String {
 
 fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Canvas {
     let along = x.map_or(0, |(axis, _)| *axis);
-    let words: Vec<String> = sweep
-        .axes
-        .0
-        .get(along)
-        .map_or(vec![String::new()], |axis| axis.values.iter().map(|v| v.text().into()).collect());
+    let axis = sweep.axes.0.get(along);
+    let words: Vec<String> =
+        axis.map_or(vec![String::new()], |axis| axis.values.iter().map(|v| v.text().into()).collect());
     let values = x.map_or_else(|| (0..words.len()).map(|k| k as f64).collect(), |(_, values)| values.clone());
     let at = |point: &Point| values.get(point.places.get(along).copied().unwrap_or(0)).copied().unwrap_or(0.0);
     let groups = grouped(sweep, points, along);
@@ -149,22 +145,49 @@ fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Can
     if division && (resting || unknown) {
         up[0] = -(0.06 + 0.03 * groups.len().min(6) as f64) * up[1].max(0.1);
     }
-    let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep), &legend(&groups, division, resting, unknown));
+    let (alone, outcomes) = (groups.len() < 2, division && groups.len() < 2);
+    let named = groups.iter().step_by(groups.len().div_ceil(NAMED).max(1)).filter(|_| !alone);
+    let legend = named
+        .fold(Legend::default(), |legend, group| legend.with(Key::Line(group.colour), group.name.as_str()))
+        .with_if(outcomes, Key::Point(style::SYMMETRIC, Marker::Disc), "symmetric")
+        .with_if(outcomes, Key::Point(style::ASYMMETRIC, Marker::Disc), "asymmetric")
+        .with_if(resting, Key::Point(style::FAILED, Marker::Square), "stays at rest")
+        .with_if(unknown, Key::Point(style::UNDECIDED, Marker::Triangle), "undecided");
+    let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep), &legend);
     let across = match x {
         Some(_) => Axis::over(label(sweep, along), values.iter().copied()),
         None => Axis::names(label(sweep, along), words, false),
     };
-    let mut chart =
-        Panel::new([0.0, top], [WIDTH, CHART], across, Axis::new(quantity(sweep.kind), up)).draw(&mut canvas);
-    let sampled = sweep.axes.0.get(along).is_some_and(|axis| axis.sampled);
-    for group in groups.iter().filter(|_| !sampled) {
-        group.lines(&mut chart, &at);
+    let y = Axis::new(quantity(sweep.kind), up);
+    let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], across, y);
+    for group in groups.iter().filter(|_| !axis.is_some_and(|axis| axis.sampled)) {
+        let mut sorted = group.points.clone();
+        sorted.sort_by(|a, b| at(a).total_cmp(&at(b)));
+        // Broken where there is nothing.
+        for piece in sorted.split(|point| point.value.is_none()) {
+            let line = piece.iter().filter_map(|p| Some([at(p), p.value?]));
+            chart.line(line, Stroke::solid(group.colour, style::CURVE));
+        }
     }
     for (k, group) in groups.iter().enumerate() {
-        // Each curve has a line of its own for what stays at rest.
+        // Points without a value lie below the axis of χ, those of each curve on a line of their own.
         let baseline = up[0] * (k as f64 + 1.0) / (groups.len() as f64 + 1.0);
         for point in &group.points {
-            mark(&mut chart, point, at(point), baseline, (groups.len() > 1).then_some(group.colour));
+            let (x, of_outcome) = (at(point), point.outcome.map_or(style::INK, style::outcome));
+            let colour = if alone { of_outcome } else { group.colour };
+            match point.value {
+                Some(value) => {
+                    if let Some(sd) = point.sd.filter(|sd| *sd > 0.0) {
+                        chart.error_bar(x, [value + sd, value - sd], 0.0, 4.0, Stroke::solid(colour, 1.6));
+                    }
+                    chart.point([x, value], 4.6, Marker::Disc, colour);
+                }
+                None if point.undecided => chart.point([x, baseline], 5.5, Marker::Triangle, style::UNDECIDED),
+                None if point.outcome == Some(Outcome::Arrested) => {
+                    chart.point([x, baseline], 5.0, Marker::Square, colour);
+                }
+                None => {}
+            }
         }
     }
     canvas
@@ -175,18 +198,6 @@ struct Group<'a> {
     name: String,
     colour: Colour,
     points: Vec<&'a Point>,
-}
-
-impl Group<'_> {
-    /// Draws its line, broken where there is nothing.
-    fn lines(&self, chart: &mut Chart<'_>, at: &dyn Fn(&Point) -> f64) {
-        let mut sorted = self.points.clone();
-        sorted.sort_by(|a, b| at(a).total_cmp(&at(b)));
-        for piece in sorted.split(|point| point.value.is_none()) {
-            let line = piece.iter().filter_map(|p| Some([at(p), p.value?]));
-            chart.line(line, Stroke::solid(self.colour, style::CURVE));
-        }
-    }
 }
 
 /// The points by the values of all axes but one and those that are sampled with it.
@@ -210,65 +221,24 @@ fn grouped<'a>(sweep: &Sweep, points: &'a [Point], along: usize) -> Vec<Group<'a
         (_, true) => style::ramp(k, count),
         _ => style::SERIES[k],
     };
-    let name = |key: &[usize]| {
-        let parts = others.iter().zip(key).map(|(axis, place)| {
-            let axis = &axes[*axis];
-            let value = axis.values.get(*place).map_or(String::new(), |value| value.text().into_owned());
-            if matches!(axis.values.first(), Some(AxisValue::Text(_))) {
-                value
-            } else {
-                format!("{} = {value}", symbol(axis))
-            }
-        });
-        parts.collect::<Vec<_>>().join(", ")
+    let name = |(axis, place): (&usize, &usize)| {
+        let axis = &axes[*axis];
+        let value = axis.values.get(*place).map_or(String::new(), |value| value.text().into_owned());
+        let symbol = match axis.target {
+            _ if matches!(axis.values.first(), Some(AxisValue::Text(_))) => return value,
+            Target::Field("r0") => "R₀",
+            Target::Field("epsilon") => "ε",
+            Target::Field("xi_s") => "ξₛ",
+            _ => &axis.name,
+        };
+        format!("{symbol} = {value}")
     };
-    found
-        .into_iter()
-        .enumerate()
-        .map(|(k, (key, points))| Group { name: name(&key), colour: colour(k), points })
-        .collect()
-}
-
-/// What an axis is called before its value.
-fn symbol(axis: &study::Axis) -> &str {
-    match axis.target {
-        Target::Field("r0") => "R₀",
-        Target::Field("epsilon") => "ε",
-        Target::Field("xi_s") => "ξₛ",
-        _ => &axis.name,
-    }
-}
-
-fn legend(groups: &[Group<'_>], division: bool, resting: bool, unknown: bool) -> Legend {
-    let mut legend = Legend::default();
-    if groups.len() > 1 {
-        for group in groups.iter().step_by(groups.len().div_ceil(NAMED)) {
-            legend = legend.with(Key::Line(group.colour), group.name.as_str());
-        }
-    }
-    let outcomes = division && groups.len() < 2;
-    legend
-        .with_if(outcomes, Key::Point(style::SYMMETRIC, Marker::Disc), "symmetric")
-        .with_if(outcomes, Key::Point(style::ASYMMETRIC, Marker::Disc), "asymmetric")
-        .with_if(resting, Key::Point(style::FAILED, Marker::Square), "stays at rest")
-        .with_if(unknown, Key::Point(style::UNDECIDED, Marker::Triangle), "undecided")
-}
-
-/// A point with its standard deviation; points without a value lie below the axis of χ.
-fn mark(chart: &mut Chart<'_>, point: &Point, x: f64, baseline: f64, colour: Option<Colour>) {
-    let Some(value) = point.value else {
-        if point.undecided {
-            chart.point([x, baseline], 5.5, Marker::Triangle, style::UNDECIDED);
-        } else if point.outcome == Some(Outcome::Arrested) {
-            chart.point([x, baseline], 5.0, Marker::Square, colour.unwrap_or(style::FAILED));
-        }
-        return;
+    let group = |(k, (key, points)): (usize, (Vec<usize>, Vec<&'a Point>))| Group {
+        name: others.iter().zip(&key).map(name).collect::<Vec<_>>().join(", "),
+        colour: colour(k),
+        points,
     };
-    let colour = colour.unwrap_or(point.outcome.map_or(style::INK, style::outcome));
-    if let Some(sd) = point.sd.filter(|sd| *sd > 0.0) {
-        chart.error_bar(x, [value + sd, value - sd], 0.0, 4.0, Stroke::solid(colour, 1.6));
-    }
-    chart.point([x, value], 4.6, Marker::Disc, colour);
+    found.into_iter().enumerate().map(group).collect()
 }
 
 fn map_of_outcomes(sweep: &Sweep, points: &[Point], [x, y]: [&(usize, Vec<f64>); 2]) -> Canvas {
@@ -289,8 +259,8 @@ fn map_of_outcomes(sweep: &Sweep, points: &[Point], [x, y]: [&(usize, Vec<f64>);
         .with(Key::Area(style::tile(Some(Outcome::Arrested), None)), "stays at rest");
     let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep), &legend);
     let axis = |k: usize, bins: &[[f64; 2]]| Axis::new(label(sweep, k), widened(bins.iter().flatten().copied(), 0.0));
-    let panel = Panel::new([0.0, top], [WIDTH, CHART], axis(x.0, &columns), axis(y.0, &rows));
-    panel.draw(&mut canvas).tiles(points.iter().filter_map(|point| {
+    let (across, up) = (axis(x.0, &columns), axis(y.0, &rows));
+    Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], across, up).tiles(points.iter().filter_map(|point| {
         let place = |axis: usize| point.places.get(axis).copied().unwrap_or(0);
         Some((*columns.get(place(x.0))?, *rows.get(place(y.0))?, style::tile(point.outcome, point.value)))
     }));

@@ -93,6 +93,10 @@ pub enum BranchLengths {
 }
 
 impl BranchLengths {
+    /// All of them, by their names on the command line.
+    pub const NAMED: [(&str, BranchLengths); 3] =
+        [("time", BranchLengths::Time), ("generation", BranchLengths::Generation), ("none", BranchLengths::None)];
+
     /// The length of a cell's branch.
     pub fn of(self, tree: &Tree, cell: CellId) -> Option<f64> {
         match self {

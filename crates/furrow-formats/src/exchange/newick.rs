@@ -1,6 +1,5 @@
 //! Newick, plain and with comments on its cells: NHX, and Nexus as FigTree reads it.
 
-use std::fmt::Write;
 use std::iter::successors;
 
 use super::column::{BranchLengths, COLUMNS};
@@ -16,41 +15,28 @@ pub fn newick(tree: &Tree) -> String {
 
 /// The tree in plain Newick with any branch lengths.
 pub(super) fn plain(tree: &Tree, lengths: BranchLengths) -> String {
-    let text = nested(tree, |cell, out| push_length(out, lengths.of(tree, cell)));
-    format!("{text}\n")
+    nested(tree, |cell| length(tree, cell, lengths)) + "\n"
 }
 
 /// Newick with `[&&NHX:key=value:…]` behind the branch length of each cell.
 pub(super) fn nhx(tree: &Tree, lengths: BranchLengths) -> String {
-    let text = nested(tree, |cell, out| {
-        push_length(out, lengths.of(tree, cell));
-        push_comment(out, tree, cell, "[&&NHX:", ':');
-    });
-    format!("{text}\n")
+    nested(tree, |cell| length(tree, cell, lengths) + &comment(tree, cell, "&&NHX:", ":")) + "\n"
 }
 
 /// A Nexus file with the leaves as taxa and one rooted tree. `[&key=value,…]` stands between the name of a cell and its
 /// branch length, where FigTree and BEAST put what they say of a node.
 pub(super) fn nexus(tree: &Tree, lengths: BranchLengths) -> String {
-    let leaves: Vec<CellId> = tree.leaves().collect();
-    let mut out = format!("#NEXUS\nBEGIN TAXA;\n  DIMENSIONS NTAX={};\n  TAXLABELS", leaves.len());
-    for leaf in leaves {
-        out.push_str("\n    ");
-        push_name(&mut out, &tree.cell(leaf).name);
-    }
-    out.push_str("\n  ;\nEND;\nBEGIN TREES;\n  TREE ");
-    push_name(&mut out, &tree.lineage.name);
-    out.push_str(" = [&R] ");
-    out += &nested(tree, |cell, out| {
-        push_comment(out, tree, cell, "[&", ',');
-        push_length(out, lengths.of(tree, cell));
-    });
-    out.push_str("\nEND;\n");
-    out
+    let labels: Vec<String> = tree.leaves().map(|leaf| format!("\n    {}", quoted(&tree.cell(leaf).name))).collect();
+    let (count, labels, name) = (labels.len(), labels.concat(), quoted(&tree.lineage.name));
+    let nested = nested(tree, |cell| comment(tree, cell, "&", ",") + &length(tree, cell, lengths));
+    format!(
+        "#NEXUS\nBEGIN TAXA;\n  DIMENSIONS NTAX={count};\n  TAXLABELS{labels}\n  ;\nEND;\nBEGIN TREES;\n  TREE {name} = [&R] \
+         {nested}\nEND;\n"
+    )
 }
 
-/// The tree up to its semicolon, with what `after_name` writes behind the name of each cell.
-fn nested(tree: &Tree, mut after_name: impl FnMut(CellId, &mut String)) -> String {
+/// The tree up to its semicolon, with what `after_name` gives behind the name of each cell.
+fn nested(tree: &Tree, after_name: impl Fn(CellId) -> String) -> String {
     let is_anterior = |cell: &CellId| tree.side(*cell) == Some(Side::Anterior);
     let mut out = String::with_capacity(40 * tree.len());
     for cell in tree.post_order() {
@@ -59,8 +45,8 @@ fn nested(tree: &Tree, mut after_name: impl FnMut(CellId, &mut String)) -> Strin
             let above = successors(Some(cell), |cell| tree.mother(*cell));
             above.take_while(is_anterior).for_each(|_| out.push('('));
         }
-        push_name(&mut out, &tree.cell(cell).name);
-        after_name(cell, &mut out);
+        out.push_str(&quoted(&tree.cell(cell).name));
+        out.push_str(&after_name(cell));
         out.push(match tree.side(cell) {
             Some(Side::Anterior) => ',',
             Some(Side::Posterior) => ')',
@@ -70,55 +56,39 @@ fn nested(tree: &Tree, mut after_name: impl FnMut(CellId, &mut String)) -> Strin
     out
 }
 
-/// Appends a name, in quotes where readers would take it for something else: they turn underscores of unquoted names into
-/// blanks, and reserve punctuation. Quotes are doubled inside quotes.
-fn push_name(out: &mut String, name: &str) {
-    if name.chars().all(|c| c.is_ascii_alphanumeric() || c == '.' || c == '-') {
-        out.push_str(name);
-    } else {
-        out.push('\'');
-        out.push_str(&name.replace('\'', "''"));
-        out.push('\'');
+/// A name, in quotes where readers would take it for something else: they turn underscores of unquoted names into blanks, and
+/// reserve punctuation. Quotes are doubled inside quotes.
+fn quoted(name: &str) -> String {
+    match name.chars().all(|c| c.is_ascii_alphanumeric() || c == '.' || c == '-') {
+        true => name.to_owned(),
+        false => format!("'{}'", name.replace('\'', "''")),
     }
 }
 
-fn push_length(out: &mut String, length: Option<f64>) {
-    if let Some(length) = length {
-        let _ = write!(out, ":{length}");
-    }
+fn length(tree: &Tree, cell: CellId, lengths: BranchLengths) -> String {
+    lengths.of(tree, cell).map_or(String::new(), |length| format!(":{length}"))
 }
 
-/// Appends the columns of a cell as a comment.
-fn push_comment(out: &mut String, tree: &Tree, cell: CellId, opening: &str, between: char) {
-    out.push_str(opening);
-    let known =
-        COLUMNS.iter().filter(|column| column.note).filter_map(|column| Some((column.name, (column.of)(tree, cell)?)));
-    for (k, (name, value)) in known.enumerate() {
-        if k > 0 {
-            out.push(between);
-        }
-        let _ = write!(out, "{name}={}", without_reserved(&value));
-    }
-    out.push(']');
-}
-
-/// A value without the characters that comments reserve: neither form can escape them.
-fn without_reserved(value: &str) -> String {
-    value.chars().map(|c| if c.is_whitespace() || "[]{}()=:;,'\"".contains(c) { '_' } else { c }).collect()
+/// The columns of a cell as a comment, without the characters that comments reserve: neither form can escape them.
+fn comment(tree: &Tree, cell: CellId, opening: &str, between: &str) -> String {
+    let plain = |c: char| if c.is_whitespace() || "[]{}()=:;,'\"".contains(c) { '_' } else { c };
+    let noted = COLUMNS.iter().filter(|column| column.note).filter_map(|column| {
+        let value: String = (column.of)(tree, cell)?.chars().map(plain).collect();
+        Some(format!("{}={value}", column.name))
+    });
+    format!("[{opening}{}]", noted.collect::<Vec<_>>().join(between))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::push_name;
+    use super::quoted;
 
     #[test]
     fn names_with_reserved_characters_are_quoted() {
         for (name, written) in
             [("AB.p-1", "AB.p-1"), ("Q_1", "'Q_1'"), ("a b", "'a b'"), ("it's", "'it''s'"), ("(µ)", "'(µ)'")]
         {
-            let mut out = String::new();
-            push_name(&mut out, name);
-            assert_eq!(out, written);
+            assert_eq!(quoted(name), written);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Errors in a JSON document, with the path of the field and in words that users know.
 
-use std::fmt::Write;
+use furrow_input::{json_field_at, printable};
 
 use super::TreeFileError;
 
@@ -23,18 +23,19 @@ pub(super) fn malformed(text: &str, error: &serde_json::Error) -> TreeFileError 
     let (line, column) = (error.line(), error.column());
     let whole = error.to_string();
     let message = whole.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&whole);
+    let mut path = String::new();
     // Numbers are found to be out of range while they are read, before it is known what they are for.
-    let path = match error.is_data() || message == "number out of range" {
-        true => path_at(text, offset(text, line, column), names_a_field(message)),
-        false => String::new(),
-    };
-    let path = if path.is_empty() { path } else { format!("{path}: ") };
-    TreeFileError::Malformed { line, column, message: format!("{path}{}", printable(&in_our_words(message))) }
-}
-
-/// Whether a message is about a field of the object that it is in, and not about the value of one.
-fn names_a_field(message: &str) -> bool {
-    ["missing field", "unknown field", "duplicate field"].iter().any(|begin| message.starts_with(begin))
+    if error.is_data() || message == "number out of range" {
+        // Columns are bytes.
+        let before: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+        // The message is about a field of the object that it is in, or about the value of one.
+        let begins = ["missing field", "unknown field", "duplicate field"];
+        let of_object = begins.iter().any(|begin| message.starts_with(begin));
+        path = json_field_at(text, before + column.saturating_sub(1), of_object);
+    }
+    let between = if path.is_empty() { "" } else { ": " };
+    let message = format!("{}{between}{}", short(&path), short(&in_our_words(message)));
+    TreeFileError::Malformed { line, column, message }
 }
 
 fn in_our_words(message: &str) -> String {
@@ -47,72 +48,13 @@ fn in_our_words(message: &str) -> String {
 }
 
 /// A message of bounded length without control characters: parsers quote what they read.
-fn printable(message: &str) -> String {
-    let mut out = String::new();
-    let length = message.chars().count();
-    let (head, tail) = (LONGEST_MESSAGE / 2, LONGEST_MESSAGE / 2);
-    for (k, c) in message.chars().enumerate() {
-        match c {
-            _ if length > LONGEST_MESSAGE && k == head => out.push('…'),
-            _ if length > LONGEST_MESSAGE && (head..length - tail).contains(&k) => {}
-            c if c.is_control() => out.extend(c.escape_default()),
-            c => out.push(c),
-        }
+fn short(message: &str) -> String {
+    let mut characters: Vec<char> = message.chars().collect();
+    let half = LONGEST_MESSAGE / 2;
+    if characters.len() > LONGEST_MESSAGE {
+        characters.splice(half..characters.len() - half, ['…']);
     }
-    out
-}
-
-/// The byte before a line and column as the parser counts them, both from 1, the column in bytes.
-fn offset(text: &str, line: usize, column: usize) -> usize {
-    let before: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
-    (before + column.saturating_sub(1)).min(text.len())
-}
-
-/// An object or list that is open at a place of a document.
-enum Open<'a> {
-    /// An object, the key that was read last, and whether another is expected.
-    Object { key: &'a str, expects_key: bool },
-    /// A list, and the place in it.
-    List(usize),
-}
-
-/// The path of the field that a byte of a document belongs to, as in `cells[3].r0`; of the object around it if `of_object`.
-fn path_at(text: &str, end: usize, of_object: bool) -> String {
-    let bytes = text.as_bytes();
-    let mut open: Vec<Open<'_>> = Vec::new();
-    let mut at = 0;
-    while at < end {
-        match (bytes[at], open.last_mut()) {
-            (b'{', _) => open.push(Open::Object { key: "", expects_key: true }),
-            (b'[', _) => open.push(Open::List(0)),
-            (b'}' | b']', _) => drop(open.pop()),
-            (b',', Some(Open::Object { expects_key, .. })) => *expects_key = true,
-            (b',', Some(Open::List(place))) => *place += 1,
-            (b'"', inside) => {
-                let start = at + 1;
-                at = start;
-                while at < bytes.len() && bytes[at] != b'"' {
-                    at += if bytes[at] == b'\\' { 2 } else { 1 };
-                }
-                if let Some(Open::Object { key, expects_key: expects_key @ true }) = inside {
-                    *key = text.get(start..at).unwrap_or("");
-                    *expects_key = false;
-                }
-            }
-            _ => {}
-        }
-        at += 1;
-    }
-    let shown = open.len().min(8) - usize::from(of_object && !open.is_empty() && open.len() <= 8);
-    let mut path = String::new();
-    for part in open.iter().take(shown) {
-        let _ = match part {
-            Open::Object { key, .. } if path.is_empty() => write!(path, "{}", printable(key)),
-            Open::Object { key, .. } => write!(path, ".{}", printable(key)),
-            Open::List(place) => write!(path, "[{place}]"),
-        };
-    }
-    path
+    printable(&characters.into_iter().collect::<String>()).into_owned()
 }
 
 #[cfg(test)]
@@ -120,27 +62,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn paths_are_those_of_the_document() {
-        let text = r#"{"a": 1, "b\"]": [{"c": [2, {"d": "{[,"}]}, 3], "e": {"f": null}}"#;
-        for (found, of_object, path) in [
-            ("1", false, "a"),
-            ("1", true, ""),
-            ("2", false, "b\\\"][0].c[0]"),
-            ("{[,", false, "b\\\"][0].c[1].d"),
-            ("{[,", true, "b\\\"][0].c[1]"),
-            ("3", false, "b\\\"][1]"),
-            ("null", false, "e.f"),
-            ("}}", true, "e"),
-        ] {
-            assert_eq!(path_at(text, text.find(found).unwrap(), of_object), path, "{found}");
-        }
-        assert_eq!(path_at(&"[".repeat(100), 100, false), "[0]".repeat(8));
-        assert_eq!(path_at("\"\\", 2, true), "");
-    }
-
-    #[test]
     fn messages_are_short_and_free_of_what_terminals_obey() {
-        let long = printable(&format!("a\u{1b}[2J{}z", "x".repeat(1000)));
+        let long = short(&format!("a\u{1b}[2J{}z", "x".repeat(1000)));
         assert!(long.starts_with("a\\u{1b}[2Jxx") && long.contains('…') && long.ends_with("xz"), "{long}");
         assert_eq!(long.chars().count(), LONGEST_MESSAGE + 1 + "\\u{1b}".len() - 1);
         assert_eq!(

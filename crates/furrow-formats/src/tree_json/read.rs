@@ -99,8 +99,7 @@ pub fn read_tree(path: &Path) -> Result<Tree, InputError> {
             None => "it is empty".to_owned(),
             Some(line) => format!("it begins with {}, and a tree.json is JSON that begins with {{", shown(line)),
         };
-        let (file, wanted) = (path.display().to_string(), "a tree.json".to_owned());
-        return Err(InputError::OtherFile { file, wanted, reason });
+        return Err(InputError::other_file(path.display(), "a tree.json", reason));
     }
     tree_from_json(&text).map_err(|error| error.in_file(path))
 }
@@ -134,107 +133,91 @@ pub fn tree_from_json(text: &str) -> Result<Tree, TreeFileError> {
         return Err(InputError::not_allowed("tree", "r0_step", document.r0_step, "from 0 to 0.5").into());
     }
     let settings = TreeSettings { cell: document.cell, numerics, seed: document.seed, r0_step: document.r0_step };
-    Builder::new(document.lineage, settings).build(document.cells)
+    build(document.lineage, settings, &document.cells)
 }
 
 /// The error of a cell, with what is allowed.
 type Complaint = String;
 
 /// Adds cells to a tree after checking them.
-struct Builder<'a> {
-    founders: HashMap<String, usize>,
-    /// Moved into the tree with its first cell.
-    inputs: Option<(Lineage, TreeSettings)>,
-    tree: Option<Tree>,
-    nodes: HashMap<Cow<'a, str>, CellId>,
-    /// The mother and the side of the cell before.
-    last: Option<(CellId, Side)>,
-    /// The cue that was checked last; most cells carry that of their mother.
-    checked: Cue,
-}
-
-impl<'a> Builder<'a> {
-    fn new(lineage: Lineage, settings: TreeSettings) -> Builder<'a> {
-        let founders = lineage.founders.iter().enumerate().map(|(i, f)| (f.name.clone(), i)).collect();
-        Builder {
-            founders,
-            inputs: Some((lineage, settings)),
-            tree: None,
-            nodes: HashMap::new(),
-            last: None,
-            checked: Cue::none(),
-        }
-    }
-
-    fn build(mut self, records: Vec<Record<'a>>) -> Result<Tree, TreeFileError> {
-        let wrong = |index: usize, cell: &str, message| TreeFileError::Cell { index, cell: cell.to_owned(), message };
-        for (index, record) in records.iter().enumerate() {
-            self.add(record).map_err(|message| wrong(index, &record.name, message))?;
-        }
-        let tree = self.tree.ok_or_else(|| wrong(0, "", "there are no cells".to_owned()))?;
-        for (id, record) in tree.cells().zip(&records) {
-            whole(&tree, id, record).map_err(|message| wrong(id.index(), &record.name, message))?;
-        }
-        Ok(tree)
-    }
-
-    fn add(&mut self, record: &Record<'a>) -> Result<(), Complaint> {
+fn build(lineage: Lineage, settings: TreeSettings, records: &[Record<'_>]) -> Result<Tree, TreeFileError> {
+    let wrong = |index: usize, message: Complaint| {
+        let cell = records.get(index).map_or(String::new(), |record| record.name.to_string());
+        TreeFileError::Cell { index, cell, message }
+    };
+    let founders: HashMap<String, usize> =
+        lineage.founders.iter().enumerate().map(|(i, founder)| (founder.name.clone(), i)).collect();
+    // The cue that was checked last; most cells carry that of their mother.
+    let mut checked = Cue::none();
+    let mut cell = |record: &Record<'_>| {
         in_range(record)?;
-        if *record.cue != self.checked {
+        if *record.cue != checked {
             record.cue.check().map_err(|error| format!("cue: {error}"))?;
-            self.checked = record.cue.as_ref().clone();
+            checked = record.cue.as_ref().clone();
         }
-        let founder = *self
-            .founders
-            .get(record.founder.as_ref())
-            .ok_or_else(|| format!("founder {} is not in the lineage", shown(&record.founder)))?;
-        let cell = TreeCell {
-            name: record.name.as_ref().to_owned(),
-            founder,
+        let unknown = || format!("founder {} is not in the lineage", shown(&record.founder));
+        Ok(TreeCell {
+            name: record.name.to_string(),
+            founder: *founders.get(record.founder.as_ref()).ok_or_else(unknown)?,
             generation: record.generation,
             r0: record.r0,
             volume_fraction: record.volume_fraction,
             cue: record.cue.as_ref().clone(),
             fate: record.fate()?,
-        };
-        let node = match (&mut self.tree, &record.mother, record.daughter) {
-            (None, None, None) => {
-                let Some((lineage, settings)) = self.inputs.take() else { return Ok(()) };
-                if founder != lineage.first() || record.name != record.founder {
-                    let first = lineage.founders.get(lineage.first()).map_or("", |first| &first.name);
-                    return Err(format!("the first cell must be the first founder of the lineage, {}", shown(first)));
-                }
-                if record.generation != 0 {
-                    return Err(format!("generation = {}: must be 0 for the first cell", record.generation));
-                }
-                let tree = Tree::new(lineage, settings, cell);
-                let node = tree.first();
-                self.tree = Some(tree);
-                node
+        })
+    };
+    let first = records.first().ok_or_else(|| wrong(0, "there are no cells".to_owned()))?;
+    let root = cell(first).and_then(|root| is_first(&lineage, first, &root).map(|()| root));
+    let mut tree = Tree::new(lineage, settings, root.map_err(|message| wrong(0, message))?);
+    let mut nodes = HashMap::from([(first.name.as_ref(), tree.first())]);
+    // The mother and the side of the cell before.
+    let mut last: Option<(CellId, Side)> = None;
+    for (index, record) in records.iter().enumerate().skip(1) {
+        let mut add = || {
+            let cell = cell(record)?;
+            let (Some(mother), Some(side)) = (&record.mother, record.daughter) else {
+                return Err(ONE_FIRST.to_owned());
+            };
+            let unknown = || format!("mother {} is not among the cells before it", shown(mother));
+            let mother = *nodes.get(mother.as_ref()).ok_or_else(unknown)?;
+            let is_founder = follows(&tree, mother, record, cell.founder)?;
+            if last.is_some_and(|(before, last)| {
+                mother < before || mother == before && (last, side) == (Side::Posterior, Side::Anterior)
+            }) {
+                return Err(
+                    "it is out of order: cells stand in the order of their mothers, the anterior daughter first"
+                        .to_owned(),
+                );
             }
-            (Some(tree), Some(mother), Some(side)) => {
-                let mother = *self
-                    .nodes
-                    .get(mother.as_ref())
-                    .ok_or_else(|| format!("mother {} is not among the cells before it", shown(mother)))?;
-                let is_founder = follows(tree, mother, record, founder)?;
-                if self.last.is_some_and(|(before, last)| {
-                    mother < before || mother == before && (last, side) == (Side::Posterior, Side::Anterior)
-                }) {
-                    return Err(
-                        "it is out of order: cells stand in the order of their mothers, the anterior daughter first"
-                            .to_owned(),
-                    );
-                }
-                self.last = Some((mother, side));
-                tree.add(mother, side, cell, is_founder)
+            last = Some((mother, side));
+            match nodes.insert(&record.name, tree.add(mother, side, cell, is_founder)) {
+                None => Ok(()),
+                Some(_) => Err("its name appears twice".to_owned()),
             }
-            _ => return Err("the first cell, and no other, has neither mother nor daughter side".to_owned()),
         };
-        match self.nodes.insert(record.name.clone(), node) {
-            None => Ok(()),
-            Some(_) => Err("its name appears twice".to_owned()),
-        }
+        add().map_err(|message| wrong(index, message))?;
+    }
+    for (id, record) in tree.cells().zip(records) {
+        whole(&tree, id, record).map_err(|message| wrong(id.index(), message))?;
+    }
+    Ok(tree)
+}
+
+/// What is wrong with several cells, or the only one, without a mother.
+const ONE_FIRST: &str = "the first cell, and no other, has neither mother nor daughter side";
+
+/// Checks the first cell.
+fn is_first(lineage: &Lineage, record: &Record<'_>, cell: &TreeCell) -> Result<(), Complaint> {
+    if record.mother.is_some() || record.daughter.is_some() {
+        return Err(ONE_FIRST.to_owned());
+    }
+    if cell.founder != lineage.first() || record.name != record.founder {
+        let first = lineage.founders.get(lineage.first()).map_or("", |first| &first.name);
+        return Err(format!("the first cell must be the first founder of the lineage, {}", shown(first)));
+    }
+    match cell.generation {
+        0 => Ok(()),
+        generation => Err(format!("generation = {generation}: must be 0 for the first cell")),
     }
 }
 
@@ -250,13 +233,9 @@ fn follows(tree: &Tree, mother: CellId, record: &Record<'_>, founder: usize) -> 
         true => tree.lineage.founders.get(founder).is_some_and(|f| f.mother.as_deref() == Some(&*above.name)),
         false => founder == above.founder,
     };
-    match right {
-        true => Ok(is_founder),
-        false => {
-            let (founder, mother) = (shown(&record.founder), shown(&above.name));
-            Err(format!("founder {founder} is not what a daughter of {mother} belongs to in the lineage"))
-        }
-    }
+    let (founder, mother) = (shown(&record.founder), shown(&above.name));
+    let refused = || format!("founder {founder} is not what a daughter of {mother} belongs to in the lineage");
+    right.then_some(is_founder).ok_or_else(refused)
 }
 
 /// Checks the values of a cell.
@@ -294,13 +273,14 @@ fn whole(tree: &Tree, id: CellId, record: &Record<'_>) -> Result<(), Complaint> 
     let complaint = match (tree.daughter_count(id), &record.ended) {
         (0, Some(_)) => return Ok(()),
         (0, None) => "ended = null: must be the reason why it has no daughters",
-        (2, _) if tree.daughters(id).is_none() => "its daughters are not one anterior and one posterior",
-        (2, Some(reason)) => {
+        (count, _) if count != 2 || tree.daughters(id).is_none() => {
+            "its daughters are not one anterior and one posterior"
+        }
+        (_, Some(reason)) => {
             return Err(format!("ended = {:?}: must be null where there are daughters", reason.name()));
         }
-        (2, None) if divided => return Ok(()),
-        (2, None) => "outcome: must be symmetric or asymmetric, with t_end, where there are daughters",
-        _ => "its daughters are not one anterior and one posterior",
+        (_, None) if divided => return Ok(()),
+        (_, None) => "outcome: must be symmetric or asymmetric, with t_end, where there are daughters",
     };
     Err(complaint.to_owned())
 }
@@ -312,25 +292,25 @@ impl Record<'_> {
             Some(TerminalReason::AtRest { growth_rate }) => growth_rate,
             _ => None,
         };
-        let division = match self.outcome.zip(self.t_end) {
-            None => None,
-            Some((outcome, t_end)) => {
-                let row = DivisionRow {
-                    outcome,
-                    chi: self.chi,
-                    chi_signed: self.chi_signed,
-                    u_furrow: self.u_furrow,
-                    t_end,
-                    daughters: Some([0.0; 2]),
-                    growth_rate,
-                    slow_growth_rate: self.slow_growth_rate,
-                    volume_drift: 0.0,
-                    work: furrow_bvp::Work::default(),
-                };
-                let missing = |_| format!("outcome = {outcome}: needs chi and u_furrow");
-                Some(Division::try_from(row).map_err(missing)?.with_daughters_of(self.r0))
-            }
+        let row = self.outcome.zip(self.t_end).map(|(outcome, t_end)| DivisionRow {
+            outcome,
+            chi: self.chi,
+            chi_signed: self.chi_signed,
+            u_furrow: self.u_furrow,
+            t_end,
+            daughters: Some([0.0; 2]),
+            growth_rate,
+            slow_growth_rate: self.slow_growth_rate,
+            volume_drift: 0.0,
+            work: furrow_bvp::Work::default(),
+        });
+        let missing = |outcome: Outcome| format!("outcome = {outcome}: needs chi and u_furrow");
+        let division = |row: DivisionRow| {
+            let outcome = row.outcome;
+            let division = Division::try_from(row).map_err(|_| missing(outcome))?;
+            Ok::<_, Complaint>(division.with_daughters_of(self.r0))
         };
+        let division = row.map(division).transpose()?;
         Ok(match (self.ended.clone(), division) {
             (None, Some(division)) => Fate::Divides(division),
             (Some(reason), division) => Fate::Terminal { reason, division },

@@ -63,14 +63,11 @@ pub fn furrow(upright: &Contour) -> Furrow {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contour::around;
 
     #[test]
     fn an_ellipse_has_none() {
-        let ellipse = (0..500).map(|k| {
-            let t = k as f64 / 500.0 * std::f64::consts::TAU;
-            [2.0 * t.cos(), 3.0 * t.sin()]
-        });
-        let (ellipse, _) = Contour::new(ellipse.collect()).unwrap();
+        let ellipse = around(500, |t| [2.0 * t.cos(), 3.0 * t.sin()]);
         assert!(furrow(&ellipse).depth < 1e-3);
     }
 

@@ -48,11 +48,7 @@ impl Contours {
 }
 
 fn decode(from: impl Read, file: &str, labels: bool) -> Result<Picture, InputError> {
-    let refused = |reason: String| InputError::OtherFile {
-        file: file.to_owned(),
-        wanted: "a mask, a PNG picture".to_owned(),
-        reason,
-    };
+    let refused = |reason: String| InputError::other_file(file, "a mask, a PNG picture", reason);
     // The decoder has to seek, which cannot be done in a pipe: all is read before, up to two bytes for each pixel that is allowed.
     let mut bytes = Vec::new();
     from.take(2 * MOST_PIXELS as u64).read_to_end(&mut bytes).map_err(|e| refused(e.to_string()))?;
@@ -97,11 +93,11 @@ fn value(row: &[u8], x: usize, color: ColorType, depth: BitDepth) -> u16 {
 fn foreground(picture: &Picture) -> Vec<bool> {
     let (least, most) = picture.values.iter().fold((u16::MAX, 0), |(a, b), v| (a.min(*v), b.max(*v)));
     let middle = (u32::from(least) + u32::from(most)) / 2;
-    let bright = |at: usize| u32::from(picture.values[at]) > middle;
-    let (width, height) = (picture.width, picture.height);
-    let rim: Vec<usize> = (0..width * height).filter(|at| picture.is_on_rim(*at)).collect();
-    let dark_cell = 2 * rim.iter().filter(|at| bright(**at)).count() > rim.len();
-    (0..width * height).map(|at| least < most && bright(at) != dark_cell).collect()
+    let bright = |at: &usize| u32::from(picture.values[*at]) > middle;
+    let all = 0..picture.values.len();
+    let rim: Vec<usize> = all.clone().filter(|at| picture.is_on_rim(*at)).collect();
+    let dark_cell = 2 * rim.iter().filter(|at| bright(at)).count() > rim.len();
+    all.map(|at| least < most && bright(&at) != dark_cell).collect()
 }
 
 /// The pixels of the largest piece that hangs together by sides, and what there is to say of the others; none without a pixel.
@@ -109,10 +105,9 @@ fn largest_piece(picture: &Picture, mut inside: Vec<bool>) -> Option<(Vec<bool>,
     let (width, height) = (picture.width, picture.height);
     let mut pieces: Vec<Vec<usize>> = Vec::new();
     for start in 0..inside.len() {
-        if !inside[start] {
+        if !std::mem::take(&mut inside[start]) {
             continue;
         }
-        inside[start] = false;
         let (mut piece, mut next) = (vec![start], 0);
         while let Some(&at) = piece.get(next) {
             next += 1;

@@ -155,20 +155,23 @@ impl Contour {
 
     /// The contour with its centroid in the origin and its long axis along the second coordinate, as the model's axis lies.
     pub fn upright(&self) -> Contour {
-        let moments = self.moments();
-        let turn = Rotation2::rotation_between(&moments.long_axis, &Vector2::y());
-        let points = self.points.iter().map(|point| Point2::from(turn * (point - moments.centroid))).collect();
-        Contour { points }
+        let Moments { centroid, long_axis, .. } = self.moments();
+        let turn = Rotation2::rotation_between(&long_axis, &Vector2::y());
+        self.map(|point| Point2::from(turn * (point - centroid)))
     }
 
     /// Turned by half a turn about the origin.
     pub fn turned(&self) -> Contour {
-        Contour { points: self.points.iter().map(|point| -point).collect() }
+        self.map(|point| -point)
     }
 
     /// Lengths times a factor above 0.
     pub fn scaled(&self, factor: f64) -> Contour {
-        Contour { points: self.points.iter().map(|point| point * factor).collect() }
+        self.map(|point| point * factor)
+    }
+
+    fn map(&self, point: impl Fn(&Point2<f64>) -> Point2<f64>) -> Contour {
+        Contour { points: self.points.iter().map(point).collect() }
     }
 
     fn rings(&self) -> Vec<[f64; 2]> {
@@ -188,9 +191,15 @@ fn signed_area(ring: &[[f64; 2]]) -> f64 {
 /// The larger side of the box around points.
 fn extent(points: &[[f64; 2]]) -> f64 {
     let side = |k: usize| {
-        let least = points.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min);
-        let most = points.iter().map(|p| p[k]).fold(f64::NEG_INFINITY, f64::max);
-        most - least
+        let along = points.iter().map(|p| p[k]);
+        along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
     };
     side(0).max(side(1))
+}
+
+/// Points at so many angles around a cell, for tests.
+#[cfg(test)]
+pub(crate) fn around(count: u32, at: impl Fn(f64) -> [f64; 2]) -> Contour {
+    let angles = (0..count).map(|k| f64::from(k) / f64::from(count) * std::f64::consts::TAU);
+    Contour::new(angles.map(at).collect()).unwrap().0
 }

@@ -50,13 +50,6 @@ pub struct Contours {
     pub left_out: Vec<LeftOut>,
 }
 
-/// Columns of the points and of the name of their contour.
-struct Places {
-    x: usize,
-    y: usize,
-    contour: Option<usize>,
-}
-
 /// The points of a contour, and what is wrong with one.
 #[derive(Default)]
 struct Ring {
@@ -76,19 +69,37 @@ impl Contours {
         let Some((line, record)) = table.next()? else {
             return Err(malformed(file, 1, "the table is empty; its columns are x and y, a row for each point"));
         };
-        let mut rings = Rings::default();
         let bare = record.len() == 2 && record.iter().all(|text| number(text.trim_ascii()).is_some());
-        let places = if bare { Places { x: 0, y: 1, contour: None } } else { places(record, file)? };
+        let (columns, contour) = if bare { ([0, 1], None) } else { places(record, file)? };
+        let mut rings: Vec<Ring> = Vec::new();
+        let mut known: HashMap<String, usize> = HashMap::new();
+        let mut take = |line: u64, record: &ByteRecord| {
+            let text = |column: usize| record.get(column).unwrap_or_default().trim_ascii();
+            let name = contour.map_or(String::new(), |at| String::from_utf8_lossy(text(at)).into_owned());
+            let place = *known.entry(name).or_insert_with_key(|name| {
+                rings.push(Ring { name: name.clone(), first_line: line, ..Ring::default() });
+                rings.len() - 1
+            });
+            // An unreadable point would leave a dent, so its contour is not used.
+            let Ring { points, wrong, .. } = &mut rings[place];
+            points.push(columns.map(|column| {
+                number(text(column)).unwrap_or_else(|| {
+                    let text = shown(&String::from_utf8_lossy(text(column)));
+                    wrong.get_or_insert((line, format!("column {}: {text} is not a finite number", column + 1)));
+                    f64::NAN
+                })
+            }));
+        };
         if bare {
-            rings.take(line, record, &places);
+            take(line, record);
         }
         while let Some((line, record)) = table.next()? {
-            rings.take(line, record, &places);
+            take(line, record);
         }
-        if rings.rings.is_empty() {
+        if rings.is_empty() {
             return Err(malformed(file, 1, "the table has columns but no points"));
         }
-        for Ring { name, first_line, points, wrong } in rings.rings {
+        for Ring { name, first_line, points, wrong } in rings {
             match wrong {
                 Some((line, why)) => {
                     self.left_out.push(LeftOut { file: file.to_owned(), contour: name, line: Some(line), why });
@@ -122,49 +133,16 @@ impl Contours {
     }
 }
 
-/// The contours of a table so far, and their indices by name.
-#[derive(Default)]
-struct Rings {
-    rings: Vec<Ring>,
-    known: HashMap<String, usize>,
-}
-
-impl Rings {
-    /// Takes a row. An unreadable point would leave a dent, so its contour is not used.
-    fn take(&mut self, line: u64, record: &ByteRecord, places: &Places) {
-        let text = |column: usize| record.get(column).unwrap_or_default().trim_ascii();
-        let name = places.contour.map_or(String::new(), |at| String::from_utf8_lossy(text(at)).into_owned());
-        let rings = &mut self.rings;
-        let ring = *self.known.entry(name).or_insert_with_key(|name| {
-            rings.push(Ring { name: name.clone(), first_line: line, ..Ring::default() });
-            rings.len() - 1
-        });
-        let ring = &mut rings[ring];
-        let point = [places.x, places.y].map(|column| {
-            number(text(column)).unwrap_or_else(|| {
-                let text = shown(&String::from_utf8_lossy(text(column)));
-                ring.wrong.get_or_insert((line, format!("column {}: {text} is not a finite number", column + 1)));
-                f64::NAN
-            })
-        });
-        ring.points.push(point);
-    }
-}
-
-fn places(header: &ByteRecord, file: &str) -> Result<Places, InputError> {
+/// The columns of the points, and of the name of their contour.
+fn places(header: &ByteRecord, file: &str) -> Result<([usize; 2], Option<usize>), InputError> {
     let names: Vec<String> = names(header).iter().map(|name| name.to_lowercase()).collect();
     let find = |known: &[&str]| names.iter().position(|name| known.contains(&name.as_str()));
-    let x = find(&["x", "x_um", "x_px", "r"]);
-    let y = find(&["y", "y_um", "y_px", "z"]);
-    let contour = find(&["contour", "stage", "frame", "id"]);
-    match (x, y) {
-        (Some(x), Some(y)) => Ok(Places { x, y, contour }),
-        _ => {
-            let message = format!(
-                "a table of contours has the columns x and y (or r and z), and contour if it has several; the columns here are {}",
-                listed(&names)
-            );
-            Err(malformed(file, 1, message))
-        }
+    if let (Some(x), Some(y)) = (find(&["x", "x_um", "x_px", "r"]), find(&["y", "y_um", "y_px", "z"])) {
+        return Ok(([x, y], find(&["contour", "stage", "frame", "id"])));
     }
+    let message = format!(
+        "a table of contours has the columns x and y (or r and z), and contour if it has several; the columns here are {}",
+        listed(&names)
+    );
+    Err(malformed(file, 1, message))
 }

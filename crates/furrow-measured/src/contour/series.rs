@@ -124,18 +124,16 @@ pub fn series(measured: &[Traced], model: &[ModelContour], length_scale: Option<
         return None;
     }
     let length_scale = length_scale.unwrap_or((areas / of_models).sqrt());
-    let mut contours: Vec<ContourMatch> = measured
-        .iter()
-        .zip(&laid)
-        .zip(&matched)
-        .map(|((traced, laid), k)| beside(traced, laid, (&model[*k], &models[*k]), length_scale))
-        .collect();
+    let pair = |k: usize| beside(&measured[k], &laid[k], (&model[matched[k]], &models[matched[k]]), length_scale);
+    let mut contours: Vec<ContourMatch> = (0..laid.len()).map(pair).collect();
     for (stage, k) in stages(&contours).into_iter().enumerate() {
         contours[k].stage = Some(stage);
     }
-    let all: Vec<f64> = contours.iter().map(|beside| beside.overlap.similarity).collect();
-    let staged: Vec<f64> =
-        contours.iter().filter(|beside| beside.stage.is_some()).map(|beside| beside.overlap.similarity).collect();
+    let similarities = |all: bool| -> Vec<f64> {
+        let counted = contours.iter().filter(|beside| all || beside.stage.is_some());
+        counted.map(|beside| beside.overlap.similarity).collect()
+    };
+    let (all, staged) = (similarities(true), similarities(false));
     Some(Series {
         length_scale,
         n: all.len(),

@@ -2,7 +2,7 @@
 
     python exchange.py PACKAGE [--installed]
 
-Run by tests/trees/exchange.rs in a folder with t/tree.json and the exports. With --installed it finds out whether the package is there.
+Run by tests/command/sessions/export.txt in a folder with t/tree.json and the exports. With --installed it finds out whether the package is there.
 """
 
 import csv
@@ -191,9 +191,27 @@ def jsonschema():
         reasons |= {cell["ended"]["reason"] for cell in tree["cells"] if cell["ended"]}
         print(f"  {file}: {len(tree['cells'])} cells")
     assert "undecided" in reasons and "below_pitchfork" in reasons, reasons
-    wrong = json.load(open("t/tree.json"))
-    wrong["cells"][3]["outcome"] = "both"
-    assert not validator.is_valid(wrong)
+    # One value of a tree changed: whatever is against the schema is refused.
+    for place, value in WRONG.items():
+        wrong = json.load(open("t/tree.json"))
+        inside, keys = wrong, [int(key) if key.isdigit() else key for key in place.split("/")]
+        for key in keys[:-1]:
+            inside = inside[key]
+        inside[keys[-1]] = value
+        assert not validator.is_valid(wrong), place
 
+
+WRONG = {
+    "schema_version": 3,
+    "seed": -1,
+    "cells/3/outcome": "both",
+    "cells/0/chi": 1.5,
+    "cells/0/generation": 0.5,
+    "cells/0/daughter": "left",
+    "cells/3/cue": {"kapa": {}},
+    "cells": [],
+    "lineage/naming": ["a"],
+    "cell/material": {},
+}
 
 globals()[part]()

@@ -1,0 +1,76 @@
+//! Sessions at the command line: what users type, and what they see. The shell runs them.
+#![cfg(unix)]
+
+use crate::common::cases::check_session;
+
+#[test]
+fn branches() {
+    check_session("command/sessions/branches.txt");
+}
+
+#[test]
+fn commands() {
+    check_session("command/sessions/commands.txt");
+}
+
+#[test]
+fn compare() {
+    check_session("command/sessions/compare.txt");
+}
+
+#[test]
+fn export() {
+    check_session("command/sessions/export.txt");
+}
+
+#[test]
+fn help() {
+    check_session("command/sessions/help.txt");
+}
+
+#[test]
+fn help_of_shapes() {
+    check_session("command/sessions/help_of_shapes.txt");
+}
+
+#[test]
+fn lineages() {
+    check_session("command/sessions/lineages.txt");
+}
+
+#[test]
+fn contours() {
+    check_session("command/sessions/contours.txt");
+}
+
+/// There is no /dev/full elsewhere.
+#[cfg(target_os = "linux")]
+#[test]
+fn outputs() {
+    check_session("command/sessions/outputs.txt");
+}
+
+#[test]
+fn pictures() {
+    check_session("command/sessions/pictures.txt");
+}
+
+#[test]
+fn refusals() {
+    check_session("command/sessions/refusals.txt");
+}
+
+#[test]
+fn scenarios() {
+    check_session("command/sessions/scenarios.txt");
+}
+
+#[test]
+fn sweeps() {
+    check_session("command/sessions/sweeps.txt");
+}
+
+#[test]
+fn workflows() {
+    check_session("command/sessions/workflows.txt");
+}
