@@ -42,14 +42,7 @@ impl Check<'_> {
     }
 
     /// The same for a founder.
-    fn ensure_of(
-        &self,
-        f: &Founder,
-        ok: bool,
-        field: &str,
-        value: impl ToString,
-        allowed: impl Into<String>,
-    ) -> Checked {
+    fn require(&self, f: &Founder, ok: bool, field: &str, value: impl ToString, allowed: impl Into<String>) -> Checked {
         if ok { Ok(()) } else { Err(self.founder_error(f, field, value, allowed)) }
     }
 
@@ -156,26 +149,26 @@ impl Check<'_> {
         let reserved = |c: char| c.is_whitespace() || "()[]{}:;,'\"=".contains(c);
         let plain = !f.name.is_empty() && forbidden(&f.name).is_none() && !f.name.chars().any(reserved);
         let allowed = "not empty and free of spaces, control characters, brackets, quotes and of : ; , = (tree files reserve them)";
-        self.ensure_of(f, plain, "name", shown(&f.name), allowed)?;
+        self.require(f, plain, "name", shown(&f.name), allowed)?;
         for &pair in &f.letters {
             self.letters(&format!("founder {:?}: letters", f.name), pair)?;
         }
         self.physics(f)?;
         if let Some(cue) = &f.cue {
             self.known_cue(cue).map_err(|allowed| self.founder_error(f, "cue", shown(cue), allowed))?;
-            self.ensure_of(f, f.cue_rules.is_empty(), "cue", shown(cue), "left out where cue_rules are given")?;
+            self.require(f, f.cue_rules.is_empty(), "cue", shown(cue), "left out where cue_rules are given")?;
         }
         let allowed = "left out where the founder has no cue; cue_rules say themselves which generations they are for";
-        self.ensure_of(f, f.inherit || f.cue.is_some(), "inherit", "false", allowed)?;
+        self.require(f, f.inherit || f.cue.is_some(), "inherit", "false", allowed)?;
         self.rules(&|| self.place(&f.name, 0), &format!("founder {}: cue_rules", shown(&f.name)), &f.cue_rules)?;
         let (mother, daughter) = (f.mother.is_some(), f.daughter.is_some());
         let allowed = "larger or smaller where a mother is given";
-        self.ensure_of(f, daughter || !mother, "daughter", "(not given)", allowed)?;
+        self.require(f, daughter || !mother, "daughter", "(not given)", allowed)?;
         let allowed = "the mother's name where a daughter is given";
-        self.ensure_of(f, mother || !daughter, "mother", "(not given)", allowed)?;
+        self.require(f, mother || !daughter, "mother", "(not given)", allowed)?;
         match f.observed.and_then(|observed| observed.contradiction()) {
             None => Ok(()),
-            Some((field, value, allowed)) => self.ensure_of(f, false, &format!("observed.{field}"), value, allowed),
+            Some((field, value, allowed)) => self.require(f, false, &format!("observed.{field}"), value, allowed),
         }
     }
 
@@ -184,8 +177,8 @@ impl Check<'_> {
             let units = self.lineage.units();
             let no_unit = |allowed| self.founder_error(f, "r0", format!("\"{given}\""), allowed);
             let r0 = given.in_units(&units).map_err(no_unit)?;
-            self.ensure_of(f, r0.is_finite() && r0 > 0.0, "r0", given, "a finite number above 0")?;
-            self.ensure_of(f, SIZES.contains(&r0), "r0", given, "a number of L_h from 1e-6 to 1e6")?;
+            self.require(f, r0.is_finite() && r0 > 0.0, "r0", given, "a finite number above 0")?;
+            self.require(f, SIZES.contains(&r0), "r0", given, "a number of L_h from 1e-6 to 1e6")?;
         }
         for (parameter, value) in f.physics.values() {
             let refused = |allowed| self.founder_error(f, &format!("physics.{parameter}"), value, allowed);
