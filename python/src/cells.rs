@@ -14,8 +14,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
 
-use crate::errors::Error;
-use crate::inputs::{ARGUMENTS, Columns, Inputs, arrays};
+use crate::errors::{ARGUMENTS, Error};
+use crate::inputs::{Columns, Inputs, arrays};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 

@@ -9,6 +9,9 @@ use furrow_mechanics::division::DivisionError;
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 
+/// The source that errors name for arguments of a call.
+pub const ARGUMENTS: &str = "furrow";
+
 mod exceptions {
     pyo3::import_exception!(furrow._errors, InputError);
     pyo3::import_exception!(furrow._errors, NoOutcome);

@@ -12,10 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyInt, PyString};
 use serde::{Deserialize, Serialize};
 
-use crate::errors::{Error, refused};
-
-/// The source that errors name for arguments of a call.
-pub const ARGUMENTS: &str = "furrow";
+use crate::errors::{ARGUMENTS, Error, refused};
 
 /// A text, or the file that has it.
 pub type Source = (Option<String>, Option<PathBuf>);

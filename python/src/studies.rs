@@ -10,8 +10,8 @@ use furrow_mechanics::calibration::{Targets, calibrate as calibrated};
 use pyo3::prelude::*;
 use serde_json::{Map, json};
 
-use crate::errors::Error;
-use crate::inputs::{ARGUMENTS, Given, Source, text_of};
+use crate::errors::{ARGUMENTS, Error};
+use crate::inputs::{Given, Source, text_of};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 use crate::trees::{Labelled, scenarios};

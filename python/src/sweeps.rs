@@ -12,8 +12,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use serde_json::Value;
 
-use crate::errors::Error;
-use crate::inputs::{ARGUMENTS, Given, Source};
+use crate::errors::{ARGUMENTS, Error};
+use crate::inputs::{Given, Source};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 

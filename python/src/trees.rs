@@ -18,8 +18,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use serde_json::json;
 
-use crate::errors::Error;
-use crate::inputs::{ARGUMENTS, Given, arrays, bad_cue, lineage_of};
+use crate::errors::{ARGUMENTS, Error};
+use crate::inputs::{Given, arrays, bad_cue, lineage_of};
 use crate::memo::Memo;
 use crate::supervise::{Interrupt, supervised};
 

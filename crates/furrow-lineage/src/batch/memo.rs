@@ -12,10 +12,14 @@ use dashmap::{DashMap, Entry};
 
 use super::key::{Key, PrefixHasher};
 use super::quantisation::Quantisation;
-use super::scheduler::Solve;
 use super::store::Store;
 use furrow_cell::Cell;
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
+
+/// Computes divisions, on any thread.
+pub trait Solve: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync {}
+
+impl<F: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync> Solve for F {}
 
 /// Divisions solved so far or being solved, shared by any number of runs and threads.
 #[derive(Debug)]

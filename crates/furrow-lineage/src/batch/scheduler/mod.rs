@@ -11,7 +11,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{atomic::AtomicBool, mpsc::channel};
 
 use self::run::{Assignment, Run};
-use super::memo::{Event, Failure, Memo};
+use super::memo::{Event, Failure, Memo, Solve};
 use super::store::StoreWarning;
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
 
@@ -36,11 +36,6 @@ pub enum Step<'s, S = Job> {
     /// Does some work on a worker, then asks what follows from the job of that number.
     Prepare(usize, Work<'s>),
 }
-
-/// Computes divisions, on any thread.
-pub trait Solve: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync {}
-
-impl<F: Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync> Solve for F {}
 
 /// How to run.
 #[derive(Clone, Copy)]
