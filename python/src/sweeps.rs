@@ -45,7 +45,9 @@ pub fn sweep<'py>(
         // Divisions are stored when they are finished, shapes are not.
         let kept = out.is_some() || matches!(sweep.kind, Kind::Division | Kind::Tree);
         let show = |SweepProgress { done, of }| watch.set([if kept { done } else { 0 }, done, of]);
-        let journal = out.as_deref().map(|folder| SweepTable::new(&sweep, memo.quantisation(), None, Vec::new()).open_journal(folder));
+        let journal = out
+            .as_deref()
+            .map(|folder| SweepTable::new(&sweep, memo.quantisation(), None, Vec::new()).open_journal(folder));
         let journal = journal.transpose().map_err(Error::system)?;
         let run = Run { threads, journal: journal.as_ref(), progress: &show, ..Run::new(&sweep, &memo, &watch.stop) };
         let mut done = run.solve()?;

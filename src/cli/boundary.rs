@@ -1,12 +1,22 @@
 //! `furrow boundary`: curves of pitchforks and folds, and the critical radius.
 
 use super::cell::set;
-use super::prelude::*;
+use super::context::Context;
+use super::error::CliError;
+use super::interrupt::write_deferred;
+use super::output::{csv_of, filled, number, print_as, to_json, writable_file};
+use super::picture::PlotArgs;
 use super::vary::{Varied, VaryArgs};
+use clap::Args;
+use furrow_cell::{Cue, Parameter};
 use furrow_figures::plot::boundary::{self, Boundary};
-use furrow_mechanics::equilibria::{PointKind, StepBudget};
+use furrow_formats::write_atomically;
+use furrow_input::InputError;
 use furrow_mechanics::equilibria::critical::{self, Stored};
 use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
+use furrow_mechanics::equilibria::{PointKind, StepBudget};
+use serde_json::{Value, json};
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -72,7 +82,8 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     // Where a critical value is looked for first.
     let ([from, to], more) = (*range, if *parameter == Parameter::R0 { &critical::STARTS[..] } else { &[] });
     let starts = [&[0.5 * (from + to), from, to], more].concat();
-    let critical = args.critical.then(|| critical::critical_value(cell, numerics, *parameter, &starts, &StepBudget::unlimited()));
+    let critical =
+        args.critical.then(|| critical::critical_value(cell, numerics, *parameter, &starts, &StepBudget::unlimited()));
     let critical = critical.transpose()?.map(|(_, point)| point);
     for (k, fold) in folds.iter().enumerate() {
         match &fold.ended {

@@ -1,10 +1,21 @@
 //! `furrow branch`: stationary shapes of one cell over activity.
 
 use super::cell::CellArgs;
-use super::prelude::*;
+use super::cell::positive;
+use super::context::Context;
+use super::error::CliError;
+use super::output::{csv_of, filled, number, print_as, writable_file};
+use super::picture::PlotArgs;
+use clap::Args;
 use furrow_analysis::{Diagram, diagram};
+use furrow_cell::Cell;
+use furrow_figures::plot;
+use furrow_formats::write_atomically;
 use furrow_mechanics::equilibria::{Branch, BranchEnd, BranchOptions, ShapePoint};
 use furrow_report::event_report;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -1,9 +1,13 @@
 //! `furrow cache`: inspects, verifies and clears the cache of solved divisions.
 
 use super::context::cache_folder;
-use super::prelude::*;
+use super::context::{Globals, start_logs};
+use super::error::CliError;
+use super::output::print_as;
+use clap::Args;
 use clap::Subcommand;
 use furrow_lineage::batch::store::maintenance;
+use std::fmt::Write;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -1,9 +1,18 @@
 //! `furrow calibrate`: constants from thresholds.
 
+use super::context::Context;
 use super::ensemble::sample;
-use super::prelude::*;
+use super::error::CliError;
+use super::output::print_as;
+use super::picture::PlotArgs;
+use clap::Args;
 use furrow_analysis::{Exclusion, check_constraints};
+use furrow_figures::plot;
+use furrow_input::{parse_document, read_text};
 use furrow_mechanics::calibration::{Calibration, Targets, calibrate};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -1,6 +1,8 @@
 //! `furrow completions`.
 
-use super::prelude::*;
+use super::error::CliError;
+use super::output::print;
+use clap::Args;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -1,15 +1,28 @@
 //! `furrow divide`: one division, from the passive shape or from a stationary shape that is disturbed.
 
 use super::cell::ActiveCellArgs;
+use super::cell::positive;
+use super::context::{Context, warn_of_store};
+use super::error::CliError;
+use super::interrupt;
+use super::output::{filled, merged, number, print_as, writable_folder};
+use super::picture::PlotArgs;
 use super::picture::{DENSE, MovieArgs};
-use super::prelude::*;
+use super::progress::ProgressLine;
+use clap::Args;
+use furrow_cell::Cell;
 use furrow_figures::drawing::style::described;
+use furrow_figures::plot;
 use furrow_formats::frames::{INDEX, check_step, write_frames};
+use furrow_lineage::Units;
 use furrow_lineage::batch::perturbations::perturbations;
 use furrow_lineage::batch::{Failure, replicates};
 use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Frame, Recorder, Statistics, Trajectory};
 use furrow_mechanics::equilibria::stationary;
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -1,9 +1,23 @@
 //! `furrow calibrate --ensemble` samples admissible constants; `furrow tree --constants` grows a lineage over them.
 
-use super::prelude::*;
+use super::context::Context;
+use super::error::CliError;
+use super::interrupt;
+use super::output::{merged, print_as, writable_file};
+use super::picture::Picture;
 use furrow_analysis::{Ensemble, LineageRanges, ensemble, ranges, write_constants};
+use furrow_analysis::{Range, read_constants};
+use furrow_cell::settings::Settings;
+use furrow_figures::plot;
+use furrow_formats::write_atomically;
+use furrow_input::read_text;
+use furrow_lineage::Lineage;
 use furrow_lineage::Scenario;
 use furrow_mechanics::calibration::Targets;
+use serde_json::json;
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Instant;
 
 /// Samples constants and writes them as a table.
 pub fn sample(

@@ -1,8 +1,14 @@
 //! `furrow explore`: the page that computes.
 
 use super::cell::FirstCellArgs;
-use super::prelude::*;
+use super::context::Context;
+use super::error::CliError;
+use super::output::{print_as, writable_file};
 use super::tree::prepared;
+use clap::Args;
+use furrow_formats::write_atomically;
+use serde_json::json;
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

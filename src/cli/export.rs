@@ -1,9 +1,18 @@
 //! `furrow export`: a tree for other programs.
 
-use super::prelude::*;
+use super::cell::one_of;
+use super::context::{Globals, start_logs};
+use super::error::CliError;
+use super::output::{print, print_as, writable_file, writable_folder};
+use clap::Args;
 use furrow_formats::exchange::{BranchLengths, Exported, Format, ITOL_FILES, export};
+use furrow_formats::files::FileSet;
+use furrow_formats::write_atomically;
 use furrow_formats::{TREE_SCHEMA, read_tree};
+use furrow_input::InputError;
 use furrow_report::founder_colours;
+use serde_json::json;
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

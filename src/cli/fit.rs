@@ -3,12 +3,29 @@
 use clap::ValueEnum;
 use serde_json::Map;
 
-use super::prelude::*;
+use super::cell::one_of;
+use super::context::Context;
+use super::error::CliError;
+use super::interrupt;
+use super::output::{merged, number, print_as, writable_file};
+use super::picture::PlotArgs;
+use super::progress::ProgressLine;
 use super::tree::bad_cue;
+use clap::Args;
 use furrow_analysis::fit::{
     ChiResidual, Evaluated, FittedConstants, FittedCue, FounderActivity, Reading, SearchBudget, Targets, activities,
     fit_constants, fit_cue,
 };
+use furrow_analysis::tree_settings;
+use furrow_cell::Parameter;
+use furrow_figures::plot;
+use furrow_formats::write_atomically;
+use furrow_input::{InputError, parse_document, read_text};
+use furrow_lineage::{Lineage, TreeSettings};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::time::Instant;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

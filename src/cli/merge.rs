@@ -1,7 +1,13 @@
 //! `furrow merge`: the parts of a sweep put together.
 
-use super::prelude::*;
+use super::context::{Globals, start_logs};
+use super::error::CliError;
+use super::output::{print_as, writable_folder};
+use clap::Args;
 use furrow_analysis::sweep_files::{SWEEP_FILES, merge};
+use furrow_input::InputError;
+use serde_json::json;
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -21,7 +21,6 @@ mod output;
 mod phase;
 mod picture;
 mod pitchfork;
-mod prelude;
 mod progress;
 mod reproduce;
 mod steady;

@@ -1,7 +1,12 @@
 //! `furrow new-lineage`: a lineage file to begin with.
 
-use super::prelude::*;
+use super::error::CliError;
+use super::output::print;
+use clap::Args;
+use furrow_formats::write_atomically;
+use furrow_input::InputError;
 use furrow_lineage::TEMPLATE;
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub struct NewLineageArgs {

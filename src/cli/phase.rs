@@ -1,12 +1,23 @@
 //! `furrow phase`: outcomes over a plane of one parameter and activity.
 
-use super::prelude::*;
+use super::context::{Context, warn_of_store};
+use super::error::CliError;
+use super::interrupt;
+use super::output::{number, print_as};
+use super::picture::PlotArgs;
+use super::progress::ProgressLine;
 use super::vary::{Varied, VaryArgs};
+use clap::Args;
 use furrow_analysis::Edges;
+use furrow_cell::Parameter;
+use furrow_figures::plot;
+use furrow_input::InputError;
 use furrow_lineage::batch::phase::{PhaseOutcome, spaced};
 use furrow_lineage::batch::{PhaseDiagram, PhasePlane};
 use furrow_mechanics::equilibria::at_rest::Edge;
 use furrow_mechanics::equilibria::{PointKind, curves};
+use serde_json::json;
+use std::fmt::Write;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

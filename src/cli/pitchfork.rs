@@ -1,9 +1,15 @@
 //! `furrow pitchfork`: the threshold of asymmetry of one cell.
 
 use super::cell::CellArgs;
-use super::prelude::*;
+use super::cell::positive;
+use super::context::Context;
+use super::error::CliError;
+use super::output::{merged, number, print_as};
+use clap::Args;
+use furrow_cell::Cell;
 use furrow_mechanics::equilibria::{BranchOptions, pitchfork};
 use furrow_report::threshold_report;
+use serde_json::json;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

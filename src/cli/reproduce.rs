@@ -1,10 +1,21 @@
 //! `furrow reproduce`: the paper's statements beside computed values.
 
-use super::prelude::*;
+use super::cell::one_of;
+use super::context::{Context, Globals, warn_of_store};
+use super::error::CliError;
+use super::interrupt::{self, write_deferred};
+use super::output::{csv_of, filled, print, to_json, writable_file, writable_folder};
+use super::progress::ProgressLine;
+use clap::Args;
 use furrow_analysis::reproduce::{self, Artifact, NamedArtifact, ReproduceError, Verdict, paper::selected, reproduce};
 use furrow_analysis::table::csv_text;
 use furrow_figures::drawing::Format;
+use furrow_figures::plot;
+use furrow_formats::files::FileSet;
 use furrow_report::reproduction::{markdown, text};
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Instant;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

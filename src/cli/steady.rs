@@ -1,9 +1,15 @@
 //! `furrow steady`: one stationary shape and its stability.
 
 use super::cell::ActiveCellArgs;
-use super::prelude::*;
+use super::context::Context;
+use super::error::CliError;
+use super::output::{merged, print_as};
+use clap::Args;
+use furrow_cell::Cell;
 use furrow_mechanics::equilibria::stationary;
 use furrow_report::stationary_report;
+use serde_json::json;
+use std::fmt::Write;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

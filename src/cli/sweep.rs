@@ -1,8 +1,20 @@
 //! `furrow sweep`: many divisions, trees, pitchforks or critical radii.
 
-use super::prelude::*;
+use super::context::{Context, warn_of_store};
+use super::error::CliError;
+use super::interrupt;
+use super::output::{filled, print_as, writable_folder};
+use super::picture::PlotArgs;
+use super::progress::ProgressLine;
+use clap::Args;
 use furrow_analysis::sweep_files::{SWEEP_FILES, SweepTable};
 use furrow_analysis::{Run, Shard, Sweep, SweepProgress};
+use furrow_cell::settings::Settings;
+use furrow_figures::plot;
+use furrow_formats::files::WriteError;
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Instant;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

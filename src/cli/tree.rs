@@ -1,16 +1,30 @@
 //! `furrow tree`: one lineage, or several lineages and cues side by side.
 
 use super::cell::FirstCellArgs;
-use super::prelude::*;
+use super::context::{Context, warn_of_store};
+use super::error::CliError;
+use super::interrupt;
+use super::output::{filled, merged, print_as, to_json, writable_folder};
+use super::picture::PlotArgs;
+use super::progress::ProgressLine;
+use clap::Args;
 use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
+use furrow_analysis::tree_settings;
 use furrow_analysis::{self as study, Grown, scenarios_csv};
+use furrow_cell::Cue;
 use furrow_cell::CueError;
 use furrow_figures::plot::rounds;
+use furrow_formats::files::FileSet;
 use furrow_formats::{Provenance, founder_rows, newick, tree_to_json};
+use furrow_input::InputError;
 use furrow_lineage::TerminalReason;
 use furrow_lineage::batch::{Summary, scheduler::workers};
+use furrow_lineage::{Lineage, Tree, TreeSettings};
 use furrow_mechanics::equilibria::ShapeError;
 use furrow_report as report;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -1,7 +1,11 @@
 //! Options that let one parameter of a cell run over a range.
 
 use super::cell::{CueArgs, length, natural};
-use super::prelude::*;
+use super::context::Context;
+use super::output::number;
+use clap::Args;
+use furrow_cell::{Cell, Parameter};
+use furrow_input::InputError;
 use furrow_input::did_you_mean;
 use furrow_lineage::{Length, parse_cue};
 

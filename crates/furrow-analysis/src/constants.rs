@@ -1,7 +1,8 @@
 //! Sets of constants as a table: one row a set, columns by the names of parameters, and their weights.
 
 use super::table::csv_of;
-use crate::prelude::*;
+use furrow_cell::{Cell, Parameter};
+use furrow_input::{InputError, did_you_mean, shown};
 
 /// A set of constants with its share of the whole.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,10 +1,13 @@
 //! Whether a set of constants agrees with the targets, and which statements exclude it.
 
-use crate::prelude::*;
+use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_mechanics::calibration::Targets;
 use furrow_mechanics::calibration::statements::HigherFold;
+use furrow_mechanics::division::{DivisionInput, Outcome, divide};
 use furrow_mechanics::equilibria::critical::critical_value;
 use furrow_mechanics::equilibria::{Branch, Pitchfork, StepBudget, primary};
+use furrow_mechanics::equilibria::{BranchOptions, ShapeError, pitchfork};
+use serde::Serialize;
 
 /// A statement that is not true of a set of constants.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,9 +1,10 @@
 //! The branch diagram of a cell: its stationary shapes over ξ_s.
 
-use crate::prelude::*;
+use furrow_cell::{Cell, Numerics};
 use furrow_mechanics::equilibria::asymmetric::{self, Scaling};
 use furrow_mechanics::equilibria::curves::Curve;
 use furrow_mechanics::equilibria::{Branch, primary};
+use furrow_mechanics::equilibria::{BranchOptions, ShapeError};
 
 /// The curves that bound the outcomes over a plane, as far as they could be followed.
 #[derive(Clone, Debug, Default)]

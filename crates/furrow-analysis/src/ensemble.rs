@@ -17,10 +17,15 @@
 use super::constants::Constants;
 use super::constraints::{ConstraintCheck, check_constraints};
 use super::sample::seed_of;
-use crate::prelude::*;
+use furrow_cell::{Cell, Numerics, Parameter};
+use furrow_lineage::batch::{SchedulerError, scheduler};
 use furrow_mechanics::calibration::{CalibrateError, Targets, calibrate, moved, with_values};
 use nalgebra::{DMatrix, DVector};
 use rand_mt::Mt64;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Standard deviation s of the prior, in x.
 const PRIOR: f64 = 0.3;

@@ -1,8 +1,14 @@
 //! Growing trees: cells below the critical radius of their cue do not divide; other divisions are computed.
 
 use super::scenarios::{Scenario, grow};
-use crate::prelude::*;
+use furrow_cell::settings::Settings;
+use furrow_cell::{Cell, Cue};
+use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use furrow_lineage::expected_work;
+use furrow_lineage::{EndRule, GrowError, Lineage, Scope, Thresholds, Tree, TreeSettings};
+use furrow_mechanics::division::{DivisionInput, divide};
+use furrow_mechanics::equilibria::{CriticalRadii, ShapeError};
+use std::sync::atomic::AtomicBool;
 
 /// The parameters of a tree's divisions. The first cell has the radius that its lineage gives, if it gives one.
 pub fn tree_settings(given: Settings, lineage: &Lineage, seed: u64, quantisation: Quantisation) -> TreeSettings {

@@ -25,7 +25,6 @@ pub mod growth;
 pub mod journal;
 mod parse;
 pub mod points;
-mod prelude;
 pub mod ranges;
 pub mod reproduce;
 pub mod run;

@@ -2,7 +2,9 @@
 
 use std::borrow::Cow;
 
-use crate::prelude::*;
+use furrow_cell::{Cue, Parameter};
+use furrow_mechanics::division::DivisionInput;
+use serde::{Deserialize, Serialize};
 
 /// A value of an axis: a number, or a word where the parameter takes words.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

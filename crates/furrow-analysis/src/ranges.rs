@@ -1,8 +1,17 @@
 //! Ranges of a lineage's counts over sets of constants, one tree a set.
 
 use super::constants::Constants;
-use crate::prelude::*;
+use furrow_cell::Parameter;
 use furrow_lineage::ObservedRounds;
+use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, scheduler};
+use furrow_lineage::{
+    EndRule, FounderRounds, GrowError, Grower, Lineage, Rounds, Thresholds, Tree, TreeSettings, founder_rounds,
+};
+use furrow_mechanics::division::divide;
+use furrow_mechanics::equilibria::CriticalRadii;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A reading of "rounds".
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

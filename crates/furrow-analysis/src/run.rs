@@ -7,13 +7,20 @@ use super::points::Point;
 use super::shard::Shard;
 use super::sweep::{Kind, Sweep};
 use super::table::{Row, UNDECIDED};
-use crate::prelude::*;
+use furrow_cell::Numerics;
 use furrow_lineage::TerminalReason;
 use furrow_lineage::batch::{Job, Key, Progress};
+use furrow_lineage::batch::{Memo, SchedulerError, SchedulerOptions, StoreWarning, scheduler};
+use furrow_lineage::{EndRule, GrowError, Grower, Scope, Thresholds, Tree, TreeSettings, founder_rounds};
 use furrow_mechanics::division::{Division, Statistics};
+use furrow_mechanics::division::{DivisionInput, divide};
 use furrow_mechanics::equilibria::critical::{BoundaryKind, critical_radius_within};
+use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, ShapeError, pitchfork};
 use furrow_mechanics::equilibria::{PointKind, StepBudget};
+use rayon::prelude::*;
 use serde_json::Value;
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Largest ξ_s up to which pitchforks are searched for.
 const XI_MAX: f64 = 100.0;

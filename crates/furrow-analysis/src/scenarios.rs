@@ -11,12 +11,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use crate::prelude::*;
 use furrow_cell::CueError;
 pub use furrow_lineage::Scenario;
 use furrow_lineage::batch::{Memo, SchedulerOptions, Summary};
 use furrow_lineage::{EndRule, GrowError, Grower, Length, Lineage, Tree, TreeSettings, grow_together};
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
+use std::collections::{BTreeMap, HashSet};
 
 /// Names that scenarios do not get: those of the files that stand beside their folders.
 const TAKEN: [&str; 6] = ["scenarios.csv", "report.html", "run.json", "tree.json", "tree.nwk", "tree.svg"];

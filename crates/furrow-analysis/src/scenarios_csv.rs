@@ -1,9 +1,10 @@
 //! `scenarios.csv`: founders of several scenarios, one row for each scenario and founder.
 
-use crate::prelude::*;
 use crate::table::{Row, csv_text};
 use furrow_formats::founder_rows;
 use furrow_lineage::Scenario;
+use furrow_lineage::Tree;
+use serde_json::json;
 
 /// The columns. Counts are as in the founders' table; an unknown value, as of a founder that was not born or not observed, is
 /// empty. `cue` is the one that the founder carries, in full.

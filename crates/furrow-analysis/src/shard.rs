@@ -3,8 +3,9 @@
 use std::str::FromStr;
 
 use super::points::Point;
-use crate::prelude::*;
 use furrow_lineage::batch::Key;
+use furrow_lineage::batch::Quantisation;
+use serde::{Deserialize, Serialize};
 
 /// Most parts of a sweep.
 const MOST: u64 = 1_000_000;

@@ -1,7 +1,12 @@
 //! The sweep file: of what kind, over which axes, from what cell.
 
 use super::points::{Axes, AxisValue, Point, Target};
-use crate::prelude::*;
+use furrow_cell::settings::Settings;
+use furrow_cell::{Cell, Cue};
+use furrow_input::InputError;
+use furrow_lineage::Lineage;
+use furrow_mechanics::division::DivisionInput;
+use serde::{Deserialize, Serialize};
 
 /// What is computed at every point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

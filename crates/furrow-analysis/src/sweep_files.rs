@@ -3,13 +3,19 @@
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 
-use crate::prelude::*;
 use crate::table::{csv_text, json_lines, read_line};
 use crate::{Axis, Journal, Kind, Row, Shard, Sweep};
 use furrow_formats::files::FileSet;
+use furrow_formats::files::WriteError;
 use furrow_formats::provenance::Provenance;
+use furrow_input::{InputError, listed};
+use furrow_lineage::batch::Quantisation;
 use furrow_lineage::batch::SOLVER_VERSION;
+use serde::Serialize;
 use serde_json::Value;
+use serde_json::json;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
 /// Name of the format.
 const SCHEMA: &str = "furrow.sweep";

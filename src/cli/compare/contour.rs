@@ -7,8 +7,17 @@ use furrow_measured::contour::polygons::{Contours, LeftOut};
 use furrow_measured::contour::series::{ContourMatch, ModelContour, Series, series};
 
 use super::files;
-use crate::cli::prelude::*;
+use crate::cli::context::Context;
+use crate::cli::error::CliError;
+use crate::cli::output::{merged, number, print, to_json, writable_folder};
+use crate::cli::picture::PlotArgs;
+use clap::Args;
+use furrow_figures::plot;
 use furrow_formats::frames::read_frames;
+use furrow_input::{InputError, open_file};
+use serde_json::json;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
 
 /// Compares measured outlines of a dividing cell with those of a simulated division
 ///

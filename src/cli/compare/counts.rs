@@ -1,9 +1,17 @@
 //! `furrow compare counts`: rounds beside the observed ones.
 
 use super::trees_of;
-use crate::cli::prelude::*;
+use crate::cli::context::Context;
+use crate::cli::error::CliError;
+use crate::cli::output::print_as;
+use crate::cli::picture::PlotArgs;
+use clap::Args;
 use furrow_analysis::compare::counts::{Count, Counts, READINGS, counts};
+use furrow_figures::plot;
 use furrow_formats::read_tree;
+use furrow_lineage::Lineage;
+use std::fmt::Write;
+use std::path::PathBuf;
 
 /// Compares rounds of division with the observed ones, by every definition of "rounds" and at several stages
 ///

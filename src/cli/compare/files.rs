@@ -4,8 +4,12 @@ use furrow_measured::contour::series::{ContourMatch, Series};
 use furrow_measured::events::Division;
 use furrow_measured::trend::{AdjacentTest, VolumeBin};
 
-use crate::cli::prelude::*;
+use crate::cli::error::CliError;
+use crate::cli::output::csv_of;
 use furrow_analysis::compare::volumes::GroupBeside;
+use furrow_formats::files::FileSet;
+use serde_json::{Value, json};
+use std::path::Path;
 
 /// Their names.
 pub const NAMES: [&str; 4] = ["chi.csv", "divisions.csv", "bins.csv", "compare.json"];

@@ -7,9 +7,13 @@ mod volumes;
 
 use clap::Subcommand;
 
-use super::prelude::*;
 use super::tree::grown;
+use crate::cli::context::Context;
+use crate::cli::error::CliError;
+use crate::cli::interrupt;
+use clap::Args;
 use furrow_analysis::scenarios_of;
+use furrow_lineage::{Lineage, Tree};
 
 #[derive(Debug, Args)]
 pub struct CompareArgs {

@@ -7,12 +7,25 @@ use furrow_measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bin
 use furrow_measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
 
 use super::{files, trees_of};
-use crate::cli::prelude::*;
+use crate::cli::context::Context;
+use crate::cli::error::CliError;
+use crate::cli::interrupt;
+use crate::cli::output::{number, print, to_json, writable_folder};
+use crate::cli::picture::PlotArgs;
+use crate::cli::progress::ProgressLine;
+use clap::Args;
 use furrow_analysis::compare::volumes::{
     Band, Beside, GroupBeside, Modelled, Regression, Scale, ScaleFrom, SizeCurve, add_bands, beside, model, regression,
     scale, size_curves,
 };
+use furrow_analysis::{Range, read_constants, tree_settings};
+use furrow_figures::plot;
+use furrow_input::{InputError, open_file, read_text};
+use furrow_lineage::{Lineage, TreeSettings};
 use plot::comparison::{self, Comparison};
+use serde_json::json;
+use std::fmt::Write;
+use std::path::PathBuf;
 
 /// Compares size asymmetries of measured divisions with the model's
 ///

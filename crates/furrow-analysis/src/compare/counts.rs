@@ -3,7 +3,10 @@
 //! The paper compares rounds with Sulston's without defining them: fewest, mean or most divisions from the founder to a
 //! terminal cell, or full doublings. All are reported, at hatching and at earlier stages.
 
-use crate::prelude::*;
+use furrow_input::{InputError, parse_document};
+use furrow_lineage::{Founder, FounderRounds, Tree, founder_rounds};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Observed rounds at several stages, as shipped.
 const STAGES: &str = include_str!("../../data/sulston1983_stages.ron");

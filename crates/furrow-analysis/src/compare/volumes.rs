@@ -4,13 +4,19 @@
 //! group of embryos measures them. The second can be compared with embryos whose first division was changed.
 
 use crate::constants::Constants;
-use crate::prelude::*;
 use crate::ranges::{Range, each_tree};
+use furrow_cell::{Cell, Cue};
 use furrow_lineage::batch::phase;
 use furrow_lineage::batch::scheduler::{SchedulerError, SchedulerOptions};
+use furrow_lineage::batch::{Memo, scheduler};
+use furrow_lineage::{GrowError, Length, Lineage, Tree, TreeSettings};
 use furrow_measured::events::{Division, GroupSummary, MotherSummary, by_group};
 use furrow_measured::statistics::{BoxPlot, Line, box_plot, line, line_through_origin, mean};
 use furrow_measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bins};
+use furrow_mechanics::division::{DivisionInput, Outcome, divide};
+use serde::Serialize;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::atomic::AtomicBool;
 
 /// The model's division of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

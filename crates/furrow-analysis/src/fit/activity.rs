@@ -5,8 +5,13 @@
 //! with the run's constants, and all other cells keep their activity.
 
 use super::error::{FitError, check_cancelled};
-use crate::prelude::*;
 use crate::ranges::{Reading, grow_alone};
+use furrow_lineage::batch::{Memo, scheduler};
+use furrow_lineage::{EndRule, GrowError, Lineage, Scope, Thresholds, TreeSettings, founder_rounds};
+use furrow_mechanics::equilibria::CriticalRadii;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// The activity that a founder would need.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -16,9 +16,20 @@
 use super::error::{FitError, check_cancelled};
 use super::search::{Region, SearchBudget, moved, swarm};
 use super::targets::{MeasuredChi, Searched, Targets};
-use crate::prelude::*;
 use crate::ranges::grow_alone;
+use furrow_cell::{Cell, Parameter};
+use furrow_lineage::batch::{Memo, scheduler};
+use furrow_lineage::{
+    EndRule, Founder, FounderRounds, Lineage, Rounds, Thresholds, Tree, TreeSettings, founder_rounds,
+};
 use furrow_mechanics::calibration::Threshold;
+use furrow_mechanics::division::Outcome;
+use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, pitchfork};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
 
 /// λ of the swarms, in misfit per unit of the thresholds' rms deviation. The first, which looks for the counts alone, has the
 /// whole region; the others what lies between its best and the constants of the start.

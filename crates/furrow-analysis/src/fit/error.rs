@@ -1,6 +1,7 @@
 //! Why a fit fails.
 
-use crate::prelude::*;
+use furrow_lineage::batch::SchedulerError;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Why there is no fit.
 #[derive(Debug, thiserror::Error)]

@@ -12,12 +12,18 @@
 use super::error::{FitError, check_cancelled};
 use super::search::{SearchBudget, descend, swarm};
 use super::targets::{MeasuredChi, Targets};
-use crate::prelude::*;
 use furrow_cell::cue::{Quantity, Width};
+use furrow_cell::{Cell, Cue, Parameter};
+use furrow_lineage::batch::scheduler;
 use furrow_lineage::{Daughter, Place};
+use furrow_lineage::{Lineage, TreeSettings};
 use furrow_mechanics::calibration::Combination;
 use furrow_mechanics::division::{Division, DivisionOptions, divide_with};
+use furrow_mechanics::division::{DivisionInput, Outcome, divide};
 use furrow_spectra::Svd;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Between which values the numbers of a cue are searched: places, widths in u, widths in L_h, amplitudes.
 const PLACES: [f64; 2] = [0.05, 0.95];

@@ -2,8 +2,12 @@
 
 use std::fmt::Display;
 
-use crate::prelude::*;
+use furrow_cell::{Cell, Parameter};
+use furrow_input::{InputError, did_you_mean, parse_document};
+use furrow_lineage::Lineage;
 use furrow_mechanics::calibration::Threshold;
+use serde::Deserialize;
+use std::collections::BTreeMap;
 
 /// The built-in targets: the wild-type embryo of C. elegans.
 pub const EMBRYO: &str = include_str!("../../data/embryo.ron");

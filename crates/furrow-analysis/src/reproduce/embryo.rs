@@ -3,10 +3,15 @@
 use super::context::{Artifact, Figure, Finding, ReproduceError};
 use super::readings::chi_in_words;
 use crate::compare::counts::counts;
-use crate::prelude::*;
 use crate::tree_settings;
 use furrow_cell::cue::Quantity;
+use furrow_cell::settings::Settings;
+use furrow_cell::{Cell, Cue, Parameter};
 use furrow_lineage::TreeCell;
+use furrow_lineage::{EndRule, Grower, Length, Lineage, Thresholds, Tree, founder_rounds};
+use furrow_mechanics::division::{Outcome, divide};
+use furrow_mechanics::equilibria::CriticalRadii;
+use std::collections::BTreeMap;
 
 /// Volume of P0, in µm³, as a caption of the paper gives it.
 const ZYGOTE_VOLUME: f64 = 20_890.0;

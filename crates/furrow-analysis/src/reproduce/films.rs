@@ -1,9 +1,11 @@
 //! Figures 1B to 1D and S2, and the movies: single divisions, looked at closely.
 
 use super::context::{Artifact, Figure, Finding, ReproduceError};
-use crate::prelude::*;
+use furrow_cell::{Cell, Cue};
+use furrow_lineage::batch::scheduler;
 use furrow_mechanics::cortex::forces::Place;
 use furrow_mechanics::division::{Snapshot, Trajectory};
+use rayon::prelude::*;
 
 /// The cell that forces are looked at in: it divides into equal halves.
 const R0: f64 = 3.0;

@@ -1,8 +1,10 @@
 //! The paper's statements by figure.
 
-use crate::prelude::*;
+use furrow_input::{InputError, parse_document};
 use furrow_mechanics::calibration::statements::HigherFold;
 use furrow_mechanics::equilibria::Criticality;
+use serde::Deserialize;
+use std::collections::{BTreeMap, HashSet};
 
 /// The statements, as shipped.
 const PAPER: &str = include_str!("../../data/paper.ron");

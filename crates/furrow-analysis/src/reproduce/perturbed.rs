@@ -1,10 +1,14 @@
 //! Figure S5: stationary shapes that are disturbed.
 
 use super::context::{Artifact, Context, Figure, Finding, ReproduceError};
-use crate::prelude::*;
+use furrow_cell::Cell;
+use furrow_lineage::batch::scheduler;
+use furrow_mechanics::division::DivisionInput;
 use furrow_mechanics::division::DivisionOptions;
+use furrow_mechanics::equilibria::{BranchOptions, ShapeError, pitchfork};
 use furrow_mechanics::equilibria::{StationaryError, stationary};
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
+use rayon::prelude::*;
 
 /// Cells whose shapes are disturbed, R0 and ε: those whose branches the paper shows.
 const CELLS: [[f64; 2]; 4] = [[1.64, 0.87], [2.0, 0.87], [2.22, 0.64], [2.22, 0.88]];
