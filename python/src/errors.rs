@@ -46,7 +46,7 @@ impl Error {
 
     /// An argument with a value that is not allowed.
     pub fn not_allowed(field: impl Into<String>, value: impl ToString, allowed: impl Into<String>) -> Error {
-        InputError::not_allowed(crate::inputs::ARGUMENTS, field, value, allowed).into()
+        InputError::not_allowed(ARGUMENTS, field, value, allowed).into()
     }
 
     /// A solver that panicked, which is a bug.

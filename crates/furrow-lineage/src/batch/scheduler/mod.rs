@@ -13,7 +13,7 @@ use std::sync::{atomic::AtomicBool, mpsc::channel};
 use self::run::{Assignment, Run};
 use super::memo::{Event, Failure, Memo, Solve};
 use super::store::StoreWarning;
-use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
+use furrow_mechanics::division::{Division, DivisionInput};
 
 /// One division to solve.
 #[derive(Clone, Debug, PartialEq)]
