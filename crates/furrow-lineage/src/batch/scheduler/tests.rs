@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use super::*;
 use crate::batch::{Quantisation, fake, fake::input};
+use furrow_mechanics::division::DivisionError;
 
 /// Waits for a signal, long enough that only a deadlock takes it.
 fn wait(signal: &Mutex<mpsc::Receiver<()>>, else_what: &str) {
