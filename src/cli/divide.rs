@@ -137,7 +137,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         start,
         first,
         json!({ "replicates": documents }),
-        serde_json::to_value(&statistics)?,
+        serde_json::to_value(statistics)?,
         json!({ "undecided": undecided }),
     ];
     print_as(context.json, &parts.into_iter().fold(of_cell, merged), || text(&input.cell, &units, &solved, &statistics))

@@ -210,7 +210,7 @@ impl<'a> Growth<'a> {
         };
         self.cells[index].fate = reason.map(Fate::from);
         let undecided = self.cells[index].fate.is_none();
-        undecided.then(|| Need::Division(DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }))
+        undecided.then_some(Need::Division(DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }))
     }
 
     /// Sets a cell's fate and adds its daughters.

@@ -121,7 +121,10 @@ pub fn over_radius(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
         .and_then(|pitchforks| Ok((pitchforks, curves::fold_curves(&cell, &numerics, Parameter::R0, RADII)?)));
     let (pitchforks, folds) = match both {
         Ok(both) => both,
-        Err(error) => return Ok(figure.report("curves", format!("not computed: {error}"))),
+        Err(error) => {
+            figure.report("curves", format!("not computed: {error}"));
+            return Ok(());
+        }
     };
     let ends = pitchforks.points.first().zip(pitchforks.points.last());
     let range = ends.map_or(String::new(), |(a, b)| format!("ξ_s* = {:.2} to {:.2}", a.xi_s, b.xi_s));

@@ -373,14 +373,15 @@ impl Stepper {
 fn extrapolate(history: &[HistoryPoint], weights: &[f64], out: &mut Solution) {
     out.clone_from(&history[0].y);
     let Solution { nodes, stages, scalars, .. } = out;
-    let parts: [(_, fn(&Solution) -> &Vec<f64>); 3] =
-        [(nodes, |y| &y.nodes), (stages, |y| &y.stages), (scalars, |y| &y.scalars)];
-    for (target, of) in parts {
+    let combine = |target: &mut [f64], of: fn(&Solution) -> &[f64]| {
         target.iter_mut().for_each(|v| *v *= weights[0]);
         for (level, weight) in history.iter().zip(weights).skip(1) {
             target.iter_mut().zip(of(&level.y)).for_each(|(v, w)| *v += weight * w);
         }
-    }
+    };
+    combine(nodes, |y| &y.nodes);
+    combine(stages, |y| &y.stages);
+    combine(scalars, |y| &y.scalars);
 }
 
 #[cfg(test)]

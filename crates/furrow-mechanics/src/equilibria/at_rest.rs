@@ -50,7 +50,7 @@ impl RestShapes {
 /// The stable shapes on the primary branch of a cell for ξ_s from 0 to `xi_max`.
 ///
 /// # Errors
-/// [`ShapeError`] if the branch cannot be followed.
+/// [`ShapeError`](super::ShapeError) if the branch cannot be followed.
 pub fn rest_shapes(cell: &Cell, numerics: &Numerics, xi_max: f64) -> Result<RestShapes> {
     let options = BranchOptions { xi: [0.0, xi_max], growth_rates: true, ..BranchOptions::default() };
     let branch = primary::follow(cell, numerics, &options, |_| true)?;
