@@ -13,7 +13,7 @@ use furrow_input::InputError;
 use furrow_lineage::parse_cue;
 use furrow_lineage::{Length, Lineage, Units};
 
-/// A cue.
+// A cue.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct CueArgs {
@@ -39,7 +39,7 @@ impl CueArgs {
     }
 }
 
-/// One cell at any activity.
+// One cell at any activity.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct CellArgs {
@@ -67,7 +67,7 @@ impl CellArgs {
     }
 }
 
-/// One cell at one activity.
+// One cell at one activity.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct ActiveCellArgs {
@@ -91,7 +91,7 @@ impl ActiveCellArgs {
     }
 }
 
-/// The first cell of a lineage, and the constants of all its cells.
+// The first cell of a lineage, and the constants of all its cells.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct FirstCellArgs {

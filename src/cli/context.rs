@@ -11,7 +11,7 @@ use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions, Stor
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
-/// Options of all commands.
+// Options of all commands.
 #[derive(Clone, Debug, Args)]
 pub struct Globals {
     /// Preset of constants: gao2026, from the thresholds that the paper prints, or sulston1983, from the rounds of the

@@ -16,7 +16,7 @@ use furrow_mechanics::division::Trajectory;
 /// Places of each mesh interval in pictures and movies.
 pub const DENSE: usize = 6;
 
-/// The option of all commands that draw.
+// The option of all commands that draw.
 #[derive(Debug, Args)]
 pub struct PlotArgs {
     /// Draws the result, as SVG or PNG by the file's extension
@@ -24,7 +24,7 @@ pub struct PlotArgs {
     plot: Option<PathBuf>,
 }
 
-/// The options of a movie.
+// The options of a movie.
 #[derive(Debug, Args)]
 pub struct MovieArgs {
     /// Writes a movie of the first replicate: GIF, animated PNG or animated SVG by the file's extension

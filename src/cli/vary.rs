@@ -9,7 +9,7 @@ use furrow_input::InputError;
 use furrow_input::did_you_mean;
 use furrow_lineage::{Length, parse_cue};
 
-/// A parameter, its range, and the cell it is varied of.
+// A parameter, its range, and the cell it is varied of.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct VaryArgs {
