@@ -1,12 +1,11 @@
 //! The memo, the store, and the built-in tree.
 
-use furrow_formats::{tree_from_json, tree_to_json};
+use furrow_formats::{newick, tree_from_json, tree_to_json};
 use std::sync::mpsc::channel;
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use furrow_cell::Cell;
-use furrow_formats::newick;
 use furrow_lineage::batch::memo::Request;
 use furrow_lineage::batch::{Key, Memo, Quantisation, SchedulerOptions, Store};
 use furrow_lineage::{EndRule, Grower, Lineage, Tree, TreeSettings};

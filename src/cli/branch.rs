@@ -1,7 +1,6 @@
 //! `furrow branch`: stationary shapes of one cell over activity.
 
-use super::cell::CellArgs;
-use super::cell::positive;
+use super::cell::{CellArgs, positive};
 use super::context::Context;
 use super::error::CliError;
 use super::output::{csv_of, filled, number, print_as, writable_file};

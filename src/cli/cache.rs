@@ -1,11 +1,9 @@
 //! `furrow cache`: inspects, verifies and clears the cache of solved divisions.
 
-use super::context::cache_folder;
-use super::context::{Globals, start_logs};
+use super::context::{Globals, cache_folder, start_logs};
 use super::error::CliError;
 use super::output::print_as;
-use clap::Args;
-use clap::Subcommand;
+use clap::{Args, Subcommand};
 use furrow_lineage::batch::store::maintenance;
 use std::fmt::Write;
 

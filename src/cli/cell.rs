@@ -10,8 +10,7 @@ use super::output::number;
 use furrow_cell::Cell;
 use furrow_cell::settings::Settings;
 use furrow_input::InputError;
-use furrow_lineage::parse_cue;
-use furrow_lineage::{Length, Lineage, Units};
+use furrow_lineage::{Length, Lineage, Units, parse_cue};
 
 // A cue.
 #[derive(Debug, Args)]

@@ -1,13 +1,11 @@
 //! `furrow divide`: one division, from the passive shape or from a stationary shape that is disturbed.
 
-use super::cell::ActiveCellArgs;
-use super::cell::positive;
+use super::cell::{ActiveCellArgs, positive};
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
 use super::output::{filled, merged, number, print_as, writable_folder};
-use super::picture::PlotArgs;
-use super::picture::{DENSE, MovieArgs};
+use super::picture::{DENSE, MovieArgs, PlotArgs};
 use super::progress::ProgressLine;
 use clap::Args;
 use furrow_cell::Cell;

@@ -1,7 +1,7 @@
 //! `furrow fit`: constants, activities or a cue fitted to observations.
 
-use clap::ValueEnum;
-use serde_json::Map;
+use clap::{Args, ValueEnum};
+use serde_json::{Map, Value, json};
 
 use super::cell::one_of;
 use super::context::Context;
@@ -11,7 +11,6 @@ use super::output::{merged, number, print_as, writable_file};
 use super::picture::PlotArgs;
 use super::progress::ProgressLine;
 use super::tree::bad_cue;
-use clap::Args;
 use furrow_analysis::fit::{
     ChiResidual, Evaluated, FittedConstants, FittedCue, FounderActivity, Reading, SearchBudget, Targets, activities,
     fit_constants, fit_cue,
@@ -22,7 +21,6 @@ use furrow_figures::plot;
 use furrow_formats::write_atomically;
 use furrow_input::{InputError, parse_document, read_text};
 use furrow_lineage::{Lineage, TreeSettings};
-use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Instant;

@@ -1,7 +1,6 @@
 //! `furrow pitchfork`: the threshold of asymmetry of one cell.
 
-use super::cell::CellArgs;
-use super::cell::positive;
+use super::cell::{CellArgs, positive};
 use super::context::Context;
 use super::error::CliError;
 use super::output::{merged, number, print_as};

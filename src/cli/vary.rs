@@ -5,8 +5,7 @@ use super::context::Context;
 use super::output::number;
 use clap::Args;
 use furrow_cell::{Cell, Parameter};
-use furrow_input::InputError;
-use furrow_input::did_you_mean;
+use furrow_input::{InputError, did_you_mean};
 use furrow_lineage::{Length, parse_cue};
 
 // A parameter, its range, and the cell it is varied of.

@@ -1,5 +1,5 @@
-//! Cases in text files: input lines, marked with `> `, followed by the expected output, in which `[..]` matches anything, and
-//! `[=name]` too, but in later cases the same again.
+//! Cases in text files: input lines, marked with `> `, followed by the expected output. `[..]` matches any text; `[=name]` matches any
+//! text the first time, and the same text later in the file.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -32,8 +32,9 @@ pub fn check_cases(file: &str, mut run: impl FnMut(&str) -> String) {
     }
 }
 
-/// Runs the cases of a file one after another in a new folder, each as a script of the shell that can call `furrow`. `$ROOT` is the
-/// folder of the package. Behind ` => ` stand the places in the JSON answer that are the output: see [`picked`].
+/// Runs the cases of a file one after another in a new folder, each as a shell script that can call `furrow`. `$ROOT` is the package's
+/// folder. ` => ` is followed by the parts of the JSON answer to compare: see [`picked`]. A line of output that begins with `skipped: `
+/// says what could not be tested here; it is printed and not compared.
 pub fn check_session(file: &str) {
     let folder = tempfile::tempdir().unwrap();
     let programs = Path::new(env!("CARGO_BIN_EXE_furrow")).parent().unwrap();
@@ -51,13 +52,16 @@ pub fn check_session(file: &str) {
             _ => out,
         };
         let code = if output.status.success() { String::new() } else { format!("{}\n", output.status) };
-        let lines: Vec<&str> = [&out, &err, &code].into_iter().flat_map(|text| text.lines()).collect();
+        let lines = [&out, &err, &code].into_iter().flat_map(|text| text.lines());
+        let (skipped, lines): (Vec<&str>, Vec<&str>) = lines.partition(|line| line.starts_with("skipped: "));
+        skipped.into_iter().for_each(|line| println!("{line}"));
         lines.into_iter().filter(|line| !line.trim().is_empty()).collect::<Vec<_>>().join("\n")
     });
 }
 
-/// What stands at a place in a document. Steps are apart by `/`: a key or an index; `last`; `*`, all that there is; `#`, how much
-/// that is; `key=value`, the entry of a list that has this value. Behind `<` or `>` stands what all numbers there are held against.
+/// The part of a document at a path. Its steps are separated by `/`: a key or an index; `last`; `*`, every entry; `#`, the number of
+/// entries; `key=value`, the entry of a list with this value. A path that ends in `<` or `>` and a number gives `true` if all numbers
+/// there are below or above it.
 fn picked(value: &Value, place: &str) -> String {
     if let Some(at) = place.find(['<', '>']) {
         let (is_below, limit) = (&place[at..=at] == "<", place[at + 1..].parse::<f64>().unwrap());
@@ -77,9 +81,9 @@ fn picked(value: &Value, place: &str) -> String {
     }
 }
 
-/// Whether a text matches a pattern; what its names stand for is added to those known.
+/// Whether a text matches a pattern. Adds the texts that its names matched to `names`.
 fn is_like(found: &str, pattern: &str, names: &mut HashMap<String, String>) -> bool {
-    // What stands between the wildcards, and these.
+    // The texts between the wildcards, and the wildcards.
     let (mut texts, mut wildcards) = (vec![String::new()], Vec::new());
     for (k, piece) in pattern.split('[').enumerate() {
         let between = texts.last_mut().unwrap();

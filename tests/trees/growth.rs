@@ -2,8 +2,7 @@
 
 use crate::common::stand_in::{self, division, fake, grown};
 use furrow_cell::Cell;
-use furrow_formats::{founder_rows, newick};
-use furrow_formats::{tree_from_json, tree_to_json};
+use furrow_formats::{founder_rows, newick, tree_from_json, tree_to_json};
 use furrow_lineage::batch::Summary;
 use furrow_lineage::{Lineage, TerminalReason, Tree, TreeSettings};
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput, Outcome};

@@ -5,8 +5,7 @@ use furrow_mechanics::calibration::Targets;
 use furrow_mechanics::calibration::statements::HigherFold;
 use furrow_mechanics::division::{DivisionInput, Outcome, divide};
 use furrow_mechanics::equilibria::critical::critical_value;
-use furrow_mechanics::equilibria::{Branch, Pitchfork, StepBudget, primary};
-use furrow_mechanics::equilibria::{BranchOptions, ShapeError, pitchfork};
+use furrow_mechanics::equilibria::{Branch, BranchOptions, Pitchfork, ShapeError, StepBudget, pitchfork, primary};
 use serde::Serialize;
 
 /// A statement that is not true of a set of constants.

@@ -3,8 +3,7 @@
 use furrow_cell::{Cell, Numerics};
 use furrow_mechanics::equilibria::asymmetric::{self, Scaling};
 use furrow_mechanics::equilibria::curves::Curve;
-use furrow_mechanics::equilibria::{Branch, primary};
-use furrow_mechanics::equilibria::{BranchOptions, ShapeError};
+use furrow_mechanics::equilibria::{Branch, BranchOptions, ShapeError, primary};
 
 /// The curves that bound the outcomes over a plane, as far as they could be followed.
 #[derive(Clone, Debug, Default)]

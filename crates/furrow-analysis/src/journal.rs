@@ -5,14 +5,13 @@
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::sync::PoisonError;
+use std::sync::{Mutex, PoisonError};
 
 use super::table::{Row, json_lines, read_line};
 use furrow_formats::files::WriteError;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 
 /// Name of the file in the folder of a sweep; it goes when the sweep is complete.
 pub const JOURNAL: &str = "results.partial.jsonl";

@@ -3,8 +3,7 @@
 use super::points::{Axes, Axis, AxisValue, Target};
 use super::sample::{MOST_AXES, halton};
 use super::sweep::{Kind, Sweep};
-use furrow_cell::settings::Settings;
-use furrow_cell::settings::{self, NumericsOverrides, PhysicsOverrides, canonical_name};
+use furrow_cell::settings::{self, NumericsOverrides, PhysicsOverrides, Settings, canonical_name};
 use furrow_cell::{Cue, Parameter};
 use furrow_input::{InputError, did_you_mean, listed, parse_document, read_text, shown};
 use furrow_lineage::Lineage;

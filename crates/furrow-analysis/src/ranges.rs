@@ -2,10 +2,10 @@
 
 use super::constants::Constants;
 use furrow_cell::Parameter;
-use furrow_lineage::ObservedRounds;
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary, scheduler};
 use furrow_lineage::{
-    EndRule, FounderRounds, GrowError, Grower, Lineage, Rounds, Thresholds, Tree, TreeSettings, founder_rounds,
+    EndRule, FounderRounds, GrowError, Grower, Lineage, ObservedRounds, Rounds, Thresholds, Tree, TreeSettings,
+    founder_rounds,
 };
 use furrow_mechanics::division::divide;
 use furrow_mechanics::equilibria::CriticalRadii;

@@ -8,15 +8,13 @@ use super::shard::Shard;
 use super::sweep::{Kind, Sweep};
 use super::table::{Row, UNDECIDED};
 use furrow_cell::Numerics;
-use furrow_lineage::TerminalReason;
-use furrow_lineage::batch::{Job, Key, Progress};
-use furrow_lineage::batch::{Memo, SchedulerError, SchedulerOptions, StoreWarning, scheduler};
-use furrow_lineage::{EndRule, GrowError, Grower, Scope, Thresholds, Tree, TreeSettings, founder_rounds};
-use furrow_mechanics::division::{Division, Statistics};
-use furrow_mechanics::division::{DivisionInput, divide};
+use furrow_lineage::batch::{Job, Key, Memo, Progress, SchedulerError, SchedulerOptions, StoreWarning, scheduler};
+use furrow_lineage::{
+    EndRule, GrowError, Grower, Scope, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
+};
+use furrow_mechanics::division::{Division, DivisionInput, Statistics, divide};
 use furrow_mechanics::equilibria::critical::{BoundaryKind, critical_radius_within};
-use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, ShapeError, pitchfork};
-use furrow_mechanics::equilibria::{PointKind, StepBudget};
+use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, PointKind, ShapeError, StepBudget, pitchfork};
 use rayon::prelude::*;
 use serde_json::Value;
 use std::collections::HashMap;

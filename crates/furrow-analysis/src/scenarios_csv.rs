@@ -2,8 +2,7 @@
 
 use crate::table::{Row, csv_text};
 use furrow_formats::founder_rows;
-use furrow_lineage::Scenario;
-use furrow_lineage::Tree;
+use furrow_lineage::{Scenario, Tree};
 use serde_json::json;
 
 /// The columns. Counts are as in the founders' table; an unknown value, as of a founder that was not born or not observed, is

@@ -3,8 +3,7 @@
 use std::str::FromStr;
 
 use super::points::Point;
-use furrow_lineage::batch::Key;
-use furrow_lineage::batch::Quantisation;
+use furrow_lineage::batch::{Key, Quantisation};
 use serde::{Deserialize, Serialize};
 
 /// Most parts of a sweep.

@@ -5,15 +5,12 @@ use std::io::{BufRead, BufReader};
 
 use crate::table::{csv_text, json_lines, read_line};
 use crate::{Axis, Journal, Kind, Row, Shard, Sweep};
-use furrow_formats::files::FileSet;
-use furrow_formats::files::WriteError;
+use furrow_formats::files::{FileSet, WriteError};
 use furrow_formats::provenance::Provenance;
 use furrow_input::{InputError, listed};
-use furrow_lineage::batch::Quantisation;
-use furrow_lineage::batch::SOLVER_VERSION;
+use furrow_lineage::batch::{Quantisation, SOLVER_VERSION};
 use serde::Serialize;
-use serde_json::Value;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

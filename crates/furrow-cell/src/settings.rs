@@ -4,8 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use crate::ZYGOTE;
-use crate::{Cell, Numerics, Parameter, RigidityGradient, SIZES, Scheme};
+use crate::{Cell, Numerics, Parameter, RigidityGradient, SIZES, Scheme, ZYGOTE};
 use furrow_input::{InputError, did_you_mean, parse_document, read_text, shown};
 
 /// Parameters of a run, checked.

@@ -320,17 +320,14 @@ fn evaluate(targets: &Targets, cell: &Cell, numerics: &Numerics, near: Option<&[
 
 /// ∂ρ/∂x in the search's coordinates.
 fn jacobian(targets: &Targets, cell: &Cell, theta: &[(Parameter, f64)], shapes: &[Solution]) -> Result<Vec<Vec<f64>>> {
-    let row =
-        |(index, (t, y)): (usize, (&Threshold, &Solution))| {
-            let entry =
-                |&(parameter, value): &(Parameter, f64)| {
-                    let slope = sensitivity(&t.cell(cell), y, parameter)
-                        .map_err(|source| CalibrateError::Sensitivity { index, parameter, source })?;
-                    Ok(t.weight / t.xi_s * slope * unit(parameter, value))
-                };
-            theta.iter().map(entry).collect()
-        };
-    targets.thresholds.iter().zip(shapes).enumerate().map(row).collect()
+    let entry = |index: usize, parameter: Parameter, value: f64| {
+        let t = &targets.thresholds[index];
+        let slope = sensitivity(&t.cell(cell), &shapes[index], parameter)
+            .map_err(|source| CalibrateError::Sensitivity { index, parameter, source })?;
+        Ok(t.weight / t.xi_s * slope * unit(parameter, value))
+    };
+    let row = |index| theta.iter().map(|&(parameter, value)| entry(index, parameter, value)).collect();
+    (0..targets.thresholds.len()).map(row).collect()
 }
 
 /// The step −(JᵀJ + λ²)⁻¹ Jᵀ ρ, blind to directions without sensitivity.

@@ -5,13 +5,12 @@ mod counts;
 mod files;
 mod volumes;
 
-use clap::Subcommand;
+use clap::{Args, Subcommand};
 
 use super::tree::grown;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::interrupt;
-use clap::Args;
 use furrow_analysis::scenarios_of;
 use furrow_lineage::{Lineage, Tree};
 

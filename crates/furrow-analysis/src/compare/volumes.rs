@@ -6,9 +6,8 @@
 use crate::constants::Constants;
 use crate::ranges::{Range, each_tree};
 use furrow_cell::{Cell, Cue};
-use furrow_lineage::batch::phase;
 use furrow_lineage::batch::scheduler::{SchedulerError, SchedulerOptions};
-use furrow_lineage::batch::{Memo, scheduler};
+use furrow_lineage::batch::{Memo, phase, scheduler};
 use furrow_lineage::{GrowError, Length, Lineage, Tree, TreeSettings};
 use furrow_measured::events::{Division, GroupSummary, MotherSummary, by_group};
 use furrow_measured::statistics::{BoxPlot, Line, box_plot, line, line_through_origin, mean};

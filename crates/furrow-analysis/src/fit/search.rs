@@ -93,7 +93,7 @@ mod tests {
         });
         assert_eq!(found[0], found[1]);
         assert!(found[0].1 <= 0.04, "{found:?}");
-        // What is nowhere finite has no best.
+        // A function that is nowhere finite has no minimum.
         assert_eq!(swarm(&vec![[0.0, 1.0]; 2], effort, &|_| f64::INFINITY), None);
     }
 

@@ -5,15 +5,12 @@ use super::paper::Statement;
 use super::sweeps::outcomes;
 use crate::constraints::extreme_maxima;
 use crate::diagram::{Diagram, diagram};
-use furrow_cell::Scheme;
-use furrow_cell::{Cell, Parameter};
-use furrow_lineage::batch::phase::PhasePlane;
-use furrow_lineage::batch::phase::spaced;
+use furrow_cell::{Cell, Parameter, Scheme};
+use furrow_lineage::batch::phase::{PhasePlane, spaced};
 use furrow_lineage::batch::scheduler;
 use furrow_mechanics::calibration::statements::HigherFold;
-use furrow_mechanics::equilibria::BranchOptions;
 use furrow_mechanics::equilibria::critical::critical_value;
-use furrow_mechanics::equilibria::{StepBudget, curves};
+use furrow_mechanics::equilibria::{BranchOptions, StepBudget, curves};
 use rayon::prelude::*;
 
 /// Longest step along a branch, for smooth pictures.

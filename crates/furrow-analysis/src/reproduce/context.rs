@@ -4,15 +4,13 @@ use super::paper::Statement;
 use crate::diagram::Edges;
 use crate::{Row, Run, Sweep};
 use furrow_cell::settings::Settings;
-use furrow_cell::{Cell, Cue, Numerics};
-use furrow_cell::{Scheme, ZYGOTE};
+use furrow_cell::{Cell, Cue, Numerics, Scheme, ZYGOTE};
 use furrow_input::InputError;
 use furrow_lineage::batch::{
     Memo, PhaseDiagram, PhasePlane, SchedulerError, SchedulerOptions, StoreWarning, scheduler,
 };
 use furrow_lineage::{GrowError, Tree};
-use furrow_mechanics::division::{Division, Trajectory};
-use furrow_mechanics::division::{DivisionInput, divide};
+use furrow_mechanics::division::{Division, DivisionInput, Trajectory, divide};
 use furrow_mechanics::equilibria::Branch;
 use furrow_mechanics::equilibria::curves::{self, Curve};
 use furrow_mechanics::perturbation::Perturbation;

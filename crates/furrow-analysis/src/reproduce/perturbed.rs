@@ -3,10 +3,8 @@
 use super::context::{Artifact, Context, Figure, Finding, ReproduceError};
 use furrow_cell::Cell;
 use furrow_lineage::batch::scheduler;
-use furrow_mechanics::division::DivisionInput;
-use furrow_mechanics::division::DivisionOptions;
-use furrow_mechanics::equilibria::{BranchOptions, ShapeError, pitchfork};
-use furrow_mechanics::equilibria::{StationaryError, stationary};
+use furrow_mechanics::division::{DivisionInput, DivisionOptions};
+use furrow_mechanics::equilibria::{BranchOptions, ShapeError, StationaryError, pitchfork, stationary};
 use furrow_mechanics::perturbation::{Perturbation, PerturbationError, WATCHED, perturb};
 use rayon::prelude::*;
 

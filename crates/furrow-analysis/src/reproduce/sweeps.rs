@@ -3,10 +3,8 @@
 use super::context::{Artifact, Figure, Finding, ReproduceError};
 use super::paper::{Criterion, Study};
 use super::readings::{ChiPoint, between, chi_at, chi_in_words, edge, flatness, halves, monotone_ends, readings};
-use furrow_cell::Parameter;
-use furrow_cell::Scheme;
-use furrow_lineage::batch::phase::spaced;
-use furrow_lineage::batch::phase::{PhaseDiagram, PhaseOutcome, PhasePlane};
+use furrow_cell::{Parameter, Scheme};
+use furrow_lineage::batch::phase::{PhaseDiagram, PhaseOutcome, PhasePlane, spaced};
 use furrow_mechanics::division::Outcome;
 use furrow_mechanics::equilibria::critical_radius;
 use serde_json::json;

@@ -2,8 +2,7 @@
 
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, widened};
-use crate::drawing::style;
-use crate::drawing::{Canvas, Stroke};
+use crate::drawing::{Canvas, Stroke, style};
 use furrow_analysis::fit::{ChiResidual, FittedConstants, FittedCue, FounderActivity};
 
 const WIDTH: f64 = 900.0;

@@ -4,17 +4,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use furrow_bvp::{Gauss, Solution, Work};
 
-use super::DivisionInput;
-use super::limits;
-use super::noise;
 use super::oscillation::Oscillation;
 use super::outcome::{Division, DivisionError, Ending, StepFailure};
 use super::rest::{EquilibriumDetector, REST_INTERVAL, Rest};
-use super::saddle;
 use super::sensitivity::{Sensitivity, Tangent};
 use super::start::{FIRST_MESH, Start, check};
 use super::step_size::StepSize;
 use super::stepper::{Attempt, HistoryPoint, MAX_ORDER, ParityNorm, Stepper};
+use super::{DivisionInput, limits, noise, saddle};
 use crate::cortex::Cortex;
 use crate::cortex::equations::{LENGTH, PSI, R, noise_factor};
 use crate::cortex::lanes::sin_cos;

@@ -4,9 +4,17 @@ use crate::batch::key::{Key, KeyMap};
 use furrow_cell::Cell;
 use furrow_mechanics::division::{Division, DivisionInput};
 
-/// Of one run's divisions the key of the same input without its radius, the radius and χ.
+/// χ of one run's divisions, over their radii.
 #[derive(Debug, Default)]
-pub struct Responses(KeyMap<(Key, f64, f64)>);
+pub struct Responses(KeyMap<Sample>);
+
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    /// Key of the same input without its radius.
+    family: Key,
+    r0: f64,
+    chi: f64,
+}
 
 impl Responses {
     /// Notes χ of a canonical input's division.
@@ -15,18 +23,18 @@ impl Responses {
         self.0.entry(key).or_insert_with(|| {
             let cell = Cell { r0: 0.0, ..canonical.cell.clone() };
             let family = Key::new(&DivisionInput { cell, ..*canonical });
-            (family, canonical.cell.r0, chi)
+            Sample { family, r0: canonical.cell.r0, chi }
         });
     }
 
     /// Largest |Δχ/Δln R0| between neighbouring radii of one family; 0 if there are none.
     pub fn steepest_slope(self) -> f64 {
-        let mut samples: Vec<_> = self.0.into_values().collect();
-        samples.sort_by(|a, b| a.0.cmp(&b.0).then_with(|| a.1.total_cmp(&b.1)));
-        let pairs = samples.windows(2).map(|pair| (pair[0], pair[1]));
-        let neighbours = pairs.filter(|((family, r0, _), (other, larger, _))| family == other && r0 < larger);
-        neighbours
-            .map(|((_, r0, chi), (_, larger, there))| ((there - chi) / (larger / r0).ln()).abs())
+        let mut samples: Vec<Sample> = self.0.into_values().collect();
+        samples.sort_by(|a, b| a.family.cmp(&b.family).then_with(|| a.r0.total_cmp(&b.r0)));
+        samples
+            .windows(2)
+            .filter(|pair| pair[0].family == pair[1].family && pair[0].r0 < pair[1].r0)
+            .map(|pair| ((pair[1].chi - pair[0].chi) / (pair[1].r0 / pair[0].r0).ln()).abs())
             .fold(0.0, f64::max)
     }
 }

@@ -1,7 +1,7 @@
 //! One run: what has arrived, what waits, what is being solved, and what came of it.
 
-use std::cmp::Reverse;
-use std::collections::{BTreeMap, VecDeque};
+use std::cmp::Ordering;
+use std::collections::{BinaryHeap, VecDeque};
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
 use std::time::Duration;
@@ -23,22 +23,39 @@ struct Awaited {
     jobs: Vec<Job>,
 }
 
-/// A division in the queue.
+/// A division in the queue, ordered by expected work, then by radius and age.
 pub struct Assignment<'m> {
+    work: f64,
+    /// Number in the order of arrival.
+    age: usize,
     /// Its input, the radius rounded.
     pub input: DivisionInput,
     /// The duty to solve it.
     pub lease: Lease<'m>,
 }
 
-/// The order of the queue: by expected work, then by radius, both by [`rank`], then by age.
-type Rank = ([i64; 2], Reverse<usize>);
-
-/// A number in the order of [`f64::total_cmp`].
-fn rank(number: f64) -> i64 {
-    let bits = number.to_bits() as i64;
-    bits ^ (((bits >> 63) as u64) >> 1) as i64
+impl Ord for Assignment<'_> {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.work
+            .total_cmp(&other.work)
+            .then_with(|| self.input.cell.r0.total_cmp(&other.input.cell.r0))
+            .then_with(|| other.age.cmp(&self.age))
+    }
 }
+
+impl PartialOrd for Assignment<'_> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Assignment<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Assignment<'_> {}
 
 /// What follows from a job's division, or from its preparation.
 type Expand<'a, 's> = &'a mut dyn FnMut(usize, Option<&Division>) -> Vec<Step<'s>>;
@@ -54,7 +71,7 @@ pub struct Run<'a, 'm, 's> {
     /// How many workers prepare.
     preparing: usize,
     /// Divisions that wait for a worker.
-    ready: BTreeMap<Rank, Assignment<'m>>,
+    ready: BinaryHeap<Assignment<'m>>,
     waiting: KeyMap<Awaited>,
     /// Failures of this run: a second job with the same input is not tried again.
     failed: KeyMap<Failure>,
@@ -81,7 +98,7 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
             arrived: VecDeque::new(),
             preparations: VecDeque::new(),
             preparing: 0,
-            ready: BTreeMap::new(),
+            ready: BinaryHeap::new(),
             waiting: KeyMap::default(),
             failed: KeyMap::default(),
             responses: Responses::default(),
@@ -130,7 +147,7 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
                 spawn(Step::Prepare(id, work));
             }
             while self.running + self.preparing < threads
-                && let Some((_, assignment)) = self.ready.pop_last()
+                && let Some(assignment) = self.ready.pop()
             {
                 self.running += 1;
                 self.waiting.entry(assignment.lease.key()).or_default().running = true;
@@ -190,8 +207,7 @@ impl<'a, 'm, 's> Run<'a, 'm, 's> {
                     self.waiting.entry(key).or_default().jobs.push(job);
                     self.queued_ever += 1;
                     let work = (self.options.expected_work)(&canonical);
-                    let rank = ([work, canonical.cell.r0].map(rank), Reverse(self.queued_ever));
-                    self.ready.insert(rank, Assignment { input: canonical, lease });
+                    self.ready.push(Assignment { work, age: self.queued_ever, input: canonical, lease });
                 }
             }
         }
