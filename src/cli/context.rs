@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 // Options of all commands.
 #[derive(Clone, Debug, Args)]
 pub struct Globals {
-    /// Preset of constants: gao2026, from the thresholds that the paper prints, or sulston1983, from the rounds of the
-    /// C. elegans founders
+    /// Preset of constants: gao2026, from all that the paper says, gao2026-thresholds, from its four printed thresholds
+    /// alone, or sulston1983, from the rounds of the C. elegans founders
     #[arg(help_heading = "Parameters", long, global = true, value_name = "NAME", default_value = "gao2026")]
     pub preset: String,
     /// Parameters in RON, as in `Config(physics: (epsilon: 0.8), numerics: (stages: 4))`; keys that are not set
@@ -70,7 +70,6 @@ impl Context {
     /// Reads and checks the global options.
     pub fn new(globals: &Globals) -> Result<Context, CliError> {
         start_logs(globals);
-        interrupt::listen();
         let settings = Settings::load(&globals.preset, globals.config.as_deref(), &globals.set)?;
         let quantisation = match globals.r0_step {
             None => Quantisation::DEFAULT,

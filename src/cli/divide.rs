@@ -95,6 +95,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         None => solve(args, &context, &input)?,
     };
     if args.frames.is_some() || movie.is_wanted() || until.is_none() && picture.is_wanted() {
+        interrupt::listen();
         interrupt::abort();
         let film = match until {
             Some(until) => disturbed(&input, until)?,
@@ -144,6 +145,12 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
 /// Solves all replicates; at least one succeeds.
 fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Replicates, CliError> {
     let memo = context.memo()?;
+    if args.replicates == 1
+        && let Some(division) = memo.known(input)
+    {
+        return Ok((vec![Solved { seed: input.seed, division, perturbation: None }], 0));
+    }
+    interrupt::listen();
     interrupt::finish();
     let line = ProgressLine::new(context.progress && args.replicates > 1);
     let show = |progress| line.show(progress);
@@ -168,6 +175,7 @@ fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<
 
 /// Disturbs the stationary shape with every seed; at least one succeeds.
 fn disturb(args: &DivideArgs, context: &Context, input: &DivisionInput, until: f64) -> Result<Replicates, CliError> {
+    interrupt::listen();
     let (mut solved, mut failed) = (Vec::new(), Vec::new());
     for one in perturbations(input, args.replicates as usize, until, context.threads)? {
         match one.found {

@@ -4,6 +4,7 @@ use super::error::CliError;
 use super::output::eprint;
 use furrow_formats::write_atomically;
 use std::path::Path;
+use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Set by Ctrl-C.
@@ -11,8 +12,13 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// Whether the command checks [`INTERRUPTED`] itself.
 static FINISH: AtomicBool = AtomicBool::new(false);
 
-/// Starts to listen. Until [`finish`] is called Ctrl-C stops the command at once: it has nothing to keep.
+/// Starts to listen, once. Until [`finish`] is called Ctrl-C stops the command at once: it has nothing to keep.
 pub fn listen() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(set_handler);
+}
+
+fn set_handler() {
     if let Err(error) = ctrlc::set_handler(interrupt) {
         tracing::debug!("Ctrl-C will stop without a message: {error}");
     }

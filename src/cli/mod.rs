@@ -156,6 +156,10 @@ fn survive_full_disks() {
 }
 
 fn run(cli: Cli) -> Result<(), CliError> {
+    // A known division is answered in less time than it takes to listen to Ctrl-C: `divide` does so itself.
+    if !matches!(cli.command, Command::Divide(_)) {
+        interrupt::listen();
+    }
     match cli.command {
         Command::Tree(args) => tree::run(&args, &Context::new(&cli.globals)?),
         Command::Divide(args) => divide::run(&args, Context::new(&cli.globals)?),

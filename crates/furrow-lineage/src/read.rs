@@ -15,7 +15,8 @@ use furrow_input::{InputError, did_you_mean, parse_document, parse_ron, read_tex
 impl Lineage {
     /// The built-in C. elegans founders.
     pub fn c_elegans() -> Result<Lineage, InputError> {
-        Lineage::parse(C_ELEGANS, "c_elegans.ron (built in)")
+        let file = "c_elegans.ron (built in)";
+        checked(parse_document(C_ELEGANS, file, "a lineage file", "Lineage")?, C_ELEGANS, file)
     }
 
     /// Reads and checks a lineage file.
@@ -44,8 +45,7 @@ impl Lineage {
             Some(lineage) => lineage,
             None => parse_document(text, file, "a lineage file", "Lineage")?,
         };
-        Check { lineage: &lineage, text, file }.run()?;
-        Ok(lineage)
+        checked(lineage, text, file)
     }
 
     /// Checks a lineage that was not read by [`parse`](Self::parse); `file` is what errors call where it comes from.
@@ -55,6 +55,11 @@ impl Lineage {
     pub fn check(&self, file: &str) -> Result<(), InputError> {
         Check { lineage: self, text: "", file }.run()
     }
+}
+
+fn checked(lineage: Lineage, text: &str, file: &str) -> Result<Lineage, InputError> {
+    Check { lineage: &lineage, text, file }.run()?;
+    Ok(lineage)
 }
 
 /// The built-in lineage that may be a base.
