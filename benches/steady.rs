@@ -52,7 +52,7 @@ fn branch_settings(max_step: f64, [intervals, stages]: Mesh) -> (Numerics, Branc
 fn branch(max_step: f64, mesh: Mesh) -> Continuation<Cortex> {
     let (numerics, BranchOptions { settings, .. }) = branch_settings(max_step, mesh);
     let mut watch = SymmetryBreaking::default();
-    let mut branch = primary::start(&Cell::new(2.0), &numerics, &settings).expect("a passive shape");
+    let mut branch = primary::start(&Cell::gao2026_thresholds(2.0), &numerics, &settings).expect("a passive shape");
     branch.monitor = Some(error_monitor);
     branch
         .follow([0.0, 40.0], 600, |branch, _| {
@@ -80,10 +80,11 @@ fn main() {
     if std::env::args().any(|argument| argument == "branch") {
         for mesh in [SAME, AS_CLOSE, FINE] {
             let (numerics, options) = branch_settings(short, mesh);
-            let passive = || primary::start(&Cell::new(2.0), &numerics, &options.settings);
+            let passive = || primary::start(&Cell::gao2026_thresholds(2.0), &numerics, &options.settings);
             println!("{} x {}: of this the passive shape from nothing: {:.2} ms", mesh[0], mesh[1], best(7, passive).0);
             let fold = locate::fold_near(&mut branch(short, mesh)).expect("a fold").point;
-            let pitchfork = pitchfork::first(&Cell::new(2.0), &numerics, &options).expect("a pitchfork").point;
+            let pitchfork =
+                pitchfork::first(&Cell::gao2026_thresholds(2.0), &numerics, &options).expect("a pitchfork").point;
             for (kind, point) in [("fold", fold), ("pitchfork", pitchfork)] {
                 println!(
                     "{} x {}: {kind} at xi_s = {:.9}, L = {:.9}, p = {:.9}",
@@ -93,7 +94,7 @@ fn main() {
         }
         return;
     }
-    let (cell, numerics) = (Cell::new(2.0), Numerics::default());
+    let (cell, numerics) = (Cell::gao2026_thresholds(2.0), Numerics::default());
     let (ms, _) = best(5, || pitchfork::first(&cell, &numerics, &BranchOptions::default()));
     println!("first pitchfork from the passive shape, with normal form: {ms:.1} ms");
     let (boundary, curve) = best(5, || {
@@ -112,7 +113,7 @@ fn main() {
     println!("critical radius with the cue: {ms:.1} ms ({:.8})", found.expect("a critical radius").r0);
     let mut sum = 0.0;
     for r0 in [2.0, 2.5, 5.4] {
-        let (ms, division) = best(3, || divide(&DivisionInput::new(Cell::new(r0))).expect("a division"));
+        let (ms, division) = best(3, || divide(&DivisionInput::new(Cell::gao2026_thresholds(r0))).expect("a division"));
         println!("one division at R0 = {r0}: {ms:.1} ms ({:?})", division.outcome());
         sum += ms;
     }

@@ -9,7 +9,7 @@
 //!
 //! let zygote = Cell::new(5.4).with_cue(Cue::published());
 //! let division = divide(&DivisionInput::new(zygote))?;
-//! assert!((division.chi().unwrap() - 0.209).abs() < 1e-3);
+//! assert!((division.chi().unwrap() - 0.185).abs() < 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -8,12 +8,12 @@ use furrow_mechanics::equilibria::passive;
 
 #[divan::bench(args = [1.6, 2.5, 5.4])]
 fn passive_shape(r0: f64) {
-    black_box(passive(&Cell::new(black_box(r0)), &Numerics::default()).unwrap());
+    black_box(passive(&Cell::gao2026_thresholds(black_box(r0)), &Numerics::default()).unwrap());
 }
 
 #[divan::bench]
 fn mesh_monitor(bencher: Bencher) {
-    let cell = Cell::new(2.5);
+    let cell = Cell::gao2026_thresholds(2.5);
     let (half, _) = passive(&cell, &Numerics::default()).unwrap();
     let y = unfold(&half);
     let cortex = Cortex::new(&cell, Domain::Full, &[]);

@@ -17,7 +17,7 @@ const KINDS: [(&str, f64, bool); 5] = [
 fn division(kind: &str) -> Division {
     let (_, r0, cued) = KINDS.into_iter().find(|(name, ..)| *name == kind).unwrap();
     let cue = if cued { Cue::published() } else { Cue::none() };
-    divide(&DivisionInput::new(Cell::new(black_box(r0)).with_cue(cue))).unwrap()
+    divide(&DivisionInput::new(Cell::gao2026_thresholds(black_box(r0)).with_cue(cue))).unwrap()
 }
 
 /// The work of each.

@@ -20,7 +20,7 @@ const DIVISIONS: usize = 1000;
 
 fn input(number: usize) -> DivisionInput {
     let r0 = 1.0 + number as f64 / 256.0;
-    DivisionInput::new(Cell::new(r0))
+    DivisionInput::new(Cell::gao2026_thresholds(r0))
 }
 
 /// A division without solving.

@@ -18,7 +18,7 @@ struct Step {
 
 /// A time step on the full contour, with derivatives, factors and residual at its start.
 fn step() -> Step {
-    let (cell, numerics) = (Cell::new(2.5), Numerics::default());
+    let (cell, numerics) = (Cell::gao2026_thresholds(2.5), Numerics::default());
     let (half, _) = passive(&cell, &numerics).unwrap();
     let y = unfold(&half);
     let mut cortex = Cortex::new(&cell, Domain::Full, &[]);

@@ -4,7 +4,7 @@
 >>> zygote = furrow.Cell(r0=5.4, cue="germline")
 >>> division = zygote.divide()
 >>> round(division.chi, 3)
-0.209
+0.185
 
 Lengths are in L_h, times in τ, activities in κ0/L_h; ξ_s is the published activity. Parameters have the names of the
 command line, which GUIDE.md explains. Installations with the same ``solver_version`` give bit-identical divisions

@@ -216,7 +216,7 @@ class Cell:
         >>> import furrow
         >>> division = furrow.Cell(r0=5.4, cue="germline").divide()
         >>> division.outcome, round(division.chi, 3)
-        ('asymmetric', 0.209)
+        ('asymmetric', 0.185)
 
         Raises :class:`~furrow.InputError` for numerics or an activity outside the range of divisions, and
         :class:`~furrow.NoOutcome` if the cell neither divides nor rests.

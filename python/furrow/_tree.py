@@ -436,7 +436,7 @@ def tree(
     >>> import furrow
     >>> worm = furrow.tree()
     >>> len(worm), worm.founders[0].name, round(worm.founders[0].chi, 3)
-    (285, 'P0', 0.209)
+    (253, 'P0', 0.185)
     """
     known = shared_memo() if memo is None else memo
     given = dict(parameters) if r0 is None else {"r0": r0, **parameters}

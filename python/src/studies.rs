@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use furrow_analysis::{EnsembleError, check_constraints, read_constants, write_constants};
+use furrow_analysis::{EnsembleError, Extent, check_constraints, read_constants, write_constants};
 use furrow_analysis::{ensemble as sampled, ranges as ranges_over};
 use furrow_cell::settings::Settings;
 use furrow_input::parse_document;
@@ -38,7 +38,7 @@ pub fn calibrate(py: Python<'_>, source: Source, given: Given) -> Result<String,
             "rms": found.rms,
             "combinations": found.combinations,
             "iterations": found.iterations,
-            "excluded": check_constraints(&targets, &found.cell, &numerics, true).excluded,
+            "excluded": check_constraints(&targets, &found.cell, &numerics, Extent::Within(f64::INFINITY)).excluded,
         });
         Ok(found.to_string())
     })

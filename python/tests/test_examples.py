@@ -28,7 +28,7 @@ def load(path: Path):
 def test_examples_run(capsys):
     load(PYTHON / "examples" / "founders.py").main()
     printed = capsys.readouterr().out
-    assert "285 cells, of which 143 are terminal" in printed and "AB: 6.80 rounds, observed 9.05" in printed
+    assert "253 cells, of which 127 are terminal" in printed and "AB: 6.25 rounds, observed 9.05" in printed
     load(PYTHON / "examples" / "own_cue.py").main()
     printed = capsys.readouterr().out
     assert printed.count("χ = ") == 11 and "omega = -1" in printed

@@ -32,7 +32,7 @@ def test_the_packages_own_readme_runs(tmp_path):
     done = subprocess.run(
         [sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True, encoding="utf-8"
     )
-    assert "Caenorhabditis elegans: 285 cells" in done.stdout
+    assert "Caenorhabditis elegans: 253 cells" in done.stdout
 
 
 def test_the_guide_runs(tmp_path):

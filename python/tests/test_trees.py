@@ -19,7 +19,7 @@ def worm() -> furrow.Tree:
 def test_the_tree_is_that_of_the_command_line(cli, worm, tmp_path):
     printed = cli.text("tree", "--out", "out")
     table = worm.table()
-    assert printed.startswith(table) and "P0        5.400  germline  asymmetric   0.209" in table
+    assert printed.startswith(table) and "P0        5.400  germline  asymmetric   0.185" in table
     assert without_commit((tmp_path / "out" / "tree.json").read_text()) == without_commit(worm.to_json())
     assert (tmp_path / "out" / "tree.nwk").read_text() == worm.newick()
     theirs = cli.json("tree", "--out", "out")
@@ -30,14 +30,14 @@ def test_the_tree_is_that_of_the_command_line(cli, worm, tmp_path):
 
 
 def test_columns_are_of_all_cells(worm):
-    assert len(worm) == len(worm.names) == len(worm.r0) == 285
+    assert len(worm) == len(worm.names) == len(worm.r0) == 253
     assert worm.names[0] == "P0" and worm.mother[0] == -1
     born = worm.mother[1:]
     assert np.all(worm.generation[1:] == worm.generation[born] + 1)
     # Volumes are handed down whole.
     for mother in np.unique(born):
         assert np.isclose(worm["volume_fraction"][1:][born == mother].sum(), worm["volume_fraction"][mother])
-    assert worm["outcome"].count("failed") == sum(worm.ended.values()) == 143
+    assert worm["outcome"].count("failed") == sum(worm.ended.values()) == 127
     assert np.isnan(worm.chi[[outcome == "failed" for outcome in worm["outcome"]]]).all()
 
 
@@ -71,7 +71,7 @@ def test_a_lineage_of_ones_own(cli, tmp_path, memo):
 def test_a_tree_is_a_graph(worm):
     networkx = pytest.importorskip("networkx")
     graph = worm.to_networkx()
-    assert networkx.is_arborescence(graph) and graph.number_of_nodes() == 285
+    assert networkx.is_arborescence(graph) and graph.number_of_nodes() == 253
     assert set(graph.successors("P0")) == {"AB", "P1"}
     assert graph.nodes["AB"]["r0"] == worm.r0[worm.names.index("AB")]
     assert graph.nodes["AB"]["outcome"] == "symmetric"
@@ -83,7 +83,7 @@ def test_a_tree_is_a_graph(worm):
 def test_a_tree_is_one_of_lineagetree(worm):
     pytest.importorskip("lineagetree")
     found = worm.to_lineagetree()
-    assert len(found.nodes) == 285 and len(found.leaves) == 143
+    assert len(found.nodes) == 253 and len(found.leaves) == 127
     roots = list(found.roots)
     assert [found.label[root] for root in roots] == ["P0"]
     assert sorted(found.label[cell] for cell in found.successor[roots[0]]) == ["AB", "P1"]
@@ -103,7 +103,7 @@ def test_newick_has_every_cell(worm):
 def test_tables_for_pandas(worm):
     pytest.importorskip("pandas")
     cells = worm.to_pandas()
-    assert cells.shape[0] == 285 and cells["r0"].to_numpy().tolist() == worm.r0.tolist()
+    assert cells.shape[0] == 253 and cells["r0"].to_numpy().tolist() == worm.r0.tolist()
     founders = worm.founders_to_pandas().set_index("name")
     assert founders.loc["AB", "model_terminal"] == 80 and founders.loc["AB", "observed_terminal"] == 487
     both = furrow.tree(cues=["germline", "none"]).to_pandas()

@@ -6,10 +6,12 @@ use super::error::CliError;
 use super::output::print_as;
 use super::picture::PlotArgs;
 use clap::Args;
-use furrow_analysis::{Exclusion, check_constraints};
+use furrow_analysis::{Exclusion, Extent, Front, check_constraints, front};
+use furrow_cell::Parameter;
+use furrow_cell::settings::Settings;
 use furrow_figures::plot;
 use furrow_input::{parse_document, read_text};
-use furrow_mechanics::calibration::{Calibration, Targets, calibrate};
+use furrow_mechanics::calibration::{Calibration, Targets, Unknown, calibrate};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -18,6 +20,7 @@ use std::path::PathBuf;
 #[command(after_help = "\
 Examples:
   furrow calibrate data/thresholds.ron --set intervals=32
+  furrow calibrate data/statements.ron --front 40 --set intervals=32
   furrow calibrate data/thresholds.ron --set stages=3 --set intervals=32 --plot calibrate.svg --json")]
 pub struct CalibrateArgs {
     /// File of unknowns and thresholds, such as data/thresholds.ron
@@ -26,8 +29,14 @@ pub struct CalibrateArgs {
     /// Samples N sets of constants that agree with the targets, instead of finding the best fit
     #[arg(help_heading = "Ensemble", long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     ensemble: Option<u32>,
-    /// Seed of the sample
-    #[arg(help_heading = "Ensemble", long, value_name = "S", default_value_t = 0, requires = "ensemble")]
+    /// Searches among N sets of constants for the front: the least worst threshold for each number of statements met
+    #[arg(help_heading = "Front", long, value_name = "N", conflicts_with = "ensemble", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    front: Option<u32>,
+    /// Constants to vary, in place of the file's; each starts at its present value
+    #[arg(help_heading = "Parameters", long, value_name = "NAME,..", value_delimiter = ',')]
+    unknowns: Option<Vec<Parameter>>,
+    /// Seed of the sample or of the search
+    #[arg(help_heading = "Ensemble", long, value_name = "S", default_value_t = 0)]
     seed: u64,
     /// File for the sample, for furrow tree --constants; default stdout
     #[arg(help_heading = "Ensemble", long, value_name = "FILE.csv", requires = "ensemble")]
@@ -38,14 +47,21 @@ pub struct CalibrateArgs {
 
 pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
     let file = args.targets.display().to_string();
-    let targets: Targets = parse_document(&read_text(&args.targets)?, &file, "a file of targets", "Targets")?;
+    let mut targets: Targets = parse_document(&read_text(&args.targets)?, &file, "a file of targets", "Targets")?;
+    if let Some(names) = &args.unknowns {
+        targets.unknowns = names.iter().map(|&parameter| Unknown { parameter, start: None }).collect();
+    }
     targets.check(&file)?;
     let picture = args.plot.file()?;
     if let Some(count) = args.ensemble {
         return sample(&targets, context, count as usize, args.seed, args.out.as_deref(), &picture);
     }
+    if let Some(count) = args.front {
+        return search(&targets, context, count as usize, args.seed);
+    }
     let found = calibrate(&targets, &context.settings.cell, &context.settings.numerics)?;
-    let excluded = check_constraints(&targets, &found.cell, &context.settings.numerics, true).excluded;
+    let excluded =
+        check_constraints(&targets, &found.cell, &context.settings.numerics, Extent::Within(f64::INFINITY)).excluded;
     picture.write(|| plot::calibration::draw(&targets, &found, &excluded))?;
     let parameters = found.parameters.iter().map(|(parameter, value)| (parameter.to_string(), Value::from(*value)));
     // `combinations` are in the order of the parameters, `excluded` are statements of the targets that these contradict.
@@ -58,6 +74,35 @@ pub fn run(args: &CalibrateArgs, context: &Context) -> Result<(), CliError> {
         "excluded": excluded,
     });
     print_as(context.json, &document, || text(&found, &excluded))
+}
+
+/// Searches for the front and prints it.
+fn search(targets: &Targets, context: &Context, count: usize, seed: u64) -> Result<(), CliError> {
+    let Settings { cell, numerics } = &context.settings;
+    let found = front(targets, cell, numerics, count, seed, context.threads, &false.into())?;
+    print_as(context.json, &serde_json::to_value(&found)?, || front_text(&found))
+}
+
+fn front_text(found: &Front) -> String {
+    let mut out = format!(
+        "{} sets of constants checked, {} statements\n\n{:>9} {:>6}",
+        found.checked, found.statements, "worst", "met"
+    );
+    for parameter in &found.parameters {
+        let _ = write!(out, " {:>10}", parameter.to_string());
+    }
+    out.push('\n');
+    for member in &found.members {
+        let _ = write!(out, "{:>7.3} % {:>6}", 100.0 * member.worst, member.met);
+        for value in &member.values {
+            let _ = write!(out, " {value:>10.6}");
+        }
+        out.push('\n');
+        for missed in &member.missed {
+            let _ = writeln!(out, "{:>17} {missed}", "not");
+        }
+    }
+    out
 }
 
 fn text(found: &Calibration, excluded: &[Exclusion]) -> String {

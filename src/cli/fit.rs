@@ -245,8 +245,8 @@ fn constants_text(found: &FittedConstants, targets: &Targets) -> String {
         let rms = thresholds_rms.map_or("not found".to_owned(), |rms| format!("{:.2} %", 100.0 * rms));
         let _ = writeln!(
             out,
-            "\n{name}: misfit {misfit:.3}: mean rounds off by {:.3}, terminal cells by {:.3} doublings, χ by {:.3}; {} not symmetric; thresholds off by {rms}",
-            parts.rounds, parts.terminal, parts.chi, parts.not_symmetric
+            "\n{name}: misfit {misfit:.3}: mean rounds off by {:.3}, terminal cells by {:.3} doublings, χ by {:.3}; {} not symmetric; thresholds off by {rms}, {} of another kind",
+            parts.rounds, parts.terminal, parts.chi, parts.not_symmetric, parts.reversed
         );
     }
     let names: String = best.constants.iter().map(|(p, _)| format!("{:>9}", p.to_string())).collect();

@@ -12,21 +12,29 @@ use furrow_analysis::table::csv_text;
 use furrow_figures::drawing::Format;
 use furrow_figures::plot;
 use furrow_formats::files::FileSet;
+use furrow_input::{InputError, open_file};
+use furrow_measured::events::{Division, divisions};
+use furrow_measured::volumes::{ReadOptions, Volumes};
 use furrow_report::reproduction::{markdown, text};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  furrow reproduce 2C S4 S5
+  furrow reproduce 3C S4 S5
+  furrow reproduce 5B 5D --data data/jankele2021_volumes.csv
   furrow reproduce 1 S3 --out reproduced --json
   furrow reproduce movies --table movies.md")]
 pub struct ReproduceArgs {
     /// Figures, tables and movies of the paper; default all
     #[arg(value_name = "FIGURE")]
     figures: Vec<String>,
+    /// Volumes of cells, for the measured rows of 5B, 5D and 6B: a table as of `furrow compare volumes`; default that of Jankele,
+    /// Jelier & Gönczy 2021
+    #[arg(help_heading = "Input", long, value_name = "FILE.csv")]
+    data: Option<PathBuf>,
     /// Output folder for pictures, tables, reproduction.md, results.csv and reproduce.json
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -43,7 +51,8 @@ pub struct ReproduceArgs {
 const FORMATS: [(&str, Format); 2] = [("svg", Format::Svg), ("png", Format::Png)];
 
 /// The columns of results.csv.
-const HEADER: &str = "figure,id,quantity,paper,computed,published_scheme,rel_error,pass,verdict,criterion,note,seconds";
+const HEADER: &str =
+    "figure,id,quantity,paper,computed,published_scheme,published_fine,rel_error,pass,verdict,criterion,note,seconds";
 /// Files other than pictures and tables of panels.
 const FILES: [&str; 3] = ["reproduction.md", "reproduce.json", "results.csv"];
 
@@ -55,6 +64,7 @@ pub fn run(args: &ReproduceArgs, context: &Context) -> Result<(), CliError> {
     context.settings.check_activity("settings")?;
     writable_folder("--out", args.out.as_deref(), &FILES)?;
     writable_file("--table", args.table.as_deref())?;
+    let measured = args.data.as_deref().map(measured).transpose()?;
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let figures = reproduce::Context {
@@ -62,6 +72,7 @@ pub fn run(args: &ReproduceArgs, context: &Context) -> Result<(), CliError> {
         memo: &memo,
         threads: context.threads,
         cancel: interrupt::flag(),
+        measured: measured.as_ref().map(|(name, divisions)| (name.as_str(), divisions.as_slice())),
         progress: &|figure: &str| line.message(format!("figure {figure}")),
     };
     let found = reproduce(&figures, &statements);
@@ -78,7 +89,7 @@ pub fn run(args: &ReproduceArgs, context: &Context) -> Result<(), CliError> {
         "items": found.items,
         "agrees": found.count(Verdict::Agrees),
         "differs": found.count(Verdict::Differs),
-        "not_pinned_down": found.count(Verdict::NotPinnedDown),
+        "apart": found.count(Verdict::Apart),
         "elapsed_s": start.elapsed().as_secs_f64(),
         "out": args.out.as_ref().map(|folder| folder.display().to_string()),
     }));
@@ -104,6 +115,20 @@ pub fn run(args: &ReproduceArgs, context: &Context) -> Result<(), CliError> {
         interrupt::defer(|| files.commit())?;
     }
     if context.json { print(&json) } else { print(&text(&found, &constants)) }
+}
+
+/// The divisions in a table of volumes.
+fn measured(file: &Path) -> Result<(String, Vec<Division>), CliError> {
+    let name = file.display().to_string();
+    let mut volumes = Volumes::default();
+    volumes.read(open_file(file)?, &name, &ReadOptions::default())?;
+    let divisions = divisions(&volumes).divisions;
+    match divisions.is_empty() {
+        true => {
+            Err(InputError::not_allowed(&name, "cells", "no division", "both daughters of one cell at least").into())
+        }
+        false => Ok((name, divisions)),
+    }
 }
 
 /// A name for the constants in use.

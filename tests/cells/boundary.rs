@@ -149,7 +149,7 @@ fn asymmetric_branches_open_as_their_normal_form_says() {
 #[test]
 fn division_agrees_with_the_boundary_on_both_sides() {
     let radii = CriticalRadii::new(&Numerics::default());
-    let cell = |r0: f64, cue: &Cue| Cell::new(r0).with_cue(cue.clone());
+    let cell = |r0: f64, cue: &Cue| Cell::gao2026_thresholds(r0).with_cue(cue.clone());
     let radius = |cue: &Cue| radii.ends(&cell(0.5, cue)).unwrap().unwrap();
     let (bare, cued) = (radius(&Cue::none()), radius(&Cue::published()));
     assert_eq!((bare.kind, cued.kind), (BoundaryKind::Pitchfork, BoundaryKind::CuedFold));

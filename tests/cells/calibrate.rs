@@ -13,7 +13,13 @@ fn first(cell: &Cell) -> Pitchfork {
 }
 
 fn threshold(r0: f64, epsilon: f64) -> Threshold {
-    Threshold { r0, epsilon, xi_s: first(&Cell { epsilon, ..Cell::new(r0) }).point.xi_s, weight: 1.0, tolerance: 0.003 }
+    Threshold {
+        r0,
+        epsilon,
+        xi_s: first(&Cell { epsilon, ..Cell::gao2026_thresholds(r0) }).point.xi_s,
+        weight: 1.0,
+        tolerance: 0.003,
+    }
 }
 
 fn unknown(parameter: Parameter, start: f64) -> Unknown {
@@ -26,7 +32,7 @@ const CELLS: [(f64, f64); 6] = [(1.64, 0.87), (2.0, 0.87), (2.22, 0.64), (2.22, 
 /// whether there are as many thresholds as constants or more.
 #[test]
 fn round_trip_to_the_preset() {
-    let preset = Cell::new(1.0);
+    let preset = Cell::gao2026_thresholds(1.0);
     let thresholds: Vec<Threshold> = CELLS.iter().map(|&(r0, epsilon)| threshold(r0, epsilon)).collect();
     for count in [4, 6] {
         let targets = Targets {
@@ -67,7 +73,7 @@ fn the_papers_thresholds() {
     all.push(unknown(Parameter::Gain, 0.5));
     for unknowns in [shell, all] {
         let targets = Targets { unknowns, thresholds: thresholds.clone(), ..Targets::default() };
-        let found = calibrate(&targets, &Cell::new(1.0), &numerics()).unwrap();
+        let found = calibrate(&targets, &Cell::gao2026_thresholds(1.0), &numerics()).unwrap();
         assert!(found.rms <= preset, "{} against {preset}", found.rms);
     }
 }
@@ -75,7 +81,7 @@ fn the_papers_thresholds() {
 /// Sensitivities against differences of thresholds.
 #[test]
 fn sensitivities_are_exact() {
-    let cell = Cell { epsilon: 0.8, ..Cell::new(2.22) };
+    let cell = Cell { epsilon: 0.8, ..Cell::gao2026_thresholds(2.22) };
     let at = first(&cell);
     for parameter in
         [Parameter::Aspect, Parameter::P0, Parameter::W, Parameter::Gain, Parameter::Kappa, Parameter::XiRatio]
@@ -104,7 +110,7 @@ fn what_the_thresholds_leave_open() {
         thresholds: CELLS[..4].iter().map(|&(r0, epsilon)| threshold(r0, epsilon)).collect(),
         ..Targets::default()
     };
-    let found = calibrate(&targets, &Cell::new(1.0), &numerics()).unwrap();
+    let found = calibrate(&targets, &Cell::gao2026_thresholds(1.0), &numerics()).unwrap();
     assert!(found.rms < 1e-9);
     let open: Vec<_> = found.combinations.iter().filter(|c| !c.determined).collect();
     assert_eq!(open.len(), 1);

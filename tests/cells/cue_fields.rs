@@ -24,7 +24,8 @@ fn cue(text: &str) -> Cue {
 }
 
 fn solve(r0: f64, cue: &Cue, numerics: Numerics) -> Division {
-    divide(&DivisionInput { numerics, ..DivisionInput::new(Cell::new(r0).with_cue(cue.clone())) }).unwrap()
+    divide(&DivisionInput { numerics, ..DivisionInput::new(Cell::gao2026_thresholds(r0).with_cue(cue.clone())) })
+        .unwrap()
 }
 
 #[test]
@@ -69,7 +70,7 @@ fn every_field_with_every_profile_mirrors() {
 #[test]
 fn narrow_cues_are_seen_by_the_mesh() {
     let cue: Cue = "activity:band,u0=0.42,omega=0.004,amplitude=0.4".parse().unwrap();
-    let coarse = DivisionInput::new(Cell::new(3.0).with_cue(cue));
+    let coarse = DivisionInput::new(Cell::gao2026_thresholds(3.0).with_cue(cue));
     let numerics = Numerics { intervals: 192, step_factor: 0.5, ..Numerics::default() };
     let fine = DivisionInput { numerics, ..coarse.clone() };
     let [a, b] = [coarse, fine].map(|input| divide(&input).unwrap().chi_signed().unwrap());

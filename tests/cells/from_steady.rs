@@ -8,7 +8,7 @@ use furrow_mechanics::perturbation::{Perturbation, perturbed};
 const GERMLINE: &str = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1";
 
 fn at(r0: f64, xi_s: f64) -> DivisionInput {
-    DivisionInput::new(Cell { xi_s, ..Cell::new(r0) })
+    DivisionInput::new(Cell { xi_s, ..Cell::gao2026_thresholds(r0) })
 }
 
 fn watched(input: &DivisionInput) -> Perturbation {

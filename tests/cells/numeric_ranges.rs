@@ -26,7 +26,7 @@ fn numerics_that_are_allowed_work() {
         &["stages=3", "intervals=32"],
     ];
     for r0 in [1.6, 2.0, 2.5, 5.4] {
-        for cell in [Cell::new(r0), Cell::new(r0).with_cue(germline.clone())] {
+        for cell in [Cell::gao2026_thresholds(r0), Cell::gao2026_thresholds(r0).with_cue(germline.clone())] {
             let outcome = |numerics: Numerics| {
                 let solved = divide(&DivisionInput { cell: cell.clone(), numerics, seed: 0 });
                 solved.map(|division| division.outcome()).map_err(|error| error.to_string())
@@ -56,7 +56,7 @@ fn the_advice_of_errors_helps() {
         (2.5, Numerics { t_max: 0.01, ..preset }, "raise t_max", Numerics { t_max: 100.0, ..preset }),
     ];
     for (r0, numerics, advice, followed) in failing {
-        let solve = |numerics| divide(&DivisionInput { cell: Cell::new(r0), numerics, seed: 0 });
+        let solve = |numerics| divide(&DivisionInput { cell: Cell::gao2026_thresholds(r0), numerics, seed: 0 });
         let said = solve(numerics).unwrap_err().to_string();
         assert!(said.contains(advice) && !said.contains("smaller"), "{said}");
         solve(followed).unwrap();

@@ -21,7 +21,7 @@ fn divisions_agree_with_the_edges() {
 /// With a cue there is no pitchfork: the leaning shape ends in a fold, below which a cell stays at rest.
 #[test]
 fn divisions_of_cued_cells_agree_with_their_fold() {
-    let cell = Cell::new(2.2).with_cue(Cue::published());
+    let cell = Cell::gao2026_thresholds(2.2).with_cue(Cue::published());
     let shapes = rest_shapes(&cell, &Numerics::default(), 40.0).unwrap();
     let Edge::Fold { xi_s: fold, maximum: true } = shapes.edges[0] else { panic!("{shapes:?}") };
     assert_eq!(shapes.intervals, [[0.0, fold]]);

@@ -41,7 +41,7 @@ impl Draws {
     /// A cell of any size, confinement and activity that occurs in an embryo, with a cue of up to two terms.
     fn cell(&mut self) -> Cell {
         let terms = (0..self.below(3)).map(|_| self.term()).collect();
-        let cell = Cell::new(self.between(1.3, 5.0)).with_cue(Cue::new(terms).unwrap());
+        let cell = Cell::gao2026_thresholds(self.between(1.3, 5.0)).with_cue(Cue::new(terms).unwrap());
         Cell { epsilon: self.between(0.55, 0.9), xi_s: self.between(12.0, 28.0), ..cell }
     }
 }
@@ -190,7 +190,7 @@ fn equal_cells_give_equal_bits() {
 fn cells_without_a_cue_divide_without_noise() {
     for r0 in [3.0, 2.0, 1.6] {
         for cue in [Cue::none(), Cue::kappa_band(0.5, 0.1, 0.05)] {
-            let cell = Cell::new(r0).with_cue(cue);
+            let cell = Cell::gao2026_thresholds(r0).with_cue(cue);
             let [with, without] = [NOISE, 0.0].map(|noise| solve(&cell, noise));
             assert_eq!(with.outcome(), without.outcome(), "{}", name(&cell));
             if let (Some(a), Some(b)) = (with.chi(), without.chi()) {

@@ -1,11 +1,12 @@
 //! Divisions compared with independent reference runs, and properties of every division.
 
 use crate::common::tables;
-use furrow_cell::{Cell, Cue};
-use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide, noise};
+use furrow_cell::{Cell, Cue, Numerics};
+use furrow_mechanics::division::noise::Noise;
+use furrow_mechanics::division::{Division, DivisionInput, Outcome, divide};
 
 fn cell(r0: f64, epsilon: f64, cue: Cue, seed: u64) -> DivisionInput {
-    DivisionInput { seed, ..DivisionInput::new(Cell { epsilon, ..Cell::new(r0).with_cue(cue) }) }
+    DivisionInput { seed, ..DivisionInput::new(Cell { epsilon, ..Cell::gao2026_thresholds(r0).with_cue(cue) }) }
 }
 
 fn solve(input: &DivisionInput) -> Division {
@@ -18,7 +19,8 @@ fn the_noise_is_that_of_the_reference() {
     let rows = tables::reference("perturbation.csv");
     assert_eq!(rows.len(), 3);
     for row in rows {
-        for (n, ours) in noise::coefficients(row.number("seed") as u64, 0.01).into_iter().enumerate() {
+        let mut noise = Noise::new(row.number("seed") as u64, &Numerics { noise: 0.01, ..Numerics::default() });
+        for (n, ours) in noise.coefficients(0.0).into_iter().enumerate() {
             assert!((ours - row.number(&format!("r{}", n + 1))).abs() < 6e-10, "{row:?}: {ours}");
         }
     }

@@ -12,7 +12,7 @@ fn passive_shapes_exist_for_every_confinement() {
     for r0 in [0.3, 1.0, 2.0, 5.4, 12.0] {
         for k in 0..=13 {
             let epsilon = 0.3 + 0.05 * k as f64;
-            let cell = Cell { epsilon, ..Cell::new(r0) };
+            let cell = Cell { epsilon, ..Cell::gao2026_thresholds(r0) };
             let (y, report) =
                 passive(&cell, &Numerics::default()).unwrap_or_else(|e| panic!("R0 = {r0}, epsilon = {epsilon}: {e}"));
             let volume = 2.0 * observables::volume_until(&Gauss::new(4), &y, 0.5);
@@ -28,7 +28,7 @@ fn passive_shapes_match_the_reference() {
     for row in rows {
         let (r0, epsilon) = (row.number("R0"), row.number("eps"));
         let numerics = Numerics::default();
-        let (y, _) = passive(&Cell { epsilon, ..Cell::new(r0) }, &numerics).unwrap();
+        let (y, _) = passive(&Cell { epsilon, ..Cell::gao2026_thresholds(r0) }, &numerics).unwrap();
         let gauss = Gauss::new(numerics.stages);
         assert!((y.scalars[0] - row.number("L")).abs() < 2e-6, "{row:?}");
         assert!((y.scalars[1] - row.number("p")).abs() < 2e-6, "{row:?}");
@@ -43,11 +43,11 @@ fn passive_shapes_match_the_reference() {
 #[test]
 fn an_active_symmetric_shape_matches_the_reference() {
     let numerics = Numerics::default();
-    let (mut y, _) = passive(&Cell::new(2.0), &numerics).unwrap();
+    let (mut y, _) = passive(&Cell::gao2026_thresholds(2.0), &numerics).unwrap();
     let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
     let mut scratch = NewtonScratch::default();
     for xi_s in [5.0, 10.0, 15.0, 18.0, 20.7468] {
-        let mut cortex = Cortex::new(&Cell { xi_s, ..Cell::new(2.0) }, Domain::Half, &[]);
+        let mut cortex = Cortex::new(&Cell { xi_s, ..Cell::gao2026_thresholds(2.0) }, Domain::Half, &[]);
         Newton::default().solve(&mut system, &mut scratch, &mut cortex, &mut y, &[], false).unwrap();
     }
     assert!((observables::elongation(&y, Domain::Half, 2.0) - 2.736436).abs() < 2e-6);

@@ -9,7 +9,8 @@ use furrow_mechanics::equilibria::{CriticalRadii, ShapeError, StepBudget};
 
 /// A cell whose search takes some thousand steps, and finds a radius that no cell of a tree comes near.
 fn long() -> Cell {
-    Cell { epsilon: 0.6, xi_s: 35.0, ..Cell::new(3.0) }.with_cue("tension:gradient,amplitude=0.05".parse().unwrap())
+    Cell { epsilon: 0.6, xi_s: 35.0, ..Cell::gao2026_thresholds(3.0) }
+        .with_cue("tension:gradient,amplitude=0.05".parse().unwrap())
 }
 
 #[test]
@@ -23,7 +24,7 @@ fn a_search_ends_where_its_effort_does() {
         assert!(budget.spent() > most && budget.spent() < most + 40, "{} of {most}", budget.spent());
     }
     // A plain cell of another size of shell takes a fraction of what is allowed, and as much with a limit as without.
-    let plain = Cell { epsilon: 0.8, ..Cell::new(1.0) };
+    let plain = Cell { epsilon: 0.8, ..Cell::gao2026_thresholds(1.0) };
     let (free, bounded) = (StepBudget::unlimited(), StepBudget::new(MOST_SEARCHED, None));
     let found = critical_radius_within(&plain, &numerics, &free).unwrap();
     assert_eq!(critical_radius_within(&plain, &numerics, &bounded).unwrap(), found);
@@ -45,7 +46,7 @@ fn radii_are_searched_for_with_bounded_effort_and_once() {
 #[test]
 fn an_interrupted_search_ends_at_once_and_is_not_remembered() {
     static FLAG: AtomicBool = AtomicBool::new(true);
-    let cell = Cell { epsilon: 0.8, ..Cell::new(1.0) };
+    let cell = Cell { epsilon: 0.8, ..Cell::gao2026_thresholds(1.0) };
     let budget = StepBudget::new(usize::MAX, Some(&FLAG));
     assert_eq!(critical_radius_within(&cell, &Numerics::default(), &budget), Err(ShapeError::Interrupted));
     assert_eq!(budget.spent(), 0);

@@ -49,7 +49,7 @@ fn the_failure_fold_moves_with_every_number_of_a_cue() {
     ];
     let mut worst = 0.0f64;
     for text in cues {
-        let cell = Cell::new(2.2).with_cue(cue(text));
+        let cell = Cell::gao2026_thresholds(2.2).with_cue(cue(text));
         let found = fold(&cell);
         for parameter in quantities(&cell) {
             let curve = curves::through_fold(&cell, &found, parameter, true).unwrap();
@@ -69,7 +69,7 @@ fn the_failure_fold_moves_with_every_number_of_a_cue() {
 fn the_pitchfork_moves_with_the_width_and_amplitude_of_an_even_cue() {
     let mut worst = 0.0f64;
     for text in ["kappa:u0=0.5,omega=0.1,amplitude=0.1", "tension:u0=0.5,omega=0.8Lh,amplitude=0.05"] {
-        let cell = Cell::new(2.2).with_cue(cue(text));
+        let cell = Cell::gao2026_thresholds(2.2).with_cue(cue(text));
         let found = first(&cell);
         for quantity in [Quantity::Omega, Quantity::Amplitude] {
             let parameter = Parameter::Cue { term: 0, quantity };

@@ -11,10 +11,10 @@ use furrow_mechanics::equilibria::critical::critical_radius;
 /// The wait is ln(amplitude after/amplitude before)/σ with σ ∝ R0 − R0_c.
 #[test]
 fn above_the_critical_radius_a_cell_divides_whatever_the_time() {
-    let critical = critical_radius(&Cell::new(1.7), &Numerics::default()).unwrap().r0;
+    let critical = critical_radius(&Cell::gao2026_thresholds(1.7), &Numerics::default()).unwrap().r0;
     let mut rates = Vec::new();
     for margin in [1e-4, 1e-5, 1e-6, 1e-7, 1e-8] {
-        let division = solve(Cell::new(critical * (1.0 + margin)));
+        let division = solve(Cell::gao2026_thresholds(critical * (1.0 + margin)));
         assert_eq!(division.outcome(), Outcome::Asymmetric, "{margin}");
         assert!((division.chi().unwrap() - 0.9117).abs() < 1e-3, "{margin}: {division:?}");
         let rate = division.slow_growth_rate.unwrap();
@@ -25,7 +25,7 @@ fn above_the_critical_radius_a_cell_divides_whatever_the_time() {
     // In proportion to the distance; the last one is known to the error of the mesh, which is 2.5e-9 of R0_c.
     assert!(rates[..4].iter().all(|slope| (slope / rates[0] - 1.0).abs() < 0.05), "{rates:?}");
     for margin in [1e-4, 1e-6, 1e-7] {
-        let division = solve(Cell::new(critical * (1.0 - margin)));
+        let division = solve(Cell::gao2026_thresholds(critical * (1.0 - margin)));
         assert_eq!(division.outcome(), Outcome::Arrested, "{margin}");
         assert!(division.growth_rate().unwrap() < 0.0 && division.slow_growth_rate.is_none());
     }
@@ -35,7 +35,7 @@ fn above_the_critical_radius_a_cell_divides_whatever_the_time() {
 /// at which the symmetric shape grows, as the normal form says.
 #[test]
 fn above_a_supercritical_threshold_a_cell_rests_off_centre() {
-    let cell = Cell::new(2.0);
+    let cell = Cell::gao2026_thresholds(2.0);
     let xi = first(&cell).point.xi_s;
     for margin in [1e-4, 1e-5, 1e-6] {
         let division = solve(Cell { xi_s: xi * (1.0 + margin), ..cell.clone() });
@@ -50,7 +50,11 @@ fn above_a_supercritical_threshold_a_cell_rests_off_centre() {
 #[test]
 fn trees_with_a_slow_cell_are_whole() {
     let lineage = Lineage::c_elegans().unwrap();
-    for cell in [Cell::new(5.4), Cell::new(5.45), Cell { xi_s: 26.0, ..Cell::new(5.4) }] {
+    for cell in [
+        Cell::gao2026_thresholds(5.4),
+        Cell::gao2026_thresholds(5.45),
+        Cell { xi_s: 26.0, ..Cell::gao2026_thresholds(5.4) },
+    ] {
         let settings = TreeSettings { cell: cell.clone(), ..TreeSettings::default() };
         let (tree, _) = grow(&lineage, &settings, 2, &|_| None, divide);
         let fates = || tree.cells().map(|id| &tree.cell(id).fate);

@@ -6,7 +6,7 @@ use furrow_mechanics::equilibria::{BranchOptions, StationaryError, primary, stat
 use furrow_mechanics::stability::Stability;
 
 fn cued(r0: f64) -> Cell {
-    Cell::new(r0).with_cue(Cue::published())
+    Cell::gao2026_thresholds(r0).with_cue(Cue::published())
 }
 
 /// Every row of the reference branch before its fold is the first shape at its ξ_s.
@@ -16,7 +16,7 @@ fn shapes_match_the_reference_branch() {
     let rising = rows.windows(2).take_while(|w| w[0].number("xi") < w[1].number("xi")).count() + 1;
     assert!(rising >= 5);
     for row in &rows[..rising] {
-        let cell = Cell { xi_s: row.number("xi"), ..Cell::new(2.0) };
+        let cell = Cell { xi_s: row.number("xi"), ..Cell::gao2026_thresholds(2.0) };
         let shape = stationary(&cell, &Numerics::default()).unwrap();
         // The table gives ξ_s to 5e-5, with slopes of the others up to 2.
         assert!((shape.elongation() - row.number("H")).abs() < 1e-5, "{row:?} {}", shape.elongation());
@@ -30,7 +30,7 @@ fn shapes_match_the_reference_branch() {
 /// At ε = 0.64 the branch is S-shaped: 6.3 lies beyond its first fold (6.143), and is reached by the second segment.
 #[test]
 fn shapes_beyond_a_fold_are_found() {
-    let cell = Cell { xi_s: 6.3, epsilon: 0.64, ..Cell::new(2.22) };
+    let cell = Cell { xi_s: 6.3, epsilon: 0.64, ..Cell::gao2026_thresholds(2.22) };
     let shape = stationary(&cell, &Numerics::default()).unwrap();
     assert_eq!(shape.folds.len(), 2, "{:?}", shape.folds);
     assert!((shape.folds[0] - 6.14341).abs() < 1e-4 && (shape.folds[1] - 3.90893).abs() < 1e-4);
@@ -42,7 +42,7 @@ fn shapes_beyond_a_fold_are_found() {
 /// Beyond the fold at 27.03 nothing is left to come to rest in.
 #[test]
 fn a_cell_that_must_divide_has_no_shape() {
-    let error = stationary(&Cell { xi_s: 28.0, ..Cell::new(2.0) }, &Numerics::default()).unwrap_err();
+    let error = stationary(&Cell { xi_s: 28.0, ..Cell::gao2026_thresholds(2.0) }, &Numerics::default()).unwrap_err();
     assert!(matches!(error, StationaryError::OutOfReach { turn, .. } if (turn - 27.02971).abs() < 1e-4), "{error}");
     assert!(error.to_string().contains("turns back at xi_s = 27.0"), "{error}");
 }
@@ -50,8 +50,9 @@ fn a_cell_that_must_divide_has_no_shape() {
 /// A cue breaks the mirror symmetry a little; where it vanishes, the whole contour is the mirrored half.
 #[test]
 fn cued_shapes() {
-    let shape =
-        |cue: Cue| stationary(&Cell { xi_s: 12.0, ..Cell::new(2.0) }.with_cue(cue), &Numerics::default()).unwrap();
+    let shape = |cue: Cue| {
+        stationary(&Cell { xi_s: 12.0, ..Cell::gao2026_thresholds(2.0) }.with_cue(cue), &Numerics::default()).unwrap()
+    };
     let plain = shape(Cue::none());
     let faint = shape(Cue::kappa_band(0.465, 0.0577, 1e-9));
     let cued = shape(Cue::published());
@@ -81,7 +82,7 @@ fn growth_rates_of_all_sorts_of_cells() {
     let (mut states, mut unstable) = (0, 0);
     for cue in [Cue::none(), Cue::published()] {
         for (r0, epsilon) in [(0.6, 0.93), (1.5, 0.5), (2.22, 0.64), (5.4, 0.87), (10.0, 0.93)] {
-            let cell = Cell { epsilon, ..Cell::new(r0).with_cue(cue.clone()) };
+            let cell = Cell { epsilon, ..Cell::gao2026_thresholds(r0).with_cue(cue.clone()) };
             let options = BranchOptions { xi: [0.0, 31.0], ..BranchOptions::default() };
             let branch = primary::follow(&cell, &numerics, &options, |_| false).unwrap();
             let first = branch.events.first().map_or(f64::INFINITY, |event| event.point().xi_s);

@@ -29,7 +29,7 @@ fn work_of_each_kind_of_division() {
     let mut table =
         String::from("division                 outcome      steps rejected factorisations remeshings newton~\n");
     for (kind, r0, cue) in kinds() {
-        let d = solve(Cell::new(r0).with_cue(cue));
+        let d = solve(Cell::gao2026_thresholds(r0).with_cue(cue));
         let outcome = format!("{:?}", d.outcome());
         let furrow_bvp::Work { steps, rejected, iterations, factorisations, remeshings } = d.work;
         let newton = (iterations + 25) / 50 * 50;
@@ -48,7 +48,7 @@ fn intervals_of_each_kind_of_division() {
     );
     for (kind, r0, cue) in kinds() {
         let mut intervals = Vec::new();
-        let input = DivisionInput::new(Cell::new(r0).with_cue(cue));
+        let input = DivisionInput::new(Cell::gao2026_thresholds(r0).with_cue(cue));
         let (division, _) =
             divide_with(&input, DivisionOptions::observed_by(&mut |frame| intervals.push(frame.shape.intervals())))
                 .unwrap();
@@ -77,9 +77,10 @@ fn work_of_branches_and_curves() {
     }
     // (86 to 104, 120), (95 to 113, 117), (162 to 210, 222), (210 to 244, 247): what a step corrects here is near rounding.
     for (range, pitchforks, folds) in [([1.5, 5.4], [115, 132], [125, 130]), ([5.4, 1.5], [231, 244], [268, 272])] {
-        let curve = curves::pitchfork_curve(&Cell::new(2.0), &numerics, Parameter::R0, range).unwrap();
+        let curve = curves::pitchfork_curve(&Cell::gao2026_thresholds(2.0), &numerics, Parameter::R0, range).unwrap();
         within("pitchforks", [curve.points.len(), curve.iterations], pitchforks);
-        let curve = curves::fold_curves(&Cell::new(2.0), &numerics, Parameter::R0, range).unwrap().remove(0);
+        let curve =
+            curves::fold_curves(&Cell::gao2026_thresholds(2.0), &numerics, Parameter::R0, range).unwrap().remove(0);
         within("folds", [curve.points.len(), curve.iterations], folds);
     }
 }

@@ -42,7 +42,7 @@ def ends_in_order():
 
 
 ENDS = ends_in_order()
-assert len(cells) == 285 and len(ENDS) == 143
+assert len(cells) == 253 and len(ENDS) == 127
 
 LENGTHS = {
     "time": lambda cell: cell["t_end"],

@@ -22,5 +22,5 @@ fn a_division_moves() {
     assert_eq!(reader.info().animation_control().unwrap().num_frames, 4);
     let text = String::from_utf8(movie("a.svg")).unwrap();
     assert_eq!(text.matches("<animate ").count(), 4);
-    assert!(text.contains("asymmetric, χ = 0.15") && text.matches("display=\"inline\"").count() == 1);
+    assert!(text.contains("asymmetric, χ = 0.13") && text.matches("display=\"inline\"").count() == 1);
 }

@@ -6,7 +6,7 @@ use furrow_mechanics::equilibria::{Branch, BranchOptions, Pitchfork, pitchfork, 
 
 /// A cell of the preset in a shell of another size.
 pub fn at(r0: f64, epsilon: f64) -> Cell {
-    Cell { epsilon, ..Cell::new(r0) }
+    Cell { epsilon, ..Cell::gao2026_thresholds(r0) }
 }
 
 /// The division of a cell by the default numerics.

@@ -22,7 +22,7 @@ fn clone() -> (Lineage, TreeSettings) {
     let lineage = Lineage::parse(CLONE, "clone.ron").unwrap();
     // Trees are compared with each other, so a coarse mesh suffices.
     let numerics = Numerics { intervals: 32, ..Numerics::default() };
-    (lineage, TreeSettings { cell: Cell::new(2.4), numerics, ..TreeSettings::default() })
+    (lineage, TreeSettings { cell: Cell::gao2026_thresholds(2.4), numerics, ..TreeSettings::default() })
 }
 
 fn targets(text: &str, lineage: &Lineage) -> Targets {
@@ -97,8 +97,9 @@ fn a_cue_that_gave_the_data_is_found_and_what_they_leave_open_is_said() {
     let text = r#"Lineage(name: "one", cues: {"c": kappa(u0: 0.465, omega: 0.0577, amplitude: 0.1)},
         founders: [(name: "P0", cue: "c")])"#;
     let lineage = Lineage::parse(text, "one.ron").unwrap();
-    let settings = TreeSettings { cell: Cell::new(3.9), ..TreeSettings::default() };
-    let given = divide(&DivisionInput::new(Cell::new(3.9).with_cue(Cue::published()))).unwrap().chi().unwrap();
+    let settings = TreeSettings { cell: Cell::gao2026_thresholds(3.9), ..TreeSettings::default() };
+    let given =
+        divide(&DivisionInput::new(Cell::gao2026_thresholds(3.9).with_cue(Cue::published()))).unwrap().chi().unwrap();
     let text = format!(
         r#"Fit(unknowns: [(parameter: p0, from: 0.1, to: 0.2)], founders: [], chi: [(cell: "P0", mean: {given}, sd: 0.01)])"#
     );
@@ -111,7 +112,7 @@ fn a_cue_that_gave_the_data_is_found_and_what_they_leave_open_is_said() {
     let combinations = found.combinations.as_ref().unwrap();
     assert!(combinations.iter().filter(|held| held.determined).count() <= 1, "{combinations:?}");
     // The printed cue gives the printed χ.
-    let cell = Cell::new(3.9).with_cue(found.cue.parse().unwrap());
+    let cell = Cell::gao2026_thresholds(3.9).with_cue(found.cue.parse().unwrap());
     assert_eq!(divide(&DivisionInput::new(cell)).unwrap().chi(), found.residuals[0].computed);
 }
 

@@ -37,7 +37,7 @@ fn every_tree_is_whole_and_equals_that_of_all_its_divisions() {
         let cell = Cell {
             epsilon: between(&mut random, 0.8, 0.9),
             xi_s: between(&mut random, 20.0, 30.0),
-            ..Cell::new(between(&mut random, 4.0, 7.0))
+            ..Cell::gao2026_thresholds(between(&mut random, 4.0, 7.0))
         };
         let cue = cue(&mut random);
         let lineage = Lineage::c_elegans().unwrap().with_cues_replaced("random", &cue.parse().unwrap());

@@ -12,7 +12,7 @@ use furrow_mechanics::equilibria::{BranchOptions, pitchfork};
 
 fn cell(r0: f64, epsilon: f64, xi_s: f64, aspect: f64, cue: &str) -> Cell {
     let lineage = Lineage::c_elegans().unwrap();
-    let mut cell = Cell { epsilon, xi_s, ..Cell::new(r0) }.with_cue(parse_cue(cue, &lineage).unwrap());
+    let mut cell = Cell { epsilon, xi_s, ..Cell::gao2026_thresholds(r0) }.with_cue(parse_cue(cue, &lineage).unwrap());
     cell.shell.aspect = aspect;
     cell
 }

@@ -30,7 +30,7 @@ fn open(cache: &Path) -> Store {
 
 /// The key and the input of a numbered entry, and its division.
 fn numbered(number: u64) -> (Key, DivisionInput, Division) {
-    let input = DivisionInput { seed: number, ..DivisionInput::new(Cell::new(3.0)) };
+    let input = DivisionInput { seed: number, ..DivisionInput::new(Cell::gao2026_thresholds(3.0)) };
     (Key::new(&input), input.clone(), Division { t_end: number as f64, ..fake(&input).unwrap() })
 }
 

@@ -2,8 +2,8 @@
 
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_mechanics::calibration::Targets;
-use furrow_mechanics::calibration::statements::HigherFold;
-use furrow_mechanics::division::{DivisionInput, Outcome, divide};
+use furrow_mechanics::calibration::statements::{GivenWindow, HigherFold};
+use furrow_mechanics::division::{DivisionInput, divide};
 use furrow_mechanics::equilibria::critical::critical_value;
 use furrow_mechanics::equilibria::{Branch, BranchOptions, Pitchfork, ShapeError, StepBudget, pitchfork, primary};
 use serde::Serialize;
@@ -24,10 +24,14 @@ pub struct Exclusion {
 pub struct ConstraintCheck {
     /// Thresholds ξ_s* in the order of the targets; fewer if one could not be found.
     pub thresholds: Vec<f64>,
+    /// Largest relative deviation of a threshold, without sign.
+    pub worst: f64,
     /// ½ Σ (relative deviation/tolerance)²: minus the logarithm of the likelihood.
     pub misfit: f64,
     /// Statements that are not true.
     pub excluded: Vec<Exclusion>,
+    /// Critical volume fractions that are off by more than their tolerance: they count in `misfit`, and exclude nothing.
+    pub off: Vec<Exclusion>,
 }
 
 impl ConstraintCheck {
@@ -36,8 +40,8 @@ impl ConstraintCheck {
         self.excluded.is_empty()
     }
 
-    fn deviates(&mut self, computed: f64, given: f64, tolerance: f64) {
-        let deviation = (computed / given - 1.0) / tolerance;
+    /// Adds a relative deviation, in units of its tolerance.
+    fn deviates(&mut self, deviation: f64) {
         self.misfit += 0.5 * deviation * deviation;
     }
 
@@ -47,6 +51,15 @@ impl ConstraintCheck {
         self.excluded.push(Exclusion { datum: format!("{list}[{index}]"), given, computed });
         true
     }
+}
+
+/// How much of the targets is checked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Extent {
+    /// The cheap statements first, up to the first group with a violation.
+    UntilExcluded,
+    /// All of them, unless a threshold deviates by more than this.
+    Within(f64),
 }
 
 /// The pitchforks found so far, by size and confinement.
@@ -68,14 +81,33 @@ impl Pitchforks<'_> {
     }
 }
 
-/// Checks constants against the targets, the cheap statements first. Unless `all` are asked for, the check stops at the first
-/// group of costly statements with a violation.
-pub fn check_constraints(targets: &Targets, cell: &Cell, numerics: &Numerics, all: bool) -> ConstraintCheck {
+/// Checks constants against the targets.
+pub fn check_constraints(targets: &Targets, cell: &Cell, numerics: &Numerics, extent: Extent) -> ConstraintCheck {
     let mut out = ConstraintCheck::default();
+    for prior in &targets.priors {
+        out.deviates((prior.parameter.get(cell) / prior.value - 1.0) / prior.tolerance);
+    }
     let mut pitchforks = Pitchforks { cell, numerics, known: Vec::new() };
+    check_thresholds(targets, &mut pitchforks, &mut out);
+    let steps = [check_criticalities, check_windows, check_epsilons, check_divisions, check_folds];
+    for step in steps {
+        let goes_on = match extent {
+            Extent::UntilExcluded => out.is_admissible(),
+            Extent::Within(limit) => out.worst <= limit && out.thresholds.len() == targets.thresholds.len(),
+        };
+        if goes_on {
+            step(targets, &mut pitchforks, &mut out);
+        }
+    }
+    out
+}
+
+fn check_thresholds(targets: &Targets, pitchforks: &mut Pitchforks<'_>, out: &mut ConstraintCheck) {
     for (k, given) in targets.thresholds.iter().enumerate() {
         let found = pitchforks.first(given.r0, given.epsilon).map(|found| {
-            out.deviates(found.point.xi_s, given.xi_s, given.tolerance);
+            let deviation = found.point.xi_s / given.xi_s - 1.0;
+            out.worst = out.worst.max(deviation.abs());
+            out.deviates(deviation / given.tolerance);
             out.thresholds.push(found.point.xi_s);
         });
         let text = format!("a pitchfork at R0 = {}, epsilon = {}", given.r0, given.epsilon);
@@ -83,6 +115,9 @@ pub fn check_constraints(targets: &Targets, cell: &Cell, numerics: &Numerics, al
             break;
         }
     }
+}
+
+fn check_criticalities(targets: &Targets, pitchforks: &mut Pitchforks<'_>, out: &mut ConstraintCheck) {
     for (k, given) in targets.criticalities.iter().enumerate() {
         let found =
             pitchforks.first(given.r0, given.epsilon).and_then(|found| match found.criticality() == given.kind {
@@ -92,34 +127,62 @@ pub fn check_constraints(targets: &Targets, cell: &Cell, numerics: &Numerics, al
         let text = format!("{} at R0 = {}, epsilon = {}", given.kind, given.r0, given.epsilon);
         out.exclude("criticalities", k, text, found);
     }
-    let go_on = |out: &ConstraintCheck| all || out.is_admissible();
-    let epsilons = if go_on(&out) { &targets.critical_epsilons[..] } else { &[] };
-    for (k, given) in epsilons.iter().enumerate() {
-        let cell = Cell { r0: given.r0, xi_s: given.xi_s, epsilon: given.epsilon, ..cell.clone() };
-        let starts = [given.epsilon, 0.95 * given.epsilon, 0.85 * given.epsilon];
-        let found = critical_value(&cell, numerics, Parameter::Epsilon, &starts, &StepBudget::unlimited())
-            .map(|(_, point)| out.deviates(point.value, given.epsilon, given.tolerance));
-        let text = format!("epsilon = {} at R0 = {}, xi_s = {}", given.epsilon, given.r0, given.xi_s);
-        out.exclude("critical_epsilons", k, text, found.map_err(|error| error.to_string()));
+}
+
+fn check_windows(targets: &Targets, pitchforks: &mut Pitchforks<'_>, out: &mut ConstraintCheck) {
+    for (k, given) in targets.windows.iter().enumerate() {
+        let cell = Cell { r0: given.r0, epsilon: given.epsilon, ..pitchforks.cell.clone() };
+        let found = pitchforks.first(given.r0, given.epsilon).and_then(|found| {
+            let low = found.point.xi_s;
+            let branch = primary::follow(&cell, pitchforks.numerics, &BranchOptions::default(), |_| true)
+                .map_err(|error| error.to_string())?;
+            let high = branch.folds().find(|fold| fold.maximum).map_or(f64::INFINITY, |fold| fold.point.xi_s);
+            match low < given.xi_s && given.xi_s < high {
+                true => Ok(()),
+                false => Err(format!("pitchfork at {low:.2}, fold at {high:.2}")),
+            }
+        });
+        let GivenWindow { r0, epsilon, xi_s } = given;
+        let text = format!("xi_s = {xi_s} between pitchfork and fold at R0 = {r0}, epsilon = {epsilon}");
+        out.exclude("windows", k, text, found);
     }
-    let symmetric = if go_on(&out) { &targets.symmetric[..] } else { &[] };
-    for (k, given) in symmetric.iter().enumerate() {
-        let (epsilon, xi_s) = (given.epsilon.unwrap_or(cell.epsilon), given.xi_s.unwrap_or(cell.xi_s));
-        let cell = Cell { r0: given.r0, epsilon, xi_s, ..cell.clone() };
-        let found = match divide(&DivisionInput { numerics: *numerics, ..DivisionInput::new(cell) }) {
-            Ok(division) if division.outcome() == Outcome::Symmetric => Ok(()),
-            Ok(division) => Err(match division.chi() {
-                Some(chi) => format!("{} (chi {chi:.3})", division.outcome()),
-                None => division.outcome().to_string(),
-            }),
+}
+
+fn check_epsilons(targets: &Targets, pitchforks: &mut Pitchforks<'_>, out: &mut ConstraintCheck) {
+    for (k, given) in targets.critical_epsilons.iter().enumerate() {
+        let cell = Cell { r0: given.r0, xi_s: given.xi_s, epsilon: given.epsilon, ..pitchforks.cell.clone() };
+        let starts = [given.epsilon, 0.95 * given.epsilon, 0.85 * given.epsilon];
+        let found = critical_value(&cell, pitchforks.numerics, Parameter::Epsilon, &starts, &StepBudget::unlimited());
+        let text = format!("epsilon = {} at R0 = {}, xi_s = {}", given.epsilon, given.r0, given.xi_s);
+        match found {
+            Ok((_, point)) => {
+                let deviation = (point.value / given.epsilon - 1.0) / given.tolerance;
+                out.deviates(deviation);
+                if deviation.abs() > 1.0 {
+                    let (datum, computed) = (format!("critical_epsilons[{k}]"), format!("{:.4}", point.value));
+                    out.off.push(Exclusion { datum, given: text, computed });
+                }
+            }
+            Err(error) => drop(out.exclude("critical_epsilons", k, text, Err(error.to_string()))),
+        }
+    }
+}
+
+fn check_divisions(targets: &Targets, pitchforks: &mut Pitchforks<'_>, out: &mut ConstraintCheck) {
+    for (k, given) in targets.divisions.iter().enumerate() {
+        let input = DivisionInput { numerics: *pitchforks.numerics, ..DivisionInput::new(given.cell(pitchforks.cell)) };
+        let found = match divide(&input) {
+            Ok(division) => given.contradiction(&division).map_or(Ok(()), Err),
             Err(error) => Err(error.to_string()),
         };
-        out.exclude("symmetric", k, format!("symmetric at R0 = {}", given.r0), found);
+        out.exclude("divisions", k, given.to_string(), found);
     }
-    let folds = if go_on(&out) { &targets.folds[..] } else { &[] };
-    for (k, given) in folds.iter().enumerate() {
-        let cell = Cell { r0: given.r0, epsilon: given.epsilon, ..cell.clone() };
-        let found = match higher_fold(&cell, numerics) {
+}
+
+fn check_folds(targets: &Targets, pitchforks: &mut Pitchforks<'_>, out: &mut ConstraintCheck) {
+    for (k, given) in targets.folds.iter().enumerate() {
+        let cell = Cell { r0: given.r0, epsilon: given.epsilon, ..pitchforks.cell.clone() };
+        let found = match higher_fold(&cell, pitchforks.numerics) {
             Ok(Some(higher)) if higher == given.higher => Ok(()),
             Ok(Some(higher)) => Err(format!("{} higher", higher.name())),
             Ok(None) => Err("fewer than two folds".to_owned()),
@@ -128,7 +191,6 @@ pub fn check_constraints(targets: &Targets, cell: &Cell, numerics: &Numerics, al
         let text = format!("{} higher at R0 = {}, epsilon = {}", given.higher.name(), given.r0, given.epsilon);
         out.exclude("folds", k, text, found);
     }
-    out
 }
 
 fn higher_fold(cell: &Cell, numerics: &Numerics) -> Result<Option<HigherFold>, ShapeError> {

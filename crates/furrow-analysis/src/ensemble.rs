@@ -6,7 +6,8 @@
 //!
 //! where the second term is a wide prior about the starting values: thresholds alone leave some combinations open. It is
 //! sampled by importance: proposals from a Student t distribution, weights p/q. The first proposals are shaped by the exact
-//! sensitivities at the best fit, later ones by the mean and covariance of the weighted sample before.
+//! sensitivities at the best fit and lie about the starting values if these meet the thresholds well, later ones by the mean and covariance
+//! of the weighted sample before.
 //!
 //! Every draw has a seed of its own, from the run's seed and its number, so that the ensemble does not depend on how many
 //! threads check them.
@@ -15,7 +16,7 @@
 //! Cappé, Guillin, Marin & Robert, "Population Monte Carlo", J. Comput. Graph. Stat. 13 (2004) 907.
 
 use super::constants::Constants;
-use super::constraints::{ConstraintCheck, check_constraints};
+use super::constraints::{ConstraintCheck, Extent, check_constraints};
 use super::sample::seed_of;
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_lineage::batch::{SchedulerError, scheduler};
@@ -32,7 +33,13 @@ const PRIOR: f64 = 0.3;
 /// Degrees of freedom of the proposals: tails heavy enough that no admissible set is out of reach.
 const FREEDOM: f64 = 6.0;
 /// Rounds in which the proposals are shaped.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 6;
+/// How much narrower proposals become, in x, where there are too few admissible draws to shape the next.
+const NARROWER: f64 = 0.5;
+/// How many independent draws a sample must be worth to shape a proposal: for each unknown, and for each admissible draw.
+const ENOUGH: [f64; 2] = [4.0, 0.15];
+/// How much wider a proposal is, in its covariance, than the sample that shapes it.
+const WIDER: f64 = 1.3;
 /// Draws of such a round for each member asked for, and at least.
 const DRAWS: [usize; 2] = [2, 24];
 /// Most draws for each member asked for.
@@ -132,12 +139,12 @@ impl Proposal {
 }
 
 /// Uniform in (0, 1).
-fn uniform(random: &mut Mt64) -> f64 {
+pub(crate) fn uniform(random: &mut Mt64) -> f64 {
     ((random.next_u64() >> 11) as f64 + 0.5) / (1u64 << 53) as f64
 }
 
 /// A standard normal number (Box & Muller).
-fn normal(random: &mut Mt64) -> f64 {
+pub(crate) fn normal(random: &mut Mt64) -> f64 {
     let radius = (-2.0 * uniform(random).ln()).sqrt();
     radius * (std::f64::consts::TAU * uniform(random)).cos()
 }
@@ -166,7 +173,7 @@ impl Posterior<'_> {
 
     fn draw(&self, proposal: &Proposal, x: DVector<f64>) -> Draw {
         let cell = with_values(self.cell, &self.values(&x));
-        let check = check_constraints(self.targets, &cell, self.numerics, false);
+        let check = check_constraints(self.targets, &cell, self.numerics, Extent::UntilExcluded);
         let ln_prior = -0.5 * x.norm_squared() / (PRIOR * PRIOR);
         let ln_weight = ln_prior - check.misfit - proposal.ln_density(&x);
         Draw { x, check, ln_weight }
@@ -182,42 +189,55 @@ impl Posterior<'_> {
             let direction = DVector::from_column_slice(&combination.components);
             precision += &direction * direction.transpose() * (combination.singular_value / tolerance).powi(2);
         }
-        let offset = |(&(_, from), &(_, to)): (&(Parameter, f64), &(Parameter, f64))| {
-            if from > 0.0 && to > 0.0 { (to / from).ln() } else { to - from }
-        };
-        let best = DVector::from_iterator(d, self.start.iter().zip(&fit.parameters).map(offset));
-        // Between the best fit and the start, either of which may be excluded.
+        let best = DVector::from_vec(fit.moves_from(&self.start));
         let covariance = precision.try_inverse().unwrap_or_else(|| DMatrix::identity(d, d) * (PRIOR * PRIOR));
+        let start =
+            check_constraints(self.targets, &with_values(self.cell, &self.start), self.numerics, Extent::UntilExcluded);
+        // About the start, if it meets the thresholds to about twice their tolerance.
+        if start.thresholds.len() == self.targets.thresholds.len()
+            && start.misfit <= 2.0 * start.thresholds.len() as f64
+        {
+            return Proposal::new(DVector::zeros(d), covariance).ok_or(EnsembleError::NoCovariance);
+        }
+        // Between the best fit and the start, both of which may be excluded.
         let spread = &best * best.transpose() * 0.25;
         Proposal::new(&best * 0.5, covariance * 2.0 + spread).ok_or(EnsembleError::NoCovariance)
     }
 }
 
-/// Normalised weights of draws, 0 for those that are excluded.
-fn weights(draws: &[Draw]) -> Vec<f64> {
+/// Normalised weights of draws to a power, 0 for those that are excluded.
+fn weights(draws: &[Draw], power: f64) -> Vec<f64> {
     let ln = |draw: &Draw| if draw.check.is_admissible() { draw.ln_weight } else { f64::NEG_INFINITY };
     let largest = draws.iter().map(ln).fold(f64::NEG_INFINITY, f64::max);
-    let raw = |draw: &Draw| if draw.check.is_admissible() { (draw.ln_weight - largest).exp() } else { 0.0 };
+    let raw = |draw: &Draw| if draw.check.is_admissible() { (power * (draw.ln_weight - largest)).exp() } else { 0.0 };
     let raw: Vec<f64> = draws.iter().map(raw).collect();
     let total: f64 = raw.iter().sum();
     raw.into_iter().map(|w| if total > 0.0 { w / total } else { 0.0 }).collect()
 }
 
-/// The distribution with the mean and covariance of a weighted sample; `None` from too few.
-fn fitted(draws: &[Draw], weights: &[f64]) -> Option<Proposal> {
-    let effective = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
-    let d = draws.first()?.x.len();
-    if !effective.is_finite() || effective < 2.0 * d as f64 {
+/// How many independent draws a weighted sample is worth.
+fn effective_size(weights: &[f64]) -> f64 {
+    1.0 / weights.iter().map(|w| w * w).sum::<f64>()
+}
+
+/// The distribution with the mean and covariance of a weighted sample; `None` from too few. Where the weights hang on a few draws,
+/// a smaller power of them is used: early proposals lie beside the posterior, and what they find of it must not narrow the next.
+fn fitted(draws: &[Draw]) -> Option<Proposal> {
+    let (d, admissible) = (draws.first()?.x.len(), draws.iter().filter(|draw| draw.check.is_admissible()).count());
+    let enough = (ENOUGH[0] * d as f64).max(ENOUGH[1] * admissible as f64);
+    if (admissible as f64) < enough {
         return None;
     }
+    let tempered = (0..16).map(|halvings| weights(draws, 0.5f64.powi(halvings)));
+    let weights = tempered.into_iter().find(|weights| effective_size(weights) >= enough)?;
     let mut mean = DVector::zeros(d);
-    draws.iter().zip(weights).for_each(|(draw, w)| mean += &draw.x * *w);
+    draws.iter().zip(&weights).for_each(|(draw, w)| mean += &draw.x * *w);
     let mut covariance = DMatrix::identity(d, d) * 1e-8;
-    for (draw, w) in draws.iter().zip(weights) {
+    for (draw, w) in draws.iter().zip(&weights) {
         let off = &draw.x - &mean;
         covariance += &off * off.transpose() * *w;
     }
-    Proposal::new(mean, covariance * 1.2)
+    Proposal::new(mean, covariance * WIDER)
 }
 
 /// Samples `count` admissible sets of the unknowns of `targets` about the constants of `cell`, on so many threads. `cancel`
@@ -256,8 +276,9 @@ pub fn ensemble(
     let many = (DRAWS[0] * count).max(DRAWS[1]);
     for _ in 0..ROUNDS {
         let found = draw_all(&proposal, many)?;
-        if let Some(better) = fitted(&found, &weights(&found)) {
-            proposal = better;
+        match fitted(&found) {
+            Some(better) => proposal = better,
+            None => proposal.root *= NARROWER,
         }
     }
     let mut kept: Vec<Draw> = Vec::new();
@@ -267,7 +288,7 @@ pub fn ensemble(
         tried += many;
     }
     kept.truncate(count);
-    let weights = weights(&kept);
+    let weights = weights(&kept, 1.0);
     if kept.is_empty() {
         let by = excluded.iter().max_by_key(|(_, n)| **n).map_or("-".to_owned(), |(datum, _)| datum.clone());
         return Err(EnsembleError::NoneAdmissible { draws: draws as usize, by });
@@ -280,7 +301,7 @@ pub fn ensemble(
     Ok(Ensemble {
         parameters: posterior.start.iter().map(|(parameter, _)| *parameter).collect(),
         members: kept.iter().zip(&weights).map(member).collect(),
-        effective_sample_size: 1.0 / weights.iter().map(|w| w * w).sum::<f64>(),
+        effective_sample_size: effective_size(&weights),
         excluded,
         draws: draws as usize,
     })

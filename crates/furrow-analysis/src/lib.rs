@@ -9,6 +9,7 @@
 //! | [`scenarios`], [`growth`] | lineages and cues side by side, and their trees |
 //! | [`mod@diagram`] | the stationary shapes of one cell over ξ_s |
 //! | [`constraints`] | whether constants agree with what is known |
+//! | [`mod@front`] | how well constants can meet all of it at once |
 //! | [`mod@ensemble`], [`constants`], [`mod@ranges`] | a sample of the constants that do; its table; a lineage over it |
 //! | [`compare`] | the model beside measured embryos |
 //! | [`reproduce`] | the paper's statements beside what is computed |
@@ -21,6 +22,7 @@ pub mod diagram;
 pub mod ensemble;
 #[cfg(not(target_family = "wasm"))]
 pub mod fit;
+pub mod front;
 pub mod growth;
 pub mod journal;
 mod parse;
@@ -37,9 +39,10 @@ pub mod sweep_files;
 pub mod table;
 
 pub use constants::{Constants, read_constants, write_constants};
-pub use constraints::{ConstraintCheck, Exclusion, check_constraints};
+pub use constraints::{ConstraintCheck, Exclusion, Extent, check_constraints};
 pub use diagram::{Diagram, Edges, diagram};
 pub use ensemble::{Ensemble, EnsembleError, Member, ensemble};
+pub use front::{Front, FrontMember, front};
 pub use growth::{Grown, grown, scenarios_of, tree_settings};
 pub use journal::Journal;
 pub use points::{Axes, Axis, AxisValue, Point, Target};

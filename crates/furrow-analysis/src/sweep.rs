@@ -2,7 +2,7 @@
 
 use super::points::{Axes, AxisValue, Point, Target};
 use furrow_cell::settings::Settings;
-use furrow_cell::{Cell, Cue};
+use furrow_cell::{Cell, Cue, Scheme};
 use furrow_input::InputError;
 use furrow_lineage::Lineage;
 use furrow_mechanics::division::DivisionInput;
@@ -98,6 +98,10 @@ impl Sweep {
             }
         }
         let set = settings.assign(&self.file, &pairs);
+        if settings.numerics.scheme == Scheme::Converged && pairs.iter().any(|(name, _)| *name == "dt") {
+            // An axis of steps is one of the published scheme: the other divides alike at all of them.
+            settings.numerics.dt = self.settings.numerics.dt;
+        }
         let mut cell = settings.cell.clone().with_cue(cue);
         for (axis, place) in places {
             if let (Target::CueNumber(parameter), AxisValue::Number(value)) = (axis.target, &axis.values[place]) {

@@ -71,6 +71,12 @@ impl Cell {
         Cell { r0, epsilon: 0.87, xi_s: 25.0, cue: Cue::none(), material: Material::GAO2026, shell: Shell::GAO2026 }
     }
 
+    /// The same of the preset `gao2026-thresholds`.
+    pub const fn gao2026_thresholds(r0: f64) -> Cell {
+        let (material, shell) = (Material::GAO2026_THRESHOLDS, Shell::GAO2026_THRESHOLDS);
+        Cell { r0, epsilon: 0.87, xi_s: 25.0, cue: Cue::none(), material, shell }
+    }
+
     /// The same cell with a cue.
     pub fn with_cue(self, cue: Cue) -> Cell {
         Cell { cue, ..self }

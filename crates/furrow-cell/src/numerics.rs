@@ -40,10 +40,10 @@ pub struct Numerics {
     pub intervals: usize,
     /// How time is stepped.
     pub scheme: Scheme,
-    /// Fixed step Δt of the published scheme, in τ. Steps double from the first one up to it, and follow the neck where that
-    /// closes faster. The converged scheme does not use it.
+    /// Fixed step Δt of the published scheme, in τ; steps follow the neck where that closes faster. The noise lasts for the
+    /// first. The converged scheme does not use it.
     pub dt: f64,
-    /// Length of the first step, in τ; the noise lasts for it.
+    /// Length of the converged scheme's first step, in τ; the noise lasts for it.
     pub first_step: f64,
     /// Local error allowed per time step.
     pub time_tolerance: f64,
@@ -54,6 +54,9 @@ pub struct Numerics {
     /// Largest coefficient of the noise in the first step; 0 for none, and then the side of an asymmetric division without a
     /// cue is left to rounding.
     pub noise: f64,
+    /// How long the noise takes to change, in τ, where it lasts for all of the division; 0 for noise in the first step alone,
+    /// as in the paper.
+    pub noise_time: f64,
     /// A division with |χ| below this is symmetric and its daughters are equal.
     pub chi_symmetric: f64,
 }
@@ -70,6 +73,7 @@ impl Default for Numerics {
             step_factor: 1.0,
             t_max: 10_000.0,
             noise: 0.01,
+            noise_time: 0.0,
             chi_symmetric: 5e-3,
         }
     }

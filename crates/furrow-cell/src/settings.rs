@@ -24,8 +24,11 @@ impl Default for Settings {
 }
 
 /// Presets by name: what differs from the first, as a configuration file says it.
-const PRESETS: [(&str, &str); 2] =
-    [("gao2026", "Config()"), ("sulston1983", include_str!("../presets/sulston1983.ron"))];
+const PRESETS: [(&str, &str); 3] = [
+    ("gao2026", "Config()"),
+    ("gao2026-thresholds", include_str!("../presets/gao2026-thresholds.ron")),
+    ("sulston1983", include_str!("../presets/sulston1983.ron")),
+];
 
 /// Names of the presets; the first is in force where none is named.
 pub fn presets() -> impl Iterator<Item = &'static str> {
@@ -144,6 +147,7 @@ fields! {
         step_factor at numerics.step_factor => f64, "from 0.1 to 1", |v| (0.1..=1.0).contains(&v);
         t_max at numerics.t_max => f64, "a finite number above 0", |v| v.is_finite() && v > 0.0;
         noise at numerics.noise => f64, "0 or above and below 1", |v| (0.0..1.0).contains(&v);
+        noise_time at numerics.noise_time => f64, "0, or from 0.001 to 1000", |v| v == 0.0 || (1e-3..=1e3).contains(&v);
         chi_symmetric at numerics.chi_symmetric => f64, "0 or above and below 1", |v| (0.0..1.0).contains(&v);
     }
 }
@@ -342,9 +346,17 @@ impl Settings {
         if (least..=most).contains(&xi_s) {
             return Ok(());
         }
+        let [least, most] = [least, most].map(four_digits);
         let allowed = format!("from {least} to {most} where kappa = {} and gain = {}", material.kappa, material.gain);
         Err(InputError::not_allowed(source_name, "xi_s", xi_s, allowed))
     }
+}
+
+/// The first four digits of a number.
+fn four_digits(value: f64) -> f64 {
+    let decimals = (3.0 - value.abs().log10().floor()).clamp(0.0, 12.0);
+    let scale = 10f64.powf(decimals);
+    (value * scale).trunc() / scale
 }
 
 /// What errors call settings of the form `key=value`.

@@ -42,7 +42,7 @@ mod tests {
     use furrow_cell::Cell;
 
     fn work(critical: f64, r0: f64) -> f64 {
-        expected_work(critical)(&DivisionInput::new(Cell::new(r0)))
+        expected_work(critical)(&DivisionInput::new(Cell::gao2026_thresholds(r0)))
     }
 
     #[test]

@@ -8,11 +8,15 @@
 use furrow_input::InputError;
 use serde::Deserialize;
 
-use crate::events::{GroupSummary, MotherSummary, place};
+use crate::events::{Division, GroupSummary, MotherSummary, divisions, place};
 use crate::table::malformed;
+use crate::volumes::{ReadOptions, Volumes};
 
 /// The table, as shipped.
 const JANKELE: &str = include_str!("../data/jankele2021.csv");
+
+/// Volumes of cells of single embryos, of the groups `wt` and `ctrl`.
+const VOLUMES: &str = include_str!("../data/jankele2021_volumes.csv");
 
 /// What it is called.
 pub const SOURCE: &str = "Jankele, Jelier & Gönczy 2021, eLife 10:e61714";
@@ -26,6 +30,16 @@ struct Row {
     sd: Option<f64>,
     mean_signed: f64,
     sd_signed: Option<f64>,
+}
+
+/// Divisions of 14 embryos, of the groups `wt` and `ctrl`.
+///
+/// # Errors
+/// None, as long as the shipped table is one.
+pub fn jankele2021_divisions() -> Result<Vec<Division>, InputError> {
+    let mut volumes = Volumes::default();
+    volumes.read(VOLUMES.as_bytes(), "jankele2021_volumes.csv", &ReadOptions::default())?;
+    Ok(divisions(&volumes).divisions)
 }
 
 /// The published groups.

@@ -27,7 +27,9 @@ use furrow_input::InputError;
 
 pub mod statements;
 
-use statements::{GivenCriticality, GivenEpsilon, GivenFolds, GivenSymmetric, check_numbers, tolerance};
+use statements::{
+    GivenCriticality, GivenDivision, GivenEpsilon, GivenFolds, GivenWindow, Prior, check_numbers, tolerance,
+};
 
 /// A measured pitchfork threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -93,12 +95,18 @@ pub struct Targets {
     /// Which folds are the higher.
     #[serde(default)]
     pub folds: Vec<GivenFolds>,
-    /// Cells that divide into equal daughters.
+    /// Activities between pitchfork and turning point.
     #[serde(default)]
-    pub symmetric: Vec<GivenSymmetric>,
+    pub windows: Vec<GivenWindow>,
+    /// How cells divide.
+    #[serde(default)]
+    pub divisions: Vec<GivenDivision>,
     /// Volume fractions up to which cells divide.
     #[serde(default)]
     pub critical_epsilons: Vec<GivenEpsilon>,
+    /// What is known of constants from elsewhere.
+    #[serde(default)]
+    pub priors: Vec<Prior>,
 }
 
 /// A threshold beside the model's.
@@ -207,25 +215,7 @@ impl Targets {
         for (k, t) in self.thresholds.iter().enumerate() {
             t.check(source_name, &format!("thresholds[{k}]"))?;
         }
-        let check = |list: &str, k: usize, numbers: &[(&str, f64)]| {
-            check_numbers(source_name, &format!("{list}[{k}]"), numbers)
-        };
-        for (k, given) in self.criticalities.iter().enumerate() {
-            check("criticalities", k, &[("r0", given.r0), ("epsilon", given.epsilon)])?;
-        }
-        for (k, given) in self.folds.iter().enumerate() {
-            check("folds", k, &[("r0", given.r0), ("epsilon", given.epsilon)])?;
-        }
-        for (k, given) in self.symmetric.iter().enumerate() {
-            let (epsilon, xi_s) = (given.epsilon.unwrap_or(0.5), given.xi_s.unwrap_or(1.0));
-            check("symmetric", k, &[("r0", given.r0), ("epsilon", epsilon), ("xi_s", xi_s)])?;
-        }
-        for (k, given) in self.critical_epsilons.iter().enumerate() {
-            let numbers =
-                [("r0", given.r0), ("xi_s", given.xi_s), ("epsilon", given.epsilon), ("tolerance", given.tolerance)];
-            check("critical_epsilons", k, &numbers)?;
-        }
-        Ok(())
+        self.check_statements(source_name)
     }
 }
 
@@ -252,6 +242,16 @@ pub fn moved(parameters: &[(Parameter, f64)], delta: &[f64]) -> Vec<(Parameter, 
         false => (parameter, value * d.exp()),
     };
     parameters.iter().zip(delta).map(step).collect()
+}
+
+impl Calibration {
+    /// The δ by which [`moved`] leads from other values of these parameters to the ones found.
+    pub fn moves_from(&self, start: &[(Parameter, f64)]) -> Vec<f64> {
+        let offset = |(&(parameter, from), &(_, to)): (&(Parameter, f64), &(Parameter, f64))| {
+            if LINEAR.contains(&parameter) { (to - from) / from.abs().max(1.0) } else { (to / from).ln() }
+        };
+        start.iter().zip(&self.parameters).map(offset).collect()
+    }
 }
 
 /// dθ/dx of the search's coordinates.
@@ -371,7 +371,7 @@ fn combinations(svd: &Svd) -> Vec<Combination> {
 /// let text = "Targets(unknowns: [(parameter: p0)], thresholds: [(r0: 2, epsilon: 0.87, xi_s: 22.006)])";
 /// let targets: Targets = parse_document(text, "targets.ron", "a file of targets", "Targets")?;
 /// let found = calibrate(&targets, &Cell::new(2.0), &Numerics { intervals: 32, ..Numerics::default() })?;
-/// assert!(found.rms < 1e-6 && (found.cell.shell.p0 - 0.123).abs() < 0.003);
+/// assert!(found.rms < 1e-6 && (found.cell.shell.p0 - 0.1).abs() < 0.003);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

@@ -122,7 +122,7 @@ const REACH: f64 = 50.0;
 /// use furrow_mechanics::stability::{Parity, Stability};
 /// let shape = stationary(&Cell::new(1.6), &Numerics::default())?;
 /// let spectrum = Stability::new(shape.solution.m).leading(&shape.cortex, &shape.solution)?;
-/// assert!(spectrum.is_stable() && (spectrum.growth_rate() + 0.450183).abs() < 1e-5);
+/// assert!(spectrum.is_stable() && (spectrum.growth_rate() + 0.495859).abs() < 1e-5);
 /// assert_eq!(spectrum.values[0].parity, Parity::Odd);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -400,7 +400,7 @@ mod tests {
 
     /// The mirror-symmetric state of a cell at ξ_s.
     fn symmetric(r0: f64, epsilon: f64, xi_s: f64, numerics: &Numerics) -> (Cortex, Solution) {
-        let below = Cell { epsilon, xi_s: xi_s.min(26.5), ..Cell::new(r0) };
+        let below = Cell { epsilon, xi_s: xi_s.min(26.5), ..Cell::gao2026_thresholds(r0) };
         let StationaryShape { mut cortex, solution: mut y, .. } = stationary(&below, numerics).unwrap();
         // A step along the branch would pass these and the fold above them.
         for xi_s in [27.0, 27.02].into_iter().filter(|close| *close <= xi_s) {

@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn the_record_is_that_of_the_division() {
-        let cell = Cell::new(2.0).with_cue(Cue::published());
+        let cell = Cell::gao2026_thresholds(2.0).with_cue(Cue::published());
         let (found, numbers) = asked(&cell, "all");
         let alone = divide_alone(&DivisionInput::new(cell)).unwrap();
         assert_eq!(found["chi"].as_f64(), alone.chi());
@@ -214,7 +214,7 @@ mod tests {
 
     #[test]
     fn the_last_frame_alone_is_the_last_of_all() {
-        let cell = Cell::new(1.5);
+        let cell = Cell::gao2026_thresholds(1.5);
         let ((all, every), (last, one)) = (asked(&cell, "all"), asked(&cell, "last"));
         assert_eq!(last["frames"].as_array().unwrap().len(), 1);
         assert_eq!(all["outcome"], last["outcome"]);
@@ -225,7 +225,7 @@ mod tests {
     #[test]
     fn a_sphere_is_pressed_by_its_isotropic_activity() {
         let radius = 2.0;
-        let cell = Cell::new(radius);
+        let cell = Cell::gao2026_thresholds(radius);
         let film = Film::new(&DivisionInput::new(cell), None);
         let gauss = Gauss::new(Numerics::default().stages);
         let mesh = furrow_bvp::mesh::uniform(0.0, 1.0, 48);

@@ -35,7 +35,8 @@ mod tests {
 
     #[test]
     fn the_edge_passes_the_critical_radius() {
-        let request = json!({ "cell": Cell::new(2.0), "numerics": Numerics::default(), "range": [1.6, 2.4] });
+        let request =
+            json!({ "cell": Cell::gao2026_thresholds(2.0), "numerics": Numerics::default(), "range": [1.6, 2.4] });
         let answer = edge(request.to_string().as_bytes()).unwrap();
         let found: Value = serde_json::from_str(&answer.text).unwrap();
         let points: Vec<[f64; 2]> = found["points"]

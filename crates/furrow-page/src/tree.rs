@@ -69,7 +69,8 @@ mod tests {
     #[test]
     fn a_tree_that_is_grown_from_its_own_head_is_the_same() {
         let counted = Counter::new(0);
-        let first = regrow(&head(&Cell::new(3.0), Some("none")), &|solved, _| counted.set(solved)).unwrap();
+        let first =
+            regrow(&head(&Cell::gao2026_thresholds(3.0), Some("none")), &|solved, _| counted.set(solved)).unwrap();
         assert!(counted.get() > 3);
         let tree = tree_from_json(&first.text).unwrap();
         assert!(tree.len() > 10);
@@ -81,7 +82,7 @@ mod tests {
 
     #[test]
     fn a_cue_that_is_none_is_refused_with_what_is_allowed() {
-        let error = regrow(&head(&Cell::new(3.0), Some("germlin")), &|_, _| {}).unwrap_err();
+        let error = regrow(&head(&Cell::gao2026_thresholds(3.0), Some("germlin")), &|_, _| {}).unwrap_err();
         assert!(error.to_string().contains("germline"), "{error}");
     }
 }

@@ -12,17 +12,19 @@ const NOTHING: &str = "-";
 /// equal bytes.
 pub fn markdown(found: &Reproduction, constants: &str) -> String {
     let mut out = format!("{HEAD}\n{}\n", counts(found, constants));
-    out.push_str("\n| figure | quantity | paper | furrow | published scheme | off by | verdict |\n|---|---|---|---|---|---|---|\n");
+    out.push_str("\n| figure | quantity | paper | furrow | Δt = 0.1 τ | Δt = 0.01 τ | off by | verdict |\n|---|---|---|---|---|---|---|---|\n");
     for item in &found.items {
         out.push_str(&row(item));
     }
     out.push_str("\n## Criteria and notes\n\n");
     for group in found.items.chunk_by(|a, b| a.figure == b.figure) {
         for item in group {
-            let _ = write!(out, "- **{}**, {}: ", figure(item), item.quantity);
-            let judged = if item.criterion == "none" { "nothing is judged" } else { item.criterion.as_str() };
+            let _ = write!(out, "- **{}**, {}: ", item.figure, item.quantity);
             let note = item.note.as_ref().map_or(String::new(), |note| format!(". {}", capital(note)));
-            let _ = writeln!(out, "{judged}{note}.");
+            let _ = match item.verdict {
+                Verdict::Apart => writeln!(out, "not judged{note}."),
+                _ => writeln!(out, "{}{note}.", item.criterion),
+            };
         }
     }
     out
@@ -34,19 +36,17 @@ The statements of the paper (Gao, Guan, Tang & Ma) and the results of furrow. `f
 writes this page; `furrow reproduce --out DIR` also draws the figures. Single rows can be computed too, as with
 `furrow reproduce 2C S5`.
 
-*furrow* is the converged result. *Published scheme* is the result of backward Euler at Δt = 0.1 τ, the paper's kind of time step,
-for rows that follow divisions in time; the paper does not print its Δt. A note says if only one of the two agrees, or neither. A
-row **agrees** if a printed number is met to the tolerance below, or if a statement in words is true by the criterion below, which
-is ours. It is **not pinned down** if the paper's statement is not known here or is not specific enough: the result is given and
-not judged. The paper does not print the constants of the shell; they are fitted to its four thresholds only.
+*furrow* is the converged result. The two columns of Δt are the results of the paper's kind of time step, backward Euler with noise
+for one step, where divisions are followed in time; the paper does not print its Δt. A row **agrees** if a printed number is met to
+the tolerance below, or if a statement in words is true by the criterion below, which is ours. What is **set apart** is not judged
+and not counted; its note says why. The paper does not print the constants of the shell: they are chosen by its statements
+(`furrow calibrate data/statements.ron`).
 ";
 
 fn counts(found: &Reproduction, constants: &str) -> String {
-    let [agrees, differs, open] =
-        [Verdict::Agrees, Verdict::Differs, Verdict::NotPinnedDown].map(|verdict| found.count(verdict));
-    format!(
-        "With the constants `{constants}`: {agrees} statements agree, {differs} differ, {open} are not pinned down."
-    )
+    let [agrees, differs, apart] =
+        [Verdict::Agrees, Verdict::Differs, Verdict::Apart].map(|verdict| found.count(verdict));
+    format!("With the constants `{constants}`: {agrees} statements agree, {differs} differ; {apart} are set apart.")
 }
 
 /// The row of a statement in the table.
@@ -56,30 +56,31 @@ pub fn row(item: &Item) -> String {
         verdict => verdict.to_string(),
     };
     let cells = [
-        figure(item),
+        item.figure.clone(),
         item.quantity.clone(),
-        value(item.paper.as_ref()),
-        value(Some(&item.computed)),
-        published(item),
+        value(&item.paper),
+        value(&item.computed),
+        published(item, item.published_scheme.as_deref(), item.published_scheme_agrees),
+        published(item, item.published_fine.as_deref(), item.published_fine_agrees),
         item.rel_error.map_or(NOTHING.to_owned(), off_by),
         verdict,
     ];
     format!("| {} |\n", cells.map(|cell| cell.replace('|', "\\|")).join(" | "))
 }
 
-/// The result of the published scheme, and whether it agrees where the converged result does not.
-fn published(item: &Item) -> String {
-    let told = match (item.verdict, item.published_scheme_agrees) {
-        (Verdict::Differs, Some(true)) => " (agrees)",
-        (Verdict::Differs | Verdict::Agrees, Some(false)) => " (differs)",
+/// A result of the published scheme, and whether it agrees where the converged result does not, or the other way round.
+fn published(item: &Item, computed: Option<&str>, agrees: Option<bool>) -> String {
+    let verdict = match agrees {
+        Some(agrees) if agrees != item.pass => {
+            if agrees {
+                " (agrees)"
+            } else {
+                " (differs)"
+            }
+        }
         _ => "",
     };
-    format!("{}{told}", value(item.published_scheme.as_ref()))
-}
-
-/// A figure as it is printed: panels from one to another.
-fn figure(item: &Item) -> String {
-    item.figure.replace('-', "–")
+    format!("{}{verdict}", computed.unwrap_or(NOTHING))
 }
 
 /// Text with a capital at its beginning; symbols stay as they are.
@@ -89,10 +90,8 @@ fn capital(text: &str) -> String {
 }
 
 /// A number to five digits, or words.
-pub fn value(value: Option<&Value>) -> String {
-    let Some(number) = value.and_then(Value::as_f64) else {
-        return value.and_then(Value::as_str).unwrap_or(NOTHING).to_owned();
-    };
+pub fn value(value: &Value) -> String {
+    let Some(number) = value.as_f64() else { return value.as_str().unwrap_or(NOTHING).to_owned() };
     let digits = if number == 0.0 { 0 } else { 4 - number.abs().log10().floor() as i32 };
     let text = format!("{number:.*}", digits.clamp(0, 12) as usize);
     let short = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
@@ -111,15 +110,18 @@ pub fn text(found: &Reproduction, constants: &str) -> String {
     let mut out = String::new();
     for group in found.items.chunk_by(|a, b| a.figure == b.figure) {
         let Some(first) = group.first() else { continue };
-        let _ = writeln!(out, "{} ({:.1} s)", figure(first), first.seconds);
+        let _ = writeln!(out, "{} ({:.1} s)", first.figure, first.seconds);
         for item in group {
             let _ = writeln!(out, "  {:<16} {}", item.verdict.to_string(), item.quantity);
-            let paper = item.paper.as_ref().map_or("not known".to_owned(), |paper| value(Some(paper)));
-            let _ = writeln!(out, "{:19}paper: {paper}", "");
+            let _ = writeln!(out, "{:19}paper: {}", "", value(&item.paper));
             let off = item.rel_error.map_or(String::new(), |error| format!(" (off by {})", off_by(error)));
-            let _ = writeln!(out, "{:19}furrow: {}{off}", "", value(Some(&item.computed)));
-            if item.published_scheme.is_some() {
-                let _ = writeln!(out, "{:19}published scheme: {}", "", published(item));
+            let _ = writeln!(out, "{:19}furrow: {}{off}", "", value(&item.computed));
+            let published = [
+                ("0.1", &item.published_scheme, item.published_scheme_agrees),
+                ("0.01", &item.published_fine, item.published_fine_agrees),
+            ];
+            for (dt, computed, agrees) in published.into_iter().filter(|(_, computed, _)| computed.is_some()) {
+                let _ = writeln!(out, "{:19}Δt = {dt} τ: {}", "", self::published(item, computed.as_deref(), agrees));
             }
         }
     }
@@ -133,13 +135,13 @@ mod tests {
 
     #[test]
     fn numbers_have_five_digits_and_errors_two() {
-        let shown = |number: f64| value(Some(&number.into()));
+        let shown = |number: f64| value(&number.into());
         assert_eq!(
             [25.796_83, 0.5, -2.5, 0.0, 4.0, 0.895_398, 20_890.4].map(shown),
             ["25.797", "0.5", "−2.5", "0", "4", "0.8954", "20890"]
         );
         assert_eq!([0.0, 0.002_31, 0.045, 3.0e-5].map(off_by), ["0", "0.23 %", "4.5 %", "0.0030 %"]);
-        assert_eq!(value(None), "-");
+        assert_eq!(value(&Value::Null), "-");
         assert_eq!([capital("ε is"), capital("it is")], ["ε is", "It is"]);
     }
 }

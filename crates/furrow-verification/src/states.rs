@@ -37,7 +37,7 @@ pub fn cues() -> Vec<String> {
 
 /// A cell whose constants all differ from each other and from 1, so that mixing two up is noticed.
 pub fn uneven_cell(r0: f64, xi_s: f64, cue: &str) -> Result<Cell, CueError> {
-    let mut cell = Cell { xi_s, ..Cell::new(r0).with_cue(cue.parse()?) };
+    let mut cell = Cell { xi_s, ..Cell::gao2026_thresholds(r0).with_cue(cue.parse()?) };
     let material = &mut cell.material;
     (material.kappa, material.eta_b, material.eta_s) = (1.3, 0.9, 0.7);
     (material.friction, material.tension, material.xi_ratio) = (1.2, 0.15, -0.12);

@@ -17,7 +17,7 @@ fn solve(cell: Cell) -> Division {
 /// Its pitchfork is subcritical: beyond it there is no other stable shape.
 #[test]
 fn a_growth_rate_above_zero_divides_and_one_below_rests() {
-    let cell = Cell::new(1.64);
+    let cell = Cell::gao2026_thresholds(1.64);
     let threshold = pitchfork::first(&cell, &Numerics::default(), &BranchOptions::default()).unwrap().point.xi_s;
     for margin in [1e-5, 1e-6] {
         let above = solve(Cell { xi_s: threshold * (1.0 + margin), ..cell.clone() });
@@ -36,7 +36,7 @@ fn a_growth_rate_above_zero_divides_and_one_below_rests() {
 /// A division ends where the neck is narrower than 10⁻³ R0, and no sooner.
 #[test]
 fn a_division_ends_at_a_thousandth_of_the_radius() {
-    let cell = Cell::new(3.0);
+    let cell = Cell::gao2026_thresholds(3.0);
     let mut necks = Vec::new();
     let division = divide_with(
         &DivisionInput::new(cell.clone()),
@@ -91,7 +91,7 @@ fn a_division_starts_from_the_passive_shape_without_its_cue() {
 /// χ follows from the volumes on both sides of the neck.
 #[test]
 fn chi_is_that_of_the_volumes_on_the_two_sides() {
-    let cell = Cell::new(3.3).with_cue(Cue::published());
+    let cell = Cell::gao2026_thresholds(3.3).with_cue(Cue::published());
     let mut last = None;
     let (division, _) = divide_with(
         &DivisionInput::new(cell.clone()),

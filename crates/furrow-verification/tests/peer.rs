@@ -64,9 +64,9 @@ fn shapes_at_rest_are_those_of_another_solver() {
     }
     let band = "kappa:band,u0=0.465,omega=0.1,amplitude=0.1";
     let cells = [
-        Cell { xi_s: 10.0, ..Cell::new(2.0) },
-        Cell { xi_s: 8.0, epsilon: 0.7, ..Cell::new(1.5) },
-        Cell { xi_s: 9.0, ..Cell::new(2.0).with_cue(band.parse().unwrap()) },
+        Cell { xi_s: 10.0, ..Cell::gao2026_thresholds(2.0) },
+        Cell { xi_s: 8.0, epsilon: 0.7, ..Cell::gao2026_thresholds(1.5) },
+        Cell { xi_s: 9.0, ..Cell::gao2026_thresholds(2.0).with_cue(band.parse().unwrap()) },
         uneven_cell(2.0, 9.0, band).unwrap(),
     ];
     for cell in cells {

@@ -79,7 +79,7 @@ fn steps_converge_with_the_order_of_their_formula() {
 /// a hundred times smaller tolerance makes χ and the time of pinch-off 100^(4/5) = 40 times more accurate.
 #[test]
 fn divisions_converge_with_the_tolerance_of_their_steps() {
-    let cell = Cell::new(3.0).with_cue("tension:gradient,amplitude=0.2".parse().unwrap());
+    let cell = Cell::gao2026_thresholds(3.0).with_cue("tension:gradient,amplitude=0.2".parse().unwrap());
     let [coarse, fine, exact] = [1e-4, 1e-6, 1e-8].map(|time_tolerance| {
         // A fine mesh: the error of a coarse one depends on when it was moved, and so on the steps.
         let numerics = Numerics { time_tolerance, noise: 0.0, intervals: 120, ..Numerics::default() };

@@ -139,7 +139,7 @@ fn at_rest_activity_pays_for_all_dissipation() {
 #[test]
 fn the_cue_is_switched_on_with_the_activity() {
     let cue = "kappa:band,u0=0.44,omega=0.15,amplitude=0.2+tension:gradient,amplitude=0.3";
-    let cell = Cell::new(3.0).with_cue(cue.parse().unwrap());
+    let cell = Cell::gao2026_thresholds(3.0).with_cue(cue.parse().unwrap());
     let (mut before, mut after, mut frames) = (None, 0.0f64, 0);
     divide_with(
         &DivisionInput::new(cell.clone()),

@@ -1,4 +1,4 @@
-//! Rounds of founders compared with the observed ones (figure 5A), by every reading of "rounds" and at every stage.
+//! Rounds of founders compared with the observed ones (figure 4C), by every reading of "rounds" and at every stage.
 //!
 //! The paper compares rounds with Sulston's without defining them: fewest, mean or most divisions from the founder to a
 //! terminal cell, or full doublings. All are reported, at hatching and at earlier stages.

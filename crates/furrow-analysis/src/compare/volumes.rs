@@ -1,4 +1,4 @@
-//! χ of measured divisions beside the model's (figures 5C, 6D and 6E, 7B).
+//! χ of measured divisions beside the model's (figures 5B, 5D and 6B).
 //!
 //! The model computes χ of a cell twice: in the tree grown from the zygote, and in the tree whose AB and P1 are as large as a
 //! group of embryos measures them. The second can be compared with embryos whose first division was changed.

@@ -3,7 +3,7 @@
 //! The misfit of a set of constants follows from its tree:
 //!
 //! * \[F.3 misfit\] M = w_r ⟨|mean rounds − observed|⟩ + w_t ⟨|log₂(terminal cells/observed)|⟩ + w_χ ⟨|χ − measured|⟩ + (1 for each
-//!   founder that should divide symmetrically and does not),
+//!   founder that should divide symmetrically and does not, and for each pitchfork of another kind than the given one),
 //!
 //! averaged over the founders and divisions in the targets. Counts are piecewise constant and have no useful derivative.
 //! The second objective is
@@ -23,8 +23,9 @@ use furrow_lineage::{
     EndRule, Founder, FounderRounds, Lineage, Rounds, Thresholds, Tree, TreeSettings, founder_rounds,
 };
 use furrow_mechanics::calibration::Threshold;
+use furrow_mechanics::calibration::statements::GivenCriticality;
 use furrow_mechanics::division::Outcome;
-use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, pitchfork};
+use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, Pitchfork, pitchfork};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -75,6 +76,8 @@ pub struct Parts {
     pub chi: f64,
     /// Founders that should divide symmetrically and do not.
     pub not_symmetric: usize,
+    /// Pitchforks whose asymmetric branch lies on the other side than the given one.
+    pub reversed: usize,
 }
 
 /// A threshold beside the published one.
@@ -198,13 +201,13 @@ impl Objective<'_> {
         let ends = Thresholds::new(CriticalRadii::new(&settings.numerics));
         let (tree, _) = grow_alone(self.lineage, settings, EndRule::Thresholds(&ends), self.memo, self.cancel).ok()?;
         let founders = self.founders(&tree);
-        let parts = self.parts(&founders);
+        let (cell, thresholds, reversed) = self.thresholds(cell);
+        let parts = Parts { reversed, ..self.parts(&founders) };
         let weights = self.targets.weights;
         let misfit = weights.rounds * parts.rounds
             + weights.terminal * parts.terminal
             + weights.chi * parts.chi
-            + parts.not_symmetric as f64;
-        let (cell, thresholds) = self.thresholds(cell);
+            + (parts.not_symmetric + parts.reversed) as f64;
         let thresholds_rms = (!thresholds.is_empty()).then(|| {
             let sum: f64 = thresholds.iter().map(|t| (t.computed / t.xi_s - 1.0).powi(2)).sum();
             (sum / thresholds.len() as f64).sqrt()
@@ -249,22 +252,27 @@ impl Objective<'_> {
             rounds: mean(counted().map(rounds).collect()),
             terminal: mean(counted().map(terminal).collect()),
             chi: mean(self.targets.chi.iter().map(chi).collect()),
+            reversed: 0,
             not_symmetric: self.targets.symmetric.iter().filter_map(named).filter(|f| !f.symmetric).count(),
         }
     }
 
-    /// The published thresholds with these constants, and the cell with the gain that suits them best; `None` for them where one
-    /// is not found.
-    fn thresholds(&self, cell: &Cell) -> (Cell, Vec<ThresholdFit>) {
-        let given = &self.targets.thresholds;
-        let threshold = |given: &Threshold| {
-            let found = pitchfork::first(&given.cell(cell), &self.settings.numerics, &BranchOptions::default());
-            found.map(|found| found.point.xi_s)
+    /// The published thresholds with these constants, and the cell with the gain that suits them best; none of them where one is not
+    /// found. The last is the number of pitchforks of another kind than the given one; it does not depend on the gain.
+    fn thresholds(&self, cell: &Cell) -> (Cell, Vec<ThresholdFit>, usize) {
+        let Targets { thresholds: given, criticalities, .. } = self.targets;
+        let threshold =
+            |given: &Threshold| pitchfork::first(&given.cell(cell), &self.settings.numerics, &BranchOptions::default());
+        let found: Vec<Pitchfork> = match given.iter().map(threshold).collect() {
+            Ok(found) if !given.is_empty() => found,
+            _ => return (cell.clone(), vec![], criticalities.len()),
         };
-        let computed: Vec<f64> = match given.iter().map(threshold).collect() {
-            Ok(computed) if !given.is_empty() => computed,
-            _ => return (cell.clone(), vec![]),
+        let is_reversed = |kind: &&GivenCriticality| {
+            let mut of_cell = given.iter().zip(&found).filter(|(t, _)| [t.r0, t.epsilon] == [kind.r0, kind.epsilon]);
+            of_cell.any(|(_, found)| found.criticality() != kind.kind)
         };
+        let reversed = criticalities.iter().filter(is_reversed).count();
+        let computed: Vec<f64> = found.iter().map(|found| found.point.xi_s).collect();
         let logs: f64 = computed.iter().zip(given).map(|(found, given)| (found / given.xi_s).ln()).sum();
         let factor = (logs / computed.len() as f64).exp();
         let mut cell = cell.clone();
@@ -276,7 +284,7 @@ impl Objective<'_> {
             xi_s,
             computed: found / factor,
         };
-        (cell, computed.into_iter().zip(given).map(fit).collect())
+        (cell, computed.into_iter().zip(given).map(fit).collect(), reversed)
     }
 
     /// M + λT at a place.

@@ -396,7 +396,7 @@ mod tests {
         settings.numerics.noise = 0.0;
         let template = Cue::published();
         let unknowns = unknowns(&template);
-        let cell = Cell::new(1.0).with_cue(template.clone());
+        let cell = Cell::gao2026_thresholds(1.0).with_cue(template.clone());
         let share = |unknown: &Unknown| {
             let ([from, to], value) = (unknown.limits, unknown.parameter.get(&cell));
             if unknown.logarithmic { (value / from).ln() / (to / from).ln() } else { (value - from) / (to - from) }

@@ -6,6 +6,7 @@ use furrow_cell::{Cell, Parameter};
 use furrow_input::{InputError, did_you_mean, parse_document};
 use furrow_lineage::Lineage;
 use furrow_mechanics::calibration::Threshold;
+use furrow_mechanics::calibration::statements::GivenCriticality;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -86,6 +87,9 @@ pub struct Targets {
     /// Published pitchfork thresholds.
     #[serde(default)]
     pub thresholds: Vec<Threshold>,
+    /// The side on which the asymmetric branch lies at some of these thresholds.
+    #[serde(default)]
+    pub criticalities: Vec<GivenCriticality>,
     /// Measurements predicted with the fitted cue.
     pub out_of_sample: Option<OutOfSample>,
 }
@@ -125,6 +129,11 @@ impl Targets {
         }
         for (k, threshold) in self.thresholds.iter().enumerate() {
             threshold.check(source_name, &format!("thresholds[{k}]"))?;
+        }
+        for (k, GivenCriticality { r0, epsilon, .. }) in self.criticalities.iter().enumerate() {
+            let known = self.thresholds.iter().any(|t| [t.r0, t.epsilon] == [*r0, *epsilon]);
+            let value = format!("{r0} at epsilon = {epsilon}");
+            require(known, format!("criticalities[{k}].r0"), &value, "a cell of one of the thresholds")?;
         }
         let founder = |field: String, name: &str| {
             let names = || lineage.founders.iter().map(|founder| founder.name.as_str());

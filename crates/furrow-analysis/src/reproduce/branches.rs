@@ -1,75 +1,35 @@
-//! Stationary shapes over ξ_s: figures 2C to 2F, 2H to 2L, S3 and S4.
+//! Stationary shapes over ξ_s, and the divisions next to them: figures 2C to 2F, 2I to 2L, S3 and S4.
 
 use super::context::{Artifact, Figure, Finding, PUBLISHED_ACTIVITY, ReproduceError};
-use super::paper::Statement;
-use super::sweeps::outcomes;
+use super::paper::{Check, Statement, Transition};
 use crate::constraints::extreme_maxima;
 use crate::diagram::{Diagram, diagram};
-use furrow_cell::{Cell, Parameter, Scheme};
-use furrow_lineage::batch::phase::{PhasePlane, spaced};
+use furrow_cell::Cell;
+use furrow_lineage::batch::phase::spaced;
 use furrow_lineage::batch::scheduler;
 use furrow_mechanics::calibration::statements::HigherFold;
-use furrow_mechanics::equilibria::critical::critical_value;
-use furrow_mechanics::equilibria::{BranchOptions, StepBudget, curves};
+use furrow_mechanics::division::Outcome;
+use furrow_mechanics::equilibria::Branch;
+use furrow_mechanics::equilibria::BranchOptions;
 use rayon::prelude::*;
 
 /// Longest step along a branch, for smooth pictures.
 const STEP: f64 = 1.0;
-/// Largest ξ_s of the branches.
-const XI_MAX: f64 = 30.0;
-/// A statement on a curve of pitchforks, not on the branches of its cell.
-const ON_CURVE: &str = "confinement_pitchfork";
+/// Largest ξ_s of the branches: beyond the fold of the smallest cell.
+const XI_MAX: f64 = 40.0;
+/// How far from a threshold divisions are computed, relative to it.
+const BESIDE: f64 = 0.01;
 
-/// The finding of a statement about the first pitchfork, how it opens, or the folds; `None` for another statement.
-fn finding(found: &Diagram, statement: &Statement) -> Option<Finding> {
-    let id = statement.id.as_str();
-    let (_, symmetric) = found.branches.first()?;
-    let pitchfork = symmetric.pitchforks().next();
-    let missing = || Finding::not_computed(id, "there is no pitchfork");
-    if let Some(kind) = statement.kind {
-        return Some(pitchfork.map_or_else(missing, |found| {
-            let words = format!("{}, coefficient {:+.2}", found.criticality(), found.coefficient);
-            Finding::judged(id, (found.criticality() == kind, words))
-        }));
-    }
-    if let Some(higher) = statement.higher {
-        let judged = match extreme_maxima(symmetric) {
-            Some([short, long]) => {
-                let holds = (higher == HigherFold::LargeH) == (long > short);
-                (holds, format!("ξ_s = {short:.2} at small H, {long:.2} at large H"))
-            }
-            None => (false, "fewer than two folds".to_owned()),
-        };
-        return Some(Finding::judged(id, judged));
-    }
-    let threshold = pitchfork.map(|found| found.point.xi_s);
-    match id.split('_').next()? {
-        "threshold" => Some(threshold.map_or_else(missing, |threshold| Finding::new(id, threshold))),
-        "opening" => {
-            let missing = || Finding::not_computed(id, "no asymmetric branch");
-            Some(found.scaling.map_or_else(missing, |scaling| Finding::new(id, scaling.exponent)))
-        }
-        "window" => {
-            let fold = symmetric.folds().find(|fold| fold.maximum).map(|fold| fold.point.xi_s);
-            Some(match (threshold, fold) {
-                (Some(low), Some(high)) => {
-                    let holds = low < PUBLISHED_ACTIVITY && PUBLISHED_ACTIVITY < high;
-                    Finding::judged(id, (holds, format!("{low:.2} < 25 < {high:.2}")))
-                }
-                _ => Finding::not_computed(id, "there is no pitchfork, or no fold"),
-            })
-        }
-        _ => None,
-    }
-}
-
-/// Figures 2C to 2F and S4: the branches of all cells that statements are about, each followed once.
+/// The branches of all cells that statements are about, each followed once, and divisions next to them.
 pub fn shapes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
-    let on_branches = |statement: &&Statement| statement.cell.is_some() && statement.id != ON_CURVE;
-    let statements: Vec<(&Statement, Cell)> =
-        figure.statements.iter().filter(on_branches).map(|statement| (statement, figure.cell_of(statement))).collect();
+    let of = |statement: &'_ Statement| (figure.cell_of(statement), statement.check);
+    let statements: Vec<(&Statement, Cell, Check)> = figure
+        .statements
+        .iter()
+        .filter_map(|statement| Some(statement).zip(of(statement).1).map(|(s, check)| (s, of(s).0, check)))
+        .collect();
     let mut cells: Vec<Cell> = Vec::new();
-    for (_, cell) in &statements {
+    for (_, cell, _) in &statements {
         if !cells.contains(cell) {
             cells.push(cell.clone());
         }
@@ -78,12 +38,13 @@ pub fn shapes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let (options, numerics) = (options.with_max_step(STEP), figure.context.converged());
     let pool = scheduler::pool(figure.context.threads)?;
     let found: Vec<_> = pool.install(|| cells.par_iter().map(|cell| diagram(cell, &numerics, &options)).collect());
-    for (statement, of) in statements {
-        match cells.iter().zip(&found).find(|(cell, _)| **cell == of) {
-            Some((_, Ok(found))) => figure.findings.extend(finding(found, statement)),
-            Some((_, Err(error))) => figure.findings.push(Finding::not_computed(&statement.id, error)),
-            None => {}
-        }
+    for (statement, cell, check) in statements {
+        let Some((_, found)) = cells.iter().zip(&found).find(|(known, _)| **known == cell) else { continue };
+        let finding = match found {
+            Ok(found) => finding(figure, &statement.id, &cell, check, found)?,
+            Err(error) => Finding::not_computed(&statement.id, error),
+        };
+        figure.findings.push(finding);
     }
     for (cell, found) in cells.into_iter().zip(found) {
         if let Ok(Diagram { branches, .. }) = found {
@@ -94,43 +55,102 @@ pub fn shapes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     Ok(())
 }
 
-/// Figures 2H to 2L: the branches of cells in two shells, and the plane that they are in.
-pub fn over_confinement(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
-    shapes(figure)?;
-    let (cell, numerics) = (figure.context.cell(2.22, 0.895), figure.context.numerics(Scheme::Converged));
-    let pitchfork =
-        critical_value(&cell, &numerics, Parameter::Epsilon, &[0.895, 0.85, 0.76], &StepBudget::unlimited());
-    figure.number(ON_CURVE, pitchfork.map(|(_, point)| point.value));
-    let (across, up) = (spaced(0.54, 0.92, 20), spaced(3.0, 27.0, 9));
-    let plane = PhasePlane { cell, numerics, parameter: Parameter::Epsilon, across, up, seed: 0 };
-    let diagram = figure.plane("2H-L", plane)?;
-    figure.report("confinement_plane", outcomes(&diagram));
-    Ok(())
+fn finding(
+    figure: &mut Figure<'_>,
+    id: &str,
+    cell: &Cell,
+    check: Check,
+    found: &Diagram,
+) -> Result<Finding, ReproduceError> {
+    let Some((_, symmetric)) = found.branches.first() else { return Ok(Finding::not_computed(id, "no branch")) };
+    let pitchfork = symmetric.pitchforks().next();
+    let threshold = pitchfork.map(|found| found.point.xi_s);
+    let fold = symmetric.folds().find(|fold| fold.maximum).map(|fold| fold.point.xi_s);
+    let judged = |judged| Finding::judged(id, judged);
+    Ok(match (check, threshold, fold, pitchfork) {
+        (Check::Threshold, Some(threshold), ..) => Finding::new(id, threshold),
+        (Check::Kind(kind), .., Some(found)) => {
+            let words = format!("{}, coefficient {:+.2}", found.criticality(), found.coefficient);
+            judged((found.criticality() == kind, words))
+        }
+        (Check::Exponent, ..) => match &found.scaling {
+            Some(scaling) => Finding::new(id, scaling.exponent),
+            None => Finding::not_computed(id, "no asymmetric branch"),
+        },
+        (Check::Below, Some(threshold), ..) => {
+            judged((PUBLISHED_ACTIVITY < threshold, format!("25 beside ξ_s* = {threshold:.2}")))
+        }
+        (Check::Window, Some(low), Some(high), _) => {
+            let holds = low < PUBLISHED_ACTIVITY && PUBLISHED_ACTIVITY < high;
+            judged((holds, format!("{low:.2} and {high:.2}")))
+        }
+        (Check::Regimes, Some(low), Some(high), _) => judged(regimes(figure, cell, low, high)?),
+        (Check::Bistable, ..) => judged(bistable(symmetric)),
+        (Check::Folds(higher), ..) => judged(match extreme_maxima(symmetric) {
+            Some([short, long]) => {
+                let holds = (higher == HigherFold::LargeH) == (long > short);
+                (holds, format!("ξ_s = {short:.2} at small H, {long:.2} at large H"))
+            }
+            None => (false, "fewer than two folds".to_owned()),
+        }),
+        (Check::Outcomes(transition), ..) => judged(outcomes(figure, cell, transition)?),
+        _ => Finding::not_computed(id, "there is no pitchfork, or no fold"),
+    })
 }
 
-/// Range of R0 of the curves.
-const RADII: [f64; 2] = [1.6, 2.4];
+/// Outcomes of a cell at several activities; `None` for a division that could not be computed.
+fn at_activities(
+    figure: &mut Figure<'_>,
+    cell: &Cell,
+    activities: &[f64],
+) -> Result<Vec<Option<Outcome>>, ReproduceError> {
+    let input = |xi_s: &f64| figure.context.input(Cell { xi_s: *xi_s, ..cell.clone() });
+    let divisions = figure.divisions(activities.iter().map(input).collect())?;
+    Ok(divisions.iter().map(|division| Some(division.as_ref()?.outcome())).collect())
+}
 
-/// Figure S3: the boundaries of division over R0.
-pub fn over_radius(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
-    let (cell, numerics) = (figure.context.cell(2.0, 0.87), figure.context.converged());
-    let both = curves::pitchfork_curve(&cell, &numerics, Parameter::R0, RADII)
-        .and_then(|pitchforks| Ok((pitchforks, curves::fold_curves(&cell, &numerics, Parameter::R0, RADII)?)));
-    let (pitchforks, folds) = match both {
-        Ok(both) => both,
-        Err(error) => {
-            figure.report("curves", format!("not computed: {error}"));
-            return Ok(());
-        }
+fn in_words(outcomes: &[Option<Outcome>]) -> String {
+    let word = |outcome: &Option<Outcome>| outcome.map_or("not computed".to_owned(), |outcome| outcome.to_string());
+    outcomes.iter().map(word).collect::<Vec<_>>().join(", ")
+}
+
+/// Whether cells rest below the pitchfork, divide unequally from there to the fold and equally beyond it.
+fn regimes(figure: &mut Figure<'_>, cell: &Cell, low: f64, high: f64) -> Result<(bool, String), ReproduceError> {
+    let beside = [low * (1.0 - BESIDE), low * (1.0 + BESIDE), high * (1.0 - BESIDE), high * (1.0 + BESIDE)];
+    let found = at_activities(figure, cell, &beside)?;
+    let expected = [Outcome::Arrested, Outcome::Asymmetric, Outcome::Asymmetric, Outcome::Symmetric];
+    let holds = found.iter().zip(expected).all(|(found, expected)| *found == Some(expected));
+    Ok((holds, format!("{} beside {low:.2} and {high:.2}", in_words(&found))))
+}
+
+/// Whether outcomes follow each other as they should while ξ_s rises.
+fn outcomes(figure: &mut Figure<'_>, cell: &Cell, transition: Transition) -> Result<(bool, String), ReproduceError> {
+    let mut found = at_activities(figure, cell, &spaced(4.0, 9.0, 101))?;
+    found.dedup();
+    let expected: &[Outcome] = match transition {
+        Transition::WithWindow => &[Outcome::Arrested, Outcome::Asymmetric, Outcome::Symmetric],
+        Transition::WithoutWindow => &[Outcome::Arrested, Outcome::Symmetric],
     };
-    let ends = pitchforks.points.first().zip(pitchforks.points.last());
-    let range = ends.map_or(String::new(), |(a, b)| format!("ξ_s* = {:.2} to {:.2}", a.xi_s, b.xi_s));
-    let changes: Vec<String> = pitchforks.degenerate.iter().map(|p| format!("{:.3}", p.r0)).collect();
-    let changes = match changes.is_empty() {
-        true => "one kind throughout".to_owned(),
-        false => format!("the kind changes at R0 = {}", changes.join(", ")),
+    Ok((found == expected.iter().copied().map(Some).collect::<Vec<_>>(), in_words(&found)))
+}
+
+/// The range of ξ_s over which two stretches of stable shapes lie above each other.
+fn bistable(symmetric: &Branch) -> (bool, String) {
+    let is_stable = |point: &furrow_mechanics::equilibria::ShapePoint| point.growth_rate.is_some_and(|rate| rate < 0.0);
+    let same = |a: &furrow_mechanics::equilibria::ShapePoint, b: &furrow_mechanics::equilibria::ShapePoint| {
+        is_stable(a) == is_stable(b) && a.passed == b.passed
     };
-    figure.report("curves", format!("{range}; {changes}"));
-    figure.show("S3", Artifact::Boundary(cell, RADII, pitchforks, folds));
-    Ok(())
+    let stable = symmetric.points.chunk_by(same).filter(|stretch| is_stable(&stretch[0]));
+    let ranges: Vec<[f64; 2]> = stable
+        .map(|stretch| {
+            let xi = stretch.iter().map(|point| point.xi_s);
+            xi.fold([f64::INFINITY, 0.0], |[low, high], xi| [low.min(xi), high.max(xi)])
+        })
+        .collect();
+    let pairs = ranges.iter().enumerate().flat_map(|(k, a)| ranges[k + 1..].iter().map(move |b| (a, b)));
+    let common = pairs.map(|(a, b)| [a[0].max(b[0]), a[1].min(b[1])]).find(|[low, high]| low < high);
+    match common {
+        Some([low, high]) => (true, format!("from ξ_s = {low:.2} to {high:.2}")),
+        None => (false, format!("{} stretches of stable shapes, none above another", ranges.len())),
+    }
 }

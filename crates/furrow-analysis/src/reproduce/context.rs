@@ -19,7 +19,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// ξ_s of the paper's cells (Table S3).
 pub const PUBLISHED_ACTIVITY: f64 = 25.0;
-/// ε of the paper's cells (Table S3).
+/// Time steps of the published scheme, in τ: the paper does not print its own.
+pub const PUBLISHED_STEPS: [f64; 2] = [0.1, 0.01];
+/// ε of the paper's cells.
 pub const PUBLISHED_CONFINEMENT: f64 = 0.87;
 
 /// Settings and resources for figures. Results depend only on the settings, not on threads or the memo.
@@ -33,6 +35,8 @@ pub struct Context<'a> {
     pub threads: usize,
     /// Set to true to stop.
     pub cancel: &'a AtomicBool,
+    /// Measured divisions, if there are any, with the name of their table.
+    pub measured: Option<(&'a str, &'a [furrow_measured::events::Division])>,
     /// Called with the name of each figure before it is computed.
     pub progress: &'a (dyn Fn(&str) + Sync),
 }
@@ -68,10 +72,9 @@ pub struct Finding {
     pub id: String,
     /// What is computed: a number, or words.
     pub computed: Value,
-    /// The same with the published scheme, where that was computed.
-    pub published_scheme: Option<Value>,
-    /// Whether that meets the criterion.
-    pub published_holds: Option<bool>,
+    /// The same with the published scheme at each of [`PUBLISHED_STEPS`], where that was computed, and whether it meets the
+    /// criterion.
+    pub published: Vec<(bool, String)>,
     /// Whether the criterion is met; `None` where the printed number decides, or nothing does.
     pub holds: Option<bool>,
     /// A remark.
@@ -82,7 +85,7 @@ impl Finding {
     /// A value that is compared with the printed number, or with nothing.
     pub fn new(id: &str, computed: impl Into<Value>) -> Finding {
         let (id, computed) = (id.to_owned(), computed.into());
-        Finding { id, computed, published_scheme: None, published_holds: None, holds: None, note: None }
+        Finding { id, computed, published: Vec::new(), holds: None, note: None }
     }
 
     /// Words, and whether the criterion is met.
@@ -93,11 +96,6 @@ impl Finding {
     /// What could not be computed, which does not agree.
     pub fn not_computed(id: &str, why: impl std::fmt::Display) -> Finding {
         Finding::judged(id, (false, format!("not computed: {why}")))
-    }
-
-    /// The same with the result of the published scheme, and whether that meets the criterion.
-    pub fn beside(self, (holds, published): (bool, String)) -> Finding {
-        Finding { published_holds: Some(holds), published_scheme: Some(published.into()), ..self }
     }
 
     /// The same with a note.
@@ -165,14 +163,14 @@ impl Context<'_> {
         Cell { r0, epsilon, xi_s: PUBLISHED_ACTIVITY, cue: Cue::none(), ..self.settings.cell.clone() }
     }
 
-    /// The discretisation with a scheme.
-    pub fn numerics(&self, scheme: Scheme) -> Numerics {
-        Numerics { scheme, ..self.settings.numerics }
-    }
-
     /// The converged discretisation.
     pub fn converged(&self) -> Numerics {
-        self.numerics(Scheme::Converged)
+        Numerics { scheme: Scheme::Converged, ..self.settings.numerics }
+    }
+
+    /// The discretisation of the paper's kind, with a time step in τ.
+    pub fn published(&self, dt: f64) -> Numerics {
+        Numerics { scheme: Scheme::Published, dt, ..self.settings.numerics }
     }
 
     /// The division of a cell, converged.

@@ -1,68 +1,147 @@
-//! Figures 1B to 1D and S2, and the movies: single divisions, looked at closely.
+//! Figures 1 and S2, and the movies: single divisions, looked at closely.
 
 use super::context::{Artifact, Figure, Finding, ReproduceError};
+use furrow_cell::ZYGOTE;
 use furrow_cell::{Cell, Cue};
-use furrow_lineage::batch::scheduler;
 use furrow_mechanics::cortex::forces::Place;
+use furrow_mechanics::division::Outcome;
 use furrow_mechanics::division::{Snapshot, Trajectory};
-use rayon::prelude::*;
 
-/// The cell that forces are looked at in: it divides into equal halves.
-const R0: f64 = 3.0;
-
-/// The first step at which the neck is at most half as wide as the cell was.
-fn half_way(film: &Trajectory) -> Option<Snapshot> {
-    let width = film.step(0).places.iter().map(|place| place.r).fold(0.0, f64::max);
-    let times = film.times().len();
-    (0..times).map(|k| film.step(k)).find(|still| still.neck.is_some_and(|neck| neck.radius <= 0.5 * width))
-}
-
-/// Figures 1B to 1D: the forces along the contour.
-pub fn furrow(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
-    let cell = figure.context.cell(R0, 0.87);
-    let film = match Trajectory::compute(&figure.context.input(cell.clone())) {
-        Ok(film) => film,
-        Err(error) => {
-            figure.findings = ["furrow", "active_flow"].map(|id| Finding::not_computed(id, &error)).to_vec();
-            return Ok(());
-        }
-    };
-    let still = half_way(&film);
-    let neck = still.as_ref().and_then(|still| Some((still, still.neck?, nearest(&still.places, still.neck?.u)?)));
-    let ((holds, text), flow) = match neck {
-        Some((still, neck, place)) => {
-            let (outcome, end, force) = (film.division.outcome(), film.division.t_end, place.normal.active);
-            // Beside the neck, where the flow into it is; u grows from one pole to the other.
-            let beside = |du: f64| nearest(&still.places, neck.u + du).map_or(0.0, |place| place.active_tangential);
-            let [before, after] = [beside(-0.02), beside(0.02)];
-            let way = match (before > 0.0, after < 0.0) {
-                (true, true) => "towards the furrow from both sides",
-                (false, false) => "away from the furrow on both sides",
-                _ => "the same way on both sides",
-            };
-            let text = format!("{outcome}, at t = {end:.2} τ; active normal force {force:+.1} κ0/L_h³");
-            let flow = format!("{way}: {before:+.1} and {after:+.1} κ0/L_h³ at 0.02 in u from it, at half width");
-            ((film.division.chi().is_some() && force < 0.0, text), flow)
-        }
-        None => ((false, OPEN_NECK.to_owned()), OPEN_NECK.to_owned()),
-    };
-    figure.judge("furrow", holds, text);
-    figure.report("active_flow", flow);
-    figure.show("1B-D", Artifact::Film(cell, Box::new(film)));
-    Ok(())
-}
+/// A cell that divides into equal halves, one that divides unequally, and one that comes to rest: the paper prints no R0.
+const EQUAL: f64 = 3.0;
+const UNEQUAL: f64 = 2.0;
+const FAILING: f64 = 1.6;
+/// A furrow nearer to u = ½ than this is at the equator.
+const AT_EQUATOR: f64 = 0.02;
+/// A furrow farther from u = ½ than this has left it.
+const AWAY: f64 = 0.05;
 
 /// The finding where no step is half-way through.
 const OPEN_NECK: &str = "its neck does not close half";
+
+/// A division of the figure's, shown under its name; what cannot be computed is the finding of all of its statements.
+fn film(figure: &mut Figure<'_>, cell: Cell) -> Option<Trajectory> {
+    match Trajectory::compute(&figure.context.input(cell.clone())) {
+        Ok(film) => {
+            figure.show(&figure.name().replace("Movie ", "movie_"), Artifact::Film(cell, Box::new(film.clone())));
+            Some(film)
+        }
+        Err(error) => {
+            let ids = figure.statements.iter().map(|statement| statement.id.as_str());
+            figure.findings.extend(ids.map(|id| Finding::not_computed(id, &error)));
+            None
+        }
+    }
+}
+
+/// All steps of a division from the first with a neck on.
+fn with_neck(film: &Trajectory) -> Vec<Snapshot> {
+    (0..film.times().len()).map(|k| film.step(k)).filter(|still| still.neck.is_some()).collect()
+}
+
+/// The place where the meridional curvature is most negative: the paper's furrow.
+fn furrow(still: &Snapshot) -> Option<&Place> {
+    still.places.iter().min_by(|a, b| a.c_uu.total_cmp(&b.c_uu))
+}
+
+/// Where the furrow is, from the first step with a neck to the last.
+pub fn place_of_furrow(film: &Trajectory) -> Vec<f64> {
+    with_neck(film).iter().filter_map(|still| Some(furrow(still)?.u)).collect()
+}
+
+/// The first step at which the neck is at most this part of the cell's first width.
+fn narrowed(film: &Trajectory, part: f64) -> Option<Snapshot> {
+    let width = film.step(0).places.iter().map(|place| place.r).fold(0.0, f64::max);
+    let narrow = |still: &Snapshot| still.neck.is_some_and(|neck| neck.radius <= part * width);
+    (0..film.times().len()).map(|k| film.step(k)).find(narrow)
+}
 
 fn nearest(places: &[Place], u: f64) -> Option<&Place> {
     places.iter().min_by(|a, b| (a.u - u).abs().total_cmp(&(b.u - u).abs()))
 }
 
+/// Figure 1, text: where the passive shape is curved.
+pub fn rest_shape(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
+    let Some(film) = film(figure, figure.context.cell(EQUAL, 0.87)) else { return Ok(()) };
+    let places = film.step(0).places;
+    let most =
+        |of: fn(&Place) -> f64| places.iter().max_by(|a, b| of(a).total_cmp(&of(b))).map_or(0.0, |place| place.u);
+    let (anisotropy, mean) = (most(|place| place.c_pp - place.c_uu), most(|place| place.c_uu + place.c_pp));
+    let [width, length] =
+        [|place: &Place| place.r, |place: &Place| place.z].map(|of| places.iter().map(of).fold(0.0, f64::max));
+    let holds = length > width && (anisotropy - 0.5).abs() < 0.05 && mean.min(1.0 - mean) < 0.05;
+    let text = format!(
+        "{:.2} times as long as wide; C_φφ − C_uu is largest at u = {anisotropy:.2}, C at {mean:.2}",
+        length / width
+    );
+    Ok(figure.judge("rest_shape", holds, text))
+}
+
+/// Figure 1B: curvatures and active stress at the furrow.
+pub fn curvatures(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
+    let cell = figure.context.cell(EQUAL, 0.87);
+    let (xi_s, xi_b, gain) = (cell.xi_s, cell.xi_s * cell.material.xi_ratio, cell.material.gain);
+    let Some(film) = film(figure, cell) else { return Ok(()) };
+    let at_furrow = |still: &Snapshot| {
+        furrow(still).map(|place| {
+            let (c_uu, c_pp) = (place.c_uu, place.c_pp);
+            [c_uu, c_pp, gain * (0.5 * xi_s * (c_pp - c_uu) + xi_b * (c_uu + c_pp))]
+        })
+    };
+    let found: Vec<[f64; 3]> = with_neck(&film).iter().filter_map(at_furrow).collect();
+    let (Some(first), Some(last)) = (found.first(), found.last()) else {
+        return Ok(figure.judge("furrow_curvatures", false, OPEN_NECK.to_owned()));
+    };
+    let deepens = |pair: &&[[f64; 3]]| pair[1][0] < pair[0][0] && pair[1][1] > pair[0][1] && pair[1][2] > pair[0][2];
+    let steps = found.len() - 1;
+    let right = found.windows(2).filter(deepens).count();
+    let text = format!(
+        "in {right} of {steps} steps; C_uu from {:.2} to {:.0}, C_φφ from {:.2} to {:.0} /L_h, t^a_φφ from {:.1} to {:.0} κ0/L_h²",
+        first[0], last[0], first[1], last[1], first[2], last[2]
+    );
+    Ok(figure.judge("furrow_curvatures", right == steps && steps > 0, text))
+}
+
+/// Figure 1C: how much of the active force acts next to the neck.
+pub fn concentration(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
+    let Some(film) = film(figure, figure.context.cell(EQUAL, 0.87)) else { return Ok(()) };
+    let share = |part: f64| {
+        let still = narrowed(&film, part)?;
+        let neck = still.neck?.u;
+        let force = |inside: &dyn Fn(f64) -> bool| -> f64 {
+            let pairs = still.places.windows(2).filter(|pair| inside(0.5 * (pair[0].u + pair[1].u)));
+            let size = |place: &Place| place.active_force().iter().map(|f| f * f).sum::<f64>().sqrt();
+            pairs.map(|pair| 0.5 * (size(&pair[0]) + size(&pair[1])) * (pair[1].u - pair[0].u)).sum()
+        };
+        Some(force(&|u| (u - neck).abs() < 0.05) / force(&|_| true))
+    };
+    let shares: Option<Vec<f64>> = [0.6, 0.4, 0.2, 0.05].map(share).into_iter().collect();
+    let Some(shares) = shares else { return Ok(figure.judge("force_share", false, OPEN_NECK.to_owned())) };
+    let holds = shares.windows(2).all(|pair| pair[1] > pair[0]) && shares[3] > 0.5;
+    let text = shares.iter().map(|share| format!("{:.0} %", 100.0 * share)).collect::<Vec<_>>().join(", ");
+    Ok(figure.judge("force_share", holds, text))
+}
+
+/// Whether a furrow begins at the equator and moves to a pole, and in words how.
+fn slipping(film: &Trajectory) -> (bool, String) {
+    let places = place_of_furrow(film);
+    let (Some(first), Some(last)) = (places.first(), places.last()) else { return (false, OPEN_NECK.to_owned()) };
+    let away = |u: f64| (u - 0.5).abs();
+    let farthest = places.iter().copied().max_by(|a, b| away(*a).total_cmp(&away(*b))).unwrap_or(*last);
+    let words = format!("from u = {first:.3} to {last:.3}, at most {farthest:.3}");
+    (away(*first) < AT_EQUATOR && away(*last) > AWAY, words)
+}
+
+/// Figure 1D: a furrow that slips.
+pub fn slip(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
+    let Some(film) = film(figure, figure.context.cell(UNEQUAL, 0.87)) else { return Ok(()) };
+    Ok(figure.findings.push(Finding::judged("slip", slipping(&film))))
+}
+
 /// Figure S2: the balance of normal forces.
 pub fn balance(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
-    let finding = match Trajectory::compute(&figure.context.input(figure.context.cell(R0, 0.87))) {
-        Ok(film) => Finding::judged("balance", half_way(&film).map_or((false, OPEN_NECK.to_owned()), balanced)),
+    let finding = match Trajectory::compute(&figure.context.input(figure.context.cell(EQUAL, 0.87))) {
+        Ok(film) => Finding::judged("balance", narrowed(&film, 0.5).map_or((false, OPEN_NECK.to_owned()), balanced)),
         Err(error) => Finding::not_computed("balance", error),
     };
     figure.findings.push(finding);
@@ -89,29 +168,39 @@ fn balanced(still: Snapshot) -> (bool, String) {
     (left < 1e-5 * largest, text)
 }
 
-/// The four cells of the movies.
-pub fn movies(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
+/// The cell of a movie.
+pub fn movie(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let context = figure.context;
-    let scene = |id: &str| match id {
-        "movie_1" => Some(context.cell(3.0, 0.87)),
-        "movie_2" => Some(context.cell(2.0, 0.87)),
-        "movie_3" => Some(context.cell(1.6, 0.87)),
-        "movie_4" => Some(context.cell(5.4, 0.87).with_cue(Cue::published())),
-        _ => None,
+    let cell = match figure.name() {
+        "Movie 1" => context.cell(EQUAL, 0.87),
+        "Movie 2" => context.cell(UNEQUAL, 0.87),
+        "Movie 3" => context.cell(FAILING, 0.87),
+        _ => context.cell(ZYGOTE, 0.87).with_cue(Cue::published()),
     };
-    let ids = figure.statements.iter().map(|statement| statement.id.as_str());
-    let scenes: Vec<(&str, Cell)> = ids.filter_map(|id| Some((id, scene(id)?))).collect();
-    let films: Vec<_> = scheduler::pool(context.threads)?
-        .install(|| scenes.par_iter().map(|(_, cell)| Trajectory::compute(&context.input(cell.clone()))).collect());
-    for ((id, cell), film) in scenes.into_iter().zip(films) {
-        match film {
-            Ok(film) => {
-                let chi = film.division.chi().map_or(String::new(), |chi| format!(", χ = {chi:.3}"));
-                figure.report(id, format!("{}{chi}", film.division.outcome()));
-                figure.show(id, Artifact::Film(cell, Box::new(film)));
-            }
-            Err(error) => figure.report(id, format!("not computed: {error}")),
+    let Some(film) = film(figure, cell) else { return Ok(()) };
+    let division = &film.division;
+    let chi = division.chi().map_or(String::new(), |chi| format!(", χ = {chi:.3}"));
+    let outcome = format!("{}{chi}", division.outcome());
+    let last = film.step(film.times().len());
+    let (holds, text) = match figure.name() {
+        "Movie 1" => (division.outcome() == Outcome::Symmetric, outcome),
+        "Movie 2" => {
+            let (slips, words) = slipping(&film);
+            (slips && division.outcome() == Outcome::Asymmetric, format!("{outcome}; furrow {words}"))
         }
-    }
-    Ok(())
+        "Movie 3" => {
+            let width = film.step(0).places.iter().map(|place| place.r).fold(0.0, f64::max);
+            let shallow = last.neck.is_some_and(|neck| neck.radius > 0.5 * width && (neck.u - 0.5).abs() < AT_EQUATOR);
+            let neck = last.neck.map_or("no neck".to_owned(), |neck| {
+                format!("neck of {:.2} of the width at u = {:.3}", neck.radius / width, neck.u)
+            });
+            (shallow && division.outcome() == Outcome::Arrested, format!("{outcome}; {neck}"))
+        }
+        _ => {
+            let off = division.chi_signed().is_some_and(|chi| chi > 0.0 && chi < 0.3);
+            (off, format!("{outcome}, the part at smaller u the smaller"))
+        }
+    };
+    let id = figure.statements[0].id.clone();
+    Ok(figure.judge(&id, holds, text))
 }

@@ -16,7 +16,7 @@
 //!
 //! let (settings, memo) = (Settings::default(), Memo::new(Quantisation::DEFAULT));
 //! let cancel = AtomicBool::new(false);
-//! let context = Context { settings: &settings, memo: &memo, threads: 0, cancel: &cancel, progress: &|_| () };
+//! let context = Context { settings: &settings, memo: &memo, threads: 0, cancel: &cancel, measured: None, progress: &|_| () };
 //! let found = reproduce(&context, &selected(&["S4".to_owned()])?)?;
 //! assert!(found.items.iter().all(|item| item.pass));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -48,9 +48,9 @@ pub enum Verdict {
     Agrees,
     /// It is not.
     Differs,
-    /// The paper's statement is not known well enough.
-    #[serde(rename = "not pinned down")]
-    NotPinnedDown,
+    /// It is not judged, nor counted.
+    #[serde(rename = "set apart")]
+    Apart,
 }
 
 impl std::fmt::Display for Verdict {
@@ -58,7 +58,7 @@ impl std::fmt::Display for Verdict {
         f.write_str(match self {
             Verdict::Agrees => "agrees",
             Verdict::Differs => "differs",
-            Verdict::NotPinnedDown => "not pinned down",
+            Verdict::Apart => "set apart",
         })
     }
 }
@@ -72,16 +72,22 @@ pub struct Item {
     pub figure: String,
     /// Its subject.
     pub quantity: String,
-    /// The paper's value or words; `None` if not known.
-    pub paper: Option<Value>,
+    /// The paper's value or words.
+    pub paper: Value,
     /// The value computed with the converged scheme.
     pub computed: Value,
-    /// The value computed with the paper's time step, where it differs.
+    /// The value of the published scheme at Δt = 0.1 τ, where that was computed.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub published_scheme: Option<Value>,
+    pub published_scheme: Option<String>,
     /// Whether that would agree.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub published_scheme_agrees: Option<bool>,
+    /// The same at Δt = 0.01 τ.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub published_fine: Option<String>,
+    /// Whether that would agree.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub published_fine_agrees: Option<bool>,
     /// |computed/paper − 1|, or |computed| where the paper prints 0; `None` where it prints no number.
     pub rel_error: Option<f64>,
     /// Whether the verdict is that it agrees.
@@ -118,28 +124,34 @@ impl Reproduction {
 /// Computes a figure.
 type Compute = fn(&mut Figure<'_>) -> Result<(), ReproduceError>;
 
-/// The function of each figure.
-const FIGURES: [(&str, Compute); 19] = [
-    ("1B-D", films::furrow),
-    ("2A", sweeps::sizes),
-    ("2B", sweeps::plane),
-    ("2C-F", branches::shapes),
-    ("2G", sweeps::confinement),
-    ("2H-L", branches::over_confinement),
-    ("4B-C", sweeps::over_axis),
-    ("4C", sweeps::over_axis),
-    ("4D", sweeps::over_axis),
-    ("4E", sweeps::over_axis),
-    ("5A", embryo::rounds),
-    ("5B-C", embryo::germline),
-    ("6D-E", embryo::trends),
-    ("7", embryo::equalised),
-    ("S2", films::balance),
-    ("S3", branches::over_radius),
-    ("S4", branches::shapes),
-    ("S5", perturbed::shapes),
-    ("Table S3", embryo::constants),
-];
+/// The function of a figure. What is set apart is not computed.
+fn compute(figure: &str) -> Compute {
+    match figure {
+        "1" => films::rest_shape,
+        "1B" => films::curvatures,
+        "1C" => films::concentration,
+        "1D" => films::slip,
+        "2A" => sweeps::sizes,
+        "2B" => sweeps::over_radius,
+        "2C" | "2D" | "2E" | "2F" | "2I" | "2J" | "2K" | "2L" | "S3" | "S4" => branches::shapes,
+        "2G" => sweeps::confinement,
+        "2H" => sweeps::over_confinement,
+        "3B" | "3C" | "3D" | "3E" => sweeps::over_axis,
+        "4B" => embryo::divisions,
+        "4C" => embryo::rounds,
+        "5B" => embryo::volumes,
+        "5D" => embryo::germline,
+        "6B" => embryo::compression,
+        "S2" => films::balance,
+        "S5" => perturbed::shapes,
+        "Movie 1" | "Movie 2" | "Movie 3" | "Movie 4" => films::movie,
+        _ => nothing,
+    }
+}
+
+fn nothing(_: &mut Figure<'_>) -> Result<(), ReproduceError> {
+    Ok(())
+}
 
 /// Computes what the statements are about, figure by figure, each on all cores; results depend on the settings alone.
 ///
@@ -152,14 +164,11 @@ pub fn reproduce(context: &Context<'_>, statements: &[Statement]) -> Result<Repr
         let mut figure = Figure { context, statements: group, findings, panels, warnings };
         (context.progress)(figure.name());
         let start = Instant::now();
-        // The figures that the table does not name are movies.
-        let compute = FIGURES.iter().find(|(of, _)| *of == figure.name()).map_or(films::movies as Compute, |(_, f)| *f);
-        compute(&mut figure)?;
+        compute(figure.name())(&mut figure)?;
         let seconds = start.elapsed().as_secs_f64();
         for statement in group {
-            let missing = || Finding::not_computed(&statement.id, "nothing was found");
             let finding = figure.findings.iter().find(|finding| finding.id == statement.id).cloned();
-            out.items.push(item(statement, finding.unwrap_or_else(missing), seconds));
+            out.items.push(item(statement, finding, seconds));
         }
         out.panels.extend(figure.panels);
         out.warnings.extend(figure.warnings);
@@ -167,25 +176,33 @@ pub fn reproduce(context: &Context<'_>, statements: &[Statement]) -> Result<Repr
     Ok(out)
 }
 
-fn item(statement: &Statement, finding: Finding, seconds: f64) -> Item {
+/// A statement that is set apart is judged all the same where something was found: in a table of the user's.
+fn item(statement: &Statement, finding: Option<Finding>, seconds: f64) -> Item {
+    let apart = statement.apart.as_ref().filter(|_| finding.is_none());
+    let finding = finding.unwrap_or_else(|| match apart {
+        Some(_) => Finding::new(&statement.id, "-"),
+        None => Finding::not_computed(&statement.id, "nothing was found"),
+    });
     let rel_error =
         finding.computed.as_f64().zip(statement.printed).map(|(computed, printed)| printed.deviation(computed));
     let close = rel_error.zip(statement.printed).map(|(error, printed)| error <= printed.tolerance);
-    let verdict = match (&statement.open, close.or(finding.holds)) {
-        (Some(_), _) | (None, None) => Verdict::NotPinnedDown,
+    let verdict = match (apart, close.or(finding.holds)) {
+        (Some(_), _) => Verdict::Apart,
         (None, Some(true)) => Verdict::Agrees,
-        (None, Some(false)) => Verdict::Differs,
+        (None, _) => Verdict::Differs,
     };
-    let words = (!statement.says.is_empty()).then(|| statement.says.as_str().into());
-    let note: Vec<&str> = statement.open.iter().chain(&finding.note).map(String::as_str).collect();
+    let note: Vec<&str> = apart.into_iter().chain(&finding.note).map(String::as_str).collect();
+    let [coarse, fine] = [0, 1].map(|k| finding.published.get(k).cloned());
     Item {
         id: statement.id.clone(),
         figure: statement.figure.clone(),
         quantity: statement.quantity.clone(),
-        paper: statement.printed.map(|printed| printed.value.into()).or(words),
+        paper: statement.printed.map_or(statement.says.clone().into(), |printed| printed.value.into()),
         computed: finding.computed,
-        published_scheme: finding.published_scheme,
-        published_scheme_agrees: finding.published_holds,
+        published_scheme_agrees: coarse.as_ref().map(|coarse| coarse.0),
+        published_scheme: coarse.map(|coarse| coarse.1),
+        published_fine_agrees: fine.as_ref().map(|fine| fine.0),
+        published_fine: fine.map(|fine| fine.1),
         rel_error,
         pass: verdict == Verdict::Agrees,
         criterion: statement.criterion.clone(),
@@ -200,7 +217,7 @@ mod tests {
     use super::*;
     use paper::Printed;
 
-    fn statement(printed: Option<Printed>, open: Option<&str>) -> Statement {
+    fn statement(printed: Option<Printed>, apart: Option<&str>) -> Statement {
         Statement {
             id: "x".into(),
             figure: "2A".into(),
@@ -208,7 +225,7 @@ mod tests {
             says: "much".into(),
             criterion: "more".into(),
             printed,
-            open: open.map(str::to_owned),
+            apart: apart.map(str::to_owned),
             ..Statement::default()
         }
     }
@@ -217,17 +234,19 @@ mod tests {
     fn verdicts_follow_numbers_criteria_and_what_is_not_known() {
         let printed = Some(Printed { value: 2.0, tolerance: 0.01 });
         let judged = |holds: bool| Finding::judged("x", (holds, "a".into()));
-        for (printed, open, finding, expected) in [
-            (printed, None, Finding::new("x", 2.01), Verdict::Agrees),
-            (printed, None, Finding::new("x", 2.03), Verdict::Differs),
-            (None, None, judged(true), Verdict::Agrees),
-            (None, None, judged(false), Verdict::Differs),
-            (None, Some("lost"), judged(true), Verdict::NotPinnedDown),
+        for (printed, apart, finding, expected) in [
+            (printed, None, Some(Finding::new("x", 2.01)), Verdict::Agrees),
+            (printed, None, Some(Finding::new("x", 2.03)), Verdict::Differs),
+            (None, None, Some(judged(true)), Verdict::Agrees),
+            (None, None, Some(judged(false)), Verdict::Differs),
+            (None, None, None, Verdict::Differs),
+            (None, Some("lost"), None, Verdict::Apart),
+            (None, Some("lost"), Some(judged(true)), Verdict::Agrees),
         ] {
-            assert_eq!(item(&statement(printed, open), finding, 0.0).verdict, expected);
+            assert_eq!(item(&statement(printed, apart), finding, 0.0).verdict, expected);
         }
         // A number that could not be computed is no agreement.
-        let failed = item(&statement(printed, None), Finding::not_computed("x", "why"), 0.0);
+        let failed = item(&statement(printed, None), Some(Finding::not_computed("x", "why")), 0.0);
         assert_eq!((failed.verdict, failed.pass, failed.rel_error), (Verdict::Differs, false, None));
         let zero = Printed { value: 0.0, tolerance: 0.0 };
         assert_eq!(zero.deviation(0.0), 0.0);
@@ -235,14 +254,10 @@ mod tests {
     }
 
     #[test]
-    fn every_figure_of_the_paper_has_a_function() {
-        let statements = paper::statements().unwrap();
-        for statement in &statements {
-            let known = FIGURES.iter().any(|(name, _)| *name == statement.figure);
-            assert!(known || statement.figure.starts_with("Movie "), "{}", statement.figure);
-        }
-        for (name, _) in FIGURES {
-            assert!(statements.iter().any(|statement| statement.figure == name), "{name}");
+    fn every_judged_figure_has_a_function() {
+        let nothing = compute("none") as usize;
+        for statement in paper::statements().unwrap().iter().filter(|statement| statement.apart.is_none()) {
+            assert!(compute(&statement.figure) as usize != nothing, "{}", statement.figure);
         }
     }
 }

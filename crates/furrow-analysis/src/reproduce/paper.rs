@@ -46,8 +46,10 @@ pub enum Study {
     Size,
     /// χ over ε.
     Confinement,
-    /// χ over the cue's place.
-    CuePosition,
+    /// χ over the cue's place, for three widths.
+    CueWidth,
+    /// χ over the cue's place, for three amplitudes.
+    CueAmplitude,
     /// χ over R0, with the cue.
     CueSize,
     /// χ over ε, with the cue.
@@ -62,22 +64,60 @@ pub enum Criterion {
     Rest,
     /// All divisions are equal.
     Halves,
-    /// χ falls, from above 0.8 to below 0.7.
+    /// χ falls.
     Falling,
-    /// χ rises, from above 0.5.
-    Tightening,
+    /// χ rises.
+    Rising,
     /// χ stays within 15 % of the middle of its values.
     Flat,
-    /// χ is proportional to the cue's distance from the middle, within 10 %.
+    /// χ falls to a third between the ends of the range.
+    Steep,
+    /// χ is proportional to the cue's distance from the middle, within 15 %.
     Proportional,
+    /// Mean χ over the cue's distance from the middle falls from each width of the cue to the next.
+    Flatter,
+    /// Every furrow is at its cue, within 0.005.
+    FurrowAt,
+    /// Every furrow is off its cue, by more than 0.003.
+    FurrowBeside,
     /// Every furrow is nearer to the middle than its cue.
     FurrowShort,
     /// Every furrow is farther from the middle than its cue.
     FurrowBeyond,
-    /// χ falls to a third between the ends of the range.
-    Steep,
-    /// χ rises.
-    Rising,
+}
+
+/// What must be true of the stationary shapes of a cell, or of its divisions near them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Check {
+    /// The first pitchfork lies at the printed ξ_s.
+    Threshold,
+    /// The kind of the first pitchfork.
+    Kind(Criticality),
+    /// The asymmetric branch opens with the printed exponent.
+    Exponent,
+    /// ξ_s = 25 lies below the first pitchfork.
+    Below,
+    /// ξ_s = 25 lies between pitchfork and fold.
+    Window,
+    /// Divisions next to pitchfork and fold end as the branches say.
+    Regimes,
+    /// Two symmetric shapes are stable at the same ξ_s.
+    Bistable,
+    /// Which of two folds is higher.
+    Folds(HigherFold),
+    /// How divisions end as ξ_s rises.
+    Outcomes(Transition),
+}
+
+/// Outcomes as ξ_s rises.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Transition {
+    /// Failed, asymmetric, symmetric.
+    WithWindow,
+    /// Failed, symmetric.
+    WithoutWindow,
 }
 
 /// A statement on χ over one axis of a sweep.
@@ -93,24 +133,24 @@ pub struct OverAxis {
     pub range: [f64; 2],
     /// What χ must do there.
     pub criterion: Criterion,
-    /// Whether the published scheme is compared too.
+    /// Whether the published scheme is compared too, at both of its time steps.
     #[serde(default)]
     pub both_schemes: bool,
     /// A remark on the result.
     pub note: Option<String>,
 }
 
-/// One statement of the paper, or a computable quantity of which the paper's words are not known.
+/// One statement of the paper.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Statement {
     /// Its name, unique.
     pub id: String,
-    /// The figure, table or movie, as `2A`, `2C-F`, `S5`, `Table S3`, `Movie 1`.
+    /// The figure, table or movie, as `2A`, `S5`, `Table S3`, `Movie 1`; `1` for what the text says with figure 1.
     pub figure: String,
     /// Its subject.
     pub quantity: String,
-    /// The paper's words; empty where it prints a number, or where they are not known.
+    /// What the paper says, in words of ours; empty where it prints a number.
     #[serde(default)]
     pub says: String,
     /// When a result counts as agreeing.
@@ -121,14 +161,10 @@ pub struct Statement {
     pub cell: Option<OfCell>,
     /// What it says of χ over an axis.
     pub over: Option<OverAxis>,
-    /// Of a pitchfork, its kind.
-    pub kind: Option<Criticality>,
-    /// Of a branch with two folds, which of them is higher.
-    pub higher: Option<HigherFold>,
-    /// The name of a constant.
-    pub constant: Option<String>,
-    /// Why there is no verdict, if there is none.
-    pub open: Option<String>,
+    /// What must be true of its stationary shapes.
+    pub check: Option<Check>,
+    /// Why it is set apart, neither judged nor counted, if it is.
+    pub apart: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -162,8 +198,8 @@ fn check(statement: &Statement, new: bool) -> Result<(), InputError> {
     {
         return refuse("printed", format!("({value}, {tolerance})"), "a finite value and a tolerance of 0 or above");
     }
-    if statement.says.is_empty() && statement.printed.is_none() && statement.open.is_none() {
-        return refuse("says", "\"\"".to_owned(), "what the paper says, unless it prints a number or that is open");
+    if statement.says.is_empty() && statement.printed.is_none() {
+        return refuse("says", "\"\"".to_owned(), "what the paper says, unless it prints a number");
     }
     Ok(())
 }
@@ -174,25 +210,15 @@ fn plain(name: &str) -> String {
     letters.map(|c| if matches!(c, '–' | '−' | '_') { '-' } else { c }).collect()
 }
 
-/// Whether a figure is meant by what a user wrote: by its own name, by that of one of its panels (`2D` of `2C-F`), or by the
-/// number of the whole (`2` of `2A`, `movies` of `Movie 1`).
+/// Whether a figure is meant by what a user wrote: by its own name, or by the number of the whole (`2` of `2A`, `movies` of
+/// `Movie 1`).
 pub fn means(wanted: &str, figure: &str) -> bool {
     let (wanted, figure) = (plain(wanted), plain(figure));
-    if wanted == figure || (wanted == "movies" && figure.starts_with("movie")) {
-        return true;
-    }
-    if !wanted.is_empty()
-        && wanted.ends_with(|c: char| c.is_ascii_digit())
-        && let Some(rest) = figure.strip_prefix(&wanted)
-    {
-        return rest.starts_with(|c: char| c.is_ascii_alphabetic());
-    }
-    let panels = |(first, last): (&str, &str)| {
-        let from = first.chars().next_back()?;
-        let mut panel = wanted.strip_prefix(first.strip_suffix(from)?)?.chars();
-        Some((from..=last.chars().next()?).contains(&panel.next()?) && panel.next().is_none())
-    };
-    figure.split_once('-').and_then(panels).unwrap_or(false)
+    let is_number = wanted.ends_with(|c: char| c.is_ascii_digit());
+    let panel = |rest: &str| rest.starts_with(|c: char| c.is_ascii_alphabetic());
+    wanted == figure
+        || (wanted == "movies" && figure.starts_with("movie"))
+        || (is_number && figure.strip_prefix(&wanted).is_some_and(panel))
 }
 
 /// The statements that belong to any of the figures named; all where none is.
@@ -221,9 +247,9 @@ mod tests {
 
     #[test]
     fn figures_are_meant_by_panels_and_by_the_whole() {
-        let meant = "2A=2A 2a=2A 2=2A 2=2C-F 2d=2C-F 2C–F=2C-F s5=S5 Table~S3=Table~S3 tables3=Table~S3 \
-                     movies=Movie~3 movie3=Movie~3 7=7";
-        let others = "2B=2C-F 2G=2C-F S=S5 3=S3 S3=Table~S3 movie=Movie~3 =2A 2CD=2C-F";
+        let meant = "2A=2A 2a=2A 2=2A 2=2L 1=1 1=1B s5=S5 Table~S3=Table~S3 tables3=Table~S3 \
+                     movies=Movie~3 movie3=Movie~3";
+        let others = "2B=2C 1B=1 S=S5 3=S3 S3=Table~S3 movie=Movie~3 =2A 2CD=2C";
         for (pairs, expected) in [(meant, true), (others, false)] {
             for (wanted, figure) in pairs.split(' ').filter_map(|pair| pair.split_once('=')) {
                 let [wanted, figure] = [wanted, figure].map(|name| name.replace('~', " "));
@@ -235,7 +261,7 @@ mod tests {
     #[test]
     fn a_figure_that_is_none_is_refused_with_those_that_are() {
         let error = selected(&["9Z".to_owned()]).unwrap_err().to_string();
-        assert!(error.contains("\"9Z\"") && error.contains("2C-F") && error.contains("Movie 4"), "{error}");
+        assert!(error.contains("\"9Z\"") && error.contains("2C") && error.contains("Movie 4"), "{error}");
         assert!(selected(&["2".to_owned()]).unwrap().iter().all(|statement| statement.figure.starts_with('2')));
         assert_eq!(selected(&[]).unwrap(), statements().unwrap());
     }

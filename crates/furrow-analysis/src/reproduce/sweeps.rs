@@ -1,12 +1,18 @@
-//! Figures 2A, 2B, 2G and 4: χ over size, over confinement, and over the place of a cue.
+//! Figures 2A, 2B, 2G, 2H and 3: χ over size, over confinement, and over the place of a cue.
 
-use super::context::{Artifact, Figure, Finding, ReproduceError};
+use super::context::{Artifact, Figure, Finding, PUBLISHED_STEPS, ReproduceError};
+use super::films::place_of_furrow;
 use super::paper::{Criterion, Study};
 use super::readings::{ChiPoint, between, chi_at, chi_in_words, edge, flatness, halves, monotone_ends, readings};
-use furrow_cell::{Parameter, Scheme};
-use furrow_lineage::batch::phase::{PhaseDiagram, PhaseOutcome, PhasePlane, spaced};
-use furrow_mechanics::division::Outcome;
-use furrow_mechanics::equilibria::critical_radius;
+use crate::Row;
+use furrow_cell::{Cell, Numerics, Parameter};
+use furrow_lineage::batch::phase::PhasePlane;
+use furrow_lineage::batch::phase::spaced;
+use furrow_lineage::batch::scheduler;
+use furrow_mechanics::division::{DivisionInput, Outcome};
+use furrow_mechanics::division::{Statistics, Trajectory};
+use furrow_mechanics::equilibria::{StepBudget, critical::critical_value, critical_radius, curves};
+use rayon::prelude::*;
 use serde_json::json;
 
 /// The name, the text and the axis of a shipped sweep.
@@ -14,11 +20,15 @@ fn shipped(study: Study) -> [&'static str; 3] {
     match study {
         Study::Size => ["size.ron", include_str!("../../studies/size.ron"), "r0"],
         Study::Confinement => ["confinement.ron", include_str!("../../studies/confinement.ron"), "epsilon"],
-        Study::CuePosition => ["cue-position.ron", include_str!("../../studies/cue-position.ron"), "cue.u0"],
+        Study::CueWidth => ["cue-width.ron", include_str!("../../studies/cue-width.ron"), "cue.u0"],
+        Study::CueAmplitude => ["cue-amplitude.ron", include_str!("../../studies/cue-amplitude.ron"), "cue.u0"],
         Study::CueSize => ["cue-size.ron", include_str!("../../studies/cue-size.ron"), "r0"],
         Study::CueConfinement => ["cue-confinement.ron", include_str!("../../studies/cue-confinement.ron"), "epsilon"],
     }
 }
+
+/// Widths ω of the cue in figure 3B, as exact values of the printed 0.06, 0.14 and 0.31.
+const WIDTHS: [f64; 3] = [0.0577, 0.1414, 0.3162];
 
 /// Whether χ does within a range what a criterion says, and what it does in words.
 fn meets(criterion: Criterion, all: &[ChiPoint], range: [f64; 2]) -> (bool, String) {
@@ -26,52 +36,57 @@ fn meets(criterion: Criterion, all: &[ChiPoint], range: [f64; 2]) -> (bool, Stri
     match criterion {
         Criterion::Rest => at_rest(all, range),
         Criterion::Halves => halves(part),
-        Criterion::Falling => trend(part, |a, b| b < a, |first, last| first > 0.8 && last < 0.7, ["R0 = 1.8", "2.2"]),
-        Criterion::Tightening => trend(part, |a, b| b > a, |first, _| first > 0.5, ["ε = 0.87", "0.89"]),
+        Criterion::Falling => trend(part, |a, b| b < a),
+        Criterion::Rising => trend(part, |a, b| b > a),
         Criterion::Flat => {
             let (half_width, text) = flatness(part);
             (half_width <= 0.15, text)
         }
-        Criterion::Proportional => proportional(part),
+        Criterion::Proportional | Criterion::Flatter => proportional(part),
+        Criterion::FurrowAt => furrows(part, |furrow, cue| (furrow - cue).abs() <= 0.005),
+        Criterion::FurrowBeside => furrows(part, |furrow, cue| (furrow - cue).abs() > 0.003),
         Criterion::FurrowShort => furrows(part, |furrow, cue| furrow < cue),
         Criterion::FurrowBeyond => furrows(part, |furrow, cue| furrow > cue),
         Criterion::Steep => steep(part),
-        Criterion::Rising => rising(part),
     }
 }
 
-/// Figures 2A, 2G and 4B to 4E: solves the sweep of the figure's statements, compares χ with them, and shows it.
+/// Solves the sweep of the figure's statements, compares χ with them, and shows it.
 pub fn over_axis(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let Some(study) = figure.statements.iter().find_map(|statement| Some(statement.over.as_ref()?.study)) else {
         return Ok(());
     };
     let [file, text, axis] = shipped(study);
     let (sweep, rows) = figure.sweep(text, file)?;
-    let has_schemes = sweep.columns().iter().any(|column| column == "scheme");
     for statement in figure.statements {
         let Some(over) = &statement.over else { continue };
-        let judged = |scheme: &str| {
+        let at = |scheme: &str, dt: f64, width: Option<f64>| {
             let held = over.held.iter().map(|(name, value)| (name.as_str(), json!(value)));
-            let held: Vec<_> = held.chain(has_schemes.then(|| ("scheme", json!(scheme)))).collect();
-            meets(over.criterion, &readings(&sweep, &rows, axis, &held), over.range)
+            let held = held.chain([("scheme", json!(scheme)), ("dt", json!(dt))]);
+            let held: Vec<_> = held.chain(width.map(|width| ("cue.omega", json!(width)))).collect();
+            readings(&sweep, &rows, axis, &held)
         };
-        let mut finding = Finding::judged(&statement.id, judged("converged"));
+        let judged = |scheme: &str, dt: f64| match over.criterion {
+            Criterion::Flatter => flatter(WIDTHS.map(|width| between(&at(scheme, dt, Some(width)), over.range))),
+            criterion => meets(criterion, &at(scheme, dt, None), over.range),
+        };
+        let mut finding = Finding::judged(&statement.id, judged("converged", PUBLISHED_STEPS[0]));
         if over.both_schemes {
-            finding = finding.beside(judged("published"));
+            finding.published = PUBLISHED_STEPS.map(|dt| judged("published", dt)).to_vec();
         }
         finding.note.clone_from(&over.note);
         figure.findings.push(finding);
     }
-    match figure.name() {
-        // Two pictures of one sweep; figure 4C is drawn with 4B-C.
-        "4B-C" => {
-            let (converged, published) =
-                rows.into_iter().partition(|row| row.cells.first() == Some(&json!("converged")));
-            figure.show("4B-C", Artifact::Sweep(Box::new(sweep.clone()), converged));
-            figure.show("4B-C-published_scheme", Artifact::Sweep(Box::new(sweep), published));
-        }
-        "4C" => {}
-        name => figure.show(name, Artifact::Sweep(Box::new(sweep), rows)),
+    // A picture for each scheme and step; the converged scheme does not use the published steps.
+    for (scheme, dt) in
+        [("converged", PUBLISHED_STEPS[0]), ("published", PUBLISHED_STEPS[0]), ("published", PUBLISHED_STEPS[1])]
+    {
+        let name = match scheme {
+            "converged" => figure.name().to_owned(),
+            _ => format!("{}-published_{dt}", figure.name()),
+        };
+        let those = |row: &&Row| row.cells.starts_with(&[json!(scheme), json!(dt)]);
+        figure.show(&name, Artifact::Sweep(Box::new(sweep.clone()), rows.iter().filter(those).cloned().collect()));
     }
     Ok(())
 }
@@ -86,21 +101,38 @@ fn at_rest(readings: &[ChiPoint], [from, to]: [f64; 2]) -> (bool, String) {
     (holds, format!("at rest up to R0 = {last:.2}, all divide from {first:.2} on"))
 }
 
-/// Whether χ goes one way, from a first to a last value that are as they should be.
-fn trend(readings: &[ChiPoint], in_order: Compares, ends: Compares, [from, to]: [&str; 2]) -> (bool, String) {
+/// Whether χ goes one way.
+fn trend(readings: &[ChiPoint], in_order: Compares) -> (bool, String) {
     let Some(([first, last], ordered)) = monotone_ends(readings, in_order) else {
         return (false, "not all divide".to_owned());
     };
-    (ordered && ends(first, last), format!("χ = {first:.2} at {from}, {last:.2} at {to}"))
+    let ends = [readings.first(), readings.last()].map(|reading| reading.map_or(0.0, |reading| reading.x));
+    let out_of_order =
+        readings.windows(2).find(|pair| pair[0].chi.zip(pair[1].chi).is_none_or(|(a, b)| !in_order(a, b)));
+    let but = out_of_order.map_or(String::new(), |pair| format!("; not from {:.2} to {:.2}", pair[0].x, pair[1].x));
+    (ordered, format!("χ = {first:.3} at {:.2}, {last:.3} at {:.2}{but}", ends[0], ends[1]))
+}
+
+/// Mean of χ over the distance of the cue from the middle, and the largest relative deviation from it; none if not all divide.
+fn slope(readings: &[ChiPoint]) -> Option<[f64; 2]> {
+    let ratios: Option<Vec<f64>> = readings.iter().map(|reading| Some(reading.chi? / (0.5 - reading.x))).collect();
+    let ratios = ratios.filter(|ratios| !ratios.is_empty())?;
+    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+    Some([mean, ratios.iter().map(|ratio| (ratio / mean - 1.0).abs()).fold(0.0, f64::max)])
 }
 
 /// Whether χ is proportional to the distance of the cue from the middle.
 fn proportional(readings: &[ChiPoint]) -> (bool, String) {
-    let ratios: Option<Vec<f64>> = readings.iter().map(|reading| Some(reading.chi? / (0.5 - reading.x))).collect();
-    let Some(ratios) = ratios.filter(|ratios| !ratios.is_empty()) else { return (false, "not all divide".to_owned()) };
-    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
-    let worst = ratios.iter().map(|ratio| (ratio / mean - 1.0).abs()).fold(0.0, f64::max);
-    (worst <= 0.1, format!("χ/(½ − u0) = {mean:.2} within {:.0} %", 100.0 * worst))
+    let Some([mean, worst]) = slope(readings) else { return (false, "not all divide".to_owned()) };
+    (worst <= 0.15, format!("χ/(½ − u0) = {mean:.2} within {:.0} %", 100.0 * worst))
+}
+
+/// Whether χ rises less with the distance of the cue from the middle for each width than for the one before.
+fn flatter(widths: [Vec<ChiPoint>; 3]) -> (bool, String) {
+    let slopes: Option<Vec<f64>> = widths.iter().map(|readings| slope(readings).map(|[mean, _]| mean)).collect();
+    let Some(slopes) = slopes else { return (false, "not all divide".to_owned()) };
+    let text = slopes.iter().map(|slope| format!("{slope:.2}")).collect::<Vec<_>>().join(", ");
+    (slopes.windows(2).all(|pair| pair[1] < pair[0]), format!("mean χ/(½ − u0) = {text}"))
 }
 
 /// Whether every furrow compares with its cue as it should, by their distances from the middle.
@@ -119,15 +151,6 @@ fn steep(readings: &[ChiPoint]) -> (bool, String) {
     (falls, format!("χ = {} at R0 = 2.0, {} at 2.6", chi_in_words(small), chi_in_words(large)))
 }
 
-/// Whether χ rises with ε.
-fn rising(readings: &[ChiPoint]) -> (bool, String) {
-    let rises = readings.windows(2).all(|pair| pair[0].chi.zip(pair[1].chi).is_some_and(|(a, b)| b > a));
-    let chis = readings.iter().filter_map(|reading| Some((reading.x, reading.chi?)));
-    let Some((x, least)) = chis.min_by(|a, b| a.1.total_cmp(&b.1)) else { return (rises, "none divides".to_owned()) };
-    let [first, last] = [readings.first(), readings.last()].map(|reading| chi_in_words(reading.and_then(|r| r.chi)));
-    (rises, format!("χ = {first} at ε = 0.60, least {least:.3} at {x:.2}, {last} at 0.91"))
-}
-
 /// Figure 2A: χ over R0 without a cue.
 pub fn sizes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     over_axis(figure)?;
@@ -138,20 +161,71 @@ pub fn sizes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
             Err(error) => error.to_string(),
         });
     }
-    Ok(())
+    let continuous = continuous(figure)?;
+    figure.findings.push(continuous);
+    let slips = slips(figure)?;
+    Ok(figure.findings.push(slips))
+}
+
+/// Sizes about the one at which equal divisions begin, and seeds at each.
+const EDGE: [f64; 2] = [2.2, 2.3];
+const SEEDS: u64 = 10;
+/// Largest change of mean χ between neighbouring sizes that counts as continuous.
+const CONTINUOUS: f64 = 0.2;
+
+/// How mean χ over seeds changes about the size at which equal divisions begin.
+fn continuous(figure: &mut Figure<'_>) -> Result<Finding, ReproduceError> {
+    let context = figure.context;
+    let sizes = spaced(EDGE[0], EDGE[1], 11);
+    let mut judged = |numerics: Numerics| -> Result<(bool, String), ReproduceError> {
+        let input = |r0: f64, seed: u64| DivisionInput { cell: context.cell(r0, 0.87), numerics, seed };
+        let inputs = sizes.iter().flat_map(|r0| (0..SEEDS).map(move |seed| input(*r0, seed))).collect();
+        let divisions = figure.divisions(inputs)?;
+        let at_size = |of_size: &[Option<_>]| Statistics::of(of_size.iter().flatten());
+        let found: Vec<Statistics> = divisions.chunks(SEEDS as usize).map(at_size).collect();
+        let means: Vec<f64> = found.iter().map(|found| found.chi_mean.unwrap_or(1.0)).collect();
+        let largest = means.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        let spread = found.iter().filter_map(|found| found.chi_sd).fold(0.0, f64::max);
+        let text = format!("χ changes by at most {largest:.2} from size to size; sd up to {spread:.2}");
+        Ok((largest < CONTINUOUS, text))
+    };
+    let converged = judged(context.converged())?;
+    let published = PUBLISHED_STEPS.map(|dt| judged(context.published(dt)));
+    let published = published.into_iter().collect::<Result<Vec<_>, _>>()?;
+    Ok(Finding { published, ..Finding::judged("size_continuous", converged) })
+}
+
+/// Whether the furrows of intermediate cells start at the equator and end away from it.
+fn slips(figure: &Figure<'_>) -> Result<Finding, ReproduceError> {
+    let context = figure.context;
+    let place = |r0: &f64| Some(place_of_furrow(&Trajectory::compute(&context.input(context.cell(*r0, 0.87))).ok()?));
+    let sizes = [1.8, 1.9, 2.0, 2.1, 2.2];
+    let found: Vec<Option<Vec<f64>>> =
+        scheduler::pool(context.threads)?.install(|| sizes.par_iter().map(place).collect());
+    let ends: Option<Vec<[f64; 2]>> =
+        found.iter().map(|u| u.as_ref().and_then(|u| Some([*u.first()?, *u.last()?]))).collect();
+    let Some(ends) = ends else { return Ok(Finding::not_computed("size_slip", "a cell has no furrow")) };
+    let away = |u: f64| (u - 0.5).abs();
+    let holds = ends.iter().all(|[first, last]| away(*first) < 0.02 && away(*last) > 0.05);
+    let [first, last] = [0, 1].map(|end| ends.iter().map(|ends| away(ends[end])).collect::<Vec<_>>());
+    let text = |values: &[f64]| values.iter().map(|v| format!("{v:.3}")).collect::<Vec<_>>().join(", ");
+    Ok(Finding::judged("size_slip", (holds, format!("|u − ½| from {} to {}", text(&first), text(&last)))))
 }
 
 /// Figure 2G: χ over ε without a cue, and where division ends.
 pub fn confinement(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     over_axis(figure)?;
-    let note =
-        "found by bisection to 0.0001; just above it cells rest off the centre, up to the pitchfork's ε of figure 2H-L";
+    let cell = figure.context.cell(2.22, 0.895);
+    let starts = [0.895, 0.85, 0.76];
+    let pitchfork =
+        critical_value(&cell, &figure.context.converged(), Parameter::Epsilon, &starts, &StepBudget::unlimited());
+    let pitchfork = pitchfork.map_or_else(|error| error.to_string(), |(_, point)| format!("{:.4}", point.value));
+    let note = format!("found by bisection to 0.0001; the pitchfork is at ξ_s = 25 for ε = {pitchfork}");
     let finding = match confinement_edge(figure)? {
         Some(edge) => Finding::new("confinement_edge", edge).noting(note),
         None => Finding::not_computed("confinement_edge", "divisions do not end between ε = 0.88 and 0.91"),
     };
-    figure.findings.push(finding);
-    Ok(())
+    Ok(figure.findings.push(finding))
 }
 
 /// Halvings of the interval of the edge.
@@ -179,44 +253,60 @@ fn confinement_edge(figure: &mut Figure<'_>) -> Result<Option<f64>, ReproduceErr
     Ok(Some(0.5 * (low + high)))
 }
 
-/// Values of R0 and of ξ_s in the map.
-const ACROSS: usize = 20;
-const UP: usize = 9;
+/// Figure 2B: the curve of pitchforks over R0, and outcomes about it.
+pub fn over_radius(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
+    let cell = figure.context.cell(2.0, 0.87);
+    thresholds(figure, "plane_thresholds", &cell, Parameter::R0, [1.5, 2.4], |a, b| b < a);
+    let unequal = figure.statements.iter().find_map(|statement| Some((&statement.id, statement.over.as_ref()?)));
+    if let Some((id, over)) = unequal {
+        let [file, text, axis] = shipped(over.study);
+        let (sweep, rows) = figure.sweep(text, file)?;
+        let held = [("scheme", json!("converged")), ("dt", json!(PUBLISHED_STEPS[0]))];
+        let judged = meets(over.criterion, &readings(&sweep, &rows, axis, &held), over.range);
+        figure.findings.push(Finding::judged(id, judged));
+    }
+    let (across, up) = (spaced(1.6, 5.4, 20), spaced(10.0, 30.0, 9));
+    plane(
+        figure,
+        PhasePlane { cell, numerics: figure.context.converged(), parameter: Parameter::R0, across, up, seed: 0 },
+    )
+}
 
-/// Figure 2B: outcomes over R0 and ξ_s.
-pub fn plane(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
-    let mut map = |name: &str, scheme: Scheme| {
-        let (cell, numerics) = (figure.context.cell(1.0, 0.87), figure.context.numerics(scheme));
-        let (across, up) = (spaced(1.6, 5.4, ACROSS), spaced(10.0, 30.0, UP));
-        figure.plane(name, PhasePlane { cell, numerics, parameter: Parameter::R0, across, up, seed: 0 })
+/// Figure 2H: the curve of pitchforks over ε, and outcomes about it.
+pub fn over_confinement(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
+    let cell = figure.context.cell(2.22, 0.87);
+    thresholds(figure, "confinement_thresholds", &cell, Parameter::Epsilon, [0.6, 0.92], |a, b| b > a);
+    let (across, up) = (spaced(0.54, 0.92, 20), spaced(3.0, 27.0, 9));
+    plane(
+        figure,
+        PhasePlane { cell, numerics: figure.context.converged(), parameter: Parameter::Epsilon, across, up, seed: 0 },
+    )
+}
+
+fn plane(figure: &mut Figure<'_>, plane: PhasePlane) -> Result<(), ReproduceError> {
+    let name = figure.name();
+    figure.plane(name, plane).map(drop)
+}
+
+/// Whether ξ_s* goes one way along the curve of pitchforks.
+fn thresholds(
+    figure: &mut Figure<'_>,
+    id: &str,
+    cell: &Cell,
+    parameter: Parameter,
+    range: [f64; 2],
+    in_order: Compares,
+) {
+    let finding = match curves::pitchfork_curve(cell, &figure.context.converged(), parameter, range) {
+        Ok(curve) => {
+            let mut points = curve.points;
+            points.sort_by(|a, b| a.value.total_cmp(&b.value));
+            let xi: Vec<f64> = points.iter().map(|point| point.xi_s).collect();
+            let ends = [xi.first(), xi.last()].map(|xi| xi.copied().unwrap_or(f64::NAN));
+            let holds = xi.len() > 1 && xi.windows(2).all(|pair| in_order(pair[0], pair[1]));
+            Finding::judged(id, (holds, format!("ξ_s* = {:.2} to {:.2}", ends[0], ends[1])))
+        }
+        Err(error) => Finding::not_computed(id, error),
     };
-    let diagrams = [map("2B", Scheme::Converged)?, map("2B-published_scheme", Scheme::Published)?];
-    let [order, coarse_order] = diagrams.each_ref().map(outcomes);
-    let order = Finding::new("plane_order", order);
-    figure.findings.push(Finding { published_scheme: Some(coarse_order.into()), ..order });
-    let [corner, coarse_corner] = diagrams.each_ref().map(corner);
-    figure.findings.push(Finding::judged("plane_corner", corner).beside(coarse_corner));
-    Ok(())
-}
-
-/// The number of points of a map by outcome, in words.
-pub fn outcomes(diagram: &PhaseDiagram) -> String {
-    let named = [
-        (PhaseOutcome::Failed, "no division"),
-        (PhaseOutcome::Asymmetric, "unequal"),
-        (PhaseOutcome::Symmetric, "equal"),
-        (PhaseOutcome::Undecided, "undecided"),
-    ];
-    let parts = named.iter().filter_map(|(outcome, name)| {
-        let count = diagram.cells.iter().filter(|cell| cell.outcome == *outcome).count();
-        (count > 0).then(|| format!("{count} {name}"))
-    });
-    format!("of {} points {}", diagram.cells.len(), parts.collect::<Vec<_>>().join(", "))
-}
-
-/// Whether all points in the upper right corner divide into equal halves.
-fn corner(diagram: &PhaseDiagram) -> (bool, String) {
-    let inside: Vec<_> = diagram.cells.iter().filter(|cell| cell.x >= 4.9 - 1e-9 && cell.xi_s >= 20.0 - 1e-9).collect();
-    let equal = inside.iter().filter(|cell| cell.outcome == PhaseOutcome::Symmetric).count();
-    (equal == inside.len(), format!("{equal} of {} are equal halves", inside.len()))
+    figure.findings.push(finding);
 }

@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn the_facets_that_are_seen_cover_what_is_seen_of_the_cell() {
-        let film = Trajectory::compute(&DivisionInput::new(Cell::new(2.5))).unwrap();
+        let film = Trajectory::compute(&DivisionInput::new(Cell::gao2026_thresholds(2.5))).unwrap();
         let view = View::new([0.0, 0.0], 1.0);
         let fineness = Fineness { along: 60, around: 48, shades: 32.0 };
         for t in [0.0, 0.5 * film.division.t_end] {

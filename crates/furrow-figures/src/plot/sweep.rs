@@ -47,7 +47,7 @@ pub fn draw(sweep: &Sweep, rows: &[Row]) -> Canvas {
     }
 }
 
-fn title(sweep: &Sweep) -> String {
+fn title(sweep: &Sweep, points: &[Point]) -> String {
     let axes = &sweep.axes.0;
     let varied = |parameter: &Parameter| {
         let size = *parameter == Parameter::R0 && !matches!(sweep.kind, Kind::Division | Kind::Pitchfork);
@@ -60,6 +60,11 @@ fn title(sweep: &Sweep) -> String {
     if axes.iter().all(|axis| axis.target != Target::Cue) {
         parts.extend(sweep.cue.as_ref().map(|cue| format!("cue {}", unvaried(cue, sweep))));
     }
+    let held = held(sweep, points).into_iter().filter_map(|axis| Some((axis, *points.first()?.places.get(axis)?)));
+    let held: Vec<String> = held.map(|(axis, place)| named(sweep, axis, place)).collect();
+    // The converged scheme has no fixed step.
+    let converged = held.iter().any(|part| part == "converged");
+    parts.extend(held.into_iter().filter(|part| !(converged && part.starts_with("Δt"))));
     parts.retain(|part| !part.is_empty());
     let what = match sweep.kind {
         Kind::Division => "Divisions",
@@ -153,7 +158,7 @@ fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Can
         .with_if(outcomes, Key::Point(style::ASYMMETRIC, Marker::Disc), "asymmetric")
         .with_if(resting, Key::Point(style::FAILED, Marker::Square), "stays at rest")
         .with_if(unknown, Key::Point(style::UNDECIDED, Marker::Triangle), "undecided");
-    let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep), &legend);
+    let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep, points), &legend);
     let across = match x {
         Some(_) => Axis::over(label(sweep, along), values.iter().copied()),
         None => Axis::names(label(sweep, along), words, false),
@@ -204,7 +209,9 @@ struct Group<'a> {
 fn grouped<'a>(sweep: &Sweep, points: &'a [Point], along: usize) -> Vec<Group<'a>> {
     let axes = &sweep.axes.0;
     let sampled = axes.get(along).is_some_and(|axis| axis.sampled);
-    let others: Vec<usize> = (0..axes.len()).filter(|k| *k != along && !(sampled && axes[*k].sampled)).collect();
+    let held = held(sweep, points);
+    let varies = |k: &usize| *k != along && !(sampled && axes[*k].sampled) && !held.contains(k);
+    let others: Vec<usize> = (0..axes.len()).filter(varies).collect();
     let mut found: Vec<(Vec<usize>, Vec<&Point>)> = Vec::new();
     for point in points {
         let key: Vec<usize> = others.iter().filter_map(|k| point.places.get(*k).copied()).collect();
@@ -221,24 +228,37 @@ fn grouped<'a>(sweep: &Sweep, points: &'a [Point], along: usize) -> Vec<Group<'a
         (_, true) => style::ramp(k, count),
         _ => style::SERIES[k],
     };
-    let name = |(axis, place): (&usize, &usize)| {
-        let axis = &axes[*axis];
-        let value = axis.values.get(*place).map_or(String::new(), |value| value.text().into_owned());
-        let symbol = match axis.target {
-            _ if matches!(axis.values.first(), Some(AxisValue::Text(_))) => return value,
-            Target::Field("r0") => "R₀",
-            Target::Field("epsilon") => "ε",
-            Target::Field("xi_s") => "ξₛ",
-            _ => &axis.name,
-        };
-        format!("{symbol} = {value}")
-    };
     let group = |(k, (key, points)): (usize, (Vec<usize>, Vec<&'a Point>))| Group {
-        name: others.iter().zip(&key).map(name).collect::<Vec<_>>().join(", "),
+        name: others.iter().zip(&key).map(|(axis, place)| named(sweep, *axis, *place)).collect::<Vec<_>>().join(", "),
         colour: colour(k),
         points,
     };
     found.into_iter().enumerate().map(group).collect()
+}
+
+/// The axes of several values of which the points have one: those of a part of a sweep.
+fn held(sweep: &Sweep, points: &[Point]) -> Vec<usize> {
+    let place = |point: &Point, axis: usize| point.places.get(axis).copied();
+    let is_held = |axis: &usize| {
+        sweep.axes.0[*axis].values.len() > 1
+            && points.windows(2).all(|pair| place(&pair[0], *axis) == place(&pair[1], *axis))
+    };
+    (0..sweep.axes.0.len()).filter(is_held).collect()
+}
+
+/// A value of an axis, with the axis's name unless it is a word.
+fn named(sweep: &Sweep, axis: usize, place: usize) -> String {
+    let axis = &sweep.axes.0[axis];
+    let value = axis.values.get(place).map_or(String::new(), |value| value.text().into_owned());
+    let symbol = match axis.target {
+        _ if matches!(axis.values.first(), Some(AxisValue::Text(_))) => return value,
+        Target::Field("r0") => "R₀",
+        Target::Field("epsilon") => "ε",
+        Target::Field("xi_s") => "ξₛ",
+        Target::Field("dt") => "Δt",
+        _ => &axis.name,
+    };
+    format!("{symbol} = {value}")
 }
 
 fn map_of_outcomes(sweep: &Sweep, points: &[Point], [x, y]: [&(usize, Vec<f64>); 2]) -> Canvas {
@@ -257,7 +277,7 @@ fn map_of_outcomes(sweep: &Sweep, points: &[Point], [x, y]: [&(usize, Vec<f64>);
         .with(Key::Area(style::tile(unequal, Some(0.2))), "asymmetric, χ = 0.2")
         .with(Key::Area(style::tile(unequal, Some(0.8))), "χ = 0.8")
         .with(Key::Area(style::tile(Some(Outcome::Arrested), None)), "stays at rest");
-    let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep), &legend);
+    let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep, points), &legend);
     let axis = |k: usize, bins: &[[f64; 2]]| Axis::new(label(sweep, k), widened(bins.iter().flatten().copied(), 0.0));
     let (across, up) = (axis(x.0, &columns), axis(y.0, &rows));
     Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], across, up).tiles(points.iter().filter_map(|point| {

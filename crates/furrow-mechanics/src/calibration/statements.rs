@@ -1,9 +1,15 @@
 //! What is known of thresholds beside their values: on which side the asymmetric branch lies, which fold is the higher, how
 //! a cell divides. Such a statement is true of a set of constants or it is not, and excludes those of which it is not.
 
+use std::fmt::{self, Display, Formatter};
+
 use serde::{Deserialize, Serialize};
 
+use super::Targets;
+use crate::division::{Division, Outcome};
 use crate::equilibria::Criticality;
+use furrow_cell::cue::Profile;
+use furrow_cell::{Cell, Cue, Parameter};
 use furrow_input::InputError;
 
 /// The asymmetric branch is known to lie on one side of a pitchfork.
@@ -50,10 +56,64 @@ pub struct GivenFolds {
     pub higher: HigherFold,
 }
 
-/// A cell without a cue that is known to divide into equal daughters.
+/// An activity that lies between the pitchfork and the turning point of the symmetric branch: where cells divide unequally.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct GivenSymmetric {
+pub struct GivenWindow {
+    /// Cell radius R0.
+    pub r0: f64,
+    /// Volume fraction ε.
+    pub epsilon: f64,
+    /// The activity ξ_s.
+    pub xi_s: f64,
+}
+
+/// Where a furrow is, seen from the middle of the cell, and a cue at u0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FurrowPlace {
+    /// Nearer to the middle than the cue.
+    Short,
+    /// Within [`FurrowPlace::AT`] of the cue.
+    At,
+    /// More than [`FurrowPlace::BESIDE`] away from the cue.
+    Beside,
+    /// Further from the middle than the cue.
+    Beyond,
+}
+
+impl FurrowPlace {
+    /// Largest distance in u of a furrow that is said to be at the cue.
+    pub const AT: f64 = 0.005;
+    /// Least distance in u of a furrow that is said to be beside it.
+    pub const BESIDE: f64 = 0.003;
+
+    /// Whether a furrow at `u` has this place beside a cue at `u0`.
+    pub fn holds(self, u: f64, u0: f64) -> bool {
+        // Distances from the middle, on the side of the cue.
+        let [furrow, cue] = [u, u0].map(|u| (0.5 - u) * (0.5 - u0).signum());
+        match self {
+            FurrowPlace::Short => furrow < cue,
+            FurrowPlace::At => (u - u0).abs() <= FurrowPlace::AT,
+            FurrowPlace::Beside => (u - u0).abs() > FurrowPlace::BESIDE,
+            FurrowPlace::Beyond => furrow > cue,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            FurrowPlace::Short => "short of",
+            FurrowPlace::At => "at",
+            FurrowPlace::Beside => "beside",
+            FurrowPlace::Beyond => "beyond",
+        }
+    }
+}
+
+/// How a cell is known to divide.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GivenDivision {
     /// Cell radius R0.
     pub r0: f64,
     /// Volume fraction ε; that of the run if not given.
@@ -62,6 +122,85 @@ pub struct GivenSymmetric {
     /// Activity ξ_s; that of the run if not given.
     #[serde(default)]
     pub xi_s: Option<f64>,
+    /// Its cue; none if not given.
+    #[serde(default = "Cue::none")]
+    pub cue: Cue,
+    /// How it ends, if that is known.
+    #[serde(default)]
+    pub outcome: Option<Outcome>,
+    /// Where the furrow is beside the first term of the cue, if that is known.
+    #[serde(default)]
+    pub furrow: Option<FurrowPlace>,
+}
+
+impl GivenDivision {
+    /// The cell, with the constants of another.
+    pub fn cell(&self, constants: &Cell) -> Cell {
+        let (epsilon, xi_s) = (self.epsilon.unwrap_or(constants.epsilon), self.xi_s.unwrap_or(constants.xi_s));
+        Cell { r0: self.r0, epsilon, xi_s, cue: self.cue.clone(), ..constants.clone() }
+    }
+
+    /// Where the cue is, in u.
+    fn cue_place(&self) -> Option<f64> {
+        match self.cue.terms().first()?.profile {
+            Profile::Band { u0, .. } | Profile::Step { u0, .. } => Some(u0),
+            Profile::Gradient => None,
+        }
+    }
+
+    /// What a division contradicts of this, in words.
+    pub fn contradiction(&self, division: &Division) -> Option<String> {
+        let chi = division.chi().map_or(String::new(), |chi| format!(" (chi {chi:.3})"));
+        if self.outcome.is_some_and(|outcome| outcome != division.outcome()) {
+            return Some(format!("{}{chi}", division.outcome()));
+        }
+        let place = self.furrow?;
+        match division.u_furrow().zip(self.cue_place()) {
+            Some((u, u0)) if place.holds(u, u0) => None,
+            Some((u, _)) => Some(format!("furrow at u = {u:.4}")),
+            None => Some("no furrow".to_owned()),
+        }
+    }
+
+    fn check(&self, source_name: &str, name: &str) -> Result<(), InputError> {
+        let numbers = [("r0", self.r0), ("epsilon", self.epsilon.unwrap_or(0.5)), ("xi_s", self.xi_s.unwrap_or(1.0))];
+        check_numbers(source_name, name, &numbers)?;
+        let refuse = |field: &str, value: &str, allowed: &str| {
+            Err(InputError::not_allowed(source_name, format!("{name}.{field}"), value, allowed))
+        };
+        match (self.outcome, self.furrow) {
+            (None, None) => refuse("outcome", "(none)", "given, unless furrow is"),
+            (_, Some(_)) if self.cue_place().is_none() => refuse("cue", &self.cue.to_string(), "one with a place u0"),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Display for GivenDivision {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match (self.outcome, self.furrow) {
+            (Some(outcome), _) => write!(f, "{outcome}")?,
+            (None, Some(place)) => write!(f, "furrow {} u0", place.name())?,
+            (None, None) => {}
+        }
+        write!(f, " at R0 = {}", self.r0)?;
+        if !self.cue.is_none() {
+            write!(f, ", {}", self.cue)?;
+        }
+        Ok(())
+    }
+}
+
+/// What is known of a constant from elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Prior {
+    /// Which.
+    pub parameter: Parameter,
+    /// Its value, above 0.
+    pub value: f64,
+    /// Its relative tolerance.
+    pub tolerance: f64,
 }
 
 /// The volume fraction up to which cells divide, with its tolerance.
@@ -79,9 +218,46 @@ pub struct GivenEpsilon {
     pub tolerance: f64,
 }
 
-/// The least relative tolerance at which the paper's printed statements can be met together.
+/// The relative tolerance of thresholds and critical volume fractions. The paper prints ε with two digits, and ±0.005 in ε moves
+/// its thresholds by 3 %: this is a third of that.
 pub fn tolerance() -> f64 {
-    0.003
+    0.01
+}
+
+impl Targets {
+    /// Number of statements that are true of a set of constants or are not; a critical volume fraction is one that is met within
+    /// its tolerance.
+    pub fn statements(&self) -> usize {
+        let Targets { criticalities, folds, windows, divisions, critical_epsilons, .. } = self;
+        criticalities.len() + folds.len() + windows.len() + divisions.len() + critical_epsilons.len()
+    }
+
+    pub(super) fn check_statements(&self, source_name: &str) -> Result<(), InputError> {
+        let check = |list: &str, k: usize, numbers: &[(&str, f64)]| {
+            check_numbers(source_name, &format!("{list}[{k}]"), numbers)
+        };
+        for (k, given) in self.criticalities.iter().enumerate() {
+            check("criticalities", k, &[("r0", given.r0), ("epsilon", given.epsilon)])?;
+        }
+        for (k, given) in self.folds.iter().enumerate() {
+            check("folds", k, &[("r0", given.r0), ("epsilon", given.epsilon)])?;
+        }
+        for (k, given) in self.windows.iter().enumerate() {
+            check("windows", k, &[("r0", given.r0), ("epsilon", given.epsilon), ("xi_s", given.xi_s)])?;
+        }
+        for (k, given) in self.divisions.iter().enumerate() {
+            given.check(source_name, &format!("divisions[{k}]"))?;
+        }
+        for (k, given) in self.critical_epsilons.iter().enumerate() {
+            let numbers =
+                [("r0", given.r0), ("xi_s", given.xi_s), ("epsilon", given.epsilon), ("tolerance", given.tolerance)];
+            check("critical_epsilons", k, &numbers)?;
+        }
+        for (k, given) in self.priors.iter().enumerate() {
+            check("priors", k, &[("value", given.value), ("tolerance", given.tolerance)])?;
+        }
+        Ok(())
+    }
 }
 
 /// Refuses numbers that no cell has; `name` is the statement's place in the file.
@@ -96,4 +272,55 @@ pub(super) fn check_numbers(source_name: &str, name: &str, numbers: &[(&str, f64
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Short and beyond are seen from the middle of the cell, on the side of the cue.
+    #[test]
+    fn places_are_seen_from_the_middle() {
+        use FurrowPlace::{At, Beside, Beyond, Short};
+        for (u, u0, holds) in [
+            (0.45, 0.42, [Short, Beside].as_slice()),
+            (0.55, 0.42, &[Short, Beside]),
+            (0.40, 0.42, &[Beyond, Beside]),
+            (0.55, 0.58, &[Short, Beside]),
+            (0.60, 0.58, &[Beyond, Beside]),
+            (0.422, 0.42, &[Short, At]),
+            (0.416, 0.42, &[Beyond, At, Beside]),
+        ] {
+            for place in [Short, At, Beside, Beyond] {
+                assert_eq!(place.holds(u, u0), holds.contains(&place), "{place:?}: {u} beside {u0}");
+            }
+        }
+    }
+
+    #[test]
+    fn wrong_statements_are_named() {
+        let complaint = |text: &str| {
+            let text =
+                format!("Targets(unknowns: [(parameter: w)], thresholds: [(r0: 2, epsilon: 0.87, xi_s: 22)], {text})");
+            let targets: Targets =
+                furrow_input::parse_document(&text, "t.ron", "a file of targets", "Targets").unwrap();
+            targets.check("t.ron").unwrap_err().to_string()
+        };
+        assert_eq!(
+            complaint("divisions: [(r0: 2)]"),
+            "t.ron: divisions[0].outcome = (none): must be given, unless furrow is"
+        );
+        assert_eq!(
+            complaint("divisions: [(r0: 2, furrow: at)]"),
+            "t.ron: divisions[0].cue = none: must be one with a place u0"
+        );
+        assert_eq!(
+            complaint("windows: [(r0: 2, epsilon: 1.5, xi_s: 25)]"),
+            "t.ron: windows[0].epsilon = 1.5: must be above 0 and below 1"
+        );
+        assert_eq!(
+            complaint("priors: [(parameter: w, value: 0, tolerance: 0.1)]"),
+            "t.ron: priors[0].value = 0: must be a finite number above 0"
+        );
+    }
 }

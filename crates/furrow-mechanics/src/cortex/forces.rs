@@ -298,14 +298,14 @@ mod tests {
 
     fn cued() -> Cell {
         let cue = "kappa:u0=0.465,omega=0.0577,amplitude=0.1+xi_s:step,u0=0.6,omega=0.2,amplitude=0.1";
-        Cell::new(4.0).with_cue(cue.parse().unwrap())
+        Cell::gao2026_thresholds(4.0).with_cue(cue.parse().unwrap())
     }
 
     /// A shape is solved for to a few 1e-7 of itself, and so its velocities, which are differences of shapes, to that times the
     /// rate of the step; forces are sums of several terms of either.
     #[test]
     fn normal_forces_sum_to_zero_at_every_collocation_point_of_a_division() {
-        for cell in [Cell::new(2.0), cued()] {
+        for cell in [Cell::gao2026_thresholds(2.0), cued()] {
             observe(cell, &mut |frame| {
                 let places = profile(frame.cortex, frame.gauss, frame.shape);
                 for place in &places[1..places.len() - 1] {

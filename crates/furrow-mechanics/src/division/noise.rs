@@ -1,14 +1,70 @@
-//! The seeded noise of the first step.
+//! The seeded noise on the activity.
 
+use furrow_bvp::{Gauss, Solution};
 use rand_mt::Mt;
 
-/// Coefficients r_1 … r_10 of the noise 1 + Σ r_n cos(nπu), uniform on [−amplitude, amplitude]: the first ten doubles (53 bits) of
-/// MT19937 seeded with the low 32 bits of the seed.
-pub fn coefficients(seed: u64, amplitude: f64) -> [f64; 10] {
-    let mut generator = Mt::new(seed as u32);
-    std::array::from_fn(|_| {
-        let (high, low) = (generator.next_u32() >> 5, generator.next_u32() >> 6);
-        let uniform = (f64::from(high) * 67_108_864.0 + f64::from(low)) / 9_007_199_254_740_992.0;
-        amplitude * (2.0 * uniform - 1.0)
-    })
+use crate::cortex::equations::noise_factor;
+use furrow_cell::{Numerics, Scheme};
+
+/// The factor 1 + Σ r_n cos(nπu) on ξ_s and ξ_b, n = 1 … 10.
+///
+/// The coefficients r_n are uniform on [−amplitude, amplitude]: doubles (53 bits) of MT19937 seeded with the low 32 bits of the
+/// seed. The first ten act in the first step. Sustained noise takes ten more every `noise_time` and goes smoothly from one set
+/// to the next, so that it is a function of time alone, whatever the steps.
+#[derive(Clone, Debug)]
+pub struct Noise {
+    amplitude: f64,
+    /// Time between two sets of coefficients, in τ; none where only the first step is noisy.
+    time: Option<f64>,
+    generator: Mt,
+    /// The sets so far, the first at t = 0.
+    knots: Vec<[f64; 10]>,
+}
+
+impl Noise {
+    /// The noise of a seed.
+    pub fn new(seed: u64, numerics: &Numerics) -> Noise {
+        let time = Some(numerics.noise_time).filter(|time| *time > 0.0 && numerics.noise != 0.0);
+        Noise { amplitude: numerics.noise, time, generator: Mt::new(seed as u32), knots: Vec::new() }
+    }
+
+    /// The time that the noise takes to change, where it lasts for all of the division.
+    pub fn sustained(&self) -> Option<f64> {
+        self.time
+    }
+
+    /// The length of the first step: the paper's noise lasts for one of its time steps.
+    pub fn first_step(numerics: &Numerics) -> f64 {
+        match numerics.scheme {
+            Scheme::Converged => numerics.first_step,
+            Scheme::Published => numerics.dt,
+        }
+    }
+
+    /// The factors at the collocation points of a shape at time t.
+    pub fn factors(&mut self, t: f64, y: &Solution, gauss: &Gauss) -> Vec<f64> {
+        let coefficients = self.coefficients(t);
+        (0..y.intervals() * y.m).map(|i| noise_factor(&coefficients, y.stage_x(gauss, i / y.m, i % y.m))).collect()
+    }
+
+    /// The coefficients r_1 … r_10 at time t.
+    pub fn coefficients(&mut self, t: f64) -> [f64; 10] {
+        let Some(time) = self.time else { return self.knot(0) };
+        let (k, share) = ((t / time).floor(), (t / time).fract());
+        let (before, after) = (self.knot(k as usize), self.knot(k as usize + 1));
+        let share = share * share * (3.0 - 2.0 * share);
+        std::array::from_fn(|n| before[n] + share * (after[n] - before[n]))
+    }
+
+    fn knot(&mut self, number: usize) -> [f64; 10] {
+        while self.knots.len() <= number {
+            let generator = &mut self.generator;
+            self.knots.push(std::array::from_fn(|_| {
+                let (high, low) = (generator.next_u32() >> 5, generator.next_u32() >> 6);
+                let uniform = (f64::from(high) * 67_108_864.0 + f64::from(low)) / 9_007_199_254_740_992.0;
+                self.amplitude * (2.0 * uniform - 1.0)
+            }));
+        }
+        self.knots[number]
+    }
 }

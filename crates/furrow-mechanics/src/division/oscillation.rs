@@ -88,7 +88,8 @@ mod tests {
     /// With steps and meshes as fine as 1e-6 and 96 the period is 17.102; those of the preset see it 1.4 % shorter.
     #[test]
     fn a_cell_that_oscillates_says_so() {
-        let input = DivisionInput::new(Cell { xi_s: 13.661062187437096, ..Cell::new(4.314170770347118) });
+        let input =
+            DivisionInput::new(Cell { xi_s: 13.661062187437096, ..Cell::gao2026_thresholds(4.314170770347118) });
         match divide(&input) {
             Err(DivisionError::Oscillates { period, .. }) => assert!((period / 17.102 - 1.0).abs() < 0.02, "{period}"),
             other => panic!("{other:?}"),

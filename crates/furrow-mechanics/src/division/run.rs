@@ -2,8 +2,9 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use furrow_bvp::{Gauss, Solution, Work};
+use furrow_bvp::{Gauss, NewtonError, Solution, Work};
 
+use super::noise::Noise;
 use super::oscillation::Oscillation;
 use super::outcome::{Division, DivisionError, Ending, StepFailure};
 use super::rest::{EquilibriumDetector, REST_INTERVAL, Rest};
@@ -11,9 +12,9 @@ use super::sensitivity::{Sensitivity, Tangent};
 use super::start::{FIRST_MESH, Start, check};
 use super::step_size::StepSize;
 use super::stepper::{Attempt, HistoryPoint, MAX_ORDER, ParityNorm, Stepper};
-use super::{DivisionInput, limits, noise, saddle};
+use super::{DivisionInput, limits, saddle};
 use crate::cortex::Cortex;
-use crate::cortex::equations::{LENGTH, PSI, R, noise_factor};
+use crate::cortex::equations::{LENGTH, PSI, R};
 use crate::cortex::lanes::sin_cos;
 use crate::cortex::observables::{self, Neck, PINCH_OFF};
 use furrow_cell::{Cell, Numerics, Parameter, Scheme};
@@ -138,9 +139,11 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
     }
     stepper.extrapolates = numerics.scheme == Scheme::Converged;
     let mut run = Run::new(numerics, parity, tangent);
-    run.first_step(&mut stepper, noise::coefficients(*seed, numerics.noise))?;
-    // Without noise there is no antisymmetric part but for roundings, which are to grow as they do on the whole contour.
-    if parity && numerics.scheme == Scheme::Converged && numerics.noise != 0.0 {
+    let mut noise = Noise::new(*seed, numerics);
+    run.first_step(&mut stepper, &mut noise)?;
+    run.noise = Some(noise).filter(|noise| noise.sustained().is_some());
+    // Noise that lasts keeps exciting the antisymmetric part. Without noise there is no antisymmetric part but for roundings, which are to grow as they do on the whole contour.
+    if parity && numerics.scheme == Scheme::Converged && numerics.noise != 0.0 && run.noise.is_none() {
         stepper.nearly_symmetric = NEARLY_SYMMETRIC;
         stepper.halve();
     }
@@ -177,7 +180,10 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
             if rest.growth_rate < 0.0 || run.fixed.is_some_and(|dt| rest.growth_rate * dt > 2.0) {
                 return Ok((run.arrested(&stepper, Some(rest.growth_rate)), None));
             }
-            run.wait_at_saddle(&mut stepper, &rest);
+            // Noise that lasts is what takes the cell away.
+            if run.noise.is_none() {
+                run.wait_at_saddle(&mut stepper, &rest);
+            }
         }
         let newest = &stepper.history[0];
         if let Some(period) = run.oscillation.note(newest.t, newest.y.scalars[LENGTH]) {
@@ -211,6 +217,8 @@ struct Run {
     step_size: StepSize,
     /// The step of the published scheme.
     fixed: Option<f64>,
+    /// Noise that lasts.
+    noise: Option<Noise>,
     steps: usize,
     rejected: usize,
     detector: EquilibriumDetector,
@@ -238,7 +246,7 @@ impl Run {
             tolerance: numerics.time_tolerance,
             factor: numerics.step_factor,
             parity,
-            dt: numerics.first_step,
+            dt: Noise::first_step(numerics),
             fixed: (numerics.scheme == Scheme::Published).then_some(numerics.dt),
             longest: numerics.t_max,
             t_max: numerics.t_max,
@@ -250,10 +258,8 @@ impl Run {
     /// The first step, whose activity is noisy. The noise belongs to a step of given length, whatever the step factor; where
     /// that step cannot be solved, as where a strong cue makes the cortex a hundred times quicker, to one of a tenth of it, and
     /// so on: what the noise starts there grows as much sooner.
-    fn first_step(&mut self, stepper: &mut Stepper, coefficients: [f64; 10]) -> Result<(), DivisionError> {
-        let (y, gauss) = (&stepper.history[0].y, &stepper.system.gauss);
-        let factor = |i: usize| noise_factor(&coefficients, y.stage_x(gauss, i / y.m, i % y.m));
-        stepper.cortex.noise = (0..y.intervals() * y.m).map(factor).collect();
+    fn first_step(&mut self, stepper: &mut Stepper, noise: &mut Noise) -> Result<(), DivisionError> {
+        stepper.cortex.noise = noise.factors(0.0, &stepper.history[0].y, &stepper.system.gauss);
         let first = loop {
             match stepper.attempt(self.dt, 1) {
                 Ok(first) => break first,
@@ -277,10 +283,10 @@ impl Run {
         DivisionError::Stalled { r0: stepper.cortex.cell.r0, t: stepper.history[0].t, dt: self.dt, source }
     }
 
-    /// One step of the published scheme. Steps double from the first, short one to their fixed length, and are shorter again
-    /// where a step cannot be solved or the neck closes.
+    /// One step of the published scheme. Steps have a fixed length, and are shorter where a step cannot be solved or the neck
+    /// closes.
     fn advance_fixed(&mut self, stepper: &mut Stepper, fixed: f64) -> Result<(), DivisionError> {
-        while let Err(error) = stepper.attempt(self.dt, 1) {
+        while let Err(error) = self.attempt(stepper, self.dt, 1) {
             self.rejected += 1;
             self.dt *= 0.5;
             if self.dt < 1e-12 {
@@ -292,6 +298,15 @@ impl Run {
         Ok(())
     }
 
+    /// Tries a step, with the noise of its end.
+    fn attempt(&mut self, stepper: &mut Stepper, dt: f64, order: usize) -> Result<Attempt, NewtonError> {
+        if let Some(noise) = &mut self.noise {
+            let newest = &stepper.history[0];
+            stepper.cortex.noise = noise.factors(newest.t + dt, &newest.y, &stepper.system.gauss);
+        }
+        stepper.attempt(dt, order)
+    }
+
     /// One accepted step.
     fn advance(&mut self, stepper: &mut Stepper) -> Result<(), DivisionError> {
         if let Some(fixed) = self.fixed {
@@ -301,8 +316,9 @@ impl Run {
         let mut failures = 0;
         loop {
             let order = MAX_ORDER.min(stepper.history.len());
-            let dt = self.dt * self.factor;
-            let attempt = stepper.attempt(dt, order);
+            let longest = self.noise.as_ref().and_then(Noise::sustained).map_or(f64::INFINITY, |time| 0.25 * time);
+            let dt = self.dt.min(longest) * self.factor;
+            let attempt = self.attempt(stepper, dt, order);
             let shrink = match &attempt {
                 Ok(a) => {
                     // The step factor scales steps chosen for the tolerance: a smaller error does not win them back.

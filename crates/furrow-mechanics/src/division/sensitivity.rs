@@ -241,7 +241,8 @@ mod tests {
         let parameters = steps.map(|(parameter, _)| parameter);
         // Fine enough that differences of divisions are derivatives.
         let numerics = Numerics { time_tolerance: 1e-8, intervals: 96, noise: 0.0, ..Numerics::default() };
-        let input = DivisionInput { numerics, ..DivisionInput::new(Cell::new(3.3).with_cue(Cue::published())) };
+        let input =
+            DivisionInput { numerics, ..DivisionInput::new(Cell::gao2026_thresholds(3.3).with_cue(Cue::published())) };
         let options = DivisionOptions { parameters: &parameters, ..DivisionOptions::default() };
         let (division, sensitivities) = divide_with(&input, options).unwrap();
         assert_eq!(division, divide(&input).unwrap());
@@ -259,7 +260,8 @@ mod tests {
     #[test]
     fn what_does_not_divide_has_no_sensitivities() {
         let options = DivisionOptions { parameters: &[Parameter::R0], ..DivisionOptions::default() };
-        let (division, sensitivities) = divide_with(&DivisionInput::new(Cell::new(1.6)), options).unwrap();
+        let (division, sensitivities) =
+            divide_with(&DivisionInput::new(Cell::gao2026_thresholds(1.6)), options).unwrap();
         assert!(division.chi().is_none() && sensitivities.is_none());
     }
 }

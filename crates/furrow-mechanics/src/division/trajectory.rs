@@ -182,7 +182,7 @@ mod tests {
 
     #[test]
     fn between_steps_the_contour_is_that_of_a_finer_division() {
-        let cell = Cell::new(4.0).with_cue(Cue::published());
+        let cell = Cell::gao2026_thresholds(4.0).with_cue(Cue::published());
         let coarse = Trajectory::compute(&DivisionInput::new(cell.clone())).unwrap();
         let mut input = DivisionInput::new(cell);
         input.numerics.step_factor = 0.25;
@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn uniform_times_begin_at_zero_and_end_with_the_division() {
-        let trajectory = Trajectory::compute(&DivisionInput::new(Cell::new(2.5))).unwrap();
+        let trajectory = Trajectory::compute(&DivisionInput::new(Cell::gao2026_thresholds(2.5))).unwrap();
         let times = trajectory.uniform_times(0.25);
         assert_eq!(times[..3], [0.0, 0.25, 0.5]);
         assert_eq!(times.last(), trajectory.times().last());

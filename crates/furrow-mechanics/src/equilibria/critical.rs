@@ -223,7 +223,7 @@ pub fn critical_value(
 /// use furrow_cell::{Cell, Numerics};
 ///
 /// let critical = furrow_mechanics::equilibria::critical_radius(&Cell::new(1.0), &Numerics::default())?;
-/// assert!((critical.r0 - 1.7063248).abs() < 1e-6);
+/// assert!((critical.r0 - 1.7207572).abs() < 1e-6);
 /// # Ok::<(), furrow_mechanics::equilibria::ShapeError>(())
 /// ```
 ///

@@ -13,7 +13,7 @@ use furrow_cell::{Cell, Numerics};
 /// use furrow_mechanics::equilibria::{BranchOptions, pitchfork};
 ///
 /// let found = pitchfork::first(&Cell::new(2.0), &Numerics::default(), &BranchOptions::default())?;
-/// assert!((found.point.xi_s - 22.05688).abs() < 1e-5);
+/// assert!((found.point.xi_s - 22.06475).abs() < 1e-5);
 /// # Ok::<(), furrow_mechanics::equilibria::ShapeError>(())
 /// ```
 ///

@@ -10,15 +10,15 @@ use furrow_mechanics::division::{Division, DivisionInput, DivisionRow, Outcome};
 /// The columns. None has a declared type: in a column of reals SQLite would store −0 as 0.
 pub const COLUMNS: &str = "key, solver, \
     r0, epsilon, xi_s, cue, seed, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient, aspect, p0, w, \
-    stages, intervals, scheme, dt, first_step, time_tolerance, step_factor, t_max, noise, chi_symmetric, \
+    stages, intervals, scheme, dt, first_step, time_tolerance, step_factor, t_max, noise, noise_time, chi_symmetric, \
     outcome, chi, chi_signed, u_furrow, t_end, first_r0, second_r0, growth_rate, slow_growth_rate, volume_drift, \
     steps, rejected, newton_iterations, factorisations, remeshings, checksum";
 
 /// How many columns there are.
-pub const WIDTH: usize = 44;
+pub const WIDTH: usize = 45;
 
 /// Where the columns of the outcome begin.
-const OUTCOME: usize = 28;
+const OUTCOME: usize = 29;
 
 /// The values of all columns, in their order.
 pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division) -> Vec<Value> {

@@ -1,5 +1,6 @@
 //! Reading and writing the database.
 
+use std::collections::HashSet;
 use std::io;
 use std::mem::ManuallyDrop;
 use std::path::{Path, PathBuf};
@@ -17,7 +18,7 @@ use furrow_mechanics::division::{Division, DivisionInput};
 pub const FILE: &str = "furrow.sqlite";
 
 /// Version of the table, the database's `user_version`.
-const SCHEMA: i64 = 1;
+const SCHEMA: i64 = 2;
 
 /// How long a lock that another process holds is waited for. It holds it for milliseconds unless it is stopped.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -61,7 +62,7 @@ struct Inner {
     connection: Option<Connection>,
     unreadable: bool,
     unwritable: bool,
-    damaged: usize,
+    damaged: HashSet<Key>,
     /// Damaged rows that no warning has named yet.
     unnamed: usize,
     warnings: Vec<StoreWarning>,
@@ -134,7 +135,7 @@ impl Store {
 
     /// Rows that failed their checksum so far.
     pub fn damaged(&self) -> usize {
-        self.lock().map_or(0, |inner| inner.damaged)
+        self.lock().map_or(0, |inner| inner.damaged.len())
     }
 
     /// What the user should know, once.
@@ -162,8 +163,7 @@ impl Store {
         }
         let Some(connection) = &inner.connection else { return Ok(None) };
         let found = self.find(connection, key).map_err(|source| self.failed(source))?;
-        if found == Some(None) {
-            inner.damaged += 1;
+        if found == Some(None) && inner.damaged.insert(*key) {
             inner.unnamed += 1;
         }
         Ok(found.flatten())
@@ -271,9 +271,24 @@ fn checked(connection: &Connection, file: &Path) -> Result<(), StoreError> {
         .pragma_query_value(None, "user_version", |row| row.get(0))
         .map_err(|source| StoreError::Sqlite { file: file.to_owned(), source })?;
     match schema {
-        ..=SCHEMA => Ok(()),
+        SCHEMA | 0 => Ok(()),
+        1 => set_aside(connection).map_err(|source| StoreError::Sqlite { file: file.to_owned(), source }),
         schema => Err(StoreError::Newer { file: file.to_owned(), schema }),
     }
+}
+
+/// Keeps the table of an older version under another name, and makes one of this version.
+fn set_aside(connection: &Connection) -> rusqlite::Result<()> {
+    connection.execute_batch("BEGIN IMMEDIATE")?;
+    let replaced = connection.pragma_query_value(None, "user_version", |row| row.get::<_, i64>(0)).and_then(|schema| {
+        // Unless another process has done so meanwhile.
+        let rename = if schema == 1 { "ALTER TABLE division RENAME TO division_1;" } else { "" };
+        connection.execute_batch(&format!("{rename} {}; COMMIT", table()))
+    });
+    replaced.inspect_err(|_| {
+        // The first error is the one to report.
+        let _ = connection.execute_batch("ROLLBACK");
+    })
 }
 
 /// Creates the database and its folder, all at once: other processes see none of it or the whole.
@@ -298,11 +313,15 @@ fn create(file: &Path) -> Result<(), StoreError> {
 
 /// Makes an empty database one of furrow's.
 pub(super) fn create_table(connection: &Connection) -> rusqlite::Result<()> {
-    connection.execute_batch(&format!(
-        "PRAGMA journal_mode = WAL; BEGIN; \
-         CREATE TABLE division ({COLUMNS}, PRIMARY KEY (key, solver)) WITHOUT ROWID; \
-         PRAGMA user_version = {SCHEMA}; COMMIT;"
-    ))
+    connection.execute_batch(&format!("PRAGMA journal_mode = WAL; BEGIN; {}; COMMIT;", table()))
+}
+
+/// The statements that make the table.
+fn table() -> String {
+    format!(
+        "CREATE TABLE IF NOT EXISTS division ({COLUMNS}, PRIMARY KEY (key, solver)) WITHOUT ROWID; \
+         PRAGMA user_version = {SCHEMA}"
+    )
 }
 
 /// The division of a whole row; none if the row is damaged.

@@ -201,12 +201,12 @@ fn rows_of_another_solver_are_neither_used_nor_touched() {
 fn a_file_with_a_newer_schema_is_left_alone() {
     let cache = filled(3);
     let file = cache.path().join(FILE);
-    Connection::open(&file).unwrap().execute_batch("PRAGMA user_version = 2").unwrap();
+    Connection::open(&file).unwrap().execute_batch("PRAGMA user_version = 3").unwrap();
     let before = fs::read(&file).unwrap();
     let store = store(&cache);
     assert_eq!(get(&store, 0), None);
     commit(&store, 5);
-    assert!(gave_up(&store, "read").contains("newer version of furrow (schema 2, known here: 1)"));
+    assert!(gave_up(&store, "read").contains("newer version of furrow (schema 3, known here: 2)"));
     assert!(maintenance::clear(cache.path()).is_err());
     drop(store);
     assert_eq!(fs::read(&file).unwrap(), before);
