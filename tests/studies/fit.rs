@@ -9,8 +9,9 @@ use furrow_cell::settings::Settings;
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
 use furrow_lineage::batch::{Memo, Quantisation};
 use furrow_lineage::{Lineage, ObservedRounds, Rounds, Thresholds, TreeSettings, founder_rounds};
+use furrow_mechanics::calibration::statements::GivenCriticality;
 use furrow_mechanics::division::{DivisionInput, divide};
-use furrow_mechanics::equilibria::CriticalRadii;
+use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, pitchfork};
 
 use crate::common::stand_in::grow;
 
@@ -121,6 +122,17 @@ fn the_targets_of_the_embryo_can_be_met() {
     Targets::embryo().unwrap().check("built in", &Lineage::c_elegans().unwrap()).unwrap();
 }
 
+/// How many of the given kinds of pitchforks a cell's constants reverse.
+fn reversed(cell: &Cell) -> usize {
+    let kinds = Targets::embryo().unwrap().criticalities;
+    let is_reversed = |given: &&GivenCriticality| {
+        let cell = Cell { r0: given.r0, epsilon: given.epsilon, ..cell.clone() };
+        let found = pitchfork::first(&cell, &Numerics::default(), &BranchOptions::default()).unwrap();
+        found.criticality() != given.kind
+    };
+    kinds.iter().filter(is_reversed).count()
+}
+
 #[test]
 fn the_preset_of_the_embryo_keeps_what_it_was_fitted_to() {
     let cell = Settings::preset("sulston1983").unwrap().cell;
@@ -137,6 +149,7 @@ fn the_preset_of_the_embryo_keeps_what_it_was_fitted_to() {
     };
     let mean = ["AB", "MS", "C", "D"].map(off).iter().sum::<f64>() / 4.0;
     assert!(mean <= 0.24, "{mean}");
+    assert_eq!(reversed(&cell), 0);
     let fate = |name: &str| &tree.cell(tree.founder_cell(of(name)).unwrap()).fate;
     assert_eq!(fate("AB").outcome(), Some(furrow_mechanics::division::Outcome::Symmetric));
     assert!((fate("P0").chi().unwrap() - 0.180).abs() <= 0.04);

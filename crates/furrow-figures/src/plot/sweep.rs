@@ -34,7 +34,11 @@ struct Point {
 
 /// Draws the rows of a sweep or of a shard.
 pub fn draw(sweep: &Sweep, rows: &[Row]) -> Canvas {
-    let points: Vec<Point> = rows.iter().map(|row| point(sweep, row)).collect();
+    let mut points: Vec<Point> = rows.iter().map(|row| point(sweep, row)).collect();
+    // The converged scheme divides alike at all published steps: one of them shows it.
+    points.retain(|point| {
+        !is_converged(sweep, &point.places) || place_of(sweep, "dt", &point.places).is_none_or(|k| k == 0)
+    });
     let numeric: Vec<(usize, Vec<f64>)> =
         (0..sweep.axes.0.len()).filter_map(|k| Some((k, numbers(sweep, k)?))).collect();
     let dense = |k: usize| sweep.axes.0[k].values.len() >= DENSE && !sweep.axes.0[k].sampled;
@@ -60,11 +64,8 @@ fn title(sweep: &Sweep, points: &[Point]) -> String {
     if axes.iter().all(|axis| axis.target != Target::Cue) {
         parts.extend(sweep.cue.as_ref().map(|cue| format!("cue {}", unvaried(cue, sweep))));
     }
-    let held = held(sweep, points).into_iter().filter_map(|axis| Some((axis, *points.first()?.places.get(axis)?)));
-    let held: Vec<String> = held.map(|(axis, place)| named(sweep, axis, place)).collect();
-    // The converged scheme has no fixed step.
-    let converged = held.iter().any(|part| part == "converged");
-    parts.extend(held.into_iter().filter(|part| !(converged && part.starts_with("Δt"))));
+    let places = points.first().map_or(&[][..], |point| &point.places);
+    parts.push(named(sweep, &held(sweep, points), places));
     parts.retain(|part| !part.is_empty());
     let what = match sweep.kind {
         Kind::Division => "Divisions",
@@ -228,12 +229,26 @@ fn grouped<'a>(sweep: &Sweep, points: &'a [Point], along: usize) -> Vec<Group<'a
         (_, true) => style::ramp(k, count),
         _ => style::SERIES[k],
     };
-    let group = |(k, (key, points)): (usize, (Vec<usize>, Vec<&'a Point>))| Group {
-        name: others.iter().zip(&key).map(|(axis, place)| named(sweep, *axis, *place)).collect::<Vec<_>>().join(", "),
+    let group = |(k, (_, points)): (usize, (Vec<usize>, Vec<&'a Point>))| Group {
+        name: named(sweep, &others, &points[0].places),
         colour: colour(k),
         points,
     };
     found.into_iter().enumerate().map(group).collect()
+}
+
+/// The place of a point on the axis of a parameter, if there is one.
+fn place_of(sweep: &Sweep, name: &'static str, places: &[usize]) -> Option<usize> {
+    let axis = sweep.axes.0.iter().position(|axis| axis.target == Target::Field(name))?;
+    places.get(axis).copied()
+}
+
+/// Whether an axis says that a point is solved by the converged scheme, which has no fixed step.
+fn is_converged(sweep: &Sweep, places: &[usize]) -> bool {
+    let of = |axis: &study::Axis| axis.target == Target::Field("scheme");
+    let value =
+        sweep.axes.0.iter().zip(places).find(|(axis, _)| of(axis)).and_then(|(axis, place)| axis.values.get(*place));
+    value.is_some_and(|value| value.text() == "converged")
 }
 
 /// The axes of several values of which the points have one: those of a part of a sweep.
@@ -246,19 +261,24 @@ fn held(sweep: &Sweep, points: &[Point]) -> Vec<usize> {
     (0..sweep.axes.0.len()).filter(is_held).collect()
 }
 
-/// A value of an axis, with the axis's name unless it is a word.
-fn named(sweep: &Sweep, axis: usize, place: usize) -> String {
-    let axis = &sweep.axes.0[axis];
-    let value = axis.values.get(place).map_or(String::new(), |value| value.text().into_owned());
-    let symbol = match axis.target {
-        _ if matches!(axis.values.first(), Some(AxisValue::Text(_))) => return value,
-        Target::Field("r0") => "R₀",
-        Target::Field("epsilon") => "ε",
-        Target::Field("xi_s") => "ξₛ",
-        Target::Field("dt") => "Δt",
-        _ => &axis.name,
+/// The values of some axes at a point, each with the axis's name unless it is a word.
+fn named(sweep: &Sweep, axes: &[usize], places: &[usize]) -> String {
+    let no_step = is_converged(sweep, places);
+    let one = |axis: &usize| {
+        let (axis, place) = (&sweep.axes.0[*axis], places.get(*axis)?);
+        let value = axis.values.get(*place)?.text().into_owned();
+        let symbol = match axis.target {
+            Target::Field("dt") if no_step => return None,
+            _ if matches!(axis.values.first(), Some(AxisValue::Text(_))) => return Some(value),
+            Target::Field("r0") => "R₀",
+            Target::Field("epsilon") => "ε",
+            Target::Field("xi_s") => "ξₛ",
+            Target::Field("dt") => "Δt",
+            _ => &axis.name,
+        };
+        Some(format!("{symbol} = {value}"))
     };
-    format!("{symbol} = {value}")
+    axes.iter().filter_map(one).collect::<Vec<_>>().join(", ")
 }
 
 fn map_of_outcomes(sweep: &Sweep, points: &[Point], [x, y]: [&(usize, Vec<f64>); 2]) -> Canvas {
