@@ -260,6 +260,6 @@ def test_progress_is_a_bar_where_tqdm_is_installed(memo, capsys):
 
 def test_versions():
     assert furrow.__version__ and furrow.solver_version >= 1
-    assert set(furrow.presets()) == {"gao2026", "sulston1983"}
+    assert set(furrow.presets()) == {"gao2026", "gao2026-thresholds", "sulston1983"}
     for name in furrow.__all__:
         assert getattr(furrow, name) is not None

@@ -34,7 +34,7 @@ def test_the_papers_figures():
     data = shown(notebook)
     assert sum("image/png" in one for one in data) == 4
     assert any("image/svg+xml" in one for one in data)
-    assert any("22.0569" in one.get("text/html", "") for one in data)
+    assert any("22.0648" in one.get("text/html", "") for one in data)
     assert any("253 cells" in one.get("text/plain", "") for one in data)
 
 

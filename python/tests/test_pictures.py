@@ -20,7 +20,7 @@ def test_a_division(tmp_path):
     division = furrow.Cell(4, cue="germline").divide(frames=True)
     figure = division.plot(path=str(tmp_path / "division.png"))
     assert (tmp_path / "division.png").stat().st_size > 20_000
-    assert "χ = 0.15" in texts(figure) and len(figure.axes) == plot.STILLS + 2
+    assert "χ = 0.12" in texts(figure) and len(figure.axes) == plot.STILLS + 2
     lines = {line.get_label(): line for line in figure.axes[-1].get_lines()}
     assert set(plot.FORCES) <= set(lines)
     neck = figure.axes[-2].get_lines()[0].get_ydata()

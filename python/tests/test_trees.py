@@ -77,7 +77,7 @@ def test_a_tree_is_a_graph(worm):
     assert graph.nodes["AB"]["outcome"] == "symmetric"
     # What is written is read again: no number of numpy is in the way.
     text = "\n".join(networkx.generate_graphml(networkx.DiGraph(graph.edges)))
-    assert networkx.parse_graphml(text).number_of_edges() == 284
+    assert networkx.parse_graphml(text).number_of_edges() == 252
 
 
 def test_a_tree_is_one_of_lineagetree(worm):
@@ -92,8 +92,8 @@ def test_a_tree_is_one_of_lineagetree(worm):
 
 def test_newick_has_every_cell(worm):
     newick = worm.newick()
-    assert newick.count(",") == 142 and newick.rstrip().endswith(";")
-    assert worm.export("newick", "generation").count(":1") >= 284
+    assert newick.count(",") == 126 and newick.rstrip().endswith(";")
+    assert worm.export("newick", "generation").count(":1") >= 252
     assert set(worm.export("itol")) > {"tree.nwk"} or isinstance(worm.export("itol"), dict)
     with pytest.raises(furrow.InputError) as refused:
         worm.export("nexuss")
@@ -105,7 +105,7 @@ def test_tables_for_pandas(worm):
     cells = worm.to_pandas()
     assert cells.shape[0] == 253 and cells["r0"].to_numpy().tolist() == worm.r0.tolist()
     founders = worm.founders_to_pandas().set_index("name")
-    assert founders.loc["AB", "model_terminal"] == 80 and founders.loc["AB", "observed_terminal"] == 487
+    assert founders.loc["AB", "model_terminal"] == 64 and founders.loc["AB", "observed_terminal"] == 487
     both = furrow.tree(cues=["germline", "none"]).to_pandas()
     assert both.groupby("scenario").size().tolist() == [11, 11]
 
