@@ -68,7 +68,8 @@ pub fn rounds(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
         if others.is_empty() { "none" } else { &others }
     );
     figure.findings.push(Finding::judged("rounds", (holds, text)).noting(note));
-    Ok(figure.show("4C", Artifact::Tree(Box::new(tree))))
+    figure.show("4C", Artifact::Tree(Box::new(tree)));
+    Ok(())
 }
 
 /// Figure 4B: AB, and the germline.
@@ -87,7 +88,8 @@ pub fn divisions(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
         }
         _ => false,
     };
-    Ok(figure.judge("germline", holds, format!("{}; P4 {p4}", joined(&chi))))
+    figure.judge("germline", holds, format!("{}; P4 {p4}", joined(&chi)));
+    Ok(())
 }
 
 /// Values by decades of volume in µm³.
@@ -123,7 +125,8 @@ pub fn volumes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let all: Vec<&Vec<f64>> = decades.values().collect();
     let tests = all.windows(2).filter_map(|pair| Some(format!("{:.3}", rank_sum(pair[0], pair[1])?.p)));
     let note = format!("{table}; p of neighbouring decades {}", tests.collect::<Vec<_>>().join(", "));
-    Ok(figure.findings.push(Finding::judged("volume_decades", (holds, text)).noting(note)))
+    figure.findings.push(Finding::judged("volume_decades", (holds, text)).noting(note));
+    Ok(())
 }
 
 /// The germline's cells, and χ that follows from their mean volumes as the paper prints them.
@@ -137,7 +140,8 @@ pub fn germline(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let near = |k: usize| chi[k].is_some_and(|chi: f64| (chi / PRINTED[k] - 1.0).abs() < 0.25);
     figure.judge("germline_model", near(0) && near(1), joined(&chi));
     let (table, divisions) = measured(figure)?;
-    Ok(figure.findings.push(by_ranks(&divisions).noting(table)))
+    figure.findings.push(by_ranks(&divisions).noting(table));
+    Ok(())
 }
 
 /// Measured divisions with the name of their table: the user's, else the shipped one.
@@ -182,7 +186,8 @@ pub fn compression(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let tree = grow(figure, &Lineage::c_elegans()?)?;
     let finding = compressed(figure, &tree)?;
     figure.findings.push(finding);
-    Ok(figure.findings.extend(figure.context.measured.and_then(|(_, divisions)| slope(divisions))))
+    figure.findings.extend(figure.context.measured.and_then(|(_, divisions)| slope(divisions)));
+    Ok(())
 }
 
 /// χ of the germline's cells, as large as in the tree, in looser shells and in that of the tree.

@@ -164,7 +164,8 @@ pub fn sizes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let continuous = continuous(figure)?;
     figure.findings.push(continuous);
     let slips = slips(figure)?;
-    Ok(figure.findings.push(slips))
+    figure.findings.push(slips);
+    Ok(())
 }
 
 /// Sizes about the one at which equal divisions begin, and seeds at each.
@@ -225,7 +226,8 @@ pub fn confinement(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
         Some(edge) => Finding::new("confinement_edge", edge).noting(note),
         None => Finding::not_computed("confinement_edge", "divisions do not end between ε = 0.88 and 0.91"),
     };
-    Ok(figure.findings.push(finding))
+    figure.findings.push(finding);
+    Ok(())
 }
 
 /// Halvings of the interval of the edge.
