@@ -21,10 +21,14 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 
 
+# The constants of docs/robustness.md.
+PRESET = ["--preset", "gao2026-thresholds"]
+
+
 def points(furrow, file):
     """The points of a sweep: of divisions that are given no time at all, every row has its values and no outcome."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [furrow, "sweep", file, "--set", "t_max=1e-9", "--no-cache", "--quiet", "--out", folder]
+        command = [furrow, "sweep", file, *PRESET, "--set", "t_max=1e-9", "--no-cache", "--quiet", "--out", folder]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         with open(os.path.join(folder, "results.jsonl"), encoding="utf-8") as rows:
             return [json.loads(row) for row in rows]
@@ -46,7 +50,7 @@ def options(point):
 
 def division(furrow, point, timeout, more=()):
     """Outcome, or the reason that there is none; and the processor's time in ms."""
-    command = [furrow, "divide", *options(point), *more, "--json", "--no-cache", "--threads", "1"]
+    command = [furrow, "divide", *PRESET, *options(point), *more, "--json", "--no-cache", "--threads", "1"]
     with tempfile.TemporaryFile() as said, tempfile.TemporaryFile() as answer:
         child = subprocess.Popen(command, stdout=answer, stderr=said)
         begun = time.monotonic()

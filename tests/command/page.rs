@@ -38,7 +38,7 @@ fn expected(folder: &Path) -> Value {
         let found = told(folder, &[&["divide", "--epsilon", &epsilon.to_string()][..], &P0].concat());
         json!({ "epsilon": epsilon, "outcome": found["outcome"], "chi": found["chi"] })
     };
-    let sliders = [slider(0.9), slider(0.92)];
+    let sliders = [slider(0.9), slider(0.93)];
     assert_ne!(sliders[0]["outcome"], sliders[1]["outcome"]);
     let p0 = &tree["cells"][0];
     json!({
