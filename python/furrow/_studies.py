@@ -54,6 +54,7 @@ class Constants:
     weights: Array = field(repr=False)  #: Weights that sum to 1.
     effective_sample_size: float  #: The equivalent number of independent sets.
     draws: int  #: Sets that were tried.
+    acceptance: float  #: The share of them that no statement excludes.
     excluded: Mapping[str, int]  #: The number of sets that each statement excluded.
     csv: str = field(repr=False)  #: The table, as ``furrow tree --constants`` reads it.
 
@@ -194,6 +195,7 @@ def ensemble(
         weights=np.array(found["weights"], dtype=np.float64),
         effective_sample_size=found["effective_sample_size"],
         draws=found["draws"],
+        acceptance=found["acceptance"],
         excluded=found["excluded"],
         csv=found["csv"],
     )

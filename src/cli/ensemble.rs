@@ -40,6 +40,7 @@ pub fn sample(
         "members": found.members.len(),
         "effective_sample_size": found.effective_sample_size,
         "draws": found.draws,
+        "acceptance": found.acceptance(),
         "excluded": excluded.collect::<Vec<_>>(),
         "constants": constants.collect::<serde_json::Map<_, _>>(),
     });
@@ -59,8 +60,9 @@ fn quantiles(found: &Ensemble) -> impl Iterator<Item = (String, Range)> {
 
 fn ensemble_text(found: &Ensemble) -> String {
     let (members, draws, worth) = (found.members.len(), found.draws, found.effective_sample_size);
+    let accepted = 100.0 * found.acceptance();
     let mut text = format!(
-        "{members} admissible sets of constants out of {draws} drawn, worth {worth:.1} independent ones\n\n{:<10} {:>10} {:>10} {:>10}\n",
+        "{members} admissible sets of constants, worth {worth:.1} independent ones; {draws} drawn, {accepted:.0} % of them admissible\n\n{:<10} {:>10} {:>10} {:>10}\n",
         "", "5 %", "median", "95 %"
     );
     for (name, Range { p5, p50, p95 }) in quantiles(found) {

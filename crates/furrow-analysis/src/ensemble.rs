@@ -72,6 +72,11 @@ pub struct Ensemble {
 }
 
 impl Ensemble {
+    /// The share of the draws that no statement excludes.
+    pub fn acceptance(&self) -> f64 {
+        1.0 - self.excluded.values().sum::<usize>() as f64 / self.draws.max(1) as f64
+    }
+
     /// Its members with the names of their values.
     pub fn constants(&self) -> Vec<Constants> {
         let values = |member: &Member| self.parameters.iter().copied().zip(member.values.iter().copied()).collect();
