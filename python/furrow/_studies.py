@@ -54,9 +54,13 @@ class Constants:
     weights: Array = field(repr=False)  #: Weights that sum to 1.
     effective_sample_size: float  #: The equivalent number of independent sets.
     draws: int  #: Sets that were tried.
-    acceptance: float  #: The share of them that no statement excludes.
     excluded: Mapping[str, int]  #: The number of sets that each statement excluded.
     csv: str = field(repr=False)  #: The table, as ``furrow tree --constants`` reads it.
+
+    @property
+    def acceptance(self) -> float:
+        """The share of the sets tried that no statement excludes."""
+        return 1 - sum(self.excluded.values()) / max(self.draws, 1)
 
     def __len__(self) -> int:
         return len(self.weights)
@@ -195,7 +199,6 @@ def ensemble(
         weights=np.array(found["weights"], dtype=np.float64),
         effective_sample_size=found["effective_sample_size"],
         draws=found["draws"],
-        acceptance=found["acceptance"],
         excluded=found["excluded"],
         csv=found["csv"],
     )

@@ -68,7 +68,6 @@ pub fn ensemble(
             "weights": found.members.iter().map(|member| member.weight).collect::<Vec<_>>(),
             "effective_sample_size": found.effective_sample_size,
             "draws": found.draws,
-            "acceptance": found.acceptance(),
             "csv": write_constants(&found.constants()),
             "excluded": found.excluded,
         });
