@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use std::path::Path;
 
-use furrow_analysis::{Constants, Extent, check_constraints, ensemble, front, ranges};
+use furrow_analysis::{Constants, ConstraintCheck, Extent, check_constraints, ensemble, front, ranges};
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_lineage::{Lineage, TreeSettings};
 use furrow_mechanics::calibration::{Targets, calibrate, with_values};
@@ -59,6 +59,12 @@ fn presets_meet_what_they_are_chosen_by() {
     assert!(excluded.iter().all(|given| given.contains("R0 = 5")), "{excluded:?}");
 }
 
+/// All statements, of constants by their values.
+fn check(targets: &Targets, parameters: &[Parameter], values: &[f64]) -> ConstraintCheck {
+    let values: Vec<_> = parameters.iter().copied().zip(values.iter().copied()).collect();
+    check_constraints(targets, &with_values(&Cell::new(1.0), &values), &numerics(), Extent::Within(1.0))
+}
+
 /// The front is the same at any number of threads. No member has both fewer statements and a worse threshold than another, and
 /// each is what a check of its constants gives.
 #[test]
@@ -73,9 +79,7 @@ fn a_front_trades_statements_for_thresholds() {
     assert!(one.members.len() > 1);
     assert!(one.members.windows(2).all(|pair| pair[0].met < pair[1].met && pair[0].worst < pair[1].worst));
     for member in &one.members {
-        let values: Vec<_> = one.parameters.iter().copied().zip(member.values.iter().copied()).collect();
-        let cell = with_values(&Cell::new(1.0), &values);
-        let check = check_constraints(&targets, &cell, &numerics(), Extent::Within(1.0));
+        let check = check(&targets, &one.parameters, &member.values);
         assert_eq!((check.worst, 25 - check.excluded.len() - check.off.len()), (member.worst, member.met));
         assert_eq!(member.missed.len(), 25 - member.met);
     }
@@ -119,9 +123,7 @@ fn the_sample_does_not_depend_on_threads() {
     assert!((sum - 1.0).abs() < 1e-12 && one.effective_sample_size >= 1.0);
     assert!(one.excluded.contains_key("criticalities[0]"));
     for member in &one.members {
-        let values: Vec<_> = one.parameters.iter().copied().zip(member.values.iter().copied()).collect();
-        let verdict =
-            check_constraints(&targets, &with_values(&Cell::new(1.0), &values), &numerics(), Extent::Within(1.0));
+        let verdict = check(&targets, &one.parameters, &member.values);
         assert!(verdict.is_admissible(), "{verdict:?}");
         assert_eq!(verdict.thresholds, member.thresholds);
     }

@@ -197,6 +197,21 @@ fn rows_of_another_solver_are_neither_used_nor_touched() {
     assert_holds(&store(&cache), 0..3);
 }
 
+/// The rows of an older table are kept under another name; the new one is used at once.
+#[test]
+fn a_table_of_an_older_schema_is_set_aside() {
+    let cache = filled(3);
+    let older = "ALTER TABLE division DROP COLUMN noise_time; PRAGMA user_version = 1";
+    Connection::open(cache.path().join(FILE)).unwrap().execute_batch(older).unwrap();
+    let store = store(&cache);
+    assert_eq!(get(&store, 0), None);
+    commit(&store, 5);
+    assert_holds(&store, [5]);
+    let count = |table: &str| sql::<i64>(&cache, &format!("SELECT count(*) FROM {table}"));
+    assert_eq!((count("division_1"), count("division")), (3, 1));
+    assert_eq!(store.take_warnings(), []);
+}
+
 #[test]
 fn a_file_with_a_newer_schema_is_left_alone() {
     let cache = filled(3);
