@@ -27,16 +27,18 @@ pub struct CalibrateArgs {
     #[arg(value_name = "TARGETS.ron")]
     targets: PathBuf,
     /// Samples N sets of constants that agree with the targets, instead of finding the best fit
-    #[arg(help_heading = "Ensemble", long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(help_heading = "Ensemble", long, value_name = "N", group = "search",
+        value_parser = clap::value_parser!(u32).range(1..=100_000))]
     ensemble: Option<u32>,
     /// Searches among N sets of constants for the front: the least worst threshold for each number of statements met
-    #[arg(help_heading = "Front", long, value_name = "N", conflicts_with = "ensemble", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    #[arg(help_heading = "Front", long, value_name = "N", group = "search", conflicts_with = "plot",
+        value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     front: Option<u32>,
     /// Constants to vary, in place of the file's; each starts at its present value
     #[arg(help_heading = "Parameters", long, value_name = "NAME,..", value_delimiter = ',')]
     unknowns: Option<Vec<Parameter>>,
     /// Seed of the sample or of the search
-    #[arg(help_heading = "Ensemble", long, value_name = "S", default_value_t = 0)]
+    #[arg(help_heading = "Ensemble", long, value_name = "S", default_value_t = 0, requires = "search")]
     seed: u64,
     /// File for the sample, for furrow tree --constants; default stdout
     #[arg(help_heading = "Ensemble", long, value_name = "FILE.csv", requires = "ensemble")]

@@ -136,7 +136,7 @@ fn check_windows(targets: &Targets, pitchforks: &mut Pitchforks<'_>, out: &mut C
             let low = found.point.xi_s;
             let branch = primary::follow(&cell, pitchforks.numerics, &BranchOptions::default(), |_| true)
                 .map_err(|error| error.to_string())?;
-            let high = branch.folds().find(|fold| fold.maximum).map_or(f64::INFINITY, |fold| fold.point.xi_s);
+            let high = turning_point(&branch).unwrap_or(f64::INFINITY);
             match low < given.xi_s && given.xi_s < high {
                 true => Ok(()),
                 false => Err(format!("pitchfork at {low:.2}, fold at {high:.2}")),
@@ -195,8 +195,12 @@ fn check_folds(targets: &Targets, pitchforks: &mut Pitchforks<'_>, out: &mut Con
 
 fn higher_fold(cell: &Cell, numerics: &Numerics) -> Result<Option<HigherFold>, ShapeError> {
     let branch = primary::follow(cell, numerics, &BranchOptions::default(), |_| true)?;
-    let higher = |[short, long]: [f64; 2]| if short > long { HigherFold::SmallH } else { HigherFold::LargeH };
-    Ok(extreme_maxima(&branch).map(higher))
+    Ok(extreme_maxima(&branch).map(HigherFold::of))
+}
+
+/// ξ_s of the first maximum of ξ_s along a branch, where it turns back.
+pub fn turning_point(branch: &Branch) -> Option<f64> {
+    branch.folds().find(|fold| fold.maximum).map(|fold| fold.point.xi_s)
 }
 
 /// ξ_s at the maxima of ξ_s along a branch, of the shortest and of the longest shape; `None` for fewer than two maxima.

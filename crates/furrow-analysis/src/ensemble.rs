@@ -259,8 +259,7 @@ pub fn ensemble(
     threads: usize,
     cancel: &AtomicBool,
 ) -> Result<Ensemble, EnsembleError> {
-    let start = targets.unknowns.iter().map(|u| (u.parameter, u.start.unwrap_or(u.parameter.get(cell)))).collect();
-    let posterior = Posterior { targets, cell, numerics, start };
+    let posterior = Posterior { targets, cell, numerics, start: targets.starts(cell) };
     let pool = scheduler::pool(threads)?;
     let mut proposal = posterior.laplace()?;
     let mut draws = 0u64;

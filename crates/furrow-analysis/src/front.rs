@@ -119,8 +119,7 @@ pub fn front(
     threads: usize,
     cancel: &AtomicBool,
 ) -> Result<Front, EnsembleError> {
-    let start: Vec<(Parameter, f64)> =
-        targets.unknowns.iter().map(|u| (u.parameter, u.start.unwrap_or(u.parameter.get(cell)))).collect();
+    let start = targets.starts(cell);
     let statements = targets.statements();
     let pool = scheduler::pool(threads)?;
     let one = |x: Vec<f64>| -> Result<Candidate, EnsembleError> {

@@ -167,6 +167,7 @@ impl Settings {
     /// use furrow_cell::settings::Settings;
     ///
     /// assert_eq!(Settings::preset("gao2026")?, Settings::default());
+    /// assert_eq!(Settings::preset("gao2026-thresholds")?.cell, furrow_cell::Cell::gao2026_thresholds(furrow_cell::ZYGOTE));
     /// assert!(Settings::preset("sulston1983")?.cell.shell.p0 < 0.123);
     /// assert!(Settings::preset("sulston").is_err());
     /// # Ok::<(), furrow_input::InputError>(())

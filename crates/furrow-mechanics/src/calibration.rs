@@ -182,6 +182,11 @@ const LONGEST: f64 = 0.25;
 const NIL: f64 = 1e-7;
 
 impl Targets {
+    /// The unknowns with the values that a search starts from: their own, else those of a cell.
+    pub fn starts(&self, cell: &Cell) -> Vec<(Parameter, f64)> {
+        self.unknowns.iter().map(|u| (u.parameter, u.start.unwrap_or(u.parameter.get(cell)))).collect()
+    }
+
     /// Checks every value; `source_name` is what errors call the file.
     ///
     /// # Errors
@@ -378,8 +383,7 @@ fn combinations(svd: &Svd) -> Vec<Combination> {
 /// # Errors
 /// [`CalibrateError`].
 pub fn calibrate(targets: &Targets, cell: &Cell, numerics: &Numerics) -> Result<Calibration> {
-    let started = |u: &Unknown| (u.parameter, u.start.unwrap_or(u.parameter.get(cell)));
-    let mut parameters: Vec<(Parameter, f64)> = targets.unknowns.iter().map(started).collect();
+    let mut parameters = targets.starts(cell);
     let mut now = evaluate(targets, &with_values(cell, &parameters), numerics, None)?;
     let (mut lambda, mut iterations, count) = (None, 0, targets.thresholds.len() as f64);
     let decomposition = loop {

@@ -71,13 +71,8 @@ pub fn row(item: &Item) -> String {
 /// A result of the published scheme, and whether it agrees where the converged result does not, or the other way round.
 fn published(item: &Item, computed: Option<&str>, agrees: Option<bool>) -> String {
     let verdict = match agrees {
-        Some(agrees) if agrees != item.pass => {
-            if agrees {
-                " (agrees)"
-            } else {
-                " (differs)"
-            }
-        }
+        Some(true) if !item.pass => " (agrees)",
+        Some(false) if item.pass => " (differs)",
         _ => "",
     };
     format!("{}{verdict}", computed.unwrap_or(NOTHING))

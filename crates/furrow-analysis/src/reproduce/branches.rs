@@ -2,15 +2,14 @@
 
 use super::context::{Artifact, Figure, Finding, PUBLISHED_ACTIVITY, ReproduceError};
 use super::paper::{Check, Statement, Transition};
-use crate::constraints::extreme_maxima;
+use crate::constraints::{extreme_maxima, turning_point};
 use crate::diagram::{Diagram, diagram};
 use furrow_cell::Cell;
 use furrow_lineage::batch::phase::spaced;
 use furrow_lineage::batch::scheduler;
 use furrow_mechanics::calibration::statements::HigherFold;
 use furrow_mechanics::division::Outcome;
-use furrow_mechanics::equilibria::Branch;
-use furrow_mechanics::equilibria::BranchOptions;
+use furrow_mechanics::equilibria::{Branch, BranchOptions, ShapePoint};
 use rayon::prelude::*;
 
 /// Longest step along a branch, for smooth pictures.
@@ -22,12 +21,9 @@ const BESIDE: f64 = 0.01;
 
 /// The branches of all cells that statements are about, each followed once, and divisions next to them.
 pub fn shapes(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
-    let of = |statement: &'_ Statement| (figure.cell_of(statement), statement.check);
-    let statements: Vec<(&Statement, Cell, Check)> = figure
-        .statements
-        .iter()
-        .filter_map(|statement| Some(statement).zip(of(statement).1).map(|(s, check)| (s, of(s).0, check)))
-        .collect();
+    let checked = |statement: &'_ Statement| Some((figure.cell_of(statement), statement.check?));
+    let of = |statement| checked(statement).map(|(cell, check)| (statement, cell, check));
+    let statements: Vec<(&Statement, Cell, Check)> = figure.statements.iter().filter_map(of).collect();
     let mut cells: Vec<Cell> = Vec::new();
     for (_, cell, _) in &statements {
         if !cells.contains(cell) {
@@ -65,7 +61,7 @@ fn finding(
     let Some((_, symmetric)) = found.branches.first() else { return Ok(Finding::not_computed(id, "no branch")) };
     let pitchfork = symmetric.pitchforks().next();
     let threshold = pitchfork.map(|found| found.point.xi_s);
-    let fold = symmetric.folds().find(|fold| fold.maximum).map(|fold| fold.point.xi_s);
+    let fold = turning_point(symmetric);
     let judged = |judged| Finding::judged(id, judged);
     Ok(match (check, threshold, fold, pitchfork) {
         (Check::Threshold, Some(threshold), ..) => Finding::new(id, threshold),
@@ -88,8 +84,7 @@ fn finding(
         (Check::Bistable, ..) => judged(bistable(symmetric)),
         (Check::Folds(higher), ..) => judged(match extreme_maxima(symmetric) {
             Some([short, long]) => {
-                let holds = (higher == HigherFold::LargeH) == (long > short);
-                (holds, format!("ξ_s = {short:.2} at small H, {long:.2} at large H"))
+                (higher == HigherFold::of([short, long]), format!("ξ_s = {short:.2} at small H, {long:.2} at large H"))
             }
             None => (false, "fewer than two folds".to_owned()),
         }),
@@ -136,10 +131,8 @@ fn outcomes(figure: &mut Figure<'_>, cell: &Cell, transition: Transition) -> Res
 
 /// The range of ξ_s over which two stretches of stable shapes lie above each other.
 fn bistable(symmetric: &Branch) -> (bool, String) {
-    let is_stable = |point: &furrow_mechanics::equilibria::ShapePoint| point.growth_rate.is_some_and(|rate| rate < 0.0);
-    let same = |a: &furrow_mechanics::equilibria::ShapePoint, b: &furrow_mechanics::equilibria::ShapePoint| {
-        is_stable(a) == is_stable(b) && a.passed == b.passed
-    };
+    let is_stable = |point: &ShapePoint| point.growth_rate.is_some_and(|rate| rate < 0.0);
+    let same = |a: &ShapePoint, b: &ShapePoint| is_stable(a) == is_stable(b) && a.passed == b.passed;
     let stable = symmetric.points.chunk_by(same).filter(|stretch| is_stable(&stretch[0]));
     let ranges: Vec<[f64; 2]> = stable
         .map(|stretch| {

@@ -12,7 +12,7 @@ use furrow_lineage::batch::{
 use furrow_lineage::{GrowError, Tree};
 use furrow_mechanics::division::{Division, DivisionInput, Trajectory, divide};
 use furrow_mechanics::equilibria::Branch;
-use furrow_mechanics::equilibria::curves::{self, Curve};
+use furrow_mechanics::equilibria::curves;
 use furrow_mechanics::perturbation::Perturbation;
 use serde_json::Value;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -124,8 +124,6 @@ pub enum Artifact {
     Map(Box<Map>),
     /// Branches of a cell, each with its name.
     Branches(Cell, Vec<(&'static str, Branch)>),
-    /// The boundaries of division over R0.
-    Boundary(Cell, [f64; 2], Curve, Vec<Curve>),
     /// A division.
     Film(Cell, Box<Trajectory>),
     /// Disturbed shapes of one cell at several activities, each with its name.
@@ -196,11 +194,6 @@ impl<'a> Figure<'a> {
         &self.statements[0].figure
     }
 
-    /// Adds a value that no criterion of ours judges.
-    pub fn report(&mut self, id: &str, computed: impl Into<Value>) {
-        self.findings.push(Finding::new(id, computed));
-    }
-
     /// Adds words, and whether the criterion is met.
     pub fn judge(&mut self, id: &str, holds: bool, computed: String) {
         self.findings.push(Finding::judged(id, (holds, computed)));
@@ -253,13 +246,13 @@ impl<'a> Figure<'a> {
         Ok((sweep, solved.rows))
     }
 
-    /// A phase diagram, which is shown under this name.
+    /// A phase diagram, which is shown under the figure's name.
     ///
     /// # Errors
     /// [`ReproduceError`].
-    pub fn plane(&mut self, name: &str, plane: PhasePlane) -> Result<PhaseDiagram, ReproduceError> {
+    pub fn plane(&mut self, plane: PhasePlane) -> Result<(), ReproduceError> {
         let diagram = plane.compute(self.context.memo, &self.context.options())?;
-        self.warnings.extend(diagram.summary.warnings.clone());
+        self.warnings.extend_from_slice(&diagram.summary.warnings);
         if diagram.summary.interrupted {
             return Err(ReproduceError::Interrupted);
         }
@@ -270,7 +263,7 @@ impl<'a> Figure<'a> {
         let pitchforks = curves::pitchfork_curve(cell, numerics, plane.parameter, range).into_iter().collect();
         let folds = curves::fold_curves(cell, numerics, plane.parameter, range).unwrap_or_default();
         let edges = Edges { pitchforks, folds };
-        self.show(name, Artifact::Map(Box::new(Map { plane, diagram: diagram.clone(), edges })));
-        Ok(diagram)
+        self.show(self.name(), Artifact::Map(Box::new(Map { plane, diagram, edges })));
+        Ok(())
     }
 }

@@ -1,11 +1,9 @@
 //! Figures 1 and S2, and the movies: single divisions, looked at closely.
 
 use super::context::{Artifact, Figure, Finding, ReproduceError};
-use furrow_cell::ZYGOTE;
-use furrow_cell::{Cell, Cue};
+use furrow_cell::{Cell, Cue, ZYGOTE};
 use furrow_mechanics::cortex::forces::Place;
-use furrow_mechanics::division::Outcome;
-use furrow_mechanics::division::{Snapshot, Trajectory};
+use furrow_mechanics::division::{Outcome, Snapshot, Trajectory};
 
 /// A cell that divides into equal halves, one that divides unequally, and one that comes to rest: the paper prints no R0.
 const EQUAL: f64 = 3.0;
@@ -49,9 +47,14 @@ pub fn place_of_furrow(film: &Trajectory) -> Vec<f64> {
     with_neck(film).iter().filter_map(|still| Some(furrow(still)?.u)).collect()
 }
 
+/// Largest radius of the contour at the start.
+fn first_width(film: &Trajectory) -> f64 {
+    film.step(0).places.iter().map(|place| place.r).fold(0.0, f64::max)
+}
+
 /// The first step at which the neck is at most this part of the cell's first width.
 fn narrowed(film: &Trajectory, part: f64) -> Option<Snapshot> {
-    let width = film.step(0).places.iter().map(|place| place.r).fold(0.0, f64::max);
+    let width = first_width(film);
     let narrow = |still: &Snapshot| still.neck.is_some_and(|neck| neck.radius <= part * width);
     (0..film.times().len()).map(|k| film.step(k)).find(narrow)
 }
@@ -129,14 +132,23 @@ pub fn concentration(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     Ok(())
 }
 
+/// Distance from the equator.
+pub fn away(u: f64) -> f64 {
+    (u - 0.5).abs()
+}
+
+/// Whether a furrow that begins and ends there begins at the equator and leaves it.
+pub fn leaves_equator(first: f64, last: f64) -> bool {
+    away(first) < AT_EQUATOR && away(last) > AWAY
+}
+
 /// Whether a furrow begins at the equator and moves to a pole, and in words how.
 fn slipping(film: &Trajectory) -> (bool, String) {
     let places = place_of_furrow(film);
     let (Some(first), Some(last)) = (places.first(), places.last()) else { return (false, OPEN_NECK.to_owned()) };
-    let away = |u: f64| (u - 0.5).abs();
     let farthest = places.iter().copied().max_by(|a, b| away(*a).total_cmp(&away(*b))).unwrap_or(*last);
     let words = format!("from u = {first:.3} to {last:.3}, at most {farthest:.3}");
-    (away(*first) < AT_EQUATOR && away(*last) > AWAY, words)
+    (leaves_equator(*first, *last), words)
 }
 
 /// Figure 1D: a furrow that slips.
@@ -197,8 +209,8 @@ pub fn movie(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
             (slips && division.outcome() == Outcome::Asymmetric, format!("{outcome}; furrow {words}"))
         }
         "Movie 3" => {
-            let width = film.step(0).places.iter().map(|place| place.r).fold(0.0, f64::max);
-            let shallow = last.neck.is_some_and(|neck| neck.radius > 0.5 * width && (neck.u - 0.5).abs() < AT_EQUATOR);
+            let width = first_width(&film);
+            let shallow = last.neck.is_some_and(|neck| neck.radius > 0.5 * width && away(neck.u) < AT_EQUATOR);
             let neck = last.neck.map_or("no neck".to_owned(), |neck| {
                 format!("neck of {:.2} of the width at u = {:.3}", neck.radius / width, neck.u)
             });

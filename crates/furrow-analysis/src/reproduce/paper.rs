@@ -1,7 +1,7 @@
 //! The paper's statements by figure.
 
 use furrow_input::{InputError, parse_document};
-use furrow_mechanics::calibration::statements::HigherFold;
+use furrow_mechanics::calibration::statements::{FurrowPlace, HigherFold};
 use furrow_mechanics::equilibria::Criticality;
 use serde::Deserialize;
 use std::collections::{BTreeMap, HashSet};
@@ -76,14 +76,8 @@ pub enum Criterion {
     Proportional,
     /// Mean χ over the cue's distance from the middle falls from each width of the cue to the next.
     Flatter,
-    /// Every furrow is at its cue, within 0.005.
-    FurrowAt,
-    /// Every furrow is off its cue, by more than 0.003.
-    FurrowBeside,
-    /// Every furrow is nearer to the middle than its cue.
-    FurrowShort,
-    /// Every furrow is farther from the middle than its cue.
-    FurrowBeyond,
+    /// Every furrow has this place beside its cue.
+    Furrow(FurrowPlace),
 }
 
 /// What must be true of the stationary shapes of a cell, or of its divisions near them.
@@ -136,8 +130,6 @@ pub struct OverAxis {
     /// Whether the published scheme is compared too, at both of its time steps.
     #[serde(default)]
     pub both_schemes: bool,
-    /// A remark on the result.
-    pub note: Option<String>,
 }
 
 /// One statement of the paper.

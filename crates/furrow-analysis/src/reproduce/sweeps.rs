@@ -1,19 +1,18 @@
 //! Figures 2A, 2B, 2G, 2H and 3: χ over size, over confinement, and over the place of a cue.
 
 use super::context::{Artifact, Figure, Finding, PUBLISHED_STEPS, ReproduceError};
-use super::films::place_of_furrow;
-use super::paper::{Criterion, Study};
+use super::films::{away, leaves_equator, place_of_furrow};
+use super::paper::{Criterion, OverAxis, Study};
 use super::readings::{ChiPoint, between, chi_at, chi_in_words, edge, flatness, halves, monotone_ends, readings};
 use crate::Row;
 use furrow_cell::{Cell, Numerics, Parameter};
-use furrow_lineage::batch::phase::PhasePlane;
-use furrow_lineage::batch::phase::spaced;
+use furrow_lineage::batch::phase::{PhasePlane, spaced};
 use furrow_lineage::batch::scheduler;
-use furrow_mechanics::division::{DivisionInput, Outcome};
-use furrow_mechanics::division::{Statistics, Trajectory};
+use furrow_mechanics::calibration::statements::FurrowPlace;
+use furrow_mechanics::division::{DivisionInput, Outcome, Statistics, Trajectory};
 use furrow_mechanics::equilibria::{StepBudget, critical::critical_value, critical_radius, curves};
 use rayon::prelude::*;
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// The name, the text and the axis of a shipped sweep.
 fn shipped(study: Study) -> [&'static str; 3] {
@@ -43,11 +42,22 @@ fn meets(criterion: Criterion, all: &[ChiPoint], range: [f64; 2]) -> (bool, Stri
             (half_width <= 0.15, text)
         }
         Criterion::Proportional | Criterion::Flatter => proportional(part),
-        Criterion::FurrowAt => furrows(part, |furrow, cue| (furrow - cue).abs() <= 0.005),
-        Criterion::FurrowBeside => furrows(part, |furrow, cue| (furrow - cue).abs() > 0.003),
-        Criterion::FurrowShort => furrows(part, |furrow, cue| furrow < cue),
-        Criterion::FurrowBeyond => furrows(part, |furrow, cue| furrow > cue),
+        Criterion::Furrow(place) => furrows(part, place),
         Criterion::Steep => steep(part),
+    }
+}
+
+/// Whether χ over an axis does what a statement says, by a scheme and its step.
+fn judged(over: &OverAxis, read: impl Fn(&[(&str, Value)]) -> Vec<ChiPoint>, scheme: &str, dt: f64) -> (bool, String) {
+    let at = |width: Option<f64>| {
+        let held = over.held.iter().map(|(name, value)| (name.as_str(), json!(value)));
+        let held = held.chain([("scheme", json!(scheme)), ("dt", json!(dt))]);
+        let held: Vec<_> = held.chain(width.map(|width| ("cue.omega", json!(width)))).collect();
+        read(&held)
+    };
+    match over.criterion {
+        Criterion::Flatter => flatter(WIDTHS.map(|width| between(&at(Some(width)), over.range))),
+        criterion => meets(criterion, &at(None), over.range),
     }
 }
 
@@ -60,21 +70,11 @@ pub fn over_axis(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let (sweep, rows) = figure.sweep(text, file)?;
     for statement in figure.statements {
         let Some(over) = &statement.over else { continue };
-        let at = |scheme: &str, dt: f64, width: Option<f64>| {
-            let held = over.held.iter().map(|(name, value)| (name.as_str(), json!(value)));
-            let held = held.chain([("scheme", json!(scheme)), ("dt", json!(dt))]);
-            let held: Vec<_> = held.chain(width.map(|width| ("cue.omega", json!(width)))).collect();
-            readings(&sweep, &rows, axis, &held)
-        };
-        let judged = |scheme: &str, dt: f64| match over.criterion {
-            Criterion::Flatter => flatter(WIDTHS.map(|width| between(&at(scheme, dt, Some(width)), over.range))),
-            criterion => meets(criterion, &at(scheme, dt, None), over.range),
-        };
+        let judged = |scheme: &str, dt: f64| judged(over, |held| readings(&sweep, &rows, axis, held), scheme, dt);
         let mut finding = Finding::judged(&statement.id, judged("converged", PUBLISHED_STEPS[0]));
         if over.both_schemes {
             finding.published = PUBLISHED_STEPS.map(|dt| judged("published", dt)).to_vec();
         }
-        finding.note.clone_from(&over.note);
         figure.findings.push(finding);
     }
     // A picture for each scheme and step; the converged scheme does not use the published steps.
@@ -135,9 +135,9 @@ fn flatter(widths: [Vec<ChiPoint>; 3]) -> (bool, String) {
     (slopes.windows(2).all(|pair| pair[1] < pair[0]), format!("mean χ/(½ − u0) = {text}"))
 }
 
-/// Whether every furrow compares with its cue as it should, by their distances from the middle.
-fn furrows(readings: &[ChiPoint], compares: Compares) -> (bool, String) {
-    let right = |reading: &&ChiPoint| reading.u_furrow.is_some_and(|u| compares((u - 0.5).abs(), 0.5 - reading.x));
+/// Whether every furrow has a place beside its cue, by their distances from the middle: its side does not count.
+fn furrows(readings: &[ChiPoint], place: FurrowPlace) -> (bool, String) {
+    let right = |reading: &&ChiPoint| reading.u_furrow.is_some_and(|u| place.holds(0.5 - (u - 0.5).abs(), reading.x));
     let count = readings.iter().filter(right).count();
     let example = readings.get(readings.len() / 2).and_then(|reading| Some((reading.x, reading.u_furrow?)));
     let example = example.map_or(String::new(), |(u0, u)| format!("; u = {u:.3} for u0 = {u0:.2}"));
@@ -206,8 +206,7 @@ fn slips(figure: &Figure<'_>) -> Result<Finding, ReproduceError> {
     let ends: Option<Vec<[f64; 2]>> =
         found.iter().map(|u| u.as_ref().and_then(|u| Some([*u.first()?, *u.last()?]))).collect();
     let Some(ends) = ends else { return Ok(Finding::not_computed("size_slip", "a cell has no furrow")) };
-    let away = |u: f64| (u - 0.5).abs();
-    let holds = ends.iter().all(|[first, last]| away(*first) < 0.02 && away(*last) > 0.05);
+    let holds = ends.iter().all(|[first, last]| leaves_equator(*first, *last));
     let [first, last] = [0, 1].map(|end| ends.iter().map(|ends| away(ends[end])).collect::<Vec<_>>());
     let text = |values: &[f64]| values.iter().map(|v| format!("{v:.3}")).collect::<Vec<_>>().join(", ");
     Ok(Finding::judged("size_slip", (holds, format!("|u − ½| from {} to {}", text(&first), text(&last)))))
@@ -263,15 +262,12 @@ pub fn over_radius(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     if let Some((id, over)) = unequal {
         let [file, text, axis] = shipped(over.study);
         let (sweep, rows) = figure.sweep(text, file)?;
-        let held = [("scheme", json!("converged")), ("dt", json!(PUBLISHED_STEPS[0]))];
-        let judged = meets(over.criterion, &readings(&sweep, &rows, axis, &held), over.range);
+        let judged = judged(over, |held| readings(&sweep, &rows, axis, held), "converged", PUBLISHED_STEPS[0]);
         figure.findings.push(Finding::judged(id, judged));
     }
     let (across, up) = (spaced(1.6, 5.4, 20), spaced(10.0, 30.0, 9));
-    plane(
-        figure,
-        PhasePlane { cell, numerics: figure.context.converged(), parameter: Parameter::R0, across, up, seed: 0 },
-    )
+    let numerics = figure.context.converged();
+    figure.plane(PhasePlane { cell, numerics, parameter: Parameter::R0, across, up, seed: 0 })
 }
 
 /// Figure 2H: the curve of pitchforks over ε, and outcomes about it.
@@ -279,15 +275,8 @@ pub fn over_confinement(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let cell = figure.context.cell(2.22, 0.87);
     thresholds(figure, "confinement_thresholds", &cell, Parameter::Epsilon, [0.6, 0.92], |a, b| b > a);
     let (across, up) = (spaced(0.54, 0.92, 20), spaced(3.0, 27.0, 9));
-    plane(
-        figure,
-        PhasePlane { cell, numerics: figure.context.converged(), parameter: Parameter::Epsilon, across, up, seed: 0 },
-    )
-}
-
-fn plane(figure: &mut Figure<'_>, plane: PhasePlane) -> Result<(), ReproduceError> {
-    let name = figure.name();
-    figure.plane(name, plane).map(drop)
+    let numerics = figure.context.converged();
+    figure.plane(PhasePlane { cell, numerics, parameter: Parameter::Epsilon, across, up, seed: 0 })
 }
 
 /// Whether ξ_s* goes one way along the curve of pitchforks.

@@ -1,10 +1,8 @@
 //! The figures of the paper as furrow draws them: each by the picture of what it is.
 
-use super::boundary::Boundary;
-use super::{boundary, branch, division, perturbation, phase, rounds, sweep};
+use super::{branch, division, perturbation, phase, rounds, sweep};
 use crate::drawing::Canvas;
 use furrow_analysis::reproduce::{Artifact, NamedArtifact};
-use furrow_cell::Parameter;
 
 /// Places of each mesh interval in the picture of a division.
 const DENSE: usize = 6;
@@ -15,18 +13,6 @@ pub fn draw(panel: &NamedArtifact) -> Canvas {
         Artifact::Sweep(of, rows) => sweep::draw(of, rows),
         Artifact::Map(map) => phase::draw(&map.plane, &map.diagram, &map.edges),
         Artifact::Branches(cell, branches) => branch::draw(cell, branches),
-        Artifact::Boundary(cell, range, pitchfork, folds) => {
-            let cusps: Vec<_> = folds.iter().filter_map(|fold| fold.cusp()).collect();
-            boundary::draw(&Boundary {
-                cell,
-                parameter: Parameter::R0,
-                range: *range,
-                pitchfork,
-                folds,
-                cusps: &cusps,
-                critical: None,
-            })
-        }
         Artifact::Film(cell, film) => division::draw(cell, &film.as_ref().clone().with_places(DENSE)),
         Artifact::Perturbations(cell, watched) => {
             let title = format!("Disturbed stationary shapes at R₀ = {}, ε = {}", cell.r0, cell.epsilon);

@@ -36,9 +36,8 @@ struct Point {
 pub fn draw(sweep: &Sweep, rows: &[Row]) -> Canvas {
     let mut points: Vec<Point> = rows.iter().map(|row| point(sweep, row)).collect();
     // The converged scheme divides alike at all published steps: one of them shows it.
-    points.retain(|point| {
-        !is_converged(sweep, &point.places) || place_of(sweep, "dt", &point.places).is_none_or(|k| k == 0)
-    });
+    let first_step = |point: &Point| value_of(sweep, "dt", &point.places).is_none_or(|(place, _)| place == 0);
+    points.retain(|point| !is_converged(sweep, &point.places) || first_step(point));
     let numeric: Vec<(usize, Vec<f64>)> =
         (0..sweep.axes.0.len()).filter_map(|k| Some((k, numbers(sweep, k)?))).collect();
     let dense = |k: usize| sweep.axes.0[k].values.len() >= DENSE && !sweep.axes.0[k].sampled;
@@ -237,18 +236,16 @@ fn grouped<'a>(sweep: &Sweep, points: &'a [Point], along: usize) -> Vec<Group<'a
     found.into_iter().enumerate().map(group).collect()
 }
 
-/// The place of a point on the axis of a parameter, if there is one.
-fn place_of(sweep: &Sweep, name: &'static str, places: &[usize]) -> Option<usize> {
-    let axis = sweep.axes.0.iter().position(|axis| axis.target == Target::Field(name))?;
-    places.get(axis).copied()
+/// The place and the value of a point on the axis of a parameter, if there is one.
+fn value_of<'a>(sweep: &'a Sweep, name: &'static str, places: &[usize]) -> Option<(usize, &'a AxisValue)> {
+    let mut axes = sweep.axes.0.iter().zip(places);
+    let (axis, place) = axes.find(|(axis, _)| axis.target == Target::Field(name))?;
+    Some((*place, axis.values.get(*place)?))
 }
 
 /// Whether an axis says that a point is solved by the converged scheme, which has no fixed step.
 fn is_converged(sweep: &Sweep, places: &[usize]) -> bool {
-    let of = |axis: &study::Axis| axis.target == Target::Field("scheme");
-    let value =
-        sweep.axes.0.iter().zip(places).find(|(axis, _)| of(axis)).and_then(|(axis, place)| axis.values.get(*place));
-    value.is_some_and(|value| value.text() == "converged")
+    value_of(sweep, "scheme", places).is_some_and(|(_, value)| value.text() == "converged")
 }
 
 /// The axes of several values of which the points have one: those of a part of a sweep.

@@ -35,6 +35,11 @@ pub enum HigherFold {
 }
 
 impl HigherFold {
+    /// Which it is, by ξ_s of the fold of the shorter and of the longer shape.
+    pub fn of([short, long]: [f64; 2]) -> HigherFold {
+        if short > long { HigherFold::SmallH } else { HigherFold::LargeH }
+    }
+
     /// Its name in files.
     pub fn name(self) -> &'static str {
         match self {

@@ -23,6 +23,8 @@ use furrow_cell::{Cell, Numerics, Parameter, Scheme};
 const SHORTEST_FIRST_STEP: f64 = 1e-9;
 /// Longest first step after a skipped wait at a saddle, in τ: no growing mode is as fast as that there.
 const STEP_AFTER_SADDLE: f64 = 1.0;
+/// Longest step under noise that lasts, relative to the time in which it changes.
+const NOISE_STEP: f64 = 0.25;
 /// Largest relative narrowing of the neck per step.
 const NECK_STEP: f64 = 0.4;
 /// The same in the published scheme, whose error nothing else controls.
@@ -142,7 +144,8 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
     let mut noise = Noise::new(*seed, numerics);
     run.first_step(&mut stepper, &mut noise)?;
     run.noise = Some(noise).filter(|noise| noise.sustained().is_some());
-    // Noise that lasts keeps exciting the antisymmetric part. Without noise there is no antisymmetric part but for roundings, which are to grow as they do on the whole contour.
+    // Noise that lasts keeps exciting the antisymmetric part. Without noise there is no antisymmetric part but for roundings, which
+    // are to grow as they do on the whole contour.
     if parity && numerics.scheme == Scheme::Converged && numerics.noise != 0.0 && run.noise.is_none() {
         stepper.nearly_symmetric = NEARLY_SYMMETRIC;
         stepper.halve();
@@ -316,7 +319,8 @@ impl Run {
         let mut failures = 0;
         loop {
             let order = MAX_ORDER.min(stepper.history.len());
-            let longest = self.noise.as_ref().and_then(Noise::sustained).map_or(f64::INFINITY, |time| 0.25 * time);
+            let longest =
+                self.noise.as_ref().and_then(Noise::sustained).map_or(f64::INFINITY, |time| NOISE_STEP * time);
             let dt = self.dt.min(longest) * self.factor;
             let attempt = self.attempt(stepper, dt, order);
             let shrink = match &attempt {
