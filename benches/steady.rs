@@ -8,9 +8,10 @@
 use furrow_bvp::{Continuation, SymmetryBreaking, Work};
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
 use furrow_mechanics::cortex::Cortex;
+use furrow_mechanics::critical::critical_radius;
 use furrow_mechanics::division::{DivisionInput, Outcome, divide};
 use furrow_mechanics::equilibria::branch::error_monitor;
-use furrow_mechanics::equilibria::{BranchOptions, critical_radius, curves, locate, pitchfork, primary};
+use furrow_mechanics::equilibria::{BranchOptions, curves, locate, pitchfork, primary};
 
 #[path = "common/clock.rs"]
 mod clock;

@@ -8,7 +8,7 @@
 use furrow::{Cell, Cue, Numerics};
 use furrow::{DivisionInput, divide};
 use furrow_cell::cue::{Field, Profile, Term, Width};
-use furrow_mechanics::equilibria::critical_radius;
+use furrow_mechanics::critical::critical_radius;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let step = Profile::Step { u0: 0.4, omega: Width::Length(0.8) };

@@ -8,7 +8,7 @@ use furrow::founders_table;
 use furrow::{EndRule, Grower, Lineage, Thresholds, TreeSettings};
 use furrow::{Memo, Quantisation, SchedulerOptions};
 use furrow::{founder_rows, newick};
-use furrow_mechanics::equilibria::CriticalRadii;
+use furrow_mechanics::critical::CriticalRadii;
 
 const LINEAGE: &str = r#"Lineage(
     name: "two founders",

@@ -4,7 +4,8 @@
 //! `cargo run --release --example thresholds`
 
 use furrow::{Cell, Numerics};
-use furrow_mechanics::equilibria::{BranchOptions, critical_radius, pitchfork};
+use furrow_mechanics::critical::critical_radius;
+use furrow_mechanics::equilibria::{BranchOptions, pitchfork};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (numerics, options) = (Numerics::default(), BranchOptions::default());

@@ -64,10 +64,12 @@ pub use furrow_lineage::{EndRule, Grower, Lineage, Thresholds, Tree, TreeSetting
 #[doc(no_inline)]
 pub use furrow_mechanics::calibration::calibrate;
 #[doc(no_inline)]
+pub use furrow_mechanics::critical::{CriticalRadii, critical_radius};
+#[doc(no_inline)]
 pub use furrow_mechanics::division::{Division, DivisionInput, Outcome, Trajectory, divide};
 #[doc(no_inline)]
 pub use furrow_mechanics::equilibria::{
-    BranchOptions, CriticalRadii, critical_radius, pitchfork::first as first_pitchfork, primary::follow, stationary,
+    BranchOptions, pitchfork::first as first_pitchfork, primary::follow, stationary,
 };
 #[doc(no_inline)]
 pub use furrow_mechanics::stability::Stability;

@@ -12,7 +12,7 @@ use furrow_cell::{Cue, Parameter};
 use furrow_figures::plot::boundary::{self, Boundary};
 use furrow_formats::write_atomically;
 use furrow_input::InputError;
-use furrow_mechanics::equilibria::critical::{self, Stored};
+use furrow_mechanics::critical::{self, Stored};
 use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
 use furrow_mechanics::equilibria::{PointKind, StepBudget};
 use serde_json::{Value, json};

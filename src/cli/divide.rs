@@ -71,6 +71,46 @@ struct Solved {
 /// Those that could be computed, and the number of the others.
 type Replicates = (Vec<Solved>, usize);
 
+/// Whether the noise decides more than the side of a cell's furrow, by a division with another seed that tells.
+struct Chance {
+    seed: u64,
+    other: Division,
+    decides: bool,
+}
+
+impl Chance {
+    /// Of the first division, by the first of the others that does not agree with it, else by the next one.
+    fn of(first: &Division, others: &[Solved], cell: &Cell) -> Option<Chance> {
+        let differs = |other: &&Solved| !first.agrees_with(&other.division, cell.is_mirror_symmetric());
+        let found = others.iter().find(differs);
+        let Solved { seed, division, .. } = found.or(others.first())?;
+        Some(Chance { seed: *seed, other: division.clone(), decides: found.is_some() })
+    }
+
+    /// What the noise decides.
+    fn text(&self, first: &Division) -> String {
+        let what = |division: &Division| match division.chi() {
+            Some(chi) => format!("χ = {chi:.4}"),
+            None => "no division".to_owned(),
+        };
+        format!(
+            "the noise decides how unequal: {} with this seed, {} with seed {}; --replicates 20 shows the spread\n",
+            what(first),
+            what(&self.other),
+            self.seed
+        )
+    }
+
+    fn document(&self) -> Value {
+        json!({
+            "depends_on_noise": self.decides,
+            "other_seed": filled(json!({
+                "seed": self.seed, "outcome": self.other.outcome(), "chi": self.other.chi(), "u_furrow": self.other.u_furrow(),
+            })),
+        })
+    }
+}
+
 impl Solved {
     /// With --from-steady also whether the cell returned to its start, and [t, dis(t)].
     fn document(&self) -> Result<Value, CliError> {
@@ -90,10 +130,13 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
     let movie = args.movie.file()?;
     let until = args.from_steady.then(|| positive("--until", args.until)).transpose()?;
-    let (solved, undecided) = match until {
+    let (mut solved, undecided) = match until {
         Some(until) => disturb(args, &context, &input, until)?,
         None => solve(args, &context, &input)?,
     };
+    let chance = until.is_none().then(|| Chance::of(&solved[0].division, &solved[1..], &input.cell)).flatten();
+    // With one replicate asked for, the second is there for this alone.
+    solved.truncate(args.replicates as usize);
     if args.frames.is_some() || movie.is_wanted() || until.is_none() && picture.is_wanted() {
         interrupt::listen();
         interrupt::abort();
@@ -137,24 +180,32 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         first,
         json!({ "replicates": documents }),
         serde_json::to_value(statistics)?,
+        chance.as_ref().map_or(json!({}), Chance::document),
         json!({ "undecided": undecided }),
     ];
-    print_as(context.json, &parts.into_iter().fold(of_cell, merged), || text(&input.cell, &units, &solved, &statistics))
+    print_as(context.json, &parts.into_iter().fold(of_cell, merged), || {
+        let text = text(&input.cell, &units, &solved, &statistics);
+        text + &chance.filter(|chance| chance.decides).map_or(String::new(), |chance| chance.text(&solved[0].division))
+    })
 }
 
-/// Solves all replicates; at least one succeeds.
+/// Solves all replicates, two at least, as the second tells whether the noise matters; at least one succeeds.
 fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<Replicates, CliError> {
     let memo = context.memo()?;
-    if args.replicates == 1
-        && let Some(division) = memo.known(input)
-    {
-        return Ok((vec![Solved { seed: input.seed, division, perturbation: None }], 0));
+    if args.replicates == 1 {
+        let known = |seed| {
+            Some(Solved { seed, division: memo.known(&DivisionInput { seed, ..input.clone() })?, perturbation: None })
+        };
+        let [first, second] = [input.seed, input.seed.wrapping_add(1)].map(known);
+        if let (Some(first), Some(second)) = (first, second) {
+            return Ok((vec![first, second], 0));
+        }
     }
     interrupt::listen();
     interrupt::finish();
     let line = ProgressLine::new(context.progress && args.replicates > 1);
     let show = |progress| line.show(progress);
-    let count = args.replicates as usize;
+    let count = args.replicates.max(2) as usize;
     let found = replicates(input, count, &memo, &context.scheduling(&show));
     drop(line);
     let found = found?;
@@ -170,7 +221,12 @@ fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<
         (args.seed.wrapping_add(job.id as u64), error)
     });
     let solved = found.divisions.into_iter().map(|(seed, division)| Solved { seed, division, perturbation: None });
-    at_least_one(solved.collect(), failed.collect())
+    // The one that was not asked for may fail without a word.
+    let asked = |seed: u64| seed.wrapping_sub(args.seed) < u64::from(args.replicates);
+    let (wanted, more): (Vec<Solved>, Vec<Solved>) = solved.partition(|one| asked(one.seed));
+    let (mut wanted, undecided) = at_least_one(wanted, failed.filter(|(seed, _)| asked(*seed)).collect())?;
+    wanted.extend(more);
+    Ok((wanted, undecided))
 }
 
 /// Disturbs the stationary shape with every seed; at least one succeeds.

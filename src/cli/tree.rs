@@ -10,7 +10,7 @@ use super::progress::ProgressLine;
 use clap::Args;
 use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
 use furrow_analysis::tree_settings;
-use furrow_analysis::{self as study, Grown, scenarios_csv};
+use furrow_analysis::{self as study, Grown, LineageRanges, scenarios_csv, spread_csv};
 use furrow_cell::{Cue, CueError};
 use furrow_figures::plot::rounds;
 use furrow_formats::files::FileSet;
@@ -30,6 +30,7 @@ Examples:
   furrow tree
   furrow tree --cue none --xi 26 --out no-cue --plot rounds.svg
   furrow tree --cue germline --cue none --cue tension:gradient,amplitude=0.3 --out cues
+  furrow tree --replicates 20 --cue none --cue germline
   furrow tree lineages/c_elegans.ron --r0 3.5 --epsilon 0.85 --json")]
 pub struct TreeArgs {
     /// Lineage files: founders, cues and limits; default the built-in C. elegans founders. Several are compared
@@ -48,8 +49,13 @@ pub struct TreeArgs {
     #[arg(help_heading = "Cell", long, value_name = "CUE")]
     pub cue: Vec<String>,
     /// Grows the lineage with every set of constants in a table and prints the ranges of the counts; writes no files
-    #[arg(help_heading = "Cell", long, value_name = "FILE.csv")]
+    #[arg(help_heading = "Cell", long, value_name = "FILE.csv", conflicts_with = "replicates")]
     pub constants: Option<PathBuf>,
+    /// Grows the tree with N seeds, S, S+1, ..., and prints the range of the counts; files are those of seed S, and spread.csv
+    ///
+    /// Divisions on which the noise has no bearing are computed once: χ with seeds S and S+1 within 0.001 of each other.
+    #[arg(help_heading = "Numerics", long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    pub replicates: Option<u32>,
     /// Computes the division of every cell, including cells below the critical radius of their cue
     #[arg(help_heading = "Numerics", long)]
     pub dynamics: bool,
@@ -59,6 +65,9 @@ pub struct TreeArgs {
 
 /// The files of a tree.
 const TREE_FILES: [&str; 5] = ["tree.nwk", "tree.json", "tree.svg", "report.html", "run.json"];
+
+/// With `--replicates`: the ranges over the seeds.
+const SPREAD_FILE: &str = "spread.csv";
 
 /// Undecided cells that get a warning each.
 const MOST_WARNINGS: usize = 5;
@@ -122,11 +131,13 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     if let (Some(file), [scenario]) = (&args.constants, &scenarios[..]) {
         return super::ensemble::grow_over(file, scenario, context, &picture);
     }
-    writable_folder("--out", args.out.as_path(), if several { &SCENARIOS_FILES[..] } else { &TREE_FILES })?;
+    let written = if several { &SCENARIOS_FILES[..] } else { &TREE_FILES };
+    let spread = args.replicates.map(|_| SPREAD_FILE);
+    writable_folder("--out", args.out.as_path(), &written.iter().copied().chain(spread).collect::<Vec<_>>())?;
     for scenario in scenarios.iter().filter(|_| several) {
         writable_folder("--out", args.out.join(&scenario.name).as_path(), &SCENARIO_FILES)?;
     }
-    let grown = grown(&scenarios, args.dynamics, context)?;
+    let (grown, spread) = grown(&scenarios, args.replicates, args.dynamics, context)?;
     let trees = &grown.trees;
     let mut files = FileSet::new(&args.out);
     for (Scenario { name, .. }, tree) in scenarios.iter().zip(trees) {
@@ -147,11 +158,16 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         }
     };
     files.stage("report.html", page.as_bytes())?;
+    if !spread.is_empty() {
+        files.stage(SPREAD_FILE, spread_csv(&scenarios, &spread).as_bytes())?;
+    }
     let record = run_record(args, context, &grown, start, several.then_some(names));
     files.stage("run.json", to_json(&record)?.as_bytes())?;
     files.commit()?;
     let drawing = || match only {
-        Some(tree) => Some(rounds::draw(tree)),
+        Some(tree) => {
+            Some(spread.first().map_or_else(|| rounds::draw(tree), |s| rounds::draw_ranges(&tree.lineage, s)))
+        }
         None => rounds::draw_scenarios(&named),
     };
     if let Some(drawing) = picture.is_wanted().then(drawing).flatten() {
@@ -160,11 +176,17 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let (solved, hits, elapsed_s) = (grown.summary.solved, grown.summary.memo_hits, start.elapsed().as_secs_f64());
     let out = args.out.display().to_string();
     // Of a single tree its counts, of several the scenarios.
-    let counts = || scenarios.iter().zip(trees).map(scenario_counts).collect::<Vec<_>>();
-    let counts = only.map_or_else(|| json!({ "scenarios": counts() }), tree_counts);
+    let with_spread = |counts: Value, k: usize| match spread.get(k) {
+        Some(spread) => merged(counts, json!(spread)),
+        None => counts,
+    };
+    let of = |(k, pair)| with_spread(scenario_counts(pair), k);
+    let counts = || scenarios.iter().zip(trees).enumerate().map(of).collect::<Vec<_>>();
+    let counts = only.map_or_else(|| json!({ "scenarios": counts() }), |tree| with_spread(tree_counts(tree), 0));
     let ran = json!({ "divisions_solved": solved, "memo_hits": hits, "elapsed_s": elapsed_s, "out": out });
     print_as(context.json, &merged(counts, ran), || {
         let table = match only {
+            _ if !spread.is_empty() => report::spread_table(&scenarios, &spread),
             Some(tree) => report::founders_table(tree, &founder_rows(tree)),
             None => report::scenarios_table(&scenarios, trees),
         };
@@ -226,23 +248,32 @@ pub fn bad_cue(error: CueError) -> InputError {
     InputError::not_allowed("--cue", error.field, error.value, error.allowed)
 }
 
-/// Grows all scenarios in one run and logs warnings.
+/// Grows all scenarios in one run, with several seeds if there are to be replicates, and logs warnings; the trees of the first seed
+/// and the ranges over all.
 ///
 /// With `dynamics` the division of every cell is computed, those below the critical radius of their cue included.
-pub fn grown(scenarios: &[Scenario], dynamics: bool, context: &Context) -> Result<Grown, CliError> {
+pub fn grown(
+    scenarios: &[Scenario],
+    replicates: Option<u32>,
+    dynamics: bool,
+    context: &Context,
+) -> Result<(Grown, Vec<LineageRanges>), CliError> {
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
     let show = |progress| line.show(progress);
     let (options, flag) = (context.scheduling(&show), interrupt::flag());
-    let grown = study::grown(scenarios, dynamics, &memo, options, flag);
+    let found = match replicates {
+        Some(count) => study::grown_replicates(scenarios, count, dynamics, &memo, options, flag),
+        None => study::grown(scenarios, dynamics, &memo, options, flag).map(|grown| (grown, vec![])),
+    };
     drop(line);
-    let grown = grown?;
+    let (grown, spread) = found?;
     warn_of_store(&grown.summary.warnings);
     warn_of_searches(&grown.unknown);
     for (tree, scenario) in grown.trees.iter().zip(scenarios) {
         warn_of_undecided(tree, &scenario.name);
     }
-    Ok(grown)
+    Ok((grown, spread))
 }
 
 /// Warns of undecided cells. Their branches end there; the rest of the tree is valid.

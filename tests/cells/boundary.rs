@@ -2,9 +2,10 @@
 
 use crate::common::shapes::{at, check_threshold, first, whole};
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
-use furrow_mechanics::equilibria::critical::{self, BoundaryKind, STARTS};
+use furrow_mechanics::critical::CriticalRadii;
+use furrow_mechanics::critical::{self, BoundaryKind, STARTS};
 use furrow_mechanics::equilibria::curves::{self, CurveEnd, CurvePoint, FoldCurve, SECOND};
-use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, Criticality, StepBudget, asymmetric};
+use furrow_mechanics::equilibria::{BranchOptions, Criticality, StepBudget, asymmetric};
 
 fn maxima(epsilon: f64) -> [f64; 2] {
     let branch = whole(&at(2.22, epsilon));

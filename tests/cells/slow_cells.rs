@@ -4,8 +4,8 @@ use crate::common::shapes::{first, solve};
 use crate::common::stand_in::grow;
 use furrow_cell::{Cell, Numerics};
 use furrow_lineage::{Lineage, TreeSettings};
+use furrow_mechanics::critical::critical_radius;
 use furrow_mechanics::division::{Outcome, divide};
-use furrow_mechanics::equilibria::critical::critical_radius;
 
 /// The threshold is subcritical at the preset's critical radius: above it a cell divides, however slowly, below it rests.
 /// The wait is ln(amplitude after/amplitude before)/σ with σ ∝ R0 − R0_c.

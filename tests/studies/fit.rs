@@ -10,8 +10,9 @@ use furrow_cell::{Cell, Cue, Numerics, Parameter};
 use furrow_lineage::batch::{Memo, Quantisation};
 use furrow_lineage::{Lineage, ObservedRounds, Rounds, Thresholds, TreeSettings, founder_rounds};
 use furrow_mechanics::calibration::statements::GivenCriticality;
+use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::division::{DivisionInput, divide};
-use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, pitchfork};
+use furrow_mechanics::equilibria::{BranchOptions, pitchfork};
 
 use crate::common::stand_in::grow;
 

@@ -5,8 +5,8 @@ use furrow_formats::founder_rows;
 use furrow_formats::tree_to_json;
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary};
 use furrow_lineage::{EndRule, Grower, Lineage, TerminalReason, Thresholds, Tree, TreeSettings};
+use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::division::{Outcome, divide};
-use furrow_mechanics::equilibria::CriticalRadii;
 use furrow_report::TreeSummary;
 
 fn grow(memo: &Memo, threads: usize, ends: EndRule<'_>) -> (Tree, Summary) {

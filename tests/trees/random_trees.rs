@@ -4,16 +4,16 @@
 use crate::common::stand_in::grow;
 use furrow_cell::{Cell, Numerics};
 use furrow_lineage::{Lineage, TerminalReason, Thresholds, Tree, TreeSettings};
+use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::division::divide;
-use furrow_mechanics::equilibria::CriticalRadii;
 use rand_mt::Mt64;
 
 /// Uniform in [from, to).
-fn between(random: &mut Mt64, from: f64, to: f64) -> f64 {
+pub fn between(random: &mut Mt64, from: f64, to: f64) -> f64 {
     from + (to - from) * (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
 }
 
-fn one_of<'a>(random: &mut Mt64, list: &[&'a str]) -> &'a str {
+pub fn one_of<'a>(random: &mut Mt64, list: &[&'a str]) -> &'a str {
     list[(random.next_u64() % list.len() as u64) as usize]
 }
 

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use furrow_analysis::scenarios::{Scenario, Source, combine, grow};
+use furrow_analysis::scenarios::{Scenario, Source, combine, growers};
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions};
-use furrow_lineage::{EndRule, Length, Lineage, Tree, TreeSettings};
+use furrow_lineage::{EndRule, Length, Lineage, Tree, TreeSettings, grow_together};
 use furrow_mechanics::division::divide;
 use furrow_report as report;
 
@@ -18,7 +18,8 @@ fn shallow(mut lineage: Lineage, label: &str) -> Source {
 fn grown(sources: &[Source]) -> (Vec<Scenario>, Vec<Tree>) {
     let scenarios = combine(sources, &[]).unwrap();
     let memo = Memo::new(Quantisation::DEFAULT);
-    let (trees, _) = grow(&scenarios, EndRule::Dynamics, &memo, SchedulerOptions::default(), divide).unwrap();
+    let growers = growers(&scenarios, EndRule::Dynamics, &memo, SchedulerOptions::default());
+    let (trees, _) = grow_together(&growers, divide).unwrap();
     (scenarios, trees)
 }
 

@@ -3,8 +3,8 @@
 use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_mechanics::calibration::Targets;
 use furrow_mechanics::calibration::statements::{GivenWindow, HigherFold};
+use furrow_mechanics::critical::critical_value;
 use furrow_mechanics::division::{DivisionInput, divide};
-use furrow_mechanics::equilibria::critical::critical_value;
 use furrow_mechanics::equilibria::{Branch, BranchOptions, Pitchfork, ShapeError, StepBudget, pitchfork, primary};
 use serde::Serialize;
 

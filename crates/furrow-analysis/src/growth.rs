@@ -1,12 +1,16 @@
 //! Growing trees: cells below the critical radius of their cue do not divide; other divisions are computed.
 
-use super::scenarios::{Scenario, grow};
+use super::ranges::{LineageRanges, TreeCounts, summed_up};
+use super::scenarios::{Scenario, growers};
 use furrow_cell::settings::Settings;
 use furrow_cell::{Cell, Cue};
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions, Summary};
-use furrow_lineage::{EndRule, GrowError, Lineage, Scope, Thresholds, Tree, TreeSettings, expected_work};
+use furrow_lineage::{
+    EndRule, GrowError, Lineage, Scope, Thresholds, Tree, TreeSettings, expected_work, grow_replicates, grow_together,
+};
+use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::division::{DivisionInput, divide};
-use furrow_mechanics::equilibria::{CriticalRadii, ShapeError};
+use furrow_mechanics::equilibria::ShapeError;
 use std::sync::atomic::AtomicBool;
 
 /// The parameters of a tree's divisions. The first cell has the radius that its lineage gives, if it gives one.
@@ -54,6 +58,69 @@ pub fn grown(
     options: SchedulerOptions<'_>,
     cancel: &AtomicBool,
 ) -> Result<Grown, GrowError> {
+    growing(scenarios, dynamics, options, cancel, |ends, options| {
+        let (trees, summary) = grow_together(&growers(scenarios, ends, memo, options), divide)?;
+        Ok(Grown { trees, summary, unknown: vec![] })
+    })
+}
+
+/// Replicates that are grown at once: with all the others in the same queue, and all in memory.
+const AT_ONCE: u32 = 32;
+
+/// Grows every scenario with `count` seeds, its own and those that follow, as [`grow_replicates`] does: the trees of the first
+/// seed, and for each scenario the ranges over all seeds.
+///
+/// # Errors
+/// As [`grown`].
+pub fn grown_replicates(
+    scenarios: &[Scenario],
+    count: u32,
+    dynamics: bool,
+    memo: &Memo,
+    options: SchedulerOptions<'_>,
+    cancel: &AtomicBool,
+) -> Result<(Grown, Vec<LineageRanges>), GrowError> {
+    let mut counts: Vec<Vec<TreeCounts>> = scenarios.iter().map(|_| Vec::new()).collect();
+    let grown = growing(scenarios, dynamics, options, cancel, |ends, options| {
+        let mut grown = Grown::default();
+        for from in (0..count).step_by(AT_ONCE as usize) {
+            let replicate = |k: u32, scenario: &Scenario| {
+                let seed = scenario.settings.seed.wrapping_add(u64::from(k));
+                Scenario { settings: TreeSettings { seed, ..scenario.settings.clone() }, ..scenario.clone() }
+            };
+            let seeds = from..(from + AT_ONCE).min(count);
+            let all: Vec<Scenario> =
+                seeds.flat_map(|k| scenarios.iter().map(move |scenario| replicate(k, scenario))).collect();
+            let first_seed = scenarios.first().map_or(0, |scenario| scenario.settings.seed);
+            let (trees, summary) = grow_replicates(&growers(&all, ends, memo, options), first_seed, divide)?;
+            for (k, tree) in trees.iter().enumerate() {
+                counts[k % scenarios.len()].push(TreeCounts::of(tree, 1.0));
+            }
+            grown.summary.add(summary);
+            if from == 0 {
+                grown.trees = trees.into_iter().take(scenarios.len()).collect();
+            }
+        }
+        Ok(grown)
+    })?;
+    let Summary { solved: divisions_solved, memo_hits, .. } = grown.summary;
+    let ranges = |(scenario, counts): (&Scenario, &Vec<TreeCounts>)| LineageRanges {
+        divisions_solved,
+        memo_hits,
+        ..summed_up(&scenario.lineage, &[], counts)
+    };
+    let ranges = scenarios.iter().zip(&counts).map(ranges).collect();
+    Ok((grown, ranges))
+}
+
+/// Runs `grow` with what ends branches and with the order of the work.
+fn growing(
+    scenarios: &[Scenario],
+    dynamics: bool,
+    options: SchedulerOptions<'_>,
+    cancel: &AtomicBool,
+    grow: impl FnOnce(EndRule<'_>, SchedulerOptions<'_>) -> Result<Grown, GrowError>,
+) -> Result<Grown, GrowError> {
     // Scenarios have the same numerics, and what all cells share is the same.
     let Some(Scenario { settings, .. }) = scenarios.first() else { return Ok(Grown::default()) };
     let radii = CriticalRadii::new(&settings.numerics).interrupted_by(cancel);
@@ -68,6 +135,6 @@ pub fn grown(
         options.expected_work = &order;
     }
     let ends = if dynamics { EndRule::Dynamics } else { EndRule::Thresholds(&rule) };
-    let (trees, summary) = grow(scenarios, ends, memo, options, divide)?;
-    Ok(Grown { trees, summary, unknown: rule.unknown() })
+    let grown = grow(ends, options)?;
+    Ok(Grown { unknown: rule.unknown(), ..grown })
 }

@@ -43,13 +43,13 @@ pub use constraints::{ConstraintCheck, Exclusion, Extent, check_constraints};
 pub use diagram::{Diagram, Edges, diagram};
 pub use ensemble::{Ensemble, EnsembleError, Member, ensemble};
 pub use front::{Front, FrontMember, front};
-pub use growth::{Grown, grown, scenarios_of, tree_settings};
+pub use growth::{Grown, grown, grown_replicates, scenarios_of, tree_settings};
 pub use journal::Journal;
 pub use points::{Axes, Axis, AxisValue, Point, Target};
-pub use ranges::{LineageRanges, Range, ranges};
+pub use ranges::{FounderRange, LineageRanges, Range, ranges};
 pub use run::{Run, SweepProgress, SweepResult};
 pub use shard::Shard;
 pub use sweep::{Kind, Sweep};
 pub use table::Row;
 
-pub use scenarios_csv::scenarios_csv;
+pub use scenarios_csv::{scenarios_csv, spread_csv};

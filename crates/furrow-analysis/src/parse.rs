@@ -164,12 +164,14 @@ impl Check<'_> {
         let name = given.parameter.as_str();
         let target = match (name, name.parse()) {
             ("cue", _) => Some(Target::Cue),
+            ("seed", _) if matches!(self.document.kind, Kind::Division | Kind::Tree) => Some(Target::Seed),
             (_, Ok(parameter @ Parameter::Cue { .. })) => Some(Target::CueNumber(parameter)),
             _ => canonical_name(name).ok().map(Target::Field),
         };
         let field = || format!("axes[{k}].parameter");
         let Some(target) = target else {
-            let known: Vec<&str> = settings::names().chain(["cue", "cue.u0", "cue.omega", "cue.amplitude"]).collect();
+            let known: Vec<&str> =
+                settings::names().chain(["seed", "cue", "cue.u0", "cue.omega", "cue.amplitude"]).collect();
             let nearest = did_you_mean(name, known.iter().copied());
             return self.refuse(field(), shown(name), format!("one of {}{nearest}", known.join(", ")));
         };
@@ -234,6 +236,10 @@ impl Check<'_> {
                 (Target::Cue, _) => return self.refuse(place, value.text(), "a cue in quotes, as \"none\""),
                 (Target::CueNumber(_), AxisValue::Text(text)) => return self.refuse(place, shown(text), "a number"),
                 (Target::CueNumber(_), _) => {}
+                (Target::Seed, value) => {
+                    let whole = matches!(value, AxisValue::Number(seed) if seed.fract() == 0.0 && (0.0..=2f64.powi(53)).contains(seed));
+                    self.require(whole, place, value.text(), "a whole number from 0 to 9007199254740992")?;
+                }
                 (Target::Field(name), value) => self.field_value(&format!("{place} ({name})"), name, value)?,
             }
         }

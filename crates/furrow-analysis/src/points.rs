@@ -35,6 +35,8 @@ pub enum Target {
     Cue,
     /// A number of a term of the cue.
     CueNumber(Parameter),
+    /// The seed of the noise.
+    Seed,
 }
 
 /// One axis: a parameter and its values.

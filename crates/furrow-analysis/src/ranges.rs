@@ -1,4 +1,4 @@
-//! Ranges of a lineage's counts over sets of constants, one tree a set.
+//! Ranges of a lineage's counts over many trees: one for each set of constants, or one for each seed of the noise.
 
 use super::constants::Constants;
 use furrow_cell::Parameter;
@@ -7,8 +7,8 @@ use furrow_lineage::{
     EndRule, FounderRounds, GrowError, Grower, Lineage, ObservedRounds, Rounds, Thresholds, Tree, TreeSettings,
     founder_rounds,
 };
+use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::division::divide;
-use furrow_mechanics::equilibria::CriticalRadii;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -45,7 +45,7 @@ impl Reading {
     }
 }
 
-/// Weighted quantiles of a number over the sets of constants.
+/// Weighted quantiles of a number over trees.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Range {
     /// 5 % of the weight lies below.
@@ -57,6 +57,11 @@ pub struct Range {
 }
 
 impl Range {
+    /// Whether the two ranges have no number in common: a difference beyond the spread.
+    pub fn is_apart_from(&self, other: &Range) -> bool {
+        self.p95 < other.p5 || other.p95 < self.p5
+    }
+
     /// Of numbers with their weights; `None` if there are no numbers.
     pub fn of(mut numbers: Vec<(f64, f64)>) -> Option<Range> {
         numbers.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -73,7 +78,7 @@ impl Range {
     }
 }
 
-/// A founder over the sets of constants.
+/// A founder over many trees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FounderRange {
     /// Name.
@@ -82,11 +87,13 @@ pub struct FounderRange {
     pub rounds: Option<RoundsRange>,
     /// Size asymmetry χ of its division, where it divides.
     pub chi: Option<Range>,
-    /// Weight of the sets with which it divides.
+    /// Its terminal cells; `None` if it is never born.
+    pub cells: Option<Range>,
+    /// Weight of the trees in which it divides.
     pub divides: f64,
-    /// Weight of the sets whose rounds are within one of the observed, by each reading of rounds.
+    /// Weight of the trees whose rounds are within one of the observed, by each reading of rounds.
     pub within_one_round: Option<WithinOne>,
-    /// The constant on which its terminal cells depend most, by rank correlation.
+    /// The constant on which its terminal cells depend most, by rank correlation; `None` over seeds.
     pub depends_on: Option<Dependence>,
 }
 
@@ -127,33 +134,42 @@ pub struct Dependence {
     pub rank_correlation: f64,
 }
 
-/// One tree of the ensemble, as far as ranges are taken of it.
-struct TreeCounts {
+/// One of the trees, as far as ranges are taken of it.
+pub(crate) struct TreeCounts {
     weight: f64,
     cells: usize,
     /// Rounds, χ and whether it divides, by founder.
     founders: Vec<(Option<Rounds>, Option<f64>, bool)>,
-    solved: usize,
-    hits: usize,
 }
 
-/// A lineage over sets of constants.
+impl TreeCounts {
+    pub(crate) fn of(tree: &Tree, weight: f64) -> TreeCounts {
+        let founder = |row: FounderRounds| {
+            let cell = tree.founder_cell(row.founder);
+            let divides = cell.is_some_and(|id| tree.daughters(id).is_some());
+            (row.rounds, cell.and_then(|id| tree.cell(id).fate.chi()), divides)
+        };
+        TreeCounts { weight, cells: tree.len(), founders: founder_rounds(tree).into_iter().map(founder).collect() }
+    }
+}
+
+/// A lineage over many trees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LineageRanges {
     /// Founders, in the lineage's order.
     pub founders: Vec<FounderRange>,
-    /// Sets of constants.
+    /// Trees.
     pub members: usize,
     /// All cells.
     pub cells: Option<Range>,
     /// How much weight has founder's symmetric doublings of 0, 1, 2, …: by founder.
     pub symmetric_doublings: Vec<(String, Vec<f64>)>,
-    /// Weight of the sets of which the paper's sentence on rounds holds, "to within a single round for the EMS and P lineages",
+    /// Weight of the trees of which the paper's sentence on rounds holds, "to within a single round for the EMS and P lineages",
     /// read as most rounds, for EMS and P4; `None` if the lineage lacks either.
     pub paper_sentence: Option<f64>,
     /// Divisions solved.
     pub divisions_solved: usize,
-    /// Divisions known from the same tree.
+    /// Divisions that needed no solving of their own.
     pub memo_hits: usize,
 }
 
@@ -168,8 +184,16 @@ pub fn ranges(
     threads: usize,
     cancel: &AtomicBool,
 ) -> Result<LineageRanges, GrowError> {
-    let trees = each_tree(lineage, settings, sets, threads, cancel, tree_counts)?;
-    Ok(summed_up(lineage, sets, &trees))
+    let read =
+        |set: &Constants, tree: &Tree, work: &Summary| (TreeCounts::of(tree, set.weight), work.solved, work.memo_hits);
+    let trees = each_tree(lineage, settings, sets, threads, cancel, read)?;
+    let (mut counts, mut divisions_solved, mut memo_hits) = (Vec::with_capacity(trees.len()), 0, 0);
+    for (tree, solved, hits) in trees {
+        counts.push(tree);
+        divisions_solved += solved;
+        memo_hits += hits;
+    }
+    Ok(LineageRanges { divisions_solved, memo_hits, ..summed_up(lineage, sets, &counts) })
 }
 
 /// Grows the lineage with every set of constants, in parallel over the sets, and reads each tree with `read`.
@@ -197,16 +221,6 @@ pub fn each_tree<T: Send>(
     };
     let pool = scheduler::pool(threads).map_err(GrowError::Workers)?;
     pool.install(|| sets.par_iter().map(grow).collect())
-}
-
-fn tree_counts(set: &Constants, tree: &Tree, summary: &Summary) -> TreeCounts {
-    let founder = |row: FounderRounds| {
-        let cell = tree.founder_cell(row.founder);
-        let divides = cell.is_some_and(|id| tree.daughters(id).is_some());
-        (row.rounds, cell.and_then(|id| tree.cell(id).fate.chi()), divides)
-    };
-    let founders = founder_rounds(tree).into_iter().map(founder).collect();
-    TreeCounts { weight: set.weight, cells: tree.len(), founders, solved: summary.solved, hits: summary.memo_hits }
 }
 
 /// Grows one tree on the calling thread's behalf: studies of many trees grow them side by side.
@@ -256,12 +270,14 @@ fn founder_range(lineage: &Lineage, sets: &[Constants], trees: &[TreeCounts], k:
         name: lineage.founders[k].name.clone(),
         rounds: all(),
         chi: range(&|tree| tree.founders[k].1),
+        cells: rounds(|r| f64::from(r.terminal)),
         divides: share(trees, |tree| tree.founders[k].2),
         depends_on: strongest(sets, &trees.iter().map(terminal).collect::<Vec<_>>()),
     }
 }
 
-fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[TreeCounts]) -> LineageRanges {
+/// The ranges over trees; `sets` are the constants of each, or empty. Without the work they took.
+pub(crate) fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[TreeCounts]) -> LineageRanges {
     let total: f64 = trees.iter().map(|tree| tree.weight).sum();
     let founder = |k: usize| founder_range(lineage, sets, trees, k);
     let symmetric = |k: usize| {
@@ -289,11 +305,11 @@ fn summed_up(lineage: &Lineage, sets: &[Constants], trees: &[TreeCounts]) -> Lin
     LineageRanges {
         paper_sentence: sentence(),
         founders: (0..count).map(founder).collect(),
-        members: sets.len(),
+        members: trees.len(),
         cells: Range::of(trees.iter().map(|tree| (tree.cells as f64, tree.weight)).collect()),
         symmetric_doublings: (0..count).map(symmetric).collect(),
-        divisions_solved: trees.iter().map(|tree| tree.solved).sum(),
-        memo_hits: trees.iter().map(|tree| tree.hits).sum(),
+        divisions_solved: 0,
+        memo_hits: 0,
     }
 }
 

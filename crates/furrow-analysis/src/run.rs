@@ -12,9 +12,10 @@ use furrow_lineage::batch::{Job, Key, Memo, Progress, SchedulerError, SchedulerO
 use furrow_lineage::{
     EndRule, GrowError, Grower, Scope, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
 };
+use furrow_mechanics::critical::CriticalRadii;
+use furrow_mechanics::critical::{BoundaryKind, critical_radius_within};
 use furrow_mechanics::division::{Division, DivisionInput, Statistics, divide};
-use furrow_mechanics::equilibria::critical::{BoundaryKind, critical_radius_within};
-use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, PointKind, ShapeError, StepBudget, pitchfork};
+use furrow_mechanics::equilibria::{BranchOptions, PointKind, ShapeError, StepBudget, pitchfork};
 use rayon::prelude::*;
 use serde_json::Value;
 use std::collections::HashMap;

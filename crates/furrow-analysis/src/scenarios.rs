@@ -13,9 +13,8 @@
 
 use furrow_cell::CueError;
 pub use furrow_lineage::Scenario;
-use furrow_lineage::batch::{Memo, SchedulerOptions, Summary};
-use furrow_lineage::{EndRule, GrowError, Grower, Length, Lineage, Tree, TreeSettings, grow_together};
-use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
+use furrow_lineage::batch::{Memo, SchedulerOptions};
+use furrow_lineage::{EndRule, Grower, Length, Lineage, TreeSettings};
 use std::collections::{BTreeMap, HashSet};
 
 /// Names that scenarios do not get: those of the files that stand beside their folders.
@@ -79,17 +78,13 @@ pub fn combine(sources: &[Source], cues: &[&str]) -> Result<Vec<Scenario>, Scena
     Ok(scenarios)
 }
 
-/// Grows all scenarios in one run, which shares what is solved and the workers; one tree for each, in their order.
-///
-/// # Errors
-/// As [`Grower::grow`].
-pub fn grow<'s>(
+/// What grows each scenario.
+pub fn growers<'s>(
     scenarios: &'s [Scenario],
-    ends: EndRule<'_>,
-    memo: &Memo,
-    options: SchedulerOptions<'_>,
-    solve: impl Fn(&DivisionInput) -> Result<Division, DivisionError> + Sync,
-) -> Result<(Vec<Tree>, Summary), GrowError> {
+    ends: EndRule<'s>,
+    memo: &'s Memo,
+    options: SchedulerOptions<'s>,
+) -> Vec<Grower<'s>> {
     let grower = |Scenario { lineage, settings, .. }: &'s Scenario| Grower {
         lineage,
         settings: settings.clone(),
@@ -97,7 +92,7 @@ pub fn grow<'s>(
         memo,
         options,
     };
-    grow_together(&scenarios.iter().map(grower).collect::<Vec<_>>(), solve)
+    scenarios.iter().map(grower).collect()
 }
 
 /// A name with what file systems, shells and drawings take everywhere: ASCII letters, digits, `-`, `_` and `.`, and no dot at

@@ -1,5 +1,6 @@
-//! `scenarios.csv`: founders of several scenarios, one row for each scenario and founder.
+//! `scenarios.csv`: founders of several scenarios, one row for each scenario and founder; `spread.csv`: their ranges over seeds.
 
+use crate::ranges::{LineageRanges, Range};
 use crate::table::{Row, csv_text};
 use furrow_formats::founder_rows;
 use furrow_lineage::{Scenario, Tree};
@@ -41,4 +42,32 @@ pub fn scenarios_csv(scenarios: &[Scenario], trees: &[Tree]) -> String {
         }
     }
     csv_text(&COLUMNS.split(',').map(str::to_owned).collect::<Vec<_>>(), &rows)
+}
+
+/// The table of ranges over seeds of the noise: a row for each scenario, founder and quantity.
+pub fn spread_csv(scenarios: &[Scenario], spread: &[LineageRanges]) -> String {
+    let mut rows = Vec::new();
+    for (Scenario { name, label, .. }, ranges) in scenarios.iter().zip(spread) {
+        for founder in &ranges.founders {
+            let rounds = founder.rounds.as_ref();
+            let quantities: [(&str, Option<Range>); 7] = [
+                ("chi", founder.chi),
+                ("min", rounds.map(|r| r.min)),
+                ("mean", rounds.map(|r| r.mean)),
+                ("max", rounds.map(|r| r.max)),
+                ("full_doublings", rounds.map(|r| r.full_doublings)),
+                ("symmetric", rounds.map(|r| r.symmetric)),
+                ("cells", founder.cells),
+            ];
+            for (quantity, range) in quantities {
+                let Some(Range { p5, p50, p95 }) = range else { continue };
+                let seeds = ranges.members;
+                let cells = json!([name, label, founder.name, quantity, seeds, p5, p50, p95]);
+                let cells = cells.as_array().cloned().unwrap_or_default();
+                rows.push(Row { index: rows.len(), cells, why: None });
+            }
+        }
+    }
+    let columns = ["scenario", "lineage", "founder", "quantity", "seeds", "p5", "p50", "p95"];
+    csv_text(&columns.map(str::to_owned), &rows)
 }

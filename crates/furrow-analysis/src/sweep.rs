@@ -89,12 +89,14 @@ impl Sweep {
         let places = self.axes.0.iter().zip(self.axes.places(index));
         let mut settings = self.settings.clone();
         let mut cue = self.cue.clone().unwrap_or_default();
-        let mut pairs = Vec::new();
+        let (mut pairs, mut seed) = (Vec::new(), self.seed);
         for (axis, place) in places.clone() {
             match axis.target {
                 Target::Field(name) => pairs.push((name, axis.values[place].text())),
                 Target::Cue => cue = axis.cues[place].clone(),
                 Target::CueNumber(_) => {}
+                // A whole number: the file was checked.
+                Target::Seed => seed = axis.values[place].text().parse().unwrap_or(seed),
             }
         }
         let set = settings.assign(&self.file, &pairs);
@@ -118,6 +120,6 @@ impl Sweep {
         let checked = checked.and_then(|()| {
             cell.cue.check().map_err(|e| InputError::not_allowed(&self.file, e.field, e.value, e.allowed))
         });
-        (DivisionInput { cell, numerics: settings.numerics, seed: self.seed }, checked)
+        (DivisionInput { cell, numerics: settings.numerics, seed }, checked)
     }
 }

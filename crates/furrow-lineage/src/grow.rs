@@ -10,9 +10,9 @@ use crate::batch::memo::Solve;
 use crate::batch::scheduler::{self, Step};
 use crate::batch::{Job, Memo, SchedulerError, SchedulerOptions, Summary, Unsolved};
 use furrow_cell::{Cell, Cue};
+use furrow_mechanics::critical::CriticalRadii;
+use furrow_mechanics::critical::Search;
 use furrow_mechanics::division::{Division, DivisionInput};
-use furrow_mechanics::equilibria::CriticalRadii;
-use furrow_mechanics::equilibria::critical::Search;
 
 /// Why a tree could not be grown.
 #[expect(missing_docs, reason = "the messages say what the fields are")]
@@ -71,17 +71,21 @@ struct GrowingCell {
     fate: Option<Fate>,
     /// The anterior daughter; the posterior one follows it.
     daughters: Option<usize>,
+    /// Of replicates: its division with the first seed, and whether that with the next one differs.
+    first: Option<(Division, bool)>,
 }
 
 impl GrowingCell {
     fn new(lineage: &Lineage, name: String, place: Place, volume_fraction: f64, is_founder: bool) -> GrowingCell {
         let cue = lineage.cue_at(place);
-        GrowingCell { name, place, volume_fraction, cue, is_founder, fate: None, daughters: None }
+        GrowingCell { name, place, volume_fraction, cue, is_founder, fate: None, daughters: None, first: None }
     }
 }
 
 struct Growth<'a> {
     grower: &'a Grower<'a>,
+    /// That of the first tree, if this is one of several replicates.
+    first_seed: Option<u64>,
     /// The founders (larger, smaller) that each divides into.
     listed: Vec<Option<(usize, usize)>>,
     cells: Vec<GrowingCell>,
@@ -100,7 +104,7 @@ impl Grower<'_> {
     /// # Errors
     /// A division that could not be computed, or interruption.
     pub fn grow(&self, solve: impl Solve) -> Result<(Tree, Summary), GrowError> {
-        let (mut trees, summary) = grow_all(std::slice::from_ref(self), &solve)?;
+        let (mut trees, summary) = grow_all(std::slice::from_ref(self), None, &solve)?;
         // As many trees as growers: one.
         Ok((trees.remove(0), summary))
     }
@@ -113,13 +117,32 @@ impl Grower<'_> {
 /// # Errors
 /// As [`Grower::grow`].
 pub fn grow_together(growers: &[Grower<'_>], solve: impl Solve) -> Result<(Vec<Tree>, Summary), GrowError> {
-    grow_all(growers, &solve)
+    grow_all(growers, None, &solve)
 }
 
-/// [`grow_together`], not generic, so that it is compiled once.
-fn grow_all(growers: &[Grower<'_>], solve: &dyn Solve) -> Result<(Vec<Tree>, Summary), GrowError> {
+/// As [`grow_together`], of trees that differ by the seed of their noise, to see what is chance in them. A division on which the
+/// noise has no bearing is that of `first_seed` in all of them: it is computed with that seed and the next, and where the two
+/// [agree](Division::agrees_with), with no other. The tree of `first_seed` is the same as grown alone.
+///
+/// # Errors
+/// As [`Grower::grow`].
+pub fn grow_replicates(
+    growers: &[Grower<'_>],
+    first_seed: u64,
+    solve: impl Solve,
+) -> Result<(Vec<Tree>, Summary), GrowError> {
+    grow_all(growers, Some(first_seed), &solve)
+}
+
+/// [`grow_together`] and [`grow_replicates`], not generic, so that it is compiled once.
+fn grow_all(
+    growers: &[Grower<'_>],
+    first_seed: Option<u64>,
+    solve: &dyn Solve,
+) -> Result<(Vec<Tree>, Summary), GrowError> {
     let Some(Grower { memo, options, .. }) = growers.first() else { return Ok(Default::default()) };
-    let mut all = Growths { trees: growers.iter().map(Growth::of).collect(), searches: Vec::new() };
+    let tree = |grower| Growth { first_seed, ..Growth::of(grower) };
+    let mut all = Growths { trees: growers.iter().map(tree).collect(), searches: Vec::new() };
     let roots = (0..growers.len()).filter_map(|root| all.step(root, None)).collect();
     let run = scheduler::run_steps(roots, memo, options, solve, &mut |id, division| all.expand(id, division));
     let trees = growers.len();
@@ -141,9 +164,12 @@ impl<'a> Growths<'a> {
         let (count, of) = (self.trees.len(), id % self.trees.len());
         if let Some(division) = division {
             let tree = &mut self.trees[of];
+            let Some(division) = tree.settled(id / count, division) else {
+                return self.step(id, None).into_iter().collect();
+            };
             // Cells beyond the limit are settled in the layout, in an order that does not depend on timing.
             let has_room = tree.cells.len() + 2 <= tree.grower.lineage.limits.max_cells;
-            let daughters = if has_room { tree.divide(id / count, division) } else { None };
+            let daughters = if has_room { tree.divide(id / count, &division) } else { None };
             return daughters.into_iter().flatten().filter_map(|cell| self.step(cell * count + of, None)).collect();
         }
         let Some(done) = self.searches.iter().position(|(.., jobs)| jobs[0] == id) else { return vec![] };
@@ -186,7 +212,7 @@ impl<'a> Growth<'a> {
         let r0 = lineage.given_r0(founder).unwrap_or(settings.cell.r0);
         let place = Place { founder, round: 0, generation: 0, r0 };
         let first = GrowingCell::new(lineage, lineage.founders[founder].name.clone(), place, 1.0, true);
-        Growth { grower, listed: lineage.daughters(), cells: vec![first] }
+        Growth { grower, first_seed: None, listed: lineage.daughters(), cells: vec![first] }
     }
 
     /// What a cell needs; none if its fate is known without, which is then set. A search that was `tried` and found nothing,
@@ -210,7 +236,36 @@ impl<'a> Growth<'a> {
         };
         self.cells[index].fate = reason.map(Fate::from);
         let undecided = self.cells[index].fate.is_none();
-        undecided.then_some(Need::Division(DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }))
+        let seed = self.seed(index);
+        undecided.then_some(Need::Division(DivisionInput { cell, numerics: settings.numerics, seed }))
+    }
+
+    /// The seed with which a cell's division is needed next.
+    fn seed(&self, index: usize) -> u64 {
+        match (self.first_seed, &self.cells[index].first) {
+            (Some(first), None) => first,
+            (Some(first), Some((_, false))) => first.wrapping_add(1),
+            _ => self.grower.settings.seed,
+        }
+    }
+
+    /// The division that a cell has, once one is computed; none if another seed's is needed first, to know whether the noise
+    /// matters.
+    fn settled(&mut self, index: usize, division: &Division) -> Option<Division> {
+        let (own, asked) = (self.grower.settings.seed, self.seed(index));
+        let Some(first_seed) = self.first_seed.filter(|seed| *seed != own) else { return Some(division.clone()) };
+        let cell = &mut self.cells[index];
+        let Some((first, differs)) = &mut cell.first else {
+            cell.first = Some((division.clone(), false));
+            return None;
+        };
+        if asked == first_seed.wrapping_add(1) && !*differs {
+            if first.agrees_with(division, cell.cue.is_mirror_symmetric()) {
+                return cell.first.take().map(|(first, _)| first);
+            }
+            *differs = true;
+        }
+        (asked == own).then(|| division.clone())
     }
 
     /// Sets a cell's fate and adds its daughters.
@@ -320,16 +375,21 @@ impl<'a> Growth<'a> {
 
     /// Solves one division by itself and adds the daughters.
     fn settle(&mut self, index: usize, solve: &dyn Solve) -> Result<(), GrowError> {
-        let Some(input) = self.decide(index) else { return Ok(()) };
-        let mut solved = None;
         let options = SchedulerOptions { progress: None, ..self.grower.options };
-        let run = scheduler::run(vec![Job { id: index, input }], self.grower.memo, &options, solve, |_, division| {
-            solved = Some(division.clone());
-            vec![]
-        });
-        completed(run, |id, why| self.note_undecided(id, why))?;
-        let daughters = solved.and_then(|division| self.divide(index, &division));
-        daughters.into_iter().flatten().for_each(|daughter| drop(self.decide(daughter)));
+        while let Some(input) = self.decide(index) {
+            let mut solved = None;
+            let run =
+                scheduler::run(vec![Job { id: index, input }], self.grower.memo, &options, solve, |_, division| {
+                    solved = Some(division.clone());
+                    vec![]
+                });
+            completed(run, |id, why| self.note_undecided(id, why))?;
+            let Some(division) = solved else { break };
+            let Some(division) = self.settled(index, &division) else { continue };
+            let daughters = self.divide(index, &division);
+            daughters.into_iter().flatten().for_each(|daughter| drop(self.decide(daughter)));
+            break;
+        }
         Ok(())
     }
 

@@ -28,7 +28,7 @@ pub mod tree;
 pub mod units;
 
 pub use definition::{C_ELEGANS, CueRule, Daughter, Founder, Limits, Lineage, Place, TEMPLATE};
-pub use grow::{GrowError, Grower, grow_together};
+pub use grow::{GrowError, Grower, grow_replicates, grow_together};
 pub use observed::ObservedRounds;
 pub use physics::FounderPhysics;
 pub use priority::expected_work;

@@ -4,7 +4,8 @@ use std::cell::RefCell;
 
 use super::tree::TerminalReason;
 use furrow_cell::{Cell, Cue};
-use furrow_mechanics::equilibria::{CriticalRadii, ShapeError};
+use furrow_mechanics::critical::CriticalRadii;
+use furrow_mechanics::equilibria::ShapeError;
 
 /// What ends branches ahead of their division.
 #[derive(Clone, Copy)]
@@ -88,10 +89,7 @@ impl<'a> Thresholds<'a> {
 
     /// The radius below which cells like `cell`, but without a cue, do not divide, where it is known.
     pub fn critical_radius(&self, cell: &Cell) -> Option<f64> {
-        // The smallest cell is below any boundary.
-        let smallest = Cell { r0: f64::MIN_POSITIVE, cue: Cue::none(), ..cell.clone() };
-        let end = if self.knows(&smallest) { self.radii.ends(&smallest).ok()? } else { None };
-        end.map(|end| end.critical_r0)
+        self.radii.known_radius(&cell.clone().with_cue(Cue::none()))
     }
 
     /// Cues whose critical radius could not be found, and why.

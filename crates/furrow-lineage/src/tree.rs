@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::definition::{Lineage, Place};
 use crate::batch::Quantisation;
 use furrow_cell::{Cell, Cue, Numerics, ZYGOTE};
+use furrow_mechanics::critical::{BoundaryKind, End};
 use furrow_mechanics::division::{Division, Outcome};
-use furrow_mechanics::equilibria::critical::{BoundaryKind, End};
 
 /// Why a cell has no daughters.
 #[expect(missing_docs, reason = "the messages say what the fields are")]

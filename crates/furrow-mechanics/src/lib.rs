@@ -10,9 +10,10 @@
 //! |---|---|
 //! | [`cortex`] | the equations of the surface, their derivatives, symmetry, observables |
 //! | [`stability`] | growth rates of small disturbances of a stationary shape |
-//! | [`equilibria`] | branches of stationary shapes, folds and pitchforks, critical radii |
+//! | [`equilibria`] | branches of stationary shapes, folds and pitchforks |
 //! | [`calibration`] | constants from thresholds |
 //! | [`division`] | one division in time |
+//! | [`critical`] | below which radius a cell does not divide |
 //! | [`perturbation`] | a stationary shape that is disturbed, and watched |
 //!
 //! # References
@@ -21,6 +22,7 @@
 
 pub mod calibration;
 pub mod cortex;
+pub mod critical;
 pub mod division;
 pub mod equilibria;
 pub mod perturbation;

@@ -4,8 +4,8 @@ use furrow_cell::Cue;
 use furrow_formats::tree_to_json;
 use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions};
 use furrow_lineage::{EndRule, Grower, Lineage, Scope, Thresholds, TreeSettings, expected_work};
+use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::division::{DivisionInput, divide};
-use furrow_mechanics::equilibria::CriticalRadii;
 use serde::Deserialize;
 
 use super::answer::{Answer, PageError};

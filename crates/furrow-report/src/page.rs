@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::svg::colours;
 use furrow_cell::{Cell, Numerics};
 use furrow_lineage::{Lineage, TreeSettings};
-use furrow_mechanics::equilibria::critical::Stored;
+use furrow_mechanics::critical::Stored;
 
 const STYLE: &str = include_str!("page/page.css");
 const LINEAGE: &str = include_str!("page/lineage.html");

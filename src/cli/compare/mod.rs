@@ -40,5 +40,5 @@ pub fn run(args: &CompareArgs, context: &Context) -> Result<(), CliError> {
 fn trees_of(lineages: Vec<Lineage>, context: &Context) -> Result<Vec<Tree>, CliError> {
     context.settings.check_divisions("settings")?;
     let scenarios = scenarios_of(lineages, &context.settings, context.quantisation);
-    Ok(grown(&scenarios, false, context)?.trees)
+    Ok(grown(&scenarios, None, false, context)?.0.trees)
 }

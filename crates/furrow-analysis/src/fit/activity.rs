@@ -8,7 +8,7 @@ use super::error::{FitError, check_cancelled};
 use crate::ranges::{Reading, grow_alone};
 use furrow_lineage::batch::{Memo, scheduler};
 use furrow_lineage::{EndRule, GrowError, Lineage, Scope, Thresholds, TreeSettings, founder_rounds};
-use furrow_mechanics::equilibria::CriticalRadii;
+use furrow_mechanics::critical::CriticalRadii;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

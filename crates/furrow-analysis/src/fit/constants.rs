@@ -24,8 +24,9 @@ use furrow_lineage::{
 };
 use furrow_mechanics::calibration::Threshold;
 use furrow_mechanics::calibration::statements::GivenCriticality;
+use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::division::Outcome;
-use furrow_mechanics::equilibria::{BranchOptions, CriticalRadii, Pitchfork, pitchfork};
+use furrow_mechanics::equilibria::{BranchOptions, Pitchfork, pitchfork};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;

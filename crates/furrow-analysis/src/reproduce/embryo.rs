@@ -11,8 +11,8 @@ use furrow_lineage::{EndRule, Grower, Lineage, Thresholds, Tree, TreeCell, found
 use furrow_measured::events::{Division as Measured, MotherSummary, summaries};
 use furrow_measured::published::{SOURCE, jankele2021_divisions};
 use furrow_measured::statistics::{line_through_origin, mean, rank_sum};
+use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::division::{Outcome, divide};
-use furrow_mechanics::equilibria::CriticalRadii;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 

@@ -9,8 +9,9 @@ use furrow_cell::{Cell, Numerics, Parameter};
 use furrow_lineage::batch::phase::{PhasePlane, spaced};
 use furrow_lineage::batch::scheduler;
 use furrow_mechanics::calibration::statements::FurrowPlace;
+use furrow_mechanics::critical::{critical_radius, critical_value};
 use furrow_mechanics::division::{DivisionInput, Outcome, Statistics, Trajectory};
-use furrow_mechanics::equilibria::{StepBudget, critical::critical_value, critical_radius, curves};
+use furrow_mechanics::equilibria::{StepBudget, curves};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 

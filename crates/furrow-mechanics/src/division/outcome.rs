@@ -58,6 +58,10 @@ pub enum Ending {
     },
 }
 
+/// Divisions whose χ differs by no more than this between seeds are said not to depend on the noise. To most cells the noise
+/// does 10⁻⁵ to 3·10⁻⁴; where two furrows compete, 10⁻² to 10⁻¹.
+pub const NOISE_TOLERANCE: f64 = 1e-3;
+
 /// The outcome of one division and the work it took, as the memo, the store, the tree and answers hold it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "DivisionRow", try_from = "DivisionRow")]
@@ -119,6 +123,17 @@ impl Division {
             Ending::Arrested { .. } => return None,
         };
         Some([below, 1.0 - below])
+    }
+
+    /// Whether this and the division of the same cell with another seed agree: the same outcome, and χ within
+    /// [`NOISE_TOLERANCE`]; χ with its sign, unless the cell is mirror-symmetric, whose noise decides the side.
+    pub fn agrees_with(&self, other: &Division, mirror_symmetric: bool) -> bool {
+        let chi = |of: &Division| if mirror_symmetric { of.chi() } else { of.chi_signed() };
+        let near = match (chi(self), chi(other)) {
+            (Some(a), Some(b)) => (a - b).abs() <= NOISE_TOLERANCE,
+            _ => true,
+        };
+        self.outcome() == other.outcome() && (near || self.outcome() == Outcome::Symmetric)
     }
 
     /// The mirror image of the division under u → 1 − u: the division of the mirrored cell.

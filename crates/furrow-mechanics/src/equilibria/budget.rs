@@ -33,7 +33,7 @@ impl<'a> StepBudget<'a> {
     }
 
     /// Counts steps tried, and says whether more may follow.
-    pub(super) fn spend(&self, steps: usize) -> bool {
+    pub(crate) fn spend(&self, steps: usize) -> bool {
         self.spent.set(self.spent.get().saturating_add(steps));
         self.spent.get() <= self.most && !self.is_interrupted()
     }
@@ -46,7 +46,7 @@ impl<'a> StepBudget<'a> {
     ///
     /// # Errors
     /// [`ShapeError::Interrupted`], [`ShapeError::OutOfBudget`].
-    pub(super) fn check(&self, cell: &furrow_cell::Cell) -> Result<(), ShapeError> {
+    pub(crate) fn check(&self, cell: &furrow_cell::Cell) -> Result<(), ShapeError> {
         if self.is_interrupted() {
             return Err(ShapeError::Interrupted);
         }

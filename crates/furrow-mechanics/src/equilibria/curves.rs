@@ -107,10 +107,10 @@ pub type PitchforkCurve = Codim2Curve<Cortex, SymmetryBreaking>;
 pub type FoldCurve = Codim2Curve<Cortex, Fold>;
 
 /// Largest number of steps of one curve.
-pub(super) const MOST_STEPS: usize = 2000;
+pub(crate) const MOST_STEPS: usize = 2000;
 
 /// A cell with one parameter at another value.
-pub(super) fn at_value(cell: &Cell, parameter: Parameter, value: f64) -> Cell {
+pub(crate) fn at_value(cell: &Cell, parameter: Parameter, value: f64) -> Cell {
     let mut moved = cell.clone();
     parameter.set(&mut moved, value);
     moved
@@ -118,7 +118,7 @@ pub(super) fn at_value(cell: &Cell, parameter: Parameter, value: f64) -> Cell {
 
 /// The part of the contour that shapes along a curve need: half of it if the cell is mirror-symmetric whatever the value of
 /// the parameter.
-pub(super) fn domain_along(cell: &Cell, parameter: Parameter) -> Domain {
+pub(crate) fn domain_along(cell: &Cell, parameter: Parameter) -> Domain {
     let elsewhere = at_value(cell, parameter, parameter.get(cell) + 0.01);
     if cell.is_mirror_symmetric() { Domain::of(&elsewhere) } else { Domain::Full }
 }
@@ -219,7 +219,7 @@ pub fn coefficient(curve: &mut PitchforkCurve, y: &Solution, report: &AugmentedR
 /// Corrections below this change a coefficient by less than 10⁻⁵ of itself.
 const NEGLIGIBLE: f64 = 2e-9;
 
-pub(super) fn lost(kind: PointKind, parameter: Parameter, value: f64) -> impl Fn(CurveError) -> ShapeError {
+pub(crate) fn lost(kind: PointKind, parameter: Parameter, value: f64) -> impl Fn(CurveError) -> ShapeError {
     move |source| ShapeError::Curve { kind, parameter, value, source }
 }
 

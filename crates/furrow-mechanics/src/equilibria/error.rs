@@ -88,6 +88,9 @@ pub enum ShapeError {
     /// A curve of singular points ends at shapes without activity.
     #[error("the curve of {kind}s does not reach {parameter} = {value}: xi_s falls to 0 on the way")]
     Inactive { kind: PointKind, parameter: Parameter, value: f64 },
+    /// Cells below a critical radius divide, or do not come to rest.
+    #[error("{cell}: the {kind} at R0 = {r0} bounds no division: smaller cells do not rest")]
+    NoBound { cell: CellName, kind: PointKind, r0: f64 },
     /// It is not found with the work allowed.
     #[error("{cell}: not found in {steps} steps along branches and curves, the most that are tried")]
     OutOfBudget { cell: CellName, steps: usize },

@@ -1,4 +1,4 @@
-//! Stationary shapes: their branches in ξ_s, the folds and pitchforks of these, and the radii that bound division.
+//! Stationary shapes: their branches in ξ_s, the folds and pitchforks of these.
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -11,14 +11,12 @@
 //! | [`mod@stationary`] | one shape at one activity |
 //! | [`at_rest`] | the intervals of ξ_s in which a cell rests undivided |
 //! | [`curves`] | pitchforks and folds over R0, ε or any other parameter |
-//! | [`critical`] | below which radius a cell does not divide |
 //! | [`budget`] | the step budget of a search |
 
 pub mod asymmetric;
 pub mod at_rest;
 pub mod branch;
 pub mod budget;
-pub mod critical;
 pub mod curves;
 pub mod error;
 pub mod locate;
@@ -30,7 +28,6 @@ pub mod stationary;
 pub use at_rest::{RestShapes, rest_shapes};
 pub use branch::{Branch, BranchEnd, BranchEvent, BranchOptions, Criticality, FoldPoint, Pitchfork, ShapePoint};
 pub use budget::StepBudget;
-pub use critical::{CriticalRadii, CriticalRadius, critical_radius};
 pub use error::{PointKind, Result, ShapeError};
 pub use passive::passive;
 pub use stationary::{StationaryError, StationaryShape, stationary};

@@ -94,6 +94,21 @@ pub struct Summary {
     pub warnings: Vec<StoreWarning>,
 }
 
+impl Summary {
+    /// Adds what a later run did.
+    pub fn add(&mut self, later: Summary) {
+        self.jobs += later.jobs;
+        self.solved += later.solved;
+        self.memo_hits += later.memo_hits;
+        self.store_hits += later.store_hits;
+        self.corrupt += later.corrupt;
+        self.interrupted |= later.interrupted;
+        self.max_size_shift = self.max_size_shift.max(later.max_size_shift);
+        self.shift_effect = self.shift_effect.max(later.shift_effect);
+        self.warnings.extend(later.warnings);
+    }
+}
+
 /// A job without a division.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unsolved {
@@ -184,11 +199,12 @@ pub fn run_steps<'s>(
     };
     // Where nothing needs solving no threads are needed either.
     run.settle_known();
-    if run.is_incomplete() && cfg!(target_family = "wasm") {
-        // No threads: the calling thread is the only worker.
+    let threads = if cfg!(target_family = "wasm") { 1 } else { workers(options.threads) };
+    if run.is_incomplete() && threads == 1 {
+        // The calling thread is the only worker. It must not wait for a pool of its own: if it is itself a worker, as in studies
+        // of many trees, it would begin another tree while it waits, and so on until its stack is full.
         run.work(&events, 1, perform);
     } else if run.is_incomplete() {
-        let threads = workers(options.threads);
         pool(threads)?.in_place_scope(|scope| {
             let perform = &perform;
             run.work(&events, threads, |task| scope.spawn(move |_| perform(task)));

@@ -269,3 +269,21 @@ fn a_run_solves_nothing_that_is_known_and_nothing_for_no_jobs() {
     let summary = run_radii(&[], &memo(), &SchedulerOptions::default(), never).unwrap();
     assert_eq!(summary, Summary::default());
 }
+
+/// A worker that waits for a pool of its own takes up other work, on top of what it has begun: with many trees its stack was full.
+#[test]
+fn a_run_on_one_thread_inside_a_worker_begins_no_other() {
+    use rayon::prelude::*;
+    use std::cell::Cell;
+    thread_local!(static BEGUN: Cell<usize> = const { Cell::new(0) });
+    let deepest = AtomicUsize::new(0);
+    let tree = |k: usize| {
+        deepest.fetch_max(BEGUN.replace(BEGUN.get() + 1) + 1, Relaxed);
+        let (cells, _) = grow(20.0 + 1e-3 * k as f64, &memo(), &on(1));
+        BEGUN.set(BEGUN.get() - 1);
+        cells.len()
+    };
+    let cells: Vec<usize> = pool(4).unwrap().install(|| (0..400).into_par_iter().map(tree).collect());
+    assert!(cells.iter().all(|cells| *cells > 10));
+    assert_eq!(deepest.into_inner(), 1);
+}

@@ -1,8 +1,12 @@
 //! Critical radii: below which radius a cell cannot divide, and why.
 //!
 //! For a mirror-symmetric cell it is the pitchfork, ξ_s*(R0_c, ε) = ξ_s; with a cue that breaks the symmetry, the fold at
-//! which its stable branch ends. The radii of the preset are kept in a small file in `data/`, compiled in, with a hash of
-//! the parameters they belong to; others are solved for when first asked about.
+//! which its stable branch ends. With a strong one-sided cue that says nothing of division: a cell may pass the stable shape
+//! by, the shape may oscillate, and the curve of folds may turn back, so that still smaller cells have no stable shape. So
+//! divisions below the critical radius are tried first, and a radius ends branches only where they rest.
+//!
+//! The radii of the preset are kept in a small file in `data/`, compiled in, with a hash of the parameters they belong to;
+//! others are solved for when first asked about.
 
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -10,19 +14,20 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use furrow_bvp::{AugmentedReport, Codim2Curve, CurveError, Singularity};
 use serde::{Deserialize, Serialize};
 
-use super::branch::{BranchOptions, XI};
-use super::budget::StepBudget;
-use super::curves::{self, Curve, CurvePoint, MOST_STEPS, SECOND, at_value, coefficient, curve_point};
-use super::error::{PointKind, Result, ShapeError};
-use super::{pitchfork, primary};
 use crate::cortex::{Cortex, Domain};
+use crate::division::{DivisionError, DivisionInput, DivisionOptions, Outcome, divide_with};
+use crate::equilibria::branch::{BranchOptions, XI};
+use crate::equilibria::budget::StepBudget;
+use crate::equilibria::curves::{self, Curve, CurvePoint, MOST_STEPS, SECOND, at_value, coefficient, curve_point};
+use crate::equilibria::error::{CellName, PointKind, Result, ShapeError};
+use crate::equilibria::{pitchfork, primary};
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
 
 /// Version of the file's format and of the method behind its numbers.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 
 /// The file kept for the preset `gao2026`; `furrow boundary` writes it anew.
-const PRESET: &str = include_str!("../../data/gao2026.boundary.json");
+const PRESET: &str = include_str!("../data/gao2026.boundary.json");
 
 /// What bounds division.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -46,6 +51,16 @@ pub struct CriticalRadius {
     pub r0: f64,
     /// Slope dξ_s/dR0 of the curve there.
     pub slope: f64,
+}
+
+/// Radii of cells with one cue that rest undivided: from `from` to the critical one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RestingRadii {
+    /// The upper end.
+    #[serde(flatten)]
+    pub critical: CriticalRadius,
+    /// The smallest R0 of which a division was tried, in L_h. All tried between it and the critical radius rest.
+    pub from: f64,
 }
 
 /// Why a cell cannot divide.
@@ -83,7 +98,7 @@ pub struct Stored {
     /// The kind of cell, to be read by people; its radius and cue do not matter.
     pub cell: Cell,
     /// Critical radii at the activity of `cell`.
-    pub radii: Vec<CriticalRadius>,
+    pub radii: Vec<RestingRadii>,
     /// The curve of pitchforks ξ_s*(R0) of cells without a cue.
     pub pitchfork: Vec<CurvePoint>,
     /// Where criticality changes sign on it.
@@ -110,7 +125,8 @@ impl Stored {
     /// [`ShapeError`].
     pub fn compute(cell: &Cell, numerics: &Numerics, cues: &[Cue], range: [f64; 2]) -> Result<Stored> {
         let (cell, parameters) = (without_size_and_cue(cell), parameters_hash(cell, numerics));
-        let radius = |cue: &Cue| critical_radius(&cell.clone().with_cue(cue.clone()), numerics);
+        let budget = StepBudget::unlimited();
+        let radius = |cue: &Cue| resting_radii(&cell.clone().with_cue(cue.clone()), numerics, &budget, None);
         let radii = cues.iter().map(radius).collect::<Result<_>>()?;
         let Curve { points, degenerate, .. } = curves::pitchfork_curve(&cell, numerics, Parameter::R0, range)?;
         Ok(Stored { format: FORMAT, parameters, cell, radii, pitchfork: points, degenerate })
@@ -187,11 +203,11 @@ pub fn critical_value(
     starts: &[f64],
     budget: &StepBudget<'_>,
 ) -> Result<(BoundaryKind, CurvePoint)> {
-    let (kind, point) = match curves::domain_along(cell, parameter) {
+    let (kind, point_kind) = match curves::domain_along(cell, parameter) {
         Domain::Half => (BoundaryKind::Pitchfork, PointKind::Pitchfork),
         Domain::Full => (BoundaryKind::CuedFold, PointKind::Fold),
     };
-    let lost = curves::lost(point, Parameter::XiS, cell.xi_s);
+    let lost = curves::lost(point_kind, Parameter::XiS, cell.xi_s);
     let attempt = |cell: &Cell| {
         if kind == BoundaryKind::CuedFold {
             let fold = primary::failure_fold(cell, numerics, budget)?;
@@ -209,6 +225,10 @@ pub fn critical_value(
     let mut last = lost(CurveError::NotReached { steps: 0, reached: f64::NAN });
     for start in starts {
         match attempt(&at_value(cell, parameter, *start)) {
+            // A curve that rises with R0 bounds no division: smaller cells have no stable shape.
+            Ok(point) if parameter == Parameter::R0 && point.slope > 0.0 => {
+                last = ShapeError::NoBound { cell: CellName::of(cell), kind: point_kind, r0: point.value };
+            }
             Ok(point) => return Ok((kind, point)),
             Err(error) => last = error,
         }
@@ -222,7 +242,7 @@ pub fn critical_value(
 /// ```
 /// use furrow_cell::{Cell, Numerics};
 ///
-/// let critical = furrow_mechanics::equilibria::critical_radius(&Cell::new(1.0), &Numerics::default())?;
+/// let critical = furrow_mechanics::critical::critical_radius(&Cell::new(1.0), &Numerics::default())?;
 /// assert!((critical.r0 - 1.7207572).abs() < 1e-6);
 /// # Ok::<(), furrow_mechanics::equilibria::ShapeError>(())
 /// ```
@@ -243,6 +263,38 @@ pub fn critical_radius_within(cell: &Cell, numerics: &Numerics, budget: &StepBud
     Ok(CriticalRadius { cue: cell.cue.clone(), kind, r0: point.value, slope: point.slope })
 }
 
+/// The parts of the critical radius at which divisions are tried, in this order.
+const TRIED: [f64; 6] = [0.999, 0.97, 0.9, 0.75, 0.5, 0.2];
+
+/// The critical radius of cells like `cell`, and down to which radius divisions rest, of a few that are tried.
+///
+/// # Errors
+/// Those of [`critical_radius_within`]; [`ShapeError::NoBound`] if a cell just below divides or does not come to rest.
+pub fn resting_radii(
+    cell: &Cell,
+    numerics: &Numerics,
+    budget: &StepBudget<'_>,
+    cancel: Option<&AtomicBool>,
+) -> Result<RestingRadii> {
+    let critical = critical_radius_within(cell, numerics, budget)?;
+    let mut from = None;
+    for part in TRIED {
+        let tried = Cell { r0: part * critical.r0, ..cell.clone() };
+        let input = DivisionInput { cell: tried, numerics: *numerics, seed: 0 };
+        match divide_with(&input, DivisionOptions { cancel, ..DivisionOptions::default() }) {
+            Ok((division, _)) if division.outcome() == Outcome::Arrested => from = Some(input.cell.r0),
+            Err(DivisionError::Cancelled { .. }) => return Err(ShapeError::Interrupted),
+            _ => break,
+        }
+    }
+    let kind = match critical.kind {
+        BoundaryKind::Pitchfork => PointKind::Pitchfork,
+        BoundaryKind::CuedFold => PointKind::Fold,
+    };
+    let from = from.ok_or(ShapeError::NoBound { cell: CellName::of(cell), kind, r0: critical.r0 })?;
+    Ok(RestingRadii { critical, from })
+}
+
 /// A search for the critical radius of cells that differ by their radius alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Search {
@@ -258,7 +310,7 @@ impl Search {
     }
 }
 
-/// Tells whether cells divide, from stored critical radii where they apply and from searches, once each, for others.
+/// Tells which cells rest undivided, from stored critical radii where they apply and from searches, once each, for others.
 ///
 /// [`ends`](Self::ends) searches where it must. A program with several threads asks for [`missing`](Self::missing)
 /// searches and [runs](Self::run) them where it likes; no lock is held meanwhile.
@@ -266,7 +318,7 @@ impl Search {
 pub struct CriticalRadii<'a> {
     numerics: Numerics,
     interrupt: Option<&'a AtomicBool>,
-    found: Mutex<Vec<(Search, Result<CriticalRadius>)>>,
+    found: Mutex<Vec<(Search, Result<RestingRadii>)>>,
 }
 
 /// Most steps, along branches and curves, of one search for a critical radius. Nearly all searches that find one take 20 to
@@ -286,9 +338,10 @@ impl<'a> CriticalRadii<'a> {
     }
 
     /// With given radii of cells like `cell`.
-    pub fn with_radii(cell: &Cell, numerics: &Numerics, radii: Vec<CriticalRadius>) -> CriticalRadii<'a> {
-        let entry = |radius: CriticalRadius| {
-            (Search { cell: without_size_and_cue(cell).with_cue(radius.cue.clone()), fine: false }, Ok(radius))
+    pub fn with_radii(cell: &Cell, numerics: &Numerics, radii: Vec<RestingRadii>) -> CriticalRadii<'a> {
+        let entry = |radii: RestingRadii| {
+            let cell = without_size_and_cue(cell).with_cue(radii.critical.cue.clone());
+            (Search { cell, fine: false }, Ok(radii))
         };
         let found = Mutex::new(radii.into_iter().map(entry).collect());
         CriticalRadii { numerics: *numerics, interrupt: None, found }
@@ -315,16 +368,23 @@ impl<'a> CriticalRadii<'a> {
     pub fn run(&self, search: &Search) {
         let intervals = self.numerics.intervals << usize::from(search.fine);
         let numerics = Numerics { intervals, ..self.numerics };
-        let found = critical_radius_within(&search.cell, &numerics, &StepBudget::new(MOST_SEARCHED, self.interrupt));
+        let budget = StepBudget::new(MOST_SEARCHED, self.interrupt);
+        let found = match search.fine {
+            // Divisions were tried with the coarser radius.
+            true => critical_radius_within(&search.cell, &numerics, &budget)
+                .map(|critical| RestingRadii { from: critical.r0, critical }),
+            false => resting_radii(&search.cell, &numerics, &budget, self.interrupt),
+        };
         if found != Err(ShapeError::Interrupted) {
             self.lock().push((search.clone(), found));
         }
     }
 
-    /// Why a cell cannot divide; `None` if it can.
+    /// Why a cell cannot divide; `None` if it can, or is smaller than all whose divisions were tried.
     ///
     /// # Errors
-    /// [`ShapeError`] if its critical radius cannot be found in [`MOST_SEARCHED`] steps; it is looked for once.
+    /// [`ShapeError`] if its critical radius cannot be found in [`MOST_SEARCHED`] steps, or bounds no division; it is looked
+    /// for once.
     pub fn ends(&self, cell: &Cell) -> Result<Option<End>> {
         let mut last = None;
         loop {
@@ -348,19 +408,25 @@ impl<'a> CriticalRadii<'a> {
         let coarse = known(false)?;
         // Cells farther away keep the coarser radius: what is said of a cell must not depend on those asked about before,
         // whose order is one of timing.
-        let near = coarse.as_ref().is_ok_and(|radius| (cell.r0 / radius.r0 - 1.0).abs() < NEAR);
-        let radius = if near { known(true)? } else { coarse };
-        Ok(radius.map(|CriticalRadius { kind, r0: critical_r0, .. }| {
+        let near = coarse.as_ref().is_ok_and(|radii| (cell.r0 / radii.critical.r0 - 1.0).abs() < NEAR);
+        let fine = if near { Some(known(true)?) } else { None };
+        Ok(coarse.and_then(|RestingRadii { critical, from }| {
+            let CriticalRadius { kind, r0: critical_r0, .. } = fine.transpose()?.map_or(critical, |fine| fine.critical);
             let margin = cell.r0 / critical_r0 - 1.0;
-            (margin < 0.0).then_some(End { kind, critical_r0, margin })
+            Ok((margin < 0.0 && cell.r0 >= from).then_some(End { kind, critical_r0, margin }))
         }))
     }
 
-    fn result(&self, search: &Search) -> Option<Result<CriticalRadius>> {
+    /// The radius below which cells like this one rest, where it is known.
+    pub fn known_radius(&self, cell: &Cell) -> Option<f64> {
+        Some(self.result(&Search::of(cell, false))?.ok()?.critical.r0)
+    }
+
+    fn result(&self, search: &Search) -> Option<Result<RestingRadii>> {
         self.lock().iter().find(|(other, _)| other == search).map(|(_, found)| found.clone())
     }
 
-    fn lock(&self) -> MutexGuard<'_, Vec<(Search, Result<CriticalRadius>)>> {
+    fn lock(&self) -> MutexGuard<'_, Vec<(Search, Result<RestingRadii>)>> {
         // An entry is whole before it is added.
         self.found.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -378,7 +444,8 @@ mod tests {
     fn the_stored_boundary_is_fresh_and_right() {
         let stored = preset();
         assert!(stored.radii.len() >= 2);
-        for radius in &stored.radii {
+        for RestingRadii { critical: radius, from } in &stored.radii {
+            assert!(*from < 0.21 * radius.r0);
             let cell = Cell::new(1.0).with_cue(radius.cue.clone());
             let again = critical_radius(&cell, &Numerics::default()).unwrap();
             assert_eq!(again.kind, radius.kind);
@@ -401,9 +468,10 @@ mod tests {
     #[test]
     fn cells_near_the_boundary_are_judged_by_a_finer_solution() {
         // A stored radius that is off by 5e-4 must not decide about a cell within 1e-3 of it.
-        let exact = preset().radii.into_iter().find(|radius| radius.cue.is_none()).unwrap();
-        let r0_c = exact.r0;
-        let off = CriticalRadius { r0: r0_c * 1.0005, ..exact };
+        let exact = preset().radii.into_iter().find(|radii| radii.critical.cue.is_none()).unwrap();
+        let r0_c = exact.critical.r0;
+        let off = CriticalRadius { r0: r0_c * 1.0005, ..exact.critical };
+        let off = RestingRadii { critical: off, ..exact };
         let radii = CriticalRadii::with_radii(&Cell::new(1.0), &Numerics::default(), vec![off]);
         assert_eq!(radii.ends(&Cell::new(r0_c * 1.0002)).unwrap(), None);
         let end = radii.ends(&Cell::new(r0_c * 0.9999)).unwrap().unwrap();

@@ -1,0 +1,69 @@
+//! Critical radii end branches only where divisions rest, whatever the cue.
+
+use furrow_cell::{Cell, Cue, Numerics};
+use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions};
+use furrow_lineage::{EndRule, Fate, Grower, Lineage, Thresholds, Tree, TreeSettings};
+use furrow_mechanics::critical::CriticalRadii;
+use furrow_mechanics::division::divide;
+use rand_mt::Mt64;
+
+use super::random_trees::{between, one_of};
+
+/// A strong cue of one term that tells the poles apart.
+fn strong_cue(random: &mut Mt64) -> String {
+    let fields = ["kappa", "activity", "xi_s", "xi_b", "eta_b", "eta_s", "viscosity", "friction", "tension"];
+    let (field, profile) = (one_of(random, &fields), one_of(random, &["band", "step", "gradient"]));
+    let amplitude = between(random, 0.4, 0.95) * if random.next_u64() & 1 == 0 { 1.0 } else { -1.0 };
+    let width = match random.next_u64() & 1 {
+        0 => format!("{:.4}", between(random, 0.03, 0.3)),
+        _ => format!("{:.4}Lh", between(random, 0.2, 1.5)),
+    };
+    let place = match profile {
+        "gradient" => String::new(),
+        _ => format!("u0={:.5},omega={width},", between(random, 0.0, 1.0)),
+    };
+    format!("{field}:{profile},{place}amplitude={amplitude:.5}")
+}
+
+/// Which cells divide, in trees with and without critical radii, from one memo.
+fn dividing(cue: &Cue, settings: &TreeSettings, most: usize) -> [Vec<(String, bool)>; 2] {
+    let text = r#"(name: "one", cues: {"strong": kappa(u0: 0.4, omega: 0.1, amplitude: 0.2)}, founders: [(name: "S", cue: "strong")])"#;
+    let mut lineage = Lineage::parse(text, "one.ron").unwrap();
+    lineage.limits.max_cells = most;
+    let lineage = lineage.with_cues_replaced("strong", cue);
+    let memo = Memo::new(Quantisation::DEFAULT);
+    let radii = Thresholds::new(CriticalRadii::new(&settings.numerics));
+    [EndRule::Thresholds(&radii), EndRule::Dynamics].map(|ends| {
+        let options = SchedulerOptions::default();
+        let grower = Grower { lineage: &lineage, settings: settings.clone(), ends, memo: &memo, options };
+        let (tree, _): (Tree, _) = grower.grow(divide).unwrap();
+        tree.cells()
+            .map(|id| tree.cell(id))
+            .map(|cell| (cell.name.clone(), matches!(cell.fate, Fate::Divides(_))))
+            .collect()
+    })
+}
+
+#[test]
+fn no_radius_ends_a_branch_that_divides() {
+    let mut random = Mt64::new(20261123);
+    let named = [
+        "xi_s:band,u0=0.960127,omega=1.183Lh,amplitude=0.945228",
+        "activity:gradient,amplitude=0.85",
+        "xi_s:band,u0=0.5231,omega=0.03072,amplitude=0.4602",
+    ];
+    let mut differ = Vec::new();
+    for number in 0..400 {
+        let cue = named.get(number).map_or_else(|| strong_cue(&mut random), |cue| (*cue).to_owned());
+        let cell = if number % 2 == 0 { Cell::new(2.4) } else { Cell::gao2026_thresholds(2.4) };
+        // The two trees are compared with each other, so a coarse mesh suffices.
+        let numerics = Numerics { intervals: 32, ..Numerics::default() };
+        let [ahead, all] =
+            dividing(&cue.parse().unwrap(), &TreeSettings { cell, numerics, ..TreeSettings::default() }, 40);
+        if let Some(first) = ahead.iter().zip(&all).find(|(a, b)| a != b) {
+            println!("{number} {cue}: {} and {} cells, {first:?}", ahead.len(), all.len());
+            differ.push(cue);
+        }
+    }
+    assert!(differ.is_empty(), "{differ:#?}");
+}
