@@ -143,7 +143,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         Some(tree) => report::html(tree, &founder_rows(tree)),
         None => {
             files.stage("scenarios.csv", scenarios_csv(&scenarios, trees).as_bytes())?;
-            report::scenarios_page(&scenarios, trees)
+            report::scenarios_page(&scenarios, trees, &[])
         }
     };
     files.stage("report.html", page.as_bytes())?;

@@ -60,8 +60,8 @@ fn drawings_on_the_page_do_not_overflow() {
         "wide.ron",
     );
     let (scenarios, trees) = grown(&[shallow(Lineage::c_elegans().unwrap(), "worm"), shallow(wide.unwrap(), "wide")]);
-    let page = report::scenarios_page(&scenarios, &trees);
-    assert!(page.contains("figure svg{display:block;width:100%;height:auto}") && !page.contains("name<&>"));
+    let page = report::scenarios_page(&scenarios, &trees, &[]);
+    assert!(page.contains("figure svg { display: block; width: 100%; height: auto; }") && !page.contains("name<&>"));
     let drawings: Vec<&str> = page.split("<svg ").skip(1).map(|rest| rest.split("</svg>").next().unwrap()).collect();
     assert_eq!(drawings.len(), 2);
     for (drawing, tree) in drawings.iter().zip(&trees) {
