@@ -1,6 +1,9 @@
 // A division as a film: the contour in its shell, the cue as a band on it, arrows of active force. The axis of division lies
 // across, the pole u = 0 on the right.
 
+/** A part with less than this of the volume is a thread of the neck, not a lobe. */
+const THREAD = 0.01;
+
 /** What the solver answered, as frames of numbers. */
 class Recording {
   constructor({ answer, numbers }, lineage, mirrored = false) {
@@ -54,11 +57,11 @@ class Recording {
     this.places = this.even ? time : time.map((part, k) => (part + changed[k]) / 2);
   }
 
-  /** Parts into which furrows cut the last contour, from left to right: the share of the volume of each. */
+  /** Parts into which waists cut the last contour, from left to right: the share of the volume of each. */
   parts() {
     const { contour } = this.frames[this.frames.length - 1];
     const places = [];
-    for (let i = 0; i < contour.length; i += 3) places.push([this.sign * contour[i + 1], contour[i]]);
+    for (let i = 0; i < contour.length; i += 3) places.push([this.sign * contour[i + 1], Math.max(0, contour[i])]);
     if (places[0][0] > places[places.length - 1][0]) places.reverse();
     const cuts = waists(places.map(([, r]) => r));
     const volumes = new Array(cuts.length + 1).fill(0);
@@ -74,13 +77,14 @@ class Recording {
   /** What the colours of the cue mean, where there is one. */
   colours() {
     const signs = [1, -1].map((sign) => this.frames.some(({ contour }) => this.most(contour, 3, (c, i) => sign * c[i + 2]) > 0));
-    if (signs[0] && signs[1]) return "The band is the cue: orange where it raises its field, purple where it lowers it.";
-    return signs[0] ? "The orange band is the cue, which raises its field." : signs[1] ? "The purple band is the cue, which lowers its field." : "";
+    if (signs[0] && signs[1]) return "The band is the cue: orange where it raises its field, green where it lowers it.";
+    return signs[0] ? "The orange band is the cue, which raises its field." : signs[1] ? "The green band is the cue, which lowers its field." : "";
   }
 
   /** What the last contour shows, in words. */
   shows() {
-    const parts = this.parts();
+    const cut = this.parts();
+    const parts = cut.filter((part) => part >= THREAD);
     const [left, right] = this.poles;
     const share = (part) => `${(100 * part).toFixed(0)} %`;
     const shell = "in its shell (broken line)";
@@ -92,7 +96,10 @@ class Recording {
     // The contour begins at u = 0, on the right unless it is mirrored.
     const posterior = this.sign > 0 ? u : 1 - u;
     const begin = `Shown is the cell at pinch-off ${shell}: the furrow at u = ${number(u, 3)}`;
-    if (parts.length < 3) return `${begin} cuts it in two, on the left ${left} (${share(parts[0])} of the volume), on the right ${right} (${share(parts[1])}).`;
+    if (parts.length < 3) {
+      const thread = cut.length > parts.length ? " Between them is the thread that is left of the neck." : "";
+      return `${begin} cuts it in two, on the left ${left} (${share(parts[0])} of the volume), on the right ${right} (${share(parts[1] ?? 0)}).${thread}`;
+    }
     const [first, other] = posterior < 0.5 ? [`right, ${right},`, "left"] : [`left, ${left},`, "right"];
     return `${begin} is the first of ${parts.length - 1} to pinch off. The contour has ${parts.length} parts, from the left ${parts.map(share).join(", ")} of the volume: the one on the ${first} is one daughter, the others together are the one on the ${other}.`;
   }
@@ -177,6 +184,8 @@ function drawCell(canvas, recording, frame, { forces = true, size = null } = {})
   if (forces) drawForces(paint, recording, frame.arrows, px, py, ink);
   drawScale(paint, scale, width, height, ink);
   drawPoles(paint, recording.poles, width, ink);
+  const [left, right] = recording.poles;
+  canvas.setAttribute("aria-label", `The cell's contour in its shell: ${left} on the left, ${right} on the right`);
 }
 
 /** What the two ends of the axis are. */
@@ -190,7 +199,7 @@ function drawPoles(paint, [left, right], width, ink) {
   paint.fillText(`${right} →`, width - 10, 16);
 }
 
-/** The cue as a band under the contour: as strong as the cue is there; hollow where it takes away. */
+/** The cue as a band under the contour: as strong as the cue is there, in another colour where it lowers its field. */
 function drawCue(paint, recording, contour, px, py, ink) {
   if (recording.strongest === 0) return;
   paint.lineCap = "butt";
@@ -203,7 +212,7 @@ function drawCue(paint, recording, contour, px, py, ink) {
     let end = i + 3;
     while (end + 3 < contour.length && level(end) === strength) end += 3;
     if (strength !== 0) {
-      paint.strokeStyle = strength > 0 ? ink.cue : ink.force;
+      paint.strokeStyle = strength > 0 ? ink.cue : ink.lowers;
       paint.globalAlpha = Math.abs(strength) / steps;
       for (const side of [1, -1]) {
         paint.beginPath();

@@ -26,7 +26,7 @@ class Labels {
     for (const node of [...discs].sort((a, b) => rank(b) - rank(a) || a.index - b.index)) {
       if (this.taken.length > MOST_NAMES) break;
       if (rank(node) > 0) this.beside(node);
-      else if (!view.small && view.gap > NAMED / 2) this.ifThereIsRoom(node);
+      else if (!view.small && view.gap > NAMED) this.ifThereIsRoom(node);
     }
     return this.drawn;
   }
@@ -34,11 +34,13 @@ class Labels {
   /** A name beside a cell where its row has room for it, else below a cell that has nothing else below it. */
   ifThereIsRoom(node) {
     const { view, paint } = this;
+    const x = view.px(node.x);
+    if (x < GUTTERS[0] || x > view.width - GUTTERS[1]) return;
     paint.font = NAME_FONT;
     const wide = paint.measureText(node.cell.name).width;
     const [room] = this.room(node);
     if (room * view.gap > wide + 2 * view.radius(node) + 12) this.beside(node);
-    else if (view.gap > NAMED && (node.folded || !node.daughters.length)) this.below(node, wide);
+    else if (node.folded || !node.daughters.length) this.below(node, wide);
   }
 
   /** Columns to the neighbour that is farther off, and on which side it is: -1 on the left, 1 on the right. */

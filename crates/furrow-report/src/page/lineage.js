@@ -121,10 +121,11 @@ class LineageView {
     this.draw();
   }
 
-  /** Keeps some of the tree in view. */
+  /** Keeps much of the tree in view. Its edge may come to the middle, or a cell near it could not stay where it is. */
   hold() {
     const inner = this.inner(this.width);
-    this.panX = Math.min(0, Math.max(this.panX, inner - inner * this.zoom));
+    const slack = inner * Math.min(0.5, this.zoom - 1);
+    this.panX = Math.min(slack, Math.max(this.panX, inner - inner * this.zoom - slack));
     const tall = this.margin.top + this.bottom + this.row * this.tree.depth;
     this.panY = Math.min(0, Math.max(this.panY, Math.min(0, this.height - tall)));
   }

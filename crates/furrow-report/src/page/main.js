@@ -108,7 +108,7 @@ class Shown {
     const scenario = scenarios[place];
     if (place !== this.place || this.grown || !lineage.tree) {
       Object.assign(this, { place, grown: null });
-      this.put(scenario.tree, scenario.colours, scenarios.length > 1 ? `${place + 1} ${scenario.name}. ${treeText(scenario.tree)}` : "");
+      this.put(scenario.tree, scenario.colours, scenarios.length > 1 ? `${place + 1} ${scenario.name}: ${scenario.tree.cells.length} cells` : "");
       this.regrow?.from(scenario.tree, scenario.tree, scenario.name || "the report's tree");
     }
     const node = lineage.tree.byName.get(name) ?? lineage.tree.root;

@@ -72,13 +72,18 @@ class PhaseDiagram {
   drawEdge(paint, points, px, py, colour, width, dash) {
     paint.strokeStyle = colour;
     paint.lineWidth = width;
-    for (let k = 1; k < points.length; k++) {
-      const [a, b] = [points[k - 1], points[k]];
-      paint.setLineDash(dash.length ? dash : []);
-      paint.globalAlpha = !dash.length && b[2] !== null && b[2] < 0 ? 0.5 : 1;
+    paint.setLineDash(dash);
+    // Pieces of one strength are one line, so that a broken one is seen to be.
+    const pale = (k) => !dash.length && points[k][2] !== null && points[k][2] < 0;
+    for (let k = 1; k < points.length; ) {
+      paint.globalAlpha = pale(k) ? 0.5 : 1;
       paint.beginPath();
-      paint.moveTo(px(a[0]), py(a[1]));
-      paint.lineTo(px(b[0]), py(b[1]));
+      paint.moveTo(px(points[k - 1][0]), py(points[k - 1][1]));
+      const strength = pale(k);
+      while (k < points.length && pale(k) === strength) {
+        paint.lineTo(px(points[k][0]), py(points[k][1]));
+        k += 1;
+      }
       paint.stroke();
     }
     paint.globalAlpha = 1;

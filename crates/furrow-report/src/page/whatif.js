@@ -164,6 +164,7 @@ class WhatIf {
   /** Nothing of the last cell is left beside the reason why there is no answer for this one. */
   refuse(error, cell) {
     this.recording = null;
+    element("what-if-cell").hidden = true;
     element("outcome").textContent = error.refused ? "refused" : "no answer";
     element("outcome").className = "outcome failed";
     element("what-if-numbers").replaceChildren(make("dt", "because"), make("dd", error.message));
@@ -174,6 +175,7 @@ class WhatIf {
   }
 
   tell(answer, cell, physics, took) {
+    element("what-if-cell").hidden = false;
     const outcome = element("outcome");
     outcome.textContent = answer.outcome;
     outcome.className = `outcome ${answer.outcome}`;
