@@ -61,7 +61,8 @@ fn expected(folder: &Path) -> Value {
     let p0 = &tree["cells"][0];
     let cues = ["germline", "none", "my tension=tension:gradient,amplitude=0.3"].map(|cue| ["--cue", cue]).concat();
     let scenarios = told(folder, &[&["tree", "--out", "several"], &cues[..]].concat());
-    let of = |field: &str| scenarios["scenarios"].as_array().unwrap().iter().map(|s| s[field].clone()).collect::<Vec<_>>();
+    let of =
+        |field: &str| scenarios["scenarios"].as_array().unwrap().iter().map(|s| s[field].clone()).collect::<Vec<_>>();
     json!({
         "scenarios": { "page": folder.join("several/report.html"), "names": of("name"), "cells": of("cells") },
         // Quantity of the sliders, a value that is refused, one that is not, and the command line's words.

@@ -13,8 +13,8 @@
 
 use furrow_cell::CueError;
 pub use furrow_lineage::Scenario;
-use furrow_lineage::named_cue;
 use furrow_lineage::batch::{Memo, SchedulerOptions, Summary};
+use furrow_lineage::named_cue;
 use furrow_lineage::{EndRule, GrowError, Grower, Length, Lineage, Tree, TreeSettings, grow_together};
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput};
 use std::collections::{BTreeMap, HashSet};
@@ -191,7 +191,12 @@ mod tests {
 
     #[test]
     fn a_scenario_has_the_name_that_its_cue_is_given() {
-        let cues = ["my tension=tension:gradient,amplitude=0.3", "germline", "My Tension=none", "tension:gradient,amplitude=0.2"];
+        let cues = [
+            "my tension=tension:gradient,amplitude=0.3",
+            "germline",
+            "My Tension=none",
+            "tension:gradient,amplitude=0.2",
+        ];
         let found = combine(&[source("worm")], &cues).unwrap();
         let of = |field: fn(&Scenario) -> &str| found.iter().map(field).collect::<Vec<_>>();
         assert_eq!(of(|s| &s.name), ["my tension", "worm-germline", "My Tension-2", "worm-cue-4"]);

@@ -45,6 +45,9 @@ mod tests {
             refused(&Cell { epsilon: 1.2, ..cell.clone() }).unwrap_err(),
             "--epsilon: epsilon = 1.2: must be above 0 and below 1"
         );
-        assert_eq!(refused(&cell.with_cue(Cue::kappa_band(3.0, 0.1, 0.1))).unwrap_err(), "--cue: kappa.u0 = 3: must be from 0 to 1");
+        assert_eq!(
+            refused(&cell.with_cue(Cue::kappa_band(3.0, 0.1, 0.1))).unwrap_err(),
+            "--cue: kappa.u0 = 3: must be from 0 to 1"
+        );
     }
 }

@@ -26,8 +26,13 @@ pub fn html(tree: &Tree, rows: &[FounderRow]) -> String {
         top += "<p><strong>Some branches were stopped by a limit of the lineage file, not by mechanics.</strong></p>\n";
     }
     let parameters = parameters(&tree.lineage, &tree.settings);
-    let alone =
-        |tree_json| Shown { name: "", made: String::new(), colours: colours(&tree.lineage), tree: tree_json, spread: None };
+    let alone = |tree_json| Shown {
+        name: "",
+        made: String::new(),
+        colours: colours(&tree.lineage),
+        tree: tree_json,
+        spread: None,
+    };
     let shown: Vec<Shown<'_>> = tree_to_json(tree).ok().map(alone).into_iter().collect();
     Page {
         title: format!("{name} grown from mechanics"),
@@ -61,7 +66,8 @@ pub fn explorer(lineage: &Lineage, settings: &TreeSettings) -> String {
 }
 
 /// Said of a table of the report's tree while the page shows another.
-const OF_REPORT: &str = "<p class=\"of-report notice small\" hidden>Of the report's tree, not of the one grown here.</p>\n";
+const OF_REPORT: &str =
+    "<p class=\"of-report notice small\" hidden>Of the report's tree, not of the one grown here.</p>\n";
 
 fn founders(tree: &Tree, rows: &[FounderRow]) -> String {
     let observed = observed_columns(rows);

@@ -33,7 +33,8 @@ pub fn scenarios_page(scenarios: &[Scenario], trees: &[Tree], spreads: &[Value])
     });
     let (Some(first), shown) = (trees.first(), shown.collect::<Vec<_>>()) else { return String::new() };
     let Cell { epsilon, xi_s, .. } = first.settings.cell;
-    let still: String = pairs().enumerate().map(|(k, (scenario, tree))| drawing(k + 1, scenario, tree, &palette)).collect();
+    let still: String =
+        pairs().enumerate().map(|(k, (scenario, tree))| drawing(k + 1, scenario, tree, &palette)).collect();
     let parameters = format!(
         "<p>The parameters of scenario 1; the others differ from it in lineage and cue, as said above and in the tree.json of each.</p>\n{}",
         parameters(&first.lineage, &first.settings)
