@@ -44,7 +44,7 @@ fn saved_settings_divide(folder: &Path, sliders: &Value) {
     let first = std::fs::read(folder.join("out/tree.json")).unwrap();
     assert_eq!(std::fs::read(folder.join("again/tree.json")).unwrap(), first, "{tree}");
     // What was saved as tree.json is read as one.
-    answer(folder, &["export", "saves/tree.json", "--format", "newick"]);
+    answer(folder, &["export", "saves/tree.json", "--to", "newick"]);
 }
 
 /// What the page must say, by the command line.

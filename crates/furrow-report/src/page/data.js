@@ -116,10 +116,10 @@ function treeText({ cells, cell }) {
 
 const number = (value, digits = 4) => (value === null || value === undefined ? "–" : value.toFixed(digits));
 
-/** A length in L_h, with µm behind it where the lineage file says how long L_h is. */
+/** A length in Lₕ, with µm behind it where the lineage file says how long Lₕ is. */
 function lengthText(value) {
   const natural = number(value);
-  return units.length_um ? `${natural} L_h (${(value * units.length_um).toFixed(2)} µm)` : `${natural} L_h`;
+  return units.length_um ? `${natural} Lₕ (${(value * units.length_um).toFixed(2)} µm)` : `${natural} Lₕ`;
 }
 
 function timeText(value) {

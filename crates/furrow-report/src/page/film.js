@@ -351,7 +351,7 @@ class Player {
     }
     const frame = this.recording.at(this.place);
     this.drawInto(this.canvas);
-    const neck = frame.neck === null ? "no waist yet" : `neck ${number(frame.neck, 3)} L_h`;
+    const neck = frame.neck === null ? "no waist yet" : `neck ${number(frame.neck, 3)} Lₕ`;
     this.label.textContent = `t = ${timeText(frame.t)}, ${neck}`;
     this.slider.setAttribute("aria-valuetext", this.label.textContent);
   }

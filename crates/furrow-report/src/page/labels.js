@@ -25,8 +25,9 @@ class Labels {
     paint.strokeStyle = this.ink.ground;
     for (const node of [...discs].sort((a, b) => rank(b) - rank(a) || a.index - b.index)) {
       if (this.taken.length > MOST_NAMES) break;
-      if (rank(node) > 0) this.beside(node);
-      else if (!view.small && view.gap > NAMED) this.ifThereIsRoom(node);
+      const apart = !view.small && view.gap > NAMED;
+      if (node.isFounder || node === view.selected || (!apart && rank(node) > 0)) this.beside(node);
+      else if (apart) this.ifThereIsRoom(node);
     }
     return this.drawn;
   }
