@@ -187,7 +187,7 @@ impl GrownTree {
 
     /// The tree as an interactive page.
     fn html(&self, py: Python<'_>) -> String {
-        py.detach(|| report::html(&self.tree, &founder_rows(&self.tree)))
+        py.detach(|| report::html(&self.tree, &founder_rows(&self.tree), None))
     }
 
     /// The tree in a format of other programs, as files by name; a single file has no name.

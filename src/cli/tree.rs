@@ -29,7 +29,7 @@ use std::time::Instant;
 Examples:
   furrow tree
   furrow tree --cue none --xi 26 --out no-cue --plot rounds.svg
-  furrow tree --cue germline --cue none --cue tension:gradient,amplitude=0.3 --out cues
+  furrow tree --cue germline --cue none --cue \"my tension=tension:gradient,amplitude=0.3\" --out cues
   furrow tree --replicates 20 --cue none --cue germline
   furrow tree lineages/c_elegans.ron --r0 3.5 --epsilon 0.85 --json")]
 pub struct TreeArgs {
@@ -45,7 +45,7 @@ pub struct TreeArgs {
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
     /// Replaces all cues of the lineage by: none, a name in the lineage file, or terms
-    /// FIELD:PROFILE,key=value,.. joined by +. Several are compared
+    /// FIELD:PROFILE,key=value,.. joined by +. Several are compared, and "NAME=CUE" names the scenario
     #[arg(help_heading = "Cell", long, value_name = "CUE")]
     pub cue: Vec<String>,
     /// Grows the lineage with every set of constants in a table and prints the ranges of the counts; writes no files
@@ -89,12 +89,12 @@ fn tree_counts(tree: &Tree) -> Value {
 
 /// Those of a scenario; `cue` is as it was asked for, null where the lineage's own cues are in force.
 fn scenario_counts((scenario, tree): (&Scenario, &Tree)) -> Value {
-    let Scenario { name, label, cue, .. } = scenario;
-    merged(json!({ "name": name, "lineage": label, "cue": cue }), tree_counts(tree))
+    let Scenario { name, folder, label, cue, .. } = scenario;
+    merged(json!({ "name": name, "folder": folder, "lineage": label, "cue": cue }), tree_counts(tree))
 }
 
-/// `run.json`: what this run did; it differs between runs. With the names of scenarios, which are those of their folders; without
-/// for a tree by itself.
+/// `run.json`: what this run did; it differs between runs. With the folders of scenarios; without for a tree
+/// by itself.
 fn run_record(args: &TreeArgs, context: &Context, grown: &Grown, start: Instant, names: Option<Vec<&str>>) -> Value {
     let Summary { solved, memo_hits, store_hits, corrupt, max_size_shift, shift_effect, warnings, .. } = &grown.summary;
     filled(json!({
@@ -135,14 +135,14 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let spread = args.replicates.map(|_| SPREAD_FILE);
     writable_folder("--out", args.out.as_path(), &written.iter().copied().chain(spread).collect::<Vec<_>>())?;
     for scenario in scenarios.iter().filter(|_| several) {
-        writable_folder("--out", args.out.join(&scenario.name).as_path(), &SCENARIO_FILES)?;
+        writable_folder("--out", args.out.join(&scenario.folder).as_path(), &SCENARIO_FILES)?;
     }
     let (grown, spread) = grown(&scenarios, args.replicates, args.dynamics, context)?;
     let trees = &grown.trees;
     let mut files = FileSet::new(&args.out);
-    for (Scenario { name, .. }, tree) in scenarios.iter().zip(trees) {
+    for (Scenario { folder, .. }, tree) in scenarios.iter().zip(trees) {
         let [nwk, json, svg] =
-            SCENARIO_FILES.map(|file| if several { format!("{name}/{file}") } else { file.to_owned() });
+            SCENARIO_FILES.map(|file| if several { format!("{folder}/{file}") } else { file.to_owned() });
         files.stage(&nwk, newick(tree).as_bytes())?;
         files.stage(&json, tree_to_json(tree)?.as_bytes())?;
         files.stage(&svg, report::svg(tree).as_bytes())?;
@@ -150,18 +150,20 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let names: Vec<&str> = scenarios.iter().map(|scenario| scenario.name.as_str()).collect();
     let named: Vec<(&str, &Tree)> = names.iter().copied().zip(trees).collect();
     let only = trees.first().filter(|_| !several);
+    let mut spreads = spread.iter().map(|spread| json!(spread.founders));
     let page = match only {
-        Some(tree) => report::html(tree, &founder_rows(tree)),
+        Some(tree) => report::html(tree, &founder_rows(tree), spreads.next()),
         None => {
             files.stage("scenarios.csv", scenarios_csv(&scenarios, trees).as_bytes())?;
-            report::scenarios_page(&scenarios, trees)
+            report::scenarios_page(&scenarios, trees, &spreads.collect::<Vec<_>>())
         }
     };
     files.stage("report.html", page.as_bytes())?;
     if !spread.is_empty() {
         files.stage(SPREAD_FILE, spread_csv(&scenarios, &spread).as_bytes())?;
     }
-    let record = run_record(args, context, &grown, start, several.then_some(names));
+    let folders = several.then(|| scenarios.iter().map(|scenario| scenario.folder.as_str()).collect());
+    let record = run_record(args, context, &grown, start, folders);
     files.stage("run.json", to_json(&record)?.as_bytes())?;
     files.commit()?;
     let drawing = || match only {
@@ -201,7 +203,7 @@ fn single(args: &TreeArgs, context: &Context) -> Result<Scenario, CliError> {
     if let Some(text) = args.cue.first() {
         lineage = lineage.carrying(text).map_err(bad_cue)?;
     }
-    Ok(Scenario { name: String::new(), label: String::new(), cue: None, lineage, settings })
+    Ok(Scenario { name: String::new(), folder: String::new(), label: String::new(), cue: None, lineage, settings })
 }
 
 /// Every lineage file with every cue.

@@ -35,18 +35,41 @@ async function slide(page, quantity, value) {
   return data(page, "what-if-result");
 }
 
-/** Where a cell of the first generations is on the screen: found by looking for it with the pointer. */
-async function place(page, name) {
+/** Types a number beside a slider. */
+const type = (page, quantity, value) => page.worth(`(() => { const s = document.querySelector('input[type=number][data-quantity="${quantity}"]'); s.value = ${value}; s.dispatchEvent(new Event("input", { bubbles: true })); })()`);
+const text = (page, id) => page.worth(`document.getElementById(${JSON.stringify(id)}).textContent`);
+
+/** Where a cell is on the screen, between two heights of the drawing: found by looking for it with the pointer. */
+async function place(page, name, [from, to] = [42, 140]) {
   const found = await page.worth(`(() => {
     const canvas = document.getElementById("lineage");
     const { left, top } = canvas.getBoundingClientRect();
-    for (let y = 42; y < 140; y += 6) for (let x = 0; x < canvas.clientWidth; x += 4) {
+    for (let y = ${from}; y < ${to}; y += 6) for (let x = 0; x < canvas.clientWidth; x += 4) {
       canvas.dispatchEvent(new PointerEvent("pointermove", { clientX: left + x, clientY: top + y, bubbles: true }));
       if (canvas.title.startsWith(${JSON.stringify(name)} + ":")) return [left + x + 6, top + y + 2];
     }
     return null;
   })()`);
   check(`${name} is in view`, found !== null, found);
+  return found ?? [0, 0];
+}
+
+/** Where the first full disc of AB's blue is on the screen, by the pixels of the drawing: nothing is asked of the page. */
+async function drawnAB(page) {
+  const found = await page.worth(`(() => {
+    const canvas = document.getElementById("lineage");
+    canvas.scrollIntoView({ block: "center" });
+    const { width, height } = canvas;
+    const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
+    const { left, top, width: wide, height: tall } = canvas.getBoundingClientRect();
+    for (let y = 0; y < height; y++) for (let x = 0, run = 0; x < width; x++) {
+      const at = 4 * (y * width + x);
+      run = data[at] === 0x2f && data[at + 1] === 0x6d && data[at + 2] === 0xb5 ? run + 1 : 0;
+      if (run === 14) return [left + ((x - 7) * wide) / width, top + ((y + 3) * tall) / height];
+    }
+    return null;
+  })()`);
+  check("AB is drawn", found !== null, found);
   return found ?? [0, 0];
 }
 
@@ -109,6 +132,142 @@ async function regrows(page) {
   measures.tree_s = Number(Number(seconds).toFixed(2));
 }
 
+/** After "Grow" with a panel open the drawing fits its place, a click meets what is drawn there, and the header counts the new cells. */
+async function growsBesideThePanel(page) {
+  const header = await text(page, "summary");
+  await page.click(...(await place(page, "P0")));
+  await regrows(page);
+  await page.worth("new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))");
+  const [drawn, shown] = await page.worth(`(() => { const c = document.getElementById("lineage"); return [c.width, c.clientWidth]; })()`);
+  check("the drawing is as wide as its place", drawn === shown, [drawn, shown]);
+  await page.click(...(await drawnAB(page)));
+  check("a click on AB as drawn selects AB", (await text(page, "cell-name")) === "AB", await text(page, "cell-name"));
+  const grown = await text(page, "summary");
+  check("the header counts the grown cells", grown.includes(`: ${expected.none.cells} cells `), grown);
+  check("the tables say whose they are", await page.worth(`[...document.querySelectorAll(".of-report")].every((note) => !note.hidden)`), "hidden");
+  await page.clickOn("#regrow-back");
+  check("the header is the report's again", (await text(page, "summary")) === header, await text(page, "summary"));
+}
+
+/** What `furrow divide` refuses is refused in its words, with nothing of the last cell beside it. */
+async function refuses(page) {
+  for (const [quantity, value, usual, why] of expected.refusals) {
+    await type(page, quantity, value);
+    await page.until(`document.getElementById("what-if-result").dataset.state === "done"`);
+    const found = await data(page, "what-if-result");
+    const said = await text(page, "what-if-numbers");
+    check(`${quantity} = ${value} is refused`, found.outcome === "refused" && said === `because${why}`, [found, said]);
+    const left = [await text(page, "command"), await text(page, "what-if-shows"), await page.worth(`document.getElementById("what-if-command").hidden`)];
+    check("the last cell's command line is gone", left[0] === "" && left[1] === "" && left[2], left);
+    await type(page, quantity, usual);
+    await page.until(`document.getElementById("what-if-result").dataset.state === "done"`);
+    check("and is back with an answer", (await text(page, "command")).startsWith("furrow divide --r0"), await text(page, "command"));
+  }
+}
+
+/** A long computation shows as one, and is given up when the reader goes on. */
+async function waits(page) {
+  await page.worth(`(() => { const r = document.getElementById("what-if-result"); globalThis.told = []; new MutationObserver(() => told.push(r.dataset.r0)).observe(r, { attributes: true, attributeFilter: ["data-r0"] }); })()`);
+  const before = (await data(page, "what-if-result")).chi;
+  await type(page, "r0", 99);
+  await page.until(`document.getElementById("outcome").textContent.startsWith("computing")`);
+  const found = [await data(page, "what-if-result"), Number(await page.worth(`getComputedStyle(document.getElementById("what-if-numbers")).opacity`))];
+  check("the last answer does not stand as this one's", found[0].state === "computing" && found[0].chi === before && found[1] < 0.3, found);
+  await type(page, "r0", 2.5);
+  await page.until(`document.getElementById("what-if-result").dataset.state === "done"`);
+  const told = await page.worth("told");
+  check("what nobody waits for is given up", !told.includes("99") && told.at(-1) === "2.5", told);
+  check("the answer stands clearly", (await page.worth(`getComputedStyle(document.getElementById("what-if-numbers")).opacity`)) === "1", "faint");
+  await page.clickOn("#what-if-reset");
+  await page.until(`document.getElementById("what-if-result").dataset.state === "done"`);
+}
+
+/** Zooming brings up names; searching and folding leave the view where it was. */
+async function staysInView(page) {
+  const names = () => page.worth(`Number(document.getElementById("lineage").dataset.names)`);
+  const frame = () => page.worth("new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))");
+  await page.worth(`document.getElementById("lineage").focus()`);
+  await page.key("0");
+  await frame();
+  const [few, before] = [await names(), await place(page, "AB")];
+  const search = (name) => page.worth(`(() => { const s = document.getElementById("search"); s.value = ${JSON.stringify(name)}; s.dispatchEvent(new Event("input")); s.focus(); })()`);
+  await search("ABal");
+  await page.key("Enter");
+  await frame();
+  const many = await names();
+  check("zooming brings up names", many > few + 8, [few, many]);
+  await page.worth(`document.getElementById("lineage").focus()`);
+  const [x, y] = await place(page, "ABal", [42, 600]);
+  await page.key(" ");
+  await frame();
+  const [u, v] = await place(page, "ABal", [42, 600]);
+  check("a folded cell stays where it is", near(x, u, 16) && near(y, v, 16), [x, y, u, v]);
+  await page.key(" ");
+  await search("ems");
+  await page.key("Enter");
+  await page.key("Escape");
+  await page.clickOn("#zoom-fit");
+  await search("ems");
+  await page.key("Enter");
+  await frame();
+  await page.key("Escape");
+  await frame();
+  const after = await place(page, "AB");
+  check("the view is back after a search", near(before[0], after[0], 9) && near(before[1], after[1], 9), [before, after]);
+}
+
+/** Buttons save what the command line writes. */
+async function saves(page) {
+  fs.mkdirSync(expected.saves, { recursive: true });
+  await page.browser.send("Browser.setDownloadBehavior", { behavior: "allow", downloadPath: expected.saves });
+  const file = (name) => path.join(expected.saves, name);
+  const saved = async (button, name) => {
+    await page.worth(`document.getElementById(${JSON.stringify(button)}).click()`);
+    for (let tries = 0; !fs.existsSync(file(name)) || fs.statSync(file(name)).size === 0; tries++) {
+      if (tries === 600) throw new Error(`${name} is not saved`);
+      await new Promise((resolve) => setTimeout(resolve, 50));
+    }
+    return fs.readFileSync(file(name));
+  };
+  check("Newick is that of the command line", (await saved("save-newick", "tree.nwk")).toString() === expected.newick, "another");
+  check("tree.json is the tree", JSON.parse(await saved("save-json", "tree.json")).cells.length === expected.cells, "another");
+  for (const [button, name] of [["save-picture", "tree.png"], ["what-if-picture", "furrow-cell.png"]]) {
+    check(`${name} is a picture`, (await saved(button, name)).subarray(1, 4).toString() === "PNG", name);
+  }
+  await saved("save-settings", "tree.ron");
+  await slide(page, "epsilon", 0.9);
+  await saved("what-if-settings", "furrow.ron");
+}
+
+/** Scenarios: every tree can be opened, by a cell of it, its name, or its column. */
+async function scenarios(browser) {
+  const address = pathToFileURL(expected.scenarios.page).href;
+  for (const [width, dark] of [[1400, false], [390, true]]) {
+    const page = await browser.open(address, { width, height: 900, mobile: width < 500, dark });
+    await page.until(`document.getElementById("what-if-result").dataset.state === "done"`);
+    check("scenarios are no wider than the screen", (await page.worth("document.documentElement.scrollWidth")) <= width, width);
+    check("a table that is cut says so", (await page.worth(`document.querySelector(".wrap").classList.contains("cut")`)) === width < 500, width);
+    const title = () => text(page, "lineage-title");
+    const { names, cells } = expected.scenarios;
+    check("the first is open", (await title()) === `1 ${names[0]}: ${cells[0]} cells`, await title());
+    // The first cell of the second, where it is drawn: in the middle, at the top.
+    const [x, y] = await page.worth(`(() => { const c = document.querySelectorAll("#overview canvas")[1]; c.scrollIntoView({ block: "center" });
+      const { left, top } = c.getBoundingClientRect(); for (let x = 0; x < c.clientWidth; x += 3) { c.dispatchEvent(new PointerEvent("pointermove", { clientX: left + x, clientY: top + 22, bubbles: true }));
+      if (c.title.startsWith("P0:")) return [left + x + 3, top + 22]; } return [0, 0]; })()`);
+    await page.click(x, y);
+    await page.until(`document.getElementById("film-state").dataset.cell === "P0"`);
+    check("a click in a small tree opens it", (await title()).startsWith(`2 ${names[1]}`) && (await text(page, "cell-name")) === "P0", await title());
+    await page.worth(`document.querySelector('th[data-scenario="2"] button').click()`);
+    check("so does its column", (await title()) === `3 ${names[2]}: ${cells[2]} cells`, await title());
+    check("its column is marked", await page.worth(`document.querySelector('th[data-scenario="2"]').classList.contains("shown")`), "not");
+    const found = await slide(page, "r0", 2);
+    check("its sliders answer", found.outcome === "asymmetric" || found.outcome === "symmetric", found);
+    await shot(page, width < 500 ? "scenarios-narrow-dark" : "scenarios");
+    complaints(page, "the scenarios", address);
+    await page.close();
+  }
+}
+
 /** Keys walk through the tree, open and close. */
 async function walks(page) {
   await page.worth(`document.getElementById("lineage").focus()`);
@@ -133,9 +292,18 @@ async function report(browser) {
   await page.until(`document.getElementById("what-if-result").dataset.state === "done"`);
   await shot(page, "wide-light");
   await divides(page);
+  const film = await page.worth(`document.getElementById("film").getAttribute("aria-label")`);
+  check("the film names its poles", film.includes("anterior on the left, posterior on the right"), film);
+  const shows = await text(page, "what-if-shows");
+  check("what is shown is said", /on the left anterior \(59 % of the volume\), on the right posterior \(41 %\)/.test(shows), shows);
   await walks(page);
+  await staysInView(page);
+  await refuses(page);
   await slides(page);
+  await waits(page);
   await times(page);
+  await saves(page);
+  await growsBesideThePanel(page);
   await regrows(page);
   await shot(page, "wide-regrown");
   complaints(page, "the report", address);
@@ -150,6 +318,7 @@ async function narrow(browser) {
     await page.until(`document.getElementById("what-if-result").dataset.state === "done"`);
     const width = await page.worth("document.documentElement.scrollWidth");
     check("nothing is wider than a telephone", width <= 390, width);
+    check("a table that is cut says so", await page.worth(`document.querySelector(".wrap.cut table") !== null`), "none");
     const ground = await page.worth("getComputedStyle(document.body).backgroundColor");
     await page.clickOn("#theme");
     const other = await page.worth("getComputedStyle(document.body).backgroundColor");
@@ -169,6 +338,11 @@ async function explorer(browser) {
   const address = pathToFileURL(expected.explorer).href;
   const page = await browser.open(address, { dark: true });
   await page.until(`document.getElementById("what-if-result").dataset.state === "done"`);
+  await type(page, "epsilon", 0.7);
+  await page.until(`document.getElementById("phase-edge").textContent.includes("at ε = 0.7,")`);
+  const curves = await text(page, "phase-edge");
+  check("both lines of the diagram are named", curves.includes("thin broken line is the edge at ε = 0.87"), curves);
+  await type(page, "epsilon", 0.87);
   const found = await slide(page, "r0", 2);
   check("the explorer divides", found.outcome === "asymmetric", found);
   await regrows(page);
@@ -223,6 +397,7 @@ try {
   await report(browser);
   await narrow(browser);
   await explorer(browser);
+  await scenarios(browser);
   await large(browser);
   await still(browser);
 } finally {

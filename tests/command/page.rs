@@ -29,6 +29,24 @@ fn browser() -> Option<[String; 2]> {
     Some([program(["node".to_owned()])?, program(named.into_iter().chain(usual))?])
 }
 
+/// What the command line says of a zygote that it refuses.
+fn refusal(folder: &Path, arguments: &[&str]) -> String {
+    let output = command::furrow(folder, &[&["divide", "--r0", "5.4"], arguments].concat());
+    assert_eq!(output.status.code(), Some(2));
+    String::from_utf8(output.stderr).unwrap().trim().trim_start_matches("furrow: error: ").to_owned()
+}
+
+/// The settings that were saved in the page give what the page said.
+fn saved_settings_divide(folder: &Path, sliders: &Value) {
+    let found = told(folder, &[&["divide", "--config", "saves/furrow.ron"][..], &P0].concat());
+    assert_eq!((&found["outcome"], &found["chi"]), (&sliders["outcome"], &sliders["chi"]));
+    let tree = told(folder, &["tree", "--config", "saves/tree.ron", "--out", "again"]);
+    let first = std::fs::read(folder.join("out/tree.json")).unwrap();
+    assert_eq!(std::fs::read(folder.join("again/tree.json")).unwrap(), first, "{tree}");
+    // What was saved as tree.json is read as one.
+    answer(folder, &["export", "saves/tree.json", "--to", "newick"]);
+}
+
 /// What the page must say, by the command line.
 fn expected(folder: &Path) -> Value {
     answer(folder, &["tree", "--out", "out", "--cache", "cache"]);
@@ -41,7 +59,21 @@ fn expected(folder: &Path) -> Value {
     let sliders = [slider(0.9), slider(0.93)];
     assert_ne!(sliders[0]["outcome"], sliders[1]["outcome"]);
     let p0 = &tree["cells"][0];
+    let cues = ["germline", "none", "my tension=tension:gradient,amplitude=0.3"].map(|cue| ["--cue", cue]).concat();
+    let scenarios = told(folder, &[&["tree", "--out", "several"], &cues[..]].concat());
+    let of =
+        |field: &str| scenarios["scenarios"].as_array().unwrap().iter().map(|s| s[field].clone()).collect::<Vec<_>>();
     json!({
+        "scenarios": { "page": folder.join("several/report.html"), "names": of("name"), "cells": of("cells") },
+        // Quantity of the sliders, a value that is refused, one that is not, and the command line's words.
+        "refusals": [
+            ("xi_s", 200, 25, refusal(folder, &["--xi", "200"])),
+            ("u0", 3, 0.465, refusal(folder, &["--cue", "kappa:u0=3,omega=0.0577,amplitude=0.1"])),
+            ("epsilon", 1.5, 0.87, refusal(folder, &["--epsilon", "1.5"])),
+        ],
+        "saves": folder.join("saves"),
+        "newick": std::fs::read_to_string(folder.join("out/tree.nwk")).unwrap(),
+        "cells": tree["cells"].as_array().unwrap().len(),
         "report": folder.join("out/report.html"),
         "explorer": folder.join("explore.html"),
         "large": std::env::var("FURROW_LARGE_REPORT").ok(),
@@ -83,11 +115,13 @@ fn the_page_says_what_the_command_line_says() {
     };
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("expected.json");
-    std::fs::write(&file, expected(folder.path()).to_string()).unwrap();
+    let expected = expected(folder.path());
+    std::fs::write(&file, expected.to_string()).unwrap();
     let mut arguments = vec![PathBuf::from(chromium), file];
     if let Some(shots) = std::env::var_os("FURROW_SCREENSHOTS").map(PathBuf::from) {
         std::fs::create_dir_all(&shots).unwrap();
         arguments.push(shots);
     }
     run_script(&node, "report.mjs", &arguments);
+    saved_settings_divide(folder.path(), &expected["sliders"][0]);
 }

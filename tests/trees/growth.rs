@@ -191,7 +191,7 @@ fn deep_chain() {
 fn drawing_and_report() {
     let tree = grow(&Lineage::c_elegans().unwrap());
     let drawing = furrow_report::svg(&tree);
-    let report = furrow_report::html(&tree, &founder_rows(&tree));
+    let report = furrow_report::html(&tree, &founder_rows(&tree), None);
     // One disc with a title a cell.
     assert_eq!(drawing.matches("<title>").count(), tree.len());
     assert!(report.contains("<h1>Caenorhabditis elegans, grown from mechanics</h1>") && report.contains("</svg>"));

@@ -119,5 +119,5 @@ fn the_founders_table_has_a_column_of_cues() {
     {
         assert!(table.contains(line), "{table}");
     }
-    assert!(html(&tree, &rows).contains("none, pull +2"));
+    assert!(html(&tree, &rows, None).contains("none, pull +2"));
 }

@@ -61,8 +61,8 @@ fn drawings_on_the_page_do_not_overflow() {
         "wide.ron",
     );
     let (scenarios, trees) = grown(&[shallow(Lineage::c_elegans().unwrap(), "worm"), shallow(wide.unwrap(), "wide")]);
-    let page = report::scenarios_page(&scenarios, &trees);
-    assert!(page.contains("figure svg{display:block;width:100%;height:auto}") && !page.contains("name<&>"));
+    let page = report::scenarios_page(&scenarios, &trees, &[]);
+    assert!(page.contains("figure svg { display: block; width: 100%; height: auto; }") && !page.contains("name<&>"));
     let drawings: Vec<&str> = page.split("<svg ").skip(1).map(|rest| rest.split("</svg>").next().unwrap()).collect();
     assert_eq!(drawings.len(), 2);
     for (drawing, tree) in drawings.iter().zip(&trees) {
@@ -79,6 +79,16 @@ fn drawings_on_the_page_do_not_overflow() {
             assert!(value("cy") - r > 0.0 && value("cy") + r + 3.0 < size[1], "{disc}");
         }
     }
+    // A spread over seeds is shown in the table, and the page's scripts have it.
+    let range = serde_json::json!({ "p5": 1.5, "p50": 2.0, "p95": 2.25 });
+    let spread = serde_json::json!([{ "name": "AB", "chi": null, "rounds": { "mean": range }, "cells": range }]);
+    let spread = report::scenarios_page(&scenarios, &trees, &[spread, serde_json::Value::Null]);
+    assert!(spread.contains("<td>2.00<small>1.50–2.25</small></td>") && !page.contains("<small>"));
+    assert!(
+        spread.contains(r#""p95":2.25"#)
+            && spread.contains("Medians over seeds")
+            && !page.contains("Medians over seeds")
+    );
     // A founder that a scenario does not have leaves its columns empty, and the text of the table knows both.
     let table = report::scenarios_table(&scenarios, &trees);
     assert!(table.lines().any(|line| line.starts_with("a-rather-long-name<&>")), "{table}");

@@ -24,6 +24,7 @@ pub fn tree_settings(given: Settings, lineage: &Lineage, seed: u64, quantisation
 pub fn scenarios_of(lineages: Vec<Lineage>, given: &Settings, quantisation: Quantisation) -> Vec<Scenario> {
     let scenario = |lineage: Lineage| Scenario {
         name: String::new(),
+        folder: String::new(),
         label: String::new(),
         cue: None,
         settings: tree_settings(given.clone(), &lineage, 0, quantisation),

@@ -14,7 +14,7 @@
 use furrow_cell::CueError;
 pub use furrow_lineage::Scenario;
 use furrow_lineage::batch::{Memo, SchedulerOptions};
-use furrow_lineage::{EndRule, Grower, Length, Lineage, TreeSettings};
+use furrow_lineage::{EndRule, Grower, Length, Lineage, TreeSettings, named_cue};
 use std::collections::{BTreeMap, HashSet};
 
 /// Names that scenarios do not get: those of the files that stand beside their folders.
@@ -52,7 +52,8 @@ pub enum ScenarioError {
 /// Every lineage with every cue; without cues, every lineage as it is. Lineages come in their order, and of each the cues in
 /// theirs.
 ///
-/// A cue that has a name keeps it in the name of the scenario; one written out as terms is `cue-2` if it is the second.
+/// A scenario whose cue is given as `NAME=CUE` has that name, with the lineage's label before it where there are several lineages.
+/// Others are named after label and cue: a cue of the lineage by its name, one written out as terms is `cue-2` if it is the second.
 ///
 /// # Errors
 /// Two scenarios that would grow the same tree beside the same counts, even if they are written in two ways, are refused and
@@ -60,18 +61,24 @@ pub enum ScenarioError {
 /// a slip of the pen far more often than meant.
 pub fn combine(sources: &[Source], cues: &[&str]) -> Result<Vec<Scenario>, ScenarioError> {
     let mut scenarios: Vec<Scenario> = Vec::new();
-    let mut names = HashSet::from(TAKEN.map(str::to_owned));
+    let (mut folders, mut names) = (HashSet::from(TAKEN.map(str::to_owned)), HashSet::new());
     for Source { label, lineage, settings } in sources {
-        let plain = || (label.clone(), None, lineage.clone());
+        let plain = || (label.clone(), false, None, lineage.clone());
         let mut variants = if cues.is_empty() { vec![plain()] } else { Vec::new() };
         for (k, text) in cues.iter().enumerate() {
-            let known = lineage.cue(text).is_some();
-            let called = if known { (*text).to_owned() } else { format!("cue-{}", k + 1) };
-            variants.push((format!("{label}-{called}"), Some((*text).to_owned()), lineage.carrying(text)?));
+            let (called, cue) = named_cue(text)?;
+            let name = match called {
+                Some(called) if sources.len() == 1 => called.to_owned(),
+                Some(called) => format!("{label}-{called}"),
+                None if lineage.cue(cue).is_some() => format!("{label}-{cue}"),
+                None => format!("{label}-cue-{}", k + 1),
+            };
+            variants.push((name, called.is_some(), Some(cue.to_owned()), lineage.carrying(text)?));
         }
-        for (name, cue, lineage) in variants {
-            let name = unique(&safe(&name), &mut names);
-            scenarios.push(Scenario { name, label: label.clone(), cue, lineage, settings: settings.clone() });
+        for (name, named, cue, lineage) in variants {
+            let folder = unique(&safe(&name), &mut folders);
+            let name = unique(if named { &name } else { &folder }, &mut names);
+            scenarios.push(Scenario { name, folder, label: label.clone(), cue, lineage, settings: settings.clone() });
         }
     }
     refuse_equals(&scenarios)?;
@@ -174,6 +181,33 @@ mod tests {
         assert_eq!(names(&[source("..."), other.clone()], &[]), ["scenario", "run.json-2"]);
         other.label = "x".repeat(500);
         assert_eq!(names(&[other], &["none"])[0].len(), LONGEST);
+    }
+
+    #[test]
+    fn a_scenario_has_the_name_that_its_cue_is_given() {
+        let cues = [
+            "my tension=tension:gradient,amplitude=0.3",
+            "germline",
+            "My Tension=none",
+            "tension:gradient,amplitude=0.2",
+        ];
+        let found = combine(&[source("worm")], &cues).unwrap();
+        let of = |field: fn(&Scenario) -> &str| found.iter().map(field).collect::<Vec<_>>();
+        assert_eq!(of(|s| &s.name), ["my tension", "worm-germline", "My Tension-2", "worm-cue-4"]);
+        assert_eq!(of(|s| &s.folder), ["my-tension", "worm-germline", "My-Tension-2", "worm-cue-4"]);
+        assert_eq!(found[0].cue.as_deref(), Some("tension:gradient,amplitude=0.3"));
+        assert!(found[0].lineage.cue("my-tension").is_some());
+        assert_eq!(names(&[source("a"), other_seed("b")], &["x=none"]), ["a-x", "b-x"]);
+        for wrong in ["=none", "none=germline", "a\u{1}=none"] {
+            let said = combine(&[source("worm")], &[wrong]).unwrap_err().to_string();
+            assert!(said.contains("a name before ="), "{wrong}: {said}");
+        }
+    }
+
+    fn other_seed(label: &str) -> Source {
+        let mut other = source(label);
+        other.settings.seed = 1;
+        other
     }
 
     #[test]

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::observed::ObservedRounds;
 use super::physics::FounderPhysics;
+use super::scenario::named_cue;
 use super::units::{Length, Units};
 use furrow_cell::cue::{Field, split_terms};
 use furrow_cell::{Cue, CueError};
@@ -255,16 +256,20 @@ impl Lineage {
         self
     }
 
-    /// [`with_cues_replaced`](Self::with_cues_replaced) by a cue as users write it. One written as terms is called `given`.
+    /// [`with_cues_replaced`](Self::with_cues_replaced) by a cue as users write it, `CUE` or `NAME=CUE` (see [`named_cue`]). One written as terms without
+    /// a name is called `given`; blanks and quotes of a name become `-`, as names of cues have none.
     ///
     /// # Errors
     /// As [`parse_cue`](Self::parse_cue).
     pub fn carrying(&self, text: &str) -> Result<Lineage, CueError> {
+        let (called, text) = named_cue(text)?;
         let cue = self.parse_cue(text)?;
-        let name = match self.cue(text) {
+        let called = called.map(|name| name.replace(|c: char| c.is_whitespace() || "\"'".contains(c), "-"));
+        let name = match (&called, self.cue(text)) {
             _ if cue.is_none() => "none",
-            Some(_) => text,
-            None => "given",
+            (Some(called), _) => called,
+            (None, Some(_)) => text,
+            (None, None) => "given",
         };
         Ok(self.clone().with_cues_replaced(name, &cue))
     }

@@ -33,7 +33,7 @@ pub use observed::ObservedRounds;
 pub use physics::FounderPhysics;
 pub use priority::expected_work;
 pub use rounds::{FounderRounds, Rounds, founder_rounds};
-pub use scenario::Scenario;
+pub use scenario::{Scenario, named_cue};
 pub use thresholds::{EndRule, Scope, Thresholds};
 pub use tree::{CellId, Fate, Side, TerminalReason, Tree, TreeCell, TreeSettings};
 pub use units::{Length, Units};

@@ -1,15 +1,19 @@
 //! A lineage with its parameters, one of several that are grown and compared.
 
 use super::{Lineage, TreeSettings};
+use furrow_cell::CueError;
+use furrow_input::{forbidden, shown};
 
 /// One lineage of several that are grown and compared.
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// Unique among the scenarios, and fit to be the name of a folder.
+    /// Unique among the scenarios.
     pub name: String,
+    /// The name as that of a folder, unique too.
+    pub folder: String,
     /// Label of its lineage.
     pub label: String,
-    /// The cue that replaces every cue of the lineage, as it was asked for; none if the lineage keeps its own.
+    /// The cue that replaces every cue of the lineage, as it was asked for but without its name; none if the lineage keeps its own.
     pub cue: Option<String>,
     /// The lineage with that cue.
     pub lineage: Lineage,
@@ -23,4 +27,34 @@ impl Scenario {
         let cue = self.cue.as_ref().map(|cue| format!(" with the cue {cue}"));
         format!("{}{}", self.label, cue.unwrap_or_default())
     }
+}
+
+/// Longest name of a cue on the command line, in characters.
+const LONGEST: usize = 60;
+
+/// A cue as users write it, in two: the name that they give it and the cue, `NAME=CUE`. A name holds none of `: , +`, so that
+/// `tension:gradient,amplitude=0.3` has none.
+///
+/// ```
+/// use furrow_lineage::named_cue;
+///
+/// let cue = "tension:gradient,amplitude=0.3";
+/// assert_eq!(named_cue("my tension=tension:gradient,amplitude=0.3")?, (Some("my tension"), cue));
+/// assert_eq!(named_cue(cue)?, (None, cue));
+/// # Ok::<(), furrow_cell::CueError>(())
+/// ```
+///
+/// # Errors
+/// A name that is empty, `none`, too long, or not printable.
+pub fn named_cue(text: &str) -> Result<(Option<&str>, &str), CueError> {
+    let Some((name, cue)) = text.split_once('=').filter(|(name, _)| !name.contains([':', ',', '+'])) else {
+        return Ok((None, text));
+    };
+    let name = name.trim();
+    let fits = !name.is_empty() && name != "none" && name.chars().count() <= LONGEST && forbidden(name).is_none();
+    if fits {
+        return Ok((Some(name), cue.trim()));
+    }
+    let allowed = format!("a name before =, other than none, of at most {LONGEST} printable characters");
+    Err(CueError { field: "cue".to_owned(), value: shown(name), allowed })
 }

@@ -49,6 +49,12 @@ pub extern "C" fn furrow_regrow() -> *const u8 {
     answer(|request| tree::regrow(request, &tell))
 }
 
+/// A tree as Newick: see [`tree::as_newick`].
+#[unsafe(no_mangle)]
+pub extern "C" fn furrow_newick() -> *const u8 {
+    answer(tree::as_newick)
+}
+
 /// A curve of pitchforks: see [`edge::edge`].
 #[unsafe(no_mangle)]
 pub extern "C" fn furrow_edge() -> *const u8 {

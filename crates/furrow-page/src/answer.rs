@@ -10,6 +10,12 @@ pub enum PageError {
     /// The request is not what the function takes.
     #[error("the request cannot be read: {0}")]
     Request(#[from] serde_json::Error),
+    /// A cell is outside what the command line takes.
+    #[error(transparent)]
+    Refused(#[from] furrow_input::InputError),
+    /// A tree cannot be read.
+    #[error(transparent)]
+    Tree(#[from] furrow_formats::TreeFileError),
     /// A cue cannot be read.
     #[error(transparent)]
     Cue(#[from] furrow_cell::CueError),
@@ -39,9 +45,10 @@ impl Answer {
         Answer { text, numbers: Vec::new() }
     }
 
-    /// The answer of a request that failed: `{"error": "…"}`.
+    /// The answer of a request that failed: `{"error": "…", "refused": …}`, the latter whether it was bad input.
     pub fn refusal(error: &PageError) -> Answer {
-        Answer::of(serde_json::json!({ "error": error.to_string() }).to_string())
+        let refused = matches!(error, PageError::Refused(_) | PageError::Cue(_));
+        Answer::of(serde_json::json!({ "error": error.to_string(), "refused": refused }).to_string())
     }
 
     /// As bytes: length of the text and count of the numbers (each a little-endian u32), the text, blanks up to a multiple

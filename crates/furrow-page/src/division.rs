@@ -11,6 +11,7 @@ use serde::Deserialize;
 use serde_json::json;
 
 use super::answer::{Answer, PageError};
+use super::limits::check;
 
 /// Equal parts in u of a contour that is drawn.
 const PARTS: usize = 160;
@@ -62,6 +63,10 @@ fn shell(cell: &Cell) -> [f64; 2] {
 pub fn divide(request: &[u8]) -> Result<Answer, PageError> {
     let Request { mut cell, numerics, seed, physics, r0_step, frames: wanted } = serde_json::from_slice(request)?;
     physics.apply(&mut cell);
+    // A slider goes anywhere; the cells of a tree are as its lineage says.
+    if wanted == Wanted::Last {
+        check(&cell, &numerics)?;
+    }
     cell.r0 = Quantisation::with_relative_step(r0_step).unwrap_or(Quantisation::EXACT).apply(cell.r0);
     let input = DivisionInput { cell, numerics, seed };
     let mut shapes: Vec<(f64, Solution)> = Vec::new();

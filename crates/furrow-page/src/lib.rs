@@ -6,7 +6,8 @@
 //! |---|---|
 //! | [`abi`] | the functions that a page calls |
 //! | [`division`] | one division and its movie |
-//! | [`tree`] | a lineage grown in the page |
+//! | [`tree`] | a lineage grown in the page, and a tree as Newick |
+//! | [`limits`] | what is refused |
 //! | [`edge`] | the curve of pitchforks on the phase diagram |
 //! | [`answer`] | the form of all answers |
 
@@ -14,4 +15,5 @@ pub mod abi;
 pub mod answer;
 pub mod division;
 pub mod edge;
+pub mod limits;
 pub mod tree;

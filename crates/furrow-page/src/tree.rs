@@ -1,7 +1,7 @@
 //! A founder tree grown anew, by the same functions as `furrow tree`, so that the counts are the same.
 
 use furrow_cell::Cue;
-use furrow_formats::tree_to_json;
+use furrow_formats::{newick, tree_from_json, tree_to_json};
 use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions};
 use furrow_lineage::{EndRule, Grower, Lineage, Scope, Thresholds, TreeSettings, expected_work};
 use furrow_mechanics::critical::CriticalRadii;
@@ -9,6 +9,7 @@ use furrow_mechanics::division::{DivisionInput, divide};
 use serde::Deserialize;
 
 use super::answer::{Answer, PageError};
+use super::limits::check;
 
 /// What a tree is grown from: the head of `tree.json`, and what the reader of the page has changed.
 #[derive(Debug, Deserialize)]
@@ -26,6 +27,7 @@ struct Request {
 /// A request or a cue that cannot be read. A cell whose division cannot be computed ends its branch and is no error.
 pub fn regrow(request: &[u8], tell: &dyn Fn(usize, usize)) -> Result<Answer, PageError> {
     let Request { mut lineage, settings, cue } = serde_json::from_slice(request)?;
+    check(&settings.cell, &settings.numerics)?;
     if let Some(cue) = cue {
         lineage = lineage.carrying(&cue)?;
     }
@@ -46,6 +48,15 @@ pub fn regrow(request: &[u8], tell: &dyn Fn(usize, usize)) -> Result<Answer, Pag
     let grower = Grower { lineage: &lineage, settings, ends: EndRule::Thresholds(&rule), memo: &memo, options };
     let (tree, _) = grower.grow(divide)?;
     Ok(Answer::of(tree_to_json(&tree)?))
+}
+
+/// The `tree.nwk` of a tree, as a JSON text, from its `tree.json`.
+///
+/// # Errors
+/// The request is no `tree.json`.
+pub fn as_newick(request: &[u8]) -> Result<Answer, PageError> {
+    let tree = tree_from_json(&String::from_utf8_lossy(request))?;
+    Ok(Answer::of(serde_json::to_string(&newick(&tree))?))
 }
 
 #[cfg(test)]
@@ -78,6 +89,8 @@ mod tests {
         document.as_object_mut().unwrap().remove("cells");
         let again = regrow(document.to_string().as_bytes(), &|_, _| {}).unwrap();
         assert_eq!(again.text, first.text);
+        let written: String = serde_json::from_str(&as_newick(first.text.as_bytes()).unwrap().text).unwrap();
+        assert_eq!(written, newick(&tree));
     }
 
     #[test]

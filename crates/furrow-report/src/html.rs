@@ -2,10 +2,12 @@
 
 use super::escape;
 use super::observed_table::{MODEL, decimals, observed_columns};
-use super::page::{Page, data};
+use super::page::{Page, Shown, data};
 use super::summary::{Generation, TreeSummary};
 use super::svg::{colours, svg};
 use super::table::{cue_text, outcome_name};
+use serde_json::Value;
+
 use furrow_cell::Cell;
 use furrow_cell::settings::{Settings, listing};
 use furrow_formats::{FounderRow, Provenance, tree_to_json};
@@ -13,26 +15,36 @@ use furrow_lineage::{Lineage, Tree, TreeSettings};
 use std::fmt::Write;
 
 /// A tree as a page that computes: its lineage to walk through, divisions played, the founders' table, the generations and the
-/// parameters. Without scripts it shows the drawing and the tables.
-pub fn html(tree: &Tree, rows: &[FounderRow]) -> String {
+/// parameters. Without scripts it shows the drawing and the tables. `spread` is what its founders are over seeds, if that is known,
+/// as `furrow tree --replicates` prints it.
+pub fn html(tree: &Tree, rows: &[FounderRow], spread: Option<Value>) -> String {
     let summary = TreeSummary::of(tree);
     let Cell { epsilon, xi_s, .. } = tree.settings.cell;
     let (name, cells, first) = (escape(&tree.lineage.name), tree.len(), tree.cell(tree.first()).r0);
     let ended = summary.ended_text();
     let mut top = format!(
-        "<p class=\"sub\">{cells} cells from one of R0 = {first} at ε = {epsilon}, ξ<sub>s</sub> = {xi_s}. Branches end: {ended}.</p>\n"
+        "<p id=\"summary\" class=\"sub\">{cells} cells from one of R0 = {first} at ε = {epsilon}, ξ<sub>s</sub> = {xi_s}. Branches end: {ended}.</p>\n"
     );
     if summary.limited() {
         top += "<p><strong>Some branches were stopped by a limit of the lineage file, not by mechanics.</strong></p>\n";
     }
     let parameters = parameters(&tree.lineage, &tree.settings);
+    let alone = |tree_json| Shown {
+        name: "",
+        made: String::new(),
+        colours: colours(&tree.lineage),
+        tree: tree_json,
+        spread: spread.clone(),
+    };
+    let shown: Vec<Shown<'_>> = tree_to_json(tree).ok().map(alone).into_iter().collect();
     Page {
         title: format!("{name} grown from mechanics"),
         heading: format!("{name}, grown from mechanics"),
         top,
+        above: String::new(),
         still: format!("<section class=\"card\"><h2>Lineage</h2>\n<div class=\"tree\">{}</div></section>\n", svg(tree)),
         below: founders(tree, rows) + &generations(&summary) + &parameters,
-        data: data(&tree.lineage, &tree.settings, tree_to_json(tree).ok()),
+        data: data(&tree.lineage, &tree.settings, &shown),
     }
     .html()
 }
@@ -44,14 +56,21 @@ pub fn explorer(lineage: &Lineage, settings: &TreeSettings) -> String {
         title: "furrow: what a cell does".to_owned(),
         heading: "What does a cell of this size do?".to_owned(),
         top: format!(
-            "<p class=\"sub\">One division after another, computed in this page from mechanics, and the founders of {name} grown from one cell.</p>\n"
+            "<p class=\"sub\">Divisions computed in this page from mechanics. Under <strong>What if</strong>, on the left sliders of one cell, to begin with the zygote of {name}; \
+             in the middle that cell at the end of its division, in its shell; on the right where it lies in the plane of size and activity, and the line beyond which cells divide. \
+             <strong>Grow</strong> repeats the divisions of daughters, from the first cell to the last, and compares the founders with the embryo.</p>\n"
         ),
+        above: String::new(),
         still: "<p>Everything here is computed by a script, which does not run.</p>\n".to_owned(),
         below: parameters(lineage, settings),
-        data: data(lineage, settings, None),
+        data: data(lineage, settings, &[]),
     }
     .html()
 }
+
+/// Said of a table of the report's tree while the page shows another.
+const OF_REPORT: &str =
+    "<p class=\"of-report notice small\" hidden>Of the report's tree, not of the one grown here.</p>\n";
 
 fn founders(tree: &Tree, rows: &[FounderRow]) -> String {
     let observed = observed_columns(rows);
@@ -62,7 +81,7 @@ fn founders(tree: &Tree, rows: &[FounderRow]) -> String {
         columns => format!("<th colspan=\"{columns}\" class=\"s l\">observed</th>"),
     };
     let mut out = format!(
-        "<section class=\"card\"><h2>Rounds of division per founder</h2>\n<div class=\"wrap\"><table><thead><tr><th colspan=\"{own}\"></th><th colspan=\"6\" class=\"s l\">model</th>{seen}</tr>\
+        "<section class=\"card\"><h2>Rounds of division per founder</h2>\n{OF_REPORT}<div class=\"wrap\"><table><thead><tr><th colspan=\"{own}\"></th><th colspan=\"6\" class=\"s l\">model</th>{seen}</tr>\
          <tr><th>founder</th><th>R0</th>{um}<th class=\"l\">cue</th><th class=\"l\">its division</th><th>χ</th>{}{}</tr></thead><tbody>\n",
         group("th", MODEL.iter().map(|(name, ..)| in_full(name))),
         group("th", observed.iter().map(|(name, ..)| in_full(name)))
@@ -117,7 +136,7 @@ fn generations(summary: &TreeSummary) -> String {
     };
     let rows: String = summary.generations.iter().enumerate().map(row).collect();
     format!(
-        "<section class=\"card\"><h2>Generations</h2>\n<div class=\"wrap\"><table><thead><tr><th>generation</th><th>cells</th><th>divide symmetrically</th><th>asymmetrically</th><th>do not divide</th><th>smallest R0</th><th>largest R0</th></tr></thead><tbody>\n{rows}</tbody></table></div></section>\n"
+        "<section class=\"card\"><h2>Generations</h2>\n{OF_REPORT}<div class=\"wrap\"><table><thead><tr><th>generation</th><th>cells</th><th>divide symmetrically</th><th>asymmetrically</th><th>do not divide</th><th>smallest R0</th><th>largest R0</th></tr></thead><tbody>\n{rows}</tbody></table></div></section>\n"
     )
 }
 

@@ -8,7 +8,7 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 use super::svg::colours;
-use furrow_cell::{Cell, Numerics};
+use furrow_cell::{Cell, Numerics, Settings};
 use furrow_lineage::{Lineage, TreeSettings};
 use furrow_mechanics::critical::Stored;
 
@@ -18,15 +18,19 @@ const WHAT_IF: &str = include_str!("page/whatif.html");
 /// The script of the worker, which runs the solver.
 const WORKER: &str = include_str!("page/worker.js");
 /// In the order of the page: definitions come before their use.
-const SCRIPTS: [&str; 9] = [
+const SCRIPTS: [&str; 13] = [
     include_str!("page/solver.js"),
     include_str!("page/data.js"),
     include_str!("page/theme.js"),
+    include_str!("page/save.js"),
+    include_str!("page/labels.js"),
     include_str!("page/lineage.js"),
+    include_str!("page/walk.js"),
     include_str!("page/film.js"),
     include_str!("page/cell.js"),
     include_str!("page/phase.js"),
     concat!(include_str!("page/whatif.js"), include_str!("page/regrow.js")),
+    include_str!("page/scenarios.js"),
     include_str!("page/main.js"),
 ];
 /// The solver: its version on the first line, gzipped and in base64 on the second.
@@ -43,6 +47,8 @@ pub struct Page {
     pub heading: String,
     /// Below the heading.
     pub top: String,
+    /// Before the lineage.
+    pub above: String,
     /// In place of the lineage where scripts do not run.
     pub still: String,
     /// At the end.
@@ -54,7 +60,7 @@ pub struct Page {
 impl Page {
     /// The whole page.
     pub fn html(&self) -> String {
-        let Page { title, heading, top, still, below, data } = self;
+        let Page { title, heading, top, above, still, below, data } = self;
         let module = MODULE.lines().nth(1).unwrap_or_default();
         let mut out = String::with_capacity(still.len() + below.len() + data.len() + module.len() + 100_000);
         let _ = write!(
@@ -62,7 +68,7 @@ impl Page {
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
              <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\"><link rel=\"icon\" href=\"data:,\"><title>{title}</title>\n<style>\n{STYLE}</style></head><body>\n\
              <header class=\"top\"><div class=\"grow\"><h1>{heading}</h1>\n{top}</div><button id=\"theme\" type=\"button\" hidden>Dark</button></header>\n<main>\n\
-             <p id=\"without-solver\" class=\"card notice\" role=\"status\" hidden></p>\n<div id=\"live\" hidden>\n{LINEAGE}{WHAT_IF}</div>\n<noscript>\n{still}</noscript>\n{below}</main>\n"
+             <p id=\"without-solver\" class=\"card notice\" role=\"status\" hidden></p>\n{above}<div id=\"live\" hidden>\n{LINEAGE}{WHAT_IF}</div>\n<noscript>\n{still}</noscript>\n{below}</main>\n"
         );
         let mut put = |kind: &str, id: &str, text: &str| {
             let _ = writeln!(out, "<script type=\"{kind}\" id=\"{id}\">{text}</script>");
@@ -86,16 +92,45 @@ fn edge(cell: &Cell, numerics: &Numerics) -> Value {
     json!({ "epsilon": epsilon, "points": points })
 }
 
+/// A tree of the page.
+pub struct Shown<'a> {
+    /// What it is called beside others; empty where it is the only one.
+    pub name: &'a str,
+    /// What it is made of: its lineage, its cue.
+    pub made: String,
+    /// Colours of its founders.
+    pub colours: Vec<&'static str>,
+    /// Its `tree.json`.
+    pub tree: String,
+    /// What its founders are over seeds, where more than one was run: an array of founders.
+    pub spread: Option<Value>,
+}
+
 /// Data of the scripts, as JSON: parameters of all divisions, from which the page grows trees, colours of founders, the edge of
-/// division, and the text of `tree.json`.
-pub fn data(lineage: &Lineage, settings: &TreeSettings, tree: Option<String>) -> String {
+/// division, the preset's settings, and the trees: the text of `tree.json` of the first under `tree`, of the others under `others`.
+pub fn data(lineage: &Lineage, settings: &TreeSettings, shown: &[Shown<'_>]) -> String {
     let TreeSettings { cell, numerics, seed, r0_step } = settings;
     let head = json!({ "lineage": lineage, "cell": cell, "numerics": numerics, "seed": seed, "r0_step": r0_step });
-    let told = json!({ "head": head, "colours": colours(lineage), "edge": edge(cell, numerics) }).to_string();
-    let tree = tree.unwrap_or_else(|| "null".to_owned());
-    // One object of both, without parsing either again. `<` is escaped: a name could close the script element.
+    let usual = Settings::default();
+    let names = shown.iter().map(|Shown { name, made, colours, spread, .. }| {
+        json!({ "name": name, "made": made, "colours": colours, "spread": spread })
+    });
+    let told = json!({
+        "head": head,
+        "colours": colours(lineage),
+        "edge": edge(cell, numerics),
+        "preset": { "cell": usual.cell, "numerics": usual.numerics },
+        "scenarios": names.collect::<Vec<_>>(),
+    });
+    let told = told.to_string();
+    let (tree, others) = match shown {
+        [] => ("null", &[][..]),
+        [first, others @ ..] => (first.tree.as_str(), others),
+    };
+    let others = others.iter().map(|shown| shown.tree.as_str()).collect::<Vec<_>>().join(",");
+    // One object of all, without parsing any again. `<` is escaped: a name could close the script element.
     let told = told.strip_suffix('}').unwrap_or_default();
-    format!("{told},\"tree\":{tree}}}").replace('<', "\\u003c")
+    format!("{told},\"tree\":{tree},\"others\":[{others}]}}").replace('<', "\\u003c")
 }
 
 #[cfg(test)]
@@ -106,7 +141,7 @@ mod tests {
     fn no_name_ends_the_element_that_the_data_stand_in() {
         let mut lineage = Lineage::c_elegans().unwrap();
         lineage.name = "</script><script>alert(1)".to_owned();
-        let text = data(&lineage, &TreeSettings::default(), None);
+        let text = data(&lineage, &TreeSettings::default(), &[]);
         assert!(!text.contains('<'));
         let read: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert_eq!(read["head"]["lineage"]["name"], lineage.name);

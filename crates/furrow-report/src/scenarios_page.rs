@@ -1,41 +1,63 @@
-//! Several scenarios on one self-contained page: small drawings and the table.
+//! Several scenarios on the interactive page: the table of founders and scenarios, and every tree to walk through.
 
 use std::fmt::Write;
 
 use super::escape;
 use super::html::{group, parameters};
-use super::observed_table::{OBSERVED_BESIDE, SCENARIO, founder_lines};
+use super::observed_table::{Entry, OBSERVED_BESIDE, SCENARIO, decimals, founder_lines};
+use super::page::{Page, Shown, data};
 use super::summary::TreeSummary;
 use super::svg::{colours, small};
+use furrow_cell::Cell;
+use furrow_formats::tree_to_json;
 use furrow_lineage::{Scenario, Tree};
+use serde_json::Value;
 
-const STYLE: &str = "body{font:15px/1.5 Helvetica,Arial,sans-serif;color:#222;margin:2rem auto;max-width:1320px;padding:0 1rem}\
-h1{font-size:1.5rem;margin-bottom:0}h2{font-size:1.15rem;margin-top:2rem}p.sub{color:#666;margin-top:.2rem}\
-table{border-collapse:collapse;font-variant-numeric:tabular-nums}th,td{padding:.2rem .5rem;text-align:right;border-bottom:1px solid #e6e8eb}\
-th{font-weight:600;color:#444}td:first-child,th:first-child,td.l,th.l{text-align:left}td.s,th.s{border-left:2px solid #bbb}\
-.dot{display:inline-block;width:.7em;height:.7em;border-radius:50%;margin-right:.45em}.tree{overflow-x:auto;border:1px solid #e6e8eb}.tree svg{display:block;width:100%;min-width:1100px;height:auto}\
-code,pre{font:13px/1.45 Menlo,Consolas,monospace}pre{background:#f6f7f9;padding:.8rem;overflow-x:auto}.wrap{overflow-x:auto}";
-/// Style of the drawings' grid.
-const GRID: &str = ".grid{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,380px),1fr));gap:1rem}figure{margin:0;border:1px solid #e6e8eb;padding:.5rem;min-width:0}\
-figcaption{font-size:.87rem;overflow-wrap:anywhere}figcaption span{color:#666}figure svg{display:block;width:100%;height:auto}td.d{font-weight:600;background:#fff3d6}";
-
-/// The scenarios as a page: a small drawing of each tree, the table of founders and scenarios, and the parameters.
-pub fn scenarios_page(scenarios: &[Scenario], trees: &[Tree]) -> String {
+/// The scenarios as a page that computes: the table of founders and scenarios, every tree, and the parameters.
+///
+/// `spreads` has for each scenario what its founders are over seeds, as `furrow tree --replicates` prints it: an array of
+/// `{name, chi, rounds: {min, mean, max}, cells}`, each number as `{p5, p50, p95}`, χ of a founder that does not divide null. It is
+/// empty, or null for a scenario, where there is one seed alone.
+pub fn scenarios_page(scenarios: &[Scenario], trees: &[Tree], spreads: &[Value]) -> String {
     let (palette, count) = (palette(trees), scenarios.len());
-    let pairs = scenarios.iter().zip(trees).enumerate();
-    let drawings: String = pairs.map(|(k, (scenario, tree))| drawing(k + 1, scenario, tree, &palette)).collect();
-    let parameters = trees.first().map_or(String::new(), |tree| {
-        format!(
-            "<p>The parameters of scenario 1; the others differ from it in lineage and cue, as said above and in the tree.json of each.</p>\n{}",
-            parameters(&tree.lineage, &tree.settings)
-        )
+    let pairs = || scenarios.iter().zip(trees);
+    let shown = pairs().enumerate().filter_map(|(k, (scenario, tree))| {
+        let spread = spreads.get(k).filter(|spread| spread.is_array()).cloned();
+        Some(Shown {
+            name: &scenario.name,
+            made: made(scenario, tree),
+            colours: own_colours(tree, &palette),
+            tree: tree_to_json(tree).ok()?,
+            spread,
+        })
     });
-    format!(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>{count} scenarios side by side</title><style>{STYLE}{GRID}</style></head><body>\n<h1>{count} scenarios side by side</h1>\n\
-         {}<div class=\"grid\">\n{drawings}</div>\n{}{parameters}</body></html>\n",
-        dots(&palette),
-        table(scenarios, trees)
-    )
+    let (Some(first), shown) = (trees.first(), shown.collect::<Vec<_>>()) else { return String::new() };
+    let Cell { epsilon, xi_s, .. } = first.settings.cell;
+    let still: String =
+        pairs().enumerate().map(|(k, (scenario, tree))| drawing(k + 1, scenario, tree, &palette)).collect();
+    let parameters = format!(
+        "<p>The parameters of scenario 1; the others differ from it in lineage and cue, as said above and in the tree.json of each.</p>\n{}",
+        parameters(&first.lineage, &first.settings)
+    );
+    Page {
+        title: format!("{count} scenarios side by side"),
+        heading: format!("{count} scenarios side by side"),
+        top: format!(
+            "<p class=\"sub\">Lineages grown from mechanics at ε = {epsilon}, ξ<sub>s</sub> = {xi_s}, unless a lineage says otherwise. The table sets the scenarios beside each other and the embryo; \
+             below, every tree can be walked through.</p>\n"
+        ),
+        above: table(scenarios, trees, spreads),
+        still: format!("<section class=\"card\"><h2>Lineages</h2>\n{}{still}</section>\n", dots(&palette)),
+        below: parameters,
+        data: data(&first.lineage, &first.settings, &shown),
+    }
+    .html()
+}
+
+/// What a scenario is made of, in words.
+fn made(scenario: &Scenario, tree: &Tree) -> String {
+    let cue = scenario.cue.as_ref().map_or(String::new(), |cue| format!("; cue {cue}"));
+    format!("{}{cue}", tree.lineage.name)
 }
 
 /// Founders and their colours, the same in all drawings: those that the first tree with the founder gives it.
@@ -53,6 +75,11 @@ fn palette(trees: &[Tree]) -> Palette<'_> {
     palette
 }
 
+fn own_colours(tree: &Tree, palette: &Palette<'_>) -> Vec<&'static str> {
+    let colour = |name: &str| palette.iter().find(|(known, _)| *known == name).map_or("#222222", |(_, colour)| colour);
+    tree.lineage.founders.iter().map(|founder| colour(&founder.name)).collect()
+}
+
 /// The legend: colours of the founders, and discs.
 fn dots(palette: &Palette<'_>) -> String {
     let dot = |(name, colour): &(&str, &str)| {
@@ -64,52 +91,119 @@ fn dots(palette: &Palette<'_>) -> String {
     )
 }
 
+/// A tree where scripts do not run.
 fn drawing(number: usize, scenario: &Scenario, tree: &Tree, palette: &Palette<'_>) -> String {
-    let colour = |name: &str| palette.iter().find(|(known, _)| *known == name).map_or("#222", |(_, colour)| colour);
-    let colours: Vec<&str> = tree.lineage.founders.iter().map(|founder| colour(&founder.name)).collect();
-    let cue = scenario.cue.as_ref().map_or(String::new(), |cue| format!("; cue {}", escape(cue)));
     let limited = TreeSummary::of(tree).limited();
     let limited = if limited { " Some branches were stopped by a limit, not by mechanics." } else { "" };
-    let [name, lineage] = [&scenario.name, &tree.lineage.name].map(|name| escape(name));
-    let (cells, tree) = (tree.len(), small(tree, &colours));
+    let [name, made] = [&scenario.name, &made(scenario, tree)].map(|text| escape(text));
+    let (cells, tree) = (tree.len(), small(tree, &own_colours(tree, palette)));
     format!(
-        "<figure><figcaption><strong>{number} {name}</strong> <span>{lineage}{cue}; {cells} cells.{limited}</span></figcaption>\n{tree}</figure>\n"
+        "<figure><figcaption><strong>{number} {name}</strong> <span>{made}; {cells} cells.{limited}</span></figcaption>\n{tree}</figure>\n"
     )
 }
 
-fn table(scenarios: &[Scenario], trees: &[Tree]) -> String {
+/// Where a founder's spread has each column of [`SCENARIO`], and with how many decimals it is written.
+const SPREAD: [(&str, usize); 5] =
+    [("/rounds/min", 0), ("/rounds/mean", 2), ("/rounds/max", 0), ("/chi", 3), ("/cells", 0)];
+
+/// Median and 5–95 % over seeds of a column.
+struct Range {
+    text: String,
+    ends: [f64; 2],
+}
+
+/// The ranges of a founder over seeds, by column; none where there are none.
+fn ranges(spreads: &[Value], scenario: usize, founder: &str) -> [Option<Range>; 5] {
+    let founders = spreads.get(scenario).and_then(Value::as_array);
+    let found = founders.and_then(|founders| founders.iter().find(|row| row["name"] == founder));
+    SPREAD.map(|(place, digits)| {
+        let of = found?.pointer(place)?;
+        let [low, middle, high] = ["p5", "p50", "p95"].map(|name| of[name].as_f64());
+        let [below, text, above] = [low, middle, high].map(|value| decimals(value, digits));
+        let text = if below == above { text } else { format!("{text}<small>{below}–{above}</small>") };
+        Some(Range { text, ends: [low?, high?] })
+    })
+}
+
+/// Whether a column of a founder differs from that of the first scenario: by more than their spreads where there are any.
+fn differs(own: Option<&Range>, first: Option<&Range>, entry: bool) -> bool {
+    match (own, first) {
+        (Some(own), Some(first)) => own.ends[0] > first.ends[1] || own.ends[1] < first.ends[0],
+        _ => entry,
+    }
+}
+
+fn cells(entry: &Entry, own: &[Option<Range>; 5], first: &[Option<Range>; 5]) -> String {
+    let cell = |k: usize| {
+        let text = own[k].as_ref().map_or(entry.texts[k].as_str(), |range| range.text.as_str());
+        let class = match (k, differs(own[k].as_ref(), first[k].as_ref(), entry.differs[k])) {
+            (0, true) => " class=\"s d\"",
+            (0, false) => " class=\"s\"",
+            (_, true) => " class=\"d\"",
+            (_, false) => "",
+        };
+        format!("<td{class}>{text}</td>")
+    };
+    (0..SCENARIO.len()).map(cell).collect()
+}
+
+/// Founders down, scenarios across, and what was observed.
+fn table(scenarios: &[Scenario], trees: &[Tree], spreads: &[Value]) -> String {
     let lines = founder_lines(trees);
     let observed = lines.iter().any(|line| line.observed.is_some());
-    let heading = |columns: usize, text: &str| format!("<th colspan=\"{columns}\" class=\"s l\">{text}</th>");
+    let spread = spreads.iter().any(Value::is_array);
     let beside = |text: String| if observed { text } else { String::new() };
-    let names = scenarios.iter().enumerate();
-    let names = names.map(|(k, scenario)| heading(SCENARIO.len(), &format!("{} {}", k + 1, escape(&scenario.name))));
+    let names = scenarios.iter().enumerate().map(|(k, scenario)| {
+        let (columns, name) = (SCENARIO.len(), escape(&scenario.name));
+        format!("<th colspan=\"{columns}\" class=\"s l\" data-scenario=\"{k}\">{} {name}</th>", k + 1)
+    });
+    let embryo = format!("<th colspan=\"{}\" class=\"s l\">observed</th>", OBSERVED_BESIDE.len());
     let mut out = format!(
-        "<h2>Rounds of division per founder</h2>\n<div class=\"wrap\"><table><thead><tr><th></th>{}{}</tr>\n<tr><th>founder</th>{}{}</tr></thead><tbody>\n",
+        "<section class=\"card\"><h2>Rounds of division per founder</h2>\n<div class=\"wrap\"><table><thead><tr><th></th>{}{}</tr>\n<tr><th>founder</th>{}{}</tr></thead><tbody>\n",
         names.collect::<String>(),
-        beside(heading(OBSERVED_BESIDE.len(), "observed")),
+        beside(embryo),
         group("th", SCENARIO.iter()).repeat(scenarios.len()),
         beside(group("th", OBSERVED_BESIDE.iter()))
     );
     for line in &lines {
-        let _ = write!(out, "<tr><td>{}</td>", escape(&line.name));
-        for entry in &line.entries {
-            for (k, (text, differs)) in entry.texts.iter().zip(entry.differs).enumerate() {
-                let class = match (k, differs) {
-                    (0, true) => " class=\"s d\"",
-                    (0, false) => " class=\"s\"",
-                    (_, true) => " class=\"d\"",
-                    (_, false) => "",
-                };
-                let _ = write!(out, "<td{class}>{text}</td>");
-            }
-        }
-        out += &beside(group("td", (0..OBSERVED_BESIDE.len()).map(|k| line.observed_text(k))));
-        out.push_str("</tr>\n");
+        let first = ranges(spreads, 0, &line.name);
+        let entries = line.entries.iter().enumerate();
+        let entries = entries.map(|(k, entry)| cells(entry, &ranges(spreads, k, &line.name), &first));
+        let seen = beside(group("td", (0..OBSERVED_BESIDE.len()).map(|k| line.observed_text(k))));
+        let _ = writeln!(out, "<tr><td>{}</td>{}{seen}</tr>", escape(&line.name), entries.collect::<String>());
     }
-    out.push_str("</tbody></table></div>\n<p>Shaded: another number than in scenario 1. Rounds are divisions from the founder to a terminal cell: fewest, mean and most over its terminal cells; χ is the size asymmetry of the founder's own division, cells are its terminal ones.");
+    let shaded = if spread {
+        "Medians over seeds, below them 5–95 %. Shaded: a range that does not meet that of scenario 1; what is not shaded may be the seed's."
+    } else {
+        "Shaded: another number than in scenario 1."
+    };
+    let _ = write!(
+        out,
+        "</tbody></table></div>\n<p>{shaded} Rounds are divisions from the founder to a terminal cell: fewest, mean and most over its terminal cells; χ is the size asymmetry of the founder's own division, cells are its terminal ones."
+    );
     if let Some(citation) = trees.iter().find_map(|tree| tree.lineage.citation.as_ref()) {
         let _ = write!(out, " Observed, deaths included: {}.", escape(citation.trim_end_matches('.')));
     }
-    out + "</p>\n"
+    out + "</p></section>\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn only_what_lies_beyond_the_spread_differs() {
+        let of = |low: f64, high: f64| json!([{ "name": "AB", "chi": null, "cells": { "p5": low, "p50": 0.5 * (low + high), "p95": high } }]);
+        let spreads = [of(10.0, 14.0), of(13.0, 20.0), of(15.0, 15.0)];
+        let [first, near, far] = [0, 1, 2].map(|k| ranges(&spreads, k, "AB"));
+        assert_eq!(first[4].as_ref().unwrap().text, "12<small>10–14</small>");
+        assert_eq!(far[4].as_ref().unwrap().text, "15");
+        assert!(first[3].is_none() && ranges(&spreads, 0, "P1")[4].is_none());
+        // The numbers of one seed differ, but the ranges meet.
+        assert!(!differs(near[4].as_ref(), first[4].as_ref(), true));
+        assert!(differs(far[4].as_ref(), first[4].as_ref(), false));
+        assert!(differs(None, None, true));
+    }
 }

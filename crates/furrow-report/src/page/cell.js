@@ -1,9 +1,10 @@
 // The panel of one cell: its numbers, and its division computed and played.
 
 class CellPanel {
-  constructor(solver, onGo, onExplore) {
+  constructor(solver, { onGo, onExplore, onSize }) {
     this.solver = solver;
     this.onGo = onGo;
+    this.onSize = onSize;
     this.node = null;
     /** Whose division was asked for last, whose is recorded, and whether it is to be played. */
     this.asked = this.recorded = null;
@@ -17,16 +18,20 @@ class CellPanel {
       forces: element("forces"),
     });
     element("explore-cell").addEventListener("click", () => onExplore(this.node));
+    element("film-picture").addEventListener("click", () => savePicture(`${this.node.cell.name}.png`, (canvas, size) => this.player.drawInto(canvas, size), element("film")));
     element("close-cell").addEventListener("click", () => this.close());
-    this.computing = new Latest((request, isLast) => this.compute(request, isLast));
+    this.computing = new Latest(solver, (request) => this.compute(request));
   }
 
   /** Shows the numbers of a cell, without computing anything. */
-  show(head, node) {
+  show(head, node, spread = null) {
     const { cell } = node;
     this.node = node;
     this.head = head;
-    element("cell-panel").hidden = false;
+    if (element("cell-panel").hidden) {
+      element("cell-panel").hidden = false;
+      this.onSize();
+    }
     element("cell-name").textContent = cell.name;
     const founders = this.head.lineage.founders;
     const rows = [
@@ -40,6 +45,7 @@ class CellPanel {
     if (cell.chi != null) rows.push(["χ", number(cell.chi, 6)]);
     if (cell.u_furrow != null) rows.push(["furrow at u", number(cell.u_furrow, 4)]);
     if (cell.t_end != null) rows.push([cell.chi == null ? "at rest after" : "pinch-off after", timeText(cell.t_end)]);
+    if (spread) rows.push(...spreadRows(spread));
     const ended = endText(cell.ended);
     if (ended) rows.push(["ends", ended]);
     element("cell-numbers").replaceChildren(...rows.flatMap(([name, value]) => [make("dt", name), make("dd", value)]));
@@ -54,6 +60,7 @@ class CellPanel {
     if (this.recorded !== node) {
       this.recorded = null;
       this.player.show(null);
+      element("film-state").textContent = "";
     }
   }
 
@@ -78,7 +85,7 @@ class CellPanel {
       this.recorded = node;
       this.tell(found, node.cell);
     } catch (error) {
-      if (node === this.node) element("film-state").textContent = `Its division could not be computed: ${error.message}`;
+      if (node === this.node && error.message !== "stopped") element("film-state").textContent = `Its division could not be computed: ${error.message}`;
     }
     if (this.asked === node) this.asked = null;
   }
@@ -87,17 +94,25 @@ class CellPanel {
     const { answer, took } = found;
     // Where nothing tells one pole from the other the tree drew the side; the film shows that side.
     const mirrored = (cell.chi_signed ?? 0) * (answer.chi_signed ?? 0) < 0;
-    this.player.show(new Recording(found, mirrored), this.plays);
+    this.player.show(new Recording(found, this.head.lineage, mirrored), this.plays);
     const state = element("film-state");
-    state.textContent = `computed here in ${took.toFixed(0)} ms: ${answer.outcome}${answer.chi == null ? "" : `, χ = ${number(answer.chi, 6)}`}`;
+    state.textContent = `Computed here in ${took.toFixed(0)} ms: ${answer.outcome}${answer.chi == null ? "" : `, χ = ${number(answer.chi, 6)}`}. ${this.player.recording.colours()}`;
     Object.assign(state.dataset, { cell: cell.name, outcome: answer.outcome, chi: answer.chi ?? "", took, frames: answer.frames.length });
   }
 
   close() {
     this.player.pause();
     element("cell-panel").hidden = true;
+    this.onSize();
     this.node = null;
     lineage?.select(null, { quietly: true });
     lineage?.canvas.focus();
   }
+}
+
+/** Rows of what a founder is over seeds: medians, and 5–95 % in brackets. */
+function spreadRows({ chi, rounds, cells }) {
+  const text = (of, digits) => `${number(of.p50, digits)} (${number(of.p5, digits)}–${number(of.p95, digits)})`;
+  const all = [["χ over seeds", chi, 3], ["mean rounds over seeds", rounds?.mean, 2], ["cells over seeds", cells, 0]];
+  return all.filter(([, of]) => of).map(([name, of, digits]) => [name, text(of, digits)]);
 }

@@ -1,6 +1,8 @@
-// What the page was written with: parameters, lineage and, in a report, the grown tree as in tree.json.
+// What the page was written with: parameters, lineage and, in a report, grown trees as in tree.json.
 
 const page = JSON.parse(element("furrow-data").textContent);
+/** The trees of the page, {name, made, colours, tree}: of a report one, of scenarios several, of the explorer none. */
+const scenarios = page.scenarios.map((scenario, k) => ({ ...scenario, tree: k === 0 ? page.tree : page.others[k - 1] }));
 const units = page.head.lineage.units ?? {};
 
 /** The cells of a tree.json as nodes that know mother, daughters, and their place. */
@@ -25,6 +27,8 @@ class Tree {
     this.root = this.nodes[0];
     this.byName = new Map(this.nodes.map((node) => [node.cell.name, node]));
     this.largest = this.root.cell.r0;
+    /** Letters of the longest name of a cell without daughters. */
+    this.longest = this.nodes.reduce((most, { cell, daughters }) => (daughters.length ? most : Math.min(16, Math.max(most, cell.name.length))), 0);
     for (let k = this.nodes.length - 1; k >= 0; k--) {
       const node = this.nodes[k];
       node.below = node.daughters.reduce((sum, daughter) => sum + 1 + daughter.below, 0);
@@ -62,7 +66,10 @@ class Tree {
     this.shown = order;
     this.generations = [];
     for (const node of order) (this.generations[node.cell.generation] ??= []).push(node);
-    for (const row of this.generations) row.sort((a, b) => a.x - b.x);
+    for (const row of this.generations) {
+      row.sort((a, b) => a.x - b.x);
+      row.forEach((node, place) => (node.place = place));
+    }
   }
 
   fold(node, folded) {
@@ -88,12 +95,31 @@ class Tree {
   }
 }
 
+/** What the poles are called, u = 1 and u = 0; the film has them on the left and on the right. */
+function poles(lineage) {
+  const [first, second] = lineage.naming ?? ["a", "p"];
+  return first === "a" && second === "p" ? ["anterior", "posterior"] : [`daughter ${first}`, `daughter ${second}`];
+}
+
+/** Why branches end, in words, with how many do. */
+function endsText(cells) {
+  const words = { at_rest: "at rest undivided", below_pitchfork: "below the pitchfork boundary", below_cued_fold: "below the cued fold" };
+  const counts = new Map();
+  for (const { ended } of cells) if (ended) counts.set(ended.reason, (counts.get(ended.reason) ?? 0) + 1);
+  return [...counts].sort().map(([reason, count]) => `${count} ${words[reason] ?? reason.replace("max_", "stopped by max_")}`).join(", ");
+}
+
+/** A tree in a sentence: cells, what they were grown from, and why branches end. */
+function treeText({ cells, cell }) {
+  return `${cells.length} cells from one of R0 = ${Number(cells[0].r0.toFixed(6))} at ε = ${cell.epsilon}, ξₛ = ${cell.xi_s}. Branches end: ${endsText(cells)}.`;
+}
+
 const number = (value, digits = 4) => (value === null || value === undefined ? "–" : value.toFixed(digits));
 
-/** A length in L_h, with µm behind it where the lineage file says how long L_h is. */
+/** A length in Lₕ, with µm behind it where the lineage file says how long Lₕ is. */
 function lengthText(value) {
   const natural = number(value);
-  return units.length_um ? `${natural} L_h (${(value * units.length_um).toFixed(2)} µm)` : `${natural} L_h`;
+  return units.length_um ? `${natural} Lₕ (${(value * units.length_um).toFixed(2)} µm)` : `${natural} Lₕ`;
 }
 
 function timeText(value) {
@@ -112,6 +138,33 @@ function cueText(cue) {
   if ("omega_length" in value) parts.push(`omega=${value.omega_length}Lh`);
   parts.push(`amplitude=${value.amplitude}`);
   return `${name}:${value.profile ?? "band"},${parts.join(",")}`;
+}
+
+/** Settings of a cell and its numerics by section, as a configuration file has them. */
+function sections(cell, numerics) {
+  const { epsilon, xi_s, r0, material, shell } = cell;
+  return { physics: { ...material, ...shell, r0, epsilon, xi_s }, numerics };
+}
+
+/** Options of the command line for what differs from the preset's cell and numerics; `given` stands by itself. */
+function settingOptions(cell, numerics, given) {
+  const usual = sections(page.preset.cell, page.preset.numerics);
+  const options = [];
+  for (const [section, values] of Object.entries(sections(cell, numerics))) {
+    for (const [name, value] of Object.entries(values)) {
+      if (!given.includes(name) && value !== usual[section][name]) options.push(`--set ${name}=${value}`);
+    }
+  }
+  return options;
+}
+
+/** A text as one word of a shell. */
+const quoted = (text) => (/^[\w.,:=+@%/-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+
+/** A configuration file with these settings; `notes` are comments. */
+function configuration(cell, numerics, notes) {
+  const part = ([section, values]) => `    ${section}: (\n${Object.entries(values).map(([name, value]) => `        ${name}: ${value},\n`).join("")}    ),\n`;
+  return `${notes.map((note) => `// ${note}\n`).join("")}Config(\n${Object.entries(sections(cell, numerics)).map(part).join("")})\n`;
 }
 
 /** Why a cell has no daughters, in words. */

@@ -1,10 +1,14 @@
 // A division as a film: the contour in its shell, the cue as a band on it, arrows of active force. The axis of division lies
 // across, the pole u = 0 on the right.
 
+/** A part with less than this of the volume is a thread of the neck, not a lobe. */
+const THREAD = 0.01;
+
 /** What the solver answered, as frames of numbers. */
 class Recording {
-  constructor({ answer, numbers }, mirrored = false) {
+  constructor({ answer, numbers }, lineage, mirrored = false) {
     this.answer = answer;
+    this.poles = poles(lineage);
     this.sign = mirrored ? -1 : 1;
     const { points, arrows, frames } = answer;
     const size = 3 * points + 4 * arrows;
@@ -53,6 +57,53 @@ class Recording {
     this.places = this.even ? time : time.map((part, k) => (part + changed[k]) / 2);
   }
 
+  /** Parts into which waists cut the last contour, from left to right: the share of the volume of each. */
+  parts() {
+    const { contour } = this.frames[this.frames.length - 1];
+    const places = [];
+    for (let i = 0; i < contour.length; i += 3) places.push([this.sign * contour[i + 1], Math.max(0, contour[i])]);
+    if (places[0][0] > places[places.length - 1][0]) places.reverse();
+    const cuts = waists(places.map(([, r]) => r));
+    const volumes = new Array(cuts.length + 1).fill(0);
+    for (let k = 1, part = 0; k < places.length; k++) {
+      const [[z, r], [before, s]] = [places[k], places[k - 1]];
+      volumes[part] += ((z - before) * (r * r + r * s + s * s)) / 3;
+      if (k === cuts[part]) part += 1;
+    }
+    const whole = volumes.reduce((sum, volume) => sum + volume, 0);
+    return volumes.map((volume) => volume / whole);
+  }
+
+  /** What the colours of the cue mean, where there is one. */
+  colours() {
+    const signs = [1, -1].map((sign) => this.frames.some(({ contour }) => this.most(contour, 3, (c, i) => sign * c[i + 2]) > 0));
+    if (signs[0] && signs[1]) return "The band is the cue: orange where it raises its field, green where it lowers it.";
+    return signs[0] ? "The orange band is the cue, which raises its field." : signs[1] ? "The green band is the cue, which lowers its field." : "";
+  }
+
+  /** What the last contour shows, in words. */
+  shows() {
+    const cut = this.parts();
+    const parts = cut.filter((part) => part >= THREAD);
+    const [left, right] = this.poles;
+    const share = (part) => `${(100 * part).toFixed(0)} %`;
+    const shell = "in its shell (broken line)";
+    if (this.answer.chi == null) {
+      const waists = ["", ", with one shallow furrow", ", with two shallow furrows"][parts.length - 1] ?? "";
+      return `Shown is the cell at rest ${shell}, undivided${waists}.`;
+    }
+    const { u_furrow: u } = this.answer;
+    // The contour begins at u = 0, on the right unless it is mirrored.
+    const posterior = this.sign > 0 ? u : 1 - u;
+    const begin = `Shown is the cell at pinch-off ${shell}: the furrow at u = ${number(u, 3)}`;
+    if (parts.length < 3) {
+      const thread = cut.length > parts.length ? " Between them is the thread that is left of the neck." : "";
+      return `${begin} cuts it in two, on the left ${left} (${share(parts[0])} of the volume), on the right ${right} (${share(parts[1] ?? 0)}).${thread}`;
+    }
+    const [first, other] = posterior < 0.5 ? [`right, ${right},`, "left"] : [`left, ${left},`, "right"];
+    return `${begin} is the first of ${parts.length - 1} to pinch off. The contour has ${parts.length} parts, from the left ${parts.map(share).join(", ")} of the volume: the one on the ${first} is one daughter, the others together are the one on the ${other}.`;
+  }
+
   /** The frame at a place, between two steps as if everything moved straight from one to the other. */
   at(place) {
     const { frames, places } = this;
@@ -71,17 +122,33 @@ class Recording {
   }
 }
 
+/** Indices at which radii have a minimum that is a furrow: a tenth below what is on either side of it. */
+function waists(radii) {
+  const found = [];
+  let [top, low, at] = [0, Infinity, -1];
+  radii.forEach((radius, k) => {
+    if (at < 0 || radius < low) [low, at] = [radius, k];
+    if (radius > top && low >= 0.9 * top) [top, low, at] = [radius, radius, k];
+    // Behind a minimum: it is one if the contour has come up again.
+    if (low < 0.9 * top && radius * 0.9 > low) {
+      found.push(at);
+      [top, low, at] = [radius, radius, k];
+    }
+  });
+  return found;
+}
+
 /** Draws a frame of a recording into a canvas. */
-function drawCell(canvas, recording, frame, { forces = true } = {}) {
-  const ratio = window.devicePixelRatio || 1;
-  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+function drawCell(canvas, recording, frame, { forces = true, size = null } = {}) {
+  const [width, height, ratio] = size ?? [canvas.clientWidth, canvas.clientHeight, window.devicePixelRatio || 1];
   if (!width || !height) return;
   canvas.width = Math.round(width * ratio);
   canvas.height = Math.round(height * ratio);
   const paint = canvas.getContext("2d");
   paint.setTransform(ratio, 0, 0, ratio, 0, 0);
-  paint.clearRect(0, 0, width, height);
   const ink = theme();
+  paint.fillStyle = ink.ground;
+  paint.fillRect(0, 0, width, height);
   const [a, b] = recording.answer.shell;
   // A contour may leave its shell, which is soft, by a little.
   const scale = Math.min((width - 44) / (2.24 * a), (height - 44) / (2.24 * b));
@@ -116,9 +183,23 @@ function drawCell(canvas, recording, frame, { forces = true } = {}) {
   paint.stroke(outline);
   if (forces) drawForces(paint, recording, frame.arrows, px, py, ink);
   drawScale(paint, scale, width, height, ink);
+  drawPoles(paint, recording.poles, width, ink);
+  const [left, right] = recording.poles;
+  canvas.setAttribute("aria-label", `The cell's contour in its shell: ${left} on the left, ${right} on the right`);
 }
 
-/** The cue as a band under the contour: as strong as the cue is there; hollow where it takes away. */
+/** What the two ends of the axis are. */
+function drawPoles(paint, [left, right], width, ink) {
+  paint.fillStyle = ink.faint;
+  paint.font = "11px system-ui, sans-serif";
+  paint.textBaseline = "alphabetic";
+  paint.textAlign = "left";
+  paint.fillText(`← ${left}`, 10, 16);
+  paint.textAlign = "right";
+  paint.fillText(`${right} →`, width - 10, 16);
+}
+
+/** The cue as a band under the contour: as strong as the cue is there, in another colour where it lowers its field. */
 function drawCue(paint, recording, contour, px, py, ink) {
   if (recording.strongest === 0) return;
   paint.lineCap = "butt";
@@ -131,7 +212,7 @@ function drawCue(paint, recording, contour, px, py, ink) {
     let end = i + 3;
     while (end + 3 < contour.length && level(end) === strength) end += 3;
     if (strength !== 0) {
-      paint.strokeStyle = strength > 0 ? ink.cue : ink.force;
+      paint.strokeStyle = strength > 0 ? ink.cue : ink.lowers;
       paint.globalAlpha = Math.abs(strength) / steps;
       for (const side of [1, -1]) {
         paint.beginPath();
@@ -212,7 +293,7 @@ class Player {
 
   show(recording, playing = false) {
     this.recording = recording;
-    this.slider.disabled = this.button.disabled = recording === null;
+    this.slider.disabled = this.button.disabled = element("film-picture").disabled = recording === null;
     this.note.textContent = recording && !recording.even ? "Most of the time is spent waiting at a shape that hardly changes: the film runs faster there." : "";
     this.seek(0);
     if (!recording) {
@@ -258,6 +339,10 @@ class Player {
     this.draw();
   }
 
+  drawInto(canvas, size) {
+    drawCell(canvas, this.recording, this.recording.at(this.place), { forces: this.forces.checked, size });
+  }
+
   draw() {
     if (!this.recording) {
       const { canvas } = this;
@@ -265,8 +350,8 @@ class Player {
       return;
     }
     const frame = this.recording.at(this.place);
-    drawCell(this.canvas, this.recording, frame, { forces: this.forces.checked });
-    const neck = frame.neck === null ? "no waist yet" : `neck ${number(frame.neck, 3)} L_h`;
+    this.drawInto(this.canvas);
+    const neck = frame.neck === null ? "no waist yet" : `neck ${number(frame.neck, 3)} Lₕ`;
     this.label.textContent = `t = ${timeText(frame.t)}, ${neck}`;
     this.slider.setAttribute("aria-valuetext", this.label.textContent);
   }

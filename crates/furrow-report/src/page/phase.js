@@ -48,12 +48,14 @@ class PhaseDiagram {
     paint.clip();
     const edge = this.edge ?? this.printed;
     if (edge) this.drawRest(paint, edge.points, px, py, ink);
-    if (this.printed && this.edge) this.drawEdge(paint, this.printed.points, px, py, ink.faint, 1, [4, 3]);
+    // For comparison, the edge at the ε that the page begins with.
+    const other = this.printed && this.edge && this.edge.epsilon !== this.printed.epsilon ? this.printed : null;
+    if (other) this.drawEdge(paint, other.points, px, py, ink.faint, 1, [4, 3]);
     if (edge) this.drawEdge(paint, edge.points, px, py, ink.text, 2, []);
     this.drawPoint(paint, px, py, ink);
     paint.restore();
     this.drawAxes(paint, px, py, ink);
-    if (edge) this.drawLabels(paint, edge, px, py, ink);
+    if (edge) this.drawLabels(paint, edge, other, px, py, ink);
   }
 
   /** Where the symmetric, weakly furrowed shape is stable. */
@@ -70,13 +72,18 @@ class PhaseDiagram {
   drawEdge(paint, points, px, py, colour, width, dash) {
     paint.strokeStyle = colour;
     paint.lineWidth = width;
-    for (let k = 1; k < points.length; k++) {
-      const [a, b] = [points[k - 1], points[k]];
-      paint.setLineDash(dash.length ? dash : []);
-      paint.globalAlpha = !dash.length && b[2] !== null && b[2] < 0 ? 0.5 : 1;
+    paint.setLineDash(dash);
+    // Pieces of one strength are one line, so that a broken one is seen to be.
+    const pale = (k) => !dash.length && points[k][2] !== null && points[k][2] < 0;
+    for (let k = 1; k < points.length; ) {
+      paint.globalAlpha = pale(k) ? 0.5 : 1;
       paint.beginPath();
-      paint.moveTo(px(a[0]), py(a[1]));
-      paint.lineTo(px(b[0]), py(b[1]));
+      paint.moveTo(px(points[k - 1][0]), py(points[k - 1][1]));
+      const strength = pale(k);
+      while (k < points.length && pale(k) === strength) {
+        paint.lineTo(px(points[k][0]), py(points[k][1]));
+        k += 1;
+      }
       paint.stroke();
     }
     paint.globalAlpha = 1;
@@ -115,7 +122,7 @@ class PhaseDiagram {
       paint.fillRect(px(r0), PAD.top + height, 1, 4);
       paint.fillText(String(r0), px(r0), PAD.top + height + 7);
     }
-    paint.fillText("R0, in L_h", PAD.left + width / 2, PAD.top + height + 23);
+    fillSubscripted(paint, ["R", "0", ", in L", "h"], PAD.left + width / 2, PAD.top + height + 23);
     paint.textAlign = "right";
     paint.textBaseline = "middle";
     for (let xi = 0; xi <= AXES.xi[1]; xi += step(AXES.xi[1], 10)) {
@@ -126,11 +133,11 @@ class PhaseDiagram {
     paint.translate(12, PAD.top + height / 2);
     paint.rotate(-Math.PI / 2);
     paint.textAlign = "center";
-    paint.fillText("ξ_s", 0, 0);
+    fillSubscripted(paint, ["ξ", "s"], 0, 0);
     paint.restore();
   }
 
-  drawLabels(paint, edge, px, py, ink) {
+  drawLabels(paint, edge, other, px, py, ink) {
     paint.fillStyle = ink.faint;
     paint.textBaseline = "middle";
     paint.font = "12px system-ui, sans-serif";
@@ -139,8 +146,10 @@ class PhaseDiagram {
     paint.textAlign = "left";
     paint.fillText("at rest", px(AXES.r0[0]) + 10, PAD.top + this.inner().height - 14);
     const here = this.threshold(edge.points);
-    const at = here === null ? "" : ` At this R0 it lies at ξ_s = ${here.toFixed(1)}.`;
-    element("phase-edge").textContent = `Edge: pitchforks of cells without a cue at ε = ${Number(edge.epsilon.toFixed(4))}; pale where subcritical.${at}`;
+    const at = here === null ? "" : ` At this R0 it lies at ξₛ = ${here.toFixed(1)}.`;
+    const epsilon = ({ epsilon }) => Number(epsilon.toFixed(4));
+    const thin = other ? ` The thin broken line is the edge at ε = ${epsilon(other)}, for comparison.` : "";
+    element("phase-edge").textContent = `The line is the edge of division: pitchforks of cells without a cue at ε = ${epsilon(edge)}, pale where subcritical.${at}${thin}`;
   }
 
   /** The activity at which the edge passes the radius of the point, if it does. */
@@ -152,4 +161,21 @@ class PhaseDiagram {
     }
     return null;
   }
+}
+
+/** Writes texts, every second of which is a subscript, with their middle at (x, y). */
+function fillSubscripted(paint, texts, x, y) {
+  const fonts = ["11px system-ui, sans-serif", "8px system-ui, sans-serif"];
+  const wide = texts.map((text, k) => {
+    paint.font = fonts[k % 2];
+    return paint.measureText(text).width;
+  });
+  paint.textAlign = "left";
+  let at = x - wide.reduce((sum, part) => sum + part, 0) / 2;
+  texts.forEach((text, k) => {
+    paint.font = fonts[k % 2];
+    paint.fillText(text, at, y + (k % 2 ? 4 : 0));
+    at += wide[k];
+  });
+  paint.font = fonts[0];
 }

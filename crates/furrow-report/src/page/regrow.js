@@ -1,21 +1,28 @@
 // A founder tree grown anew inside the page, under another cue or with the numbers of the sliders.
 
 class Regrow {
-  constructor(whatIf, onTree, original) {
+  constructor(whatIf, { onTree, onBack }) {
     this.whatIf = whatIf;
     this.onTree = onTree;
-    this.original = original;
     this.solver = new Solver();
-    const names = Object.keys(page.head.lineage.cues ?? {});
-    const options = [["", "as the lineage gives them"], ["none", "none"], ...names.map((name) => [name, name]), ["?", "the cue of the sliders"]];
-    element("regrow-cue").replaceChildren(...options.map(([value, text]) => Object.assign(make("option", text), { value })));
+    this.from(page.head, null, "");
     element("regrow").addEventListener("click", () => this.grow());
     element("regrow-stop").addEventListener("click", () => this.solver.stop());
-    element("regrow-back").addEventListener("click", () => this.back());
+    element("regrow-back").addEventListener("click", onBack);
+  }
+
+  /** Begins anew from a tree of the page, if there is one, and what it was grown from. */
+  from(head, original, name) {
+    Object.assign(this, { head, original, name });
+    const names = Object.keys(head.lineage.cues ?? {});
+    const options = [["", "as the lineage gives them"], ["none", "none"], ...names.map((name) => [name, name]), ["?", "the cue of the sliders"]];
+    element("regrow-cue").replaceChildren(...options.map(([value, text]) => Object.assign(make("option", text), { value })));
+    for (const id of ["regrow-back", "regrow-table", "regrow-rounds"]) element(id).hidden = true;
+    element("regrow-state").textContent = "";
   }
 
   request() {
-    const { lineage, cell, numerics, seed, r0_step } = page.head;
+    const { lineage, cell, numerics, seed, r0_step } = this.head;
     const request = { lineage, cell, numerics, seed, r0_step };
     const cue = element("regrow-cue").value;
     if (cue === "?") request.cue = cueText(this.whatIf.cue());
@@ -57,8 +64,9 @@ class Regrow {
   show(tree, request, seconds) {
     const cell = request.cell;
     const cue = request.cue === undefined ? "the lineage's cues" : request.cue === "none" ? "no cue" : `the cue ${request.cue}`;
-    const title = `Grown here in ${seconds.toFixed(1)} s with ${cue}, ε = ${cell.epsilon}, ξ_s = ${cell.xi_s}: ${tree.cells.length} cells`;
-    element("regrow-state").textContent = title + (this.original ? `; the report has ${this.original.cells.length}` : "");
+    const title = `Grown here in ${seconds.toFixed(1)} s with ${cue}, ε = ${cell.epsilon}, ξₛ = ${cell.xi_s}: ${tree.cells.length} cells`;
+    element("regrow-state").textContent = title + (this.original ? `; ${this.name} has ${this.original.cells.length}` : "");
+    element("regrow-back").textContent = `Back to ${this.name}`;
     element("regrow-back").hidden = !this.original;
     this.onTree(tree, title);
     this.compare(tree);
@@ -70,7 +78,7 @@ class Regrow {
     const rounds = (row) => (row?.rounds ? `${row.rounds.min} / ${row.rounds.mean.toFixed(2)} / ${row.rounds.max}` : "–");
     const cells = (row) => row?.rounds?.terminal ?? "–";
     const head = ["founder", "R0", "division", "χ", "grown here", "cells"];
-    if (this.original) head.push("report", "cells");
+    if (this.original) head.push(this.name, "cells");
     const observed = tree.founders.some((row) => row.observed);
     if (observed) head.push("observed", "cells");
     const seen = (row) => (row.observed ? `${row.observed.min} / ${row.observed.mean.toFixed(2)} / ${row.observed.max}` : "–");
@@ -85,14 +93,6 @@ class Regrow {
     table.querySelector("thead").replaceChildren(rowOf(head, "th"));
     table.querySelector("tbody").replaceChildren(...lines.map((line) => rowOf(line, "td")));
     element("regrow-rounds").hidden = false;
-  }
-
-  back() {
-    element("regrow-back").hidden = true;
-    element("regrow-table").hidden = true;
-    element("regrow-rounds").hidden = true;
-    element("regrow-state").textContent = "";
-    this.onTree(this.original, null);
   }
 }
 

@@ -54,13 +54,16 @@ class Solver {
     }
     this.waiting.delete(data.id);
     if (data.broken) this.stop();
-    if (data.error) waiting.reject(new Error(data.error));
+    if (data.error) waiting.reject(Object.assign(new Error(data.error), { refused: data.refused === true }));
     else waiting.resolve(data);
   }
 
-  /** Asks for "divide", "regrow" or "edge"; the promise gives {answer, numbers, took}. */
+  /** Asks for "divide", "regrow", "newick" or "edge"; the promise gives {answer, numbers, took}. */
   async ask(call, request, progress) {
-    const worker = await (this.worker ??= this.open());
+    const opening = (this.worker ??= this.open());
+    const worker = await opening;
+    // Stopped before it was ready.
+    if (this.worker !== opening) throw new Error("stopped");
     return new Promise((resolve, reject) => {
       const id = this.next++;
       this.waiting.set(id, { resolve, reject, progress });
@@ -69,17 +72,22 @@ class Solver {
   }
 
   /** Ends the worker, whatever it is at; the next request starts another. */
-  stop() {
+  stop(why = "stopped") {
     this.worker?.then((worker) => worker.terminate(), () => {});
     this.worker = null;
-    for (const { reject } of this.waiting.values()) reject(new Error("stopped"));
+    for (const { reject } of this.waiting.values()) reject(new Error(why));
     this.waiting.clear();
   }
 }
 
-/** Asks one thing at a time and forgets all that was asked meanwhile but the last: what a moving slider needs. */
+/** How long the solver may take for an answer that nobody waits for any more, and for any: in milliseconds. */
+const PATIENCE = { unwanted: 400, most: 60_000 };
+
+/** Asks one thing at a time and forgets all that was asked meanwhile but the last: what a moving slider needs. What is computed
+ *  when something else is asked is given up, unless it is done in a moment. */
 class Latest {
-  constructor(run) {
+  constructor(solver, run) {
+    this.solver = solver;
     this.run = run;
     this.busy = false;
     this.pending = null;
@@ -87,13 +95,25 @@ class Latest {
 
   async ask(request) {
     this.pending = request;
-    if (this.busy) return;
+    if (this.busy) {
+      this.stopAfter(PATIENCE.unwanted - (performance.now() - this.since), "stopped");
+      return;
+    }
     this.busy = true;
     while (this.pending !== null) {
       const next = this.pending;
       this.pending = null;
+      this.since = performance.now();
+      const long = `it took longer than ${PATIENCE.most / 1000} s, the most that this page waits; the command line computes it`;
+      this.stopAfter(PATIENCE.most, long);
       await this.run(next, () => this.pending === null);
+      clearTimeout(this.timer);
     }
     this.busy = false;
+  }
+
+  stopAfter(milliseconds, why) {
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.solver.stop(why), Math.max(0, milliseconds));
   }
 }

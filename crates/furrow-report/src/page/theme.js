@@ -17,6 +17,7 @@ function theme() {
       found: colour("found"),
       cell: colour("cell"),
       cue: colour("cue"),
+      lowers: colour("cue-low"),
       force: colour("force"),
       shell: colour("shell"),
       stays: colour("stays"),

@@ -27,8 +27,10 @@ class WhatIf {
       element("cue-kept").hidden = true;
     }, { capture: true });
     element("what-if-reset").addEventListener("click", () => this.begin(this.start));
-    this.dividing = new Latest((request, isLast) => this.divide(request, isLast));
-    this.following = new Latest((request) => this.followEdge(request));
+    this.dividing = new Latest(solver, (request, isLast) => this.divide(request, isLast));
+    this.following = new Latest(edges, (epsilon) => this.followEdge(epsilon));
+    element("what-if-settings").addEventListener("click", () => save("furrow.ron", this.configuration(), "text/plain"));
+    element("what-if-picture").addEventListener("click", () => savePicture("furrow-cell.png", (canvas, size) => this.drawInto(canvas, size), element("what-if-cell")));
   }
 
   inputs(quantity) {
@@ -52,9 +54,10 @@ class WhatIf {
     this.changed();
   }
 
-  /** Begins at a cell: {r0, epsilon, xi_s, cue, name, physics}. */
+  /** Begins at a cell: {head, r0, epsilon, xi_s, cue, name, physics}. */
   begin(start) {
     this.start = start;
+    this.head = start.head ?? page.head;
     this.physics = start.physics ?? {};
     element("what-if-start").textContent = start.name ? `Starting from ${start.name}.` : "";
     this.widen(start);
@@ -109,35 +112,70 @@ class WhatIf {
     const cell = this.cell();
     element("cue-fields").disabled = !element("cue-on").checked;
     for (const quantity of ["u0", "omega"]) for (const input of this.inputs(quantity)) input.disabled = element("cue-profile").value === "gradient";
-    element("what-if-result").dataset.state = "computing";
+    this.wait();
+    this.diagram.point = { r0: cell.r0, xi: cell.xi_s, outcome: null };
+    this.diagram.draw();
     // ε and ξ_s of the sliders count, whatever the founder says of these two.
     const { epsilon, xi_s, ...physics } = this.physics;
     this.dividing.ask({ cell, physics, asked: performance.now() });
     this.following.ask(cell.epsilon);
   }
 
+  /** Until there is an answer for this cell, that of the last one does not stand as if it were. */
+  wait() {
+    const result = element("what-if-result");
+    result.dataset.state = "computing";
+    result.setAttribute("aria-busy", "true");
+    const since = performance.now();
+    clearInterval(this.clock);
+    this.clock = setInterval(() => {
+      const seconds = Math.floor((performance.now() - since) / 1000);
+      result.classList.add("waits");
+      element("outcome").className = "outcome";
+      element("outcome").textContent = seconds < 1 ? "computing…" : `computing… ${seconds} s`;
+    }, 150);
+  }
+
+  /** There is an answer, or a refusal. */
+  arrived() {
+    const result = element("what-if-result");
+    clearInterval(this.clock);
+    result.classList.remove("waits");
+    result.setAttribute("aria-busy", "false");
+    result.dataset.state = "done";
+  }
+
   async divide({ cell, physics, asked }, isLast) {
     const { numerics, seed } = this.head;
-    const result = element("what-if-result");
     try {
       const found = await this.solver.ask("divide", { cell, physics, numerics, seed, frames: "last" });
-      this.recording = new Recording(found);
+      this.recording = new Recording(found, this.head.lineage);
       this.diagram.point = { r0: cell.r0, xi: cell.xi_s, outcome: found.answer.outcome };
-      this.tell(found.answer, cell, performance.now() - asked);
+      this.tell(found.answer, cell, physics, performance.now() - asked);
     } catch (error) {
-      this.recording = null;
-      this.diagram.point = { r0: cell.r0, xi: cell.xi_s, outcome: null };
-      element("outcome").textContent = "no answer";
-      element("outcome").className = "outcome";
-      element("what-if-numbers").replaceChildren(make("dt", "because"), make("dd", error.message));
-      Object.assign(result.dataset, { outcome: "error", chi: "", r0: cell.r0, epsilon: cell.epsilon });
+      if (!isLast()) return;
+      this.refuse(error, cell);
     }
-    result.dataset.state = isLast() ? "done" : "computing";
+    if (isLast()) this.arrived();
     this.diagram.draw();
     this.draw();
   }
 
-  tell(answer, cell, took) {
+  /** Nothing of the last cell is left beside the reason why there is no answer for this one. */
+  refuse(error, cell) {
+    this.recording = null;
+    element("what-if-cell").hidden = true;
+    element("outcome").textContent = error.refused ? "refused" : "no answer";
+    element("outcome").className = "outcome failed";
+    element("what-if-numbers").replaceChildren(make("dt", "because"), make("dd", error.message));
+    element("what-if-shows").textContent = element("command").textContent = "";
+    element("what-if-command").hidden = true;
+    for (const id of ["what-if-settings", "what-if-picture"]) element(id).disabled = true;
+    Object.assign(element("what-if-result").dataset, { outcome: error.refused ? "refused" : "error", chi: "", r0: cell.r0, epsilon: cell.epsilon });
+  }
+
+  tell(answer, cell, physics, took) {
+    element("what-if-cell").hidden = false;
     const outcome = element("outcome");
     outcome.textContent = answer.outcome;
     outcome.className = `outcome ${answer.outcome}`;
@@ -154,12 +192,35 @@ class WhatIf {
     Object.assign(element("what-if-result").dataset, {
       outcome: answer.outcome, chi: answer.chi ?? "", took, r0: cell.r0, epsilon: cell.epsilon, xi: cell.xi_s,
     });
-    element("command").textContent = `furrow divide --r0 ${cell.r0} --epsilon ${cell.epsilon} --xi ${cell.xi_s}${cell.cue === "none" ? "" : ` --cue ${cueText(cell.cue)}`}`;
+    const chance = cell.cue === "none" && answer.outcome === "asymmetric" ? ` No cue tells the poles apart: chance decides which side is the larger, and here it is that of seed ${this.head.seed}.` : "";
+    element("what-if-shows").textContent = [this.recording.shows() + chance, this.recording.colours()].join(" ");
+    element("command").textContent = this.command(cell, physics);
+    element("what-if-command").hidden = false;
+    for (const id of ["what-if-settings", "what-if-picture"]) element(id).disabled = false;
+  }
+
+  /** The same on the command line. */
+  command(cell, physics) {
+    const options = [`--r0 ${cell.r0}`, `--epsilon ${cell.epsilon}`, `--xi ${cell.xi_s}`];
+    if (cell.cue !== "none") options.push(`--cue ${quoted(cueText(cell.cue))}`);
+    if (this.head.seed) options.push(`--seed ${this.head.seed}`);
+    return ["furrow divide", ...options, ...settingOptions(under(cell, physics), this.head.numerics, ["r0", "epsilon", "xi_s"])].join(" ");
+  }
+
+  /** The cell of the sliders as a configuration file. */
+  configuration() {
+    const { epsilon, xi_s, ...physics } = this.physics;
+    const cell = under(this.cell(), physics);
+    const cue = cell.cue === "none" ? "" : ` --cue ${quoted(cueText(cell.cue))}`;
+    return configuration(cell, this.head.numerics, ["A cell of the interactive page of furrow. Its division:", `  furrow divide --config furrow.ron --r0 ${cell.r0}${cue} --seed ${this.head.seed}`]);
   }
 
   draw() {
-    const canvas = element("what-if-cell");
-    if (this.recording) drawCell(canvas, this.recording, this.recording.frames[0], { forces: false });
+    this.drawInto(element("what-if-cell"));
+  }
+
+  drawInto(canvas, size) {
+    if (this.recording) drawCell(canvas, this.recording, this.recording.frames[0], { forces: false, size });
     else canvas.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
   }
 
@@ -176,4 +237,11 @@ class WhatIf {
     }
     this.diagram.draw();
   }
+}
+
+/** The cell with what its founder changes. */
+function under(cell, physics) {
+  const [material, shell] = [{ ...cell.material }, { ...cell.shell }];
+  for (const [name, value] of Object.entries(physics)) (name in shell ? shell : material)[name] = value;
+  return { ...cell, material, shell };
 }

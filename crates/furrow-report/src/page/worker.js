@@ -37,7 +37,7 @@ onmessage = async ({ data }) => {
     const start = performance.now();
     const [answer, numbers] = ask(data.call, data.request);
     const took = performance.now() - start;
-    if (answer.error) postMessage({ id: data.id, error: answer.error });
+    if (answer?.error) postMessage({ id: data.id, error: answer.error, refused: answer.refused });
     else postMessage({ id: data.id, answer, numbers, took }, [numbers.buffer]);
   } catch (error) {
     // A trap leaves the instance in no state to be asked again.
