@@ -214,7 +214,7 @@ impl Solution {
         let mut seen = match self.seen {
             None => self.gaps.first().map_or(String::new(), |gap| format!("the cell divides nowhere; {}", gap.why)),
             Some([least, most]) => format!(
-                "{} runs from {:.4} (at {:.6}) to {:.4} (at {:.6})",
+                "{} runs from {:.6} (at {:.6}) to {:.6} (at {:.6})",
                 measure.name(),
                 least.outcome,
                 least.value,
