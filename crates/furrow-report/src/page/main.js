@@ -81,7 +81,7 @@ function main() {
     lineage.select(node);
     panel.open();
   }, (node) => {
-    const physics = lineage.tree.head.lineage.founders[node.founder].physics ?? {};
+    const physics = { ...lineage.tree.head.lineage.founders[node.founder].physics, ...node.cell.physics };
     whatIf.begin({ ...lineage.tree.head.cell, ...pick(physics, ["epsilon", "xi_s"]), r0: node.cell.r0, cue: node.cell.cue, name: node.cell.name, physics });
     element("what-if").scrollIntoView({ behavior: "smooth" });
   });
