@@ -76,6 +76,8 @@ fn parameter(name: &str, inputs: &Inputs) -> Result<Parameter, Error> {
     let parameter: Parameter = name.parse().map_err(unknown)?;
     match parameter.is_of(&inputs.cell) {
         true => Ok(parameter),
-        false => Err(Error::not_allowed("unknown", shown(name), format!("a number of the cell's cue, {}", inputs.cell.cue))),
+        false => {
+            Err(Error::not_allowed("unknown", shown(name), format!("a number of the cell's cue, {}", inputs.cell.cue)))
+        }
     }
 }

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
 use furrow_analysis::{Grown, grown, tree_settings};
+use furrow_cell::Parameter;
 use furrow_formats::exchange::{BranchLengths, Exported, Format, export};
 use furrow_formats::tree_json::LONGEST_TREE;
 use furrow_formats::{founder_rows, newick, tree_from_json, tree_to_json};
-use furrow_cell::Parameter;
 use furrow_input::{InputError, did_you_mean, read_text_up_to, shown};
 use furrow_lineage::batch::{Quantisation, SchedulerOptions};
 use furrow_lineage::{CellId, Tree, TreeCell};

@@ -7,8 +7,8 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::context::Context;
 use super::output::number;
-use furrow_cell::{Cell, Cue};
 use furrow_cell::settings::Settings;
+use furrow_cell::{Cell, Cue};
 use furrow_input::InputError;
 use furrow_lineage::{Length, Lineage, Units, parse_cue};
 

@@ -1,12 +1,12 @@
 //! `furrow solve`: the values of one parameter that give a wanted division.
 
+use super::cell::CueArgs;
+use super::cell::length;
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
 use super::output::{filled, merged, number, print_as};
 use super::progress::ProgressLine;
-use super::cell::length;
-use super::cell::CueArgs;
 use super::vary::{Given, parameter};
 use clap::Args;
 use furrow_analysis::solve::{Measure, POINTS, Question, Solution, default_range, solve};

@@ -82,8 +82,11 @@ impl Given<'_> {
         let lineage = self.cue.lineage()?;
         context.units = lineage.units();
         let r0 = self.r0.map(|r0| natural("--r0", r0, &lineage.units())).transpose()?;
-        let options =
-            [("--r0", Parameter::R0, r0), ("--epsilon", Parameter::Epsilon, self.epsilon), ("--xi", Parameter::XiS, self.xi)];
+        let options = [
+            ("--r0", Parameter::R0, r0),
+            ("--epsilon", Parameter::Epsilon, self.epsilon),
+            ("--xi", Parameter::XiS, self.xi),
+        ];
         for (option, of, given) in options {
             if let Some(value) = given {
                 let allowed = format!("left out where {of} varies: see --from and --to");
@@ -98,7 +101,13 @@ impl Given<'_> {
             [] => "a number of a cue, and none is given: see --cue".to_owned(),
             terms => format!("a number of the cue's terms, cue[0] to cue[{}]: {}", terms.len() - 1, cell.cue),
         };
-        InputError::require(parameter.is_of(&cell), self.option, self.option.trim_start_matches('-'), parameter, allowed)?;
+        InputError::require(
+            parameter.is_of(&cell),
+            self.option,
+            self.option.trim_start_matches('-'),
+            parameter,
+            allowed,
+        )?;
         Ok(cell)
     }
 

@@ -68,7 +68,10 @@ fn ends_by_critical_radii_are_those_of_the_divisions() {
         (FALLING, Some(false)),
         ("physics_rules: [(parameter: \"xi_s\", factor: 1.1, per: generation)],", Some(true)),
         ("physics_rules: [(parameter: \"epsilon\", value: 0.80, below_r0: 2.2)],", Some(true)),
-        ("physics_rules: [(parameter: \"epsilon\", add: -0.15, per: mother_chi), (parameter: \"xi_s\", value: 22, above_r0: 1.9)],", None),
+        (
+            "physics_rules: [(parameter: \"epsilon\", add: -0.15, per: mother_chi), (parameter: \"xi_s\", value: 22, above_r0: 1.9)],",
+            None,
+        ),
         ("physics_rules: [(parameter: \"xi_s\", value: 14, add: 5, per: r0)],", None),
         ("physics_rules: [(parameter: \"tension\", from_mother: true, add: 0.2, from_generation: 1)],", None),
     ] {

@@ -239,7 +239,9 @@ pub fn default_range(parameter: Parameter, cell: &Cell) -> [f64; 2] {
         Parameter::Epsilon => [0.6, 0.95],
         Parameter::XiS => [5.0, 60.0].map(|xi_s| xi_s * (cell.material.kappa / cell.material.gain)),
         Parameter::Cue { quantity: Quantity::U0, .. } => [0.0, 1.0],
-        Parameter::Cue { quantity: Quantity::Amplitude, .. } => [-1.0, 1.0].map(|end| end * (2.0 * value.abs()).max(0.9)),
+        Parameter::Cue { quantity: Quantity::Amplitude, .. } => {
+            [-1.0, 1.0].map(|end| end * (2.0 * value.abs()).max(0.9))
+        }
         _ if value == 0.0 => [if parameter.validate(-1.0).is_ok() { -1.0 } else { 0.0 }, 1.0],
         _ => [(0.25 * value).min(4.0 * value), (0.25 * value).max(4.0 * value)],
     }
@@ -296,7 +298,8 @@ impl Search<'_> {
     /// Width to which roots are bracketed. A radius is rounded before it is divided.
     fn tolerance(&self) -> f64 {
         let [from, to] = self.question.range;
-        let rounding = if self.question.parameter == Parameter::R0 { self.memo.quantisation().relative_step() } else { 0.0 };
+        let rounding =
+            if self.question.parameter == Parameter::R0 { self.memo.quantisation().relative_step() } else { 0.0 };
         (TOLERANCE * (to - from).abs()).max((4.0 * rounding).max(8.0 * f64::EPSILON) * from.abs().max(to.abs()))
     }
 
@@ -375,7 +378,9 @@ impl Search<'_> {
     /// Neighbours between which the outcome passes the wanted one, and which are not close yet.
     fn brackets(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let tolerance = 2.0 * self.tolerance();
-        self.crossings().filter(move |two| two[1].value - two[0].value > tolerance).map(|two| [two[0].value, two[1].value])
+        self.crossings()
+            .filter(move |two| two[1].value - two[0].value > tolerance)
+            .map(|two| [two[0].value, two[1].value])
     }
 
     /// Neighbours between which the outcome passes the wanted one.
@@ -417,7 +422,10 @@ impl Search<'_> {
         }
         roots.sort_by(|a, b| a.value.total_cmp(&b.value));
         let outcomes = self.tried.iter().filter_map(|tried| {
-            Some(Seen { outcome: tried.found.as_ref().ok().and_then(|division| measure.of(division))?, value: tried.value })
+            Some(Seen {
+                outcome: tried.found.as_ref().ok().and_then(|division| measure.of(division))?,
+                value: tried.value,
+            })
         });
         let least = outcomes.clone().min_by(|a, b| a.outcome.total_cmp(&b.outcome));
         let most = outcomes.max_by(|a, b| a.outcome.total_cmp(&b.outcome));

@@ -309,8 +309,9 @@ impl<'a> Growth<'a> {
             }
         });
         Some(
-            [(0, Side::Anterior), (1, Side::Posterior)]
-                .map(|(k, side)| self.daughter((index, mothers), side, volumes[k], founders.map(|founders| founders[k]))),
+            [(0, Side::Anterior), (1, Side::Posterior)].map(|(k, side)| {
+                self.daughter((index, mothers), side, volumes[k], founders.map(|founders| founders[k]))
+            }),
         )
     }
 

@@ -117,7 +117,8 @@ fn with_base(text: &str, file: &str) -> Result<Option<Lineage>, InputError> {
 
 impl Differing {
     fn over(self, mut base: Lineage, file: &str) -> Result<Lineage, InputError> {
-        let Differing { base: _, name, citation, naming, units, limits, cues, cue_rules, physics_rules, founders } = self;
+        let Differing { base: _, name, citation, naming, units, limits, cues, cue_rules, physics_rules, founders } =
+            self;
         base.name = name.unwrap_or(base.name);
         base.citation = citation.or(base.citation);
         base.naming = naming.unwrap_or(base.naming);
@@ -150,7 +151,8 @@ impl Differing {
 /// Overrides a founder of the base.
 fn replace(founder: &mut Founder, with: Founder) {
     // Without `..`: a new field does not compile until it is handled.
-    let Founder { name: _, mother, daughter, cue, inherit, cue_rules, r0, physics, physics_rules, letters, observed } = with;
+    let Founder { name: _, mother, daughter, cue, inherit, cue_rules, r0, physics, physics_rules, letters, observed } =
+        with;
     founder.mother = mother.or(founder.mother.take());
     founder.daughter = daughter.or(founder.daughter);
     // A cue and rules exclude each other, so that either takes the place of both.

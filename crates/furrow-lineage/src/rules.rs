@@ -220,7 +220,8 @@ mod parameter_name {
         let name = String::deserialize(deserializer)?;
         let parameter = name.parse().ok().filter(|parameter| *parameter != Parameter::R0);
         parameter.ok_or_else(|| {
-            let names: Vec<_> = Parameter::ALL.into_iter().filter(|p| *p != Parameter::R0).map(Parameter::name).collect();
+            let names: Vec<_> =
+                Parameter::ALL.into_iter().filter(|p| *p != Parameter::R0).map(Parameter::name).collect();
             let nearest = did_you_mean(&name, names.iter().copied());
             let known = names.join(", ");
             serde::de::Error::custom(format!(
