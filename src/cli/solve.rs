@@ -27,7 +27,7 @@ to 0.9 (or twice the amplitude); others from a quarter to four times the value, 
 
 Examples:
   furrow solve --for epsilon --chi 0.41 --r0 2.977 --cue germline
-  furrow solve --for r0 --u 0.45 --cue germline --from 3 --to 6
+  furrow solve --for r0 --u 0.47 --cue germline --from 3 --to 6
   furrow solve --for cue.amplitude --chi-signed 0.185 --r0 5.4 --cue germline --json
   furrow solve --for xi_s --t 10 --r0 4")]
 pub struct SolveArgs {
