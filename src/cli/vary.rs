@@ -140,11 +140,11 @@ impl Given<'_> {
 /// # Errors
 /// Lists the names.
 pub fn parameter(option: &str, name: &str) -> Result<Parameter, InputError> {
-    name.parse().or_else(|_| {
+    name.parse().map_err(|_| {
         let others = Parameter::ALL.into_iter().filter(|p| option != "--vary" || *p != Parameter::XiS);
         let names: Vec<&str> = others.map(Parameter::name).collect();
         let nearest = did_you_mean(name, names.iter().copied());
         let allowed = format!("one of {}, cue.u0, cue.omega, cue.amplitude{nearest}", names.join(", "));
-        Err(InputError::not_allowed(option, option.trim_start_matches('-'), format!("{name:?}"), allowed))
+        InputError::not_allowed(option, option.trim_start_matches('-'), format!("{name:?}"), allowed)
     })
 }
