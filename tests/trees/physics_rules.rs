@@ -25,11 +25,13 @@ fn grow(lineage: &Lineage, r0: f64, by_radii: bool) -> Tree {
     Grower { lineage, settings, ends, memo: &memo, options: SchedulerOptions::default() }.grow(divide).unwrap().0
 }
 
-/// Name, radius, parameters and outcome of every cell, and χ of those that divide.
-fn cells(tree: &Tree) -> Vec<(String, f64, Cell, Option<Outcome>, Option<f64>)> {
+/// Name, parameters and outcome of a cell, and χ where it divides.
+type Seen = (String, Cell, Option<Outcome>, Option<f64>);
+
+fn cells(tree: &Tree) -> Vec<Seen> {
     let cell = |id| {
         let cell = tree.cell(id);
-        (cell.name.clone(), cell.r0, tree.parameters(id), cell.fate.outcome(), cell.fate.chi())
+        (cell.name.clone(), tree.parameters(id), cell.fate.outcome(), cell.fate.chi())
     };
     tree.cells().map(cell).collect()
 }
