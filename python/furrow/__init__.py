@@ -31,6 +31,7 @@ from ._results import (
     Replicates,
     Steady,
 )
+from ._solve import solve
 from ._studies import Calibration, Constants, Ranges, calibrate, ensemble
 from ._sweep import Sweep, sweep
 from ._tree import Founder, Scenarios, Tree, read_tree, tree
@@ -68,6 +69,7 @@ __all__ = [
     "parameter_names",
     "presets",
     "read_tree",
+    "solve",
     "solver_version",
     "sweep",
     "tree",

@@ -26,6 +26,7 @@ __all__ = [
     "presets",
     "ranges",
     "read_tree",
+    "solve",
     "solver_version",
     "steady",
     "sweep",
@@ -108,6 +109,17 @@ def grow(
     threads: int,
     progress: _Told = None,
 ) -> tuple[list[tuple[str, str, str | None, GrownTree]], str]: ...
+def solve(
+    inputs: Inputs,
+    memo: Memo,
+    seed: int,
+    unknown: str,
+    wanted: tuple[str, float],
+    range: list[float] | None,
+    points: int,
+    threads: int,
+    progress: _Told = None,
+) -> str: ...
 def read_tree(file: str) -> GrownTree: ...
 def sweep(
     source: _Source,

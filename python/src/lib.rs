@@ -9,6 +9,7 @@
 //! | `memo` | solved divisions |
 //! | `cells` | one cell: its division, its stationary shapes, its threshold |
 //! | `trees` | lineages |
+//! | `solve` | the values of one parameter that give a wanted division |
 //! | `sweeps` | many points |
 //! | `studies` | constants from thresholds, lineages over sets of constants |
 //! | `comparisons` | the model beside measured embryos |
@@ -18,6 +19,7 @@ mod comparisons;
 mod errors;
 mod inputs;
 mod memo;
+mod solve;
 mod studies;
 mod supervise;
 mod sweeps;
@@ -34,6 +36,7 @@ mod _furrow {
         comparisons::{compare_contours, compare_counts, compare_volumes},
         inputs::{Inputs, parameter_names, presets},
         memo::Memo,
+        solve::solve,
         studies::{calibrate, ensemble, ranges},
         sweeps::sweep,
         trees::{GrownTree, grow, read_tree},

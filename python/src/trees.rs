@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use furrow_analysis::scenarios::{Scenario, ScenarioError, Source, combine};
 use furrow_analysis::{Grown, grown, tree_settings};
+use furrow_cell::Parameter;
 use furrow_formats::exchange::{BranchLengths, Exported, Format, export};
 use furrow_formats::tree_json::LONGEST_TREE;
 use furrow_formats::{founder_rows, newick, tree_from_json, tree_to_json};
@@ -215,7 +216,14 @@ impl GrownTree {
             ("u_furrow", division(|d| d.u_furrow())),
             ("t_end", division(|d| Some(d.t_end))),
         ];
-        let dict = arrays(py, numbers)?;
+        // Parameters that rules give cells are of all cells then.
+        let ruled = |parameter: &Parameter| {
+            let mut cells = tree.cells().filter_map(|id| tree.cell(id).physics.as_ref());
+            cells.any(|physics| physics.values().any(|(of, _)| of == *parameter))
+        };
+        let values = |parameter: Parameter| tree.cells().map(|id| parameter.get(&tree.parameters(id))).collect();
+        let by_rules = Parameter::ALL.into_iter().filter(ruled).map(|parameter| (parameter.name(), values(parameter)));
+        let dict = arrays(py, numbers.into_iter().chain(by_rules).collect())?;
         let whole = |of: &dyn Fn(CellId) -> i64| PyArray1::from_vec(py, tree.cells().map(of).collect());
         dict.set_item("generation", whole(&|id| i64::from(tree.cell(id).generation)))?;
         dict.set_item("mother", whole(&|id| tree.mother(id).map_or(-1, |mother| mother.index() as i64)))?;

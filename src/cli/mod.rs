@@ -23,6 +23,7 @@ mod picture;
 mod pitchfork;
 mod progress;
 mod reproduce;
+mod solve;
 mod steady;
 mod sweep;
 mod tree;
@@ -88,6 +89,10 @@ enum Command {
     ///
     /// Fails if parts are missing or come from different sweeps or versions of furrow.
     Merge(merge::MergeArgs),
+    /// Solves for one parameter: the values at which a cell divides with a wanted χ, furrow position or time
+    ///
+    /// Lists all roots in a range. Jumps of the outcome over the wanted value, and values without a division, are named.
+    Solve(solve::SolveArgs),
     /// Writes a grown tree in the formats of other programs
     ///
     /// newick, nhx and nexus are trees with named inner nodes; nhx and nexus add the data of each cell. csv has one row per cell.
@@ -171,6 +176,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Fit(args) => fit::run(&args, &Context::new(&cli.globals)?),
         Command::Compare(args) => compare::run(&args, &Context::new(&cli.globals)?),
         Command::Phase(args) => phase::run(&args, Context::new(&cli.globals)?),
+        Command::Solve(args) => solve::run(&args, Context::new(&cli.globals)?),
         Command::Sweep(args) => sweep::run(&args, &Context::new(&cli.globals)?),
         Command::Merge(args) => merge::run(&args, &cli.globals),
         Command::Export(args) => export::run(&args, &cli.globals),

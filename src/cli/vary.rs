@@ -51,10 +51,43 @@ impl VaryArgs {
     /// # Errors
     /// Names the option, its value and what is allowed.
     pub fn read(&self, context: &mut Context) -> Result<Varied, InputError> {
-        let parameter = self.parameter()?;
+        let parameter = parameter("--vary", &self.vary)?;
+        let allowed = "another parameter: curves and diagrams run over ξ_s as it is";
+        InputError::require(parameter != Parameter::XiS, "--vary", "vary", "xi_s", allowed)?;
+        let given = Given { option: "--vary", parameter, r0: self.r0, epsilon: self.epsilon, xi: None, cue: &self.cue };
+        let cell = given.cell(context)?;
+        given.range(cell, [self.from, self.to], context)
+    }
+}
+
+/// A parameter and the other options of a cell.
+pub struct Given<'a> {
+    /// The option that names the parameter.
+    pub option: &'static str,
+    /// The parameter.
+    pub parameter: Parameter,
+    pub r0: Option<Length>,
+    pub epsilon: Option<f64>,
+    pub xi: Option<f64>,
+    pub cue: &'a CueArgs,
+}
+
+impl Given<'_> {
+    /// The cell, without a value of the parameter.
+    ///
+    /// # Errors
+    /// Names the option, its value and what is allowed.
+    pub fn cell(&self, context: &mut Context) -> Result<Cell, InputError> {
+        let parameter = self.parameter;
         let lineage = self.cue.lineage()?;
+        context.units = lineage.units();
         let r0 = self.r0.map(|r0| natural("--r0", r0, &lineage.units())).transpose()?;
-        for (option, of, given) in [("--r0", Parameter::R0, r0), ("--epsilon", Parameter::Epsilon, self.epsilon)] {
+        let options = [
+            ("--r0", Parameter::R0, r0),
+            ("--epsilon", Parameter::Epsilon, self.epsilon),
+            ("--xi", Parameter::XiS, self.xi),
+        ];
+        for (option, of, given) in options {
             if let Some(value) = given {
                 let allowed = format!("left out where {of} varies: see --from and --to");
                 InputError::require(parameter != of, option, of.name(), value, allowed)?;
@@ -63,17 +96,32 @@ impl VaryArgs {
             let fine = given.is_some() || of != Parameter::R0 || parameter == of;
             InputError::require(fine, option, of.name(), "absent", format!("given where {parameter} varies"))?;
         }
-        let mut cell = context.settings.cell.clone().with_cue(parse_cue(&self.cue.cue, &lineage)?);
+        let cell = context.settings.cell.clone().with_cue(parse_cue(&self.cue.cue, &lineage)?);
         let allowed = match cell.cue.terms() {
             [] => "a number of a cue, and none is given: see --cue".to_owned(),
             terms => format!("a number of the cue's terms, cue[0] to cue[{}]: {}", terms.len() - 1, cell.cue),
         };
-        InputError::require(parameter.is_of(&cell), "--vary", "vary", parameter, allowed)?;
-        for (option, value) in [("--to", self.to), ("--from", self.from)] {
+        InputError::require(
+            parameter.is_of(&cell),
+            self.option,
+            self.option.trim_start_matches('-'),
+            parameter,
+            allowed,
+        )?;
+        Ok(cell)
+    }
+
+    /// The cell with its parameter over a range whose values are all allowed.
+    ///
+    /// # Errors
+    /// Names the option, its value and what is allowed.
+    pub fn range(&self, mut cell: Cell, [from, to]: [f64; 2], context: &mut Context) -> Result<Varied, InputError> {
+        let parameter = self.parameter;
+        for (option, value) in [("--to", to), ("--from", from)] {
             if let Parameter::Cue { .. } = parameter {
                 // On the way as well: two bands may be far enough apart at both ends and not in between.
                 for k in 0..=STEPS {
-                    let way = self.from + (self.to - self.from) * f64::from(k) / f64::from(STEPS);
+                    let way = from + (to - from) * f64::from(k) / f64::from(STEPS);
                     parameter.set(&mut cell, if option == "--to" { value } else { way });
                     cell.cue.check().map_err(|e| InputError::not_allowed(option, e.field, e.value, e.allowed))?;
                 }
@@ -83,19 +131,20 @@ impl VaryArgs {
             }
             parameter.set(&mut cell, value);
         }
-        Ok(Varied { cell, parameter, range: [self.from, self.to] })
+        Ok(Varied { cell, parameter, range: [from, to] })
     }
+}
 
-    fn parameter(&self) -> Result<Parameter, InputError> {
-        if let Ok(parameter) = self.vary.parse() {
-            let allowed = "another parameter: curves and diagrams run over ξ_s as it is";
-            InputError::require(parameter != Parameter::XiS, "--vary", "vary", "xi_s", allowed)?;
-            return Ok(parameter);
-        }
-        let others = Parameter::ALL.into_iter().filter(|p| *p != Parameter::XiS);
+/// A parameter by its name, as an option gives it.
+///
+/// # Errors
+/// Lists the names.
+pub fn parameter(option: &str, name: &str) -> Result<Parameter, InputError> {
+    name.parse().map_err(|_| {
+        let others = Parameter::ALL.into_iter().filter(|p| option != "--vary" || *p != Parameter::XiS);
         let names: Vec<&str> = others.map(Parameter::name).collect();
-        let nearest = did_you_mean(&self.vary, names.iter().copied());
+        let nearest = did_you_mean(name, names.iter().copied());
         let allowed = format!("one of {}, cue.u0, cue.omega, cue.amplitude{nearest}", names.join(", "));
-        Err(InputError::not_allowed("--vary", "vary", format!("{:?}", self.vary), allowed))
-    }
+        InputError::not_allowed(option, option.trim_start_matches('-'), format!("{name:?}"), allowed)
+    })
 }

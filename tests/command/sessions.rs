@@ -51,6 +51,11 @@ fn outputs() {
 }
 
 #[test]
+fn solve() {
+    check_session("command/sessions/solve.txt");
+}
+
+#[test]
 fn pictures() {
     check_session("command/sessions/pictures.txt");
 }

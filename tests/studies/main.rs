@@ -7,4 +7,5 @@ mod contours;
 mod ensemble;
 mod fit;
 mod reproduction;
+mod solve;
 mod sweep;

@@ -9,6 +9,7 @@ mod growth;
 mod lineage_cues;
 mod lineage_file;
 mod newick;
+mod physics_rules;
 mod random_trees;
 mod replicates;
 mod robustness;

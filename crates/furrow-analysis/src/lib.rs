@@ -13,6 +13,7 @@
 //! | [`mod@ensemble`], [`constants`], [`mod@ranges`] | a sample of the constants that do; its table; a lineage over it |
 //! | [`compare`] | the model beside measured embryos |
 //! | [`reproduce`] | the paper's statements beside what is computed |
+//! | [`mod@solve`] | the value of one parameter that gives a wanted division |
 //! | [`fit`] | constants, activities and a cue fitted to observations |
 
 pub mod compare;
@@ -34,6 +35,8 @@ pub mod sample;
 pub mod scenarios;
 pub mod scenarios_csv;
 pub mod shard;
+#[cfg(not(target_family = "wasm"))]
+pub mod solve;
 pub mod sweep;
 pub mod sweep_files;
 pub mod table;

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::clash;
 use super::definition::{CueRule, Daughter, Founder, Lineage};
+use super::rules::{PhysicsRule, Span};
 use furrow_cell::{CueError, SIZES};
 use furrow_input::{InputError, did_you_mean, forbidden, listed, shown};
 
@@ -15,6 +16,21 @@ pub(super) struct Check<'a> {
     pub text: &'a str,
     /// What errors call the file.
     pub file: &'a str,
+}
+
+/// The first field that is wrong with the cells of a rule: its name, its value, and what is allowed.
+fn span_complaint(span: Span) -> Option<(&'static str, String, String)> {
+    let Span { from_generation, to_generation, below_r0, above_r0 } = span;
+    if let Some(last) = to_generation.filter(|last| *last < from_generation) {
+        return Some(("to_generation", last.to_string(), format!("from_generation = {from_generation} or later")));
+    }
+    for (name, limit) in [("below_r0", below_r0), ("above_r0", above_r0)] {
+        if let Some(limit) = limit.filter(|limit| !(limit.is_finite() && *limit > 0.0)) {
+            return Some((name, limit.to_string(), "a finite number above 0".to_owned()));
+        }
+    }
+    let (above, below) = (above_r0?, below_r0?);
+    (above >= below).then(|| ("above_r0", above.to_string(), format!("less than below_r0 = {below}")))
 }
 
 impl Check<'_> {
@@ -66,6 +82,7 @@ impl Check<'_> {
         self.printable("citation", lineage.citation.as_deref().unwrap_or(""))?;
         self.cues()?;
         self.rules(&|| self.file.to_owned(), "cue_rules", &lineage.cue_rules)?;
+        self.physics_rules(&|| self.file.to_owned(), "physics_rules", &lineage.physics_rules)?;
         self.ensure(!lineage.founders.is_empty(), "founders", "[]", "a list of at least one founder")?;
         let mut index = HashMap::new();
         for (i, f) in lineage.founders.iter().enumerate() {
@@ -121,19 +138,17 @@ impl Check<'_> {
             if let Err(allowed) = self.known_cue(&rule.cue) {
                 return refuse(k, "cue", shown(&rule.cue), allowed);
             }
-            if let Some(last) = rule.to_generation.filter(|last| *last < rule.from_generation) {
-                let allowed = format!("from_generation = {} or later", rule.from_generation);
-                return refuse(k, "to_generation", last.to_string(), allowed);
+            if let Some((name, value, allowed)) = span_complaint(rule.span()) {
+                return refuse(k, name, value, allowed);
             }
-            for (name, limit) in [("below_r0", rule.below_r0), ("above_r0", rule.above_r0)] {
-                if let Some(limit) = limit.filter(|limit| !(limit.is_finite() && *limit > 0.0)) {
-                    return refuse(k, name, limit.to_string(), "a finite number above 0".to_owned());
-                }
-            }
-            if let (Some(below), Some(above)) = (rule.below_r0, rule.above_r0)
-                && above >= below
-            {
-                return refuse(k, "above_r0", above.to_string(), format!("less than below_r0 = {below}"));
+        }
+        Ok(())
+    }
+
+    fn physics_rules(&self, place: &dyn Fn() -> String, field: &str, rules: &[PhysicsRule]) -> Checked {
+        for (k, rule) in rules.iter().enumerate() {
+            if let Some((name, value, allowed)) = rule.complaint().or_else(|| span_complaint(rule.span())) {
+                return Err(InputError::not_allowed(place(), format!("{field}[{k}].{name}"), value, allowed));
             }
         }
         Ok(())
@@ -161,6 +176,8 @@ impl Check<'_> {
         let allowed = "left out where the founder has no cue; cue_rules say themselves which generations they are for";
         self.require(f, f.inherit || f.cue.is_some(), "inherit", "false", allowed)?;
         self.rules(&|| self.place(&f.name, 0), &format!("founder {}: cue_rules", shown(&f.name)), &f.cue_rules)?;
+        let field = format!("founder {}: physics_rules", shown(&f.name));
+        self.physics_rules(&|| self.place(&f.name, 0), &field, &f.physics_rules)?;
         let (mother, daughter) = (f.mother.is_some(), f.daughter.is_some());
         let allowed = "larger or smaller where a mother is given";
         self.require(f, daughter || !mother, "daughter", "(not given)", allowed)?;

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::observed::ObservedRounds;
 use super::physics::FounderPhysics;
+use super::rules::{PhysicsRule, Span};
 use super::scenario::named_cue;
 use super::units::{Length, Units};
 use furrow_cell::cue::{Field, split_terms};
@@ -58,6 +59,10 @@ pub struct Founder {
     /// Parameters of its own and of its descendants up to the next founder.
     #[serde(default, skip_serializing_if = "FounderPhysics::is_empty")]
     pub physics: FounderPhysics,
+    /// Parameters of some of it and its descendants, by the first rule for each that applies, in place of the file's
+    /// `physics_rules`. Generations are counted from the founder.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub physics_rules: Vec<PhysicsRule>,
     /// Letters (anterior, posterior) of the generations below it; the file's `naming` after these.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub letters: Vec<(char, char)>,
@@ -95,12 +100,10 @@ pub struct CueRule {
 }
 
 impl CueRule {
-    /// Whether it applies to a cell of a generation and radius.
-    pub fn applies(&self, generation: u32, r0: f64) -> bool {
-        generation >= self.from_generation
-            && self.to_generation.is_none_or(|last| generation <= last)
-            && self.below_r0.is_none_or(|limit| r0 < limit)
-            && self.above_r0.is_none_or(|limit| r0 > limit)
+    /// The cells it applies to.
+    pub fn span(&self) -> Span {
+        let CueRule { from_generation, to_generation, below_r0, above_r0, .. } = *self;
+        Span { from_generation, to_generation, below_r0, above_r0 }
     }
 }
 
@@ -163,6 +166,10 @@ pub struct Lineage {
     /// the first cell.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cue_rules: Vec<CueRule>,
+    /// Parameters of cells whose founder has no such rules, by the first rule for each that applies. Generations are
+    /// counted from the first cell.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub physics_rules: Vec<PhysicsRule>,
     /// Founders, in the order tables list them.
     pub founders: Vec<Founder>,
 }
@@ -213,7 +220,7 @@ impl Lineage {
             Some(_) => return "none",
             None => (&self.cue_rules, place.generation),
         };
-        rules.iter().find(|rule| rule.applies(generation, place.r0)).map_or("none", |rule| &rule.cue)
+        rules.iter().find(|rule| rule.span().includes(generation, place.r0)).map_or("none", |rule| &rule.cue)
     }
 
     /// The cue that a cell at a place carries.

@@ -4,6 +4,8 @@ use std::cmp::Ordering;
 use std::collections::VecDeque;
 
 use super::definition::{Lineage, Place};
+use super::physics::FounderPhysics;
+use super::rules::{Mother, Ruled};
 use super::thresholds::EndRule;
 use super::tree::{Fate, Side, TerminalReason, Tree, TreeCell, TreeSettings};
 use crate::batch::memo::Solve;
@@ -67,6 +69,10 @@ struct GrowingCell {
     place: Place,
     volume_fraction: f64,
     cue: Cue,
+    /// Parameters that rules give it.
+    physics: Option<Box<FounderPhysics>>,
+    /// Whether hardly another cell has its parameters.
+    is_single: bool,
     is_founder: bool,
     fate: Option<Fate>,
     /// The anterior daughter; the posterior one follows it.
@@ -76,9 +82,50 @@ struct GrowingCell {
 }
 
 impl GrowingCell {
-    fn new(lineage: &Lineage, name: String, place: Place, volume_fraction: f64, is_founder: bool) -> GrowingCell {
+    /// A cell with the parameters that the lineage gives it, over those of the run. One whose rules give a value that is not
+    /// allowed is undecided.
+    fn new(
+        (lineage, run): (&Lineage, &Cell),
+        name: String,
+        place: Place,
+        volume_fraction: f64,
+        is_founder: bool,
+        mother: Option<Mother<'_>>,
+    ) -> GrowingCell {
         let cue = lineage.cue_at(place);
-        GrowingCell { name, place, volume_fraction, cue, is_founder, fate: None, daughters: None, first: None }
+        let new = GrowingCell {
+            name,
+            place,
+            volume_fraction,
+            cue,
+            physics: None,
+            is_single: false,
+            is_founder,
+            fate: None,
+            daughters: None,
+            first: None,
+        };
+        if !lineage.has_physics_rules() {
+            return new;
+        }
+        let mut cell = Cell { r0: place.r0, cue: new.cue.clone(), ..run.clone() };
+        match lineage.set_physics(place, &mut cell, mother) {
+            Ok(Ruled { physics, is_single }) => {
+                let physics = Some(physics).filter(|physics| !physics.is_empty()).map(Box::new);
+                GrowingCell { cue: cell.cue, physics, is_single, ..new }
+            }
+            Err(why) => GrowingCell { fate: Some(TerminalReason::Undecided { why }.into()), ..new },
+        }
+    }
+
+    /// Its parameters.
+    fn cell(&self, lineage: &Lineage, run: &Cell) -> Cell {
+        let mut cell = Cell { r0: self.place.r0, cue: self.cue.clone(), ..run.clone() };
+        lineage.founders[self.place.founder].physics.apply(&mut cell);
+        if let Some(physics) = &self.physics {
+            physics.apply(&mut cell);
+        }
+        cell
     }
 }
 
@@ -211,7 +258,8 @@ impl<'a> Growth<'a> {
         let founder = lineage.first();
         let r0 = lineage.given_r0(founder).unwrap_or(settings.cell.r0);
         let place = Place { founder, round: 0, generation: 0, r0 };
-        let first = GrowingCell::new(lineage, lineage.founders[founder].name.clone(), place, 1.0, true);
+        let name = lineage.founders[founder].name.clone();
+        let first = GrowingCell::new((lineage, &settings.cell), name, place, 1.0, true, None);
         Growth { grower, first_seed: None, listed: lineage.daughters(), cells: vec![first] }
     }
 
@@ -219,14 +267,18 @@ impl<'a> Growth<'a> {
     /// as it was interrupted, is not tried again.
     fn need(&mut self, index: usize, tried: Option<&Search>) -> Option<Need<'a>> {
         let Grower { lineage, settings, ends, .. } = self.grower;
-        let Place { founder, generation, r0, .. } = self.cells[index].place;
-        let mut cell = Cell { r0, cue: self.cells[index].cue.clone(), ..settings.cell.clone() };
-        lineage.founders[founder].physics.apply(&mut cell);
+        let growing = &self.cells[index];
+        if growing.fate.is_some() {
+            return None;
+        }
+        let (generation, cell) = (growing.place.generation, growing.cell(lineage, &settings.cell));
         let max_depth = lineage.limits.max_depth;
         let reason = match *ends {
             _ if generation >= max_depth => Some(TerminalReason::MaxDepth { max_depth }),
             EndRule::Dynamics => None,
             EndRule::Custom(rule) => rule(&cell),
+            // A search for the radius of cells with its parameters costs more than its division.
+            EndRule::Thresholds(_) if growing.is_single => None,
             EndRule::Thresholds(rule) if !rule.decides(&cell, index == 0) => None,
             EndRule::Thresholds(rule) => match rule.radii.missing(&cell) {
                 Some(search) if tried == Some(&search) => None,
@@ -302,6 +354,8 @@ impl<'a> Growth<'a> {
     fn offspring(&self, index: usize, fate: &Fate) -> Option<[GrowingCell; 2]> {
         let mother = &self.cells[index];
         let volumes = fate.daughter_volumes(mother.volume_fraction)?;
+        let cell = mother.cell(self.grower.lineage, &self.grower.settings.cell);
+        let mothers = Mother::of(&cell, fate.division());
         let founders = self.listed[mother.place.founder].filter(|_| mother.is_founder).map(|(larger, smaller)| {
             match volumes[0].total_cmp(&volumes[1]) {
                 // Of equal daughters the anterior is the founder listed first.
@@ -311,14 +365,22 @@ impl<'a> Growth<'a> {
             }
         });
         Some(
-            [(0, Side::Anterior), (1, Side::Posterior)]
-                .map(|(k, side)| self.daughter(index, side, volumes[k], founders.map(|founders| founders[k]))),
+            [(0, Side::Anterior), (1, Side::Posterior)].map(|(k, side)| {
+                self.daughter((index, mothers), side, volumes[k], founders.map(|founders| founders[k]))
+            }),
         )
     }
 
     /// A daughter of a volume given as a part of the first cell's; `founder` is the founder that it is, if it is one.
-    fn daughter(&self, mother_index: usize, side: Side, fraction: f64, founder: Option<usize>) -> GrowingCell {
+    fn daughter(
+        &self,
+        (mother_index, mothers): (usize, Mother<'_>),
+        side: Side,
+        fraction: f64,
+        founder: Option<usize>,
+    ) -> GrowingCell {
         let (lineage, mother) = (self.grower.lineage, &self.cells[mother_index]);
+        let given = (lineage, &self.grower.settings.cell);
         let first_r0 = self.cells[0].place.r0;
         // V = 4πR0³/3, so R0 of the daughter follows from its share of the first cell's volume.
         let (mut r0, mut fraction) = (first_r0 * fraction.cbrt(), fraction);
@@ -328,12 +390,13 @@ impl<'a> Growth<'a> {
         let generation = mother.place.generation + 1;
         if let Some(founder) = founder {
             let place = Place { founder, round: 0, generation, r0 };
-            return GrowingCell::new(lineage, lineage.founders[founder].name.clone(), place, fraction, true);
+            let name = lineage.founders[founder].name.clone();
+            return GrowingCell::new(given, name, place, fraction, true, Some(mothers));
         }
         let (founder, round) = (mother.place.founder, mother.place.round + 1);
         let (anterior, posterior) = lineage.letters(founder, round as usize);
         let name = format!("{}{}", mother.name, if side == Side::Anterior { anterior } else { posterior });
-        GrowingCell::new(lineage, name, Place { founder, round, generation, r0 }, fraction, false)
+        GrowingCell::new(given, name, Place { founder, round, generation, r0 }, fraction, false, Some(mothers))
     }
 
     /// The tree in breadth-first order, cut at the limit of cells.
@@ -358,8 +421,8 @@ impl<'a> Growth<'a> {
             let (divides, daughters) = (matches!(fate, Fate::Divides(_)), cell.daughters);
             let Place { founder, generation, r0, .. } = cell.place;
             let (name, cue) = (std::mem::take(&mut cell.name), std::mem::take(&mut cell.cue));
-            let (volume_fraction, is_founder) = (cell.volume_fraction, cell.is_founder);
-            let cell = TreeCell { name, founder, generation, r0, volume_fraction, cue, fate };
+            let (volume_fraction, is_founder, physics) = (cell.volume_fraction, cell.is_founder, cell.physics.take());
+            let cell = TreeCell { name, founder, generation, r0, volume_fraction, cue, physics, fate };
             let id = match (&mut tree, mother) {
                 (Some(tree), Some((mother, side))) => tree.add(mother, side, cell, is_founder),
                 _ => tree.insert(Tree::new(Lineage::clone(lineage), settings.clone(), cell)).first(),

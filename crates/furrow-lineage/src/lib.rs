@@ -5,6 +5,7 @@
 //! | [`definition`], `read`, `check`, `clash` | the lineage file: founders, cues, names, limits; reading it, checking it |
 //! | [`scenario`] | one of several lineages that are compared |
 //! | [`batch`] | the cache of divisions, the scheduler, phase diagrams |
+//! | [`rules`] | parameters of cells by generation, size and mother |
 //! | [`observed`], [`physics`], [`units`] | observed counts and parameters of a founder, µm and minutes |
 //! | [`grow`] | growth: daughters inherit volumes; a division starts as soon as the mother's is solved |
 //! | [`thresholds`] | cells that are too small to divide |
@@ -22,6 +23,7 @@ pub mod physics;
 pub mod priority;
 mod read;
 pub mod rounds;
+pub mod rules;
 pub mod scenario;
 pub mod thresholds;
 pub mod tree;
@@ -33,6 +35,7 @@ pub use observed::ObservedRounds;
 pub use physics::FounderPhysics;
 pub use priority::expected_work;
 pub use rounds::{FounderRounds, Rounds, founder_rounds};
+pub use rules::{Mother, Per, PhysicsRule};
 pub use scenario::{Scenario, named_cue};
 pub use thresholds::{EndRule, Scope, Thresholds};
 pub use tree::{CellId, Fate, Side, TerminalReason, Tree, TreeCell, TreeSettings};

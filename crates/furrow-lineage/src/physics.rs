@@ -35,12 +35,12 @@ pub struct FounderPhysics {
 }
 
 impl FounderPhysics {
-    /// The parameters that it sets.
-    pub fn values(&self) -> impl Iterator<Item = (Parameter, f64)> + use<> {
+    /// Its fields, with their parameters.
+    fn slots(&mut self) -> [(Parameter, &mut Option<f64>); 12] {
         // Without `..`: a new field does not compile until it has its parameter.
         let FounderPhysics { xi_s, xi_ratio, gain, epsilon, aspect, p0, w, kappa, eta_b, eta_s, friction, tension } =
-            *self;
-        let all = [
+            self;
+        [
             (Parameter::XiS, xi_s),
             (Parameter::XiRatio, xi_ratio),
             (Parameter::Gain, gain),
@@ -53,8 +53,18 @@ impl FounderPhysics {
             (Parameter::EtaS, eta_s),
             (Parameter::Friction, friction),
             (Parameter::Tension, tension),
-        ];
-        all.into_iter().filter_map(|(parameter, value)| Some((parameter, value?)))
+        ]
+    }
+
+    /// The parameters that it sets.
+    pub fn values(&self) -> impl Iterator<Item = (Parameter, f64)> + use<> {
+        let values = self.to_owned().slots().map(|(parameter, value)| (parameter, *value));
+        values.into_iter().filter_map(|(parameter, value)| Some((parameter, value?)))
+    }
+
+    /// Has it set a parameter. R0 and numbers of a cue are left alone.
+    pub fn set(&mut self, parameter: Parameter, value: f64) {
+        self.slots().into_iter().filter(|(of, _)| *of == parameter).for_each(|(_, slot)| *slot = Some(value));
     }
 
     /// Whether it changes nothing.

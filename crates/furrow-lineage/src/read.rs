@@ -8,6 +8,7 @@ use serde::de::IgnoredAny;
 
 use super::check::Check;
 use super::definition::{C_ELEGANS, CueRule, Founder, Limits, Lineage, unique};
+use super::rules::PhysicsRule;
 use super::units::Units;
 use furrow_cell::Cue;
 use furrow_input::{InputError, did_you_mean, parse_document, parse_ron, read_text, shown};
@@ -88,6 +89,9 @@ struct Differing {
     /// In place of those of the base, if there are any.
     #[serde(default)]
     cue_rules: Vec<CueRule>,
+    /// In place of those of the base, if there are any.
+    #[serde(default)]
+    physics_rules: Vec<PhysicsRule>,
     /// Founders of the base by name, with what differs, and further ones.
     #[serde(default)]
     founders: Vec<Founder>,
@@ -113,7 +117,8 @@ fn with_base(text: &str, file: &str) -> Result<Option<Lineage>, InputError> {
 
 impl Differing {
     fn over(self, mut base: Lineage, file: &str) -> Result<Lineage, InputError> {
-        let Differing { base: _, name, citation, naming, units, limits, cues, cue_rules, founders } = self;
+        let Differing { base: _, name, citation, naming, units, limits, cues, cue_rules, physics_rules, founders } =
+            self;
         base.name = name.unwrap_or(base.name);
         base.citation = citation.or(base.citation);
         base.naming = naming.unwrap_or(base.naming);
@@ -122,6 +127,9 @@ impl Differing {
         base.cues.extend(cues);
         if !cue_rules.is_empty() {
             base.cue_rules = cue_rules;
+        }
+        if !physics_rules.is_empty() {
+            base.physics_rules = physics_rules;
         }
         let of_base = base.founders.len();
         let mut changed = vec![false; of_base];
@@ -143,7 +151,8 @@ impl Differing {
 /// Overrides a founder of the base.
 fn replace(founder: &mut Founder, with: Founder) {
     // Without `..`: a new field does not compile until it is handled.
-    let Founder { name: _, mother, daughter, cue, inherit, cue_rules, r0, physics, letters, observed } = with;
+    let Founder { name: _, mother, daughter, cue, inherit, cue_rules, r0, physics, physics_rules, letters, observed } =
+        with;
     founder.mother = mother.or(founder.mother.take());
     founder.daughter = daughter.or(founder.daughter);
     // A cue and rules exclude each other, so that either takes the place of both.
@@ -155,6 +164,9 @@ fn replace(founder: &mut Founder, with: Founder) {
     founder.r0 = r0.or(founder.r0);
     if !physics.is_empty() {
         founder.physics = physics;
+    }
+    if !physics_rules.is_empty() {
+        founder.physics_rules = physics_rules;
     }
     if !letters.is_empty() {
         founder.letters = letters;

@@ -6,6 +6,7 @@ use petgraph::visit::{Dfs, DfsPostOrder, EdgeRef, NodeFiltered};
 use serde::{Deserialize, Serialize};
 
 use super::definition::{Lineage, Place};
+use super::physics::FounderPhysics;
 use crate::batch::Quantisation;
 use furrow_cell::{Cell, Cue, Numerics, ZYGOTE};
 use furrow_mechanics::critical::{BoundaryKind, End};
@@ -186,6 +187,8 @@ pub struct TreeCell {
     pub volume_fraction: f64,
     /// Polarity cue.
     pub cue: Cue,
+    /// Parameters that rules give it, over those of its founder and of the run.
+    pub physics: Option<Box<FounderPhysics>>,
     /// Its fate.
     pub fate: Fate,
 }
@@ -333,6 +336,17 @@ impl Tree {
     /// Name of the founder a cell is or descends from.
     pub fn founder_name(&self, id: CellId) -> &str {
         &self.lineage.founders[self.cell(id).founder].name
+    }
+
+    /// A cell with the parameters of its division: those of the run, over them its founder's, over them what rules give it.
+    pub fn parameters(&self, id: CellId) -> Cell {
+        let TreeCell { founder, r0, cue, physics, .. } = self.cell(id);
+        let mut cell = Cell { r0: *r0, cue: cue.clone(), ..self.settings.cell.clone() };
+        self.lineage.founders[*founder].physics.apply(&mut cell);
+        if let Some(physics) = physics {
+            physics.apply(&mut cell);
+        }
+        cell
     }
 
     /// Name of the cue that a cell carries.

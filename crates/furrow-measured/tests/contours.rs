@@ -150,6 +150,21 @@ fn cells_of_a_picture_of_labels_are_told_apart() {
     assert_eq!((none.traced.len(), none.left_out[0].why.as_str()), (0, "no pixel of it has the label 3"));
 }
 
+/// Every second column inside, on a spine: as many sides as pixels. Where these are a million it is refused before anything is clipped.
+#[test]
+fn combs_with_a_million_sides_are_left_out() {
+    let comb = |size: usize| {
+        let inside = |x: usize, y: usize| (x % 2 == 1 || y + 9 > size) && (1..size - 1).contains(&y);
+        let pixels: Vec<u8> = (0..size * size).map(|at| if inside(at % size, at / size) { 200 } else { 0 }).collect();
+        masked(&grey([size as u32; 2], &pixels), None)
+    };
+    let (small, large) = (comb(100), comb(1101));
+    // 50 teeth of 91 rows with both their sides, a spine of 7 rows and 100 columns.
+    assert_eq!(small.traced[0].contour.points().len(), 50 * 2 * 91 + 2 * 7 + 2 * 100);
+    assert!(large.traced.is_empty());
+    assert_eq!(large.left_out[0].why, "1000000 points or more; the outline of one cell has fewer");
+}
+
 #[test]
 fn pictures_that_are_no_masks_are_refused_or_left_out() {
     assert_eq!(masked(&grey([4, 4], &[9; 16]), None).left_out[0].why, "it has one colour alone");

@@ -2,6 +2,7 @@
 
 use super::observed_table::{Column, MODEL, decimals, observed_columns};
 use super::summary::{Generation, TreeSummary};
+use furrow_cell::Parameter;
 use furrow_formats::FounderRow;
 use furrow_lineage::Tree;
 use furrow_mechanics::division::Outcome;
@@ -111,7 +112,19 @@ fn physics(tree: &Tree) -> String {
         let values = founder.physics.values().map(|(name, value)| format!("{name} = {value}"));
         let values = values.collect::<Vec<_>>().join(", ");
         format!("{} and its descendants up to the next founder: {values}\n", founder.name)
-    }))
+    })) + &paragraph(ruled(tree))
+}
+
+/// Parameters that rules give cells, from the least value to the greatest.
+fn ruled(tree: &Tree) -> impl Iterator<Item = String> + '_ {
+    Parameter::ALL.into_iter().filter_map(|parameter| {
+        let values = tree.cells().filter_map(|id| tree.cell(id).physics.as_ref());
+        let mut values = values.flat_map(|physics| physics.values()).filter(|(of, _)| *of == parameter).map(|(_, v)| v);
+        let first = values.next()?;
+        let (cells, least, most) =
+            values.fold((1, first, first), |(n, least, most), v| (n + 1, v.min(least), v.max(most)));
+        Some(format!("by rules: {parameter} from {least:.4} to {most:.4} in {cells} cells\n"))
+    })
 }
 
 /// Lines with a blank one behind them, if there are any.

@@ -2,9 +2,13 @@
 //! neck's radius.
 
 use furrow_cell::{Cell, Cue, Numerics};
+use furrow_mechanics::cortex::equations::LENGTH;
 use furrow_mechanics::cortex::observables::positions;
 use furrow_mechanics::cortex::symmetry::mirror;
-use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Outcome, divide, divide_with};
+use furrow_mechanics::division::oscillation::Oscillation;
+use furrow_mechanics::division::{
+    Division, DivisionError, DivisionInput, DivisionOptions, Outcome, divide, divide_with,
+};
 use furrow_mechanics::equilibria::{BranchOptions, pitchfork};
 use furrow_verification::report::{near, within};
 use furrow_verification::states::{resting, uneven_cell};
@@ -31,6 +35,33 @@ fn a_growth_rate_above_zero_divides_and_one_below_rests() {
         let rate = below.growth_rate().unwrap();
         assert!(rate < 0.0 && rate > -1e-3, "{rate}");
     }
+}
+
+/// The contour of a cell that oscillates, by its lengths at the steps of its division. Its swing is 4·10⁻³. The same lengths with a swing of
+/// 2·10⁻⁴ are a cycle still, and with 5·10⁻⁵, which is what a shape at rest may tremble by, no more: the least is 10⁻⁴.
+#[test]
+fn a_cell_that_trembles_does_not_oscillate() {
+    let cell = Cell { xi_s: 13.661062187437096, ..Cell::gao2026_thresholds(4.314170770347118) };
+    let mut lengths: Vec<[f64; 2]> = Vec::new();
+    let observed = divide_with(
+        &DivisionInput::new(cell),
+        DivisionOptions::observed_by(&mut |frame| lengths.push([frame.t, frame.shape.scalars[LENGTH]])),
+    );
+    let Err(DivisionError::Oscillates { period, .. }) = observed else { panic!("{observed:?}") };
+    let late = &lengths[lengths.len() / 2..];
+    let ends = late.iter().fold([f64::INFINITY, 0.0f64], |[a, b], [_, length]| [a.min(*length), b.max(*length)]);
+    let swing = (ends[1] - ends[0]) / ends[1];
+    println!("period {period:.2} τ, swing {swing:.1e}");
+    assert!(swing > 1e-3, "{swing}");
+    let period_of = |wanted: f64| {
+        let mut oscillation = Oscillation::default();
+        // Around the longest contour, with a swing that is so large.
+        let scaled = |length: f64| ends[1] - (ends[1] - length) * (wanted / swing);
+        lengths.iter().find_map(|[t, length]| oscillation.note(*t, scaled(*length)))
+    };
+    near("period with a swing of 2e-4", period_of(2e-4).unwrap_or(0.0), period, 1e-9);
+    let trembling = period_of(5e-5);
+    assert!(trembling.is_none(), "a swing of 5e-5 is taken for an oscillation of {:.2} τ", trembling.unwrap_or(0.0));
 }
 
 /// A division ends where the neck is narrower than 10⁻³ R0, and no sooner.

@@ -4,10 +4,11 @@
 //! nor the elastic stresses of the solved equations, so an error in any of their terms leaves power on some motion.
 
 use std::f64::consts::PI;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use furrow_cell::{Cell, RigidityGradient};
+use furrow_cell::{Cell, Numerics, RigidityGradient};
 use furrow_mechanics::cortex::equations::{COMPONENTS, M, PSI, Q, R, T, V, Z};
-use furrow_mechanics::division::{DivisionInput, DivisionOptions, divide_with};
+use furrow_mechanics::division::{DivisionError, DivisionInput, DivisionOptions, Frame, divide_with};
 use furrow_verification::coefficients::coefficients;
 use furrow_verification::contour::{Computed, Place};
 use furrow_verification::report::{near, within};
@@ -38,6 +39,51 @@ fn forces_at_rest_do_no_work_whatever_the_cue() {
         println!("{cue}: {:.1e}", worst(&state));
     }
     within("virtual power at rest", largest, EXACT);
+}
+
+/// The first ten doubles of the Mersenne twister MT19937 of seed 0, as NumPy's `RandomState(0).random_sample(10)` prints them.
+const UNIFORM: [f64; 10] = [
+    0.5488135039273248,
+    0.7151893663724195,
+    0.6027633760716439,
+    0.5448831829968969,
+    0.4236547993389047,
+    0.6458941130666561,
+    0.4375872112626925,
+    0.8917730007820798,
+    0.9636627605010293,
+    0.3834415188257777,
+];
+
+/// Noise that changes in 1000 τ, early in a division: with the activity times 1 + Σ r_n cos(nπu), r_n uniform on ± the amplitude, forces
+/// do no work. The noise that the division itself has is not used.
+#[test]
+fn noise_on_the_activity_has_the_amplitude_that_is_given() {
+    let cell = uneven_cell(3.0, 25.0, "none").unwrap();
+    let numerics =
+        Numerics { noise: 0.5, noise_time: 1000.0, time_tolerance: 1e-7, intervals: 96, ..Numerics::default() };
+    let (stop, mut off, mut frames) = (AtomicBool::new(false), 0.0f64, 0);
+    let mut observe = |frame: Frame<'_>| {
+        if frame.t == 0.0 || frames == 5 {
+            return;
+        }
+        let (y, m) = (frame.shape, frame.shape.m);
+        let places = (0..y.intervals() * m).map(|k| y.stage_x(frame.gauss, k / m, k % m));
+        let wave = |u: f64| -> f64 {
+            let terms = UNIFORM.iter().zip(1..).map(|(x, n)| (2.0 * x - 1.0) * (f64::from(n) * PI * u).cos());
+            numerics.noise * terms.sum::<f64>()
+        };
+        let noise = places.map(|u| 1.0 + wave(u)).collect();
+        let moved = y.stages.chunks_exact(COMPONENTS).zip(&frame.cortex.past);
+        let motion = moved.map(|(y, past)| [y[R] - past[0], y[Z] - past[1]].map(|d| d * frame.cortex.rate)).collect();
+        off = off.max(worst(&Computed { cell: cell.clone(), shape: y.clone(), motion, noise }));
+        frames += 1;
+        stop.store(frames == 5, Ordering::Relaxed);
+    };
+    let options = DivisionOptions { cancel: Some(&stop), ..DivisionOptions::observed_by(&mut observe) };
+    let ended = divide_with(&DivisionInput { numerics, ..DivisionInput::new(cell.clone()) }, options);
+    assert!(matches!(ended, Err(DivisionError::Cancelled { .. })) && frames == 5);
+    within("virtual power under noise", off, 1e-6);
 }
 
 #[test]

@@ -15,7 +15,7 @@ use super::targets::{MeasuredChi, Targets};
 use furrow_cell::cue::{Quantity, Width};
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_lineage::batch::scheduler;
-use furrow_lineage::{Daughter, Lineage, Place, TreeSettings};
+use furrow_lineage::{Daughter, Lineage, Mother, Place, TreeSettings};
 use furrow_mechanics::calibration::Combination;
 use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Outcome, divide, divide_with};
 use furrow_spectra::Svd;
@@ -163,19 +163,26 @@ impl Chain<'_> {
         if let Some(known) = self.divisions.get(&founder) {
             return known.clone();
         }
-        let found = self.r0(founder).and_then(|r0| divide(&self.input(founder, r0)).ok());
+        let found = self.r0(founder).and_then(|r0| divide(&self.input(founder, r0)?).ok());
         self.divisions.insert(founder, found.clone());
         found
     }
 
-    /// The division of a founder of that radius.
-    fn input(&self, founder: usize, r0: f64) -> DivisionInput {
+    /// The division of a founder of that radius; none if rules give it a value that is not allowed.
+    fn input(&mut self, founder: usize, r0: f64) -> Option<DivisionInput> {
         let Objective { lineage, settings, .. } = self.objective;
-        let own = lineage.cue_at(Place { founder, round: 0, generation: lineage.generation(founder), r0 });
+        let place = Place { founder, round: 0, generation: lineage.generation(founder), r0 };
+        let own = lineage.cue_at(place);
         let cue = if own.is_none() { own } else { self.cue.clone() };
         let mut cell = Cell { r0, cue, ..settings.cell.clone() };
-        lineage.founders[founder].physics.apply(&mut cell);
-        DivisionInput { cell, numerics: settings.numerics, seed: settings.seed }
+        let mother = lineage.mother(founder).filter(|_| lineage.has_physics_rules());
+        let mother = mother.and_then(|mother| {
+            let r0 = self.r0(mother)?;
+            Some((self.input(mother, r0)?.cell, self.division(mother)))
+        });
+        let mother = mother.as_ref().map(|(cell, division)| Mother::of(cell, division.as_ref()));
+        lineage.set_physics(place, &mut cell, mother).ok()?;
+        Some(DivisionInput { cell, numerics: settings.numerics, seed: settings.seed })
     }
 
     /// How a founder's division changes with the numbers of the cue: by itself, and with the radius that its mother leaves it.
@@ -191,7 +198,7 @@ impl Chain<'_> {
     fn follow(&mut self, founder: usize) -> Option<Slopes> {
         let Objective { lineage, unknowns, .. } = self.objective;
         let r0 = self.r0(founder)?;
-        let mut input = self.input(founder, r0);
+        let mut input = self.input(founder, r0)?;
         input.numerics.time_tolerance = (FINER * input.numerics.time_tolerance).max(FINEST);
         let numbers = unknowns.iter().map(|unknown| unknown.parameter);
         let own: Vec<Parameter> = numbers.filter(|number| number.is_of(&input.cell)).collect();

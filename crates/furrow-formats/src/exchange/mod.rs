@@ -76,7 +76,7 @@ pub enum Exported {
 ///
 /// let lineage = Lineage::parse(r#"(name: "one cell", founders: [(name: "S")])"#, "one.ron")?;
 /// let fate = TerminalReason::BelowPitchfork { r0_c: 1.7 }.into();
-/// let cell = TreeCell { name: "S".to_owned(), founder: 0, generation: 0, r0: 1.0, volume_fraction: 1.0, cue: Cue::none(), fate };
+/// let cell = TreeCell { name: "S".to_owned(), founder: 0, generation: 0, r0: 1.0, volume_fraction: 1.0, cue: Cue::none(), physics: None, fate };
 /// let tree = Tree::new(lineage, TreeSettings::default(), cell);
 /// let nhx = export(&tree, Format::Nhx, BranchLengths::Generation, &[]);
 /// assert_eq!(nhx, Exported::File("S:0[&&NHX:founder=S:generation=0:r0=1:volume_fraction=1:cue=none:outcome=failed:ended=below_pitchfork];\n".to_owned()));

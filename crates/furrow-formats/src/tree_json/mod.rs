@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::provenance::Provenance;
 use furrow_cell::Cue;
 use furrow_lineage::{
-    CellId, Lineage, ObservedRounds, Rounds, Side, TerminalReason, Tree, TreeSettings, founder_rounds,
+    CellId, FounderPhysics, Lineage, ObservedRounds, Rounds, Side, TerminalReason, Tree, TreeSettings, founder_rounds,
 };
 use furrow_mechanics::division::Outcome;
 
@@ -109,6 +109,9 @@ struct Record<'a> {
     r0: f64,
     volume_fraction: f64,
     cue: Cow<'a, Cue>,
+    /// Parameters that rules give it, over those of its founder.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    physics: Option<Cow<'a, FounderPhysics>>,
     outcome: Option<Outcome>,
     chi: Option<f64>,
     chi_signed: Option<f64>,
@@ -132,6 +135,7 @@ impl<'a> Record<'a> {
             r0: cell.r0,
             volume_fraction: cell.volume_fraction,
             cue: Cow::Borrowed(&cell.cue),
+            physics: cell.physics.as_deref().map(Cow::Borrowed),
             outcome: cell.fate.outcome(),
             chi: division.and_then(|d| d.chi()),
             chi_signed: division.and_then(|d| d.chi_signed()),

@@ -163,6 +163,7 @@ fn build(lineage: Lineage, settings: TreeSettings, records: &[Record<'_>]) -> Re
             r0: record.r0,
             volume_fraction: record.volume_fraction,
             cue: record.cue.as_ref().clone(),
+            physics: record.physics.as_deref().copied().filter(|physics| !physics.is_empty()).map(Box::new),
             fate: record.fate()?,
         })
     };
@@ -263,6 +264,10 @@ fn in_range(record: &Record<'_>) -> Result<(), Complaint> {
             // With an exponent where digits would fill the screen.
             return Err(format!("{name} = {value:?}: must be {allowed}"));
         }
+    }
+    for (parameter, value) in record.physics.iter().flat_map(|physics| physics.values()) {
+        let refused = |allowed| format!("physics.{parameter} = {value:?}: must be {allowed}");
+        parameter.validate(value).map_err(refused)?;
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ use std::io::Read;
 use furrow_input::InputError;
 use png::{BitDepth, ColorType, Decoder, Limits, Transformations};
 
+use super::MOST_POINTS;
 use super::polygons::{Contours, LeftOut};
 
 /// Pixels that a mask has at most.
@@ -146,7 +147,7 @@ fn largest_piece(picture: &Picture, mut inside: Vec<bool>) -> Option<(Vec<bool>,
 }
 
 /// The outline of a piece, through the middles of the outer sides of its pixels: a walk along these sides with the piece on the
-/// right-hand side.
+/// right-hand side. It ends at [`MOST_POINTS`], which are too many: the sides of a comb or of dust are as many as its pixels.
 fn outline(piece: &[bool], width: usize) -> Vec<[f64; 2]> {
     let Some(first) = piece.iter().position(|inside| *inside) else { return Vec::new() };
     let inside = |x: i64, y: i64| {
@@ -175,7 +176,7 @@ fn outline(piece: &[bool], width: usize) -> Vec<[f64; 2]> {
         } else if ahead(false) {
             way = (way + 3) % 4;
         }
-        if (corner, way) == (start, 0) {
+        if (corner, way) == (start, 0) || points.len() >= MOST_POINTS {
             return points;
         }
     }

@@ -24,6 +24,9 @@ const MOST_CUT: f64 = 0.01;
 /// The smallest size of a contour, and its largest coordinate: beyond, second moments are lost to underflow or overflow.
 const SIZES: [f64; 2] = [1e-60, 1e60];
 
+/// Most points of a contour. The outline of a round cell in the largest mask has 40,000; clipping a million takes seconds.
+pub const MOST_POINTS: usize = 1_000_000;
+
 /// A closed contour that does not cross itself, run through anticlockwise. Lengths are in the unit of its source.
 ///
 /// # Examples
@@ -46,6 +49,9 @@ pub enum Unusable {
     /// Too few.
     #[error("{0} points; a contour has at least 3 that differ")]
     TooFew(usize),
+    /// Too many.
+    #[error("{MOST_POINTS} points or more; the outline of one cell has fewer")]
+    TooMany,
     /// Not finite, or so large that areas are not.
     #[error("a coordinate is not a number below 1e60")]
     NotFinite,
@@ -77,6 +83,9 @@ impl Contour {
     /// # Errors
     /// [`Unusable`].
     pub fn new(points: Vec<[f64; 2]>) -> Result<(Contour, f64), Unusable> {
+        if points.len() >= MOST_POINTS {
+            return Err(Unusable::TooMany);
+        }
         if points.iter().flatten().any(|x| x.is_nan() || x.abs() > SIZES[1]) {
             return Err(Unusable::NotFinite);
         }

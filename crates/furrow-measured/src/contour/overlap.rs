@@ -5,6 +5,7 @@
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
+use nalgebra::Point2;
 use serde::Serialize;
 
 use super::{Contour, signed_area};
@@ -40,9 +41,10 @@ pub fn overlap_of_pixels(a: &Contour, b: &Contour, pixel: f64) -> Overlap {
     let [a_ends, b_ends] = [a, b].map(Contour::ends);
     let rows = (a_ends[0].min(b_ends[0]) / pixel).floor() as i64..=(a_ends[1].max(b_ends[1]) / pixel).ceil() as i64;
     let mut counts = [0_i64; 3];
+    let mut sweeps = [a, b].map(Sweep::over);
     for row in rows {
         let y = (row as f64 + 0.5) * pixel;
-        let [in_a, in_b] = [a, b].map(|contour| columns(contour, y, pixel));
+        let [in_a, in_b] = sweeps.each_mut().map(|sweep| columns(sweep.at(y), y, pixel));
         for (count, ranges) in counts.iter_mut().zip([&in_a, &in_b]) {
             *count += ranges.iter().map(|[from, to]| to - from).sum::<i64>();
         }
@@ -54,10 +56,37 @@ pub fn overlap_of_pixels(a: &Contour, b: &Contour, pixel: f64) -> Overlap {
     Overlap::of(a, b, common)
 }
 
-/// Columns of the pixels of one row whose centres lie within, as half-open ranges.
-fn columns(contour: &Contour, y: f64, pixel: f64) -> Vec<[i64; 2]> {
-    let crossing = contour.edges().filter(|[from, to]| (from.y <= y) != (to.y <= y));
-    let mut at: Vec<f64> = crossing.map(|[p, q]| p.x + (q.x - p.x) * (y - p.y) / (q.y - p.y)).collect();
+/// A line that sweeps over a contour. It holds the edges that it crosses, so that a row costs its crossings and not all edges:
+/// the outline of a mask has as many edges as its pixels have sides.
+struct Sweep {
+    /// Edges that it has not come to, the lowest last.
+    above: Vec<[Point2<f64>; 2]>,
+    crossed: Vec<[Point2<f64>; 2]>,
+}
+
+impl Sweep {
+    fn over(contour: &Contour) -> Sweep {
+        let mut above: Vec<_> = contour.edges().collect();
+        above.sort_by(|a, b| lowest(b).total_cmp(&lowest(a)));
+        Sweep { above, crossed: Vec::new() }
+    }
+
+    /// The edges crossed at `y`, which is above all that it was at before.
+    fn at(&mut self, y: f64) -> &[[Point2<f64>; 2]] {
+        let reached = self.above.iter().rposition(|edge| lowest(edge) > y).map_or(0, |last| last + 1);
+        self.crossed.extend(self.above.drain(reached..));
+        self.crossed.retain(|[from, to]| (from.y <= y) != (to.y <= y));
+        &self.crossed
+    }
+}
+
+fn lowest([from, to]: &[Point2<f64>; 2]) -> f64 {
+    from.y.min(to.y)
+}
+
+/// Columns of the pixels of one row whose centres lie within, as half-open ranges, from the edges that cross it at `y`.
+fn columns(crossing: &[[Point2<f64>; 2]], y: f64, pixel: f64) -> Vec<[i64; 2]> {
+    let mut at: Vec<f64> = crossing.iter().map(|[p, q]| p.x + (q.x - p.x) * (y - p.y) / (q.y - p.y)).collect();
     at.sort_by(f64::total_cmp);
     // The centre of column c lies at (c + ½) pixels.
     let first = |x: f64| (x / pixel - 0.5).ceil() as i64;
@@ -84,6 +113,30 @@ mod tests {
         assert_eq!(pixels, Overlap::of(40_000.0, 90_000.0, 10_000.0));
         let apart = overlap(&square(0.0, 1.0), &square(5.0, 1.0));
         assert_eq!((apart.similarity, apart.jaccard), (0.0, 0.0));
+    }
+
+    /// A comb of thin teeth has as many edges in each row as there are teeth. Over all rows an edge is met once or twice, not once a row.
+    #[test]
+    fn the_pixels_of_a_comb_are_counted_in_time_linear_in_its_edges() {
+        let (teeth, height) = (200, 400);
+        let mut points = Vec::new();
+        for tooth in 0..teeth {
+            let x = f64::from(4 * tooth);
+            let up = (0..=height).map(|k| [x, f64::from(k)]);
+            let down = (0..=height).rev().map(|k| [x + 2.0, f64::from(k)]);
+            points.extend(up.chain(down));
+        }
+        points.extend([[f64::from(4 * teeth), -1.0], [-1.0, -1.0]]);
+        let (comb, _) = Contour::new(points).unwrap();
+        let mut sweep = Sweep::over(&comb);
+        let edges = sweep.above.len();
+        let met: usize = (0..height).map(|row| sweep.at(f64::from(row) + 0.5).len()).sum();
+        assert_eq!(met, (2 * teeth * height) as usize);
+        assert!(met <= edges, "{met} of {edges}");
+        // Each row has the teeth, and the pixels are those of the area.
+        let found = overlap_of_pixels(&comb, &square(0.0, 40.0), 1.0);
+        let common = (10.0 * 2.0 * 40.0) / 1600.0;
+        assert_eq!(found.of_model, common, "{found:?}");
     }
 
     /// Of two circles whose centres are a radius apart the lens is 2π/3 − √3/2, which inscribed polygons have from below.

@@ -11,7 +11,7 @@
 //! | [`sensitivity`] | derivatives of the outcome, by the tangent of every step |
 //! | `rest` | detection of equilibria |
 //! | [`saddle`] | skips the linear growth at a saddle, where a cell waits longer than the time it is given |
-//! | `oscillation` | detection of limit cycles |
+//! | [`oscillation`] | detection of limit cycles |
 //! | `limits` | the step budget, and cells that drift freely |
 //! | [`outcome`] | how a division ended: [`Division`] |
 //! | [`trajectory`] | all shapes of a division, with the forces on them |
@@ -20,7 +20,7 @@
 mod halves;
 mod limits;
 pub mod noise;
-mod oscillation;
+pub mod oscillation;
 pub mod outcome;
 mod rest;
 pub mod run;

@@ -16,7 +16,7 @@ const LEAST: f64 = 1e-4;
 
 /// The length of a contour over time.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Oscillation {
+pub struct Oscillation {
     /// The last two times and lengths, newest first.
     recent: Vec<[f64; 2]>,
     /// Time of the last maximum.
@@ -29,7 +29,7 @@ pub(super) struct Oscillation {
 
 impl Oscillation {
     /// Notes the length at a time; gives the period once it is one.
-    pub(super) fn note(&mut self, t: f64, length: f64) -> Option<f64> {
+    pub fn note(&mut self, t: f64, length: f64) -> Option<f64> {
         self.least = self.least.min(length);
         let peaked = match self.recent[..] {
             [[at, middle], [_, before]] if middle > before && middle > length => Some((at, middle)),

@@ -40,6 +40,7 @@ class CellPanel {
       ["R0", lengthText(cell.r0)],
       ["volume", `${(100 * cell.volume_fraction).toFixed(3)} % of ${this.head.cells[0].name}`],
       ["cue", cueText(cell.cue)],
+      ...Object.entries(cell.physics ?? {}).map(([name, value]) => [name, number(value, 6)]),
       ["division", cell.outcome ?? "not solved"],
     ];
     if (cell.chi != null) rows.push(["χ", number(cell.chi, 6)]);

@@ -184,6 +184,6 @@ function endText(ended) {
 /** What the solver needs to compute the division of a cell of a tree. */
 function divisionOf(head, node) {
   const { cell, numerics, seed, r0_step } = head;
-  const physics = head.lineage.founders[node.founder].physics ?? {};
+  const physics = { ...head.lineage.founders[node.founder].physics, ...node.cell.physics };
   return { cell: { ...cell, r0: node.cell.r0, cue: node.cell.cue }, numerics, seed, r0_step, physics };
 }

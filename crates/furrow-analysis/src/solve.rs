@@ -1,0 +1,463 @@
+//! The values of one parameter at which a cell divides with a wanted outcome.
+//!
+//! A coarse scan brackets every change of sign of outcome − wanted; Brent's method refines each. A pair of values that is
+//! as close as the tolerance, and whose outcomes still differ, is a jump (a fold of the division's outcome) and no root.
+
+use std::cell::RefCell;
+
+use argmin::core::{CostFunction, Error, Executor};
+use argmin::solver::brent::BrentRoot;
+use furrow_cell::cue::Quantity;
+use furrow_cell::{Cell, Numerics, Parameter, Settings};
+use furrow_lineage::batch::phase::spaced;
+use furrow_lineage::batch::scheduler::{self, Solved};
+use furrow_lineage::batch::{Memo, SchedulerError, SchedulerOptions, StoreWarning};
+use furrow_mechanics::division::{Division, DivisionInput, divide};
+use serde::{Serialize, Serializer};
+
+/// A number that a division gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// Size asymmetry χ.
+    Chi,
+    /// χ with its sign: positive where the daughter at the pole u = 0 is the smaller.
+    ChiSigned,
+    /// Position of the furrow, in arclength fraction from the pole u = 0.
+    UFurrow,
+    /// Time of pinch-off, in τ.
+    TEnd,
+}
+
+impl Measure {
+    /// Its name in answers.
+    pub fn name(self) -> &'static str {
+        match self {
+            Measure::Chi => "chi",
+            Measure::ChiSigned => "chi_signed",
+            Measure::UFurrow => "u_furrow",
+            Measure::TEnd => "t_end",
+        }
+    }
+
+    /// Its value; none if the cell did not divide.
+    pub fn of(self, division: &Division) -> Option<f64> {
+        match self {
+            Measure::Chi => division.chi(),
+            Measure::ChiSigned => division.chi_signed(),
+            Measure::UFurrow => division.u_furrow(),
+            Measure::TEnd => division.u_furrow().map(|_| division.t_end),
+        }
+    }
+
+    /// What is allowed, if a wanted value is not.
+    pub fn refused(self, wanted: f64) -> Option<&'static str> {
+        let (fine, allowed) = match self {
+            // No division has |χ| below 0: the outcome does not pass it.
+            Measure::Chi => (wanted > 0.0 && wanted < 1.0, "above 0 and below 1"),
+            Measure::ChiSigned => (wanted > -1.0 && wanted < 1.0, "above -1 and below 1"),
+            Measure::UFurrow => (wanted > 0.0 && wanted < 1.0, "above 0 and below 1"),
+            Measure::TEnd => (wanted > 0.0 && wanted.is_finite(), "a finite number above 0"),
+        };
+        (!fine).then_some(allowed)
+    }
+
+    /// Outcomes that differ by more than this at neighbouring values are a jump.
+    fn continuous(self, wanted: f64) -> f64 {
+        CONTINUOUS * if self == Measure::TEnd { wanted.abs().max(1.0) } else { 1.0 }
+    }
+}
+
+impl Serialize for Measure {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+/// Largest difference in χ, u or relative time between values [`TOLERANCE`] apart that is no jump.
+pub const CONTINUOUS: f64 = 1e-3;
+/// Width to which a root is bracketed, relative to the range.
+pub const TOLERANCE: f64 = 1e-9;
+/// Values of the scan, unless another number is asked for.
+pub const POINTS: usize = 65;
+/// Width to which the ends of intervals without divisions are bracketed, relative to the range.
+const EDGE: f64 = 1e-5;
+/// Rounds of values added where the outcome comes near the wanted one and turns back.
+const TURNS: usize = 6;
+/// Rounds in which brackets are refined. More are needed only where cells that divide and cells at rest alternate.
+const ROUNDS: usize = 256;
+
+/// What is asked: the values of a parameter at which a division gives a number.
+///
+/// ```
+/// use furrow_analysis::solve::{Measure, Question, default_range, solve};
+/// use furrow_cell::{Cell, Numerics, Parameter};
+/// use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions};
+///
+/// let (cell, parameter) = (Cell::new(2.0), Parameter::R0);
+/// assert_eq!(default_range(parameter, &cell), [1.0, 10.0]);
+/// let question = Question {
+///     cell, parameter, numerics: Numerics::default(), seed: 0, range: [1.8, 2.2], points: 5, measure: Measure::Chi, wanted: 0.8,
+/// };
+/// let found = solve(&question, &Memo::new(Quantisation::DEFAULT), &SchedulerOptions::default())?;
+/// // Smaller cells divide less equally.
+/// assert!(found.roots.len() == 1 && (found.roots[0].chi - 0.8).abs() < 1e-5);
+/// # Ok::<(), furrow_analysis::solve::SolveError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Question {
+    /// The cell; the parameter is replaced.
+    pub cell: Cell,
+    /// Discretisation.
+    pub numerics: Numerics,
+    /// Seed of the noise.
+    pub seed: u64,
+    /// The parameter.
+    pub parameter: Parameter,
+    /// First and last value of the parameter.
+    pub range: [f64; 2],
+    /// Values of the scan, both ends included: two or more.
+    pub points: usize,
+    /// What is wanted of the division.
+    pub measure: Measure,
+    /// The wanted value.
+    pub wanted: f64,
+}
+
+/// A value of the parameter at which the division gives the wanted number.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Root {
+    /// The value.
+    pub value: f64,
+    /// χ of the division there.
+    pub chi: f64,
+    /// χ with its sign.
+    pub chi_signed: f64,
+    /// Position of its furrow.
+    pub u_furrow: f64,
+    /// Its time, in τ.
+    pub t_end: f64,
+}
+
+/// Two neighbouring values between which the outcome jumps over the wanted one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Jump {
+    /// The values.
+    pub between: [f64; 2],
+    /// The outcomes at them.
+    pub outcomes: [f64; 2],
+}
+
+/// An interval of values at which the cell does not divide.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gap {
+    /// First value.
+    pub from: f64,
+    /// Last value.
+    pub to: f64,
+    /// Why, at the first value.
+    pub why: String,
+}
+
+/// An outcome that was seen, and where.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Seen {
+    /// The outcome.
+    pub outcome: f64,
+    /// The value of the parameter.
+    pub value: f64,
+}
+
+/// Answers to a [`Question`], each list in the order of the values.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Solution {
+    /// All roots that the scan brackets.
+    pub roots: Vec<Root>,
+    /// Jumps over the wanted outcome.
+    pub jumps: Vec<Jump>,
+    /// Where the cell does not divide.
+    pub gaps: Vec<Gap>,
+    /// The least and the greatest outcome; `None` if the cell divides nowhere.
+    pub seen: Option<[Seen; 2]>,
+    /// Divisions looked up or solved.
+    pub divisions: usize,
+    /// Warnings about the store.
+    #[serde(skip)]
+    pub warnings: Vec<StoreWarning>,
+}
+
+/// Why there is no answer.
+#[expect(missing_docs, reason = "the messages say what the fields are")]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SolveError {
+    /// The workers could not be started.
+    #[error(transparent)]
+    Workers(#[from] SchedulerError),
+    /// The search was interrupted.
+    #[error("interrupted after {divisions} divisions")]
+    Interrupted { divisions: usize },
+    /// The wanted outcome is not among those in the range.
+    #[error("no {parameter} from {from} to {to} gives {measure} = {wanted}: {seen}", from = .range[0], to = .range[1])]
+    NoRoot { parameter: Parameter, range: [f64; 2], measure: &'static str, wanted: f64, seen: String },
+}
+
+impl Solution {
+    /// The solution, if it has a root.
+    ///
+    /// # Errors
+    /// [`SolveError::NoRoot`] says which outcomes were seen, and where.
+    pub fn with_roots(self, question: &Question) -> Result<Solution, SolveError> {
+        if !self.roots.is_empty() {
+            return Ok(self);
+        }
+        let Question { parameter, range, measure, wanted, .. } = *question;
+        let mut seen = match self.seen {
+            None => self.gaps.first().map_or(String::new(), |gap| format!("the cell divides nowhere; {}", gap.why)),
+            Some([least, most]) => format!(
+                "{} runs from {:.6} (at {:.6}) to {:.6} (at {:.6})",
+                measure.name(),
+                least.outcome,
+                least.value,
+                most.outcome,
+                most.value
+            ),
+        };
+        for Jump { between: [a, b], outcomes: [before, behind] } in &self.jumps {
+            seen += &format!("; it jumps from {before:.4} at {a:.9} to {behind:.4} at {b:.9}");
+        }
+        Err(SolveError::NoRoot { parameter, range, measure: measure.name(), wanted, seen })
+    }
+}
+
+/// The range of a parameter that is searched where none is given: R0 from 1 to 10, ε from 0.6 to 0.95, ξ_s from 5 to 60 κ/g,
+/// u0 from 0 to 1, amplitudes from −0.9 to 0.9, or twice their size if that is more; of anything else from a quarter of the
+/// cell's value to four times it, and from −1 (or 0) to 1 if that is 0.
+pub fn default_range(parameter: Parameter, cell: &Cell) -> [f64; 2] {
+    let value = parameter.get(cell);
+    match parameter {
+        Parameter::R0 => [1.0, 10.0],
+        Parameter::Epsilon => [0.6, 0.95],
+        Parameter::XiS => [5.0, 60.0].map(|xi_s| xi_s * (cell.material.kappa / cell.material.gain)),
+        Parameter::Cue { quantity: Quantity::U0, .. } => [0.0, 1.0],
+        Parameter::Cue { quantity: Quantity::Amplitude, .. } => {
+            [-1.0, 1.0].map(|end| end * (2.0 * value.abs()).max(0.9))
+        }
+        _ if value == 0.0 => [if parameter.validate(-1.0).is_ok() { -1.0 } else { 0.0 }, 1.0],
+        _ => [(0.25 * value).min(4.0 * value), (0.25 * value).max(4.0 * value)],
+    }
+}
+
+/// Finds all values at which the outcome is the wanted one, as far as the scan brackets them.
+///
+/// # Errors
+/// [`SolveError`] if the workers cannot be started or the search is interrupted. A value at which the cell does not divide is
+/// part of a gap.
+pub fn solve(question: &Question, memo: &Memo, options: &SchedulerOptions<'_>) -> Result<Solution, SolveError> {
+    let Question { range: [from, to], points, .. } = *question;
+    let mut search = Search { question, memo, options, tried: Vec::new(), warnings: Vec::new() };
+    search.try_all(&spaced(from.min(to), from.max(to), points))?;
+    for _ in 0..TURNS {
+        let values = search.turns();
+        search.try_all(&values)?;
+    }
+    for _ in 0..ROUNDS {
+        let edges = search.edges();
+        if !edges.is_empty() {
+            search.try_all(&edges)?;
+            continue;
+        }
+        let Some(bracket) = search.brackets().next() else { break };
+        search = search.refined(bracket)?;
+    }
+    Ok(search.solution())
+}
+
+/// A value that was tried, with its division or the reason why there is none.
+struct Tried {
+    value: f64,
+    found: Result<Division, String>,
+    /// Outcome − wanted.
+    off: Option<f64>,
+}
+
+/// A cell at rest is a gap of the outcome.
+#[derive(Debug, thiserror::Error)]
+#[error("the cell does not divide")]
+struct NoDivision;
+
+/// Values that were tried, in their order.
+struct Search<'a> {
+    question: &'a Question,
+    memo: &'a Memo,
+    options: &'a SchedulerOptions<'a>,
+    tried: Vec<Tried>,
+    warnings: Vec<StoreWarning>,
+}
+
+impl Search<'_> {
+    /// Width to which roots are bracketed. A radius is rounded before it is divided.
+    fn tolerance(&self) -> f64 {
+        let [from, to] = self.question.range;
+        let rounding =
+            if self.question.parameter == Parameter::R0 { self.memo.quantisation().relative_step() } else { 0.0 };
+        (TOLERANCE * (to - from).abs()).max((4.0 * rounding).max(8.0 * f64::EPSILON) * from.abs().max(to.abs()))
+    }
+
+    /// The division's input at a value, or why that is not allowed.
+    fn input(&self, value: f64) -> Result<DivisionInput, String> {
+        let Question { cell, parameter, numerics, seed, .. } = self.question;
+        let mut cell = cell.clone();
+        parameter.set(&mut cell, value);
+        let settings = Settings { cell: cell.clone(), numerics: *numerics };
+        let checked = settings.check("settings").and_then(|()| settings.check_activity("settings"));
+        checked.map_err(|error| error.to_string())?;
+        cell.cue.check().map_err(|error| error.to_string())?;
+        Ok(DivisionInput { cell, numerics: *numerics, seed: *seed })
+    }
+
+    /// Tries values, in parallel.
+    fn try_all(&mut self, values: &[f64]) -> Result<(), SolveError> {
+        let (mut inputs, mut found) = (Vec::new(), Vec::new());
+        for &value in values {
+            match self.input(value) {
+                Ok(input) => inputs.push((value, input)),
+                Err(why) => found.push((value, Err(why))),
+            }
+        }
+        let (values, inputs): (Vec<f64>, Vec<DivisionInput>) = inputs.into_iter().unzip();
+        let Solved { divisions, unsolved, summary } = scheduler::solve_all(inputs, self.memo, self.options, divide)?;
+        self.warnings.extend(summary.warnings);
+        if summary.interrupted {
+            return Err(SolveError::Interrupted { divisions: self.tried.len() });
+        }
+        found.extend(unsolved.iter().map(|job| (values[job.id], Err(job.failure.to_string()))));
+        found.extend(values.iter().zip(divisions).filter_map(|(value, division)| Some((*value, Ok(division?)))));
+        let Question { measure, wanted, .. } = *self.question;
+        self.tried.extend(found.into_iter().map(|(value, found)| {
+            let off = found.as_ref().ok().and_then(|division| measure.of(division)).map(|outcome| outcome - wanted);
+            Tried { value, found, off }
+        }));
+        self.tried.sort_by(|a, b| a.value.total_cmp(&b.value));
+        Ok(())
+    }
+
+    /// Outcome − wanted at a value, which is tried unless it was.
+    fn off(&mut self, value: f64) -> Result<Option<f64>, SolveError> {
+        let known = |search: &Self| search.tried.iter().find(|tried| tried.value == value).map(|tried| tried.off);
+        if let Some(off) = known(self) {
+            return Ok(off);
+        }
+        self.try_all(&[value])?;
+        Ok(known(self).flatten())
+    }
+
+    /// Values beside those where the outcome comes near the wanted one and turns back: there may be two roots between them.
+    fn turns(&self) -> Vec<f64> {
+        let mut values: Vec<f64> = Vec::new();
+        for three in self.tried.windows(3) {
+            let [Some(before), Some(here), Some(behind)] = [three[0].off, three[1].off, three[2].off] else { continue };
+            let [before, behind] = [before, behind].map(|off| (off - here) * here.signum());
+            // As far as it has come, it may go again.
+            if before > 0.0 && behind > 0.0 && here.abs() < before.max(behind) && here.abs() > 0.0 {
+                values.extend(three.windows(2).map(|two| 0.5 * (two[0].value + two[1].value)));
+            }
+        }
+        values.dedup();
+        values
+    }
+
+    /// Middles between neighbours of which one divides, unless they are close.
+    fn edges(&self) -> Vec<f64> {
+        let [from, to] = self.question.range;
+        let open = |two: &&[Tried]| {
+            two[0].off.is_some() != two[1].off.is_some() && two[1].value - two[0].value > EDGE * (to - from).abs()
+        };
+        self.tried.windows(2).filter(open).map(|two| 0.5 * (two[0].value + two[1].value)).collect()
+    }
+
+    /// Neighbours between which the outcome passes the wanted one, and which are not close yet.
+    fn brackets(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let tolerance = 2.0 * self.tolerance();
+        self.crossings()
+            .filter(move |two| two[1].value - two[0].value > tolerance)
+            .map(|two| [two[0].value, two[1].value])
+    }
+
+    /// Neighbours between which the outcome passes the wanted one.
+    fn crossings(&self) -> impl Iterator<Item = &[Tried]> {
+        self.tried.windows(2).filter(|two| matches!((two[0].off, two[1].off), (Some(a), Some(b)) if a * b < 0.0))
+    }
+
+    /// The search after Brent's method in a bracket, which ends early where the cell does not divide.
+    fn refined(self, [from, to]: [f64; 2]) -> Result<Self, SolveError> {
+        struct Off<'s, 'a>(&'s RefCell<Search<'a>>);
+        impl CostFunction for Off<'_, '_> {
+            type Param = f64;
+            type Output = f64;
+
+            fn cost(&self, value: &f64) -> Result<f64, Error> {
+                Ok(self.0.borrow_mut().off(*value)?.ok_or(NoDivision)?)
+            }
+        }
+        let (tolerance, search) = (self.tolerance(), RefCell::new(self));
+        let run = Executor::new(Off(&search), BrentRoot::new(from, to, tolerance)).run();
+        match run.map(drop).map_err(|error| error.downcast::<SolveError>()) {
+            Err(Ok(error)) => Err(error),
+            _ => Ok(search.into_inner()),
+        }
+    }
+
+    fn solution(self) -> Solution {
+        let Question { measure, wanted, .. } = *self.question;
+        let (mut roots, mut jumps): (Vec<Root>, Vec<Jump>) = (Vec::new(), Vec::new());
+        roots.extend(self.tried.iter().filter(|tried| tried.off == Some(0.0)).filter_map(Tried::root));
+        for two in self.crossings() {
+            let [before, behind] = [&two[0], &two[1]].map(|tried| tried.off.unwrap_or(f64::NAN));
+            if (behind - before).abs() > measure.continuous(wanted) {
+                let outcomes = [before + wanted, behind + wanted];
+                jumps.push(Jump { between: [two[0].value, two[1].value], outcomes });
+            } else {
+                roots.extend(two[usize::from(behind.abs() < before.abs())].root());
+            }
+        }
+        roots.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let outcomes = self.tried.iter().filter_map(|tried| {
+            Some(Seen {
+                outcome: tried.found.as_ref().ok().and_then(|division| measure.of(division))?,
+                value: tried.value,
+            })
+        });
+        let least = outcomes.clone().min_by(|a, b| a.outcome.total_cmp(&b.outcome));
+        let most = outcomes.max_by(|a, b| a.outcome.total_cmp(&b.outcome));
+        let (gaps, divisions) = (self.gaps(), self.tried.len());
+        Solution { roots, jumps, gaps, seen: least.zip(most).map(|(a, b)| [a, b]), divisions, warnings: self.warnings }
+    }
+
+    /// Runs of values without a division.
+    fn gaps(&self) -> Vec<Gap> {
+        let runs = self.tried.chunk_by(|a, b| a.off.is_none() && b.off.is_none());
+        let gap = |run: &[Tried]| {
+            let (first, last) = (run.first()?, run.last()?);
+            let why = match &first.found {
+                Ok(_) if first.off.is_some() => return None,
+                Ok(_) => "the cell comes to rest undivided".to_owned(),
+                Err(why) => why.clone(),
+            };
+            Some(Gap { from: first.value, to: last.value, why })
+        };
+        runs.filter_map(gap).collect()
+    }
+}
+
+impl Tried {
+    fn root(&self) -> Option<Root> {
+        let division = self.found.as_ref().ok()?;
+        Some(Root {
+            value: self.value,
+            chi: division.chi()?,
+            chi_signed: division.chi_signed()?,
+            u_furrow: division.u_furrow()?,
+            t_end: division.t_end,
+        })
+    }
+}

@@ -1,0 +1,233 @@
+//! Rules that set a parameter of cells by generation, by size, or by their mother.
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::definition::{Lineage, Place};
+use super::physics::FounderPhysics;
+use furrow_cell::{Cell, Parameter};
+use furrow_input::{did_you_mean, shown};
+use furrow_mechanics::division::{Division, Outcome};
+
+/// The cells that a rule applies to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// First generation.
+    pub from_generation: u32,
+    /// Last generation, if there is one.
+    pub to_generation: Option<u32>,
+    /// Cells of a smaller radius R0 than this, in L_h.
+    pub below_r0: Option<f64>,
+    /// Cells of a larger radius R0 than this, in L_h.
+    pub above_r0: Option<f64>,
+}
+
+impl Span {
+    /// Whether it includes a cell of a generation and radius.
+    pub fn includes(&self, generation: u32, r0: f64) -> bool {
+        generation >= self.from_generation
+            && self.to_generation.is_none_or(|last| generation <= last)
+            && self.below_r0.is_none_or(|limit| r0 < limit)
+            && self.above_r0.is_none_or(|limit| r0 > limit)
+    }
+}
+
+/// What a rule counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Per {
+    /// The cell's generation, counted as the rule's `from_generation` is.
+    Generation,
+    /// The cell's radius R0, in L_h.
+    R0,
+    /// χ of its mother's division, 0 where the daughters are equal.
+    MotherChi,
+}
+
+/// What a parameter of some cells is: start × factor^n + add × n, where n is what it is `per`, or 1.
+///
+/// ```
+/// use furrow_cell::Cell;
+/// use furrow_lineage::{Lineage, Place};
+///
+/// // ξ_s falls by 3 % a generation.
+/// let file = r#"Lineage(name: "x", physics_rules: [(parameter: "xi_s", factor: 0.97, per: generation)], founders: [(name: "Q")])"#;
+/// let lineage = Lineage::parse(file, "x.ron")?;
+/// let mut cell = Cell::new(3.0);
+/// lineage.set_physics(Place { founder: 0, round: 2, generation: 2, r0: 3.0 }, &mut cell, None).unwrap();
+/// assert_eq!(cell.xi_s, 25.0 * 0.97 * 0.97);
+/// # Ok::<(), furrow_input::InputError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PhysicsRule {
+    /// The parameter: any but R0, also a number of the cue.
+    #[serde(with = "parameter_name")]
+    pub parameter: Parameter,
+    /// Where it starts; if not given, the cell's own value: the founder's, or that of the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
+    /// It starts from the mother's value instead. The first cell keeps its own.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub from_mother: bool,
+    /// What it is multiplied by; 1 if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factor: Option<f64>,
+    /// What is added to it; 0 if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub add: Option<f64>,
+    /// How often it is multiplied and added; once if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub per: Option<Per>,
+    /// First generation it applies to; 0 if not given.
+    #[serde(default)]
+    pub from_generation: u32,
+    /// Last generation it applies to; no last one if not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to_generation: Option<u32>,
+    /// It applies to cells of a smaller radius R0 than this, in L_h.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub below_r0: Option<f64>,
+    /// It applies to cells of a larger radius R0 than this, in L_h.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub above_r0: Option<f64>,
+}
+
+/// A mother, as far as rules depend on her.
+#[derive(Clone, Copy, Debug)]
+pub struct Mother<'a> {
+    /// Her parameters.
+    pub cell: &'a Cell,
+    /// χ of her division, 0 where the daughters are equal.
+    pub chi: f64,
+}
+
+impl<'a> Mother<'a> {
+    /// Of a cell with its division.
+    pub fn of(cell: &'a Cell, division: Option<&Division>) -> Mother<'a> {
+        // χ of equal daughters is what is left of rounding.
+        let unequal = division.filter(|division| division.outcome() == Outcome::Asymmetric);
+        Mother { cell, chi: unequal.and_then(Division::chi).unwrap_or(0.0) }
+    }
+}
+
+/// What rules make of a cell.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ruled {
+    /// The parameters that rules set, but for numbers of the cue.
+    pub physics: FounderPhysics,
+    /// Whether hardly another cell has the same parameters: they go with its size or its mother.
+    pub is_single: bool,
+}
+
+impl PhysicsRule {
+    /// The cells it applies to.
+    pub fn span(&self) -> Span {
+        let PhysicsRule { from_generation, to_generation, below_r0, above_r0, .. } = *self;
+        Span { from_generation, to_generation, below_r0, above_r0 }
+    }
+
+    /// The value that it gives a cell; none if it leaves the cell's own, as it does to a first cell without a mother.
+    fn value(&self, own: f64, generation: u32, r0: f64, mother: Option<Mother<'_>>) -> Option<f64> {
+        let start = if self.from_mother { self.parameter.get(mother?.cell) } else { self.value.unwrap_or(own) };
+        let (factor, add) = (self.factor.unwrap_or(1.0), self.add.unwrap_or(0.0));
+        let times = |n: f64| start * factor.powf(n) + add * n;
+        Some(match self.per {
+            None => times(1.0),
+            Some(Per::Generation) => {
+                start * factor.powi(generation.try_into().unwrap_or(i32::MAX)) + add * f64::from(generation)
+            }
+            Some(Per::R0) => times(r0),
+            Some(Per::MotherChi) => times(mother?.chi),
+        })
+    }
+
+    /// The first field that is wrong: its name, its value, and what is allowed.
+    pub(super) fn complaint(&self) -> Option<(&'static str, String, String)> {
+        let PhysicsRule { parameter, value, from_mother, factor, add, per, .. } = *self;
+        if let Some((value, allowed)) = value.and_then(|value| Some((value, parameter.validate(value).err()?))) {
+            return Some(("value", value.to_string(), allowed.to_owned()));
+        }
+        if let Some(value) = value.filter(|_| from_mother) {
+            return Some(("value", value.to_string(), "left out where from_mother is true".to_owned()));
+        }
+        if let Some(factor) = factor.filter(|factor| !(factor.is_finite() && *factor > 0.0)) {
+            return Some(("factor", factor.to_string(), "a finite number above 0".to_owned()));
+        }
+        if let Some(add) = add.filter(|add| !add.is_finite()) {
+            return Some(("add", add.to_string(), "a finite number".to_owned()));
+        }
+        if per.is_some() && factor.is_none() && add.is_none() {
+            return Some(("per", "(given)".to_owned(), "given with factor or add".to_owned()));
+        }
+        let idle = value.is_none() && !from_mother && factor.is_none() && add.is_none();
+        idle.then(|| ("value", "(not given)".to_owned(), "given, or one of from_mother, factor and add".to_owned()))
+    }
+}
+
+impl Lineage {
+    /// The rules for the parameters of a cell at a place, and the generation that they count.
+    fn physics_rules_at(&self, place: Place) -> (&[PhysicsRule], u32) {
+        match &self.founders[place.founder].physics_rules[..] {
+            [] => (&self.physics_rules, place.generation),
+            own => (own, place.round),
+        }
+    }
+
+    /// Whether rules set parameters of any cell.
+    pub fn has_physics_rules(&self) -> bool {
+        !self.physics_rules.is_empty() || self.founders.iter().any(|founder| !founder.physics_rules.is_empty())
+    }
+
+    /// Sets the parameters that its founder and rules give a cell at a place: of each parameter by the first rule that applies. `cell`
+    /// has the parameters of the run, and the cue.
+    ///
+    /// # Errors
+    /// A rule gives a value that is not allowed: names the parameter, the value and what is allowed.
+    pub fn set_physics(&self, place: Place, cell: &mut Cell, mother: Option<Mother<'_>>) -> Result<Ruled, String> {
+        self.founders[place.founder].physics.apply(cell);
+        let (rules, generation) = self.physics_rules_at(place);
+        let (own, mut ruled) = (cell.clone(), Ruled::default());
+        let mut done: Vec<Parameter> = Vec::new();
+        for (k, rule) in rules.iter().enumerate() {
+            let parameter = rule.parameter;
+            if done.contains(&parameter) || !parameter.is_of(cell) || !rule.span().includes(generation, place.r0) {
+                continue;
+            }
+            done.push(parameter);
+            let Some(value) = rule.value(parameter.get(&own), generation, place.r0, mother) else { continue };
+            let refused = |allowed| format!("physics_rules[{k}]: {parameter} = {value}: must be {allowed}");
+            parameter.validate(value).map_err(refused)?;
+            parameter.set(cell, value);
+            ruled.physics.set(parameter, value);
+            ruled.is_single |= rule.from_mother || matches!(rule.per, Some(Per::R0 | Per::MotherChi));
+        }
+        if done.iter().any(|parameter| matches!(parameter, Parameter::Cue { .. })) {
+            cell.cue.check().map_err(|error| format!("physics_rules: {error}"))?;
+        }
+        Ok(ruled)
+    }
+}
+
+/// A parameter by its name, as `--set` and sweeps have it.
+mod parameter_name {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(parameter: &Parameter, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(parameter)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Parameter, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        let parameter = name.parse().ok().filter(|parameter| *parameter != Parameter::R0);
+        parameter.ok_or_else(|| {
+            let names: Vec<_> =
+                Parameter::ALL.into_iter().filter(|p| *p != Parameter::R0).map(Parameter::name).collect();
+            let nearest = did_you_mean(&name, names.iter().copied());
+            let known = names.join(", ");
+            serde::de::Error::custom(format!(
+                "parameter = {}: must be one of {known}, cue.u0, cue.omega, cue.amplitude{nearest}",
+                shown(&name)
+            ))
+        })
+    }
+}
