@@ -113,13 +113,13 @@ def title_of(division: Division) -> str:
 
 
 def _cue_of(cell: Cell) -> str:
-    """The cue as a part of a title, which must not read its underscores as subscripts."""
+    """The cue as the last part of a cell's description."""
     return "" if cell.cue == "none" else f", cue {cell.cue}"
 
 
 def _title(figure: Figure, text: str) -> None:
     """The title of a figure, in as many lines as its width takes."""
-    most = int(12.5 * figure.get_figwidth())
+    most = int(10.0 * figure.get_figwidth())
     lines = [""]
     # Cues are long and without spaces: a line may end behind a comma or a plus sign.
     for part in re.split(r"(?<=[ ,+])", text):
@@ -249,7 +249,7 @@ def _balance(axes: Axes, frame: Frame) -> None:
     # The same way as the contours: anterior on the left.
     axes.set(xlim=(1.0, 0.0), ylim=(-most, most), xlabel="place u")
     for x, side, pole in ((0.0, "left", "anterior"), (1.0, "right", "posterior")):
-        axes.text(x, -0.13, pole, transform=axes.transAxes, ha=side, va="top", color=MUTED)
+        axes.text(x, -0.085, pole, transform=axes.transAxes, ha=side, va="top", color=MUTED)
     axes.set_ylabel(f"normal force at t = {frame.t:.3g} τ ($κ_0/L_h^3$)")
     axes.axhline(0.0, color=MUTED, linewidth=0.8)
     axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, fontsize=9, columnspacing=1.2)
@@ -265,7 +265,7 @@ def branch(found: Branch) -> Figure:
     breaks = any(np.abs(curve.delta_u).max(initial=0.0) > 1e-6 for curve in found.curves)
     figure = _figure(8.4, 7.0 if breaks else 4.2)
     _title(figure, f"Stationary shapes at R₀ = {found.cell.r0:g}, ε = {found.cell.epsilon:g}{_cue_of(found.cell)}")
-    shown = (("H", LABELS["H"]), ("delta_u", "furrow position δu"))[: 2 if breaks else 1]
+    shown = (("H", LABELS["H"]), ("delta_u", "furrow position δu (anterior > 0)"))[: 2 if breaks else 1]
     charts = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (name, label) in zip(charts, shown, strict=True):
         style(axes).set_ylabel(label)
