@@ -119,8 +119,10 @@ mod tests {
             (pixels, width as usize)
         };
         let ((lying, width), (upright, _)) = (label(false), label(true));
-        let off = (0..lying.len()).filter(|k| lying[*k] != upright[(width - 1 - k % width) * width + k / width]);
-        assert_eq!(off.count(), 0);
+        let turned = |k: usize| upright[(width - 1 - k % width) * width + k / width];
+        // A letter is laid on white by way of a picture of its own, which rounds once more.
+        let off = |k: &usize| (0..3).any(|c| lying[*k][c].abs_diff(turned(*k)[c]) > 2);
+        assert_eq!((0..lying.len()).filter(off).count(), 0);
         assert!(lying.iter().filter(|pixel| **pixel == INK).count() > 200);
     }
 

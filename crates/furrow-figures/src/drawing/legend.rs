@@ -67,7 +67,7 @@ impl Legend {
         let (mut at, mut row) = (0.0, 0.0);
         let mut places = Vec::new();
         for (key, word) in &self.0 {
-            let needed = key.width() + 26.0 + font::width(word, text::TICK);
+            let needed = key.width() + 20.0 + font::width(word, text::TICK);
             if at > 0.0 && at + needed > width {
                 (at, row) = (0.0, row + 1.0);
             }

@@ -105,9 +105,11 @@ impl<'a> Stage<'a> {
             x += 40.0 + font::width(&word, text::TICK);
         }
         let end = self.film.shell()[0];
-        for (z, pole, anchor, aside) in [(-end, ANTERIOR, Anchor::End, -10.0), (end, POSTERIOR, Anchor::Start, 10.0)] {
-            let [x, y] = self.view.point([0.0, z], 0.0);
-            canvas.text([x + aside, y + 5.0], pole, text::TICK, anchor, style::MUTED);
+        for (x, z, pole, anchor) in
+            [(20.0, -end, ANTERIOR, Anchor::Start), (SIZE[0] - 20.0, end, POSTERIOR, Anchor::End)]
+        {
+            let [_, y] = self.view.point([0.0, z], 0.0);
+            canvas.text([x, y + 5.0], pole, text::TICK, anchor, style::MUTED);
         }
         let division = &self.film.division;
         if still.t >= 0.999 * division.t_end {
@@ -116,7 +118,7 @@ impl<'a> Stage<'a> {
                 (outcome, Some(chi)) => (format!("{outcome}, χ = {chi:.2}"), style::outcome(outcome)),
                 (outcome, None) => (outcome.to_string(), style::outcome(outcome)),
             };
-            canvas.bold([SIZE[0] - 20.0, bottom], &word, text::LABEL, Anchor::End, colour);
+            canvas.bold([SIZE[0] - 20.0, 54.0], &word, text::LABEL, Anchor::End, colour);
         }
     }
 }

@@ -30,8 +30,9 @@ type Shape<'a> = (char, ShapePoint, &'a [[f64; 2]]);
 pub fn draw(cell: &Cell, branches: &[Named]) -> Canvas {
     let breaks = branches.iter().flat_map(|(_, branch)| &branch.points).any(|point| point.delta_u.abs() > 1e-6);
     let title = format!(
-        "Stationary shapes at {}\nshapes are drawn with their {ANTERIOR} pole on the left, their {POSTERIOR} pole on the right",
-        style::described(cell, &[Parameter::XiS])
+        "Stationary shapes at {}\nshapes from the {ANTERIOR} pole on the left to the {POSTERIOR} pole on the right{}",
+        style::described(cell, &[Parameter::XiS]),
+        if breaks { "; δu > 0 if the furrow is nearer to the anterior pole" } else { "" }
     );
     let below = SHAPES + 12.0 + CHART * if breaks { 2.0 } else { 1.0 };
     let (mut canvas, top) = titled(WIDTH, below, &title, &legend(branches));
@@ -40,7 +41,7 @@ pub fn draw(cell: &Cell, branches: &[Named]) -> Canvas {
     let top = top + SHAPES + 12.0;
     chart(&mut canvas, branches, &shapes, top, "elongation H", |point| point.elongation);
     if breaks {
-        chart(&mut canvas, branches, &shapes, top + CHART, "furrow position δu (anterior > 0)", |point| point.delta_u);
+        chart(&mut canvas, branches, &shapes, top + CHART, "furrow position δu", |point| point.delta_u);
     }
     canvas
 }
@@ -125,6 +126,13 @@ fn chart(
             chart.line(piece, Stroke { colour: colour(name), width: style::CURVE, dash });
         }
     }
+    for (_, point, _) in shapes {
+        let at = [point.xi_s, value(point)];
+        if chart.holds(at) {
+            let at = chart.at(at);
+            chart.canvas.disc(at, 2.6, style::INK, 1.0, None);
+        }
+    }
     let mut words: Vec<([f64; 2], Anchor, &str)> = Vec::new();
     for (name, branch) in branches {
         for event in &branch.events {
@@ -177,7 +185,6 @@ fn letters(chart: &mut Chart<'_>, shapes: &[Shape<'_>], value: fn(&ShapePoint) -
         let around = (0..6).flat_map(|step| sides.map(|[x, y]| [at[0] + x * (14.0 + 15.0 * f64::from(step)), at[1] + 17.0 * y]));
         let place = around.into_iter().find(free).unwrap_or([at[0] + 14.0, at[1] - 17.0]);
         taken.push((place, HALF));
-        chart.canvas.disc(at, 2.6, style::INK, 1.0, None);
         let base = [place[0], place[1] + 6.0];
         chart.canvas.bold_over(base, &letter.to_string(), text::LABEL, Anchor::Middle, [style::INK, style::WHITE]);
     }

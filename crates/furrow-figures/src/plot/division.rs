@@ -11,7 +11,7 @@ use furrow_mechanics::division::{Outcome, Snapshot, Trajectory};
 
 const WIDTH: f64 = 1160.0;
 /// Height of a row of contours.
-const CELLS: f64 = 175.0;
+const CELLS: f64 = 192.0;
 /// Height of a chart with its legend, and width of that on the left.
 const CHART: [f64; 2] = [440.0, 0.45 * WIDTH];
 /// Contours that are drawn.
@@ -81,13 +81,14 @@ fn contours(canvas: &mut Canvas, cell: &Cell, film: &Trajectory, top: f64) {
     for (k, still) in stills.iter().enumerate() {
         let site = Site { centre: [20.0 + width * (k as f64 + 0.5), top + 0.5 * (CELLS - 24.0)], scale };
         drawn::shell(canvas, shell, &site);
-        drawn::body(canvas, &still.contour(), &site, 2.0);
         let places: Vec<[f64; 3]> = still.places.iter().map(|p| [p.u, p.r, p.z]).collect();
         if k == 0 {
             drawn::poles(canvas, &site, [0.46 * width / scale, shell[1]]);
         } else {
             drawn::cue(canvas, &cell.cue, still.length, &places, &site, 5.5);
         }
+        // Over the cue, which is outside: in the furrow the other side is near.
+        drawn::body(canvas, &still.contour(), &site, 2.0);
         let word = format!("t = {} τ", style::time(still.t));
         canvas.text([site.centre[0], top + CELLS - 6.0], &word, text::TICK, Anchor::Middle, style::MUTED);
     }

@@ -150,3 +150,26 @@ fn legend(diagram: &PhaseDiagram, edges: &Edges) -> Legend {
         .with_if(folds, Key::Line(FOLD), "fold")
         .with_if(!folds && edge(false), Key::Point(FOLD, Marker::Diamond), "fold")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_gives_way_to_a_line() {
+        let tile = [[0.0, 0.0], [120.0, 80.0]];
+        let written = |busy: &[Vec<[f64; 2]>]| {
+            let mut canvas = Canvas::new(120.0, 80.0);
+            number(&mut canvas, 0.25, [60.0, 40.0], tile, busy);
+            canvas.svg().split("<text x=\"").nth(1).map(|rest| rest.split(" font").next().unwrap_or_default().to_owned())
+        };
+        let place = |x: f64, y: f64| Some(format!("{x}\" y=\"{y}\""));
+        assert_eq!(written(&[]), place(60.0, 45.0));
+        // A line across the middle, and then one just above it, too.
+        let across = |y: f64| vec![[0.0, y], [120.0, y]];
+        assert_eq!(written(&[across(40.0)]), place(60.0, 30.0));
+        assert_eq!(written(&[across(40.0), across(25.0)]), place(60.0, 60.0));
+        // A marker, which is a single point.
+        assert_eq!(written(&[vec![[60.0, 40.0]]]), place(60.0, 30.0));
+    }
+}
