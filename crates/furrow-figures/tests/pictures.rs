@@ -96,7 +96,8 @@ fn the_force_panel_runs_as_the_contours_do() {
 #[test]
 fn a_movie_shows_signs_and_poles() {
     let (cell, film) = divided("tension:gradient,amplitude=0.3");
-    let svg = String::from_utf8(Movie { cell: &cell, film: &film, frames: 3 }.bytes(MovieFormat::Svg).unwrap()).unwrap();
+    let svg =
+        String::from_utf8(Movie { cell: &cell, film: &film, frames: 3 }.bytes(MovieFormat::Svg).unwrap()).unwrap();
     for word in ["cue raises tension", "cue lowers tension", ">anterior<", ">posterior<"] {
         assert_eq!(svg.matches(word).count(), 3, "{word}");
     }

@@ -346,7 +346,7 @@ mod tests {
     /// The colours of the founders of a lineage with this many, of which all carry a cue.
     fn of(names: &[String]) -> Vec<&'static str> {
         let founder = |k: usize| {
-            let (mother, daughter) = ((k + 1) / 2 - 1, if k % 2 == 1 { "larger" } else { "smaller" });
+            let (mother, daughter) = ((k - 1) / 2, if k % 2 == 1 { "larger" } else { "smaller" });
             format!(r#", (name: "{}", mother: "{}", daughter: {daughter}, cue: "c")"#, names[k], names[mother])
         };
         let rest: String = (1..names.len()).map(founder).collect();

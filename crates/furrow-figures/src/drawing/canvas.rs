@@ -112,12 +112,30 @@ impl Canvas {
 
     /// A line of text on a base line.
     pub fn text(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, colour: Colour) {
-        self.words(Words { at, content: content.to_owned(), size, anchor, colour, bold: false, upwards: false, halo: None });
+        self.words(Words {
+            at,
+            content: content.to_owned(),
+            size,
+            anchor,
+            colour,
+            bold: false,
+            upwards: false,
+            halo: None,
+        });
     }
 
     /// A line of bold text.
     pub fn bold(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, colour: Colour) {
-        self.words(Words { at, content: content.to_owned(), size, anchor, colour, bold: true, upwards: false, halo: None });
+        self.words(Words {
+            at,
+            content: content.to_owned(),
+            size,
+            anchor,
+            colour,
+            bold: true,
+            upwards: false,
+            halo: None,
+        });
     }
 
     /// A line of text with a rim that keeps it clear of what it lies on.

@@ -92,7 +92,10 @@ pub fn changes(cue: &Cue, length: f64) -> Vec<Change<'_>> {
 
 /// What the cue does most at u, of all fields: from −1, where it lowers one most, to 1.
 pub fn strongest(changes: &[Change<'_>], u: f64) -> f64 {
-    changes.iter().map(|change| change.at(u)).fold(0.0, |most: f64, here| if here.abs() > most.abs() { here } else { most })
+    changes
+        .iter()
+        .map(|change| change.at(u))
+        .fold(0.0, |most: f64, here| if here.abs() > most.abs() { here } else { most })
 }
 
 /// The colour of a cue that raises a field (by a positive number) or lowers it.

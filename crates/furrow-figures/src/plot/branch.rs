@@ -182,7 +182,8 @@ fn letters(chart: &mut Chart<'_>, shapes: &[Shape<'_>], value: fn(&ShapePoint) -
             inside && taken.iter().all(apart)
         };
         let sides = [[1.0, -1.0], [-1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-        let around = (0..6).flat_map(|step| sides.map(|[x, y]| [at[0] + x * (14.0 + 15.0 * f64::from(step)), at[1] + 17.0 * y]));
+        let around =
+            (0..6).flat_map(|step| sides.map(|[x, y]| [at[0] + x * (14.0 + 15.0 * f64::from(step)), at[1] + 17.0 * y]));
         let place = around.into_iter().find(free).unwrap_or([at[0] + 14.0, at[1] - 17.0]);
         taken.push((place, HALF));
         let base = [place[0], place[1] + 6.0];

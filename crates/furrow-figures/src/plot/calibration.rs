@@ -24,7 +24,8 @@ const GIVEN: Stroke = Stroke { colour: style::MUTED, width: 1.6, dash: Some(styl
 pub fn draw(targets: &Targets, found: &Calibration, excluded: &[Exclusion]) -> Canvas {
     let chart = (150.0 + ROW * found.residuals.len().max(1) as f64).max(400.0);
     let below = if excluded.is_empty() { 10.0 } else { 58.0 + 24.0 * excluded.len() as f64 };
-    let constants: Vec<String> = found.parameters.iter().map(|(p, value)| format!("{} = {value:.4}", style::symbol(*p))).collect();
+    let constants: Vec<String> =
+        found.parameters.iter().map(|(p, value)| format!("{} = {value:.4}", style::symbol(*p))).collect();
     let legend = Legend::default()
         .with(Key::Point(style::MODEL, Marker::Disc), "computed")
         .with_if(targets.thresholds.iter().any(|t| t.tolerance > 0.0), Key::Area(style::FAINT), "tolerance")
@@ -81,7 +82,8 @@ pub fn draw_ensemble(found: &Ensemble) -> Canvas {
     let (mut canvas, top) = titled(side.max(460.0) + 90.0, side + 60.0, &title, &Legend::default());
     let range = |k: usize| widened(found.members.iter().filter_map(|member| member.values.get(k).copied()), 0.08);
     let named = |k: usize, shown: bool| {
-        let label = found.parameters.get(k).filter(|_| shown).map_or(String::new(), |p| style::parameter(*p, &Cue::none()));
+        let label =
+            found.parameters.get(k).filter(|_| shown).map_or(String::new(), |p| style::parameter(*p, &Cue::none()));
         Axis { numbered: shown, ticks: Ticks::About(4), ..Axis::new(label, range(k)) }
     };
     // Names of axes hang out of the square of their chart.

@@ -41,7 +41,11 @@ fn nearest(founder: &FounderActivity) -> bool {
 pub fn draw_activities(founders: &[FounderActivity], xi_s: f64) -> Canvas {
     let diamond = Key::Point(style::ASYMMETRIC, Marker::Diamond);
     let legend = Legend::default()
-        .with_if(founders.iter().any(|f| !f.intervals.is_empty()), Key::Area(style::MODEL), "as observed, to half a round")
+        .with_if(
+            founders.iter().any(|f| !f.intervals.is_empty()),
+            Key::Area(style::MODEL),
+            "as observed, to half a round",
+        )
         .with_if(founders.iter().any(nearest), diamond, "nearest tried, where there is none")
         .with(Key::Dashes(style::MUTED, style::DASHED), "of all others");
     let height = 78.0 + ROW * founders.len() as f64;
@@ -69,9 +73,11 @@ pub fn draw_activities(founders: &[FounderActivity], xi_s: f64) -> Canvas {
 pub fn draw_cue(found: &FittedCue) -> Canvas {
     let all: Vec<&ChiResidual> = found.residuals.iter().chain(&found.out_of_sample).collect();
     let (modelled, predicted) = (all.iter().any(|r| r.computed.is_some()), !found.out_of_sample.is_empty());
-    let legend = Legend::default()
-        .with(Key::Point(style::OBSERVED, Marker::Disc), "measured, mean ± sd")
-        .with_if(modelled, Key::Point(style::MODEL, Marker::Diamond), "model");
+    let legend = Legend::default().with(Key::Point(style::OBSERVED, Marker::Disc), "measured, mean ± sd").with_if(
+        modelled,
+        Key::Point(style::MODEL, Marker::Diamond),
+        "model",
+    );
     let (mut canvas, top) = titled(WIDTH, CHART, &format!("Best cue: χ² = {:.1}", found.chi_squared), &legend);
     let most = all.iter().flat_map(|r| [r.measured + r.sd, r.computed.unwrap_or(0.0)]).fold(0.1, f64::max);
     let cells = all.iter().map(|residual| residual.cell.clone()).collect();

@@ -23,8 +23,10 @@ pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Canvas
     let (mut canvas, top) = titled(WIDTH, CHART, &title, &legend(diagram, edges));
     let (columns, rows) = (bins(&plane.across), bins(&plane.up));
     let range = |bins: &[[f64; 2]]| widened(bins.iter().flatten().copied(), 0.0);
-    let (x, y) =
-        (Axis::new(style::parameter(plane.parameter, &plane.cell.cue), range(&columns)), Axis::new(style::ACTIVITY, range(&rows)));
+    let (x, y) = (
+        Axis::new(style::parameter(plane.parameter, &plane.cell.cue), range(&columns)),
+        Axis::new(style::ACTIVITY, range(&rows)),
+    );
     let unequal = diagram.cells.iter().any(|cell| cell.outcome == PhaseOutcome::Asymmetric);
     let width = if unequal { WIDTH - scale::WIDTH } else { WIDTH };
     let mut chart = Chart::new(&mut canvas, [0.0, top], [width, CHART], x, y);
@@ -161,7 +163,11 @@ mod tests {
         let written = |busy: &[Vec<[f64; 2]>]| {
             let mut canvas = Canvas::new(120.0, 80.0);
             number(&mut canvas, 0.25, [60.0, 40.0], tile, busy);
-            canvas.svg().split("<text x=\"").nth(1).map(|rest| rest.split(" font").next().unwrap_or_default().to_owned())
+            canvas
+                .svg()
+                .split("<text x=\"")
+                .nth(1)
+                .map(|rest| rest.split(" font").next().unwrap_or_default().to_owned())
         };
         let place = |x: f64, y: f64| Some(format!("{x}\" y=\"{y}\""));
         assert_eq!(written(&[]), place(60.0, 45.0));
