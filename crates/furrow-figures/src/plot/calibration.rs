@@ -1,5 +1,6 @@
 //! Thresholds wanted and met, with their tolerances; an ensemble of constants, each by itself and in pairs.
 
+use crate::drawing::font;
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, MARGINS, Ticks, widened};
 use crate::drawing::style::{self, WHITE, text};
@@ -23,7 +24,11 @@ const GIVEN: Stroke = Stroke { colour: style::MUTED, width: 1.6, dash: Some(styl
 /// Draws thresholds: the computed over the given on the left, the deviations with their tolerances on the right.
 pub fn draw(targets: &Targets, found: &Calibration, excluded: &[Exclusion]) -> Canvas {
     let chart = (150.0 + ROW * found.residuals.len().max(1) as f64).max(400.0);
-    let below = if excluded.is_empty() { 10.0 } else { 58.0 + 24.0 * excluded.len() as f64 };
+    let head = (!excluded.is_empty()).then(|| "Statements that exclude it, and what it gives instead:".to_owned());
+    let statement = |Exclusion { datum, given, computed }: &Exclusion| format!("{datum}, {given}: {computed}");
+    let lines = head.into_iter().chain(excluded.iter().map(statement));
+    let lines: Vec<String> = lines.flat_map(|line| font::wrapped(&line, text::TICK, WIDTH - 48.0)).collect();
+    let below = if lines.is_empty() { 10.0 } else { 34.0 + 24.0 * lines.len() as f64 };
     let constants: Vec<String> =
         found.parameters.iter().map(|(p, value)| format!("{} = {value:.4}", style::symbol(*p))).collect();
     let legend = Legend::default()
@@ -38,11 +43,9 @@ pub fn draw(targets: &Targets, found: &Calibration, excluded: &[Exclusion]) -> C
     left.line(range.map(|value| [value, value]), GIVEN);
     left.points(found.residuals.iter().map(|r| [r.xi_s, r.computed]), 6.5, Marker::Disc, style::MODEL);
     deviations(&mut canvas, targets, found, [top, chart]);
-    let head = (!excluded.is_empty()).then(|| "Statements that exclude it, and what it gives instead:".to_owned());
-    let lines = excluded.iter().map(|Exclusion { datum, given, computed }| format!("{datum}, {given}: {computed}"));
-    for (k, line) in head.into_iter().chain(lines).enumerate() {
+    for (k, line) in lines.iter().enumerate() {
         let at = [24.0, top + chart + 24.0 * (k as f64 + 1.0)];
-        canvas.text(at, &line, text::TICK, Anchor::Start, style::ASYMMETRIC);
+        canvas.text(at, line, text::TICK, Anchor::Start, style::ASYMMETRIC);
     }
     canvas
 }

@@ -157,7 +157,7 @@ fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Can
         .fold(Legend::default(), |legend, group| legend.with(Key::Line(group.colour), group.name.as_str()))
         .with_if(outcomes && has(Outcome::Symmetric), Key::Point(style::SYMMETRIC, Marker::Disc), "symmetric")
         .with_if(outcomes && has(Outcome::Asymmetric), Key::Point(style::ASYMMETRIC, Marker::Disc), "asymmetric")
-        .with_if(resting, Key::Point(style::FAILED, Marker::Square), "stays at rest")
+        .with_if(resting, Key::Point(if alone { style::FAILED } else { style::INK }, Marker::Square), "stays at rest")
         .with_if(unknown, Key::Point(style::UNDECIDED, Marker::Triangle), "undecided");
     let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep, points), &legend);
     let across = match x {
@@ -179,24 +179,26 @@ fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Can
         // Points without a value lie below the axis of χ, those of each curve on a line of their own.
         let baseline = up[0] * (k as f64 + 1.0) / (groups.len() as f64 + 1.0);
         for point in &group.points {
-            let (x, of_outcome) = (at(point), point.outcome.map_or(style::INK, style::outcome));
-            let colour = if alone { of_outcome } else { group.colour };
-            match point.value {
-                Some(value) => {
-                    if let Some(sd) = point.sd.filter(|sd| *sd > 0.0) {
-                        chart.error_bar(x, [value + sd, value - sd], 0.0, 4.0, Stroke::solid(colour, 1.6));
-                    }
-                    chart.point([x, value], 4.6, Marker::Disc, colour);
-                }
-                None if point.undecided => chart.point([x, baseline], 5.5, Marker::Triangle, style::UNDECIDED),
-                None if point.outcome == Some(Outcome::Arrested) => {
-                    chart.point([x, baseline], 5.0, Marker::Square, colour);
-                }
-                None => {}
-            }
+            let of_outcome = point.outcome.map_or(style::INK, style::outcome);
+            dot(&mut chart, at(point), point, if alone { of_outcome } else { group.colour }, baseline);
         }
     }
     canvas
+}
+
+/// A point of a curve, with its standard deviation; one without a value on a base line.
+fn dot(chart: &mut Chart<'_>, x: f64, point: &Point, colour: Colour, baseline: f64) {
+    match point.value {
+        Some(value) => {
+            if let Some(sd) = point.sd.filter(|sd| *sd > 0.0) {
+                chart.error_bar(x, [value + sd, value - sd], 0.0, 4.0, Stroke::solid(colour, 1.6));
+            }
+            chart.point([x, value], 4.6, Marker::Disc, colour);
+        }
+        None if point.undecided => chart.point([x, baseline], 5.5, Marker::Triangle, style::UNDECIDED),
+        None if point.outcome == Some(Outcome::Arrested) => chart.point([x, baseline], 5.0, Marker::Square, colour),
+        None => {}
+    }
 }
 
 /// The points of one curve.
