@@ -5,6 +5,7 @@ Every function returns a :class:`matplotlib.figure.Figure` that you can change o
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -31,7 +32,9 @@ ASYMMETRIC = "#d55e00"
 FAILED = "#999999"
 MODEL = "#009e73"
 OBSERVED = INK
+#: The cue where it raises what it changes, and where it lowers it.
 CUE = "#e69f00"
+CUE_LOWERS = "#0072b2"
 SHELL = "#8c8c8c"
 CYTOPLASM = "#eaf4fa"
 SERIES = ("#000000", "#e69f00", "#56b4e9", "#009e73", "#cc79a7", "#0072b2", "#d55e00")
@@ -53,8 +56,23 @@ LABELS = {
     "gain": "gain g",
 }
 
+#: What the fields of a cue are called.
+FIELDS = {
+    "kappa": "rigidity κ",
+    "activity": "activity",
+    "xi_s": "activity $ξ_s$",
+    "xi_b": "activity $ξ_b$",
+    "eta_b": "viscosity $η_b$",
+    "eta_s": "viscosity $η_s$",
+    "viscosity": "viscosity",
+    "friction": "friction Γ",
+    "tension": "tension",
+}
+
 #: Contours that a picture of a division shows.
 STILLS = 6
+#: Weaker parts of a cue than this share of its strongest are not drawn.
+FAINTEST = 0.08
 
 
 def _figure(width: float, height: float) -> Figure:
@@ -90,9 +108,25 @@ def style(axes: Axes) -> Axes:
 def title_of(division: Division) -> str:
     """The title: the cell and its outcome."""
     cell = division.cell
-    cue = "" if cell.cue == "none" else f", cue {cell.cue}"
     became = "stays at rest" if division.chi is None else f"{division.outcome}, χ = {division.chi:.3f}"
-    return f"R₀ = {cell.r0:g}, ε = {cell.epsilon:g}, $ξ_s$ = {cell.xi_s:g}{cue}: {became}"
+    return f"R₀ = {cell.r0:g}, ε = {cell.epsilon:g}, $ξ_s$ = {cell.xi_s:g}{_cue_of(cell)}: {became}"
+
+
+def _cue_of(cell: Cell) -> str:
+    """The cue as the last part of a cell's description."""
+    return "" if cell.cue == "none" else f", cue {cell.cue}"
+
+
+def _title(figure: Figure, text: str) -> None:
+    """The title of a figure, in as many lines as its width takes."""
+    most = int(10.0 * figure.get_figwidth())
+    lines = [""]
+    # Cues are long and without spaces: a line may end behind a comma or a plus sign.
+    for part in re.split(r"(?<=[ ,+])", text):
+        if lines[-1] and len(lines[-1] + part.rstrip()) > most:
+            lines.append("")
+        lines[-1] += part
+    figure.suptitle("\n".join(line.rstrip() for line in lines), color=INK, fontsize=11, x=0.01, ha="left")
 
 
 def contour(axes: Axes, frame: Frame, shell: tuple[float, float] | None = None, cell: Cell | None = None) -> Axes:
@@ -110,25 +144,49 @@ def contour(axes: Axes, frame: Frame, shell: tuple[float, float] | None = None, 
 
 
 def _cue(axes: Axes, frame: Frame, cell: Cell) -> None:
-    """The cue as a strip along the outside of the contour, with its local strength as opacity."""
+    """The cue along the outside of the contour: a strip for each field, in one colour where the cue raises the field and in
+    another where it lowers it, with the local strength as opacity."""
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgba
 
     # Evenly along the contour, independent of the mesh.
     u = np.linspace(0.0, 1.0, 401)
     r, z, psi = (np.interp(u, frame.contour["u"], frame.contour[name]) for name in ("r", "z", "psi"))
-    strength = sum(np.abs(values) for values in cell.cue_at(u, frame.length).values())
-    strength = strength / np.max(strength)
     # The outward normal is (sin ψ, cos ψ) along (r, z).
     wide = 0.016 * frame.length / np.pi
-    inner, outer = ((r + k * wide * np.sin(psi), z + k * wide * np.cos(psi)) for k in (0.5, 2.5))
     strips, colours = [], []
-    for k in np.flatnonzero(strength[:-1] > 0.08):
-        corners = [(inner, k), (inner, k + 1), (outer, k + 1), (outer, k)]
-        for side in (1.0, -1.0):
-            strips.append([(line[1][at], side * line[0][at]) for line, at in corners])
-            colours.append(to_rgba(CUE, float(strength[k])))
+    for place, strength in enumerate(_strengths(cell, u, frame.length).values()):
+        from_, to = 0.5 + 2.4 * place, 2.5 + 2.4 * place
+        inner, outer = ((r + k * wide * np.sin(psi), z + k * wide * np.cos(psi)) for k in (from_, to))
+        for k in np.flatnonzero(np.abs(strength[:-1]) > FAINTEST):
+            corners = [(inner, k), (inner, k + 1), (outer, k + 1), (outer, k)]
+            for side in (1.0, -1.0):
+                strips.append([(line[1][at], side * line[0][at]) for line, at in corners])
+                colours.append(to_rgba(CUE if strength[k] > 0.0 else CUE_LOWERS, float(abs(strength[k]))))
     axes.add_collection(PolyCollection(strips, facecolors=colours, edgecolors="none", zorder=3))
+
+
+def _strengths(cell: Cell, u: Numbers, length: float) -> dict[str, Numbers]:
+    """How strongly the cue changes each field, from −1 to 1, relative to where it changes it most."""
+    changes = cell.cue_at(u, length)
+    return {name: values / np.max(np.abs(values)) for name, values in changes.items() if np.any(values)}
+
+
+def _cue_legend(figure: Figure, found: Division, length: float) -> None:
+    """The colours of the cue that the contours have, and its fields from the inside outwards."""
+    from matplotlib.patches import Patch
+
+    strengths = _strengths(found.cell, np.linspace(0.0, 1.0, 401), length)
+    names = [FIELDS.get(name, name) for name in strengths]
+    what = names[0] if len(names) == 1 else "what it changes"
+    handles = [
+        Patch(facecolor=colour, label=f"cue {verb} {what}")
+        for colour, verb, sign in ((CUE, "raises", 1.0), (CUE_LOWERS, "lowers", -1.0))
+        if any(np.any(sign * strength > FAINTEST) for strength in strengths.values())
+    ]
+    if len(names) > 1:
+        handles.append(Patch(facecolor="none", edgecolor="none", label=f"strips from the inside: {', '.join(names)}"))
+    figure.legend(handles=handles, frameon=False, loc="outside lower left", ncols=3, fontsize=9)
 
 
 def division(found: Division) -> Figure:
@@ -139,15 +197,20 @@ def division(found: Division) -> Figure:
 
         raise refused("frames", False, "True, in cell.divide(frames=True), for a picture of a division")
     figure = _figure(11.0, 6.4)
-    figure.suptitle(title_of(found), color=INK, fontsize=11, x=0.01, ha="left")
+    _title(figure, title_of(found))
     grid = figure.add_gridspec(2, 1, height_ratios=(1.0, 2.2))
     row = grid[0].subgridspec(1, STILLS)
     for k, frame in enumerate(_stills(frames)):
         axes = contour(figure.add_subplot(row[k]), frame, frames.shell, found.cell if k else None)
         axes.set_title(f"t = {frame.t:.3g} τ", y=-0.22, fontsize=9, color=MUTED)
+        if k == 0:
+            for x, side, pole in ((0.0, "left", "anterior"), (1.0, "right", "posterior")):
+                axes.text(x, 1.0, pole, transform=axes.transAxes, ha=side, va="bottom", fontsize=9, color=MUTED)
     charts = grid[1].subgridspec(1, 2, width_ratios=(0.82, 1.0))
     _over_time(style(figure.add_subplot(charts[0])), found, frames)
     _balance(style(figure.add_subplot(charts[1])), _half_way(frames))
+    if found.cell.cue != "none":
+        _cue_legend(figure, found, float(frames[-1].length))
     return figure
 
 
@@ -183,7 +246,10 @@ def _balance(axes: Axes, frame: Frame) -> None:
     # At the neck forces are far larger, and would hide all others: nine tenths of the contour are shown.
     sizes = np.interp(np.linspace(0, 1, 201), u, np.max(np.abs(np.stack(list(forces.values()))), axis=0))
     most = max(1.24 * float(np.quantile(sizes, 0.9)), 1e-6)
-    axes.set(xlim=(0.0, 1.0), ylim=(-most, most), xlabel="place u, posterior 0, anterior 1")
+    # The same way as the contours: anterior on the left.
+    axes.set(xlim=(1.0, 0.0), ylim=(-most, most), xlabel="place u")
+    for x, side, pole in ((0.0, "left", "anterior"), (1.0, "right", "posterior")):
+        axes.text(x, -0.085, pole, transform=axes.transAxes, ha=side, va="top", color=MUTED)
     axes.set_ylabel(f"normal force at t = {frame.t:.3g} τ ($κ_0/L_h^3$)")
     axes.axhline(0.0, color=MUTED, linewidth=0.8)
     axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, fontsize=9, columnspacing=1.2)
@@ -198,10 +264,8 @@ def branch(found: Branch) -> Figure:
     """A bifurcation diagram: elongation and furrow position over activity, dashed where shapes are unstable."""
     breaks = any(np.abs(curve.delta_u).max(initial=0.0) > 1e-6 for curve in found.curves)
     figure = _figure(8.4, 7.0 if breaks else 4.2)
-    cue = "" if found.cell.cue == "none" else f", cue {found.cell.cue}"
-    title = f"Stationary shapes at R₀ = {found.cell.r0:g}, ε = {found.cell.epsilon:g}{cue}"
-    figure.suptitle(title, color=INK, fontsize=11, x=0.01, ha="left")
-    shown = (("H", LABELS["H"]), ("delta_u", "furrow position δu"))[: 2 if breaks else 1]
+    _title(figure, f"Stationary shapes at R₀ = {found.cell.r0:g}, ε = {found.cell.epsilon:g}{_cue_of(found.cell)}")
+    shown = (("H", LABELS["H"]), ("delta_u", "furrow position δu (anterior > 0)"))[: 2 if breaks else 1]
     charts = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (name, label) in zip(charts, shown, strict=True):
         style(axes).set_ylabel(label)
@@ -243,8 +307,9 @@ def _branch_legend(axes: Axes, found: Branch) -> None:
     keys = [
         Line2D([], [], color=BRANCHES.get(curve.name, INK), linewidth=2.2, label=f"{curve.name} shapes") for curve in found.curves
     ]
-    keys.append(Line2D([], [], color=INK, linewidth=2.2, label="stable"))
-    keys.append(Line2D([], [], color=INK, linewidth=2.2, linestyle=(0, (3.5, 2.3)), label="unstable"))
+    for stable, dashes, label in ((True, "-", "stable"), (False, (0, (3.5, 2.3)), "unstable")):
+        if any(np.any(np.asarray(curve.stable, dtype=bool) == stable) for curve in found.curves):
+            keys.append(Line2D([], [], color=INK, linewidth=2.2, linestyle=dashes, label=label))
     for kind, marker in (("pitchfork", "o"), ("fold", "D")):
         if any(event.kind == kind for event in found.events):
             keys.append(Line2D([], [], color=INK, marker=marker, linestyle="none", label=kind))
@@ -286,7 +351,7 @@ def _bar(of: Any, three: Any) -> dict[str, tuple[float, float, float] | None]:
 
 def _rounds_figure(title: str, names: Sequence[str], sets: Sequence[tuple[str, str, list[dict[str, Any]]]]) -> Figure:
     figure = _figure(max(7.0, 0.75 * len(names) + 2.0), 6.2)
-    figure.suptitle(title, color=INK, fontsize=11, x=0.01, ha="left")
+    _title(figure, title)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.6, 1.0))
     for k, (label, colour, bars) in enumerate(sets):
         offset = 0.24 * (k - 0.5 * (len(sets) - 1))

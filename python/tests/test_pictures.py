@@ -32,6 +32,39 @@ def test_a_division(tmp_path):
         furrow.Cell(4).divide().plot()
 
 
+LONG = "tension:gradient,amplitude=0.3+kappa:band,u0=0.465,omega=0.0577,amplitude=0.1"
+
+
+def test_the_sign_of_a_cue_has_its_colour_and_the_poles_their_names():
+    from matplotlib.colors import to_hex
+
+    figure = furrow.Cell(4, cue="tension:gradient,amplitude=0.3").divide(frames=True).plot()
+    # Tension is raised at the posterior pole, z > 0, and lowered at the anterior one.
+    strips = figure.axes[3].collections[0]
+    middles = [path.vertices[:, 0].mean() for path in strips.get_paths()]
+    signs = {to_hex(colour): [] for colour in strips.get_facecolors()}
+    for z, colour in zip(middles, strips.get_facecolors(), strict=True):
+        signs[to_hex(colour)].append(z)
+    assert set(signs) == {plot.CUE, plot.CUE_LOWERS}
+    assert min(signs[plot.CUE]) > max(signs[plot.CUE_LOWERS])
+    for words in ("cue raises tension", "cue lowers tension", "anterior", "posterior"):
+        assert words in texts(figure)
+    # The force panel runs the same way: anterior, u = 1, on the left.
+    assert figure.axes[-1].get_xlim() == (1.0, 0.0)
+    germline = furrow.Cell(4, cue="germline").divide(frames=True).plot()
+    assert "cue raises rigidity" in texts(germline) and "lowers" not in texts(germline)
+    assert "cue raises" not in texts(furrow.Cell(4).divide(frames=True).plot())
+
+
+def test_long_titles_stay_within_the_figure():
+    for figure in (furrow.Cell(4, cue=LONG).divide(frames=True).plot(), furrow.Cell(2, cue=LONG).branch(xi_max=5).plot()):
+        figure.canvas.draw()
+        title = figure._suptitle
+        assert title.get_window_extent().x1 < figure.bbox.x1
+        assert LONG in title.get_text().replace("\n", "")
+    assert "strips from the inside: tension, rigidity κ" in texts(furrow.Cell(4, cue=LONG).divide(frames=True).plot())
+
+
 def test_a_cell_at_rest():
     figure = furrow.Cell(1.5).divide(frames=True).plot()
     assert "stays at rest" in texts(figure)
@@ -45,6 +78,7 @@ def test_a_branch_is_dashed_where_it_is_unstable():
     reach = max(line.get_xdata().max() for line in solid if line.get_color() == plot.SYMMETRIC)
     assert reach < branch.pitchforks[0].xi_s
     assert "pitchfork" in texts(figure) and len(figure.axes) == 2
+    assert "unstable" in texts(figure) and "unstable" not in texts(furrow.Cell(2).branch(xi_max=10).plot())
     assert len(furrow.Cell(2, cue="germline").branch(xi_max=10).plot().axes) == 1
 
 

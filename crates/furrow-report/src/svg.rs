@@ -60,15 +60,21 @@ static SMALL: Frame = Frame {
     asymmetry: false,
 };
 
-/// Founders without a cue take these colours in turn, founders with one (the germline) the greys.
-const HUES: [&str; 8] = ["#2f6db5", "#7b5ea7", "#c2568f", "#2a9d6f", "#e08a2c", "#c8423b", "#b8a21a", "#1f9fb4"];
-const GREYS: [&str; 4] = ["#2b2f36", "#4c525c", "#6d7480", "#8d95a1"];
+/// Founders take these colours in turn: eight hues, then the same darker, paler, and darker still.
+const HUES: [&str; 32] = [
+    "#2f6db5", "#7b5ea7", "#c2568f", "#2a9d6f", "#e08a2c", "#c8423b", "#b8a21a", "#1f9fb4", // as they are
+    "#1d4470", "#4c3a68", "#783559", "#1a6145", "#8b561b", "#7c2925", "#726410", "#136370", // darker
+    "#7aa2d1", "#ab98c8", "#d893b7", "#77c0a2", "#ebb478", "#dc8682", "#d1c26b", "#70c2cf", // paler
+    "#122b48", "#312643", "#4e2239", "#113f2c", "#5a3711", "#501a18", "#4a410a", "#0c4048", // darker still
+];
+/// P0 to P3 of a nematode, in all scenarios alike: whichever cue they have, they are the germline.
+const GERMLINE: [(&str, &str); 4] = [("P0", "#2b2f36"), ("P1", "#4c525c"), ("P2", "#6d7480"), ("P3", "#8d95a1")];
 
-/// The colour of each founder, in all drawings.
+/// The colour of each founder, in all drawings: of up to 32 founders each has its own.
 pub fn colours(lineage: &Lineage) -> Vec<&'static str> {
-    let (mut hues, mut greys) = (HUES.into_iter().cycle(), GREYS.into_iter().cycle());
-    let colour = |k: usize| if lineage.gives_cue(k) { greys.next() } else { hues.next() };
-    (0..lineage.founders.len()).filter_map(colour).collect()
+    let mut hues = HUES.into_iter().cycle();
+    let grey = |name: &str| GERMLINE.into_iter().find_map(|(founder, grey)| (founder == name).then_some(grey));
+    lineage.founders.iter().filter_map(|founder| grey(&founder.name).or_else(|| hues.next())).collect()
 }
 
 /// Positions of the cells that are drawn.
@@ -81,6 +87,8 @@ struct Layout {
     last: u32,
     /// Cells before their daughters.
     order: Vec<CellId>,
+    /// Where the first cell is.
+    top: f64,
 }
 
 fn lay_out(tree: &Tree, summary: &TreeSummary, frame: &'static Frame) -> Layout {
@@ -110,18 +118,21 @@ fn lay_out(tree: &Tree, summary: &TreeSummary, frame: &'static Frame) -> Layout 
             x[node.index()] = Some(0.5 * (l + r));
         }
     }
-    Layout { frame, x, width: (next - 0.5 * gap + frame.right).max(frame.width), last, order }
+    let width = (next - 0.5 * gap + frame.right).max(frame.width);
+    Layout { frame, x, width, last, order, top: frame.top }
 }
 
 /// The tree as SVG: one row a generation, discs as wide as their cells, coloured by founder. A full disc divides
 /// symmetrically, a ring asymmetrically; an open circle over a bar ended.
 pub fn svg(tree: &Tree) -> String {
     let summary = TreeSummary::of(tree);
-    let layout = lay_out(tree, &summary, &FULL);
+    let mut layout = lay_out(tree, &summary, &FULL);
     let colours = colours(&tree.lineage);
+    let (legend, rows) = legend(tree, &colours, &layout);
+    layout.top += LINE * (rows - 1) as f64;
     let (left, right, end) = (FULL.left - 50.0, layout.width - FULL.right + 22.0, layout.width - 14.0);
     let row = |(g, row): (usize, &Generation)| {
-        let (y, cells) = (FULL.top + FULL.row * g as f64, row.cells);
+        let (y, cells) = (layout.top + FULL.row * g as f64, row.cells);
         let base = y + 4.5;
         format!(
             r##"<path d="M{left:.1} {y:.1}H{right:.1}" stroke="#eceef1"/><text x="16" y="{base:.1}" font-size="13" fill="#555">{g}</text><text x="{end:.1}" y="{base:.1}" font-size="12" fill="#555" text-anchor="end">{cells}</text>
@@ -129,7 +140,7 @@ pub fn svg(tree: &Tree) -> String {
         )
     };
     let rows: String = summary.generations.iter().enumerate().take(layout.last as usize + 1).map(row).collect();
-    drawing(tree, &layout, &colours, &(legend(tree, &colours, &layout) + &rows))
+    drawing(tree, &layout, &colours, &(heading(tree, &layout) + &legend + &rows))
 }
 
 /// The tree as one of several drawings on a page: without a legend, generations numbered on the left, in
@@ -137,7 +148,7 @@ pub fn svg(tree: &Tree) -> String {
 pub(super) fn small(tree: &Tree, colours: &[&str]) -> String {
     let layout = lay_out(tree, &TreeSummary::of(tree), &SMALL);
     let row = |g: u32| {
-        let (y, right) = (SMALL.top + SMALL.row * f64::from(g), layout.width - 6.0);
+        let (y, right) = (layout.top + SMALL.row * f64::from(g), layout.width - 6.0);
         let base = y + 3.0;
         format!(
             r##"<path d="M24 {y:.1}H{right:.1}" stroke="#eceef1"/><text x="6" y="{base:.1}" font-size="9" fill="#777">{g}</text>
@@ -150,7 +161,7 @@ pub(super) fn small(tree: &Tree, colours: &[&str]) -> String {
 /// What is behind the tree, all lines, and the discs over them.
 fn drawing(tree: &Tree, layout: &Layout, colours: &[&str], behind: &str) -> String {
     let Layout { frame, width, last, order, .. } = layout;
-    let height = frame.top + frame.row * f64::from(*last) + frame.bottom;
+    let height = layout.top + frame.row * f64::from(*last) + frame.bottom;
     let edges = order.iter().map(|node| edges(tree, *node, layout, colours));
     let discs = order.iter().filter_map(|node| disc(tree, *node, layout, colours));
     let cells: String = edges.chain(discs).collect();
@@ -170,7 +181,7 @@ fn disc_radius(tree: &Tree, r0: f64, layout: &Layout) -> f64 {
 }
 
 fn y_of(tree: &Tree, node: CellId, layout: &Layout) -> f64 {
-    layout.frame.top + layout.frame.row * f64::from(tree.cell(node).generation)
+    layout.top + layout.frame.row * f64::from(tree.cell(node).generation)
 }
 
 fn edges(tree: &Tree, node: CellId, layout: &Layout, colours: &[&str]) -> String {
@@ -258,41 +269,104 @@ fn label(tree: &Tree, node: CellId, layout: &Layout, colour: &str) -> Option<Str
     Some(line(y, &font, &escape(&cell.name)) + &chi)
 }
 
-fn legend(tree: &Tree, colours: &[&str], layout: &Layout) -> String {
+/// Height of a line of the legend, and where the first one is.
+const LINE: f64 = 21.0;
+const LEGEND: f64 = 69.0;
+
+/// What the drawing is of, and the names of its columns.
+fn heading(tree: &Tree, layout: &Layout) -> String {
     let Cell { epsilon, xi_s, .. } = tree.settings.cell;
     let (name, cells, r0) = (escape(&tree.lineage.name), tree.len(), short(tree.cell(tree.first()).r0));
+    let (end, top) = (layout.width - 14.0, layout.top - 20.0);
+    let index = |letter: &str| format!(r#"<tspan dy="3" font-size="9">{letter}</tspan><tspan dy="-3"> = "#);
+    let (of_r, of_xi) = (index("0"), index("s"));
     let mut out = format!(
-        r##"<text x="16" y="28" font-size="18" font-weight="bold" fill="#222">{name}</text><text x="16" y="47" font-size="12" fill="#555">{cells} cells; R0 = {r0}, ε = {epsilon}, ξ_s = {xi_s}</text>
-"##
-    );
-    let mut x = 16.0;
-    for (founder, colour) in tree.lineage.founders.iter().zip(colours) {
-        let (disc, text, name) = (x + 5.0, x + 14.0, escape(&founder.name));
-        let _ = writeln!(
-            out,
-            r##"<circle cx="{disc:.1}" cy="69" r="5" fill="{colour}"/><text x="{text:.1}" y="73" font-size="12" fill="#333">{name}</text>"##
-        );
-        x += 32.0 + 8.0 * founder.name.chars().count() as f64;
-    }
-    let x = layout.width.min(FULL.width) - 470.0;
-    let [full, ring, ring_text, open, bar, bar_end, open_text, below] =
-        [12.0, 160.0, 171.0, 283.0, 277.5, 288.5, 295.0, -6.0].map(|along| x + along);
-    let (end, top) = (layout.width - 14.0, FULL.top - 20.0);
-    let _ = writeln!(
-        out,
-        "<g font-size=\"12\" fill=\"#333\"><circle cx=\"{x:.1}\" cy=\"24\" r=\"6\" fill=\"#555\"/><text x=\"{full:.1}\" y=\"28\">divides symmetrically</text>\
-         <circle cx=\"{ring:.1}\" cy=\"24\" r=\"4.7\" fill=\"#fff\" stroke=\"#555\" stroke-width=\"2.6\"/><text x=\"{ring_text:.1}\" y=\"28\">asymmetrically</text>\
-         <circle cx=\"{open:.1}\" cy=\"22\" r=\"5.5\" fill=\"#fff\" stroke=\"#555\"/><path d=\"M{bar:.1} 30H{bar_end:.1}\" stroke=\"#555\" stroke-width=\"1.6\"/><text x=\"{open_text:.1}\" y=\"28\">does not divide</text>\
-         <text x=\"{below:.1}\" y=\"47\" fill=\"#555\">discs are as wide as the cells; lines as strong as the daughter is large</text></g>\n\
-         <text x=\"16\" y=\"{top:.1}\" font-size=\"11\" fill=\"#777\">generation</text><text x=\"{end:.1}\" y=\"{top:.1}\" font-size=\"11\" fill=\"#777\" text-anchor=\"end\">cells</text>"
+        "<text x=\"16\" y=\"28\" font-size=\"18\" font-weight=\"bold\" fill=\"#222\">{name}</text>\n\
+         <text x=\"16\" y=\"47\" font-size=\"12\" fill=\"#555\">{cells} cells; R{of_r}{r0}</tspan>, ε = {epsilon}, ξ{of_xi}{xi_s}</tspan>; \
+         discs are as wide as the cells, lines as strong as the daughter is large</text>\n\
+         <text x=\"16\" y=\"{top:.1}\" font-size=\"11\" fill=\"#777\">generation</text><text x=\"{end:.1}\" y=\"{top:.1}\" font-size=\"11\" fill=\"#777\" text-anchor=\"end\">cells</text>\n"
     );
     let total = tree.cells().next_back().map_or(0, |n| tree.cell(n).generation);
     if total > layout.last {
-        let (y, from) = (FULL.top + FULL.row * f64::from(layout.last) + 50.0, layout.last + 1);
+        let (y, from) = (layout.top + FULL.row * f64::from(layout.last) + 50.0, layout.last + 1);
         let _ = writeln!(
             out,
             r##"<text x="16" y="{y:.1}" font-size="12" fill="#a33">generations {from} to {total} are not drawn</text>"##
         );
     }
     out
+}
+
+/// The founders and the kinds of cells that are drawn, in lines of at most the width of a page, and how many lines these are.
+fn legend(tree: &Tree, colours: &[&str], layout: &Layout) -> (String, usize) {
+    let drawn = || layout.order.iter().map(|node| tree.cell(*node));
+    let born = |founder: &usize| drawn().any(|cell| cell.founder == *founder);
+    let founder = |k: usize| (format!(r#"r="5" fill="{}"/>"#, colours[k]), tree.lineage.founders[k].name.as_str());
+    let founders: Vec<(String, &str)> = (0..tree.lineage.founders.len()).filter(born).map(founder).collect();
+    let ended = || drawn().filter(|cell| cell.fate.terminal_reason().is_some());
+    let divides = |equal: bool| {
+        let mut divided = drawn().filter(|cell| cell.fate.terminal_reason().is_none());
+        divided.any(|cell| (cell.fate.outcome() == Some(Outcome::Symmetric)) == equal)
+    };
+    let kinds = [
+        (divides(true), r##"r="6" fill="#555"/>"##, "divides symmetrically"),
+        (divides(false), r##"r="4.7" fill="#fff" stroke="#555" stroke-width="2.6"/>"##, "divides asymmetrically"),
+        (
+            ended().next().is_some(),
+            r##"r="5.5" fill="#fff" stroke="#555"/><path d="M-5.5 8H5.5" stroke="#555" stroke-width="1.6"/>"##,
+            "does not divide",
+        ),
+    ];
+    let kinds: Vec<(String, &str)> =
+        kinds.into_iter().filter(|(shown, ..)| *shown).map(|(_, shape, word)| (shape.to_owned(), word)).collect();
+    let (mut out, mut row) = (String::new(), 0);
+    for entries in [founders, kinds].iter().filter(|entries| !entries.is_empty()) {
+        let mut x = 16.0;
+        for (shape, word) in entries {
+            let needed = 32.0 + 7.2 * word.chars().count() as f64;
+            if x > 16.0 && x + needed > FULL.width - 16.0 {
+                (x, row) = (16.0, row + 1);
+            }
+            let (at, y, word) = (x + 6.0, LEGEND + LINE * row as f64, escape(word));
+            let _ = writeln!(
+                out,
+                r##"<g transform="translate({at:.1} {y:.1})"><circle {shape}<text x="10" y="4" font-size="12" fill="#333">{word}</text></g>"##
+            );
+            x += needed;
+        }
+        row += 1;
+    }
+    (out, row.max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The colours of the founders of a lineage with this many, of which all carry a cue.
+    fn of(names: &[String]) -> Vec<&'static str> {
+        let founder = |k: usize| {
+            let (mother, daughter) = ((k - 1) / 2, if k % 2 == 1 { "larger" } else { "smaller" });
+            format!(r#", (name: "{}", mother: "{}", daughter: {daughter}, cue: "c")"#, names[k], names[mother])
+        };
+        let rest: String = (1..names.len()).map(founder).collect();
+        let cue = "cues: { \"c\": kappa(u0: 0.4, omega: 0.1, amplitude: 0.1) }";
+        let text = format!(r#"(name: "own", {cue}, founders: [(name: "{}", cue: "c"){rest}])"#, names[0]);
+        colours(&Lineage::parse(&text, "own.ron").unwrap())
+    }
+
+    #[test]
+    fn founders_of_any_animal_have_colours_of_their_own() {
+        let names: Vec<String> = (0..31).map(|k| format!("F{k}")).collect();
+        let found = of(&names);
+        let distinct: std::collections::BTreeSet<&str> = found.iter().copied().collect();
+        assert_eq!((found.len(), distinct.len()), (31, 31));
+        assert!(GERMLINE.iter().all(|(_, grey)| !distinct.contains(grey)));
+        let worm = Lineage::c_elegans().unwrap();
+        let germline = worm.founders.iter().zip(colours(&worm)).filter(|(founder, _)| founder.name.starts_with('P'));
+        let greys: Vec<bool> = germline.map(|(_, colour)| GERMLINE.iter().any(|(_, grey)| *grey == colour)).collect();
+        assert_eq!(greys, [true, true, true, true, false]);
+        // A cue that is taken away changes no colour.
+        assert_eq!(colours(&worm.clone().with_cues_replaced("none", &furrow_cell::Cue::none())), colours(&worm));
+    }
 }

@@ -54,6 +54,8 @@ pub(super) struct Words {
     pub(super) colour: Colour,
     pub(super) bold: bool,
     pub(super) upwards: bool,
+    /// Colour of a rim that keeps it clear of what it lies on.
+    pub(super) halo: Option<Colour>,
 }
 
 #[derive(Clone, Debug)]
@@ -110,12 +112,42 @@ impl Canvas {
 
     /// A line of text on a base line.
     pub fn text(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, colour: Colour) {
-        self.words(Words { at, content: content.to_owned(), size, anchor, colour, bold: false, upwards: false });
+        self.words(Words {
+            at,
+            content: content.to_owned(),
+            size,
+            anchor,
+            colour,
+            bold: false,
+            upwards: false,
+            halo: None,
+        });
     }
 
     /// A line of bold text.
     pub fn bold(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, colour: Colour) {
-        self.words(Words { at, content: content.to_owned(), size, anchor, colour, bold: true, upwards: false });
+        self.words(Words {
+            at,
+            content: content.to_owned(),
+            size,
+            anchor,
+            colour,
+            bold: true,
+            upwards: false,
+            halo: None,
+        });
+    }
+
+    /// A line of text with a rim that keeps it clear of what it lies on.
+    pub fn text_over(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, [colour, halo]: [Colour; 2]) {
+        let content = content.to_owned();
+        self.words(Words { at, content, size, anchor, colour, bold: false, upwards: false, halo: Some(halo) });
+    }
+
+    /// A line of bold text with such a rim.
+    pub fn bold_over(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, [colour, halo]: [Colour; 2]) {
+        let content = content.to_owned();
+        self.words(Words { at, content, size, anchor, colour, bold: true, upwards: false, halo: Some(halo) });
     }
 
     pub(super) fn words(&mut self, words: Words) {

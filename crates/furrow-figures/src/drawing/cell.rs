@@ -1,8 +1,10 @@
 //! A cell: its contour in its shell, the cue along it.
 
-use super::canvas::{Canvas, Stroke};
-use super::style::{CUE, CYTOPLASM, INK, SHELL};
+use super::canvas::{Anchor, Canvas, Stroke};
+use super::legend::{Key, Legend};
+use super::style::{self, CUE_LOWERS, CUE_RAISES, CYTOPLASM, Colour, INK, SHELL, text};
 use furrow_cell::Cue;
+use furrow_cell::cue::{Field, Term};
 
 /// Where a cell is drawn, and how large. Its axis lies across, the anterior pole, u = 1, on the left.
 #[derive(Clone, Copy, Debug)]
@@ -43,33 +45,152 @@ pub fn body(canvas: &mut Canvas, contour: &[[f64; 2]], site: &Site, width: f64) 
     canvas.polygon(&outline(contour, site), CYTOPLASM, 1.0, Some(Stroke::solid(INK, width)));
 }
 
-/// How strong a cue is at u on a contour of length `length`, from 0 to 1, relative to where it is strongest.
-pub fn strength(cue: &Cue, length: f64) -> impl Fn(f64) -> f64 + '_ {
-    let sum = move |u: f64| cue.terms().iter().map(|term| term.at(u, length)[0]).sum::<f64>().abs();
-    let largest = (0..=400).map(|k| sum(k as f64 / 400.0)).fold(0.0, f64::max);
-    move |u| if largest > 0.0 { (sum(u) / largest).min(1.0) } else { 0.0 }
+/// Weaker parts of a cue than this share of its strongest are not drawn.
+const FAINTEST: f64 = 0.08;
+
+/// How a cue changes one field along a contour.
+pub struct Change<'a> {
+    /// The field.
+    pub field: Field,
+    terms: Vec<&'a Term>,
+    length: f64,
+    /// The largest change, up or down.
+    largest: f64,
 }
 
-/// The cue, as a strip along the outside of the contour that is as strong as the cue is there. `places` are (u, r, z) from pole
-/// to pole.
-pub fn cue(canvas: &mut Canvas, cue: &Cue, length: f64, places: &[[f64; 3]], site: &Site, width: f64) {
-    if cue.is_none() {
-        return;
+impl Change<'_> {
+    fn sum(&self, u: f64) -> f64 {
+        self.terms.iter().map(|term| term.at(u, self.length)[0]).sum()
     }
-    let strength = strength(cue, length);
-    for side in [1.0, -1.0] {
-        for pair in places.windows(2) {
-            let ([u, r, z], [u2, r2, z2]) = (pair[0], pair[1]);
-            let here = strength(0.5 * (u + u2));
-            let (a, b) = (site.point([side * r, z]), site.point([side * r2, z2]));
-            let length = (b[0] - a[0]).hypot(b[1] - a[1]);
-            if here < 0.08 || length < 1e-6 {
-                continue;
-            }
-            // Outwards of the contour as it is drawn: to the left of its direction above the axis, to the right below.
-            let normal = [side * (b[1] - a[1]) / length, -side * (b[0] - a[0]) / length];
-            let out = |p: [f64; 2], by: f64| [p[0] - by * normal[0], p[1] - by * normal[1]];
-            canvas.polygon(&[out(a, 1.0), out(b, 1.0), out(b, width), out(a, width)], CUE, here, None);
+
+    /// How much the cue raises the field at u, from −1, where it lowers it most, to 1.
+    pub fn at(&self, u: f64) -> f64 {
+        (self.sum(u) / self.largest).clamp(-1.0, 1.0)
+    }
+
+    /// Whether it raises the field somewhere, and whether it lowers it, as far as that is drawn.
+    fn signs(&self) -> [bool; 2] {
+        [1.0, -1.0].map(|sign| (0..=400).any(|k| sign * self.at(f64::from(k) / 400.0) >= FAINTEST))
+    }
+}
+
+/// What a cue does to each field that it changes, on a contour of length `length`. Fields have other units and are not summed.
+pub fn changes(cue: &Cue, length: f64) -> Vec<Change<'_>> {
+    let mut found: Vec<Change<'_>> = Vec::new();
+    for term in cue.terms() {
+        match found.iter_mut().find(|change| change.field == term.field) {
+            Some(change) => change.terms.push(term),
+            None => found.push(Change { field: term.field, terms: vec![term], length, largest: 0.0 }),
         }
+    }
+    for change in &mut found {
+        change.largest = (0..=400).map(|k| change.sum(f64::from(k) / 400.0).abs()).fold(0.0, f64::max);
+    }
+    found.retain(|change| change.largest > 0.0);
+    found
+}
+
+/// What the cue does most at u, of all fields: from −1, where it lowers one most, to 1.
+pub fn strongest(changes: &[Change<'_>], u: f64) -> f64 {
+    changes
+        .iter()
+        .map(|change| change.at(u))
+        .fold(0.0, |most: f64, here| if here.abs() > most.abs() { here } else { most })
+}
+
+/// The colour of a cue that raises a field (by a positive number) or lowers it.
+pub fn cue_colour(strength: f64) -> Colour {
+    if strength < 0.0 { CUE_LOWERS } else { CUE_RAISES }
+}
+
+/// The colours of a cue that occur, with what they mean.
+pub fn cue_colours(changes: &[Change<'_>]) -> Vec<(Colour, String)> {
+    let what = match changes {
+        [only] => format!(" {}", style::field(only.field)),
+        _ => String::new(),
+    };
+    let shown = |sign: usize| changes.iter().any(|change| change.signs()[sign]);
+    let both = [(CUE_RAISES, "raises"), (CUE_LOWERS, "lowers")].into_iter().enumerate();
+    both.filter(|(sign, _)| shown(*sign)).map(|(_, (colour, verb))| (colour, format!("cue {verb}{what}"))).collect()
+}
+
+/// The legend of a cue that is drawn as strips.
+pub fn cue_legend(cue: &Cue, length: f64) -> Legend {
+    let changes = changes(cue, length);
+    let colours = cue_colours(&changes).into_iter();
+    let legend = colours.fold(Legend::default(), |legend, (colour, word)| legend.with(Key::Area(colour), word));
+    let names: Vec<&str> = changes.iter().map(|change| style::field(change.field)).collect();
+    legend.with_if(names.len() > 1, Key::Nothing, format!("strips from the inside: {}", names.join(", ")))
+}
+
+/// The cue, as strips along the outside of the contour, one for each field that it changes, as strong as the cue is there and in
+/// the colour of its sign. `places` are (u, r, z) from pole to pole.
+pub fn cue(canvas: &mut Canvas, cue: &Cue, length: f64, places: &[[f64; 3]], site: &Site, width: f64) {
+    for (k, change) in changes(cue, length).iter().enumerate() {
+        let inside = k as f64 * width;
+        for side in [1.0, -1.0] {
+            for pair in places.windows(2) {
+                let ([u, r, z], [u2, r2, z2]) = (pair[0], pair[1]);
+                let here = change.at(0.5 * (u + u2));
+                let (a, b) = (site.point([side * r, z]), site.point([side * r2, z2]));
+                let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+                if here.abs() < FAINTEST || length < 1e-6 {
+                    continue;
+                }
+                let along = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
+                // Outwards of the contour as it is drawn: to the left of its direction above the axis, to the right below.
+                let normal = [side * along[1], -side * along[0]];
+                let out = |p: [f64; 2], by: f64| [p[0] - by * normal[0], p[1] - by * normal[1]];
+                // A little longer than it is, and no colour to be seen through, so that seams do not show.
+                let b = [b[0] + SEAM * along[0], b[1] + SEAM * along[1]];
+                let [near, far] = [inside + 1.0, inside + width];
+                let corners = [out(a, near), out(b, near), out(b, far), out(a, far)];
+                canvas.polygon(&corners, style::tint(cue_colour(here), here.abs()), 1.0, None);
+            }
+        }
+    }
+}
+
+/// How far pieces of a strip overlap.
+const SEAM: f64 = 0.5;
+
+/// The names of the poles above a cell that is `half` as long and `high` as the shell on both sides of its middle.
+pub fn poles(canvas: &mut Canvas, site: &Site, [half, high]: [f64; 2]) {
+    let y = site.centre[1] - site.scale * high - 6.0;
+    for (side, name, anchor) in [(-1.0, ANTERIOR, Anchor::Start), (1.0, POSTERIOR, Anchor::End)] {
+        let x = site.centre[0] + side * site.scale * half;
+        canvas.text([x, y], name, text::TICK, anchor, style::MUTED);
+    }
+}
+
+/// The poles, in all pictures from left to right.
+pub const ANTERIOR: &str = "anterior";
+/// The pole on the right.
+pub const POSTERIOR: &str = "posterior";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gradient_raises_at_one_pole_and_lowers_at_the_other() {
+        let cue: Cue = "tension:gradient,amplitude=-0.3".parse().unwrap();
+        let found = changes(&cue, 7.0);
+        assert_eq!([found[0].at(0.0), found[0].at(0.5), found[0].at(1.0)], [-1.0, 0.0, 1.0]);
+        let words: Vec<String> = cue_colours(&found).into_iter().map(|(_, word)| word).collect();
+        assert_eq!(words, ["cue raises tension", "cue lowers tension"]);
+    }
+
+    #[test]
+    fn fields_are_not_summed_and_absent_signs_are_not_named() {
+        // As tension is raised where rigidity is lowered, a sum would be nothing.
+        let cue: Cue = "tension:u0=0.4,omega=0.1,amplitude=0.1+kappa:u0=0.4,omega=0.1,amplitude=-0.1".parse().unwrap();
+        let found = changes(&cue, 7.0);
+        assert_eq!([found.len(), cue_colours(&found).len()], [2, 2]);
+        assert_eq!(strongest(&found, 0.4).abs(), 1.0);
+        let one = Cue::published();
+        let colours = cue_colours(&changes(&one, 7.0));
+        assert_eq!(colours, [(CUE_RAISES, "cue raises rigidity".to_owned())]);
+        assert!(changes(&Cue::none(), 7.0).is_empty());
     }
 }

@@ -6,6 +6,8 @@ use super::canvas::Canvas;
 
 /// Pixels of a PNG for each unit of the canvas.
 const DENSITY: f32 = 2.0;
+/// Units of the canvas in an inch, as those of an SVG.
+const INCH: f32 = 96.0;
 
 /// Why a picture could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -42,6 +44,12 @@ impl Format {
     }
 }
 
+/// How many pixels of a PNG make a metre in print, at so many for each unit of the canvas.
+pub(crate) fn resolution(density: f32) -> png::PixelDimensions {
+    let metre = (density * INCH / 0.0254).round() as u32;
+    png::PixelDimensions { xppu: metre, yppu: metre, unit: png::Unit::Meter }
+}
+
 /// The extension of a file, in lower case.
 pub(crate) fn extension(path: &Path) -> Option<String> {
     Some(path.extension()?.to_str()?.to_ascii_lowercase())
@@ -60,6 +68,7 @@ impl Canvas {
                 let mut bytes = Vec::new();
                 let mut encoder = png::Encoder::new(&mut bytes, width, height);
                 encoder.set_color(png::ColorType::Rgb);
+                encoder.set_pixel_dims(Some(resolution(DENSITY)));
                 encoder.write_header()?.write_image_data(&pixels)?;
                 Ok(bytes)
             }
@@ -69,6 +78,7 @@ impl Canvas {
 
 #[cfg(test)]
 mod tests {
+    use super::super::canvas::Words;
     use super::super::{Anchor, Stroke, style::INK};
     use super::*;
 
@@ -87,6 +97,42 @@ mod tests {
         assert_eq!([pixel(15, 15), pixel(25, 15)], [[255, 0, 0], [255; 3]]);
         assert_eq!([pixel(2, 5), pixel(8, 5)], [[0, 0, 255], [255; 3]]);
         assert!(pixels.chunks_exact(3).any(|pixel| pixel == INK), "the text is not drawn");
+    }
+
+    #[test]
+    fn a_png_says_how_large_it_is_in_print() {
+        let bytes = Canvas::new(40.0, 20.0).bytes(Format::Png).unwrap();
+        let place = bytes.windows(4).position(|name| name == b"pHYs").expect("no pHYs");
+        // 192 dots an inch, in dots a metre, across and down.
+        assert_eq!(bytes[place + 4..place + 13], [0, 0, 0x1d, 0x87, 0, 0, 0x1d, 0x87, 1]);
+    }
+
+    #[test]
+    fn a_label_from_below_to_above_has_the_pixels_of_one_from_left_to_right() {
+        let label = |upwards: bool| {
+            let mut canvas = Canvas::new(160.0, 160.0);
+            let (content, anchor, colour) = ("normal force ξₛ".to_owned(), Anchor::Middle, INK);
+            let at = [80.0, 80.0];
+            canvas.words(Words { at, content, size: 17, anchor, colour, bold: false, upwards, halo: None });
+            let (pixels, [width, _]) = canvas.pixels(2.0).unwrap();
+            let pixels: Vec<[u8; 3]> = pixels.chunks_exact(3).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+            (pixels, width as usize)
+        };
+        let ((lying, width), (upright, _)) = (label(false), label(true));
+        let turned = |k: usize| upright[(width - 1 - k % width) * width + k / width];
+        // A letter is laid on white by way of a picture of its own, which rounds once more.
+        let off = |k: &usize| (0..3).any(|c| lying[*k][c].abs_diff(turned(*k)[c]) > 2);
+        assert_eq!((0..lying.len()).filter(off).count(), 0);
+        assert!(lying.iter().filter(|pixel| **pixel == INK).count() > 200);
+    }
+
+    #[test]
+    fn indices_are_smaller_and_lower_letters() {
+        let mut canvas = Canvas::new(40.0, 20.0);
+        canvas.text([0.0, 10.0], "ξₛ < R₀", 10, Anchor::Start, INK);
+        let svg = canvas.svg();
+        let set = "ξ<tspan dy=\"2\" font-size=\"7\">s</tspan><tspan dy=\"-2\"> &lt; R</tspan><tspan dy=\"2\" font-size=\"7\">0</tspan></text>";
+        assert!(svg.contains(set), "{svg}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Markers and legends.
 
 use super::canvas::{Anchor, Canvas, Stroke};
+use super::font;
 use super::style::{Colour, INK, MUTED, WHITE, text};
 
 /// The form of a point.
@@ -29,6 +30,15 @@ pub enum Key {
     Point(Colour, Marker),
     /// An area of a colour.
     Area(Colour),
+    /// Nothing: words alone.
+    Nothing,
+}
+
+impl Key {
+    /// Width of the symbol with the space behind it.
+    fn width(self) -> f64 {
+        if matches!(self, Key::Nothing) { 0.0 } else { 42.0 }
+    }
 }
 
 /// The entries of a legend, in their order.
@@ -56,8 +66,8 @@ impl Legend {
     fn places(&self, width: f64) -> Vec<[f64; 2]> {
         let (mut at, mut row) = (0.0, 0.0);
         let mut places = Vec::new();
-        for (_, word) in &self.0 {
-            let needed = 60.0 + 8.4 * word.chars().count() as f64;
+        for (key, word) in &self.0 {
+            let needed = key.width() + 20.0 + font::width(word, text::TICK);
             if at > 0.0 && at + needed > width {
                 (at, row) = (0.0, row + 1.0);
             }
@@ -81,25 +91,29 @@ impl Legend {
                 Key::Line(colour) => canvas.polyline(&line, Stroke::solid(colour, 3.0)),
                 Key::Dashes(colour, dash) => canvas.polyline(&line, Stroke::dashed(colour, 3.0, dash)),
                 Key::Point(colour, marker) => point(canvas, [x + 17.0, y], 6.5, marker, colour),
+                Key::Nothing => {}
                 Key::Area(colour) => {
                     let corners = [[x + 6.0, y - 8.0], [x + 28.0, y - 8.0], [x + 28.0, y + 8.0], [x + 6.0, y + 8.0]];
                     canvas.polygon(&corners, colour, 1.0, Some(Stroke::solid(INK, 0.6)));
                 }
             }
-            canvas.text([x + 42.0, y + 5.0], word, text::TICK, Anchor::Start, INK);
+            canvas.text([x + key.width(), y + 5.0], word, text::TICK, Anchor::Start, INK);
         }
     }
 }
 
 /// A canvas with a title, further lines of it in smaller text, and a legend; below them a height of `below` is free. Also
-/// gives where that begins.
+/// gives where that begins. Lines that are too long for the canvas are broken.
 pub fn titled(width: f64, below: f64, title: &str, legend: &Legend) -> (Canvas, f64) {
-    let lines = 18.0 + 24.0 * title.lines().count() as f64;
+    let style = |k: usize| if k == 0 { (text::TITLE, INK) } else { (text::TICK, MUTED) };
+    let broken = |(k, line)| font::wrapped(line, style(k).0, width - 44.0).into_iter().map(move |line| (k, line));
+    let title: Vec<(usize, String)> = title.lines().enumerate().flat_map(broken).collect();
+    let lines = 18.0 + 24.0 * title.len() as f64;
     let top = lines + legend.height(width - 40.0) + 4.0;
     let mut canvas = Canvas::new(width, top + below);
-    for (k, line) in title.lines().enumerate() {
-        let (size, colour) = if k == 0 { (text::TITLE, INK) } else { (text::TICK, MUTED) };
-        canvas.text([24.0, 30.0 + 24.0 * k as f64], line, size, Anchor::Start, colour);
+    for (row, (k, line)) in title.iter().enumerate() {
+        let (size, colour) = style(*k);
+        canvas.text([24.0, 30.0 + 24.0 * row as f64], line, size, Anchor::Start, colour);
     }
     legend.draw(&mut canvas, [24.0, lines], width - 40.0);
     (canvas, top)

@@ -47,6 +47,12 @@ impl Axis {
         Axis { label: label.into(), range, numbered: true, ticks: Ticks::Names(names) }
     }
 
+    /// The same from right to left, or from top to bottom.
+    pub fn reversed(self) -> Axis {
+        let [first, last] = self.range;
+        Axis { range: [last, first], ..self }
+    }
+
     /// The same over logarithms.
     pub fn logarithmic(self) -> Axis {
         Axis { ticks: Ticks::Logarithmic, ..self }
@@ -64,7 +70,8 @@ impl Axis {
 
     /// The values at the ticks, and what is written there.
     fn marks(&self) -> Vec<(f64, String)> {
-        let [low, high] = self.range;
+        let [first, last] = self.range;
+        let (low, high) = (first.min(last), first.max(last));
         match &self.ticks {
             Ticks::Names(names) => names.iter().enumerate().map(|(k, name)| (k as f64, name.clone())).collect(),
             Ticks::Logarithmic => {
@@ -144,13 +151,12 @@ impl Chart<'_> {
     ) -> Chart<'_> {
         let [left, top] = [at[0] + margins[0], at[1] + margins[2]];
         let (right, bottom) = (at[0] + width - margins[1], at[1] + height - margins[3]);
-        let chart = Chart { canvas, frame: [left, top, right, bottom], x, y };
+        let mut chart = Chart { canvas, frame: [left, top, right, bottom], x, y };
         let (grid, thin) = (Stroke::solid(GRID, 1.0), Stroke::solid(INK, 1.0));
-        let column = |value: f64| left + chart.x.share(value) * (right - left);
-        let row = |value: f64| bottom - chart.y.share(value) * (bottom - top);
-        let across: Vec<(f64, String)> =
-            chart.x.marks().into_iter().map(|(value, word)| (column(value), word)).collect();
-        let up: Vec<(f64, String)> = chart.y.marks().into_iter().map(|(value, word)| (row(value), word)).collect();
+        let column = |(value, word)| (left + chart.x.share(value) * (right - left), word);
+        let row = |(value, word)| (bottom - chart.y.share(value) * (bottom - top), word);
+        let across: Vec<(f64, String)> = chart.x.marks().into_iter().map(column).collect();
+        let up: Vec<(f64, String)> = chart.y.marks().into_iter().map(row).collect();
         for (x, _) in &across {
             chart.canvas.polyline(&[[*x, top], [*x, bottom]], grid);
             chart.canvas.polyline(&[[*x, bottom], [*x, bottom + 5.0]], thin);
@@ -159,8 +165,7 @@ impl Chart<'_> {
             chart.canvas.polyline(&[[left, *y], [right, *y]], grid);
             chart.canvas.polyline(&[[left - 5.0, *y], [left, *y]], thin);
         }
-        let corners = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
-        chart.canvas.polyline(&corners, thin);
+        chart.border();
         for (x, word) in across.iter().filter(|_| chart.x.numbered) {
             chart.canvas.text([*x, bottom + 20.0], word, text::TICK, Anchor::Middle, INK);
         }
@@ -171,8 +176,14 @@ impl Chart<'_> {
         chart.canvas.text(label, &chart.x.label, text::LABEL, Anchor::Middle, INK);
         let (at, content) = ([at[0] + 30.0, 0.5 * (top + bottom)], chart.y.label.clone());
         let (size, anchor, colour) = (text::LABEL, Anchor::Middle, INK);
-        chart.canvas.words(Words { at, content, size, anchor, colour, bold: false, upwards: true });
+        chart.canvas.words(Words { at, content, size, anchor, colour, bold: false, upwards: true, halo: None });
         chart
+    }
+
+    fn border(&mut self) {
+        let [left, top, right, bottom] = self.frame;
+        let corners = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
+        self.canvas.polyline(&corners, Stroke::solid(INK, 1.0));
     }
 
     /// A point of the data on the canvas.
@@ -228,6 +239,7 @@ impl Chart<'_> {
             // A little wider than they are, so that no light comes through between two.
             self.canvas.rectangle(a, [b[0] - a[0] + 0.3, b[1] - a[1] + 0.3], colour, 1.0);
         }
+        self.border();
     }
 }
 

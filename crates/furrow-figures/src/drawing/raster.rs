@@ -3,13 +3,13 @@
 use tiny_skia::{
     Color, FillRule, LineJoin, Mask, Paint, Path, PathBuilder, Pixmap, Rect, Shader, StrokeDash, Transform,
 };
-use ttf_parser::{Face, GlyphId, OutlineBuilder};
+use ttf_parser::{Face, OutlineBuilder};
 
 use super::canvas::{Anchor, Canvas, Element, Outline, Stroke, Words};
+use super::font::{self, DROP, INDEX};
 use super::style::Colour;
+use super::svg::HALO;
 
-/// DejaVu Sans, without the scripts that no name of a quantity or a cell is written in (`fonts/README.md`).
-const FONT: &[u8] = include_bytes!("../../fonts/DejaVuSans.ttf");
 /// Width of the outline that makes text bold, as a share of its size.
 const BOLD: f32 = 0.05;
 
@@ -20,7 +20,7 @@ impl Canvas {
         let [width, height] = self.size.map(|length| (length as f32 * density).round() as u32);
         let mut pixmap = Pixmap::new(width, height)?;
         pixmap.fill(Color::WHITE);
-        let face = Face::parse(FONT, 0).ok()?;
+        let face = font::face()?;
         let scale = Transform::from_scale(density, density);
         let mut clip: Option<Mask> = None;
         for element in &self.elements {
@@ -35,19 +35,10 @@ impl Canvas {
                         pixmap.stroke_path(&path, &colour, &pen(*stroke), scale, clip.as_ref());
                     }
                 }
+                Element::Text(words) if words.upwards => upwards(&mut pixmap, &face, words, density, clip.as_ref())?,
                 Element::Text(words) => {
-                    let Some(path) = letters(&face, words) else { continue };
                     let [x, y] = words.at.map(|x| x as f32);
-                    let place = scale.pre_translate(x, y).pre_rotate(if words.upwards { -90.0 } else { 0.0 });
-                    let unit = words.size as f32 / f32::from(face.units_per_em());
-                    let place = place.pre_scale(unit, unit);
-                    let colour = paint(words.colour, 1.0);
-                    pixmap.fill_path(&path, &colour, FillRule::Winding, place, clip.as_ref());
-                    if words.bold {
-                        let width = BOLD * f32::from(face.units_per_em());
-                        let pen = tiny_skia::Stroke { width, ..tiny_skia::Stroke::default() };
-                        pixmap.stroke_path(&path, &colour, &pen, place, clip.as_ref());
-                    }
+                    write(&mut pixmap, &face, words, scale.pre_translate(x, y), clip.as_ref());
                 }
                 Element::Clip(None) => clip = None,
                 Element::Clip(Some(frame)) => {
@@ -94,21 +85,63 @@ fn path(outline: &Outline) -> Option<Path> {
     builder.finish()
 }
 
+/// Draws a line of text from left to right; `place` is where its anchor comes to lie.
+fn write(pixmap: &mut Pixmap, face: &Face<'_>, words: &Words, place: Transform, clip: Option<&Mask>) {
+    let Some(path) = letters(face, words) else { return };
+    let units = f32::from(face.units_per_em());
+    let unit = words.size as f32 / units;
+    let place = place.pre_scale(unit, unit);
+    let wide = |width: f32| tiny_skia::Stroke { width, line_join: LineJoin::Round, ..tiny_skia::Stroke::default() };
+    if let Some(rim) = words.halo {
+        pixmap.stroke_path(&path, &paint(rim, 1.0), &wide(HALO as f32 / unit), place, clip);
+    }
+    let colour = paint(words.colour, 1.0);
+    pixmap.fill_path(&path, &colour, FillRule::Winding, place, clip);
+    if words.bold {
+        pixmap.stroke_path(&path, &colour, &wide(BOLD * units), place, clip);
+    }
+}
+
+/// Draws a line of text from below to above: drawn from left to right, then turned pixel by pixel. Letters that are turned as
+/// outlines fall on other fractions of a pixel each, and look unlike each other.
+fn upwards(pixmap: &mut Pixmap, face: &Face<'_>, words: &Words, density: f32, clip: Option<&Mask>) -> Option<()> {
+    let length = (font::width(&words.content, words.size) as f32 * density).ceil() as u32 + 8;
+    let half = (words.size as f32 * density).ceil() as u32 * 2;
+    // The whole text fits in whatever part of it lies at its position.
+    let (middle, mut lying) = (length, Pixmap::new(2 * length, 2 * half)?);
+    let scale = Transform::from_scale(density, density);
+    let place = Transform::from_translate(middle as f32, half as f32).pre_concat(scale);
+    write(&mut lying, face, words, place, None);
+    let mut upright = Pixmap::new(lying.height(), lying.width())?;
+    let (wide, high) = (lying.width() as usize, lying.height() as usize);
+    for (k, pixel) in lying.pixels().iter().enumerate() {
+        upright.pixels_mut()[(wide - 1 - k % wide) * high + k / wide] = *pixel;
+    }
+    let [x, y] = words.at.map(|x| (x as f32 * density).round() as i32);
+    let corner = [x - half as i32, y + middle as i32 - wide as i32];
+    let (plain, unturned) = (tiny_skia::PixmapPaint::default(), Transform::identity());
+    pixmap.draw_pixmap(corner[0], corner[1], upright.as_ref(), &plain, unturned, clip);
+    Some(())
+}
+
 /// The outlines of a line of text in units of the font, whose anchor is the origin.
 fn letters(face: &Face<'_>, words: &Words) -> Option<Path> {
-    // What the font lacks is drawn as its empty box.
-    let glyphs: Vec<_> = words.content.chars().map(|letter| face.glyph_index(letter).unwrap_or_default()).collect();
-    let advance = |glyph: &GlyphId| f32::from(face.glyph_hor_advance(*glyph).unwrap_or(0));
-    let length: f32 = glyphs.iter().map(advance).sum();
+    let units = f64::from(face.units_per_em());
+    let length = (font::width(&words.content, words.size) * units / f64::from(words.size)) as f32;
     let left = match words.anchor {
         Anchor::Start => 0.0,
         Anchor::Middle => -0.5 * length,
         Anchor::End => -length,
     };
-    let mut pen = Pen { builder: PathBuilder::new(), left };
-    for glyph in glyphs {
-        face.outline_glyph(glyph, &mut pen);
-        pen.left += advance(&glyph);
+    let mut pen = Pen { builder: PathBuilder::new(), left, scale: 1.0, down: 0.0 };
+    for run in font::runs(&words.content) {
+        (pen.scale, pen.down) = if run.index { (INDEX as f32, (DROP * units) as f32) } else { (1.0, 0.0) };
+        for letter in run.letters.chars() {
+            // What the font lacks is drawn as its empty box.
+            let glyph = face.glyph_index(letter).unwrap_or_default();
+            face.outline_glyph(glyph, &mut pen);
+            pen.left += pen.scale * f32::from(face.glyph_hor_advance(glyph).unwrap_or(0));
+        }
     }
     pen.builder.finish()
 }
@@ -117,23 +150,36 @@ fn letters(face: &Face<'_>, words: &Words) -> Option<Path> {
 struct Pen {
     builder: PathBuilder,
     left: f32,
+    /// Size of the glyph, and how far it hangs below the line.
+    scale: f32,
+    down: f32,
+}
+
+impl Pen {
+    fn at(&self, x: f32, y: f32) -> (f32, f32) {
+        (self.left + self.scale * x, self.down - self.scale * y)
+    }
 }
 
 impl OutlineBuilder for Pen {
     fn move_to(&mut self, x: f32, y: f32) {
-        self.builder.move_to(self.left + x, -y);
+        let (x, y) = self.at(x, y);
+        self.builder.move_to(x, y);
     }
 
     fn line_to(&mut self, x: f32, y: f32) {
-        self.builder.line_to(self.left + x, -y);
+        let (x, y) = self.at(x, y);
+        self.builder.line_to(x, y);
     }
 
     fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        self.builder.quad_to(self.left + x1, -y1, self.left + x, -y);
+        let ((x1, y1), (x, y)) = (self.at(x1, y1), self.at(x, y));
+        self.builder.quad_to(x1, y1, x, y);
     }
 
     fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        self.builder.cubic_to(self.left + x1, -y1, self.left + x2, -y2, self.left + x, -y);
+        let ((x1, y1), (x2, y2), (x, y)) = (self.at(x1, y1), self.at(x2, y2), self.at(x, y));
+        self.builder.cubic_to(x1, y1, x2, y2, x, y);
     }
 
     fn close(&mut self) {

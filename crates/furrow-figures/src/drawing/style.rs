@@ -3,7 +3,8 @@
 //! Colours are those of Okabe & Ito (*Color universal design*, 2008), which are distinguishable with every common colour vision and
 //! differ in lightness in print. An outcome has the same colour in every picture.
 
-use furrow_cell::{Cell, Parameter};
+use furrow_cell::cue::{Field, Quantity, Width, split_terms};
+use furrow_cell::{Cell, Cue, Parameter};
 use furrow_mechanics::division::Outcome;
 
 /// Red, green and blue.
@@ -35,8 +36,10 @@ pub const UNDECIDED: Colour = rgb(0xf0_e4_42);
 pub const MODEL: Colour = rgb(0x00_9e_73);
 /// What was observed.
 pub const OBSERVED: Colour = INK;
-/// The cue.
-pub const CUE: Colour = rgb(0xe6_9f_00);
+/// The cue where it raises what it changes.
+pub const CUE_RAISES: Colour = rgb(0xe6_9f_00);
+/// The cue where it lowers what it changes.
+pub const CUE_LOWERS: Colour = rgb(0x00_72_b2);
 /// The shell.
 pub const SHELL: Colour = rgb(0x8c_8c_8c);
 /// The inside of a cell.
@@ -90,10 +93,15 @@ pub fn outcome(outcome: Outcome) -> Colour {
 pub fn tile(outcome: Option<Outcome>, chi: Option<f64>) -> Colour {
     match outcome {
         Some(Outcome::Symmetric) => tint(SYMMETRIC, 0.55),
-        Some(Outcome::Asymmetric) => tint(ASYMMETRIC, 0.25 + 0.5 * chi.unwrap_or(1.0)),
+        Some(Outcome::Asymmetric) => shade(chi.unwrap_or(1.0)),
         Some(Outcome::Arrested) => tint(FAILED, 0.45),
         None => tint(UNDECIDED, 0.8),
     }
+}
+
+/// The colour of an asymmetry as an area: nearly white at χ = 0.
+pub fn shade(chi: f64) -> Colour {
+    tint(ASYMMETRIC, 0.1 + 0.85 * chi)
 }
 
 /// The colour of one of several curves: from dark to light where there are more than `hues`.
@@ -120,16 +128,31 @@ fn mixed(from: Colour, to: Colour, share: f64) -> Colour {
     [0, 1, 2].map(|k| part(k).round() as u8)
 }
 
-/// What a cell is, for a title: R₀, ε and ξₛ without those that `varied` names, and the cue if it has one.
+/// What a cell is, for a title: R₀, ε and ξₛ without those that `varied` names, and the cue if it has one, without its numbers
+/// that vary.
 pub fn described(cell: &Cell, varied: &[Parameter]) -> String {
     let named =
         [(Parameter::R0, "R₀", cell.r0), (Parameter::Epsilon, "ε", cell.epsilon), (Parameter::XiS, "ξₛ", cell.xi_s)];
     let fixed = named.iter().filter(|(parameter, ..)| !varied.contains(parameter));
     let mut parts: Vec<String> = fixed.map(|(_, symbol, value)| format!("{symbol} = {value}")).collect();
     if !cell.cue.is_none() {
-        parts.push(format!("cue {}", cell.cue));
+        parts.push(format!("cue {}", cue_without(&cell.cue, varied)));
     }
     parts.join(", ")
+}
+
+/// A cue as text, without its numbers that vary: they are along an axis or in a legend.
+pub fn cue_without(cue: &Cue, varied: &[Parameter]) -> String {
+    let text = cue.to_string();
+    let left = |(k, term): (usize, &str)| {
+        let varies = |part: &&str| {
+            let key = part.split('=').next().unwrap_or_default();
+            let is = |parameter: &Parameter| matches!(parameter, Parameter::Cue { term, .. } if *term == k);
+            varied.iter().any(|parameter| is(parameter) && parameter.name() == key)
+        };
+        term.split(',').filter(|part| !varies(part)).collect::<Vec<_>>().join(",")
+    };
+    split_terms(&text).into_iter().enumerate().map(left).collect::<Vec<_>>().join("+")
 }
 
 /// A time with as many digits as it takes to tell it from another.
@@ -141,17 +164,81 @@ pub fn time(t: f64) -> String {
     }
 }
 
-/// What a parameter is called along an axis, with its unit.
-pub fn parameter(parameter: Parameter) -> String {
-    match parameter {
-        Parameter::R0 => "radius R₀ (Lₕ)".to_owned(),
-        Parameter::Epsilon => "volume fraction ε".to_owned(),
-        Parameter::XiS => ACTIVITY.to_owned(),
-        Parameter::Aspect => "shell, a/b".to_owned(),
-        Parameter::W => "shell width w".to_owned(),
-        Parameter::P0 => "shell strength p₀".to_owned(),
-        Parameter::Gain => "gain g".to_owned(),
-        other => other.to_string(),
+/// What a parameter is called along an axis, with its unit; a number of a cue by the term of `cue` that it is of.
+pub fn parameter(parameter: Parameter, cue: &Cue) -> String {
+    let name = match parameter {
+        Parameter::R0 => "radius R₀ (Lₕ)",
+        Parameter::Epsilon => "volume fraction ε",
+        Parameter::XiS => ACTIVITY,
+        Parameter::XiRatio => "isotropic over anisotropic activity",
+        Parameter::Aspect => "shell, a/b",
+        Parameter::W => "shell width w",
+        Parameter::P0 => "shell strength p₀",
+        Parameter::Gain => "gain g",
+        Parameter::Kappa => "rigidity κ (κ₀)",
+        Parameter::EtaB => "bulk viscosity",
+        Parameter::EtaS => "shear viscosity",
+        Parameter::Friction => "friction Γ",
+        Parameter::Tension => "tension γ (κ₀/Lₕ²)",
+        Parameter::Cue { term, quantity } => return of_cue(term, quantity, cue),
+    };
+    name.to_owned()
+}
+
+/// What a number of a cue's term is called along an axis, with what the term is and the number's unit in brackets.
+fn of_cue(number: usize, quantity: Quantity, cue: &Cue) -> String {
+    const NUMBERS: [&str; 4] = ["first", "second", "third", "fourth"];
+    let term = cue.terms().get(number);
+    let whose = match NUMBERS.get(number) {
+        _ if cue.terms().len() == 1 || (term.is_none() && number == 0) => "the cue".to_owned(),
+        Some(number) => format!("the cue's {number} term"),
+        None => format!("the cue's term {}", number + 1),
+    };
+    let (name, unit) = match quantity {
+        Quantity::Amplitude => ("amplitude", term.filter(|t| t.field == Field::Tension).map(|_| "κ₀/Lₕ²")),
+        Quantity::U0 => ("place u₀", None),
+        Quantity::Omega => {
+            let length = |width| matches!(width, Width::Length(_)).then_some("Lₕ");
+            ("width ω", term.and_then(|t| t.profile.width()).and_then(length))
+        }
+    };
+    let kind = term.map(|term| format!("{} {}", field(term.field), term.profile.name()));
+    let brackets: Vec<String> = kind.into_iter().chain(unit.map(str::to_owned)).collect();
+    let brackets = if brackets.is_empty() { String::new() } else { format!(" ({})", brackets.join(", ")) };
+    format!("{name} of {whose}{brackets}")
+}
+
+/// The sign that stands for a parameter beside its value.
+pub fn symbol(parameter: Parameter) -> String {
+    let sign = match parameter {
+        Parameter::R0 => "R₀",
+        Parameter::Epsilon => "ε",
+        Parameter::XiS => "ξₛ",
+        Parameter::Aspect => "a/b",
+        Parameter::P0 => "p₀",
+        Parameter::Gain => "g",
+        Parameter::Kappa => "κ",
+        Parameter::Friction => "Γ",
+        Parameter::Tension => "γ",
+        Parameter::Cue { quantity, .. } => match quantity {
+            Quantity::U0 => "u₀",
+            Quantity::Omega => "ω",
+            Quantity::Amplitude => "amplitude",
+        },
+        other => other.name(),
+    };
+    sign.to_owned()
+}
+
+/// What a field that a cue changes is called.
+pub fn field(field: Field) -> &'static str {
+    match field {
+        Field::Kappa => "rigidity",
+        Field::XiS => "activity ξₛ",
+        Field::XiB => "isotropic activity",
+        Field::EtaB => "bulk viscosity",
+        Field::EtaS => "shear viscosity",
+        Field::Activity | Field::Viscosity | Field::Friction | Field::Tension => field.name(),
     }
 }
 
@@ -161,3 +248,28 @@ pub const ACTIVITY: &str = "activity ξₛ (κ₀/Lₕ)";
 pub const TIME: &str = "time (τ)";
 /// The axis of χ.
 pub const CHI: &str = "size asymmetry χ";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_of_a_cue_is_named_by_its_term() {
+        let cue: Cue = "tension:gradient,amplitude=0.3+kappa:band,u0=0.465,omega=0.3Lh,amplitude=0.1".parse().unwrap();
+        let called = |name: &str, cue: &Cue| parameter(name.parse().unwrap(), cue);
+        for (name, expected) in [
+            ("cue.amplitude", "amplitude of the cue's first term (tension gradient, κ₀/Lₕ²)"),
+            ("cue[1].amplitude", "amplitude of the cue's second term (rigidity band)"),
+            ("cue[1].omega", "width ω of the cue's second term (rigidity band, Lₕ)"),
+            ("friction", "friction Γ"),
+        ] {
+            assert_eq!(called(name, &cue), expected);
+        }
+        assert_eq!(called("cue.u0", &Cue::published()), "place u₀ of the cue (rigidity band)");
+        assert_eq!(called("cue.amplitude", &Cue::none()), "amplitude of the cue");
+        let varied = ["cue[1].amplitude".parse().unwrap(), Parameter::R0];
+        let left = described(&Cell { cue, ..Cell::new(2.0) }, &varied);
+        let expected = "cue tension:gradient,amplitude=0.3+kappa:band,u0=0.465,omega=0.3Lh";
+        assert!(left.ends_with(expected) && !left.contains("R₀"), "{left}");
+    }
+}

@@ -1,10 +1,14 @@
 //! Pictures as SVG.
 
 use super::canvas::{Anchor, Canvas, Element, Outline, Stroke, Words};
+use super::font::{self, DROP, INDEX};
 use super::style::Colour;
 
 /// Fonts of an SVG, the first that the reader has. A PNG is drawn with the first, which is part of the program.
 const FONTS: &str = "DejaVu Sans, Verdana, Arial, sans-serif";
+
+/// Width of the rim around text on what it must be kept clear of; half of it is seen.
+pub(super) const HALO: f64 = 5.0;
 
 impl Canvas {
     /// The picture as SVG.
@@ -64,7 +68,7 @@ fn shape(outline: &Outline, fill: Option<(Colour, f64)>, stroke: Option<Stroke>)
     format!("<{outline} fill=\"{fill}\"{stroke}/>")
 }
 
-fn writing(Words { at, content, size, anchor, colour, bold, upwards }: &Words) -> String {
+fn writing(Words { at, content, size, anchor, colour, bold, upwards, halo }: &Words) -> String {
     let [x, y] = at.map(short);
     let anchor = match anchor {
         Anchor::Start => "start",
@@ -73,11 +77,31 @@ fn writing(Words { at, content, size, anchor, colour, bold, upwards }: &Words) -
     };
     let bold = if *bold { " font-weight=\"bold\"" } else { "" };
     let turned = if *upwards { format!(" transform=\"rotate(-90,{x},{y})\"") } else { String::new() };
-    let content = content.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
-    let fill = hex(*colour);
+    let halo = halo.map_or(String::new(), |rim| {
+        format!(" paint-order=\"stroke\" stroke=\"{}\" stroke-width=\"{HALO}\" stroke-linejoin=\"round\"", hex(rim))
+    });
+    let (content, fill) = (set(content, *size), hex(*colour));
     format!(
-        "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" text-anchor=\"{anchor}\" fill=\"{fill}\"{bold}{turned}>{content}</text>"
+        "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" text-anchor=\"{anchor}\" fill=\"{fill}\"{bold}{halo}{turned}>{content}</text>"
     )
+}
+
+/// The text with its indices smaller and lower, by means that every reader of SVG knows.
+fn set(content: &str, size: u32) -> String {
+    let escaped = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    let (index, drop) = (short(INDEX * f64::from(size)), short(DROP * f64::from(size)));
+    let mut lowered = false;
+    let part = |run: font::Run| {
+        let letters = escaped(&run.letters);
+        let part = match (run.index, lowered) {
+            (true, _) => format!("<tspan dy=\"{drop}\" font-size=\"{index}\">{letters}</tspan>"),
+            (false, true) => format!("<tspan dy=\"-{drop}\">{letters}</tspan>"),
+            (false, false) => letters,
+        };
+        lowered = run.index;
+        part
+    };
+    font::runs(content).into_iter().map(part).collect()
 }
 
 /// A number with two digits behind the point, without a minus before a zero.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::picture::{SIZE, Stage};
 use super::surface::Fineness;
-use crate::drawing::format::extension;
+use crate::drawing::format::{extension, resolution};
 use crate::drawing::{FigureError, svg};
 use furrow_cell::Cell;
 use furrow_mechanics::division::Trajectory;
@@ -86,6 +86,7 @@ impl Movie<'_> {
             MovieFormat::Png => {
                 let mut encoder = png::Encoder::new(&mut out, SIZE[0] as u32, SIZE[1] as u32);
                 encoder.set_color(png::ColorType::Rgb);
+                encoder.set_pixel_dims(Some(resolution(1.0)));
                 encoder.set_animated(times.len() as u32, 0)?;
                 let mut writer = encoder.write_header()?;
                 for (k, t) in times.iter().enumerate() {

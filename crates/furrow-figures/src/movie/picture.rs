@@ -3,6 +3,8 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::surface::{self, Fineness, View};
+use crate::drawing::cell::{ANTERIOR, POSTERIOR, changes, cue_colours};
+use crate::drawing::font;
 use crate::drawing::style::{self, FORCES, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_cell::Cell;
@@ -96,9 +98,18 @@ impl<'a> Stage<'a> {
         let bottom = SIZE[1] - 18.0;
         canvas.arrow([20.0, bottom - 5.0], [56.0, bottom - 5.0], FORCES[0].1, 2.2);
         canvas.text([64.0, bottom], "active force", text::TICK, Anchor::Start, style::MUTED);
-        if !cue.is_none() {
-            canvas.rectangle([176.0, bottom - 13.0], [22.0, 14.0], style::CUE, 1.0);
-            canvas.text([206.0, bottom], "cue", text::TICK, Anchor::Start, style::MUTED);
+        let mut x = 176.0;
+        for (colour, word) in cue_colours(&changes(cue, still.length)) {
+            canvas.rectangle([x, bottom - 13.0], [18.0, 14.0], colour, 1.0);
+            canvas.text([x + 24.0, bottom], &word, text::TICK, Anchor::Start, style::MUTED);
+            x += 40.0 + font::width(&word, text::TICK);
+        }
+        let end = self.film.shell()[0];
+        for (x, z, pole, anchor) in
+            [(20.0, -end, ANTERIOR, Anchor::Start), (SIZE[0] - 20.0, end, POSTERIOR, Anchor::End)]
+        {
+            let [_, y] = self.view.point([0.0, z], 0.0);
+            canvas.text([x, y + 5.0], pole, text::TICK, anchor, style::MUTED);
         }
         let division = &self.film.division;
         if still.t >= 0.999 * division.t_end {
@@ -107,7 +118,7 @@ impl<'a> Stage<'a> {
                 (outcome, Some(chi)) => (format!("{outcome}, χ = {chi:.2}"), style::outcome(outcome)),
                 (outcome, None) => (outcome.to_string(), style::outcome(outcome)),
             };
-            canvas.bold([SIZE[0] - 20.0, bottom], &word, text::LABEL, Anchor::End, colour);
+            canvas.bold([SIZE[0] - 20.0, 54.0], &word, text::LABEL, Anchor::End, colour);
         }
     }
 }

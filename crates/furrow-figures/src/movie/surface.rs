@@ -3,7 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 
 use crate::drawing::Canvas;
-use crate::drawing::cell::strength;
+use crate::drawing::cell::{changes, cue_colour, strongest};
 use crate::drawing::style::Colour;
 use furrow_cell::Cue;
 use furrow_mechanics::division::Snapshot;
@@ -12,9 +12,8 @@ use furrow_mechanics::division::Snapshot;
 const TURNED: [f64; 2] = [0.42, 0.30];
 /// Where light comes from: from above, the left and the side of the eye.
 const LIGHT: [f64; 3] = [-0.25, 0.70, 1.0];
-/// Colour of the cortex in full light, and of the cue.
+/// Colour of the cortex in full light.
 const CORTEX: [f64; 3] = [186.0, 222.0, 244.0];
-const CUE: [f64; 3] = [240.0, 165.0, 20.0];
 /// Light that reaches every facet.
 const AMBIENT: f64 = 0.58;
 /// By how much facets are larger than they are, so that nothing shines through between two.
@@ -112,14 +111,15 @@ pub fn draw(canvas: &mut Canvas, still: &Snapshot, cue: &Cue, view: &View, finen
 fn facets(still: &Snapshot, cue: &Cue, view: &View, fineness: Fineness) -> Vec<Facet> {
     let Fineness { along, around, shades } = fineness;
     let line = meridian(still, along);
-    let strength = strength(cue, still.length);
+    let changes = changes(cue, still.length);
     let light = Vector3::from(LIGHT).normalize();
     let angle = |k: usize| k as f64 / around as f64 * std::f64::consts::TAU;
     let mut found = Vec::new();
     for pair in line.windows(2) {
         let ([u, r, z], [u2, r2, z2]) = (pair[0], pair[1]);
         let depth = (view.rotation * View::place([0.0, 0.5 * (z + z2)], 0.0)).z;
-        let here = strength(0.5 * (u + u2)) * if still.t > 0.0 { 1.0 } else { 0.0 };
+        let here = if still.t > 0.0 { strongest(&changes, 0.5 * (u + u2)) } else { 0.0 };
+        let painted = cue_colour(here).map(f64::from);
         for k in 0..around {
             let corners = [([r, z], k), ([r2, z2], k), ([r2, z2], k + 1), ([r, z], k + 1)];
             let corners = corners.map(|(place, k)| view.rotation * View::place(place, angle(k)));
@@ -128,8 +128,8 @@ fn facets(still: &Snapshot, cue: &Cue, view: &View, fineness: Fineness) -> Vec<F
             let Some(normal) = outwards.try_normalize(1e-14).filter(|normal| normal.z >= -0.02) else { continue };
             let lit = (AMBIENT + (1.0 - AMBIENT) * normal.dot(&light).max(0.0)).min(1.0);
             let lit = (lit * shades).round() / shades;
-            let colour =
-                [0, 1, 2].map(|c| (lit * (CORTEX[c] + 0.85 * here * (CUE[c] - CORTEX[c]))).clamp(0.0, 255.0) as u8);
+            let colour = [0, 1, 2].map(|c| lit * (CORTEX[c] + 0.85 * here.abs() * (painted[c] - CORTEX[c])));
+            let colour = colour.map(|light: f64| light.clamp(0.0, 255.0) as u8);
             found.push(Facet { depth, corners: larger(corners.map(|corner| view.project(&corner))), colour });
         }
     }

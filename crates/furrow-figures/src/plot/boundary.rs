@@ -37,7 +37,7 @@ pub fn draw(of: &Boundary<'_>) -> Canvas {
     let points = || of.pitchfork.points.iter().chain(of.folds.iter().flat_map(|fold| &fold.points));
     let heights = points().map(|p| p.xi_s).chain(of.critical.map(|p| p.xi_s));
     let across = of.range.into_iter().chain(of.critical.map(|p| p.value));
-    let x = Axis::new(style::parameter(of.parameter), widened(across, 0.02));
+    let x = Axis::new(style::parameter(of.parameter, &of.cell.cue), widened(across, 0.02));
     let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], x, Axis::over(style::ACTIVITY, heights));
     let place = |point: &CurvePoint| [point.value, point.xi_s];
     for fold in of.folds {
@@ -59,7 +59,7 @@ pub fn draw(of: &Boundary<'_>) -> Canvas {
         let word = format!("{:.4} at ξₛ = {}", point.value, (point.xi_s * 1e6).round() * 1e-6);
         let right = at[0] > 0.6 * WIDTH;
         let (x, anchor) = if right { (at[0] - 14.0, Anchor::End) } else { (at[0] + 14.0, Anchor::Start) };
-        chart.canvas.text([x, at[1] - 12.0], &word, text::LABEL, anchor, style::ASYMMETRIC);
+        chart.canvas.text_over([x, at[1] - 12.0], &word, text::LABEL, anchor, [style::ASYMMETRIC, style::WHITE]);
     }
     canvas
 }

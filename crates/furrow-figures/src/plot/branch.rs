@@ -1,7 +1,8 @@
 //! A bifurcation diagram: elongation and furrow position over activity, solid where the shape is stable and dashed where it is
 //! not, with folds, pitchforks and some of the shapes.
 
-use crate::drawing::cell::{Site, body, shell};
+use crate::drawing::cell::{ANTERIOR, POSTERIOR, Site, body, shell};
+use crate::drawing::font;
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, widened};
 use crate::drawing::style::{self, Colour, text};
@@ -28,7 +29,11 @@ type Shape<'a> = (char, ShapePoint, &'a [[f64; 2]]);
 /// Draws the branches of one cell.
 pub fn draw(cell: &Cell, branches: &[Named]) -> Canvas {
     let breaks = branches.iter().flat_map(|(_, branch)| &branch.points).any(|point| point.delta_u.abs() > 1e-6);
-    let title = format!("Stationary shapes at {}", style::described(cell, &[Parameter::XiS]));
+    let title = format!(
+        "Stationary shapes at {}\nshapes from the {ANTERIOR} pole on the left to the {POSTERIOR} pole on the right{}",
+        style::described(cell, &[Parameter::XiS]),
+        if breaks { "; δu > 0 if the furrow is nearer to the anterior pole" } else { "" }
+    );
     let below = SHAPES + 12.0 + CHART * if breaks { 2.0 } else { 1.0 };
     let (mut canvas, top) = titled(WIDTH, below, &title, &legend(branches));
     let shapes = chosen(branches);
@@ -43,12 +48,14 @@ pub fn draw(cell: &Cell, branches: &[Named]) -> Canvas {
 
 fn legend(branches: &[Named]) -> Legend {
     let has = |kind| branches.iter().flat_map(|(_, branch)| &branch.events).any(|event| event.kind() == kind);
+    let lines = || branches.iter().flat_map(|(_, branch)| pieces(branch, |point| point.elongation));
+    let is = |stable| lines().any(|(kind, _)| kind == stable);
     let shapes = |legend: Legend, (name, _): &Named| legend.with(Key::Line(colour(name)), format!("{name} shapes"));
     branches
         .iter()
         .fold(Legend::default(), shapes)
-        .with(Key::Line(style::INK), "stable")
-        .with(Key::Dashes(style::INK, style::DASHED), "unstable")
+        .with_if(is(true), Key::Line(style::INK), "stable")
+        .with_if(is(false), Key::Dashes(style::INK, style::DASHED), "unstable")
         .with_if(has(PointKind::Pitchfork), Key::Point(style::INK, Marker::Disc), "pitchfork")
         .with_if(has(PointKind::Fold), Key::Point(style::INK, Marker::Diamond), "fold")
 }
@@ -119,7 +126,14 @@ fn chart(
             chart.line(piece, Stroke { colour: colour(name), width: style::CURVE, dash });
         }
     }
-    letters(&mut chart, shapes, value);
+    for (_, point, _) in shapes {
+        let at = [point.xi_s, value(point)];
+        if chart.holds(at) {
+            let at = chart.at(at);
+            chart.canvas.disc(at, 2.6, style::INK, 1.0, None);
+        }
+    }
+    let mut words: Vec<([f64; 2], Anchor, &str)> = Vec::new();
     for (name, branch) in branches {
         for event in &branch.events {
             let place = [event.point().xi_s, value(event.point())];
@@ -135,29 +149,45 @@ fn chart(
             let at = chart.at(place);
             let (aside, anchor) =
                 if at[0] + 130.0 > chart.frame[2] { (-12.0, Anchor::End) } else { (12.0, Anchor::Start) };
-            chart.canvas.text([at[0] + aside, at[1] + 22.0], kind, text::TICK, anchor, style::MUTED);
+            words.push(([at[0] + aside, at[1] + 22.0], anchor, kind));
         }
     }
+    // Over the lines, and kept clear of them.
+    let mut taken = Vec::new();
+    for (at, anchor, word) in words {
+        let width = font::width(word, text::TICK);
+        let middle = at[0] + if anchor == Anchor::End { -0.5 } else { 0.5 } * width;
+        taken.push(([middle, at[1] - 5.0], [0.5 * width, 7.0]));
+        chart.canvas.text_over(at, word, text::TICK, anchor, [style::MUTED, style::WHITE]);
+    }
+    letters(&mut chart, shapes, value, taken);
 }
 
-/// The letters of the shapes beside their points, above those they would collide with.
-fn letters(chart: &mut Chart<'_>, shapes: &[Shape<'_>], value: fn(&ShapePoint) -> f64) {
-    let mut taken: Vec<[f64; 2]> = Vec::new();
-    let [_, top, right, _] = chart.frame;
+/// The middle of a text on the canvas, and half its width and height.
+type Taken = ([f64; 2], [f64; 2]);
+
+/// The letters of the shapes beside their points, clear of each other and of what is written.
+fn letters(chart: &mut Chart<'_>, shapes: &[Shape<'_>], value: fn(&ShapePoint) -> f64, mut taken: Vec<Taken>) {
+    const HALF: [f64; 2] = [7.0, 8.0];
+    let [left, top, right, bottom] = chart.frame;
     for (letter, point, _) in shapes {
         let data = [point.xi_s, value(point)];
         if !chart.holds(data) {
             continue;
         }
         let at = chart.at(data);
-        let left = at[0] + 24.0 > right;
-        let mut place = [at[0] + if left { -14.0 } else { 14.0 }, (at[1] - 11.0).max(top + 18.0)];
-        while taken.iter().any(|[x, y]| (x - place[0]).abs() < 14.0 && (y - place[1]).abs() < 16.0) {
-            place[0] += if left { -15.0 } else { 15.0 };
-        }
-        taken.push(place);
-        chart.canvas.disc(at, 2.6, style::INK, 1.0, None);
-        chart.canvas.bold(place, &letter.to_string(), text::LABEL, Anchor::Middle, style::INK);
+        let free = |place: &[f64; 2]| {
+            let inside = (left + 8.0..right - 8.0).contains(&place[0]) && (top + 9.0..bottom - 9.0).contains(&place[1]);
+            let apart = |(middle, half): &Taken| (0..2).any(|c| (middle[c] - place[c]).abs() > half[c] + HALF[c]);
+            inside && taken.iter().all(apart)
+        };
+        let sides = [[1.0, -1.0], [-1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let around =
+            (0..6).flat_map(|step| sides.map(|[x, y]| [at[0] + x * (14.0 + 15.0 * f64::from(step)), at[1] + 17.0 * y]));
+        let place = around.into_iter().find(free).unwrap_or([at[0] + 14.0, at[1] - 17.0]);
+        taken.push((place, HALF));
+        let base = [place[0], place[1] + 6.0];
+        chart.canvas.bold_over(base, &letter.to_string(), text::LABEL, Anchor::Middle, [style::INK, style::WHITE]);
     }
 }
 

@@ -1,10 +1,12 @@
 //! Thresholds wanted and met, with their tolerances; an ensemble of constants, each by itself and in pairs.
 
+use crate::drawing::font;
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, MARGINS, Ticks, widened};
 use crate::drawing::style::{self, WHITE, text};
 use crate::drawing::{Anchor, Canvas, Stroke};
 use furrow_analysis::{Ensemble, Exclusion};
+use furrow_cell::Cue;
 use furrow_mechanics::calibration::{Calibration, Targets};
 
 const WIDTH: f64 = 1040.0;
@@ -22,11 +24,16 @@ const GIVEN: Stroke = Stroke { colour: style::MUTED, width: 1.6, dash: Some(styl
 /// Draws thresholds: the computed over the given on the left, the deviations with their tolerances on the right.
 pub fn draw(targets: &Targets, found: &Calibration, excluded: &[Exclusion]) -> Canvas {
     let chart = (150.0 + ROW * found.residuals.len().max(1) as f64).max(400.0);
-    let below = if excluded.is_empty() { 10.0 } else { 58.0 + 24.0 * excluded.len() as f64 };
-    let constants: Vec<String> = found.parameters.iter().map(|(p, value)| format!("{p} = {value:.4}")).collect();
+    let head = (!excluded.is_empty()).then(|| "Statements that exclude it, and what it gives instead:".to_owned());
+    let statement = |Exclusion { datum, given, computed }: &Exclusion| format!("{datum}, {given}: {computed}");
+    let lines = head.into_iter().chain(excluded.iter().map(statement));
+    let lines: Vec<String> = lines.flat_map(|line| font::wrapped(&line, text::TICK, WIDTH - 48.0)).collect();
+    let below = if lines.is_empty() { 10.0 } else { 34.0 + 24.0 * lines.len() as f64 };
+    let constants: Vec<String> =
+        found.parameters.iter().map(|(p, value)| format!("{} = {value:.4}", style::symbol(*p))).collect();
     let legend = Legend::default()
         .with(Key::Point(style::MODEL, Marker::Disc), "computed")
-        .with(Key::Area(style::FAINT), "tolerance")
+        .with_if(targets.thresholds.iter().any(|t| t.tolerance > 0.0), Key::Area(style::FAINT), "tolerance")
         .with(Key::Dashes(style::MUTED, style::DASHED), "as given");
     let title = format!("Best fit: {}", constants.join(", "));
     let (mut canvas, top) = titled(WIDTH, chart + below, &title, &legend);
@@ -36,11 +43,9 @@ pub fn draw(targets: &Targets, found: &Calibration, excluded: &[Exclusion]) -> C
     left.line(range.map(|value| [value, value]), GIVEN);
     left.points(found.residuals.iter().map(|r| [r.xi_s, r.computed]), 6.5, Marker::Disc, style::MODEL);
     deviations(&mut canvas, targets, found, [top, chart]);
-    let head = (!excluded.is_empty()).then(|| "Statements that exclude it, and what it gives instead:".to_owned());
-    let lines = excluded.iter().map(|Exclusion { datum, given, computed }| format!("{datum}, {given}: {computed}"));
-    for (k, line) in head.into_iter().chain(lines).enumerate() {
+    for (k, line) in lines.iter().enumerate() {
         let at = [24.0, top + chart + 24.0 * (k as f64 + 1.0)];
-        canvas.text(at, &line, text::TICK, Anchor::Start, style::ASYMMETRIC);
+        canvas.text(at, line, text::TICK, Anchor::Start, style::ASYMMETRIC);
     }
     canvas
 }
@@ -80,7 +85,8 @@ pub fn draw_ensemble(found: &Ensemble) -> Canvas {
     let (mut canvas, top) = titled(side.max(460.0) + 90.0, side + 60.0, &title, &Legend::default());
     let range = |k: usize| widened(found.members.iter().filter_map(|member| member.values.get(k).copied()), 0.08);
     let named = |k: usize, shown: bool| {
-        let label = found.parameters.get(k).filter(|_| shown).map_or(String::new(), |p| style::parameter(*p));
+        let label =
+            found.parameters.get(k).filter(|_| shown).map_or(String::new(), |p| style::parameter(*p, &Cue::none()));
         Axis { numbered: shown, ticks: Ticks::About(4), ..Axis::new(label, range(k)) }
     };
     // Names of axes hang out of the square of their chart.

@@ -87,10 +87,15 @@ fn legend(comparison: &Comparison<'_>) -> Legend {
         let how = if boxes { "boxes, whiskers within 3 IQR" } else { "mean ± sd" };
         legend = legend.with(Key::Point(colour(k), Marker::Disc), format!("{name}, {how}, {} embryos", group.embryos));
     }
+    let any = |of: fn(&Beside) -> &Option<Modelled>| {
+        let mut events = comparison.groups.iter().flat_map(|group| &group.events);
+        events.any(|event| of(event).is_some_and(|modelled| modelled.chi.is_some()))
+    };
+    let ring = Key::Point(style::MODEL, Marker::Ring);
     let banded = comparison.groups.iter().flat_map(|group| &group.events).any(|event| event.band.is_some());
     legend = legend
-        .with(Key::Point(style::MODEL, Marker::Diamond), "model")
-        .with(Key::Point(style::MODEL, Marker::Ring), "model, AB and P1 as measured")
+        .with_if(any(|event| &event.model), Key::Point(style::MODEL, Marker::Diamond), "model")
+        .with_if(any(|event| &event.given_first), ring, "model, AB and P1 as measured")
         .with_if(banded, Key::Area(BAND), "model, 90 % of the sets of constants");
     for (k, curve) in comparison.curves.iter().enumerate() {
         let what = if curve.cue.is_empty() { "no cue".to_owned() } else { format!("cue {}", curve.cue) };

@@ -11,7 +11,7 @@ use furrow_mechanics::division::{Outcome, Snapshot, Trajectory};
 
 const WIDTH: f64 = 1160.0;
 /// Height of a row of contours.
-const CELLS: f64 = 175.0;
+const CELLS: f64 = 192.0;
 /// Height of a chart with its legend, and width of that on the left.
 const CHART: [f64; 2] = [440.0, 0.45 * WIDTH];
 /// Contours that are drawn.
@@ -25,7 +25,8 @@ pub fn draw(cell: &Cell, film: &Trajectory) -> Canvas {
         (outcome, None) => outcome.to_string(),
     };
     let title = format!("{}: {title}", style::described(cell, &[]));
-    let (mut canvas, top) = titled(WIDTH, CELLS + 22.0 + CHART[0], &title, &Legend::default());
+    let legend = drawn::cue_legend(&cell.cue, film.step(film.times().len().saturating_sub(1)).length);
+    let (mut canvas, top) = titled(WIDTH, CELLS + 22.0 + CHART[0], &title, &legend);
     contours(&mut canvas, cell, film, top);
     let top = top + CELLS + 22.0;
     over_time(&mut canvas, cell, film, top);
@@ -80,11 +81,14 @@ fn contours(canvas: &mut Canvas, cell: &Cell, film: &Trajectory, top: f64) {
     for (k, still) in stills.iter().enumerate() {
         let site = Site { centre: [20.0 + width * (k as f64 + 0.5), top + 0.5 * (CELLS - 24.0)], scale };
         drawn::shell(canvas, shell, &site);
-        drawn::body(canvas, &still.contour(), &site, 2.0);
         let places: Vec<[f64; 3]> = still.places.iter().map(|p| [p.u, p.r, p.z]).collect();
-        if k > 0 {
+        if k == 0 {
+            drawn::poles(canvas, &site, [0.46 * width / scale, shell[1]]);
+        } else {
             drawn::cue(canvas, &cell.cue, still.length, &places, &site, 5.5);
         }
+        // Over the cue, which is outside: in the furrow the other side is near.
+        drawn::body(canvas, &still.contour(), &site, 2.0);
         let word = format!("t = {} τ", style::time(still.t));
         canvas.text([site.centre[0], top + CELLS - 6.0], &word, text::TICK, Anchor::Middle, style::MUTED);
     }
@@ -113,8 +117,8 @@ fn over_time(canvas: &mut Canvas, cell: &Cell, film: &Trajectory, top: f64) {
         }
     }
     Legend::default()
-        .with(Key::Line(style::SYMMETRIC), "neck radius / R₀")
-        .with(Key::Line(style::ASYMMETRIC), "asymmetry χ about the neck")
+        .with_if(!neck.is_empty(), Key::Line(style::SYMMETRIC), "neck radius / R₀")
+        .with_if(!chi.is_empty(), Key::Line(style::ASYMMETRIC), "asymmetry χ about the neck")
         .draw(canvas, [70.0, top + 10.0], 560.0);
     let most = neck.iter().chain(&chi).map(|[_, v]| *v).fold(0.5, f64::max);
     let y = Axis::new("neck radius / R₀,  χ", [0.0, 1.08 * most]);
@@ -133,7 +137,8 @@ fn balance(canvas: &mut Canvas, still: &Snapshot, top: f64) {
     let most = usual(still);
     let label = format!("normal force at t = {} τ (κ₀/Lₕ³)", style::time(still.t));
     let y = Axis::new(label, widened([-most, most], 0.08));
-    let x = Axis::new("place u, posterior 0, anterior 1", [0.0, 1.0]);
+    // The same way as the contours.
+    let x = Axis::new("place u", [0.0, 1.0]).reversed();
     let mut chart = Chart::new(canvas, [left, top + 40.0], [WIDTH - left, CHART[0] - 40.0], x, y);
     chart.line([[0.0, 0.0], [1.0, 0.0]], Stroke::solid(style::MUTED, 1.0));
     let mut beyond = Vec::new();
@@ -145,11 +150,14 @@ fn balance(canvas: &mut Canvas, still: &Snapshot, top: f64) {
         }
     }
     if !beyond.is_empty() {
-        beyond.insert(0, "at the neck".to_owned());
+        beyond.insert(0, if still.neck.is_some() { "at the neck" } else { "beyond the axis" }.to_owned());
     }
-    let [left, top, ..] = chart.frame;
+    let [left, top, right, bottom] = chart.frame;
+    for (x, pole, anchor) in [(left, drawn::ANTERIOR, Anchor::Start), (right, drawn::POSTERIOR, Anchor::End)] {
+        chart.canvas.text([x, bottom + 44.0], pole, text::TICK, anchor, style::MUTED);
+    }
     for (k, line) in beyond.iter().enumerate() {
         let at = [left + 10.0, top + 22.0 + 20.0 * k as f64];
-        chart.canvas.text(at, line, text::TICK, Anchor::Start, style::MUTED);
+        chart.canvas.text_over(at, line, text::TICK, Anchor::Start, [style::MUTED, style::WHITE]);
     }
 }

@@ -12,16 +12,16 @@ const ROW: f64 = 40.0;
 
 /// Draws the front: how far mean rounds are off over how far the published thresholds are.
 pub fn draw_constants(found: &FittedConstants) -> Canvas {
-    let name = |(parameter, value): &(_, f64)| format!("{parameter} = {value:.4}");
-    let best: Vec<String> = found.best.constants.iter().map(name).collect();
-    let legend = Legend::default()
-        .with(Key::Point(style::MODEL, Marker::Disc), "front")
-        .with(Key::Point(style::ASYMMETRIC, Marker::Diamond), "best by the embryo alone")
-        .with(Key::Point(style::INK, Marker::Square), "start");
-    let (mut canvas, top) = titled(WIDTH, CHART, &format!("Best constants\n{}", best.join(", ")), &legend);
+    let name = |(parameter, value): &(_, f64)| format!("{} = {value:.4}", style::symbol(*parameter));
+    let constants: Vec<String> = found.best.constants.iter().map(name).collect();
     let at = |rms: Option<f64>, rounds: f64| Some([100.0 * rms?, rounds]);
     let front: Vec<[f64; 2]> = found.front.iter().filter_map(|set| at(set.thresholds_rms, set.parts.rounds)).collect();
     let [best, start] = [&found.best, &found.start].map(|set| at(set.thresholds_rms, set.parts.rounds));
+    let legend = Legend::default()
+        .with_if(!front.is_empty(), Key::Point(style::MODEL, Marker::Disc), "front")
+        .with_if(best.is_some(), Key::Point(style::ASYMMETRIC, Marker::Diamond), "best by the embryo alone")
+        .with_if(start.is_some(), Key::Point(style::INK, Marker::Square), "start");
+    let (mut canvas, top) = titled(WIDTH, CHART, &format!("Best constants\n{}", constants.join(", ")), &legend);
     let all: Vec<[f64; 2]> = front.iter().copied().chain(best).chain(start).collect();
     let x = Axis::over("published thresholds, off by (%, root mean square)", all.iter().map(|point| point[0]));
     let y = Axis::over("mean rounds of the founders, off by", all.iter().map(|point| point[1]));
@@ -32,11 +32,21 @@ pub fn draw_constants(found: &FittedConstants) -> Canvas {
     canvas
 }
 
+/// Whether the nearest activity is drawn, for want of one with the observed rounds.
+fn nearest(founder: &FounderActivity) -> bool {
+    founder.intervals.is_empty() && founder.nearest.is_some()
+}
+
 /// Draws the activities with which each founder has the observed rounds; `xi_s` is that of the run.
 pub fn draw_activities(founders: &[FounderActivity], xi_s: f64) -> Canvas {
+    let diamond = Key::Point(style::ASYMMETRIC, Marker::Diamond);
     let legend = Legend::default()
-        .with(Key::Area(style::MODEL), "as observed, to half a round")
-        .with(Key::Point(style::ASYMMETRIC, Marker::Diamond), "nearest tried, where there is none")
+        .with_if(
+            founders.iter().any(|f| !f.intervals.is_empty()),
+            Key::Area(style::MODEL),
+            "as observed, to half a round",
+        )
+        .with_if(founders.iter().any(nearest), diamond, "nearest tried, where there is none")
         .with(Key::Dashes(style::MUTED, style::DASHED), "of all others");
     let height = 78.0 + ROW * founders.len() as f64;
     let title = "Activity with which each founder has the observed rounds";
@@ -61,18 +71,24 @@ pub fn draw_activities(founders: &[FounderActivity], xi_s: f64) -> Canvas {
 
 /// Draws the measured χ beside those of the cue that fits best, and what nothing was fitted to beside what it predicts.
 pub fn draw_cue(found: &FittedCue) -> Canvas {
-    let legend = Legend::default()
-        .with(Key::Point(style::OBSERVED, Marker::Disc), "measured, mean ± sd")
-        .with(Key::Point(style::MODEL, Marker::Diamond), "model");
-    let (mut canvas, top) = titled(WIDTH, CHART, &format!("Best cue: χ² = {:.1}", found.chi_squared), &legend);
     let all: Vec<&ChiResidual> = found.residuals.iter().chain(&found.out_of_sample).collect();
+    let (modelled, predicted) = (all.iter().any(|r| r.computed.is_some()), !found.out_of_sample.is_empty());
+    let legend = Legend::default().with(Key::Point(style::OBSERVED, Marker::Disc), "measured, mean ± sd").with_if(
+        modelled,
+        Key::Point(style::MODEL, Marker::Diamond),
+        "model",
+    );
+    let (mut canvas, top) = titled(WIDTH, CHART, &format!("Best cue: χ² = {:.1}", found.chi_squared), &legend);
     let most = all.iter().flat_map(|r| [r.measured + r.sd, r.computed.unwrap_or(0.0)]).fold(0.1, f64::max);
     let cells = all.iter().map(|residual| residual.cell.clone()).collect();
-    let x = Axis::names("division (predicted ones behind the line)", cells, false);
+    let label = if predicted { "division (predicted ones behind the line)" } else { "division" };
+    let x = Axis::names(label, cells, false);
     let y = Axis::new(style::CHI, [-0.02, 1.08 * most]);
     let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], x, y);
     let border = found.residuals.len() as f64 - 0.5;
-    chart.line([[border, 0.0], [border, 1.05 * most]], Stroke::dashed(style::MUTED, 1.6, style::DASHED));
+    if predicted {
+        chart.line([[border, 0.0], [border, 1.05 * most]], Stroke::dashed(style::MUTED, 1.6, style::DASHED));
+    }
     for (k, residual) in all.iter().enumerate() {
         let (x, ChiResidual { measured, sd, .. }) = (k as f64, *residual);
         chart.line([[x, measured - sd], [x, measured + sd]], Stroke::solid(style::OBSERVED, 1.8));

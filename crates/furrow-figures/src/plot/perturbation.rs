@@ -22,9 +22,10 @@ pub fn draw(title: &str, watched: &[(String, Perturbation)]) -> Canvas {
         legend = legend.with(key, name.as_str());
     }
     let divided = watched.iter().any(|(_, perturbation)| perturbation.division.chi().is_some());
+    let returned = |returned: bool| watched.iter().any(|(_, perturbation)| perturbation.returned() == returned);
     let legend = legend
-        .with(Key::Line(style::INK), "returns")
-        .with(Key::Dashes(style::INK, style::DASHED), "leaves")
+        .with_if(returned(true), Key::Line(style::INK), "returns")
+        .with_if(returned(false), Key::Dashes(style::INK, style::DASHED), "leaves")
         .with_if(divided, Key::Point(style::INK, Marker::Disc), "pinches off");
     let (mut canvas, top) = titled(WIDTH, CHART, title, &legend);
     let points = || watched.iter().flat_map(|(_, perturbation)| perturbation.distances.iter().skip(1));

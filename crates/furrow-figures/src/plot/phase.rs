@@ -1,9 +1,10 @@
 //! Outcomes over a plane of one parameter and activity, with the exact edges on top of them.
 
+use crate::drawing::font;
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, bins, widened};
 use crate::drawing::style::{self, FOLD, PITCHFORK, WHITE, text};
-use crate::drawing::{Anchor, Canvas, Stroke};
+use crate::drawing::{Anchor, Canvas, Stroke, scale};
 use furrow_analysis::Edges;
 use furrow_cell::Parameter;
 use furrow_lineage::batch::phase::PhaseOutcome;
@@ -22,9 +23,13 @@ pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Canvas
     let (mut canvas, top) = titled(WIDTH, CHART, &title, &legend(diagram, edges));
     let (columns, rows) = (bins(&plane.across), bins(&plane.up));
     let range = |bins: &[[f64; 2]]| widened(bins.iter().flatten().copied(), 0.0);
-    let (x, y) =
-        (Axis::new(style::parameter(plane.parameter), range(&columns)), Axis::new(style::ACTIVITY, range(&rows)));
-    let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], x, y);
+    let (x, y) = (
+        Axis::new(style::parameter(plane.parameter, &plane.cell.cue), range(&columns)),
+        Axis::new(style::ACTIVITY, range(&rows)),
+    );
+    let unequal = diagram.cells.iter().any(|cell| cell.outcome == PhaseOutcome::Asymmetric);
+    let width = if unequal { WIDTH - scale::WIDTH } else { WIDTH };
+    let mut chart = Chart::new(&mut canvas, [0.0, top], [width, CHART], x, y);
     chart.tiles(diagram.cells.iter().enumerate().filter_map(|(k, cell)| {
         let colour = style::tile(outcome(cell.outcome), cell.chi);
         Some((*columns.get(k / rows.len())?, *rows.get(k % rows.len())?, colour))
@@ -37,14 +42,70 @@ pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Canvas
             }
         }
     }
+    let points = marks(&mut chart, diagram, edges);
     if columns.len() <= WRITTEN[0] && rows.len() <= WRITTEN[1] {
-        for cell in &diagram.cells {
+        let lines = edges.folds.iter().chain(&edges.pitchforks);
+        let lines = lines.map(|curve| curve.points.iter().map(|p| chart.at([p.value, p.xi_s])).collect());
+        let busy: Vec<Vec<[f64; 2]>> = lines.chain(points.into_iter().map(|at| vec![at])).collect();
+        for (k, cell) in diagram.cells.iter().enumerate() {
             if let (PhaseOutcome::Asymmetric, Some(chi)) = (cell.outcome, cell.chi) {
-                let [x, y] = chart.at([cell.x, cell.xi_s]);
-                chart.canvas.text([x, y + 5.0], &format!("{chi:.2}"), text::TICK, Anchor::Middle, style::INK);
+                let (column, row) = (columns[k / rows.len()], rows[k % rows.len()]);
+                let middle = chart.at([cell.x, cell.xi_s]);
+                let tile = [chart.at([column[0], row[1]]), chart.at([column[1], row[0]])];
+                number(chart.canvas, chi, middle, tile, &busy);
             }
         }
     }
+    if unequal {
+        let [_, top, right, bottom] = chart.frame;
+        scale::chi(chart.canvas, [right, top, bottom]);
+    }
+    canvas
+}
+
+/// Writes χ in its tile, where no line runs through it.
+fn number(canvas: &mut Canvas, chi: f64, middle: [f64; 2], tile: [[f64; 2]; 2], busy: &[Vec<[f64; 2]>]) {
+    let word = format!("{chi:.2}");
+    let half = [0.5 * font::width(&word, text::TICK) + 4.0, 10.0];
+    let free = |at: &[f64; 2]| {
+        let hit = |p: [f64; 2]| (0..2).all(|c| (p[c] - at[c]).abs() < half[c]);
+        !busy.iter().any(|line| line.windows(2).any(|ends| near(ends, hit)) || line.first().is_some_and(|p| hit(*p)))
+    };
+    // As far from the middle as leaves it in its tile.
+    let reach = [0, 1].map(|c: usize| (0.5 * (tile[1][c] - tile[0][c]).abs() - half[c]).max(0.0));
+    let places = STEPS.into_iter().map(|[x, y]| [middle[0] + x * reach[0], middle[1] + y * reach[1]]);
+    let at = places.clone().find(free).unwrap_or(middle);
+    let colours = [style::INK, style::shade(chi)];
+    canvas.text_over([at[0], at[1] + 5.0], &word, text::TICK, Anchor::Middle, colours);
+}
+
+/// Where in its tile a number may stand, the best place first, as shares of the way from the middle to the edge.
+const STEPS: [[f64; 2]; 13] = [
+    [0.0, 0.0],
+    [0.0, -0.5],
+    [0.0, 0.5],
+    [0.0, -1.0],
+    [0.0, 1.0],
+    [-0.5, -0.5],
+    [0.5, -0.5],
+    [-0.5, 0.5],
+    [0.5, 0.5],
+    [-1.0, -1.0],
+    [1.0, -1.0],
+    [-1.0, 1.0],
+    [1.0, 1.0],
+];
+
+/// Whether a line between two points comes where `hit` says.
+fn near(ends: &[[f64; 2]], hit: impl Fn([f64; 2]) -> bool) -> bool {
+    let [a, b] = [ends[0], ends[1]];
+    let pieces = (0.5 * (b[0] - a[0]).hypot(b[1] - a[1])).ceil().clamp(1.0, 2000.0) as usize;
+    (0..=pieces).map(|k| k as f64 / pieces as f64).any(|s| hit([0, 1].map(|c: usize| a[c] + s * (b[c] - a[c]))))
+}
+
+/// Draws the edges at each value across of which no curve is known, and says where.
+fn marks(chart: &mut Chart<'_>, diagram: &PhaseDiagram, edges: &Edges) -> Vec<[f64; 2]> {
+    let mut drawn = Vec::new();
     for column in &diagram.columns {
         for edge in &column.edges {
             let (known, marker, colour) = match edge {
@@ -54,10 +115,11 @@ pub fn draw(plane: &PhasePlane, diagram: &PhaseDiagram, edges: &Edges) -> Canvas
             // A curve shows the same at every value across.
             if known.is_empty() && chart.holds([column.x, edge.xi_s()]) {
                 chart.point([column.x, edge.xi_s()], 5.0, marker, colour);
+                drawn.push(chart.at([column.x, edge.xi_s()]));
             }
         }
     }
-    canvas
+    drawn
 }
 
 fn outcome(outcome: PhaseOutcome) -> Option<Outcome> {
@@ -73,7 +135,7 @@ fn legend(diagram: &PhaseDiagram, edges: &Edges) -> Legend {
     let mut legend = Legend::default();
     for (found, word) in [
         (PhaseOutcome::Symmetric, "symmetric"),
-        (PhaseOutcome::Asymmetric, "asymmetric (χ)"),
+        (PhaseOutcome::Asymmetric, "asymmetric, χ by shade"),
         (PhaseOutcome::Failed, "stays at rest"),
         (PhaseOutcome::Undecided, "undecided"),
     ] {
@@ -89,4 +151,31 @@ fn legend(diagram: &PhaseDiagram, edges: &Edges) -> Legend {
         .with_if(!pitchforks && edge(true), Key::Point(PITCHFORK, Marker::Disc), "pitchfork")
         .with_if(folds, Key::Line(FOLD), "fold")
         .with_if(!folds && edge(false), Key::Point(FOLD, Marker::Diamond), "fold")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_gives_way_to_a_line() {
+        let tile = [[0.0, 0.0], [120.0, 80.0]];
+        let written = |busy: &[Vec<[f64; 2]>]| {
+            let mut canvas = Canvas::new(120.0, 80.0);
+            number(&mut canvas, 0.25, [60.0, 40.0], tile, busy);
+            canvas
+                .svg()
+                .split("<text x=\"")
+                .nth(1)
+                .map(|rest| rest.split(" font").next().unwrap_or_default().to_owned())
+        };
+        let place = |x: f64, y: f64| Some(format!("{x}\" y=\"{y}\""));
+        assert_eq!(written(&[]), place(60.0, 45.0));
+        // A line across the middle, and then one just above it, too.
+        let across = |y: f64| vec![[0.0, y], [120.0, y]];
+        assert_eq!(written(&[across(40.0)]), place(60.0, 30.0));
+        assert_eq!(written(&[across(40.0), across(25.0)]), place(60.0, 60.0));
+        // A marker, which is a single point.
+        assert_eq!(written(&[vec![[60.0, 40.0]]]), place(60.0, 30.0));
+    }
 }

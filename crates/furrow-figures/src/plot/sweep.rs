@@ -6,7 +6,7 @@ use serde_json::Value;
 use crate::drawing::legend::{Key, Legend, Marker, titled};
 use crate::drawing::panel::{Axis, Chart, bins, widened};
 use crate::drawing::style::{self, Colour};
-use crate::drawing::{Canvas, Stroke};
+use crate::drawing::{Canvas, Stroke, scale};
 use furrow_analysis::{self as study, AxisValue, Kind, Row, Sweep, Target};
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_mechanics::division::Outcome;
@@ -75,17 +75,13 @@ fn title(sweep: &Sweep, points: &[Point]) -> String {
     format!("{what}: {}", parts.join(", "))
 }
 
-/// A cue without the numbers that an axis varies, which are in the legend or along the axis; of a sum it is not known which term a
-/// number is of.
+/// A cue without the numbers that an axis varies, which are in the legend or along the axis.
 fn unvaried(cue: &Cue, sweep: &Sweep) -> String {
-    let text = cue.to_string();
-    let key = |axis: &study::Axis| match axis.target {
-        Target::CueNumber(parameter) if cue.terms().len() == 1 => Some(format!("{}=", parameter.name())),
+    let number = |axis: &study::Axis| match axis.target {
+        Target::CueNumber(parameter) => Some(parameter),
         _ => None,
     };
-    let varied: Vec<String> = sweep.axes.0.iter().filter_map(key).collect();
-    let left = text.split(',').filter(|part| !varied.iter().any(|key| part.starts_with(key)));
-    left.collect::<Vec<_>>().join(",")
+    style::cue_without(cue, &sweep.axes.0.iter().filter_map(number).collect::<Vec<_>>())
 }
 
 /// The values of an axis, if they are numbers.
@@ -128,9 +124,13 @@ fn quantity(kind: Kind) -> &'static str {
 /// An axis by the name of its parameter.
 fn label(sweep: &Sweep, axis: usize) -> String {
     let Some(axis) = sweep.axes.0.get(axis) else { return "run".to_owned() };
+    let none = Cue::none();
+    let cue = sweep.cue.as_ref().unwrap_or(&none);
     match axis.target {
-        Target::Field(name) => name.parse().map_or(axis.name.clone(), style::parameter),
-        _ => axis.name.clone(),
+        Target::Field("dt") => "time step Δt (τ)".to_owned(),
+        Target::Field(name) => name.parse().map_or(axis.name.clone(), |p| style::parameter(p, cue)),
+        Target::CueNumber(parameter) => style::parameter(parameter, cue),
+        Target::Cue => axis.name.clone(),
     }
 }
 
@@ -151,12 +151,13 @@ fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Can
         up[0] = -(0.06 + 0.03 * groups.len().min(6) as f64) * up[1].max(0.1);
     }
     let (alone, outcomes) = (groups.len() < 2, division && groups.len() < 2);
+    let has = |outcome| points.iter().any(|p| p.outcome == Some(outcome) && p.value.is_some());
     let named = groups.iter().step_by(groups.len().div_ceil(NAMED).max(1)).filter(|_| !alone);
     let legend = named
         .fold(Legend::default(), |legend, group| legend.with(Key::Line(group.colour), group.name.as_str()))
-        .with_if(outcomes, Key::Point(style::SYMMETRIC, Marker::Disc), "symmetric")
-        .with_if(outcomes, Key::Point(style::ASYMMETRIC, Marker::Disc), "asymmetric")
-        .with_if(resting, Key::Point(style::FAILED, Marker::Square), "stays at rest")
+        .with_if(outcomes && has(Outcome::Symmetric), Key::Point(style::SYMMETRIC, Marker::Disc), "symmetric")
+        .with_if(outcomes && has(Outcome::Asymmetric), Key::Point(style::ASYMMETRIC, Marker::Disc), "asymmetric")
+        .with_if(resting, Key::Point(if alone { style::FAILED } else { style::INK }, Marker::Square), "stays at rest")
         .with_if(unknown, Key::Point(style::UNDECIDED, Marker::Triangle), "undecided");
     let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep, points), &legend);
     let across = match x {
@@ -178,24 +179,26 @@ fn curves(sweep: &Sweep, points: &[Point], x: Option<&(usize, Vec<f64>)>) -> Can
         // Points without a value lie below the axis of χ, those of each curve on a line of their own.
         let baseline = up[0] * (k as f64 + 1.0) / (groups.len() as f64 + 1.0);
         for point in &group.points {
-            let (x, of_outcome) = (at(point), point.outcome.map_or(style::INK, style::outcome));
-            let colour = if alone { of_outcome } else { group.colour };
-            match point.value {
-                Some(value) => {
-                    if let Some(sd) = point.sd.filter(|sd| *sd > 0.0) {
-                        chart.error_bar(x, [value + sd, value - sd], 0.0, 4.0, Stroke::solid(colour, 1.6));
-                    }
-                    chart.point([x, value], 4.6, Marker::Disc, colour);
-                }
-                None if point.undecided => chart.point([x, baseline], 5.5, Marker::Triangle, style::UNDECIDED),
-                None if point.outcome == Some(Outcome::Arrested) => {
-                    chart.point([x, baseline], 5.0, Marker::Square, colour);
-                }
-                None => {}
-            }
+            let of_outcome = point.outcome.map_or(style::INK, style::outcome);
+            dot(&mut chart, at(point), point, if alone { of_outcome } else { group.colour }, baseline);
         }
     }
     canvas
+}
+
+/// A point of a curve, with its standard deviation; one without a value on a base line.
+fn dot(chart: &mut Chart<'_>, x: f64, point: &Point, colour: Colour, baseline: f64) {
+    match point.value {
+        Some(value) => {
+            if let Some(sd) = point.sd.filter(|sd| *sd > 0.0) {
+                chart.error_bar(x, [value + sd, value - sd], 0.0, 4.0, Stroke::solid(colour, 1.6));
+            }
+            chart.point([x, value], 4.6, Marker::Disc, colour);
+        }
+        None if point.undecided => chart.point([x, baseline], 5.5, Marker::Triangle, style::UNDECIDED),
+        None if point.outcome == Some(Outcome::Arrested) => chart.point([x, baseline], 5.0, Marker::Square, colour),
+        None => {}
+    }
 }
 
 /// The points of one curve.
@@ -267,11 +270,10 @@ fn named(sweep: &Sweep, axes: &[usize], places: &[usize]) -> String {
         let symbol = match axis.target {
             Target::Field("dt") if no_step => return None,
             _ if matches!(axis.values.first(), Some(AxisValue::Text(_))) => return Some(value),
-            Target::Field("r0") => "R₀",
-            Target::Field("epsilon") => "ε",
-            Target::Field("xi_s") => "ξₛ",
-            Target::Field("dt") => "Δt",
-            _ => &axis.name,
+            Target::Field("dt") => "Δt".to_owned(),
+            Target::Field(name) => name.parse().map_or(axis.name.clone(), style::symbol),
+            Target::CueNumber(parameter) => style::symbol(parameter),
+            Target::Cue => axis.name.clone(),
         };
         Some(format!("{symbol} = {value}"))
     };
@@ -288,18 +290,26 @@ fn map_of_outcomes(sweep: &Sweep, points: &[Point], [x, y]: [&(usize, Vec<f64>);
         bounds
     };
     let (columns, rows) = (edges(&x.1), edges(&y.1));
-    let (unequal, equal) = (Some(Outcome::Asymmetric), Some(Outcome::Symmetric));
+    let has = |outcome| points.iter().any(|point| point.outcome == Some(outcome));
+    let (unequal, undecided) = (has(Outcome::Asymmetric), points.iter().any(|point| point.outcome.is_none()));
+    let area = |outcome, chi| Key::Area(style::tile(outcome, chi));
     let legend = Legend::default()
-        .with(Key::Area(style::tile(equal, None)), "symmetric")
-        .with(Key::Area(style::tile(unequal, Some(0.2))), "asymmetric, χ = 0.2")
-        .with(Key::Area(style::tile(unequal, Some(0.8))), "χ = 0.8")
-        .with(Key::Area(style::tile(Some(Outcome::Arrested), None)), "stays at rest");
+        .with_if(has(Outcome::Symmetric), area(Some(Outcome::Symmetric), None), "symmetric")
+        .with_if(unequal, area(Some(Outcome::Asymmetric), Some(0.7)), "asymmetric, χ by shade")
+        .with_if(has(Outcome::Arrested), area(Some(Outcome::Arrested), None), "stays at rest")
+        .with_if(undecided, area(None, None), "undecided");
     let (mut canvas, top) = titled(WIDTH, CHART, &title(sweep, points), &legend);
     let axis = |k: usize, bins: &[[f64; 2]]| Axis::new(label(sweep, k), widened(bins.iter().flatten().copied(), 0.0));
     let (across, up) = (axis(x.0, &columns), axis(y.0, &rows));
-    Chart::new(&mut canvas, [0.0, top], [WIDTH, CHART], across, up).tiles(points.iter().filter_map(|point| {
+    let width = if unequal { WIDTH - scale::WIDTH } else { WIDTH };
+    let mut chart = Chart::new(&mut canvas, [0.0, top], [width, CHART], across, up);
+    chart.tiles(points.iter().filter_map(|point| {
         let place = |axis: usize| point.places.get(axis).copied().unwrap_or(0);
         Some((*columns.get(place(x.0))?, *rows.get(place(y.0))?, style::tile(point.outcome, point.value)))
     }));
+    if unequal {
+        let [_, top, right, bottom] = chart.frame;
+        scale::chi(chart.canvas, [right, top, bottom]);
+    }
     canvas
 }

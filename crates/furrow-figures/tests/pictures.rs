@@ -1,0 +1,167 @@
+//! What pictures say: colours of a cue's sign, names of the poles, titles within the width, legends of what is there.
+
+use furrow_cell::{Cell, Cue, Parameter};
+use furrow_figures::drawing::style::{CUE_LOWERS, CUE_RAISES, Colour};
+use furrow_figures::drawing::{Canvas, Format};
+use furrow_figures::movie::{Movie, MovieFormat};
+use furrow_figures::plot;
+use furrow_mechanics::division::{DivisionInput, Trajectory};
+use furrow_mechanics::equilibria::curves::{Curve, CurvePoint};
+
+const LONG: &str = "tension:gradient,amplitude=0.3+kappa:band,u0=0.465,omega=0.0577,amplitude=0.1";
+
+fn divided(cue: &str) -> (Cell, Trajectory) {
+    let cell = Cell { cue: cue.parse().unwrap(), ..Cell::new(3.0) };
+    let film = Trajectory::compute(&DivisionInput::new(cell.clone())).unwrap();
+    (cell, film)
+}
+
+/// The text of an SVG without the tags of indices.
+fn plain(svg: &str) -> String {
+    let mut parts = svg.split("<tspan").map(|part| part.replace("</tspan>", ""));
+    let first = parts.next().unwrap_or_default();
+    parts.fold(first, |text, part| text + part.split_once('>').map_or("", |(_, words)| words))
+}
+
+/// Horizontal places of all areas of a colour, or of a tint of it: the middle of each.
+fn places(svg: &str, is: impl Fn([f64; 3]) -> bool) -> Vec<f64> {
+    let paths = svg.split("<path d=\"M").skip(1);
+    let area = |path: &str| {
+        let (points, rest) = path.split_once('"')?;
+        let fill = rest.split_once("fill=\"#")?.1;
+        let channel = |k: usize| u8::from_str_radix(fill.get(2 * k..2 * k + 2)?, 16).ok().map(f64::from);
+        let colour = [channel(0)?, channel(1)?, channel(2)?];
+        let x = |point: &str| point.split(' ').next()?.parse::<f64>().ok();
+        let across: Vec<f64> = points.trim_end_matches('Z').split('L').filter_map(x).collect();
+        is(colour).then(|| across.iter().sum::<f64>() / across.len() as f64)
+    };
+    paths.filter_map(area).collect()
+}
+
+/// Whether a colour lies between white and another, nearer to the other.
+fn tint_of([r, g, b]: Colour) -> impl Fn([f64; 3]) -> bool {
+    let full = [r, g, b].map(f64::from);
+    move |colour| {
+        let share = (0..3).map(|c| (255.0 - colour[c]) * (255.0 - full[c])).sum::<f64>()
+            / (0..3).map(|c| (255.0 - full[c]).powi(2)).sum::<f64>();
+        let off = (0..3).map(|c| (colour[c] - 255.0 + share * (255.0 - full[c])).abs()).fold(0.0, f64::max);
+        (0.3..=1.01).contains(&share) && off < 1.5
+    }
+}
+
+#[test]
+fn a_gradient_has_a_colour_on_each_side_and_a_legend() {
+    let (cell, film) = divided("tension:gradient,amplitude=0.3");
+    let svg = plot::division::draw(&cell, &film).svg();
+    // The contours are above the charts, in which curves have these colours too; curves are not filled.
+    let [raises, lowers] = [CUE_RAISES, CUE_LOWERS].map(|colour| places(&svg, tint_of(colour)));
+    assert!(raises.len() > 100 && lowers.len() > 100, "{} {}", raises.len(), lowers.len());
+    // Of the second of six contours the left half is lowered, the right half raised.
+    let width = (1160.0 - 40.0) / 6.0;
+    let within = |all: &[f64]| -> Vec<f64> {
+        all.iter().map(|x| (x - 20.0) / width).filter(|x| (1.0..2.0).contains(x)).map(|x| x - 1.5).collect()
+    };
+    assert!(within(&raises).iter().all(|x| *x > -0.05) && within(&lowers).iter().all(|x| *x < 0.05));
+    for word in ["cue raises tension", "cue lowers tension", ">anterior<", ">posterior<"] {
+        assert!(svg.contains(word), "no {word}");
+    }
+}
+
+#[test]
+fn the_germline_cue_only_raises_and_no_cue_has_no_legend() {
+    let (cell, film) = divided("kappa:band,u0=0.465,omega=0.0577,amplitude=0.1");
+    let svg = plot::division::draw(&cell, &film).svg();
+    assert!(svg.contains("cue raises rigidity") && !svg.contains("cue lowers"));
+    let (cell, film) = divided("none");
+    assert!(!plot::division::draw(&cell, &film).svg().contains(">cue "));
+}
+
+#[test]
+fn the_force_panel_runs_as_the_contours_do() {
+    let (cell, film) = divided("none");
+    let svg = plot::division::draw(&cell, &film).svg();
+    // The panel is the last on the right: u = 1 is on its left, under the word for that pole.
+    let x_of = |word: &str| -> Vec<f64> {
+        let texts = svg.split("<text x=\"").skip(1).filter(|text| text.contains(&format!(">{word}</text>")));
+        texts.filter_map(|text| text.split('"').next()?.parse().ok()).collect()
+    };
+    let last = |word: &str| x_of(word).into_iter().fold(0.0, f64::max);
+    // The other pole of the axis may lie at the same number of the time axis, which is on the left.
+    assert!(last("0.8") < last("0.2"), "{} {}", last("0.8"), last("0.2"));
+    let anterior = x_of("anterior");
+    assert_eq!([anterior.len(), x_of("posterior").len()], [2, 2]);
+    assert!(anterior[1] < last("0.8") && last("posterior") > last("0.2"));
+}
+
+#[test]
+fn a_movie_shows_signs_and_poles() {
+    let (cell, film) = divided("tension:gradient,amplitude=0.3");
+    let svg =
+        String::from_utf8(Movie { cell: &cell, film: &film, frames: 3 }.bytes(MovieFormat::Svg).unwrap()).unwrap();
+    for word in ["cue raises tension", "cue lowers tension", ">anterior<", ">posterior<"] {
+        assert_eq!(svg.matches(word).count(), 3, "{word}");
+    }
+    // Shades of the surface at the poles in the last frame: more red than blue where tension is raised, far more blue where lowered.
+    let last = svg.rsplit("<g display").next().unwrap();
+    let warm = places(last, |[r, _, b]| r > 1.3 * b && b > 0.0);
+    let cold = places(last, |[r, _, b]| b > 2.5 * r);
+    let mean = |all: &[f64]| all.iter().sum::<f64>() / all.len() as f64;
+    assert!(!warm.is_empty() && !cold.is_empty() && mean(&warm) > mean(&cold) + 100.0);
+    let png = Movie { cell: &cell, film: &film, frames: 2 }.bytes(MovieFormat::Png).unwrap();
+    assert!(png.windows(4).any(|name| name == b"pHYs"));
+}
+
+/// Whether the title is broken in lines, holds the whole cue, and leaves a margin on the right as it is drawn.
+fn title_is_whole(canvas: &Canvas, cue: &str) {
+    let svg = canvas.svg();
+    let titles: Vec<String> = svg
+        .split("<text ")
+        .filter(|text| text.contains("font-size=\"20\" text-anchor=\"start\""))
+        .filter_map(|text| Some(plain(text.split("</text>").next()?.split_once('>')?.1)))
+        .collect();
+    assert!(titles.len() > 1 && titles.concat().replace(' ', "").contains(cue), "{titles:?}");
+    let bytes = canvas.bytes(Format::Png).unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let size = reader.next_frame(&mut pixels).unwrap();
+    let (row, lines) = (3 * size.width as usize, 2 * 18 + 2 * 24 * titles.len());
+    let margin = pixels.chunks_exact(row).take(lines).flat_map(|row| &row[row.len() - 3 * 24..]);
+    assert!(margin.copied().all(|light| light == 255));
+}
+
+#[test]
+fn long_cues_do_not_cut_a_title() {
+    let (cell, film) = divided(LONG);
+    let canvas = plot::division::draw(&cell, &film);
+    title_is_whole(&canvas, LONG);
+    let svg = plain(&canvas.svg());
+    assert!(svg.contains("χ = 0.") && svg.contains("strips from the inside: tension, rigidity"));
+    assert!(canvas.bytes(Format::Png).unwrap().windows(4).any(|name| name == b"pHYs"));
+}
+
+/// The curve of a boundary, and of its picture the SVG without the tags of indices.
+fn boundary(cue: &str, parameter: &str) -> String {
+    let cell = Cell { cue: cue.parse::<Cue>().unwrap(), ..Cell::new(2.0) };
+    let parameter: Parameter = parameter.parse().unwrap();
+    let (pitchfork, folds): (Curve, &[Curve]) = (Curve::default(), &[]);
+    let critical: Option<CurvePoint> = None;
+    let of = plot::boundary::Boundary {
+        cell: &cell,
+        parameter,
+        range: [0.1, 0.4],
+        pitchfork: &pitchfork,
+        folds,
+        cusps: &[],
+        critical,
+    };
+    plain(&plot::boundary::draw(&of).svg())
+}
+
+#[test]
+fn an_axis_of_a_cue_is_named_as_a_reader_understands_it() {
+    let svg = boundary(LONG, "cue.amplitude");
+    assert!(svg.contains("amplitude of the cue's first term (tension gradient, κ0/Lh²)") && !svg.contains("cue[0]"));
+    // What varies is not in the title with one value.
+    assert!(!svg.contains("amplitude=0.3") && svg.contains("amplitude=0.1"));
+    assert!(!svg.contains("pitchfork") && !svg.contains(">fold<"));
+}
