@@ -130,7 +130,7 @@ fn label(sweep: &Sweep, axis: usize) -> String {
         Target::Field("dt") => "time step Δt (τ)".to_owned(),
         Target::Field(name) => name.parse().map_or(axis.name.clone(), |p| style::parameter(p, cue)),
         Target::CueNumber(parameter) => style::parameter(parameter, cue),
-        Target::Cue => axis.name.clone(),
+        Target::Cue | Target::Seed => axis.name.clone(),
     }
 }
 
@@ -273,7 +273,7 @@ fn named(sweep: &Sweep, axes: &[usize], places: &[usize]) -> String {
             Target::Field("dt") => "Δt".to_owned(),
             Target::Field(name) => name.parse().map_or(axis.name.clone(), style::symbol),
             Target::CueNumber(parameter) => style::symbol(parameter),
-            Target::Cue => axis.name.clone(),
+            Target::Cue | Target::Seed => axis.name.clone(),
         };
         Some(format!("{symbol} = {value}"))
     };

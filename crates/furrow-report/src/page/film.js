@@ -77,8 +77,8 @@ class Recording {
   /** What the colours of the cue mean, where there is one. */
   colours() {
     const signs = [1, -1].map((sign) => this.frames.some(({ contour }) => this.most(contour, 3, (c, i) => sign * c[i + 2]) > 0));
-    if (signs[0] && signs[1]) return "The band is the cue: orange where it raises its field, green where it lowers it.";
-    return signs[0] ? "The orange band is the cue, which raises its field." : signs[1] ? "The green band is the cue, which lowers its field." : "";
+    if (signs[0] && signs[1]) return "The band is the cue: orange where it raises its field, blue where it lowers it.";
+    return signs[0] ? "The orange band is the cue, which raises its field." : signs[1] ? "The blue band is the cue, which lowers its field." : "";
   }
 
   /** What the last contour shows, in words. */

@@ -152,6 +152,7 @@ class WhatIf {
       this.recording = new Recording(found, this.head.lineage);
       this.diagram.point = { r0: cell.r0, xi: cell.xi_s, outcome: found.answer.outcome };
       this.tell(found.answer, cell, physics, performance.now() - asked);
+      if (isLast() && found.answer.chi != null) this.tryAnotherSeed(found.answer, { cell, physics }, isLast);
     } catch (error) {
       if (!isLast()) return;
       this.refuse(error, cell);
@@ -159,6 +160,19 @@ class WhatIf {
     if (isLast()) this.arrived();
     this.diagram.draw();
     this.draw();
+  }
+
+  /** The same cell with the next seed: says so where the noise decides how unequal the daughters are. */
+  async tryAnotherSeed(first, { cell, physics }, isLast) {
+    const { numerics } = this.head;
+    const seed = this.head.seed + 1;
+    const other = await this.solver.ask("divide", { cell, physics, numerics, seed, frames: "last" }).then((found) => found.answer, () => null);
+    if (!other || !isLast()) return;
+    const apart = other.outcome !== first.outcome || Math.abs(other.chi - first.chi) > 1e-3;
+    element("what-if-result").dataset.noise = apart ? "decides" : "does not decide";
+    if (!apart || (other.outcome === "symmetric" && first.outcome === "symmetric")) return;
+    const told = other.chi == null ? "it does not divide" : `χ = ${number(other.chi, 4)}`;
+    element("what-if-shows").append(` The noise decides how unequal: ${told} with seed ${seed}.`);
   }
 
   /** Nothing of the last cell is left beside the reason why there is no answer for this one. */
