@@ -28,7 +28,7 @@ use crate::trees::GrownTree;
 /// A tree beside the observed embryo, by every reading of "rounds", as JSON.
 #[pyfunction]
 pub fn compare_counts(py: Python<'_>, tree: &GrownTree) -> Result<String, Error> {
-    Ok(serde_json::to_string(&py.detach(|| counted(&tree.tree))?)?)
+    Ok(serde_json::to_string(&py.detach(|| counted(&tree.tree, "tree"))?)?)
 }
 
 /// Measured volumes beside the model.
@@ -81,6 +81,9 @@ pub fn compare_volumes(
         }
         for file in &files {
             volumes.read(open_file(file)?, &file.display().to_string(), &options)?;
+        }
+        if !published {
+            volumes.require_used("volumes")?;
         }
         let divisions = divisions(&volumes).divisions;
         let summed = if published { jankele2021()? } else { summaries(&divisions) };

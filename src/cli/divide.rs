@@ -109,7 +109,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         if until.is_none() {
             picture.write(|| plot::division::draw(&input.cell, &film))?;
         }
-        movie.write(&input.cell, &film)?;
+        movie.write(&input.cell, &film, context.progress)?;
     }
     if until.is_some() {
         let named = solved
@@ -153,7 +153,7 @@ fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<
     interrupt::listen();
     interrupt::finish();
     let line = ProgressLine::new(context.progress && args.replicates > 1);
-    let show = |progress| line.show(progress);
+    let show = |progress| line.show_all(progress);
     let count = args.replicates as usize;
     let found = replicates(input, count, &memo, &context.scheduling(&show));
     drop(line);

@@ -1,6 +1,6 @@
 //! `furrow tree`: one lineage, or several lineages and cues side by side.
 
-use super::cell::FirstCellArgs;
+use super::cell::{FirstCellArgs, load_lineage};
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
@@ -37,9 +37,9 @@ pub struct TreeArgs {
     pub lineage: Vec<PathBuf>,
     #[command(flatten)]
     pub cell: FirstCellArgs,
-    /// Output folder; files of an earlier tree in it are overwritten
-    #[arg(help_heading = "Output", long, value_name = "DIR", default_value = "furrow-out")]
-    pub out: PathBuf,
+    /// Output folder; files of an earlier tree in it are overwritten. Default furrow-out, and with --constants no files
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Seed of the noise in the first step of every division
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
@@ -47,7 +47,8 @@ pub struct TreeArgs {
     /// FIELD:PROFILE,key=value,.. joined by +. Several are compared
     #[arg(help_heading = "Cell", long, value_name = "CUE")]
     pub cue: Vec<String>,
-    /// Grows the lineage with every set of constants in a table and prints the ranges of the counts; writes no files
+    /// Grows the lineage with every set of constants in a table and prints the ranges of the counts. With --out it writes
+    /// ranges.csv, ranges.json, ranges.svg and run.json
     #[arg(help_heading = "Cell", long, value_name = "FILE.csv")]
     pub constants: Option<PathBuf>,
     /// Computes the division of every cell, including cells below the critical radius of their cue
@@ -120,15 +121,16 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
     let scenarios = if several { combined(args, context)? } else { vec![single(args, context)?] };
     if let (Some(file), [scenario]) = (&args.constants, &scenarios[..]) {
-        return super::ensemble::grow_over(file, scenario, context, &picture);
+        return super::ensemble::grow_over(file, scenario, context, args.out.as_deref(), &picture);
     }
-    writable_folder("--out", args.out.as_path(), if several { &SCENARIOS_FILES[..] } else { &TREE_FILES })?;
+    let folder = args.out.as_deref().unwrap_or(Path::new("furrow-out"));
+    writable_folder("--out", folder, if several { &SCENARIOS_FILES[..] } else { &TREE_FILES })?;
     for scenario in scenarios.iter().filter(|_| several) {
-        writable_folder("--out", args.out.join(&scenario.name).as_path(), &SCENARIO_FILES)?;
+        writable_folder("--out", folder.join(&scenario.name).as_path(), &SCENARIO_FILES)?;
     }
     let grown = grown(&scenarios, args.dynamics, context)?;
     let trees = &grown.trees;
-    let mut files = FileSet::new(&args.out);
+    let mut files = FileSet::new(folder);
     for (Scenario { name, .. }, tree) in scenarios.iter().zip(trees) {
         let [nwk, json, svg] =
             SCENARIO_FILES.map(|file| if several { format!("{name}/{file}") } else { file.to_owned() });
@@ -158,7 +160,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         picture.write(|| drawing)?;
     }
     let (solved, hits, elapsed_s) = (grown.summary.solved, grown.summary.memo_hits, start.elapsed().as_secs_f64());
-    let out = args.out.display().to_string();
+    let out = folder.display().to_string();
     // Of a single tree its counts, of several the scenarios.
     let counts = || scenarios.iter().zip(trees).map(scenario_counts).collect::<Vec<_>>();
     let counts = only.map_or_else(|| json!({ "scenarios": counts() }), tree_counts);
@@ -210,7 +212,7 @@ pub fn prepared(
     context: &Context,
     file: Option<&Path>,
 ) -> Result<(Lineage, TreeSettings), CliError> {
-    let mut lineage = Lineage::load(file)?;
+    let mut lineage = load_lineage(file)?;
     let given = cell.settings(&context.settings, &lineage.units())?;
     given.check_divisions("settings")?;
     if cell.r0.is_some() {

@@ -83,7 +83,7 @@ fn rounds_are_the_observed_ones_inside_an_activity_interval_and_not_beyond_it() 
     let (lineage, settings) = clone();
     let memo = Memo::new(Quantisation::DEFAULT);
     let (found, trees) =
-        activities(&lineage, &settings, &memo, Reading::Max, [10.0, 60.0], 1, &AtomicBool::new(false)).unwrap();
+        activities(&lineage, &settings, &memo, Reading::Max, [10.0, 60.0], 1, &AtomicBool::new(false), None).unwrap();
     let [from, to] = found[0].xi_s.unwrap();
     assert!(trees > 10 && from < to, "{found:?}");
     let rounds = |xi_s: f64| rounds_at(&lineage, &settings, xi_s).max;
@@ -106,7 +106,8 @@ fn a_cue_that_gave_the_data_is_found_and_what_they_leave_open_is_said() {
     );
     let targets = targets(&text, &lineage);
     let effort = SearchBudget { particles: 5, moves: 3, seed: 2 };
-    let found = fit_cue(&lineage, &targets, &settings, &Cue::published(), effort, 2, &AtomicBool::new(false)).unwrap();
+    let found =
+        fit_cue(&lineage, &targets, &settings, &Cue::published(), effort, 2, &AtomicBool::new(false), None).unwrap();
     assert!(found.chi_squared < 0.1, "{found:?}");
     assert_eq!(found.numbers.len(), 3);
     // One number was measured: one combination of three is held, at most.

@@ -157,7 +157,8 @@ pub struct LineageRanges {
     pub memo_hits: usize,
 }
 
-/// Grows the lineage with every set of constants, in parallel over the sets; `cancel` ends it early.
+/// Grows the lineage with every set of constants, in parallel over the sets; `cancel` ends it early. `grown` is called after each
+/// tree, from any thread.
 ///
 /// # Errors
 /// [`GrowError`] of the first set that cannot be tree_counts.
@@ -167,8 +168,13 @@ pub fn ranges(
     sets: &[Constants],
     threads: usize,
     cancel: &AtomicBool,
+    grown: &(dyn Fn() + Sync),
 ) -> Result<LineageRanges, GrowError> {
-    let trees = each_tree(lineage, settings, sets, threads, cancel, tree_counts)?;
+    let read = |set: &Constants, tree: &Tree, summary: &Summary| {
+        grown();
+        tree_counts(set, tree, summary)
+    };
+    let trees = each_tree(lineage, settings, sets, threads, cancel, read)?;
     Ok(summed_up(lineage, sets, &trees))
 }
 

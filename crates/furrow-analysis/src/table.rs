@@ -28,7 +28,7 @@ impl Sweep {
     /// The columns after those of the axes.
     pub fn result_columns(&self) -> Vec<String> {
         let fixed: &[&str] = match self.kind {
-            Kind::Division if self.replicates == 1 => &["outcome", "chi", "u_furrow", "t_end"],
+            Kind::Division if self.replicates == 1 => &["outcome", "chi", "u_furrow", "t_end", "chi_signed"],
             Kind::Division => &["symmetric", "asymmetric", "failed", "chi_mean", "chi_sd"],
             Kind::Pitchfork => &["xi_s", "criticality", "coefficient", "H"],
             Kind::Critical => &["r0_c", "kind"],
@@ -36,7 +36,7 @@ impl Sweep {
         };
         let mut columns: Vec<String> = fixed.iter().map(|name| (*name).to_owned()).collect();
         for founder in self.lineage.founders.iter().filter(|_| self.kind == Kind::Tree) {
-            let counts = ["min", "mean", "max", "full_doublings", "terminal", "chi"];
+            let counts = ["min", "mean", "max", "full_doublings", "terminal", "chi", "r0", "chi_signed"];
             columns.extend(counts.map(|count| format!("{}_{count}", founder.name)));
         }
         columns
