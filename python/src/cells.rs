@@ -32,7 +32,7 @@ pub fn divide(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> Result<String, Error> {
     let input = inputs.division(seed)?;
-    let memo = Arc::clone(&memo.solved);
+    let memo = memo.solved()?;
     // A known division needs no thread.
     if count == 1
         && let Some(division) = py.detach(|| memo.known(&input))

@@ -71,7 +71,7 @@ pub fn compare_volumes(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> Result<String, Error> {
     let settings = given.settings()?;
-    let memo = Arc::clone(&memo.solved);
+    let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
         length_scale(length, "cube root of the tables' unit")?;
         let published = files.is_empty() && text.is_none();

@@ -56,7 +56,7 @@ pub fn ensemble(
 ) -> Result<String, Error> {
     supervised(py, Interrupt::Finishes, None, move |watch| {
         let (targets, Settings { cell, numerics }) = read(&source, &given)?;
-        let found = sampled(&targets, &cell, &numerics, count, seed, threads, &watch.stop);
+        let found = sampled(&targets, &cell, &numerics, count, seed, threads, &watch.stop, &|_, _| ());
         let found = found.map_err(|error| match error {
             EnsembleError::Interrupted => Error::Interrupted(0),
             EnsembleError::Workers(_) => Error::system(error),
@@ -87,13 +87,13 @@ pub fn ranges(
     seed: u64,
     threads: usize,
 ) -> Result<String, Error> {
-    let memo = Arc::clone(&memo.solved);
+    let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, None, move |watch| {
         let (text, name) =
             text_of(&source, "constants")?.ok_or_else(|| Error::not_allowed("constants", "None", "a table"))?;
         let sets = read_constants(&text, &name)?;
         let scenarios = scenarios(&[lineage], &cues, &given, seed, memo.quantisation())?;
         let first = scenarios.first().ok_or_else(|| Error::not_allowed("lineage", "none", "one lineage"))?;
-        Ok(serde_json::to_string(&ranges_over(&first.lineage, &first.settings, &sets, threads, &watch.stop)?)?)
+        Ok(serde_json::to_string(&ranges_over(&first.lineage, &first.settings, &sets, threads, &watch.stop, &|| ())?)?)
     })
 }

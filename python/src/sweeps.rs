@@ -33,7 +33,7 @@ pub fn sweep<'py>(
     threads: usize,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> Result<Table<'py>, Error> {
-    let memo = Arc::clone(&memo.solved);
+    let memo = memo.solved()?;
     let (sweep, done) = supervised(py, Interrupt::Finishes, progress, move |watch| {
         let base = Settings::load(&given.preset, given.config.as_deref(), &[])?;
         let overrides: Vec<String> = given.pairs.iter().map(|(name, value)| format!("{name}={value}")).collect();

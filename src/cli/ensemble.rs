@@ -98,6 +98,7 @@ pub fn grow_over(
     let Scenario { lineage, settings, .. } = scenario;
     let start = Instant::now();
     writable_folder("--out", out, &RANGES_FILES)?;
+    let files = out.map(|folder| FileSet::begin(folder, RANGES_FILES));
     let sets = read_constants(&read_text(file)?, &file.display().to_string())?;
     // Nothing of these trees goes to the cache, so that there is nothing to finish.
     interrupt::abort();
@@ -110,8 +111,7 @@ pub fn grow_over(
     drop(line);
     let found = found?;
     let elapsed_s = start.elapsed().as_secs_f64();
-    if let Some(folder) = out {
-        let mut files = FileSet::new(folder);
+    if let Some(mut files) = files {
         files.stage("ranges.csv", &csv_of(RANGES_COLUMNS, found.founders.iter().map(ranges_row))?)?;
         files.stage("ranges.json", to_json(&found)?.as_bytes())?;
         files.stage("ranges.svg", &plot::rounds::draw_ranges(lineage, &found).bytes(Format::Svg)?)?;

@@ -128,9 +128,10 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     for scenario in scenarios.iter().filter(|_| several) {
         writable_folder("--out", folder.join(&scenario.name).as_path(), &SCENARIO_FILES)?;
     }
+    let written = names_of_files(&scenarios, several);
+    let mut files = FileSet::begin(folder, written.iter().map(String::as_str));
     let grown = grown(&scenarios, args.dynamics, context)?;
     let trees = &grown.trees;
-    let mut files = FileSet::new(folder);
     for (Scenario { name, .. }, tree) in scenarios.iter().zip(trees) {
         let [nwk, json, svg] =
             SCENARIO_FILES.map(|file| if several { format!("{name}/{file}") } else { file.to_owned() });
@@ -172,6 +173,15 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         };
         format!("{table}{solved} divisions solved, {hits} memo hits, {elapsed_s:.2} s; files in {out}\n")
     })
+}
+
+/// The files that a run writes, below its folder.
+fn names_of_files(scenarios: &[Scenario], several: bool) -> Vec<String> {
+    let of = |Scenario { name, .. }: &Scenario| SCENARIO_FILES.map(|file| format!("{name}/{file}"));
+    match several {
+        true => scenarios.iter().flat_map(of).chain(SCENARIOS_FILES.map(str::to_owned)).collect(),
+        false => TREE_FILES.map(str::to_owned).to_vec(),
+    }
 }
 
 /// The one lineage, with the one cue if it is given.

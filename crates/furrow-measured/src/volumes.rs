@@ -11,7 +11,7 @@
 use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
 
-use furrow_input::InputError;
+use furrow_input::{InputError, csv_value};
 use serde::Serialize;
 
 pub use crate::layout::Unit;
@@ -204,7 +204,7 @@ impl Volumes {
         if embryo.text.is_empty() {
             return Err((embryo, "no name of an embryo".to_owned()));
         }
-        let text = |value: Value<'_>| String::from_utf8_lossy(value.text).into_owned();
+        let text = |value: Value<'_>| csv_value(&String::from_utf8_lossy(value.text)).to_owned();
         let group = columns.group.map(|column| text(at(column))).unwrap_or_default();
         let given = options.group.clone().filter(|_| group.is_empty());
         let embryo = self.embryo(given.unwrap_or(group), text(embryo));

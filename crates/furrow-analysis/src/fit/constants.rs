@@ -498,3 +498,25 @@ fn front<'a>(all: impl Iterator<Item = &'a Evaluated>) -> Vec<Evaluated> {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use furrow_lineage::batch::Quantisation;
+
+    #[test]
+    fn a_constant_at_the_edge_of_its_range_is_named() {
+        let (lineage, targets) = (&Lineage::c_elegans().unwrap(), &Targets::embryo().unwrap());
+        let (settings, memo, cancel) = (&TreeSettings::default(), &Memo::new(Quantisation::DEFAULT), &false.into());
+        let (asked, of, progress, seen) = (AtomicUsize::new(0), 0, None, Mutex::default());
+        let objective = Objective { lineage, targets, settings, memo, cancel, asked, of, progress, seen };
+        let mut place = vec![0.5; targets.unknowns.len()];
+        assert_eq!(objective.at_limit(&place), []);
+        place[0] = 1.0;
+        let Searched { parameter, from, to } = targets.unknowns[0];
+        let (name, searched, limit) = (parameter.to_string(), [from, to], Limit::Upper);
+        let found = objective.at_limit(&place);
+        assert!((found[0].value / to - 1.0).abs() < 1e-12, "{found:?}");
+        assert_eq!(found, [NumberAtLimit { name, value: found[0].value, limit, searched }]);
+    }
+}

@@ -459,4 +459,16 @@ mod tests {
             }
         });
     }
+
+    #[test]
+    fn a_number_at_the_edge_of_its_range_is_named() {
+        of_the_embryo(|objective, mut place| {
+            assert!(complete(objective, &place, 1.0).unwrap().at_limit.is_empty());
+            let amplitude = place.len() - 1;
+            place[amplitude] = 0.001;
+            let found = complete(objective, &place, 1.0).unwrap().at_limit;
+            let [NumberAtLimit { name, limit: Limit::Lower, searched, .. }] = &found[..] else { panic!("{found:?}") };
+            assert_eq!((name.as_str(), *searched), ("cue[0].amplitude", AMPLITUDES));
+        });
+    }
 }

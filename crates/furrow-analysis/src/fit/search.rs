@@ -167,4 +167,12 @@ mod tests {
         let (place, _) = descend(&[0.4, 0.6], 0.05, 200, &bowl).unwrap();
         assert!((place[0] - 0.31).abs() < 1e-3 && (place[1] - 0.72).abs() < 1e-3, "{place:?}");
     }
+
+    #[test]
+    fn ends_of_a_range_are_told_from_its_inside() {
+        let at = [0.0, 0.004, 0.006, 0.5, 0.994, 0.996, 1.0].map(Limit::at);
+        let (lower, upper) = (Some(Limit::Lower), Some(Limit::Upper));
+        assert_eq!(at, [lower, lower, None, None, None, upper, upper]);
+        assert_eq!(Limit::Upper.of([2.0, 3.0]), 3.0);
+    }
 }
