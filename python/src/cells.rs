@@ -1,7 +1,5 @@
 //! One cell: its division, its stationary shapes, its threshold.
 
-use std::sync::Arc;
-
 use furrow_analysis::{Diagram, diagram};
 use furrow_formats::frames::{COLUMNS, check_step, row, stills};
 use furrow_lineage::batch::{Replicates, SchedulerOptions, replicates};

@@ -1,7 +1,6 @@
 //! The model beside measured embryos.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use furrow_analysis::compare::counts::counts as counted;
 use furrow_analysis::compare::volumes::{GroupBeside, Scale, ScaleFrom, add_bands, beside, model, scale};

@@ -1,7 +1,5 @@
 //! Constants from thresholds, ensembles of admissible constants, and lineages over them.
 
-use std::sync::Arc;
-
 use furrow_analysis::{EnsembleError, Extent, check_constraints, read_constants, write_constants};
 use furrow_analysis::{ensemble as sampled, ranges as ranges_over};
 use furrow_cell::settings::Settings;

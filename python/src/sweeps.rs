@@ -1,7 +1,6 @@
 //! Many points: divisions, trees, thresholds or critical radii over axes of parameters.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use furrow_analysis::sweep_files::SweepTable;
 use furrow_analysis::table::csv_text;

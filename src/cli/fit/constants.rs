@@ -17,14 +17,8 @@ use furrow_formats::write_atomically;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Fits one set of constants to the observed rounds and terminal cells of founders and the measured χ of the germline
-///
-/// Prints the Pareto front between this fit and the published thresholds, and how far each constant can move.
+// No doc comment: `furrow fit` has these options too, and a help of its own.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  furrow fit constants --out fitted.ron
-  furrow fit constants --particles 8 --moves 4 --json")]
 pub struct ConstantsArgs {
     #[command(flatten)]
     lineage: LineageArgs,

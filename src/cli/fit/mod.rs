@@ -34,6 +34,13 @@ pub struct FitArgs {
 
 #[derive(Debug, Subcommand)]
 enum What {
+    /// Fits one set of constants to the observed rounds and terminal cells of founders and the measured χ of the germline
+    ///
+    /// Prints the Pareto front between this fit and the published thresholds, and how far each constant can move.
+    #[command(after_help = "\
+Examples:
+  furrow fit constants --out fitted.ron
+  furrow fit constants --particles 8 --moves 4 --json")]
     Constants(constants::ConstantsArgs),
     Activity(activity::ActivityArgs),
     Cue(cue::CueArgs),

@@ -207,6 +207,9 @@ pub fn activities(
     // Trees grown, and those that count as done: all of a founder's once its search has ended.
     let (trees, done, of) = (&AtomicUsize::new(0), AtomicUsize::new(0), MOST * sought.len());
     let advance = |more: usize| {
+        if more == 0 {
+            return;
+        }
         let done = done.fetch_add(more, Ordering::Relaxed) + more;
         if let Some(show) = progress {
             show(FitProgress { done, of, least: None });
