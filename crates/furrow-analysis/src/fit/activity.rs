@@ -150,7 +150,7 @@ impl Search<'_> {
         let width = |[from, to]: &[f64; 2]| to / from;
         let xi_s = intervals.iter().copied().max_by(|a, b| width(a).total_cmp(&width(b)));
         let reached = |[from, to]: [f64; 2]| {
-            let ends = [(Limit::Lower, from <= range[0]), (Limit::Upper, to >= range[1])];
+            let ends = [(Limit::Lower, from <= range[0]), (Limit::Upper, to >= xi_at(TRIED - 1))];
             ends.into_iter().filter(|(_, reached)| *reached).map(|(limit, _)| limit).collect()
         };
         let founder = &self.lineage.founders[self.founder];
