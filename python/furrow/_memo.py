@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 
 from ._furrow import Memo
@@ -12,6 +13,15 @@ class _Shared:
 
     lock = threading.Lock()
     memo: Memo | None = None
+
+
+def _after_fork() -> None:
+    """In the child of a fork: no thread is there that could hold the lock. Memos begin anew by themselves."""
+    _Shared.lock = threading.Lock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
 
 
 def memo() -> Memo:

@@ -35,12 +35,12 @@ MOST_DRAWN = 1000
 
 @dataclass(frozen=True)
 class Rounds:
-    """Rounds of division from a founder to its terminal cells."""
+    """Rounds of division from a founder to its terminal cells. Observed ones that the lineage file does not give are None."""
 
-    min: float  #: Fewest.
-    mean: float  #: Mean over terminal cells.
-    max: float  #: Most.
-    full_doublings: int  #: Generations in which every cell divided.
+    min: float | None = None  #: Fewest.
+    mean: float | None = None  #: Mean over terminal cells.
+    max: float | None = None  #: Most.
+    full_doublings: int | None = None  #: Generations in which every cell divided.
     symmetric_doublings: int | None = None  #: Generations in which every cell divided equally.
     terminal: int | None = None  #: Terminal cells.
 
@@ -62,10 +62,10 @@ def _rounds(found: Mapping[str, Any] | None) -> Rounds | None:
     if found is None:
         return None
     return Rounds(
-        min=found["min"],
-        mean=found["mean"],
-        max=found["max"],
-        full_doublings=found["full_doublings"],
+        min=found.get("min"),
+        mean=found.get("mean"),
+        max=found.get("max"),
+        full_doublings=found.get("full_doublings"),
         symmetric_doublings=found.get("symmetric"),
         terminal=found.get("terminal"),
     )

@@ -69,8 +69,8 @@ class Counts(Mapping[str, Any]):
 
 
 def counts(tree: Tree) -> Counts:
-    """Compares rounds of a tree with those of C. elegans (Sulston et al. 1983), for every definition of "rounds" and at
-    several stages."""
+    """Compares rounds of a tree with the counts that its lineage file gives, for every definition of "rounds"; those of
+    C. elegans at several stages (Sulston et al. 1983)."""
     if not isinstance(tree, Tree):
         raise refused("tree", tree, "a tree from furrow.tree()")
     return Counts(json.loads(_furrow.compare_counts(tree._grown)))

@@ -1,7 +1,5 @@
 //! One cell: its division, its stationary shapes, its threshold.
 
-use std::sync::Arc;
-
 use furrow_analysis::{Diagram, diagram};
 use furrow_formats::frames::{COLUMNS, check_step, row, stills};
 use furrow_lineage::batch::{Replicates, SchedulerOptions, replicates};
@@ -32,7 +30,7 @@ pub fn divide(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> Result<String, Error> {
     let input = inputs.division(seed)?;
-    let memo = Arc::clone(&memo.solved);
+    let memo = memo.solved()?;
     // A known division needs no thread.
     if count == 1
         && let Some(division) = py.detach(|| memo.known(&input))

@@ -1,7 +1,6 @@
 //! The model beside measured embryos.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use furrow_analysis::compare::counts::counts as counted;
 use furrow_analysis::compare::volumes::{GroupBeside, Scale, ScaleFrom, add_bands, beside, model, scale};
@@ -28,7 +27,7 @@ use crate::trees::GrownTree;
 /// A tree beside the observed embryo, by every reading of "rounds", as JSON.
 #[pyfunction]
 pub fn compare_counts(py: Python<'_>, tree: &GrownTree) -> Result<String, Error> {
-    Ok(serde_json::to_string(&py.detach(|| counted(&tree.tree))?)?)
+    Ok(serde_json::to_string(&py.detach(|| counted(&tree.tree, "tree"))?)?)
 }
 
 /// Measured volumes beside the model.
@@ -71,7 +70,7 @@ pub fn compare_volumes(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> Result<String, Error> {
     let settings = given.settings()?;
-    let memo = Arc::clone(&memo.solved);
+    let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
         length_scale(length, "cube root of the tables' unit")?;
         let published = files.is_empty() && text.is_none();
@@ -81,6 +80,9 @@ pub fn compare_volumes(
         }
         for file in &files {
             volumes.read(open_file(file)?, &file.display().to_string(), &options)?;
+        }
+        if !published {
+            volumes.require_used("volumes")?;
         }
         let divisions = divisions(&volumes).divisions;
         let summed = if published { jankele2021()? } else { summaries(&divisions) };

@@ -1,7 +1,7 @@
 //! Solved divisions, shared by calls and threads.
 
-use std::path::PathBuf;
-use std::sync::Arc;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use furrow_input::InputError;
 use furrow_lineage::batch::{Memo as Solved, Quantisation, Store};
@@ -13,8 +13,9 @@ use crate::errors::Error;
 /// command line.
 #[pyclass(frozen, module = "furrow._furrow")]
 pub struct Memo {
-    /// The divisions.
-    pub solved: Arc<Solved>,
+    /// The divisions, and the process that knows them. The lock is held for moments and with the interpreter's, so that no fork
+    /// finds it taken.
+    solved: Mutex<(u32, Arc<Solved>)>,
     /// The folder of the store.
     #[pyo3(get)]
     store: Option<PathBuf>,
@@ -22,6 +23,36 @@ pub struct Memo {
 
 /// A pickled memo: its class and arguments.
 type Reduced<'py> = (Bound<'py, PyAny>, (Option<PathBuf>, f64));
+
+/// A memo of nothing as yet.
+fn empty(store: Option<&Path>, quantisation: Quantisation) -> Result<Solved, Error> {
+    let memo = Solved::new(quantisation);
+    Ok(match store {
+        Some(folder) => memo.with_store(Store::open(folder)?),
+        None => memo,
+    })
+}
+
+impl Memo {
+    /// The divisions that this process knows.
+    ///
+    /// After a fork the child begins anew, with the same store: a thread of the parent that held a lock of the old memo, or that was to
+    /// solve a division, is not there to let go of it.
+    ///
+    /// # Errors
+    /// The store cannot be opened again.
+    pub fn solved(&self) -> Result<Arc<Solved>, Error> {
+        let mut solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
+        let process = std::process::id();
+        if solved.0 != process {
+            let fresh = Arc::new(empty(self.store.as_deref(), solved.1.quantisation())?);
+            let (_, of_parent) = std::mem::replace(&mut *solved, (process, fresh));
+            // Dropping it would wait for these locks, and close files of the parent.
+            std::mem::forget(of_parent);
+        }
+        Ok(Arc::clone(&solved.1))
+    }
+}
 
 #[pymethods]
 impl Memo {
@@ -32,18 +63,14 @@ impl Memo {
         let solved = py.detach(|| -> Result<Solved, Error> {
             let refused = |step| InputError::not_allowed("memo", "r0_step", step, "from 0 to 0.5");
             let quantisation = r0_step.map_or(Ok(Quantisation::DEFAULT), Quantisation::with_relative_step);
-            let memo = Solved::new(quantisation.map_err(refused)?);
-            Ok(match &store {
-                Some(folder) => memo.with_store(Store::open(folder)?),
-                None => memo,
-            })
+            empty(store.as_deref(), quantisation.map_err(refused)?)
         })?;
-        Ok(Memo { solved: Arc::new(solved), store })
+        Ok(Memo { solved: Mutex::new((std::process::id(), Arc::new(solved))), store })
     }
 
     /// Divisions known to this process.
-    fn __len__(&self) -> usize {
-        self.solved.len()
+    fn __len__(&self) -> Result<usize, Error> {
+        Ok(self.solved()?.len())
     }
 
     /// An empty memo is true, too.
@@ -53,18 +80,18 @@ impl Memo {
 
     /// Relative step to which R0 is rounded; 0 if it is not.
     #[getter]
-    fn r0_step(&self) -> f64 {
-        self.solved.quantisation().relative_step()
+    fn r0_step(&self) -> Result<f64, Error> {
+        Ok(self.solved()?.quantisation().relative_step())
     }
 
     /// An unpickled memo is empty, but has the same store.
-    fn __reduce__<'py>(slf: &Bound<'py, Memo>) -> Reduced<'py> {
+    fn __reduce__<'py>(slf: &Bound<'py, Memo>) -> Result<Reduced<'py>, Error> {
         let memo = slf.get();
-        (slf.get_type().into_any(), (memo.store.clone(), memo.r0_step()))
+        Ok((slf.get_type().into_any(), (memo.store.clone(), memo.r0_step()?)))
     }
 
-    fn __repr__(&self) -> String {
+    fn __repr__(&self) -> Result<String, Error> {
         let store = self.store.as_ref().map_or(String::new(), |folder| format!(" on the store {folder:?}"));
-        format!("<furrow.Memo of {} divisions{store}>", self.solved.len())
+        Ok(format!("<furrow.Memo of {} divisions{store}>", self.solved()?.len()))
     }
 }

@@ -1,7 +1,5 @@
 //! The values of one parameter that give a wanted division.
 
-use std::sync::Arc;
-
 use furrow_analysis::solve::{Measure, Question, SolveError, default_range, solve as solved};
 use furrow_cell::Parameter;
 use furrow_input::{did_you_mean, shown};
@@ -50,7 +48,7 @@ pub fn solve(
     settings.check_divisions(crate::errors::ARGUMENTS)?;
     let (cell, numerics) = (settings.cell, inputs.numerics);
     let question = Question { cell, numerics, seed, parameter, range, points, measure, wanted };
-    let memo = Arc::clone(&memo.solved);
+    let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, progress, move |watch| {
         let show = |progress| watch.divisions(progress);
         let interrupt = Some(&watch.stop);

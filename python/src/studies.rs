@@ -1,7 +1,5 @@
 //! Constants from thresholds, ensembles of admissible constants, and lineages over them.
 
-use std::sync::Arc;
-
 use furrow_analysis::{EnsembleError, Extent, check_constraints, read_constants, write_constants};
 use furrow_analysis::{ensemble as sampled, ranges as ranges_over};
 use furrow_cell::settings::Settings;
@@ -56,7 +54,7 @@ pub fn ensemble(
 ) -> Result<String, Error> {
     supervised(py, Interrupt::Finishes, None, move |watch| {
         let (targets, Settings { cell, numerics }) = read(&source, &given)?;
-        let found = sampled(&targets, &cell, &numerics, count, seed, threads, &watch.stop);
+        let found = sampled(&targets, &cell, &numerics, count, seed, threads, &watch.stop, &|_, _| ());
         let found = found.map_err(|error| match error {
             EnsembleError::Interrupted => Error::Interrupted(0),
             EnsembleError::Workers(_) => Error::system(error),
@@ -87,13 +85,13 @@ pub fn ranges(
     seed: u64,
     threads: usize,
 ) -> Result<String, Error> {
-    let memo = Arc::clone(&memo.solved);
+    let memo = memo.solved()?;
     supervised(py, Interrupt::Finishes, None, move |watch| {
         let (text, name) =
             text_of(&source, "constants")?.ok_or_else(|| Error::not_allowed("constants", "None", "a table"))?;
         let sets = read_constants(&text, &name)?;
         let scenarios = scenarios(&[lineage], &cues, &given, seed, memo.quantisation())?;
         let first = scenarios.first().ok_or_else(|| Error::not_allowed("lineage", "none", "one lineage"))?;
-        Ok(serde_json::to_string(&ranges_over(&first.lineage, &first.settings, &sets, threads, &watch.stop)?)?)
+        Ok(serde_json::to_string(&ranges_over(&first.lineage, &first.settings, &sets, threads, &watch.stop, &|| ())?)?)
     })
 }

@@ -1,7 +1,6 @@
 //! Many points: divisions, trees, thresholds or critical radii over axes of parameters.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use furrow_analysis::sweep_files::SweepTable;
 use furrow_analysis::table::csv_text;
@@ -33,7 +32,7 @@ pub fn sweep<'py>(
     threads: usize,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> Result<Table<'py>, Error> {
-    let memo = Arc::clone(&memo.solved);
+    let memo = memo.solved()?;
     let (sweep, done) = supervised(py, Interrupt::Finishes, progress, move |watch| {
         let base = Settings::load(&given.preset, given.config.as_deref(), &[])?;
         let overrides: Vec<String> = given.pairs.iter().map(|(name, value)| format!("{name}={value}")).collect();

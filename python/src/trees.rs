@@ -79,7 +79,7 @@ pub fn grow(
     threads: usize,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> Result<(Vec<Named>, String), Error> {
-    let memo = Arc::clone(&memo.solved);
+    let memo = memo.solved()?;
     let (scenarios, Grown { trees, summary, unknown }) = supervised(py, Interrupt::Finishes, progress, move |watch| {
         let scenarios = scenarios(&lineages, &cues, &given, seed, memo.quantisation())?;
         let show = |progress| watch.divisions(progress);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import os
 import pickle
 import signal
 import subprocess
@@ -263,3 +264,35 @@ def test_versions():
     assert set(furrow.presets()) == {"gao2026", "gao2026-thresholds", "sulston1983"}
     for name in furrow.__all__:
         assert getattr(furrow, name) is not None
+
+
+FORK = """
+import os, signal, sys, threading, time
+import furrow
+
+memo = furrow.memo()
+radii = [1.9 + 0.0007 * k for k in range(4000)]
+worker = threading.Thread(target=lambda: furrow.sweep(axes={"r0": radii}, intervals=32), daemon=True)
+worker.start()
+while len(memo) < 2:
+    time.sleep(0.001)
+for k in range(20):
+    child = os.fork()
+    if child == 0:
+        signal.alarm(20)
+        known = len(furrow.memo())
+        # A division that a thread of the parent may be solving, and one of an object of the parent.
+        chi = furrow.Cell(radii[len(radii) - 1 - k], intervals=32).divide(memo=memo if k % 2 else None).chi
+        os._exit(0 if known == 0 and chi is not None else 3)
+    if os.waitpid(child, 0)[1] != 0:
+        print("child", k, "failed or hung")
+        os._exit(1)
+    time.sleep(0.01)
+os._exit(0)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork here")
+def test_the_child_of_a_fork_computes_while_threads_of_the_parent_do():
+    done = subprocess.run([sys.executable, "-W", "ignore", "-c", FORK], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr

@@ -25,7 +25,7 @@ def test_a_sweep_is_that_of_the_command_line(cli, tmp_path, memo):
     axes = {"cue": ["none", "germline"], "r0": np.linspace(1.5, 3.0, 6)}
     again = furrow.sweep(axes=axes, seed=2, memo=memo)
     assert again.csv == found.csv and (again.solved, again.reused) == (0, 12)
-    assert found.points == 12 and list(found) == ["cue", "r0", "outcome", "chi", "u_furrow", "t_end"]
+    assert found.points == 12 and list(found) == ["cue", "r0", "outcome", "chi", "u_furrow", "t_end", "chi_signed"]
     assert isinstance(found["chi"], np.ndarray) and found["cue"][0] == "none"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -147,3 +148,12 @@ def test_ranges_over_constants(cli, tmp_path):
     assert ours.to_dict() == theirs and ours.members == 2
     frame = ours.to_pandas().set_index("name")
     assert frame.loc["AB", "terminal_p50"] == 80
+
+
+@pytest.mark.parametrize("name", ["sea_urchin", "template"])
+def test_observed_counts_may_have_gaps(name):
+    """Lineage files give what was observed and no more."""
+    lineage = Path(__file__).parents[2] / "lineages" / f"{name}.ron"
+    founders = {founder.name: founder for founder in furrow.tree(lineage, memo=furrow.Memo()).founders}
+    seen = [founder.observed for founder in founders.values() if founder.observed is not None]
+    assert seen and any(observed.mean is None or observed.terminal is None for observed in seen)

@@ -1,6 +1,6 @@
 //! Options that name one cell.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -34,7 +34,7 @@ impl CueArgs {
     /// # Errors
     /// Names the file and what is wrong with it.
     pub fn lineage(&self) -> Result<Lineage, InputError> {
-        Lineage::load(self.lineage.as_deref())
+        load_lineage(self.lineage.as_deref())
     }
 
     /// The cue, and the units of the lineage.
@@ -52,6 +52,17 @@ impl CueArgs {
         let lineage = self.lineage()?;
         Ok((parse_cue(&self.cue, &lineage)?, lineage.units()))
     }
+}
+
+/// Reads a lineage file, or the built-in one, and warns of radii that look like µm.
+///
+/// # Errors
+/// As [`Lineage::load`].
+pub fn load_lineage(file: Option<&Path>) -> Result<Lineage, InputError> {
+    let lineage = Lineage::load(file)?;
+    let place = || file.map_or(String::new(), |file| format!("{}: ", file.display()));
+    lineage.doubtful_radii().iter().for_each(|doubt| tracing::warn!("{}{doubt}", place()));
+    Ok(lineage)
 }
 
 // One cell at any activity.

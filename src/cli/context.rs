@@ -4,7 +4,8 @@ use super::error::CliError;
 use super::interrupt;
 use super::output::{Stderr, number};
 use clap::Args;
-use furrow_cell::settings::Settings;
+use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
+use furrow_cell::settings::{self, Settings};
 use furrow_input::InputError;
 use furrow_lineage::Units;
 use furrow_lineage::batch::{Memo, Progress, Quantisation, SchedulerOptions, Store, StoreWarning};
@@ -16,7 +17,8 @@ use std::path::{Path, PathBuf};
 pub struct Globals {
     /// Preset of constants: gao2026, from all that the paper says, gao2026-thresholds, from its four printed thresholds
     /// alone, or sulston1983, from the rounds of the C. elegans founders
-    #[arg(help_heading = "Parameters", long, global = true, value_name = "NAME", default_value = "gao2026")]
+    #[arg(help_heading = "Parameters", long, global = true, value_name = "NAME", default_value = "gao2026",
+        value_parser = PresetNames, hide_possible_values = true)]
     pub preset: String,
     /// Parameters in RON, as in `Config(physics: (epsilon: 0.8), numerics: (stages: 4))`; keys that are not set
     /// keep the preset's values
@@ -46,6 +48,27 @@ pub struct Globals {
     /// Prints more log messages; twice prints most
     #[arg(help_heading = "Output", short, long, global = true, action = clap::ArgAction::Count)]
     pub verbose: u8,
+}
+
+/// Suggests the names of presets to shells. What is no preset is refused where settings are read, with the nearest name.
+#[derive(Clone)]
+struct PresetNames;
+
+impl TypedValueParser for PresetNames {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        arg: Option<&clap::Arg>,
+        value: &std::ffi::OsStr,
+    ) -> Result<String, clap::Error> {
+        StringValueParser::new().parse_ref(command, arg, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(settings::presets().map(PossibleValue::new)))
+    }
 }
 
 /// Parameters and services of a command.
@@ -94,7 +117,10 @@ impl Context {
             return Ok(memo);
         }
         match cache_folder(&self.globals).and_then(|folder| Ok(Store::open(&folder)?)) {
-            Ok(store) => Ok(memo.with_store(store)),
+            Ok(store) => {
+                interrupt::cached();
+                Ok(memo.with_store(store))
+            }
             // A folder the user named must work.
             Err(error) if self.globals.cache.is_some() => Err(error),
             Err(error) => {

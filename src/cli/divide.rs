@@ -152,7 +152,7 @@ pub fn run(args: &DivideArgs, mut context: Context) -> Result<(), CliError> {
         if until.is_none() {
             picture.write(|| plot::division::draw(&input.cell, &film))?;
         }
-        movie.write(&input.cell, &film)?;
+        movie.write(&input.cell, &film, context.progress)?;
     }
     if until.is_some() {
         let named = solved
@@ -204,7 +204,7 @@ fn solve(args: &DivideArgs, context: &Context, input: &DivisionInput) -> Result<
     interrupt::listen();
     interrupt::finish();
     let line = ProgressLine::new(context.progress && args.replicates > 1);
-    let show = |progress| line.show(progress);
+    let show = |progress| line.show_all(progress);
     let count = args.replicates.max(2) as usize;
     let found = replicates(input, count, &memo, &context.scheduling(&show));
     drop(line);

@@ -3,18 +3,24 @@
 use super::context::Context;
 use super::error::CliError;
 use super::interrupt;
-use super::output::{merged, print_as, writable_file};
+use super::output::{csv_of, filled, merged, print_as, to_json, writable_file, writable_folder};
 use super::picture::Picture;
+use super::progress::ProgressLine;
+use furrow_analysis::ranges::{FounderRange, RoundsRange};
 use furrow_analysis::{Ensemble, LineageRanges, Range, ensemble, ranges, read_constants, write_constants};
 use furrow_cell::settings::Settings;
+use furrow_figures::drawing::Format;
 use furrow_figures::plot;
-use furrow_formats::write_atomically;
+use furrow_formats::files::FileSet;
+use furrow_formats::{Provenance, write_atomically};
 use furrow_input::read_text;
+use furrow_lineage::batch::scheduler::workers;
 use furrow_lineage::{Lineage, Scenario};
 use furrow_mechanics::calibration::Targets;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Samples constants and writes them as a table.
@@ -28,7 +34,11 @@ pub fn sample(
 ) -> Result<(), CliError> {
     writable_file("--out", out)?;
     let Settings { cell, numerics } = &context.settings;
-    let found = ensemble(targets, cell, numerics, count, seed, context.threads, &false.into())?;
+    let line = ProgressLine::new(context.progress);
+    let shown = |done, of| line.show_share(done, of, || "sets of constants drawn".to_owned());
+    let found = ensemble(targets, cell, numerics, count, seed, context.threads, &false.into(), &shown);
+    drop(line);
+    let found = found?;
     let table = write_constants(&found.constants());
     if let Some(file) = out {
         write_atomically(file, table.as_bytes())?;
@@ -74,17 +84,82 @@ fn ensemble_text(found: &Ensemble) -> String {
     text
 }
 
-/// Grows a lineage with every set of constants of a table.
-pub fn grow_over(file: &Path, scenario: &Scenario, context: &Context, picture: &Picture) -> Result<(), CliError> {
+/// The files of a lineage over sets of constants.
+const RANGES_FILES: [&str; 4] = ["ranges.csv", "ranges.json", "ranges.svg", "run.json"];
+
+/// Grows a lineage with every set of constants of a table; writes files if there is a folder for them.
+pub fn grow_over(
+    file: &Path,
+    scenario: &Scenario,
+    context: &Context,
+    out: Option<&Path>,
+    picture: &Picture,
+) -> Result<(), CliError> {
     let Scenario { lineage, settings, .. } = scenario;
     let start = Instant::now();
+    writable_folder("--out", out, &RANGES_FILES)?;
+    let files = out.map(|folder| FileSet::begin(folder, RANGES_FILES));
     let sets = read_constants(&read_text(file)?, &file.display().to_string())?;
-    let found = ranges(lineage, settings, &sets, context.threads, interrupt::flag())?;
+    // Nothing of these trees goes to the cache, so that there is nothing to finish.
+    interrupt::abort();
+    let (line, done) = (ProgressLine::new(context.progress), AtomicUsize::new(0));
+    let shown = || {
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        line.show_share(done, sets.len(), || "sets of constants".to_owned());
+    };
+    let found = ranges(lineage, settings, &sets, context.threads, interrupt::flag(), &shown);
+    drop(line);
+    let found = found?;
     let elapsed_s = start.elapsed().as_secs_f64();
+    if let Some(mut files) = files {
+        files.stage("ranges.csv", &csv_of(RANGES_COLUMNS, found.founders.iter().map(ranges_row))?)?;
+        files.stage("ranges.json", to_json(&found)?.as_bytes())?;
+        files.stage("ranges.svg", &plot::rounds::draw_ranges(lineage, &found).bytes(Format::Svg)?)?;
+        let record = json!({
+            "schema": "furrow.ranges",
+            "schema_version": 1,
+            "provenance": Provenance::current(),
+            "constants": file.display().to_string(),
+            "members": found.members,
+            "elapsed_s": elapsed_s,
+            "threads": workers(context.threads),
+            "divisions_solved": found.divisions_solved,
+            "memo_hits": found.memo_hits,
+        });
+        files.stage("run.json", to_json(&record)?.as_bytes())?;
+        interrupt::defer(|| files.commit())?;
+    }
     picture.write(|| plot::rounds::draw_ranges(lineage, &found))?;
-    print_as(context.json, &merged(json!(found), json!({ "elapsed_s": elapsed_s })), || {
-        ranges_text(lineage, &found, elapsed_s)
+    let written = filled(json!({ "out": out.map(|folder| folder.display().to_string()) }));
+    print_as(context.json, &merged(merged(json!(found), json!({ "elapsed_s": elapsed_s })), written), || {
+        let written = out.map_or(String::new(), |folder| format!("; files in {}", folder.display()));
+        format!("{}{written}\n", ranges_text(lineage, &found, elapsed_s))
     })
+}
+
+/// The columns of ranges.csv: of every number its 5 %, its median and its 95 % over the sets; shares of their weight.
+const RANGES_COLUMNS: &str = "founder,divides,chi_p5,chi_p50,chi_p95,min_p5,min_p50,min_p95,mean_p5,mean_p50,mean_p95,\
+    max_p5,max_p50,max_p95,full_doublings_p5,full_doublings_p50,full_doublings_p95,symmetric_p5,symmetric_p50,symmetric_p95,\
+    terminal_p5,terminal_p50,terminal_p95,within_one_min,within_one_mean,within_one_max,depends_on,rank_correlation";
+
+/// A founder as a row of these columns.
+fn ranges_row(founder: &FounderRange) -> Vec<Value> {
+    let three = |range: Option<Range>| range.map_or([None; 3], |r| [Some(r.p5), Some(r.p50), Some(r.p95)]);
+    let rounds = founder.rounds;
+    let of = |read: fn(&RoundsRange) -> Range| three(rounds.as_ref().map(read));
+    let counts = [
+        of(|r| r.min),
+        of(|r| r.mean),
+        of(|r| r.max),
+        of(|r| r.full_doublings),
+        of(|r| r.symmetric),
+        of(|r| r.terminal),
+    ];
+    let near = founder.within_one_round.map_or([None; 3], |near| [near.min, near.mean, near.max]);
+    let numbers = three(founder.chi).into_iter().chain(counts.into_iter().flatten()).chain(near);
+    let depends = founder.depends_on.as_ref().map(|d| (d.parameter.as_str(), d.rank_correlation)).unzip();
+    let first = [json!(founder.name), json!(founder.divides)];
+    first.into_iter().chain(numbers.map(|number| json!(number))).chain([json!(depends.0), json!(depends.1)]).collect()
 }
 
 fn ranges_text(lineage: &Lineage, found: &LineageRanges, elapsed_s: f64) -> String {
@@ -135,5 +210,5 @@ fn ranges_text(lineage: &Lineage, found: &LineageRanges, elapsed_s: f64) -> Stri
         let _ = writeln!(out, "cells {}", whole(cells));
     }
     let (solved, hits) = (found.divisions_solved, found.memo_hits);
-    out + &format!("{solved} divisions solved, {hits} memo hits, {elapsed_s:.1} s\n")
+    out + &format!("{solved} divisions solved, {hits} memo hits, {elapsed_s:.1} s")
 }

@@ -12,6 +12,14 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// Whether the command checks [`INTERRUPTED`] itself.
 static FINISH: AtomicBool = AtomicBool::new(false);
 
+/// Whether solved divisions go to the cache.
+static CACHES: AtomicBool = AtomicBool::new(false);
+
+/// From now on solved divisions go to the cache, and the message of Ctrl-C says so.
+pub fn cached() {
+    CACHES.store(true, Ordering::SeqCst);
+}
+
 /// Starts to listen, once. Until [`finish`] is called Ctrl-C stops the command at once: it has nothing to keep.
 pub fn listen() {
     static ONCE: Once = Once::new();
@@ -70,6 +78,8 @@ fn interrupt() {
 }
 
 fn exit() -> ! {
-    eprint("error: interrupted");
+    let cached = CACHES.load(Ordering::SeqCst);
+    let kept = if cached { "solved divisions are kept in the cache, nothing else" } else { "nothing is kept" };
+    eprint(&format!("error: interrupted; {kept}"));
     std::process::exit(1);
 }

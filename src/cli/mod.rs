@@ -182,7 +182,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Export(args) => export::run(&args, &cli.globals),
         Command::Reproduce(args) => reproduce::run(&args, &Context::new(&cli.globals)?),
         Command::Explore(args) => explore::run(&args, &Context::new(&cli.globals)?),
-        Command::NewLineage(args) => new_lineage::run(&args),
+        Command::NewLineage(args) => new_lineage::run(&args, &cli.globals),
         Command::Cache(args) => cache::run(&args, &cli.globals),
         Command::Completions(args) => completions::run(&args, &mut Cli::command()),
     }

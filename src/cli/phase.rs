@@ -96,9 +96,10 @@ fn solve(context: &Context, plane: &PhasePlane) -> Result<PhaseDiagram, CliError
     let show = |progress| {
         // Divisions are cached; the shapes at rest, computed before, are not.
         interrupt::finish();
-        line.show(progress);
+        line.show_all(progress);
     };
-    let diagram = plane.compute(&memo, &context.scheduling(&show));
+    let column = |done, of| line.show_share(done, of, || "columns of shapes".to_owned());
+    let diagram = plane.compute_shown(&memo, &context.scheduling(&show), &column);
     drop(line);
     let diagram = diagram?;
     warn_of_store(&diagram.summary.warnings);

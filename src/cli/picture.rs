@@ -7,6 +7,7 @@ use clap::Args;
 use super::error::CliError;
 use super::interrupt::write_deferred;
 use super::output::writable_file;
+use super::progress::ProgressLine;
 use furrow_cell::Cell;
 use furrow_figures::drawing::{Canvas, Format};
 use furrow_figures::movie::{Movie, MovieFormat};
@@ -46,6 +47,11 @@ pub type Picture = FormatFile<Format>;
 pub type MovieFile = FormatFile<(MovieFormat, usize)>;
 
 impl PlotArgs {
+    /// Whether the option is given.
+    pub fn is_given(&self) -> bool {
+        self.plot.is_some()
+    }
+
     /// Checks the file before the work that it shows.
     ///
     /// # Errors
@@ -81,6 +87,13 @@ impl<F> FormatFile<F> {
         let field = option.trim_start_matches('-');
         let format =
             format(file).ok_or_else(|| InputError::not_allowed(option, field, format!("{file:?}"), allowed))?;
+        // A mistyped folder must not become a new one.
+        let missing =
+            file.parent().filter(|folder| !folder.as_os_str().is_empty() && folder.symlink_metadata().is_err());
+        if let Some(folder) = missing {
+            let allowed = format!("a file in a folder that exists ({folder:?} does not)");
+            return Err(InputError::not_allowed(option, field, format!("{file:?}"), allowed));
+        }
         writable_file(option, file)?;
         Ok(FormatFile(Some((file.to_owned(), format))))
     }
@@ -103,12 +116,17 @@ impl Picture {
 }
 
 impl MovieFile {
-    /// Writes the movie of a division, if one is asked for; an existing file is replaced, whole or not at all.
+    /// Writes the movie of a division, if one is asked for; an existing file is replaced, whole or not at all. The line shows the
+    /// frames if `progress` says so.
     ///
     /// # Errors
     /// It cannot be drawn or written.
-    pub fn write(&self, cell: &Cell, film: &Trajectory) -> Result<(), CliError> {
+    pub fn write(&self, cell: &Cell, film: &Trajectory, progress: bool) -> Result<(), CliError> {
         let Some((path, (format, frames))) = &self.0 else { return Ok(()) };
-        write_deferred(path, &Movie { cell, film, frames: *frames }.bytes(*format)?)
+        let line = ProgressLine::new(progress);
+        let shown = |done, of| line.show_share(done, of, || "frames".to_owned());
+        let bytes = Movie { cell, film, frames: *frames }.bytes_shown(*format, &shown)?;
+        drop(line);
+        write_deferred(path, &bytes)
     }
 }

@@ -4,7 +4,11 @@ use furrow_lineage::batch::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::time::Duration;
 
-/// A line that shows divisions solved, running and waiting, and memo hits; only where `shown`.
+/// The line while the amount of work is not known, and once it is.
+const COUNTS: &str = "{spinner} {elapsed} {msg}";
+const SHARE: &str = "{spinner} {elapsed} [{bar:24}] {pos} of {len} {msg}, {eta} left";
+
+/// A line that shows how far a run has come; only where `shown`.
 pub struct ProgressLine {
     bar: ProgressBar,
 }
@@ -13,20 +17,30 @@ impl ProgressLine {
     /// Starts the line.
     pub fn new(shown: bool) -> ProgressLine {
         let target = if shown { ProgressDrawTarget::stderr_with_hz(10) } else { ProgressDrawTarget::hidden() };
-        let bar = ProgressBar::with_draw_target(None, target);
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
-            bar.set_style(style);
-        }
+        let line = ProgressLine { bar: ProgressBar::with_draw_target(None, target) };
+        line.set_style(COUNTS);
         if shown {
-            bar.enable_steady_tick(Duration::from_millis(100));
+            line.bar.enable_steady_tick(Duration::from_millis(100));
         }
-        ProgressLine { bar }
+        line
     }
 
-    /// Shows where the run stands.
+    fn set_style(&self, template: &str) {
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            self.bar.set_style(style.progress_chars("=> "));
+        }
+    }
+
+    /// Shows where a run stands whose number of divisions is not known: it shows those solved, running and waiting.
     pub fn show(&self, progress: Progress) {
         let Progress { solved, running, queued, memo_hits } = progress;
         self.message(format!("{solved} divisions solved, {running} running, {queued} waiting, {memo_hits} memo hits"));
+    }
+
+    /// Shows where a run stands that knows all its divisions from the start.
+    pub fn show_all(&self, Progress { solved, running, queued, memo_hits }: Progress) {
+        let done = solved + memo_hits;
+        self.show_share(done, done + running + queued, || "divisions".to_owned());
     }
 
     /// Shows a message.
@@ -36,17 +50,18 @@ impl ProgressLine {
         }
     }
 
-    /// Shows how many of all are done, and when the rest will be.
-    pub fn show_share(&self, done: usize, of: usize) {
+    /// Shows how many of all are done, what they are, and when the rest will be.
+    pub fn show_share(&self, done: usize, of: usize, what: impl FnOnce() -> String) {
         if self.bar.is_hidden() {
             return;
         }
-        if self.bar.length() != Some(of as u64) {
-            self.bar.set_length(of as u64);
-            if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {pos} of {len} done, {eta} left") {
-                self.bar.set_style(style);
-            }
+        self.bar.set_message(what());
+        if self.bar.length() == Some(of as u64) {
+            // Threads report in any order, and the time left follows from positions that rise.
+            return self.bar.set_position(self.bar.position().max(done as u64));
         }
+        self.set_style(SHARE);
+        self.bar.set_length(of as u64);
         self.bar.set_position(done as u64);
     }
 }

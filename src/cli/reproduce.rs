@@ -73,7 +73,7 @@ pub fn run(args: &ReproduceArgs, context: &Context) -> Result<(), CliError> {
         threads: context.threads,
         cancel: interrupt::flag(),
         measured: measured.as_ref().map(|(name, divisions)| (name.as_str(), divisions.as_slice())),
-        progress: &|figure: &str| line.message(format!("figure {figure}")),
+        progress: &|figure: &str, done, of| line.show_share(done, of, || format!("figures, now {figure}")),
     };
     let found = reproduce(&figures, &statements);
     drop(line);

@@ -42,11 +42,12 @@ pub fn run(args: &SweepArgs, context: &Context) -> Result<(), CliError> {
     let globals = &context.globals;
     let base = Settings::load(&globals.preset, globals.config.as_deref(), &[])?;
     let sweep = Sweep::read(&args.sweep, &base, &globals.set)?;
+    sweep.lineage.doubtful_radii().iter().for_each(|doubt| tracing::warn!("{doubt}"));
     writable_folder("--out", args.out.as_path(), &SWEEP_FILES)?;
     let picture = args.plot.file()?;
     let memo = context.memo()?;
     let line = ProgressLine::new(context.progress);
-    let show = |progress: SweepProgress| line.show_share(progress.done, progress.of);
+    let show = |progress: SweepProgress| line.show_share(progress.done, progress.of, || "points".to_owned());
     let (shard, threads, quantisation) = (args.shard, context.threads, memo.quantisation());
     let journal = SweepTable::new(&sweep, quantisation, shard, Vec::new()).open_journal(&args.out)?;
     let all = Run::new(&sweep, &memo, interrupt::flag());

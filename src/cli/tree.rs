@@ -1,6 +1,6 @@
 //! `furrow tree`: one lineage, or several lineages and cues side by side.
 
-use super::cell::FirstCellArgs;
+use super::cell::{FirstCellArgs, load_lineage};
 use super::context::{Context, warn_of_store};
 use super::error::CliError;
 use super::interrupt;
@@ -38,9 +38,9 @@ pub struct TreeArgs {
     pub lineage: Vec<PathBuf>,
     #[command(flatten)]
     pub cell: FirstCellArgs,
-    /// Output folder; files of an earlier tree in it are overwritten
-    #[arg(help_heading = "Output", long, value_name = "DIR", default_value = "furrow-out")]
-    pub out: PathBuf,
+    /// Output folder; files of an earlier tree in it are overwritten. Default furrow-out, and with --constants no files
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Seed of the noise in the first step of every division
     #[arg(help_heading = "Numerics", long, value_name = "S", default_value_t = 0)]
     pub seed: u64,
@@ -48,7 +48,8 @@ pub struct TreeArgs {
     /// FIELD:PROFILE,key=value,.. joined by +. Several are compared, and "NAME=CUE" names the scenario
     #[arg(help_heading = "Cell", long, value_name = "CUE")]
     pub cue: Vec<String>,
-    /// Grows the lineage with every set of constants in a table and prints the ranges of the counts; writes no files
+    /// Grows the lineage with every set of constants in a table and prints the ranges of the counts. With --out it writes
+    /// ranges.csv, ranges.json, ranges.svg and run.json
     #[arg(help_heading = "Cell", long, value_name = "FILE.csv", conflicts_with = "replicates")]
     pub constants: Option<PathBuf>,
     /// Grows the tree with N seeds, S, S+1, ..., and prints the range of the counts; files are those of seed S, and spread.csv
@@ -129,17 +130,19 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
     let picture = args.plot.file()?;
     let scenarios = if several { combined(args, context)? } else { vec![single(args, context)?] };
     if let (Some(file), [scenario]) = (&args.constants, &scenarios[..]) {
-        return super::ensemble::grow_over(file, scenario, context, &picture);
+        return super::ensemble::grow_over(file, scenario, context, args.out.as_deref(), &picture);
     }
+    let out = args.out.as_deref().unwrap_or(Path::new("furrow-out"));
     let written = if several { &SCENARIOS_FILES[..] } else { &TREE_FILES };
-    let spread = args.replicates.map(|_| SPREAD_FILE);
-    writable_folder("--out", args.out.as_path(), &written.iter().copied().chain(spread).collect::<Vec<_>>())?;
+    let written: Vec<&str> = written.iter().copied().chain(args.replicates.map(|_| SPREAD_FILE)).collect();
+    writable_folder("--out", out, &written)?;
     for scenario in scenarios.iter().filter(|_| several) {
-        writable_folder("--out", args.out.join(&scenario.folder).as_path(), &SCENARIO_FILES)?;
+        writable_folder("--out", out.join(&scenario.folder).as_path(), &SCENARIO_FILES)?;
     }
+    let written = names_of_files(&scenarios, &written, several);
+    let mut files = FileSet::begin(out, written.iter().map(String::as_str));
     let (grown, spread) = grown(&scenarios, args.replicates, args.dynamics, context)?;
     let trees = &grown.trees;
-    let mut files = FileSet::new(&args.out);
     for (Scenario { folder, .. }, tree) in scenarios.iter().zip(trees) {
         let [nwk, json, svg] =
             SCENARIO_FILES.map(|file| if several { format!("{folder}/{file}") } else { file.to_owned() });
@@ -176,7 +179,7 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         picture.write(|| drawing)?;
     }
     let (solved, hits, elapsed_s) = (grown.summary.solved, grown.summary.memo_hits, start.elapsed().as_secs_f64());
-    let out = args.out.display().to_string();
+    let out = out.display().to_string();
     // Of a single tree its counts, of several the scenarios.
     let with_spread = |counts: Value, k: usize| match spread.get(k) {
         Some(spread) => merged(counts, json!(spread)),
@@ -194,6 +197,13 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         };
         format!("{table}{solved} divisions solved, {hits} memo hits, {elapsed_s:.2} s; files in {out}\n")
     })
+}
+
+/// The files that a run writes, below its folder.
+fn names_of_files(scenarios: &[Scenario], beside: &[&str], several: bool) -> Vec<String> {
+    let of = |Scenario { folder, .. }: &Scenario| SCENARIO_FILES.map(|file| format!("{folder}/{file}"));
+    let folders = scenarios.iter().filter(|_| several).flat_map(of);
+    folders.chain(beside.iter().map(|file| (*file).to_owned())).collect()
 }
 
 /// The one lineage, with the one cue if it is given.
@@ -234,7 +244,7 @@ pub fn prepared(
     context: &Context,
     file: Option<&Path>,
 ) -> Result<(Lineage, TreeSettings), CliError> {
-    let mut lineage = Lineage::load(file)?;
+    let mut lineage = load_lineage(file)?;
     let given = cell.settings(&context.settings, &lineage.units())?;
     given.check_divisions("settings")?;
     if cell.r0.is_some() {

@@ -113,7 +113,17 @@ fn statements_exclude_what_they_are_about() {
 fn the_sample_does_not_depend_on_threads() {
     let targets = targets();
     let sample = |threads: usize| {
-        ensemble(&targets, &Cell::gao2026_thresholds(1.0), &numerics(), 2, 7, threads, &AtomicBool::new(false)).unwrap()
+        ensemble(
+            &targets,
+            &Cell::gao2026_thresholds(1.0),
+            &numerics(),
+            2,
+            7,
+            threads,
+            &AtomicBool::new(false),
+            &|_, _| (),
+        )
+        .unwrap()
     };
     let (one, two) = (sample(1), sample(2));
     assert_eq!(one, two);
@@ -135,7 +145,7 @@ fn ranges_of_one_set_are_its_tree() {
     let lineage = Lineage::c_elegans().unwrap();
     let set = |aspect: f64, weight: f64| Constants { values: vec![(Parameter::Aspect, aspect)], weight };
     let settings = TreeSettings::default();
-    let one = ranges(&lineage, &settings, &[set(1.5, 1.0)], 1, &AtomicBool::new(false)).unwrap();
+    let one = ranges(&lineage, &settings, &[set(1.5, 1.0)], 1, &AtomicBool::new(false), &|| ()).unwrap();
     let cells = one.cells.unwrap();
     assert_eq!([cells.p5, cells.p50, cells.p95], [285.0; 3]);
     let ems = one.founders.iter().find(|founder| founder.name == "EMS").unwrap();
@@ -148,7 +158,7 @@ fn ranges_of_one_set_are_its_tree() {
     assert!(!none.is_empty() && none.iter().all(|share| share.is_sign_positive()), "{none:?}");
     // EMS 10 of 9 observed, P4 0 of 1.
     assert_eq!(one.paper_sentence, Some(1.0));
-    let two = ranges(&lineage, &settings, &[set(1.5, 1.0), set(1.4, 0.0)], 2, &AtomicBool::new(false)).unwrap();
+    let two = ranges(&lineage, &settings, &[set(1.5, 1.0), set(1.4, 0.0)], 2, &AtomicBool::new(false), &|| ()).unwrap();
     assert_eq!(two.cells, one.cells);
     assert_eq!(two.members, 2);
 }

@@ -1,9 +1,10 @@
 //! `furrow fit`: constants, activities and a cue from observations.
 
+use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
 use furrow_analysis::fit::{
-    Evaluated, FittedConstants, Reading, SearchBudget, Targets, activities, fit_constants, fit_cue,
+    Evaluated, FitProgress, FittedConstants, Limit, Reading, SearchBudget, Targets, activities, fit_constants, fit_cue,
 };
 use furrow_cell::settings::Settings;
 use furrow_cell::{Cell, Cue, Numerics, Parameter};
@@ -84,7 +85,7 @@ fn rounds_are_the_observed_ones_inside_an_activity_interval_and_not_beyond_it() 
     let (lineage, settings) = clone();
     let memo = Memo::new(Quantisation::DEFAULT);
     let (found, trees) =
-        activities(&lineage, &settings, &memo, Reading::Max, [10.0, 60.0], 1, &AtomicBool::new(false)).unwrap();
+        activities(&lineage, &settings, &memo, Reading::Max, [10.0, 60.0], 1, &AtomicBool::new(false), None).unwrap();
     let [from, to] = found[0].xi_s.unwrap();
     assert!(trees > 10 && from < to, "{found:?}");
     let rounds = |xi_s: f64| rounds_at(&lineage, &settings, xi_s).max;
@@ -92,6 +93,33 @@ fn rounds_are_the_observed_ones_inside_an_activity_interval_and_not_beyond_it() 
     // Thresholds are halved five times from neighbours 10 % apart.
     assert_ne!(rounds(from * 0.995), 3);
     assert_ne!(rounds(to * 1.005), 3);
+}
+
+#[test]
+fn a_founder_keeps_its_own_parameters_and_its_rounds_are_those_of_its_tree() {
+    let (_, settings) = clone();
+    let own = CLONE.replace(r#"name: "Q","#, r#"name: "Q", physics: (xi_s: 40.0, epsilon: 0.8),"#);
+    let lineage = Lineage::parse(&own, "own.ron").unwrap();
+    let memo = Memo::new(Quantisation::DEFAULT);
+    let shown = Mutex::new(Vec::new());
+    let show = |progress: FitProgress| shown.lock().unwrap().push(progress.done);
+    let find = |range: [f64; 2]| {
+        activities(&lineage, &settings, &memo, Reading::Mean, range, 1, &AtomicBool::new(false), Some(&show)).unwrap().0
+    };
+    let found = find([10.0, 60.0]);
+    let (tree, _) = grow(&lineage, &settings, 1, &|_| None, divide);
+    let rounds = founder_rounds(&tree)[0].rounds.unwrap();
+    assert_eq!((found[0].run_xi_s, found[0].rounds), (40.0, Some(rounds.mean)));
+    // At the activity of the file the search has the same rounds.
+    let plain = Lineage::parse(CLONE, "clone.ron").unwrap();
+    assert_ne!(rounds_at(&plain, &settings, 40.0).mean, rounds.mean, "the volume fraction counts as well");
+    // Progress rises to the number of trees that were announced.
+    let done = shown.lock().unwrap().clone();
+    assert!(done.windows(2).all(|pair| pair[0] < pair[1]) && done.last() == Some(&30), "{done:?}");
+    // A part of the interval ends at both limits asked for, which is said.
+    let [from, to] = found[0].xi_s.unwrap();
+    assert!(found[0].at_limit.is_empty(), "{found:?}");
+    assert_eq!(find([1.01 * from, 0.5 * (from + to)])[0].at_limit, [Limit::Lower, Limit::Upper]);
 }
 
 #[test]
@@ -107,7 +135,8 @@ fn a_cue_that_gave_the_data_is_found_and_what_they_leave_open_is_said() {
     );
     let targets = targets(&text, &lineage);
     let effort = SearchBudget { particles: 5, moves: 3, seed: 2 };
-    let found = fit_cue(&lineage, &targets, &settings, &Cue::published(), effort, 2, &AtomicBool::new(false)).unwrap();
+    let found =
+        fit_cue(&lineage, &targets, &settings, &Cue::published(), effort, 2, &AtomicBool::new(false), None).unwrap();
     assert!(found.chi_squared < 0.1, "{found:?}");
     assert_eq!(found.numbers.len(), 3);
     // One number was measured: one combination of three is held, at most.

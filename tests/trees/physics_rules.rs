@@ -5,8 +5,8 @@ use furrow_cell::{Cell, Parameter};
 use furrow_formats::{tree_from_json, tree_to_json};
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow_lineage::{EndRule, Grower, Lineage, TerminalReason, Thresholds, Tree, TreeSettings};
-use furrow_mechanics::division::{DivisionInput, Outcome, divide};
 use furrow_mechanics::critical::CriticalRadii;
+use furrow_mechanics::division::{DivisionInput, Outcome, divide};
 use serde_json::Value;
 
 fn lineage(fields: &str, founders: &str) -> Lineage {

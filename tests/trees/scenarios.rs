@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use furrow_analysis::scenarios::{Scenario, Source, combine, growers};
+use furrow_analysis::scenarios_csv;
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow_lineage::{EndRule, Length, Lineage, Tree, TreeSettings, grow_together};
 use furrow_mechanics::division::divide;
@@ -121,4 +122,29 @@ fn a_file_with_a_base_says_what_differs() {
         read("(base: \"c_elegans\", founders: [(name: \"P1\", cue_rules: [(cue: \"germline\", to_generation: 0)])])")
             .unwrap();
     assert_eq!((ruled.founders[2].cue.as_deref(), ruled.founders[2].cue_rules.len()), (None, 1));
+}
+
+/// Tables, the page and the picture show what was observed of the first scenario, where the scenarios differ in that too.
+#[test]
+fn observed_counts_are_those_of_the_first_scenario() {
+    let source = |label: &str, mean: f64, cells: u32| {
+        let text = format!(
+            "(name: \"x\", limits: (max_depth: 1), founders: [(name: \"S\", r0: 2.4, observed: (mean: {mean}, terminal: {cells}))])"
+        );
+        Source {
+            label: label.to_owned(),
+            lineage: Lineage::parse(&text, "x.ron").unwrap(),
+            settings: TreeSettings::default(),
+        }
+    };
+    let (scenarios, trees) = grown(&[source("one", 1.25, 4007), source("two", 7.75, 9003)]);
+    let table = report::scenarios_table(&scenarios, &trees);
+    let page = report::scenarios_page(&scenarios, &trees);
+    for text in [table, page.split("<table").nth(1).unwrap().split("</table>").next().unwrap().to_owned()] {
+        assert!(text.contains("1.25") && text.contains("4007"), "{text}");
+        assert!(!text.contains("7.75") && !text.contains("9003"), "{text}");
+    }
+    // The table for other programs has each scenario's own.
+    let csv = scenarios_csv(&scenarios, &trees);
+    assert!(csv.lines().nth(1).unwrap().ends_with(",1.25,,,4007") && csv.contains(",7.75,,,9003"), "{csv}");
 }

@@ -26,7 +26,7 @@ use rand_mt::Mt64;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Standard deviation s of the prior, in x.
 const PRIOR: f64 = 0.3;
@@ -246,7 +246,7 @@ fn fitted(draws: &[Draw]) -> Option<Proposal> {
 }
 
 /// Samples `count` admissible sets of the unknowns of `targets` about the constants of `cell`, on so many threads. `cancel`
-/// stops it.
+/// stops it. `shown` is called with the number of draws checked and the number expected, from any thread.
 ///
 /// # Errors
 /// [`EnsembleError`].
@@ -258,16 +258,22 @@ pub fn ensemble(
     seed: u64,
     threads: usize,
     cancel: &AtomicBool,
+    shown: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Ensemble, EnsembleError> {
     let posterior = Posterior { targets, cell, numerics, start: targets.starts(cell) };
     let pool = scheduler::pool(threads)?;
     let mut proposal = posterior.laplace()?;
     let mut draws = 0u64;
     let mut excluded = BTreeMap::new();
-    let mut draw_all = |proposal: &Proposal, many: usize| -> Result<Vec<Draw>, EnsembleError> {
-        let one = |index: u64| match cancel.load(Ordering::Relaxed) {
-            true => Err(EnsembleError::Interrupted),
-            false => Ok(posterior.draw(proposal, proposal.draw(seed, index))),
+    let checked = AtomicUsize::new(0);
+    let mut draw_all = |proposal: &Proposal, many: usize, expected: usize| -> Result<Vec<Draw>, EnsembleError> {
+        let one = |index: u64| {
+            if cancel.load(Ordering::Relaxed) {
+                return Err(EnsembleError::Interrupted);
+            }
+            let found = posterior.draw(proposal, proposal.draw(seed, index));
+            shown(checked.fetch_add(1, Ordering::Relaxed) + 1, expected);
+            Ok(found)
         };
         let indices = (draws..draws + many as u64).into_par_iter();
         let found: Vec<Draw> = pool.install(|| indices.map(one).collect::<Result<_, _>>())?;
@@ -279,7 +285,8 @@ pub fn ensemble(
     };
     let many = (DRAWS[0] * count).max(DRAWS[1]);
     for _ in 0..ROUNDS {
-        let found = draw_all(&proposal, many)?;
+        // One round of draws for the sample itself is expected.
+        let found = draw_all(&proposal, many, (ROUNDS + 1) * many)?;
         match fitted(&found) {
             Some(better) => proposal = better,
             None => proposal.root *= NARROWER,
@@ -288,7 +295,10 @@ pub fn ensemble(
     let mut kept: Vec<Draw> = Vec::new();
     let mut tried = 0;
     while kept.len() < count && tried < MOST * count {
-        kept.extend(draw_all(&proposal, many)?.into_iter().filter(|draw| draw.check.is_admissible()));
+        // As many more as the share of admissible draws so far calls for.
+        let more = if kept.is_empty() { many } else { ((count - kept.len()) * tried).div_ceil(kept.len()) };
+        let expected = ROUNDS * many + tried + more.next_multiple_of(many);
+        kept.extend(draw_all(&proposal, many, expected)?.into_iter().filter(|draw| draw.check.is_admissible()));
         tried += many;
     }
     kept.truncate(count);

@@ -173,7 +173,8 @@ pub struct LineageRanges {
     pub memo_hits: usize,
 }
 
-/// Grows the lineage with every set of constants, in parallel over the sets; `cancel` ends it early.
+/// Grows the lineage with every set of constants, in parallel over the sets; `cancel` ends it early. `grown` is called after each
+/// tree, from any thread.
 ///
 /// # Errors
 /// [`GrowError`] of the first set that cannot be tree_counts.
@@ -183,9 +184,12 @@ pub fn ranges(
     sets: &[Constants],
     threads: usize,
     cancel: &AtomicBool,
+    grown: &(dyn Fn() + Sync),
 ) -> Result<LineageRanges, GrowError> {
-    let read =
-        |set: &Constants, tree: &Tree, work: &Summary| (TreeCounts::of(tree, set.weight), work.solved, work.memo_hits);
+    let read = |set: &Constants, tree: &Tree, work: &Summary| {
+        grown();
+        (TreeCounts::of(tree, set.weight), work.solved, work.memo_hits)
+    };
     let trees = each_tree(lineage, settings, sets, threads, cancel, read)?;
     let (mut counts, mut divisions_solved, mut memo_hits) = (Vec::with_capacity(trees.len()), 0, 0);
     for (tree, solved, hits) in trees {

@@ -48,7 +48,7 @@ pub struct SweepProgress {
 /// let (memo, cancel) = (Memo::new(Quantisation::DEFAULT), AtomicBool::new(false));
 /// let solved = Run::new(&sweep, &memo, &cancel).solve()?;
 /// let csv = csv_text(&sweep.columns(), &solved.rows);
-/// assert!(csv.starts_with("r0,outcome,chi,u_furrow,t_end\n1.5,failed,,,"));
+/// assert!(csv.starts_with("r0,outcome,chi,u_furrow,t_end,chi_signed\n1.5,failed,,,"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Run<'a> {
@@ -334,8 +334,11 @@ impl<'a> Run<'a> {
 /// The columns of divisions at one point: of a single one, or what several say together.
 fn division_results(divisions: &[Option<Division>]) -> Vec<Value> {
     match divisions {
-        [None] => vec![UNDECIDED.into(), Value::Null, Value::Null, Value::Null],
-        [Some(d)] => vec![d.outcome().name().into(), d.chi().into(), d.u_furrow().into(), d.t_end.into()],
+        [None] => vec![UNDECIDED.into(), Value::Null, Value::Null, Value::Null, Value::Null],
+        [Some(d)] => {
+            let [chi, signed] = [d.chi(), d.chi_signed()].map(Value::from);
+            vec![d.outcome().name().into(), chi, d.u_furrow().into(), d.t_end.into(), signed]
+        }
         several => {
             let Statistics { symmetric, asymmetric, failed, chi_mean, chi_sd } =
                 Statistics::of(several.iter().flatten());
@@ -357,12 +360,15 @@ fn undecided_cells(tree: &Tree) -> Option<String> {
 fn tree_results(tree: &Tree) -> Vec<Value> {
     let mut values = vec![tree.len().into()];
     for found in founder_rounds(tree) {
-        let chi = tree.founder_cell(found.founder).and_then(|id| tree.cell(id).fate.chi());
+        let cell = tree.founder_cell(found.founder).map(|id| tree.cell(id));
+        let division = cell.and_then(|cell| cell.fate.division());
         // None for a founder that was never born.
         let r = found.rounds;
         values.extend([r.map(|r| r.min).into(), r.map(|r| r.mean).into(), r.map(|r| r.max).into()]);
         values.extend([r.map(|r| r.full_doublings).into(), r.map(|r| r.terminal).into()]);
-        values.push(chi.filter(|_| r.is_some()).into());
+        let chi = [division.and_then(Division::chi), division.and_then(Division::chi_signed)];
+        let [chi, signed] = chi.map(|chi| Value::from(chi.filter(|_| r.is_some())));
+        values.extend([chi, cell.map(|cell| cell.r0).into(), signed]);
     }
     values
 }

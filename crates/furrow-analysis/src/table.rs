@@ -2,6 +2,7 @@
 
 use super::points::AxisValue;
 use super::sweep::{Kind, Sweep};
+use furrow_input::csv_field;
 use serde_json::{Map, Value};
 
 /// The outcome of a point that could not be computed.
@@ -28,7 +29,7 @@ impl Sweep {
     /// The columns after those of the axes.
     pub fn result_columns(&self) -> Vec<String> {
         let fixed: &[&str] = match self.kind {
-            Kind::Division if self.replicates == 1 => &["outcome", "chi", "u_furrow", "t_end"],
+            Kind::Division if self.replicates == 1 => &["outcome", "chi", "u_furrow", "t_end", "chi_signed"],
             Kind::Division => &["symmetric", "asymmetric", "failed", "chi_mean", "chi_sd"],
             Kind::Pitchfork => &["xi_s", "criticality", "coefficient", "H"],
             Kind::Critical => &["r0_c", "kind"],
@@ -36,7 +37,7 @@ impl Sweep {
         };
         let mut columns: Vec<String> = fixed.iter().map(|name| (*name).to_owned()).collect();
         for founder in self.lineage.founders.iter().filter(|_| self.kind == Kind::Tree) {
-            let counts = ["min", "mean", "max", "full_doublings", "terminal", "chi"];
+            let counts = ["min", "mean", "max", "full_doublings", "terminal", "chi", "r0", "chi_signed"];
             columns.extend(counts.map(|count| format!("{}_{count}", founder.name)));
         }
         columns
@@ -75,8 +76,9 @@ pub fn read_line(columns: &[String], line: &str) -> Option<Row> {
 
 /// The rows as CSV with a header. Missing values are empty fields.
 pub fn csv_text(columns: &[String], rows: &[Row]) -> String {
+    let names: Vec<String> = columns.iter().map(|name| csv_field(name).into_owned()).collect();
     let cells = rows.iter().map(|row| row.cells.iter().map(csv_cell).collect());
-    csv_of(std::iter::once(columns.to_vec()).chain(cells))
+    csv_of(std::iter::once(names).chain(cells))
 }
 
 /// Records of text as CSV.
@@ -87,11 +89,12 @@ pub fn csv_of<R: IntoIterator<Item = String>>(records: impl IntoIterator<Item = 
     String::from_utf8_lossy(&writer.into_inner().unwrap_or_default()).into_owned()
 }
 
-/// Numbers with the fewest digits that read back as the same number.
+/// Numbers with the fewest digits that read back as the same number; text that a spreadsheet would take for a formula with an
+/// apostrophe before it.
 fn csv_cell(cell: &Value) -> String {
     match cell {
         Value::Null => String::new(),
-        Value::String(text) => text.clone(),
+        Value::String(text) => csv_field(text).into_owned(),
         Value::Number(number) if number.is_f64() => number.as_f64().unwrap_or(f64::NAN).to_string(),
         other => other.to_string(),
     }

@@ -104,11 +104,12 @@ pub fn check_step(source_name: &str, film: &Trajectory, every: Option<f64>) -> R
 /// both poles, and `frames.json` with the time and the neck of each. Without `every` there is a frame after each step, with it
 /// one every so many τ, and the last shape.
 ///
-/// They replace the frames of an earlier division.
+/// They replace the frames of an earlier division, which are those that its `frames.json` lists. Other files stay.
 ///
 /// # Errors
 /// [`WriteError`].
 pub fn write_frames(folder: &Path, film: &Trajectory, every: Option<f64>) -> Result<(), WriteError> {
+    let earlier = listed(folder);
     let mut files = FileSet::new(folder);
     let mut entries: Vec<Entry> = vec![];
     for still in stills(film, every) {
@@ -128,7 +129,7 @@ pub fn write_frames(folder: &Path, film: &Trajectory, every: Option<f64>) -> Res
     let index = serde_json::to_string_pretty(&entries).map_err(|error| failed(error.into()))?;
     files.stage(INDEX, format!("{index}\n").as_bytes())?;
     files.commit()?;
-    remove_from(folder, entries.len())
+    remove(folder, earlier.iter().filter(|file| entries.iter().all(|entry| entry.file != **file)))
 }
 
 /// The numbers of the [`COLUMNS`] at a place.
@@ -211,15 +212,23 @@ fn read_contour(text: &str, file: &str) -> Result<Vec<[f64; 2]>, InputError> {
     lines.enumerate().map(point).collect()
 }
 
-/// Removes frames of an earlier division, from a number on. Other files stay.
-fn remove_from(folder: &Path, first: usize) -> Result<(), WriteError> {
-    let failed = |source| WriteError { path: folder.display().to_string(), source };
-    for entry in std::fs::read_dir(folder).map_err(failed)? {
-        let entry = entry.map_err(failed)?;
-        let file = entry.file_name();
-        let number = file.to_str().and_then(|file| file.strip_prefix("frame_")?.strip_suffix(".csv")?.parse().ok());
-        if number.is_some_and(|number| number >= first && *file == *name(number)) {
-            std::fs::remove_file(entry.path()).map_err(failed)?;
+/// The frames that the list in a folder names; none without a list, and none that has another name than a frame.
+fn listed(folder: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(folder.join(INDEX)).unwrap_or_default();
+    let listed: Vec<Listed> = serde_json::from_str(&text).unwrap_or_default();
+    let number = |file: &str| file.strip_prefix("frame_")?.strip_suffix(".csv")?.parse().ok();
+    let is_frame = |file: &String| number(file).is_some_and(|number| *file == name(number));
+    listed.into_iter().map(|entry| entry.file).filter(is_frame).collect()
+}
+
+/// Removes files of a folder, as far as they are still there.
+fn remove<'a>(folder: &Path, files: impl Iterator<Item = &'a String>) -> Result<(), WriteError> {
+    for path in files.map(|file| folder.join(file)) {
+        match std::fs::remove_file(&path) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+                return Err(WriteError { path: path.display().to_string(), source });
+            }
+            _ => {}
         }
     }
     Ok(())

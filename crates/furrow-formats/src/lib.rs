@@ -6,12 +6,14 @@
 //! | [`exchange`] | Newick, NHX, NEXUS, GraphML, iTOL, CSV |
 //! | [`frames`] | the contours of one division as CSV |
 //! | [`files`] | files that are written whole or not at all |
+//! | `temporary` | names of temporary files, and removal of stale ones |
 //! | [`provenance`] | the version of the program that wrote a file |
 
 pub mod exchange;
 pub mod files;
 pub mod frames;
 pub mod provenance;
+mod temporary;
 pub mod tree_json;
 
 pub use exchange::newick;

@@ -3,14 +3,17 @@
 //! | file | contents |
 //! |---|---|
 //! | `ron`, `place` | RON documents; the field that an error is about |
+//! | `csv_text` | text in CSV files that spreadsheets may open |
 //! | `file` | text files of bounded length |
 //! | `names` | names in messages: quoted, shortened, listed, the nearest known one |
 
+mod csv_text;
 mod file;
 mod names;
 mod place;
 mod ron;
 
+pub use csv_text::{csv_field, csv_value};
 pub use file::{LONGEST, open_file, read_text, read_text_up_to};
 pub use names::{did_you_mean, forbidden, listed, printable, shown, shown_number};
 pub use place::json_field_at;

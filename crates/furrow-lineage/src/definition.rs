@@ -174,6 +174,9 @@ pub struct Lineage {
     pub founders: Vec<Founder>,
 }
 
+/// Radius in L_h from which a plain number is more likely one of µm: a zygote has 5.4, and divisions above this take long.
+const DOUBTFUL: f64 = 12.0;
+
 impl Lineage {
     /// The first cell: the founder without a mother (an index into `founders`).
     pub fn first(&self) -> usize {
@@ -188,6 +191,21 @@ impl Lineage {
     /// The radius R0 that the file gives a founder, in L_h.
     pub fn given_r0(&self, founder: usize) -> Option<f64> {
         self.founders[founder].r0.and_then(|length| length.in_units(&self.units()).ok())
+    }
+
+    /// Radii that are given as plain numbers, which are of L_h, where a number of µm is more likely; a sentence for each. Only
+    /// files that say how long L_h is can mix the two up.
+    pub fn doubtful_radii(&self) -> Vec<String> {
+        let units = self.units();
+        let doubt = |founder: &Founder| match (founder.r0, units.length_um) {
+            (Some(Length::Natural(r0)), Some(_)) if r0 > DOUBTFUL => Some(format!(
+                "founder {:?}: r0 = {r0} is in L_h{}; if it is in µm, write r0: \"{r0}um\"",
+                founder.name,
+                units.in_micrometres(r0),
+            )),
+            _ => None,
+        };
+        self.founders.iter().filter_map(doubt).collect()
     }
 
     /// The cue called `name`; `none` is always defined.

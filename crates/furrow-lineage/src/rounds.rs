@@ -33,60 +33,71 @@ pub struct FounderRounds {
     pub rounds: Option<Rounds>,
 }
 
-#[derive(Clone, Default)]
+/// Generations of the cells that descend from a founder, counted from the first cell.
+#[derive(Clone, Copy)]
 struct Count {
-    /// Cells, and dividing cells, per generation below the founder.
-    cells: Vec<u64>,
-    dividing: Vec<u64>,
-    symmetric: Vec<u64>,
-    /// Terminal cells per generation.
-    terminal: Vec<u64>,
+    /// Terminal cells, and the sum, the least and the largest of their generations.
+    terminal: u64,
+    sum: u64,
+    least: u32,
+    most: u32,
+    /// The least generation of a cell that does not divide symmetrically.
+    not_symmetric: u32,
 }
 
-fn add(counts: &mut Vec<u64>, generation: usize) {
-    counts.resize(counts.len().max(generation + 1), 0);
-    counts[generation] += 1;
-}
+impl Count {
+    const NONE: Count = Count { terminal: 0, sum: 0, least: u32::MAX, most: 0, not_symmetric: u32::MAX };
 
-/// Rounds of every founder of the tree's lineage, in the file's order.
-pub fn founder_rounds(tree: &Tree) -> Vec<FounderRounds> {
-    let founders = tree.lineage.founders.len();
-    let mut counts = vec![Count::default(); founders];
-    // Each founder's mother founder and generation, to count a cell for all founders it descends from.
-    let born = |k: usize| tree.founder_cell(k);
-    let above: Vec<_> = (0..founders).map(|k| Some(tree.cell(tree.mother(born(k)?)?).founder)).collect();
-    let birth: Vec<_> = (0..founders).map(|k| Some(tree.cell(born(k)?).generation)).collect();
-    for node in tree.cells() {
-        let cell = tree.cell(node);
-        let divides = tree.daughters(node).is_some();
-        let mut founder = Some(cell.founder);
-        while let Some(k) = founder {
-            if let Some(birth) = birth[k] {
-                let generation = (cell.generation - birth) as usize;
-                let count = &mut counts[k];
-                add(&mut count.cells, generation);
-                add(if divides { &mut count.dividing } else { &mut count.terminal }, generation);
-                if divides && cell.fate.outcome() == Some(Outcome::Symmetric) {
-                    add(&mut count.symmetric, generation);
-                }
-            }
-            founder = above[k];
+    fn and(self, other: Count) -> Count {
+        Count {
+            terminal: self.terminal + other.terminal,
+            sum: self.sum + other.sum,
+            least: self.least.min(other.least),
+            most: self.most.max(other.most),
+            not_symmetric: self.not_symmetric.min(other.not_symmetric),
         }
     }
-    let rounds = |count: &Count| {
-        let full = |part: &[u64]| {
-            count.cells.iter().enumerate().take_while(|(g, cells)| part.get(*g) == Some(cells)).count() as u32
-        };
-        let terminal: u64 = count.terminal.iter().sum();
-        let weighted: u64 = count.terminal.iter().enumerate().map(|(g, n)| g as u64 * n).sum();
-        Some(Rounds {
-            min: count.terminal.iter().position(|&n| n > 0)? as u32,
-            mean: weighted as f64 / terminal as f64,
-            max: count.terminal.len() as u32 - 1,
-            full_doublings: full(&count.dividing),
+
+    /// As rounds from a founder of that generation; none if it has no descendants, as one that was never born.
+    fn rounds(self, birth: u32) -> Option<Rounds> {
+        let Count { terminal, sum, least, most, not_symmetric } = self;
+        (terminal > 0).then(|| Rounds {
+            min: least - birth,
+            mean: (sum - u64::from(birth) * terminal) as f64 / terminal as f64,
+            max: most - birth,
+            // The first generation with a terminal cell is the first that does not double fully.
+            full_doublings: least - birth,
             terminal: terminal as u32,
-            symmetric: full(&count.symmetric),
+            symmetric: not_symmetric - birth,
         })
-    };
-    counts.iter().enumerate().map(|(founder, count)| FounderRounds { founder, rounds: rounds(count) }).collect()
+    }
+}
+
+/// Rounds of every founder of the tree's lineage, in the file's order. The work grows as the tree, however founders are nested.
+pub fn founder_rounds(tree: &Tree) -> Vec<FounderRounds> {
+    let founders = tree.lineage.founders.len();
+    let mut counts = vec![Count::NONE; founders];
+    for node in tree.cells() {
+        let (cell, divides) = (tree.cell(node), tree.daughters(node).is_some());
+        let (generation, count) = (cell.generation, &mut counts[cell.founder]);
+        if !divides {
+            let one = Count { terminal: 1, sum: generation.into(), least: generation, most: generation, ..Count::NONE };
+            *count = count.and(one);
+        }
+        if !divides || cell.fate.outcome() != Some(Outcome::Symmetric) {
+            count.not_symmetric = count.not_symmetric.min(generation);
+        }
+    }
+    // Each founder's descendants are also those of the founder above it: the last born are added first.
+    let birth = |k: usize| Some(tree.cell(tree.founder_cell(k)?).generation);
+    let above = |k: usize| Some(tree.cell(tree.mother(tree.founder_cell(k)?)?).founder);
+    let mut born: Vec<usize> = (0..founders).filter(|k| birth(*k).is_some()).collect();
+    born.sort_by_key(|k| std::cmp::Reverse(birth(*k)));
+    for k in born {
+        if let Some(mother) = above(k) {
+            counts[mother] = counts[mother].and(counts[k]);
+        }
+    }
+    let rounds = |founder: usize| birth(founder).and_then(|birth| counts[founder].rounds(birth));
+    (0..founders).map(|founder| FounderRounds { founder, rounds: rounds(founder) }).collect()
 }

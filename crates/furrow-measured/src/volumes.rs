@@ -8,10 +8,10 @@
 //! A cell's volume is the mean over its frames. A value that cannot be used is skipped and reported with its place; a table
 //! with neither layout is an error.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
 
-use furrow_input::InputError;
+use furrow_input::{InputError, csv_value};
 use serde::Serialize;
 
 pub use crate::layout::Unit;
@@ -45,8 +45,8 @@ pub struct Lifespan {
     pub frames: u64,
     /// Line of its first value.
     line: u64,
-    /// Its frames in order, where the table has a column of frames.
-    seen: Vec<f64>,
+    /// Its frames by their bits, where the table has a column of frames.
+    seen: BTreeSet<u64>,
 }
 
 impl Lifespan {
@@ -148,6 +148,20 @@ impl Volumes {
         }
     }
 
+    /// Requires that a volume was used of the tables that were read; `tables` is their name if they have no rows.
+    ///
+    /// # Errors
+    /// None was; the error has the first value that could not be used.
+    pub fn require_used(&self, tables: &str) -> Result<(), InputError> {
+        let first = self.skipped.first();
+        let file = first.map_or(tables, |skipped| skipped.file.as_str());
+        let value = format!("none used, {} skipped", self.skipped_count);
+        let why = first.map_or("the table has no rows".to_owned(), |Skipped { line, column, value, why, .. }| {
+            format!("line {line}, column {column}: {value:?}: {why}")
+        });
+        InputError::require(self.used > 0, file, "volumes", value, format!("at least one that can be used ({why})"))
+    }
+
     fn read_long<R: Read>(
         &mut self,
         table: &mut Table<'_, R>,
@@ -190,7 +204,7 @@ impl Volumes {
         if embryo.text.is_empty() {
             return Err((embryo, "no name of an embryo".to_owned()));
         }
-        let text = |value: Value<'_>| String::from_utf8_lossy(value.text).into_owned();
+        let text = |value: Value<'_>| csv_value(&String::from_utf8_lossy(value.text)).to_owned();
         let group = columns.group.map(|column| text(at(column))).unwrap_or_default();
         let given = options.group.clone().filter(|_| group.is_empty());
         let embryo = self.embryo(given.unwrap_or(group), text(embryo));
@@ -262,7 +276,7 @@ impl Volumes {
     fn cell(&mut self, embryo: usize, name: &str, line: u64) -> usize {
         let cells = &mut self.embryos[embryo].cells;
         *self.cell_places.entry((embryo, name.to_owned())).or_insert_with(|| {
-            cells.push(Lifespan { cell: name.to_owned(), sum: 0.0, frames: 0, line, seen: Vec::new() });
+            cells.push(Lifespan { cell: name.to_owned(), sum: 0.0, frames: 0, line, seen: BTreeSet::new() });
             cells.len() - 1
         })
     }
@@ -285,14 +299,8 @@ impl Lifespan {
     /// Adds a value, or says why it is one too many.
     fn note(&mut self, volume: f64, frame: Option<f64>, line: u64) -> Result<(), String> {
         if let Some(frame) = frame {
-            // Usually frames are in order.
-            let place = match self.seen.last() {
-                Some(last) if frame > *last => Err(self.seen.len()),
-                _ => self.seen.binary_search_by(|seen| seen.total_cmp(&frame)),
-            };
-            match place {
-                Ok(_) => return Err(format!("a second volume of this cell in frame {frame}")),
-                Err(place) => self.seen.insert(place, frame),
+            if !self.seen.insert(frame.to_bits()) {
+                return Err(format!("a second volume of this cell in frame {frame}"));
             }
         } else if self.frames > 0 {
             return Err(format!("a second volume of this cell, without a frame; the first is on line {}", self.line));
@@ -321,6 +329,13 @@ fn note_unit(file: &str, value: &Value<'_>, said: &mut Option<Unit>) -> Result<(
 /// Limits of a volume in any unit; sums beyond them could overflow.
 const VOLUMES: [f64; 2] = [1e-100, 1e100];
 
+/// Whether a text is a number but for its decimal comma, as spreadsheets of many countries write it.
+fn has_decimal_comma(text: &[u8]) -> bool {
+    let commas = text.iter().filter(|byte| **byte == b',').count();
+    let point = text.iter().map(|byte| if *byte == b',' { b'.' } else { *byte }).collect::<Vec<u8>>();
+    commas == 1 && number(&point).is_some()
+}
+
 /// A volume, which is positive.
 fn positive(value: Value<'_>) -> Result<f64, Rejected<'_>> {
     let why = match number(value.text) {
@@ -328,6 +343,7 @@ fn positive(value: Value<'_>) -> Result<f64, Rejected<'_>> {
         Some(volume) if volume > 0.0 => "a volume must be from 1e-100 to 1e100",
         Some(_) => "a volume must be above 0",
         None if value.text.is_empty() => "no volume",
+        None if has_decimal_comma(value.text) => "not a number: decimals need a point, as in 12.5",
         None => "not a number",
     };
     Err((value, why.to_owned()))

@@ -145,3 +145,30 @@ proptest::proptest! {
         }
     }
 }
+
+#[test]
+fn a_table_in_descending_frames_is_read_in_time_that_grows_as_its_rows() {
+    // A sorted list with insertions at its front took minutes for these.
+    let rows: String = (0..400_000).rev().map(|frame| format!("e,AB,{frame},10\n")).collect();
+    let start = std::time::Instant::now();
+    let volumes = read(format!("embryo,cell,frame,volume_um3\n{rows}e,AB,7,10\n").as_bytes());
+    assert!(start.elapsed().as_secs_f64() < 5.0, "{:?}", start.elapsed());
+    assert_eq!((volumes.used, volumes.skipped_count), (400_000, 1));
+    assert!(volumes.skipped[0].why.contains("a second volume of this cell in frame 7"));
+}
+
+#[test]
+fn decimal_commas_are_named_where_nothing_is_used() {
+    let volumes = read(b"embryo;cell;volume\ne;AB;60,5\ne;P1;40,2\n");
+    let said = volumes.require_used("t.csv").unwrap_err().to_string();
+    assert!(said.contains("none used, 2 skipped") && said.contains("decimals need a point"), "{said}");
+    assert!(read(b"embryo,cell,volume\n").require_used("t.csv").unwrap_err().to_string().contains("no rows"));
+    read(b"embryo,cell,volume\ne,AB,60\n").require_used("t.csv").unwrap();
+}
+
+#[test]
+fn names_that_were_written_for_spreadsheets_read_back_as_they_were() {
+    let written = furrow_input::csv_field("=wt");
+    let volumes = read(format!("embryo,cell,volume,group\n+e1,AB,60,{written}\n").as_bytes());
+    assert_eq!((volumes.embryos[0].group.as_str(), volumes.embryos[0].name.as_str()), ("=wt", "+e1"));
+}

@@ -2,11 +2,11 @@
 
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{Newton, Solution, System};
-use furrow_cell::{Cell, Numerics, Shell};
+use furrow_cell::{Cell, Cue, Numerics, Parameter, Shell};
 use furrow_mechanics::cortex::equations::{COMPONENTS, R, Z};
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_mechanics::division::stepper::{HistoryPoint, Stepper};
-use furrow_mechanics::division::{DivisionInput, divide};
+use furrow_mechanics::division::{DivisionInput, DivisionOptions, divide, divide_with};
 use furrow_verification::contour::Computed;
 use furrow_verification::report::within;
 use furrow_verification::states::{passive_shape, uneven_cell};
@@ -177,4 +177,30 @@ fn a_step_is_a_rate_of_change_and_a_past() {
     let halfway = places(&start).iter().zip(places(&once)).map(|(a, b)| [0, 1].map(|k| 0.5 * (a[k] + b[k]))).collect();
     let again = solve(200.0, halfway);
     within("the same step at twice its rate", distance(&once, &again), 1e-10);
+}
+
+/// Lengths have no unit of their own: χ, the furrow and the time stay as they are if all lengths grow together, with activity,
+/// shell, viscosities and friction as their dimensions say. Sensitivities must add up to that, each times its parameter and the
+/// power of its length. Differences of divisions are too coarse to see that the neck at pinch-off is a thousandth of R0.
+#[test]
+fn sensitivities_have_no_unit_of_length() {
+    use Parameter::{EtaB, EtaS, Friction, P0, R0, XiS};
+    let powers = [(R0, 1.0), (XiS, -1.0), (P0, -2.0), (EtaB, -2.0), (EtaS, -2.0), (Friction, -4.0)];
+    let numerics = Numerics { noise: 0.0, ..Numerics::default() };
+    let cell = Cell::gao2026_thresholds(3.3).with_cue(Cue::published());
+    let input = DivisionInput { numerics, ..DivisionInput::new(cell.clone()) };
+    let parameters = powers.map(|(parameter, _)| parameter);
+    let options = DivisionOptions { parameters: &parameters, ..DivisionOptions::default() };
+    let (_, found) = divide_with(&input, options).unwrap();
+    let (mut sums, mut sizes) = ([0.0; 3], [0.0f64; 3]);
+    for (sensitivity, (parameter, power)) in found.unwrap().iter().zip(powers) {
+        let of = [sensitivity.chi_signed, sensitivity.u_furrow, sensitivity.t_end];
+        for (k, slope) in of.into_iter().enumerate() {
+            let part = power * parameter.get(&cell) * slope;
+            sums[k] += part;
+            sizes[k] = sizes[k].max(part.abs());
+        }
+    }
+    let largest = sums.iter().zip(sizes).map(|(sum, size)| sum.abs() / size).fold(0.0, f64::max);
+    within("sensitivities in another unit of length", largest, 5e-5);
 }

@@ -6,7 +6,7 @@ use crate::cli::error::CliError;
 use crate::cli::output::print_as;
 use crate::cli::picture::PlotArgs;
 use clap::Args;
-use furrow_analysis::compare::counts::{Count, Counts, READINGS, counts};
+use furrow_analysis::compare::counts::{Count, Counts, READINGS, StageCounts, counts};
 use furrow_figures::plot;
 use furrow_formats::read_tree;
 use furrow_lineage::Lineage;
@@ -15,8 +15,9 @@ use std::path::PathBuf;
 
 /// Compares rounds of division with the observed ones, by every definition of "rounds" and at several stages
 ///
-/// Observed are the rounds of C. elegans at hatching and in embryos of 349 and 549 cells (Sulston et al. 1983). Says by which
-/// reading rounds are within one of the observed, whether the paper's sentence on rounds holds, and where cells ended and why.
+/// Observed are the counts that the tree's lineage file gives; of C. elegans the rounds at hatching and in embryos of 349 and 549 cells
+/// (Sulston et al. 1983). Says by which reading rounds are within one of the observed, where cells ended and why, and of C. elegans
+/// whether the paper's sentence on rounds holds.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -36,31 +37,30 @@ pub fn run(args: &CountsArgs, context: &Context) -> Result<(), CliError> {
         Some(file) => read_tree(file)?,
         None => trees_of(vec![Lineage::load(None)?], context)?.remove(0),
     };
-    let found = counts(&tree)?;
+    let source = args.tree.as_ref().map_or("c_elegans.ron (built in)".to_owned(), |file| file.display().to_string());
+    let found = counts(&tree, &source)?;
     picture.write(|| plot::rounds::draw(&tree))?;
     print_as(context.json, &found, || counts_text(&found))
 }
 
 fn counts_text(found: &Counts) -> String {
     let mut out = String::new();
-    for stage in &found.stages {
+    for StageCounts { cells, founders } in &found.stages {
         let names: String = READINGS.iter().map(|reading| format!("{:>20}", reading.replace('_', " "))).collect();
-        let _ = writeln!(out, "observed embryo of {} cells (model, observed; * within one round)", stage.cells);
-        let _ = writeln!(out, "founder {names}");
-        for founder in &stage.founders {
-            let _ = write!(out, "{:<8}", founder.founder);
-            for reading in READINGS {
-                let Count { model, observed, within_one } = founder.counts[reading];
-                let digits = if reading == "mean" { 2 } else { 0 };
-                let model = model.map_or("-".to_owned(), |model| format!("{model:.digits$}"));
-                let mark = if within_one { '*' } else { ' ' };
-                let _ = write!(out, "{:>20}", format!("{model}, {observed:.digits$}{mark}"));
-            }
-            out.push('\n');
+        let of = cells.map_or(found.lineage.clone(), |cells| format!("embryo of {cells} cells"));
+        let _ = writeln!(out, "observed {of} (model, observed; * within one round)");
+        let width = founders.iter().map(|founder| founder.founder.chars().count()).fold(8, usize::max);
+        let _ = writeln!(out, "{:<width$}{names}", "founder");
+        for founder in founders {
+            let _ = write!(out, "{:<width$}", founder.founder);
+            let counts = READINGS.map(|reading| format!("{:>20}", count_text(reading, founder.counts.get(reading))));
+            let _ = writeln!(out, "{}", counts.concat().trim_end());
         }
         out.push('\n');
     }
-    out += "\"To within a single round for the EMS and P lineages\", and not elsewhere, at the last stage:\n";
+    if !found.sentence.is_empty() {
+        out += "\"To within a single round for the EMS and P lineages\", and not elsewhere, at the last stage:\n";
+    }
     for sentence in &found.sentence {
         let parts = [sentence.ems, sentence.germline, sentence.elsewhere_not, sentence.holds];
         let [ems, germline, off, all] = parts.map(|holds| if holds { "yes" } else { "no" });
@@ -70,13 +70,22 @@ fn counts_text(found: &Counts) -> String {
             "  {reading:<16} EMS {ems:<4} germline {germline:<4} AB, C and D off by more {off:<4} all: {all}"
         );
     }
-    let [model, observed] = found.germline;
-    let _ = writeln!(out, "Divisions down the germline: {model} in the model, {observed} observed");
-    out += "\nWhere cells of each founder end, and why:\n";
+    if let Some([model, observed]) = found.germline {
+        let _ = writeln!(out, "Divisions down the germline: {model} in the model, {observed} observed\n");
+    }
+    out += "Where cells of each founder end, and why:\n";
     for ends in &found.ends {
         let reasons: Vec<String> = ends.ended.iter().map(|(why, n)| format!("{n} {}", why.replace('_', " "))).collect();
         let r0 = ends.r0.map_or(String::new(), |[least, most]| format!(", R0 {least:.3} to {most:.3}"));
         let _ = writeln!(out, "  {:<6} {}{r0}", ends.founder, reasons.join(", "));
     }
     out
+}
+
+/// The model's count and the observed one, as far as known.
+fn count_text(reading: &str, count: Option<&Count>) -> String {
+    let Some(Count { model, observed, within_one }) = count else { return String::new() };
+    let digits = if reading == "mean" { 2 } else { 0 };
+    let model = model.map_or("-".to_owned(), |model| format!("{model:.digits$}"));
+    format!("{model}, {observed:.digits$}{}", if *within_one { '*' } else { ' ' })
 }

@@ -7,6 +7,7 @@ use furrow_measured::trend::{AdjacentTest, VolumeBin, adjacent_tests, volume_bin
 use furrow_measured::volumes::{ReadOptions, Skipped, Unit, Volumes};
 
 use super::{files, trees_of};
+use crate::cli::cell::load_lineage;
 use crate::cli::context::Context;
 use crate::cli::error::CliError;
 use crate::cli::interrupt;
@@ -104,12 +105,16 @@ pub fn run(args: &VolumesArgs, context: &Context) -> Result<(), CliError> {
         None => Vec::new(),
     };
     let measured = read(args)?;
-    let lineage = Lineage::load(args.lineage.as_deref())?;
+    let lineage = load_lineage(args.lineage.as_deref())?;
     let settings: TreeSettings = tree_settings(context.settings.clone(), &lineage, 0, context.quantisation);
     let grow = |lineages| trees_of(lineages, context);
     let (free, firsts) = model(&lineage, settings.cell.r0, &measured.groups, grow)?;
     let all = &measured.found.divisions;
     let mut groups = beside(measured.groups.clone(), all, &free, &firsts, args.bins.as_deref());
+    if !sets.is_empty() {
+        // Trees over sets of constants do not go to the cache.
+        interrupt::abort();
+    }
     let flag = interrupt::flag();
     add_bands(&mut groups, &free, &lineage, &settings, &sets, context.threads, flag)?;
     let bins = volume_bins(all, args.bins.as_deref());
@@ -175,7 +180,7 @@ fn curves(
         return Ok(Vec::new());
     }
     let line = ProgressLine::new(context.progress);
-    let show = |progress| line.show(progress);
+    let show = |progress| line.show_all(progress);
     Ok(size_curves(lineage, settings, [from, to], &context.memo()?, &context.scheduling(&show))?)
 }
 
@@ -209,6 +214,7 @@ fn read(args: &VolumesArgs) -> Result<Measured, CliError> {
             volumes.read(open_file(file)?, &file.display().to_string(), &options)?;
         }
     }
+    volumes.require_used(&args.files[0].display().to_string())?;
     let found = divisions(&volumes);
     let groups = summaries(&found.divisions);
     Ok(Measured { source: None, volumes, found, groups })

@@ -1,10 +1,11 @@
 //! Rounds of founders compared with the observed ones (figure 4C), by every reading of "rounds" and at every stage.
 //!
 //! The paper compares rounds with Sulston's without defining them: fewest, mean or most divisions from the founder to a
-//! terminal cell, or full doublings. All are reported, at hatching and at earlier stages.
+//! terminal cell, or full doublings. All are reported: of the worm at hatching and at earlier stages, of another lineage beside the
+//! counts that its file gives.
 
 use furrow_input::{InputError, parse_document};
-use furrow_lineage::{Founder, FounderRounds, Tree, founder_rounds};
+use furrow_lineage::{Founder, FounderRounds, Lineage, ObservedRounds, Tree, founder_rounds};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -65,7 +66,7 @@ pub struct Count {
 pub struct FounderCounts {
     /// The founder.
     pub founder: String,
-    /// By reading, in the order of [`READINGS`].
+    /// By reading; those that were not observed are missing.
     pub counts: BTreeMap<&'static str, Count>,
 }
 
@@ -87,8 +88,8 @@ pub struct Sentence {
 /// The model beside one stage.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StageCounts {
-    /// Cells of the embryo.
-    pub cells: u32,
+    /// Cells of the embryo; `None` where the lineage's own counts are compared, which are of no stage.
+    pub cells: Option<u32>,
     /// Founders.
     pub founders: Vec<FounderCounts>,
 }
@@ -107,59 +108,99 @@ pub struct TerminalCells {
 /// A tree beside the observed embryo.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Counts {
-    /// At every stage, the last one hatching.
+    /// The name of the lineage.
+    pub lineage: String,
+    /// At every stage, the last one hatching; one for a lineage with counts of its own.
     pub stages: Vec<StageCounts>,
-    /// The paper's sentence by every reading.
+    /// The paper's sentence by every reading; empty for a lineage that is not the worm's.
     pub sentence: Vec<Sentence>,
     /// Which cells ended where, and why.
     pub ends: Vec<TerminalCells>,
-    /// Divisions on the way P0, P1, P2, P3, P4 in the model, and in the embryo to Z2 and Z3.
-    pub germline: [u32; 2],
+    /// Divisions on the way P0, P1, P2, P3, P4 in the model, and in the embryo to Z2 and Z3; `None` for another lineage.
+    pub germline: Option<[u32; 2]>,
 }
 
 /// Divisions from P0 to Z2 and Z3.
 const GERMLINE: u32 = 5;
 
-/// A tree beside the observed embryo.
+/// A tree beside the observed embryo: the worm's stages if the tree's lineage has the worm's counts, else its own counts. Errors
+/// name the tree `source_name`.
 ///
 /// # Errors
-/// None, as long as the shipped table is one.
-pub fn counts(tree: &Tree) -> Result<Counts, InputError> {
+/// The tree's lineage has no observed counts.
+pub fn counts(tree: &Tree, source_name: &str) -> Result<Counts, InputError> {
     let rounds = founder_rounds(tree);
+    let lineage = tree.lineage.name.clone();
     let observed: Stages = parse_document(STAGES, "sulston1983_stages.ron", "observed stages", "Stages")?;
+    if !is_worm(&tree.lineage, &observed)? {
+        let own = own_counts(tree, &rounds);
+        let allowed = "observed counts of at least one founder, in the lineage file that the tree was grown from";
+        InputError::require(!own.founders.is_empty(), source_name, "founders.observed", "none", allowed)?;
+        return Ok(Counts { lineage, stages: vec![own], sentence: Vec::new(), ends: ends(tree), germline: None });
+    }
     let stages: Vec<StageCounts> = observed.stages.iter().map(|stage| at_stage(tree, &rounds, stage)).collect();
     let germline = germline_divisions(tree);
     let hatching = stages.last();
     let sentence = READINGS[..4].iter().map(|reading| {
         let within = |name: &str| {
             let founder = hatching.and_then(|stage| stage.founders.iter().find(|founder| founder.founder == name));
-            founder.is_some_and(|founder| founder.counts[reading].within_one)
+            founder.and_then(|founder| founder.counts.get(reading)).is_some_and(|count| count.within_one)
         };
         let (ems, germline) = (within("EMS"), germline.abs_diff(GERMLINE) <= 1);
         let elsewhere_not = !["AB", "C", "D"].into_iter().any(within);
         Sentence { reading, ems, germline, elsewhere_not, holds: ems && germline && elsewhere_not }
     });
     let sentence = sentence.collect();
-    Ok(Counts { stages, sentence, ends: ends(tree), germline: [germline, GERMLINE] })
+    Ok(Counts { lineage, stages, sentence, ends: ends(tree), germline: Some([germline, GERMLINE]) })
+}
+
+/// Whether a lineage has the observed counts of the worm, as the built-in lineage and files based on it have.
+fn is_worm(lineage: &Lineage, observed: &Stages) -> Result<bool, InputError> {
+    let worm = Lineage::c_elegans()?;
+    let counts = |lineage: &Lineage, name: &str| {
+        let founder = lineage.founders.iter().find(|founder| founder.name == name)?;
+        Some(founder.observed)
+    };
+    let founders = observed.stages.iter().flat_map(|stage| &stage.founders);
+    Ok(founders.into_iter().all(|at| {
+        let of_worm = counts(&worm, &at.founder);
+        of_worm.is_some() && counts(lineage, &at.founder) == of_worm
+    }))
+}
+
+/// The counts that the lineage gives for its founders.
+fn own_counts(tree: &Tree, rounds: &[FounderRounds]) -> StageCounts {
+    let of = |(k, founder): (usize, &Founder)| {
+        let ObservedRounds { min, mean, max, full_doublings, terminal, .. } = founder.observed?;
+        let [min, max, full_doublings, terminal] = [min, max, full_doublings, terminal].map(|n| n.map(f64::from));
+        let counts = beside(k, rounds, [min, mean, max, full_doublings, terminal]);
+        (!counts.is_empty()).then(|| FounderCounts { founder: founder.name.clone(), counts })
+    };
+    StageCounts { cells: None, founders: tree.lineage.founders.iter().enumerate().filter_map(of).collect() }
 }
 
 fn at_stage(tree: &Tree, rounds: &[FounderRounds], stage: &Stage) -> StageCounts {
     let of = |observed: &ObservedAtStage| {
-        let founder = tree.lineage.founders.iter().position(|founder| founder.name == observed.founder);
-        let model = founder.and_then(|k| rounds.iter().find(|row| row.founder == k)?.rounds);
-        let model = model.map(|r| [r.min.into(), r.mean, r.max.into(), r.full_doublings.into(), r.terminal.into()]);
         let ObservedAtStage { min, mean, max, full_doublings, cells, .. } = *observed;
-        let seen: [f64; 5] = [min.into(), mean, max.into(), full_doublings.into(), cells.into()];
-        let count = |(k, reading): (usize, &&'static str)| {
-            // A factor of two in cells is one round.
-            let off = |model: f64| if *reading == "terminal" { (model / seen[k]).log2() } else { model - seen[k] };
-            let model = model.map(|model: [f64; 5]| model[k]);
-            (*reading, Count { model, observed: seen[k], within_one: model.is_some_and(|m| off(m).abs() <= 1.0) })
-        };
-        let counts = READINGS.iter().enumerate().map(count).collect();
-        FounderCounts { founder: observed.founder.clone(), counts }
+        let seen = [f64::from(min), mean, max.into(), full_doublings.into(), cells.into()];
+        let founder = tree.lineage.founders.iter().position(|founder| founder.name == observed.founder)?;
+        Some(FounderCounts { founder: observed.founder.clone(), counts: beside(founder, rounds, seen.map(Some)) })
     };
-    StageCounts { cells: stage.cells, founders: stage.founders.iter().map(of).collect() }
+    StageCounts { cells: Some(stage.cells), founders: stage.founders.iter().filter_map(of).collect() }
+}
+
+/// The model's counts of a founder beside the observed ones, in the order of [`READINGS`].
+fn beside(founder: usize, rounds: &[FounderRounds], seen: [Option<f64>; 5]) -> BTreeMap<&'static str, Count> {
+    let model = rounds.iter().find(|row| row.founder == founder).and_then(|row| row.rounds);
+    let model = model.map(|r| [r.min.into(), r.mean, r.max.into(), r.full_doublings.into(), r.terminal.into()]);
+    let count = |(k, reading): (usize, &&'static str)| {
+        let observed = seen[k]?;
+        // A factor of two in cells is one round.
+        let off = |model: f64| if *reading == "terminal" { (model / observed).log2() } else { model - observed };
+        let model = model.map(|model: [f64; 5]| model[k]);
+        Some((*reading, Count { model, observed, within_one: model.is_some_and(|m| off(m).abs() <= 1.0) }))
+    };
+    READINGS.iter().enumerate().filter_map(count).collect()
 }
 
 /// Divisions of P0, P1, P2, P3 and P4, as far as each is born.

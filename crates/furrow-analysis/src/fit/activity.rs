@@ -2,12 +2,14 @@
 //!
 //! The paper leaves open what stops lineages that mechanics would divide further. If it were activity alone, a founder and
 //! its descendants would share the ξ_s at which the model's rounds are the observed ones. A founder keeps the size it has
-//! with the run's constants, and all other cells keep their activity.
+//! with the run's constants, and all other cells keep their activity. All other parameters of a founder are those of the
+//! lineage file.
 
 use super::error::{FitError, check_cancelled};
+use super::search::{FitProgress, Limit, ShowProgress};
 use crate::ranges::{Reading, grow_alone};
 use furrow_lineage::batch::{Memo, scheduler};
-use furrow_lineage::{EndRule, GrowError, Lineage, Scope, Thresholds, TreeSettings, founder_rounds};
+use furrow_lineage::{EndRule, FounderRounds, GrowError, Lineage, Scope, Thresholds, TreeSettings, founder_rounds};
 use furrow_mechanics::critical::CriticalRadii;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -20,7 +22,9 @@ pub struct FounderActivity {
     pub name: String,
     /// Observed rounds, by the reading asked for.
     pub observed: f64,
-    /// Rounds at the activity of the run; `None` if it is never born.
+    /// Its activity in the run: that of the lineage file, else that of all cells.
+    pub run_xi_s: f64,
+    /// Rounds in the run, as `furrow tree` counts them; `None` if it is never born.
     pub rounds: Option<f64>,
     /// The widest interval of ξ_s in which rounds are within half a round of the observed; `None` if no interval exists.
     pub xi_s: Option<[f64; 2]>,
@@ -30,6 +34,8 @@ pub struct FounderActivity {
     pub nearest: Option<(f64, f64)>,
     /// Between which ξ_s was searched; above the last one rounds were too many by [`BEYOND`] or more.
     pub searched: [f64; 2],
+    /// Ends of the range asked for that `xi_s` reaches: beyond them rounds may be the observed ones as well.
+    pub at_limit: Vec<Limit>,
 }
 
 /// Largest deviation at which rounds count as the observed ones.
@@ -44,6 +50,9 @@ const TRIED: usize = 20;
 /// Halvings at each end of an interval, to half a percent. The nearer to an edge, the longer cells there wait at their threshold.
 const HALVINGS: usize = 5;
 
+/// Trees grown for a founder that show in the progress: those at the activities tried and, as a rule, for two ends.
+const MOST: usize = TRIED + 2 * HALVINGS;
+
 /// One founder's rounds over its activity.
 struct Search<'a> {
     lineage: &'a Lineage,
@@ -56,6 +65,10 @@ struct Search<'a> {
     ends: Thresholds<'a>,
     /// Trees grown for all founders.
     trees: &'a AtomicUsize,
+    /// Its rounds in the run.
+    own: Option<f64>,
+    /// Called with each tree that is grown.
+    grown: &'a (dyn Fn() + Sync),
 }
 
 impl Search<'_> {
@@ -67,6 +80,7 @@ impl Search<'_> {
     /// Rounds at an activity; `None` if the founder is never born, or the tree could not be grown.
     fn rounds(&self, xi_s: f64) -> Result<Option<f64>, GrowError> {
         self.trees.fetch_add(1, Ordering::Relaxed);
+        (self.grown)();
         let mut lineage = self.lineage.clone();
         for k in 0..lineage.founders.len() {
             if self.is_below(k) {
@@ -134,12 +148,20 @@ impl Search<'_> {
         let searched = [range[0], points.last().map_or(range[1], |last| last.0)];
         intervals.extend(open.map(|from| [from, searched[1]]));
         let width = |[from, to]: &[f64; 2]| to / from;
+        let xi_s = intervals.iter().copied().max_by(|a, b| width(a).total_cmp(&width(b)));
+        let reached = |[from, to]: [f64; 2]| {
+            let ends = [(Limit::Lower, from <= range[0]), (Limit::Upper, to >= xi_at(TRIED - 1))];
+            ends.into_iter().filter(|(_, reached)| *reached).map(|(limit, _)| limit).collect()
+        };
+        let founder = &self.lineage.founders[self.founder];
         let nearest = points.iter().filter_map(|&(xi_s, rounds)| Some((xi_s, rounds?)));
         Ok(FounderActivity {
-            name: self.lineage.founders[self.founder].name.clone(),
+            name: founder.name.clone(),
             observed,
-            rounds: self.rounds(self.settings.cell.xi_s)?,
-            xi_s: intervals.iter().copied().max_by(|a, b| width(a).total_cmp(&width(b))),
+            run_xi_s: founder.physics.xi_s.unwrap_or(self.settings.cell.xi_s),
+            rounds: self.own,
+            at_limit: xi_s.map_or(Vec::new(), reached),
+            xi_s,
             intervals,
             nearest: nearest.min_by(|a, b| (a.1 - observed).abs().total_cmp(&(b.1 - observed).abs())),
             searched,
@@ -176,17 +198,46 @@ pub fn activities(
     range: [f64; 2],
     threads: usize,
     cancel: &AtomicBool,
+    progress: Option<ShowProgress<'_>>,
 ) -> Result<(Vec<FounderActivity>, usize), FitError> {
-    let trees = &AtomicUsize::new(0);
-    let one = |founder: usize| -> Option<Result<FounderActivity, GrowError>> {
-        let observed = lineage.founders[founder].observed.and_then(|o| reading.observed(&o))?;
-        // At every activity there is another critical radius, and a search for one takes longer than a tree of divisions.
-        let ends = Thresholds::new(CriticalRadii::new(&settings.numerics)).with_scope(Scope::Known);
-        Some(Search { lineage, settings, memo, cancel, reading, founder, ends, trees }.run(observed, range))
+    let observed = |founder: usize| lineage.founders[founder].observed.and_then(|o| reading.observed(&o));
+    let sought: Vec<(usize, f64)> = (0..lineage.founders.len()).filter_map(|k| Some((k, observed(k)?))).collect();
+    // At every activity there is another critical radius, and a search for one takes longer than a tree of divisions.
+    let ends = || Thresholds::new(CriticalRadii::new(&settings.numerics)).with_scope(Scope::Known);
+    // Trees grown, and those that count as done: all of a founder's once its search has ended.
+    let (trees, done, of) = (&AtomicUsize::new(0), AtomicUsize::new(0), MOST * sought.len());
+    let advance = |more: usize| {
+        if more == 0 {
+            return;
+        }
+        let done = done.fetch_add(more, Ordering::Relaxed) + more;
+        if let Some(show) = progress {
+            show(FitProgress { done, of, least: None });
+        }
     };
-    let founders = (0..lineage.founders.len()).into_par_iter().with_max_len(1);
-    let found: Vec<Option<Result<_, _>>> = scheduler::pool(threads)?.install(|| founders.map(one).collect());
+    let one = |&(founder, observed): &(usize, f64), own: &[FounderRounds]| -> Result<FounderActivity, GrowError> {
+        let own = own.iter().find(|row| row.founder == founder).and_then(|row| row.rounds);
+        let own = own.map(|rounds| reading.of(&rounds));
+        let mine = AtomicUsize::new(0);
+        let grown = || {
+            if mine.fetch_add(1, Ordering::Relaxed) < MOST {
+                advance(1);
+            }
+        };
+        let search =
+            Search { lineage, settings, memo, cancel, reading, founder, ends: ends(), trees, own, grown: &grown };
+        let found = search.run(observed, range);
+        advance(MOST.saturating_sub(mine.load(Ordering::Relaxed)));
+        found
+    };
+    let found: Result<Vec<FounderActivity>, GrowError> = scheduler::pool(threads)?.install(|| {
+        // The tree of the run, with every founder's own parameters and without the limits of the search.
+        trees.fetch_add(1, Ordering::Relaxed);
+        let (tree, _) = grow_alone(lineage, settings.clone(), EndRule::Thresholds(&ends()), memo, cancel)?;
+        let own = founder_rounds(&tree);
+        sought.par_iter().with_max_len(1).map(|founder| one(founder, &own)).collect()
+    });
     let trees = trees.load(Ordering::Relaxed);
     check_cancelled(cancel, trees, "trees")?;
-    Ok((found.into_iter().flatten().collect::<Result<_, _>>()?, trees))
+    Ok((found?, trees))
 }

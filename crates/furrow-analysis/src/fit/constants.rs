@@ -14,7 +14,7 @@
 //! zero, and the activity follows. Swarms minimise M + λT at several λ; the Pareto front comes from all evaluated sets.
 
 use super::error::{FitError, check_cancelled};
-use super::search::{Region, SearchBudget, moved, swarm};
+use super::search::{FitProgress, Limit, NumberAtLimit, Region, SearchBudget, ShowProgress, moved, swarm};
 use super::targets::{MeasuredChi, Searched, Targets};
 use crate::ranges::grow_alone;
 use furrow_cell::{Cell, Parameter};
@@ -31,7 +31,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// λ of the swarms, in misfit per unit of the thresholds' rms deviation. The first, which looks for the counts alone, has the
 /// whole region; the others what lies between its best and the constants of the start.
@@ -152,6 +152,8 @@ pub struct FittedConstants {
     /// Sets whose misfit is within 0.05 of the best: the least and the largest value of each constant among them, of the
     /// activity in units of the gain of the best.
     pub plateau: Vec<(Parameter, [f64; 2])>,
+    /// Constants of the best that lie at an end of the range in which they were searched.
+    pub at_limit: Vec<NumberAtLimit>,
     /// Sets of constants tried.
     pub tried: usize,
 }
@@ -163,8 +165,10 @@ struct Objective<'a> {
     settings: &'a TreeSettings,
     memo: &'a Memo,
     cancel: &'a AtomicBool,
-    /// Called with the number of sets tried and the least misfit so far.
-    progress: Option<&'a (dyn Fn(usize, f64) + Sync)>,
+    /// How often a set is asked for, and how often it will be at most.
+    asked: AtomicUsize,
+    of: usize,
+    progress: Option<ShowProgress<'a>>,
     /// All evaluated places by their bits, so that their order does not depend on threads.
     seen: Mutex<BTreeMap<Vec<u64>, Option<Evaluated>>>,
 }
@@ -177,6 +181,7 @@ impl Objective<'_> {
     /// The set of constants at a place of the unit cube; `None` where no tree can be grown.
     fn at(&self, place: &[f64]) -> Option<Evaluated> {
         let key: Vec<u64> = place.iter().map(|x| x.to_bits()).collect();
+        let asked = self.asked.fetch_add(1, Ordering::Relaxed) + 1;
         if let Some(known) = self.known().get(&key) {
             return known.clone();
         }
@@ -187,7 +192,7 @@ impl Objective<'_> {
         seen.insert(key, found.clone());
         if let Some(progress) = self.progress {
             let least = seen.values().flatten().map(|e| e.misfit).fold(f64::INFINITY, f64::min);
-            progress(seen.len(), least);
+            progress(FitProgress { done: asked.min(self.of), of: self.of, least: Some(least) });
         }
         found
     }
@@ -298,6 +303,24 @@ impl Objective<'_> {
         }
     }
 
+    /// How many sets are asked for: by the swarms, on the line, and along each constant both ways, of which few take all steps.
+    fn most(&self, effort: SearchBudget) -> usize {
+        let swarms: usize = (0..self.trades().len()).map(|trade| share_of(effort, trade).evaluations()).sum();
+        let doublings = (MOVES[1] / MOVES[0]).log2() as usize + 1;
+        swarms + STEPS + 2 * self.targets.unknowns.len() * (doublings + HALVINGS)
+    }
+
+    /// The constants whose best value lies at an end of the range searched.
+    fn at_limit(&self, place: &[f64]) -> Vec<NumberAtLimit> {
+        let cell = self.targets.cell_at(&self.settings.cell, place);
+        let of = |(unknown, &share): (&Searched, &f64)| {
+            let Searched { parameter, from, to } = *unknown;
+            let (name, value) = (parameter.to_string(), parameter.get(&cell));
+            Some(NumberAtLimit { name, value, limit: Limit::at(share)?, searched: [from, to] })
+        };
+        self.targets.unknowns.iter().zip(place).filter_map(of).collect()
+    }
+
     fn trades(&self) -> &[f64] {
         if self.targets.thresholds.is_empty() { &TRADES[..1] } else { &TRADES }
     }
@@ -365,10 +388,13 @@ pub fn fit_constants(
     effort: SearchBudget,
     threads: usize,
     cancel: &AtomicBool,
-    progress: Option<&(dyn Fn(usize, f64) + Sync)>,
+    progress: Option<ShowProgress<'_>>,
 ) -> Result<FittedConstants, FitError> {
     let lineage = &bounded(lineage);
-    let objective = Objective { lineage, targets, settings, memo, cancel, progress, seen: Mutex::default() };
+    let (asked, seen) = (AtomicUsize::new(0), Mutex::default());
+    let mut objective = Objective { lineage, targets, settings, memo, cancel, asked, of: 0, progress, seen };
+    objective.of = objective.most(effort);
+    let objective = objective;
     scheduler::pool(threads)?.install(|| {
         let start = targets.place_of(&settings.cell);
         let first = objective.evaluate(&settings.cell);
@@ -376,8 +402,7 @@ pub fn fit_constants(
         for (k, &trade) in objective.trades().iter().enumerate() {
             let all = || vec![[0.0, 1.0]; start.len()];
             let region = best.as_ref().map_or_else(all, |(place, _)| between(&start, place));
-            let moves = if k == 0 { effort.moves } else { (effort.moves / SHARE).max(1) };
-            let effort = SearchBudget { moves, seed: effort.seed.wrapping_add(k as u64), ..effort };
+            let effort = share_of(effort, k);
             let found = swarm(&region, effort, &|place| objective.traded(place, trade));
             objective.check_cancelled()?;
             if k == 0 {
@@ -393,6 +418,12 @@ pub fn fit_constants(
 
 /// What is tried, in errors.
 const SETS: &str = "sets of constants";
+
+/// The effort that the swarm of a trade is given.
+fn share_of(effort: SearchBudget, trade: usize) -> SearchBudget {
+    let moves = if trade == 0 { effort.moves } else { (effort.moves / SHARE).max(1) };
+    SearchBudget { moves, seed: effort.seed.wrapping_add(trade as u64), ..effort }
+}
 
 /// The least of all, how sharp it is, and the front.
 fn complete(objective: &Objective<'_>, start: Evaluated, from: &[f64]) -> Option<FittedConstants> {
@@ -415,7 +446,8 @@ fn complete(objective: &Objective<'_>, start: Evaluated, from: &[f64]) -> Option
         found = better;
         sharpness = objective.sharpness(&found.0, &found.1);
     }
-    let (_, best) = least(objective)?;
+    let (place, best) = least(objective)?;
+    let at_limit = objective.at_limit(&place);
     let seen = objective.known();
     let near = || seen.values().flatten().filter(|e| e.misfit <= best.misfit + WORSE);
     let range = |unknown: &Searched| {
@@ -426,7 +458,7 @@ fn complete(objective: &Objective<'_>, start: Evaluated, from: &[f64]) -> Option
     };
     let plateau = objective.targets.unknowns.iter().map(range).collect();
     let front = front(seen.values().flatten().chain([&start]));
-    Some(FittedConstants { best, front, sharpness, plateau, tried: seen.len() + 1, start })
+    Some(FittedConstants { best, front, sharpness, plateau, at_limit, tried: seen.len() + 1, start })
 }
 
 /// A constant of a cell; its activity at the gain of the best, since shapes depend on the product alone.
@@ -466,4 +498,26 @@ fn front<'a>(all: impl Iterator<Item = &'a Evaluated>) -> Vec<Evaluated> {
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use furrow_lineage::batch::Quantisation;
+
+    #[test]
+    fn a_constant_at_the_edge_of_its_range_is_named() {
+        let (lineage, targets) = (&Lineage::c_elegans().unwrap(), &Targets::embryo().unwrap());
+        let (settings, memo, cancel) = (&TreeSettings::default(), &Memo::new(Quantisation::DEFAULT), &false.into());
+        let (asked, of, progress, seen) = (AtomicUsize::new(0), 0, None, Mutex::default());
+        let objective = Objective { lineage, targets, settings, memo, cancel, asked, of, progress, seen };
+        let mut place = vec![0.5; targets.unknowns.len()];
+        assert_eq!(objective.at_limit(&place), []);
+        place[0] = 1.0;
+        let Searched { parameter, from, to } = targets.unknowns[0];
+        let (name, searched, limit) = (parameter.to_string(), [from, to], Limit::Upper);
+        let found = objective.at_limit(&place);
+        assert!((found[0].value / to - 1.0).abs() < 1e-12, "{found:?}");
+        assert_eq!(found, [NumberAtLimit { name, value: found[0].value, limit, searched }]);
+    }
 }

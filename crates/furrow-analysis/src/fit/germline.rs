@@ -10,7 +10,7 @@
 //! measurements determine each number, and which combinations they leave open.
 
 use super::error::{FitError, check_cancelled};
-use super::search::{SearchBudget, descend, swarm};
+use super::search::{FitProgress, Limit, NumberAtLimit, SearchBudget, ShowProgress, descend, swarm};
 use super::targets::{MeasuredChi, Targets};
 use furrow_cell::cue::{Quantity, Width};
 use furrow_cell::{Cell, Cue, Parameter};
@@ -21,6 +21,7 @@ use furrow_mechanics::division::{Division, DivisionInput, DivisionOptions, Outco
 use furrow_spectra::Svd;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Between which values the numbers of a cue are searched: places, widths in u, widths in L_h, amplitudes.
@@ -89,6 +90,8 @@ pub struct FittedCue {
     pub combinations: Option<Vec<Combination>>,
     /// Measurements that nothing was fitted to, beside the model with this cue.
     pub out_of_sample: Vec<ChiResidual>,
+    /// Numbers of the cue that lie at an end of the range in which they were searched.
+    pub at_limit: Vec<NumberAtLimit>,
     /// Cues tried.
     pub tried: usize,
 }
@@ -229,6 +232,11 @@ struct Objective<'a> {
     unknowns: Vec<Unknown>,
     cancel: &'a AtomicBool,
     tried: AtomicUsize,
+    /// Most cues that are tried.
+    of: usize,
+    /// The least misfit so far.
+    least: Mutex<f64>,
+    progress: Option<ShowProgress<'a>>,
 }
 
 impl Objective<'_> {
@@ -265,8 +273,18 @@ impl Objective<'_> {
         if self.check_cancelled().is_err() || outside > 0.0 {
             return f64::INFINITY;
         }
-        self.tried.fetch_add(1, Ordering::Relaxed);
-        self.fitted(place).iter().map(|r| r.residual.unwrap_or(UNDIVIDED).powi(2)).sum()
+        let tried = self.tried.fetch_add(1, Ordering::Relaxed) + 1;
+        let misfit = self.fitted(place).iter().map(|r| r.residual.unwrap_or(UNDIVIDED).powi(2)).sum();
+        self.show(tried, misfit);
+        misfit
+    }
+
+    fn show(&self, tried: usize, misfit: f64) {
+        let Some(show) = self.progress else { return };
+        // The number stays valid if a thread panics.
+        let mut least = self.least.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        *least = least.min(misfit);
+        show(FitProgress { done: tried.min(self.of), of: self.of, least: Some(*least) });
     }
 
     fn chain<'a>(&'a self, cue: &'a Cue, volumes: &'a BTreeMap<String, f64>) -> Chain<'a> {
@@ -328,9 +346,12 @@ pub fn fit_cue(
     effort: SearchBudget,
     threads: usize,
     cancel: &AtomicBool,
+    progress: Option<ShowProgress<'_>>,
 ) -> Result<FittedCue, FitError> {
-    let unknowns = unknowns(template);
-    let objective = Objective { lineage, targets, settings, template, unknowns, cancel, tried: AtomicUsize::new(0) };
+    let (unknowns, tried, least) = (unknowns(template), AtomicUsize::new(0), Mutex::new(f64::INFINITY));
+    // A simplex asks for its corners and, in most steps, for one or two places.
+    let of = effort.evaluations() + unknowns.len() + 1 + 2 * DESCENT as usize;
+    let objective = Objective { lineage, targets, settings, template, unknowns, cancel, tried, of, least, progress };
     scheduler::pool(threads)?.install(|| {
         let region = vec![[0.0, 1.0]; objective.unknowns.len()];
         let found = swarm(&region, effort, &|place| objective.chi_squared(place));
@@ -363,7 +384,14 @@ fn complete(objective: &Objective<'_>, place: &[f64], chi_squared: f64) -> Resul
         searched: unknown.limits.map(|limit| limit * unknown.sign),
         sd: sd(k),
     };
-    let numbers = objective.unknowns.iter().enumerate().map(number).collect();
+    let numbers: Vec<CueNumber> = objective.unknowns.iter().enumerate().map(number).collect();
+    let limited = |(number, &share): (&CueNumber, &f64)| {
+        let CueNumber { name, value, searched, .. } = number;
+        // The range of a negative amplitude runs downwards.
+        let share = if searched[0] > searched[1] { 1.0 - share } else { share };
+        Some(NumberAtLimit { name: name.clone(), value: *value, limit: Limit::at(share)?, searched: *searched })
+    };
+    let at_limit = numbers.iter().zip(place).filter_map(limited).collect();
     let others = objective.targets.out_of_sample.iter();
     let out_of_sample = others.flat_map(|out| objective.residuals(&cue, &out.volumes, &out.chi)).collect();
     Ok(FittedCue {
@@ -374,6 +402,7 @@ fn complete(objective: &Objective<'_>, place: &[f64], chi_squared: f64) -> Resul
         sensitivities,
         combinations,
         out_of_sample,
+        at_limit,
         tried: objective.tried.load(Ordering::Relaxed),
     })
 }
@@ -411,7 +440,8 @@ mod tests {
         let place = unknowns.iter().map(share).collect();
         let (tried, cancel) = (AtomicUsize::new(0), &AtomicBool::new(false));
         let (lineage, targets, settings, template) = (&lineage, &targets, &settings, &template);
-        then(&Objective { lineage, targets, settings, template, unknowns, cancel, tried }, place)
+        let (of, least, progress) = (0, Mutex::new(f64::INFINITY), None);
+        then(&Objective { lineage, targets, settings, template, unknowns, cancel, tried, of, least, progress }, place)
     }
 
     #[test]
@@ -434,6 +464,18 @@ mod tests {
                     assert!(off < 0.02 * expected.abs() + 1e-3, "row {i}, {of}: {} {expected}", row[k]);
                 }
             }
+        });
+    }
+
+    #[test]
+    fn a_number_at_the_edge_of_its_range_is_named() {
+        of_the_embryo(|objective, mut place| {
+            assert!(complete(objective, &place, 1.0).unwrap().at_limit.is_empty());
+            let amplitude = place.len() - 1;
+            place[amplitude] = 0.001;
+            let found = complete(objective, &place, 1.0).unwrap().at_limit;
+            let [NumberAtLimit { name, limit: Limit::Lower, searched, .. }] = &found[..] else { panic!("{found:?}") };
+            assert_eq!((name.as_str(), *searched), ("cue[0].amplitude", AMPLITUDES));
         });
     }
 }

@@ -21,5 +21,5 @@ pub use activity::{FounderActivity, activities};
 pub use constants::{Evaluated, FittedConstants, fit_constants};
 pub use error::FitError;
 pub use germline::{ChiResidual, FittedCue, fit_cue};
-pub use search::SearchBudget;
+pub use search::{FitProgress, Limit, NumberAtLimit, SearchBudget};
 pub use targets::Targets;

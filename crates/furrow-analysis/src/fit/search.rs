@@ -8,9 +8,13 @@ use argmin::solver::neldermead::NelderMead;
 use argmin::solver::particleswarm::ParticleSwarm;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
+use serde::Serialize;
 
 /// The misfit to minimise over the unit cube; infinite where it is undefined.
 type Misfit<'a> = &'a (dyn Fn(&[f64]) -> f64 + Sync);
+
+/// Share of a range next to an end of it that counts as the end: a simplex only comes near it.
+const AT_LIMIT: f64 = 0.005;
 
 /// A box inside the unit cube, [lower, upper] by coordinate.
 pub type Region = Vec<[f64; 2]>;
@@ -24,6 +28,66 @@ pub struct SearchBudget {
     pub moves: u64,
     /// Seed of their positions and moves.
     pub seed: u64,
+}
+
+/// An end of the range in which a number is searched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Limit {
+    /// The lower end.
+    Lower,
+    /// The upper end.
+    Upper,
+}
+
+impl Limit {
+    /// That end of a range.
+    pub fn of(self, [lower, upper]: [f64; 2]) -> f64 {
+        if self == Limit::Lower { lower } else { upper }
+    }
+
+    /// The end at which a place of the unit interval lies, if it does: beyond it the fit may be better.
+    pub(super) fn at(share: f64) -> Option<Limit> {
+        match share {
+            share if share <= AT_LIMIT => Some(Limit::Lower),
+            share if share >= 1.0 - AT_LIMIT => Some(Limit::Upper),
+            _ => None,
+        }
+    }
+}
+
+/// A number whose best value lies at an end of the range in which it was searched.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NumberAtLimit {
+    /// Its name.
+    pub name: String,
+    /// The best value.
+    pub value: f64,
+    /// The end.
+    pub limit: Limit,
+    /// Between which values was searched.
+    pub searched: [f64; 2],
+}
+
+/// How far a search has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FitProgress {
+    /// Candidates tried.
+    pub done: usize,
+    /// Most candidates that will be tried.
+    pub of: usize,
+    /// The least misfit so far, where there is one misfit.
+    pub least: Option<f64>,
+}
+
+/// What is called with the progress of a fit, from any thread.
+pub type ShowProgress<'a> = &'a (dyn Fn(FitProgress) + Sync);
+
+impl SearchBudget {
+    /// How often a swarm asks for the misfit: at its first positions and after each move.
+    pub(super) fn evaluations(self) -> usize {
+        self.particles * (self.moves as usize + 1)
+    }
 }
 
 /// A misfit as the solver asks for it.
@@ -102,5 +166,13 @@ mod tests {
         let bowl = |place: &[f64]| (place[0] - 0.31).powi(2) + 3.0 * (place[1] - 0.72).powi(2);
         let (place, _) = descend(&[0.4, 0.6], 0.05, 200, &bowl).unwrap();
         assert!((place[0] - 0.31).abs() < 1e-3 && (place[1] - 0.72).abs() < 1e-3, "{place:?}");
+    }
+
+    #[test]
+    fn ends_of_a_range_are_told_from_its_inside() {
+        let at = [0.0, 0.004, 0.006, 0.5, 0.994, 0.996, 1.0].map(Limit::at);
+        let (lower, upper) = (Some(Limit::Lower), Some(Limit::Upper));
+        assert_eq!(at, [lower, lower, None, None, None, upper, upper]);
+        assert_eq!(Limit::Upper.of([2.0, 3.0]), 3.0);
     }
 }

@@ -37,8 +37,8 @@ pub struct Context<'a> {
     pub cancel: &'a AtomicBool,
     /// Measured divisions, if there are any, with the name of their table.
     pub measured: Option<(&'a str, &'a [furrow_measured::events::Division])>,
-    /// Called with the name of each figure before it is computed.
-    pub progress: &'a (dyn Fn(&str) + Sync),
+    /// Called before each figure with its name, the number of figures done and that of all.
+    pub progress: &'a (dyn Fn(&str, usize, usize) + Sync),
 }
 
 /// Why nothing is reproduced at all.

@@ -49,7 +49,7 @@ fn joined(chi: &[Option<f64>]) -> String {
 /// Figure 4C: rounds of the founders, read as the most of any of their cells.
 pub fn rounds(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
     let tree = grow(figure, &Lineage::c_elegans()?)?;
-    let counts = counts(&tree)?;
+    let counts = counts(&tree, "c_elegans.ron (built in)")?;
     let hatching = counts.stages.last();
     let named = ["AB", "EMS", "C", "D"].map(|name| {
         let founder = hatching.and_then(|stage| stage.founders.iter().find(|founder| founder.founder == name));
@@ -58,7 +58,7 @@ pub fn rounds(figure: &mut Figure<'_>) -> Result<(), ReproduceError> {
             format!("{name} {} for {}", count.model.map_or("-".to_owned(), |n| n.to_string()), count.observed)
         })
     });
-    let [germline, observed] = counts.germline;
+    let [germline, observed] = counts.germline.unwrap_or_default();
     let others = counts.sentence.iter().filter(|of| of.holds).map(|of| of.reading).collect::<Vec<_>>().join(", ");
     let holds = counts.sentence.iter().any(|of| of.reading == "max" && of.holds);
     let text = format!("{}, P {germline} for {observed}", named.join(", "));

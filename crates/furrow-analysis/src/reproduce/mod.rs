@@ -16,7 +16,7 @@
 //!
 //! let (settings, memo) = (Settings::default(), Memo::new(Quantisation::DEFAULT));
 //! let cancel = AtomicBool::new(false);
-//! let context = Context { settings: &settings, memo: &memo, threads: 0, cancel: &cancel, measured: None, progress: &|_| () };
+//! let context = Context { settings: &settings, memo: &memo, threads: 0, cancel: &cancel, measured: None, progress: &|_, _, _| () };
 //! let found = reproduce(&context, &selected(&["S4".to_owned()])?)?;
 //! assert!(found.items.iter().all(|item| item.pass));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -159,14 +159,15 @@ fn nothing(_: &mut Figure<'_>) -> Result<(), ReproduceError> {
 /// [`ReproduceError`]. A statement that cannot be computed does not agree, and says why.
 pub fn reproduce(context: &Context<'_>, statements: &[Statement]) -> Result<Reproduction, ReproduceError> {
     let mut out = Reproduction::default();
-    for group in statements.chunk_by(|a, b| a.figure == b.figure) {
+    let groups: Vec<&[Statement]> = statements.chunk_by(|a, b| a.figure == b.figure).collect();
+    for (done, group) in groups.iter().enumerate() {
         let (findings, panels, warnings) = <_>::default();
         let mut figure = Figure { context, statements: group, findings, panels, warnings };
-        (context.progress)(figure.name());
+        (context.progress)(figure.name(), done, groups.len());
         let start = Instant::now();
         compute(figure.name())(&mut figure)?;
         let seconds = start.elapsed().as_secs_f64();
-        for statement in group {
+        for statement in *group {
             let finding = figure.findings.iter().find(|finding| finding.id == statement.id).cloned();
             out.items.push(item(statement, finding, seconds));
         }

@@ -59,6 +59,14 @@ impl Movie<'_> {
     /// # Errors
     /// [`FigureError`].
     pub fn bytes(&self, format: MovieFormat) -> Result<Vec<u8>, FigureError> {
+        self.bytes_shown(format, &|_, _| ())
+    }
+
+    /// The same, and calls `shown` with the number of frames drawn and of all.
+    ///
+    /// # Errors
+    /// [`FigureError`].
+    pub fn bytes_shown(&self, format: MovieFormat, shown: &dyn Fn(usize, usize)) -> Result<Vec<u8>, FigureError> {
         let end = self.film.times().last().copied().unwrap_or(0.0);
         let last = self.frames.max(2) - 1;
         let times: Vec<f64> = (0..=last).map(|k| end * k as f64 / last as f64).collect();
@@ -72,7 +80,7 @@ impl Movie<'_> {
         let pixels = |t: f64| stage.frame(t).pixels(1.0).map(|(colours, _)| colours).ok_or(FigureError::Size(SIZE));
         let mut out = Vec::new();
         match format {
-            MovieFormat::Svg => out = animated(&stage, &times).into_bytes(),
+            MovieFormat::Svg => out = animated(&stage, &times, shown).into_bytes(),
             MovieFormat::Gif => {
                 let [width, height] = SIZE.map(|length| length as u16);
                 let mut encoder = gif::Encoder::new(&mut out, width, height, &[])?;
@@ -81,6 +89,7 @@ impl Movie<'_> {
                     let mut frame = gif::Frame::from_rgb_speed(width, height, &pixels(*t)?, HASTE);
                     frame.delay = delay(k);
                     encoder.write_frame(&frame)?;
+                    shown(k + 1, times.len());
                 }
             }
             MovieFormat::Png => {
@@ -92,6 +101,7 @@ impl Movie<'_> {
                 for (k, t) in times.iter().enumerate() {
                     writer.set_frame_delay(delay(k), 100)?;
                     writer.write_image_data(&pixels(*t)?)?;
+                    shown(k + 1, times.len());
                 }
                 writer.finish()?;
             }
@@ -101,7 +111,7 @@ impl Movie<'_> {
 }
 
 /// Every frame as a group that is seen for its time. A reader that plays nothing shows the frame in which the furrow is deep.
-fn animated(stage: &Stage<'_>, times: &[f64]) -> String {
+fn animated(stage: &Stage<'_>, times: &[f64], shown: &dyn Fn(usize, usize)) -> String {
     let (last, deep) = (times.len() - 1, times.len() * 4 / 5);
     let seconds = |k: usize| f64::from(DELAY) * k as f64 / 100.0 * 80.0 / times.len() as f64;
     let total = seconds(last) + f64::from(LAST) / 100.0;
@@ -112,9 +122,10 @@ fn animated(stage: &Stage<'_>, times: &[f64]) -> String {
             _ if k == last => ("none;inline", format!("0;{from:.4}")),
             _ => ("none;inline;none", format!("0;{from:.4};{to:.4}")),
         };
-        let (shown, frame) = (if k == deep { "inline" } else { "none" }, stage.frame(*t).elements());
+        let (display, frame) = (if k == deep { "inline" } else { "none" }, stage.frame(*t).elements());
+        shown(k + 1, times.len());
         format!(
-            "<g display=\"{shown}\"><animate attributeName=\"display\" values=\"{values}\" keyTimes=\"{moments}\" \
+            "<g display=\"{display}\"><animate attributeName=\"display\" values=\"{values}\" keyTimes=\"{moments}\" \
              dur=\"{total:.2}s\" calcMode=\"discrete\" repeatCount=\"indefinite\"/>{frame}</g>\n"
         )
     };

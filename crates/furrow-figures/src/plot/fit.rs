@@ -40,7 +40,7 @@ fn nearest(founder: &FounderActivity) -> bool {
 /// Draws the activities with which each founder has the observed rounds; `xi_s` is that of the run.
 pub fn draw_activities(founders: &[FounderActivity], xi_s: f64) -> Canvas {
     let diamond = Key::Point(style::ASYMMETRIC, Marker::Diamond);
-    let legend = Legend::default()
+    let mut legend = Legend::default()
         .with_if(
             founders.iter().any(|f| !f.intervals.is_empty()),
             Key::Area(style::MODEL),
@@ -48,11 +48,16 @@ pub fn draw_activities(founders: &[FounderActivity], xi_s: f64) -> Canvas {
         )
         .with_if(founders.iter().any(nearest), diamond, "nearest tried, where there is none")
         .with(Key::Dashes(style::MUTED, style::DASHED), "of all others");
+    let own = || founders.iter().enumerate().filter(|(_, founder)| founder.run_xi_s != xi_s);
+    if own().next().is_some() {
+        legend = legend.with(Key::Line(style::INK), "its own, by the lineage file");
+    }
     let height = 78.0 + ROW * founders.len() as f64;
     let title = "Activity with which each founder has the observed rounds";
     let (mut canvas, top) = titled(WIDTH, height, title, &legend);
     let ends = founders.iter().flat_map(|f| f.intervals.iter().flatten().copied().chain(f.nearest.map(|(xi, _)| xi)));
-    let x = Axis::new(style::ACTIVITY, widened(ends.chain([xi_s]), 0.06));
+    let given = founders.iter().map(|founder| founder.run_xi_s);
+    let x = Axis::new(style::ACTIVITY, widened(ends.chain([xi_s]).chain(given), 0.06));
     let y = Axis::names("", founders.iter().map(|founder| founder.name.clone()).collect(), true);
     let [low, high] = y.range;
     let mut chart = Chart::new(&mut canvas, [0.0, top], [WIDTH, height], x, y);
@@ -65,6 +70,10 @@ pub fn draw_activities(founders: &[FounderActivity], xi_s: f64) -> Canvas {
         if let (true, Some((xi, _))) = (founder.intervals.is_empty(), founder.nearest) {
             chart.point([xi, y], 6.5, Marker::Diamond, style::ASYMMETRIC);
         }
+    }
+    for (k, founder) in own() {
+        let (x, y) = (founder.run_xi_s, k as f64);
+        chart.line([[x, y - 0.42], [x, y + 0.42]], Stroke::solid(style::INK, 2.0));
     }
     canvas
 }

@@ -2,18 +2,23 @@
 
 use std::fmt::Write;
 
-use super::column::COLUMNS;
+use super::column::{COLUMNS, Kind};
+use furrow_input::csv_field;
 use furrow_lineage::Tree;
 
-/// One row a cell, mothers before daughters: its name, then all columns; what is not there is an empty field.
+/// One row a cell, mothers before daughters: its name, then all columns; what is not there is an empty field. A name that
+/// a spreadsheet would take for a formula has an apostrophe before it.
 pub(super) fn cells_csv(tree: &Tree) -> String {
     let mut writer = csv::WriterBuilder::new().from_writer(Vec::with_capacity(200 * tree.len()));
     // Writing to memory does not fail.
     let _ = writer.write_record(["name"].into_iter().chain(COLUMNS.iter().map(|column| column.name)));
     for id in tree.cells() {
-        let _ = writer.write_field(&tree.cell(id).name);
+        let _ = writer.write_field(&*csv_field(&tree.cell(id).name));
         for column in &COLUMNS {
-            let _ = writer.write_field((column.of)(tree, id).unwrap_or_default());
+            let value = (column.of)(tree, id).unwrap_or_default();
+            // A negative number is no formula.
+            let field = if column.kind == Kind::Text { csv_field(&value) } else { value.as_str().into() };
+            let _ = writer.write_field(&*field);
         }
         let _ = writer.write_record(None::<&[u8]>);
     }

@@ -3,6 +3,8 @@
 //! Where the primary branch has a stable shape the cell stays at rest: that is told by its exact folds and pitchforks,
 //! column by column. Elsewhere divisions tell.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -113,6 +115,9 @@ pub struct PhaseDiagram {
     pub summary: Summary,
 }
 
+/// What is called with the number of columns done and of all.
+pub type ColumnsShown<'a> = &'a (dyn Fn(usize, usize) + Sync);
+
 /// Evenly spaced values, both ends included; the first alone if there is one.
 pub fn spaced(from: f64, to: f64, points: usize) -> Vec<f64> {
     let last = (points.max(2) - 1) as f64;
@@ -127,13 +132,15 @@ impl PhasePlane {
     }
 
     /// The stable shapes of every column, on all cores.
-    fn columns(&self, threads: usize) -> Result<Vec<Column>, SchedulerError> {
+    fn columns(&self, threads: usize, shown: ColumnsShown<'_>) -> Result<Vec<Column>, SchedulerError> {
         // A little beyond the diagram, so that its upper rim is inside.
         let xi_max = 1.01 * self.up.iter().copied().fold(0.0, f64::max) + 0.1;
+        let done = AtomicUsize::new(0);
         let column = |&x: &f64| {
             let found = rest_shapes(&self.cell_at(x), &self.numerics, xi_max);
             let error = found.as_ref().err().cloned();
             let RestShapes { intervals, edges } = found.unwrap_or_default();
+            shown(done.fetch_add(1, Ordering::Relaxed) + 1, self.across.len());
             Column { x, at_rest: intervals, edges, error }
         };
         let pool = scheduler::pool(threads)?;
@@ -146,7 +153,20 @@ impl PhasePlane {
     /// [`SchedulerError`] if no workers can be started. A division that cannot be computed is counted in
     /// [`PhaseDiagram::undecided`], and [`Summary::interrupted`] tells whether the run was stopped.
     pub fn compute(&self, memo: &Memo, options: &SchedulerOptions<'_>) -> Result<PhaseDiagram, SchedulerError> {
-        let columns = self.columns(options.threads)?;
+        self.compute_shown(memo, options, &|_, _| ())
+    }
+
+    /// The same, and calls `shown` with the columns whose shapes are known, which come before the divisions, and their number.
+    ///
+    /// # Errors
+    /// As [`compute`](PhasePlane::compute).
+    pub fn compute_shown(
+        &self,
+        memo: &Memo,
+        options: &SchedulerOptions<'_>,
+        shown: ColumnsShown<'_>,
+    ) -> Result<PhaseDiagram, SchedulerError> {
+        let columns = self.columns(options.threads, shown)?;
         let points = || columns.iter().flat_map(|column| self.up.iter().map(move |xi_s| (column, *xi_s)));
         let rests = |column: &Column, xi_s: f64| column.at_rest.iter().any(|[a, b]| (*a..=*b).contains(&xi_s));
         let inputs = points().filter(|(column, xi_s)| !rests(column, *xi_s)).map(|(column, xi_s)| {

@@ -8,8 +8,8 @@ use furrow_cell::{Numerics, Scheme};
 
 /// The factor 1 + Σ r_n cos(nπu) on ξ_s and ξ_b, n = 1 … 10.
 ///
-/// The coefficients r_n are uniform on [−amplitude, amplitude]: doubles (53 bits) of MT19937 seeded with the low 32 bits of the
-/// seed. The first ten act in the first step. Sustained noise takes ten more every `noise_time` and goes smoothly from one set
+/// The coefficients r_n are uniform on [−amplitude, amplitude]: doubles (53 bits) of MT19937, seeded with the seed if it has 32 bits
+/// and with its two halves otherwise. The first ten act in the first step. Sustained noise takes ten more every `noise_time` and goes smoothly from one set
 /// to the next, so that it is a function of time alone, whatever the steps.
 #[derive(Clone, Debug)]
 pub struct Noise {
@@ -21,11 +21,19 @@ pub struct Noise {
     knots: Vec<[f64; 10]>,
 }
 
+/// MT19937 of a seed: its reference code takes 32 bits, or an array of such numbers, here the lower and the upper half.
+fn generator(seed: u64) -> Mt {
+    match u32::try_from(seed) {
+        Ok(seed) => Mt::new(seed),
+        Err(_) => Mt::new_with_key([seed as u32, (seed >> 32) as u32]),
+    }
+}
+
 impl Noise {
     /// The noise of a seed.
     pub fn new(seed: u64, numerics: &Numerics) -> Noise {
         let time = Some(numerics.noise_time).filter(|time| *time > 0.0 && numerics.noise != 0.0);
-        Noise { amplitude: numerics.noise, time, generator: Mt::new(seed as u32), knots: Vec::new() }
+        Noise { amplitude: numerics.noise, time, generator: generator(seed), knots: Vec::new() }
     }
 
     /// The time that the noise takes to change, where it lasts for all of the division.
@@ -66,5 +74,23 @@ impl Noise {
             }));
         }
         self.knots[number]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_seed_has_noise_of_its_own() {
+        let numerics = Numerics::default();
+        let drawn = |seed: u64| Noise::new(seed, &numerics).coefficients(0.0);
+        let seeds = [0, 1, u64::from(u32::MAX), 1 << 32, (1 << 32) + 1, 1 << 33, u64::MAX];
+        for (k, seed) in seeds.iter().enumerate() {
+            assert!(seeds[..k].iter().all(|other| drawn(*other) != drawn(*seed)), "{seed}");
+        }
+        // Seeds of 32 bits draw what they always have: the first double of MT19937 with the seed 0.
+        let first = numerics.noise * (2.0 * 0.548_813_503_927_324_8 - 1.0);
+        assert!((drawn(0)[0] / first - 1.0).abs() < 1e-12, "{} {first}", drawn(0)[0]);
     }
 }

@@ -1,0 +1,104 @@
+//! `furrow fit cue`: the cue that gives the measured χ of the germline.
+
+use clap::Args;
+use serde_json::json;
+
+use super::{Fit, LineageArgs, SearchArgs, TargetsArgs, at_limit_text, or_dash, show};
+use crate::cli::context::Context;
+use crate::cli::error::CliError;
+use crate::cli::interrupt;
+use crate::cli::output::{merged, print_as};
+use crate::cli::picture::PlotArgs;
+use crate::cli::progress::ProgressLine;
+use crate::cli::tree::bad_cue;
+use furrow_analysis::fit::{ChiResidual, FittedCue, fit_cue};
+use furrow_figures::plot;
+use furrow_input::InputError;
+use std::fmt::Write;
+
+/// Fits the numbers of a cue to the measured χ of the germline
+///
+/// Says which combinations of the numbers stay undetermined, and predicts divisions that were not fitted.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  furrow fit cue --preset sulston1983
+  furrow fit cue --cue activity:step,u0=0.5,omega=0.1,amplitude=0.1 --particles 4 --moves 1")]
+pub struct CueArgs {
+    #[command(flatten)]
+    lineage: LineageArgs,
+    #[command(flatten)]
+    targets: TargetsArgs,
+    /// Start of the search: the terms of this cue are kept, their numbers are fitted
+    #[arg(help_heading = "Cue", long, value_name = "CUE", default_value = CUE)]
+    cue: String,
+    #[command(flatten)]
+    search: SearchArgs,
+    #[command(flatten)]
+    plot: PlotArgs,
+}
+
+/// The published cue.
+const CUE: &str = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1";
+
+pub fn run(args: &CueArgs, context: &Context) -> Result<(), CliError> {
+    let fit = Fit::new(&args.lineage, context)?;
+    let targets = fit.targets(&args.targets)?;
+    let (lineage, settings) = (&fit.lineage, &fit.settings);
+    let template = lineage.parse_cue(&args.cue).map_err(bad_cue)?;
+    InputError::require(!template.is_none(), "--cue", "cue", &args.cue, "a cue with at least one term")?;
+    let file = args.targets.targets.as_ref().map_or(String::new(), |path| path.display().to_string());
+    InputError::require(!targets.chi.is_empty(), file, "chi", "[]", "at least one measured χ")?;
+    let picture = args.plot.file()?;
+    let line = ProgressLine::new(context.progress);
+    let progress = |progress| show(&line, "cues", progress);
+    let (budget, flag) = (args.search.budget(), interrupt::flag());
+    let found = fit_cue(lineage, &targets, settings, &template, budget, context.threads, flag, Some(&progress));
+    drop(line);
+    let found = found?;
+    picture.write(|| plot::fit::draw_cue(&found))?;
+    let elapsed_s = fit.elapsed_s();
+    let document = merged(json!(found), json!({ "seed": args.search.seed, "elapsed_s": elapsed_s }));
+    print_as(context.json, &document, || {
+        let out_of_sample = targets.out_of_sample.as_ref().map_or("", |out| &out.name);
+        format!("{}{} cues tried, {elapsed_s:.0} s\n", cue_text(&found, out_of_sample), found.tried)
+    })
+}
+
+fn cue_text(found: &FittedCue, out_of_sample: &str) -> String {
+    let mut out = format!("cue {}\n\n", found.cue);
+    for number in &found.numbers {
+        let sd = number.sd.map_or("undetermined".to_owned(), |sd| format!("± {sd:.4}"));
+        let [from, to] = number.searched;
+        let _ = writeln!(out, "{:<18} {:>9.4} {sd}  (searched {from}..{to})", number.name, number.value);
+    }
+    out += &at_limit_text(&found.at_limit, "the terms of the cue may not suffice");
+    let row = |r: &ChiResidual| {
+        let [r0, chi] = [r.r0, r.computed].map(|v| or_dash(v.map(|v| format!("{v:.3}"))));
+        let off = or_dash(r.residual.map(|v| format!("{v:+.2}")));
+        let measured = format!("{:.3} ± {:.3}", r.measured, r.sd);
+        format!("{:<8} {r0:>8} {measured:>18} {chi:>8} {off:>10}\n", r.cell)
+    };
+    let table = |residuals: &[ChiResidual]| -> String {
+        let heading = "cell           R0         χ measured    model  off by sd\n".to_owned();
+        [heading].into_iter().chain(residuals.iter().map(row)).collect()
+    };
+    let _ = writeln!(out, "\nχ² = {:.2} over {} divisions", found.chi_squared, found.residuals.len());
+    out += &table(&found.residuals);
+    match &found.combinations {
+        None => out += "\nsensitivities skipped (not smooth)\n",
+        Some(combinations) => {
+            out += "\nstandard deviations of χ per unit step (by logarithm, or in u), by combination:\n";
+            for held in combinations {
+                let parts = held.components.iter().zip(&found.numbers).map(|(x, n)| format!("{x:+.3} {}", n.name));
+                let parts = parts.collect::<Vec<_>>().join(" ");
+                let open = if held.determined { "" } else { "  (undetermined)" };
+                let _ = writeln!(out, "{:>10.2}  {parts}{open}", held.singular_value);
+            }
+        }
+    }
+    if !found.out_of_sample.is_empty() {
+        let _ = write!(out, "\n{out_of_sample}, predicted:\n{}", table(&found.out_of_sample));
+    }
+    out + "\n"
+}
