@@ -5,12 +5,13 @@ use furrow_lineage::batch::SOLVER_VERSION;
 use furrow_mechanics::division::{Division, DivisionInput, divide};
 
 /// Radius, ε, cue, seed, the published scheme, and the hash of the division's numbers in this version of the solver.
-const DIVISIONS: [(f64, f64, &str, u64, bool, &str); 12] = [
+const DIVISIONS: [(f64, f64, &str, u64, bool, &str); 13] = [
     (1.5, 0.87, "none", 0, false, "45f94a517dcb887e"),
     (1.6, 0.7, "none", 3, false, "d3ef96e0ee3e9ef9"),
     (2.0, 0.87, "none", 1, false, "0c54b2f49ca73312"),
     (2.5, 0.87, "none", 0, false, "0f5514aad4bba33f"),
     (2.5, 0.87, "none", 7, false, "6ec046de0787d3f7"),
+    (2.5, 0.87, "none", 1 << 32, false, "67eda3d3156a6560"),
     (3.0, 0.8, "none", 0, false, "c64f914a07673abb"),
     (5.4, 0.87, "none", 0, false, "0b20762e3600645d"),
     (2.0, 0.87, "none", 1, true, "ff2602a533588159"),

@@ -66,8 +66,9 @@ fn picked(value: &Value, place: &str) -> String {
     if let Some(at) = place.find(['<', '>']) {
         let (is_below, limit) = (&place[at..=at] == "<", place[at + 1..].parse::<f64>().unwrap());
         let numbers = picked(value, &place[..at]);
-        let mut numbers = numbers.split(' ').map(|number| number.parse::<f64>().unwrap());
-        return numbers.all(|number| if is_below { number < limit } else { number > limit }).to_string();
+        let mut each =
+            numbers.split(' ').map(|number| number.parse::<f64>().unwrap_or_else(|_| panic!("{place}: {numbers:?}")));
+        return each.all(|number| if is_below { number < limit } else { number > limit }).to_string();
     }
     let (step, rest) = place.split_once('/').unwrap_or((place, ""));
     let list = || value.as_array().unwrap();

@@ -139,7 +139,7 @@ fn observed_counts_are_those_of_the_first_scenario() {
     };
     let (scenarios, trees) = grown(&[source("one", 1.25, 4007), source("two", 7.75, 9003)]);
     let table = report::scenarios_table(&scenarios, &trees);
-    let page = report::scenarios_page(&scenarios, &trees);
+    let page = report::scenarios_page(&scenarios, &trees, &[]);
     for text in [table, page.split("<table").nth(1).unwrap().split("</table>").next().unwrap().to_owned()] {
         assert!(text.contains("1.25") && text.contains("4007"), "{text}");
         assert!(!text.contains("7.75") && !text.contains("9003"), "{text}");

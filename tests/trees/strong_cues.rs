@@ -1,11 +1,12 @@
 //! Critical radii end branches only where divisions rest, whatever the cue.
 
-use furrow_cell::{Cell, Cue, Numerics};
+use furrow_cell::{Cell, Cue};
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow_lineage::{EndRule, Fate, Grower, Lineage, Thresholds, Tree, TreeSettings};
 use furrow_mechanics::critical::CriticalRadii;
 use furrow_mechanics::division::divide;
 use rand_mt::Mt64;
+use rayon::prelude::*;
 
 use super::random_trees::{between, one_of};
 
@@ -34,7 +35,7 @@ fn dividing(cue: &Cue, settings: &TreeSettings, most: usize) -> [Vec<(String, bo
     let memo = Memo::new(Quantisation::DEFAULT);
     let radii = Thresholds::new(CriticalRadii::new(&settings.numerics));
     [EndRule::Thresholds(&radii), EndRule::Dynamics].map(|ends| {
-        let options = SchedulerOptions::default();
+        let options = SchedulerOptions { threads: 1, ..SchedulerOptions::default() };
         let grower = Grower { lineage: &lineage, settings: settings.clone(), ends, memo: &memo, options };
         let (tree, _): (Tree, _) = grower.grow(divide).unwrap();
         tree.cells()
@@ -52,18 +53,14 @@ fn no_radius_ends_a_branch_that_divides() {
         "activity:gradient,amplitude=0.85",
         "xi_s:band,u0=0.5231,omega=0.03072,amplitude=0.4602",
     ];
-    let mut differ = Vec::new();
-    for number in 0..400 {
-        let cue = named.get(number).map_or_else(|| strong_cue(&mut random), |cue| (*cue).to_owned());
-        let cell = if number % 2 == 0 { Cell::new(2.4) } else { Cell::gao2026_thresholds(2.4) };
-        // The two trees are compared with each other, so a coarse mesh suffices.
-        let numerics = Numerics { intervals: 32, ..Numerics::default() };
-        let [ahead, all] =
-            dividing(&cue.parse().unwrap(), &TreeSettings { cell, numerics, ..TreeSettings::default() }, 40);
-        if let Some(first) = ahead.iter().zip(&all).find(|(a, b)| a != b) {
-            println!("{number} {cue}: {} and {} cells, {first:?}", ahead.len(), all.len());
-            differ.push(cue);
-        }
-    }
+    let random = std::iter::repeat_with(|| strong_cue(&mut random)).take(397);
+    let cues: Vec<String> = named.into_iter().map(str::to_owned).chain(random).collect();
+    let differs = |(number, cue): (usize, &String)| {
+        let cell = if number % 2 == 0 { Cell::new(2.1) } else { Cell::gao2026_thresholds(2.1) };
+        let [ahead, all] = dividing(&cue.parse().unwrap(), &TreeSettings { cell, ..TreeSettings::default() }, 24);
+        let first = ahead.iter().zip(&all).find(|(a, b)| a != b)?;
+        Some(format!("{number} {cue}: {} and {} cells, {first:?}", ahead.len(), all.len()))
+    };
+    let differ: Vec<String> = cues.par_iter().enumerate().filter_map(differs).collect();
     assert!(differ.is_empty(), "{differ:#?}");
 }

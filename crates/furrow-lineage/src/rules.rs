@@ -54,7 +54,7 @@ pub enum Per {
 /// let lineage = Lineage::parse(file, "x.ron")?;
 /// let mut cell = Cell::new(3.0);
 /// lineage.set_physics(Place { founder: 0, round: 2, generation: 2, r0: 3.0 }, &mut cell, None).unwrap();
-/// assert_eq!(cell.xi_s, 25.0 * 0.97 * 0.97);
+/// assert!((cell.xi_s - 25.0 * 0.97 * 0.97).abs() < 1e-12);
 /// # Ok::<(), furrow_input::InputError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -199,12 +199,13 @@ pub fn run_steps<'s>(
     };
     // Where nothing needs solving no threads are needed either.
     run.settle_known();
-    let threads = if cfg!(target_family = "wasm") { 1 } else { workers(options.threads) };
-    if run.is_incomplete() && threads == 1 {
-        // The calling thread is the only worker. It must not wait for a pool of its own: if it is itself a worker, as in studies
-        // of many trees, it would begin another tree while it waits, and so on until its stack is full.
+    // A caller that is itself a worker, as in studies of many trees, must not wait for a pool of its own: it would begin another
+    // tree while it waits, and so on until its stack is full. The page has no threads.
+    let alone = cfg!(target_family = "wasm") || options.threads == 1 && rayon::current_thread_index().is_some();
+    if run.is_incomplete() && alone {
         run.work(&events, 1, perform);
     } else if run.is_incomplete() {
+        let threads = workers(options.threads);
         pool(threads)?.in_place_scope(|scope| {
             let perform = &perform;
             run.work(&events, threads, |task| scope.spawn(move |_| perform(task)));
