@@ -429,9 +429,9 @@ def tree(
     ``lineage`` is a lineage file, its text, or None for the built-in C. elegans founders. ``cue`` replaces every cue of
     the lineage. With ``cues``, or several lineages, every combination is grown in one run and the result is
     :class:`Scenarios`; ``"my tension=tension:gradient,amplitude=0.3"`` names one. With ``constants``, a table written by
-    ``furrow calibrate --ensemble`` or the result of :func:`furrow.ensemble`, the lineage is grown with every set and the result is :class:`Ranges`. ``r0`` is the
-    radius of the first cell; other keywords are parameters with the names of ``furrow --set``. ``dynamics=True``
-    computes the division of every cell, including those below the critical radius.
+    ``furrow calibrate --ensemble`` or the result of :func:`furrow.ensemble`, the lineage is grown with every set and the
+    result is :class:`Ranges`. ``r0`` is the radius of the first cell; other keywords are parameters with the names of
+    ``furrow --set``. ``dynamics=True`` computes the division of every cell, including those below the critical radius.
 
     >>> import furrow
     >>> worm = furrow.tree()

@@ -307,9 +307,11 @@ def _branch_legend(axes: Axes, found: Branch) -> None:
     keys = [
         Line2D([], [], color=BRANCHES.get(curve.name, INK), linewidth=2.2, label=f"{curve.name} shapes") for curve in found.curves
     ]
-    for stable, dashes, label in ((True, "-", "stable"), (False, (0, (3.5, 2.3)), "unstable")):
+    for stable, label in ((True, "stable"), (False, "unstable")):
         if any(np.any(np.asarray(curve.stable, dtype=bool) == stable) for curve in found.curves):
-            keys.append(Line2D([], [], color=INK, linewidth=2.2, linestyle=dashes, label=label))
+            keys.append(Line2D([], [], color=INK, linewidth=2.2, label=label))
+            if not stable:
+                keys[-1].set_linestyle((0, (3.5, 2.3)))
     for kind, marker in (("pitchfork", "o"), ("fold", "D")):
         if any(event.kind == kind for event in found.events):
             keys.append(Line2D([], [], color=INK, marker=marker, linestyle="none", label=kind))

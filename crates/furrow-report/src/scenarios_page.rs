@@ -128,7 +128,10 @@ fn ranges(spreads: &[Value], scenario: usize, founder: &str) -> [Option<Range>; 
 /// Whether a column of a founder differs from that of the first scenario: by more than their spreads where there are any.
 fn differs(own: Option<&Range>, first: Option<&Range>, entry: bool) -> bool {
     match (own, first) {
-        (Some(own), Some(first)) => own.ends[0] > first.ends[1] || own.ends[1] < first.ends[0],
+        // What looks alike is not shaded.
+        (Some(own), Some(first)) => {
+            own.text != first.text && (own.ends[0] > first.ends[1] || own.ends[1] < first.ends[0])
+        }
         _ => entry,
     }
 }

@@ -23,8 +23,8 @@ pub fn spread_table(scenarios: &[Scenario], spread: &[LineageRanges]) -> String 
         }
         let _ = writeln!(
             out,
-            "{:<8} {:>22} {:>22} {:>12} {:>12} {:>18}   {}",
-            "founder", "χ ", "rounds: mean ", "min ", "max ", "cells ", "observed: mean, cells"
+            "{:<8} {:>22} {:>22} {:>12} {:>12} {:>18}   observed: mean, cells",
+            "founder", "χ ", "rounds: mean ", "min ", "max ", "cells "
         );
         for (founder, range) in ranges.founders.iter().enumerate() {
             let first = spread[0].founders.iter().find(|first| first.name == range.name).filter(|_| k > 0);
