@@ -8,13 +8,13 @@ use super::output::{csv_of, filled, number, print_as, to_json, writable_file};
 use super::picture::PlotArgs;
 use super::vary::{Varied, VaryArgs};
 use clap::Args;
-use furrow_cell::{Cue, Parameter};
+use furrow_cell::{Cue, Numerics, Parameter};
 use furrow_figures::plot::boundary::{self, Boundary};
 use furrow_formats::write_atomically;
 use furrow_input::InputError;
 use furrow_mechanics::critical::{self, Stored};
 use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
-use furrow_mechanics::equilibria::{PointKind, StepBudget};
+use furrow_mechanics::equilibria::{PointKind, ShapeError, StepBudget};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -79,12 +79,7 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
         PointKind::Pitchfork => (found.remove(0), curves::fold_curves(cell, numerics, *parameter, *range)?),
         _ => (Curve::default(), found),
     };
-    // Where a critical value is looked for first.
-    let ([from, to], more) = (*range, if *parameter == Parameter::R0 { &critical::STARTS[..] } else { &[] });
-    let starts = [&[0.5 * (from + to), from, to], more].concat();
-    let critical =
-        args.critical.then(|| critical::critical_value(cell, numerics, *parameter, &starts, &StepBudget::unlimited()));
-    let critical = critical.transpose()?.map(|(_, point)| point);
+    let critical = args.critical.then(|| critical_point(&varied, numerics)).transpose()?;
     for (k, fold) in folds.iter().enumerate() {
         match &fold.ended {
             CurveEnd::Stopped(error) => tracing::warn!("fold {k} is followed no further: {error}"),
@@ -103,6 +98,22 @@ pub fn run(args: &BoundaryArgs, mut context: Context) -> Result<(), CliError> {
     }
     picture.write(|| boundary::draw(&found))?;
     print_as(context.json, &document(&found), || if args.points { list(&named) } else { text(&found) })
+}
+
+/// Where the boundary lies at the cell's activity. Along R0 it is the critical radius of a tree, from wherever the range begins; a
+/// warning says if smaller cells divide all the same.
+fn critical_point(varied: &Varied, numerics: &Numerics) -> Result<CurvePoint, CliError> {
+    let Varied { cell, parameter, range: [from, to] } = varied;
+    let budget = StepBudget::unlimited();
+    if *parameter != Parameter::R0 {
+        let starts = [0.5 * (from + to), *from, *to];
+        return Ok(critical::critical_value(cell, numerics, *parameter, &starts, &budget)?.1);
+    }
+    let (_, point) = critical::critical_value(cell, numerics, *parameter, &critical::STARTS, &budget)?;
+    if let Err(error @ ShapeError::NoBound { .. }) = critical::resting_radii(cell, numerics, &budget, None) {
+        tracing::warn!("{error}");
+    }
+    Ok(point)
 }
 
 /// The cusps of fold curves, each of which two curves lead to.
