@@ -14,7 +14,7 @@ use furrow_formats::write_atomically;
 use furrow_input::InputError;
 use furrow_mechanics::critical::{self, Stored};
 use furrow_mechanics::equilibria::curves::{self, Curve, CurveEnd, CurvePoint};
-use furrow_mechanics::equilibria::{PointKind, ShapeError, StepBudget};
+use furrow_mechanics::equilibria::{PointKind, StepBudget};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -109,8 +109,8 @@ fn critical_point(varied: &Varied, numerics: &Numerics) -> Result<CurvePoint, Cl
         let starts = [0.5 * (from + to), *from, *to];
         return Ok(critical::critical_value(cell, numerics, *parameter, &starts, &budget)?.1);
     }
-    let (_, point) = critical::critical_value(cell, numerics, *parameter, &critical::STARTS, &budget)?;
-    if let Err(error @ ShapeError::NoBound { .. }) = critical::resting_radii(cell, numerics, &budget, None) {
+    let (kind, point) = critical::critical_value(cell, numerics, *parameter, &critical::STARTS, &budget)?;
+    if let Err(error) = critical::rests_from(cell, numerics, (kind, point.value), None) {
         tracing::warn!("{error}");
     }
     Ok(point)

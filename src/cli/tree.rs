@@ -53,7 +53,7 @@ pub struct TreeArgs {
     pub constants: Option<PathBuf>,
     /// Grows the tree with N seeds, S, S+1, ..., and prints the range of the counts; files are those of seed S, and spread.csv
     ///
-    /// Divisions on which the noise has no bearing are computed once: χ with seeds S and S+1 within 0.001 of each other.
+    /// A division whose χ agrees within 0.001 between seeds S and S+1 is computed with no other: all trees share it.
     #[arg(help_heading = "Numerics", long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub replicates: Option<u32>,
     /// Computes the division of every cell, including cells below the critical radius of their cue
@@ -132,63 +132,35 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         return super::ensemble::grow_over(file, scenario, context, args.out.as_deref(), &picture);
     }
     let out = args.out.as_deref().unwrap_or(Path::new("furrow-out"));
-    let written = if several { &SCENARIOS_FILES[..] } else { &TREE_FILES };
-    let written: Vec<&str> = written.iter().copied().chain(args.replicates.map(|_| SPREAD_FILE)).collect();
-    writable_folder("--out", out, &written)?;
+    let beside = if several { &SCENARIOS_FILES[..] } else { &TREE_FILES };
+    let beside: Vec<&str> = beside.iter().copied().chain(args.replicates.map(|_| SPREAD_FILE)).collect();
+    writable_folder("--out", out, &beside)?;
     for scenario in scenarios.iter().filter(|_| several) {
         writable_folder("--out", out.join(&scenario.folder).as_path(), &SCENARIO_FILES)?;
     }
-    let written = names_of_files(&scenarios, &written, several);
-    let mut files = FileSet::begin(out, written.iter().map(String::as_str));
+    let names = names_of_files(&scenarios, &beside, several);
+    let mut files = FileSet::begin(out, names.iter().map(String::as_str));
     let (grown, spread) = grown(&scenarios, args.replicates, args.dynamics, context)?;
     let trees = &grown.trees;
-    for (Scenario { folder, .. }, tree) in scenarios.iter().zip(trees) {
-        let [nwk, json, svg] =
-            SCENARIO_FILES.map(|file| if several { format!("{folder}/{file}") } else { file.to_owned() });
-        files.stage(&nwk, newick(tree).as_bytes())?;
-        files.stage(&json, tree_to_json(tree)?.as_bytes())?;
-        files.stage(&svg, report::svg(tree).as_bytes())?;
-    }
-    let names: Vec<&str> = scenarios.iter().map(|scenario| scenario.name.as_str()).collect();
-    let named: Vec<(&str, &Tree)> = names.iter().copied().zip(trees).collect();
-    let only = trees.first().filter(|_| !several);
-    let mut spreads = spread.iter().map(|spread| json!(spread.founders));
-    let page = match only {
-        Some(tree) => report::html(tree, &founder_rows(tree), spreads.next()),
-        None => {
-            files.stage("scenarios.csv", scenarios_csv(&scenarios, trees).as_bytes())?;
-            report::scenarios_page(&scenarios, trees, &spreads.collect::<Vec<_>>())
-        }
-    };
-    files.stage("report.html", page.as_bytes())?;
-    if !spread.is_empty() {
-        files.stage(SPREAD_FILE, spread_csv(&scenarios, &spread).as_bytes())?;
-    }
+    stage(&mut files, &scenarios, trees, &spread, several)?;
     let folders = several.then(|| scenarios.iter().map(|scenario| scenario.folder.as_str()).collect());
     let record = run_record(args, context, &grown, start, folders);
     files.stage("run.json", to_json(&record)?.as_bytes())?;
     files.commit()?;
-    let drawing = || match only {
-        Some(tree) => {
-            Some(spread.first().map_or_else(|| rounds::draw(tree), |s| rounds::draw_ranges(&tree.lineage, s)))
-        }
-        None => rounds::draw_scenarios(&named),
+    let only = trees.first().filter(|_| !several);
+    let named = || scenarios.iter().map(|scenario| scenario.name.as_str()).zip(trees).collect::<Vec<_>>();
+    let drawing = || match (only, spread.first()) {
+        (Some(tree), Some(spread)) => Some(rounds::draw_ranges(&tree.lineage, spread)),
+        (Some(tree), None) => Some(rounds::draw(tree)),
+        (None, _) => rounds::draw_scenarios(&named()),
     };
     if let Some(drawing) = picture.is_wanted().then(drawing).flatten() {
         picture.write(|| drawing)?;
     }
     let (solved, hits, elapsed_s) = (grown.summary.solved, grown.summary.memo_hits, start.elapsed().as_secs_f64());
     let out = out.display().to_string();
-    // Of a single tree its counts, of several the scenarios.
-    let with_spread = |counts: Value, k: usize| match spread.get(k) {
-        Some(spread) => merged(counts, json!(spread)),
-        None => counts,
-    };
-    let of = |(k, pair)| with_spread(scenario_counts(pair), k);
-    let counts = || scenarios.iter().zip(trees).enumerate().map(of).collect::<Vec<_>>();
-    let counts = only.map_or_else(|| json!({ "scenarios": counts() }), |tree| with_spread(tree_counts(tree), 0));
     let ran = json!({ "divisions_solved": solved, "memo_hits": hits, "elapsed_s": elapsed_s, "out": out });
-    print_as(context.json, &merged(counts, ran), || {
+    print_as(context.json, &merged(counts(&scenarios, trees, &spread, several), ran), || {
         let table = match only {
             _ if !spread.is_empty() => report::spread_table(&scenarios, &spread),
             Some(tree) => report::founders_table(tree, &founder_rows(tree)),
@@ -196,6 +168,51 @@ pub fn run(args: &TreeArgs, context: &Context) -> Result<(), CliError> {
         };
         format!("{table}{solved} divisions solved, {hits} memo hits, {elapsed_s:.2} s; files in {out}\n")
     })
+}
+
+/// Stages the files of the trees, of one by itself or of several scenarios in their folders, with the page and the tables.
+fn stage(
+    files: &mut FileSet,
+    scenarios: &[Scenario],
+    trees: &[Tree],
+    spread: &[LineageRanges],
+    several: bool,
+) -> Result<(), CliError> {
+    for (Scenario { folder, .. }, tree) in scenarios.iter().zip(trees) {
+        let [nwk, json, svg] =
+            SCENARIO_FILES.map(|file| if several { format!("{folder}/{file}") } else { file.to_owned() });
+        files.stage(&nwk, newick(tree).as_bytes())?;
+        files.stage(&json, tree_to_json(tree)?.as_bytes())?;
+        files.stage(&svg, report::svg(tree).as_bytes())?;
+    }
+    let mut spreads = spread.iter().map(|spread| json!(spread.founders));
+    let page = match trees.first().filter(|_| !several) {
+        Some(tree) => report::html(tree, &founder_rows(tree), spreads.next()),
+        None => {
+            files.stage("scenarios.csv", scenarios_csv(scenarios, trees).as_bytes())?;
+            report::scenarios_page(scenarios, trees, &spreads.collect::<Vec<_>>())
+        }
+    };
+    files.stage("report.html", page.as_bytes())?;
+    if !spread.is_empty() {
+        files.stage(SPREAD_FILE, spread_csv(scenarios, spread).as_bytes())?;
+    }
+    Ok(())
+}
+
+/// In `--json` the counts of a single tree, or of several the scenarios; over seeds their ranges.
+fn counts(scenarios: &[Scenario], trees: &[Tree], spread: &[LineageRanges], several: bool) -> Value {
+    let with_spread = |k: usize, counts: Value| match spread.get(k) {
+        Some(spread) => merged(counts, json!(spread)),
+        None => counts,
+    };
+    match trees.first().filter(|_| !several) {
+        Some(tree) => with_spread(0, tree_counts(tree)),
+        None => {
+            let of = |(k, pair)| with_spread(k, scenario_counts(pair));
+            json!({ "scenarios": scenarios.iter().zip(trees).enumerate().map(of).collect::<Vec<_>>() })
+        }
+    }
 }
 
 /// The files that a run writes, below its folder.

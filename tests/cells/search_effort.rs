@@ -4,8 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use furrow_cell::{Cell, Numerics};
 use furrow_lineage::Thresholds;
-use furrow_mechanics::critical::CriticalRadii;
-use furrow_mechanics::critical::{MOST_SEARCHED, critical_radius_within};
+use furrow_mechanics::critical::{CriticalRadii, MOST_SEARCHED, critical_radius_within};
 use furrow_mechanics::equilibria::{ShapeError, StepBudget};
 
 /// A cell whose search takes some thousand steps, and finds a radius that no cell of a tree comes near.

@@ -12,8 +12,7 @@ use furrow_lineage::batch::{Job, Key, Memo, Progress, SchedulerError, SchedulerO
 use furrow_lineage::{
     EndRule, GrowError, Grower, Scope, TerminalReason, Thresholds, Tree, TreeSettings, founder_rounds,
 };
-use furrow_mechanics::critical::CriticalRadii;
-use furrow_mechanics::critical::{BoundaryKind, critical_radius_within};
+use furrow_mechanics::critical::{BoundaryKind, CriticalRadii, critical_radius_within};
 use furrow_mechanics::division::{Division, DivisionInput, Statistics, divide};
 use furrow_mechanics::equilibria::{BranchOptions, PointKind, ShapeError, StepBudget, pitchfork};
 use rayon::prelude::*;

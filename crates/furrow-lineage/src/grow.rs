@@ -1,7 +1,8 @@
 //! Growth of a tree: volumes are handed down, every cell's division is solved as soon as its mother's is.
 
+use std::borrow::Cow;
 use std::cmp::Ordering;
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 
 use super::definition::{Lineage, Place};
 use super::physics::FounderPhysics;
@@ -12,8 +13,7 @@ use crate::batch::memo::Solve;
 use crate::batch::scheduler::{self, Step};
 use crate::batch::{Job, Memo, SchedulerError, SchedulerOptions, Summary, Unsolved};
 use furrow_cell::{Cell, Cue};
-use furrow_mechanics::critical::CriticalRadii;
-use furrow_mechanics::critical::Search;
+use furrow_mechanics::critical::{CriticalRadii, Search};
 use furrow_mechanics::division::{Division, DivisionInput};
 
 /// Why a tree could not be grown.
@@ -77,23 +77,12 @@ struct GrowingCell {
     fate: Option<Fate>,
     /// The anterior daughter; the posterior one follows it.
     daughters: Option<usize>,
-    /// Of replicates: its division with the first seed, and whether that with the next one differs.
-    first: Option<(Division, bool)>,
 }
 
 impl GrowingCell {
-    /// A cell with the parameters that the lineage gives it, over those of the run. One whose rules give a value that is not
-    /// allowed is undecided.
-    fn new(
-        (lineage, run): (&Lineage, &Cell),
-        name: String,
-        place: Place,
-        volume_fraction: f64,
-        is_founder: bool,
-        mother: Option<Mother<'_>>,
-    ) -> GrowingCell {
+    fn new(lineage: &Lineage, name: String, place: Place, volume_fraction: f64, is_founder: bool) -> GrowingCell {
         let cue = lineage.cue_at(place);
-        let new = GrowingCell {
+        GrowingCell {
             name,
             place,
             volume_fraction,
@@ -103,36 +92,41 @@ impl GrowingCell {
             is_founder,
             fate: None,
             daughters: None,
-            first: None,
-        };
-        if !lineage.has_physics_rules() {
-            return new;
         }
-        let mut cell = Cell { r0: place.r0, cue: new.cue.clone(), ..run.clone() };
-        match lineage.set_physics(place, &mut cell, mother) {
+    }
+
+    /// The same with the parameters that rules give it. If one is not allowed, the cell is undecided.
+    fn ruled(self, lineage: &Lineage, run: &Cell, mother: Option<Mother<'_>>) -> GrowingCell {
+        let mut cell = Cell { r0: self.place.r0, cue: self.cue.clone(), ..run.clone() };
+        match lineage.set_physics(self.place, &mut cell, mother) {
             Ok(Ruled { physics, is_single }) => {
                 let physics = Some(physics).filter(|physics| !physics.is_empty()).map(Box::new);
-                GrowingCell { cue: cell.cue, physics, is_single, ..new }
+                GrowingCell { cue: cell.cue, physics, is_single, ..self }
             }
-            Err(why) => GrowingCell { fate: Some(TerminalReason::Undecided { why }.into()), ..new },
+            Err(why) => GrowingCell { fate: Some(TerminalReason::Undecided { why }.into()), ..self },
         }
     }
 
     /// Its parameters.
     fn cell(&self, lineage: &Lineage, run: &Cell) -> Cell {
-        let mut cell = Cell { r0: self.place.r0, cue: self.cue.clone(), ..run.clone() };
-        lineage.founders[self.place.founder].physics.apply(&mut cell);
-        if let Some(physics) = &self.physics {
-            physics.apply(&mut cell);
-        }
-        cell
+        lineage.parameters((self.place.founder, self.place.r0, &self.cue), self.physics.as_deref(), run)
     }
+}
+
+/// What trees that differ by the seed of their noise share: a division on which the noise has no influence is that of the first seed.
+struct Sharing {
+    /// Seed of the first tree.
+    first: u64,
+    /// Divisions with that seed of cells that wait for one with another, and whether that with the next seed differs.
+    waiting: HashMap<usize, (Division, bool)>,
 }
 
 struct Growth<'a> {
     grower: &'a Grower<'a>,
-    /// That of the first tree, if this is one of several replicates.
-    first_seed: Option<u64>,
+    /// If this is one of several replicates.
+    sharing: Option<Sharing>,
+    /// Whether rules set parameters of cells.
+    has_rules: bool,
     /// The founders (larger, smaller) that each divides into.
     listed: Vec<Option<(usize, usize)>>,
     cells: Vec<GrowingCell>,
@@ -168,7 +162,7 @@ pub fn grow_together(growers: &[Grower<'_>], solve: impl Solve) -> Result<(Vec<T
 }
 
 /// As [`grow_together`], of trees that differ by the seed of their noise, to see what is chance in them. A division on which the
-/// noise has no bearing is that of `first_seed` in all of them: it is computed with that seed and the next, and where the two
+/// noise has no influence is that of `first_seed` in all of them: it is computed with that seed and the next, and where the two
 /// [agree](Division::agrees_with), with no other. The tree of `first_seed` is the same as grown alone.
 ///
 /// # Errors
@@ -188,7 +182,10 @@ fn grow_all(
     solve: &dyn Solve,
 ) -> Result<(Vec<Tree>, Summary), GrowError> {
     let Some(Grower { memo, options, .. }) = growers.first() else { return Ok(Default::default()) };
-    let tree = |grower| Growth { first_seed, ..Growth::of(grower) };
+    let tree = |grower| {
+        let sharing = first_seed.map(|first| Sharing { first, waiting: HashMap::new() });
+        Growth { sharing, ..Growth::of(grower) }
+    };
     let mut all = Growths { trees: growers.iter().map(tree).collect(), searches: Vec::new() };
     let roots = (0..growers.len()).filter_map(|root| all.step(root, None)).collect();
     let run = scheduler::run_steps(roots, memo, options, solve, &mut |id, division| all.expand(id, division));
@@ -258,9 +255,10 @@ impl<'a> Growth<'a> {
         let founder = lineage.first();
         let r0 = lineage.given_r0(founder).unwrap_or(settings.cell.r0);
         let place = Place { founder, round: 0, generation: 0, r0 };
-        let name = lineage.founders[founder].name.clone();
-        let first = GrowingCell::new((lineage, &settings.cell), name, place, 1.0, true, None);
-        Growth { grower, first_seed: None, listed: lineage.daughters(), cells: vec![first] }
+        let first = GrowingCell::new(lineage, lineage.founders[founder].name.clone(), place, 1.0, true);
+        let has_rules = lineage.has_physics_rules();
+        let first = if has_rules { first.ruled(lineage, &settings.cell, None) } else { first };
+        Growth { grower, sharing: None, has_rules, listed: lineage.daughters(), cells: vec![first] }
     }
 
     /// What a cell needs; none if its fate is known without, which is then set. A search that was `tried` and found nothing,
@@ -294,30 +292,36 @@ impl<'a> Growth<'a> {
 
     /// The seed with which a cell's division is needed next.
     fn seed(&self, index: usize) -> u64 {
-        match (self.first_seed, &self.cells[index].first) {
-            (Some(first), None) => first,
-            (Some(first), Some((_, false))) => first.wrapping_add(1),
-            _ => self.grower.settings.seed,
+        let own = self.grower.settings.seed;
+        let Some(Sharing { first, waiting }) = &self.sharing else { return own };
+        match waiting.get(&index) {
+            None => *first,
+            Some((_, false)) => first.wrapping_add(1),
+            Some((_, true)) => own,
         }
     }
 
     /// The division that a cell has, once one is computed; none if another seed's is needed first, to know whether the noise
     /// matters.
-    fn settled(&mut self, index: usize, division: &Division) -> Option<Division> {
+    fn settled<'d>(&mut self, index: usize, division: &'d Division) -> Option<Cow<'d, Division>> {
         let (own, asked) = (self.grower.settings.seed, self.seed(index));
-        let Some(first_seed) = self.first_seed.filter(|seed| *seed != own) else { return Some(division.clone()) };
-        let cell = &mut self.cells[index];
-        let Some((first, differs)) = &mut cell.first else {
-            cell.first = Some((division.clone(), false));
+        let cell = &self.cells[index];
+        let Some(Sharing { waiting, .. }) = self.sharing.as_mut().filter(|sharing| sharing.first != own) else {
+            return Some(Cow::Borrowed(division));
+        };
+        let Some((shared, differs)) = waiting.get_mut(&index) else {
+            waiting.insert(index, (division.clone(), false));
             return None;
         };
-        if asked == first_seed.wrapping_add(1) && !*differs {
-            if first.agrees_with(division, cell.cue.is_mirror_symmetric()) {
-                return cell.first.take().map(|(first, _)| first);
-            }
-            *differs = true;
+        if !*differs && shared.agrees_with(division, cell.cue.is_mirror_symmetric()) {
+            return waiting.remove(&index).map(|(shared, _)| Cow::Owned(shared));
         }
-        (asked == own).then(|| division.clone())
+        *differs = true;
+        if asked != own {
+            return None;
+        }
+        waiting.remove(&index);
+        Some(Cow::Borrowed(division))
     }
 
     /// Sets a cell's fate and adds its daughters.
@@ -354,8 +358,6 @@ impl<'a> Growth<'a> {
     fn offspring(&self, index: usize, fate: &Fate) -> Option<[GrowingCell; 2]> {
         let mother = &self.cells[index];
         let volumes = fate.daughter_volumes(mother.volume_fraction)?;
-        let cell = mother.cell(self.grower.lineage, &self.grower.settings.cell);
-        let mothers = Mother::of(&cell, fate.division());
         let founders = self.listed[mother.place.founder].filter(|_| mother.is_founder).map(|(larger, smaller)| {
             match volumes[0].total_cmp(&volumes[1]) {
                 // Of equal daughters the anterior is the founder listed first.
@@ -364,23 +366,20 @@ impl<'a> Growth<'a> {
                 Ordering::Less => [smaller, larger],
             }
         });
-        Some(
-            [(0, Side::Anterior), (1, Side::Posterior)].map(|(k, side)| {
-                self.daughter((index, mothers), side, volumes[k], founders.map(|founders| founders[k]))
-            }),
-        )
+        let daughters = [(0, Side::Anterior), (1, Side::Posterior)]
+            .map(|(k, side)| self.daughter(index, side, volumes[k], founders.map(|founders| founders[k])));
+        if !self.has_rules {
+            return Some(daughters);
+        }
+        let Grower { lineage, settings, .. } = self.grower;
+        let cell = mother.cell(lineage, &settings.cell);
+        let mother = Mother::of(&cell, fate.division());
+        Some(daughters.map(|daughter| daughter.ruled(lineage, &settings.cell, Some(mother))))
     }
 
     /// A daughter of a volume given as a part of the first cell's; `founder` is the founder that it is, if it is one.
-    fn daughter(
-        &self,
-        (mother_index, mothers): (usize, Mother<'_>),
-        side: Side,
-        fraction: f64,
-        founder: Option<usize>,
-    ) -> GrowingCell {
+    fn daughter(&self, mother_index: usize, side: Side, fraction: f64, founder: Option<usize>) -> GrowingCell {
         let (lineage, mother) = (self.grower.lineage, &self.cells[mother_index]);
-        let given = (lineage, &self.grower.settings.cell);
         let first_r0 = self.cells[0].place.r0;
         // V = 4πR0³/3, so R0 of the daughter follows from its share of the first cell's volume.
         let (mut r0, mut fraction) = (first_r0 * fraction.cbrt(), fraction);
@@ -390,13 +389,12 @@ impl<'a> Growth<'a> {
         let generation = mother.place.generation + 1;
         if let Some(founder) = founder {
             let place = Place { founder, round: 0, generation, r0 };
-            let name = lineage.founders[founder].name.clone();
-            return GrowingCell::new(given, name, place, fraction, true, Some(mothers));
+            return GrowingCell::new(lineage, lineage.founders[founder].name.clone(), place, fraction, true);
         }
         let (founder, round) = (mother.place.founder, mother.place.round + 1);
         let (anterior, posterior) = lineage.letters(founder, round as usize);
         let name = format!("{}{}", mother.name, if side == Side::Anterior { anterior } else { posterior });
-        GrowingCell::new(given, name, Place { founder, round, generation, r0 }, fraction, false, Some(mothers))
+        GrowingCell::new(lineage, name, Place { founder, round, generation, r0 }, fraction, false)
     }
 
     /// The tree in breadth-first order, cut at the limit of cells.

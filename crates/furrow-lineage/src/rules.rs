@@ -4,7 +4,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::definition::{Lineage, Place};
 use super::physics::FounderPhysics;
-use furrow_cell::{Cell, Parameter};
+use furrow_cell::{Cell, Cue, Parameter};
 use furrow_input::{did_you_mean, shown};
 use furrow_mechanics::division::{Division, Outcome};
 
@@ -176,6 +176,20 @@ impl Lineage {
     /// Whether rules set parameters of any cell.
     pub fn has_physics_rules(&self) -> bool {
         !self.physics_rules.is_empty() || self.founders.iter().any(|founder| !founder.physics_rules.is_empty())
+    }
+
+    /// A cell of a founder with the parameters of its division: those of the run, over them the founder's, over them what rules
+    /// give it.
+    pub(super) fn parameters(
+        &self,
+        (founder, r0, cue): (usize, f64, &Cue),
+        ruled: Option<&FounderPhysics>,
+        run: &Cell,
+    ) -> Cell {
+        let mut cell = Cell { r0, cue: cue.clone(), ..run.clone() };
+        self.founders[founder].physics.apply(&mut cell);
+        ruled.into_iter().for_each(|physics| physics.apply(&mut cell));
+        cell
     }
 
     /// Sets the parameters that its founder and rules give a cell at a place: of each parameter by the first rule that applies. `cell`

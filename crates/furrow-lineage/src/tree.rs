@@ -341,12 +341,7 @@ impl Tree {
     /// A cell with the parameters of its division: those of the run, over them its founder's, over them what rules give it.
     pub fn parameters(&self, id: CellId) -> Cell {
         let TreeCell { founder, r0, cue, physics, .. } = self.cell(id);
-        let mut cell = Cell { r0: *r0, cue: cue.clone(), ..self.settings.cell.clone() };
-        self.lineage.founders[*founder].physics.apply(&mut cell);
-        if let Some(physics) = physics {
-            physics.apply(&mut cell);
-        }
-        cell
+        self.lineage.parameters((*founder, *r0, cue), physics.as_deref(), &self.settings.cell)
     }
 
     /// Name of the cue that a cell carries.

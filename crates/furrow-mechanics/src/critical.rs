@@ -40,6 +40,16 @@ pub enum BoundaryKind {
     CuedFold,
 }
 
+impl BoundaryKind {
+    /// The singular point that it is.
+    pub fn point(self) -> PointKind {
+        match self {
+            BoundaryKind::Pitchfork => PointKind::Pitchfork,
+            BoundaryKind::CuedFold => PointKind::Fold,
+        }
+    }
+}
+
 /// The radius at which cells with one cue begin to divide.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CriticalRadius {
@@ -119,7 +129,8 @@ pub fn parameters_hash(cell: &Cell, numerics: &Numerics) -> String {
 }
 
 impl Stored {
-    /// Computes the boundary of cells like `cell` for a set of cues, with the curve of pitchforks over a range of R0.
+    /// Computes the boundary of cells like `cell` for a set of cues, with the curve of pitchforks over a range of R0. Cues whose
+    /// critical radius bounds no division are left out.
     ///
     /// # Errors
     /// [`ShapeError`].
@@ -127,7 +138,8 @@ impl Stored {
         let (cell, parameters) = (without_size_and_cue(cell), parameters_hash(cell, numerics));
         let budget = StepBudget::unlimited();
         let radius = |cue: &Cue| resting_radii(&cell.clone().with_cue(cue.clone()), numerics, &budget, None);
-        let radii = cues.iter().map(radius).collect::<Result<_>>()?;
+        let bounds = |found: &Result<_>| !matches!(found, Err(ShapeError::NoBound { .. }));
+        let radii = cues.iter().map(radius).filter(bounds).collect::<Result<_>>()?;
         let Curve { points, degenerate, .. } = curves::pitchfork_curve(&cell, numerics, Parameter::R0, range)?;
         Ok(Stored { format: FORMAT, parameters, cell, radii, pitchfork: points, degenerate })
     }
@@ -203,11 +215,11 @@ pub fn critical_value(
     starts: &[f64],
     budget: &StepBudget<'_>,
 ) -> Result<(BoundaryKind, CurvePoint)> {
-    let (kind, point_kind) = match curves::domain_along(cell, parameter) {
-        Domain::Half => (BoundaryKind::Pitchfork, PointKind::Pitchfork),
-        Domain::Full => (BoundaryKind::CuedFold, PointKind::Fold),
+    let kind = match curves::domain_along(cell, parameter) {
+        Domain::Half => BoundaryKind::Pitchfork,
+        Domain::Full => BoundaryKind::CuedFold,
     };
-    let lost = curves::lost(point_kind, Parameter::XiS, cell.xi_s);
+    let lost = curves::lost(kind.point(), Parameter::XiS, cell.xi_s);
     let attempt = |cell: &Cell| {
         if kind == BoundaryKind::CuedFold {
             let fold = primary::failure_fold(cell, numerics, budget)?;
@@ -227,7 +239,7 @@ pub fn critical_value(
         match attempt(&at_value(cell, parameter, *start)) {
             // A curve that rises with R0 bounds no division: smaller cells have no stable shape.
             Ok(point) if parameter == Parameter::R0 && point.slope > 0.0 => {
-                last = ShapeError::NoBound { cell: CellName::of(cell), kind: point_kind, r0: point.value };
+                last = ShapeError::NoBound { cell: CellName::of(cell), kind: kind.point(), r0: point.value };
             }
             Ok(point) => return Ok((kind, point)),
             Err(error) => last = error,
@@ -266,20 +278,20 @@ pub fn critical_radius_within(cell: &Cell, numerics: &Numerics, budget: &StepBud
 /// The parts of the critical radius at which divisions are tried, in this order.
 const TRIED: [f64; 6] = [0.999, 0.97, 0.9, 0.75, 0.5, 0.2];
 
-/// The critical radius of cells like `cell`, and down to which radius divisions rest, of a few that are tried.
+/// The smallest radius R0 of which a division was tried below the critical radius `critical_r0` of cells like `cell`: those that
+/// were tried between the two rest.
 ///
 /// # Errors
-/// Those of [`critical_radius_within`]; [`ShapeError::NoBound`] if a cell just below divides or does not come to rest.
-pub fn resting_radii(
+/// [`ShapeError::NoBound`] if a cell just below divides or does not come to rest.
+pub fn rests_from(
     cell: &Cell,
     numerics: &Numerics,
-    budget: &StepBudget<'_>,
+    (kind, critical_r0): (BoundaryKind, f64),
     cancel: Option<&AtomicBool>,
-) -> Result<RestingRadii> {
-    let critical = critical_radius_within(cell, numerics, budget)?;
+) -> Result<f64> {
     let mut from = None;
     for part in TRIED {
-        let tried = Cell { r0: part * critical.r0, ..cell.clone() };
+        let tried = Cell { r0: part * critical_r0, ..cell.clone() };
         let input = DivisionInput { cell: tried, numerics: *numerics, seed: 0 };
         match divide_with(&input, DivisionOptions { cancel, ..DivisionOptions::default() }) {
             Ok((division, _)) if division.outcome() == Outcome::Arrested => from = Some(input.cell.r0),
@@ -287,11 +299,21 @@ pub fn resting_radii(
             _ => break,
         }
     }
-    let kind = match critical.kind {
-        BoundaryKind::Pitchfork => PointKind::Pitchfork,
-        BoundaryKind::CuedFold => PointKind::Fold,
-    };
-    let from = from.ok_or(ShapeError::NoBound { cell: CellName::of(cell), kind, r0: critical.r0 })?;
+    from.ok_or(ShapeError::NoBound { cell: CellName::of(cell), kind: kind.point(), r0: critical_r0 })
+}
+
+/// The critical radius of cells like `cell`, and down to which radius divisions rest, of a few that are tried.
+///
+/// # Errors
+/// Those of [`critical_radius_within`] and [`rests_from`].
+pub fn resting_radii(
+    cell: &Cell,
+    numerics: &Numerics,
+    budget: &StepBudget<'_>,
+    cancel: Option<&AtomicBool>,
+) -> Result<RestingRadii> {
+    let critical = critical_radius_within(cell, numerics, budget)?;
+    let from = rests_from(cell, numerics, (critical.kind, critical.r0), cancel)?;
     Ok(RestingRadii { critical, from })
 }
 

@@ -112,42 +112,34 @@ impl Canvas {
 
     /// A line of text on a base line.
     pub fn text(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, colour: Colour) {
-        self.words(Words {
-            at,
-            content: content.to_owned(),
-            size,
-            anchor,
-            colour,
-            bold: false,
-            upwards: false,
-            halo: None,
-        });
+        self.line(at, content, size, anchor, (colour, None, false));
     }
 
     /// A line of bold text.
     pub fn bold(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, colour: Colour) {
-        self.words(Words {
-            at,
-            content: content.to_owned(),
-            size,
-            anchor,
-            colour,
-            bold: true,
-            upwards: false,
-            halo: None,
-        });
+        self.line(at, content, size, anchor, (colour, None, true));
     }
 
     /// A line of text with a rim that keeps it clear of what it lies on.
     pub fn text_over(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, [colour, halo]: [Colour; 2]) {
-        let content = content.to_owned();
-        self.words(Words { at, content, size, anchor, colour, bold: false, upwards: false, halo: Some(halo) });
+        self.line(at, content, size, anchor, (colour, Some(halo), false));
     }
 
     /// A line of bold text with such a rim.
     pub fn bold_over(&mut self, at: [f64; 2], content: &str, size: u32, anchor: Anchor, [colour, halo]: [Colour; 2]) {
+        self.line(at, content, size, anchor, (colour, Some(halo), true));
+    }
+
+    fn line(
+        &mut self,
+        at: [f64; 2],
+        content: &str,
+        size: u32,
+        anchor: Anchor,
+        (colour, halo, bold): (Colour, Option<Colour>, bool),
+    ) {
         let content = content.to_owned();
-        self.words(Words { at, content, size, anchor, colour, bold: true, upwards: false, halo: Some(halo) });
+        self.words(Words { at, content, size, anchor, colour, bold, upwards: false, halo });
     }
 
     pub(super) fn words(&mut self, words: Words) {
