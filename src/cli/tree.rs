@@ -185,12 +185,11 @@ fn stage(
         files.stage(&json, tree_to_json(tree)?.as_bytes())?;
         files.stage(&svg, report::svg(tree).as_bytes())?;
     }
-    let mut spreads = spread.iter().map(|spread| json!(spread.founders));
     let page = match trees.first().filter(|_| !several) {
-        Some(tree) => report::html(tree, &founder_rows(tree), spreads.next()),
+        Some(tree) => report::html(tree, &founder_rows(tree), spread.first()),
         None => {
             files.stage("scenarios.csv", scenarios_csv(scenarios, trees).as_bytes())?;
-            report::scenarios_page(scenarios, trees, &spreads.collect::<Vec<_>>())
+            report::scenarios_page(scenarios, trees, spread)
         }
     };
     files.stage("report.html", page.as_bytes())?;

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use furrow_analysis::ranges::RoundsRange;
 use furrow_analysis::scenarios::{Scenario, Source, combine, growers};
-use furrow_analysis::scenarios_csv;
+use furrow_analysis::{FounderRange, LineageRanges, Range, scenarios_csv};
 use furrow_lineage::batch::{Memo, Quantisation, SchedulerOptions};
 use furrow_lineage::{EndRule, Length, Lineage, Tree, TreeSettings, grow_together};
 use furrow_mechanics::division::divide;
@@ -81,9 +82,13 @@ fn drawings_on_the_page_do_not_overflow() {
         }
     }
     // A spread over seeds is shown in the table, and the page's scripts have it.
-    let range = serde_json::json!({ "p5": 1.5, "p50": 2.0, "p95": 2.25 });
-    let spread = serde_json::json!([{ "name": "AB", "chi": null, "rounds": { "mean": range }, "cells": range }]);
-    let spread = report::scenarios_page(&scenarios, &trees, &[spread, serde_json::Value::Null]);
+    let range = Range { p5: 1.5, p50: 2.0, p95: 2.25 };
+    let rounds =
+        RoundsRange { min: range, mean: range, max: range, full_doublings: range, symmetric: range, terminal: range };
+    let founder =
+        FounderRange { name: "AB".to_owned(), rounds: Some(rounds), cells: Some(range), ..FounderRange::default() };
+    let ranges = LineageRanges { founders: vec![founder], ..LineageRanges::default() };
+    let spread = report::scenarios_page(&scenarios, &trees, &[ranges]);
     assert!(spread.contains("<td>2.00<small>1.50–2.25</small></td>") && !page.contains("<small>"));
     assert!(
         spread.contains(r#""p95":2.25"#)

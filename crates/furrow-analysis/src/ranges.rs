@@ -79,7 +79,7 @@ impl Range {
 }
 
 /// A founder over many trees.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FounderRange {
     /// Name.
     pub name: String,
@@ -154,7 +154,7 @@ impl TreeCounts {
 }
 
 /// A lineage over many trees.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct LineageRanges {
     /// Founders, in the lineage's order.
     pub founders: Vec<FounderRange>,

@@ -6,8 +6,8 @@ use super::page::{Page, Shown, data};
 use super::summary::{Generation, TreeSummary};
 use super::svg::{colours, svg};
 use super::table::{cue_text, outcome_name};
-use serde_json::Value;
 
+use furrow_analysis::LineageRanges;
 use furrow_cell::Cell;
 use furrow_cell::settings::{Settings, listing};
 use furrow_formats::{FounderRow, Provenance, tree_to_json};
@@ -15,9 +15,8 @@ use furrow_lineage::{Lineage, Tree, TreeSettings};
 use std::fmt::Write;
 
 /// A tree as a page that computes: its lineage to walk through, divisions played, the founders' table, the generations and the
-/// parameters. Without scripts it shows the drawing and the tables. `spread` is what its founders are over seeds, if that is known,
-/// as `furrow tree --replicates` prints it.
-pub fn html(tree: &Tree, rows: &[FounderRow], spread: Option<Value>) -> String {
+/// parameters. Without scripts it shows the drawing and the tables. `spread` has its ranges over seeds, if they are known.
+pub fn html(tree: &Tree, rows: &[FounderRow], spread: Option<&LineageRanges>) -> String {
     let summary = TreeSummary::of(tree);
     let Cell { epsilon, xi_s, .. } = tree.settings.cell;
     let (name, cells, first) = (escape(&tree.lineage.name), tree.len(), tree.cell(tree.first()).r0);
@@ -29,13 +28,8 @@ pub fn html(tree: &Tree, rows: &[FounderRow], spread: Option<Value>) -> String {
         top += "<p><strong>Some branches were stopped by a limit of the lineage file, not by mechanics.</strong></p>\n";
     }
     let parameters = parameters(&tree.lineage, &tree.settings);
-    let alone = |tree_json| Shown {
-        name: "",
-        made: String::new(),
-        colours: colours(&tree.lineage),
-        tree: tree_json,
-        spread: spread.clone(),
-    };
+    let alone =
+        |tree_json| Shown { name: "", made: String::new(), colours: colours(&tree.lineage), tree: tree_json, spread };
     let shown: Vec<Shown<'_>> = tree_to_json(tree).ok().map(alone).into_iter().collect();
     Page {
         title: format!("{name} grown from mechanics"),

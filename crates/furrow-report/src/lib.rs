@@ -17,6 +17,7 @@ pub mod reproduction;
 pub mod scenarios_page;
 pub mod scenarios_table;
 pub mod shapes;
+mod spread;
 pub mod spread_table;
 pub mod summary;
 pub mod svg;

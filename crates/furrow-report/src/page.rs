@@ -8,6 +8,7 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 use super::svg::colours;
+use furrow_analysis::LineageRanges;
 use furrow_cell::{Cell, Numerics, Settings};
 use furrow_lineage::{Lineage, TreeSettings};
 use furrow_mechanics::critical::Stored;
@@ -102,8 +103,8 @@ pub struct Shown<'a> {
     pub colours: Vec<&'static str>,
     /// Its `tree.json`.
     pub tree: String,
-    /// What its founders are over seeds, where more than one was run: an array of founders.
-    pub spread: Option<Value>,
+    /// Its ranges over seeds, where more than one was run.
+    pub spread: Option<&'a LineageRanges>,
 }
 
 /// Data of the scripts, as JSON: parameters of all divisions, from which the page grows trees, colours of founders, the edge of
@@ -113,7 +114,7 @@ pub fn data(lineage: &Lineage, settings: &TreeSettings, shown: &[Shown<'_>]) -> 
     let head = json!({ "lineage": lineage, "cell": cell, "numerics": numerics, "seed": seed, "r0_step": r0_step });
     let usual = Settings::default();
     let names = shown.iter().map(|Shown { name, made, colours, spread, .. }| {
-        json!({ "name": name, "made": made, "colours": colours, "spread": spread })
+        json!({ "name": name, "made": made, "colours": colours, "spread": spread.map(|spread| &spread.founders) })
     });
     let told = json!({
         "head": head,

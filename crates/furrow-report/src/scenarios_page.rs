@@ -4,31 +4,29 @@ use std::fmt::Write;
 
 use super::escape;
 use super::html::{group, parameters};
-use super::observed_table::{Entry, OBSERVED_BESIDE, SCENARIO, decimals, founder_lines};
+use super::observed_table::{Entry, OBSERVED_BESIDE, SCENARIO, founder_lines};
 use super::page::{Page, Shown, data};
+use super::spread;
 use super::summary::TreeSummary;
 use super::svg::{colours, small};
+use furrow_analysis::{LineageRanges, Range};
 use furrow_cell::Cell;
 use furrow_formats::tree_to_json;
 use furrow_lineage::{Scenario, Tree};
-use serde_json::Value;
 
 /// The scenarios as a page that computes: the table of founders and scenarios, every tree, and the parameters.
 ///
-/// `spreads` has for each scenario what its founders are over seeds, as `furrow tree --replicates` prints it: an array of
-/// `{name, chi, rounds: {min, mean, max}, cells}`, each number as `{p5, p50, p95}`, χ of a founder that does not divide null. It is
-/// empty, or null for a scenario, where there is one seed alone.
-pub fn scenarios_page(scenarios: &[Scenario], trees: &[Tree], spreads: &[Value]) -> String {
+/// `spreads` has the ranges of each scenario over seeds of the noise; it is empty where there is one seed alone.
+pub fn scenarios_page(scenarios: &[Scenario], trees: &[Tree], spreads: &[LineageRanges]) -> String {
     let (palette, count) = (palette(trees), scenarios.len());
     let pairs = || scenarios.iter().zip(trees);
     let shown = pairs().enumerate().filter_map(|(k, (scenario, tree))| {
-        let spread = spreads.get(k).filter(|spread| spread.is_array()).cloned();
         Some(Shown {
             name: &scenario.name,
             made: made(scenario, tree),
             colours: own_colours(tree, &palette),
             tree: tree_to_json(tree).ok()?,
-            spread,
+            spread: spreads.get(k),
         })
     });
     let (Some(first), shown) = (trees.first(), shown.collect::<Vec<_>>()) else { return String::new() };
@@ -102,44 +100,21 @@ fn drawing(number: usize, scenario: &Scenario, tree: &Tree, palette: &Palette<'_
     )
 }
 
-/// Where a founder's spread has each column of [`SCENARIO`], and with how many decimals it is written.
-const SPREAD: [(&str, usize); 5] =
-    [("/rounds/min", 0), ("/rounds/mean", 2), ("/rounds/max", 0), ("/chi", 3), ("/cells", 0)];
-
-/// Median and 5–95 % over seeds of a column.
-struct Range {
-    text: String,
-    ends: [f64; 2],
-}
-
-/// The ranges of a founder over seeds, by column; none where there are none.
-fn ranges(spreads: &[Value], scenario: usize, founder: &str) -> [Option<Range>; 5] {
-    let founders = spreads.get(scenario).and_then(Value::as_array);
-    let found = founders.and_then(|founders| founders.iter().find(|row| row["name"] == founder));
-    SPREAD.map(|(place, digits)| {
-        let of = found?.pointer(place)?;
-        let [low, middle, high] = ["p5", "p50", "p95"].map(|name| of[name].as_f64());
-        let [below, text, above] = [low, middle, high].map(|value| decimals(value, digits));
-        let text = if below == above { text } else { format!("{text}<small>{below}–{above}</small>") };
-        Some(Range { text, ends: [low?, high?] })
-    })
-}
-
 /// Whether a column of a founder differs from that of the first scenario: by more than their spreads where there are any.
-fn differs(own: Option<&Range>, first: Option<&Range>, entry: bool) -> bool {
-    match (own, first) {
-        // What looks alike is not shaded.
-        (Some(own), Some(first)) => {
-            own.text != first.text && (own.ends[0] > first.ends[1] || own.ends[1] < first.ends[0])
-        }
-        _ => entry,
-    }
+fn differs(column: usize, own: Option<&Range>, first: Option<&Range>, entry: bool) -> bool {
+    own.zip(first).map_or(entry, |(own, first)| spread::differs(own, first, column))
+}
+
+/// The median over seeds, and 5–95 % where they show.
+fn median(range: &Range, column: usize) -> String {
+    let [below, text, above] = spread::texts(range, column);
+    if below == above { text } else { format!("{text}<small>{below}–{above}</small>") }
 }
 
 fn cells(entry: &Entry, own: &[Option<Range>; 5], first: &[Option<Range>; 5]) -> String {
     let cell = |k: usize| {
-        let text = own[k].as_ref().map_or(entry.texts[k].as_str(), |range| range.text.as_str());
-        let class = match (k, differs(own[k].as_ref(), first[k].as_ref(), entry.differs[k])) {
+        let text = own[k].as_ref().map_or_else(|| entry.texts[k].clone(), |range| median(range, k));
+        let class = match (k, differs(k, own[k].as_ref(), first[k].as_ref(), entry.differs[k])) {
             (0, true) => " class=\"s d\"",
             (0, false) => " class=\"s\"",
             (_, true) => " class=\"d\"",
@@ -151,10 +126,9 @@ fn cells(entry: &Entry, own: &[Option<Range>; 5], first: &[Option<Range>; 5]) ->
 }
 
 /// Founders down, scenarios across, and what was observed.
-fn table(scenarios: &[Scenario], trees: &[Tree], spreads: &[Value]) -> String {
+fn table(scenarios: &[Scenario], trees: &[Tree], spreads: &[LineageRanges]) -> String {
     let lines = founder_lines(trees);
     let observed = lines.iter().any(|line| line.observed.is_some());
-    let spread = spreads.iter().any(Value::is_array);
     let beside = |text: String| if observed { text } else { String::new() };
     let names = scenarios.iter().enumerate().map(|(k, scenario)| {
         let (columns, name) = (SCENARIO.len(), escape(&scenario.name));
@@ -169,13 +143,14 @@ fn table(scenarios: &[Scenario], trees: &[Tree], spreads: &[Value]) -> String {
         beside(group("th", OBSERVED_BESIDE.iter()))
     );
     for line in &lines {
-        let first = ranges(spreads, 0, &line.name);
+        let columns = |k: usize| spread::columns(spreads.get(k), &line.name);
+        let first = columns(0);
         let entries = line.entries.iter().enumerate();
-        let entries = entries.map(|(k, entry)| cells(entry, &ranges(spreads, k, &line.name), &first));
+        let entries = entries.map(|(k, entry)| cells(entry, &columns(k), &first));
         let seen = beside(group("td", (0..OBSERVED_BESIDE.len()).map(|k| line.observed_text(k))));
         let _ = writeln!(out, "<tr><td>{}</td>{}{seen}</tr>", escape(&line.name), entries.collect::<String>());
     }
-    let shaded = if spread {
+    let shaded = if !spreads.is_empty() {
         "Medians over seeds, below them 5–95 %. Shaded: a range that does not meet that of scenario 1; what is not shaded may be the seed's."
     } else {
         "Shaded: another number than in scenario 1."
@@ -192,21 +167,24 @@ fn table(scenarios: &[Scenario], trees: &[Tree], spreads: &[Value]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
-
     use super::*;
+    use furrow_analysis::FounderRange;
 
     #[test]
     fn only_what_lies_beyond_the_spread_differs() {
-        let of = |low: f64, high: f64| json!([{ "name": "AB", "chi": null, "cells": { "p5": low, "p50": 0.5 * (low + high), "p95": high } }]);
+        let of = |low: f64, high: f64| {
+            let cells = Some(Range { p5: low, p50: 0.5 * (low + high), p95: high });
+            let founder = FounderRange { name: "AB".to_owned(), cells, ..FounderRange::default() };
+            LineageRanges { founders: vec![founder], ..LineageRanges::default() }
+        };
         let spreads = [of(10.0, 14.0), of(13.0, 20.0), of(15.0, 15.0)];
-        let [first, near, far] = [0, 1, 2].map(|k| ranges(&spreads, k, "AB"));
-        assert_eq!(first[4].as_ref().unwrap().text, "12<small>10–14</small>");
-        assert_eq!(far[4].as_ref().unwrap().text, "15");
-        assert!(first[3].is_none() && ranges(&spreads, 0, "P1")[4].is_none());
+        let [first, near, far] = [0, 1, 2].map(|k| spread::columns(spreads.get(k), "AB"));
+        assert_eq!(median(&first[4].unwrap(), 4), "12<small>10–14</small>");
+        assert_eq!(median(&far[4].unwrap(), 4), "15");
+        assert!(first[3].is_none() && spread::columns(spreads.first(), "P1")[4].is_none());
         // The numbers of one seed differ, but the ranges meet.
-        assert!(!differs(near[4].as_ref(), first[4].as_ref(), true));
-        assert!(differs(far[4].as_ref(), first[4].as_ref(), false));
-        assert!(differs(None, None, true));
+        assert!(!differs(4, near[4].as_ref(), first[4].as_ref(), true));
+        assert!(differs(4, far[4].as_ref(), first[4].as_ref(), false));
+        assert!(differs(4, None, None, true));
     }
 }
