@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Cell;
-use super::cue::Quantity;
+use super::cue::{Quantity, RegulatorQuantity};
 use super::settings::{Number, parameters};
 
 /// A scalar parameter of one cell.
@@ -53,6 +53,8 @@ pub enum Parameter {
         /// Which of its quantities.
         quantity: Quantity,
     },
+    /// A number of the cue's regulator.
+    Regulator(RegulatorQuantity),
 }
 
 /// A name that is no parameter's.
@@ -79,6 +81,7 @@ impl Parameter {
     fn read(self, cell: &Cell) -> Option<f64> {
         match self {
             Parameter::Cue { term, quantity } => cell.cue.terms().get(term)?.quantity(quantity),
+            Parameter::Regulator(quantity) => cell.cue.regulator()?.quantity(quantity),
             _ => self.row().map(|(row, _)| (row.get)(cell)),
         }
     }
@@ -98,6 +101,9 @@ impl Parameter {
         let slot = match self {
             Parameter::Cue { term, quantity } => {
                 cell.cue.terms_mut().get_mut(term).and_then(|term| term.quantity_mut(quantity))
+            }
+            Parameter::Regulator(quantity) => {
+                cell.cue.regulator_mut().and_then(|regulator| regulator.quantity_mut(quantity))
             }
             _ => self.row().map(|(row, _)| (row.slot)(cell)),
         };

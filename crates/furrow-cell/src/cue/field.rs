@@ -6,7 +6,8 @@
 /// A coefficient of the equations that a cue can modulate.
 ///
 /// X(u) = X0·(1 + Σ A f(u)) for every field but tension, which is added to: γ(u) = γ0 + Σ A f(u).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Field {
     /// Bending rigidity κ.
     Kappa,

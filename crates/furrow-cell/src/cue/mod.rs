@@ -10,10 +10,12 @@
 pub mod field;
 pub mod profile;
 mod record;
+pub mod regulator;
 mod text;
 
 pub use field::Field;
 pub use profile::{Profile, Quantity, Width};
+pub use regulator::{Coupling, Regulator, RegulatorQuantity, Source};
 pub use text::split_terms;
 
 use crate::Number;
@@ -79,7 +81,10 @@ impl Term {
 /// # Ok::<(), furrow_cell::CueError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Cue(Vec<Term>);
+pub struct Cue {
+    terms: Vec<Term>,
+    regulator: Option<Regulator>,
+}
 
 /// What is wrong with a cue.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -102,7 +107,7 @@ impl CueError {
 impl Cue {
     /// No cue: both poles alike.
     pub const fn none() -> Cue {
-        Cue(Vec::new())
+        Cue { terms: Vec::new(), regulator: None }
     }
 
     /// The published cue of the germline: a band of stiffer cortex at u0 = 0.465 with ω = 0.0577 and Δκ = 0.1 (Table S3).
@@ -113,7 +118,7 @@ impl Cue {
     /// κ(u) = κ·(1 + amplitude·exp(−(u − u0)²/omega²)), the kind of cue the paper uses.
     pub fn kappa_band(u0: f64, omega: f64, amplitude: f64) -> Cue {
         let profile = Profile::Band { u0, omega: Width::Fraction(omega) };
-        Cue(vec![Term { field: Field::Kappa, profile, amplitude }])
+        Cue { terms: vec![Term { field: Field::Kappa, profile, amplitude }], regulator: None }
     }
 
     /// A sum of terms.
@@ -121,35 +126,53 @@ impl Cue {
     /// # Errors
     /// [`CueError`] if a number is not allowed, or if together they bring a field that must be positive to zero.
     pub fn new(terms: Vec<Term>) -> Result<Cue, CueError> {
-        let cue = Cue(terms);
+        Cue::with_regulator(terms, None)
+    }
+
+    /// A sum of terms, and what the flow carries.
+    ///
+    /// # Errors
+    /// As of [`Cue::new`], and for numbers of the regulator.
+    pub fn with_regulator(terms: Vec<Term>, regulator: Option<Regulator>) -> Result<Cue, CueError> {
+        let cue = Cue { terms, regulator };
         cue.check()?;
         Ok(cue)
     }
 
     /// Its terms.
     pub fn terms(&self) -> &[Term] {
-        &self.0
+        &self.terms
     }
 
     /// Its terms, to be changed; what is set is not checked.
     pub fn terms_mut(&mut self) -> &mut [Term] {
-        &mut self.0
+        &mut self.terms
+    }
+
+    /// What the flow carries.
+    pub fn regulator(&self) -> Option<&Regulator> {
+        self.regulator.as_ref()
+    }
+
+    /// What the flow carries, to be changed; what is set is not checked.
+    pub fn regulator_mut(&mut self) -> Option<&mut Regulator> {
+        self.regulator.as_mut()
     }
 
     /// Whether it does nothing: no term, or none with an amplitude.
     pub fn is_none(&self) -> bool {
-        self.simplified().0.is_empty()
+        *self == Cue::none() || self.simplified() == Cue::none()
     }
 
     /// Whether it is even about u = ½, so that shapes can be mirror-symmetric and pitchforks stay pitchforks. It is a
     /// property of what the terms do together to each coefficient of the equations, however they are written.
     pub fn is_mirror_symmetric(&self) -> bool {
         let cue = self.simplified();
-        let scale: f64 = cue.0.iter().map(|term| term.amplitude.abs()).sum();
+        let scale: f64 = cue.terms.iter().map(|term| term.amplitude.abs()).sum();
         // Where an odd part would show: beside the places of the terms, and anywhere.
         let mut places: Vec<f64> = (0..32).map(|k| (f64::from(k) + 0.5) / 64.0).collect();
         for length in CONTOURS {
-            for term in &cue.0 {
+            for term in &cue.terms {
                 let (u0, width) = (term.quantity(Quantity::U0), term.profile.width());
                 let width = width.map_or(0.1, |omega| omega.in_u(length).abs());
                 places.extend([-1.0, 0.0, 0.7].map(|k| u0.unwrap_or(0.0) + k * width));
@@ -161,39 +184,45 @@ impl Cue {
         let even = |coefficient: Field, length: f64| {
             places.iter().all(|&u| odd(coefficient, u.clamp(0.0, 1.0), length) <= EVEN * scale)
         };
-        let touched = |coefficient: &Field| cue.0.iter().any(|term| term.field.modulates(*coefficient));
+        let touched = |coefficient: &Field| cue.terms.iter().any(|term| term.field.modulates(*coefficient));
         let mut coefficients = Field::ALL.into_iter().filter(touched);
         coefficients.all(|coefficient| CONTOURS.into_iter().all(|length| even(coefficient, length)))
     }
 
     /// Σ A f(u) over the terms that touch a coefficient.
     fn sum_at(&self, coefficient: Field, u: f64, length: f64) -> f64 {
-        let touching = self.0.iter().filter(|term| term.field.modulates(coefficient));
+        let touching = self.terms.iter().filter(|term| term.field.modulates(coefficient));
         touching.map(|term| term.at(u, length)[0]).sum()
     }
 
     /// The cue as seen from the other pole, u → 1 − u.
     pub fn mirrored(&self) -> Cue {
-        Cue(self.0.iter().map(Term::mirrored).collect())
+        Cue {
+            terms: self.terms.iter().map(Term::mirrored).collect(),
+            regulator: self.regulator.as_ref().map(Regulator::mirrored),
+        }
     }
 
     /// The cue with all its amplitudes multiplied by `factor`.
     pub fn scaled(&self, factor: f64) -> Cue {
-        Cue(self.0.iter().map(|term| Term { amplitude: factor * term.amplitude, ..*term }).collect())
+        Cue {
+            terms: self.terms.iter().map(|term| Term { amplitude: factor * term.amplitude, ..*term }).collect(),
+            regulator: self.regulator.clone(),
+        }
     }
 
     /// The same cue with as few terms as say it: equal terms are one of their amplitudes together, and what does nothing is
     /// left out.
     pub fn simplified(&self) -> Cue {
         let mut terms: Vec<Term> = Vec::new();
-        for term in &self.0 {
+        for term in &self.terms {
             match terms.iter_mut().find(|other| other.field == term.field && other.profile == term.profile) {
                 Some(same) => same.amplitude += term.amplitude,
                 None => terms.push(*term),
             }
         }
         terms.retain(|term| term.amplitude != 0.0);
-        Cue(terms)
+        Cue { terms, regulator: self.regulator.clone() }
     }
 
     /// Checks every number, and that fields which must be positive stay so.
@@ -201,7 +230,7 @@ impl Cue {
     /// # Errors
     /// [`CueError`] names the term's field and the number.
     pub fn check(&self) -> Result<(), CueError> {
-        for (k, term) in self.0.iter().enumerate() {
+        for (k, term) in self.terms.iter().enumerate() {
             let range = |low: f64, high, allowed, value| (!(low..=high).contains(&value)).then_some(allowed);
             for (quantity, allowed) in [
                 (Quantity::U0, term.quantity(Quantity::U0).and_then(|u0| range(0.0, 1.0, "from 0 to 1", u0))),
@@ -218,19 +247,19 @@ impl Cue {
 
     /// What errors call a number of term `k`.
     fn label(&self, k: usize, quantity: Quantity) -> String {
-        let name = format!("{}.{}", self.0[k].field.name(), quantity.name());
-        if self.0.len() > 1 { format!("cue[{k}].{name}") } else { name }
+        let name = format!("{}.{}", self.terms[k].field.name(), quantity.name());
+        if self.terms.len() > 1 { format!("cue[{k}].{name}") } else { name }
     }
 
     /// Whether 1 + Σ A f stays above 0 for a coefficient that must.
     fn check_positive(&self, coefficient: Field) -> Result<(), CueError> {
-        let touching: Vec<usize> = (0..self.0.len()).filter(|&k| self.0[k].field.modulates(coefficient)).collect();
+        let touching: Vec<usize> = (0..self.terms.len()).filter(|&k| self.terms[k].field.modulates(coefficient)).collect();
         let Some(&last) = touching.last() else { return Ok(()) };
         // Profiles keep within their range, whatever their width: a bound that needs no contour. Where it is not enough,
         // terms that lie apart are looked at along contours of all lengths that cells have.
         let bound = |k: &usize| {
-            let [low, high] = self.0[*k].profile.range();
-            (self.0[*k].amplitude * low).min(self.0[*k].amplitude * high)
+            let [low, high] = self.terms[*k].profile.range();
+            (self.terms[*k].amplitude * low).min(self.terms[*k].amplitude * high)
         };
         if 1.0 + touching.iter().map(bound).sum::<f64>() > 0.0 {
             return Ok(());
@@ -240,7 +269,7 @@ impl Cue {
         if touching.len() > 1 && lowest > 0.0 {
             return Ok(());
         }
-        let allowed = match (touching.len(), self.0[last].profile.range()) {
+        let allowed = match (touching.len(), self.terms[last].profile.range()) {
             (1, [-1.0, _]) => "above -1 and below 1".to_owned(),
             (1, _) => "a finite number above -1".to_owned(),
             _ => format!(
@@ -248,12 +277,12 @@ impl Cue {
                 coefficient.name()
             ),
         };
-        Err(CueError::new(self.label(last, Quantity::Amplitude), self.0[last].amplitude, allowed))
+        Err(CueError::new(self.label(last, Quantity::Amplitude), self.terms[last].amplitude, allowed))
     }
 
     /// Smallest Σ A f(u) on a contour of length `length`, looked for on a grid, at the places of the terms and between them.
     fn lowest(&self, coefficient: Field, length: f64) -> f64 {
-        let mut centres: Vec<f64> = self.0.iter().filter_map(|term| term.quantity(Quantity::U0)).collect();
+        let mut centres: Vec<f64> = self.terms.iter().filter_map(|term| term.quantity(Quantity::U0)).collect();
         centres.sort_by(f64::total_cmp);
         let between: Vec<f64> = centres.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
         let grid = (0..=1000).map(|i| f64::from(i) / 1000.0);
@@ -314,7 +343,7 @@ mod tests {
                 // tanh is odd only up to rounding, and 1 − f of a step is not f at the other side of zero.
                 assert!((a[0] - b[0]).abs() < 1e-15 && (a[1] + b[1]).abs() < 1e-13, "{text} {u}: {a:?} {b:?}");
             }
-            let again = Cue([image.mirrored().0, cue.scaled(-1.0).0].concat());
+            let again = Cue { terms: [image.mirrored().terms, cue.scaled(-1.0).terms].concat(), regulator: None };
             assert!(again.is_mirror_symmetric(), "{text}");
         }
     }

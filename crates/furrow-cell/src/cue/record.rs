@@ -152,7 +152,7 @@ impl<'de> Deserialize<'de> for Part {
 
 impl<'de> Deserialize<'de> for Cue {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Cue, D::Error> {
-        Part::deserialize(deserializer).map(|part| Cue(part.0))
+        Part::deserialize(deserializer).map(|part| Cue { terms: part.0, regulator: None })
     }
 }
 

@@ -1,0 +1,122 @@
+//! A regulator of the cortex that the flow carries, spreads and turns over, as part of a cue.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Field, Profile, Quantity};
+use crate::Number;
+
+/// Where a regulator is made: A f(u), relative to its resting concentration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Source<D = f64> {
+    /// f, how it is spread along the contour.
+    pub profile: Profile<D>,
+    /// Amplitude A.
+    pub amplitude: D,
+}
+
+/// What a regulator does to one field: X = X0·(1 + B h) for every field but tension, to which B h is added.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coupling<D = f64> {
+    /// The field.
+    pub field: Field,
+    /// Strength B, for tension in κ0/L_h².
+    pub strength: D,
+    /// h is φ; with a half-saturation K it is c²/(K² + c²), c = 1 + φ.
+    pub half: Option<D>,
+}
+
+impl<D: Number> Coupling<D> {
+    /// B h and B ∂h/∂φ at φ.
+    pub fn at(&self, phi: D) -> [D; 2] {
+        let Some(half) = self.half else { return [self.strength * phi, self.strength] };
+        let (c, square) = (phi + 1.0, half * half);
+        let sum = (c * c + square).recip();
+        [self.strength * c * c * sum, self.strength * c * square * sum * sum * 2.0]
+    }
+}
+
+/// A regulator of areal concentration c on the cortex, relative to its resting value, φ = c − 1. Flow carries it, it spreads by
+/// diffusion, turns over, and modulates fields of the cortex.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Regulator<D = f64> {
+    /// Where it is made; without a source its resting state is uniform.
+    pub source: Option<Source<D>>,
+    /// Turnover k, in 1/τ.
+    pub turnover: D,
+    /// Diffusion D, in L_h²/τ.
+    pub diffusion: D,
+    /// Whether it is a concentration, which converging flow raises, and not a label of the material.
+    pub diluted: bool,
+    /// What it does, at most one coupling a field.
+    pub couplings: Vec<Coupling<D>>,
+}
+
+/// A number of a regulator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RegulatorQuantity {
+    /// A number of its source.
+    Source(Quantity),
+    /// Turnover k.
+    Turnover,
+    /// Diffusion D.
+    Diffusion,
+    /// Strength B of the coupling to a field.
+    Strength(Field),
+    /// Half-saturation K of the coupling to a field.
+    Half(Field),
+}
+
+impl Regulator {
+    /// The same regulator with its numbers turned into others, each told which it is.
+    pub fn map<E>(&self, mut number: impl FnMut(RegulatorQuantity, f64) -> E) -> Regulator<E> {
+        use RegulatorQuantity::{Diffusion, Half, Strength, Turnover};
+        Regulator {
+            source: self.source.map(|source| Source {
+                profile: source.profile.map(|quantity, v| number(RegulatorQuantity::Source(quantity), v)),
+                amplitude: number(RegulatorQuantity::Source(Quantity::Amplitude), source.amplitude),
+            }),
+            turnover: number(Turnover, self.turnover),
+            diffusion: number(Diffusion, self.diffusion),
+            diluted: self.diluted,
+            couplings: (self.couplings.iter())
+                .map(|coupling| Coupling {
+                    field: coupling.field,
+                    strength: number(Strength(coupling.field), coupling.strength),
+                    half: coupling.half.map(|half| number(Half(coupling.field), half)),
+                })
+                .collect(),
+        }
+    }
+
+    /// A number of it; none for one that it does not have.
+    pub fn quantity(&self, quantity: RegulatorQuantity) -> Option<f64> {
+        self.clone().quantity_mut(quantity).copied()
+    }
+
+    /// Where such a number is kept.
+    pub fn quantity_mut(&mut self, quantity: RegulatorQuantity) -> Option<&mut f64> {
+        let mut couplings = self.couplings.iter_mut();
+        match quantity {
+            RegulatorQuantity::Source(Quantity::Amplitude) => self.source.as_mut().map(|source| &mut source.amplitude),
+            RegulatorQuantity::Source(other) => self.source.as_mut()?.profile.quantity_mut(other),
+            RegulatorQuantity::Turnover => Some(&mut self.turnover),
+            RegulatorQuantity::Diffusion => Some(&mut self.diffusion),
+            RegulatorQuantity::Strength(field) => {
+                couplings.find(|coupling| coupling.field == field).map(|coupling| &mut coupling.strength)
+            }
+            RegulatorQuantity::Half(field) => {
+                couplings.find(|coupling| coupling.field == field).and_then(|coupling| coupling.half.as_mut())
+            }
+        }
+    }
+
+    /// The regulator as seen from the other pole, u → 1 − u.
+    pub fn mirrored(&self) -> Regulator {
+        let source = self.source.map(|Source { profile, amplitude }| {
+            let (profile, sign) = profile.mirrored();
+            Source { profile, amplitude: sign * amplitude }
+        });
+        Regulator { source, ..self.clone() }
+    }
+}
