@@ -26,12 +26,14 @@ pub struct Coupling<D = f64> {
 }
 
 impl<D: Number> Coupling<D> {
-    /// B h and B ∂h/∂φ at φ.
-    pub fn at(&self, phi: D) -> [D; 2] {
-        let Some(half) = self.half else { return [self.strength * phi, self.strength] };
+    /// B h and B times its first two derivatives at φ.
+    pub fn at(&self, phi: D) -> [D; 3] {
+        let Some(half) = self.half else { return [self.strength * phi, self.strength, D::from(0.0)] };
         let (c, square) = (phi + 1.0, half * half);
-        let sum = (c * c + square).recip();
-        [self.strength * c * c * sum, self.strength * c * square * sum * sum * 2.0]
+        let share = (c * c + square).recip();
+        let slope = c * square * share * share * 2.0;
+        let bend = (square - c * c * 3.0) * square * share * share * share * 2.0;
+        [c * c * share, slope, bend].map(|h| self.strength * h)
     }
 }
 
