@@ -2,7 +2,7 @@
 
 use divan::{Bencher, black_box};
 use furrow_bvp::newton::{Newton, NewtonScratch};
-use furrow_bvp::{Direction, Solution, System};
+use furrow_bvp::{BoundaryValueProblem, Direction, Solution, System};
 use furrow_cell::{Cell, Numerics};
 use furrow_mechanics::cortex::observables::positions;
 use furrow_mechanics::cortex::symmetry::unfold;
@@ -24,7 +24,7 @@ fn step() -> Step {
     let mut cortex = Cortex::new(&cell, Domain::Full, &[]);
     positions(&y, &mut cortex.past);
     cortex.rate = 100.0;
-    let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
+    let mut system = System::new(cortex.dimensions(), numerics.stages);
     system.evaluate(&mut cortex, &y, &[], true);
     system.condense().unwrap();
     system.factor_blocks(&[]).unwrap();

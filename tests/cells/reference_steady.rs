@@ -2,7 +2,7 @@
 
 use crate::common::tables;
 use furrow_bvp::newton::{Newton, NewtonScratch};
-use furrow_bvp::{Gauss, System};
+use furrow_bvp::{BoundaryValueProblem, Gauss, System};
 use furrow_cell::{Cell, Numerics};
 use furrow_mechanics::cortex::{Cortex, Domain, observables};
 use furrow_mechanics::equilibria::passive;
@@ -44,7 +44,7 @@ fn passive_shapes_match_the_reference() {
 fn an_active_symmetric_shape_matches_the_reference() {
     let numerics = Numerics::default();
     let (mut y, _) = passive(&Cell::gao2026_thresholds(2.0), &numerics).unwrap();
-    let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
+    let mut system = System::new(Cortex::dimensions_for(&Cell::new(2.0), 0), numerics.stages);
     let mut scratch = NewtonScratch::default();
     for xi_s in [5.0, 10.0, 15.0, 18.0, 20.7468] {
         let mut cortex = Cortex::new(&Cell { xi_s, ..Cell::gao2026_thresholds(2.0) }, Domain::Half, &[]);

@@ -12,6 +12,8 @@ pub struct Dimensions {
     /// another. They are integrated out of the stage equations, which makes a Newton step several times cheaper. Zero is
     /// always correct; all components may be quadratures.
     pub quadratures: usize,
+    /// So are the last `trailing_quadratures` components.
+    pub trailing_quadratures: usize,
     /// Scalar unknowns p.
     pub scalars: usize,
     /// Conditions at the left end.
@@ -77,13 +79,19 @@ impl Dimensions {
         (self.components + self.scalars) as isize - (self.left + self.right + self.integrals) as isize
     }
 
+    /// Quadrature components, leading and trailing.
+    pub fn all_quadratures(&self) -> usize {
+        self.quadratures + self.trailing_quadratures
+    }
+
     /// Checks that the kernels can solve problems of these sizes with the given number of stages. Limits are checked here
     /// and nowhere else.
     ///
     /// # Errors
     /// [`TooLarge`] says which limit is exceeded.
     pub fn check(&self, stages: usize) -> Result<(), TooLarge> {
-        let Dimensions { components, quadratures, .. } = *self;
+        let Dimensions { components, .. } = *self;
+        let quadratures = self.all_quadratures();
         if !(1..=MAX_STAGES).contains(&stages) {
             return Err(TooLarge::Stages { stages });
         }

@@ -269,7 +269,7 @@ fn threshold(cell: &Cell, numerics: &Numerics, near: Option<&Solution>) -> Resul
     if let Some(near) = near {
         let free = [Parameter::XiS];
         let cortex = Cortex::new(cell, Domain::Half, &free);
-        let metric = metric(cell.r0, &free);
+        let metric = metric(cell, &free);
         let mut y = near.clone();
         let tangent = along_scalar(&y, y.scalars.len(), XI);
         let mut augmented = MinimallyAugmented::new(cortex, SymmetryBreaking::default(), y.m, metric, &tangent);
@@ -291,7 +291,7 @@ fn threshold(cell: &Cell, numerics: &Numerics, near: Option<&Solution>) -> Resul
 pub fn sensitivity(cell: &Cell, y: &Solution, parameter: Parameter) -> Result<f64, SingularError> {
     let free = [Parameter::XiS, parameter];
     let cortex = Cortex::new(cell, Domain::Half, &free);
-    let metric = metric(cell.r0, &free);
+    let metric = metric(cell, &free);
     let (mut y, value) = (y.clone(), cortex.get(parameter));
     y.scalars.push(value);
     let tangent = along_scalar(&y, y.scalars.len(), XI);

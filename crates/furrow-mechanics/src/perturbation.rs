@@ -10,7 +10,7 @@
 use furrow_bvp::{Gauss, Solution};
 
 use crate::cortex::Domain;
-use crate::cortex::equations::{COMPONENTS, R, Z};
+use crate::cortex::equations::{R, Z};
 use crate::cortex::symmetry::unfold;
 use crate::division::run::run;
 use crate::division::start::Start;
@@ -140,7 +140,7 @@ pub fn perturb(
 fn distance(gauss: &Gauss, shape: &Solution, from: &Solution) -> f64 {
     let from = if shape.mesh == from.mesh { from } else { &from.on_mesh(gauss, &shape.mesh) };
     let (mut r, mut z) = (0.0, 0.0);
-    let places = shape.stages.chunks_exact(COMPONENTS).zip(from.stages.chunks_exact(COMPONENTS));
+    let places = shape.stages.chunks_exact(shape.components).zip(from.stages.chunks_exact(shape.components));
     for (k, (here, there)) in places.enumerate() {
         let interval = k / shape.m;
         let weight = (shape.mesh[interval + 1] - shape.mesh[interval]) * gauss.b[k % shape.m];

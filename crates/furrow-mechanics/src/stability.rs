@@ -14,17 +14,21 @@
 //! Mirror-symmetric states are given on the half domain; even modes solve the half problem, odd modes the same intervals
 //! with δr = δm = δT = 0 at u = ½ and no scalar unknowns.
 //!
+//! A regulator has a rate of change of its own. It enters as ∂_tφ − w j, w the tangential velocity of a place of fixed u, so that a
+//! disturbance is described by its normal displacement and by δφ − j δw, which no renaming of places along the contour changes.
+//!
 //! # References
 //! Saad, *Numerical Methods for Large Eigenvalue Problems*, SIAM 2011, ch. 6 and 8. Physics of the pencil: the paper's
 //! criterion dis(t) = ‖r − r₀‖ + ‖z − z₀‖ decides the same by evolving a disturbance.
 
 use furrow_bvp::{AntisymmetricEnd, BoundaryValueProblem, Direction, PivotFailure, Residual, Solution, System};
+use furrow_cell::Cell;
 use furrow_spectra::{Arnoldi, Krylov, NoEigenvalues, RitzValue};
 
-use crate::cortex::equations::{COMPONENTS, LENGTH, M, PSI, R, Z};
-use crate::cortex::observables::positions;
-use crate::cortex::problem::SHAPE_SCALARS;
-use crate::cortex::symmetry::EVEN;
+use crate::cortex::equations::{J, LENGTH, M, PHI, PSI, R, REGULATED, Z};
+use crate::cortex::observables::{positions, regulator};
+use crate::cortex::problem::{MotionResponse, SHAPE_SCALARS};
+use crate::cortex::symmetry::even;
 use crate::cortex::{Cortex, Domain};
 
 /// Symmetry of a mode under reflection at the equator.
@@ -134,11 +138,11 @@ pub struct Stability {
     antisymmetric: AntisymmetricEnd,
     right_hand_side: Residual,
     update: Direction,
-    /// h s ∂f/∂v_n at every collocation point.
-    response: Vec<[f64; COMPONENTS]>,
-    /// (sinψ, cosψ).
-    normal: Vec<[f64; 2]>,
-    /// Quadrature weights of the inner product ∫ w² du.
+    /// h s times what a motion adds to the equations, at every collocation point.
+    response: Vec<MotionResponse>,
+    /// (sinψ, cosψ), and j of a regulator.
+    normal: Vec<[f64; 3]>,
+    /// Quadrature weights of the inner product ∫ w² du; behind them those of the regulator, ∫ (R0 φ)² du.
     weights: Vec<f64>,
     krylov: Krylov,
 }
@@ -148,7 +152,7 @@ impl Stability {
     pub fn new(stages: usize) -> Stability {
         Stability {
             arnoldi: Arnoldi::default(),
-            system: System::new(Cortex::dimensions_for(0), stages),
+            system: System::new(Cortex::dimensions_for(&Cell::new(1.0), 0), stages),
             antisymmetric: AntisymmetricEnd::default(),
             right_hand_side: Residual::default(),
             update: Direction::default(),
@@ -208,7 +212,7 @@ impl Stability {
             mode.iter_mut().zip(&next).for_each(|(mode, next)| *mode = next / largest);
         }
         let mut out = self.update.clone();
-        let size: f64 = (out.stages.chunks_exact(COMPONENTS).zip(&self.weights))
+        let size: f64 = (out.stages.chunks_exact(y.components).zip(&self.weights))
             .map(|(s, weight)| weight * (s[R] * s[R] + s[Z] * s[Z]))
             .sum();
         let scale = 1.0 / size.sqrt();
@@ -259,11 +263,11 @@ impl Stability {
             self.right_hand_side = self.system.zero_residual();
             if parity == Parity::Odd {
                 // From the factors of the even problem, which comes first.
-                let det = self.system.factor_antisymmetric(&EVEN, &mut self.antisymmetric).map_err(failed)?;
+                let det = self.system.factor_antisymmetric(even(y.components), &mut self.antisymmetric).map_err(failed)?;
                 if det.sign == 0.0 {
                     return Err(StabilityError::Factorisation { shift, column: 0 });
                 }
-                self.right_hand_side.right.truncate(EVEN.len());
+                self.right_hand_side.right.truncate(even(y.components).len());
             } else {
                 self.system.factor_blocks(&[]).map_err(failed)?;
             }
@@ -277,6 +281,10 @@ impl Stability {
     fn linearise(&mut self, cortex: &mut Cortex, y: &Solution, shift: f64) -> Result<(), PivotFailure> {
         cortex.rate = shift;
         positions(y, &mut cortex.past);
+        regulator(y, &mut cortex.past_phi);
+        if self.system.dimensions() != cortex.dimensions() {
+            self.system = System::new(cortex.dimensions(), y.m);
+        }
         self.system.evaluate(cortex, y, &[], true);
         self.system.condense()?;
         let gauss = &self.system.gauss;
@@ -287,30 +295,42 @@ impl Stability {
             let h = y.mesh[i + 1] - y.mesh[i];
             for j in 0..y.m {
                 let state = y.stage(i, j);
-                let mut row = cortex.response_to_normal_velocity(y.stage_x(gauss, i, j), state, y.scalars[LENGTH]);
-                row.iter_mut().for_each(|v| *v *= h * shift);
-                self.response.push(row);
+                let response = cortex.response_to_motion(y.stage_x(gauss, i, j), state, y.scalars[LENGTH]);
+                self.response.push(response.scaled(h * shift));
                 let (sin, cos) = state[PSI].sin_cos();
-                self.normal.push([sin, cos]);
+                self.normal.push([sin, cos, state.get(J).copied().unwrap_or(0.0)]);
                 self.weights.push(h * gauss.b[j]);
             }
+        }
+        if y.components == REGULATED {
+            let scale = cortex.cell.r0 * cortex.cell.r0;
+            self.weights.extend_from_within(..);
+            self.weights[self.normal.len()..].iter_mut().for_each(|weight| *weight *= scale);
         }
         Ok(())
     }
 
     /// w ↦ P_s w.
     fn apply(&mut self, parity: Parity, from: &[f64], to: &mut [f64]) {
-        let rhs = &mut self.right_hand_side;
-        for ((row, w), response) in rhs.stages.chunks_exact_mut(COMPONENTS).zip(from).zip(&self.response) {
+        let (rhs, points) = (&mut self.right_hand_side, self.normal.len());
+        let components = rhs.stages.len() / points;
+        rhs.stages.fill(0.0);
+        let (displaced, changed) = from.split_at(points);
+        for (i, (row, response)) in rhs.stages.chunks_exact_mut(components).zip(&self.response).enumerate() {
             // The stage residual is … − h f with ∂f/∂(past w) = −s ∂f/∂v_n.
-            row.iter_mut().zip(response).for_each(|(r, f)| *r = f * w);
+            response.add(1.0, displaced[i], changed.get(i).copied().unwrap_or(0.0), row);
         }
         match parity {
             Parity::Odd => self.system.solve_antisymmetric(&self.antisymmetric, rhs, &mut self.update),
             _ => self.system.solve(rhs, &mut self.update),
         }
-        for ((w, y), n) in to.iter_mut().zip(self.update.stages.chunks_exact(COMPONENTS)).zip(&self.normal) {
-            *w = n[0] * y[R] + n[1] * y[Z];
+        let (displaced, changed) = to.split_at_mut(points);
+        let states = self.update.stages.chunks_exact(components);
+        for (i, (y, [sin, cos, gradient])) in states.zip(&self.normal).enumerate() {
+            displaced[i] = sin * y[R] + cos * y[Z];
+            if let Some(changed) = changed.get_mut(i) {
+                *changed = y[PHI] - gradient * (cos * y[R] - sin * y[Z]);
+            }
         }
     }
 
@@ -376,7 +396,7 @@ fn shift_scale(cortex: &Cortex) -> f64 {
 /// A bound of growth rates: bending and active stress at the largest curvature of the shape against viscosity.
 fn fastest(cortex: &Cortex, y: &Solution) -> f64 {
     let (cell, material) = (&cortex.cell, &cortex.cell.material);
-    let curvature = y.stages.chunks_exact(COMPONENTS).fold(0.0f64, |most, s| {
+    let curvature = y.stages.chunks_exact(y.components).fold(0.0f64, |most, s| {
         let c2 = s[PSI].sin() / s[R];
         most.max(c2.abs()).max((s[M] / material.kappa - c2).abs())
     });

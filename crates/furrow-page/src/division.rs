@@ -4,7 +4,7 @@ use furrow_bvp::{Gauss, Solution};
 use furrow_cell::{Cell, Numerics};
 use furrow_lineage::FounderPhysics;
 use furrow_lineage::batch::Quantisation;
-use furrow_mechanics::cortex::equations::{COMPONENTS, LENGTH, M, PSI, R, Z};
+use furrow_mechanics::cortex::equations::{LENGTH, M, PHI, PSI, R, REGULATED, Z};
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_mechanics::division::{DivisionInput, DivisionOptions, Frame, divide_with};
 use serde::Deserialize;
@@ -137,26 +137,28 @@ impl Film {
 
     /// Adds the numbers of a shape. Before the activity is switched on there is neither cue nor active force.
     fn draw(&self, shape: &Solution, active: bool, numbers: &mut Vec<f32>) {
-        let mut state = [0.0; COMPONENTS];
+        let (mut state, n) = ([0.0; REGULATED], shape.components);
         let length = shape.scalars[LENGTH];
         let terms = self.cortex.cell.cue.terms();
         for &u in &self.places {
-            shape.eval(&self.gauss, u, &mut state);
-            let cue = if active { terms.iter().map(|term| term.at(u, length)[0]).sum() } else { 0.0 };
+            shape.eval(&self.gauss, u, &mut state[..n]);
+            let painted: f64 = terms.iter().map(|term| term.at(u, length)[0]).sum();
+            let carried = if n == REGULATED { state[PHI] } else { 0.0 };
+            let cue = if active { painted + carried } else { 0.0 };
             numbers.extend([state[R], state[Z], cue].map(|v| v as f32));
         }
         for &u in &self.arrows {
             let [along_r, along_z] = if active { self.active_force(shape, u) } else { [0.0; 2] };
-            shape.eval(&self.gauss, u, &mut state);
+            shape.eval(&self.gauss, u, &mut state[..n]);
             numbers.extend([state[R], state[Z], along_r, along_z].map(|v| v as f32));
         }
     }
 
     /// Active tensions T^a_uu = X_s(½C − c2) + X_b C and T^a_φφ = −X_s(½C − c2) + X_b C at u.
     fn active_tensions(&self, shape: &Solution, u: f64) -> [f64; 2] {
-        let mut state = [0.0; COMPONENTS];
-        shape.eval(&self.gauss, u, &mut state);
-        let here = self.cortex.constants().at(u, shape.scalars[LENGTH]);
+        let (mut state, n) = ([0.0; REGULATED], shape.components);
+        shape.eval(&self.gauss, u, &mut state[..n]);
+        let here = self.cortex.constants().of_state(u, &state[..n], shape.scalars[LENGTH]);
         let mean = state[M] / here.kappa;
         let deviator = here.xi_s * (0.5 * mean - state[PSI].sin() / state[R]);
         [deviator + here.xi_b * mean, here.xi_b * mean - deviator]
@@ -165,12 +167,12 @@ impl Film {
     /// Active force density div T^a at u, along r and z. With the outward normal n = (sinψ, cosψ) and the tangent
     /// t = (cosψ, −sinψ) it is (∂_s T^a_uu + (cosψ/r)(T^a_uu − T^a_φφ)) t − (c1 T^a_uu + c2 T^a_φφ) n.
     fn active_force(&self, shape: &Solution, u: f64) -> [f64; 2] {
-        let mut state = [0.0; COMPONENTS];
-        shape.eval(&self.gauss, u, &mut state);
+        let (mut state, n) = ([0.0; REGULATED], shape.components);
+        shape.eval(&self.gauss, u, &mut state[..n]);
         let length = shape.scalars[LENGTH];
         let (sin, cos) = state[PSI].sin_cos();
         let c2 = sin / state[R];
-        let c1 = state[M] / self.cortex.constants().at(u, length).kappa - c2;
+        let c1 = state[M] / self.cortex.constants().of_state(u, &state[..n], length).kappa - c2;
         let [t_u, t_phi] = self.active_tensions(shape, u);
         let [before, after] = [u - STEP, u + STEP].map(|u| self.active_tensions(shape, u)[0]);
         let tangential = (after - before) / (2.0 * STEP * length) + cos / state[R] * (t_u - t_phi);
@@ -184,6 +186,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
+    use furrow_mechanics::cortex::equations::COMPONENTS;
     use furrow_cell::Cue;
     use furrow_mechanics::division::divide as divide_alone;
     use serde_json::Value;

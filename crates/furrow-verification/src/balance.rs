@@ -2,7 +2,7 @@
 //! tangential and the normal balance, with η_b, η_s and the elastic stress as printed.
 
 use furrow_cell::{Cell, Number, RigidityGradient};
-use furrow_mechanics::cortex::equations::COMPONENTS;
+use furrow_mechanics::cortex::equations::{COMPONENTS, J, PHI};
 
 use crate::coefficients::{coefficients, shell_force};
 
@@ -14,18 +14,20 @@ pub fn stress<D: Number>([eta_b, eta_s, xi_s, xi_b]: [D; 4], strain: [D; 2], cur
     [isotropic + deviatoric, isotropic - deviatoric]
 }
 
-/// ∂_s of (r, z, m, ψ, q, v, T) at u, where the contour moves by `motion` = ∂_t(r, z) and activity is multiplied by `noise`.
-pub fn rates<D: Number>(
+/// ∂_s of (r, z, m, ψ, q, v, T), and of a regulator (j, φ) where N is 9, at u, where the contour and φ change by `motion` =
+/// ∂_t(r, z, φ) and activity is multiplied by `noise`.
+pub fn rates<D: Number, const N: usize>(
     cell: &Cell,
     u: D,
     length: f64,
     pressure: f64,
     noise: f64,
-    y: &[D; COMPONENTS],
-    motion: [D; 2],
-) -> [D; COMPONENTS] {
-    let [r, z, m, psi, q, v, t] = *y;
-    let c = coefficients(cell, u, length);
+    y: &[D; N],
+    motion: [D; 3],
+) -> [D; N] {
+    let [r, z, m, psi, q, v, t]: [D; COMPONENTS] = std::array::from_fn(|k| y[k]);
+    let carried = (N > COMPONENTS).then(|| [y[PHI], y[J] * length]);
+    let c = coefficients(cell, u, length, carried);
     let (sin, cos) = psi.sin_cos();
     let c2 = sin / r;
     let c1 = m / c.kappa - c2;
@@ -43,5 +45,17 @@ pub fn rates<D: Number>(
         t_s -= (c1 + c2) * (c1 + c2) * c.kappa_s * 0.5;
     }
     let q_s = c1 * (h_uu + t) + c2 * (h_pp + t_pp) - cos / r * q - pressure - shell_force(cell, r, z, psi);
-    [cos, -sin, q, c1, q_s, s_uu - c1 * v_n, t_s]
+    let mut out = [D::from(0.0); N];
+    out[..COMPONENTS].copy_from_slice(&[cos, -sin, q, c1, q_s, s_uu - c1 * v_n, t_s]);
+    if let (Some(regulator), true) = (cell.cue.regulator(), N > COMPONENTS) {
+        let (j, phi) = (y[J], y[PHI]);
+        // The flux −D j through a ring of the surface changes by what is stored, carried in, concentrated, made and lost there.
+        let along = cos * motion[0] - sin * motion[1];
+        let mut lost = motion[2] + (v - along) * j + (phi - c.source) * regulator.turnover;
+        if regulator.diluted {
+            lost += (phi + 1.0) * (s_uu + s_pp);
+        }
+        (out[J], out[PHI]) = (lost / regulator.diffusion - cos / r * j, j);
+    }
+    out
 }

@@ -1,7 +1,7 @@
 //! The coefficients of the model at a point of the contour, from the definition of a cue:
-//! X(u) = X0·(1 + Σ A f(u)) for every field but tension, for which γ(u) = γ0 + Σ A f(u).
+//! X(u) = X0·(1 + Σ A f(u)) for every field but tension, for which γ(u) = γ0 + Σ A f(u); a regulator adds B φ.
 
-use furrow_cell::cue::{Field, Profile, Width};
+use furrow_cell::cue::{Coupling, Field, Profile, Width};
 use furrow_cell::{Cell, Number};
 
 /// Coefficients at one point, activities with the gain. Units are those of [`Cell`].
@@ -25,6 +25,8 @@ pub struct Coefficients<D> {
     pub xi_s: D,
     /// gξ_b.
     pub xi_b: D,
+    /// A f of the regulator's source.
+    pub source: D,
 }
 
 /// A profile f and ∂f/∂u.
@@ -51,17 +53,20 @@ fn profile<D: Number>(profile: &Profile, u: D, length: f64) -> [D; 2] {
     }
 }
 
-/// The coefficients of a cell at u on a contour of length `length`.
+/// The coefficients of a cell at u on a contour of length `length`, where its regulator is `carried`: φ and ∂φ/∂u.
 ///
 /// # Panics
 /// For a field or a profile of the model that is missing here.
-pub fn coefficients<D: Number>(cell: &Cell, u: D, length: f64) -> Coefficients<D> {
+pub fn coefficients<D: Number>(cell: &Cell, u: D, length: f64, carried: Option<[D; 2]>) -> Coefficients<D> {
     let one = D::from(1.0);
     let [mut kappa, mut eta_b, mut eta_s, mut friction, mut xi_s, mut xi_b] = [one; 6];
     let (mut kappa_u, mut tension, mut tension_u) = (D::from(0.0), D::from(cell.material.tension), D::from(0.0));
-    for term in cell.cue.terms() {
-        let [f, f_u] = profile(&term.profile, u, length).map(|f| f * term.amplitude);
-        match term.field {
+    let painted = cell.cue.terms().iter();
+    let painted = painted.map(|term| (term.field, profile(&term.profile, u, length).map(|f| f * term.amplitude)));
+    let couplings = cell.cue.regulator().into_iter().flat_map(|regulator| &regulator.couplings).zip(carried.into_iter().cycle());
+    let couplings = couplings.map(|(coupling, carried)| (coupling.field, acts(coupling, carried)));
+    for (field, [f, f_u]) in painted.chain(couplings) {
+        match field {
             Field::Kappa => (kappa, kappa_u) = (kappa + f, kappa_u + f_u),
             Field::Activity => (xi_s, xi_b) = (xi_s + f, xi_b + f),
             Field::XiS => xi_s += f,
@@ -85,7 +90,20 @@ pub fn coefficients<D: Number>(cell: &Cell, u: D, length: f64) -> Coefficients<D
         tension_s: tension_u / length,
         xi_s: xi_s * activity,
         xi_b: xi_b * (activity * material.xi_ratio),
+        source: cell.cue.regulator().and_then(|regulator| regulator.source).map_or(D::from(0.0), |source| {
+            profile(&source.profile, u, length)[0] * source.amplitude
+        }),
     }
+}
+
+/// B φ, or B c²/(K² + c²), and its derivative by u.
+fn acts<D: Number>(coupling: &Coupling, [phi, phi_u]: [D; 2]) -> [D; 2] {
+    let Some(half) = coupling.half else { return [phi * coupling.strength, phi_u * coupling.strength] };
+    // c²/(K² + c²) = 1/(1 + (K/c)²).
+    let ratio = (phi + 1.0).recip() * half;
+    let share = (ratio * ratio + 1.0).recip();
+    let slope = share * share * ratio * ratio * 2.0 / (phi + 1.0);
+    [share * coupling.strength, slope * phi_u * coupling.strength]
 }
 
 /// Half axes a (along z) and b of the shell: 4πab²/3 is the cell's volume over ε.

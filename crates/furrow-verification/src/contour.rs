@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use furrow_bvp::{Gauss, Solution};
 use furrow_cell::Cell;
-use furrow_mechanics::cortex::equations::{COMPONENTS, LENGTH, M, PRESSURE, PSI, Q, R, T, V, Z};
+use furrow_mechanics::cortex::equations::{COMPONENTS, J, LENGTH, M, PHI, PRESSURE, PSI, Q, R, T, V, Z};
 
 use crate::balance;
 use crate::coefficients::{Coefficients, coefficients, shell_force};
@@ -87,11 +87,12 @@ impl Computed {
 
     fn place(&self, gauss: &Gauss, i: usize, j: usize) -> Place {
         let (y, length) = (&self.shape, self.length());
-        let (state, mut slope) = (y.stage(i, j), [0.0; COMPONENTS]);
+        let (state, mut slope) = (y.stage(i, j), vec![0.0; y.components]);
         y.slope_in(gauss, i, gauss.c[j], &mut slope);
-        let slope = slope.map(|by_u| by_u / length);
+        slope.iter_mut().for_each(|by_u| *by_u /= length);
         let (k, u) = (i * y.m + j, y.stage_x(gauss, i, j));
-        let here = coefficients(&self.cell, u, length);
+        let carried = (y.components > COMPONENTS).then(|| [state[PHI], state[J] * length]);
+        let here = coefficients(&self.cell, u, length, carried);
         let (sin, cos) = state[PSI].sin_cos();
         let [c1, c2] = [slope[PSI], sin / state[R]];
         let [r_t, z_t] = self.motion.get(k).copied().unwrap_or_default();

@@ -1,7 +1,7 @@
 //! States on which the equations are compared: shapes at rest, moving shapes, random states.
 
 use furrow_bvp::newton::NewtonScratch;
-use furrow_bvp::{Newton, NewtonError, Solution, System};
+use furrow_bvp::{BoundaryValueProblem, Newton, NewtonError, Solution, System};
 use furrow_cell::cue::Field;
 use furrow_cell::{Cell, CueError, Numerics};
 use furrow_mechanics::cortex::observables::positions;
@@ -78,7 +78,7 @@ pub fn passive_shape(cell: &Cell, numerics: &Numerics) -> Result<Solution, Newto
 pub fn moving(cell: &Cell, steps: usize) -> Result<Computed, NewtonError> {
     let mut shape = passive_shape(cell, &fine())?;
     let mut cortex = Cortex::new(cell, Domain::Full, &[]);
-    let mut system = System::new(Cortex::dimensions_for(0), shape.m);
+    let mut system = System::new(cortex.dimensions(), shape.m);
     let newton = Newton { tolerance: 1e-11, ..Newton::default() };
     let (mut before, mut after) = (Vec::new(), Vec::new());
     let mut dt = 5e-4;

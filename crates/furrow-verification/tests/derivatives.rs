@@ -3,10 +3,12 @@
 
 use furrow_bvp::derivatives::{PointDirection, PointValues};
 use furrow_bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Directional, PointJacobian};
-use furrow_cell::cue::{Field, Profile, Quantity, Width};
+use furrow_cell::cue::{Field, Profile, Quantity, RegulatorQuantity, Source, Width};
 use furrow_cell::{Cell, Parameter};
-use furrow_mechanics::cortex::equations::{BdfTerm, COMPONENTS, Constants, M, PSI, Q, R, T, V, Z, equations};
-use furrow_mechanics::cortex::symmetry::{ODD, mirror};
+use furrow_mechanics::cortex::equations::{
+    BdfTerm, COMPONENTS, Constants, J, M, PHI, PSI, Q, R, REGULATED, T, V, Z, equations,
+};
+use furrow_mechanics::cortex::symmetry::{mirror, odd};
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_verification::balance::rates;
 use furrow_verification::report::within;
@@ -14,8 +16,10 @@ use furrow_verification::states::{Draws, cues, uneven_cell};
 use num_dual::Dual64;
 
 /// A random state away from the axis, with (L, p).
-fn state(draws: &mut Draws) -> ([f64; COMPONENTS], [f64; 2]) {
-    let mut y: [f64; COMPONENTS] = std::array::from_fn(|_| draws.between(-1.0, 1.0));
+fn state(components: usize, draws: &mut Draws) -> (Vec<f64>, [f64; 2]) {
+    let mut y: Vec<f64> = (0..components).map(|_| draws.between(-1.0, 1.0)).collect();
+    // Concentrations are above 0, and leave viscosities so.
+    y.iter_mut().skip(PHI).for_each(|phi| *phi *= 0.5);
     (y[R], y[PSI]) = (draws.between(0.5, 2.0), draws.between(0.1, 3.0));
     (y, [draws.between(6.0, 8.0), draws.between(0.0, 3.0)])
 }
@@ -27,12 +31,13 @@ const AT: CollocationPoint = CollocationPoint { x: 0.41, index: 0 };
 fn cortex(cue: &str, free: &[Parameter]) -> Cortex {
     let mut cortex = Cortex::new(&uneven_cell(2.3, 21.0, cue).unwrap(), Domain::Full, free);
     (cortex.rate, cortex.past, cortex.noise) = (3.0, vec![[1.1, -0.2]], vec![1.03]);
+    cortex.past_phi = vec![0.07];
     cortex
 }
 
 /// Right-hand sides and integrand at a state, in one vector.
 fn values(cortex: &Cortex, y: &[f64], p: &[f64]) -> Vec<f64> {
-    let (mut f, mut g) = (vec![0.0; COMPONENTS], vec![0.0]);
+    let (mut f, mut g) = (vec![0.0; y.len()], vec![0.0]);
     cortex.rhs(AT, y, p, &mut f, &mut g);
     f.extend(g);
     f
@@ -45,15 +50,23 @@ fn the_equations_are_those_of_the_second_statement() {
     for cue in cues() {
         let cortex = cortex(&cue, &[]);
         for _ in 0..5 {
-            let (y, p) = state(&mut draws);
-            let motion = [y[R] - cortex.past[0][0], y[Z] - cortex.past[0][1]].map(|d| d * cortex.rate);
-            let expected = rates(&cortex.cell, AT.x, p[0], p[1], 1.03, &y, motion);
+            let (y, p) = state(cortex.components(), &mut draws);
+            let phi_t = y.get(PHI).map_or(0.0, |phi| phi - cortex.past_phi[0]);
+            let motion = [y[R] - cortex.past[0][0], y[Z] - cortex.past[0][1], phi_t].map(|d| d * cortex.rate);
+            let expected = expected(&cortex.cell, p, &y, motion);
             for (found, expected) in values(&cortex, &y, &p).iter().zip(expected) {
                 largest = largest.max((found / p[0] - expected).abs() / (1.0 + expected.abs()));
             }
         }
     }
     within("the second statement", largest, 1e-12);
+}
+
+fn expected(cell: &Cell, p: [f64; 2], y: &[f64], motion: [f64; 3]) -> Vec<f64> {
+    match y.len() {
+        REGULATED => rates::<_, REGULATED>(cell, AT.x, p[0], p[1], 1.03, y.try_into().unwrap(), motion).to_vec(),
+        _ => rates::<_, COMPONENTS>(cell, AT.x, p[0], p[1], 1.03, y.try_into().unwrap(), motion).to_vec(),
+    }
 }
 
 /// Jacobians of the equations in all unknowns and free parameters.
@@ -64,13 +77,17 @@ fn jacobians_by_hand_by_dual_numbers_and_by_differences_agree() {
         let cell = uneven_cell(2.3, 21.0, &cue).unwrap();
         let mut free = vec![Parameter::XiS, Parameter::R0, Parameter::Kappa, Parameter::W];
         free.extend(Quantity::ALL.map(|quantity| Parameter::Cue { term: 0, quantity }));
+        use RegulatorQuantity::{Diffusion, Half, Source as OfSource, Strength, Turnover};
+        let numbers = Quantity::ALL.map(OfSource).into_iter().chain([Turnover, Diffusion]);
+        let couplings = Field::ALL.into_iter().flat_map(|field| [Strength(field), Half(field)]);
+        free.extend(numbers.chain(couplings).map(Parameter::Regulator));
         free.retain(|parameter| parameter.is_of(&cell));
         let mut cortex = cortex(&cue, &free);
         for _ in 0..3 {
-            let (y, p) = state(&mut draws);
+            let (y, p) = state(cortex.components(), &mut draws);
             let mut p = p.to_vec();
             p.extend(free.iter().map(|parameter| parameter.get(&cell)));
-            let (n, np) = (COMPONENTS, p.len());
+            let (n, np) = (y.len(), p.len());
             let (f, jacobian) = by_hand(&mut cortex, &y, &p);
             for (by_hand, once) in f.iter().zip(values(&cortex, &y, &p)) {
                 by_dual = by_dual.max((by_hand - once).abs() / (1.0 + once.abs()));
@@ -94,7 +111,7 @@ fn jacobians_by_hand_by_dual_numbers_and_by_differences_agree() {
 /// The function to differentiate, and the columns of the hand-written Jacobian: by y, then by the scalars.
 fn by_hand(cortex: &mut Cortex, y: &[f64], p: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
     cortex.prepare(p);
-    let (n, np) = (COMPONENTS, p.len());
+    let (n, np) = (y.len(), p.len());
     let (mut f, mut fy, mut fp) = (vec![0.0; n], vec![0.0; n * n], vec![0.0; n * np]);
     let (mut g, mut gy, mut gp) = (vec![0.0], vec![0.0; n], vec![0.0; np]);
     let mut out = PointJacobian { f: &mut f, fy: &mut fy, fp: &mut fp, g: &mut g, gy: &mut gy, gp: &mut gp };
@@ -105,53 +122,69 @@ fn by_hand(cortex: &mut Cortex, y: &[f64], p: &[f64]) -> (Vec<f64>, Vec<Vec<f64>
     (f, columns)
 }
 
-/// Derivatives of the right-hand sides by the normal velocity, which determine growth rates: the past lies a step further back.
+/// Derivatives of the right-hand sides by the motion, which determine growth rates: the past lies a step further back.
 #[test]
-fn the_response_to_a_normal_velocity_is_that_to_an_earlier_past() {
+fn the_response_to_a_motion_is_that_to_an_earlier_past() {
     let (mut draws, mut largest) = (Draws(6), 0.0f64);
     for cue in cues() {
         let mut cortex = cortex(&cue, &[]);
         for _ in 0..5 {
-            let (y, p) = state(&mut draws);
-            let [before, response] =
-                [values(&cortex, &y, &p), cortex.response_to_normal_velocity(AT.x, &y, p[0]).to_vec()];
-            let (here, (sin, cos)) = (cortex.past[0], y[PSI].sin_cos());
-            cortex.past[0] = [here[0] - sin / cortex.rate, here[1] - cos / cortex.rate];
-            for ((after, before), response) in values(&cortex, &y, &p).iter().zip(&before).zip(&response) {
-                largest = largest.max((after - before - response).abs() / (1.0 + response.abs()));
+            let (y, p) = state(cortex.components(), &mut draws);
+            let before = values(&cortex, &y, &p);
+            let (here, phi, (sin, cos)) = (cortex.past[0], cortex.past_phi[0], y[PSI].sin_cos());
+            // Outwards, along the contour, and of the regulator.
+            for (normal, along, change) in [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)] {
+                let moved = [normal * sin + along * cos, normal * cos - along * sin];
+                cortex.past[0] = [0, 1].map(|k| here[k] - moved[k] / cortex.rate);
+                cortex.past_phi[0] = phi - change / cortex.rate;
+                let mut response = vec![0.0; y.len()];
+                let carried = change - along * y.get(J).unwrap_or(&0.0);
+                cortex.response_to_motion(AT.x, &y, p[0]).add(1.0, normal, carried, &mut response);
+                for ((after, before), response) in values(&cortex, &y, &p).iter().zip(&before).zip(&response) {
+                    largest = largest.max((after - before - response).abs() / (1.0 + response.abs()));
+                }
             }
-            cortex.past[0] = here;
+            (cortex.past[0], cortex.past_phi[0]) = (here, phi);
         }
     }
-    within("the response to a normal velocity", largest, 1e-11);
+    within("the response to a motion", largest, 1e-11);
 }
 
 /// One of them by dual numbers.
-fn dual_column(cortex: &Cortex, y: &[f64; COMPONENTS], p: &[f64], k: usize) -> Vec<f64> {
-    let n = COMPONENTS;
+fn dual_column(cortex: &Cortex, y: &[f64], p: &[f64], k: usize) -> Vec<f64> {
+    match y.len() {
+        REGULATED => dual_column_of::<REGULATED>(cortex, y, p, k),
+        _ => dual_column_of::<COMPONENTS>(cortex, y, p, k),
+    }
+}
+
+fn dual_column_of<const N: usize>(cortex: &Cortex, y: &[f64], p: &[f64], k: usize) -> Vec<f64> {
+    let n = N;
     let unit = |i: usize, v: f64| Dual64::new(v, if i == k { 1.0 } else { 0.0 });
     let constants = Constants::new(&cortex.cell, |parameter, v| {
         cortex.free.iter().position(|f| *f == parameter).map_or(Dual64::from_re(v), |i| unit(n + 2 + i, v))
     });
-    let lifted: [Dual64; COMPONENTS] = std::array::from_fn(|i| unit(i, y[i]));
-    let motion = BdfTerm { rate: cortex.rate, r_past: cortex.past[0][0], z_past: cortex.past[0][1] };
+    let lifted: [Dual64; N] = std::array::from_fn(|i| unit(i, y[i]));
+    let [r_past, z_past] = cortex.past[0];
+    let motion = BdfTerm { rate: cortex.rate, r_past, z_past, phi_past: cortex.past_phi[0] };
     let (f, g) = equations(&constants, AT.x, motion, 1.03, &lifted, unit(n, p[0]), unit(n + 1, p[1]));
     f.iter().chain([&g]).map(|f| f.eps).collect()
 }
 
 /// One of them by differences of fourth order.
-fn difference_column(cortex: &mut Cortex, y: &[f64; COMPONENTS], p: &[f64], k: usize) -> Vec<f64> {
+fn difference_column(cortex: &mut Cortex, y: &[f64], p: &[f64], k: usize) -> Vec<f64> {
     let h = 1e-3;
     let mut at = |steps: f64| {
-        let (mut y, mut p) = (*y, p.to_vec());
-        match k.checked_sub(COMPONENTS) {
+        let n = y.len();
+        let (mut y, mut p) = (y.to_vec(), p.to_vec());
+        match k.checked_sub(n) {
             None => y[k] += steps * h,
             Some(k) => p[k] += steps * h * p[k].abs().max(0.1) / 10.0,
         }
         cortex.prepare(&p);
         values(cortex, &y, &p)
     };
-    let h = if k < COMPONENTS { h } else { h * p[k - COMPONENTS].abs().max(0.1) / 10.0 };
+    let h = if k < y.len() { h } else { h * p[k - y.len()].abs().max(0.1) / 10.0 };
     let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(&mut at);
     (0..a.len()).map(|i| (a[i] - 8.0 * b[i] + 8.0 * c[i] - d[i]) / (12.0 * h)).collect()
 }
@@ -159,13 +192,15 @@ fn difference_column(cortex: &mut Cortex, y: &[f64; COMPONENTS], p: &[f64], k: u
 /// Conditions at both ends.
 #[test]
 fn jacobians_of_the_conditions_are_their_slopes() {
-    for domain in [Domain::Full, Domain::Half] {
-        let mut cortex = cortex("none", &[]);
+    let carried = "regulator:none,turnover=3,diffusion=1,activity=0.4";
+    for (domain, cue) in [Domain::Full, Domain::Half].into_iter().flat_map(|d| [(d, "none"), (d, carried)]) {
+        let mut cortex = cortex(cue, &[]);
         cortex.domain = domain;
-        let (y, p) = state(&mut Draws(9));
+        let (n, conditions) = (cortex.components(), cortex.dimensions().left);
+        let (y, p) = state(cortex.components(), &mut Draws(9));
         for at_left in [true, false] {
             let at = |y: &[f64]| {
-                let (mut r, mut ry, mut rp) = ([0.0; 4], [0.0; 4 * COMPONENTS], [0.0; 8]);
+                let (mut r, mut ry, mut rp) = (vec![0.0; conditions], vec![0.0; conditions * n], vec![0.0; 10]);
                 let mut out = BoundaryJacobian { r: &mut r, ry: &mut ry, rp: &mut rp };
                 if at_left {
                     cortex.left(y, &p, &mut out)
@@ -175,11 +210,11 @@ fn jacobians_of_the_conditions_are_their_slopes() {
                 (r, ry)
             };
             let (r, ry) = at(&y);
-            for k in 0..COMPONENTS {
-                let mut moved = y;
+            for k in 0..n {
+                let mut moved = y.clone();
                 moved[k] += 1.0;
                 let (there, _) = at(&moved);
-                (0..4).for_each(|i| assert!((there[i] - r[i] - ry[i * COMPONENTS + k]).abs() < 1e-14, "{i} {k}"));
+                (0..conditions).for_each(|i| assert!((there[i] - r[i] - ry[i * n + k]).abs() < 1e-14, "{i} {k}"));
             }
         }
     }
@@ -193,11 +228,11 @@ fn higher_derivatives_are_slopes_of_the_lower() {
     for cue in cues() {
         let cell = uneven_cell(2.3, 21.0, &cue).unwrap();
         let mut cortex = Cortex::new(&cell, Domain::Full, &[Parameter::XiS]);
-        let (y, p) = state(&mut draws);
-        let p = [p[0], p[1], cell.xi_s];
+        let (y, p) = state(cortex.components(), &mut draws);
+        let (n, p) = (y.len(), [p[0], p[1], cell.xi_s]);
         let mut direction = || -> (Vec<f64>, [f64; 3]) {
             (
-                (0..COMPONENTS).map(|_| draws.between(-1.0, 1.0)).collect(),
+                (0..n).map(|_| draws.between(-1.0, 1.0)).collect(),
                 std::array::from_fn(|_| draws.between(-1.0, 1.0)),
             )
         };
@@ -205,7 +240,7 @@ fn higher_derivatives_are_slopes_of_the_lower() {
         let h = 1e-3;
         // The slope along a of the slope along b.
         let mut at = |s: f64, t: f64| {
-            let y: [f64; COMPONENTS] = std::array::from_fn(|k| y[k] + h * (s * a.0[k] + t * b.0[k]));
+            let y: Vec<f64> = (0..n).map(|k| y[k] + h * (s * a.0[k] + t * b.0[k])).collect();
             let p: [f64; 3] = std::array::from_fn(|k| p[k] + h * (s * a.1[k] + t * b.1[k]));
             cortex.prepare(&p);
             values(&cortex, &y, &p)
@@ -213,20 +248,20 @@ fn higher_derivatives_are_slopes_of_the_lower() {
         let corner = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(s, t)| at(s, t));
         let line = [-2.0, -1.0, 1.0, 2.0].map(|s| at(s, 0.0));
         cortex.prepare(&p);
-        let (mut f, mut g) = (vec![0.0; COMPONENTS], vec![0.0]);
+        let (mut f, mut g) = (vec![0.0; n], vec![0.0]);
         let [along_a, along_b] = [&a, &b].map(|d| PointDirection { y: &d.0, p: &d.1 });
         let prepared = cortex.prepare_second(&p, &a.1, &b.1);
         let point = PointValues { at: AT, y: &y, p: &p };
         cortex.second(&prepared, point, [along_a, along_b], [&mut f, &mut g]);
         f.extend(g);
-        for i in 0..=COMPONENTS {
+        for i in 0..=n {
             let slope = (corner[0][i] - corner[1][i] - corner[2][i] + corner[3][i]) / (4.0 * h * h);
             second = second.max((slope - f[i]).abs() / (10.0 + slope.abs()));
         }
-        let (mut f2, mut g2, mut f3) = (vec![0.0; COMPONENTS], vec![0.0], vec![0.0; COMPONENTS]);
+        let (mut f2, mut g2, mut f3) = (vec![0.0; n], vec![0.0], vec![0.0; n]);
         let prepared = cortex.prepare_third(&p, &a.1);
         cortex.third(&prepared, point, along_a, [&mut f2, &mut g2, &mut f3]);
-        for i in 0..COMPONENTS {
+        for i in 0..n {
             let slope = (line[3][i] - 2.0 * line[2][i] + 2.0 * line[1][i] - line[0][i]) / (2.0 * h.powi(3));
             third = third.max((slope - f3[i]).abs() / (100.0 + slope.abs()));
         }
@@ -246,17 +281,18 @@ fn the_equations_have_no_side() {
         image.refresh();
         image.past = vec![[one.past[0][0], -one.past[0][1]]];
         for _ in 0..5 {
-            let (y, p) = state(&mut draws);
-            let mirrored = mirror(&y);
+            let (y, p) = state(one.components(), &mut draws);
+            let mut mirrored = y.clone();
+            mirror(&mut mirrored);
             let here = values(&one, &y, &p);
-            let (mut there, mut g) = (vec![0.0; COMPONENTS], vec![0.0]);
+            let (mut there, mut g) = (vec![0.0; y.len()], vec![0.0]);
             image.rhs(CollocationPoint { x: 1.0 - AT.x, index: 0 }, &mirrored, &p, &mut there, &mut g);
-            for k in 0..COMPONENTS {
+            for k in 0..y.len() {
                 // d/du and odd components change sign under u → 1 − u.
-                let sign = if ODD.contains(&k) { 1.0 } else { -1.0 };
+                let sign = if odd(y.len()).contains(&k) { 1.0 } else { -1.0 };
                 largest = largest.max((there[k] - sign * here[k]).abs() / (1.0 + here[k].abs()));
             }
-            largest = largest.max((g[0] - here[COMPONENTS]).abs());
+            largest = largest.max((g[0] - here[y.len()]).abs());
         }
     }
     within("mirror images", largest, 1e-12);
@@ -285,6 +321,20 @@ fn in_units(cell: &Cell, length: f64, energy: f64, time: f64) -> Cell {
             *omega *= length;
         }
     }
+    if let Some(regulator) = other.cue.regulator_mut() {
+        regulator.turnover /= time;
+        regulator.diffusion *= length * length / time;
+        for coupling in regulator.couplings.iter_mut().filter(|coupling| coupling.field == Field::Tension) {
+            coupling.strength *= tension;
+        }
+        if let Some(Source {
+            profile: Profile::Band { omega: Width::Length(omega), .. } | Profile::Step { omega: Width::Length(omega), .. },
+            ..
+        }) = &mut regulator.source
+        {
+            *omega *= length;
+        }
+    }
     other
 }
 
@@ -301,14 +351,15 @@ fn the_equations_have_no_units() {
             other.rate /= time;
             other.past = vec![one.past[0].map(|x| x * length)];
             let tension = energy / (length * length);
-            let mut units = [1.0; COMPONENTS];
+            let mut units = [1.0; REGULATED];
+            units[J] = 1.0 / length;
             (units[R], units[Z], units[M], units[V]) = (length, length, energy / length, length / time);
             (units[Q], units[T]) = (tension, tension);
-            let (y, p) = state(&mut draws);
+            let (y, p) = state(one.components(), &mut draws);
             let scaled: Vec<f64> = y.iter().zip(units).map(|(y, unit)| y * unit).collect();
             let here = values(&one, &y, &p);
             let there = values(&other, &scaled, &[p[0] * length, p[1] * tension / length]);
-            for k in 0..COMPONENTS {
+            for k in 0..y.len() {
                 largest = largest.max((there[k] / units[k] - here[k]).abs() / (1.0 + here[k].abs()));
             }
         }

@@ -10,7 +10,7 @@
 //! τ P_ℓ being the isotropic part of the stress. Elimination of τ and β leaves ẇ = σw.
 
 use furrow_bvp::newton::NewtonScratch;
-use furrow_bvp::{Gauss, Newton, Solution, System};
+use furrow_bvp::{BoundaryValueProblem, Gauss, Newton, Solution, System};
 use furrow_cell::{Cell, Numerics, Shell};
 use furrow_mechanics::cortex::equations::{COMPONENTS, M, PSI, Q, R, Z};
 use furrow_mechanics::cortex::{Cortex, Domain};
@@ -49,7 +49,7 @@ fn at_rest(cell: &Cell, domain: Domain, numerics: &Numerics) -> (Cortex, Solutio
         Domain::Half => furrow_mechanics::equilibria::passive(cell, numerics).unwrap().0,
     };
     let mut cortex = Cortex::new(cell, domain, &[]);
-    let mut system = System::new(Cortex::dimensions_for(0), y.m);
+    let mut system = System::new(cortex.dimensions(), y.m);
     let newton = Newton { tolerance: 1e-12, ..Newton::default() };
     newton.solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false).unwrap();
     (cortex, y)

@@ -10,7 +10,7 @@ use furrow_bvp::{
     System, mesh,
 };
 use furrow_cell::{Cell, Number, Shell};
-use furrow_mechanics::cortex::equations::COMPONENTS;
+use furrow_mechanics::cortex::equations::{COMPONENTS, PHI, REGULATED};
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_verification::balance::{rates, stress};
 use furrow_verification::coefficients::coefficients;
@@ -36,9 +36,15 @@ fn motion<D: Number>(u: D) -> [D; 2] {
     [s1 * 0.3 + s1 * s2 * s2 * 0.4, c1 * -0.2 + c1 * c2 * 0.3 + c2 * 0.1]
 }
 
+/// The chosen regulator φ, its slope by u, and ∂_tφ. It is even at both poles.
+fn carried<D: Number>(u: D) -> [D; 3] {
+    let ([s1, c1], [s2, c2]) = (wave(1.0, u), wave(2.0, u));
+    [c1 * 0.2 + c2 * 0.1, s1 * (-0.2 * PI) - s2 * (0.1 * 2.0 * PI), c1 * -0.3 + c2 * 0.2]
+}
+
 /// The chosen state. As on any smooth surface, both principal curvatures and both strain rates are equal at the poles: that
 /// fixes how r and v start there, and with them m and T.
-fn chosen<D: Number>(cell: &Cell, u: D) -> [D; COMPONENTS] {
+fn chosen<D: Number, const N: usize>(cell: &Cell, u: D) -> [D; N] {
     let ([s1, c1], [s2, c2]) = (wave(1.0, u), wave(2.0, u));
     let psi = u * PI + s2 * 0.25 + s1 * s1 * s2 * 0.2;
     // Of sin²πu sin 2πu the slope is 2π(sin πu cos πu sin 2πu + sin²πu cos 2πu).
@@ -47,30 +53,34 @@ fn chosen<D: Number>(cell: &Cell, u: D) -> [D; COMPONENTS] {
     let z = c1 * 1.9 + c2 * 0.1;
     let (v, v_u) = (s1 * 0.2 - s2 * 0.3, c1 * (0.2 * PI) - c2 * (0.3 * 2.0 * PI));
     let q = s1 * 0.4 + s2 * 0.6;
-    let here = coefficients(cell, u, LENGTH);
+    let [phi, phi_u, _] = carried(u);
+    let here = coefficients(cell, u, LENGTH, Some([phi, phi_u]));
     let (sin, cos) = psi.sin_cos();
     let curvature = [psi_u / LENGTH, sin / r];
     let [r_t, z_t] = motion(u);
     let v_n = sin * r_t + cos * z_t;
     let strain = [v_u / LENGTH + curvature[0] * v_n, cos * v / r + curvature[1] * v_n];
     let t = stress([here.eta_b, here.eta_s, here.xi_s, here.xi_b], strain, curvature)[0];
-    [r, z, here.kappa * (curvature[0] + curvature[1]), psi, q, v, t]
+    let all: [D; REGULATED] =
+        [r, z, here.kappa * (curvature[0] + curvature[1]), psi, q, v, t, phi_u * (1.0 / LENGTH), phi];
+    std::array::from_fn(|k| all[k])
 }
 
 /// The cortex with sources.
-struct Forced(Cortex);
+struct Forced<const N: usize>(Cortex);
 
-impl Forced {
+impl<const N: usize> Forced<N> {
     /// The sources at u that make the chosen state a solution.
-    fn source(&self, u: f64) -> [f64; COMPONENTS] {
+    fn source(&self, u: f64) -> [f64; N] {
         let cell = &self.0.cell;
-        let slope = chosen(cell, Dual64::new(u, 1.0)).map(|y| y.eps);
-        let rates = rates(cell, u, LENGTH, PRESSURE, 1.0, &chosen(cell, u), motion(u));
+        let slope = chosen::<_, N>(cell, Dual64::new(u, 1.0)).map(|y| y.eps);
+        let ([r_t, z_t], [_, _, phi_t]) = (motion(u), carried(u));
+        let rates = rates(cell, u, LENGTH, PRESSURE, 1.0, &chosen::<_, N>(cell, u), [r_t, z_t, phi_t]);
         std::array::from_fn(|k| slope[k] - LENGTH * rates[k])
     }
 }
 
-impl BoundaryValueProblem for Forced {
+impl<const N: usize> BoundaryValueProblem for Forced<N> {
     fn dimensions(&self) -> Dimensions {
         self.0.dimensions()
     }
@@ -104,7 +114,7 @@ fn cell(cue: &str) -> Cell {
     let grid = mesh::uniform(0.0, 1.0, 64);
     let plain = uneven_cell(2.0, 8.0, cue).unwrap();
     let density = |u: f64| {
-        let y = chosen(&plain, u);
+        let y: [f64; COMPONENTS] = chosen(&plain, u);
         PI * LENGTH * y[0] * y[0] * y[3].sin()
     };
     let volume: f64 = grid
@@ -128,11 +138,19 @@ struct Errors {
 
 /// Solves from a guess near the chosen state and compares with that state.
 fn errors(cue: &str, m: usize, intervals: usize) -> Errors {
-    let (gauss, cell) = (Gauss::new(m), cell(cue));
+    let cell = cell(cue);
+    match cell.cue.regulator() {
+        Some(_) => errors_of::<REGULATED>(cell, m, intervals),
+        None => errors_of::<COMPONENTS>(cell, m, intervals),
+    }
+}
+
+fn errors_of<const N: usize>(cell: Cell, m: usize, intervals: usize) -> Errors {
+    let gauss = Gauss::new(m);
     let grid = mesh::uniform(0.0, 1.0, intervals);
-    let mut y = Solution::from_fn(&gauss, &grid, COMPONENTS, &[LENGTH * 1.001, PRESSURE * 1.01], |u, y| {
+    let mut y = Solution::from_fn(&gauss, &grid, N, &[LENGTH * 1.001, PRESSURE * 1.01], |u, y| {
         // r vanishes at the poles: the guess starts a little beside them.
-        y.copy_from_slice(&chosen(&cell, u.clamp(1e-6, 1.0 - 1e-6)));
+        y.copy_from_slice(&chosen::<_, N>(&cell, u.clamp(1e-6, 1.0 - 1e-6)));
         y.iter_mut().enumerate().for_each(|(k, y)| *y *= 1.0 + 1e-3 * (k as f64 + 5.0 * u).sin());
     });
     let mut cortex = Cortex::new(&cell, Domain::Full, &[]);
@@ -140,22 +158,23 @@ fn errors(cue: &str, m: usize, intervals: usize) -> Errors {
     for i in 0..intervals {
         for j in 0..m {
             let u = y.stage_x(&gauss, i, j);
-            let (state, moved) = (chosen(&cell, u), motion(u));
+            let (state, moved) = (chosen::<_, REGULATED>(&cell, u), motion(u));
+            cortex.past_phi.push(state[PHI] - carried(u)[2] / RATE);
             cortex.past.push([state[0] - moved[0] / RATE, state[1] - moved[1] / RATE]);
         }
     }
-    let mut forced = Forced(cortex);
+    let mut forced = Forced::<N>(cortex);
     let mut system = System::new(forced.dimensions(), m);
     let newton = Newton { tolerance: 1e-9, ..Newton::default() };
     newton.solve(&mut system, &mut NewtonScratch::default(), &mut forced, &mut y, &[], false).unwrap();
     let off = |u: f64, found: &[f64]| {
-        let exact = chosen(&cell, u.clamp(1e-9, 1.0 - 1e-9));
+        let exact: [f64; N] = chosen(&cell, u.clamp(1e-9, 1.0 - 1e-9));
         exact.iter().zip(found).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()))
     };
     let away = (1..intervals).filter(|&i| (0.25..=0.75).contains(&y.mesh[i]));
     let nodes = away.map(|i| off(y.mesh[i], y.node(i))).fold(0.0, f64::max);
     let mut anywhere = 0.0f64;
-    let mut value = [0.0; COMPONENTS];
+    let mut value = [0.0; N];
     for i in 0..intervals {
         for theta in [0.15, 0.4, 0.7, 0.9] {
             y.eval_in(&gauss, i, theta, &mut value);

@@ -1,7 +1,7 @@
 //! The order of time steps, and the energy that a relaxing cell loses.
 
 use furrow_bvp::newton::NewtonScratch;
-use furrow_bvp::{Newton, Solution, System};
+use furrow_bvp::{BoundaryValueProblem, Newton, Solution, System};
 use furrow_cell::{Cell, Cue, Numerics, Parameter, Shell};
 use furrow_mechanics::cortex::equations::{COMPONENTS, R, Z};
 use furrow_mechanics::cortex::{Cortex, Domain};
@@ -167,7 +167,7 @@ fn a_step_is_a_rate_of_change_and_a_past() {
     let solve = |rate: f64, past: Vec<[f64; 2]>| {
         let mut cortex = Cortex::new(&cell, Domain::Full, &[]);
         (cortex.rate, cortex.past) = (rate, past);
-        let (mut y, mut system) = (start.clone(), System::new(Cortex::dimensions_for(0), start.m));
+        let (mut y, mut system) = (start.clone(), System::new(cortex.dimensions(), start.m));
         let newton = Newton { tolerance: 1e-12, ..Newton::default() };
         newton.solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut y, &[], false).unwrap();
         y

@@ -147,7 +147,7 @@ fn axial_forces_balance_at_every_cut() {
             size += points.iter().map(|p| force(p).abs()).sum::<f64>();
             let node = y.node(i + 1);
             let (sin, cos) = node[PSI].sin_cos();
-            let here = coefficients(&state.cell, y.mesh[i + 1], state.length());
+            let here = coefficients(&state.cell, y.mesh[i + 1], state.length(), None);
             // At the axis everything vanishes with r.
             let c2 = if i + 1 < y.intervals() { sin / node[R] } else { 0.0 };
             let c1 = node[M] / here.kappa - c2;

@@ -89,7 +89,7 @@ impl Condensed {
     pub fn reset(&mut self, mesh: &[f64]) {
         let (intervals, columns, node_lanes) = (mesh.len() - 1, self.columns(), self.node_lanes());
         let Dimensions { scalars: np, integrals: ni, .. } = self.dims;
-        let Sizes { n, e, m, nn, s, lanes, values } = self.sizes::<0, 0, 0>();
+        let Sizes { n, e, m, nn, s, lanes, values, .. } = self.sizes::<0, 0, 0, 0>();
         let points = intervals * m;
         self.h.clear();
         self.h.extend(mesh.windows(2).map(|w| w[1] - w[0]));
@@ -125,35 +125,37 @@ impl Condensed {
 
     /// Multiplies the determinants of all stage matrices into `det`.
     pub fn multiply_into(&self, det: &mut Determinant) {
-        let s = self.sizes::<0, 0, 0>().s;
+        let s = self.sizes::<0, 0, 0, 0>().s;
         for i in 0..self.intervals() {
             det.multiply(part(&self.reciprocal, i, s), part(&self.exchange, i, s));
         }
     }
 
-    /// Condenses every interval from the derivatives stored for it. Sizes (components, quadratures, stages) are known at
+    /// Condenses every interval from the derivatives stored for it. Sizes (components, quadratures, those of them that are
+    /// trailing, stages) are known at
     /// compile time unless 0, here and below.
     ///
     /// # Errors
     /// If a pivot of a stage matrix vanishes.
     #[inline(always)]
-    pub fn condense<const N: usize, const E: usize, const M: usize>(
+    pub fn condense<const N: usize, const E: usize, const T: usize, const M: usize>(
         &mut self,
         gauss: &Gauss,
     ) -> Result<(), PivotFailure> {
         for i in 0..self.intervals() {
-            self.gather::<N, E, M>(gauss, i);
-            self.fill_stage_matrix::<N, E, M>(gauss, i);
-            self.invert::<N, E, M>(i)?;
-            self.map_columns::<N, E, M>(gauss, i);
+            self.gather::<N, E, T, M>(gauss, i);
+            self.fill_stage_matrix::<N, E, T, M>(gauss, i);
+            self.invert::<N, E, T, M>(i)?;
+            self.map_columns::<N, E, T, M>(gauss, i);
         }
         Ok(())
     }
 
     /// The couplings h F_NE and h F_EN and the weights of the integrals of interval i.
     #[inline(always)]
-    fn gather<const N: usize, const E: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize) {
-        let Sizes { n, e, m, nn, s, values, .. } = self.sizes::<N, E, M>();
+    fn gather<const N: usize, const E: usize, const T: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize) {
+        let sizes = self.sizes::<N, E, T, M>();
+        let Sizes { n, e, m, nn, s, values, first, .. } = sizes;
         let (h, ni) = (self.h[i], self.dims.integrals);
         let fy = part(&self.fy, i, m * n * n);
         let onto = part_mut(&mut self.onto, i, m * e * nn);
@@ -161,9 +163,10 @@ impl Condensed {
         for stage in 0..m {
             let f = &fy[stage * n * n..(stage + 1) * n * n];
             for k in 0..e {
+                let component = sizes.quadrature(k);
                 for beta in 0..nn {
-                    onto[(stage * e + k) * nn + beta] = h * f[(e + beta) * n + k];
-                    from[k / QUAD * s + stage * nn + beta][k % QUAD] = h * f[k * n + e + beta];
+                    onto[(stage * e + k) * nn + beta] = h * f[(first + beta) * n + component];
+                    from[k / QUAD * s + stage * nn + beta][k % QUAD] = h * f[component * n + first + beta];
                 }
             }
         }
@@ -183,8 +186,8 @@ impl Condensed {
     /// The transpose of the stage matrix of interval i, in the place of its inverse: row (j, β) has the coefficients of
     /// δY_N,j,β in all equations.
     #[inline(always)]
-    fn fill_stage_matrix<const N: usize, const E: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize) {
-        let Sizes { n, e, m, nn, s, lanes, .. } = self.sizes::<N, E, M>();
+    fn fill_stage_matrix<const N: usize, const E: usize, const T: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize) {
+        let Sizes { n, e, m, nn, s, lanes, first, .. } = self.sizes::<N, E, T, M>();
         let h = self.h[i];
         let fy = part(&self.fy, i, m * n * n);
         let (onto, from) = (part(&self.onto, i, m * e * nn), part(&self.from, i, e.div_ceil(QUAD) * s));
@@ -215,7 +218,7 @@ impl Condensed {
                     row[stage * nn + beta] += gauss.d_matrix[stage * m + j];
                 }
                 for alpha in 0..nn {
-                    row[j * nn + alpha] -= h * f[(e + alpha) * n + e + beta];
+                    row[j * nn + alpha] -= h * f[(first + alpha) * n + first + beta];
                 }
             }
         }
@@ -223,8 +226,8 @@ impl Condensed {
 
     /// Inverts the stage matrix of interval i in its place. It stands there by columns, as rows, and so does its inverse.
     #[inline(always)]
-    fn invert<const N: usize, const E: usize, const M: usize>(&mut self, i: usize) -> Result<(), PivotFailure> {
-        let Sizes { s, lanes, .. } = self.sizes::<N, E, M>();
+    fn invert<const N: usize, const E: usize, const T: usize, const M: usize>(&mut self, i: usize) -> Result<(), PivotFailure> {
+        let Sizes { s, lanes, .. } = self.sizes::<N, E, T, M>();
         let matrix = part_mut(&mut self.inverse, i, s * lanes);
         let (reciprocal, exchange) = (part_mut(&mut self.reciprocal, i, s), part_mut(&mut self.exchange, i, s));
         dense::eliminate_square_in_place(matrix, lanes, reciprocal, exchange)?;
@@ -242,8 +245,8 @@ impl Condensed {
     /// The map (δy₀, δp) → δY of interval i, its transition and its integrals: each column answers the residual that a unit of
     /// δy₀ or δp makes.
     #[inline(always)]
-    fn map_columns<const N: usize, const E: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize) {
-        let sizes = self.sizes::<N, E, M>();
+    fn map_columns<const N: usize, const E: usize, const T: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize) {
+        let sizes = self.sizes::<N, E, T, M>();
         let Sizes { n, m, values, .. } = sizes;
         let (columns, node_lanes) = (self.columns(), self.node_lanes());
         let Dimensions { scalars: np, integrals: ni, .. } = self.dims;
@@ -311,14 +314,14 @@ impl Condensed {
     /// Particular stage values (into `out.stages`) and node constants (into the nodes) of all intervals for a residual; what they
     /// add to the integrals is taken from `borders`, of which there are as many as integrals or none.
     #[inline(always)]
-    pub fn particular<const N: usize, const E: usize, const M: usize>(
+    pub fn particular<const N: usize, const E: usize, const T: usize, const M: usize>(
         &self,
         gauss: &Gauss,
         residual: &Residual,
         out: &mut Direction,
         borders: &mut [f64],
     ) {
-        let sizes = self.sizes::<N, E, M>();
+        let sizes = self.sizes::<N, E, T, M>();
         let Sizes { n, m, values, .. } = sizes;
         let ni = self.dims.integrals;
         for i in 0..self.intervals() {
@@ -338,8 +341,8 @@ impl Condensed {
 
     /// Adds the maps of all intervals, applied to the nodes and scalars of `out`, to its stage values.
     #[inline(always)]
-    pub fn complete<const N: usize, const E: usize, const M: usize>(&self, out: &mut Direction) {
-        let Sizes { n, m, values, .. } = self.sizes::<N, E, M>();
+    pub fn complete<const N: usize, const E: usize, const T: usize, const M: usize>(&self, out: &mut Direction) {
+        let Sizes { n, m, values, .. } = self.sizes::<N, E, T, M>();
         let columns = self.columns();
         let mut x = [0.0; MAX_UNKNOWNS];
         x[n..columns].copy_from_slice(&out.scalars);
@@ -360,11 +363,11 @@ impl Condensed {
 
     /// Sizes that are known at compile time where the generic parameters are not 0.
     #[inline(always)]
-    fn sizes<const N: usize, const E: usize, const M: usize>(&self) -> Sizes {
-        let Dimensions { components, quadratures, .. } = self.dims;
-        let (n, e, m) = if N > 0 { (N, E, M) } else { (components, quadratures, self.m) };
+    fn sizes<const N: usize, const E: usize, const T: usize, const M: usize>(&self) -> Sizes {
+        let (n, e, m) = if N > 0 { (N, E, M) } else { (self.dims.components, self.dims.all_quadratures(), self.m) };
         let s = m * (n - e);
-        Sizes { n, e, m, nn: n - e, s, lanes: dense::lanes_for(s), values: dense::lanes_for(m * n) }
+        let first = if N > 0 { E - T } else { self.dims.quadratures };
+        Sizes { n, e, m, nn: n - e, first, s, lanes: dense::lanes_for(s), values: dense::lanes_for(m * n) }
     }
 }
 
@@ -386,12 +389,13 @@ impl Stages<'_> {
     /// Stage values for stage residuals `r` (m × n), with δy₀ = δp = 0, into `y` (m × n).
     #[inline(always)]
     fn particular(&self, r: &[f64], y: &mut [f64]) {
-        let Stages { sizes: Sizes { n, e, m, nn, s, lanes, .. }, a, onto, from, inverse } = *self;
+        let Stages { sizes, a, onto, from, inverse } = *self;
+        let Sizes { n, e, m, nn, s, lanes, first: others, .. } = sizes;
         let (r, y) = (&r[..m * n], &mut y[..m * n]);
         let mut x = [[0.0; LANE]; MAX_STAGE_LANES];
         for stage in 0..m {
             for alpha in 0..nn {
-                x.as_flattened_mut()[stage * nn + alpha] = -r[stage * n + e + alpha];
+                x.as_flattened_mut()[stage * nn + alpha] = -r[stage * n + others + alpha];
             }
         }
         for first in (0..e).step_by(QUAD) {
@@ -399,14 +403,14 @@ impl Stages<'_> {
             let mut slopes = [[0.0; QUAD]; MAX_STAGES];
             for j in 0..m {
                 for t in 0..width {
-                    slopes[j][t] = -r[j * n + first + t];
+                    slopes[j][t] = -r[j * n + sizes.quadrature(first + t)];
                 }
             }
             let values = integrated(a, m, &slopes);
             for stage in 0..m {
                 for t in 0..width {
                     let (value, k) = (values[stage][t], first + t);
-                    y[stage * n + k] = value;
+                    y[stage * n + sizes.quadrature(k)] = value;
                     for alpha in 0..nn {
                         x.as_flattened_mut()[stage * nn + alpha] += onto[(stage * e + k) * nn + alpha] * value;
                     }
@@ -433,13 +437,13 @@ impl Stages<'_> {
             let values = integrated(a, m, &slopes);
             for stage in 0..m {
                 for t in 0..(e - first).min(QUAD) {
-                    y[stage * n + first + t] += values[stage][t];
+                    y[stage * n + sizes.quadrature(first + t)] += values[stage][t];
                 }
             }
         }
         for stage in 0..m {
             for alpha in 0..nn {
-                y[stage * n + e + alpha] = x[stage * nn + alpha];
+                y[stage * n + others + alpha] = x[stage * nn + alpha];
             }
         }
     }
@@ -454,14 +458,24 @@ struct Sizes {
     e: usize,
     /// Stages.
     m: usize,
-    /// Components that are not quadratures.
+    /// Components that are not quadratures, one behind the other.
     nn: usize,
+    /// The first of them.
+    first: usize,
     /// Stage unknowns.
     s: usize,
     /// Lanes of the stage unknowns.
     lanes: usize,
     /// Lanes of all stage values.
     values: usize,
+}
+
+impl Sizes {
+    /// Which component the quadrature k is: some stand before the others, some behind.
+    #[inline(always)]
+    fn quadrature(self, k: usize) -> usize {
+        if k < self.first { k } else { self.nn + k }
+    }
 }
 
 #[inline(always)]

@@ -20,8 +20,8 @@ use super::stages::{self, Interval};
 /// sizes than the problem has are ignored: the wrong ones cost only speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernels {
-    /// Components, quadrature components, stages and left conditions; `None` for any.
-    sizes: Option<[usize; 4]>,
+    /// Components, quadrature components, trailing ones of them, stages and left conditions; `None` for any.
+    sizes: Option<[usize; 5]>,
     pub(crate) condense: fn(&mut Condensed, &Gauss) -> Result<(), PivotFailure>,
     pub(crate) particular: fn(&Condensed, &Gauss, &Residual, &mut Direction, &mut [f64]),
     pub(crate) complete: fn(&Condensed, &mut Direction),
@@ -34,26 +34,26 @@ pub struct Kernels {
 impl Kernels {
     /// Kernels for any sizes.
     pub fn general() -> Kernels {
-        Kernels { sizes: None, ..Kernels::of::<0, 0, 0, 0>() }
+        Kernels { sizes: None, ..Kernels::of::<0, 0, 0, 0, 0>() }
     }
 
-    /// Kernels for N components, of which the first E are quadratures, with M stages and LEFT conditions at the left end.
+    /// Kernels for N components, of which E are quadratures, the last T of all among them, with M stages and LEFT conditions at the left end.
     ///
     /// ```
     /// use furrow_bvp::Kernels;
-    /// let kernels = Kernels::sized::<7, 3, 4, 4>();
+    /// let kernels = Kernels::sized::<7, 3, 0, 4, 4>();
     /// ```
-    pub fn sized<const N: usize, const E: usize, const M: usize, const LEFT: usize>() -> Kernels {
-        const { assert!(N > 0 && E <= N && M > 0, "sizes of zero stand for any size") };
-        Kernels::of::<N, E, M, LEFT>()
+    pub fn sized<const N: usize, const E: usize, const T: usize, const M: usize, const LEFT: usize>() -> Kernels {
+        const { assert!(N > 0 && E <= N && T <= E && M > 0, "sizes of zero stand for any size") };
+        Kernels::of::<N, E, T, M, LEFT>()
     }
 
-    fn of<const N: usize, const E: usize, const M: usize, const LEFT: usize>() -> Kernels {
+    fn of<const N: usize, const E: usize, const T: usize, const M: usize, const LEFT: usize>() -> Kernels {
         Kernels {
-            sizes: Some([N, E, M, LEFT]),
-            condense: condense::<N, E, M>,
-            particular: particular::<N, E, M>,
-            complete: complete::<N, E, M>,
+            sizes: Some([N, E, T, M, LEFT]),
+            condense: condense::<N, E, T, M>,
+            particular: particular::<N, E, T, M>,
+            complete: complete::<N, E, T, M>,
             differences: differences::<M, N>,
             eliminate: eliminate::<N, LEFT>,
             forward: forward::<N, LEFT>,
@@ -68,34 +68,34 @@ impl Kernels {
 
     /// These kernels if they are for these sizes and m stages, the general ones otherwise.
     pub(crate) fn suited_to(self, dims: Dimensions, m: usize) -> Kernels {
-        let sizes = [dims.components, dims.quadratures, m, dims.left];
+        let sizes = [dims.components, dims.all_quadratures(), dims.trailing_quadratures, m, dims.left];
         if self.sizes.is_none_or(|own| own == sizes) { self } else { Kernels::general() }
     }
 }
 
 // Its blocks of four fill half of the widest registers: for those it would be slower.
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
-fn condense<const N: usize, const E: usize, const M: usize>(
+fn condense<const N: usize, const E: usize, const T: usize, const M: usize>(
     condensed: &mut Condensed,
     gauss: &Gauss,
 ) -> Result<(), PivotFailure> {
-    condensed.condense::<N, E, M>(gauss)
+    condensed.condense::<N, E, T, M>(gauss)
 }
 
 #[multiversion(targets("x86_64+avx+avx2", "aarch64+neon"))]
-fn particular<const N: usize, const E: usize, const M: usize>(
+fn particular<const N: usize, const E: usize, const T: usize, const M: usize>(
     condensed: &Condensed,
     gauss: &Gauss,
     residual: &Residual,
     out: &mut Direction,
     borders: &mut [f64],
 ) {
-    condensed.particular::<N, E, M>(gauss, residual, out, borders)
+    condensed.particular::<N, E, T, M>(gauss, residual, out, borders)
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
-fn complete<const N: usize, const E: usize, const M: usize>(condensed: &Condensed, out: &mut Direction) {
-    condensed.complete::<N, E, M>(out)
+fn complete<const N: usize, const E: usize, const T: usize, const M: usize>(condensed: &Condensed, out: &mut Direction) {
+    condensed.complete::<N, E, T, M>(out)
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]

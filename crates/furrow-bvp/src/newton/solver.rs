@@ -116,7 +116,7 @@ const NEWTON_SHARE: f64 = 1e-2;
 ///
 /// impl BoundaryValueProblem for Example {
 ///     fn dimensions(&self) -> Dimensions {
-///         Dimensions { components: 2, quadratures: 1, scalars: 0, left: 1, right: 1, integrals: 0 }
+///         Dimensions { components: 2, quadratures: 1, scalars: 0, left: 1, right: 1, ..Dimensions::default() }
 ///     }
 ///     fn rhs(&self, _: CollocationPoint, y: &[f64], _: &[f64], f: &mut [f64], _: &mut [f64]) {
 ///         f.copy_from_slice(&[y[1], 1.5 * y[0] * y[0]]);

@@ -78,7 +78,7 @@ pub struct BoundaryJacobian<'a> {
 /// impl BoundaryValueProblem for Bratu {
 ///     fn dimensions(&self) -> Dimensions {
 ///         // u′ depends on the other component alone: u is a quadrature.
-///         Dimensions { components: 2, quadratures: 1, scalars: 1, left: 1, right: 1, integrals: 0 }
+///         Dimensions { components: 2, quadratures: 1, scalars: 1, left: 1, right: 1, ..Dimensions::default() }
 ///     }
 ///     fn rhs(&self, _: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], _: &mut [f64]) {
 ///         f.copy_from_slice(&[y[1], -p[0] * y[0].exp()]);

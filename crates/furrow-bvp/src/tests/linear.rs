@@ -10,8 +10,8 @@ use crate::{Dimensions, Gauss, Solution, System};
 use crate::{Direction, LinearCondition, Residual};
 
 /// Sizes with and without each kind of unknown and condition, up to two linear conditions, more conditions at one end
-/// than components, no conditions at one end, all components quadratures, and sizes beyond one lane.
-pub const SHAPES: [Dimensions; 18] = [
+/// than components, no conditions at one end, all components quadratures, quadratures behind the other components, and sizes beyond one lane.
+pub const SHAPES: [Dimensions; 21] = [
     dims(1, 0, 0, 1, 0, 0),
     dims(1, 0, 0, 0, 1, 0),
     dims(2, 0, 0, 1, 1, 0),
@@ -30,6 +30,9 @@ pub const SHAPES: [Dimensions; 18] = [
     dims(1, 1, 1, 2, 0, 0),
     dims(2, 2, 2, 2, 1, 1),
     dims(3, 3, 0, 1, 2, 0),
+    Dimensions { trailing_quadratures: 1, ..dims(9, 3, 2, 5, 5, 1) },
+    Dimensions { trailing_quadratures: 2, ..dims(4, 0, 1, 2, 2, 0) },
+    Dimensions { trailing_quadratures: 3, ..dims(7, 3, 0, 4, 3, 0) },
 ];
 
 pub const fn dims(
@@ -40,7 +43,7 @@ pub const fn dims(
     right: usize,
     integrals: usize,
 ) -> Dimensions {
-    Dimensions { components, quadratures, scalars, left, right, integrals }
+    Dimensions { components, quadratures, trailing_quadratures: 0, scalars, left, right, integrals }
 }
 
 /// A random problem at random values, with the factors of both kinds.
@@ -68,7 +71,7 @@ impl Case {
     pub fn eliminated(&self) -> f64 {
         let gauss = Gauss::new(self.y.m);
         let stage = super::dense::Matrix { n: gauss.m, a: gauss.d_matrix }.factor();
-        (self.y.intervals() * self.problem.dims.quadratures) as f64 * stage.determinant.log_abs
+        (self.y.intervals() * self.problem.dims.all_quadratures()) as f64 * stage.determinant.log_abs
     }
 
     /// Asserts that ln|det| is that of a dense matrix but for the quadrature components.

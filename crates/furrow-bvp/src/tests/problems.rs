@@ -1,6 +1,7 @@
 //! Boundary-value problems the tests are made of.
 
 use std::cell::Cell;
+use std::ops::Range;
 
 use super::Random;
 use super::second_order::SecondOrder;
@@ -61,17 +62,20 @@ pub struct Quadratic {
 impl Quadratic {
     pub fn new(dims: Dimensions, random: &mut Random) -> Quadratic {
         let (n, all) = (dims.components, dims.components + dims.scalars);
-        let mut forms = |count: usize, first: &dyn Fn(usize) -> usize| -> Vec<Form> {
-            (0..count).map(|k| Form::new(random, first(k), all, all)).collect()
+        let mut forms = |count: usize, range: &dyn Fn(usize) -> Range<usize>| -> Vec<Form> {
+            (0..count).map(|k| Form::new(random, range(k).start, range(k).end, all)).collect()
         };
+        // Quadratures depend on what is none, and on scalars where those follow.
+        let others = dims.quadratures..if dims.trailing_quadratures > 0 { n - dims.trailing_quadratures } else { all };
+        let is_quadrature = |k: usize| k < dims.quadratures || k >= n - dims.trailing_quadratures;
         Quadratic {
             dims,
             sized: true,
-            f: forms(n, &|k| if k < dims.quadratures { dims.quadratures } else { 0 }),
-            g: forms(dims.integrals, &|_| 0),
-            left: forms(dims.left, &|_| 0),
-            right: forms(dims.right, &|_| 0),
-            offset: forms(dims.integrals, &|_| n),
+            f: forms(n, &|k| if is_quadrature(k) { others.clone() } else { 0..all }),
+            g: forms(dims.integrals, &|_| 0..all),
+            left: forms(dims.left, &|_| 0..all),
+            right: forms(dims.right, &|_| 0..all),
+            offset: forms(dims.integrals, &|_| n..all),
         }
     }
 
@@ -125,8 +129,10 @@ impl BoundaryValueProblem for Quadratic {
     fn kernels(&self, stages: usize) -> Kernels {
         match stages {
             _ if !self.sized => Kernels::general(),
-            3 => Kernels::sized::<7, 3, 3, 4>(),
-            4 => Kernels::sized::<7, 3, 4, 4>(),
+            3 if self.dims.components == 9 => Kernels::sized::<9, 4, 1, 3, 5>(),
+            4 if self.dims.components == 9 => Kernels::sized::<9, 4, 1, 4, 5>(),
+            3 => Kernels::sized::<7, 3, 0, 3, 4>(),
+            4 => Kernels::sized::<7, 3, 0, 4, 4>(),
             _ => Kernels::general(),
         }
     }

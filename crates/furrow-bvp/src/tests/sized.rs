@@ -1,16 +1,18 @@
 //! The same problem with kernels for its sizes and with general ones, and with quadratures eliminated or not.
 
 use super::dense::unknowns_of_direction;
-use super::linear::{Case, SHAPES, random_residual};
+use super::linear::{Case, SHAPES, dims, random_residual};
 use super::problems::factored;
 use super::{Random, distance, largest};
 use crate::{Dimensions, Direction, Kernels};
 
-/// Sizes that [`Quadratic`](super::problems::Quadratic) has kernels for: 7 components of which 3 are quadratures, 3 or 4
-/// stages, and 1 or 2 lanes of columns.
+/// Sizes that [`Quadratic`](super::problems::Quadratic) has kernels for: 7 components of which 3 are quadratures, or 9 of which the first
+/// 3 and the last are, 3 or 4 stages, and 1 or 2 lanes of columns.
 fn unrolled() -> impl Iterator<Item = (Dimensions, usize)> {
-    let cell = Dimensions { components: 7, quadratures: 3, scalars: 2, left: 4, right: 4, integrals: 1 };
-    [2, 3, 5].into_iter().flat_map(move |scalars| [3, 4].map(|m| (Dimensions { scalars, ..cell }, m)))
+    let cell = dims(7, 3, 2, 4, 4, 1);
+    let regulated = Dimensions { trailing_quadratures: 1, ..dims(9, 3, 2, 5, 5, 1) };
+    let of = move |dims| [2, 3, 5].into_iter().flat_map(move |scalars| [3, 4].map(|m| (Dimensions { scalars, ..dims }, m)));
+    of(cell).chain(of(regulated))
 }
 
 #[test]
@@ -30,28 +32,30 @@ fn sized_kernels_give_the_bits_of_the_general_ones() {
 
 #[test]
 fn kernels_for_other_sizes_are_not_used() {
-    let kernels = Kernels::sized::<7, 3, 3, 4>();
+    let kernels = Kernels::sized::<7, 3, 0, 3, 4>();
     let sized = |dims: Dimensions| kernels.suited_to(dims, 3).is_sized();
-    assert!(unrolled().all(|(dims, _)| sized(dims)));
+    assert!(unrolled().all(|(dims, _)| sized(dims) == (dims.components == 7)));
     assert!(!SHAPES.into_iter().filter(|d| d.components != 7).any(sized));
 }
 
 #[test]
 fn eliminating_quadratures_changes_no_solution() {
-    for dims in SHAPES.into_iter().filter(|d| d.quadratures > 0) {
+    for dims in SHAPES.into_iter().filter(|d| d.all_quadratures() > 0) {
         for m in 1..=5 {
             let mut random = Random(29 + m as u64);
             let mut case = Case::new(dims, m, 3, &mut random);
             let r = random_residual(&case.system.residual, &mut random);
             let (mut eliminated, mut plain) = (Direction::default(), Direction::default());
             case.system.solve(&r, &mut eliminated);
-            for fewer in 0..dims.quadratures {
-                case.problem.dims.quadratures = fewer;
+            let leading = (0..dims.quadratures).map(|fewer| (fewer, dims.trailing_quadratures));
+            let trailing = (0..dims.trailing_quadratures).map(|fewer| (dims.quadratures, fewer));
+            for fewer in leading.chain(trailing) {
+                (case.problem.dims.quadratures, case.problem.dims.trailing_quadratures) = fewer;
                 let mut system = factored(&mut case.problem, &case.y, &case.conditions);
                 assert_eq!(system.residual, case.system.residual);
                 system.solve(&r, &mut plain);
                 let (a, b) = (unknowns_of_direction(&eliminated), unknowns_of_direction(&plain));
-                assert!(distance(&a, &b) <= case.dense.tolerance() * largest(&a), "{dims:?} m={m} {fewer}");
+                assert!(distance(&a, &b) <= case.dense.tolerance() * largest(&a), "{dims:?} m={m} {fewer:?}");
                 case.assert_determinant(&case.dense, system.determinant());
             }
         }

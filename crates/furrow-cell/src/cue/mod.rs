@@ -167,6 +167,9 @@ impl Cue {
     /// Whether it is even about u = ½, so that shapes can be mirror-symmetric and pitchforks stay pitchforks. It is a
     /// property of what the terms do together to each coefficient of the equations, however they are written.
     pub fn is_mirror_symmetric(&self) -> bool {
+        if self.regulator.as_ref().is_some_and(|regulator| regulator.source.is_some()) {
+            return false;
+        }
         let cue = self.simplified();
         let scale: f64 = cue.terms.iter().map(|term| term.amplitude.abs()).sum();
         // Where an odd part would show: beside the places of the terms, and anywhere.

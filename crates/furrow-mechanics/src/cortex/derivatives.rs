@@ -4,7 +4,7 @@ use furrow_bvp::derivatives::{Directional, PointDirection, PointValues};
 use num_dual::{Dual3_64, HyperDual64};
 
 use super::Cortex;
-use super::equations::{BdfTerm, COMPONENTS, Constants, LENGTH, PRESSURE, equations};
+use super::equations::{BdfTerm, COMPONENTS, Constants, LENGTH, PRESSURE, REGULATED, equations};
 use super::problem::SHAPE_SCALARS;
 use furrow_cell::Number;
 
@@ -35,14 +35,11 @@ impl Directional for Cortex {
     }
 
     fn second(&self, prepared: &Self::Second, point: PointValues, along: [PointDirection; 2], out: [&mut [f64]; 2]) {
-        let (PointValues { at, y, .. }, [a, b], [f, g]) = (point, along, out);
-        let state: [HyperDual64; COMPONENTS] = std::array::from_fn(|k| HyperDual64::new(y[k], a.y[k], b.y[k], 0.0));
-        let (value, volume) =
-            equations(&prepared.constants, at.x, BdfTerm::default(), 1.0, &state, prepared.length, prepared.pressure);
-        for (f, value) in f.iter_mut().zip(&value) {
-            *f = value.eps1eps2;
+        if point.y.len() == REGULATED {
+            second::<REGULATED>(prepared, point, along, out);
+        } else {
+            second::<COMPONENTS>(prepared, point, along, out);
         }
-        g[0] = volume.eps1eps2;
     }
 
     fn second_offset(&self, prepared: &Self::Second, _k: usize) -> f64 {
@@ -54,14 +51,38 @@ impl Directional for Cortex {
     }
 
     fn third(&self, prepared: &Self::Third, point: PointValues, a: PointDirection, out: [&mut [f64]; 3]) {
-        let (PointValues { at, y, .. }, [f2, g2, f3]) = (point, out);
-        let state: [Dual3_64; COMPONENTS] = std::array::from_fn(|k| Dual3_64::new(y[k], a.y[k], 0.0, 0.0));
-        let (value, volume) =
-            equations(&prepared.constants, at.x, BdfTerm::default(), 1.0, &state, prepared.length, prepared.pressure);
-        for (k, value) in value.iter().enumerate() {
-            f2[k] = value.v2;
-            f3[k] = value.v3;
+        if point.y.len() == REGULATED {
+            third::<REGULATED>(prepared, point, a, out);
+        } else {
+            third::<COMPONENTS>(prepared, point, a, out);
         }
-        g2[0] = volume.v2;
     }
+}
+
+fn second<const N: usize>(
+    prepared: &Lifted<HyperDual64>,
+    point: PointValues,
+    along: [PointDirection; 2],
+    out: [&mut [f64]; 2],
+) {
+    let (PointValues { at, y, .. }, [a, b], [f, g]) = (point, along, out);
+    let state: [HyperDual64; N] = std::array::from_fn(|k| HyperDual64::new(y[k], a.y[k], b.y[k], 0.0));
+    let (value, volume) =
+        equations(&prepared.constants, at.x, BdfTerm::default(), 1.0, &state, prepared.length, prepared.pressure);
+    for (f, value) in f.iter_mut().zip(&value) {
+        *f = value.eps1eps2;
+    }
+    g[0] = volume.eps1eps2;
+}
+
+fn third<const N: usize>(prepared: &Lifted<Dual3_64>, point: PointValues, a: PointDirection, out: [&mut [f64]; 3]) {
+    let (PointValues { at, y, .. }, [f2, g2, f3]) = (point, out);
+    let state: [Dual3_64; N] = std::array::from_fn(|k| Dual3_64::new(y[k], a.y[k], 0.0, 0.0));
+    let (value, volume) =
+        equations(&prepared.constants, at.x, BdfTerm::default(), 1.0, &state, prepared.length, prepared.pressure);
+    for (k, value) in value.iter().enumerate() {
+        f2[k] = value.v2;
+        f3[k] = value.v3;
+    }
+    g2[0] = volume.v2;
 }

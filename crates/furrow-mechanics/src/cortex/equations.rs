@@ -18,11 +18,17 @@
 //! * \[M.9 shell\] f_c = −(2P0/w²) exp\[(z²/a² + r²/b² − 1)/w²\] (r sinψ/b² + z cosψ/a²)
 //!
 //! The elastic part of M.6 uses c1 t_uu + c2 t_φφ = γC − ½κ(c1 − c2)²C.
+//!
+//! A regulator that the flow carries brings two more components, its gradient j = ∂_sφ and φ = c − 1, c its areal concentration
+//! relative to the resting one, and modulates fields of the cortex, X = X0(1 + B φ):
+//!
+//! * \[M.26 regulator\] φ_s = j, j_s = −(cosψ/r) j + [∂_tφ + (v − w) j + (1 + φ)(S_uu + S_φφ) + k(φ − A f)]/D,
+//!   w = cosψ ∂_t r − sinψ ∂_t z the tangential velocity of a place of fixed u; a label of the material lacks the term of S.
 
 use std::f64::consts::PI;
 
 use super::lanes::Arithmetic;
-use furrow_cell::cue::{Field, Term};
+use furrow_cell::cue::{Field, Regulator, Term};
 use furrow_cell::{Cell, Number, Parameter, RigidityGradient};
 
 /// Radius r.
@@ -39,8 +45,14 @@ pub const Q: usize = 4;
 pub const V: usize = 5;
 /// Meridional dissipative tension T_uu.
 pub const T: usize = 6;
-/// Number of components.
+/// Number of components of a cell without a regulator.
 pub const COMPONENTS: usize = 7;
+/// Gradient j = ∂_sφ of the regulator, where there is one.
+pub const J: usize = 7;
+/// The regulator φ.
+pub const PHI: usize = 8;
+/// Number of components of a cell with a regulator.
+pub const REGULATED: usize = 9;
 /// Index of L among the scalar unknowns.
 pub const LENGTH: usize = 0;
 /// Index of p among the scalar unknowns.
@@ -76,6 +88,17 @@ pub struct BdfTerm<D = f64> {
     pub r_past: D,
     /// Past z.
     pub z_past: D,
+    /// Past φ.
+    pub phi_past: D,
+}
+
+impl<D> BdfTerm<D> {
+    /// The same with numbers of another kind.
+    #[inline(always)]
+    pub fn map<E>(self, number: impl Fn(D) -> E) -> BdfTerm<E> {
+        let BdfTerm { rate, r_past, z_past, phi_past } = self;
+        BdfTerm { rate: number(rate), r_past: number(r_past), z_past: number(z_past), phi_past: number(phi_past) }
+    }
 }
 
 /// The coefficients of the equations at one place of the contour: the constants of the material, modulated by the cue.
@@ -99,6 +122,8 @@ pub struct LocalCoefficients<D> {
     pub xi_s: D,
     /// Effective isotropic activity X_b = gξ_b.
     pub xi_b: D,
+    /// Source A f of the regulator.
+    pub source: D,
 }
 
 impl<D> LocalCoefficients<D> {
@@ -114,13 +139,14 @@ impl<D> LocalCoefficients<D> {
             tension_u: number(self.tension_u),
             xi_s: number(self.xi_s),
             xi_b: number(self.xi_b),
+            source: number(self.source),
         }
     }
 }
 
 impl<D: Number> LocalCoefficients<D> {
-    /// Adds what one term of a cue does, M.16: `f` is A f and `f_u` is A ∂f/∂u at the place, `uniform` the coefficients without
-    /// the cue. The one place where fields enter the equations; derivatives along the contour matter for κ and γ alone.
+    /// Adds what one term of a cue does, M.16, or the regulator: `f` is A f and `f_u` is A ∂f/∂u at the place, `uniform` the
+    /// coefficients without the cue. The one place where fields enter the equations; derivatives along the contour matter for κ and γ alone.
     fn modulate(&mut self, field: Field, uniform: &LocalCoefficients<D>, f: D, f_u: D) {
         let [eta_b, eta_s] = [1.0, -1.0].map(|sign| (uniform.eta_sum + uniform.eta_difference * sign) * 0.5);
         match field {
@@ -191,6 +217,8 @@ pub struct Constants<D> {
     pub uniform: LocalCoefficients<D>,
     /// The cue's terms.
     pub cue: Vec<Term<D>>,
+    /// What the flow carries.
+    pub regulator: Option<Regulator<D>>,
     /// The shell, and what is kept of the equations.
     pub shell: ShellCoefficients<D>,
     /// Volume of the whole cell, 4πR0³/3.
@@ -220,7 +248,10 @@ impl<D: Number> Constants<D> {
                 tension_u: D::from(0.0),
                 xi_s,
                 xi_b: xi_s * at(Parameter::XiRatio),
+                source: D::from(0.0),
             },
+            regulator: (cell.cue.regulator())
+                .map(|regulator| regulator.map(|quantity, v| vary(Parameter::Regulator(quantity), v))),
             cue: cell.cue.terms().iter().enumerate().map(term).collect(),
             shell: ShellCoefficients {
                 inverse_a2: (b2 * aspect.powi(2)).recip(),
@@ -247,28 +278,141 @@ impl<D: Number> Constants<D> {
             let [f, f_u, _] = term.at(u, length);
             local.modulate(term.field, &self.uniform, f, f_u);
         }
+        if let Some(source) = self.regulator.as_ref().and_then(|regulator| regulator.source) {
+            local.source = source.profile.at(u, length)[0] * source.amplitude;
+        }
         local
+    }
+
+    /// Whether the coefficients differ from place to place.
+    pub fn vary(&self) -> bool {
+        !self.cue.is_empty() || self.regulator.as_ref().is_some_and(|regulator| regulator.source.is_some())
+    }
+
+    /// The coefficients at a place with what the regulator adds there, M.27: `phi` is φ and `phi_u` is L j.
+    pub fn regulated(&self, mut here: LocalCoefficients<D>, phi: D, phi_u: D) -> LocalCoefficients<D> {
+        for coupling in self.regulator.iter().flat_map(|regulator| &regulator.couplings) {
+            let [h, slope, _] = coupling.at(phi);
+            here.modulate(coupling.field, &self.uniform, h, slope * phi_u);
+        }
+        here
+    }
+
+    /// The coefficients at u of the state `y` there, the regulator's say included.
+    pub fn of_state(&self, u: f64, y: &[D], length: D) -> LocalCoefficients<D> {
+        let here = self.at(u, length);
+        if y.len() == REGULATED { self.regulated(here, y[PHI], y[J] * length) } else { here }
     }
 }
 
-/// Right-hand side d/du of the seven equations and the integrand of the volume, for any number type.
+impl Constants<f64> {
+    /// [`regulated`](Self::regulated), and its derivatives by φ.
+    pub fn regulated_by_phi(
+        &self,
+        here: LocalCoefficients<f64>,
+        phi: f64,
+        phi_u: f64,
+    ) -> (LocalCoefficients<f64>, LocalCoefficients<f64>) {
+        let (mut local, mut by_phi) = (here, here.map(|_| 0.0));
+        for coupling in self.regulator.iter().flat_map(|regulator| &regulator.couplings) {
+            let [h, slope, bend] = coupling.at(phi);
+            local.modulate(coupling.field, &self.uniform, h, slope * phi_u);
+            by_phi.modulate(coupling.field, &self.uniform, slope, bend * phi_u);
+        }
+        (local, by_phi)
+    }
+}
+
+/// How the regulator moves: its constants.
+#[derive(Clone, Copy, Debug)]
+pub struct Transport<D> {
+    /// Turnover k.
+    pub turnover: D,
+    /// 1/D.
+    pub inverse_diffusion: D,
+    /// 1 where flow dilutes it, 0 for a label of the material.
+    pub dilution: D,
+}
+
+impl<D: Number> Transport<D> {
+    /// Those of a regulator.
+    pub fn of(regulator: &Regulator<D>) -> Transport<D> {
+        Transport {
+            turnover: regulator.turnover,
+            inverse_diffusion: regulator.diffusion.recip(),
+            dilution: D::from(if regulator.diluted { 1.0 } else { 0.0 }),
+        }
+    }
+}
+
+impl<D> Transport<D> {
+    /// The same with numbers of another kind.
+    #[inline(always)]
+    pub fn map<E>(self, number: impl Fn(D) -> E) -> Transport<E> {
+        Transport {
+            turnover: number(self.turnover),
+            inverse_diffusion: number(self.inverse_diffusion),
+            dilution: number(self.dilution),
+        }
+    }
+}
+
+/// Right-hand side d/du of the equations and the integrand of the volume, for any number type: of seven components, or of nine with a
+/// regulator.
 ///
 /// `noise` multiplies the activity.
-pub fn equations<D: Number>(
+pub fn equations<D: Number, const N: usize>(
     c: &Constants<D>,
     u: f64,
     motion: BdfTerm,
     noise: f64,
-    y: &[D; COMPONENTS],
+    y: &[D; N],
     length: D,
     pressure: D,
-) -> ([D; COMPONENTS], D) {
-    let BdfTerm { rate, r_past, z_past } = motion;
-    let motion = BdfTerm { rate: D::from(rate), r_past: D::from(r_past), z_past: D::from(z_past) };
-    balances(&c.shell, &c.at(u, length), motion, D::from(noise), y, length, pressure)
+) -> ([D; N], D) {
+    let (motion, noise) = (motion.map(D::from), D::from(noise));
+    let shape: [D; COMPONENTS] = std::array::from_fn(|k| y[k]);
+    let here = c.of_state(u, y, length);
+    let Balance { f, volume, stretching } = balances(&c.shell, &here, motion, noise, &shape, length, pressure);
+    let mut out = [D::from(0.0); N];
+    out[..COMPONENTS].copy_from_slice(&f);
+    if let Some(regulator) = c.regulator.as_ref().filter(|_| N == REGULATED) {
+        let transport = Transport::of(regulator);
+        out[J] = carried(&transport, here.source, motion, &shape, [y[J], y[PHI]], stretching) * length;
+        out[PHI] = y[J] * length;
+    }
+    (out, volume)
 }
 
-/// [`equations`] with the coefficients of the place at hand. This is the readable statement;
+/// j_s of M.26: how the regulator `[j, φ]` is carried along by a shape whose surface stretches at the rate S_uu + S_φφ.
+#[inline(always)]
+pub fn carried<D: Arithmetic>(
+    c: &Transport<D>,
+    source: D,
+    motion: BdfTerm<D>,
+    y: &[D; COMPONENTS],
+    [j, phi]: [D; 2],
+    stretching: D,
+) -> D {
+    let (sin, cos) = y[PSI].sin_cos();
+    let w = (cos * (y[R] - motion.r_past) - sin * (y[Z] - motion.z_past)) * motion.rate;
+    let changed = motion.rate * (phi - motion.phi_past) + (y[V] - w) * j;
+    let made = c.dilution * (phi + D::from(1.0)) * stretching + c.turnover * (phi - source);
+    (changed + made) * c.inverse_diffusion - cos * y[R].recip() * j
+}
+
+/// The right-hand sides of the shape at one place.
+#[derive(Clone, Copy, Debug)]
+pub struct Balance<D> {
+    /// d/du of the seven components.
+    pub f: [D; COMPONENTS],
+    /// Integrand of the volume.
+    pub volume: D,
+    /// S_uu + S_φφ, the rate at which the surface stretches.
+    pub stretching: D,
+}
+
+/// [`equations`] of the shape with the coefficients of the place at hand. This is the readable statement;
 /// [`linearised`](super::jacobian::linearised) is the same with hand-written derivatives, and a test holds the two together.
 #[inline(always)]
 pub fn balances<D: Arithmetic>(
@@ -279,7 +423,7 @@ pub fn balances<D: Arithmetic>(
     y: &[D; COMPONENTS],
     length: D,
     pressure: D,
-) -> ([D; COMPONENTS], D) {
+) -> Balance<D> {
     let [r, z, m, psi, q, v, t] = *y;
     let (sin, cos) = psi.sin_cos();
     let inverse_r = r.recip();
@@ -301,8 +445,8 @@ pub fn balances<D: Arithmetic>(
     if c.rigidity_gradient {
         t_u = t_u - mean * mean * here.kappa_u * 0.5;
     }
-    (
-        [
+    Balance {
+        f: [
             length * cos,
             -(length * sin),
             length * q,
@@ -311,8 +455,9 @@ pub fn balances<D: Arithmetic>(
             length * (s_u - c1 * v_n),
             t_u,
         ],
-        length * r * r * sin * PI,
-    )
+        volume: length * r * r * sin * PI,
+        stretching: s_u + s_phi,
+    }
 }
 
 /// Multiplies the activity in the first step \[M.19 noise\]: 1 + Σ_{n=1..10} r_n cos(nπu).

@@ -18,7 +18,7 @@
 use furrow_bvp::{Gauss, Solution};
 
 use super::Cortex;
-use super::equations::{COMPONENTS, LENGTH, M, PRESSURE, PSI, Q, R, T, V, Z};
+use super::equations::{J, LENGTH, M, PHI, PRESSURE, PSI, Q, R, REGULATED, T, V, Z};
 use furrow_cell::cue::Field;
 
 /// Closer to the axis than this, relative to R0, cosψ/r and sinψ/r are taken at their limits on the axis.
@@ -81,6 +81,8 @@ pub struct Place {
     pub active_tangential: f64,
     /// The normal forces.
     pub normal: NormalForces,
+    /// The regulator φ, where the cell has one.
+    pub phi: Option<f64>,
 }
 
 impl Place {
@@ -107,6 +109,7 @@ impl Place {
             moving: [0, 1].map(|k| line(self.moving[k], later.moving[k])),
             active_tangential: line(self.active_tangential, later.active_tangential),
             normal: NormalForces { active, viscous, elastic, pressure, shell },
+            phi: self.phi.zip(later.phi).map(|(a, b)| line(a, b)),
         }
     }
 
@@ -121,9 +124,9 @@ impl Place {
 /// The shape and its rate of change at one place, before anything is derived from them.
 struct State {
     u: f64,
-    y: [f64; COMPONENTS],
+    y: [f64; REGULATED],
     /// ∂y/∂u.
-    slope: [f64; COMPONENTS],
+    slope: [f64; REGULATED],
     /// ∂_t (r, z) at fixed u.
     rate: [f64; 2],
     /// Factor on the activity.
@@ -177,13 +180,13 @@ fn along(cortex: &Cortex, gauss: &Gauss, y: &Solution, thetas: &[f64]) -> Vec<Pl
 fn between(cortex: &Cortex, gauss: &Gauss, y: &Solution, i: usize, theta: f64) -> State {
     let mut state = State {
         u: y.mesh[i] + theta * (y.mesh[i + 1] - y.mesh[i]),
-        y: [0.0; COMPONENTS],
-        slope: [0.0; COMPONENTS],
+        y: [0.0; REGULATED],
+        slope: [0.0; REGULATED],
         rate: [0.0; 2],
         noise: if cortex.noise.is_empty() { 1.0 } else { 0.0 },
     };
-    y.eval_in(gauss, i, theta, &mut state.y);
-    y.slope_in(gauss, i, theta, &mut state.slope);
+    y.eval_in(gauss, i, theta, &mut state.y[..y.components]);
+    y.slope_in(gauss, i, theta, &mut state.slope[..y.components]);
     for j in 0..y.m {
         let others = (0..y.m).filter(|k| *k != j);
         let weight: f64 = others.map(|k| (theta - gauss.c[k]) / (gauss.c[j] - gauss.c[k])).product();
@@ -200,7 +203,7 @@ fn between(cortex: &Cortex, gauss: &Gauss, y: &Solution, i: usize, theta: f64) -
 fn place(cortex: &Cortex, shape: &Solution, state: &State) -> Place {
     let State { u, y, slope, rate, noise } = state;
     let (length, constants) = (shape.scalars[LENGTH], cortex.constants());
-    let here = constants.at(*u, length);
+    let here = constants.of_state(*u, &y[..shape.components], length);
     let (sin, cos) = y[PSI].sin_cos();
     let mean = y[M] / here.kappa;
     let on_axis = y[R].abs() < ON_AXIS * cortex.cell.r0;
@@ -238,11 +241,12 @@ fn place(cortex: &Cortex, shape: &Solution, state: &State) -> Place {
             pressure: shape.scalars[PRESSURE],
             shell: shell(cortex, y),
         },
+        phi: (shape.components == REGULATED).then_some(y[PHI]),
     }
 }
 
 /// f_c, the normal force of the shell.
-fn shell(cortex: &Cortex, y: &[f64; COMPONENTS]) -> f64 {
+fn shell(cortex: &Cortex, y: &[f64]) -> f64 {
     let c = cortex.constants();
     let (sin, cos) = y[PSI].sin_cos();
     let (a, b) = (c.shell.inverse_a2, c.shell.inverse_b2);
@@ -254,7 +258,7 @@ fn shell(cortex: &Cortex, y: &[f64; COMPONENTS]) -> f64 {
 fn active_tangential(cortex: &Cortex, shape: &Solution, state: &State) -> f64 {
     let State { u, y, noise, .. } = state;
     let (length, constants) = (shape.scalars[LENGTH], cortex.constants());
-    let here = constants.at(*u, length);
+    let here = constants.of_state(*u, &y[..shape.components], length);
     let (sin, cos) = y[PSI].sin_cos();
     let mean = y[M] / here.kappa;
     let (c_pp, cot) = (sin / y[R], cos / y[R]);
@@ -269,6 +273,15 @@ fn active_tangential(cortex: &Cortex, shape: &Solution, state: &State) -> f64 {
             x_s_u += constants.uniform.xi_s * f_u;
         }
         if matches!(term.field, Field::Activity | Field::XiB) {
+            x_b_u += constants.uniform.xi_b * f_u;
+        }
+    }
+    for coupling in constants.regulator.iter().flat_map(|regulator| &regulator.couplings) {
+        let f_u = coupling.at(y[PHI])[1] * y[J] * length;
+        if matches!(coupling.field, Field::Activity | Field::XiS) {
+            x_s_u += constants.uniform.xi_s * f_u;
+        }
+        if matches!(coupling.field, Field::Activity | Field::XiB) {
             x_b_u += constants.uniform.xi_b * f_u;
         }
     }

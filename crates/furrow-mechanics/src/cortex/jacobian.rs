@@ -5,8 +5,11 @@
 
 use std::f64::consts::PI;
 
-use super::equations::{BdfTerm, COMPONENTS, LocalCoefficients, ShellCoefficients};
-use super::lanes::Arithmetic;
+use super::equations::{
+    BdfTerm, COMPONENTS, J, LocalCoefficients, M, PHI, PSI, R, REGULATED, ShellCoefficients, T, Transport, V, Z, balances,
+    carried,
+};
+use super::lanes::{Along, Arithmetic, Each};
 
 /// The equations at one place and their derivatives. Those not named here are zero.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +30,21 @@ pub struct Linearised<D> {
     pub tangential: [D; COMPONENTS],
     /// Integrand of the volume, and its derivatives by r, ψ and L.
     pub volume: [D; 4],
+    /// S_uu + S_φφ, and its derivatives by (r, z, m, ψ, q, v, T).
+    pub stretching: (D, [D; COMPONENTS]),
+}
+
+/// The equations of a cell with a regulator at one place and their derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct LinearisedRegulated<D> {
+    /// Those of the shape.
+    pub shape: Linearised<D>,
+    /// ∂f/∂φ of the shape's right-hand sides.
+    pub by_phi: [D; COMPONENTS],
+    /// ∂T′/∂j.
+    pub tangential_by_j: D,
+    /// j_s, and its derivatives by all nine components, in units of arclength.
+    pub carried: (D, [D; REGULATED]),
 }
 
 /// What the balances of forces share at one place, in units of arclength; names are those of
@@ -134,5 +152,62 @@ pub fn linearised<D: Arithmetic>(
         flow: flow.map(|d| length * d),
         tangential,
         volume: [length * r * area, length * area * 2.0, length * r * r * cos * PI, r * area],
+        stretching: (s_u + s_phi, [u_r + s_r, u_z + s_z, u_m, u_psi + s_psi, D::from(0.0), u_v + cot, u_t]),
+    }
+}
+
+/// [`linearised`] of a cell with a regulator `[j, φ]`: `here` are the coefficients with what it adds there, and their derivatives by φ.
+#[inline(always)]
+pub fn linearised_regulated(
+    c: &ShellCoefficients<Each>,
+    transport: &Transport<Each>,
+    here: &LocalCoefficients<Along<Each>>,
+    motion: BdfTerm<Each>,
+    noise: Each,
+    y: &[Each; COMPONENTS],
+    [j, phi]: [Each; 2],
+    length: Each,
+    pressure: Each,
+) -> LinearisedRegulated<Each> {
+    let fixed = |value: Each| Along { value, slope: Each(0.0) };
+    let (local, by_phi) = (here.map(|c| c.value), here.map(|c| c.slope));
+    let mut shape = linearised(c, &local, motion, noise, y, length, pressure);
+    // Only coefficients depend on φ.
+    let (still, state) = (motion.map(fixed), y.map(fixed));
+    let along = balances(&c.map(fixed), here, still, fixed(noise), &state, fixed(length), fixed(pressure));
+    // κ_u and γ_u are L j times what κ and γ do with φ.
+    let mean = y[M] / local.kappa;
+    let mut pull = by_phi.tension;
+    if c.rigidity_gradient {
+        pull = pull + mean * mean * by_phi.kappa * 0.5;
+    }
+    shape.by_length[T] = shape.by_length[T] - pull * j;
+
+    let (sin, cos) = y[PSI].sin_cos();
+    let (dr, dz) = (motion.rate * (y[R] - motion.r_past), motion.rate * (y[Z] - motion.z_past));
+    let (stretching, by_state) = shape.stretching;
+    let dilution = transport.dilution * (phi + Each(1.0));
+    let inverse_r = y[R].recip();
+    let cot = cos * inverse_r;
+    let mut by = [Each(0.0); REGULATED];
+    for k in 0..COMPONENTS {
+        by[k] = dilution * by_state[k];
+    }
+    by[R] = by[R] - motion.rate * cos * j;
+    by[Z] = by[Z] + motion.rate * sin * j;
+    by[PSI] = by[PSI] + (sin * dr + cos * dz) * j;
+    by[V] = by[V] + j;
+    by[J] = y[V] - (cos * dr - sin * dz);
+    let diluted = transport.dilution * stretching + dilution * along.stretching.slope;
+    by[PHI] = motion.rate + transport.turnover + diluted;
+    let mut by = by.map(|d| d * transport.inverse_diffusion);
+    by[R] = by[R] + cot * inverse_r * j;
+    by[PSI] = by[PSI] + sin * inverse_r * j;
+    by[J] = by[J] - cot;
+    LinearisedRegulated {
+        shape,
+        by_phi: along.f.map(|f| f.slope),
+        tangential_by_j: -(pull * length),
+        carried: (carried(transport, local.source, motion, y, [j, phi], stretching), by),
     }
 }

@@ -112,6 +112,106 @@ impl Arithmetic for Each {
     }
 }
 
+/// A number with its derivative along one direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Along<D> {
+    /// The number.
+    pub value: D,
+    /// Its derivative.
+    pub slope: D,
+}
+
+impl<D: Arithmetic> From<f64> for Along<D> {
+    #[inline(always)]
+    fn from(value: f64) -> Along<D> {
+        Along { value: D::from(value), slope: D::from(0.0) }
+    }
+}
+
+impl<D: Arithmetic> Add for Along<D> {
+    type Output = Along<D>;
+
+    #[inline(always)]
+    fn add(self, other: Along<D>) -> Along<D> {
+        Along { value: self.value + other.value, slope: self.slope + other.slope }
+    }
+}
+
+impl<D: Arithmetic> Sub for Along<D> {
+    type Output = Along<D>;
+
+    #[inline(always)]
+    fn sub(self, other: Along<D>) -> Along<D> {
+        Along { value: self.value - other.value, slope: self.slope - other.slope }
+    }
+}
+
+impl<D: Arithmetic> Mul for Along<D> {
+    type Output = Along<D>;
+
+    #[inline(always)]
+    fn mul(self, other: Along<D>) -> Along<D> {
+        Along { value: self.value * other.value, slope: self.slope * other.value + self.value * other.slope }
+    }
+}
+
+impl<D: Arithmetic> Div for Along<D> {
+    type Output = Along<D>;
+
+    #[inline(always)]
+    fn div(self, other: Along<D>) -> Along<D> {
+        let value = self.value / other.value;
+        Along { value, slope: (self.slope - value * other.slope) / other.value }
+    }
+}
+
+impl<D: Arithmetic> Neg for Along<D> {
+    type Output = Along<D>;
+
+    #[inline(always)]
+    fn neg(self) -> Along<D> {
+        Along { value: -self.value, slope: -self.slope }
+    }
+}
+
+impl<D: Arithmetic> Mul<f64> for Along<D> {
+    type Output = Along<D>;
+
+    #[inline(always)]
+    fn mul(self, factor: f64) -> Along<D> {
+        Along { value: self.value * factor, slope: self.slope * factor }
+    }
+}
+
+impl<D: Arithmetic> Sub<f64> for Along<D> {
+    type Output = Along<D>;
+
+    #[inline(always)]
+    fn sub(self, other: f64) -> Along<D> {
+        Along { value: self.value - other, slope: self.slope }
+    }
+}
+
+impl Arithmetic for Along<Each> {
+    #[inline(always)]
+    fn sin_cos(self) -> (Along<Each>, Along<Each>) {
+        let (sin, cos) = self.value.sin_cos();
+        (Along { value: sin, slope: cos * self.slope }, Along { value: cos, slope: -(sin * self.slope) })
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Along<Each> {
+        let value = self.value.exp();
+        Along { value, slope: value * self.slope }
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Along<Each> {
+        let value = self.value.recip();
+        Along { value, slope: -(value * value * self.slope) }
+    }
+}
+
 /// Adding 1.5 · 2⁵² rounds to whole numbers, and leaves them in the lowest bits.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 

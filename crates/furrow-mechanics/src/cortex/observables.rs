@@ -5,21 +5,49 @@ use std::f64::consts::PI;
 use furrow_bvp::{Gauss, Solution};
 
 use super::Cortex;
-use super::equations::{COMPONENTS, Domain, LENGTH, M, PSI, R, Z};
+use super::equations::{Domain, LENGTH, M, PHI, PSI, R, REGULATED, Z};
 
 /// Collects (r, z) at the collocation points of a solution.
 pub fn positions(y: &Solution, out: &mut Vec<[f64; 2]>) {
     out.clear();
-    out.extend(y.stages.chunks_exact(COMPONENTS).map(|s| [s[R], s[Z]]));
+    out.extend(y.stages.chunks_exact(y.components).map(|s| [s[R], s[Z]]));
+}
+
+/// Collects φ at the collocation points of a solution; nothing without a regulator.
+pub fn regulator(y: &Solution, out: &mut Vec<f64>) {
+    out.clear();
+    if y.components == REGULATED {
+        out.extend(y.stages.chunks_exact(REGULATED).map(|s| s[PHI]));
+    }
+}
+
+/// φ at u of a shape, of a half also beyond it; none without a regulator.
+pub fn regulator_at(gauss: &Gauss, y: &Solution, domain: Domain, u: f64) -> Option<f64> {
+    let mut out = [0.0; REGULATED];
+    let u = if domain == Domain::Half && u > 0.5 { 1.0 - u } else { u };
+    (y.components == REGULATED).then(|| {
+        y.eval(gauss, u, &mut out);
+        out[PHI]
+    })
+}
+
+/// The same shape with other components: those of a regulator at rest are added, or left out.
+pub fn with_components(y: &Solution, components: usize) -> Solution {
+    let convert = |values: &[f64]| -> Vec<f64> {
+        let state = |s: &[f64]| -> Vec<f64> { (0..components).map(|k| s.get(k).copied().unwrap_or(0.0)).collect() };
+        values.chunks_exact(y.components).flat_map(state).collect()
+    };
+    let (nodes, stages) = (convert(&y.nodes), convert(&y.stages));
+    Solution { components, m: y.m, mesh: y.mesh.clone(), nodes, stages, scalars: y.scalars.clone() }
 }
 
 /// The whole contour as (r, z) at `count` + 1 values of u, evenly spaced from pole to pole; that of a half is completed by its
 /// mirror image.
 pub fn contour(gauss: &Gauss, y: &Solution, domain: Domain, count: usize) -> Vec<[f64; 2]> {
-    let mut out = [0.0; COMPONENTS];
+    let mut out = [0.0; REGULATED];
     let mut at = |u: f64| {
         let mirrored = domain == Domain::Half && u > 0.5;
-        y.eval(gauss, if mirrored { 1.0 - u } else { u }, &mut out);
+        y.eval(gauss, if mirrored { 1.0 - u } else { u }, &mut out[..y.components]);
         [out[R], if mirrored { -out[Z] } else { out[Z] }]
     };
     (0..=count).map(|k| at(k as f64 / count as f64)).collect()
@@ -36,8 +64,8 @@ pub fn elongation(y: &Solution, domain: Domain, r0: f64) -> f64 {
 
 /// Radius at u = ½.
 pub fn equator_radius(gauss: &Gauss, y: &Solution) -> f64 {
-    let mut out = [0.0; COMPONENTS];
-    y.eval(gauss, 0.5, &mut out);
+    let mut out = [0.0; REGULATED];
+    y.eval(gauss, 0.5, &mut out[..y.components]);
     out[R]
 }
 
@@ -57,7 +85,7 @@ pub struct Neck {
 /// contour has no waist.
 pub fn neck(gauss: &Gauss, y: &Solution) -> Option<Neck> {
     let mut best: Option<Neck> = None;
-    let mut value = [0.0; COMPONENTS];
+    let mut value = [0.0; REGULATED];
     for i in 0..y.intervals() {
         // ψ above π/2 means r falls.
         let mut before = (0.0, y.node(i)[PSI]);
@@ -68,10 +96,10 @@ pub fn neck(gauss: &Gauss, y: &Solution) -> Option<Neck> {
                 let (mut low, mut high) = (before.0, theta);
                 for _ in 0..60 {
                     let middle = 0.5 * (low + high);
-                    y.eval_in(gauss, i, middle, &mut value);
+                    y.eval_in(gauss, i, middle, &mut value[..y.components]);
                     if value[PSI] > 0.5 * PI { low = middle } else { high = middle }
                 }
-                y.eval_in(gauss, i, 0.5 * (low + high), &mut value);
+                y.eval_in(gauss, i, 0.5 * (low + high), &mut value[..y.components]);
                 let found = Neck { u: y.mesh[i] + 0.5 * (low + high) * (y.mesh[i + 1] - y.mesh[i]), radius: value[R] };
                 if best.is_none_or(|b| found.radius < b.radius) {
                     best = Some(found);
@@ -86,7 +114,7 @@ pub fn neck(gauss: &Gauss, y: &Solution) -> Option<Neck> {
 /// Volume enclosed between the first pole and the plane at u, by Gauss quadrature of πr² sinψ.
 pub fn volume_until(gauss: &Gauss, y: &Solution, u: f64) -> f64 {
     let length = y.scalars[LENGTH];
-    let mut value = [0.0; COMPONENTS];
+    let mut value = [0.0; REGULATED];
     let mut total = 0.0;
     for i in 0..y.intervals() {
         let h = y.mesh[i + 1] - y.mesh[i];
@@ -95,7 +123,7 @@ pub fn volume_until(gauss: &Gauss, y: &Solution, u: f64) -> f64 {
             break;
         }
         for (c, b) in gauss.c.iter().zip(&gauss.b) {
-            y.eval_in(gauss, i, c * part, &mut value);
+            y.eval_in(gauss, i, c * part, &mut value[..y.components]);
             total += b * part * h * PI * length * value[R] * value[R] * value[PSI].sin();
         }
     }
@@ -111,10 +139,11 @@ pub fn asymmetry(gauss: &Gauss, y: &Solution, u: f64) -> f64 {
 /// `None` if c1 is positive everywhere.
 pub fn furrow_position(gauss: &Gauss, cortex: &Cortex, y: &Solution) -> Option<f64> {
     let curvature = |i: usize, theta: f64| {
-        let mut value = [0.0; COMPONENTS];
-        y.eval_in(gauss, i, theta, &mut value);
+        let mut value = [0.0; REGULATED];
+        y.eval_in(gauss, i, theta, &mut value[..y.components]);
         let u = y.mesh[i] + theta * (y.mesh[i + 1] - y.mesh[i]);
-        value[M] / cortex.constants().at(u, y.scalars[LENGTH]).kappa - value[PSI].sin() / value[R]
+        let here = cortex.constants().of_state(u, &value[..y.components], y.scalars[LENGTH]);
+        value[M] / here.kappa - value[PSI].sin() / value[R]
     };
     let at = |u: f64| {
         let i = y.interval_of(u);

@@ -9,18 +9,19 @@ use furrow_bvp::{
 use num_dual::Dual64;
 
 use super::equations::{
-    BdfTerm, COMPONENTS, Constants, Domain, LENGTH, LocalCoefficients, M, PRESSURE, PSI, Q, R, T, V, equations,
+    BdfTerm, COMPONENTS, Constants, Domain, J, LENGTH, LocalCoefficients, M, PHI, PRESSURE, PSI, Q, R, REGULATED, T,
+    V, equations,
 };
 use super::lanes::sin_cos;
 use super::sweep::{self, Sweep};
-use super::symmetry::{CENTRE, ODD};
+use super::symmetry::{CENTRE, odd};
 use furrow_cell::cue::{Term, Width};
 use furrow_cell::{Cell, Parameter};
 
-/// The first three components, r, z and m, are quadratures, see [`Dimensions::quadratures`].
+/// The first three components, r, z and m, are quadratures, see [`Dimensions::quadratures`]; so is φ, which comes last.
 const QUADRATURES: usize = 3;
 
-/// Conditions at the pole where u = 0, and as many at the other end.
+/// Conditions at the pole where u = 0, and as many at the other end; a regulator brings one more.
 const LEFT: usize = 4;
 
 /// Number of scalar unknowns before the free parameters: L and p.
@@ -50,6 +51,8 @@ pub struct Cortex {
     pub rate: f64,
     /// Past (r, z) at every collocation point; may be empty if `rate` = 0.
     pub past: Vec<[f64; 2]>,
+    /// Past φ at every collocation point of a cell with a regulator; may be empty if `rate` = 0.
+    pub past_phi: Vec<f64>,
     /// Factor on the activity at every collocation point; empty for none.
     pub noise: Vec<f64>,
     constants: Constants<f64>,
@@ -79,6 +82,7 @@ impl Cortex {
             free: free.to_vec(),
             rate: 0.0,
             past: Vec::new(),
+            past_phi: Vec::new(),
             noise: Vec::new(),
             constants: Constants::new(cell, |_, v| v),
             sensitivities: Vec::new(),
@@ -89,16 +93,28 @@ impl Cortex {
         cortex
     }
 
-    /// Sizes for a number of free parameters, on either domain.
-    pub fn dimensions_for(free: usize) -> Dimensions {
+    /// Sizes for a cell and a number of free parameters, on either domain.
+    pub fn dimensions_for(cell: &Cell, free: usize) -> Dimensions {
+        let regulator = usize::from(cell.cue.regulator().is_some());
         Dimensions {
-            components: COMPONENTS,
+            components: COMPONENTS + 2 * regulator,
             quadratures: QUADRATURES,
+            trailing_quadratures: regulator,
             scalars: SHAPE_SCALARS + free,
-            left: 4,
-            right: 4,
+            left: LEFT + regulator,
+            right: LEFT + regulator,
             integrals: 1,
         }
+    }
+
+    /// Whether a regulator is carried along, which takes two more components.
+    pub fn is_regulated(&self) -> bool {
+        self.cell.cue.regulator().is_some()
+    }
+
+    /// Components of y: seven, or nine with a regulator.
+    pub fn components(&self) -> usize {
+        if self.is_regulated() { REGULATED } else { COMPONENTS }
     }
 
     /// Constants at the current parameters.
@@ -125,14 +141,17 @@ impl Cortex {
         self.sensitivities = self.free.iter().map(with_slope).collect();
         // A term of amplitude 0 leaves no trace, not even in roundings.
         let by_length = |term: &Term| term.amplitude != 0.0 && matches!(term.profile.width(), Some(Width::Length(_)));
-        let by_length = self.cell.cue.terms().iter().any(by_length);
+        let source = self.cell.cue.regulator().and_then(|regulator| regulator.source);
+        let sourced = source.is_some_and(|source| matches!(source.profile.width(), Some(Width::Length(_))));
+        let by_length = sourced || self.cell.cue.terms().iter().any(by_length);
         self.along_length = by_length.then(|| Constants::new(&self.cell, |_, v| Dual64::from_re(v)));
         self.coefficients = CoefficientCache::default();
     }
 
-    /// The coefficients at collocation points on a contour of length `length`; empty without a cue.
+    /// The coefficients at collocation points on a contour of length `length`, without what a regulator adds; empty where they are
+    /// the same everywhere.
     fn coefficients(&self, points: CollocationPoints<'_>, length: f64) -> Cow<'_, [LocalCoefficients<f64>]> {
-        if self.constants.cue.is_empty() {
+        if !self.constants.vary() {
             return Cow::Borrowed(&[]);
         }
         let CoefficientCache { x, length: of_length, local } = &self.coefficients;
@@ -145,8 +164,8 @@ impl Cortex {
     }
 
     fn sweep<'a>(&'a self, local: &'a [LocalCoefficients<f64>]) -> Sweep<'a> {
-        let Cortex { constants, rate, past, noise, free, .. } = self;
-        Sweep { constants, rate: *rate, past, noise, local, scalars: SHAPE_SCALARS + free.len() }
+        let Cortex { constants, rate, past, past_phi, noise, free, .. } = self;
+        Sweep { constants, rate: *rate, past, past_phi, noise, local, scalars: SHAPE_SCALARS + free.len() }
     }
 
     /// The rates of change at a collocation point.
@@ -155,34 +174,48 @@ impl Cortex {
             return BdfTerm::default();
         }
         let [r_past, z_past] = self.past[at.index];
-        BdfTerm { rate: self.rate, r_past, z_past }
+        let phi_past = self.past_phi.get(at.index).copied().unwrap_or(0.0);
+        BdfTerm { rate: self.rate, r_past, z_past, phi_past }
     }
 
-    /// ∂f/∂v_n at one point of state `y` and contour length `length`: what a normal velocity of the cortex adds to the
-    /// right-hand sides of q′, v′ and T′. The equations are linear in v_n.
-    pub fn response_to_normal_velocity(&self, u: f64, y: &[f64], length: f64) -> [f64; COMPONENTS] {
-        let here = self.constants.at(u, length);
+    /// What the motion of the cortex adds to the right-hand sides at one point of state `y` and contour length `length`; the
+    /// equations are linear in it.
+    pub fn response_to_motion(&self, u: f64, y: &[f64], length: f64) -> MotionResponse {
+        let here = self.constants.of_state(u, y, length);
         let (sin, cos) = sin_cos(y[PSI]);
         let c2 = sin / y[R];
         let c1 = y[M] / here.kappa - c2;
         let d_s_u = -here.eta_difference * c2 / here.eta_sum;
         let d_t_phi = here.eta_difference * d_s_u + here.eta_sum * c2;
-        let mut out = [0.0; COMPONENTS];
-        out[Q] = length * c2 * d_t_phi;
-        out[V] = length * (d_s_u - c1);
-        out[T] = length * cos / y[R] * d_t_phi;
-        out
+        let mut response = MotionResponse {
+            normal: [length * c2 * d_t_phi, length * (d_s_u - c1), length * cos / y[R] * d_t_phi],
+            ..MotionResponse::default()
+        };
+        if let Some(regulator) = self.constants.regulator.as_ref().filter(|_| y.len() == REGULATED) {
+            let per = length / regulator.diffusion;
+            let dilution = if regulator.diluted { 1.0 + y[PHI] } else { 0.0 };
+            response.carried = [per * dilution * (d_s_u + c2), per];
+        }
+        response
     }
 
     /// Columns of ∂f/∂p for L, where the cue's widths bring it in by more than the factor L, and for the free parameters.
     fn scalar_columns(&self, at: CollocationPoint, y: &[f64], p: &[f64], fp: &mut [f64]) {
+        if y.len() == REGULATED {
+            self.scalar_columns_of::<REGULATED>(at, y, p, fp);
+        } else {
+            self.scalar_columns_of::<COMPONENTS>(at, y, p, fp);
+        }
+    }
+
+    fn scalar_columns_of<const N: usize>(&self, at: CollocationPoint, y: &[f64], p: &[f64], fp: &mut [f64]) {
         let scalars = SHAPE_SCALARS + self.free.len();
-        let state: [Dual64; COMPONENTS] = std::array::from_fn(|i| Dual64::from_re(y[i]));
+        let state: [Dual64; N] = std::array::from_fn(|i| Dual64::from_re(y[i]));
         let [length, pressure] = [p[LENGTH], p[PRESSURE]].map(Dual64::from_re);
         let (motion, noise) = (self.motion(at), self.noise.get(at.index).copied().unwrap_or(1.0));
         let mut put = |column: usize, constants: &Constants<Dual64>, length: Dual64| {
             let (f, _) = equations(constants, at.x, motion, noise, &state, length, pressure);
-            for i in 0..COMPONENTS {
+            for i in 0..N {
                 fp[i * scalars + column] = f[i].eps;
             }
         };
@@ -195,18 +228,46 @@ impl Cortex {
     }
 }
 
+/// What the motion of the cortex adds to the right-hand sides at a place, per unit of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotionResponse {
+    /// ∂(q′, v′, T′)/∂v_n.
+    pub normal: [f64; 3],
+    /// ∂j′/∂v_n by the stretching of the surface, and ∂j′ by ∂_tφ − w j, how the regulator changes in the frame of the cortex's own
+    /// tangential motion w.
+    pub carried: [f64; 2],
+}
+
+impl MotionResponse {
+    /// The same times `factor`.
+    pub fn scaled(self, factor: f64) -> MotionResponse {
+        MotionResponse { normal: self.normal.map(|r| r * factor), carried: self.carried.map(|r| r * factor) }
+    }
+
+    /// Adds the response to a normal velocity, and to a change ∂_tφ − w j of the regulator, times `h`, to the residuals of a point.
+    pub fn add(&self, h: f64, normal: f64, carried: f64, residual: &mut [f64]) {
+        for (k, response) in [Q, V, T].into_iter().zip(self.normal) {
+            residual[k] += h * normal * response;
+        }
+        if let Some(residual) = residual.get_mut(J) {
+            *residual += h * (normal * self.carried[0] + carried * self.carried[1]);
+        }
+    }
+}
+
 impl BoundaryValueProblem for Cortex {
     fn dimensions(&self) -> Dimensions {
-        Cortex::dimensions_for(self.free.len())
+        Cortex::dimensions_for(&self.cell, self.free.len())
     }
 
     /// Compiled for the sizes of a cell without and with up to seven free parameters: most of a division is spent there.
     /// Never inlined, so that no crate above compiles kernels of its own, with what optimisation it happens to have.
     #[inline(never)]
     fn kernels(&self, stages: usize) -> Kernels {
-        match stages {
-            3 => Kernels::sized::<COMPONENTS, QUADRATURES, 3, LEFT>(),
-            4 => Kernels::sized::<COMPONENTS, QUADRATURES, 4, LEFT>(),
+        match (self.is_regulated(), stages) {
+            (false, 3) => Kernels::sized::<COMPONENTS, QUADRATURES, 0, 3, LEFT>(),
+            (false, 4) => Kernels::sized::<COMPONENTS, QUADRATURES, 0, 4, LEFT>(),
+            (true, 4) => Kernels::sized::<REGULATED, { QUADRATURES + 1 }, 1, 4, { LEFT + 1 }>(),
             _ => Kernels::general(),
         }
     }
@@ -221,7 +282,7 @@ impl BoundaryValueProblem for Cortex {
     fn prepare_points(&mut self, x: &[f64], p: &[f64]) {
         let length = p[LENGTH];
         let CoefficientCache { x: known, length: of_length, .. } = &self.coefficients;
-        if self.constants.cue.is_empty() || known == x && (self.along_length.is_none() || *of_length == length) {
+        if !self.constants.vary() || known == x && (self.along_length.is_none() || *of_length == length) {
             return;
         }
         let CoefficientCache { x: known, length: of_length, local } = &mut self.coefficients;
@@ -240,37 +301,56 @@ impl BoundaryValueProblem for Cortex {
     }
 
     fn rhs_many(&self, points: CollocationPoints<'_>, p: &[f64], f: &mut [f64], g: &mut [f64]) {
-        sweep::rhs_many(&self.sweep(&self.coefficients(points, p[LENGTH])), points, p, f, g);
+        let coefficients = self.coefficients(points, p[LENGTH]);
+        let sweep = self.sweep(&coefficients);
+        if self.is_regulated() {
+            sweep::rhs_many_regulated(&sweep, points, p, f, g);
+        } else {
+            sweep::rhs_many(&sweep, points, p, f, g);
+        }
     }
 
     fn rhs_jacobian_many(&self, points: CollocationPoints<'_>, p: &[f64], out: &mut PointJacobian<'_>) {
-        sweep::jacobian_many(&self.sweep(&self.coefficients(points, p[LENGTH])), points, p, out);
+        let coefficients = self.coefficients(points, p[LENGTH]);
+        let sweep = self.sweep(&coefficients);
+        if self.is_regulated() {
+            sweep::jacobian_many_regulated(&sweep, points, p, out);
+        } else {
+            sweep::jacobian_many(&sweep, points, p, out);
+        }
         if self.sensitivities.is_empty() && self.along_length.is_none() {
             return;
         }
         let scalars = SHAPE_SCALARS + self.free.len();
-        let values = points.x.iter().zip(points.y.chunks_exact(COMPONENTS));
-        for (i, ((&x, y), fp)) in values.zip(out.fp.chunks_exact_mut(COMPONENTS * scalars)).enumerate() {
+        let n = self.components();
+        let values = points.x.iter().zip(points.y.chunks_exact(n));
+        for (i, ((&x, y), fp)) in values.zip(out.fp.chunks_exact_mut(n * scalars)).enumerate() {
             self.scalar_columns(CollocationPoint { x, index: points.first + i }, y, p, fp);
         }
     }
 
     fn left(&self, y: &[f64], _p: &[f64], out: &mut BoundaryJacobian<'_>) {
-        for (k, component) in [R, PSI, Q, V].into_iter().enumerate() {
+        let conditions = [R, PSI, Q, V, J].into_iter().filter(|component| *component < y.len());
+        for (k, component) in conditions.enumerate() {
             out.r[k] = y[component];
-            out.ry[k * COMPONENTS + component] = 1.0;
+            out.ry[k * y.len() + component] = 1.0;
         }
     }
 
     /// At the far pole r = 0, ψ = π, q = 0, v = 0 \[M.13 poles\]; at the mirror everything odd is at its centre, M.14.
     fn right(&self, y: &[f64], _p: &[f64], out: &mut BoundaryJacobian<'_>) {
-        let conditions = match self.domain {
-            Domain::Full => [(R, 0.0), (PSI, PI), (Q, 0.0), (V, 0.0)],
-            Domain::Half => ODD.map(|component| (component, CENTRE[component])),
-        };
-        for (k, (component, value)) in conditions.into_iter().enumerate() {
+        let n = y.len();
+        let mut put = |k: usize, component: usize, value: f64| {
             out.r[k] = y[component] - value;
-            out.ry[k * COMPONENTS + component] = 1.0;
+            out.ry[k * n + component] = 1.0;
+        };
+        match self.domain {
+            Domain::Full => {
+                let conditions = [(R, 0.0), (PSI, PI), (Q, 0.0), (V, 0.0), (J, 0.0)];
+                let conditions = conditions.into_iter().filter(|(component, _)| *component < n);
+                conditions.enumerate().for_each(|(k, (component, value))| put(k, component, value));
+            }
+            Domain::Half => odd(n).iter().enumerate().for_each(|(k, &component)| put(k, component, CENTRE[component])),
         }
     }
 

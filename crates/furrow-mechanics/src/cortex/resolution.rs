@@ -3,7 +3,7 @@
 use furrow_bvp::Solution;
 
 use super::Cortex;
-use super::equations::{LENGTH, M, PSI, R};
+use super::equations::{J, LENGTH, M, PHI, PSI, R, REGULATED};
 
 /// What is added to the mesh monitor everywhere, as a part of its mean.
 const FLOOR: f64 = 0.3;
@@ -13,6 +13,9 @@ const GRADING: f64 = 1.0;
 /// Weight of a cue's slope beside the turning of the contour.
 const CUE: f64 = 10.0;
 
+/// Weight of a regulator's slope beside the turning of the contour.
+const REGULATOR: f64 = 2.0;
+
 /// How steep the cue is in an interval, over all its terms; amplitudes count by what they change in proportion. Steep
 /// places between the collocation points count, however narrow: the mesh sees the narrowest term.
 fn steepness(cortex: &Cortex, from: f64, to: f64, length: f64) -> f64 {
@@ -20,10 +23,20 @@ fn steepness(cortex: &Cortex, from: f64, to: f64, length: f64) -> f64 {
         let amplitude = term.amplitude.abs();
         CUE * amplitude / (1.0 + amplitude) * term.profile.steepest(from, to, length)
     };
-    cortex.constants().cue.iter().map(term).sum()
+    let source = cortex.constants().regulator.as_ref().and_then(|regulator| regulator.source);
+    let sourced = source.map_or(0.0, |source| {
+        let amplitude = source.amplitude.abs();
+        CUE * amplitude / (1.0 + amplitude) * source.profile.steepest(from, to, length)
+    });
+    cortex.constants().cue.iter().map(term).sum::<f64>() + sourced
 }
 
-/// Mesh monitor per interval, N.7: turning of the contour |c1| + |c2| and the slopes of the cue, over a floor of
+/// How steep the regulator is at a point of state `y`, beside the turning of the contour.
+fn gradient(y: &[f64], length: f64) -> f64 {
+    if y.len() == REGULATED { REGULATOR * length * y[J].abs() / (1.0 + y[PHI].abs()) } else { 0.0 }
+}
+
+/// Mesh monitor per interval, N.7: turning of the contour |c1| + |c2| and the slopes of the cue and the regulator, over a floor of
 /// three tenths of their mean, so that no region is left empty. `symmetric` averages it with its mirror image on a mirror-symmetric mesh.
 pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<f64>) {
     let length = y.scalars[LENGTH];
@@ -36,8 +49,8 @@ pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<
             let s = y.stage(i, j);
             let u = from + (to - from) * (j as f64 + 0.5) / y.m as f64;
             let c2 = s[PSI].sin() / s[R];
-            let c1 = s[M] / cortex.constants().at(u, length).kappa - c2;
-            largest = largest.max(length * (c1.abs() + c2.abs()));
+            let c1 = s[M] / cortex.constants().of_state(u, s, length).kappa - c2;
+            largest = largest.max(length * (c1.abs() + c2.abs()) + gradient(s, length));
         }
         weight.push(largest + steepness(cortex, from, to, length));
     }

@@ -8,11 +8,11 @@ use furrow_bvp::{CollocationPoints, PointJacobian};
 use multiversion::multiversion;
 
 use super::equations::{
-    BdfTerm, COMPONENTS, Constants, LENGTH, LocalCoefficients, M, PRESSURE, PSI, Q, R, ShellCoefficients, T, V, Z,
-    balances,
+    Balance, BdfTerm, COMPONENTS, Constants, J, LENGTH, LocalCoefficients, M, PHI, PRESSURE, PSI, Q, R, REGULATED,
+    ShellCoefficients, T, Transport, V, Z, balances, carried,
 };
-use super::jacobian::{Linearised, linearised};
-use super::lanes::Each;
+use super::jacobian::{Linearised, LinearisedRegulated, linearised, linearised_regulated};
+use super::lanes::{Along, Each};
 
 /// What a sweep reads of the problem.
 pub(super) struct Sweep<'a> {
@@ -22,9 +22,11 @@ pub(super) struct Sweep<'a> {
     pub rate: f64,
     /// Past (r, z) at every collocation point.
     pub past: &'a [[f64; 2]],
+    /// Past φ there, with a regulator.
+    pub past_phi: &'a [f64],
     /// Factor on the activity at every collocation point; empty for none.
     pub noise: &'a [f64],
-    /// The coefficients at the points of the sweep; empty without a cue.
+    /// The coefficients at the points of the sweep, without what a regulator adds; empty where they are the same everywhere.
     pub local: &'a [LocalCoefficients<f64>],
     /// Number of scalar unknowns.
     pub scalars: usize,
@@ -62,10 +64,10 @@ impl Group {
 
     /// Reads the group that starts at point `from`; behind the last point it is repeated.
     fn read(&mut self, sweep: &Sweep<'_>, points: CollocationPoints<'_>, from: usize) {
-        let last = points.x.len() - 1;
+        let (last, n) = (points.x.len() - 1, points.y.len() / points.x.len());
         for i in 0..GROUP {
             let point = (from + i).min(last);
-            let y = &points.y[point * COMPONENTS..(point + 1) * COMPONENTS];
+            let y = &points.y[point * n..(point + 1) * n];
             for (values, y) in self.y.iter_mut().zip(y) {
                 values[i] = *y;
             }
@@ -85,7 +87,12 @@ impl Group {
     /// The arguments of the equations at point i.
     #[inline(always)]
     fn at(&self, i: usize, shared: &Shared) -> (LocalCoefficients<Each>, BdfTerm<Each>, Each, [Each; COMPONENTS]) {
-        let motion = BdfTerm { rate: Each(shared.rate), r_past: Each(self.past[0][i]), z_past: Each(self.past[1][i]) };
+        let motion = BdfTerm {
+            rate: Each(shared.rate),
+            r_past: Each(self.past[0][i]),
+            z_past: Each(self.past[1][i]),
+            phi_past: Each(0.0),
+        };
         (self.local.each(i), motion, Each(self.noise[i]), std::array::from_fn(|k| Each(self.y[k][i])))
     }
 }
@@ -101,6 +108,7 @@ impl LocalCoefficients<Values> {
         self.tension_u[i] = here.tension_u;
         self.xi_s[i] = here.xi_s;
         self.xi_b[i] = here.xi_b;
+        self.source[i] = here.source;
     }
 
     #[inline(always)]
@@ -115,6 +123,7 @@ impl LocalCoefficients<Values> {
             tension_u: Each(self.tension_u[i]),
             xi_s: Each(self.xi_s[i]),
             xi_b: Each(self.xi_b[i]),
+            source: Each(self.source[i]),
         }
     }
 }
@@ -132,7 +141,8 @@ fn evaluate(group: &Group, shared: &Shared, out: &mut [Values; COMPONENTS + 1]) 
     let shell = shared.shell.map(Each);
     for i in 0..GROUP {
         let (local, motion, noise, y) = group.at(i, shared);
-        let (f, volume) = balances(&shell, &local, motion, noise, &y, Each(shared.length), Each(shared.pressure));
+        let Balance { f, volume, .. } =
+            balances(&shell, &local, motion, noise, &y, Each(shared.length), Each(shared.pressure));
         for k in 0..COMPONENTS {
             out[k][i] = f[k].0;
         }
@@ -149,8 +159,16 @@ fn linearise(group: &Group, shared: &Shared, out: &mut [Values; NUMBERS]) {
     let shell = shared.shell.map(Each);
     for i in 0..GROUP {
         let (local, motion, noise, y) = group.at(i, shared);
-        let Linearised { f, by_length, geometry, turning, normal, flow, tangential, volume } =
-            linearised(&shell, &local, motion, noise, &y, Each(shared.length), Each(shared.pressure));
+        let shape = linearised(&shell, &local, motion, noise, &y, Each(shared.length), Each(shared.pressure));
+        shape.store(i, out);
+    }
+}
+
+impl Linearised<Each> {
+    /// Its numbers into those of point i of a group.
+    #[inline(always)]
+    fn store<const K: usize>(&self, i: usize, out: &mut [Values; K]) {
+        let Linearised { f, by_length, geometry, turning, normal, flow, tangential, volume, .. } = self;
         let n = COMPONENTS;
         for k in 0..n {
             out[k][i] = f[k].0;
@@ -198,28 +216,204 @@ pub(super) fn jacobian_many(sweep: &Sweep<'_>, points: CollocationPoints<'_>, p:
         group.read(sweep, points, from);
         linearise(&group, &shared, &mut numbers);
         for i in 0..GROUP.min(points.x.len() - from) {
-            scatter(&numbers, i, shared.length, scalars, &mut out.at(from + i, COMPONENTS, scalars, 1));
+            scatter::<NUMBERS, COMPONENTS>(&numbers, i, shared.length, scalars, &mut out.at(from + i, COMPONENTS, scalars, 1));
         }
     }
 }
 
 /// Puts the numbers of point i of a group into their places.
 #[inline]
-fn scatter(numbers: &[Values; NUMBERS], i: usize, length: f64, scalars: usize, out: &mut PointJacobian<'_>) {
-    let n = COMPONENTS;
+fn scatter<const K: usize, const N: usize>(
+    numbers: &[Values; K],
+    i: usize,
+    length: f64,
+    scalars: usize,
+    out: &mut PointJacobian<'_>,
+) {
+    let (n, m) = (N, COMPONENTS);
     let number = |k: usize| numbers[k][i];
-    for k in 0..n {
+    for k in 0..m {
         out.f[k] = number(k);
-        out.fp[k * scalars + LENGTH] = number(n + k);
-        out.fy[Q * n + k] = number(2 * n + k);
-        out.fy[V * n + k] = number(3 * n + k);
-        out.fy[T * n + k] = number(4 * n + k);
+        out.fp[k * scalars + LENGTH] = number(m + k);
+        out.fy[Q * n + k] = number(2 * m + k);
+        out.fy[V * n + k] = number(3 * m + k);
+        out.fy[T * n + k] = number(4 * m + k);
     }
     out.fp[Q * scalars + PRESSURE] = -length;
-    (out.fy[R * n + PSI], out.fy[Z * n + PSI], out.fy[M * n + Q]) = (number(5 * n), number(5 * n + 1), length);
+    (out.fy[R * n + PSI], out.fy[Z * n + PSI], out.fy[M * n + Q]) = (number(5 * m), number(5 * m + 1), length);
     for (k, component) in [R, M, PSI].into_iter().enumerate() {
-        out.fy[PSI * n + component] = number(5 * n + 2 + k);
+        out.fy[PSI * n + component] = number(5 * m + 2 + k);
     }
-    let [volume, by_r, by_psi, by_length] = [5, 6, 7, 8].map(|k| number(5 * n + k));
+    let [volume, by_r, by_psi, by_length] = [5, 6, 7, 8].map(|k| number(5 * m + k));
     (out.g[0], out.gy[R], out.gy[PSI], out.gp[LENGTH]) = (volume, by_r, by_psi, by_length);
+}
+
+/// What the equations read at the points of a group of a cell with a regulator.
+struct Regulated {
+    shape: Group,
+    /// Derivatives of the coefficients by φ.
+    by_phi: LocalCoefficients<Values>,
+    /// j and φ.
+    state: [Values; 2],
+    phi_past: Values,
+}
+
+impl Regulated {
+    fn of(sweep: &Sweep<'_>) -> Regulated {
+        let shape = Group::of(sweep);
+        let by_phi = shape.local.map(|_| [0.0; GROUP]);
+        Regulated { shape, by_phi, state: [[0.0; GROUP]; 2], phi_past: [0.0; GROUP] }
+    }
+
+    fn read(&mut self, sweep: &Sweep<'_>, points: CollocationPoints<'_>, from: usize, length: f64) {
+        self.shape.read(sweep, points, from);
+        let last = points.x.len() - 1;
+        for i in 0..GROUP {
+            let point = (from + i).min(last);
+            let y = &points.y[point * REGULATED..(point + 1) * REGULATED];
+            (self.state[0][i], self.state[1][i]) = (y[J], y[PHI]);
+            if sweep.rate != 0.0 {
+                self.phi_past[i] = sweep.past_phi[points.first + point];
+            }
+            let painted = *sweep.local.get(point).unwrap_or(&sweep.constants.uniform);
+            let (here, by_phi) = sweep.constants.regulated_by_phi(painted, y[PHI], y[J] * length);
+            self.shape.local.put(i, here);
+            self.by_phi.put(i, by_phi);
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, i: usize, shared: &Shared) -> (LocalCoefficients<Each>, BdfTerm<Each>, Each, [Each; COMPONENTS], [Each; 2]) {
+        let (local, motion, noise, y) = self.shape.at(i, shared);
+        let motion = BdfTerm { phi_past: Each(self.phi_past[i]), ..motion };
+        (local, motion, noise, y, self.state.map(|values| Each(values[i])))
+    }
+}
+
+/// f of a cell with a regulator, and behind it the integrand of the volume.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+fn evaluate_regulated(
+    group: &Regulated,
+    shared: &Shared,
+    transport: Transport<f64>,
+    out: &mut [Values; REGULATED + 1],
+) {
+    let (shell, transport) = (shared.shell.map(Each), transport.map(Each));
+    for i in 0..GROUP {
+        let (local, motion, noise, y, state) = group.at(i, shared);
+        let Balance { f, volume, stretching } =
+            balances(&shell, &local, motion, noise, &y, Each(shared.length), Each(shared.pressure));
+        let flux = carried(&transport, local.source, motion, &y, state, stretching);
+        for k in 0..COMPONENTS {
+            out[k][i] = f[k].0;
+        }
+        (out[J][i], out[PHI][i]) = (flux.0 * shared.length, state[0].0 * shared.length);
+        out[REGULATED][i] = volume.0;
+    }
+}
+
+/// Numbers of a [`LinearisedRegulated`].
+const NUMBERS_REGULATED: usize = NUMBERS + COMPONENTS + 1 + REGULATED + 1;
+
+/// All numbers of a [`LinearisedRegulated`], those of the shape first.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
+fn linearise_regulated(
+    group: &Regulated,
+    shared: &Shared,
+    transport: Transport<f64>,
+    out: &mut [Values; NUMBERS_REGULATED],
+) {
+    let (shell, transport) = (shared.shell.map(Each), transport.map(Each));
+    for i in 0..GROUP {
+        let (local, motion, noise, y, state) = group.at(i, shared);
+        let here = local.with(group.by_phi.each(i));
+        let (length, pressure) = (Each(shared.length), Each(shared.pressure));
+        let LinearisedRegulated { shape, by_phi, tangential_by_j, carried } =
+            linearised_regulated(&shell, &transport, &here, motion, noise, &y, state, length, pressure);
+        shape.store(i, out);
+        for k in 0..COMPONENTS {
+            out[NUMBERS + k][i] = by_phi[k].0;
+        }
+        out[NUMBERS + COMPONENTS][i] = tangential_by_j.0;
+        for k in 0..REGULATED {
+            out[NUMBERS + COMPONENTS + 1 + k][i] = carried.1[k].0;
+        }
+        out[NUMBERS_REGULATED - 1][i] = carried.0.0;
+    }
+}
+
+impl LocalCoefficients<Each> {
+    /// These and their derivatives.
+    #[inline(always)]
+    fn with(self, by: LocalCoefficients<Each>) -> LocalCoefficients<Along<Each>> {
+        LocalCoefficients {
+            kappa: Along { value: self.kappa, slope: by.kappa },
+            kappa_u: Along { value: self.kappa_u, slope: by.kappa_u },
+            eta_sum: Along { value: self.eta_sum, slope: by.eta_sum },
+            eta_difference: Along { value: self.eta_difference, slope: by.eta_difference },
+            friction: Along { value: self.friction, slope: by.friction },
+            tension: Along { value: self.tension, slope: by.tension },
+            tension_u: Along { value: self.tension_u, slope: by.tension_u },
+            xi_s: Along { value: self.xi_s, slope: by.xi_s },
+            xi_b: Along { value: self.xi_b, slope: by.xi_b },
+            source: Along { value: self.source, slope: by.source },
+        }
+    }
+}
+
+/// [`rhs_many`] of a cell with a regulator.
+pub(super) fn rhs_many_regulated(
+    sweep: &Sweep<'_>,
+    points: CollocationPoints<'_>,
+    p: &[f64],
+    f: &mut [f64],
+    g: &mut [f64],
+) {
+    let Some(regulator) = &sweep.constants.regulator else { return };
+    let (mut group, shared, transport) = (Regulated::of(sweep), Shared::of(sweep, p), Transport::of(regulator));
+    let mut out = [[0.0; GROUP]; REGULATED + 1];
+    let parts = f.chunks_mut(GROUP * REGULATED).zip(g.chunks_mut(GROUP));
+    for (j, (f, g)) in parts.enumerate() {
+        group.read(sweep, points, j * GROUP, shared.length);
+        evaluate_regulated(&group, &shared, transport, &mut out);
+        for (i, (f, g)) in f.chunks_exact_mut(REGULATED).zip(g).enumerate() {
+            for k in 0..REGULATED {
+                f[k] = out[k][i];
+            }
+            *g = out[REGULATED][i];
+        }
+    }
+}
+
+/// [`jacobian_many`] of a cell with a regulator.
+pub(super) fn jacobian_many_regulated(
+    sweep: &Sweep<'_>,
+    points: CollocationPoints<'_>,
+    p: &[f64],
+    out: &mut PointJacobian<'_>,
+) {
+    let Some(regulator) = &sweep.constants.regulator else { return };
+    let (mut group, shared, transport) = (Regulated::of(sweep), Shared::of(sweep, p), Transport::of(regulator));
+    let (scalars, length, n) = (sweep.scalars, shared.length, REGULATED);
+    let mut numbers = [[0.0; GROUP]; NUMBERS_REGULATED];
+    for from in (0..points.x.len()).step_by(GROUP) {
+        group.read(sweep, points, from, length);
+        linearise_regulated(&group, &shared, transport, &mut numbers);
+        for i in 0..GROUP.min(points.x.len() - from) {
+            let mut out = out.at(from + i, n, scalars, 1);
+            scatter::<NUMBERS_REGULATED, REGULATED>(&numbers, i, length, scalars, &mut out);
+            let number = |k: usize| numbers[NUMBERS + k][i];
+            for k in [PSI, Q, V, T] {
+                out.fy[k * n + PHI] = number(k);
+            }
+            out.fy[T * n + J] = number(COMPONENTS);
+            for k in 0..n {
+                out.fy[J * n + k] = length * number(COMPONENTS + 1 + k);
+            }
+            let flux = numbers[NUMBERS_REGULATED - 1][i];
+            (out.f[J], out.fp[J * scalars + LENGTH]) = (length * flux, flux);
+            let j = group.state[0][i];
+            (out.f[PHI], out.fp[PHI * scalars + LENGTH], out.fy[PHI * n + J]) = (length * j, j, length);
+        }
+    }
 }

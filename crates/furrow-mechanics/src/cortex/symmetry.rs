@@ -1,6 +1,6 @@
 //! Symmetry under the mirror u → 1 − u, stated once.
 //!
-//! A mirror-symmetric shape has r, m and T even about the equator u = ½, and z, q, v and ψ − π/2 odd (M.14). Everything else
+//! A mirror-symmetric shape has r, m, T and φ even about the equator u = ½, and z, q, v, j and ψ − π/2 odd (M.14). Everything else
 //! about symmetry follows from this table: the conditions at the mirror on the half domain, which components an
 //! antisymmetric disturbance leaves at zero there, and how halves unfold.
 
@@ -9,17 +9,21 @@ use std::f64::consts::FRAC_PI_2;
 use furrow_bvp::{Direction, MirrorSymmetric, Solution};
 
 use super::Cortex;
-use super::equations::{COMPONENTS, Domain, M, PSI, Q, R, T, V, Z};
+use super::equations::{Domain, J, M, PHI, PSI, Q, R, REGULATED, T, V, Z};
 
-/// Components that are even about the equator.
-pub const EVEN: [usize; 3] = [R, M, T];
+/// Those of n components that are even about the equator.
+pub fn even(n: usize) -> &'static [usize] {
+    if n == REGULATED { &[R, M, T, PHI] } else { &[R, M, T] }
+}
 
-/// Components that are odd about the equator, each about its [`CENTRE`].
-pub const ODD: [usize; 4] = [Z, PSI, Q, V];
+/// Those of n components that are odd about the equator, each about its [`CENTRE`].
+pub fn odd(n: usize) -> &'static [usize] {
+    if n == REGULATED { &[Z, PSI, Q, V, J] } else { &[Z, PSI, Q, V] }
+}
 
 /// What odd components are at the equator of a mirror-symmetric shape.
-pub const CENTRE: [f64; COMPONENTS] = {
-    let mut centre = [0.0; COMPONENTS];
+pub const CENTRE: [f64; REGULATED] = {
+    let mut centre = [0.0; REGULATED];
     centre[PSI] = FRAC_PI_2;
     centre
 };
@@ -27,52 +31,55 @@ pub const CENTRE: [f64; COMPONENTS] = {
 impl MirrorSymmetric for Cortex {
     /// Antisymmetric changes of what is even vanish at the equator, M.15.
     fn vanishing_at_mirror(&self) -> &[usize] {
-        &EVEN
+        even(self.components())
     }
 
     /// The tangent angle first: it turns with every antisymmetric mode of a waist.
     fn free_at_mirror(&self) -> &[usize] {
-        &[PSI, Q, V, Z]
+        if self.is_regulated() { &[PSI, Q, V, Z, J] } else { &[PSI, Q, V, Z] }
     }
 }
 
-/// The state at 1 − u of the mirrored shape.
-pub fn mirror(y: &[f64]) -> [f64; COMPONENTS] {
-    let mut out = [0.0; COMPONENTS];
-    out.copy_from_slice(y);
-    for component in ODD {
-        out[component] = 2.0 * CENTRE[component] - y[component];
+/// Turns a state into that at 1 − u of the mirrored shape.
+pub fn mirror(y: &mut [f64]) {
+    for &component in odd(y.len()) {
+        y[component] = 2.0 * CENTRE[component] - y[component];
     }
-    out
 }
 
-/// A direction at 1 − u that belongs to an antisymmetric one at u: what is even changes sign, what is odd does not.
-fn mirror_antisymmetric(y: &[f64]) -> [f64; COMPONENTS] {
-    let mut out = [0.0; COMPONENTS];
-    out.copy_from_slice(y);
-    for component in EVEN {
-        out[component] = -out[component];
+/// Turns a direction into the antisymmetric one at 1 − u: what is even changes sign, what is odd does not.
+fn mirror_antisymmetric(y: &mut [f64]) {
+    for &component in even(y.len()) {
+        y[component] = -y[component];
     }
-    out
 }
 
 /// The full contour of a mirror-symmetric half.
 pub fn unfold(half: &Solution) -> Solution {
-    let (n, mut mesh) = (half.intervals(), half.mesh.clone());
-    mesh.extend(half.mesh[..n].iter().rev().map(|u| 1.0 - u));
-    let (nodes, stages) = (with_images(&half.nodes, n, mirror), with_images(&half.stages, n * half.m, mirror));
+    let (n, intervals, mut mesh) = (half.components, half.intervals(), half.mesh.clone());
+    mesh.extend(half.mesh[..intervals].iter().rev().map(|u| 1.0 - u));
+    let nodes = with_images(&half.nodes, n, intervals, mirror);
+    let stages = with_images(&half.stages, n, intervals * half.m, mirror);
     Solution { mesh, nodes, stages, scalars: half.scalars.clone(), ..*half }
 }
 
 /// The states of a half, and behind them the images of so many of them, from the last to the first.
-fn with_images(half: &[f64], points: usize, image: fn(&[f64]) -> [f64; COMPONENTS]) -> Vec<f64> {
-    let images = half[..points * COMPONENTS].rchunks_exact(COMPONENTS).flat_map(image);
-    half.iter().copied().chain(images).collect()
+fn with_images(half: &[f64], components: usize, points: usize, image: fn(&mut [f64])) -> Vec<f64> {
+    let mut out = Vec::with_capacity(half.len() + points * components);
+    out.extend_from_slice(half);
+    for state in half[..points * components].rchunks_exact(components) {
+        out.extend_from_slice(state);
+        let end = out.len();
+        image(&mut out[end - components..]);
+    }
+    out
 }
 
 /// An antisymmetric direction of the half contour on the full one, with `scalars` scalar unknowns that it leaves alone.
-pub fn unfold_antisymmetric(half: &Direction, scalars: usize) -> Direction {
-    let of = |half: &[f64], centre: usize| with_images(half, half.len() / COMPONENTS - centre, mirror_antisymmetric);
+pub fn unfold_antisymmetric(half: &Direction, components: usize, scalars: usize) -> Direction {
+    let of = |half: &[f64], centre: usize| {
+        with_images(half, components, half.len() / components - centre, mirror_antisymmetric)
+    };
     Direction { nodes: of(&half.nodes, 1), stages: of(&half.stages, 0), scalars: vec![0.0; scalars] }
 }
 
@@ -90,20 +97,23 @@ pub fn fold(full: &Solution, even: &mut Solution, odd: &mut Direction) {
     even.mesh.extend_from_slice(&full.mesh[..=intervals]);
     even.mesh[intervals] = Domain::Half.end();
     even.scalars.clone_from(&full.scalars);
-    split(&full.nodes, &mut even.nodes, &mut odd.nodes);
-    split(&full.stages, &mut even.stages, &mut odd.stages);
+    split(&full.nodes, full.components, &mut even.nodes, &mut odd.nodes);
+    split(&full.stages, full.components, &mut even.stages, &mut odd.stages);
 }
 
 /// The states of the first half by parity, one in the middle included.
-fn split(full: &[f64], even: &mut Vec<f64>, odd: &mut Vec<f64>) {
-    let points = (full.len() / COMPONENTS).div_ceil(2);
-    even.resize(points * COMPONENTS, 0.0);
-    odd.resize(points * COMPONENTS, 0.0);
-    let parts = even.chunks_exact_mut(COMPONENTS).zip(odd.chunks_exact_mut(COMPONENTS));
-    let places = full.chunks_exact(COMPONENTS).zip(full.rchunks_exact(COMPONENTS));
+fn split(full: &[f64], components: usize, even: &mut Vec<f64>, odd: &mut Vec<f64>) {
+    let points = (full.len() / components).div_ceil(2);
+    even.resize(points * components, 0.0);
+    odd.resize(points * components, 0.0);
+    let parts = even.chunks_exact_mut(components).zip(odd.chunks_exact_mut(components));
+    let places = full.chunks_exact(components).zip(full.rchunks_exact(components));
+    let mut mirrored = [0.0; REGULATED];
+    let mirrored = &mut mirrored[..components];
     for ((even, odd), (here, there)) in parts.zip(places) {
-        let mirrored = mirror(there);
-        for k in 0..COMPONENTS {
+        mirrored.copy_from_slice(there);
+        mirror(mirrored);
+        for k in 0..components {
             even[k] = 0.5 * (here[k] + mirrored[k]);
             odd[k] = 0.5 * (here[k] - mirrored[k]);
         }
@@ -113,16 +123,21 @@ fn split(full: &[f64], even: &mut Vec<f64>, odd: &mut Vec<f64>) {
 /// The whole of two parts told apart by [`fold`], into a shape that already has the mesh.
 pub fn join(even: &Solution, odd: &Direction, full: &mut Solution) {
     full.scalars.clone_from(&even.scalars);
-    join_states(&even.nodes, &odd.nodes, &mut full.nodes);
-    join_states(&even.stages, &odd.stages, &mut full.stages);
+    join_states(&even.nodes, &odd.nodes, full.components, &mut full.nodes);
+    join_states(&even.stages, &odd.stages, full.components, &mut full.stages);
 }
 
-fn join_states(even: &[f64], odd: &[f64], full: &mut [f64]) {
-    let end = full.len() - COMPONENTS;
-    for (i, (even, odd)) in even.chunks_exact(COMPONENTS).zip(odd.chunks_exact(COMPONENTS)).enumerate() {
-        let (mirrored, there) = (mirror(even), mirror_antisymmetric(odd));
-        let here = i * COMPONENTS;
-        for k in 0..COMPONENTS {
+fn join_states(even: &[f64], odd: &[f64], components: usize, full: &mut [f64]) {
+    let end = full.len() - components;
+    let [mut mirrored, mut there] = [[0.0; REGULATED]; 2];
+    let (mirrored, there) = (&mut mirrored[..components], &mut there[..components]);
+    for (i, (even, odd)) in even.chunks_exact(components).zip(odd.chunks_exact(components)).enumerate() {
+        mirrored.copy_from_slice(even);
+        mirror(mirrored);
+        there.copy_from_slice(odd);
+        mirror_antisymmetric(there);
+        let here = i * components;
+        for k in 0..components {
             full[end - here + k] = mirrored[k] + there[k];
             full[here + k] = even[k] + odd[k];
         }
@@ -131,12 +146,13 @@ fn join_states(even: &[f64], odd: &[f64], full: &mut [f64]) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::equations::COMPONENTS;
     use furrow_bvp::{Gauss, mesh};
 
     use super::*;
 
-    fn shape() -> Solution {
-        Solution::from_fn(&Gauss::new(4), &mesh::uniform(0.0, 1.0, 6), COMPONENTS, &[5.0, 0.3], |u, y| {
+    fn shape(components: usize) -> Solution {
+        Solution::from_fn(&Gauss::new(4), &mesh::uniform(0.0, 1.0, 6), components, &[5.0, 0.3], |u, y| {
             for (k, value) in y.iter_mut().enumerate() {
                 *value = (3.0 * u + 0.7 * k as f64).sin() + 0.2 * u * u;
             }
@@ -145,24 +161,30 @@ mod tests {
 
     #[test]
     fn parts_of_a_shape_are_its_halves() {
-        let whole = shape();
-        let (mut even, mut odd) = (whole.clone(), Direction::default());
-        fold(&whole, &mut even, &mut odd);
-        assert_eq!(even.mesh, mesh::uniform(0.0, 0.5, 3));
-        let mut again = whole.clone();
-        again.nodes.fill(f64::NAN);
-        again.stages.fill(f64::NAN);
-        join(&even, &odd, &mut again);
-        let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15);
-        assert!(near(&whole.nodes, &again.nodes) && near(&whole.stages, &again.stages));
-        // Without its antisymmetric part it is what the symmetric half unfolds to.
-        odd.scale(0.0);
-        join(&even, &odd, &mut again);
-        assert!(near(&unfold(&even).nodes, &again.nodes) && near(&unfold(&even).stages, &again.stages));
-        // What is even vanishes at the mirror in an antisymmetric direction, and what is odd has its centre there in a symmetric shape.
-        fold(&whole, &mut even, &mut odd);
-        let (even, odd) = (even.node(3), &odd.nodes[3 * COMPONENTS..]);
-        assert!(EVEN.iter().all(|&k| odd[k] == 0.0) && ODD.iter().all(|&k| even[k] == CENTRE[k]));
+        for components in [COMPONENTS, REGULATED] {
+            let whole = shape(components);
+            let (mut symmetric, mut antisymmetric) = (whole.clone(), Direction::default());
+            fold(&whole, &mut symmetric, &mut antisymmetric);
+            assert_eq!(symmetric.mesh, mesh::uniform(0.0, 0.5, 3));
+            let mut again = whole.clone();
+            again.nodes.fill(f64::NAN);
+            again.stages.fill(f64::NAN);
+            join(&symmetric, &antisymmetric, &mut again);
+            let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15);
+            assert!(near(&whole.nodes, &again.nodes) && near(&whole.stages, &again.stages));
+            // Without its antisymmetric part it is what the symmetric half unfolds to.
+            antisymmetric.scale(0.0);
+            join(&symmetric, &antisymmetric, &mut again);
+            let unfolded = unfold(&symmetric);
+            assert!(near(&unfolded.nodes, &again.nodes) && near(&unfolded.stages, &again.stages));
+            // What is even vanishes at the mirror in an antisymmetric direction, and what is odd has its centre there in a symmetric
+            // shape.
+            fold(&whole, &mut symmetric, &mut antisymmetric);
+            let (middle, change) = (symmetric.node(3), &antisymmetric.nodes[3 * components..]);
+            assert!(even(components).iter().all(|&k| change[k] == 0.0));
+            assert!(odd(components).iter().all(|&k| middle[k] == CENTRE[k]));
+            assert_eq!(even(components).len() + odd(components).len(), components);
+        }
     }
 
     #[test]

@@ -10,12 +10,12 @@
 
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{
-    AntisymmetricEnd, Direction, Newton, NewtonError, NewtonReport, PivotFailure, Residual, Solution, System,
+    AntisymmetricEnd, BoundaryValueProblem, Direction, Newton, NewtonError, NewtonReport, PivotFailure, Residual, Solution, System,
 };
 
-use crate::cortex::equations::{COMPONENTS, LENGTH, PSI, Q, T, V};
+use crate::cortex::equations::{J, LENGTH, PSI};
 use crate::cortex::lanes::sin_cos;
-use crate::cortex::symmetry::{EVEN, fold, join};
+use crate::cortex::symmetry::{self, fold, join};
 use crate::cortex::{Cortex, Domain};
 
 /// The antisymmetric part of a step is solved to this part of itself.
@@ -36,6 +36,8 @@ pub struct Halves {
     odd: Direction,
     /// Antisymmetric part of the past (r, z) at the collocation points of the half.
     odd_past: Vec<[f64; 2]>,
+    /// That of the past φ.
+    odd_past_phi: Vec<f64>,
     /// What the past does to the equations of the antisymmetric part.
     source: Residual,
     residual: Residual,
@@ -46,13 +48,14 @@ impl Halves {
     /// For the shapes of a mirror-symmetric cell that are discretised like `shape`.
     pub fn new(cortex: &Cortex, shape: &Solution) -> Halves {
         Halves {
-            system: System::new(Cortex::dimensions_for(0), shape.m),
+            system: System::new(cortex.dimensions(), shape.m),
             cortex: Cortex::new(&cortex.cell, Domain::Half, &[]),
             scratch: NewtonScratch::default(),
             end: AntisymmetricEnd::default(),
             even: shape.clone(),
             odd: Direction::default(),
             odd_past: Vec::new(),
+            odd_past_phi: Vec::new(),
             source: Residual::default(),
             residual: Residual::default(),
             correction: Direction::default(),
@@ -77,7 +80,7 @@ impl Halves {
         let mut report = newton.solve(system, scratch, cortex, even, &[], reuse)?;
         let singular = |failure| NewtonError::of_pivot(failure, report.iterations);
         if report.factorisations > 0 {
-            system.eliminate_antisymmetric(&EVEN, end).map_err(singular)?;
+            system.eliminate_antisymmetric(symmetry::even(y.components), end).map_err(singular)?;
         }
         system.evaluate(cortex, even, &[], true);
         self.find_source();
@@ -104,15 +107,22 @@ impl Halves {
             self.cortex.past.push([0.5 * (r + rm), 0.5 * (z - zm)]);
             self.odd_past.push([0.5 * (r - rm), 0.5 * (z + zm)]);
         }
+        self.cortex.past_phi.clear();
+        self.odd_past_phi.clear();
+        let half = cortex.past_phi.len() / 2;
+        for (here, there) in cortex.past_phi.iter().zip(cortex.past_phi.iter().rev()).take(half) {
+            self.cortex.past_phi.push(0.5 * (here + there));
+            self.odd_past_phi.push(0.5 * (here - there));
+        }
     }
 
     /// The residual of the antisymmetric part if there were none of it now, only in the past, about the symmetric part that the
     /// system was evaluated at. The past enters by the normal velocity, in which the equations are linear.
     fn find_source(&mut self) {
-        let Halves { system, cortex, even, source, odd_past, .. } = self;
+        let Halves { system, cortex, even, source, odd_past, odd_past_phi, .. } = self;
         system.zero_residual_into(source);
-        source.right.truncate(EVEN.len());
-        let length = even.scalars[LENGTH];
+        source.right.truncate(symmetry::even(even.components).len());
+        let (length, n) = (even.scalars[LENGTH], even.components);
         for (i, interval) in even.mesh.windows(2).enumerate() {
             let h = interval[1] - interval[0];
             for j in 0..even.m {
@@ -120,10 +130,11 @@ impl Halves {
                 let [r, z] = odd_past[point];
                 let (sin, cos) = sin_cos(state[PSI]);
                 let velocity = cortex.rate * (sin * r + cos * z);
-                let response = cortex.response_to_normal_velocity(even.stage_x(&system.gauss, i, j), state, length);
-                for k in [Q, V, T] {
-                    source.stages[point * COMPONENTS + k] = h * velocity * response[k];
-                }
+                let carried = odd_past_phi.get(point).map_or(0.0, |phi| {
+                    cortex.rate * (phi - state[J] * (cos * r - sin * z))
+                });
+                let response = cortex.response_to_motion(even.stage_x(&system.gauss, i, j), state, length);
+                response.add(h, velocity, carried, &mut source.stages[point * n..(point + 1) * n]);
             }
         }
     }
@@ -132,7 +143,7 @@ impl Halves {
     fn factorise(&mut self) -> Result<(), PivotFailure> {
         self.system.condense()?;
         self.system.factor_blocks(&[])?;
-        self.system.eliminate_antisymmetric(&EVEN, &mut self.end)
+        self.system.eliminate_antisymmetric(symmetry::even(self.even.components), &mut self.end)
     }
 
     /// Corrects the antisymmetric part with the factors at hand.

@@ -73,6 +73,8 @@ pub struct Division {
     /// For a cell just above the threshold of division: growth rate σ of the stationary shape at which it waited for longer
     /// than `t_max` allows, in 1/τ. The wait, ln(amplitude after/amplitude before)/σ, is in `t_end`.
     pub slow_growth_rate: Option<f64>,
+    /// The regulator φ at the furrow at pinch-off, or at u = ½ of the shape at rest; none without a regulator.
+    pub phi: Option<f64>,
     /// Largest relative deviation of the cell volume over the whole division.
     pub volume_drift: f64,
     /// Work it took.
@@ -182,6 +184,8 @@ pub struct DivisionRow {
     pub growth_rate: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slow_growth_rate: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phi: Option<f64>,
     pub volume_drift: f64,
     #[serde(flatten)]
     pub work: Work,
@@ -198,6 +202,7 @@ impl From<Division> for DivisionRow {
             daughters: division.daughters(),
             growth_rate: division.growth_rate(),
             slow_growth_rate: division.slow_growth_rate,
+            phi: division.phi,
             volume_drift: division.volume_drift,
             work: division.work,
         }
@@ -215,8 +220,8 @@ impl TryFrom<DivisionRow> for Division {
             }
             _ => return Err("a division into two has chi, u_furrow and daughters"),
         };
-        let DivisionRow { t_end, slow_growth_rate, volume_drift, work, .. } = row;
-        Ok(Division { ending, t_end, slow_growth_rate, volume_drift, work })
+        let DivisionRow { t_end, slow_growth_rate, phi, volume_drift, work, .. } = row;
+        Ok(Division { ending, t_end, slow_growth_rate, phi, volume_drift, work })
     }
 }
 

@@ -1,10 +1,10 @@
 //! Whether a shape is at rest: the stationary state next to it, and whether that is stable.
 
 use furrow_bvp::newton::NewtonScratch;
-use furrow_bvp::{Newton, Solution, System, mesh};
+use furrow_bvp::{BoundaryValueProblem, Newton, Solution, System, mesh};
 
-use super::stepper::{Stepper, parity_norm};
-use crate::cortex::equations::{COMPONENTS, R, Z};
+use super::stepper::{Stepper, change_norm, parity_norm};
+use crate::cortex::equations::{R, Z};
 use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
 use crate::stability::Stability;
@@ -98,9 +98,9 @@ impl Rest {
         let newest = &stepper.history[0].y;
         let grid = (0..halvings).fold(newest.mesh.clone(), |grid, _| mesh::halved(&grid));
         let here = newest.on_mesh(&stepper.system.gauss, &grid);
-        let cell = &stepper.cortex.cell;
+        let (cell, n) = (&stepper.cortex.cell, here.components);
         let on_half = nearly_symmetric && cell.is_mirror_symmetric() && grid.len() % 2 == 1 && {
-            let value = |i: usize| [here.stages[i * COMPONENTS + R], here.stages[i * COMPONENTS + Z]];
+            let value = |i: usize| [here.stages[i * n + R], here.stages[i * n + Z]];
             parity_norm(&stepper.system.gauss, &here.mesh, value).odd < REST_DISTANCE * cell.r0
         };
         let symmetric = if on_half { beside(stepper, &here, Domain::Half) } else { None };
@@ -115,20 +115,19 @@ impl Rest {
 /// The stationary state beside the shape `here`, solved for on a domain, with its leading growth rate; none if it is too far.
 fn beside(stepper: &Stepper, here: &Solution, domain: Domain) -> Option<(Solution, f64)> {
     let mut cortex = Cortex::new(&stepper.cortex.cell, domain, &[]);
-    let mut y = here.clone();
+    let (mut y, n) = (here.clone(), here.components);
     if domain == Domain::Half {
         let intervals = here.intervals() / 2;
         y.mesh.truncate(intervals + 1);
         y.mesh[intervals] = Domain::Half.end();
-        y.nodes.truncate((intervals + 1) * COMPONENTS);
-        y.stages.truncate(intervals * here.m * COMPONENTS);
+        y.nodes.truncate((intervals + 1) * n);
+        y.stages.truncate(intervals * here.m * n);
     }
-    let (mut system, mut scratch) = (System::new(Cortex::dimensions_for(0), y.m), NewtonScratch::default());
+    let (mut system, mut scratch) = (System::new(cortex.dimensions(), y.m), NewtonScratch::default());
     let near = |y: &Solution| {
         let whole = if domain == Domain::Full { y.clone() } else { unfold(y) };
-        let distance = parity_norm(&stepper.system.gauss, &here.mesh, |i| {
-            let moved = |c: usize| whole.stages[i * COMPONENTS + c] - here.stages[i * COMPONENTS + c];
-            [moved(R), moved(Z)]
+        let distance = change_norm(&stepper.system.gauss, here, stepper.cortex.cell.r0, |i, k| {
+            whole.stages[i + k] - here.stages[i + k]
         });
         (distance.even.hypot(distance.odd) <= REST_DISTANCE * stepper.cortex.cell.r0).then_some(whole)
     };

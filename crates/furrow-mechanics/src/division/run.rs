@@ -13,7 +13,7 @@ use super::start::{FIRST_MESH, Start, check};
 use super::step_size::StepSize;
 use super::stepper::{Attempt, HistoryPoint, MAX_ORDER, ParityNorm, Stepper};
 use super::{DivisionInput, limits, saddle};
-use crate::cortex::Cortex;
+use crate::cortex::{Cortex, Domain};
 use crate::cortex::equations::{LENGTH, PSI, R};
 use crate::cortex::lanes::sin_cos;
 use crate::cortex::observables::{self, Neck, PINCH_OFF};
@@ -143,6 +143,7 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
     let mut run = Run::new(numerics, parity, tangent);
     let mut noise = Noise::new(*seed, numerics);
     run.first_step(&mut stepper, &mut noise)?;
+    run.regulated = stepper.cortex.is_regulated();
     run.noise = Some(noise).filter(|noise| noise.sustained().is_some());
     // Noise that lasts keeps exciting the antisymmetric part. Without noise there is no antisymmetric part but for roundings, which
     // are to grow as they do on the whole contour.
@@ -208,11 +209,18 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
     }
 }
 
+/// The regulator at u of one of the last shapes.
+fn phi_at(stepper: &Stepper, level: usize, u: f64) -> Option<f64> {
+    observables::regulator_at(&stepper.system.gauss, &stepper.history.get(level)?.y, Domain::Full, u)
+}
+
 /// Controls of one run.
 #[derive(Default)]
 struct Run {
     tolerance: f64,
     factor: f64,
+    /// A regulator is carried along, which changes at the neck until it closes.
+    regulated: bool,
     /// The shape is nearly mirror-symmetric and its odd part is resolved in its own right.
     parity: bool,
     odd_floor: f64,
@@ -359,7 +367,7 @@ impl Run {
         let Attempt { error: ParityNorm { even, odd }, odd_size } = *attempt;
         // Once the neck closes the outcome is decided and no odd mode has time to grow.
         let closing = self.closes(r0);
-        let tolerance = self.tolerance * if closing { CLOSING_TOLERANCE } else { 1.0 };
+        let tolerance = self.tolerance * if closing && !self.regulated { CLOSING_TOLERANCE } else { 1.0 };
         let absolute = even.hypot(odd) / (tolerance * r0);
         if self.parity && !closing {
             absolute.max(odd / (ODD_TOLERANCE * self.tolerance * odd_size.max(self.odd_floor)))
@@ -436,6 +444,7 @@ impl Run {
             ending,
             t_end: stepper.history[0].t,
             slow_growth_rate: self.slow_growth_rate,
+            phi: phi_at(stepper, 0, 0.5),
             volume_drift: self.drift,
             work: Work { steps: self.steps, rejected: self.rejected, ..stepper.work },
         }
@@ -453,7 +462,10 @@ impl Run {
         let past = (PINCH_OFF * r0 - neck.radius) / self.neck_rate;
         let dt = stepper.history[0].t - stepper.history[1].t;
         let ending = Ending::Divided { symmetric, chi_signed, u_furrow: neck.u, daughters: [0.0; 2] };
-        let t_end = stepper.history[0].t - past.clamp(0.0, dt);
-        Division { t_end, ..self.division(stepper, ending) }.with_daughters_of(r0)
+        let past = past.clamp(0.0, dt);
+        let t_end = stepper.history[0].t - past;
+        let phi = phi_at(stepper, 0, neck.u).zip(phi_at(stepper, 1, neck.u));
+        let phi = phi.map(|(now, before)| now + past / dt * (before - now));
+        Division { t_end, phi, ..self.division(stepper, ending) }.with_daughters_of(r0)
     }
 }

@@ -7,7 +7,7 @@
 use furrow_bvp::{Direction, Gauss, Solution};
 
 use crate::cortex::Cortex;
-use crate::cortex::equations::{COMPONENTS, R, Z};
+use crate::cortex::equations::{R, Z};
 use crate::stability::{Stability, StabilityError};
 
 /// Amplitude, relative to R0 and as the L² norm of (r, z) over u, after the skip: far below 1, so that the
@@ -49,7 +49,7 @@ fn amplitude(gauss: &Gauss, here: &Solution, saddle: &Solution, mode: &Direction
     let part = |i: usize| (here.stages[i] - saddle.stages[i]) * mode.stages[i];
     let at = |k: usize| {
         let weight = (saddle.mesh[k / saddle.m + 1] - saddle.mesh[k / saddle.m]) * gauss.b[k % saddle.m];
-        weight * (part(k * COMPONENTS + R) + part(k * COMPONENTS + Z))
+        weight * (part(k * here.components + R) + part(k * here.components + Z))
     };
     (0..saddle.intervals() * saddle.m).map(at).sum()
 }

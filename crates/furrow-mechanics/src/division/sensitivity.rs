@@ -19,8 +19,8 @@ use furrow_bvp::{BoundaryValueProblem, CollocationPoint, Direction, LinearCondit
 use serde::{Deserialize, Serialize};
 
 use super::stepper::{MAX_ORDER, Stepper};
-use crate::cortex::equations::{COMPONENTS, R, Z};
-use crate::cortex::observables::{self, PINCH_OFF};
+use crate::cortex::equations::{COMPONENTS, PHI, R, REGULATED, Z};
+use crate::cortex::observables::{self, PINCH_OFF, with_components};
 use crate::cortex::problem::SHAPE_SCALARS;
 use crate::cortex::{Cortex, Domain};
 use furrow_cell::Parameter;
@@ -59,21 +59,22 @@ impl Tangent {
         let stages = stepper.history[0].y.m;
         // The start has neither activity nor cue, whatever their numbers: these are replaced by one that shapes at rest do
         // not depend on either, and their derivatives come out as nothing.
-        let acts = |p: &Parameter| matches!(p, Parameter::XiS | Parameter::Cue { .. });
+        let acts = |p: &Parameter| matches!(p, Parameter::XiS | Parameter::Cue { .. } | Parameter::Regulator(_));
         let known = parameters.iter().map(|p| if acts(p) { Parameter::Friction } else { *p });
         let mut tangent = Tangent {
             parameters: parameters.to_vec(),
             cortex: Cortex::new(&cell.passive(), Domain::Full, &known.collect::<Vec<_>>()),
-            system: System::new(Cortex::dimensions_for(parameters.len()), stages),
+            system: System::new(Cortex::dimensions_for(&cell.passive(), parameters.len()), stages),
             held: vec![LinearCondition::default(); parameters.len()],
             history: Vec::new(),
             sound: true,
         };
-        let y = &stepper.history[0].y;
-        let still = vec![0.0; 2 * y.stages.len() / COMPONENTS];
-        let start = tangent.solve(y, &vec![still; parameters.len()]);
-        tangent.history.push(start);
+        let y = with_components(&stepper.history[0].y, COMPONENTS);
+        let start = tangent.solve(&y, &vec![Vec::new(); parameters.len()]);
         tangent.cortex = Cortex::new(cell, Domain::Full, parameters);
+        tangent.system = System::new(tangent.cortex.dimensions(), stages);
+        let n = tangent.cortex.components();
+        tangent.history.push(start.iter().map(|derivative| with_components(derivative, n)).collect());
         tangent
     }
 
@@ -89,24 +90,26 @@ impl Tangent {
         for derivative in self.history.iter_mut().flatten().filter(|derivative| derivative.mesh != y.mesh) {
             *derivative = derivative.on_mesh(gauss, &y.mesh);
         }
-        let points = y.stages.len() / COMPONENTS;
+        let n = y.components;
+        let points = y.stages.len() / n;
         let weights = &stepper.weights;
-        let past_of = |k: usize| -> Vec<f64> {
+        let past_of = |k: usize| -> Vec<[f64; 3]> {
             let of = |i: usize| self.history.iter().zip(&weights[1..]).map(|(l, w)| w * l[k].stages[i]).sum::<f64>();
-            let at = |i: usize, c: usize| -of(i * COMPONENTS + c) / weights[0];
-            (0..points).flat_map(|i| [at(i, R), at(i, Z)]).collect()
+            let at = |i: usize, c: usize| -of(i * n + c) / weights[0];
+            (0..points).map(|i| [at(i, R), at(i, Z), if n == REGULATED { at(i, PHI) } else { 0.0 }]).collect()
         };
-        let pasts: Vec<Vec<f64>> = (0..self.parameters.len()).map(past_of).collect();
+        let pasts: Vec<Vec<[f64; 3]>> = (0..self.parameters.len()).map(past_of).collect();
         self.cortex.rate = stepper.cortex.rate;
         self.cortex.past.clone_from(&stepper.cortex.past);
+        self.cortex.past_phi.clone_from(&stepper.cortex.past_phi);
         self.cortex.noise.clone_from(&stepper.cortex.noise);
         let newest = self.solve(y, &pasts);
         self.history.insert(0, newest);
         self.history.truncate(MAX_ORDER + 1);
     }
 
-    /// Derivatives of the solution `y` of the problem at hand, given those of (r, z) of the past at every collocation point.
-    fn solve(&mut self, y: &Solution, pasts: &[Vec<f64>]) -> Vec<Solution> {
+    /// Derivatives of the solution `y` of the problem at hand, given those of (r, z, φ) of the past at every collocation point.
+    fn solve(&mut self, y: &Solution, pasts: &[Vec<[f64; 3]>]) -> Vec<Solution> {
         let mut y = y.clone();
         y.scalars.truncate(SHAPE_SCALARS);
         y.scalars.extend(self.cortex.free.iter().map(|p| p.get(&self.cortex.cell)));
@@ -120,7 +123,7 @@ impl Tangent {
             return Vec::new();
         }
         let integrals = self.system.dimensions().integrals;
-        let one = |(k, past): (usize, &Vec<f64>)| {
+        let one = |(k, past): (usize, &Vec<[f64; 3]>)| {
             let (mut residual, mut direction) = (self.system.zero_residual(), Direction::default());
             self.add_past(&y, past, &mut residual.stages);
             // The system solves J δ = −residual: the parameter moves by one.
@@ -134,25 +137,29 @@ impl Tangent {
 
     /// ∂F/∂past · `past`, to the residuals at the stages. The equations are linear in the velocities, and these in the past:
     /// a difference is the derivative, whatever its size.
-    fn add_past(&self, y: &Solution, past: &[f64], stages: &mut [f64]) {
+    fn add_past(&self, y: &Solution, past: &[[f64; 3]], stages: &mut [f64]) {
         if self.cortex.rate == 0.0 {
             return;
         }
         let mut moved = self.cortex.clone();
-        for (place, change) in moved.past.iter_mut().zip(past.chunks_exact(2)) {
+        for (place, change) in moved.past.iter_mut().zip(past) {
             place[0] += change[0];
             place[1] += change[1];
         }
-        let gauss = &self.system.gauss;
-        let ([mut here, mut there], mut integrand) = ([[0.0; COMPONENTS]; 2], [0.0]);
+        for (place, change) in moved.past_phi.iter_mut().zip(past) {
+            *place += change[2];
+        }
+        let (gauss, n) = (&self.system.gauss, y.components);
+        let ([mut here, mut there], mut integrand) = ([[0.0; REGULATED]; 2], [0.0]);
+        let (here, there) = (&mut here[..n], &mut there[..n]);
         for index in 0..y.intervals() * y.m {
             let (i, j) = (index / y.m, index % y.m);
             let at = CollocationPoint { x: y.stage_x(gauss, i, j), index };
-            self.cortex.rhs(at, y.stage(i, j), &y.scalars, &mut here, &mut integrand);
-            moved.rhs(at, y.stage(i, j), &y.scalars, &mut there, &mut integrand);
+            self.cortex.rhs(at, y.stage(i, j), &y.scalars, here, &mut integrand);
+            moved.rhs(at, y.stage(i, j), &y.scalars, there, &mut integrand);
             let h = y.mesh[i + 1] - y.mesh[i];
-            for c in 0..COMPONENTS {
-                stages[index * COMPONENTS + c] -= h * (there[c] - here[c]);
+            for c in 0..n {
+                stages[index * n + c] -= h * (there[c] - here[c]);
             }
         }
     }
@@ -176,7 +183,7 @@ impl Tangent {
     /// Derivatives of χ, the furrow's u and the neck's radius at shape `y` along a direction.
     fn along(&self, y: &Solution, direction: &Solution) -> Option<[f64; 3]> {
         let gauss = &self.system.gauss;
-        let places = direction.stages.chunks_exact(COMPONENTS);
+        let places = direction.stages.chunks_exact(direction.components);
         let largest = places.map(|s| s[R].abs().max(s[Z].abs())).fold(0.0, f64::max);
         if largest == 0.0 {
             return Some([0.0; 3]);

@@ -5,6 +5,7 @@ use furrow_bvp::{Newton, NewtonReport, Solution};
 
 use super::outcome::DivisionError;
 use super::stepper::Stepper;
+use crate::cortex::observables::with_components;
 use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
 use crate::equilibria::error::CellName;
@@ -53,7 +54,7 @@ impl Start<'_> {
             Start::Passive => {
                 let (half, report) = passive(cell, numerics)
                     .map_err(|source| DivisionError::NoPassiveShape { cell: CellName::of(cell), source })?;
-                (unfold(&half), report)
+                (with_components(&unfold(&half), cortex.components()), report)
             }
             Start::Stationary { shape, .. } => ((*shape).clone(), NewtonReport::default()),
         };

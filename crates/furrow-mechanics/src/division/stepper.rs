@@ -10,10 +10,12 @@
 //! Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, Springer 1993, ch. III.5 (variable steps).
 
 use furrow_bvp::newton::NewtonScratch;
-use furrow_bvp::{Gauss, Newton, NewtonError, NewtonReport, Solution, System, Transfer, Work, mesh};
+use furrow_bvp::{
+    BoundaryValueProblem, Gauss, Newton, NewtonError, NewtonReport, Solution, System, Transfer, Work, mesh,
+};
 
 use super::halves::Halves;
-use crate::cortex::equations::{COMPONENTS, R, Z};
+use crate::cortex::equations::{PHI, R, REGULATED, Z};
 use crate::cortex::{Cortex, resolution, symmetry};
 
 /// Share of the mesh monitor (about the turning of the contour, in radians) of one interval at the default resolution
@@ -105,6 +107,18 @@ pub fn parity_norm(gauss: &Gauss, mesh: &[f64], value: impl Fn(usize) -> [f64; 2
     ParityNorm { even: even.sqrt(), odd: odd.sqrt() }
 }
 
+/// [`parity_norm`] of a change of shape whose component k at the stage that begins at i is given; that of a regulator counts as so
+/// much of R0.
+pub fn change_norm(gauss: &Gauss, y: &Solution, r0: f64, change: impl Fn(usize, usize) -> f64) -> ParityNorm {
+    let n = y.components;
+    let norm = parity_norm(gauss, &y.mesh, |i| [change(i * n, R), change(i * n, Z)]);
+    if n < REGULATED {
+        return norm;
+    }
+    let carried = parity_norm(gauss, &y.mesh, |i| [r0 * change(i * n, PHI), 0.0]);
+    ParityNorm { even: norm.even.hypot(carried.even), odd: norm.odd.hypot(carried.odd) }
+}
+
 /// The result of one attempted step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attempt {
@@ -149,7 +163,7 @@ impl Stepper {
     /// Starts from a shape at t = 0. `resolution` is the nominal number of intervals; the mesh follows the shape and
     /// uses fewer while it is smooth, more where it is sharp.
     pub fn new(cortex: Cortex, stages: usize, resolution: usize, start: Solution) -> Stepper {
-        let system = System::new(Cortex::dimensions_for(0), stages);
+        let system = System::new(cortex.dimensions(), stages);
         Stepper {
             cortex,
             system,
@@ -221,15 +235,13 @@ impl Stepper {
         let share = dt / (t - times[known]);
         let gauss = &self.system.gauss;
         let new = &self.trial.y.stages;
-        let error = parity_norm(gauss, &self.trial.y.mesh, |i| {
-            let mut d = [new[i * COMPONENTS + R], new[i * COMPONENTS + Z]];
-            for (level, weight) in self.history.iter().zip(&predict[..known]) {
-                d[0] -= weight * level.y.stages[i * COMPONENTS + R];
-                d[1] -= weight * level.y.stages[i * COMPONENTS + Z];
-            }
-            [d[0] * share, d[1] * share]
+        let r0 = self.cortex.cell.r0;
+        let error = change_norm(gauss, &self.trial.y, r0, |i, k| {
+            let levels = self.history.iter().zip(&predict[..known]);
+            levels.fold(new[i + k], |change, (level, weight)| change - weight * level.y.stages[i + k]) * share
         });
-        let size = parity_norm(gauss, &self.trial.y.mesh, |i| [new[i * COMPONENTS + R], new[i * COMPONENTS + Z]]);
+        let n = self.trial.y.components;
+        let size = parity_norm(gauss, &self.trial.y.mesh, |i| [new[i * n + R], new[i * n + Z]]);
         self.trial.size = Some(size);
         Ok(Attempt { error, odd_size: size.odd })
     }
@@ -238,17 +250,18 @@ impl Stepper {
     fn state(&mut self, weights: &[f64]) {
         self.weights.clear();
         self.weights.extend_from_slice(weights);
-        let points = self.history[0].y.stages.len() / COMPONENTS;
+        let n = self.history[0].y.components;
+        let points = self.history[0].y.stages.len() / n;
+        let past = |i: usize, k: usize| {
+            let levels = self.history.iter().zip(&weights[1..]);
+            levels.fold(0.0, |past, (level, weight)| past - weight * level.y.stages[i * n + k]) / weights[0]
+        };
         self.cortex.past.clear();
-        self.cortex.past.extend((0..points).map(|i| {
-            let mut past = [0.0; 2];
-            for (level, weight) in self.history.iter().zip(&weights[1..]) {
-                let s = &level.y.stages[i * COMPONENTS..(i + 1) * COMPONENTS];
-                past[0] -= weight * s[R];
-                past[1] -= weight * s[Z];
-            }
-            [past[0] / weights[0], past[1] / weights[0]]
-        }));
+        self.cortex.past.extend((0..points).map(|i| [past(i, R), past(i, Z)]));
+        self.cortex.past_phi.clear();
+        if n == REGULATED {
+            self.cortex.past_phi.extend((0..points).map(|i| past(i, PHI)));
+        }
         self.cortex.rate = weights[0];
     }
 
@@ -314,9 +327,7 @@ impl Stepper {
 
     /// L² over u, relative to R0, of a change whose component k at the stage that begins at i is given.
     fn rate_of_change(&self, change: impl Fn(usize, usize) -> f64) -> f64 {
-        let norm = parity_norm(&self.system.gauss, &self.history[0].y.mesh, |i| {
-            [change(i * COMPONENTS, R), change(i * COMPONENTS, Z)]
-        });
+        let norm = change_norm(&self.system.gauss, &self.history[0].y, self.cortex.cell.r0, change);
         norm.even.hypot(norm.odd) / self.cortex.cell.r0
     }
 

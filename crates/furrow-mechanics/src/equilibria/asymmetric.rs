@@ -10,7 +10,7 @@ use super::branch::{
 };
 use super::error::PointKind;
 use super::locate::{fold_near, not_located};
-use crate::cortex::equations::{COMPONENTS, R, Z};
+use crate::cortex::equations::{R, REGULATED, Z};
 use crate::cortex::symmetry::{unfold, unfold_antisymmetric};
 use crate::cortex::{Cortex, Domain, observables};
 use crate::stability::Stability;
@@ -22,8 +22,8 @@ use furrow_cell::{Cell, Parameter};
 fn switch(pitchfork: &Pitchfork, cell: &Cell, settings: &ContinuationSettings) -> Continuation<Cortex> {
     let solution = unfold(&pitchfork.shape);
     let free = [Parameter::XiS];
-    let metric = metric(cell.r0, &free);
-    let mut tangent = unfold_antisymmetric(&pitchfork.null, solution.scalars.len());
+    let metric = metric(cell, &free);
+    let mut tangent = unfold_antisymmetric(&pitchfork.null, solution.components, solution.scalars.len());
     let scale = metric.dot(&solution.mesh, &tangent, &tangent).sqrt();
     tangent.scale(-pitchfork.furrow_shift.signum() / scale);
     let step = SCALING_RANGE[0] / pitchfork.furrow_shift.abs() * scale;
@@ -68,11 +68,12 @@ const SHRUNK: f64 = 1e-3;
 /// How far a full contour is from its mirror image, at places along it: r(u) − r(1 − u) and z(u) + z(1 − u).
 fn asymmetry(gauss: &Gauss, y: &Solution) -> Vec<[f64; 2]> {
     const PLACES: usize = 32;
-    let (mut here, mut there) = ([0.0; COMPONENTS], [0.0; COMPONENTS]);
+    let (mut here, mut there) = ([0.0; REGULATED], [0.0; REGULATED]);
+    let (here, there) = (&mut here[..y.components], &mut there[..y.components]);
     let at = |k: usize| {
         let u = k as f64 / (2 * PLACES) as f64;
-        y.eval(gauss, u, &mut here);
-        y.eval(gauss, 1.0 - u, &mut there);
+        y.eval(gauss, u, here);
+        y.eval(gauss, 1.0 - u, there);
         [here[R] - there[R], here[Z] + there[Z]]
     };
     (0..=PLACES).map(at).collect()

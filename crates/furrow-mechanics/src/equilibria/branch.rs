@@ -6,7 +6,7 @@ use furrow_bvp::{
 };
 
 use super::error::{CellName, PointKind, Result, ShapeError};
-use crate::cortex::equations::{COMPONENTS, LENGTH, M, PRESSURE, Q, R, T, V, Z};
+use crate::cortex::equations::{COMPONENTS, J, LENGTH, M, PRESSURE, Q, R, REGULATED, T, V, Z};
 use crate::cortex::problem::SHAPE_SCALARS;
 use crate::cortex::{Cortex, Domain, observables, resolution};
 use crate::stability::Stability;
@@ -311,8 +311,9 @@ impl Branch {
 
 /// Norm of branches of cells of radius R0: lengths in R0, stresses in κ/R0², and ξ_s with weight 1 on its own scale. Other
 /// free parameters count by their own value until the caller says otherwise.
-pub fn metric(r0: f64, free: &[Parameter]) -> Metric {
-    let mut components = vec![1.0; COMPONENTS];
+pub fn metric(cell: &Cell, free: &[Parameter]) -> Metric {
+    let (r0, regulated) = (cell.r0, cell.cue.regulator().is_some());
+    let mut components = vec![1.0; if regulated { REGULATED } else { COMPONENTS }];
     for c in [R, Z] {
         components[c] = 1.0 / (r0 * r0);
     }
@@ -321,6 +322,9 @@ pub fn metric(r0: f64, free: &[Parameter]) -> Metric {
         components[c] = 0.01 * r0.powi(4);
     }
     components[V] = 0.1;
+    if let Some(gradient) = components.get_mut(J) {
+        *gradient = 0.1 * r0 * r0;
+    }
     let mut scalars = vec![1.0 / (r0 * r0), 0.01 * r0.powi(6)];
     scalars.extend(free.iter().map(|p| if *p == Parameter::XiS { 0.04 * r0 * r0 } else { 1.0 }));
     Metric { components, scalars }
@@ -370,7 +374,7 @@ pub(super) fn begin(mut y: Solution, cell: &Cell, settings: &ContinuationSetting
     y.scalars.push(0.0);
     let free = [Parameter::XiS];
     let cortex = Cortex::new(cell, Domain::of(cell), &free);
-    let mut branch = Continuation::start(cortex, y, metric(cell.r0, &free), settings.clone(), true)
+    let mut branch = Continuation::start(cortex, y, metric(cell, &free), settings.clone(), true)
         .map_err(|source| ShapeError::Branch { cell: CellName::of(cell), source })?;
     branch.monitor = Some(mesh_monitor);
     Ok(branch)

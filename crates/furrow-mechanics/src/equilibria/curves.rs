@@ -134,7 +134,7 @@ fn through<S: Singularity<Cortex> + Clone>(
 ) -> Result<Codim2Curve<Cortex, S>, CurveError> {
     let free = [Parameter::XiS, parameter];
     let cortex = Cortex::new(cell, domain, &free);
-    let mut metric = metric(cell.r0, &free);
+    let mut metric = metric(cell, &free);
     let value = cortex.get(parameter);
     // The parameter varied counts relative to its own size.
     metric.scalars[SECOND] = 1.0 / (value * value).max(1e-2);

@@ -9,7 +9,7 @@ use furrow_bvp::{
 use super::branch::{BranchEnd, FoldPoint, Pitchfork, ShapePoint, XI};
 use super::error::{CellName, PointKind, ShapeError};
 use crate::cortex::Cortex;
-use crate::cortex::equations::{COMPONENTS, LENGTH, M, PSI, Q, R};
+use crate::cortex::equations::{J, LENGTH, M, PHI, PSI, Q, R, REGULATED};
 
 /// The fold between the last two points of a continuation.
 ///
@@ -53,15 +53,24 @@ pub fn furrow_shift(cortex: &Cortex, y: &Solution, null: &Direction) -> f64 {
     let last = y.intervals();
     let state = y.node(last);
     let length = y.scalars[LENGTH];
-    let kappa = cortex.constants().at(0.5, length).kappa;
-    let kappa_ss = cortex.constants().rigidity_curvature(0.5, length) / (length * length);
-    let (mut f, mut g) = ([0.0; COMPONENTS], [0.0]);
-    cortex.rhs(CollocationPoint { x: 0.5, index: 0 }, state, &y.scalars, &mut f, &mut g);
-    let phi = &null.nodes[last * COMPONENTS..];
+    let here = cortex.constants().of_state(0.5, state, length);
+    let kappa = here.kappa;
+    let mut kappa_ss = cortex.constants().rigidity_curvature(0.5, length) / (length * length);
+    let (mut f, mut g) = ([0.0; REGULATED], [0.0]);
+    let f = &mut f[..y.components];
+    cortex.rhs(CollocationPoint { x: 0.5, index: 0 }, state, &y.scalars, f, &mut g);
+    let phi = &null.nodes[last * y.components..];
+    // An antisymmetric change leaves φ at the equator, and turns its slope j.
+    let mut kappa_turn = 0.0;
+    if y.components == REGULATED {
+        let (_, by_phi) = cortex.constants().regulated_by_phi(cortex.constants().at(0.5, length), state[PHI], 0.0);
+        kappa_ss += by_phi.kappa * f[J] / length;
+        kappa_turn = by_phi.kappa * phi[J];
+    }
     let c2 = 1.0 / state[R];
     let c1 = state[M] / kappa - c2;
     debug_assert!((state[PSI] - std::f64::consts::FRAC_PI_2).abs() < 1e-6);
-    let change = phi[Q] / kappa + phi[PSI] * (c1 - c2) / state[R];
+    let change = phi[Q] / kappa + phi[PSI] * (c1 - c2) / state[R] - state[M] * kappa_turn / (kappa * kappa);
     let bend = f[Q] / length / kappa - state[M] * kappa_ss / (kappa * kappa) + c1 * (c1 - c2) / state[R];
     -change / bend / length
 }

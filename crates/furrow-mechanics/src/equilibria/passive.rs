@@ -113,7 +113,7 @@ const TOLERANCE: f64 = 1e-11;
 pub fn passive(cell: &Cell, numerics: &Numerics) -> Found {
     let cell = cell.passive();
     let mut cortex = Cortex::new(&cell, Domain::Half, &[]);
-    let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
+    let mut system = System::new(Cortex::dimensions_for(&cell, 0), numerics.stages);
     let newton = Newton { tolerance: TOLERANCE, ..Newton::default() };
     let grid = mesh::uniform(0.0, Domain::Half.end(), (numerics.intervals / 2).max(2));
     let guess = spheroid(&system.gauss, &cell, &grid);

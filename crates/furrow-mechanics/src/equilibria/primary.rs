@@ -15,7 +15,7 @@ use super::error::{CellName, PointKind, Result, ShapeError};
 use super::locate::{fold_near, not_located, pitchfork_near};
 use super::passive::passive;
 use crate::cortex::equations::R;
-use crate::cortex::observables::{self, PINCH_OFF};
+use crate::cortex::observables::{self, PINCH_OFF, with_components};
 use crate::cortex::symmetry::unfold;
 use crate::cortex::{Cortex, Domain};
 use crate::stability::Stability;
@@ -38,7 +38,8 @@ pub fn passive_with_cue(cell: &Cell, numerics: &Numerics) -> Result<Solution> {
         return Ok(y);
     }
     let mut cortex = Cortex::new(&Cell { xi_s: 0.0, ..cell.clone() }, domain, &[]);
-    let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
+    let mut system = System::new(Cortex::dimensions_for(cell, 0), numerics.stages);
+    y = with_components(&y, cortex.components());
     let mut scratch = NewtonScratch::default();
     let (mut share, mut step) = (0.0, 1.0);
     while share < 1.0 {

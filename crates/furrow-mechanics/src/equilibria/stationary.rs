@@ -5,7 +5,7 @@ use furrow_bvp::{ContinuationError, ContinuationSettings, Gauss, Newton, Solutio
 
 use super::error::{CellName, Result, ShapeError};
 use super::{locate, primary};
-use crate::cortex::equations::{COMPONENTS, LENGTH, PRESSURE, R};
+use crate::cortex::equations::{LENGTH, PRESSURE, R};
 use crate::cortex::problem::SHAPE_SCALARS;
 use crate::cortex::{Cortex, Domain, observables};
 use crate::stability::{Spectrum, Stability, StabilityError};
@@ -54,7 +54,7 @@ const STEPS: [f64; 3] = [3.0, 0.6, 0.1];
 
 /// The narrowest waist, or the largest radius of a contour without one.
 fn waist(gauss: &Gauss, y: &Solution, domain: Domain) -> f64 {
-    let widest = || y.stages.chunks_exact(COMPONENTS).map(|s| s[R]).fold(0.0, f64::max);
+    let widest = || y.stages.chunks_exact(y.components).map(|s| s[R]).fold(0.0, f64::max);
     match domain {
         Domain::Half => y.node(y.intervals())[R],
         Domain::Full => observables::neck(gauss, y).map_or_else(widest, |neck| neck.radius),
@@ -125,7 +125,7 @@ fn along_branch(cell: &Cell, numerics: &Numerics, max_step: f64) -> Result<Stati
     // The shape to rounding; at a fold itself the branch's own accuracy has to do.
     let (mut cortex, mut solution) = (Cortex::new(cell, domain, &[]), branch.state.solution);
     solution.scalars.truncate(SHAPE_SCALARS);
-    let mut system = System::new(Cortex::dimensions_for(0), numerics.stages);
+    let mut system = System::new(Cortex::dimensions_for(cell, 0), numerics.stages);
     let newton = Newton { tolerance: 1e-12, max_factorisations: 4, ..Newton::default() };
     let mut polished = solution.clone();
     if newton.solve(&mut system, &mut NewtonScratch::default(), &mut cortex, &mut polished, &[], false).is_ok() {

@@ -11,11 +11,11 @@ use furrow_mechanics::division::{Division, DivisionInput, DivisionRow, Outcome};
 pub const COLUMNS: &str = "key, solver, \
     r0, epsilon, xi_s, cue, seed, kappa, eta_b, eta_s, friction, tension, xi_ratio, gain, rigidity_gradient, aspect, p0, w, \
     stages, intervals, scheme, dt, first_step, time_tolerance, step_factor, t_max, noise, noise_time, chi_symmetric, \
-    outcome, chi, chi_signed, u_furrow, t_end, first_r0, second_r0, growth_rate, slow_growth_rate, volume_drift, \
+    outcome, chi, chi_signed, u_furrow, t_end, first_r0, second_r0, growth_rate, slow_growth_rate, phi, volume_drift, \
     steps, rejected, newton_iterations, factorisations, remeshings, checksum";
 
 /// How many columns there are.
-pub const WIDTH: usize = 45;
+pub const WIDTH: usize = 46;
 
 /// Where the columns of the outcome begin.
 const OUTCOME: usize = 29;
@@ -37,6 +37,7 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
         daughters,
         growth_rate,
         slow_growth_rate,
+        phi,
         volume_drift,
         work: Work { steps, rejected, iterations, factorisations, remeshings },
     } = division.clone().into();
@@ -55,7 +56,7 @@ pub fn encode(key: &Key, solver: u32, input: &DivisionInput, division: &Division
     row.extend(numerics.map(Value::Real));
     row.push(text(outcome.name()));
     let [first, second] = daughters.map_or([None; 2], |radii| radii.map(Some));
-    let outcome = [chi, chi_signed, u_furrow, Some(t_end), first, second, growth_rate, slow_growth_rate];
+    let outcome = [chi, chi_signed, u_furrow, Some(t_end), first, second, growth_rate, slow_growth_rate, phi];
     row.extend(outcome.map(Value::from));
     row.push(Value::Real(volume_drift));
     row.extend([steps, rejected, iterations, factorisations, remeshings].map(count));
@@ -85,6 +86,7 @@ pub fn decode(row: &[ValueRef<'_>]) -> Option<Division> {
         daughters: real()?.zip(real()?).map(<[f64; 2]>::from),
         growth_rate: real()?,
         slow_growth_rate: real()?,
+        phi: real()?,
         volume_drift: real()??,
         work: {
             let mut count = || usize::try_from(next()?.as_i64().ok()?).ok();
@@ -111,6 +113,7 @@ pub fn in_range(division: &Division) -> bool {
         && division.daughters().is_none_or(|radii| radii.into_iter().all(positive))
         && division.growth_rate().is_none_or(f64::is_finite)
         && division.slow_growth_rate.is_none_or(f64::is_finite)
+        && division.phi.is_none_or(f64::is_finite)
         && positive(division.t_end)
         && positive(division.volume_drift)
 }

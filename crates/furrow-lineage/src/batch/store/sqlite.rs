@@ -18,7 +18,7 @@ use furrow_mechanics::division::{Division, DivisionInput};
 pub const FILE: &str = "furrow.sqlite";
 
 /// Version of the table, the database's `user_version`.
-const SCHEMA: i64 = 2;
+const SCHEMA: i64 = 3;
 
 /// How long a lock that another process holds is waited for. It holds it for milliseconds unless it is stopped.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -272,7 +272,7 @@ fn checked(connection: &Connection, file: &Path) -> Result<(), StoreError> {
         .map_err(|source| StoreError::Sqlite { file: file.to_owned(), source })?;
     match schema {
         SCHEMA | 0 => Ok(()),
-        1 => set_aside(connection).map_err(|source| StoreError::Sqlite { file: file.to_owned(), source }),
+        1 | 2 => set_aside(connection).map_err(|source| StoreError::Sqlite { file: file.to_owned(), source }),
         schema => Err(StoreError::Newer { file: file.to_owned(), schema }),
     }
 }
@@ -282,7 +282,10 @@ fn set_aside(connection: &Connection) -> rusqlite::Result<()> {
     connection.execute_batch("BEGIN IMMEDIATE")?;
     let replaced = connection.pragma_query_value(None, "user_version", |row| row.get::<_, i64>(0)).and_then(|schema| {
         // Unless another process has done so meanwhile.
-        let rename = if schema == 1 { "ALTER TABLE division RENAME TO division_1;" } else { "" };
+        let rename = match schema {
+            SCHEMA => String::new(),
+            older => format!("ALTER TABLE division RENAME TO division_{older};"),
+        };
         connection.execute_batch(&format!("{rename} {}; COMMIT", table()))
     });
     replaced.inspect_err(|_| {

@@ -67,7 +67,7 @@ proptest! {
     fn a_division_comes_back_bit_for_bit(
         outcome in 0..3_usize,
         reals in vec(number(), 6),
-        maybe in vec(option::of(number()), 2),
+        maybe in vec(option::of(number()), 3),
         counts in any::<[u32; 5]>().prop_map(|counts| counts.map(|count| count as usize)),
     ) {
         let [steps, rejected, iterations, factorisations, remeshings] = counts;
@@ -83,6 +83,7 @@ proptest! {
             },
             t_end: reals[4],
             slow_growth_rate: maybe[1],
+            phi: maybe[2],
             volume_drift: reals[5],
             work: furrow_bvp::Work { steps, rejected, iterations, factorisations, remeshings },
         };
@@ -201,14 +202,14 @@ fn rows_of_another_solver_are_neither_used_nor_touched() {
 #[test]
 fn a_table_of_an_older_schema_is_set_aside() {
     let cache = filled(3);
-    let older = "ALTER TABLE division DROP COLUMN noise_time; PRAGMA user_version = 1";
+    let older = "ALTER TABLE division DROP COLUMN phi; PRAGMA user_version = 2";
     Connection::open(cache.path().join(FILE)).unwrap().execute_batch(older).unwrap();
     let store = store(&cache);
     assert_eq!(get(&store, 0), None);
     commit(&store, 5);
     assert_holds(&store, [5]);
     let count = |table: &str| sql::<i64>(&cache, &format!("SELECT count(*) FROM {table}"));
-    assert_eq!((count("division_1"), count("division")), (3, 1));
+    assert_eq!((count("division_2"), count("division")), (3, 1));
     assert_eq!(store.take_warnings(), []);
 }
 
@@ -216,7 +217,7 @@ fn a_table_of_an_older_schema_is_set_aside() {
 fn a_file_with_a_newer_schema_is_left_alone() {
     let cache = filled(3);
     let file = cache.path().join(FILE);
-    Connection::open(&file).unwrap().execute_batch("PRAGMA user_version = 3").unwrap();
+    Connection::open(&file).unwrap().execute_batch("PRAGMA user_version = 4").unwrap();
     let before = fs::read(&file).unwrap();
     let store = store(&cache);
     assert_eq!(get(&store, 0), None);
