@@ -8,13 +8,16 @@
 use multiversion::multiversion;
 
 /// Eight neighbouring columns of one row, or rows of one column.
-pub type Lane = [f64; 8];
+pub type Lane = [f64; 4];
 
 /// Entries per lane.
-pub const LANE: usize = 8;
+pub const LANE: usize = 4;
+
+/// Partial sums of a reduction.
+const SUMS: usize = 8;
 
 /// Most lanes in a row of a block.
-pub const MAX_LANES: usize = 8;
+pub const MAX_LANES: usize = 16;
 
 /// Number of lanes that hold `entries` entries.
 pub const fn lanes_for(entries: usize) -> usize {
@@ -242,7 +245,7 @@ macro_rules! with_width {
 /// Gaussian elimination of a square row-major `matrix` (`lanes` lanes a row), whose factors are left in `lu`.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
 fn eliminate(matrix: &mut [Lane], lanes: usize, lu: &mut Lu) -> Result<(), PivotFailure> {
-    with_width!(matrix, lanes, rows => eliminate_rows(rows, lu), [1 2 3 4])
+    with_width!(matrix, lanes, rows => eliminate_rows(rows, lu), [1 2 3 4 5 6 7 8])
 }
 
 #[inline(always)]
@@ -293,16 +296,16 @@ pub fn eliminate_in_place(
         return Ok(());
     }
     with_width!(matrix, lanes, rows => eliminate_rows_in_place(rows, columns, candidates, reciprocal, exchange),
-        [1 2 3 4 5 6 7 8])
+        [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16])
 }
 
 /// Σ a b, in eight partial sums whatever the machine.
 #[inline(always)]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sum = [0.0; LANE];
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANE>(), b.as_chunks::<LANE>());
+    let mut sum = [0.0; SUMS];
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<SUMS>(), b.as_chunks::<SUMS>());
     for (a, b) in a.iter().zip(b) {
-        for t in 0..LANE {
+        for t in 0..SUMS {
             sum[t] += a[t] * b[t];
         }
     }
@@ -330,11 +333,11 @@ pub fn add_scaled(target: &mut Lane, factor: f64, source: &Lane) {
 /// the time of a division.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
 pub fn weighted_maximum(d: &[f64], v: &[f64]) -> f64 {
-    let (mut above, mut below, mut poison) = ([0.0; LANE], [1.0; LANE], [0.0; LANE]);
-    let (d_lanes, d_rest) = d.as_chunks::<LANE>();
-    let (v_lanes, v_rest) = v.as_chunks::<LANE>();
+    let (mut above, mut below, mut poison) = ([0.0; SUMS], [1.0; SUMS], [0.0; SUMS]);
+    let (d_lanes, d_rest) = d.as_chunks::<SUMS>();
+    let (v_lanes, v_rest) = v.as_chunks::<SUMS>();
     for (d, v) in d_lanes.iter().zip(v_lanes) {
-        for t in 0..LANE {
+        for t in 0..SUMS {
             let (size, scale) = (d[t].abs(), 1.0 + v[t].abs());
             let larger = size * below[t] > above[t] * scale;
             above[t] = if larger { size } else { above[t] };
@@ -343,7 +346,7 @@ pub fn weighted_maximum(d: &[f64], v: &[f64]) -> f64 {
         }
     }
     let mut largest = 0.0f64;
-    for t in 0..LANE {
+    for t in 0..SUMS {
         largest = largest.max(above[t] / below[t]);
     }
     for (d, v) in d_rest.iter().zip(v_rest) {

@@ -1,7 +1,9 @@
 //! The collocation equations of one interval but for their right-hand sides.
 
-use crate::dense::LANE;
 use crate::gauss::{Gauss, MAX_STAGES};
+
+/// Components of a group.
+const GROUP: usize = 4;
 
 /// Values on one interval.
 #[derive(Clone, Copy, Debug)]
@@ -15,8 +17,8 @@ pub struct Interval<'a> {
 }
 
 /// Adds Σ_k D_jk (Y_k − y₀) to the stage residuals of one interval (m × n) and writes its node residual
-/// y₀ + Σ d_j (Y_j − y₀) − y₁ (n). Sizes are known at compile time unless 0. Components go through in padded lanes of
-/// eight.
+/// y₀ + Σ d_j (Y_j − y₀) − y₁ (n). Sizes are known at compile time unless 0. Components go through in padded groups
+/// of four.
 #[inline(always)]
 pub fn differences<const M: usize, const N: usize>(
     gauss: &Gauss,
@@ -27,20 +29,20 @@ pub fn differences<const M: usize, const N: usize>(
     let Interval { left: y0, stages, right: y1 } = interval;
     let (m, n) = if M > 0 { (M, N) } else { (gauss.m, y0.len()) };
     let (d_matrix, d) = (&gauss.d_matrix[..m * m], &gauss.d[..m]);
-    for from in (0..n).step_by(LANE) {
-        let width = (n - from).min(LANE);
-        let mut difference = [[0.0; LANE]; MAX_STAGES];
+    for from in (0..n).step_by(GROUP) {
+        let width = (n - from).min(GROUP);
+        let mut difference = [[0.0; GROUP]; MAX_STAGES];
         for j in 0..m {
             let y = &stages[j * n + from..j * n + from + width];
             for t in 0..width {
                 difference[j][t] = y[t] - y0[from + t];
             }
         }
-        let mut end = [0.0; LANE];
+        let mut end = [0.0; GROUP];
         for j in 0..m {
-            let mut sum = [0.0; LANE];
+            let mut sum = [0.0; GROUP];
             for k in 0..m {
-                for t in 0..LANE {
+                for t in 0..GROUP {
                     sum[t] += d_matrix[j * m + k] * difference[k][t];
                 }
             }
@@ -48,7 +50,7 @@ pub fn differences<const M: usize, const N: usize>(
             for t in 0..width {
                 row[t] += sum[t];
             }
-            for t in 0..LANE {
+            for t in 0..GROUP {
                 end[t] += d[j] * difference[j][t];
             }
         }

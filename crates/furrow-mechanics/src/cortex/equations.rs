@@ -373,32 +373,40 @@ pub fn equations<D: Number, const N: usize>(
     let (motion, noise) = (motion.map(D::from), D::from(noise));
     let shape: [D; COMPONENTS] = std::array::from_fn(|k| y[k]);
     let here = c.of_state(u, y, length);
-    let Balance { f, volume, stretching } = balances(&c.shell, &here, motion, noise, &shape, length, pressure);
+    let Balance { f, volume, place } = balances(&c.shell, &here, motion, noise, &shape, length, pressure);
     let mut out = [D::from(0.0); N];
     out[..COMPONENTS].copy_from_slice(&f);
     if let Some(regulator) = c.regulator.as_ref().filter(|_| N == REGULATED) {
         let transport = Transport::of(regulator);
-        out[J] = carried(&transport, here.source, motion, &shape, [y[J], y[PHI]], stretching) * length;
+        out[J] = carried(&transport, here.source, motion, &shape, [y[J], y[PHI]], &place) * length;
         out[PHI] = y[J] * length;
     }
     (out, volume)
 }
 
-/// j_s of M.26: how the regulator `[j, φ]` is carried along by a shape whose surface stretches at the rate S_uu + S_φφ.
-#[inline(always)]
-pub fn carried<D: Arithmetic>(
-    c: &Transport<D>,
-    source: D,
-    motion: BdfTerm<D>,
-    y: &[D; COMPONENTS],
-    [j, phi]: [D; 2],
-    stretching: D,
-) -> D {
-    let (sin, cos) = y[PSI].sin_cos();
-    let w = (cos * (y[R] - motion.r_past) - sin * (y[Z] - motion.z_past)) * motion.rate;
-    let changed = motion.rate * (phi - motion.phi_past) + (y[V] - w) * j;
-    let made = c.dilution * (phi + D::from(1.0)) * stretching + c.turnover * (phi - source);
-    (changed + made) * c.inverse_diffusion - cos * y[R].recip() * j
+/// What the balances of forces share at one place; names are those of [`balances`].
+#[derive(Clone, Copy, Debug)]
+pub struct Place<D> {
+    /// sinψ.
+    pub sin: D,
+    /// cosψ.
+    pub cos: D,
+    /// cosψ/r.
+    pub cot: D,
+    /// c1 + c2.
+    pub mean: D,
+    /// c1.
+    pub c1: D,
+    /// c2.
+    pub c2: D,
+    /// v_n.
+    pub v_n: D,
+    /// S_uu.
+    pub s_u: D,
+    /// S_φφ.
+    pub s_phi: D,
+    /// T_φφ.
+    pub t_phi: D,
 }
 
 /// The right-hand sides of the shape at one place.
@@ -408,8 +416,24 @@ pub struct Balance<D> {
     pub f: [D; COMPONENTS],
     /// Integrand of the volume.
     pub volume: D,
-    /// S_uu + S_φφ, the rate at which the surface stretches.
-    pub stretching: D,
+    /// What they share.
+    pub place: Place<D>,
+}
+
+/// j_s of M.26: how the regulator `[j, φ]` is carried along by a moving shape.
+#[inline(always)]
+pub fn carried<D: Arithmetic>(
+    c: &Transport<D>,
+    source: D,
+    motion: BdfTerm<D>,
+    y: &[D; COMPONENTS],
+    [j, phi]: [D; 2],
+    at: &Place<D>,
+) -> D {
+    let w = (at.cos * (y[R] - motion.r_past) - at.sin * (y[Z] - motion.z_past)) * motion.rate;
+    let changed = motion.rate * (phi - motion.phi_past) + (y[V] - w) * j;
+    let made = c.dilution * (phi + D::from(1.0)) * (at.s_u + at.s_phi) + c.turnover * (phi - source);
+    (changed + made) * c.inverse_diffusion - at.cot * j
 }
 
 /// [`equations`] of the shape with the coefficients of the place at hand. This is the readable statement;
@@ -456,7 +480,7 @@ pub fn balances<D: Arithmetic>(
             t_u,
         ],
         volume: length * r * r * sin * PI,
-        stretching: s_u + s_phi,
+        place: Place { sin, cos, cot, mean, c1, c2, v_n, s_u, s_phi, t_phi },
     }
 }
 

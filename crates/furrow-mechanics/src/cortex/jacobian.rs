@@ -6,10 +6,10 @@
 use std::f64::consts::PI;
 
 use super::equations::{
-    BdfTerm, COMPONENTS, J, LocalCoefficients, M, PHI, PSI, R, REGULATED, ShellCoefficients, T, Transport, V, Z, balances,
+    BdfTerm, COMPONENTS, J, LocalCoefficients, PHI, PSI, Place, Q, R, REGULATED, ShellCoefficients, T, Transport, V, Z,
     carried,
 };
-use super::lanes::{Along, Arithmetic, Each};
+use super::lanes::Arithmetic;
 
 /// The equations at one place and their derivatives. Those not named here are zero.
 #[derive(Clone, Copy, Debug)]
@@ -30,8 +30,10 @@ pub struct Linearised<D> {
     pub tangential: [D; COMPONENTS],
     /// Integrand of the volume, and its derivatives by r, ψ and L.
     pub volume: [D; 4],
-    /// S_uu + S_φφ, and its derivatives by (r, z, m, ψ, q, v, T).
-    pub stretching: (D, [D; COMPONENTS]),
+    /// ∂(S_uu + S_φφ)/∂(r, z, m, ψ, q, v, T).
+    pub stretching: [D; COMPONENTS],
+    /// What the balances share.
+    pub place: Place<D>,
 }
 
 /// The equations of a cell with a regulator at one place and their derivatives.
@@ -152,62 +154,95 @@ pub fn linearised<D: Arithmetic>(
         flow: flow.map(|d| length * d),
         tangential,
         volume: [length * r * area, length * area * 2.0, length * r * r * cos * PI, r * area],
-        stretching: (s_u + s_phi, [u_r + s_r, u_z + s_z, u_m, u_psi + s_psi, D::from(0.0), u_v + cot, u_t]),
+        stretching: [u_r + s_r, u_z + s_z, u_m, u_psi + s_psi, D::from(0.0), u_v + cot, u_t],
+        place: Place { sin, cos, cot, mean, c1, c2, v_n, s_u, s_phi, t_phi },
     }
 }
 
-/// [`linearised`] of a cell with a regulator `[j, φ]`: `here` are the coefficients with what it adds there, and their derivatives by φ.
+/// [`linearised`] of a cell with a regulator `[j, φ]`: `here` are the coefficients with what it adds there, and `by_phi` their
+/// derivatives by φ.
 #[inline(always)]
-pub fn linearised_regulated(
-    c: &ShellCoefficients<Each>,
-    transport: &Transport<Each>,
-    here: &LocalCoefficients<Along<Each>>,
-    motion: BdfTerm<Each>,
-    noise: Each,
-    y: &[Each; COMPONENTS],
-    [j, phi]: [Each; 2],
-    length: Each,
-    pressure: Each,
-) -> LinearisedRegulated<Each> {
-    let fixed = |value: Each| Along { value, slope: Each(0.0) };
-    let (local, by_phi) = (here.map(|c| c.value), here.map(|c| c.slope));
-    let mut shape = linearised(c, &local, motion, noise, y, length, pressure);
-    // Only coefficients depend on φ.
-    let (still, state) = (motion.map(fixed), y.map(fixed));
-    let along = balances(&c.map(fixed), here, still, fixed(noise), &state, fixed(length), fixed(pressure));
+pub fn linearised_regulated<D: Arithmetic>(
+    c: &ShellCoefficients<D>,
+    transport: &Transport<D>,
+    [here, by_phi]: [&LocalCoefficients<D>; 2],
+    motion: BdfTerm<D>,
+    noise: D,
+    y: &[D; COMPONENTS],
+    [j, phi]: [D; 2],
+    length: D,
+    pressure: D,
+) -> LinearisedRegulated<D> {
+    let mut shape = linearised(c, here, motion, noise, y, length, pressure);
+    let (by_phi_f, stretching_phi) = through_coefficients(c, [here, by_phi], noise, y, &shape.place, length);
     // κ_u and γ_u are L j times what κ and γ do with φ.
-    let mean = y[M] / local.kappa;
+    let mean = shape.place.mean;
     let mut pull = by_phi.tension;
     if c.rigidity_gradient {
         pull = pull + mean * mean * by_phi.kappa * 0.5;
     }
     shape.by_length[T] = shape.by_length[T] - pull * j;
 
-    let (sin, cos) = y[PSI].sin_cos();
+    let Place { sin, cos, cot, s_u, s_phi, .. } = shape.place;
     let (dr, dz) = (motion.rate * (y[R] - motion.r_past), motion.rate * (y[Z] - motion.z_past));
-    let (stretching, by_state) = shape.stretching;
-    let dilution = transport.dilution * (phi + Each(1.0));
+    let dilution = transport.dilution * (phi + D::from(1.0));
     let inverse_r = y[R].recip();
-    let cot = cos * inverse_r;
-    let mut by = [Each(0.0); REGULATED];
+    let mut by = [D::from(0.0); REGULATED];
     for k in 0..COMPONENTS {
-        by[k] = dilution * by_state[k];
+        by[k] = dilution * shape.stretching[k];
     }
     by[R] = by[R] - motion.rate * cos * j;
     by[Z] = by[Z] + motion.rate * sin * j;
     by[PSI] = by[PSI] + (sin * dr + cos * dz) * j;
     by[V] = by[V] + j;
     by[J] = y[V] - (cos * dr - sin * dz);
-    let diluted = transport.dilution * stretching + dilution * along.stretching.slope;
-    by[PHI] = motion.rate + transport.turnover + diluted;
+    by[PHI] = motion.rate + transport.turnover + transport.dilution * (s_u + s_phi) + dilution * stretching_phi;
     let mut by = by.map(|d| d * transport.inverse_diffusion);
     by[R] = by[R] + cot * inverse_r * j;
     by[PSI] = by[PSI] + sin * inverse_r * j;
     by[J] = by[J] - cot;
     LinearisedRegulated {
-        shape,
-        by_phi: along.f.map(|f| f.slope),
+        by_phi: by_phi_f,
         tangential_by_j: -(pull * length),
-        carried: (carried(transport, local.source, motion, y, [j, phi], stretching), by),
+        carried: (carried(transport, here.source, motion, y, [j, phi], &shape.place), by),
+        shape,
     }
+}
+
+/// ∂f/∂φ of the shape's right-hand sides and ∂(S_uu + S_φφ)/∂φ, which come about by the coefficients alone; with `_phi` for derivatives.
+#[inline(always)]
+fn through_coefficients<D: Arithmetic>(
+    c: &ShellCoefficients<D>,
+    [here, by_phi]: [&LocalCoefficients<D>; 2],
+    noise: D,
+    y: &[D; COMPONENTS],
+    at: &Place<D>,
+    length: D,
+) -> ([D; COMPONENTS], D) {
+    let Place { cot, mean, c1, c2, v_n, s_u, s_phi, .. } = *at;
+    let [along, around] = [1.0, -1.0].map(|sign| (here.xi_b + here.xi_s * (0.5 * sign)) * noise);
+    let [along_phi, around_phi] = [1.0, -1.0].map(|sign| (by_phi.xi_b + by_phi.xi_s * (0.5 * sign)) * noise);
+    let deviator_phi = by_phi.xi_s * noise * c2;
+    let mean_phi = -(mean * by_phi.kappa / here.kappa);
+    let pressed = deviator_phi - along_phi * mean - along * mean_phi;
+    let s_u_phi = (pressed - by_phi.eta_difference * s_phi - by_phi.eta_sum * s_u) / here.eta_sum;
+    let t_phi_phi = by_phi.eta_difference * s_u
+        + here.eta_difference * s_u_phi
+        + by_phi.eta_sum * s_phi
+        + around_phi * mean
+        + around * mean_phi
+        + deviator_phi;
+    let difference = c1 - c2;
+    let stretch = here.tension - here.kappa * difference * difference * 0.5;
+    let stretch_phi =
+        by_phi.tension - by_phi.kappa * difference * difference * 0.5 - here.kappa * difference * mean_phi;
+    let q_phi = mean_phi * (y[T] + stretch) + c2 * t_phi_phi + stretch_phi * mean;
+    let mut t_u_phi = (by_phi.friction * y[V] + cot * t_phi_phi) * length - by_phi.tension_u;
+    if c.rigidity_gradient {
+        t_u_phi = t_u_phi - (mean_phi * here.kappa_u + mean * by_phi.kappa_u * 0.5) * mean;
+    }
+    let mut f = [D::from(0.0); COMPONENTS];
+    (f[PSI], f[Q], f[T]) = (length * mean_phi, length * q_phi, t_u_phi);
+    f[V] = length * (s_u_phi - mean_phi * v_n);
+    (f, s_u_phi)
 }

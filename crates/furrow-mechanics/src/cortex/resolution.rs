@@ -14,7 +14,7 @@ const GRADING: f64 = 1.0;
 const CUE: f64 = 10.0;
 
 /// Weight of a regulator's slope beside the turning of the contour.
-const REGULATOR: f64 = 2.0;
+const REGULATOR: f64 = 0.4;
 
 /// How steep the cue is in an interval, over all its terms; amplitudes count by what they change in proportion. Steep
 /// places between the collocation points count, however narrow: the mesh sees the narrowest term.
@@ -44,15 +44,16 @@ pub fn monitor(cortex: &Cortex, y: &Solution, symmetric: bool, weight: &mut Vec<
     weight.clear();
     for i in 0..y.intervals() {
         let (from, to) = (y.mesh[i], y.mesh[i + 1]);
-        let mut largest: f64 = 0.0;
+        let (mut largest, mut carried): (f64, f64) = (0.0, 0.0);
         for j in 0..y.m {
             let s = y.stage(i, j);
             let u = from + (to - from) * (j as f64 + 0.5) / y.m as f64;
             let c2 = s[PSI].sin() / s[R];
             let c1 = s[M] / cortex.constants().of_state(u, s, length).kappa - c2;
-            largest = largest.max(length * (c1.abs() + c2.abs()) + gradient(s, length));
+            largest = largest.max(length * (c1.abs() + c2.abs()));
+            carried = carried.max(gradient(s, length));
         }
-        weight.push(largest + steepness(cortex, from, to, length));
+        weight.push(largest + steepness(cortex, from, to, length).max(carried));
     }
     if symmetric {
         let n = weight.len();

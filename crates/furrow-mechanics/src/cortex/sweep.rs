@@ -12,7 +12,7 @@ use super::equations::{
     ShellCoefficients, T, Transport, V, Z, balances, carried,
 };
 use super::jacobian::{Linearised, LinearisedRegulated, linearised, linearised_regulated};
-use super::lanes::{Along, Each};
+use super::lanes::Each;
 
 /// What a sweep reads of the problem.
 pub(super) struct Sweep<'a> {
@@ -286,7 +286,7 @@ impl Regulated {
     fn at(&self, i: usize, shared: &Shared) -> (LocalCoefficients<Each>, BdfTerm<Each>, Each, [Each; COMPONENTS], [Each; 2]) {
         let (local, motion, noise, y) = self.shape.at(i, shared);
         let motion = BdfTerm { phi_past: Each(self.phi_past[i]), ..motion };
-        (local, motion, noise, y, self.state.map(|values| Each(values[i])))
+        (local, motion, noise, y, [Each(self.state[0][i]), Each(self.state[1][i])])
     }
 }
 
@@ -301,13 +301,14 @@ fn evaluate_regulated(
     let (shell, transport) = (shared.shell.map(Each), transport.map(Each));
     for i in 0..GROUP {
         let (local, motion, noise, y, state) = group.at(i, shared);
-        let Balance { f, volume, stretching } =
+        let Balance { f, volume, place } =
             balances(&shell, &local, motion, noise, &y, Each(shared.length), Each(shared.pressure));
-        let flux = carried(&transport, local.source, motion, &y, state, stretching);
+        let flux = carried(&transport, local.source, motion, &y, state, &place);
         for k in 0..COMPONENTS {
             out[k][i] = f[k].0;
         }
-        (out[J][i], out[PHI][i]) = (flux.0 * shared.length, state[0].0 * shared.length);
+        out[J][i] = flux.0 * shared.length;
+        out[PHI][i] = state[0].0 * shared.length;
         out[REGULATED][i] = volume.0;
     }
 }
@@ -326,10 +327,10 @@ fn linearise_regulated(
     let (shell, transport) = (shared.shell.map(Each), transport.map(Each));
     for i in 0..GROUP {
         let (local, motion, noise, y, state) = group.at(i, shared);
-        let here = local.with(group.by_phi.each(i));
+        let here = [&local, &group.by_phi.each(i)];
         let (length, pressure) = (Each(shared.length), Each(shared.pressure));
         let LinearisedRegulated { shape, by_phi, tangential_by_j, carried } =
-            linearised_regulated(&shell, &transport, &here, motion, noise, &y, state, length, pressure);
+            linearised_regulated(&shell, &transport, here, motion, noise, &y, state, length, pressure);
         shape.store(i, out);
         for k in 0..COMPONENTS {
             out[NUMBERS + k][i] = by_phi[k].0;
@@ -339,25 +340,6 @@ fn linearise_regulated(
             out[NUMBERS + COMPONENTS + 1 + k][i] = carried.1[k].0;
         }
         out[NUMBERS_REGULATED - 1][i] = carried.0.0;
-    }
-}
-
-impl LocalCoefficients<Each> {
-    /// These and their derivatives.
-    #[inline(always)]
-    fn with(self, by: LocalCoefficients<Each>) -> LocalCoefficients<Along<Each>> {
-        LocalCoefficients {
-            kappa: Along { value: self.kappa, slope: by.kappa },
-            kappa_u: Along { value: self.kappa_u, slope: by.kappa_u },
-            eta_sum: Along { value: self.eta_sum, slope: by.eta_sum },
-            eta_difference: Along { value: self.eta_difference, slope: by.eta_difference },
-            friction: Along { value: self.friction, slope: by.friction },
-            tension: Along { value: self.tension, slope: by.tension },
-            tension_u: Along { value: self.tension_u, slope: by.tension_u },
-            xi_s: Along { value: self.xi_s, slope: by.xi_s },
-            xi_b: Along { value: self.xi_b, slope: by.xi_b },
-            source: Along { value: self.source, slope: by.source },
-        }
     }
 }
 

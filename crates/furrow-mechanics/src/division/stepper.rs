@@ -48,6 +48,9 @@ const NEWTON: Newton = Newton {
 /// Factors serve for steps whose rate is at most so much another, relative to it.
 const SAME_RATE: f64 = 0.25;
 
+/// What an error of the regulator by its resting concentration counts as, relative to R0.
+const CARRIED: f64 = 0.05;
+
 /// Highest order of the formulas.
 pub const MAX_ORDER: usize = 4;
 
@@ -107,15 +110,15 @@ pub fn parity_norm(gauss: &Gauss, mesh: &[f64], value: impl Fn(usize) -> [f64; 2
     ParityNorm { even: even.sqrt(), odd: odd.sqrt() }
 }
 
-/// [`parity_norm`] of a change of shape whose component k at the stage that begins at i is given; that of a regulator counts as so
-/// much of R0.
-pub fn change_norm(gauss: &Gauss, y: &Solution, r0: f64, change: impl Fn(usize, usize) -> f64) -> ParityNorm {
+/// [`parity_norm`] of a change of shape whose component k at the stage that begins at i is given; that of a
+/// regulator by its resting concentration counts as `scale`.
+pub fn change_norm(gauss: &Gauss, y: &Solution, scale: f64, change: impl Fn(usize, usize) -> f64) -> ParityNorm {
     let n = y.components;
     let norm = parity_norm(gauss, &y.mesh, |i| [change(i * n, R), change(i * n, Z)]);
     if n < REGULATED {
         return norm;
     }
-    let carried = parity_norm(gauss, &y.mesh, |i| [r0 * change(i * n, PHI), 0.0]);
+    let carried = parity_norm(gauss, &y.mesh, |i| [scale * change(i * n, PHI), 0.0]);
     ParityNorm { even: norm.even.hypot(carried.even), odd: norm.odd.hypot(carried.odd) }
 }
 
@@ -236,7 +239,7 @@ impl Stepper {
         let gauss = &self.system.gauss;
         let new = &self.trial.y.stages;
         let r0 = self.cortex.cell.r0;
-        let error = change_norm(gauss, &self.trial.y, r0, |i, k| {
+        let error = change_norm(gauss, &self.trial.y, CARRIED * r0, |i, k| {
             let levels = self.history.iter().zip(&predict[..known]);
             levels.fold(new[i + k], |change, (level, weight)| change - weight * level.y.stages[i + k]) * share
         });
