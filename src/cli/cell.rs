@@ -45,7 +45,7 @@ impl CueArgs {
     /// # Errors
     /// Names the file or the part of the cue, and what is allowed.
     fn read(&self) -> Result<(Cue, Units), InputError> {
-        let spelled = self.lineage.is_none().then(|| Cue::parse_with(&self.cue, |_| None));
+        let spelled = self.lineage.is_none().then(|| self.cue.parse::<Cue>());
         if let Some(Ok(cue)) = spelled {
             return Ok((cue, Units::default()));
         }

@@ -9,7 +9,7 @@ use super::physics::FounderPhysics;
 use super::rules::{PhysicsRule, Span};
 use super::scenario::named_cue;
 use super::units::{Length, Units};
-use furrow_cell::cue::{Field, split_terms};
+use furrow_cell::cue::{split_terms, starts_with_field};
 use furrow_cell::{Cue, CueError};
 use furrow_input::{did_you_mean, listed, shown};
 
@@ -305,8 +305,7 @@ impl Lineage {
     /// [`CueError`] names the part, what it is and what it may be.
     pub fn parse_cue(&self, text: &str) -> Result<Cue, CueError> {
         for part in split_terms(text) {
-            let is_field = Field::ALL.iter().any(|field| part.starts_with(field.name()));
-            if !part.contains(':') && !part.is_empty() && !is_field && self.cue(part).is_none() {
+            if !part.contains(':') && !part.is_empty() && !starts_with_field(part) && self.cue(part).is_none() {
                 let names = || self.cues.keys().map(String::as_str);
                 let nearest = did_you_mean(part, names().chain(["none"]));
                 let known = if self.cues.is_empty() { "none" } else { &format!("none, {},", listed(names(), ", ")) };
@@ -314,7 +313,7 @@ impl Lineage {
                 return Err(CueError { field: "cue".to_owned(), value: shown(part), allowed });
             }
         }
-        Cue::parse_with(text, |name| self.cues.get(name).cloned())
+        Cue::parse_with(text, &self.units().scale(), |name| self.cues.get(name).cloned())
     }
 
     /// For each founder its listed daughters (larger, smaller).
