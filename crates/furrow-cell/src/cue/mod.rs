@@ -28,6 +28,8 @@ pub use regulator::{Coupling, Regulator, RegulatorQuantity, Source};
 pub use text::{split_terms, starts_with_field};
 pub use written::{Scale, WrittenCue};
 
+pub use check::LEAST_DIFFUSION;
+
 use check::CONTOURS;
 
 use crate::Number;
