@@ -12,8 +12,8 @@ use furrow_lineage::{Length, parse_cue};
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct VaryArgs {
-    /// Parameter that varies: r0, epsilon, or any other parameter of a cell in --set; for a cue cue.u0, cue.omega or
-    /// cue.amplitude
+    /// Parameter that varies: r0, epsilon, or any other parameter of a cell in --set; for a cue cue.u0, cue.omega,
+    /// cue.amplitude or regulator.turnover and the like
     #[arg(long, value_name = "NAME")]
     vary: String,
     /// First value of the parameter

@@ -94,7 +94,7 @@ impl CanonicalBytes {
         }
     }
 
-    /// A place that no term's field has, then every number: what follows says how many there are.
+    /// A mark that no discretisation begins with, then every number: what is before it says how many there are.
     fn regulator(&mut self, regulator: &Regulator) {
         let Regulator { source, turnover, diffusion, diluted, couplings } = regulator;
         self.choice(REGULATOR);
@@ -128,7 +128,7 @@ impl CanonicalBytes {
     }
 }
 
-/// What a regulator is told by from a term.
+/// What a regulator begins with. Without one the stages of the discretisation stand there, and they are few.
 const REGULATOR: usize = 255;
 
 /// A profile by its place among the names.
@@ -229,6 +229,19 @@ mod tests {
         assert_eq!(key(0.0), key(-0.0));
         assert_eq!(key(f64::NAN), key(-f64::NAN));
         assert_ne!(key(0.0), key(f64::MIN_POSITIVE));
+    }
+
+    /// Stored divisions and shards of sweeps depend on them.
+    #[test]
+    fn cues_without_a_regulator_have_the_keys_that_they_had_before_there_was_one() {
+        for (cue, prefix) in [
+            ("none", 0x5fb3_e2b3_b233_4808),
+            ("kappa:u0=0.465,omega=0.0577,amplitude=0.1", 0xc8bb_ffd7_64b2_9679),
+            ("kappa:step,u0=0.4,omega=0.1Lh,amplitude=0.2+tension:gradient,amplitude=0.3", 0x4e08_4e19_ebeb_c2c2),
+        ] {
+            let cell = input(2.0).cell.with_cue(cue.parse().unwrap());
+            assert_eq!(Key::new(&DivisionInput { cell, ..input(2.0) }).prefix(), prefix, "{cue}");
+        }
     }
 
     #[test]
