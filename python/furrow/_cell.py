@@ -53,7 +53,8 @@ class Cell:
     ``r0`` is the radius R0 of the sphere with the cell's volume, in L_h (or ``"17um"`` if the lineage has units). Other
     parameters have the names of ``furrow --set``: ``epsilon``, ``xi_s``, ``aspect``, ``intervals`` and so on;
     :meth:`parameters` lists them. ``cue`` has the syntax of the command line: ``"none"``, ``"germline"`` or another name
-    that the lineage defines, or terms such as ``"kappa:u0=0.465,omega=0.0577,amplitude=0.1"``.
+    that the lineage defines, or terms such as ``"kappa:u0=0.465,omega=0.0577,amplitude=0.1"`` and
+    ``"regulator:none,turnover=10,diffusion=1,activity=0.3"``.
 
     >>> import furrow
     >>> cell = furrow.Cell(r0=2.0, xi_s=15.0)
@@ -131,7 +132,10 @@ class Cell:
         return self._inputs.cue
 
     def cue_at(self, u: ArrayLike, length: SupportsFloat) -> dict[str, NDArray[np.float64]]:
-        """The cue at arclength fractions ``u`` of a contour of this length: Σ A f(u) for each field that it changes."""
+        """The cue at arclength fractions ``u`` of a contour of this length: Σ A f(u) for each field that its terms change.
+
+        What a regulator does is not there: flow decides it.
+        """
         at = np.ascontiguousarray(u, dtype=np.float64)
         if at.ndim != 1:
             raise refused("u", u, "a one-dimensional array")

@@ -39,7 +39,8 @@ def solve(
     """Finds the values of one parameter at which a cell divides with a wanted ``chi``, ``chi_signed``, furrow position ``u``
     or time ``t``; give one of them.
 
-    ``unknown`` is ``r0``, ``epsilon``, ``xi_s``, any other number of a cell, or ``cue.u0``, ``cue.omega``, ``cue.amplitude``.
+    ``unknown`` is ``r0``, ``epsilon``, ``xi_s``, any other number of a cell, or ``cue.u0``, ``cue.omega``, ``cue.amplitude``,
+    ``regulator.turnover`` and the like.
     ``range`` is its first and last value; the defaults are those of ``furrow solve``. The range is scanned at ``points``
     values, and every crossing is refined to 1e-9 of the range. The answer has ``roots``, a list of dicts with ``value``,
     ``chi``, ``chi_signed``, ``u_furrow`` and ``t_end``; ``jumps``, where the outcome leaps over the wanted one; ``gaps``, where

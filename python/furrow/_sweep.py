@@ -134,7 +134,7 @@ def sweep(
     """Computes many points over axes of parameters, equal inputs once, on all cores.
 
     Give either ``file``, a sweep file, or ``axes``, a mapping of parameters to values, the first varying slowest. Names
-    are those of ``furrow --set``, ``cue``, or ``cue.amplitude`` and the like. ``kind`` is ``division``, ``tree``,
+    are those of ``furrow --set``, ``cue``, or ``cue.amplitude``, ``regulator.turnover`` and the like. ``kind`` is ``division``, ``tree``,
     ``pitchfork`` or ``critical``. With ``out`` the files of ``furrow sweep`` are written to that folder.
 
     >>> import furrow

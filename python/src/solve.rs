@@ -68,7 +68,7 @@ fn parameter(name: &str, inputs: &Inputs) -> Result<Parameter, Error> {
     let names = || Parameter::ALL.into_iter().map(Parameter::name);
     let unknown = |_| {
         let (known, nearest) = (names().collect::<Vec<_>>().join(", "), did_you_mean(name, names()));
-        let allowed = format!("one of {known}, cue.u0, cue.omega, cue.amplitude{nearest}");
+        let allowed = format!("one of {known}, {}{nearest}", Parameter::OF_CUES.join(", "));
         Error::not_allowed("unknown", shown(name), allowed)
     };
     let parameter: Parameter = name.parse().map_err(unknown)?;

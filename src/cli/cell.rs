@@ -21,6 +21,12 @@ pub struct CueArgs {
     /// Fields: kappa, activity, xi_s, xi_b, eta_b, eta_s, viscosity, friction, tension. Profiles: band (u0, omega,
     /// amplitude; may be left out), step (the same), gradient (amplitude). The width omega is in u, or with
     /// the suffix Lh in L_h.
+    ///
+    /// One of them may be a regulator, which flow carries: regulator:PROFILE,key=value,.. with the numbers of the
+    /// profile of its source (or none in the place of PROFILE), turnover (1/τ), diffusion (L_h²/τ), what it does to
+    /// fields, as in activity=0.3, or saturating with tension=30,tension.half=10, and diluted=false for a label that
+    /// converging flow does not concentrate. If the lineage file has units, widths may be in um, turnover in /s and
+    /// diffusion in um2/s.
     #[arg(long, value_name = "CUE", default_value = "none")]
     pub cue: String,
     /// Lineage file with named cues; default the built-in one
@@ -45,7 +51,7 @@ impl CueArgs {
     /// # Errors
     /// Names the file or the part of the cue, and what is allowed.
     fn read(&self) -> Result<(Cue, Units), InputError> {
-        let spelled = self.lineage.is_none().then(|| Cue::parse_with(&self.cue, |_| None));
+        let spelled = self.lineage.is_none().then(|| self.cue.parse::<Cue>());
         if let Some(Ok(cue)) = spelled {
             return Ok((cue, Units::default()));
         }

@@ -23,7 +23,7 @@ until it lies between two values 1e-9 of the range apart. Where the outcomes at 
 the wanted one), the outcome jumps and there is no root. Where a cell does not divide there is a gap.
 
 Ranges without --from and --to: r0 1 to 10, epsilon 0.6 to 0.95, xi_s 5 to 60 (times kappa/gain), cue.u0 0 to 1, cue.amplitude -0.9
-to 0.9 (or twice the amplitude); others from a quarter to four times the value, or to 1 if it is 0.
+to 0.9 (or twice the amplitude), and so strengths of a regulator; others from a quarter to four times the value, or to 1 if it is 0.
 
 Examples:
   furrow solve --for epsilon --chi 0.41 --r0 2.977 --cue germline
@@ -31,7 +31,8 @@ Examples:
   furrow solve --for cue.amplitude --chi-signed 0.185 --r0 5.4 --cue germline --json
   furrow solve --for xi_s --t 10 --r0 4")]
 pub struct SolveArgs {
-    /// The unknown: r0, epsilon, xi_s, or any other parameter of a cell in --set; for a cue cue.u0, cue.omega or cue.amplitude
+    /// The unknown: r0, epsilon, xi_s, or any other parameter of a cell in --set; for a cue cue.u0, cue.omega,
+    /// cue.amplitude or regulator.turnover and the like
     #[arg(long = "for", value_name = "NAME")]
     unknown: String,
     #[command(flatten)]

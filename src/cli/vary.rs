@@ -4,7 +4,7 @@ use super::cell::{CueArgs, length, natural};
 use super::context::Context;
 use super::output::number;
 use clap::Args;
-use furrow_cell::{Cell, Parameter};
+use furrow_cell::{Cell, Cue, Parameter};
 use furrow_input::{InputError, did_you_mean};
 use furrow_lineage::{Length, parse_cue};
 
@@ -12,8 +12,8 @@ use furrow_lineage::{Length, parse_cue};
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Cell")]
 pub struct VaryArgs {
-    /// Parameter that varies: r0, epsilon, or any other parameter of a cell in --set; for a cue cue.u0, cue.omega or
-    /// cue.amplitude
+    /// Parameter that varies: r0, epsilon, or any other parameter of a cell in --set; for a cue cue.u0, cue.omega,
+    /// cue.amplitude or regulator.turnover and the like
     #[arg(long, value_name = "NAME")]
     vary: String,
     /// First value of the parameter
@@ -97,10 +97,10 @@ impl Given<'_> {
             InputError::require(fine, option, of.name(), "absent", format!("given where {parameter} varies"))?;
         }
         let cell = context.settings.cell.clone().with_cue(parse_cue(&self.cue.cue, &lineage)?);
-        let allowed = match cell.cue.terms() {
-            [] => "a number of a cue, and none is given: see --cue".to_owned(),
-            terms => format!("a number of the cue's terms, cue[0] to cue[{}]: {}", terms.len() - 1, cell.cue),
-        };
+        let mut allowed = Parameter::allowed_of_cue(&cell.cue);
+        if cell.cue == Cue::none() {
+            allowed += ": see --cue";
+        }
         InputError::require(
             parameter.is_of(&cell),
             self.option,
@@ -118,7 +118,7 @@ impl Given<'_> {
     pub fn range(&self, mut cell: Cell, [from, to]: [f64; 2], context: &mut Context) -> Result<Varied, InputError> {
         let parameter = self.parameter;
         for (option, value) in [("--to", to), ("--from", from)] {
-            if let Parameter::Cue { .. } = parameter {
+            if parameter.is_of_cue() {
                 // On the way as well: two bands may be far enough apart at both ends and not in between.
                 for k in 0..=STEPS {
                     let way = from + (to - from) * f64::from(k) / f64::from(STEPS);
@@ -144,7 +144,7 @@ pub fn parameter(option: &str, name: &str) -> Result<Parameter, InputError> {
         let others = Parameter::ALL.into_iter().filter(|p| option != "--vary" || *p != Parameter::XiS);
         let names: Vec<&str> = others.map(Parameter::name).collect();
         let nearest = did_you_mean(name, names.iter().copied());
-        let allowed = format!("one of {}, cue.u0, cue.omega, cue.amplitude{nearest}", names.join(", "));
+        let allowed = format!("one of {}, {}{nearest}", names.join(", "), Parameter::OF_CUES.join(", "));
         InputError::not_allowed(option, option.trim_start_matches('-'), format!("{name:?}"), allowed)
     })
 }

@@ -146,6 +146,26 @@ fn the_first_rule_of_a_parameter_counts() {
     assert!(tree.len() > 10);
 }
 
+/// Rules set numbers of a regulator, whose units are those of the file. Each cell has its own, in the tree and in tree.json.
+#[test]
+fn rules_set_numbers_of_a_regulator() {
+    let rules = "units: (length_um: 2, time_min: 5), cues: {\"carried\": regulator(profile: none, turnover_per_s: 0.05,
+            diffusion_um2_per_s: 0.02, couplings: {\"activity\": 0.3})}, physics_rules: [
+        (parameter: \"regulator.turnover\", factor: 0.5, per: generation), (parameter: \"regulator.activity\", value: 0.2, above_r0: 3),
+        (parameter: \"regulator.kappa\", value: 1)],";
+    let tree = grown(&lineage(rules, "(name: \"Q\", r0: 3.5, cue: \"carried\")"), &|_| None, fake);
+    for id in tree.cells() {
+        let cell = tree.cell(id);
+        let turnover = 15.0 * 0.5f64.powi(cell.generation as i32);
+        let activity = if cell.r0 > 3.0 { 0.2 } else { 0.3 };
+        let expected = format!("regulator:none,turnover={turnover},diffusion=1.5,activity={activity}");
+        assert_eq!(tree.parameters(id).cue.to_string(), expected);
+    }
+    assert!(tree.len() > 10);
+    let text = tree_to_json(&tree).unwrap();
+    assert_eq!(tree_to_json(&tree_from_json(&text).unwrap()).unwrap(), text);
+}
+
 /// A rule that leads out of what is allowed ends the branch, and the cell says why.
 #[test]
 fn a_value_that_is_not_allowed_leaves_a_cell_undecided() {

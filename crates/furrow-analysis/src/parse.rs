@@ -165,13 +165,14 @@ impl Check<'_> {
         let target = match (name, name.parse()) {
             ("cue", _) => Some(Target::Cue),
             ("seed", _) if matches!(self.document.kind, Kind::Division | Kind::Tree) => Some(Target::Seed),
-            (_, Ok(parameter @ Parameter::Cue { .. })) => Some(Target::CueNumber(parameter)),
+            (_, Ok(parameter @ (Parameter::Cue { .. } | Parameter::Regulator(_)))) => {
+                Some(Target::CueNumber(parameter))
+            }
             _ => canonical_name(name).ok().map(Target::Field),
         };
         let field = || format!("axes[{k}].parameter");
         let Some(target) = target else {
-            let known: Vec<&str> =
-                settings::names().chain(["seed", "cue", "cue.u0", "cue.omega", "cue.amplitude"]).collect();
+            let known: Vec<&str> = settings::names().chain(["seed", "cue"]).chain(Parameter::OF_CUES).collect();
             let nearest = did_you_mean(name, known.iter().copied());
             return self.refuse(field(), shown(name), format!("one of {}{nearest}", known.join(", ")));
         };
@@ -281,10 +282,10 @@ impl Check<'_> {
             for cue in &cues {
                 let mut cell = sweep.settings.cell.clone().with_cue(cue.clone());
                 if !parameter.is_of(&cell) {
-                    let allowed = match cue.terms() {
-                        [] => "a number of a cue, and none is given: see cue".to_owned(),
-                        terms => format!("a number of the cue's terms, cue[0] to cue[{}]: {cue}", terms.len() - 1),
-                    };
+                    let mut allowed = Parameter::allowed_of_cue(cue);
+                    if *cue == Cue::none() {
+                        allowed += ": see cue";
+                    }
                     return self.refuse(format!("axes[{k}].parameter"), shown(&axis.name), allowed);
                 }
                 for value in &axis.values {

@@ -7,7 +7,7 @@ use std::cell::RefCell;
 
 use argmin::core::{CostFunction, Error, Executor};
 use argmin::solver::brent::BrentRoot;
-use furrow_cell::cue::Quantity;
+use furrow_cell::cue::{LEAST_DIFFUSION, Quantity, RegulatorQuantity};
 use furrow_cell::{Cell, Numerics, Parameter, Settings};
 use furrow_lineage::batch::phase::spaced;
 use furrow_lineage::batch::scheduler::{self, Solved};
@@ -230,18 +230,21 @@ impl Solution {
 }
 
 /// The range of a parameter that is searched where none is given: R0 from 1 to 10, ε from 0.6 to 0.95, ξ_s from 5 to 60 κ/g,
-/// u0 from 0 to 1, amplitudes from −0.9 to 0.9, or twice their size if that is more; of anything else from a quarter of the
+/// u0 from 0 to 1, amplitudes and a regulator's strengths from −0.9 to 0.9, or twice their size if that is more; of anything else from a quarter of the
 /// cell's value to four times it, and from −1 (or 0) to 1 if that is 0.
 pub fn default_range(parameter: Parameter, cell: &Cell) -> [f64; 2] {
+    use RegulatorQuantity::{Diffusion, Source, Strength};
     let value = parameter.get(cell);
     match parameter {
         Parameter::R0 => [1.0, 10.0],
         Parameter::Epsilon => [0.6, 0.95],
         Parameter::XiS => [5.0, 60.0].map(|xi_s| xi_s * (cell.material.kappa / cell.material.gain)),
-        Parameter::Cue { quantity: Quantity::U0, .. } => [0.0, 1.0],
-        Parameter::Cue { quantity: Quantity::Amplitude, .. } => {
+        Parameter::Cue { quantity: Quantity::U0, .. } | Parameter::Regulator(Source(Quantity::U0)) => [0.0, 1.0],
+        Parameter::Cue { quantity: Quantity::Amplitude, .. }
+        | Parameter::Regulator(Source(Quantity::Amplitude) | Strength(_)) => {
             [-1.0, 1.0].map(|end| end * (2.0 * value.abs()).max(0.9))
         }
+        Parameter::Regulator(Diffusion) => [(0.25 * value).max(LEAST_DIFFUSION), 4.0 * value],
         _ if value == 0.0 => [if parameter.validate(-1.0).is_ok() { -1.0 } else { 0.0 }, 1.0],
         _ => [(0.25 * value).min(4.0 * value), (0.25 * value).max(4.0 * value)],
     }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Cell;
-use super::cue::{Quantity, RegulatorQuantity};
+use super::cue::{Cue, Quantity, Regulator, RegulatorQuantity};
 use super::settings::{Number, parameters};
 
 /// A scalar parameter of one cell.
@@ -15,6 +15,7 @@ use super::settings::{Number, parameters};
 /// Parameter::Epsilon.set(&mut cell, 0.8);
 /// assert_eq!(Parameter::Epsilon.get(&cell), 0.8);
 /// assert_eq!("cue.amplitude".parse::<Parameter>().unwrap().to_string(), "cue[0].amplitude");
+/// assert_eq!("regulator.kappa".parse::<Parameter>().unwrap().name(), "kappa");
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -66,11 +67,52 @@ pub struct UnknownParameter {
 }
 
 impl Parameter {
+    /// Names of the numbers of a cue, for listings: FIELD is any of [`Field::ALL`](super::cue::Field::ALL), and `cue` the first
+    /// term.
+    pub const OF_CUES: [&str; 10] = [
+        "cue.u0",
+        "cue.omega",
+        "cue.amplitude",
+        "regulator.turnover",
+        "regulator.diffusion",
+        "regulator.u0",
+        "regulator.omega",
+        "regulator.amplitude",
+        "regulator.FIELD",
+        "regulator.FIELD.half",
+    ];
+
     /// Every parameter but those of cues, for listings.
     pub const ALL: [Parameter; 13] = {
         use Parameter::*;
         [XiS, XiRatio, Gain, R0, Epsilon, Aspect, P0, W, Kappa, EtaB, EtaS, Friction, Tension]
     };
+
+    /// The numbers of a cue: of its terms, then of its regulator.
+    pub fn of_cue(cue: &Cue) -> Vec<Parameter> {
+        let has = |term: usize| move |quantity: &Quantity| cue.terms()[term].quantity(*quantity).is_some();
+        let of_term =
+            |term| Quantity::ALL.into_iter().filter(has(term)).map(move |quantity| Parameter::Cue { term, quantity });
+        let of_regulator = cue.regulator().into_iter().flat_map(Regulator::quantities).map(Parameter::Regulator);
+        (0..cue.terms().len()).flat_map(of_term).chain(of_regulator).collect()
+    }
+
+    /// What errors say is allowed where a number of a cue is asked for that it does not have.
+    pub fn allowed_of_cue(cue: &Cue) -> String {
+        match (cue.terms().len(), cue.regulator()) {
+            (0, None) => "a number of a cue, and none is given".to_owned(),
+            (0, Some(_)) => format!("a number of the cue's regulator: {cue}"),
+            (terms, None) => format!("a number of the cue's terms, cue[0] to cue[{}]: {cue}", terms - 1),
+            (terms, Some(_)) => {
+                format!("a number of the cue's terms, cue[0] to cue[{}], or of its regulator: {cue}", terms - 1)
+            }
+        }
+    }
+
+    /// Whether it is a number of a cue.
+    pub fn is_of_cue(self) -> bool {
+        matches!(self, Parameter::Cue { .. } | Parameter::Regulator(_))
+    }
 
     /// Its row in the table of parameters, with its name; none for a cue's.
     fn row(self) -> Option<(&'static Number, &'static str)> {
@@ -112,11 +154,14 @@ impl Parameter {
         }
     }
 
-    /// Checks a value. Of a cue's quantity it need only be finite.
+    /// Checks a value. Of a quantity of a cue's profile it need only be finite.
     ///
     /// # Errors
     /// What is allowed.
     pub fn validate(self, value: f64) -> Result<(), &'static str> {
+        if let Parameter::Regulator(quantity) = self {
+            return quantity.refused(value).map_or(Ok(()), Err);
+        }
         match self.row() {
             Some((row, _)) => (row.validate)(value),
             None if value.is_finite() => Ok(()),
@@ -128,6 +173,7 @@ impl Parameter {
     pub fn name(self) -> &'static str {
         match self {
             Parameter::Cue { quantity, .. } => quantity.name(),
+            Parameter::Regulator(quantity) => quantity.name(),
             _ => self.row().map_or("", |(_, name)| name),
         }
     }
@@ -137,6 +183,7 @@ impl std::fmt::Display for Parameter {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Parameter::Cue { term, quantity } => write!(f, "cue[{term}].{}", quantity.name()),
+            Parameter::Regulator(quantity) => write!(f, "regulator.{}", quantity.name()),
             other => f.write_str(other.name()),
         }
     }
@@ -145,9 +192,12 @@ impl std::fmt::Display for Parameter {
 impl std::str::FromStr for Parameter {
     type Err = UnknownParameter;
 
-    /// Reads a name; `cue.u0` is the first term's u0, `cue[1].u0` the second's.
+    /// Reads a name; `cue.u0` is the first term's u0, `cue[1].u0` the second's, `regulator.kappa` the regulator's coupling to κ.
     fn from_str(text: &str) -> Result<Parameter, UnknownParameter> {
         let unknown = || UnknownParameter { name: text.to_owned() };
+        if let Some(name) = text.strip_prefix("regulator.") {
+            return RegulatorQuantity::named(name).map(Parameter::Regulator).ok_or_else(unknown);
+        }
         if let Some(rest) = text.strip_prefix("cue") {
             let (index, name) = rest.split_once('.').ok_or_else(unknown)?;
             let number = |index: &str| index.strip_prefix('[')?.strip_suffix(']')?.parse().ok();
@@ -157,5 +207,42 @@ impl std::str::FromStr for Parameter {
         }
         let named = parameters().find(|(_, name, aliases)| *name == text || aliases.contains(&text));
         named.map(|(row, ..)| row.parameter).ok_or_else(unknown)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_a_cue_have_names_that_are_read_back_set_and_checked() {
+        let cue = "kappa:gradient,amplitude=0.1+regulator:step,u0=0.4,omega=0.3Lh,amplitude=1,turnover=10,diffusion=1,kappa=0.2,tension=30,tension.half=10";
+        let mut cell = Cell::new(2.0).with_cue(cue.parse().unwrap());
+        let names: Vec<String> = Parameter::of_cue(&cell.cue).iter().map(Parameter::to_string).collect();
+        let expected = "cue[0].amplitude regulator.u0 regulator.omega regulator.amplitude regulator.turnover regulator.diffusion regulator.kappa regulator.tension regulator.tension.half";
+        assert_eq!(names.join(" "), expected);
+        for (k, parameter) in Parameter::of_cue(&cell.cue).into_iter().enumerate() {
+            assert_eq!(names[k].parse(), Ok(parameter));
+            assert!(parameter.is_of_cue() && parameter.is_of(&cell), "{parameter}");
+            parameter.set(&mut cell, 0.5 + k as f64);
+            assert_eq!(parameter.get(&cell), 0.5 + k as f64);
+        }
+        let read = |name: &str| name.parse::<Parameter>().unwrap();
+        assert!(!read("regulator.friction").is_of(&cell) && !read("regulator.kappa.half").is_of(&cell));
+        assert_eq!(read("regulator.friction").get(&cell), 0.0);
+        for (name, good, bad) in [
+            ("regulator.turnover", 0.0, -1.0),
+            ("regulator.diffusion", 0.05, 0.049),
+            ("regulator.kappa", -1e4, 1.1e4),
+            ("regulator.tension.half", 10.0, 0.0),
+            ("regulator.u0", 0.3, f64::NAN),
+        ] {
+            assert!(read(name).validate(good).is_ok() && read(name).validate(bad).is_err(), "{name}");
+        }
+        for wrong in
+            ["regulator", "regulator.", "regulator.diluted", "regulator.kapa", "regulator.half", "regulator[0].u0"]
+        {
+            assert!(wrong.parse::<Parameter>().is_err(), "{wrong}");
+        }
     }
 }

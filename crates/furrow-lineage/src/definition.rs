@@ -1,6 +1,7 @@
 //! The lineage file: founders, cues, naming, limits, and the observed counts they are set beside.
 
 use std::collections::{BTreeMap, HashMap};
+use std::marker::PhantomData;
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +10,7 @@ use super::physics::FounderPhysics;
 use super::rules::{PhysicsRule, Span};
 use super::scenario::named_cue;
 use super::units::{Length, Units};
-use furrow_cell::cue::{Field, split_terms};
+use furrow_cell::cue::{split_terms, starts_with_field};
 use furrow_cell::{Cue, CueError};
 use furrow_input::{did_you_mean, listed, shown};
 
@@ -142,9 +143,11 @@ fn default_naming() -> (char, char) {
 
 /// A lineage as its file gives it. [`Lineage::parse`] has checked it: one first cell, every mother and cue known, no
 /// cycle, two founders or none below each founder, names that cannot clash.
+///
+/// `C` is a [`WrittenCue`](furrow_cell::cue::WrittenCue) while a file is read: its cues may be in µm and seconds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Lineage {
+#[serde(deny_unknown_fields, bound(deserialize = "C: Deserialize<'de>"))]
+pub struct Lineage<C = Cue> {
     /// The organism.
     pub name: String,
     /// Source of the observed counts.
@@ -161,7 +164,7 @@ pub struct Lineage {
     pub limits: Limits,
     /// Cues by name. `none` always exists.
     #[serde(default, deserialize_with = "unique")]
-    pub cues: BTreeMap<String, Cue>,
+    pub cues: BTreeMap<String, C>,
     /// Cues of cells whose founder gives none, the first rule that applies. Generations are counted from
     /// the first cell.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -305,8 +308,7 @@ impl Lineage {
     /// [`CueError`] names the part, what it is and what it may be.
     pub fn parse_cue(&self, text: &str) -> Result<Cue, CueError> {
         for part in split_terms(text) {
-            let is_field = Field::ALL.iter().any(|field| part.starts_with(field.name()));
-            if !part.contains(':') && !part.is_empty() && !is_field && self.cue(part).is_none() {
+            if !part.contains(':') && !part.is_empty() && !starts_with_field(part) && self.cue(part).is_none() {
                 let names = || self.cues.keys().map(String::as_str);
                 let nearest = did_you_mean(part, names().chain(["none"]));
                 let known = if self.cues.is_empty() { "none" } else { &format!("none, {},", listed(names(), ", ")) };
@@ -314,7 +316,7 @@ impl Lineage {
                 return Err(CueError { field: "cue".to_owned(), value: shown(part), allowed });
             }
         }
-        Cue::parse_with(text, |name| self.cues.get(name).cloned())
+        Cue::parse_with(text, &self.units().scale(), |name| self.cues.get(name).cloned())
     }
 
     /// For each founder its listed daughters (larger, smaller).
@@ -340,10 +342,12 @@ impl Lineage {
 }
 
 /// Reads cues by name, and refuses duplicate names.
-pub(super) fn unique<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, Cue>, D::Error> {
-    struct Cues;
-    impl<'de> serde::de::Visitor<'de> for Cues {
-        type Value = BTreeMap<String, Cue>;
+pub(super) fn unique<'de, C: Deserialize<'de>, D: serde::Deserializer<'de>>(
+    deserializer: D,
+) -> Result<BTreeMap<String, C>, D::Error> {
+    struct Cues<C>(PhantomData<C>);
+    impl<'de, C: Deserialize<'de>> serde::de::Visitor<'de> for Cues<C> {
+        type Value = BTreeMap<String, C>;
 
         fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
             f.write_str("cues by name")
@@ -351,7 +355,7 @@ pub(super) fn unique<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Resul
 
         fn visit_map<A: serde::de::MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
             let mut cues = BTreeMap::new();
-            while let Some((name, cue)) = map.next_entry::<String, Cue>()? {
+            while let Some((name, cue)) = map.next_entry::<String, C>()? {
                 if cues.insert(name.clone(), cue).is_some() {
                     return Err(serde::de::Error::custom(format!("the cue {} stands twice", shown(&name))));
                 }
@@ -359,5 +363,5 @@ pub(super) fn unique<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Resul
             Ok(cues)
         }
     }
-    deserializer.deserialize_map(Cues)
+    deserializer.deserialize_map(Cues(PhantomData))
 }

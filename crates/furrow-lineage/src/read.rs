@@ -10,14 +10,15 @@ use super::check::Check;
 use super::definition::{C_ELEGANS, CueRule, Founder, Limits, Lineage, unique};
 use super::rules::PhysicsRule;
 use super::units::Units;
-use furrow_cell::Cue;
+use furrow_cell::cue::WrittenCue;
+use furrow_cell::{Cue, CueError};
 use furrow_input::{InputError, did_you_mean, parse_document, parse_ron, read_text, shown};
 
 impl Lineage {
     /// The built-in C. elegans founders.
     pub fn c_elegans() -> Result<Lineage, InputError> {
         let file = "c_elegans.ron (built in)";
-        checked(parse_document(C_ELEGANS, file, "a lineage file", "Lineage")?, C_ELEGANS, file)
+        checked(whole(C_ELEGANS, file)?, C_ELEGANS, file)
     }
 
     /// Reads and checks a lineage file.
@@ -44,7 +45,7 @@ impl Lineage {
     pub fn parse(text: &str, file: &str) -> Result<Lineage, InputError> {
         let lineage = match with_base(text, file)? {
             Some(lineage) => lineage,
-            None => parse_document(text, file, "a lineage file", "Lineage")?,
+            None => whole(text, file)?,
         };
         checked(lineage, text, file)
     }
@@ -61,6 +62,31 @@ impl Lineage {
 fn checked(lineage: Lineage, text: &str, file: &str) -> Result<Lineage, InputError> {
     Check { lineage: &lineage, text, file }.run()?;
     Ok(lineage)
+}
+
+/// The unchecked lineage of a text without a base.
+fn whole(text: &str, file: &str) -> Result<Lineage, InputError> {
+    let written: Lineage<WrittenCue> = parse_document(text, file, "a lineage file", "Lineage")?;
+    // Without `..`: the compiler asks for every field.
+    let Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, founders } = written;
+    let cues = in_units(cues, units, file)?;
+    Ok(Lineage { name, citation, naming, units, limits, cues, cue_rules, physics_rules, founders })
+}
+
+/// Cues in L_h and τ.
+fn in_units(
+    cues: BTreeMap<String, WrittenCue>,
+    units: Option<Units>,
+    file: &str,
+) -> Result<BTreeMap<String, Cue>, InputError> {
+    let scale = units.unwrap_or_default().scale();
+    let converted = |(name, cue): (String, WrittenCue)| match cue.in_units(&scale) {
+        Ok(cue) => Ok((name, cue)),
+        Err(CueError { field, value, allowed }) => {
+            Err(InputError::not_allowed(file, format!("cues[{name:?}].{field}"), value, allowed))
+        }
+    };
+    cues.into_iter().map(converted).collect()
 }
 
 /// The built-in lineage that may be a base.
@@ -85,7 +111,7 @@ struct Differing {
     limits: Option<Limits>,
     /// Beside those of the base, or in place of those of the same name.
     #[serde(default, deserialize_with = "unique")]
-    cues: BTreeMap<String, Cue>,
+    cues: BTreeMap<String, WrittenCue>,
     /// In place of those of the base, if there are any.
     #[serde(default)]
     cue_rules: Vec<CueRule>,
@@ -124,7 +150,7 @@ impl Differing {
         base.naming = naming.unwrap_or(base.naming);
         base.units = units.or(base.units);
         base.limits = limits.unwrap_or(base.limits);
-        base.cues.extend(cues);
+        base.cues.extend(in_units(cues, base.units, file)?);
         if !cue_rules.is_empty() {
             base.cue_rules = cue_rules;
         }

@@ -215,7 +215,7 @@ impl Lineage {
             ruled.physics.set(parameter, value);
             ruled.is_single |= rule.from_mother || matches!(rule.per, Some(Per::R0 | Per::MotherChi));
         }
-        if done.iter().any(|parameter| matches!(parameter, Parameter::Cue { .. })) {
+        if done.iter().any(|parameter| parameter.is_of_cue()) {
             cell.cue.check().map_err(|error| format!("physics_rules: {error}"))?;
         }
         Ok(ruled)
@@ -237,11 +237,8 @@ mod parameter_name {
             let names: Vec<_> =
                 Parameter::ALL.into_iter().filter(|p| *p != Parameter::R0).map(Parameter::name).collect();
             let nearest = did_you_mean(&name, names.iter().copied());
-            let known = names.join(", ");
-            serde::de::Error::custom(format!(
-                "parameter = {}: must be one of {known}, cue.u0, cue.omega, cue.amplitude{nearest}",
-                shown(&name)
-            ))
+            let known = names.into_iter().chain(Parameter::OF_CUES).collect::<Vec<_>>().join(", ");
+            serde::de::Error::custom(format!("parameter = {}: must be one of {known}{nearest}", shown(&name)))
         })
     }
 }

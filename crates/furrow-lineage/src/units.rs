@@ -1,7 +1,8 @@
-//! Micrometres and minutes, where a lineage file gives L_h and τ.
+//! Micrometres, minutes and seconds, where a lineage file gives L_h and τ.
 
 use serde::{Deserialize, Serialize};
 
+use furrow_cell::cue::Scale;
 use furrow_input::InputError;
 
 /// L_h and τ of an embryo. The paper prints neither: users give them.
@@ -25,6 +26,11 @@ impl Units {
     /// A time given in τ, in minutes.
     pub fn minutes(&self, time: f64) -> Option<f64> {
         self.time_min.map(|unit| unit * time)
+    }
+
+    /// What cues with numbers in µm and seconds are converted with.
+    pub fn scale(&self) -> Scale {
+        Scale { length_um: self.length_um, time_s: self.time_min.map(|minutes| 60.0 * minutes) }
     }
 
     /// A length in L_h as text, followed by µm where L_h is known: ` (17.06 µm)`.

@@ -12,7 +12,7 @@
 use super::error::{FitError, check_cancelled};
 use super::search::{FitProgress, Limit, NumberAtLimit, SearchBudget, ShowProgress, descend, swarm};
 use super::targets::{MeasuredChi, Targets};
-use furrow_cell::cue::{Quantity, Width};
+use furrow_cell::cue::{Profile, Quantity, RegulatorQuantity, Width};
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_lineage::batch::scheduler;
 use furrow_lineage::{Daughter, Lineage, Mother, Place, TreeSettings};
@@ -24,11 +24,15 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Between which values the numbers of a cue are searched: places, widths in u, widths in L_h, amplitudes.
+/// Between which values the numbers of a cue are searched: places, widths in u, widths in L_h, amplitudes and strengths;
+/// turnovers, diffusions and half-saturations of a regulator.
 const PLACES: [f64; 2] = [0.05, 0.95];
 const WIDTHS: [f64; 2] = [0.01, 0.5];
 const LENGTHS: [f64; 2] = [0.05, 5.0];
 const AMPLITUDES: [f64; 2] = [0.005, 2.0];
+const TURNOVERS: [f64; 2] = [0.1, 100.0];
+const DIFFUSIONS: [f64; 2] = [0.05, 20.0];
+const HALVES: [f64; 2] = [0.1, 100.0];
 /// Misfit, in standard deviations, of a cell that does not divide.
 const UNDIVIDED: f64 = 10.0;
 /// Steps of the simplex, and its edges in the unit cube.
@@ -121,19 +125,35 @@ impl Unknown {
 
 fn unknowns(cue: &Cue) -> Vec<Unknown> {
     let cell = Cell::new(1.0).with_cue(cue.clone());
-    let of = |(term, quantity): (usize, Quantity)| {
-        let parameter = Parameter::Cue { term, quantity };
-        let limits = match (quantity, cue.terms()[term].profile.width()) {
-            (Quantity::U0, _) => PLACES,
-            (Quantity::Omega, Some(Width::Length(_))) => LENGTHS,
-            (Quantity::Omega, _) => WIDTHS,
-            (Quantity::Amplitude, _) => AMPLITUDES,
-        };
-        let logarithmic = quantity != Quantity::U0;
-        let sign = if logarithmic { parameter.get(&cell).signum() } else { 1.0 };
-        parameter.is_of(&cell).then_some(Unknown { parameter, limits, logarithmic, sign })
+    let of = |parameter: Parameter| {
+        let value = parameter.get(&cell);
+        let limits = limits(parameter, cue);
+        let logarithmic = limits != PLACES;
+        let sign = if logarithmic { value.signum() } else { 1.0 };
+        // A turnover of 0 says that there is none.
+        let searched = parameter != Parameter::Regulator(RegulatorQuantity::Turnover) || value != 0.0;
+        searched.then_some(Unknown { parameter, limits, logarithmic, sign })
     };
-    (0..cue.terms().len()).flat_map(|term| Quantity::ALL.map(|quantity| (term, quantity))).filter_map(of).collect()
+    Parameter::of_cue(cue).into_iter().filter_map(of).collect()
+}
+
+/// Between which values a number of a cue is searched.
+fn limits(parameter: Parameter, cue: &Cue) -> [f64; 2] {
+    let of_spread = |quantity, profile: Option<Profile>| match (quantity, profile.and_then(|profile| profile.width())) {
+        (Quantity::U0, _) => PLACES,
+        (Quantity::Omega, Some(Width::Length(_))) => LENGTHS,
+        (Quantity::Omega, _) => WIDTHS,
+        (Quantity::Amplitude, _) => AMPLITUDES,
+    };
+    let source = || cue.regulator().and_then(|regulator| regulator.source).map(|source| source.profile);
+    match parameter {
+        Parameter::Cue { term, quantity } => of_spread(quantity, cue.terms().get(term).map(|term| term.profile)),
+        Parameter::Regulator(RegulatorQuantity::Source(quantity)) => of_spread(quantity, source()),
+        Parameter::Regulator(RegulatorQuantity::Turnover) => TURNOVERS,
+        Parameter::Regulator(RegulatorQuantity::Diffusion) => DIFFUSIONS,
+        Parameter::Regulator(RegulatorQuantity::Half(_)) => HALVES,
+        _ => AMPLITUDES,
+    }
 }
 
 /// Divisions of founders, each from its mother's.

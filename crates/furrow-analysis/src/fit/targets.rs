@@ -115,7 +115,7 @@ impl Targets {
         require(!self.unknowns.is_empty(), "unknowns".into(), &"[]", "at least one constant")?;
         for (k, Searched { parameter, from, to }) in self.unknowns.iter().enumerate() {
             let field = |name: &str| format!("unknowns[{k}].{name}");
-            let searchable = !matches!(parameter, Parameter::R0 | Parameter::Cue { .. } | Parameter::Gain);
+            let searchable = !parameter.is_of_cue() && !matches!(parameter, Parameter::R0 | Parameter::Gain);
             let allowed = "a constant of the cortex or of the shell, the activity or epsilon; the gain follows from the thresholds";
             require(searchable, field("parameter"), parameter, allowed)?;
             let new = self.unknowns[..k].iter().all(|other| other.parameter != *parameter);

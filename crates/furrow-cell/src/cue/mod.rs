@@ -1,22 +1,36 @@
-//! Polarity cues as data: a cue is a sum of terms, a term a field, a profile and an amplitude.
+//! Polarity cues as data: a cue is a sum of terms, a term a field, a profile and an amplitude; and a regulator that the flow
+//! carries.
 //!
 //! | file | what it says |
 //! |---|---|
 //! | `field` | which coefficients of the equations a cue can modulate |
 //! | `profile` | how a term is spread along the contour |
+//! | `regulator` | what the flow carries, spreads and turns over |
+//! | `check` | which numbers are allowed |
 //! | `text` | the grammar of the command line: `kappa:band,u0=0.4,omega=0.1,amplitude=0.2` |
 //! | `record` | the form in RON and JSON: `kappa(profile: band, u0: 0.4, omega: 0.1, amplitude: 0.2)` |
+//! | `regulator_text`, `regulator_record` | the same of a regulator |
+//! | `written` | a cue as it is written, with numbers in µm and seconds |
 
+mod check;
 pub mod field;
 pub mod profile;
 mod record;
 pub mod regulator;
+mod regulator_record;
+mod regulator_text;
 mod text;
+mod written;
 
 pub use field::Field;
 pub use profile::{Profile, Quantity, Width};
 pub use regulator::{Coupling, Regulator, RegulatorQuantity, Source};
-pub use text::split_terms;
+pub use text::{split_terms, starts_with_field};
+pub use written::{Scale, WrittenCue};
+
+pub use check::LEAST_DIFFUSION;
+
+use check::CONTOURS;
 
 use crate::Number;
 
@@ -69,7 +83,8 @@ impl Term {
 }
 
 /// A polarity cue: what makes one part of the cortex differ from another. Terms add up, X(u) = X0·(1 + Σ A f(u)) for every
-/// [`Field`] but tension, to which Σ A f(u) is added. The cue is switched on together with the activity.
+/// [`Field`] but tension, to which Σ A f(u) is added. The cue is switched on together with the activity. A [`Regulator`] that
+/// the flow carries may be one more part of the sum.
 ///
 /// ```
 /// use furrow_cell::Cue;
@@ -78,6 +93,8 @@ impl Term {
 /// assert_eq!(cue.terms().len(), 2);
 /// assert_eq!(cue.to_string(), "kappa:band,u0=0.4,omega=0.1,amplitude=0.1+tension:gradient,amplitude=0.2");
 /// assert!("activity:band,u0=0.5,omega=0.1,amplitude=0.2".parse::<Cue>()?.is_mirror_symmetric());
+/// let carried: Cue = "regulator:step,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1,activity=0.3".parse()?;
+/// assert!(!carried.is_mirror_symmetric() && carried.regulator().is_some());
 /// # Ok::<(), furrow_cell::CueError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -134,7 +151,7 @@ impl Cue {
     /// # Errors
     /// As of [`Cue::new`], and for numbers of the regulator.
     pub fn with_regulator(terms: Vec<Term>, regulator: Option<Regulator>) -> Result<Cue, CueError> {
-        let cue = Cue { terms, regulator };
+        let cue = Cue { terms, regulator: regulator.map(Regulator::sorted) };
         cue.check()?;
         Ok(cue)
     }
@@ -159,7 +176,8 @@ impl Cue {
         self.regulator.as_mut()
     }
 
-    /// Whether it does nothing: no term, or none with an amplitude.
+    /// Whether it does nothing: no term with an amplitude, and no regulator with a strength. A regulator without a source
+    /// does something, since flow moves it.
     pub fn is_none(&self) -> bool {
         *self == Cue::none() || self.simplified() == Cue::none()
     }
@@ -171,6 +189,13 @@ impl Cue {
             return false;
         }
         let cue = self.simplified();
+        if let Some(Source { profile, amplitude }) = cue.regulator.as_ref().and_then(|regulator| regulator.source) {
+            // A source is even where a term is.
+            let term = Term { field: Field::Tension, profile, amplitude };
+            if !(Cue { terms: vec![term], regulator: None }).is_mirror_symmetric() {
+                return false;
+            }
+        }
         let scale: f64 = cue.terms.iter().map(|term| term.amplitude.abs()).sum();
         // Where an odd part would show: beside the places of the terms, and anywhere.
         let mut places: Vec<f64> = (0..32).map(|k| (f64::from(k) + 0.5) / 64.0).collect();
@@ -206,11 +231,12 @@ impl Cue {
         }
     }
 
-    /// The cue with all its amplitudes multiplied by `factor`.
+    /// The cue with what it does multiplied by `factor`: the amplitudes of its terms and the strengths of its regulator, whose
+    /// source stays as it is.
     pub fn scaled(&self, factor: f64) -> Cue {
         Cue {
             terms: self.terms.iter().map(|term| Term { amplitude: factor * term.amplitude, ..*term }).collect(),
-            regulator: self.regulator.clone(),
+            regulator: self.regulator.as_ref().map(|regulator| regulator.scaled(factor)),
         }
     }
 
@@ -225,83 +251,12 @@ impl Cue {
             }
         }
         terms.retain(|term| term.amplitude != 0.0);
-        Cue { terms, regulator: self.regulator.clone() }
-    }
-
-    /// Checks every number, and that fields which must be positive stay so.
-    ///
-    /// # Errors
-    /// [`CueError`] names the term's field and the number.
-    pub fn check(&self) -> Result<(), CueError> {
-        for (k, term) in self.terms.iter().enumerate() {
-            let range = |low: f64, high, allowed, value| (!(low..=high).contains(&value)).then_some(allowed);
-            for (quantity, allowed) in [
-                (Quantity::U0, term.quantity(Quantity::U0).and_then(|u0| range(0.0, 1.0, "from 0 to 1", u0))),
-                (Quantity::Omega, term.profile.refused_width()),
-                (Quantity::Amplitude, range(-LARGEST, LARGEST, "from -10000 to 10000", term.amplitude)),
-            ] {
-                if let (Some(allowed), Some(value)) = (allowed, term.quantity(quantity)) {
-                    return Err(CueError::new(self.label(k, quantity), value, allowed));
-                }
-            }
-        }
-        Field::POSITIVE.into_iter().try_for_each(|coefficient| self.check_positive(coefficient))
-    }
-
-    /// What errors call a number of term `k`.
-    fn label(&self, k: usize, quantity: Quantity) -> String {
-        let name = format!("{}.{}", self.terms[k].field.name(), quantity.name());
-        if self.terms.len() > 1 { format!("cue[{k}].{name}") } else { name }
-    }
-
-    /// Whether 1 + Σ A f stays above 0 for a coefficient that must.
-    fn check_positive(&self, coefficient: Field) -> Result<(), CueError> {
-        let touching: Vec<usize> = (0..self.terms.len()).filter(|&k| self.terms[k].field.modulates(coefficient)).collect();
-        let Some(&last) = touching.last() else { return Ok(()) };
-        // Profiles keep within their range, whatever their width: a bound that needs no contour. Where it is not enough,
-        // terms that lie apart are looked at along contours of all lengths that cells have.
-        let bound = |k: &usize| {
-            let [low, high] = self.terms[*k].profile.range();
-            (self.terms[*k].amplitude * low).min(self.terms[*k].amplitude * high)
-        };
-        if 1.0 + touching.iter().map(bound).sum::<f64>() > 0.0 {
-            return Ok(());
-        }
-        let lowest =
-            1.0 + CONTOURS.into_iter().map(|length| self.lowest(coefficient, length)).fold(f64::INFINITY, f64::min);
-        if touching.len() > 1 && lowest > 0.0 {
-            return Ok(());
-        }
-        let allowed = match (touching.len(), self.terms[last].profile.range()) {
-            (1, [-1.0, _]) => "above -1 and below 1".to_owned(),
-            (1, _) => "a finite number above -1".to_owned(),
-            _ => format!(
-                "such that {} stays above 0 everywhere; with all terms it falls to {lowest:.3}",
-                coefficient.name()
-            ),
-        };
-        Err(CueError::new(self.label(last, Quantity::Amplitude), self.terms[last].amplitude, allowed))
-    }
-
-    /// Smallest Σ A f(u) on a contour of length `length`, looked for on a grid, at the places of the terms and between them.
-    fn lowest(&self, coefficient: Field, length: f64) -> f64 {
-        let mut centres: Vec<f64> = self.terms.iter().filter_map(|term| term.quantity(Quantity::U0)).collect();
-        centres.sort_by(f64::total_cmp);
-        let between: Vec<f64> = centres.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
-        let grid = (0..=1000).map(|i| f64::from(i) / 1000.0);
-        grid.chain(centres).chain(between).map(|u| self.sum_at(coefficient, u, length)).fold(f64::INFINITY, f64::min)
+        Cue { terms, regulator: self.regulator.as_ref().and_then(Regulator::simplified) }
     }
 }
 
-/// Lengths of contours, in L_h, from those of the smallest cells that are asked about to those of the largest: a width in
-/// L_h is another width in u on each.
-const CONTOURS: [f64; 6] = [2.5, 4.0, 7.0, 12.0, 20.0, 40.0];
-
 /// Odd parts of a cue below this, relative to its amplitudes, are roundings of 1 − u.
 const EVEN: f64 = 1e-11;
-
-/// Largest amplitude.
-const LARGEST: f64 = 1e4;
 
 #[cfg(test)]
 mod tests {
@@ -357,6 +312,63 @@ mod tests {
         for line in include_str!("evenness.txt").lines() {
             let (evenness, text) = line.split_once(' ').unwrap();
             assert_eq!(cue(text).is_mirror_symmetric(), evenness == "even", "{text}");
+        }
+    }
+
+    #[test]
+    fn a_regulator_is_a_part_of_its_cue() {
+        let whole = cue(
+            "kappa:u0=0.4,omega=0.1,amplitude=0.1+regulator:step,u0=0.25,omega=0.1,amplitude=1,turnover=10,diffusion=1,diluted=false,xi_s=0.5,tension=4,tension.half=2",
+        );
+        let image = whole.mirrored();
+        assert_eq!(
+            image.regulator().unwrap().to_string(),
+            "regulator:step,u0=0.75,omega=-0.1,amplitude=1,turnover=10,diffusion=1,diluted=false,xi_s=0.5,tension=4,tension.half=2"
+        );
+        assert_eq!(image.mirrored(), whole);
+        // What it does is scaled, its source is not.
+        let twice = whole.scaled(2.0).to_string();
+        assert_eq!(twice, whole.to_string().replace("0.1+", "0.2+").replace("xi_s=0.5,tension=4", "xi_s=1,tension=8"));
+        assert!(whole.scaled(0.0).is_none() && !whole.is_none());
+        // Order does not matter.
+        let text = "regulator:none,turnover=10,diffusion=1,activity=0.3,kappa=0.1";
+        assert_eq!(cue(text).to_string(), text.replace("activity=0.3,kappa=0.1", "kappa=0.1,activity=0.3"));
+        assert_eq!(
+            cue(&format!("{text}+tension:gradient,amplitude=1")),
+            cue(&format!("tension:gradient,amplitude=1+{text}"))
+        );
+        // Flow moves a regulator that has no source; one that acts on nothing is none.
+        assert!(!cue(text).is_none());
+        let idle = "regulator:gradient,amplitude=0.5,turnover=10,diffusion=1,activity=0,kappa=0";
+        assert!(cue(idle).is_none());
+        let plain = cue(&format!("tension:gradient,amplitude=1+{idle}")).simplified();
+        assert_eq!(plain, cue("tension:gradient,amplitude=1"));
+        let less = cue("regulator:gradient,amplitude=0,turnover=10,diffusion=1,activity=0.3,kappa=0").simplified();
+        assert_eq!(less, cue("regulator:none,turnover=10,diffusion=1,activity=0.3"));
+    }
+
+    #[test]
+    fn fields_stay_above_zero_with_a_regulator_at_rest() {
+        for (fine, text) in [
+            // φ from 0 to 2.
+            (true, "regulator:band,u0=0.4,omega=0.1,amplitude=2,turnover=10,diffusion=1,kappa=-0.49"),
+            (false, "regulator:band,u0=0.4,omega=0.1,amplitude=2,turnover=10,diffusion=1,kappa=-0.5"),
+            (true, "regulator:band,u0=0.4,omega=0.1,amplitude=2,turnover=10,diffusion=1,activity=-9"),
+            (true, "regulator:band,u0=0.4,omega=0.1,amplitude=2,turnover=10,diffusion=1,eta_b=-0.4,eta_s=-0.4"),
+            (false, "regulator:band,u0=0.4,omega=0.1,amplitude=2,turnover=10,diffusion=1,eta_b=-0.4,viscosity=-0.4"),
+            (
+                false,
+                "kappa:u0=0.9,omega=0.1,amplitude=-0.6+regulator:band,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1,kappa=-0.4",
+            ),
+            // c²/(K² + c²) is 0.5 at rest.
+            (true, "regulator:none,turnover=10,diffusion=1,friction=-1.9,friction.half=1"),
+            (false, "regulator:none,turnover=10,diffusion=1,friction=-2,friction.half=1"),
+            (true, "regulator:none,turnover=10,diffusion=1,friction=-20"),
+            // A label of the material is no concentration.
+            (false, "regulator:gradient,amplitude=1,turnover=10,diffusion=1,activity=0.1"),
+            (true, "regulator:gradient,amplitude=1,turnover=10,diffusion=1,diluted=false,activity=0.1"),
+        ] {
+            assert_eq!(text.parse::<Cue>().is_ok(), fine, "{text}");
         }
     }
 

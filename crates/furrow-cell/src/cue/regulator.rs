@@ -69,7 +69,71 @@ pub enum RegulatorQuantity {
     Half(Field),
 }
 
+impl RegulatorQuantity {
+    /// All of them, in the order in which they are printed.
+    pub fn all() -> impl Iterator<Item = RegulatorQuantity> {
+        let source = Quantity::ALL.into_iter().map(RegulatorQuantity::Source);
+        let own = [RegulatorQuantity::Turnover, RegulatorQuantity::Diffusion];
+        let of = |field| [RegulatorQuantity::Strength(field), RegulatorQuantity::Half(field)];
+        source.chain(own).chain(Field::ALL.into_iter().flat_map(of))
+    }
+
+    /// Its name on the command line: `turnover`, of a coupling its field, `kappa`, and of a half-saturation `kappa.half`.
+    pub fn name(self) -> &'static str {
+        const HALVES: [&str; 9] = [
+            "kappa.half",
+            "activity.half",
+            "xi_s.half",
+            "xi_b.half",
+            "eta_b.half",
+            "eta_s.half",
+            "viscosity.half",
+            "friction.half",
+            "tension.half",
+        ];
+        match self {
+            RegulatorQuantity::Source(quantity) => quantity.name(),
+            RegulatorQuantity::Turnover => "turnover",
+            RegulatorQuantity::Diffusion => "diffusion",
+            RegulatorQuantity::Strength(field) => field.name(),
+            RegulatorQuantity::Half(field) => HALVES[field as usize],
+        }
+    }
+
+    /// The number of a name.
+    pub fn named(name: &str) -> Option<RegulatorQuantity> {
+        RegulatorQuantity::all().find(|quantity| quantity.name() == name)
+    }
+}
+
 impl Regulator {
+    /// The numbers that it has.
+    pub fn quantities(&self) -> impl Iterator<Item = RegulatorQuantity> {
+        RegulatorQuantity::all().filter(|quantity| self.quantity(*quantity).is_some())
+    }
+
+    /// The same regulator with its couplings in the order of [`Field::ALL`].
+    pub(super) fn sorted(mut self) -> Regulator {
+        self.couplings.sort_by_key(|coupling| coupling.field as usize);
+        self
+    }
+
+    /// The regulator with all its strengths multiplied by `factor`.
+    pub(super) fn scaled(&self, factor: f64) -> Regulator {
+        let scaled = |coupling: &Coupling| Coupling { strength: factor * coupling.strength, ..*coupling };
+        Regulator { couplings: self.couplings.iter().map(scaled).collect(), ..self.clone() }
+    }
+
+    /// The same regulator without what does nothing: couplings of strength 0, and a source that makes nothing. None if it acts
+    /// on no field.
+    pub(super) fn simplified(&self) -> Option<Regulator> {
+        let acts = |coupling: &&Coupling| coupling.strength != 0.0;
+        let couplings: Vec<Coupling> = self.couplings.iter().filter(acts).copied().collect();
+        // What is made is k A f.
+        let source = self.source.filter(|source| source.amplitude != 0.0 && self.turnover != 0.0);
+        (!couplings.is_empty()).then(|| Regulator { source, couplings, ..self.clone() })
+    }
+
     /// The same regulator with its numbers turned into others, each told which it is.
     pub fn map<E>(&self, mut number: impl FnMut(RegulatorQuantity, f64) -> E) -> Regulator<E> {
         use RegulatorQuantity::{Diffusion, Half, Strength, Turnover};

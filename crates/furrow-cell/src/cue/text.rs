@@ -1,4 +1,4 @@
-//! Cues as text: `none`, or terms `FIELD:PROFILE,key=value,…` joined by `+`.
+//! Cues as text: `none`, or terms `FIELD:PROFILE,key=value,…` joined by `+`; one of them may be a regulator.
 //!
 //! What is printed is what is read: [`Display`](std::fmt::Display) writes every number with as many digits as it takes to
 //! get the same number back.
@@ -7,24 +7,32 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::profile::NAMES;
-use super::{Cue, CueError, Field, Profile, Quantity, Term, Width};
+use super::regulator_text;
+use super::{Cue, CueError, Field, Profile, Quantity, Scale, Term, Width, WrittenCue};
 use furrow_input::{did_you_mean, shown};
 
 impl fmt::Display for Term {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}", self.field.name(), self.profile.name())?;
-        if let (Some(u0), Some(width)) = (self.quantity(Quantity::U0), self.profile.width()) {
-            let unit = if matches!(width, Width::Length(_)) { "Lh" } else { "" };
-            write!(f, ",u0={u0},omega={}{unit}", width.value())?;
-        }
-        write!(f, ",amplitude={}", self.amplitude)
+        write!(f, "{}:", self.field.name())?;
+        write_spread(f, &self.profile, self.amplitude)
     }
+}
+
+/// Writes A f.
+pub(super) fn write_spread(f: &mut fmt::Formatter<'_>, profile: &Profile, amplitude: f64) -> fmt::Result {
+    f.write_str(profile.name())?;
+    if let (Some(u0), Some(width)) = (profile.quantity(Quantity::U0), profile.width()) {
+        let unit = if matches!(width, Width::Length(_)) { "Lh" } else { "" };
+        write!(f, ",u0={u0},omega={}{unit}", width.value())?;
+    }
+    write!(f, ",amplitude={amplitude}")
 }
 
 impl fmt::Display for Cue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let terms: Vec<String> = self.terms().iter().map(Term::to_string).collect();
-        f.write_str(if terms.is_empty() { "none".to_owned() } else { terms.join("+") }.as_str())
+        let parts = self.terms().iter().map(Term::to_string).chain(self.regulator().map(ToString::to_string));
+        let parts: Vec<String> = parts.collect();
+        f.write_str(if parts.is_empty() { "none".to_owned() } else { parts.join("+") }.as_str())
     }
 }
 
@@ -48,18 +56,19 @@ pub fn split_terms(text: &str) -> Vec<&str> {
     parts
 }
 
-/// Numbers given for one term, before it is known whether they are all there.
+/// Numbers given for one A f, before it is known whether they are all there.
 #[derive(Default)]
 pub(super) struct Numbers {
     pub u0: Option<f64>,
     pub omega: Option<Width>,
+    /// Whether the width is in µm.
+    pub micrometres: bool,
     pub amplitude: Option<f64>,
 }
 
 impl Numbers {
-    /// The term, if every number its profile needs is given, and no other.
-    pub fn term(self, field: Field, profile: &str) -> Result<Term, CueError> {
-        let name = field.name();
+    /// The profile and its amplitude, if every number that it needs is given, and no other. Errors call it `name`.
+    pub fn spread(self, name: &str, profile: &str) -> Result<(Profile, f64), CueError> {
         let missing = |quantity: Quantity| {
             let field = format!("{name}.{}", quantity.name());
             CueError::new(field, "(not given)", format!("given: a {profile} has no default for it"))
@@ -76,21 +85,23 @@ impl Numbers {
                 let omega = omega.ok_or_else(|| missing(Quantity::Omega))?;
                 if profile == "band" { Profile::Band { u0, omega } } else { Profile::Step { u0, omega } }
             }
-            _ => return Err(unknown_profile(field, profile)),
+            _ => return Err(CueError::new(name, shown(profile), one_of(NAMES, profile))),
         };
         let amplitude = self.amplitude.ok_or_else(|| missing(Quantity::Amplitude))?;
-        Ok(Term { field, profile, amplitude })
+        Ok((profile, amplitude))
+    }
+
+    /// The term of a field with these numbers.
+    pub fn term(self, field: Field, profile: &str) -> Result<WrittenCue, CueError> {
+        let micrometres = self.micrometres;
+        let (profile, amplitude) = self.spread(field.name(), profile)?;
+        Ok(WrittenCue::term(Term { field, profile, amplitude }, micrometres))
     }
 }
 
 /// Which of these names there are, with the one nearest to what is written.
-fn one_of<const N: usize>(names: [&str; N], written: &str) -> String {
+pub(super) fn one_of<const N: usize>(names: [&str; N], written: &str) -> String {
     format!("one of {}{}", names.join(", "), did_you_mean(written, names))
-}
-
-/// The error for a profile that there is not.
-fn unknown_profile(field: Field, profile: &str) -> CueError {
-    CueError::new(field.name(), shown(profile), one_of(NAMES, profile))
 }
 
 /// The field of a name.
@@ -100,9 +111,17 @@ pub(super) fn field(name: &str) -> Result<Field, CueError> {
     known.ok_or_else(|| CueError::new("cue", shown(name), allowed()))
 }
 
-fn parse_term(text: &str) -> Result<Term, CueError> {
+/// The field of a name that may also be a regulator's.
+pub(super) fn field_of_term(name: &str) -> Result<Field, CueError> {
+    let names = || Field::ALL.map(Field::name).into_iter().chain([REGULATOR]);
+    let fields = Field::ALL.map(Field::name).join(", ");
+    let allowed = || format!("a field, one of {fields}, or {REGULATOR}{}", did_you_mean(name, names()));
+    field(name).map_err(|error| CueError { allowed: allowed(), ..error })
+}
+
+fn parse_term(text: &str) -> Result<WrittenCue, CueError> {
     let Some((name, list)) = text.split_once(':') else {
-        let is_field = Field::ALL.iter().any(|field| text.starts_with(field.name()));
+        let is_field = starts_with_field(text);
         let allowed = match (text.is_empty(), is_field) {
             (true, _) => "a term: there is nothing before, between or behind +",
             (_, true) => "a term FIELD:PROFILE,key=value,.. with a colon after the field",
@@ -110,83 +129,136 @@ fn parse_term(text: &str) -> Result<Term, CueError> {
         };
         return Err(CueError::new("cue", shown(text), allowed));
     };
-    let field = field(name.trim())?;
-    let mut entries = list.split(',').map(str::trim).peekable();
-    let profile = entries.next_if(|first| !first.contains('=')).unwrap_or(NAMES[0]);
-    if !NAMES.contains(&profile) {
-        return Err(unknown_profile(field, profile));
+    if name.trim() == REGULATOR {
+        return regulator_text::parse(list);
     }
+    let field = field_of_term(name.trim())?;
+    let name = field.name();
+    let (profile, entries) = entries(name, list, &NAMES);
+    let profile = profile?.unwrap_or(NAMES[0]);
     let mut numbers = Numbers::default();
     for entry in entries {
-        let Some((key, value)) = entry.split_once('=') else {
-            let allowed = "key=value, set off by single commas";
-            return Err(CueError::new(format!("{}:{profile}", field.name()), shown(entry), allowed));
-        };
-        set(&mut numbers, field, profile, key.trim(), value.trim())?;
+        let (key, value) = key_and_value(&format!("{name}:{profile}"), entry)?;
+        if !numbers.set(name, key, value)? {
+            let allowed = one_of(Quantity::ALL.map(Quantity::name), key);
+            return Err(CueError::new(format!("{name}:{profile}"), shown(key), allowed));
+        }
     }
     numbers.term(field, profile)
 }
 
-fn set(numbers: &mut Numbers, field: Field, profile: &str, key: &str, value: &str) -> Result<(), CueError> {
-    let label = format!("{}.{key}", field.name());
-    let number = |text: &str, allowed: &str| {
-        text.trim().parse::<f64>().map_err(|_| CueError::new(label.as_str(), shown(value), allowed))
+/// Whether a text begins as a term or a regulator does.
+pub fn starts_with_field(text: &str) -> bool {
+    Field::ALL.map(Field::name).into_iter().chain([REGULATOR]).any(|name| text.starts_with(name))
+}
+
+/// What stands in the place of a field where a part of a cue is a regulator.
+pub(super) const REGULATOR: &str = "regulator";
+
+/// The profile at the head of a list, if one is given, and the entries behind it.
+pub(super) fn entries<'a>(
+    name: &str,
+    list: &'a str,
+    profiles: &[&'static str],
+) -> (Result<Option<&'a str>, CueError>, impl Iterator<Item = &'a str>) {
+    let mut entries = list.split(',').map(str::trim).peekable();
+    let profile = entries.next_if(|first| !first.contains('='));
+    let known = profile.is_none_or(|profile| profiles.contains(&profile));
+    let unknown = |profile: &str| {
+        let allowed = format!("one of {}{}", profiles.join(", "), did_you_mean(profile, profiles.iter().copied()));
+        CueError::new(name, shown(profile), allowed)
     };
-    let repeated = match key {
-        "u0" => numbers.u0.replace(number(value, "a number")?).is_some(),
-        "amplitude" => numbers.amplitude.replace(number(value, "a number")?).is_some(),
-        "omega" => {
-            const ALLOWED: &str = "a number, in u, or with Lh behind it in L_h";
-            let width = match value.strip_suffix("Lh") {
-                Some(length) => Width::Length(number(length, ALLOWED)?),
-                None => Width::Fraction(number(value, ALLOWED)?),
-            };
-            numbers.omega.replace(width).is_some()
-        }
-        other => {
-            let allowed = one_of(Quantity::ALL.map(Quantity::name), other);
-            return Err(CueError::new(format!("{}:{profile}", field.name()), shown(other), allowed));
-        }
-    };
-    if repeated {
-        return Err(CueError::new(label, shown(value), "given once: it is given twice"));
+    (if known { Ok(profile) } else { Err(unknown(profile.unwrap_or_default())) }, entries)
+}
+
+/// The two sides of `key=value`.
+pub(super) fn key_and_value<'a>(part: &str, entry: &'a str) -> Result<(&'a str, &'a str), CueError> {
+    let allowed = "key=value, set off by single commas";
+    let (key, value) = entry.split_once('=').ok_or_else(|| CueError::new(part, shown(entry), allowed))?;
+    Ok((key.trim(), value.trim()))
+}
+
+/// The number before a unit, if the unit is there; the µ of µm is written in three ways.
+pub(super) fn without_unit<'a>(value: &'a str, unit: &str) -> Option<&'a str> {
+    let behind_mu = unit.strip_prefix('u').filter(|rest| rest.starts_with('m'));
+    let others = behind_mu.into_iter().flat_map(|rest| ['µ', 'μ'].map(|mu| format!("{mu}{rest}")));
+    others.chain([unit.to_owned()]).find_map(|unit| value.strip_suffix(unit.as_str())).map(str::trim_end)
+}
+
+/// The value of a key as a number.
+pub(super) fn number(name: &str, key: &str, text: &str, value: &str, allowed: &str) -> Result<f64, CueError> {
+    text.parse().map_err(|_| CueError::new(format!("{name}.{key}"), shown(value), allowed))
+}
+
+/// Refuses a key that is given twice.
+pub(super) fn once(repeated: bool, name: &str, key: &str, value: &str) -> Result<(), CueError> {
+    let twice = || CueError::new(format!("{name}.{key}"), shown(value), "given once: it is given twice");
+    if repeated { Err(twice()) } else { Ok(()) }
+}
+
+impl Numbers {
+    /// Takes a value, if it is that of one of these numbers. Errors call the part of the cue `name`.
+    pub fn set(&mut self, name: &str, key: &str, value: &str) -> Result<bool, CueError> {
+        let plain = || number(name, key, value, value, "a number");
+        let repeated = match key {
+            "u0" => self.u0.replace(plain()?).is_some(),
+            "amplitude" => self.amplitude.replace(plain()?).is_some(),
+            "omega" => {
+                const ALLOWED: &str = "a number, in u, or with Lh or um behind it in L_h or µm";
+                let micrometres = without_unit(value, "um");
+                self.micrometres = micrometres.is_some();
+                let length = micrometres.or_else(|| value.strip_suffix("Lh").map(str::trim_end));
+                let omega = number(name, key, length.unwrap_or(value), value, ALLOWED)?;
+                self.omega
+                    .replace(if length.is_some() { Width::Length(omega) } else { Width::Fraction(omega) })
+                    .is_some()
+            }
+            _ => return Ok(false),
+        };
+        once(repeated, name, key, value)?;
+        Ok(true)
     }
-    Ok(())
 }
 
 impl FromStr for Cue {
     type Err = CueError;
 
     fn from_str(text: &str) -> Result<Cue, CueError> {
-        Cue::parse_with(text, |_| None)
+        Cue::parse_with(text, &Scale::default(), |_| None)
     }
 }
 
 impl Cue {
-    /// Reads a cue whose terms may also be names, which `named` knows.
+    /// Reads a cue whose terms may also be names, which `named` knows, and whose numbers may be in µm and seconds.
     ///
     /// # Errors
     /// [`CueError`] names the part of the cue, what it is, and what it may be.
-    pub fn parse_with(text: &str, named: impl Fn(&str) -> Option<Cue>) -> Result<Cue, CueError> {
+    pub fn parse_with(text: &str, scale: &Scale, named: impl Fn(&str) -> Option<Cue>) -> Result<Cue, CueError> {
         let parts = split_terms(text);
-        let mut terms = Vec::new();
+        let mut written = WrittenCue::default();
         for part in &parts {
-            match (*part, named(part)) {
-                ("none", _) => {}
-                (_, Some(cue)) => terms.extend_from_slice(cue.terms()),
-                _ => terms.push(parse_term(part).map_err(|error| match parts.len() {
+            let added = match (*part, named(part)) {
+                ("none", _) => WrittenCue::default(),
+                (_, Some(cue)) => WrittenCue::from(cue),
+                _ => parse_term(part).map_err(|error| match parts.len() {
                     1 => error,
+                    // A regulator is the only one.
+                    _ if error.field.starts_with(REGULATOR) => error,
                     // Which of several is told by its place, as in complaints about the sum.
-                    _ => CueError { field: format!("cue[{}].{}", terms.len(), error.field), ..error },
-                })?),
-            }
+                    _ => CueError { field: format!("cue[{}].{}", written.terms(), error.field), ..error },
+                })?,
+            };
+            written.add(added)?;
         }
-        Cue::new(terms)
+        let cue = written.in_units(scale)?;
+        cue.check()?;
+        Ok(cue)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Coupling, Regulator, Source};
     use super::*;
     use proptest::prelude::*;
 
@@ -215,24 +287,49 @@ mod tests {
         assert_eq!(cue.to_string(), "tension:gradient,amplitude=1+xi_b:band,u0=0.5,omega=0.3Lh,amplitude=2");
     }
 
+    /// The cue comes back from its text bit for bit, and from RON and JSON.
+    fn assert_reads_back(cue: &Cue) {
+        assert_eq!(&cue.to_string().parse::<Cue>().unwrap(), cue);
+        let json = serde_json::to_string(cue).unwrap();
+        assert_eq!(&serde_json::from_str::<Cue>(&json).unwrap(), cue, "{json}");
+        let ron = ron::to_string(cue).unwrap();
+        assert_eq!(&furrow_input::parse_ron::<Cue>(&ron, "x").unwrap(), cue, "{ron}");
+    }
+
+    fn profile(kind: usize, length: bool, u0: f64, omega: f64) -> Profile {
+        let omega = if length { Width::Length(omega) } else { Width::Fraction(omega) };
+        [Profile::Band { u0, omega }, Profile::Step { u0, omega }, Profile::Gradient][kind]
+    }
+
     proptest! {
-        /// Every field with every profile comes back from its text bit for bit, and from RON and JSON.
+        /// Every field with every profile.
         #[test]
         fn what_is_printed_is_what_is_read(
             field in 0..9_usize, kind in 0..3_usize, length in any::<bool>(),
             u0 in 0.001..0.999_f64, omega in 1e-3..2.0_f64, amplitude in -0.99..0.99_f64,
         ) {
-            let omega = if length { Width::Length(omega) } else { Width::Fraction(omega) };
-            let profile = [Profile::Band { u0, omega }, Profile::Step { u0, omega }, Profile::Gradient][kind];
-            let term = Term { field: Field::ALL[field], profile, amplitude };
-            let cue = Cue::new(vec![term, Term { field: Field::Tension, ..term }]).unwrap();
-            prop_assert_eq!(&cue.to_string().parse::<Cue>().unwrap(), &cue);
-            let single = Cue::new(vec![term]).unwrap();
-            for cue in [Cue::none(), single, cue] {
-                let json = serde_json::to_string(&cue).unwrap();
-                prop_assert_eq!(&serde_json::from_str::<Cue>(&json).unwrap(), &cue, "{}", json);
-                let ron = ron::to_string(&cue).unwrap();
-                prop_assert_eq!(&furrow_input::parse_ron::<Cue>(&ron, "x").unwrap(), &cue, "{}", ron);
+            let term = Term { field: Field::ALL[field], profile: profile(kind, length, u0, omega), amplitude };
+            for terms in [vec![], vec![term], vec![term, Term { field: Field::Tension, ..term }]] {
+                assert_reads_back(&Cue::new(terms).unwrap());
+            }
+        }
+
+        /// Every kind of source and of coupling, alone and beside a term.
+        #[test]
+        fn what_is_printed_of_a_regulator_is_what_is_read(
+            (kind, length, u0, omega, amplitude) in
+                (0..4_usize, any::<bool>(), 0.001..0.999_f64, 1e-3..2.0_f64, -0.9..0.9_f64),
+            (turnover, diffusion, diluted) in (0.0..100.0_f64, 0.05..10.0_f64, any::<bool>()),
+            couplings in proptest::sample::subsequence(Field::ALL.to_vec(), 1..9),
+            strength in -0.1..0.1_f64, half in proptest::option::of(1e-3..100.0_f64),
+        ) {
+            let source = (kind < 3).then(|| Source { profile: profile(kind, length, u0, omega), amplitude });
+            let of = |field| Coupling { field, strength, half: half.filter(|_| field != Field::Kappa) };
+            let couplings = couplings.into_iter().rev().map(of).collect();
+            let regulator = Regulator { source, turnover, diffusion, diluted, couplings };
+            let term = Term { field: Field::Tension, profile: Profile::Gradient, amplitude };
+            for terms in [vec![], vec![term]] {
+                assert_reads_back(&Cue::with_regulator(terms, Some(regulator.clone())).unwrap());
             }
         }
     }

@@ -3,7 +3,7 @@
 //! Colours are those of Okabe & Ito (*Color universal design*, 2008), which are distinguishable with every common colour vision and
 //! differ in lightness in print. An outcome has the same colour in every picture.
 
-use furrow_cell::cue::{Field, Quantity, Width, split_terms};
+use furrow_cell::cue::{Field, Quantity, RegulatorQuantity, Width, split_terms};
 use furrow_cell::{Cell, Cue, Parameter};
 use furrow_mechanics::division::Outcome;
 
@@ -147,7 +147,12 @@ pub fn cue_without(cue: &Cue, varied: &[Parameter]) -> String {
     let left = |(k, term): (usize, &str)| {
         let varies = |part: &&str| {
             let key = part.split('=').next().unwrap_or_default();
-            let is = |parameter: &Parameter| matches!(parameter, Parameter::Cue { term, .. } if *term == k);
+            let is = |parameter: &Parameter| match parameter {
+                Parameter::Cue { term, .. } => *term == k,
+                // It is written behind the terms.
+                Parameter::Regulator(_) => k == cue.terms().len(),
+                _ => false,
+            };
             varied.iter().any(|parameter| is(parameter) && parameter.name() == key)
         };
         term.split(',').filter(|part| !varies(part)).collect::<Vec<_>>().join(",")
@@ -181,6 +186,7 @@ pub fn parameter(parameter: Parameter, cue: &Cue) -> String {
         Parameter::Friction => "friction Γ",
         Parameter::Tension => "tension γ (κ₀/Lₕ²)",
         Parameter::Cue { term, quantity } => return of_cue(term, quantity, cue),
+        Parameter::Regulator(quantity) => return of_regulator(quantity, cue),
     };
     name.to_owned()
 }
@@ -208,6 +214,27 @@ fn of_cue(number: usize, quantity: Quantity, cue: &Cue) -> String {
     format!("{name} of {whose}{brackets}")
 }
 
+/// What a number of a cue's regulator is called along an axis, with its unit in brackets.
+fn of_regulator(quantity: RegulatorQuantity, cue: &Cue) -> String {
+    let source = cue.regulator().and_then(|regulator| regulator.source);
+    match quantity {
+        RegulatorQuantity::Turnover => "turnover of the regulator (1/τ)".to_owned(),
+        RegulatorQuantity::Diffusion => "diffusion of the regulator (Lₕ²/τ)".to_owned(),
+        RegulatorQuantity::Source(Quantity::U0) => "place u₀ of the regulator's source".to_owned(),
+        RegulatorQuantity::Source(Quantity::Amplitude) => "amplitude of the regulator's source".to_owned(),
+        RegulatorQuantity::Source(Quantity::Omega) => {
+            let length =
+                source.and_then(|source| source.profile.width()).is_some_and(|w| matches!(w, Width::Length(_)));
+            format!("width ω of the regulator's source{}", if length { " (Lₕ)" } else { "" })
+        }
+        RegulatorQuantity::Strength(on) => {
+            let unit = if on == Field::Tension { " (κ₀/Lₕ²)" } else { "" };
+            format!("coupling of the regulator to {}{unit}", field(on))
+        }
+        RegulatorQuantity::Half(on) => format!("half-saturation of the coupling to {}", field(on)),
+    }
+}
+
 /// The sign that stands for a parameter beside its value.
 pub fn symbol(parameter: Parameter) -> String {
     let sign = match parameter {
@@ -220,11 +247,14 @@ pub fn symbol(parameter: Parameter) -> String {
         Parameter::Kappa => "κ",
         Parameter::Friction => "Γ",
         Parameter::Tension => "γ",
-        Parameter::Cue { quantity, .. } => match quantity {
+        Parameter::Regulator(RegulatorQuantity::Turnover) => "k",
+        Parameter::Regulator(RegulatorQuantity::Diffusion) => "D",
+        Parameter::Cue { quantity, .. } | Parameter::Regulator(RegulatorQuantity::Source(quantity)) => match quantity {
             Quantity::U0 => "u₀",
             Quantity::Omega => "ω",
             Quantity::Amplitude => "amplitude",
         },
+        Parameter::Regulator(RegulatorQuantity::Strength(on)) => return format!("coupling to {}", field(on)),
         other => other.name(),
     };
     sign.to_owned()
@@ -265,6 +295,19 @@ mod tests {
         ] {
             assert_eq!(called(name, &cue), expected);
         }
+        let carried: Cue = "tension:gradient,amplitude=0.3+regulator:band,u0=0.4,omega=0.3Lh,amplitude=1,turnover=10,diffusion=1,tension=2"
+            .parse()
+            .unwrap();
+        for (name, expected) in [
+            ("regulator.turnover", "turnover of the regulator (1/τ)"),
+            ("regulator.omega", "width ω of the regulator's source (Lₕ)"),
+            ("regulator.tension", "coupling of the regulator to tension (κ₀/Lₕ²)"),
+        ] {
+            assert_eq!(called(name, &carried), expected);
+        }
+        let left =
+            cue_without(&carried, &["regulator.amplitude", "regulator.tension"].map(|name| name.parse().unwrap()));
+        assert_eq!(left, "tension:gradient,amplitude=0.3+regulator:band,u0=0.4,omega=0.3Lh,turnover=10,diffusion=1");
         assert_eq!(called("cue.u0", &Cue::published()), "place u₀ of the cue (rigidity band)");
         assert_eq!(called("cue.amplitude", &Cue::none()), "amplitude of the cue");
         let varied = ["cue[1].amplitude".parse().unwrap(), Parameter::R0];

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
 use furrow_cell::cue::profile::NAMES;
-use furrow_cell::cue::{Field, Quantity, Term, Width};
+use furrow_cell::cue::{Coupling, Field, Profile, Quantity, Regulator, Source, Term, Width};
 use furrow_cell::{Cell, Cue, Material, Numerics, RigidityGradient, Scheme, Shell};
 use furrow_mechanics::division::DivisionInput;
 
@@ -85,11 +85,38 @@ impl CanonicalBytes {
         self.choice(cue.terms().len());
         for Term { field, profile, amplitude } in cue.terms() {
             self.choice(Field::ALL.iter().position(|other| other == field).unwrap_or(Field::ALL.len()));
-            self.choice(NAMES.iter().position(|name| *name == profile.name()).unwrap_or(NAMES.len()));
-            let numbers = [profile.quantity(Quantity::U0), profile.quantity(Quantity::Omega), Some(*amplitude)];
-            self.reals(numbers.into_iter().flatten());
-            self.choice(usize::from(matches!(profile.width(), Some(Width::Length(_)))));
+            self.choice(profile_choice(profile));
+            self.spread(profile, *amplitude);
         }
+        // Nothing is written where there is none, so that cues without one keep their keys.
+        if let Some(regulator) = cue.regulator() {
+            self.regulator(regulator);
+        }
+    }
+
+    /// A mark that no discretisation begins with, then every number: what is before it says how many there are.
+    fn regulator(&mut self, regulator: &Regulator) {
+        let Regulator { source, turnover, diffusion, diluted, couplings } = regulator;
+        self.choice(REGULATOR);
+        self.choice(source.map_or(NAMES.len(), |source| profile_choice(&source.profile)));
+        if let Some(Source { profile, amplitude }) = source {
+            self.spread(profile, *amplitude);
+        }
+        self.reals([*turnover, *diffusion]);
+        self.choice(usize::from(*diluted));
+        self.choice(couplings.len());
+        for Coupling { field, strength, half } in couplings {
+            self.choice(*field as usize);
+            self.choice(usize::from(half.is_some()));
+            self.reals([Some(*strength), *half].into_iter().flatten());
+        }
+    }
+
+    /// The numbers of A f and the unit of its width.
+    fn spread(&mut self, profile: &Profile, amplitude: f64) {
+        let numbers = [profile.quantity(Quantity::U0), profile.quantity(Quantity::Omega), Some(amplitude)];
+        self.reals(numbers.into_iter().flatten());
+        self.choice(usize::from(matches!(profile.width(), Some(Width::Length(_)))));
     }
 
     fn numerics(&mut self, numerics: &Numerics) {
@@ -99,6 +126,14 @@ impl CanonicalBytes {
         reals[if scheme == Scheme::Published { 1 } else { 0 }] = 0.0;
         self.reals(reals);
     }
+}
+
+/// What a regulator begins with. Without one the stages of the discretisation stand there, and they are few.
+const REGULATOR: usize = 255;
+
+/// A profile by its place among the names.
+fn profile_choice(profile: &Profile) -> usize {
+    NAMES.iter().position(|name| *name == profile.name()).unwrap_or(NAMES.len())
 }
 
 /// Everything that a discretisation says: stages and intervals, the scheme, the reals from `dt` to `chi_symmetric`.
@@ -196,6 +231,19 @@ mod tests {
         assert_ne!(key(0.0), key(f64::MIN_POSITIVE));
     }
 
+    /// Stored divisions and shards of sweeps depend on them.
+    #[test]
+    fn cues_without_a_regulator_have_the_keys_that_they_had_before_there_was_one() {
+        for (cue, prefix) in [
+            ("none", 0x5fb3_e2b3_b233_4808),
+            ("kappa:u0=0.465,omega=0.0577,amplitude=0.1", 0xc8bb_ffd7_64b2_9679),
+            ("kappa:step,u0=0.4,omega=0.1Lh,amplitude=0.2+tension:gradient,amplitude=0.3", 0x4e08_4e19_ebeb_c2c2),
+        ] {
+            let cell = input(2.0).cell.with_cue(cue.parse().unwrap());
+            assert_eq!(Key::new(&DivisionInput { cell, ..input(2.0) }).prefix(), prefix, "{cue}");
+        }
+    }
+
     #[test]
     fn counts_choices_and_seed_are_in_the_key() {
         let base = input(2.0);
@@ -214,7 +262,37 @@ mod tests {
         keys.sort();
         keys.dedup();
         assert_eq!(keys.len(), 8);
-        // A cue that does nothing is none.
+        // Every number of a regulator, what kind of number it is, and whether it has a source.
+        let cues = [
+            "band,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1,kappa=0.2,tension=3,tension.half=2",
+            "band,u0=0.41,omega=0.1,amplitude=1,turnover=10,diffusion=1,kappa=0.2,tension=3,tension.half=2",
+            "band,u0=0.4,omega=0.11,amplitude=1,turnover=10,diffusion=1,kappa=0.2,tension=3,tension.half=2",
+            "band,u0=0.4,omega=0.1Lh,amplitude=1,turnover=10,diffusion=1,kappa=0.2,tension=3,tension.half=2",
+            "band,u0=0.4,omega=0.1,amplitude=1.1,turnover=10,diffusion=1,kappa=0.2,tension=3,tension.half=2",
+            "band,u0=0.4,omega=0.1,amplitude=1,turnover=11,diffusion=1,kappa=0.2,tension=3,tension.half=2",
+            "band,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1.1,kappa=0.2,tension=3,tension.half=2",
+            "band,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1,kappa=0.21,tension=3,tension.half=2",
+            "band,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1,kappa=0.2,tension=3.1,tension.half=2",
+            "band,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1,kappa=0.2,tension=3,tension.half=2.1",
+            "band,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1,kappa=0.2,tension=3",
+            "band,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1,kappa=0.2,friction=3,friction.half=2",
+            "band,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1,diluted=false,kappa=0.2,tension=3,tension.half=2",
+            "step,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1,kappa=0.2,tension=3,tension.half=2",
+            "none,turnover=10,diffusion=1,kappa=0.2,tension=3,tension.half=2",
+        ];
+        let with = |cue: &str| {
+            Key::new(&DivisionInput { cell: base.cell.clone().with_cue(cue.parse().unwrap()), ..base.clone() })
+        };
+        let mut keys: Vec<Key> = cues.iter().map(|cue| with(&format!("regulator:{cue}"))).collect();
+        keys.extend([
+            Key::new(&base),
+            with("tension:gradient,amplitude=0.1+regulator:none,turnover=10,diffusion=1,kappa=0.2"),
+        ]);
+        keys.sort();
+        keys.dedup();
+        assert_eq!(keys.len(), cues.len() + 2);
+        // A cue that does nothing is none, and so is a regulator that acts on nothing.
+        assert_eq!(with("regulator:gradient,amplitude=0.5,turnover=10,diffusion=1,kappa=0"), Key::new(&base));
         let idle = Cue::kappa_band(0.465, 0.0577, 0.0);
         let idle = DivisionInput { cell: base.cell.clone().with_cue(idle), ..base.clone() };
         assert_eq!(Key::new(&idle), Key::new(&base));

@@ -136,7 +136,15 @@ function cueText(cue) {
   if ("u0" in value) parts.push(`u0=${value.u0}`);
   if ("omega" in value) parts.push(`omega=${value.omega}`);
   if ("omega_length" in value) parts.push(`omega=${value.omega_length}Lh`);
-  parts.push(`amplitude=${value.amplitude}`);
+  if ("amplitude" in value) parts.push(`amplitude=${value.amplitude}`);
+  if (name === "regulator") {
+    parts.push(`turnover=${value.turnover}`, `diffusion=${value.diffusion}`);
+    if (value.diluted === false) parts.push("diluted=false");
+    for (const [field, strength] of Object.entries(value.couplings)) {
+      parts.push(`${field}=${strength}`);
+      if (value.half && field in value.half) parts.push(`${field}.half=${value.half[field]}`);
+    }
+  }
   return `${name}:${value.profile ?? "band"},${parts.join(",")}`;
 }
 

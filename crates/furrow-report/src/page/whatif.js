@@ -76,13 +76,13 @@ class WhatIf {
     }
   }
 
-  /** A cue of one term fills the sliders; one of several is kept as it is until its switch is used. */
+  /** A cue of one term fills the sliders; one of several, or a regulator, is kept as it is until its switch is used. */
   putCue(cue) {
     const whole = element("cue-on");
     whole.checked = cue !== "none";
     this.kept = null;
     let [field, value] = cue === "none" ? ["kappa", { u0: 0.465, omega: 0.0577, amplitude: 0.1 }] : Object.entries(cue)[0];
-    if (field === "sum" || "omega_length" in value) {
+    if (field === "sum" || field === "regulator" || "omega_length" in value) {
       this.kept = cue;
       [field, value] = ["kappa", { u0: 0.465, omega: 0.0577, amplitude: 0.1 }];
     }
