@@ -4,7 +4,7 @@ use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{BoundaryValueProblem, Newton, NewtonError, Solution, System};
 use furrow_cell::cue::Field;
 use furrow_cell::{Cell, CueError, Numerics};
-use furrow_mechanics::cortex::observables::positions;
+use furrow_mechanics::cortex::observables::{positions, regulator, with_components};
 use furrow_mechanics::cortex::symmetry::unfold;
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_mechanics::equilibria::{StationaryError, passive, stationary};
@@ -23,7 +23,15 @@ impl Draws {
     }
 }
 
-/// No cue, every field with every profile, widths in u and in L_h, and a sum of two terms.
+/// A label of the material, a source that follows the contour's length, a regulator without one, and couplings that saturate, beside a
+/// painted term and beside each other.
+const CARRIED: [&str; 3] = [
+    "regulator:step,u0=0.55,omega=0.8Lh,amplitude=0.6,turnover=3,diffusion=1.2,diluted=false,kappa=0.3,xi_b=-0.4",
+    "regulator:none,turnover=5,diffusion=0.9,activity=0.5,tension=0.7,tension.half=1.5",
+    "kappa:gradient,amplitude=0.2+regulator:gradient,amplitude=0.3,turnover=2,diffusion=1,kappa=0.6,kappa.half=0.8",
+];
+
+/// No cue, every field with every profile, widths in u and in L_h, a sum of two terms, and regulators.
 pub fn cues() -> Vec<String> {
     let mut out = vec!["none".to_owned()];
     for name in Field::ALL.map(Field::name) {
@@ -32,6 +40,10 @@ pub fn cues() -> Vec<String> {
         out.push(format!("{name}:gradient,amplitude=0.25"));
     }
     out.push("kappa:gradient,amplitude=0.2+tension:band,u0=0.6,omega=0.8Lh,amplitude=0.5".to_owned());
+    for name in Field::ALL.map(Field::name) {
+        out.push(format!("regulator:band,u0=0.44,omega=0.2,amplitude=0.5,turnover=4,diffusion=0.7,{name}=0.4"));
+    }
+    out.extend(CARRIED.map(str::to_owned));
     out
 }
 
@@ -76,8 +88,8 @@ pub fn passive_shape(cell: &Cell, numerics: &Numerics) -> Result<Solution, Newto
 /// # Errors
 /// If Newton's method fails.
 pub fn moving(cell: &Cell, steps: usize) -> Result<Computed, NewtonError> {
-    let mut shape = passive_shape(cell, &fine())?;
     let mut cortex = Cortex::new(cell, Domain::Full, &[]);
+    let mut shape = with_components(&passive_shape(cell, &fine())?, cortex.components());
     let mut system = System::new(cortex.dimensions(), shape.m);
     let newton = Newton { tolerance: 1e-11, ..Newton::default() };
     let (mut before, mut after) = (Vec::new(), Vec::new());
@@ -87,6 +99,7 @@ pub fn moving(cell: &Cell, steps: usize) -> Result<Computed, NewtonError> {
         cortex.rate = 1.0 / dt;
         positions(&shape, &mut before);
         cortex.past.clone_from(&before);
+        regulator(&shape, &mut cortex.past_phi);
         if step + 1 == steps {
             let count = before.len() as f64;
             cortex.noise = (0..before.len()).map(|k| 1.0 + 0.05 * (9.0 * k as f64 / count).cos()).collect();

@@ -185,9 +185,6 @@ impl Cue {
     /// Whether it is even about u = ½, so that shapes can be mirror-symmetric and pitchforks stay pitchforks. It is a
     /// property of what the terms do together to each coefficient of the equations, however they are written.
     pub fn is_mirror_symmetric(&self) -> bool {
-        if self.regulator.as_ref().is_some_and(|regulator| regulator.source.is_some()) {
-            return false;
-        }
         let cue = self.simplified();
         if let Some(Source { profile, amplitude }) = cue.regulator.as_ref().and_then(|regulator| regulator.source) {
             // A source is even where a term is.
