@@ -26,7 +26,7 @@ use furrow_cell::Cell;
 use furrow_spectra::{Arnoldi, Krylov, NoEigenvalues, RitzValue};
 
 use crate::cortex::equations::{J, LENGTH, M, PHI, PSI, R, REGULATED, Z};
-use crate::cortex::observables::{positions, regulator};
+use crate::cortex::observables::{carried, positions};
 use crate::cortex::problem::{MotionResponse, SHAPE_SCALARS};
 use crate::cortex::symmetry::even;
 use crate::cortex::{Cortex, Domain};
@@ -263,7 +263,8 @@ impl Stability {
             self.right_hand_side = self.system.zero_residual();
             if parity == Parity::Odd {
                 // From the factors of the even problem, which comes first.
-                let det = self.system.factor_antisymmetric(even(y.components), &mut self.antisymmetric).map_err(failed)?;
+                let det =
+                    self.system.factor_antisymmetric(even(y.components), &mut self.antisymmetric).map_err(failed)?;
                 if det.sign == 0.0 {
                     return Err(StabilityError::Factorisation { shift, column: 0 });
                 }
@@ -281,7 +282,9 @@ impl Stability {
     fn linearise(&mut self, cortex: &mut Cortex, y: &Solution, shift: f64) -> Result<(), PivotFailure> {
         cortex.rate = shift;
         positions(y, &mut cortex.past);
-        regulator(y, &mut cortex.past_phi);
+        let mut past = std::mem::take(&mut cortex.carried_past);
+        carried(cortex, y, &mut past);
+        cortex.carried_past = past;
         if self.system.dimensions() != cortex.dimensions() {
             self.system = System::new(cortex.dimensions(), y.m);
         }

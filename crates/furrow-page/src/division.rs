@@ -186,8 +186,8 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use furrow_mechanics::cortex::equations::COMPONENTS;
     use furrow_cell::Cue;
+    use furrow_mechanics::cortex::equations::COMPONENTS;
     use furrow_mechanics::division::divide as divide_alone;
     use serde_json::Value;
 

@@ -63,7 +63,8 @@ pub fn coefficients<D: Number>(cell: &Cell, u: D, length: f64, carried: Option<[
     let (mut kappa_u, mut tension, mut tension_u) = (D::from(0.0), D::from(cell.material.tension), D::from(0.0));
     let painted = cell.cue.terms().iter();
     let painted = painted.map(|term| (term.field, profile(&term.profile, u, length).map(|f| f * term.amplitude)));
-    let couplings = cell.cue.regulator().into_iter().flat_map(|regulator| &regulator.couplings).zip(carried.into_iter().cycle());
+    let couplings =
+        cell.cue.regulator().into_iter().flat_map(|regulator| &regulator.couplings).zip(carried.into_iter().cycle());
     let couplings = couplings.map(|(coupling, carried)| (coupling.field, acts(coupling, carried)));
     for (field, [f, f_u]) in painted.chain(couplings) {
         match field {
@@ -90,9 +91,11 @@ pub fn coefficients<D: Number>(cell: &Cell, u: D, length: f64, carried: Option<[
         tension_s: tension_u / length,
         xi_s: xi_s * activity,
         xi_b: xi_b * (activity * material.xi_ratio),
-        source: cell.cue.regulator().and_then(|regulator| regulator.source).map_or(D::from(0.0), |source| {
-            profile(&source.profile, u, length)[0] * source.amplitude
-        }),
+        source: cell
+            .cue
+            .regulator()
+            .and_then(|regulator| regulator.source)
+            .map_or(D::from(0.0), |source| profile(&source.profile, u, length)[0] * source.amplitude),
     }
 }
 

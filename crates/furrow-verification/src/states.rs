@@ -4,7 +4,8 @@ use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{BoundaryValueProblem, Newton, NewtonError, Solution, System};
 use furrow_cell::cue::Field;
 use furrow_cell::{Cell, CueError, Numerics};
-use furrow_mechanics::cortex::observables::{positions, regulator, with_components};
+use furrow_mechanics::cortex::equations::{Carried, PHI, R};
+use furrow_mechanics::cortex::observables::{carried, positions, with_components};
 use furrow_mechanics::cortex::symmetry::unfold;
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_mechanics::equilibria::{StationaryError, passive, stationary};
@@ -82,6 +83,17 @@ pub fn passive_shape(cell: &Cell, numerics: &Numerics) -> Result<Solution, Newto
     Ok(unfold(&passive(cell, numerics)?.0))
 }
 
+/// The past of a step of given rate from which the regulator of state `y` changes at `phi_t`, where the contour moves at `r_t` outwards
+/// from the axis and stretches at `stretching`.
+pub fn carried_past(cell: &Cell, y: &[f64], length: f64, rate: f64, [phi_t, r_t, stretching]: [f64; 3]) -> Carried {
+    let diluted = cell.cue.regulator().is_some_and(|regulator| regulator.diluted);
+    let now = Carried::of(y, length, diluted);
+    let c = 1.0 + y[PHI];
+    let amount_t = if diluted { y[R] * length * (phi_t + c * (r_t / y[R] + stretching)) } else { phi_t };
+    let kept = 1.0 - stretching / rate;
+    Carried { amount: now.amount - amount_t / rate, r_u: kept * now.r_u, z_u: kept * now.z_u }
+}
+
 /// The cell after `steps` implicit steps from its passive shape, solved to rounding, with the velocity of the last step. The first
 /// step is 10⁻³ τ and each is twice as long as the one before; noise makes the activity of the last one uneven.
 ///
@@ -99,7 +111,9 @@ pub fn moving(cell: &Cell, steps: usize) -> Result<Computed, NewtonError> {
         cortex.rate = 1.0 / dt;
         positions(&shape, &mut before);
         cortex.past.clone_from(&before);
-        regulator(&shape, &mut cortex.past_phi);
+        let mut past = Vec::new();
+        carried(&cortex, &shape, &mut past);
+        cortex.carried_past = past;
         if step + 1 == steps {
             let count = before.len() as f64;
             cortex.noise = (0..before.len()).map(|k| 1.0 + 0.05 * (9.0 * k as f64 / count).cos()).collect();

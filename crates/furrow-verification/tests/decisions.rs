@@ -84,8 +84,11 @@ fn a_division_ends_at_a_thousandth_of_the_radius() {
 #[test]
 fn mirror_images_rest_as_mirror_images() {
     let mut largest = 0.0f64;
-    for cue in ["kappa:band,u0=0.44,omega=0.15,amplitude=0.2", "tension:gradient,amplitude=0.25",
-        "regulator:band,u0=0.44,omega=0.15,amplitude=0.5,turnover=4,diffusion=1,kappa=0.4"] {
+    for cue in [
+        "kappa:band,u0=0.44,omega=0.15,amplitude=0.2",
+        "tension:gradient,amplitude=0.25",
+        "regulator:band,u0=0.44,omega=0.15,amplitude=0.5,turnover=4,diffusion=1,kappa=0.4",
+    ] {
         let cell = uneven_cell(2.0, 9.0, cue).unwrap();
         let [one, image] = [cell.clone(), cell.mirrored()].map(|cell| resting(&cell).unwrap().shape);
         for i in 0..=one.intervals() {

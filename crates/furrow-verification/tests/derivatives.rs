@@ -6,13 +6,13 @@ use furrow_bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Direc
 use furrow_cell::cue::{Field, Profile, Quantity, RegulatorQuantity, Source, Width};
 use furrow_cell::{Cell, Parameter};
 use furrow_mechanics::cortex::equations::{
-    BdfTerm, COMPONENTS, Constants, J, M, PHI, PSI, Q, R, REGULATED, T, V, Z, equations,
+    BdfTerm, COMPONENTS, Carried, Constants, J, M, PHI, PSI, Q, R, REGULATED, T, V, Z, equations,
 };
 use furrow_mechanics::cortex::symmetry::{mirror, odd};
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_verification::balance::rates;
 use furrow_verification::report::within;
-use furrow_verification::states::{Draws, cues, uneven_cell};
+use furrow_verification::states::{Draws, carried_past, cues, uneven_cell};
 use num_dual::Dual64;
 
 /// A random state away from the axis, with (L, p).
@@ -31,7 +31,7 @@ const AT: CollocationPoint = CollocationPoint { x: 0.41, index: 0 };
 fn cortex(cue: &str, free: &[Parameter]) -> Cortex {
     let mut cortex = Cortex::new(&uneven_cell(2.3, 21.0, cue).unwrap(), Domain::Full, free);
     (cortex.rate, cortex.past, cortex.noise) = (3.0, vec![[1.1, -0.2]], vec![1.03]);
-    cortex.past_phi = vec![0.07];
+    cortex.carried_past = vec![Carried { amount: 8.3, r_u: 5.1, z_u: -2.7 }];
     cortex
 }
 
@@ -48,11 +48,17 @@ fn values(cortex: &Cortex, y: &[f64], p: &[f64]) -> Vec<f64> {
 fn the_equations_are_those_of_the_second_statement() {
     let (mut draws, mut largest) = (Draws(3), 0.0f64);
     for cue in cues() {
-        let cortex = cortex(&cue, &[]);
+        let mut cortex = cortex(&cue, &[]);
         for _ in 0..5 {
             let (y, p) = state(cortex.components(), &mut draws);
-            let phi_t = y.get(PHI).map_or(0.0, |phi| phi - cortex.past_phi[0]);
-            let motion = [y[R] - cortex.past[0][0], y[Z] - cortex.past[0][1], phi_t].map(|d| d * cortex.rate);
+            let [r_t, z_t] = [y[R] - cortex.past[0][0], y[Z] - cortex.past[0][1]].map(|d| d * cortex.rate);
+            let [phi_t, stretching] = [(); 2].map(|()| draws.between(-1.0, 1.0));
+            let motion = [r_t, z_t, phi_t];
+            if cortex.is_regulated() {
+                // However fast the contour stretches.
+                let rates = [phi_t, r_t, stretching];
+                cortex.carried_past = vec![carried_past(&cortex.cell, &y, p[0], cortex.rate, rates)];
+            }
             let expected = expected(&cortex.cell, p, &y, motion);
             for (found, expected) in values(&cortex, &y, &p).iter().zip(expected) {
                 largest = largest.max((found / p[0] - expected).abs() / (1.0 + expected.abs()));
@@ -131,20 +137,38 @@ fn the_response_to_a_motion_is_that_to_an_earlier_past() {
         for _ in 0..5 {
             let (y, p) = state(cortex.components(), &mut draws);
             let before = values(&cortex, &y, &p);
-            let (here, phi, (sin, cos)) = (cortex.past[0], cortex.past_phi[0], y[PSI].sin_cos());
+            let (here, carried, (sin, cos)) = (cortex.past[0], cortex.carried_past[0], y[PSI].sin_cos());
+            let diluted = cortex.cell.cue.regulator().is_some_and(|regulator| regulator.diluted);
             // Outwards, along the contour, and of the regulator.
             for (normal, along, change) in [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)] {
                 let moved = [normal * sin + along * cos, normal * cos - along * sin];
                 cortex.past[0] = [0, 1].map(|k| here[k] - moved[k] / cortex.rate);
-                cortex.past_phi[0] = phi - change / cortex.rate;
+                if let (true, Some(phi)) = (cortex.is_regulated(), y.get(PHI)) {
+                    let amount = if diluted { p[0] * (y[R] * change + (1.0 + phi) * moved[0]) } else { change };
+                    cortex.carried_past[0].amount = carried.amount - amount / cortex.rate;
+                }
                 let mut response = vec![0.0; y.len()];
-                let carried = change - along * y.get(J).unwrap_or(&0.0);
-                cortex.response_to_motion(AT.x, &y, p[0]).add(1.0, normal, carried, &mut response);
+                let change = change - along * y.get(J).unwrap_or(&0.0);
+                cortex.response_to_motion(AT.x, &y, p[0]).add(1.0, normal, change, &mut response);
                 for ((after, before), response) in values(&cortex, &y, &p).iter().zip(&before).zip(&response) {
                     largest = largest.max((after - before - response).abs() / (1.0 + response.abs()));
                 }
+                (cortex.past[0], cortex.carried_past[0]) = (here, carried);
             }
-            (cortex.past[0], cortex.past_phi[0]) = (here, phi);
+            // Every part of a regulator's past by itself.
+            for k in 0..if cortex.is_regulated() { 5 } else { 0 } {
+                let unit = |i: usize| if i == k { 0.3 } else { 0.0 };
+                let (place, change) = ([unit(0), unit(1)], Carried::from([unit(2), unit(3), unit(4)]));
+                cortex.past[0] = [here[0] + place[0], here[1] + place[1]];
+                let parts = carried.parts();
+                cortex.carried_past[0] = std::array::from_fn(|i| parts[i] + change.parts()[i]).into();
+                let normal = cortex.rate * (sin * place[0] + cos * place[1]);
+                let strain = cortex.response_to_motion(AT.x, &y, p[0]).strain;
+                let lost = normal * strain + cortex.response_to_past(&y, p[0], place, change);
+                let after = values(&cortex, &y, &p)[J];
+                largest = largest.max((before[J] - after - lost).abs() / (1.0 + lost.abs()));
+                (cortex.past[0], cortex.carried_past[0]) = (here, carried);
+            }
         }
     }
     within("the response to a motion", largest, 1e-11);
@@ -166,7 +190,7 @@ fn dual_column_of<const N: usize>(cortex: &Cortex, y: &[f64], p: &[f64], k: usiz
     });
     let lifted: [Dual64; N] = std::array::from_fn(|i| unit(i, y[i]));
     let [r_past, z_past] = cortex.past[0];
-    let motion = BdfTerm { rate: cortex.rate, r_past, z_past, phi_past: cortex.past_phi[0] };
+    let motion = BdfTerm { rate: cortex.rate, r_past, z_past, carried_past: cortex.carried_past[0] };
     let (f, g) = equations(&constants, AT.x, motion, 1.03, &lifted, unit(n, p[0]), unit(n + 1, p[1]));
     f.iter().chain([&g]).map(|f| f.eps).collect()
 }
@@ -231,10 +255,7 @@ fn higher_derivatives_are_slopes_of_the_lower() {
         let (y, p) = state(cortex.components(), &mut draws);
         let (n, p) = (y.len(), [p[0], p[1], cell.xi_s]);
         let mut direction = || -> (Vec<f64>, [f64; 3]) {
-            (
-                (0..n).map(|_| draws.between(-1.0, 1.0)).collect(),
-                std::array::from_fn(|_| draws.between(-1.0, 1.0)),
-            )
+            ((0..n).map(|_| draws.between(-1.0, 1.0)).collect(), std::array::from_fn(|_| draws.between(-1.0, 1.0)))
         };
         let (a, b) = (direction(), direction());
         let h = 1e-3;
@@ -280,6 +301,8 @@ fn the_equations_have_no_side() {
         image.cell = one.cell.mirrored();
         image.refresh();
         image.past = vec![[one.past[0][0], -one.past[0][1]]];
+        let Carried { amount, r_u, z_u } = one.carried_past[0];
+        image.carried_past = vec![Carried { amount, r_u: -r_u, z_u }];
         for _ in 0..5 {
             let (y, p) = state(one.components(), &mut draws);
             let mut mirrored = y.clone();
@@ -328,7 +351,8 @@ fn in_units(cell: &Cell, length: f64, energy: f64, time: f64) -> Cell {
             coupling.strength *= tension;
         }
         if let Some(Source {
-            profile: Profile::Band { omega: Width::Length(omega), .. } | Profile::Step { omega: Width::Length(omega), .. },
+            profile:
+                Profile::Band { omega: Width::Length(omega), .. } | Profile::Step { omega: Width::Length(omega), .. },
             ..
         }) = &mut regulator.source
         {
@@ -350,6 +374,10 @@ fn the_equations_have_no_units() {
             other.refresh();
             other.rate /= time;
             other.past = vec![one.past[0].map(|x| x * length)];
+            let diluted = one.cell.cue.regulator().is_some_and(|regulator| regulator.diluted);
+            let Carried { amount, r_u, z_u } = one.carried_past[0];
+            let amount = if diluted { amount * length * length } else { amount };
+            other.carried_past = vec![Carried { amount, r_u: r_u * length, z_u: z_u * length }];
             let tension = energy / (length * length);
             let mut units = [1.0; REGULATED];
             units[J] = 1.0 / length;

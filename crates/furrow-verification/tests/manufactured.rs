@@ -10,12 +10,12 @@ use furrow_bvp::{
     System, mesh,
 };
 use furrow_cell::{Cell, Number, Shell};
-use furrow_mechanics::cortex::equations::{COMPONENTS, PHI, REGULATED};
+use furrow_mechanics::cortex::equations::{COMPONENTS, PSI, REGULATED};
 use furrow_mechanics::cortex::{Cortex, Domain};
 use furrow_verification::balance::{rates, stress};
 use furrow_verification::coefficients::coefficients;
 use furrow_verification::report::within;
-use furrow_verification::states::{cues, resting, uneven_cell};
+use furrow_verification::states::{carried_past, cues, resting, uneven_cell};
 use num_dual::Dual64;
 use std::f64::consts::PI;
 
@@ -159,7 +159,11 @@ fn errors_of<const N: usize>(cell: Cell, m: usize, intervals: usize) -> Errors {
         for j in 0..m {
             let u = y.stage_x(&gauss, i, j);
             let (state, moved) = (chosen::<_, REGULATED>(&cell, u), motion(u));
-            cortex.past_phi.push(state[PHI] - carried(u)[2] / RATE);
+            let (sin, cos) = state[PSI].sin_cos();
+            let by_u = motion(Dual64::new(u, 1.0)).map(|moved| moved.eps);
+            let stretching = (cos * by_u[0] - sin * by_u[1]) / LENGTH;
+            let rates = [carried(u)[2], moved[0], stretching];
+            cortex.carried_past.push(carried_past(&cell, &state, LENGTH, RATE, rates));
             cortex.past.push([state[0] - moved[0] / RATE, state[1] - moved[1] / RATE]);
         }
     }

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use furrow_cell::{Cell, Numerics, RigidityGradient};
-use furrow_mechanics::cortex::equations::{COMPONENTS, M, PSI, Q, R, T, V, Z};
+use furrow_mechanics::cortex::equations::{COMPONENTS, J, M, PHI, PSI, Q, R, T, V, Z};
 use furrow_mechanics::division::{DivisionError, DivisionInput, DivisionOptions, Frame, divide_with};
 use furrow_verification::coefficients::coefficients;
 use furrow_verification::contour::{Computed, Place};
@@ -147,7 +147,9 @@ fn axial_forces_balance_at_every_cut() {
             size += points.iter().map(|p| force(p).abs()).sum::<f64>();
             let node = y.node(i + 1);
             let (sin, cos) = node[PSI].sin_cos();
-            let here = coefficients(&state.cell, y.mesh[i + 1], state.length(), None);
+            let node = y.node(i + 1);
+            let carried = node.get(PHI).map(|phi| [*phi, node[J] * state.length()]);
+            let here = coefficients(&state.cell, y.mesh[i + 1], state.length(), carried);
             // At the axis everything vanishes with r.
             let c2 = if i + 1 < y.intervals() { sin / node[R] } else { 0.0 };
             let c1 = node[M] / here.kappa - c2;

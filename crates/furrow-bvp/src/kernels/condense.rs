@@ -186,7 +186,11 @@ impl Condensed {
     /// The transpose of the stage matrix of interval i, in the place of its inverse: row (j, β) has the coefficients of
     /// δY_N,j,β in all equations.
     #[inline(always)]
-    fn fill_stage_matrix<const N: usize, const E: usize, const T: usize, const M: usize>(&mut self, gauss: &Gauss, i: usize) {
+    fn fill_stage_matrix<const N: usize, const E: usize, const T: usize, const M: usize>(
+        &mut self,
+        gauss: &Gauss,
+        i: usize,
+    ) {
         let Sizes { n, e, m, nn, s, lanes, first, .. } = self.sizes::<N, E, T, M>();
         let h = self.h[i];
         let fy = part(&self.fy, i, m * n * n);
@@ -226,7 +230,10 @@ impl Condensed {
 
     /// Inverts the stage matrix of interval i in its place. It stands there by columns, as rows, and so does its inverse.
     #[inline(always)]
-    fn invert<const N: usize, const E: usize, const T: usize, const M: usize>(&mut self, i: usize) -> Result<(), PivotFailure> {
+    fn invert<const N: usize, const E: usize, const T: usize, const M: usize>(
+        &mut self,
+        i: usize,
+    ) -> Result<(), PivotFailure> {
         let Sizes { s, lanes, .. } = self.sizes::<N, E, T, M>();
         let matrix = part_mut(&mut self.inverse, i, s * lanes);
         let (reciprocal, exchange) = (part_mut(&mut self.reciprocal, i, s), part_mut(&mut self.exchange, i, s));

@@ -94,7 +94,10 @@ fn particular<const N: usize, const E: usize, const T: usize, const M: usize>(
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
-fn complete<const N: usize, const E: usize, const T: usize, const M: usize>(condensed: &Condensed, out: &mut Direction) {
+fn complete<const N: usize, const E: usize, const T: usize, const M: usize>(
+    condensed: &Condensed,
+    out: &mut Direction,
+) {
     condensed.complete::<N, E, T, M>(out)
 }
 

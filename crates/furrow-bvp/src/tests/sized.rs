@@ -11,7 +11,8 @@ use crate::{Dimensions, Direction, Kernels};
 fn unrolled() -> impl Iterator<Item = (Dimensions, usize)> {
     let cell = dims(7, 3, 2, 4, 4, 1);
     let regulated = Dimensions { trailing_quadratures: 1, ..dims(9, 3, 2, 5, 5, 1) };
-    let of = move |dims| [2, 3, 5].into_iter().flat_map(move |scalars| [3, 4].map(|m| (Dimensions { scalars, ..dims }, m)));
+    let of =
+        move |dims| [2, 3, 5].into_iter().flat_map(move |scalars| [3, 4].map(|m| (Dimensions { scalars, ..dims }, m)));
     of(cell).chain(of(regulated))
 }
 

@@ -24,10 +24,17 @@
 //!
 //! * \[M.26 regulator\] φ_s = j, j_s = −(cosψ/r) j + [∂_tφ + (v − w) j + (1 + φ)(S_uu + S_φφ) + k(φ − A f)]/D,
 //!   w = cosψ ∂_t r − sinψ ∂_t z the tangential velocity of a place of fixed u; a label of the material lacks the term of S.
+//!
+//! A step keeps the amount ∫ c dA: with r L the area of a place by 2π du, and E = cosψ ∂_s∂_t r − sinψ ∂_s∂_t z its stretching along
+//! the contour,
+//!
+//! * \[N.18 amount\] ∂_tφ + (v − w) j + (1 + φ)(S_uu + S_φφ) = ∂_t(r L c)/(r L) + (v − w) j + c [S_uu + (cosψ/r)(v − w) − E],
+//!
+//! whose last terms are the divergence of the flux r c (v − w), which vanishes at the poles.
 
 use std::f64::consts::PI;
 
-use super::lanes::Arithmetic;
+use super::lanes::{Arithmetic, sin_cos};
 use furrow_cell::cue::{Field, Regulator, Term};
 use furrow_cell::{Cell, Number, Parameter, RigidityGradient};
 
@@ -88,16 +95,56 @@ pub struct BdfTerm<D = f64> {
     pub r_past: D,
     /// Past z.
     pub z_past: D,
-    /// Past φ.
-    pub phi_past: D,
+    /// Past of a regulator.
+    pub carried_past: Carried<D>,
+}
+
+/// What the past of a regulator is combined from.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Carried<D = f64> {
+    /// r L (1 + φ), or φ of a label of the material.
+    pub amount: D,
+    /// ∂r/∂u.
+    pub r_u: D,
+    /// ∂z/∂u.
+    pub z_u: D,
+}
+
+impl Carried {
+    /// That of a state on a contour of length `length`.
+    pub fn of(y: &[f64], length: f64, diluted: bool) -> Carried {
+        let (sin, cos) = sin_cos(y[PSI]);
+        let amount = if diluted { y[R] * length * (1.0 + y[PHI]) } else { y[PHI] };
+        Carried { amount, r_u: length * cos, z_u: -(length * sin) }
+    }
+
+    /// Its parts, to be combined.
+    pub fn parts(self) -> [f64; 3] {
+        [self.amount, self.r_u, self.z_u]
+    }
+}
+
+impl From<[f64; 3]> for Carried {
+    fn from([amount, r_u, z_u]: [f64; 3]) -> Carried {
+        Carried { amount, r_u, z_u }
+    }
+}
+
+impl<D> Carried<D> {
+    /// The same with numbers of another kind.
+    #[inline(always)]
+    pub fn map<E>(self, number: impl Fn(D) -> E) -> Carried<E> {
+        Carried { amount: number(self.amount), r_u: number(self.r_u), z_u: number(self.z_u) }
+    }
 }
 
 impl<D> BdfTerm<D> {
     /// The same with numbers of another kind.
     #[inline(always)]
     pub fn map<E>(self, number: impl Fn(D) -> E) -> BdfTerm<E> {
-        let BdfTerm { rate, r_past, z_past, phi_past } = self;
-        BdfTerm { rate: number(rate), r_past: number(r_past), z_past: number(z_past), phi_past: number(phi_past) }
+        let BdfTerm { rate, r_past, z_past, carried_past } = self;
+        let carried_past = carried_past.map(&number);
+        BdfTerm { rate: number(rate), r_past: number(r_past), z_past: number(z_past), carried_past }
     }
 }
 
@@ -378,7 +425,7 @@ pub fn equations<D: Number, const N: usize>(
     out[..COMPONENTS].copy_from_slice(&f);
     if let Some(regulator) = c.regulator.as_ref().filter(|_| N == REGULATED) {
         let transport = Transport::of(regulator);
-        out[J] = carried(&transport, here.source, motion, &shape, [y[J], y[PHI]], &place) * length;
+        out[J] = carried(&transport, here.source, motion, &shape, [y[J], y[PHI]], &place, length) * length;
         out[PHI] = y[J] * length;
     }
     (out, volume)
@@ -429,11 +476,16 @@ pub fn carried<D: Arithmetic>(
     y: &[D; COMPONENTS],
     [j, phi]: [D; 2],
     at: &Place<D>,
+    length: D,
 ) -> D {
     let w = (at.cos * (y[R] - motion.r_past) - at.sin * (y[Z] - motion.z_past)) * motion.rate;
-    let changed = motion.rate * (phi - motion.phi_past) + (y[V] - w) * j;
-    let made = c.dilution * (phi + D::from(1.0)) * (at.s_u + at.s_phi) + c.turnover * (phi - source);
-    (changed + made) * c.inverse_diffusion - at.cot * j
+    let (slip, past) = (y[V] - w, motion.carried_past);
+    let one = D::from(1.0);
+    let stretched = (one - (at.cos * past.r_u - at.sin * past.z_u) / length) * motion.rate;
+    let before = past.amount * (c.dilution / (y[R] * length) + one - c.dilution);
+    let changed = motion.rate * (phi + c.dilution - before) + slip * j;
+    let spread = c.dilution * (phi + one) * (at.s_u + at.cot * slip - stretched);
+    (changed + spread + c.turnover * (phi - source)) * c.inverse_diffusion - at.cot * j
 }
 
 /// [`equations`] of the shape with the coefficients of the place at hand. This is the readable statement;

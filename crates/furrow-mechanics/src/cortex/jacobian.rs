@@ -30,8 +30,8 @@ pub struct Linearised<D> {
     pub tangential: [D; COMPONENTS],
     /// Integrand of the volume, and its derivatives by r, ψ and L.
     pub volume: [D; 4],
-    /// ∂(S_uu + S_φφ)/∂(r, z, m, ψ, q, v, T).
-    pub stretching: [D; COMPONENTS],
+    /// ∂S_uu/∂(r, z, m, ψ, q, v, T).
+    pub strain: [D; COMPONENTS],
     /// What the balances share.
     pub place: Place<D>,
 }
@@ -47,6 +47,8 @@ pub struct LinearisedRegulated<D> {
     pub tangential_by_j: D,
     /// j_s, and its derivatives by all nine components, in units of arclength.
     pub carried: (D, [D; REGULATED]),
+    /// ∂j_s/∂L but for what widths in L_h add.
+    pub carried_by_length: D,
 }
 
 /// What the balances of forces share at one place, in units of arclength; names are those of
@@ -154,7 +156,7 @@ pub fn linearised<D: Arithmetic>(
         flow: flow.map(|d| length * d),
         tangential,
         volume: [length * r * area, length * area * 2.0, length * r * r * cos * PI, r * area],
-        stretching: [u_r + s_r, u_z + s_z, u_m, u_psi + s_psi, D::from(0.0), u_v + cot, u_t],
+        strain: [u_r, u_z, u_m, u_psi, D::from(0.0), u_v, u_t],
         place: Place { sin, cos, cot, mean, c1, c2, v_n, s_u, s_phi, t_phi },
     }
 }
@@ -174,7 +176,7 @@ pub fn linearised_regulated<D: Arithmetic>(
     pressure: D,
 ) -> LinearisedRegulated<D> {
     let mut shape = linearised(c, here, motion, noise, y, length, pressure);
-    let (by_phi_f, stretching_phi) = through_coefficients(c, [here, by_phi], noise, y, &shape.place, length);
+    let (by_phi_f, strain_phi) = through_coefficients(c, [here, by_phi], noise, y, &shape.place, length);
     // κ_u and γ_u are L j times what κ and γ do with φ.
     let mean = shape.place.mean;
     let mut pull = by_phi.tension;
@@ -183,33 +185,48 @@ pub fn linearised_regulated<D: Arithmetic>(
     }
     shape.by_length[T] = shape.by_length[T] - pull * j;
 
-    let Place { sin, cos, cot, s_u, s_phi, .. } = shape.place;
-    let (dr, dz) = (motion.rate * (y[R] - motion.r_past), motion.rate * (y[Z] - motion.z_past));
-    let dilution = transport.dilution * (phi + D::from(1.0));
-    let inverse_r = y[R].recip();
+    let (rate, past) = (motion.rate, motion.carried_past);
+    let Place { sin, cos, cot, s_u, v_n, .. } = shape.place;
+    let (dr, dz) = (rate * (y[R] - motion.r_past), rate * (y[Z] - motion.z_past));
+    let one = D::from(1.0);
+    let (inverse_r, inverse_length) = (y[R].recip(), length.recip());
+    let slip = y[V] - (cos * dr - sin * dz);
+    // Of E, with its derivatives by ψ and L.
+    let followed = (cos * past.r_u - sin * past.z_u) * inverse_length;
+    let stretched = (one - followed) * rate;
+    let stretched_psi = (sin * past.r_u + cos * past.z_u) * inverse_length * rate;
+    let stored = rate * transport.dilution * past.amount * inverse_r * inverse_length;
+    let dilution = transport.dilution * (phi + one);
+    // What goes with v − w.
+    let by_slip = j + dilution * cot;
     let mut by = [D::from(0.0); REGULATED];
     for k in 0..COMPONENTS {
-        by[k] = dilution * shape.stretching[k];
+        by[k] = dilution * shape.strain[k];
     }
-    by[R] = by[R] - motion.rate * cos * j;
-    by[Z] = by[Z] + motion.rate * sin * j;
-    by[PSI] = by[PSI] + (sin * dr + cos * dz) * j;
-    by[V] = by[V] + j;
-    by[J] = y[V] - (cos * dr - sin * dz);
-    by[PHI] = motion.rate + transport.turnover + transport.dilution * (s_u + s_phi) + dilution * stretching_phi;
-    let mut by = by.map(|d| d * transport.inverse_diffusion);
+    by[R] = by[R] - rate * cos * by_slip + (stored - dilution * cot * slip) * inverse_r;
+    by[Z] = by[Z] + rate * sin * by_slip;
+    by[PSI] = by[PSI] + v_n * by_slip - dilution * (sin * inverse_r * slip + stretched_psi);
+    by[V] = by[V] + by_slip;
+    by[J] = slip;
+    let spread = s_u + cot * slip - stretched;
+    by[PHI] = rate + transport.turnover + transport.dilution * spread + dilution * strain_phi;
+    for k in 0..REGULATED {
+        by[k] = by[k] * transport.inverse_diffusion;
+    }
     by[R] = by[R] + cot * inverse_r * j;
     by[PSI] = by[PSI] + sin * inverse_r * j;
     by[J] = by[J] - cot;
+    let by_length = (stored - dilution * rate * followed) * inverse_length * transport.inverse_diffusion;
     LinearisedRegulated {
         by_phi: by_phi_f,
         tangential_by_j: -(pull * length),
-        carried: (carried(transport, here.source, motion, y, [j, phi], &shape.place), by),
+        carried: (carried(transport, here.source, motion, y, [j, phi], &shape.place, length), by),
+        carried_by_length: by_length,
         shape,
     }
 }
 
-/// ∂f/∂φ of the shape's right-hand sides and ∂(S_uu + S_φφ)/∂φ, which come about by the coefficients alone; with `_phi` for derivatives.
+/// ∂f/∂φ of the shape's right-hand sides and ∂S_uu/∂φ, which come about by the coefficients alone; with `_phi` for derivatives.
 #[inline(always)]
 fn through_coefficients<D: Arithmetic>(
     c: &ShellCoefficients<D>,

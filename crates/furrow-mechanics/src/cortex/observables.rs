@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use furrow_bvp::{Gauss, Solution};
 
 use super::Cortex;
-use super::equations::{Domain, LENGTH, M, PHI, PSI, R, REGULATED, Z};
+use super::equations::{Carried, Domain, LENGTH, M, PHI, PSI, R, REGULATED, Z};
 
 /// Collects (r, z) at the collocation points of a solution.
 pub fn positions(y: &Solution, out: &mut Vec<[f64; 2]>) {
@@ -13,11 +13,12 @@ pub fn positions(y: &Solution, out: &mut Vec<[f64; 2]>) {
     out.extend(y.stages.chunks_exact(y.components).map(|s| [s[R], s[Z]]));
 }
 
-/// Collects φ at the collocation points of a solution; nothing without a regulator.
-pub fn regulator(y: &Solution, out: &mut Vec<f64>) {
+/// Collects what a regulator was at the collocation points of a solution, as the past of a step; nothing without one.
+pub fn carried(cortex: &Cortex, y: &Solution, out: &mut Vec<Carried>) {
     out.clear();
-    if y.components == REGULATED {
-        out.extend(y.stages.chunks_exact(REGULATED).map(|s| s[PHI]));
+    if let Some(regulator) = cortex.cell.cue.regulator() {
+        let length = y.scalars[LENGTH];
+        out.extend(y.stages.chunks_exact(REGULATED).map(|s| Carried::of(s, length, regulator.diluted)));
     }
 }
 

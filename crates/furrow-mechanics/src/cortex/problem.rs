@@ -9,8 +9,8 @@ use furrow_bvp::{
 use num_dual::Dual64;
 
 use super::equations::{
-    BdfTerm, COMPONENTS, Constants, Domain, J, LENGTH, LocalCoefficients, M, PHI, PRESSURE, PSI, Q, R, REGULATED, T,
-    V, equations,
+    BdfTerm, COMPONENTS, Carried, Constants, Domain, J, LENGTH, LocalCoefficients, M, PHI, PRESSURE, PSI, Q, R,
+    REGULATED, T, V, equations,
 };
 use super::lanes::sin_cos;
 use super::sweep::{self, Sweep};
@@ -51,8 +51,8 @@ pub struct Cortex {
     pub rate: f64,
     /// Past (r, z) at every collocation point; may be empty if `rate` = 0.
     pub past: Vec<[f64; 2]>,
-    /// Past φ at every collocation point of a cell with a regulator; may be empty if `rate` = 0.
-    pub past_phi: Vec<f64>,
+    /// The past of a regulator at every collocation point; may be empty if `rate` = 0 or there is none.
+    pub carried_past: Vec<Carried>,
     /// Factor on the activity at every collocation point; empty for none.
     pub noise: Vec<f64>,
     constants: Constants<f64>,
@@ -82,7 +82,7 @@ impl Cortex {
             free: free.to_vec(),
             rate: 0.0,
             past: Vec::new(),
-            past_phi: Vec::new(),
+            carried_past: Vec::new(),
             noise: Vec::new(),
             constants: Constants::new(cell, |_, v| v),
             sensitivities: Vec::new(),
@@ -164,8 +164,8 @@ impl Cortex {
     }
 
     fn sweep<'a>(&'a self, local: &'a [LocalCoefficients<f64>]) -> Sweep<'a> {
-        let Cortex { constants, rate, past, past_phi, noise, free, .. } = self;
-        Sweep { constants, rate: *rate, past, past_phi, noise, local, scalars: SHAPE_SCALARS + free.len() }
+        let Cortex { constants, rate, past, carried_past, noise, free, .. } = self;
+        Sweep { constants, rate: *rate, past, carried_past, noise, local, scalars: SHAPE_SCALARS + free.len() }
     }
 
     /// The rates of change at a collocation point.
@@ -174,8 +174,8 @@ impl Cortex {
             return BdfTerm::default();
         }
         let [r_past, z_past] = self.past[at.index];
-        let phi_past = self.past_phi.get(at.index).copied().unwrap_or(0.0);
-        BdfTerm { rate: self.rate, r_past, z_past, phi_past }
+        let carried_past = self.carried_past.get(at.index).copied().unwrap_or_default();
+        BdfTerm { rate: self.rate, r_past, z_past, carried_past }
     }
 
     /// What the motion of the cortex adds to the right-hand sides at one point of state `y` and contour length `length`; the
@@ -194,9 +194,24 @@ impl Cortex {
         if let Some(regulator) = self.constants.regulator.as_ref().filter(|_| y.len() == REGULATED) {
             let per = length / regulator.diffusion;
             let dilution = if regulator.diluted { 1.0 + y[PHI] } else { 0.0 };
+            response.strain = per * dilution * d_s_u;
             response.carried = [per * dilution * (d_s_u + c2), per];
         }
         response
+    }
+
+    /// What j′ at a point of state `y` loses to a change of the past, but for that of v_n: of (r, z) and of the regulator.
+    pub fn response_to_past(&self, y: &[f64], length: f64, [r, z]: [f64; 2], past: Carried) -> f64 {
+        let Some(regulator) = self.cell.cue.regulator() else { return 0.0 };
+        let (sin, cos) = sin_cos(y[PSI]);
+        let per = self.rate * length / regulator.diffusion;
+        let along = cos * r - sin * z;
+        if !regulator.diluted {
+            return per * (past.amount - y[J] * along);
+        }
+        let c = 1.0 + y[PHI];
+        let stretched = (cos * past.r_u - sin * past.z_u) / length;
+        per * (past.amount / (y[R] * length) - (y[J] + c * cos / y[R]) * along - c * stretched)
     }
 
     /// Columns of ∂f/∂p for L, where the cue's widths bring it in by more than the factor L, and for the free parameters.
@@ -236,12 +251,18 @@ pub struct MotionResponse {
     /// ∂j′/∂v_n by the stretching of the surface, and ∂j′ by ∂_tφ − w j, how the regulator changes in the frame of the cortex's own
     /// tangential motion w.
     pub carried: [f64; 2],
+    /// ∂j′/∂v_n by S_uu alone.
+    pub strain: f64,
 }
 
 impl MotionResponse {
     /// The same times `factor`.
     pub fn scaled(self, factor: f64) -> MotionResponse {
-        MotionResponse { normal: self.normal.map(|r| r * factor), carried: self.carried.map(|r| r * factor) }
+        MotionResponse {
+            normal: self.normal.map(|r| r * factor),
+            carried: self.carried.map(|r| r * factor),
+            strain: self.strain * factor,
+        }
     }
 
     /// Adds the response to a normal velocity, and to a change ∂_tφ − w j of the regulator, times `h`, to the residuals of a point.

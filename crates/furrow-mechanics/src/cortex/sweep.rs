@@ -8,8 +8,8 @@ use furrow_bvp::{CollocationPoints, PointJacobian};
 use multiversion::multiversion;
 
 use super::equations::{
-    Balance, BdfTerm, COMPONENTS, Constants, J, LENGTH, LocalCoefficients, M, PHI, PRESSURE, PSI, Q, R, REGULATED,
-    ShellCoefficients, T, Transport, V, Z, balances, carried,
+    Balance, BdfTerm, COMPONENTS, Carried, Constants, J, LENGTH, LocalCoefficients, M, PHI, PRESSURE, PSI, Q, R,
+    REGULATED, ShellCoefficients, T, Transport, V, Z, balances, carried,
 };
 use super::jacobian::{Linearised, LinearisedRegulated, linearised, linearised_regulated};
 use super::lanes::Each;
@@ -22,8 +22,8 @@ pub(super) struct Sweep<'a> {
     pub rate: f64,
     /// Past (r, z) at every collocation point.
     pub past: &'a [[f64; 2]],
-    /// Past φ there, with a regulator.
-    pub past_phi: &'a [f64],
+    /// The past of a regulator there.
+    pub carried_past: &'a [Carried],
     /// Factor on the activity at every collocation point; empty for none.
     pub noise: &'a [f64],
     /// The coefficients at the points of the sweep, without what a regulator adds; empty where they are the same everywhere.
@@ -91,7 +91,7 @@ impl Group {
             rate: Each(shared.rate),
             r_past: Each(self.past[0][i]),
             z_past: Each(self.past[1][i]),
-            phi_past: Each(0.0),
+            carried_past: Carried { amount: Each(0.0), r_u: Each(0.0), z_u: Each(0.0) },
         };
         (self.local.each(i), motion, Each(self.noise[i]), std::array::from_fn(|k| Each(self.y[k][i])))
     }
@@ -216,7 +216,13 @@ pub(super) fn jacobian_many(sweep: &Sweep<'_>, points: CollocationPoints<'_>, p:
         group.read(sweep, points, from);
         linearise(&group, &shared, &mut numbers);
         for i in 0..GROUP.min(points.x.len() - from) {
-            scatter::<NUMBERS, COMPONENTS>(&numbers, i, shared.length, scalars, &mut out.at(from + i, COMPONENTS, scalars, 1));
+            scatter::<NUMBERS, COMPONENTS>(
+                &numbers,
+                i,
+                shared.length,
+                scalars,
+                &mut out.at(from + i, COMPONENTS, scalars, 1),
+            );
         }
     }
 }
@@ -255,14 +261,14 @@ struct Regulated {
     by_phi: LocalCoefficients<Values>,
     /// j and φ.
     state: [Values; 2],
-    phi_past: Values,
+    past: Carried<Values>,
 }
 
 impl Regulated {
     fn of(sweep: &Sweep<'_>) -> Regulated {
         let shape = Group::of(sweep);
         let by_phi = shape.local.map(|_| [0.0; GROUP]);
-        Regulated { shape, by_phi, state: [[0.0; GROUP]; 2], phi_past: [0.0; GROUP] }
+        Regulated { shape, by_phi, state: [[0.0; GROUP]; 2], past: Carried::default().map(|_: f64| [0.0; GROUP]) }
     }
 
     fn read(&mut self, sweep: &Sweep<'_>, points: CollocationPoints<'_>, from: usize, length: f64) {
@@ -273,7 +279,8 @@ impl Regulated {
             let y = &points.y[point * REGULATED..(point + 1) * REGULATED];
             (self.state[0][i], self.state[1][i]) = (y[J], y[PHI]);
             if sweep.rate != 0.0 {
-                self.phi_past[i] = sweep.past_phi[points.first + point];
+                let Carried { amount, r_u, z_u } = sweep.carried_past[points.first + point];
+                (self.past.amount[i], self.past.r_u[i], self.past.z_u[i]) = (amount, r_u, z_u);
             }
             let painted = *sweep.local.get(point).unwrap_or(&sweep.constants.uniform);
             let (here, by_phi) = sweep.constants.regulated_by_phi(painted, y[PHI], y[J] * length);
@@ -283,9 +290,15 @@ impl Regulated {
     }
 
     #[inline(always)]
-    fn at(&self, i: usize, shared: &Shared) -> (LocalCoefficients<Each>, BdfTerm<Each>, Each, [Each; COMPONENTS], [Each; 2]) {
+    fn at(
+        &self,
+        i: usize,
+        shared: &Shared,
+    ) -> (LocalCoefficients<Each>, BdfTerm<Each>, Each, [Each; COMPONENTS], [Each; 2]) {
         let (local, motion, noise, y) = self.shape.at(i, shared);
-        let motion = BdfTerm { phi_past: Each(self.phi_past[i]), ..motion };
+        let Carried { amount, r_u, z_u } = &self.past;
+        let carried_past = Carried { amount: Each(amount[i]), r_u: Each(r_u[i]), z_u: Each(z_u[i]) };
+        let motion = BdfTerm { carried_past, ..motion };
         (local, motion, noise, y, [Each(self.state[0][i]), Each(self.state[1][i])])
     }
 }
@@ -303,7 +316,7 @@ fn evaluate_regulated(
         let (local, motion, noise, y, state) = group.at(i, shared);
         let Balance { f, volume, place } =
             balances(&shell, &local, motion, noise, &y, Each(shared.length), Each(shared.pressure));
-        let flux = carried(&transport, local.source, motion, &y, state, &place);
+        let flux = carried(&transport, local.source, motion, &y, state, &place, Each(shared.length));
         for k in 0..COMPONENTS {
             out[k][i] = f[k].0;
         }
@@ -314,7 +327,7 @@ fn evaluate_regulated(
 }
 
 /// Numbers of a [`LinearisedRegulated`].
-const NUMBERS_REGULATED: usize = NUMBERS + COMPONENTS + 1 + REGULATED + 1;
+const NUMBERS_REGULATED: usize = NUMBERS + COMPONENTS + 1 + REGULATED + 2;
 
 /// All numbers of a [`LinearisedRegulated`], those of the shape first.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx+avx2", "aarch64+neon"))]
@@ -329,7 +342,7 @@ fn linearise_regulated(
         let (local, motion, noise, y, state) = group.at(i, shared);
         let here = [&local, &group.by_phi.each(i)];
         let (length, pressure) = (Each(shared.length), Each(shared.pressure));
-        let LinearisedRegulated { shape, by_phi, tangential_by_j, carried } =
+        let LinearisedRegulated { shape, by_phi, tangential_by_j, carried, carried_by_length } =
             linearised_regulated(&shell, &transport, here, motion, noise, &y, state, length, pressure);
         shape.store(i, out);
         for k in 0..COMPONENTS {
@@ -339,7 +352,8 @@ fn linearise_regulated(
         for k in 0..REGULATED {
             out[NUMBERS + COMPONENTS + 1 + k][i] = carried.1[k].0;
         }
-        out[NUMBERS_REGULATED - 1][i] = carried.0.0;
+        out[NUMBERS_REGULATED - 2][i] = carried.0.0;
+        out[NUMBERS_REGULATED - 1][i] = carried_by_length.0;
     }
 }
 
@@ -392,8 +406,8 @@ pub(super) fn jacobian_many_regulated(
             for k in 0..n {
                 out.fy[J * n + k] = length * number(COMPONENTS + 1 + k);
             }
-            let flux = numbers[NUMBERS_REGULATED - 1][i];
-            (out.f[J], out.fp[J * scalars + LENGTH]) = (length * flux, flux);
+            let [flux, by_length] = [2, 1].map(|k| numbers[NUMBERS_REGULATED - k][i]);
+            (out.f[J], out.fp[J * scalars + LENGTH]) = (length * flux, flux + length * by_length);
             let j = group.state[0][i];
             (out.f[PHI], out.fp[PHI * scalars + LENGTH], out.fy[PHI * n + J]) = (length * j, j, length);
         }

@@ -10,10 +10,11 @@
 
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{
-    AntisymmetricEnd, BoundaryValueProblem, Direction, Newton, NewtonError, NewtonReport, PivotFailure, Residual, Solution, System,
+    AntisymmetricEnd, BoundaryValueProblem, Direction, Newton, NewtonError, NewtonReport, PivotFailure, Residual,
+    Solution, System,
 };
 
-use crate::cortex::equations::{J, LENGTH, PSI};
+use crate::cortex::equations::{Carried, J, LENGTH, PSI};
 use crate::cortex::lanes::sin_cos;
 use crate::cortex::symmetry::{self, fold, join};
 use crate::cortex::{Cortex, Domain};
@@ -36,8 +37,8 @@ pub struct Halves {
     odd: Direction,
     /// Antisymmetric part of the past (r, z) at the collocation points of the half.
     odd_past: Vec<[f64; 2]>,
-    /// That of the past φ.
-    odd_past_phi: Vec<f64>,
+    /// That of the past of a regulator.
+    odd_carried: Vec<Carried>,
     /// What the past does to the equations of the antisymmetric part.
     source: Residual,
     residual: Residual,
@@ -55,7 +56,7 @@ impl Halves {
             even: shape.clone(),
             odd: Direction::default(),
             odd_past: Vec::new(),
-            odd_past_phi: Vec::new(),
+            odd_carried: Vec::new(),
             source: Residual::default(),
             residual: Residual::default(),
             correction: Direction::default(),
@@ -107,19 +108,20 @@ impl Halves {
             self.cortex.past.push([0.5 * (r + rm), 0.5 * (z - zm)]);
             self.odd_past.push([0.5 * (r - rm), 0.5 * (z + zm)]);
         }
-        self.cortex.past_phi.clear();
-        self.odd_past_phi.clear();
-        let half = cortex.past_phi.len() / 2;
-        for (here, there) in cortex.past_phi.iter().zip(cortex.past_phi.iter().rev()).take(half) {
-            self.cortex.past_phi.push(0.5 * (here + there));
-            self.odd_past_phi.push(0.5 * (here - there));
+        self.cortex.carried_past.clear();
+        self.odd_carried.clear();
+        let half = cortex.carried_past.len() / 2;
+        for (here, there) in cortex.carried_past.iter().zip(cortex.carried_past.iter().rev()).take(half) {
+            let ([a, r_u, z_u], [am, r_um, z_um]) = (here.parts(), there.parts());
+            self.cortex.carried_past.push([0.5 * (a + am), 0.5 * (r_u - r_um), 0.5 * (z_u + z_um)].into());
+            self.odd_carried.push([0.5 * (a - am), 0.5 * (r_u + r_um), 0.5 * (z_u - z_um)].into());
         }
     }
 
     /// The residual of the antisymmetric part if there were none of it now, only in the past, about the symmetric part that the
     /// system was evaluated at. The past enters by the normal velocity, in which the equations are linear.
     fn find_source(&mut self) {
-        let Halves { system, cortex, even, source, odd_past, odd_past_phi, .. } = self;
+        let Halves { system, cortex, even, source, odd_past, odd_carried, .. } = self;
         system.zero_residual_into(source);
         source.right.truncate(symmetry::even(even.components).len());
         let (length, n) = (even.scalars[LENGTH], even.components);
@@ -130,11 +132,13 @@ impl Halves {
                 let [r, z] = odd_past[point];
                 let (sin, cos) = sin_cos(state[PSI]);
                 let velocity = cortex.rate * (sin * r + cos * z);
-                let carried = odd_past_phi.get(point).map_or(0.0, |phi| {
-                    cortex.rate * (phi - state[J] * (cos * r - sin * z))
-                });
                 let response = cortex.response_to_motion(even.stage_x(&system.gauss, i, j), state, length);
-                response.add(h, velocity, carried, &mut source.stages[point * n..(point + 1) * n]);
+                let source = &mut source.stages[point * n..(point + 1) * n];
+                response.add(h, velocity, 0.0, source);
+                if let Some(past) = odd_carried.get(point) {
+                    source[J] =
+                        h * cortex.response_to_past(state, length, [r, z], *past) + h * velocity * response.strain;
+                }
             }
         }
     }

@@ -13,10 +13,10 @@ use super::start::{FIRST_MESH, Start, check};
 use super::step_size::StepSize;
 use super::stepper::{Attempt, HistoryPoint, MAX_ORDER, ParityNorm, Stepper};
 use super::{DivisionInput, limits, saddle};
-use crate::cortex::{Cortex, Domain};
 use crate::cortex::equations::{LENGTH, PSI, R};
 use crate::cortex::lanes::sin_cos;
 use crate::cortex::observables::{self, Neck, PINCH_OFF};
+use crate::cortex::{Cortex, Domain};
 use furrow_cell::{Cell, Numerics, Parameter, Scheme};
 
 /// The first step is not made shorter than about this, in τ.

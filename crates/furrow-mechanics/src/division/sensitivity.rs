@@ -19,7 +19,7 @@ use furrow_bvp::{BoundaryValueProblem, CollocationPoint, Direction, LinearCondit
 use serde::{Deserialize, Serialize};
 
 use super::stepper::{MAX_ORDER, Stepper};
-use crate::cortex::equations::{COMPONENTS, PHI, R, REGULATED, Z};
+use crate::cortex::equations::{COMPONENTS, LENGTH, PHI, PSI, R, REGULATED, Z};
 use crate::cortex::observables::{self, PINCH_OFF, with_components};
 use crate::cortex::problem::SHAPE_SCALARS;
 use crate::cortex::{Cortex, Domain};
@@ -93,23 +93,34 @@ impl Tangent {
         let n = y.components;
         let points = y.stages.len() / n;
         let weights = &stepper.weights;
-        let past_of = |k: usize| -> Vec<[f64; 3]> {
+        let levels: Vec<&Solution> = stepper.history[1..].iter().map(|level| &level.y).collect();
+        let diluted = self.cortex.cell.cue.regulator().is_some_and(|regulator| regulator.diluted);
+        let past_of = |k: usize| -> Vec<PastChange> {
             let of = |i: usize| self.history.iter().zip(&weights[1..]).map(|(l, w)| w * l[k].stages[i]).sum::<f64>();
             let at = |i: usize, c: usize| -of(i * n + c) / weights[0];
-            (0..points).map(|i| [at(i, R), at(i, Z), if n == REGULATED { at(i, PHI) } else { 0.0 }]).collect()
+            let carried = |i: usize| {
+                let mut sum = [0.0; 3];
+                let pairs = self.history.iter().zip(&levels).zip(&weights[1..]).filter(|_| n == REGULATED);
+                for ((derivatives, level), weight) in pairs {
+                    let change = change_of_carried(level, &derivatives[k], i, diluted);
+                    sum.iter_mut().zip(change).for_each(|(sum, change)| *sum -= weight / weights[0] * change);
+                }
+                sum
+            };
+            (0..points).map(|i| PastChange { place: [at(i, R), at(i, Z)], carried: carried(i) }).collect()
         };
-        let pasts: Vec<Vec<[f64; 3]>> = (0..self.parameters.len()).map(past_of).collect();
+        let pasts: Vec<Vec<PastChange>> = (0..self.parameters.len()).map(past_of).collect();
         self.cortex.rate = stepper.cortex.rate;
         self.cortex.past.clone_from(&stepper.cortex.past);
-        self.cortex.past_phi.clone_from(&stepper.cortex.past_phi);
+        self.cortex.carried_past.clone_from(&stepper.cortex.carried_past);
         self.cortex.noise.clone_from(&stepper.cortex.noise);
         let newest = self.solve(y, &pasts);
         self.history.insert(0, newest);
         self.history.truncate(MAX_ORDER + 1);
     }
 
-    /// Derivatives of the solution `y` of the problem at hand, given those of (r, z, φ) of the past at every collocation point.
-    fn solve(&mut self, y: &Solution, pasts: &[Vec<[f64; 3]>]) -> Vec<Solution> {
+    /// Derivatives of the solution `y` of the problem at hand, given those of the past at every collocation point.
+    fn solve(&mut self, y: &Solution, pasts: &[Vec<PastChange>]) -> Vec<Solution> {
         let mut y = y.clone();
         y.scalars.truncate(SHAPE_SCALARS);
         y.scalars.extend(self.cortex.free.iter().map(|p| p.get(&self.cortex.cell)));
@@ -123,7 +134,7 @@ impl Tangent {
             return Vec::new();
         }
         let integrals = self.system.dimensions().integrals;
-        let one = |(k, past): (usize, &Vec<[f64; 3]>)| {
+        let one = |(k, past): (usize, &Vec<PastChange>)| {
             let (mut residual, mut direction) = (self.system.zero_residual(), Direction::default());
             self.add_past(&y, past, &mut residual.stages);
             // The system solves J δ = −residual: the parameter moves by one.
@@ -137,17 +148,18 @@ impl Tangent {
 
     /// ∂F/∂past · `past`, to the residuals at the stages. The equations are linear in the velocities, and these in the past:
     /// a difference is the derivative, whatever its size.
-    fn add_past(&self, y: &Solution, past: &[[f64; 3]], stages: &mut [f64]) {
+    fn add_past(&self, y: &Solution, past: &[PastChange], stages: &mut [f64]) {
         if self.cortex.rate == 0.0 {
             return;
         }
         let mut moved = self.cortex.clone();
         for (place, change) in moved.past.iter_mut().zip(past) {
-            place[0] += change[0];
-            place[1] += change[1];
+            place[0] += change.place[0];
+            place[1] += change.place[1];
         }
-        for (place, change) in moved.past_phi.iter_mut().zip(past) {
-            *place += change[2];
+        for (place, change) in moved.carried_past.iter_mut().zip(past) {
+            let parts = place.parts();
+            *place = std::array::from_fn(|k| parts[k] + change.carried[k]).into();
         }
         let (gauss, n) = (&self.system.gauss, y.components);
         let ([mut here, mut there], mut integrand) = ([[0.0; REGULATED]; 2], [0.0]);
@@ -197,6 +209,29 @@ impl Tangent {
         let (above, below) = (at(step)?, at(-step)?);
         Some(std::array::from_fn(|i| (above[i] - below[i]) / (2.0 * step)))
     }
+}
+
+/// How the past at a collocation point changes with a parameter.
+#[derive(Clone, Copy)]
+struct PastChange {
+    /// That of (r, z).
+    place: [f64; 2],
+    /// That of a regulator.
+    carried: [f64; 3],
+}
+
+/// How the parts of [`Carried`] at stage i of a shape change along a direction.
+fn change_of_carried(y: &Solution, direction: &Solution, i: usize, diluted: bool) -> [f64; 3] {
+    let n = y.components;
+    let (state, change) = (&y.stages[i * n..(i + 1) * n], &direction.stages[i * n..(i + 1) * n]);
+    let (length, longer) = (y.scalars[LENGTH], direction.scalars[LENGTH]);
+    let (sin, cos) = state[PSI].sin_cos();
+    let c = 1.0 + state[PHI];
+    let amount = match diluted {
+        true => change[R] * length * c + state[R] * (longer * c + length * change[PHI]),
+        false => change[PHI],
+    };
+    [amount, longer * cos - length * sin * change[PSI], -longer * sin - length * cos * change[PSI]]
 }
 
 /// Σ w_j y_j of solutions on one mesh.

@@ -15,7 +15,7 @@ use furrow_bvp::{
 };
 
 use super::halves::Halves;
-use crate::cortex::equations::{PHI, R, REGULATED, Z};
+use crate::cortex::equations::{Carried, J, LENGTH, PHI, R, REGULATED, Z};
 use crate::cortex::{Cortex, resolution, symmetry};
 
 /// Share of the mesh monitor (about the turning of the contour, in radians) of one interval at the default resolution
@@ -261,9 +261,19 @@ impl Stepper {
         };
         self.cortex.past.clear();
         self.cortex.past.extend((0..points).map(|i| [past(i, R), past(i, Z)]));
-        self.cortex.past_phi.clear();
-        if n == REGULATED {
-            self.cortex.past_phi.extend((0..points).map(|i| past(i, PHI)));
+        self.cortex.carried_past.clear();
+        if let Some(regulator) = self.cortex.cell.cue.regulator() {
+            let past = |i: usize| {
+                let mut past = [0.0; 3];
+                for (level, weight) in self.history.iter().zip(&weights[1..]) {
+                    let state = &level.y.stages[i * n..(i + 1) * n];
+                    let parts = Carried::of(state, level.y.scalars[LENGTH], regulator.diluted).parts();
+                    past.iter_mut().zip(parts).for_each(|(past, part)| *past -= weight / weights[0] * part);
+                }
+                Carried::from(past)
+            };
+            let past: Vec<Carried> = (0..points).map(past).collect();
+            self.cortex.carried_past.extend(past);
         }
         self.cortex.rate = weights[0];
     }
@@ -376,10 +386,29 @@ impl Stepper {
         let transfer = Transfer::new(&self.system.gauss, &self.history[0].y.mesh, &self.grid);
         for level in &mut self.history {
             transfer.apply(&level.y, &mut self.trial.y);
+            if self.cortex.cell.cue.regulator().is_some_and(|regulator| regulator.diluted) {
+                keep_amount(&self.system.gauss, &level.y, &mut self.trial.y);
+            }
             std::mem::swap(&mut level.y, &mut self.trial.y);
         }
         self.work.remeshings += 1;
         self.factored = None;
+    }
+}
+
+/// Gives a shape on a new mesh the amount ∫ c dA of a regulator that it had on the old one.
+fn keep_amount(gauss: &Gauss, before: &Solution, after: &mut Solution) {
+    let amount = |y: &Solution| -> f64 {
+        let of = |(i, s): (usize, &[f64])| {
+            let interval = i / y.m;
+            (y.mesh[interval + 1] - y.mesh[interval]) * gauss.b[i % y.m] * s[R] * (1.0 + s[PHI])
+        };
+        y.stages.chunks_exact(REGULATED).enumerate().map(of).sum()
+    };
+    let factor = amount(before) / amount(after);
+    for state in after.nodes.chunks_exact_mut(REGULATED).chain(after.stages.chunks_exact_mut(REGULATED)) {
+        state[J] *= factor;
+        state[PHI] = (1.0 + state[PHI]) * factor - 1.0;
     }
 }
 
