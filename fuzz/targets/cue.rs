@@ -24,6 +24,12 @@ pub fn check(data: &[u8]) {
     assert_eq!(parse_cue(&written, lineage).expect("what is written is read"), cue, "{written}");
     survives_json(&cue);
     assert_eq!(cue.mirrored().mirrored().terms().len(), cue.terms().len());
+    if let Some(regulator) = cue.regulator() {
+        assert_eq!(cue.mirrored().regulator().map(|image| &image.couplings), Some(&regulator.couplings));
+        for quantity in regulator.quantities() {
+            assert!(regulator.quantity(quantity).is_some_and(f64::is_finite), "{regulator}");
+        }
+    }
     for place in 0..=16 {
         let u = f64::from(place) / 16.0;
         for term in cue.terms() {

@@ -143,6 +143,16 @@ def test_a_cell_is_a_value():
         cell.radius  # noqa: B018
 
 
+def test_a_cue_may_have_a_regulator():
+    cell = furrow.Cell(r0=2.0, cue="regulator:none,turnover=10,diffusion=1,diluted=true,activity=0.3+germline")
+    assert cell.cue.endswith("+regulator:none,turnover=10,diffusion=1,activity=0.3")
+    assert eval(repr(cell)) == cell and cell.replace(r0=3).cue == cell.cue
+    assert furrow.Cell(2, cue="regulator:none,turnover=10,diffusion=1,activity=0.3").is_mirror_symmetric
+    assert list(cell.cue_at([0.5], length=10)) == ["kappa"]
+    with pytest.raises(furrow.InputError, match=r"regulator.turnover = \(not given\)"):
+        furrow.Cell(2, cue="regulator:none,diffusion=1,activity=0.3")
+
+
 def test_a_mirrored_cell_divides_mirrored(memo):
     cell = furrow.Cell(r0=4, cue="germline")
     here, there = cell.divide(memo=memo), cell.mirrored().divide(memo=memo)

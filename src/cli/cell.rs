@@ -22,11 +22,11 @@ pub struct CueArgs {
     /// amplitude; may be left out), step (the same), gradient (amplitude). The width omega is in u, or with
     /// the suffix Lh in L_h.
     ///
-    /// One of them may be a regulator, which flow carries: regulator:PROFILE,key=value,.. with the numbers of the
-    /// profile of its source (or none in the place of PROFILE), turnover (1/τ), diffusion (L_h²/τ), what it does to
-    /// fields, as in activity=0.3, or saturating with tension=30,tension.half=10, and diluted=false for a label that
-    /// converging flow does not concentrate. If the lineage file has units, widths may be in um, turnover in /s and
-    /// diffusion in um2/s.
+    /// One of them may be a regulator, which flow carries: regulator:PROFILE,key=value,.. Its keys: those of PROFILE,
+    /// its source (PROFILE none: no source); turnover (1/τ); diffusion (L_h²/τ); each field that it changes, as in
+    /// activity=0.3, or if that saturates tension=30,tension.half=10; and diluted=false for a label, which converging
+    /// flow does not concentrate. If the lineage file has units, widths may be in um, turnover in /s, and diffusion in
+    /// um2/s.
     #[arg(long, value_name = "CUE", default_value = "none")]
     pub cue: String,
     /// Lineage file with named cues; default the built-in one

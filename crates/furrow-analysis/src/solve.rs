@@ -464,3 +464,24 @@ impl Tried {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_a_regulator_have_ranges_that_are_allowed() {
+        let cue =
+            "regulator:band,u0=0.4,omega=0.1,amplitude=0.5,turnover=10,diffusion=0.1,activity=0.3".parse().unwrap();
+        let cell = Cell::new(2.0).with_cue(cue);
+        for (name, expected) in [
+            ("regulator.turnover", [2.5, 40.0]),
+            ("regulator.diffusion", [0.05, 0.4]),
+            ("regulator.u0", [0.0, 1.0]),
+            ("regulator.amplitude", [-1.0, 1.0]),
+            ("regulator.activity", [-0.9, 0.9]),
+        ] {
+            assert_eq!(default_range(name.parse().unwrap(), &cell), expected, "{name}");
+        }
+    }
+}

@@ -33,6 +33,7 @@ const AMPLITUDES: [f64; 2] = [0.005, 2.0];
 const TURNOVERS: [f64; 2] = [0.1, 100.0];
 const DIFFUSIONS: [f64; 2] = [0.05, 20.0];
 const HALVES: [f64; 2] = [0.1, 100.0];
+const SATURATING: [f64; 2] = [0.005, 200.0];
 /// Misfit, in standard deviations, of a cell that does not divide.
 const UNDIVIDED: f64 = 10.0;
 /// Steps of the simplex, and its edges in the unit cube.
@@ -152,6 +153,12 @@ fn limits(parameter: Parameter, cue: &Cue) -> [f64; 2] {
         Parameter::Regulator(RegulatorQuantity::Turnover) => TURNOVERS,
         Parameter::Regulator(RegulatorQuantity::Diffusion) => DIFFUSIONS,
         Parameter::Regulator(RegulatorQuantity::Half(_)) => HALVES,
+        // A coupling that saturates gives less than its strength.
+        Parameter::Regulator(RegulatorQuantity::Strength(field))
+            if cue.regulator().is_some_and(|of| of.quantity(RegulatorQuantity::Half(field)).is_some()) =>
+        {
+            SATURATING
+        }
         _ => AMPLITUDES,
     }
 }
@@ -462,6 +469,30 @@ mod tests {
         let (lineage, targets, settings, template) = (&lineage, &targets, &settings, &template);
         let (of, least, progress) = (0, Mutex::new(f64::INFINITY), None);
         then(&Objective { lineage, targets, settings, template, unknowns, cancel, tried, of, least, progress }, place)
+    }
+
+    #[test]
+    fn every_number_of_a_regulator_is_searched_in_its_range() {
+        let cue: Cue = "tension:gradient,amplitude=-0.3+regulator:step,u0=0.4,omega=-0.3Lh,amplitude=1,turnover=10,diffusion=1,kappa=-0.2,tension=30,tension.half=10"
+            .parse()
+            .unwrap();
+        let cell = Cell::new(1.0).with_cue(cue.clone());
+        let found = unknowns(&cue);
+        assert_eq!(found.iter().map(|unknown| unknown.parameter).collect::<Vec<_>>(), Parameter::of_cue(&cue));
+        for Unknown { parameter, limits: [from, to], logarithmic, sign } in found {
+            let size = sign * parameter.get(&cell);
+            assert!(
+                (from..=to).contains(&size) && (logarithmic || sign == 1.0),
+                "{parameter}: {size} from {from} to {to}"
+            );
+            // Both ends are allowed.
+            for end in [from, to] {
+                assert!(parameter.validate(sign * end).is_ok(), "{parameter} = {end}");
+            }
+        }
+        let still = "regulator:none,turnover=0,diffusion=1,activity=0.3".parse().unwrap();
+        let names: Vec<String> = unknowns(&still).iter().map(|unknown| unknown.parameter.to_string()).collect();
+        assert_eq!(names, ["regulator.diffusion", "regulator.activity"]);
     }
 
     #[test]

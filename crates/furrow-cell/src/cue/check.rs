@@ -152,7 +152,7 @@ impl Cue {
         const PLACES: u32 = 256;
         let regulator = self.regulator.as_ref()?;
         let touching = || regulator.couplings.iter().filter(|coupling| coupling.field.modulates(coefficient));
-        let last = *touching().last()?;
+        let last = *touching().next_back()?;
         let [low, high] = regulator.source.map_or([0.0; 2], |source| values(&source.profile, source.amplitude));
         let [low, high] = [low.min(0.0), high.max(0.0)];
         let added = |k: u32| {

@@ -139,3 +139,21 @@ fn checksum<'v>(values: impl Iterator<Item = ValueRef<'v>>) -> i64 {
     first.copy_from_slice(&blake3::hash(&bytes).as_bytes()[..8]);
     i64::from_le_bytes(first)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::fake;
+
+    /// The column of the cue says what it does, its regulator too.
+    #[test]
+    fn the_cue_is_a_column_of_text() {
+        let cue = "kappa:gradient,amplitude=0+tension:gradient,amplitude=0.3+regulator:none,turnover=10,diffusion=1,activity=0.3";
+        let cell = fake::input(2.0).cell.with_cue(cue.parse().unwrap());
+        let input = DivisionInput { cell, ..fake::input(2.0) };
+        let row = encode(&Key::new(&input), 1, &input, &fake::divide(&input));
+        let column = COLUMNS.split(", ").position(|name| name.trim() == "cue").unwrap();
+        let expected = "tension:gradient,amplitude=0.3+regulator:none,turnover=10,diffusion=1,activity=0.3";
+        assert_eq!(row[column], Value::Text(expected.to_owned()));
+    }
+}
