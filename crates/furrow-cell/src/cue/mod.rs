@@ -253,7 +253,8 @@ impl Cue {
 
     /// Whether 1 + Σ A f stays above 0 for a coefficient that must.
     fn check_positive(&self, coefficient: Field) -> Result<(), CueError> {
-        let touching: Vec<usize> = (0..self.terms.len()).filter(|&k| self.terms[k].field.modulates(coefficient)).collect();
+        let touching: Vec<usize> =
+            (0..self.terms.len()).filter(|&k| self.terms[k].field.modulates(coefficient)).collect();
         let Some(&last) = touching.last() else { return Ok(()) };
         // Profiles keep within their range, whatever their width: a bound that needs no contour. Where it is not enough,
         // terms that lie apart are looked at along contours of all lengths that cells have.
