@@ -1,11 +1,11 @@
 //! `furrow polarity`: PAR polarity at the sizes of the germline.
 
-use super::cell::{length, load_lineage, natural, positive, set};
+use super::cell::{length, load_lineage, natural, one_of, positive, set};
 use super::context::Context;
 use super::error::CliError;
 use super::output::{csv_of, filled, merged, number, print_as, writable_file};
 use clap::Args;
-use furrow_analysis::polarity::{NamedCell, PolarisedCell, PolarityStudy, germline, polarity};
+use furrow_analysis::polarity::{Follows, NamedCell, PolarisedCell, PolarityStudy, germline, polarity};
 use furrow_formats::write_atomically;
 use furrow_input::InputError;
 use furrow_lineage::{Length, Units};
@@ -45,7 +45,11 @@ pub struct PolarityArgs {
     /// L_h in µm; default that of the lineage file, else 3.2
     #[arg(help_heading = "Chemistry", long, value_name = "UM", allow_negative_numbers = true, value_parser = number)]
     length_um: Option<f64>,
-    /// By how much κ is larger where P is highest than where it is lowest, relative
+    /// How κ follows P: a step from the pole where P is high, or a band at its boundary, of the same width
+    #[arg(help_heading = "Chemistry", long, value_name = "step|band", default_value = "step", hide_possible_values = true,
+        value_parser = one_of([("step", Follows::Step), ("band", Follows::Band)]))]
+    profile: Follows,
+    /// By how much κ is larger where P is high, or at its boundary, relative
     #[arg(help_heading = "Chemistry", long, value_name = "A", default_value_t = 0.1, allow_negative_numbers = true, value_parser = number)]
     amplitude: f64,
     /// Writes A and P of the polarised cells along the contour as CSV
@@ -78,7 +82,7 @@ pub fn run(args: &PolarityArgs, mut context: Context) -> Result<(), CliError> {
         None => germline(&lineage, settings)?,
     };
     let chemistry = Chemistry { numerics: settings.numerics, ..Chemistry::new(constants, length_um) };
-    let found = polarity(&cells, settings, &chemistry, amplitude)?;
+    let found = polarity(&cells, settings, &chemistry, (args.profile, amplitude))?;
     for cell in &found.cells {
         if let Err(error) = &cell.division {
             tracing::warn!("{}: {error}", name(cell));
@@ -151,15 +155,17 @@ impl Shown<'_> {
             "cue": cell.cue,
             "outcome": division.map(|division| division.outcome()),
             "chi": division.and_then(|division| division.chi()),
+            "chi_signed": division.and_then(|division| division.chi_signed()),
             "u_furrow": division.and_then(|division| division.u_furrow()),
-            "measured": cell.measured.as_ref().map(|m| json!({ "mean": m.mean, "sd": m.sd, "n": m.n })),
+            "measured": cell.measured.as_ref().map(|m| json!({ "mean_signed": m.mean_signed, "sd": m.sd_signed, "n": m.n })),
         });
         filled(merged(merged(own, cell.polarity.map_or(json!({}), |found| json!(found))), divided))
     }
 
     fn text(&self) -> String {
-        let mut out = String::from(
-            "cell       R0   R0 (µm)  S/V (/µm)  polarised      u0        ω  outcome          χ  measured χ\n",
+        let mut out = format!(
+            "{:<6} {:>7}  {:>7}  {:>9}  {:>9}  {:>6}  {:>7}  {:<10}  {:>7}  measured χ\n",
+            "cell", "R0", "R0 (µm)", "S/V (/µm)", "polarised", "u0", "ω", "outcome", "χ"
         );
         for cell in &self.found.cells {
             let boundary = cell.polarity.map_or(format!("{:>9}  {:>6}  {:>7}", "no", "-", "-"), |found| {
@@ -167,28 +173,32 @@ impl Shown<'_> {
             });
             let division = cell.division.as_ref().ok();
             let outcome = division.map_or("undecided", |division| division.outcome().name());
-            let chi = division.and_then(|division| division.chi()).map_or("-".to_owned(), |chi| format!("{chi:.4}"));
+            // Without a cue the noise decides the side.
+            let chi = division
+                .and_then(|division| if cell.polarity.is_some() { division.chi_signed() } else { division.chi() });
+            let chi = chi.map_or("-".to_owned(), |chi| format!("{chi:.4}"));
             let measured = cell.measured.as_ref().map_or("-".to_owned(), |m| {
-                format!("{:.3}{}", m.mean, m.sd.map_or(String::new(), |sd| format!(" ± {sd:.3} (n = {})", m.n)))
+                format!("{:.3}{}", m.mean_signed, m.sd_signed.map_or(String::new(), |sd| format!(" ± {sd:.3} (n = {})", m.n)))
             });
-            let (r0, um, psi) = (cell.r0, self.um(cell.r0), cell.surface_to_volume);
+            let (name, r0, um, ratio) = (name(cell), cell.r0, self.um(cell.r0), cell.surface_to_volume);
             let _ = writeln!(
                 out,
-                "{:<6} {r0:>7.4}  {um:>7.2}  {psi:>9.4}  {boundary}  {outcome:<10} {chi:>6}  {measured}",
-                name(cell)
+                "{name:<6} {r0:>7.4}  {um:>7.2}  {ratio:>9.4}  {boundary}  {outcome:<10}  {chi:>7}  {measured}"
             );
         }
         out + &self.surface() + &self.limits() + &self.verdict()
     }
 
-    /// What ψ is.
+    /// What ψ is, and the sign of χ.
     fn surface(&self) -> String {
-        match self.chemistry.constants.surface_to_volume {
+        let sign = "χ of polarised and of measured cells is positive where the posterior daughter is the smaller\n";
+        let psi = match self.chemistry.constants.surface_to_volume {
             SurfaceToVolume::Shape => format!(
                 "ψ is S/V, surface over volume of each cell's own passive shape; measured of the zygote: {ZYGOTE_SURFACE_TO_VOLUME} /µm\n"
             ),
             SurfaceToVolume::Fixed(psi) => format!("ψ is {psi} /µm for cells of all sizes\n"),
-        }
+        };
+        psi + sign
     }
 
     fn limits(&self) -> String {
@@ -213,19 +223,17 @@ impl Shown<'_> {
         let PolarityStudy { cells, smallest: Ok(chemistry), mechanics: Ok(mechanics), .. } = self.found else {
             return String::new();
         };
-        let below = |limit: f64| {
+        let too_small = |limit: f64| {
             let names: Vec<&str> = cells.iter().filter(|cell| cell.r0 < limit).map(name).collect();
-            if names.is_empty() { "none of these cells".to_owned() } else { names.join(", ") }
+            if names.is_empty() { "none".to_owned() } else { names.join(", ") }
         };
-        let parts = [
-            ("Polarity", format!("polarity ({} too small)", below(chemistry.r0)), chemistry.r0),
-            ("Division", format!("division ({} too small)", below(mechanics.r0)), mechanics.r0),
-        ];
-        let [(name, lost, high), (_, then, low)] =
-            if chemistry.r0 > mechanics.r0 { &parts } else { &[parts[1].clone(), parts[0].clone()] };
-        format!(
-            "{name} ends first: as cells shrink they lose {lost} at R0 = {high:.4}, and {then} at R0 = {low:.4}, {:.0} % of that.\n",
-            100.0 * low / high
-        )
+        let part =
+            |what: &str, r0: f64| format!("below R0 = {r0:.4} cells cannot {what} (too small: {})", too_small(r0));
+        let [chemical, mechanical] = [part("polarise", chemistry.r0), part("divide", mechanics.r0)];
+        if chemistry.r0 > mechanics.r0 {
+            format!("Chemistry ends first: {chemical}; {mechanical}.\n")
+        } else {
+            format!("Mechanics ends first: {mechanical}; {chemical}.\n")
+        }
     }
 }

@@ -1,7 +1,8 @@
 //! PAR polarity along the germline: at which sizes it exists, what cue follows from it, and how the cells then divide.
 
-use furrow_cell::cue::{Field, Term};
+use furrow_cell::cue::{Field, Profile, Term, Width};
 use furrow_cell::{Cell, Cue, CueError, Settings};
+use furrow_input::InputError;
 use furrow_lineage::{Daughter, Lineage, Mother, Place};
 use furrow_measured::events::MotherSummary;
 use furrow_measured::published::jankele2021;
@@ -9,9 +10,6 @@ use furrow_mechanics::critical::{CriticalRadius, critical_radius};
 use furrow_mechanics::division::{Division, DivisionError, DivisionInput, divide};
 use furrow_mechanics::equilibria::ShapeError;
 use furrow_mechanics::polarity::{Chemistry, PolarityError, PolarityLimit, Readings, Towards, profile, readings};
-
-use furrow_cell::cue::{Profile, Width};
-use furrow_input::InputError;
 
 /// A cell of the germline, or any other.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +33,7 @@ pub struct PolarisedCell {
     pub polarity: Option<Readings>,
     /// u, A and P from pole to pole; empty without polarity.
     pub profile: Vec<[f64; 3]>,
-    /// The cue that follows: a step of κ, or none.
+    /// The cue that follows, or none.
     pub cue: Cue,
     /// How it divides with this cue, or why that is not known.
     pub division: Result<Division, DivisionError>,
@@ -124,16 +122,29 @@ pub fn germline(lineage: &Lineage, settings: &Settings) -> Result<Vec<NamedCell>
     Ok(cells)
 }
 
-/// The cue κ = κ0 (1 + amplitude · P), P from 0 to 1 between the poles, as a step.
+/// How κ follows P.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Follows {
+    /// As P itself, a step between the poles.
+    Step,
+    /// As a band at the boundary of P, where both antagonists meet, as wide as the boundary.
+    Band,
+}
+
+/// The cue κ = κ0 (1 + amplitude · f), f from 0 to 1 as P has it.
 ///
 /// # Errors
 /// The amplitude brings κ to 0.
-pub fn cue_of(polarity: &Readings, amplitude: f64) -> Result<Cue, CueError> {
-    let profile = Profile::Step { u0: polarity.u0, omega: Width::Fraction(polarity.omega) };
+pub fn cue_of(polarity: &Readings, follows: Follows, amplitude: f64) -> Result<Cue, CueError> {
+    let Readings { u0, omega, .. } = *polarity;
+    let profile = match follows {
+        Follows::Step => Profile::Step { u0, omega: Width::Fraction(omega) },
+        Follows::Band => Profile::Band { u0, omega: Width::Fraction(omega.abs()) },
+    };
     Cue::new(vec![Term { field: Field::Kappa, profile, amplitude }])
 }
 
-/// Polarity of cells, and what follows.
+/// Polarity of cells, and the divisions that follow where κ follows P.
 ///
 /// # Errors
 /// [`PolarityStudyError`].
@@ -141,14 +152,14 @@ pub fn polarity(
     cells: &[NamedCell],
     settings: &Settings,
     chemistry: &Chemistry,
-    amplitude: f64,
+    (follows, amplitude): (Follows, f64),
 ) -> Result<PolarityStudy, PolarityStudyError> {
     let measured =
         jankele2021()?.into_iter().find(|group| group.group == "wt").map_or(Vec::new(), |group| group.events);
     let of = |NamedCell { name, cell }: &NamedCell| {
         let state = chemistry.polarised(cell)?;
         let polarity = state.as_ref().and_then(readings);
-        let cue = polarity.as_ref().map_or(Ok(Cue::none()), |found| cue_of(found, amplitude))?;
+        let cue = polarity.as_ref().map_or(Ok(Cue::none()), |found| cue_of(found, follows, amplitude))?;
         let cued = cell.clone().with_cue(cue.clone());
         Ok(PolarisedCell {
             r0: cell.r0,

@@ -5,8 +5,8 @@
 
 use furrow_bvp::continuation::Advance;
 use furrow_bvp::{
-    Continuation, ContinuationError, ContinuationSettings, Fold, Metric, MinimallyAugmented, Solution, Termination,
-    locate,
+    Continuation, ContinuationError, ContinuationSettings, Direction, Fold, Metric, MinimallyAugmented, Solution,
+    Termination, locate,
 };
 use serde::Serialize;
 
@@ -165,7 +165,7 @@ impl Chemistry {
     /// # Errors
     /// [`PolarityError`]; `NoFold` if they do not end in a fold.
     pub fn limit(&self, cell: &Cell, towards: Towards) -> Result<PolarityLimit, PolarityError> {
-        let mut cell = Cell { r0: ZYGOTE, ..cell.clone() };
+        let cell = Cell { r0: ZYGOTE, ..cell.clone() };
         let membrane = self.membrane(&cell)?;
         let (scale, state) = self.first_polarised(&membrane)?;
         let mut branch = self.branch(membrane, scale, &state, towards)?;
@@ -183,30 +183,40 @@ impl Chemistry {
         }
         let signs = if towards == Towards::Smaller { [-1.0, 1.0] } else { [1.0, -1.0] };
         let located = locate::between_last_points(&mut branch, Fold::new(SCALE), signs)?;
-        let mut y = located.solution;
-        // The radius whose own shape has its fold at scale 1. The shape moves there in steps that Newton can follow.
-        let mut rest = y.scalars[SCALE];
+        self.own_fold(&cell, located.solution, &branch.state.tangent)
+    }
+
+    /// The radius whose own shape has its fold at scale 1, from the fold over the scale of the shape of `cell`. The shape moves
+    /// there in steps that Newton can follow.
+    fn own_fold(&self, cell: &Cell, mut y: Solution, tangent: &Direction) -> Result<PolarityLimit, PolarityError> {
+        let (mut cell, mut largest) = (cell.clone(), SHAPE_STEP);
         for _ in 0..MOST_SHAPES {
-            let part = rest.clamp(1.0 / SHAPE_STEP, SHAPE_STEP);
-            cell.r0 *= part;
-            if (rest - 1.0).abs() < SAME_SCALE {
+            let scale = y.scalars[SCALE];
+            if (scale - 1.0).abs() < SAME_SCALE {
                 break;
             }
-            y.scalars[SCALE] = rest / part;
-            let problem = Polarity::new(self.constants, self.membrane(&cell)?, None);
-            let metric = metric(&y, y.scalars[SCALE]);
-            let mut fold = MinimallyAugmented::new(problem, Fold::new(SCALE), y.m, metric, &branch.state.tangent);
-            fold.solve(&mut y, None)?;
-            rest = y.scalars[SCALE];
+            let part = scale.clamp(1.0 / largest, largest);
+            let next = Cell { r0: cell.r0 * part, ..cell.clone() };
+            let mut moved = y.clone();
+            moved.scalars[SCALE] = scale / part;
+            let problem = Polarity::new(self.constants, self.membrane(&next)?, None);
+            let metric = metric(&moved, moved.scalars[SCALE]);
+            let mut fold = MinimallyAugmented::new(problem, Fold::new(SCALE), moved.m, metric, tangent);
+            match fold.solve(&mut moved, None) {
+                Ok(_) => (cell, y) = (next, moved),
+                Err(error) if largest < SMALLEST_SHAPE_STEP => return Err(error.into()),
+                Err(_) => largest = largest.sqrt(),
+            }
         }
         let faded = || PolarityError::NoFold { why: "the last state is not polarised".to_owned() };
-        Ok(PolarityLimit { r0: cell.r0, state: readings(&y).ok_or_else(faded)? })
+        Ok(PolarityLimit { r0: cell.r0 * y.scalars[SCALE], state: readings(&y).ok_or_else(faded)? })
     }
 }
 
-/// Most shapes tried for a limit, the largest factor between their radii, and when a shape is the one looked for.
-const MOST_SHAPES: usize = 60;
+/// Most shapes tried for a limit, the factor between their radii at first and at least, and when a shape is the one looked for.
+const MOST_SHAPES: usize = 300;
 const SHAPE_STEP: f64 = 1.1;
+const SMALLEST_SHAPE_STEP: f64 = 1.001;
 const SAME_SCALE: f64 = 1e-10;
 
 /// The norm of branches: concentrations relative to their means, the scale to its own size.

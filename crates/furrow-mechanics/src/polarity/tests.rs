@@ -268,7 +268,7 @@ fn polarity_ends_at_the_fold() {
 fn polarised_states_form_a_closed_curve_over_size() {
     let chemistry = Chemistry::goehring2011();
     let largest = chemistry.limit(&Cell::new(1.0), Towards::Larger).unwrap();
-    println!("{largest:?}");
+    assert!((largest.r0 - 10.637_716).abs() < 1e-4, "{largest:?}");
     let (_, membrane) = zygote();
     let state = chemistry.evolved(&membrane, 1.0, 0.5).unwrap();
     let mut branch = chemistry.branch(membrane, 1.0, &state, Towards::Smaller).unwrap();
@@ -285,6 +285,24 @@ fn polarised_states_form_a_closed_curve_over_size() {
     assert!(back && folds == 2, "{folds}");
     assert!(chemistry.polarised(&Cell::new(0.999 * largest.r0)).unwrap().is_some());
     assert!(chemistry.polarised(&Cell::new(1.001 * largest.r0)).unwrap().is_none());
+}
+
+/// Sharp-interface limit, at ψ fixed: where the boundary is narrow its own curvature no longer moves it, the pools alone hold it, and
+/// the part of the surface that P takes is that of any other shape. What is left falls as the inverse of the size.
+#[test]
+fn a_narrow_boundary_takes_the_same_part_of_any_surface() {
+    let mut chemistry = Chemistry::goehring2011();
+    chemistry.constants.surface_to_volume = SurfaceToVolume::Fixed(ZYGOTE_SURFACE_TO_VOLUME);
+    // A sphere, and a cell in its shell.
+    let membranes = [0.3, 0.87].map(|epsilon| chemistry.membrane(&Cell { epsilon, ..Cell::new(ZYGOTE) }).unwrap());
+    let part = |membrane: &Membrane, scale: f64| {
+        let y = chemistry.evolved(membrane, scale, 0.5).unwrap();
+        let u0 = readings(&y).unwrap().u0;
+        let steps = 20_000;
+        (0..steps).map(|k| membrane.at(u0 * (k as f64 + 0.5) / steps as f64)[1] * u0 / steps as f64).sum::<f64>()
+    };
+    let off = [4.0, 8.0, 16.0].map(|scale| (part(&membranes[0], scale) - part(&membranes[1], scale)).abs());
+    assert!(off[2] < 1e-3 && (1.6..2.2).contains(&(off[1] / off[2])), "{off:?}");
 }
 
 #[test]
