@@ -178,7 +178,11 @@ impl Shown<'_> {
                 .and_then(|division| if cell.polarity.is_some() { division.chi_signed() } else { division.chi() });
             let chi = chi.map_or("-".to_owned(), |chi| format!("{chi:.4}"));
             let measured = cell.measured.as_ref().map_or("-".to_owned(), |m| {
-                format!("{:.3}{}", m.mean_signed, m.sd_signed.map_or(String::new(), |sd| format!(" ± {sd:.3} (n = {})", m.n)))
+                format!(
+                    "{:.3}{}",
+                    m.mean_signed,
+                    m.sd_signed.map_or(String::new(), |sd| format!(" ± {sd:.3} (n = {})", m.n))
+                )
             });
             let (name, r0, um, ratio) = (name(cell), cell.r0, self.um(cell.r0), cell.surface_to_volume);
             let _ = writeln!(

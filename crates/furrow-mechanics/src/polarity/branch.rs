@@ -39,6 +39,9 @@ const SIZES: [f64; 7] = [1.0, 1.5, 0.7, 2.5, 0.5, 4.0, 0.3];
 /// Radii, relative to the zygote's, between which branches are followed.
 const RANGE: [f64; 2] = [0.02, 50.0];
 
+/// Largest defect of a state whose boundary the mesh resolves.
+const MOST_DEFECT: f64 = 1e-2;
+
 /// Most points of a branch.
 const MOST_POINTS: usize = 2000;
 
@@ -85,13 +88,19 @@ impl Chemistry {
     /// The stationary state that a membrane, `scale` times as large, evolves to from a boundary at `u`.
     ///
     /// # Errors
-    /// [`PolarityError::Evolution`].
+    /// [`PolarityError::Evolution`], [`PolarityError::Unresolved`].
     pub fn evolved(&self, membrane: &Membrane, scale: f64, u: f64) -> Result<Solution, PolarityError> {
         let problem = Polarity::new(self.constants, membrane.clone(), Some(scale));
         let start = step(&problem, self.resolution, u);
         let mut evolution = Evolution::new(problem, start);
         match evolution.rest() {
-            Ok(()) => Ok(evolution.state),
+            Ok(()) => {
+                let defect = evolution.defect();
+                if defect > MOST_DEFECT {
+                    return Err(PolarityError::Unresolved { r0: scale * membrane.r0, defect });
+                }
+                Ok(evolution.state)
+            }
             Err(source) => Err(PolarityError::Evolution { r0: scale * membrane.r0, time: evolution.time, source }),
         }
     }
@@ -128,16 +137,21 @@ impl Chemistry {
         Ok(Some(state))
     }
 
+    /// Radius R0 of a cell as large as the real zygote.
+    fn zygote(&self) -> f64 {
+        ZYGOTE * LENGTH_UM / self.length_um
+    }
+
     /// A scale at which a membrane is polarised, and its state there.
     fn first_polarised(&self, membrane: &Membrane) -> Result<(f64, Solution), PolarityError> {
         for size in SIZES {
-            let scale = size * ZYGOTE / membrane.r0;
+            let scale = size * self.zygote() / membrane.r0;
             if let Some(state) = self.evolved_polarised(membrane, scale)? {
                 return Ok((scale, state));
             }
         }
         let range = SIZES.iter().fold([f64::INFINITY, 0.0], |[low, high], x| [x.min(low), x.max(high)]);
-        Err(PolarityError::NoPolarity { range: range.map(|size| size * ZYGOTE) })
+        Err(PolarityError::NoPolarity { range: range.map(|size| size * self.zygote()) })
     }
 
     /// The branch of polarised states over the scale of a membrane, from its state at one scale.
@@ -165,7 +179,7 @@ impl Chemistry {
     /// # Errors
     /// [`PolarityError`]; `NoFold` if they do not end in a fold.
     pub fn limit(&self, cell: &Cell, towards: Towards) -> Result<PolarityLimit, PolarityError> {
-        let cell = Cell { r0: ZYGOTE, ..cell.clone() };
+        let cell = Cell { r0: self.zygote(), ..cell.clone() };
         let membrane = self.membrane(&cell)?;
         let (scale, state) = self.first_polarised(&membrane)?;
         let mut branch = self.branch(membrane, scale, &state, towards)?;

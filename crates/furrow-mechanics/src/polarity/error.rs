@@ -25,8 +25,20 @@ pub enum PolarityError {
         /// Error of the solver.
         source: NewtonError,
     },
+    /// The boundary is too narrow for the mesh.
+    #[error(
+        "R0 = {}: the mesh does not resolve the boundary of both antagonists (defect {defect:.1e}); \
+         raise d_a and d_p",
+        shown_number(*.r0)
+    )]
+    Unresolved {
+        /// Radius R0.
+        r0: f64,
+        /// Largest defect.
+        defect: f64,
+    },
     /// No cell of the sizes tried is polarised.
-    #[error("no polarised state found for cells of R0 from {:.3} to {:.3}; change --par or --length-um", .range[0], .range[1])]
+    #[error("no polarised state found for cells of R0 from {:.3} to {:.3} with these constants", .range[0], .range[1])]
     NoPolarity {
         /// Smallest and largest radius R0 tried.
         range: [f64; 2],

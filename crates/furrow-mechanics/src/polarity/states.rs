@@ -77,6 +77,11 @@ impl Evolution {
         Evolution { problem, state, time: 0.0, system, scratch: NewtonScratch::default(), weight: Vec::new() }
     }
 
+    /// Largest defect of the state as a stationary one, see [`mesh::defect`].
+    pub fn defect(&mut self) -> f64 {
+        mesh::defect(&self.system.gauss, &mut self.problem, &self.state).into_iter().fold(0.0, f64::max)
+    }
+
     /// Moves the mesh if it no longer fits.
     fn remesh(&mut self) {
         let Evolution { problem, state, weight, system, .. } = self;

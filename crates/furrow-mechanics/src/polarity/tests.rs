@@ -306,6 +306,17 @@ fn a_narrow_boundary_takes_the_same_part_of_any_surface() {
 }
 
 #[test]
+fn a_boundary_that_the_mesh_does_not_resolve_is_refused() {
+    let mut chemistry = Chemistry::goehring2011();
+    chemistry.constants.surface_to_volume = SurfaceToVolume::Fixed(ZYGOTE_SURFACE_TO_VOLUME);
+    let membrane = chemistry.membrane(&Cell::new(ZYGOTE)).unwrap();
+    assert!(chemistry.evolved(&membrane, 1.0, 0.5).is_ok());
+    chemistry.resolution.intervals = 6;
+    let error = chemistry.evolved(&membrane, 1.0, 0.5).unwrap_err();
+    assert!(matches!(error, PolarityError::Unresolved { .. }), "{error}");
+}
+
+#[test]
 fn constants_are_set_by_name_and_what_is_not_allowed_is_named() {
     let mut constants = ParConstants::GOEHRING2011;
     for text in ["d_a=0.3", "psi=0.174", "k_ap=0"] {
