@@ -33,8 +33,8 @@ pub struct Chemistry {
 /// Places at which the boundary of a first state lies.
 const PLACES: [f64; 3] = [0.5, 0.35, 0.65];
 
-/// Radii R0, relative to the zygote's, of cells that are tried for a first polarised state, in this order.
-const SIZES: [f64; 7] = [1.0, 1.5, 0.7, 2.5, 0.5, 4.0, 0.3];
+/// Radii R0, relative to the zygote's, of cells that are tried for a polarised state.
+const SIZES: [f64; 10] = [0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1.0, 1.5, 2.5, 4.0];
 
 /// Radii, relative to the zygote's, between which branches are followed.
 const RANGE: [f64; 2] = [0.02, 50.0];
@@ -126,7 +126,10 @@ impl Chemistry {
         if let Some(state) = self.evolved_polarised(&membrane, 1.0)? {
             return Ok(Some(state));
         }
-        let (scale, state) = self.first_polarised(&membrane)?;
+        // From the nearest size, as there may be several ranges of them.
+        let mut scales = self.scales(&membrane);
+        scales.sort_by(|a, b| a.ln().abs().total_cmp(&b.ln().abs()));
+        let (scale, state) = self.first_polarised(&membrane, &scales)?;
         let towards = if scale > 1.0 { Towards::Smaller } else { Towards::Larger };
         let mut branch = self.branch(membrane, scale, &state, towards)?;
         if follow(&mut branch, 1.0)? != BranchEnd::Reached {
@@ -142,16 +145,24 @@ impl Chemistry {
         ZYGOTE * LENGTH_UM / self.length_um
     }
 
-    /// A scale at which a membrane is polarised, and its state there.
-    fn first_polarised(&self, membrane: &Membrane) -> Result<(f64, Solution), PolarityError> {
-        for size in SIZES {
-            let scale = size * self.zygote() / membrane.r0;
-            if let Some(state) = self.evolved_polarised(membrane, scale)? {
-                return Ok((scale, state));
+    /// Scales of a membrane that are tried for a polarised state, from the smallest cell to the largest.
+    fn scales(&self, membrane: &Membrane) -> [f64; SIZES.len()] {
+        SIZES.map(|size| size * self.zygote() / membrane.r0)
+    }
+
+    /// The first of some scales at which a membrane is polarised, and its state there.
+    fn first_polarised(&self, membrane: &Membrane, scales: &[f64]) -> Result<(f64, Solution), PolarityError> {
+        // Nearly all states evolve from a boundary in the middle.
+        for u in PLACES {
+            for &scale in scales {
+                let state = self.evolved(membrane, scale, u)?;
+                if is_polarised(&state) {
+                    return Ok((scale, state));
+                }
             }
         }
-        let range = SIZES.iter().fold([f64::INFINITY, 0.0], |[low, high], x| [x.min(low), x.max(high)]);
-        Err(PolarityError::NoPolarity { range: range.map(|size| size * self.zygote()) })
+        let range = scales.iter().fold([f64::INFINITY, 0.0], |[low, high], x| [x.min(low), x.max(high)]);
+        Err(PolarityError::NoPolarity { range: range.map(|scale| scale * membrane.r0) })
     }
 
     /// The branch of polarised states over the scale of a membrane, from its state at one scale.
@@ -174,14 +185,19 @@ impl Chemistry {
         Ok(Continuation::start(problem, guess, metric, settings, towards == Towards::Larger)?)
     }
 
-    /// Where polarised states of cells like `cell`, whatever its own radius, end towards smaller or larger cells.
+    /// Where polarised states of cells like `cell`, whatever its own radius, end towards smaller or larger cells: followed from the
+    /// smallest or the largest of several cells that is polarised.
     ///
     /// # Errors
     /// [`PolarityError`]; `NoFold` if they do not end in a fold.
     pub fn limit(&self, cell: &Cell, towards: Towards) -> Result<PolarityLimit, PolarityError> {
         let cell = Cell { r0: self.zygote(), ..cell.clone() };
         let membrane = self.membrane(&cell)?;
-        let (scale, state) = self.first_polarised(&membrane)?;
+        let mut scales = self.scales(&membrane);
+        if towards == Towards::Larger {
+            scales.reverse();
+        }
+        let (scale, state) = self.first_polarised(&membrane, &scales)?;
         let mut branch = self.branch(membrane, scale, &state, towards)?;
         let bound = RANGE[usize::from(towards == Towards::Larger)];
         let end = follow(&mut branch, bound)?;
