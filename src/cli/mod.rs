@@ -21,6 +21,7 @@ mod output;
 mod phase;
 mod picture;
 mod pitchfork;
+mod polarity;
 mod progress;
 mod reproduce;
 mod solve;
@@ -78,6 +79,12 @@ enum Command {
     ///
     /// With a cue without mirror symmetry the boundary is the fold that ends the stable shapes.
     Boundary(boundary::BoundaryArgs),
+    /// Computes PAR polarity at the sizes of the germline: where its boundary lies, what χ follows, and at which size it ends
+    ///
+    /// Two antagonists with cytosolic pools (Goehring et al. 2011) on the passive shape of the cell. Where a polarised state exists, κ
+    /// follows P as a step, and the cell divides with this cue. Prints for each cell of the germline the boundary and χ beside the
+    /// measured χ, and the smallest polarised cell beside the smallest that divides.
+    Polarity(polarity::PolarityArgs),
     /// Maps outcomes over a parameter and ξ_s: rest from the exact edges of stable shapes, χ from divisions elsewhere
     Phase(phase::PhaseArgs),
     /// Computes divisions, trees, pitchforks or critical radii over axes of parameters
@@ -172,6 +179,7 @@ fn run(cli: Cli) -> Result<(), CliError> {
         Command::Branch(args) => branch::run(&args, Context::new(&cli.globals)?),
         Command::Pitchfork(args) => pitchfork::run(&args, Context::new(&cli.globals)?),
         Command::Boundary(args) => boundary::run(&args, Context::new(&cli.globals)?),
+        Command::Polarity(args) => polarity::run(&args, Context::new(&cli.globals)?),
         Command::Calibrate(args) => calibrate::run(&args, &Context::new(&cli.globals)?),
         Command::Fit(args) => fit::run(&args, &Context::new(&cli.globals)?),
         Command::Compare(args) => compare::run(&args, &Context::new(&cli.globals)?),

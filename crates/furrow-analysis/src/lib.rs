@@ -15,6 +15,7 @@
 //! | [`reproduce`] | the paper's statements beside what is computed |
 //! | [`mod@solve`] | the value of one parameter that gives a wanted division |
 //! | [`fit`] | constants, activities and a cue fitted to observations |
+//! | [`mod@polarity`] | PAR polarity along the germline, and what follows for its divisions |
 
 pub mod compare;
 pub mod constants;
@@ -28,6 +29,8 @@ pub mod growth;
 pub mod journal;
 mod parse;
 pub mod points;
+#[cfg(not(target_family = "wasm"))]
+pub mod polarity;
 pub mod ranges;
 pub mod reproduce;
 pub mod run;

@@ -15,6 +15,7 @@
 //! | [`division`] | one division in time |
 //! | [`critical`] | below which radius a cell does not divide |
 //! | [`perturbation`] | a stationary shape that is disturbed, and watched |
+//! | [`polarity`] | PAR polarity on the passive shape: two antagonists with cytosolic pools |
 //!
 //! # References
 //! Gao, Guan, Tang & Ma, "Cell size and confinement drive asymmetric cell division through a cortical instability",
@@ -26,4 +27,5 @@ pub mod critical;
 pub mod division;
 pub mod equilibria;
 pub mod perturbation;
+pub mod polarity;
 pub mod stability;

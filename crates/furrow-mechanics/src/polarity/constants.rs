@@ -1,0 +1,179 @@
+//! The constants of the chemistry, by name, and its uniform states.
+
+use furrow_input::{InputError, did_you_mean};
+use serde::{Deserialize, Serialize};
+
+/// How much surface there is per volume of the cytosol, ψ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SurfaceToVolume {
+    /// That of the cell's own passive shape: it grows as 1/R0.
+    #[default]
+    Shape,
+    /// The same for cells of all sizes, in 1/µm.
+    Fixed(f64),
+}
+
+/// ψ of the real zygote, in 1/µm, as Goehring et al. measured it.
+pub const ZYGOTE_SURFACE_TO_VOLUME: f64 = 0.174;
+
+/// L_h in µm for which the published zygote, R0 = 5.4, has the size of the real one.
+pub const LENGTH_UM: f64 = 3.2;
+
+/// Constants of two antagonists A and P, in µm and s.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ParConstants {
+    /// Diffusion of A on the membrane, µm²/s.
+    pub d_a: f64,
+    /// Diffusion of P, µm²/s.
+    pub d_p: f64,
+    /// Attachment of A, µm/s.
+    pub k_on_a: f64,
+    /// Attachment of P, µm/s.
+    pub k_on_p: f64,
+    /// Detachment of A, 1/s.
+    pub k_off_a: f64,
+    /// Detachment of P, 1/s.
+    pub k_off_p: f64,
+    /// All A, on the membrane and in the cytosol, per volume, 1/µm³.
+    pub rho_a: f64,
+    /// All P per volume, 1/µm³.
+    pub rho_p: f64,
+    /// Removal of A by P, µm²/s.
+    pub k_ap: f64,
+    /// Removal of P by A, µm⁴/s.
+    pub k_pa: f64,
+    /// Surface per volume.
+    pub surface_to_volume: SurfaceToVolume,
+}
+
+/// A constant by its name.
+struct Named {
+    name: &'static str,
+    slot: fn(&mut ParConstants) -> &mut f64,
+    /// Whether it may be 0.
+    may_vanish: bool,
+}
+
+/// The numbers that [`ParConstants::set`] knows; `psi` comes on top.
+const NAMED: [Named; 10] = [
+    Named { name: "d_a", slot: |c| &mut c.d_a, may_vanish: false },
+    Named { name: "d_p", slot: |c| &mut c.d_p, may_vanish: false },
+    Named { name: "k_on_a", slot: |c| &mut c.k_on_a, may_vanish: true },
+    Named { name: "k_on_p", slot: |c| &mut c.k_on_p, may_vanish: true },
+    Named { name: "k_off_a", slot: |c| &mut c.k_off_a, may_vanish: false },
+    Named { name: "k_off_p", slot: |c| &mut c.k_off_p, may_vanish: false },
+    Named { name: "rho_a", slot: |c| &mut c.rho_a, may_vanish: true },
+    Named { name: "rho_p", slot: |c| &mut c.rho_p, may_vanish: true },
+    Named { name: "k_ap", slot: |c| &mut c.k_ap, may_vanish: true },
+    Named { name: "k_pa", slot: |c| &mut c.k_pa, may_vanish: true },
+];
+
+/// The name of ψ.
+const PSI: &str = "psi";
+
+/// A uniform state: both concentrations, in 1/µm².
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Uniform {
+    /// Concentration of A.
+    pub a: f64,
+    /// Concentration of P.
+    pub p: f64,
+}
+
+/// Pieces in which uniform states are looked for.
+const PIECES: usize = 4000;
+
+impl ParConstants {
+    /// Goehring et al. 2011, with ψ from the shape.
+    pub const GOEHRING2011: ParConstants = ParConstants {
+        d_a: 0.28,
+        d_p: 0.15,
+        k_on_a: 0.00858,
+        k_on_p: 0.0474,
+        k_off_a: 0.0054,
+        k_off_p: 0.0073,
+        rho_a: 1.56,
+        rho_p: 1.0,
+        k_ap: 0.19,
+        k_pa: 2.0,
+        surface_to_volume: SurfaceToVolume::Shape,
+    };
+
+    /// Sets one constant from text such as `d_a=0.3`, `psi=0.174` or `psi=shape`; `place` is what errors call its source.
+    ///
+    /// # Errors
+    /// Names the constant, its value and what is allowed.
+    pub fn set(&mut self, place: &str, text: &str) -> Result<(), InputError> {
+        let Some((name, value)) = text.split_once('=') else {
+            return Err(InputError::not_allowed(place, "par", text, "KEY=VALUE, as in k_ap=0.19"));
+        };
+        let (name, value) = (name.trim(), value.trim());
+        if name == PSI && value == "shape" {
+            self.surface_to_volume = SurfaceToVolume::Shape;
+            return Ok(());
+        }
+        let number = value.parse().ok().filter(|number: &f64| number.is_finite());
+        if name == PSI {
+            let allowed = "shape, or a finite number above 0";
+            let refused = || InputError::not_allowed(place, name, value, allowed);
+            self.surface_to_volume = SurfaceToVolume::Fixed(number.filter(|psi| *psi > 0.0).ok_or_else(refused)?);
+            return Ok(());
+        }
+        let Some(named) = NAMED.iter().find(|named| named.name == name) else {
+            let known = Vec::from_iter(NAMED.iter().map(|named| named.name).chain([PSI]));
+            let hint = did_you_mean(name, known.iter().copied());
+            return Err(InputError::not_allowed(place, "par", name, format!("one of {}{hint}", known.join(", "))));
+        };
+        let allowed = if named.may_vanish { "a finite number, 0 or above" } else { "a finite number above 0" };
+        let fits = |number: &f64| *number > 0.0 || named.may_vanish && *number == 0.0;
+        *(named.slot)(self) =
+            number.filter(fits).ok_or_else(|| InputError::not_allowed(place, name, value, allowed))?;
+        Ok(())
+    }
+
+    /// A where P is uniform and A has come to rest, at surface per volume `psi`.
+    fn a_beside(&self, p: f64, psi: f64) -> f64 {
+        self.k_on_a * self.rho_a / (self.k_off_a + self.k_on_a * psi + self.k_ap * p)
+    }
+
+    /// What P gains beside such A.
+    fn gain_of_p(&self, p: f64, psi: f64) -> f64 {
+        let a = self.a_beside(p, psi);
+        self.k_on_p * (self.rho_p - psi * p) - self.k_off_p * p - self.k_pa * a * a * p
+    }
+
+    /// The uniform states at surface per volume `psi`, P from the smallest to the largest.
+    pub fn uniform_states(&self, psi: f64) -> Vec<Uniform> {
+        let most = self.k_on_p * self.rho_p / (self.k_off_p + self.k_on_p * psi);
+        // Evenly by the logarithm: where A rules there is little P.
+        let at = |k: usize| most * (1e-9f64.ln() * (1.0 - k as f64 / PIECES as f64)).exp();
+        let mut found = Vec::new();
+        let mut below = 0.0;
+        for k in 0..=PIECES {
+            // The last place lies behind the largest P possible.
+            let above = if k == PIECES { most * (1.0 + 1e-9) } else { at(k) };
+            if self.gain_of_p(below, psi) > 0.0 && self.gain_of_p(above, psi) <= 0.0
+                || self.gain_of_p(below, psi) < 0.0 && self.gain_of_p(above, psi) >= 0.0
+            {
+                let p = bisect(|p| self.gain_of_p(p, psi), [below, above]);
+                found.push(Uniform { a: self.a_beside(p, psi), p });
+            }
+            below = above;
+        }
+        found
+    }
+}
+
+/// A zero of `of` between two places at which its signs differ.
+fn bisect(of: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
+    let rises = of(low) < 0.0;
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if (of(middle) < 0.0) == rises { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}

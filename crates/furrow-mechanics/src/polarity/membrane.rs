@@ -1,0 +1,62 @@
+//! The surface on which the chemistry runs: a passive shape, in µm.
+
+use std::f64::consts::PI;
+
+use furrow_bvp::{Gauss, NewtonError, Solution};
+
+use super::constants::{ParConstants, SurfaceToVolume};
+use crate::cortex::equations::{COMPONENTS, LENGTH, PSI, R};
+use crate::equilibria::passive;
+use furrow_cell::{Cell, Numerics};
+
+/// The surface of a cell at rest.
+#[derive(Clone, Debug)]
+pub struct Membrane {
+    /// One half of the passive shape, up to its mirror.
+    half: Solution,
+    gauss: Gauss,
+    /// ∫ r du over the whole contour, in L_h.
+    mean_radius: f64,
+    /// Radius R0 of the cell, in L_h.
+    pub r0: f64,
+    /// Contour length from pole to pole, in µm.
+    pub length: f64,
+    /// Surface over volume, in 1/µm.
+    pub surface_to_volume: f64,
+}
+
+impl Membrane {
+    /// That of a cell whose unit of length L_h is `length_um` µm.
+    ///
+    /// # Errors
+    /// The cell has no passive shape.
+    pub fn of(cell: &Cell, numerics: &Numerics, length_um: f64) -> Result<Membrane, NewtonError> {
+        let (half, _) = passive(cell, numerics)?;
+        let gauss = Gauss::new(half.m);
+        let mut mean_radius = 0.0;
+        for i in 0..half.intervals() {
+            let h = half.mesh[i + 1] - half.mesh[i];
+            mean_radius += (0..half.m).map(|j| 2.0 * h * gauss.b[j] * half.stage(i, j)[R]).sum::<f64>();
+        }
+        let length = half.scalars[LENGTH];
+        let surface_to_volume = 2.0 * PI * length * mean_radius / cell.volume() / length_um;
+        Ok(Membrane { half, gauss, mean_radius, r0: cell.r0, length: length * length_um, surface_to_volume })
+    }
+
+    /// ψ of the chemistry, in 1/µm, if the cell were `scale` times as large.
+    pub fn psi(&self, constants: &ParConstants, scale: f64) -> f64 {
+        match constants.surface_to_volume {
+            SurfaceToVolume::Shape => self.surface_to_volume / scale,
+            SurfaceToVolume::Fixed(psi) => psi,
+        }
+    }
+
+    /// (1/r) ∂r/∂u and r/∫ r du, between the poles.
+    pub fn at(&self, u: f64) -> [f64; 2] {
+        let mut shape = [0.0; COMPONENTS];
+        let mirrored = u > 0.5;
+        self.half.eval(&self.gauss, if mirrored { 1.0 - u } else { u }, &mut shape);
+        let widening = self.half.scalars[LENGTH] * shape[PSI].cos() / shape[R];
+        [if mirrored { -widening } else { widening }, shape[R] / self.mean_radius]
+    }
+}

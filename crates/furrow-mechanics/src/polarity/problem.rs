@@ -1,0 +1,228 @@
+//! The equations of both antagonists as a boundary-value problem.
+//!
+//! With u the fraction of the contour from the posterior pole, ℓ the scale of the cell (1 for the cell itself) and L its
+//! contour length, components (A, P, a, p) and scalars (Ā, P̄, ℓ):
+//!
+//! * A′ = a, P′ = p,
+//! * a′ = −(r′/r) a + (L²/D_A) \[ℓ²(k_offA A + k_AP P A − k_onA ρ_A) + ℓ²ψ(ℓ) k_onA Ā\], and p′ likewise,
+//! * ∫ (A − Ā) r du = 0, ∫ (P − P̄) r du = 0, and a = p = 0 at both poles.
+
+use furrow_bvp::derivatives::{PointDirection, PointValues};
+use furrow_bvp::{BoundaryJacobian, BoundaryValueProblem, CollocationPoint, Dimensions, Directional, PointJacobian};
+
+use super::constants::{ParConstants, SurfaceToVolume};
+use super::membrane::Membrane;
+
+/// Index of A.
+pub const A: usize = 0;
+/// Index of P.
+pub const P: usize = 1;
+/// Index of ∂A/∂u.
+pub const A_U: usize = 2;
+/// Index of ∂P/∂u.
+pub const P_U: usize = 3;
+/// Number of components.
+pub const COMPONENTS: usize = 4;
+/// Index of Ā among the scalars; that of P̄ is the next.
+pub const MEAN_A: usize = 0;
+/// Index of the scale ℓ, where it is free.
+pub const SCALE: usize = 2;
+
+/// What drives the system away from where it was.
+#[derive(Clone, Debug, Default)]
+pub struct Past {
+    /// 1/Δt of an implicit step, in 1/s; 0 for stationary states.
+    pub rate: f64,
+    /// A and P at the collocation points before the step.
+    pub values: Vec<[f64; 2]>,
+}
+
+/// Both antagonists on a membrane.
+#[derive(Clone, Debug)]
+pub struct Polarity {
+    /// Constants.
+    pub constants: ParConstants,
+    /// Where they are.
+    pub membrane: Membrane,
+    /// The scale, if it is not a scalar unknown.
+    pub fixed_scale: Option<f64>,
+    /// The time step.
+    pub past: Past,
+    /// u, (1/r) ∂r/∂u and r/∫ r du at the collocation points of the last sweep.
+    points: Vec<[f64; 3]>,
+}
+
+/// ℓ², ℓ²ψ(ℓ) with their first two derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct Scaling {
+    square: [f64; 3],
+    pool: [f64; 3],
+}
+
+impl Polarity {
+    /// Stationary states at a scale, or at any.
+    pub fn new(constants: ParConstants, membrane: Membrane, fixed_scale: Option<f64>) -> Polarity {
+        Polarity { constants, membrane, fixed_scale, past: Past::default(), points: Vec::new() }
+    }
+
+    /// The scale at scalars `p`.
+    pub fn scale(&self, p: &[f64]) -> f64 {
+        self.fixed_scale.unwrap_or_else(|| p[SCALE])
+    }
+
+    fn scaling(&self, scale: f64) -> Scaling {
+        let square = [scale * scale, 2.0 * scale, 2.0];
+        let pool = match self.constants.surface_to_volume {
+            SurfaceToVolume::Shape => [scale, 1.0, 0.0].map(|x| x * self.membrane.surface_to_volume),
+            SurfaceToVolume::Fixed(psi) => square.map(|x| x * psi),
+        };
+        Scaling { square, pool }
+    }
+
+    /// L²/D of A and P.
+    fn stiffness(&self) -> [f64; 2] {
+        let length = self.membrane.length;
+        [length * length / self.constants.d_a, length * length / self.constants.d_p]
+    }
+
+    /// k_on of A and P.
+    fn attachment(&self) -> [f64; 2] {
+        [self.constants.k_on_a, self.constants.k_on_p]
+    }
+
+    /// What leaves the membrane at concentrations (A, P), less what would attach from a full pool; its derivatives by A and P.
+    fn loss(&self, a: f64, p: f64) -> [[f64; 3]; 2] {
+        let c = &self.constants;
+        [
+            [c.k_off_a * a + c.k_ap * p * a - c.k_on_a * c.rho_a, c.k_off_a + c.k_ap * p, c.k_ap * a],
+            [c.k_off_p * p + c.k_pa * a * a * p - c.k_on_p * c.rho_p, 2.0 * c.k_pa * a * p, c.k_off_p + c.k_pa * a * a],
+        ]
+    }
+
+    /// (1/r) ∂r/∂u and r/∫ r du.
+    fn place(&self, at: CollocationPoint) -> [f64; 2] {
+        match self.points.get(at.index) {
+            Some(&[u, widening, weight]) if u == at.x => [widening, weight],
+            _ => self.membrane.at(at.x),
+        }
+    }
+
+    /// The value before the step at a point, and how fast the step holds on to it.
+    fn held(&self, index: usize, species: usize) -> [f64; 2] {
+        if self.past.rate == 0.0 { [0.0; 2] } else { [self.past.values[index][species], self.past.rate] }
+    }
+}
+
+impl BoundaryValueProblem for Polarity {
+    fn dimensions(&self) -> Dimensions {
+        let scalars = if self.fixed_scale.is_some() { 2 } else { 3 };
+        Dimensions { components: COMPONENTS, quadratures: 2, scalars, left: 2, right: 2, integrals: 2 }
+    }
+
+    fn prepare_points(&mut self, x: &[f64], _: &[f64]) {
+        let known = self.points.len() == x.len() && self.points.iter().zip(x).all(|(point, x)| point[0] == *x);
+        if !known {
+            let Polarity { points, membrane, .. } = self;
+            points.clear();
+            points.extend(x.iter().map(|&u| {
+                let [widening, weight] = membrane.at(u);
+                [u, widening, weight]
+            }));
+        }
+    }
+
+    fn rhs(&self, at: CollocationPoint, y: &[f64], p: &[f64], f: &mut [f64], g: &mut [f64]) {
+        let [widening, weight] = self.place(at);
+        let Scaling { square, pool } = self.scaling(self.scale(p));
+        let (loss, stiffness, attachment) = (self.loss(y[A], y[P]), self.stiffness(), self.attachment());
+        for k in 0..2 {
+            let [before, rate] = self.held(at.index, k);
+            let (here, mean) = (y[A + k], p[MEAN_A + k]);
+            let leaves = square[0] * (loss[k][0] + rate * (here - before)) + pool[0] * attachment[k] * mean;
+            f[A + k] = y[A_U + k];
+            f[A_U + k] = stiffness[k] * leaves - widening * y[A_U + k];
+            g[k] = (here - mean) * weight;
+        }
+    }
+
+    fn rhs_jacobian(&self, at: CollocationPoint, y: &[f64], p: &[f64], out: &mut PointJacobian<'_>) {
+        self.rhs(at, y, p, out.f, out.g);
+        let [widening, weight] = self.place(at);
+        let Scaling { square, pool } = self.scaling(self.scale(p));
+        let (loss, stiffness, attachment) = (self.loss(y[A], y[P]), self.stiffness(), self.attachment());
+        let scalars = p.len();
+        for k in 0..2 {
+            let [before, rate] = self.held(at.index, k);
+            let (row, mean) = (A_U + k, p[MEAN_A + k]);
+            out.fy[(A + k) * COMPONENTS + A_U + k] = 1.0;
+            out.fy[row * COMPONENTS + A] = stiffness[k] * square[0] * loss[k][1];
+            out.fy[row * COMPONENTS + P] = stiffness[k] * square[0] * loss[k][2];
+            out.fy[row * COMPONENTS + A + k] += stiffness[k] * square[0] * rate;
+            out.fy[row * COMPONENTS + row] = -widening;
+            out.fp[row * scalars + MEAN_A + k] = stiffness[k] * pool[0] * attachment[k];
+            if self.fixed_scale.is_none() {
+                let leaves = square[1] * (loss[k][0] + rate * (y[A + k] - before)) + pool[1] * attachment[k] * mean;
+                out.fp[row * scalars + SCALE] = stiffness[k] * leaves;
+            }
+            out.gy[k * COMPONENTS + A + k] = weight;
+            out.gp[k * scalars + MEAN_A + k] = -weight;
+        }
+    }
+
+    fn left(&self, y: &[f64], _: &[f64], out: &mut BoundaryJacobian<'_>) {
+        for k in 0..2 {
+            out.r[k] = y[A_U + k];
+            out.ry[k * COMPONENTS + A_U + k] = 1.0;
+        }
+    }
+
+    fn right(&self, y: &[f64], p: &[f64], out: &mut BoundaryJacobian<'_>) {
+        self.left(y, p, out);
+    }
+}
+
+/// Second derivatives are those of stationary states.
+impl Directional for Polarity {
+    type Second = Scaling;
+    type Third = Scaling;
+
+    fn prepare_second(&self, p: &[f64], _: &[f64], _: &[f64]) -> Scaling {
+        self.scaling(self.scale(p))
+    }
+
+    fn second(
+        &self,
+        scaling: &Scaling,
+        PointValues { y, p, .. }: PointValues,
+        [a, b]: [PointDirection; 2],
+        [f, _]: [&mut [f64]; 2],
+    ) {
+        let Scaling { square, pool } = scaling;
+        let (loss, stiffness, attachment) = (self.loss(y[A], y[P]), self.stiffness(), self.attachment());
+        let along = |d: &PointDirection| if self.fixed_scale.is_some() { 0.0 } else { d.p[SCALE] };
+        let (scale_a, scale_b) = (along(&a), along(&b));
+        let mixed = a.y[A] * b.y[P] + a.y[P] * b.y[A];
+        let k_pa = self.constants.k_pa;
+        let curved = [self.constants.k_ap * mixed, 2.0 * k_pa * (y[P] * a.y[A] * b.y[A] + y[A] * mixed)];
+        for k in 0..2 {
+            let slope = |d: &PointDirection| loss[k][1] * d.y[A] + loss[k][2] * d.y[P];
+            let mean = |d: &PointDirection| d.p[MEAN_A + k];
+            let lost = square[0] * curved[k]
+                + square[1] * (scale_a * slope(&b) + scale_b * slope(&a))
+                + square[2] * scale_a * scale_b * loss[k][0];
+            let pooled =
+                pool[1] * (scale_a * mean(&b) + scale_b * mean(&a)) + pool[2] * scale_a * scale_b * p[MEAN_A + k];
+            f[A_U + k] = stiffness[k] * (lost + attachment[k] * pooled);
+        }
+    }
+
+    fn prepare_third(&self, p: &[f64], _: &[f64]) -> Scaling {
+        self.scaling(self.scale(p))
+    }
+
+    fn third(&self, scaling: &Scaling, point: PointValues, a: PointDirection, [f2, g2, f3]: [&mut [f64]; 3]) {
+        self.second(scaling, point, [a, a], [f2, g2]);
+        // Along A and P alone, as directions of power series are.
+        f3[P_U] = self.stiffness()[1] * scaling.square[0] * 6.0 * self.constants.k_pa * a.y[A] * a.y[A] * a.y[P];
+    }
+}

@@ -1,0 +1,243 @@
+//! `furrow polarity`: PAR polarity at the sizes of the germline.
+
+use super::cell::{length, load_lineage, natural, one_of, positive, set};
+use super::context::Context;
+use super::error::CliError;
+use super::output::{csv_of, filled, merged, number, print_as, writable_file};
+use clap::Args;
+use furrow_analysis::polarity::{Follows, NamedCell, PolarisedCell, PolarityStudy, germline, polarity};
+use furrow_formats::write_atomically;
+use furrow_input::InputError;
+use furrow_lineage::{Length, Units};
+use furrow_mechanics::polarity::{
+    Chemistry, LENGTH_UM, ParConstants, PolarityError, PolarityLimit, SurfaceToVolume, ZYGOTE_SURFACE_TO_VOLUME,
+};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Constants, in µm and s, by default those of Goehring et al. 2011: d_a, d_p (diffusion), k_on_a, k_on_p (attachment), k_off_a,
+k_off_p (detachment), rho_a, rho_p (amount per volume), k_ap (removal of A by P), k_pa (of P by A), and psi, surface per volume:
+shape (the cell's own, the default) or a number for cells of all sizes, such as the 0.174 measured of the zygote.
+
+Examples:
+  furrow polarity
+  furrow polarity --par psi=0.174 --par d_p=0.1
+  furrow polarity --r0 3 --amplitude 0.2 --out profile.csv --json")]
+pub struct PolarityArgs {
+    /// Radius R0 of one cell, in L_h, or in µm, such as 17um; default the cells of the germline
+    #[arg(help_heading = "Cell", long, value_name = "R", allow_negative_numbers = true, value_parser = length)]
+    r0: Option<Length>,
+    /// Volume of every cell over the volume of its shell, ε; default 0.87, the preset's
+    #[arg(help_heading = "Cell", long, value_name = "E", allow_negative_numbers = true, value_parser = number)]
+    epsilon: Option<f64>,
+    /// Activity ξ_s of every cell, as published; default 25, the preset's
+    #[arg(help_heading = "Cell", long, value_name = "X", allow_negative_numbers = true, value_parser = number)]
+    xi: Option<f64>,
+    /// Lineage file whose germline it is: the first cell, its smaller daughter, and so on; default the built-in one
+    #[arg(help_heading = "Cell", long, value_name = "LINEAGE.ron")]
+    lineage: Option<PathBuf>,
+    /// Sets one constant of the chemistry; repeatable
+    #[arg(help_heading = "Chemistry", long, value_name = "KEY=VALUE")]
+    par: Vec<String>,
+    /// L_h in µm; default that of the lineage file, else 3.2
+    #[arg(help_heading = "Chemistry", long, value_name = "UM", allow_negative_numbers = true, value_parser = number)]
+    length_um: Option<f64>,
+    /// How κ follows P: a step from the pole where P is high, or a band at its boundary, of the same width
+    #[arg(help_heading = "Chemistry", long, value_name = "step|band", default_value = "step", hide_possible_values = true,
+        value_parser = one_of([("step", Follows::Step), ("band", Follows::Band)]))]
+    profile: Follows,
+    /// By how much κ is larger where P is high, or at its boundary, relative
+    #[arg(help_heading = "Chemistry", long, value_name = "A", default_value_t = 0.1, allow_negative_numbers = true, value_parser = number)]
+    amplitude: f64,
+    /// Writes A and P of the polarised cells along the contour as CSV
+    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    out: Option<PathBuf>,
+}
+
+/// The columns of `--out`.
+const HEADER: &str = "cell,r0,u,a,p";
+
+pub fn run(args: &PolarityArgs, mut context: Context) -> Result<(), CliError> {
+    let amplitude = args.amplitude;
+    let allowed = "a finite number above -1: kappa stays positive";
+    InputError::require(amplitude.is_finite() && amplitude > -1.0, "--amplitude", "amplitude", amplitude, allowed)?;
+    writable_file("--out", args.out.as_deref())?;
+    let mut constants = ParConstants::GOEHRING2011;
+    args.par.iter().try_for_each(|text| constants.set("--par", text))?;
+    let lineage = load_lineage(args.lineage.as_deref())?;
+    let of_lineage = lineage.units().length_um.unwrap_or(LENGTH_UM);
+    let length_um = args.length_um.map_or(Ok(of_lineage), |um| positive("--length-um", um))?;
+    let units = Units { length_um: Some(length_um), ..lineage.units() };
+    let r0 = args.r0.map(|r0| natural("--r0", r0, &units)).transpose()?;
+    let given = [("--r0", "r0", r0), ("--epsilon", "epsilon", args.epsilon), ("--xi", "xi_s", args.xi)];
+    let settings = &mut context.settings;
+    set(settings, given)?;
+    settings.check_divisions("settings")?;
+    settings.check_activity(args.xi.map_or("settings", |_| "--xi"))?;
+    let cells = match r0 {
+        Some(_) => vec![NamedCell { name: None, cell: settings.cell.clone() }],
+        None => germline(&lineage, settings)?,
+    };
+    let chemistry = Chemistry { numerics: settings.numerics, ..Chemistry::new(constants, length_um) };
+    let found = polarity(&cells, settings, &chemistry, (args.profile, amplitude))?;
+    for cell in &found.cells {
+        if let Err(error) = &cell.division {
+            tracing::warn!("{}: {error}", name(cell));
+        }
+    }
+    if let Some(file) = &args.out {
+        let rows = found.cells.iter().flat_map(|cell| cell.profile.iter().map(move |[u, a, p]| (cell, [u, a, p])));
+        let row = |(cell, [u, a, p]): (&PolarisedCell, [&f64; 3])| json!([name(cell), cell.r0, u, a, p]);
+        write_atomically(file, &csv_of(HEADER, rows.map(row))?)?;
+    }
+    let shown = Shown { found: &found, chemistry: &chemistry, amplitude };
+    print_as(context.json, &shown.document(), || shown.text())
+}
+
+/// What is printed.
+struct Shown<'a> {
+    found: &'a PolarityStudy,
+    chemistry: &'a Chemistry,
+    amplitude: f64,
+}
+
+/// The name of a cell in tables.
+fn name(cell: &PolarisedCell) -> &str {
+    cell.name.as_deref().unwrap_or("cell")
+}
+
+/// What ends first as cells shrink.
+fn first(found: &PolarityStudy) -> Option<&'static str> {
+    let (Ok(chemistry), Ok(mechanics)) = (&found.smallest, &found.mechanics) else { return None };
+    Some(if chemistry.r0 > mechanics.r0 { "chemistry" } else { "mechanics" })
+}
+
+impl Shown<'_> {
+    fn um(&self, r0: f64) -> f64 {
+        r0 * self.chemistry.length_um
+    }
+
+    fn document(&self) -> Value {
+        let limit = |limit: &Result<PolarityLimit, PolarityError>| match limit {
+            Ok(limit) => merged(json!({ "r0": limit.r0, "r0_um": self.um(limit.r0) }), json!(limit.state)),
+            Err(error) => json!({ "why": error.to_string() }),
+        };
+        let mechanics = match &self.found.mechanics {
+            Ok(critical) => json!({ "r0": critical.r0, "r0_um": self.um(critical.r0), "kind": critical.kind }),
+            Err(error) => json!({ "why": error.to_string() }),
+        };
+        json!({
+            "constants": self.chemistry.constants,
+            "length_um": self.chemistry.length_um,
+            "amplitude": self.amplitude,
+            "cells": self.found.cells.iter().map(|cell| self.row(cell)).collect::<Vec<_>>(),
+            "smallest_polarised": limit(&self.found.smallest),
+            "largest_polarised": limit(&self.found.largest),
+            "smallest_dividing": mechanics,
+            "ends_first": first(self.found),
+        })
+    }
+
+    fn row(&self, cell: &PolarisedCell) -> Value {
+        let division = cell.division.as_ref().ok();
+        let psi = match self.chemistry.constants.surface_to_volume {
+            SurfaceToVolume::Shape => cell.surface_to_volume,
+            SurfaceToVolume::Fixed(psi) => psi,
+        };
+        let own = json!({
+            "cell": cell.name, "r0": cell.r0, "r0_um": self.um(cell.r0), "surface_to_volume": cell.surface_to_volume,
+            "psi": psi, "polarised": cell.polarity.is_some(),
+        });
+        let divided = json!({
+            "cue": cell.cue,
+            "outcome": division.map(|division| division.outcome()),
+            "chi": division.and_then(|division| division.chi()),
+            "chi_signed": division.and_then(|division| division.chi_signed()),
+            "u_furrow": division.and_then(|division| division.u_furrow()),
+            "measured": cell.measured.as_ref().map(|m| json!({ "mean_signed": m.mean_signed, "sd": m.sd_signed, "n": m.n })),
+        });
+        filled(merged(merged(own, cell.polarity.map_or(json!({}), |found| json!(found))), divided))
+    }
+
+    fn text(&self) -> String {
+        let mut out = format!(
+            "{:<6} {:>7}  {:>7}  {:>9}  {:>9}  {:>6}  {:>7}  {:<10}  {:>7}  measured χ\n",
+            "cell", "R0", "R0 (µm)", "S/V (/µm)", "polarised", "u0", "ω", "outcome", "χ"
+        );
+        for cell in &self.found.cells {
+            let boundary = cell.polarity.map_or(format!("{:>9}  {:>6}  {:>7}", "no", "-", "-"), |found| {
+                format!("{:>9}  {:>6.4}  {:>7.4}", "yes", found.u0, found.omega)
+            });
+            let division = cell.division.as_ref().ok();
+            let outcome = division.map_or("undecided", |division| division.outcome().name());
+            // Without a cue the noise decides the side.
+            let chi = division
+                .and_then(|division| if cell.polarity.is_some() { division.chi_signed() } else { division.chi() });
+            let chi = chi.map_or("-".to_owned(), |chi| format!("{chi:.4}"));
+            let measured = cell.measured.as_ref().map_or("-".to_owned(), |m| {
+                format!(
+                    "{:.3}{}",
+                    m.mean_signed,
+                    m.sd_signed.map_or(String::new(), |sd| format!(" ± {sd:.3} (n = {})", m.n))
+                )
+            });
+            let (name, r0, um, ratio) = (name(cell), cell.r0, self.um(cell.r0), cell.surface_to_volume);
+            let _ = writeln!(
+                out,
+                "{name:<6} {r0:>7.4}  {um:>7.2}  {ratio:>9.4}  {boundary}  {outcome:<10}  {chi:>7}  {measured}"
+            );
+        }
+        out + &self.surface() + &self.limits() + &self.verdict()
+    }
+
+    /// What ψ is, and the sign of χ.
+    fn surface(&self) -> String {
+        let sign = "χ of polarised and of measured cells is positive where the posterior daughter is the smaller\n";
+        let psi = match self.chemistry.constants.surface_to_volume {
+            SurfaceToVolume::Shape => format!(
+                "ψ is S/V, surface over volume of each cell's own passive shape; measured of the zygote: {ZYGOTE_SURFACE_TO_VOLUME} /µm\n"
+            ),
+            SurfaceToVolume::Fixed(psi) => format!("ψ is {psi} /µm for cells of all sizes\n"),
+        };
+        psi + sign
+    }
+
+    fn limits(&self) -> String {
+        let size = |r0: f64| format!("R0 = {r0:.4} ({:.2} µm)", self.um(r0));
+        let polarised = |which: &str, limit: &Result<PolarityLimit, PolarityError>| match limit {
+            Ok(PolarityLimit { r0, state }) => {
+                format!("{which} polarised cell: {}, u0 = {:.4}, ω = {:.4}\n", size(*r0), state.u0, state.omega)
+            }
+            Err(error) => format!("{which} polarised cell: {error}\n"),
+        };
+        let mechanics = match &self.found.mechanics {
+            Ok(critical) => size(critical.r0),
+            Err(error) => error.to_string(),
+        };
+        polarised("smallest", &self.found.smallest)
+            + &polarised("largest", &self.found.largest)
+            + &format!("smallest cell that divides without a cue: {mechanics}\n")
+    }
+
+    /// One sentence on what ends first.
+    fn verdict(&self) -> String {
+        let PolarityStudy { cells, smallest: Ok(chemistry), mechanics: Ok(mechanics), .. } = self.found else {
+            return String::new();
+        };
+        let too_small = |limit: f64| {
+            let names: Vec<&str> = cells.iter().filter(|cell| cell.r0 < limit).map(name).collect();
+            if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+        };
+        let part =
+            |what: &str, r0: f64| format!("below R0 = {r0:.4} cells cannot {what} (too small: {})", too_small(r0));
+        let [chemical, mechanical] = [part("polarise", chemistry.r0), part("divide", mechanics.r0)];
+        if chemistry.r0 > mechanics.r0 {
+            format!("Chemistry ends first: {chemical}; {mechanical}.\n")
+        } else {
+            format!("Mechanics ends first: {mechanical}; {chemical}.\n")
+        }
+    }
+}
