@@ -5,7 +5,7 @@
 //! | [`Cell`] | one cell: R0, ε, ξ_s and a [`Cue`], in a [`Material`] and a [`Shell`] |
 //! | [`Material`] | the constants of the cortex: rigidity, viscosities, friction, tension, what activity does |
 //! | [`Shell`] | the constants of the ellipsoidal shell that confines it |
-//! | [`Cue`] | a polarity cue: a sum of [`cue::Term`]s, each a field, a profile and an amplitude |
+//! | [`Cue`] | a polarity cue: a sum of [`cue::Term`]s, each a field, a profile and an amplitude, and a [`cue::Regulator`] that flow carries |
 //! | [`Parameter`] | a scalar of a cell by its name, to be read, set, continued in or fitted |
 //! | [`Numerics`] | settings of the discretisation |
 
