@@ -164,7 +164,7 @@ const FIRST_STEP: f64 = 0.1;
 pub struct Readings {
     /// The boundary: where P is the mean of its values at the poles.
     pub u0: f64,
-    /// Width: with the slope of P at the boundary as ½(1 + tanh((u − u0)/ω)) has it between its values at the poles. Negative, as P
+    /// Width, P.3: with the slope of P at the boundary as ½(1 + tanh((u − u0)/ω)) has it between its values at the poles. Negative, as P
     /// falls from the posterior pole, u = 0.
     pub omega: f64,
     /// A at the posterior and at the anterior pole, 1/µm².
