@@ -51,6 +51,11 @@ fn outputs() {
 }
 
 #[test]
+fn polarity() {
+    check_session("command/sessions/polarity.txt");
+}
+
+#[test]
 fn solve() {
     check_session("command/sessions/solve.txt");
 }

@@ -131,7 +131,7 @@ pub enum Follows {
     Band,
 }
 
-/// The cue κ = κ0 (1 + amplitude · f), f from 0 to 1 as P has it.
+/// The cue κ = κ0 (1 + amplitude · f), P.4, f from 0 to 1 as P has it.
 ///
 /// # Errors
 /// The amplitude brings κ to 0.

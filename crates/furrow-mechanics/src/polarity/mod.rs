@@ -2,8 +2,8 @@
 //!
 //! A and P diffuse on the membrane, attach to it from well-mixed pools, detach, and each removes the other:
 //!
-//! * ∂ₜA = D_A ∇²A + k_onA (ρ_A − ψĀ) − k_offA A − k_AP P A,
-//! * ∂ₜP = D_P ∇²P + k_onP (ρ_P − ψP̄) − k_offP P − k_PA A² P.
+//! * \[P.1 antagonists\] ∂ₜA = D_A ∇²A + k_onA (ρ_A − ψĀ) − k_offA A − k_AP P A,
+//! * and ∂ₜP = D_P ∇²P + k_onP (ρ_P − ψP̄) − k_offP P − k_PA A² P.
 //!
 //! Bars are means over the surface, ψ is its size per volume, and ρ the amount of each per volume. The surface is the
 //! [passive shape](mod@crate::equilibria::passive), which stays as it is. P is high at the posterior pole, u = 0.

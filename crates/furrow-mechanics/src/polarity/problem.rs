@@ -4,7 +4,7 @@
 //! contour length, components (A, P, a, p) and scalars (Ā, P̄, ℓ):
 //!
 //! * A′ = a, P′ = p,
-//! * a′ = −(r′/r) a + (L²/D_A) \[ℓ²(k_offA A + k_AP P A − k_onA ρ_A) + ℓ²ψ(ℓ) k_onA Ā\], and p′ likewise,
+//! * \[P.2 stationary\] a′ = −(r′/r) a + (L²/D_A) \[ℓ²(k_offA A + k_AP P A − k_onA ρ_A) + ℓ²ψ(ℓ) k_onA Ā\], and p′ likewise,
 //! * ∫ (A − Ā) r du = 0, ∫ (P − P̄) r du = 0, and a = p = 0 at both poles.
 
 use furrow_bvp::derivatives::{PointDirection, PointValues};

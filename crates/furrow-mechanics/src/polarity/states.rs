@@ -122,7 +122,7 @@ impl Evolution {
         Ok(report)
     }
 
-    /// Follows the state until `time` seconds have passed, by steps that grow from `first` by a third while they succeed.
+    /// Follows the state until `time` seconds have passed, by steps that grow from `first` while they succeed.
     ///
     /// # Errors
     /// Newton does not converge for the shortest step.
@@ -130,7 +130,7 @@ impl Evolution {
         let mut dt = first;
         while self.time < time {
             match self.advance(dt.min(time - self.time)) {
-                Ok(_) => dt *= 1.35,
+                Ok(_) => dt *= GROWTH,
                 Err(error) if dt < 1e-6 => return Err(error),
                 Err(_) => dt *= 0.2,
             }
@@ -156,6 +156,9 @@ impl Evolution {
 /// Seconds after which everything rests.
 const LONG: f64 = 1e9;
 
+/// How fast steps grow: evolution to rest takes about fifty.
+const GROWTH: f64 = 1.6;
+
 /// The first step, in s.
 const FIRST_STEP: f64 = 0.1;
 
@@ -164,7 +167,7 @@ const FIRST_STEP: f64 = 0.1;
 pub struct Readings {
     /// The boundary: where P is the mean of its values at the poles.
     pub u0: f64,
-    /// Width: with the slope of P at the boundary as ½(1 + tanh((u − u0)/ω)) has it between its values at the poles. Negative, as P
+    /// Width, P.3: with the slope of P at the boundary as ½(1 + tanh((u − u0)/ω)) has it between its values at the poles. Negative, as P
     /// falls from the posterior pole, u = 0.
     pub omega: f64,
     /// A at the posterior and at the anterior pole, 1/µm².

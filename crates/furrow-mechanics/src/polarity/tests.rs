@@ -305,6 +305,42 @@ fn a_narrow_boundary_takes_the_same_part_of_any_surface() {
     assert!(off[2] < 1e-3 && (1.6..2.2).contains(&(off[1] / off[2])), "{off:?}");
 }
 
+/// Before the fold a disturbed state returns, and behind it, where the branch leads back to larger cells, it leaves.
+#[test]
+fn states_are_stable_before_the_fold_and_unstable_behind_it() {
+    let (chemistry, membrane) = zygote();
+    let scale = 0.6;
+    let stable = chemistry.evolved(&membrane, scale, 0.5).unwrap();
+    let mut branch = chemistry.branch(membrane.clone(), scale, &stable, Towards::Smaller).unwrap();
+    assert_eq!(follow(&mut branch, 0.1).unwrap(), super::branch::BranchEnd::Fold);
+    branch.follow([0.1, scale], 1000, |_, _| true).unwrap();
+    let mut unstable = branch.state.solution.clone();
+    assert_eq!(unstable.scalars[SCALE], scale);
+    unstable.scalars.truncate(SCALE);
+    // The boundary moves by about 0.004 of the contour; steps of 20 s resolve how it goes on.
+    let moved = |state: &Solution| {
+        let mut disturbed = state.clone();
+        let shift = |values: &mut Vec<f64>| {
+            for y in values.chunks_exact_mut(COMPONENTS) {
+                y[A] -= 0.004 * y[A_U];
+                y[P] -= 0.004 * y[P_U];
+            }
+        };
+        shift(&mut disturbed.nodes);
+        shift(&mut disturbed.stages);
+        let place = |y: &Solution| readings(y).map_or(f64::INFINITY, |found| found.u0);
+        let mut evolution =
+            Evolution::new(Polarity::new(chemistry.constants, membrane.clone(), Some(scale)), disturbed);
+        let start = place(&evolution.state) - place(state);
+        for _ in 0..100 {
+            evolution.advance(20.0).unwrap();
+        }
+        (place(&evolution.state) - place(state)).abs() / start.abs()
+    };
+    let (returned, left) = (moved(&stable), moved(&unstable));
+    assert!(returned < 0.5 && left > 2.0, "{returned} {left}");
+}
+
 #[test]
 fn a_boundary_that_the_mesh_does_not_resolve_is_refused() {
     let mut chemistry = Chemistry::goehring2011();
