@@ -219,6 +219,7 @@ pub fn critical_value(
         Domain::Half => BoundaryKind::Pitchfork,
         Domain::Full => BoundaryKind::CuedFold,
     };
+    curves::refuse_par(cell, kind.point())?;
     let lost = curves::lost(kind.point(), Parameter::XiS, cell.xi_s);
     let attempt = |cell: &Cell| {
         if kind == BoundaryKind::CuedFold {

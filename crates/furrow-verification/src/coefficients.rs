@@ -49,6 +49,8 @@ fn profile<D: Number>(profile: &Profile, u: D, length: f64) -> [D; 2] {
             [f, f * (-f + 1.0) * (2.0 / omega)]
         }
         Profile::Gradient => [u * -2.0 + 1.0, D::from(-2.0)],
+        // What follows PAR polarity is a step or a band by now.
+        Profile::Par { .. } => [D::from(0.0); 2],
         // Add new profiles of the model here too.
     }
 }

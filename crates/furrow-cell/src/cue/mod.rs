@@ -185,6 +185,9 @@ impl Cue {
     /// Whether it is even about u = ½, so that shapes can be mirror-symmetric and pitchforks stay pitchforks. It is a
     /// property of what the terms do together to each coefficient of the equations, however they are written.
     pub fn is_mirror_symmetric(&self) -> bool {
+        if self.follows_par() {
+            return false;
+        }
         let cue = self.simplified();
         if let Some(Source { profile, amplitude }) = cue.regulator.as_ref().and_then(|regulator| regulator.source) {
             // A source is even where a term is.
@@ -212,6 +215,19 @@ impl Cue {
         let touched = |coefficient: &Field| cue.terms.iter().any(|term| term.field.modulates(*coefficient));
         let mut coefficients = Field::ALL.into_iter().filter(touched);
         coefficients.all(|coefficient| CONTOURS.into_iter().all(|length| even(coefficient, length)))
+    }
+
+    /// Its profiles, of terms and of the regulator's source.
+    pub fn profiles_mut(&mut self) -> impl Iterator<Item = &mut Profile> {
+        let source = self.regulator.iter_mut().filter_map(|regulator| regulator.source.as_mut());
+        self.terms.iter_mut().map(|term| &mut term.profile).chain(source.map(|source| &mut source.profile))
+    }
+
+    /// Whether a term, or the regulator's source, follows PAR polarity: its place is then another on every cell.
+    pub fn follows_par(&self) -> bool {
+        let source = self.regulator.iter().filter_map(|regulator| regulator.source.map(|source| source.profile));
+        let mut profiles = self.terms.iter().map(|term| term.profile).chain(source);
+        profiles.any(|profile| matches!(profile, Profile::Par { .. }))
     }
 
     /// Σ A f(u) over the terms that touch a coefficient.

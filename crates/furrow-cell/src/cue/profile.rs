@@ -62,6 +62,14 @@ pub enum Profile<D = f64> {
     },
     /// f = 1 − 2u, from 1 at u = 0 to −1 at u = 1.
     Gradient,
+    /// What the posterior antagonist of PAR polarity does on the cell at rest, with place and width computed for its size and shell; 0
+    /// where there is no polarity. `furrow_mechanics::polarity` makes a step or a band of it; until then it is 0.
+    Par {
+        /// A band at the edge of the posterior antagonist, in place of a step that follows it.
+        band: bool,
+        /// The posterior pole is at u = 1, not at u = 0.
+        far: bool,
+    },
 }
 
 /// A number of one term of a cue.
@@ -94,7 +102,7 @@ impl Quantity {
 pub const NARROWEST: f64 = 1e-6;
 
 /// Names of the profiles; the first is meant where none is named.
-pub const NAMES: [&str; 3] = ["band", "step", "gradient"];
+pub const NAMES: [&str; 5] = ["band", "step", "gradient", "par", "par_band"];
 
 impl<D> Profile<D> {
     /// Its name on the command line and in files.
@@ -103,6 +111,8 @@ impl<D> Profile<D> {
             Profile::Band { .. } => NAMES[0],
             Profile::Step { .. } => NAMES[1],
             Profile::Gradient => NAMES[2],
+            Profile::Par { band: false, .. } => NAMES[3],
+            Profile::Par { band: true, .. } => NAMES[4],
         }
     }
 
@@ -122,6 +132,7 @@ impl<D> Profile<D> {
                 Profile::Step { u0, omega }
             }
             Profile::Gradient => Profile::Gradient,
+            Profile::Par { band, far } => Profile::Par { band, far },
         }
     }
 }
@@ -152,6 +163,7 @@ impl<D: Number> Profile<D> {
                 [t * 0.5 + 0.5, bell * 0.5, -(t * bell * inverse)]
             }
             Profile::Gradient => [D::from(1.0 - 2.0 * u), D::from(-2.0), D::from(0.0)],
+            Profile::Par { .. } => [D::from(0.0); 3],
         }
     }
 }
@@ -161,7 +173,7 @@ impl Profile {
     pub fn width(&self) -> Option<Width> {
         match self {
             Profile::Band { omega, .. } | Profile::Step { omega, .. } => Some(*omega),
-            Profile::Gradient => None,
+            Profile::Gradient | Profile::Par { .. } => None,
         }
     }
 
@@ -196,6 +208,7 @@ impl Profile {
             Profile::Band { u0, omega } => (Profile::Band { u0: 1.0 - u0, omega }, 1.0),
             Profile::Step { u0, omega } => (Profile::Step { u0: 1.0 - u0, omega: omega.map(|omega| -omega) }, 1.0),
             Profile::Gradient => (Profile::Gradient, -1.0),
+            Profile::Par { band, far } => (Profile::Par { band, far: !far }, 1.0),
         }
     }
 
@@ -209,7 +222,7 @@ impl Profile {
                 [u0 - shoulder, u0 + shoulder]
             }
             Profile::Step { u0, .. } => [u0, u0],
-            Profile::Gradient => return 0.0,
+            Profile::Gradient | Profile::Par { .. } => return 0.0,
         };
         let slope = |u: f64| self.at(u, length)[1].abs();
         steep.into_iter().filter(|u| (from..=to).contains(u)).chain([from, to]).map(slope).fold(0.0, f64::max)
@@ -218,7 +231,7 @@ impl Profile {
     /// Smallest and largest value f takes.
     pub fn range(&self) -> [f64; 2] {
         match self {
-            Profile::Band { .. } | Profile::Step { .. } => [0.0, 1.0],
+            Profile::Band { .. } | Profile::Step { .. } | Profile::Par { .. } => [0.0, 1.0],
             Profile::Gradient => [-1.0, 1.0],
         }
     }

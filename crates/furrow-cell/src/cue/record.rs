@@ -71,7 +71,8 @@ pub(super) fn one_width(
 
 /// Writes the numbers of a profile.
 pub(super) fn serialize_place<S: SerializeStructVariant>(out: &mut S, profile: &Profile) -> Result<(), S::Error> {
-    if let Some(u0) = profile.quantity(Quantity::U0) {
+    let far = matches!(profile, Profile::Par { far: true, .. }).then_some(1.0);
+    if let Some(u0) = profile.quantity(Quantity::U0).or(far) {
         out.serialize_field("u0", &u0)?;
     }
     match profile.width() {

@@ -153,7 +153,7 @@ fn unknown_key(profile: &str, key: &str) -> CueError {
 
 /// Reads what stands behind the colon.
 pub(super) fn parse(list: &str) -> Result<WrittenCue, CueError> {
-    let (profile, entries) = entries(REGULATOR, list, &[NO_SOURCE, NAMES[0], NAMES[1], NAMES[2]]);
+    let (profile, entries) = entries(REGULATOR, list, &[NO_SOURCE, NAMES[0], NAMES[1], NAMES[2], NAMES[3], NAMES[4]]);
     let profile = profile?;
     let mut numbers = RegulatorNumbers::default();
     for entry in entries {

@@ -25,6 +25,9 @@ pub(super) fn write_spread(f: &mut fmt::Formatter<'_>, profile: &Profile, amplit
         let unit = if matches!(width, Width::Length(_)) { "Lh" } else { "" };
         write!(f, ",u0={u0},omega={}{unit}", width.value())?;
     }
+    if let Profile::Par { far: true, .. } = profile {
+        write!(f, ",u0=1")?;
+    }
     write!(f, ",amplitude={amplitude}")
 }
 
@@ -84,6 +87,16 @@ impl Numbers {
                 let u0 = u0.ok_or_else(|| missing(Quantity::U0))?;
                 let omega = omega.ok_or_else(|| missing(Quantity::Omega))?;
                 if profile == "band" { Profile::Band { u0, omega } } else { Profile::Step { u0, omega } }
+            }
+            ("par" | "par_band", u0, None) if u0.is_none_or(|u0| u0 == 0.0 || u0 == 1.0) => {
+                Profile::Par { band: profile == "par_band", far: u0 == Some(1.0) }
+            }
+            ("par" | "par_band", u0, omega) => {
+                let (field, value, allowed) = match (u0, omega) {
+                    (_, Some(omega)) => ("omega", omega.value(), "left out: it follows from PAR polarity"),
+                    (u0, _) => ("u0", u0.unwrap_or(0.0), "0 or 1, the posterior pole: its place follows from PAR polarity"),
+                };
+                return Err(CueError::new(format!("{name}.{field}"), value, allowed));
             }
             _ => return Err(CueError::new(name, shown(profile), one_of(NAMES, profile))),
         };

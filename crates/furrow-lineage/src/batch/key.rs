@@ -116,6 +116,9 @@ impl CanonicalBytes {
     fn spread(&mut self, profile: &Profile, amplitude: f64) {
         let numbers = [profile.quantity(Quantity::U0), profile.quantity(Quantity::Omega), Some(amplitude)];
         self.reals(numbers.into_iter().flatten());
+        if let Profile::Par { far, .. } = profile {
+            self.choice(usize::from(*far));
+        }
         self.choice(usize::from(matches!(profile.width(), Some(Width::Length(_)))));
     }
 

@@ -149,7 +149,7 @@ impl GivenDivision {
     fn cue_place(&self) -> Option<f64> {
         match self.cue.terms().first()?.profile {
             Profile::Band { u0, .. } | Profile::Step { u0, .. } => Some(u0),
-            Profile::Gradient => None,
+            Profile::Gradient | Profile::Par { .. } => None,
         }
     }
 

@@ -4,6 +4,7 @@ use furrow_bvp::{NewtonError, Work};
 use serde::{Deserialize, Serialize};
 
 use crate::equilibria::error::CellName;
+use crate::polarity::PolarityError;
 
 /// How a division ended, in one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -248,6 +249,9 @@ pub enum DivisionError {
     /// The passive shape was not found.
     #[error("no passive shape found for {cell} ({source}); {}", cell.advice())]
     NoPassiveShape { cell: CellName, source: NewtonError },
+    /// The place of a cue that follows PAR polarity could not be computed.
+    #[error("PAR polarity, which the cue follows: {source}")]
+    Polarity { source: PolarityError },
     /// The start shape did not converge on the division's mesh.
     #[error(
         "the stationary shape of {cell} did not converge on the division's mesh ({source}); try more mesh intervals"

@@ -16,6 +16,7 @@ use super::{DivisionInput, limits, saddle};
 use crate::cortex::equations::{LENGTH, PSI, R};
 use crate::cortex::lanes::sin_cos;
 use crate::cortex::observables::{self, Neck, PINCH_OFF};
+use crate::polarity;
 use crate::cortex::{Cortex, Domain};
 use furrow_cell::{Cell, Numerics, Parameter, Scheme};
 
@@ -131,6 +132,7 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
     let observe = observer.unwrap_or(&mut unobserved);
     let DivisionInput { cell, numerics, seed } = input;
     check(cell)?;
+    let cell = &*polarity::resolved(cell).map_err(|source| DivisionError::Polarity { source })?;
     let mut stepper = start.stepper(cell, numerics)?;
     let tangent = (!parameters.is_empty()).then(|| Tangent::of_start(&stepper, parameters));
     let (shape, gauss) = (&stepper.history[0].y, &stepper.system.gauss);

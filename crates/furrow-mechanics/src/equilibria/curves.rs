@@ -8,7 +8,7 @@ use furrow_bvp::{
 
 use super::branch::{BranchOptions, Criticality, FoldPoint, Pitchfork, ShapePoint, XI, mesh_monitor, metric};
 use super::budget::StepBudget;
-use super::error::{PointKind, Result, ShapeError};
+use super::error::{CellName, PointKind, Result, ShapeError};
 use super::locate::furrow_shift;
 use super::{pitchfork, primary};
 use crate::cortex::equations::LENGTH;
@@ -311,6 +311,14 @@ pub fn follow_fold(curve: &mut FoldCurve, parameter: Parameter, to: f64) -> Curv
     found
 }
 
+/// Refuses cues that are another for every cell.
+pub(crate) fn refuse_par(cell: &Cell, kind: PointKind) -> Result<()> {
+    match cell.cue.follows_par() {
+        true => Err(ShapeError::FollowsPar { cell: CellName::of(cell), kind }),
+        false => Ok(()),
+    }
+}
+
 /// The curve of one fold from a cell to another value of the parameter, as far as it can be followed.
 fn fold_curve(cell: &Cell, fold: &FoldPoint, parameter: Parameter, to: f64) -> Result<Curve> {
     let curve = through_fold(cell, fold, parameter, to > parameter.get(cell));
@@ -324,6 +332,7 @@ fn fold_curve(cell: &Cell, fold: &FoldPoint, parameter: Parameter, to: f64) -> R
 /// # Errors
 /// [`ShapeError`] of the primary branches at both ends.
 pub fn fold_curves(cell: &Cell, numerics: &Numerics, parameter: Parameter, range: [f64; 2]) -> Result<Vec<Curve>> {
+    refuse_par(cell, PointKind::Fold)?;
     let mut curves: Vec<Curve> = Vec::new();
     for [start, end] in [range, [range[1], range[0]]] {
         let cell = at_value(cell, parameter, start);
@@ -354,6 +363,7 @@ pub fn boundary_curves(
     parameter: Parameter,
     [from, to]: [f64; 2],
 ) -> Result<(PointKind, Vec<Curve>)> {
+    refuse_par(cell, PointKind::Fold)?;
     if domain_along(cell, parameter) == Domain::Half {
         let forwards = pitchfork_curve(cell, numerics, parameter, [from, to]);
         let curve = forwards.or_else(|error| {

@@ -2,6 +2,8 @@
 
 use furrow_bvp::{ContinuationError, CurveError, NewtonError, SingularError};
 
+use crate::polarity::{self, PolarityError};
+use std::borrow::Cow;
 use furrow_cell::{Cell, Parameter};
 use furrow_input::shown_number;
 
@@ -91,10 +93,23 @@ pub enum ShapeError {
     /// Cells below a critical radius divide, or do not come to rest.
     #[error("{cell}: the {kind} at R0 = {r0} bounds no division: smaller cells do not rest")]
     NoBound { cell: CellName, kind: PointKind, r0: f64 },
+    /// The place of a cue that follows PAR polarity could not be computed.
+    #[error("{cell}: PAR polarity, which the cue follows: {source}")]
+    Polarity { cell: CellName, source: PolarityError },
+    /// A cue that follows PAR polarity changes along with the cell.
+    #[error(
+        "{cell}: the cue follows PAR polarity and is another for every cell: its {kind}s have no curve; write it as the step or the band that furrow polarity prints"
+    )]
+    FollowsPar { cell: CellName, kind: PointKind },
     /// It is not found with the work allowed.
     #[error("{cell}: not found in {steps} steps along branches and curves, the most that are tried")]
     OutOfBudget { cell: CellName, steps: usize },
     /// The search was interrupted.
     #[error("interrupted")]
     Interrupted,
+}
+
+/// The cell with what follows PAR polarity in its cue in its place.
+pub(crate) fn resolved(cell: &Cell) -> Result<Cow<'_, Cell>> {
+    polarity::resolved(cell).map_err(|source| ShapeError::Polarity { cell: CellName::of(cell), source })
 }

@@ -11,7 +11,7 @@ use super::branch::{
     Branch, BranchEnd, BranchEvent, BranchOptions, FoldPoint, NARROWEST, ShapePoint, begin, newest_contour,
 };
 use super::budget::StepBudget;
-use super::error::{CellName, PointKind, Result, ShapeError};
+use super::error::{CellName, PointKind, Result, ShapeError, resolved};
 use super::locate::{fold_near, not_located, pitchfork_near};
 use super::passive::passive;
 use crate::cortex::equations::R;
@@ -149,6 +149,7 @@ pub fn follow_within(
     wanted: &mut dyn FnMut(&BranchEvent) -> bool,
 ) -> Result<Branch> {
     budget.check(cell)?;
+    let cell = &*resolved(cell)?;
     let mut branch = start(cell, numerics, &options.settings)?;
     let mut detector = EventDetector { breaking: SymmetryBreaking::default(), sign: None, stop: None };
     let mut stability = options.growth_rates.then(|| Stability::new(branch.state.solution.m));
@@ -195,6 +196,7 @@ const MARGINAL: f64 = 1e-3;
 /// # Errors
 /// Those of [`follow_within`]; `NotFound` if no stable shape ends in a fold in the range.
 pub fn failure_fold(cell: &Cell, numerics: &Numerics, budget: &StepBudget<'_>) -> Result<FoldPoint> {
+    let cell = &*resolved(cell)?;
     let options = BranchOptions::default();
     let Branch { events, ended, .. } = follow_within(cell, numerics, &options, budget, &mut |_| true)?;
     let cortex = Cortex::new(cell, Domain::of(cell), &[furrow_cell::Parameter::XiS]);

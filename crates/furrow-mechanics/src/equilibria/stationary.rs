@@ -3,7 +3,7 @@
 use furrow_bvp::newton::NewtonScratch;
 use furrow_bvp::{ContinuationError, ContinuationSettings, Gauss, Newton, Solution, System, Termination};
 
-use super::error::{CellName, Result, ShapeError};
+use super::error::{CellName, Result, ShapeError, resolved};
 use super::{locate, primary};
 use crate::cortex::equations::{LENGTH, PRESSURE, R};
 use crate::cortex::problem::SHAPE_SCALARS;
@@ -78,6 +78,7 @@ fn waist(gauss: &Gauss, y: &Solution, domain: Domain) -> f64 {
 /// # Errors
 /// [`StationaryError`]; `OutOfReach` when the cell has no such shape, as one that must divide.
 pub fn stationary(cell: &Cell, numerics: &Numerics) -> Result<StationaryShape, StationaryError> {
+    let cell = &*resolved(cell)?;
     let [long, shorter @ ..] = STEPS;
     shorter.into_iter().fold(along_branch(cell, numerics, long), |found, max_step| match found {
         Err(StationaryError::Lost { .. } | StationaryError::PointLimit { .. }) => {

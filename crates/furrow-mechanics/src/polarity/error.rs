@@ -1,6 +1,7 @@
 //! Why polarity could not be computed.
 
 use furrow_bvp::{ContinuationError, NewtonError, SingularError};
+use furrow_cell::CueError;
 use furrow_input::shown_number;
 
 /// Why polarity could not be computed.
@@ -43,6 +44,9 @@ pub enum PolarityError {
         /// Smallest and largest radius R0 tried.
         range: [f64; 2],
     },
+    /// Without polarity, what is left of a cue is not allowed.
+    #[error(transparent)]
+    Cue(#[from] CueError),
     /// The branch of polarised states was lost.
     #[error("the branch of polarised states is lost: {0}")]
     Branch(#[from] ContinuationError),

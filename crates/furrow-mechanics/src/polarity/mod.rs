@@ -39,7 +39,54 @@ pub use error::PolarityError;
 pub use membrane::Membrane;
 pub use states::{Readings, Resolution, profile, readings};
 
-use furrow_cell::Cell;
+use furrow_cell::cue::{Profile, Regulator, Term, Width};
+use furrow_cell::{Cell, Cue};
+use std::borrow::Cow;
+
+/// The cell with what [follows PAR polarity](furrow_cell::cue::Profile::Par) in its cue in its place: a step that follows P, or a band at
+/// its edge, for the constants of Goehring et al. 2011 and L_h = [`LENGTH_UM`] µm. Where the cell has no polarity its cue lacks these parts.
+///
+/// ```
+/// use furrow_cell::Cell;
+/// use furrow_mechanics::polarity::resolved;
+///
+/// let cell = Cell::new(5.4).with_cue("kappa:par_band,amplitude=0.1".parse()?);
+/// let cue = resolved(&cell)?.cue.to_string();
+/// assert!(cue.starts_with("kappa:band,u0=0.469") && cue.ends_with("amplitude=0.1"), "{cue}");
+/// let small = Cell { r0: 2.2, ..cell };
+/// assert!(resolved(&small)?.cue.is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`PolarityError`].
+pub fn resolved(cell: &Cell) -> Result<Cow<'_, Cell>, PolarityError> {
+    if !cell.cue.follows_par() {
+        return Ok(Cow::Borrowed(cell));
+    }
+    let found = polarised_step(cell, &ParConstants::GOEHRING2011, LENGTH_UM)?;
+    let mut cue = cell.cue.clone();
+    let Some((u0, omega)) = found else {
+        let without = |term: &Term| !matches!(term.profile, Profile::Par { .. });
+        let terms = cue.terms().iter().copied().filter(without).collect();
+        let regulator = cue.regulator().cloned().map(|regulator| {
+            let source = regulator.source.filter(|source| !matches!(source.profile, Profile::Par { .. }));
+            Regulator { source, ..regulator }
+        });
+        let cue = Cue::with_regulator(terms, regulator)?;
+        return Ok(Cow::Owned(Cell { cue, ..cell.clone() }));
+    };
+    for profile in cue.profiles_mut() {
+        if let Profile::Par { band, far } = *profile {
+            let place = match band {
+                true => Profile::Band { u0, omega: Width::Fraction(omega.abs()) },
+                false => Profile::Step { u0, omega: Width::Fraction(omega) },
+            };
+            *profile = if far { place.mirrored().0 } else { place };
+        }
+    }
+    Ok(Cow::Owned(Cell { cue, ..cell.clone() }))
+}
 
 /// Place u0 and width ω of the step that follows P on a cell whose L_h is `length_scale_um` µm: ω is negative, as P falls from the
 /// posterior pole. None where no polarised state exists at the cell's size.
