@@ -1,23 +1,28 @@
 //! One division of each kind.
 
 use divan::black_box;
-use furrow_cell::{Cell, Cue};
+use furrow_cell::Cell;
 use furrow_mechanics::division::{Division, DivisionInput, divide};
 
-/// One of each kind: its name, its radius, and whether it has the germline's cue.
-const KINDS: [(&str, f64, bool); 5] = [
-    ("symmetric 2.5", 2.5, false),
-    ("asymmetric 2.0", 2.0, false),
-    ("failed 1.6", 1.6, false),
-    ("cued 5.4", 5.4, true),
-    ("two furrows 5.4", 5.4, false),
+/// The germline's cue, painted and carried.
+const PAINTED: &str = "kappa:band,u0=0.465,omega=0.0577,amplitude=0.1";
+const CARRIED: &str = "regulator:band,u0=0.465,omega=0.0577,amplitude=0.1,turnover=25,diffusion=1,kappa=1";
+
+/// One of each kind: its name, its radius, and its cue.
+const KINDS: [(&str, f64, &str); 7] = [
+    ("symmetric 2.5", 2.5, "none"),
+    ("asymmetric 2.0", 2.0, "none"),
+    ("failed 1.6", 1.6, "none"),
+    ("cued 5.4", 5.4, PAINTED),
+    ("two furrows 5.4", 5.4, "none"),
+    ("carried 5.4", 5.4, CARRIED),
+    ("self-organised 2.5", 2.5, "regulator:none,turnover=10,diffusion=1,activity=0.3"),
 ];
 
 #[divan::bench(args = KINDS.map(|(kind, ..)| kind))]
 fn division(kind: &str) -> Division {
-    let (_, r0, cued) = KINDS.into_iter().find(|(name, ..)| *name == kind).unwrap();
-    let cue = if cued { Cue::published() } else { Cue::none() };
-    divide(&DivisionInput::new(Cell::gao2026_thresholds(black_box(r0)).with_cue(cue))).unwrap()
+    let (_, r0, cue) = KINDS.into_iter().find(|(name, ..)| *name == kind).unwrap();
+    divide(&DivisionInput::new(Cell::gao2026_thresholds(black_box(r0)).with_cue(cue.parse().unwrap()))).unwrap()
 }
 
 /// The work of each.
