@@ -291,7 +291,11 @@ impl Run {
     }
 
     fn stalled(&self, stepper: &Stepper, source: StepFailure) -> DivisionError {
-        DivisionError::Stalled { r0: stepper.cortex.cell.r0, t: stepper.history[0].t, dt: self.dt, source }
+        let (r0, t) = (stepper.cortex.cell.r0, stepper.history[0].t);
+        match limits::taken_away(stepper) {
+            Some((field, u, value)) => DivisionError::Coefficient { r0, t, field: field.name(), u, value },
+            None => DivisionError::Stalled { r0, t, dt: self.dt, source },
+        }
     }
 
     /// One step of the published scheme. Steps have a fixed length, and are shorter where a step cannot be solved or the neck
