@@ -259,7 +259,7 @@ pub enum DivisionError {
         advice_on_steps(*r0)
     )]
     Stalled { r0: f64, t: f64, dt: f64, source: StepFailure },
-    /// The regulator takes away a coefficient without which the equations have no solution.
+    /// The regulator takes away a coefficient that must stay above zero.
     #[error(
         "the regulator brings {field} of the cell with R0 = {r0} to {value:.2e} at u = {u:.3} and t = {t:.3e}, where it must stay above 0; lower its coupling"
     )]

@@ -160,6 +160,10 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
             run.dt = run.dt.min(longest_step.min(until - stepper.history[0].t) / factor);
         }
         run.advance(&mut stepper)?;
+        // The equations may have solutions beyond, but no cortex is like that.
+        if let Some(error) = limits::taken_away(&stepper, 0.0) {
+            return Err(error);
+        }
         let newest = &stepper.history[0];
         let (cortex, gauss) = (&stepper.cortex, &stepper.system.gauss);
         observe(Frame { t: newest.t, shape: &newest.y, neck: run.neck, cortex, gauss });
@@ -292,10 +296,8 @@ impl Run {
 
     fn stalled(&self, stepper: &Stepper, source: StepFailure) -> DivisionError {
         let (r0, t) = (stepper.cortex.cell.r0, stepper.history[0].t);
-        match limits::taken_away(stepper) {
-            Some((field, u, value)) => DivisionError::Coefficient { r0, t, field: field.name(), u, value },
-            None => DivisionError::Stalled { r0, t, dt: self.dt, source },
-        }
+        let stalled = DivisionError::Stalled { r0, t, dt: self.dt, source };
+        limits::taken_away(stepper, limits::TAKEN_AWAY).unwrap_or(stalled)
     }
 
     /// One step of the published scheme. Steps have a fixed length, and are shorter where a step cannot be solved or the neck
