@@ -299,7 +299,7 @@ fn fast_diffusion_makes_a_regulator_uniform() {
 fn disturbances_of_a_shape_with_a_regulator_decay_at_its_growth_rates() {
     for cue in [
         "regulator:none,turnover=10,diffusion=1,activity=0.3",
-        "regulator:band,u0=0.5,omega=0.2,amplitude=0.6,turnover=2,diffusion=0.5,diluted=false,xi_s=0.3,friction=-0.4",
+        "regulator:band,u0=0.5,omega=0.2,amplitude=0.6,turnover=2,diffusion=0.5,diluted=false,xi_s=-0.2,friction=-0.4",
         "regulator:band,u0=0.4,omega=0.15,amplitude=0.5,turnover=4,diffusion=1,kappa=0.4,activity=0.1",
     ] {
         let cell = cued(1.6, cue);

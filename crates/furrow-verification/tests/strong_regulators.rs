@@ -91,4 +91,26 @@ fn a_division_with_any_regulator_ends_with_an_outcome_or_a_reason() {
     println!("{kinds:?}, slowest {slowest:.1} s");
     assert_eq!(solved.len(), COUNT);
     assert!(slowest < LONGEST, "{slowest}");
+    // None for want of a mesh or a step that resolves it.
+    assert_eq!(kinds.keys().filter(|kind| kind.starts_with("Stalled")).count(), 0, "{kinds:?}");
+}
+
+/// A regulator that gathers at the neck takes a coefficient away there, which ends the division whether or not the equations still
+/// have a solution.
+#[test]
+fn a_coefficient_that_a_regulator_takes_away_is_named_with_its_place() {
+    for (r0, cue, coefficient) in [
+        (4.68, "regulator:none,turnover=67,diffusion=0.1,friction=-0.85", "friction"),
+        (2.45, "regulator:none,turnover=45,diffusion=0.16,eta_s=-0.99", "eta_s"),
+        (2.65, "regulator:none,turnover=59,diffusion=0.065,viscosity=-0.9", "eta_b"),
+        (3.0, "regulator:none,turnover=5,diffusion=0.5,kappa=-0.95", "kappa"),
+    ] {
+        let cell = Cell::gao2026_thresholds(r0).with_cue(cue.parse().unwrap());
+        let error = divide(&DivisionInput::new(cell)).unwrap_err();
+        println!("{cue}: {error}");
+        let DivisionError::Coefficient { field, u, value, .. } = error else { panic!("{cue}: {error}") };
+        assert_eq!(field, coefficient, "{cue}");
+        assert!((u - 0.5).abs() < 0.02 && value < 0.02, "{cue}: {value} at {u}");
+        assert!(error.to_string().contains("lower its coupling"), "{error}");
+    }
 }
