@@ -99,18 +99,20 @@ fn a_division_with_any_regulator_ends_with_an_outcome_or_a_reason() {
 /// have a solution.
 #[test]
 fn a_coefficient_that_a_regulator_takes_away_is_named_with_its_place() {
-    for (r0, cue, coefficient) in [
-        (4.68, "regulator:none,turnover=67,diffusion=0.1,friction=-0.85", "friction"),
-        (2.45, "regulator:none,turnover=45,diffusion=0.16,eta_s=-0.99", "eta_s"),
-        (2.65, "regulator:none,turnover=59,diffusion=0.065,viscosity=-0.9", "eta_b"),
-        (3.0, "regulator:none,turnover=5,diffusion=0.5,kappa=-0.95", "kappa"),
+    let folded = "regulator:band,u0=0.3934,omega=0.1179,amplitude=0.533,turnover=10,diffusion=0.39,kappa=-0.353,xi_s=0.8878";
+    for (r0, cue, coefficient, place) in [
+        (4.68, "regulator:none,turnover=67,diffusion=0.1,friction=-0.85", "friction", 0.5),
+        (2.45, "regulator:none,turnover=45,diffusion=0.16,eta_s=-0.99", "eta_s", 0.5),
+        (2.65, "regulator:none,turnover=59,diffusion=0.065,viscosity=-0.9", "eta_b", 0.5),
+        // Here no step is solved any more before it is at zero.
+        (3.0523, folded, "kappa", 0.305),
     ] {
         let cell = Cell::gao2026_thresholds(r0).with_cue(cue.parse().unwrap());
         let error = divide(&DivisionInput::new(cell)).unwrap_err();
         println!("{cue}: {error}");
         let DivisionError::Coefficient { field, u, value, .. } = error else { panic!("{cue}: {error}") };
         assert_eq!(field, coefficient, "{cue}");
-        assert!((u - 0.5).abs() < 0.02 && value < 0.02, "{cue}: {value} at {u}");
+        assert!((u - place).abs() < 0.02 && value < 0.02, "{cue}: {value} at {u}");
         assert!(error.to_string().contains("lower its coupling"), "{error}");
     }
 }
