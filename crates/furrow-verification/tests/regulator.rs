@@ -343,6 +343,26 @@ fn disturbances_of_a_shape_with_a_regulator_decay_at_its_growth_rates() {
     }
 }
 
+/// A regulator that hardly spreads and turns over slowly has many modes of nearly one rate. The cell is found to be at rest all the
+/// same, by rates that the time steps have too.
+#[test]
+fn a_cell_whose_regulator_is_slow_comes_to_rest() {
+    for (r0, cue) in [
+        (1.55, "regulator:gradient,amplitude=-0.6,turnover=0.1,diffusion=0.1,diluted=false,viscosity=0.35"),
+        (1.5, "regulator:step,u0=0.2,omega=0.3,amplitude=-0.3,turnover=0.05,diffusion=0.05,xi_s=0.3"),
+        (1.6, "regulator:none,turnover=0.02,diffusion=0.05,diluted=true,kappa=0.2"),
+    ] {
+        let cell = cued(r0, cue);
+        let division = solve(cell.clone(), Numerics::default());
+        let rate = division.growth_rate().unwrap_or_else(|| panic!("{cue}: {:?}", division.ending));
+        let shape = stationary(&cell, &Numerics::default()).unwrap();
+        let spectrum = shape.spectrum().unwrap_or_else(|e| panic!("{cue}: {e}"));
+        println!("{cue}: {rate} after {:.1} τ, {:?}", division.t_end, spectrum.values);
+        near(&format!("{cue}: growth rate at rest"), rate, spectrum.growth_rate(), 1e-3);
+        assert!(rate < 0.0, "{rate}");
+    }
+}
+
 /// The earlier model of the paper's authors (arXiv 2501.17849) at confinement ε: an isotropic active tension ξ c²/(c² + 100) alone, of a
 /// regulator made at the equator. Strength and distance of the poles, in L_h, at the first fold of its symmetric branch.
 fn fold_of_the_earlier_model(epsilon: f64) -> [f64; 2] {
