@@ -16,6 +16,7 @@ mod published_scheme;
 mod reference_branches;
 mod reference_divisions;
 mod reference_steady;
+mod regulators;
 mod search_effort;
 mod sensitivities;
 mod slow_cells;

@@ -23,13 +23,23 @@ impl Row {
     }
 }
 
+/// The fields of a line; one between quotes may have commas.
+fn fields(line: &str) -> impl Iterator<Item = String> {
+    let mut quoted = false;
+    let comma = move |c: char| {
+        quoted ^= c == '"';
+        c == ',' && !quoted
+    };
+    line.split(comma).map(|field| field.trim_matches('"').to_owned())
+}
+
 /// Rows of `tests/reference/<name>`.
 pub fn reference(name: &str) -> Vec<Row> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/reference").join(name);
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     let mut lines = text.lines().filter(|line| !line.starts_with('#') && !line.trim().is_empty());
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let row = |line: &str| Row(header.iter().map(|h| h.to_string()).zip(line.split(',').map(str::to_string)).collect());
+    let row = |line: &str| Row(header.iter().map(|h| h.to_string()).zip(fields(line)).collect());
     lines.map(row).collect()
 }
 

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod carried_cues;
 mod complaints;
 mod embryo;
 mod growth;

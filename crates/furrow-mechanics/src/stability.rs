@@ -115,6 +115,11 @@ const DIRECTION_STEPS: usize = 12;
 /// Growth rates further than this many shifts from the shift are left to other shifts.
 const REACH: f64 = 50.0;
 
+/// A regulator that hardly spreads and turns over slowly has many modes of nearly one rate, which only a shift as small as they tells
+/// apart: where the first shift does not, it is made smaller by this factor so many times.
+const NEARER: f64 = 1.0 / 16.0;
+const MOST_NEARER: usize = 3;
+
 /// Workspace for growth rates; nothing large is allocated once it has seen the largest mesh.
 ///
 /// # Examples
@@ -171,8 +176,7 @@ impl Stability {
     pub fn leading(&mut self, cortex: &Cortex, y: &Solution) -> Result<Spectrum> {
         let (mut fixed, state) = freeze(cortex, y);
         let (near, mut spectrum) = self.within_reach(&mut fixed, &state, self.arnoldi.wanted)?;
-        let far = self.at_shift(&mut fixed, &state, 8.0 * near, self.arnoldi.wanted)?;
-        spectrum.add(far, near);
+        self.add_at(&mut fixed, &state, [8.0 * near, near], self.arnoldi.wanted, &mut spectrum)?;
         self.add_fast(&mut fixed, &state, 8.0 * near, self.arnoldi.wanted, &mut spectrum)?;
         Ok(spectrum)
     }
@@ -234,7 +238,25 @@ impl Stability {
         let fastest = fastest(cortex, y);
         while 0.5 * REACH * shift < fastest {
             shift *= 0.5 * REACH;
-            spectrum.add(self.at_shift(cortex, y, shift, wanted)?, shift);
+            self.add_at(cortex, y, [shift; 2], wanted, spectrum)?;
+        }
+        Ok(())
+    }
+
+    /// Adds what a further shift sees, known to about `slack`. One that is too far to tell the slow modes of a regulator apart, and
+    /// sees nothing to the right of them, adds nothing.
+    fn add_at(
+        &mut self,
+        cortex: &mut Cortex,
+        y: &Solution,
+        [shift, slack]: [f64; 2],
+        wanted: usize,
+        spectrum: &mut Spectrum,
+    ) -> Result<()> {
+        match self.at_shift(cortex, y, shift, wanted) {
+            Err(StabilityError::NotConverged { value, error, .. })
+                if cortex.is_regulated() && value <= spectrum.growth_rate() + error => {}
+            found => spectrum.add(found?, slack),
         }
         Ok(())
     }
@@ -242,7 +264,14 @@ impl Stability {
     /// The smallest shift, from the scale of the cell upwards, that sees any mode, and what it sees.
     fn within_reach(&mut self, cortex: &mut Cortex, y: &Solution, wanted: usize) -> Result<(f64, Spectrum)> {
         let mut shift = shift_scale(cortex);
-        let mut spectrum = self.at_shift(cortex, y, shift, wanted)?;
+        let mut found = self.at_shift(cortex, y, shift, wanted);
+        for _ in 0..MOST_NEARER {
+            if cortex.is_regulated() && matches!(found, Err(StabilityError::NotConverged { .. })) {
+                shift *= NEARER;
+                found = self.at_shift(cortex, y, shift, wanted);
+            }
+        }
+        let mut spectrum = found?;
         // Every mode decays faster than the shift can see: none is missed, but none is known.
         while spectrum.values.is_empty() && shift < 1e12 {
             shift *= 0.5 * REACH;

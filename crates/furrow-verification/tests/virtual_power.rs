@@ -114,7 +114,8 @@ fn a_rigidity_that_stays_with_the_mesh_pulls_at_nothing() {
 /// cell's volume.
 #[test]
 fn a_state_is_what_its_unknowns_say() {
-    let cells = ["none", "kappa:band,u0=0.44,omega=0.15,amplitude=0.2", "viscosity:gradient,amplitude=0.25"];
+    let carried = "regulator:band,u0=0.44,omega=0.2,amplitude=0.5,turnover=4,diffusion=0.7,xi_s=0.4";
+    let cells = ["none", "kappa:band,u0=0.44,omega=0.15,amplitude=0.2", "viscosity:gradient,amplitude=0.25", carried];
     for cell in cells.map(|cue| uneven_cell(2.2, 9.0, cue).unwrap()) {
         for state in [resting(&cell).unwrap(), moving(&cell, 5).unwrap()] {
             let most = |of: fn(&Place) -> f64| state.places().iter().fold(0.0f64, |most, place| most.max(of(place)));
@@ -122,9 +123,9 @@ fn a_state_is_what_its_unknowns_say() {
             within("T_uu", most(|p| (p.viscous[0] + p.active[0] - p.tension).abs()), 1e-8);
             // Smooth at the poles, without point forces.
             let last = state.shape.node(state.shape.intervals());
-            let [first, last] = [state.shape.node(0), last].map(|y| [y[R], y[PSI], y[Q], y[V]]);
-            let ends =
-                first.iter().zip(last).zip([0.0, PI, 0.0, 0.0]).map(|((a, b), at_end)| a.abs().max((b - at_end).abs()));
+            let [first, last] = [state.shape.node(0), last].map(|y| [y[R], y[PSI], y[Q], y[V], y.get(J).copied().unwrap_or(0.0)]);
+            let at_end = [0.0, PI, 0.0, 0.0, 0.0];
+            let ends = first.iter().zip(last).zip(at_end).map(|((a, b), at_end)| a.abs().max((b - at_end).abs()));
             within("the poles", ends.fold(0.0, f64::max), 1e-8);
             // By the divergence theorem, 3V = ∮ x·n dA.
             let volume = state.integral(|p| p.r * p.normal[0] + p.z * p.normal[1]) / 3.0;

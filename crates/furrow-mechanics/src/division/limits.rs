@@ -1,14 +1,21 @@
-//! The step budget of a division, and cells that drift freely.
+//! The step budget of a division, cells that drift freely, and coefficients that a regulator takes away.
 
-use super::stepper::{MAX_ORDER, Stepper};
+use super::outcome::DivisionError;
+use super::stepper::{HistoryPoint, MAX_ORDER, Stepper};
+use crate::cortex::equations::{LENGTH, LocalCoefficients};
 use crate::cortex::{Cortex, Domain};
 use crate::stability::Stability;
+use furrow_cell::cue::Field;
 use furrow_cell::{Numerics, Scheme};
 
 /// Most steps of a division with the preset's numerics.
 const MOST_STEPS: f64 = 1e4;
 /// What is slower than this, in 1/τ and relative to R0, over all of the time that a division is given, is rounding.
 const DRIFT: f64 = 1e-8;
+
+/// What is left of a coefficient that must be positive, relative to its value without a regulator, where no step can be solved any
+/// more.
+pub const TAKEN_AWAY: f64 = 0.02;
 
 /// Steps after which a cell is given up: what divides, rests or repeats itself takes some hundreds with the preset's numerics,
 /// and as many more as they ask for shorter ones. Fixed steps take as many as they take.
@@ -37,4 +44,32 @@ pub fn neutral_drift(stepper: &Stepper) -> Option<f64> {
     let fastest = spectrum.values.iter().map(|rate| rate.re.hypot(rate.im)).fold(1.0, f64::max);
     let growth_rate = spectrum.growth_rate();
     (growth_rate < DRIFT * fastest).then_some(-growth_rate.abs())
+}
+
+/// The coefficient that a regulator has left least of in the newest shape, if that is less than a `share` of its value without.
+pub fn taken_away(stepper: &Stepper, share: f64) -> Option<DivisionError> {
+    let regulator = stepper.cortex.cell.cue.regulator()?;
+    if !regulator.couplings.iter().any(|coupling| Field::POSITIVE.iter().any(|at| coupling.field.modulates(*at))) {
+        return None;
+    }
+    let (constants, HistoryPoint { t, y, .. }) = (stepper.cortex.constants(), &stepper.history[0]);
+    let uniform = positive(&constants.uniform);
+    let (mut least, mut found) = (share, None);
+    for (k, state) in y.stages.chunks_exact(y.components).enumerate() {
+        let u = y.stage_x(&stepper.system.gauss, k / y.m, k % y.m);
+        let here = positive(&constants.of_state(u, state, y.scalars[LENGTH]));
+        for ((field, value), without) in Field::POSITIVE.into_iter().zip(here).zip(uniform) {
+            if value / without < least {
+                (least, found) = (value / without, Some((field.name(), u, value)));
+            }
+        }
+    }
+    let r0 = stepper.cortex.cell.r0;
+    found.map(|(field, u, value)| DivisionError::Coefficient { r0, t: *t, field, u, value })
+}
+
+/// Values of the coefficients of [`Field::POSITIVE`].
+fn positive(at: &LocalCoefficients<f64>) -> [f64; 4] {
+    let [eta_b, eta_s] = [1.0, -1.0].map(|sign| 0.5 * (at.eta_sum + sign * at.eta_difference));
+    [at.kappa, eta_b, eta_s, at.friction]
 }

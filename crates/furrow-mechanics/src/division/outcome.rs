@@ -263,6 +263,11 @@ pub enum DivisionError {
         advice_on_steps(*r0)
     )]
     Stalled { r0: f64, t: f64, dt: f64, source: StepFailure },
+    /// The regulator takes away a coefficient that must stay above zero.
+    #[error(
+        "the regulator brings {field} of the cell with R0 = {r0} to {value:.2e} at u = {u:.3} and t = {t:.3e}, where it must stay above 0; lower its coupling"
+    )]
+    Coefficient { r0: f64, t: f64, field: &'static str, u: f64, value: f64 },
     /// The cell is too close to the threshold of division to decide.
     #[error(
         "the cell with R0 = {r0} is too close to the threshold of division to decide (growth rate {growth_rate:.1e}/τ); change R0, epsilon or xi_s in the seventh digit"

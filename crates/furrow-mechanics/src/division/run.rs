@@ -162,6 +162,10 @@ pub(crate) fn run(input: &DivisionInput, start: &Start<'_>, options: DivisionOpt
             run.dt = run.dt.min(longest_step.min(until - stepper.history[0].t) / factor);
         }
         run.advance(&mut stepper)?;
+        // The equations may have solutions beyond, but no cortex is like that.
+        if let Some(error) = limits::taken_away(&stepper, 0.0) {
+            return Err(error);
+        }
         let newest = &stepper.history[0];
         let (cortex, gauss) = (&stepper.cortex, &stepper.system.gauss);
         observe(Frame { t: newest.t, shape: &newest.y, neck: run.neck, cortex, gauss });
@@ -293,7 +297,9 @@ impl Run {
     }
 
     fn stalled(&self, stepper: &Stepper, source: StepFailure) -> DivisionError {
-        DivisionError::Stalled { r0: stepper.cortex.cell.r0, t: stepper.history[0].t, dt: self.dt, source }
+        let (r0, t) = (stepper.cortex.cell.r0, stepper.history[0].t);
+        let stalled = DivisionError::Stalled { r0, t, dt: self.dt, source };
+        limits::taken_away(stepper, limits::TAKEN_AWAY).unwrap_or(stalled)
     }
 
     /// One step of the published scheme. Steps have a fixed length, and are shorter where a step cannot be solved or the neck
