@@ -6,6 +6,8 @@ use super::regulator::PhiRange;
 use super::style::{self, CUE_LOWERS, CUE_RAISES, CYTOPLASM, Colour, INK, SHELL, text};
 use furrow_cell::Cue;
 use furrow_cell::cue::{Field, Term};
+use furrow_mechanics::cortex::forces::Place;
+use furrow_mechanics::division::Snapshot;
 
 /// Where a cell is drawn, and how large. Its axis lies across, the anterior pole, u = 1, on the left.
 #[derive(Clone, Copy, Debug)]
@@ -121,21 +123,28 @@ pub fn cue_legend(cue: &Cue, length: f64, phi: Option<PhiRange>) -> Legend {
     let colours = cue_colours(&changes).into_iter().chain(phi.into_iter().flat_map(PhiRange::colours));
     let legend = colours.fold(Legend::default(), |legend, (colour, word)| legend.with(Key::Area(colour), word));
     let painted = changes.iter().map(|change| style::field(change.field));
-    let names: Vec<&str> = painted.chain(phi.map(|_| "regulator")).collect();
+    let names: Vec<&str> = phi.map(|_| "regulator").into_iter().chain(painted).collect();
     legend.with_if(names.len() > 1, Key::Nothing, format!("strips from the inside: {}", names.join(", ")))
 }
 
-/// The cue, as strips along the outside of the contour, one for each field that it changes, as strong as the cue is there and in
-/// the colour of its sign. `places` are (u, r, z) from pole to pole.
-pub fn cue(canvas: &mut Canvas, cue: &Cue, length: f64, places: &[[f64; 3]], site: &Site, width: f64) {
-    for (k, change) in changes(cue, length).iter().enumerate() {
-        strip(canvas, places, site, [k as f64 * width, width], |u| change.at(u));
+/// The cue of a shape, as strips along the outside of its contour: φ of its regulator, and one strip for each field that it
+/// changes, as strong as the cue is there and in the colour of its sign.
+pub fn cue(canvas: &mut Canvas, (cue, phi): (&Cue, Option<PhiRange>), still: &Snapshot, site: &Site, width: f64) {
+    let points = |value: fn(&Place) -> f64| still.places.iter().map(move |p| [value(p), p.r, p.z]).collect::<Vec<_>>();
+    let mut inside = 0.0;
+    if let Some(range) = phi {
+        strip(canvas, &points(|p| p.phi.unwrap_or(0.0)), site, [inside, width], |phi| range.share(phi));
+        inside += width;
+    }
+    for change in changes(cue, still.length) {
+        strip(canvas, &points(|p| p.u), site, [inside, width], |u| change.at(u));
+        inside += width;
     }
 }
 
 /// A strip along the outside of a contour, so far from it and so wide. `places` are (value, r, z) from pole to pole; `strength`
 /// is what the colour says of a value, from −1 to 1.
-pub(super) fn strip(
+fn strip(
     canvas: &mut Canvas,
     places: &[[f64; 3]],
     site: &Site,

@@ -1,7 +1,6 @@
 //! The regulator of a cue in colours: orange where φ is above 0, blue where it is below.
 
-use super::Canvas;
-use super::cell::{FAINTEST, Site, strip};
+use super::cell::FAINTEST;
 use super::style::{CUE_LOWERS, CUE_RAISES, Colour};
 use furrow_mechanics::cortex::forces::Place;
 
@@ -37,12 +36,6 @@ impl PhiRange {
             found.push((CUE_LOWERS, format!("regulator φ < 0, to \u{2212}{}", short(-low))));
         }
         found
-    }
-
-    /// φ as a strip along the outside of the contour, with `inside` for the strips of painted terms.
-    pub fn draw(self, canvas: &mut Canvas, places: &[Place], site: &Site, [inside, width]: [f64; 2]) {
-        let points: Vec<[f64; 3]> = places.iter().map(|p| [p.phi.unwrap_or(0.0), p.r, p.z]).collect();
-        strip(canvas, &points, site, [inside, width], |phi| self.share(phi));
     }
 }
 

@@ -97,13 +97,10 @@ fn contours(
     for (k, still) in stills.iter().enumerate() {
         let site = Site { centre: [20.0 + width * (k as f64 + 0.5), top + 0.5 * (CELLS - 24.0)], scale };
         drawn::shell(canvas, shell, &site);
-        let places: Vec<[f64; 3]> = still.places.iter().map(|p| [p.u, p.r, p.z]).collect();
         if k == 0 {
             drawn::poles(canvas, &site, [0.46 * width / scale, shell[1]]);
         } else {
-            drawn::cue(canvas, &cell.cue, still.length, &places, &site, STRIP);
-            let painted = drawn::changes(&cell.cue, still.length).len() as f64 * STRIP;
-            phi.into_iter().for_each(|phi| phi.draw(canvas, &still.places, &site, [painted, STRIP]));
+            drawn::cue(canvas, (&cell.cue, phi), still, &site, STRIP);
         }
         // Over the cue, which is outside: in the furrow the other side is near.
         drawn::body(canvas, &still.contour(), &site, 2.0);

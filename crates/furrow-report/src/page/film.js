@@ -81,7 +81,7 @@ class Recording {
     if (signs[0] && signs[1]) told.push("The band is the cue: orange where it raises its field, blue where it lowers it.");
     else if (signs[0] || signs[1]) told.push(`The ${signs[0] ? "orange" : "blue"} band is the cue, which ${signs[0] ? "raises" : "lowers"} its field.`);
     const [above, below] = shown(({ phi }, sign) => this.most(phi, 1, (all, i) => sign * all[i]));
-    const parts = [above > 0 ? `orange above 0, to ${number(above, 2)}` : "", below > 0 ? `blue below 0, to −${number(below, 2)}` : ""].filter((part) => part);
+    const parts = [above > 0 ? `orange above 0, to ${Number(above.toPrecision(2))}` : "", below > 0 ? `blue below 0, to −${Number(below.toPrecision(2))}` : ""].filter((part) => part);
     if (parts.length) told.push(`The ${told.length ? "outer " : ""}band is the regulator φ: ${parts.join(", ")}.`);
     return told.join(" ");
   }
