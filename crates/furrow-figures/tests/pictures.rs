@@ -101,7 +101,7 @@ fn a_movie_shows_the_regulator() {
     assert_eq!(svg.matches("regulator φ &gt; 0, to ").count(), 3);
     let frames: Vec<&str> = svg.split("<g display").collect();
     let warm = |frame: &str| places(frame, |[r, _, b]| r > 1.3 * b && b > 0.0).len();
-    assert!(warm(frames[1]) == 0 && warm(frames[3]) > 100, "{} {}", warm(frames[1]), warm(frames[3]));
+    assert!(warm(frames[1]) == 0 && warm(frames[3]) > 20, "{} {}", warm(frames[1]), warm(frames[3]));
 }
 
 #[test]

@@ -230,8 +230,7 @@ mod tests {
         }
     }
 
-    /// φ is 0 at the start, and at the furrow at the end what the record says, but for the last step, within which the neck
-    /// passes the radius of pinch-off.
+    /// φ is 0 at the start, and at the furrow what the record says at pinch-off, which lies within the last step.
     #[test]
     fn a_regulator_is_sent_with_every_frame_and_its_text_is_read() {
         let text = "regulator:step,u0=0.4,omega=0.1,amplitude=1,turnover=10,diffusion=1,activity=0.3";
@@ -243,10 +242,15 @@ mod tests {
         assert_eq!(numbers.len(), found["frames"].as_array().unwrap().len() * of_frame);
         let phi = |frame: &[f32]| frame[of_frame - points..].to_vec();
         assert!(phi(&numbers[..of_frame]).iter().all(|phi| *phi == 0.0));
-        let last = phi(&numbers[numbers.len() - of_frame..]);
         let film = Film::new(&DivisionInput::new(cell.clone()), found["u_furrow"].as_f64());
         let furrow = film.places.iter().position(|u| Some(*u) == found["u_furrow"].as_f64()).unwrap();
-        assert!((f64::from(last[furrow]) - found["phi"].as_f64().unwrap()).abs() < 2e-3, "{} {found}", last[furrow]);
+        let times: Vec<f64> = found["frames"].as_array().unwrap().iter().map(|f| f["t"].as_f64().unwrap()).collect();
+        let [before, last] =
+            [2, 1].map(|k| (times[times.len() - k], &numbers[numbers.len() - k * of_frame..][..of_frame]));
+        let [from, to] = [before.1, last.1].map(|frame| f64::from(phi(frame)[furrow]));
+        let share = (found["t_end"].as_f64().unwrap() - before.0) / (last.0 - before.0);
+        let at_end = from + share * (to - from);
+        assert!((at_end - found["phi"].as_f64().unwrap()).abs() < 1e-6, "{at_end} {}", found["phi"]);
         let ask = |cue: &str| {
             let plain = Cell::gao2026_thresholds(3.0);
             divide(
